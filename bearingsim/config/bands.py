@@ -47,10 +47,10 @@ class BandFeature(NamedTuple):
 
 def read(name: str) -> BandFeature | None:
     """Return what a name stands for, whatever its line is; None if it names no band and no envelope."""
-    found = _RMS.fullmatch(name) or _ENVELOPE.fullmatch(name)
-    if found is None:
+    match = _RMS.fullmatch(name) or _ENVELOPE.fullmatch(name)
+    if match is None:
         return None
-    parts = found.groupdict()
+    parts = match.groupdict()
     band = None
     if parts["high"]:
         band = Band(float(parts["low"]), float(parts["high"]))

@@ -43,8 +43,8 @@ class Case(CaseFields):
     @model_validator(mode="after")
     def _whole(self) -> "Case":
         complete(self)
-        found = list(conflicts(self))
-        if found:
-            message = "; ".join(conflict.message for conflict in found)
-            refuse("conflict", message, conflicts=found)
+        problems = list(conflicts(self))
+        if problems:
+            message = "; ".join(conflict.message for conflict in problems)
+            refuse("conflict", message, conflicts=problems)
         return self

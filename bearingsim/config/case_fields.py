@@ -54,16 +54,16 @@ OLD_WORDS = {"prove": "step_check"}
 """Keys of a case that have been replaced, and the words that stand for them now. Old ones are still read."""
 
 
-def _one_or_many(given: Any) -> Any:
-    if isinstance(given, str):
-        refuse("list", f"expected a list of mappings, got `{given}`")
-    return given
+def _one_or_many(raw: Any) -> Any:
+    if isinstance(raw, str):
+        refuse("list", f"expected a list of mappings, got `{raw}`")
+    return raw
 
 
-def _of_inner_ring(given: Any) -> Any:
-    if isinstance(given, dict):
+def _of_inner_ring(raw: Any) -> Any:
+    if isinstance(raw, dict):
         refuse("quantity", "expected one speed such as `1800 rpm`, got a mapping", sentence("outer_speed"))
-    return given
+    return raw
 
 
 class CaseFields(Section):

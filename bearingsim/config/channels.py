@@ -11,21 +11,21 @@ _OF_ROLLER = re.compile(r"roller\.(?:([1-9]\d?)\.)?([a-z_]+)(?:\.([1-9]\d?))?", 
 
 
 def roller_number(channel: str) -> int | None:
-    """The roller (from 1) that a channel belongs to; None if it belongs to none. `roller.spin` is roller 1's."""
-    found = _OF_ROLLER.fullmatch(channel)
-    return int(found[1] or 1) if found else None
+    """Return the roller (from 1) of a channel, 1 for `roller.spin`; None for other channels."""
+    match = _OF_ROLLER.fullmatch(channel)
+    return int(match[1] or 1) if match else None
 
 
 def slice_number(channel: str) -> int | None:
-    """The slice (from 1) of a roller that a channel belongs to; None if it belongs to none."""
-    found = _OF_ROLLER.fullmatch(channel)
-    return int(found[3]) if found and found[3] else None
+    """Return the slice (from 1) of a roller's channel; None for other channels."""
+    match = _OF_ROLLER.fullmatch(channel)
+    return int(match[3]) if match and match[3] else None
 
 
 def plain(channel: str) -> str:
-    """The channel without the numbers of roller and slice: `roller.3.spin` is `roller.spin`."""
-    found = _OF_ROLLER.fullmatch(channel)
-    return f"roller.{found[2]}" if found else channel
+    """Remove the numbers of roller and slice: `roller.spin` for `roller.3.spin`."""
+    match = _OF_ROLLER.fullmatch(channel)
+    return f"roller.{match[2]}" if match else channel
 
 
 CONTACT_FORCES = ("outer_force", "inner_force", "cage_force", "flange_force", *LINE_LOADS)
@@ -33,46 +33,46 @@ CONTACT_FORCES = ("outer_force", "inner_force", "cage_force", "flange_force", *L
 
 
 def is_contact_force(channel: str) -> bool:
-    """Tell whether a channel is a force of a contact: it is recorded as it is at each instant."""
+    """Check if a channel is a contact force, recorded unfiltered at each instant."""
     return plain(channel).removeprefix("roller.") in CONTACT_FORCES
 
 
 def line_load_of(channel: str) -> str | None:
-    """The line load along a whole roller, with the roller's number, that a channel asks for; None for another."""
-    found = _OF_ROLLER.fullmatch(channel)
-    if not found or found[2] not in LINE_LOADS or found[3]:
+    """Return the line load along a whole roller, with its number, for such a channel; None for another."""
+    match = _OF_ROLLER.fullmatch(channel)
+    if not match or match[2] not in LINE_LOADS or match[3]:
         return None
-    return f"roller.{found[1] or 1}.{found[2]}"
+    return f"roller.{match[1] or 1}.{match[2]}"
 
 
 def channel_schema(own: Schema) -> Schema:
-    """Schema of a name in `record`."""
+    """Return the schema of a name in `record`."""
     number, sliced = r"(\.[1-9][0-9]?)?", "|".join(LINE_LOADS)
     numbered = rf"^roller{number}\.(({'|'.join(ROLLER)})|({sliced}){number})$"
     return or_words(own | {"pattern": numbered}, *CHANNELS)
 
 
-def channel(given: Any) -> Any:
-    """Validator of a name in `record`."""
-    if not isinstance(given, str) or given not in CHANNELS:
-        raise_unknown_word(given, tuple(CHANNELS))
-    return given
+def channel(raw: Any) -> Any:
+    """Validate a name in `record`."""
+    if not isinstance(raw, str) or raw not in CHANNELS:
+        raise_unknown_word(raw, tuple(CHANNELS))
+    return raw
 
 
 def feature_schema(own: Schema) -> Schema:
-    """Schema of a name in `features`."""
+    """Return the schema of a name in `features`."""
     return own | {"pattern": bands.PATTERN}
 
 
-def feature(given: Any) -> Any:
-    """Validator of a name in `features`: of a band, for all others are computed anyway."""
-    if isinstance(given, str) and given in FEATURES and of_band(given) is None:
+def feature(raw: Any) -> Any:
+    """Validate a name in `features`: of a band, since all others are always computed."""
+    if isinstance(raw, str) and raw in FEATURES and of_band(raw) is None:
         refuse(
-            "feature", f"`{given}` is computed of every case", f"name features of bands, such as {bands.EXAMPLES}"
+            "feature", f"`{raw}` is computed of every case", f"name features of bands, such as {bands.EXAMPLES}"
         )
-    found = of_band(given) if isinstance(given, str) else None
-    if found is None:
-        refuse("feature", f"no feature `{given}`", f"name a band, as in {bands.EXAMPLES}")
-    if found.healthy:
-        refuse("feature", f"`{given}` follows from `{given.removesuffix('-healthy')}`", "name that")
-    return given
+    band_feature = of_band(raw) if isinstance(raw, str) else None
+    if band_feature is None:
+        refuse("feature", f"no feature `{raw}`", f"name a band, as in {bands.EXAMPLES}")
+    if band_feature.healthy:
+        refuse("feature", f"`{raw}` follows from `{raw.removesuffix('-healthy')}`", "name that")
+    return raw

@@ -32,7 +32,7 @@ class Section(BaseModel):
 
 @dataclass(frozen=True)
 class Quantity:
-    """Mark of a float field: the dimension of its text, and the bound that its value keeps."""
+    """Mark of a float field: the dimension of its text, and the bounds of its value."""
 
     dimension: Dimension
     above: float = -math.inf
@@ -46,29 +46,29 @@ class Quantity:
         return quantity_schema(self.dimension, self._sign()) | self._limits()
 
     def _sign(self) -> str:
-        """Pattern of what stands before the digits of a number within the bounds."""
+        """Return the pattern in front of the digits of a number within the bounds."""
         if self.above >= 0.0:
             return POSITIVE
         return NOT_NEGATIVE if self.least >= 0.0 else ""
 
     def _limits(self) -> Schema:
-        """Bounds of a plain number."""
+        """Return the bounds of a plain number."""
         if "" not in UNITS[self.dimension]:
             return {}
         limits = {"exclusiveMinimum": self.above, "minimum": self.least, "maximum": self.most}
         return {key: bound for key, bound in limits.items() if math.isfinite(bound)}
 
-    def __call__(self, given: Any) -> float:
-        """The value in SI; refuses what is no quantity of the dimension, or out of bounds."""
-        value = _number(given, self.dimension)
+    def __call__(self, raw: Any) -> float:
+        """Convert a value to SI; refuse one of another dimension, or out of bounds."""
+        value = _number(raw, self.dimension)
         too_small = self.above == 0.0 and 0.0 < abs(value) < SMALLEST  # of others it is as good as none
         if too_small or abs(value) > LARGEST:
             hint = f"nothing is so {'large' if abs(value) > 1.0 else 'small'}"
-            refuse("bound", f"expected {EXPECTED[self.dimension]}, got {described(given)}", hint)
+            refuse("bound", f"expected {EXPECTED[self.dimension]}, got {described(raw)}", hint)
         if value <= self.above or value < self.least or value > self.most:
             what, example = EXPECTED[self.dimension].split(" such as ")
             expected = f"{what} {self._bound()}" + (f", such as {example}" if self.most == math.inf else "")
-            refuse("bound", f"expected {expected}, got {described(given)}")
+            refuse("bound", f"expected {expected}, got {described(raw)}")
         return value
 
     def _bound(self) -> str:
@@ -81,7 +81,7 @@ class Quantity:
         return "above zero" if self.above == 0.0 else "that is not negative"
 
     def _said(self, bound: float) -> str:
-        """A bound, as a value of the field is written."""
+        """Format a bound as a value of the field."""
         if self.dimension == "angle":
             return f"{math.degrees(bound):.4g} deg"
         return f"{100.0 * bound:g} %" if self.dimension == "share" else f"{bound:g}"
@@ -93,16 +93,16 @@ class QuantityOrAuto(Quantity):
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
         return or_words(super().__get_pydantic_json_schema__(schema, handler), "auto")
 
-    def __call__(self, given: Any) -> Any:
-        """The value in SI, or the word."""
-        return given if given == "auto" else super().__call__(given)
+    def __call__(self, raw: Any) -> Any:
+        """Convert a value to SI, or return the word."""
+        return raw if raw == "auto" else super().__call__(raw)
 
 
 NOT_NEGATIVE, POSITIVE = r"(?!-[0.]*[1-9])", r"(?!-)(?=\+?[0.]*[1-9])"
 
 
 def quantity_schema(dimension: Dimension, sign: str = "") -> Schema:
-    """Schema of a quantity; ``sign``: pattern of what stands before its digits."""
+    """Return the schema of a quantity; ``sign``: pattern in front of its digits."""
     expected = EXPECTED[dimension]
     return {
         "type": ["number", "string"] if "" in UNITS[dimension] else "string",
@@ -113,7 +113,7 @@ def quantity_schema(dimension: Dimension, sign: str = "") -> Schema:
 
 
 def or_words(schema: Schema, *words: str) -> Schema:
-    """The schema of a value that may also be one of some words."""
+    """Extend the schema of a value by some words."""
     return {"anyOf": [{"type": "string", "enum": list(words)}, schema]}
 
 
@@ -173,106 +173,106 @@ PoissonRatio = Annotated[float, Quantity("number", above=0.0, most=0.5)]
 
 def refuse(kind: str, message: str, hint: str | None = None, **context: Any) -> NoReturn:
     """Raise the error of a validator: its kind, a message, and a hint that would mend it."""
-    found = {"kind": kind, "message": message, "hint": hint, **context}
-    raise PydanticCustomError("bearingsim", "{message}", found)
+    details = {"kind": kind, "message": message, "hint": hint, **context}
+    raise PydanticCustomError("bearingsim", "{message}", details)
 
 
-def described(given: Any) -> str:
-    """A wrong value, in the words of an error message."""
-    if isinstance(given, dict):
+def described(raw: Any) -> str:
+    """Describe a wrong value for an error message."""
+    if isinstance(raw, dict):
         return "a mapping"
-    if isinstance(given, list | tuple):
+    if isinstance(raw, list | tuple):
         return "a list"
-    return f"`{given}`"
+    return f"`{raw}`"
 
 
 def one_of(*words: str) -> BeforeValidator:
-    """Validator of a word that must be in a list."""
+    """Return a validator of a word from a list."""
 
-    def check(given: Any) -> Any:
-        if given not in words:
-            raise_unknown_word(given, words)
-        return given
+    def check(raw: Any) -> Any:
+        if raw not in words:
+            raise_unknown_word(raw, words)
+        return raw
 
     return BeforeValidator(check)
 
 
-def raise_unknown_word(given: Any, words: tuple[str, ...]) -> NoReturn:
+def raise_unknown_word(raw: Any, words: tuple[str, ...]) -> NoReturn:
     """Refuse a word, naming the valid ones and the nearest."""
-    hint = advice(given, words) if isinstance(given, str) else ""
-    refuse("word", f"expected {alternatives(words)}, got {described(given)}", hint or None)
+    hint = advice(raw, words) if isinstance(raw, str) else ""
+    refuse("word", f"expected {alternatives(words)}, got {described(raw)}", hint or None)
 
 
 def alternatives(words: tuple[str, ...]) -> str:
-    """`a`, `b` or `c`."""
+    """Join words: `a`, `b` or `c`."""
     quoted = [f"`{word}`" for word in words]
     return " or ".join([", ".join(quoted[:-1]), quoted[-1]]) if len(quoted) > 1 else quoted[0]
 
 
-def _number(given: Any, dimension: Dimension) -> float:
+def _number(raw: Any, dimension: Dimension) -> float:
     expected = EXPECTED[dimension]
-    if isinstance(given, str):
+    if isinstance(raw, str):
         try:
-            return parse(given, dimension)
+            return parse(raw, dimension)
         except UnitError as error:
-            refuse("quantity", f"expected {error.expected}, got `{given}`", error.hint)
-    if isinstance(given, bool) or not isinstance(given, int | float):
-        refuse("quantity", f"expected {expected}, got {described(given)}")
-    if not math.isfinite(given):
-        refuse("quantity", f"expected {expected}, got `{given}`", "the number must be finite")
-    return float(given)
+            refuse("quantity", f"expected {error.expected}, got `{raw}`", error.hint)
+    if isinstance(raw, bool) or not isinstance(raw, int | float):
+        refuse("quantity", f"expected {expected}, got {described(raw)}")
+    if not math.isfinite(raw):
+        refuse("quantity", f"expected {expected}, got `{raw}`", "the number must be finite")
+    return float(raw)
 
 
-def _switch(given: Any) -> bool:
-    if isinstance(given, bool):
-        return given
-    if given not in ("true", "false"):
-        raise_unknown_word(given, ("true", "false"))
-    return bool(given == "true")
+def _switch(raw: Any) -> bool:
+    if isinstance(raw, bool):
+        return raw
+    if raw not in ("true", "false"):
+        raise_unknown_word(raw, ("true", "false"))
+    return bool(raw == "true")
 
 
-def _proving(given: Any) -> bool | str:
-    if isinstance(given, bool) or given in ("true", "false"):
-        return _switch(given)
-    if given != "strict":
-        raise_unknown_word(given, ("true", "strict", "false"))
+def _proving(raw: Any) -> bool | str:
+    if isinstance(raw, bool) or raw in ("true", "false"):
+        return _switch(raw)
+    if raw != "strict":
+        raise_unknown_word(raw, ("true", "strict", "false"))
     return "strict"
 
 
-OR_NONE = Written(lambda given: None if given == "none" else given, lambda own: or_words(own, "none"))
+OR_NONE = Written(lambda raw: None if raw == "none" else raw, lambda own: or_words(own, "none"))
 """Mark of an optional section: nothing for the word `none`, so that a sweep can switch it off."""
 
 
 def whole(least: int, most: int) -> Written:
-    """Mark of a whole number between two bounds."""
-    return Written(lambda given: _whole(given, least, most), lambda _: whole_schema(least, most))
+    """Return a mark of a whole number between two bounds."""
+    return Written(lambda raw: _whole(raw, least, most), lambda _: whole_schema(least, most))
 
 
 def whole_or_auto(least: int, most: int) -> Written:
-    """Mark of a whole number between two bounds, or the word `auto`."""
+    """Return a mark of a whole number between two bounds, or the word `auto`."""
     return Written(
-        lambda given: given if given == "auto" else _whole(given, least, most, ", or `auto`"),
+        lambda raw: raw if raw == "auto" else _whole(raw, least, most, ", or `auto`"),
         lambda _: or_words(whole_schema(least, most), "auto"),
     )
 
 
 def whole_schema(least: int, most: int) -> Schema:
-    """Schema of a whole number between two bounds."""
+    """Return the schema of a whole number between two bounds."""
     return {"type": "integer", "minimum": least, "maximum": most}
 
 
-def _whole(given: Any, least: int, most: int, other: str = "") -> int:
-    written = isinstance(given, str) and re.fullmatch(r"[+-]?\d{1,9}", given, re.ASCII)
-    is_int = isinstance(given, int) and not isinstance(given, bool)
-    if not (written or is_int) or not least <= int(given) <= most:
-        refuse("whole", f"expected a whole number from {least} to {most}{other}, got {described(given)}")
-    return int(given)
+def _whole(raw: Any, least: int, most: int, other: str = "") -> int:
+    written = isinstance(raw, str) and re.fullmatch(r"[+-]?\d{1,9}", raw, re.ASCII)
+    is_int = isinstance(raw, int) and not isinstance(raw, bool)
+    if not (written or is_int) or not least <= int(raw) <= most:
+        refuse("whole", f"expected a whole number from {least} to {most}{other}, got {described(raw)}")
+    return int(raw)
 
 
-def _text(given: Any) -> str:
-    if not isinstance(given, str):
-        refuse("text", f"expected a text, got {described(given)}")
-    return given
+def _text(raw: Any) -> str:
+    if not isinstance(raw, str):
+        refuse("text", f"expected a text, got {described(raw)}")
+    return raw
 
 
 Switch = Annotated[bool, BeforeValidator(_switch)]

@@ -14,18 +14,20 @@ _PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def folders(kind: Kind) -> list[Path]:
-    """Where files of a kind are looked for, in order: working folder, installed copy, or checkout."""
+    """List the folders of files of a kind, in order of search: working folder, installed copy, or checkout."""
     home = _PACKAGE.parent if (_PACKAGE.parent / "pyproject.toml").is_file() else _PACKAGE
     return [base / "configs" / kind for base in (Path.cwd(), home)]
 
 
 def library_names(kind: Kind) -> list[str]:
-    """Names that can be used as they are."""
+    """List the names of a kind."""
     return sorted({path.stem for folder in folders(kind) for path in folder.glob("*.yaml")})
 
 
 def find(kind: Kind, name: str, beside: Path | None = None) -> Path:
-    """The file behind a name or a path (relative to the working folder, or else to `beside`).
+    """Find the file of a name or a path (relative to the working folder, or else to `beside`).
+
+    Raises ValueError with the existing names.
 
     Raises ValueError, saying what exists.
     """
@@ -41,16 +43,16 @@ def find(kind: Kind, name: str, beside: Path | None = None) -> Path:
 
 
 def read(kind: Kind, name: str, beside: Path | None = None) -> yamlfile.Document:
-    """The tree of a named file; ValueError if there is none, StudyError if it is not YAML."""
+    """Parse a named file; ValueError if there is none, StudyError if it is not YAML."""
     path = find(kind, name, beside).absolute()
     return _read(path, path.stat().st_mtime_ns)
 
 
-def described(kind: Kind, given: Any) -> Any:
-    """A mapping for a name, anything else unchanged: how sections accept a name in Python."""
-    if not isinstance(given, str):
-        return given
-    document = read(kind, given)
+def described(kind: Kind, source: Any) -> Any:
+    """Load the mapping of a name, return anything else unchanged: for names given to sections in Python."""
+    if not isinstance(source, str):
+        return source
+    document = read(kind, source)
     if document.problems:
         raise yamlfile.StudyError(document.problems)
     return yamlfile.plain(document.root)
@@ -66,8 +68,8 @@ def _shown(path: Path) -> str:
 
 
 def _not_found(kind: Kind, name: str) -> str:
-    known = library_names(kind)
-    listed = f"there are: {', '.join(known)}; or give the path of a file"
+    names = library_names(kind)
+    listed = f"there are: {', '.join(names)}; or give the path of a file"
     if kind == "bearings":  # a similar number is another bearing
         return f"no bearing `{name}` ({listed} of your own, docs/bearings.md)"
-    return f"no {kind[:-1]} `{name}` ({suggestion(name, known) or listed})"
+    return f"no {kind[:-1]} `{name}` ({suggestion(name, names) or listed})"

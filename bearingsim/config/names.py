@@ -42,7 +42,7 @@ HARMONICS = (1, 2, 3, 4, 5)
 
 
 def line_name(harmonic: int) -> str:
-    """`BPFO`, `2BPFO`, ..."""
+    """Return the name of a harmonic: `BPFO`, `2BPFO`, ..."""
     return "BPFO" if harmonic == 1 else f"{harmonic}BPFO"
 
 
@@ -92,10 +92,10 @@ class _Channels(dict[str, Channel]):
     """Channels by name; one of a numbered roller is made when it is asked for."""
 
     def __missing__(self, name: str) -> Channel:
-        found = _OF_ROLLER.fullmatch(name)
-        if not found or found[2] not in ROLLER or (found[3] and found[2] not in LINE_LOADS):
+        match = _OF_ROLLER.fullmatch(name)
+        if not match or match[2] not in ROLLER or (match[3] and match[2] not in LINE_LOADS):
             raise KeyError(name)
-        return _numbered(found[2], found[1] or "1", found[3])
+        return _numbered(match[2], match[1] or "1", match[3])
 
     def __contains__(self, name: object) -> bool:
         try:
@@ -138,12 +138,12 @@ CHANNELS: Mapping[str, Channel] = _Channels(
 
 
 def dataset_names(channel: str) -> tuple[str, ...]:
-    """Names under which a channel's components are stored (`ring.velocity.x`, ...; KeyError if unknown)."""
+    """Return the names of a channel's stored components (`ring.velocity.x`, ...; KeyError if unknown)."""
     return tuple(f"{channel}.{component}".rstrip(".") for component in CHANNELS[channel].components)
 
 
 def roller_of(channel: str) -> tuple[int, str] | None:
-    """Number (from 1) and quantity of a roller's channel, `outer_line_load.7` of a slice's; None for another."""
+    """Split a roller's channel into number (from 1) and quantity (`outer_line_load.7` of a slice), or None."""
     head, _, rest = channel.partition(".")
     if head != "roller":
         return None
@@ -156,14 +156,14 @@ QUANTITIES = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
 
 
 def _line_features(quantity: str, unit: str) -> dict[str, Feature]:
-    found = {}
+    features = {}
     for line, made_of in LINES.items():
-        found[f"{quantity}@{line}"] = Feature(unit, f"{quantity} amplitude at {line}")
-        found[f"{quantity}@{line}.phase"] = Feature("rad", f"{quantity} phase at {line}")
+        features[f"{quantity}@{line}"] = Feature(unit, f"{quantity} amplitude at {line}")
+        features[f"{quantity}@{line}.phase"] = Feature("rad", f"{quantity} phase at {line}")
         if made_of.outer:
-            found[f"{quantity}@{line}-scatter"] = Feature(unit, f"standard error of {quantity} at {line}")
-        found[f"{quantity}@{line}-healthy"] = Feature(unit, f"{quantity} at {line}, change against healthy")
-    return found
+            features[f"{quantity}@{line}-scatter"] = Feature(unit, f"standard error of {quantity} at {line}")
+        features[f"{quantity}@{line}-healthy"] = Feature(unit, f"{quantity} at {line}, change against healthy")
+    return features
 
 
 def _statistics(quantity: str, unit: str) -> dict[str, Feature]:
@@ -180,7 +180,9 @@ def _of_extensions(own: Mapping[str, Feature]) -> dict[str, Feature]:
         extension = extensions.owner(catalogue.FEATURES[name].compute)
         why = f"the extension `{extension}` registers the feature `{name}`, which the program has: rename it"
         extensions.leave_out(extension, why)
-    return {name: Feature(one.unit, one.long_name) for name, one in catalogue.FEATURES.items() if name not in own}
+    return {
+        name: Feature(entry.unit, entry.long_name) for name, entry in catalogue.FEATURES.items() if name not in own
+    }
 
 
 UNKNOWNS = ("damping", "clearance", "bracket", "support")
@@ -198,10 +200,10 @@ def _errors() -> dict[str, Feature]:
 
 
 def _features() -> dict[str, Feature]:
-    found: dict[str, Feature] = {}
+    features: dict[str, Feature] = {}
     for quantity, unit in QUANTITIES.items():
-        found |= _line_features(quantity, unit) | _statistics(quantity, unit)
-    return found | {
+        features |= _line_features(quantity, unit) | _statistics(quantity, unit)
+    return features | {
         "outer_force.max": Feature("N", "largest force of a roller on the outer race"),
         "inner_force.max": Feature("N", "largest force of a roller on the inner race"),
         "cage_force.max": Feature("N", "largest force of the cage on a roller"),
@@ -233,22 +235,22 @@ NO_VALUE = "no_value."
 
 def of_band(name: str) -> bands.BandFeature | None:
     """Return what the name of a band's RMS or of an envelope's line stands for; None of another name."""
-    found = bands.read(name)
-    return None if found is None or (found.line and found.line not in LINES) else found
+    feature = bands.read(name)
+    return None if feature is None or (feature.line and feature.line not in LINES) else feature
 
 
 class _Features(dict[str, Feature]):
     """Features by name; one of a band is made when it is asked for."""
 
     def __missing__(self, name: str) -> Feature:
-        found = of_band(name)
-        if found is None:
+        feature = of_band(name)
+        if feature is None:
             raise KeyError(name)
-        unit, text = QUANTITIES[found.quantity], f"RMS {found.quantity}"
-        if found.line:
-            unit, text = "m^2/s^4", f"squared envelope at {found.line}"
-        where = f", {found.band.text}" if found.band else ""
-        return Feature(unit, f"{text}{where}{', change against healthy' if found.healthy else ''}")
+        unit, text = QUANTITIES[feature.quantity], f"RMS {feature.quantity}"
+        if feature.line:
+            unit, text = "m^2/s^4", f"squared envelope at {feature.line}"
+        where = f", {feature.band.text}" if feature.band else ""
+        return Feature(unit, f"{text}{where}{', change against healthy' if feature.healthy else ''}")
 
     def __contains__(self, name: object) -> bool:
         return super().__contains__(name) or of_band(str(name)) is not None

@@ -141,10 +141,10 @@ SENTENCES = {word: sentence for words, sentence in _GROUPS.items() for word in w
 
 
 def sentence(word: str) -> str:
-    """What is true of a word, whatever its spelling; empty if nothing is known of it."""
+    """Explain a word, whatever its spelling; empty if it is not in the vocabulary."""
     return SENTENCES.get(word.lower().replace("-", "_").replace(" ", "_"), "")
 
 
-def advice(word: str, known: Collection[str]) -> str:
-    """A hint for a word that is none of ``known``: what is true of it, or the word that was meant; else empty."""
-    return sentence(word) or suggestion(word, known)
+def advice(word: str, words: Collection[str]) -> str:
+    """Advise on a word that is not in ``words``: explain it, or suggest a similar one; else empty."""
+    return sentence(word) or suggestion(word, words)

@@ -30,7 +30,7 @@ class RollerPath(NamedTuple):
     lean: np.ndarray
 
     def depth_at(self, z: float) -> np.ndarray:
-        """Depth (n,) m of the roller's lowest point in the section z (m)."""
+        """Compute the depth (n,) in m of the roller's lowest point in the section z (m)."""
         return self.depth + self.lean * z
 
 

@@ -23,7 +23,7 @@ class Indices(NamedTuple):
 
 
 def indices(blocks: Array) -> Array:
-    """First (row 0) and total (row 1) indices (2, d) of blocks (n, d + 2) f(A), f(B), f(AB^1) ... f(AB^d).
+    """Compute first (row 0) and total (row 1) indices (2, d) of blocks (n, d + 2) f(A), f(B), f(AB^1) ... f(AB^d).
 
     AB^j is A with parameter j from B. By the correlations r of f(A) and f(B), c_j of f(B) and f(AB^j), e_j of f(A)
     and f(AB^j):
@@ -56,6 +56,6 @@ def of_blocks(blocks: Array) -> Indices:
 
 
 def _all(blocks: Array) -> Array:
-    """First indices, total ones, and 1 - sum S_j, one after the other (2d + 1)."""
+    """Concatenate first indices, total ones, and 1 - sum S_j, (2d + 1,)."""
     alone, total = indices(blocks)
     return np.concatenate([alone, total, [1.0 - alone.sum()]])

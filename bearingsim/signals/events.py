@@ -13,7 +13,7 @@ NOISE = 7.0  # standard errors of the mean over passes, least height of an event
 
 
 def spacing(series: np.ndarray, fs: float, period: float) -> float:
-    """Time (s) between the entry and the exit event of a defect, over all passes of a series (n,) at ``fs`` (Hz).
+    """Measure the time (s) from entry to exit of a defect, over all passes of a series (n,) at ``fs`` (Hz).
 
     period: of the passes (s). The spectrum is levelled, so that the entry, which is weak and low, and the exit,
     which rings, count alike (pre-whitening: Sawalhi and Randall, Vibration response of spalled rolling element
@@ -51,7 +51,7 @@ def about_exits(envelope: np.ndarray, half: int) -> np.ndarray:
 
 
 def levelled_envelope(series: np.ndarray, fs: float, reach: float) -> np.ndarray:
-    """Squared envelope (n,) of a series whose power is levelled over +-``reach`` (Hz)."""
+    """Compute the squared envelope (n,) of a series with its power levelled over +-``reach`` (Hz)."""
     transform = np.fft.rfft(series - series.mean())
     power = np.abs(transform) ** 2
     wide = min(max(1, round(reach * len(series) / fs)), len(power) - 1)
@@ -74,7 +74,7 @@ def maxima(values: np.ndarray) -> np.ndarray:
 
 
 def most_prominent(values: np.ndarray, least: np.ndarray) -> int:
-    """Index of the inner maximum that stands most over its surroundings; 0 if there is none.
+    """Return the index of the most prominent inner maximum; 0 if there is none.
 
     values: (n,); least: (n,) or more, what a maximum must stand to count. It stands over the higher of the two
     lowest values between it and what is higher on either side.
@@ -86,7 +86,7 @@ def most_prominent(values: np.ndarray, least: np.ndarray) -> int:
 
 
 def summit(values: np.ndarray, top: int) -> float:
-    """Place, between samples, of the local maximum at index ``top``: that of the parabola through three values."""
+    """Interpolate the position of the local maximum at index ``top`` by a parabola through three values."""
     left, middle, right = values[top - 1 : top + 2]
     return float(top + 0.5 * (left - right) / (left - 2.0 * middle + right))
 

@@ -9,7 +9,7 @@ BLOCK = 1 << 16  # samples per block of computation
 
 
 def lines_by_pass(fine: np.ndarray, M: int, harmonics: Sequence[int], start: int, Z_theta_0: float) -> np.ndarray:
-    """Complex amplitudes of lines in each whole ball pass of a series with M samples per pass.
+    """Compute complex amplitudes of lines in each whole ball pass of a series with M samples per pass.
 
     fine: (passes * M,), its first value being sample number ``start`` of the run; ``Z_theta_0``: Z times the
     first roller's angle at t = 0 (rad). A = 2 <x exp(-i k Z theta_c)>, theta_c the cage angle: the phase is zero
@@ -46,7 +46,7 @@ def derivative_lines(
 
 
 def line(by_pass: np.ndarray, neighbours: bool = False) -> tuple[float, float, float]:
-    """Amplitude, phase (rad) and standard error of the amplitude, from a line in each pass.
+    """Compute amplitude, phase (rad) and standard error of the amplitude, from a line in each pass.
 
     With ``neighbours`` (lines that no whole number of passes holds, such as 2 BSF beside BPFO) the passes are
     weighted by Hann's window, which leaks nothing from two lines' widths on. The error is the scatter from pass to
@@ -60,7 +60,7 @@ def line(by_pass: np.ndarray, neighbours: bool = False) -> tuple[float, float, f
 
 
 def line_at(series: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """Complex amplitude of the line that follows ``angle``: A = 2 <w (x - <w x>/<w>) exp(-i angle)>/<w>.
+    """Compute the complex amplitude of the line at ``angle``: A = 2 <w (x - <w x>/<w>) exp(-i angle)>/<w>.
 
     series: (..., n); angle: (n,) rad, at the same instants, growing or falling throughout, at any speed that
     changes slowly. The means run over the angle, and w is Hann's window over it, so a tone cos(angle + phase)
@@ -143,7 +143,7 @@ def _turns(n: np.ndarray, frequency: np.ndarray) -> np.ndarray:
 
 
 def _sum_of_turns(frequency: np.ndarray, N: np.ndarray) -> np.ndarray:
-    """Sum of exp(-i f n) over n = 0 ... N - 1, for frequencies and numbers N that broadcast."""
+    """Sum exp(-i f n) over n = 0 ... N - 1, for frequencies and numbers N that broadcast."""
     half = 0.5 * np.remainder(frequency + pi, 2.0 * pi) - 0.5 * pi  # whole turns taken out: at them it is N
     sine = np.sin(half)
     ratio = np.where(sine == 0.0, N, np.sin(N * half) / np.where(sine == 0.0, 1.0, sine))

@@ -4,7 +4,7 @@ import numpy as np
 
 
 def statistics(series: np.ndarray, weights: np.ndarray | None = None) -> dict[str, float]:
-    """RMS, peak, crest factor and kurtosis (3 for noise) of a series (n,), its mean taken out.
+    """Compute RMS, peak, crest factor and kurtosis (3 for noise) of a series (n,) without its mean.
 
     weights: (n,) how often each value occurs, if not once. A series that does not move has crest and kurtosis nan.
     """

@@ -57,7 +57,7 @@ def _interpolated(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
 
 
 def kernel(distance: np.ndarray) -> np.ndarray:
-    """Windowed sinc at a distance in samples (P,), not normalised.
+    """Compute the windowed sinc at a distance in samples (P,), not normalised.
 
     The window is the exponential of a semicircle, as good as Kaiser's and quicker (Barnett, Magland and af
     Klinteberg, SIAM J. Sci. Comput. 41, 2019, C479-C504).

@@ -98,7 +98,7 @@ def pick_from(
 
 
 def _surroundings(expected: float, tolerance: float, step: float) -> float:
-    """Distance (Hz) within which a line's surroundings lie, for bins ``step`` (Hz) wide."""
+    """Return the reach (Hz) of a line's surroundings, for bins ``step`` (Hz) wide."""
     return max(0.1 * expected, 5.0 * tolerance * expected, 20.0 * step)
 
 
@@ -107,7 +107,7 @@ def _picked(frequency: float, amplitude: float, median: float) -> PickedLine:
 
 
 def _top(frequencies: np.ndarray, amplitudes: np.ndarray, top: int) -> tuple[float, float]:
-    """Frequency and amplitude of a local maximum between samples."""
+    """Interpolate frequency and amplitude of a local maximum between samples."""
     left, middle, right = amplitudes[top - 1 : top + 2] ** BENT
     shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
     frequency = frequencies[top] + shift * (frequencies[1] - frequencies[0])
@@ -115,7 +115,7 @@ def _top(frequencies: np.ndarray, amplitudes: np.ndarray, top: int) -> tuple[flo
 
 
 def _centred_spectrum(series: np.ndarray, expected: float) -> tuple[np.ndarray, np.ndarray]:
-    """Complex amplitude spectrum (Hann, padded), phases at the record's middle, against bins from ``expected``."""
+    """Compute the complex spectrum (Hann, padded), phases at the record's middle, bins from ``expected``."""
     n = len(series)
     padded = 2 ** int(np.ceil(np.log2(PADDING * n)))
     weight = hann(n)
@@ -125,7 +125,7 @@ def _centred_spectrum(series: np.ndarray, expected: float) -> tuple[np.ndarray, 
 
 
 def _line_shape(distance: np.ndarray) -> np.ndarray:
-    """Spectrum of Hann's window at a distance in bins, 1 at 0: sinc(d)/(1 - d^2)."""
+    """Compute the spectrum of Hann's window at a distance in bins, 1 at 0: sinc(d)/(1 - d^2)."""
     return np.sinc(distance) + 0.5 * (np.sinc(distance - 1.0) + np.sinc(distance + 1.0))
 
 
@@ -176,7 +176,7 @@ def _without(
 
 
 def _parts(values: np.ndarray) -> np.ndarray:
-    """Real parts over imaginary ones: complex least squares for real unknowns."""
+    """Stack real parts over imaginary ones: complex least squares for real unknowns."""
     return np.concatenate([values.real, values.imag])
 
 

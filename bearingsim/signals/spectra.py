@@ -28,7 +28,7 @@ def spectrum(
 
 
 def squared_envelope(series: np.ndarray, fs: float, band: tuple[float, float] | None = None) -> np.ndarray:
-    """Squared magnitude (n,) of the analytic signal of a series (n,), of what lies in ``band`` (Hz) if given.
+    """Compute the squared envelope (n,) of a series (n,), of its content in ``band`` (Hz) if given.
 
     By Fourier transform: negative frequencies, and those outside the band, are set to zero (Randall and Antoni,
     Rolling element bearing diagnostics - a tutorial, Mech. Syst. Signal Process. 25, 2011, 485-520). The
@@ -44,7 +44,7 @@ def squared_envelope(series: np.ndarray, fs: float, band: tuple[float, float] | 
 
 
 def analytic(positive: np.ndarray, n: int) -> np.ndarray:
-    """Analytic signal (n,) of a real series of n samples, from its one-sided transform (n//2 + 1,)."""
+    """Compute the analytic signal (n,) of a real series of n samples, from its one-sided transform (n//2 + 1,)."""
     both = np.zeros(n, dtype=complex)
     both[: len(positive)] = 2.0 * positive
     both[0] = positive[0]
@@ -61,7 +61,7 @@ left that folds, and what has folded stands where no line is: an envelope shows 
 def envelope_spectrum(
     series: np.ndarray, fs: float, band: tuple[float, float] | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitude spectrum of the squared envelope of a series (n,) sampled at ``fs`` (Hz): where damage shows.
+    """Compute the envelope spectrum of a series (n,) sampled at ``fs`` (Hz), from the squared envelope.
 
     Impacts ring at resonances; their repetition is in the envelope (Randall and Antoni 2011; squared,
     since its root adds harmonics that alias). ``band`` (Hz): where it rings; up to ``FLAT`` of ``fs`` if not
@@ -72,7 +72,7 @@ def envelope_spectrum(
 
 
 def band_rms(series: np.ndarray, fs: float, band: tuple[float, float]) -> float:
-    """RMS of a series (n,) sampled at ``fs`` (Hz), of what lies in ``band`` (Hz, ends included), without its mean.
+    """Compute the RMS of a series (n,) sampled at ``fs`` (Hz) in ``band`` (Hz, ends included), without its mean.
 
     Of the power spectrum under Hann's window, 1.5 fs/n wide: a line so near to an end of the band counts in part;
     nan of a band that lies between two lines. ValueError for a band that is empty or not within 0 to fs/2.
@@ -115,13 +115,13 @@ def causal(series: np.ndarray) -> np.ndarray:
 
 
 def _gain(frequency: np.ndarray) -> np.ndarray:
-    """Gain of that low-pass; frequency: in parts of the sampling."""
+    """Compute the gain of that low-pass; frequency: relative to the sampling."""
     falling = np.clip((frequency - FLAT) / (0.5 - FLAT), 0.0, 1.0)
     return np.maximum(np.cos(0.5 * np.pi * falling) ** 2, STOPPED)
 
 
 def _least_phase(frequency: np.ndarray) -> np.ndarray:
-    """Phase (rad) of the causal filter of least phase with that gain."""
+    """Compute the phase (rad) of the minimum-phase filter with that gain."""
     whole, half = np.fft.fftfreq(PHASE_POINTS, 1.0 / PHASE_RATES), PHASE_POINTS // 2
     cepstrum = np.fft.ifft(np.log(_gain(np.abs(whole)))).real
     cepstrum[1:half] *= 2.0

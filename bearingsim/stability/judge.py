@@ -48,12 +48,12 @@ class Verdict(NamedTuple):
 
 
 def l2(a: np.ndarray, b: np.ndarray) -> float:
-    """Relative difference of two series, sample by sample."""
+    """Compute the relative difference of two series, sample by sample."""
     return float(np.linalg.norm(a - b) / np.linalg.norm(b))
 
 
 def rms(a: np.ndarray, b: np.ndarray) -> float:
-    """Relative difference of the two series' RMS."""
+    """Compute the relative difference of the two series' RMS."""
     return abs(float(np.linalg.norm(a) / np.linalg.norm(b)) - 1.0)
 
 

@@ -100,7 +100,7 @@ def trace(name: str, method: Any, model: Any, y: np.ndarray, limit: float) -> Tr
 
 
 def _room(places: np.ndarray, steps: int) -> np.ndarray:
-    """Room for a record, a part of a larger one as in a simulation: so both run the same compiled code."""
+    """Allocate a record as a part of a larger one, as in a simulation, so that both run the same compiled code."""
     return np.empty((len(places), steps + 1))[:, 1:]
 
 

@@ -19,7 +19,7 @@ def _printable(line: str) -> str:
 
 
 def is_line(text: str) -> bool:
-    """Tell whether a text is one line that a terminal shows as it is."""
+    """Check if a text is a single line without control characters."""
     return 0 < len(text) <= LONGEST_LINE and text.isprintable()
 
 

@@ -176,7 +176,7 @@ class UnitError(UserError, ValueError):
 
 
 def split(text: str) -> tuple[str, str]:
-    """Number and unit word of a quantity as written (`("0.8", "mm")`; the word in the table's spelling).
+    """Split a written quantity into number and unit word (`("0.8", "mm")`; the word in the table's spelling).
 
     Raises UnitError if the text does not begin with a number.
     """
@@ -190,7 +190,7 @@ def split(text: str) -> tuple[str, str]:
 
 @lru_cache(maxsize=8192)
 def parse(text: str, dimension: Dimension) -> float:
-    """SI value of a quantity written with its unit.
+    """Convert a written quantity to SI.
 
     Raises UnitError on a decimal comma, NaN, infinity, a missing or unknown unit or another dimension's unit.
     """
@@ -205,13 +205,13 @@ def parse(text: str, dimension: Dimension) -> float:
 
 
 def pattern(dimension: Dimension) -> str:
-    """Regular expression (ECMA 262) of a quantity of a dimension, in every spelling that ``parse`` reads."""
+    """Return a regular expression (ECMA 262) of the quantities that ``parse`` accepts for a dimension."""
     words = "|".join(map(_spellings, UNITS[dimension]))
     return rf"{_NUMBER.pattern}[\s·*]*({words})\s*"
 
 
 def _spellings(word: str) -> str:
-    """Pattern of a unit word of the table however it is spelled: `N s/m` may be `N·s / m`."""
+    """Return the pattern of all spellings of a unit word: `N s/m` may be `N·s / m`."""
     parts = {
         " ": r"[\s.·*]*",
         "/": r"\s*/\s*",

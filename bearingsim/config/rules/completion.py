@@ -17,10 +17,10 @@ def complete(case: CaseFields) -> None:
     """Fill in, in this order: model, excitation, method, start angle, contact, defects, what moves, channels."""
     if case.model == catalogue.REFERENCE:
         _fill_reference(case)
-    known = catalogue.MODELS[case.model]
-    if not known.takes_pits and "excitation" not in case.model_fields_set:
+    model = catalogue.MODELS[case.model]
+    if not model.takes_pits and "excitation" not in case.model_fields_set:
         _fill(case, "excitation", "impulse-train")
-    if case.method is None and not known.own_method:
+    if case.method is None and not model.own_method:
         _fill(case, "method", catalogue.AUTO)
     if "start_angle" not in case.model_fields_set:
         _fill(case, "start_angle", math.pi / case.bearing.rollers)
@@ -34,7 +34,7 @@ def complete(case: CaseFields) -> None:
 
 
 def _fill_reference(case: CaseFields) -> None:
-    """The model by which others are judged; its cage turns without slip unless the case speaks of what slips."""
+    """Fill in the reference model; its cage is kinematic unless the case has sections of slip."""
     _fill(case, "model", hierarchy.reference(case) or catalogue.most_able())
     if catalogue.MODELS[case.model].slips and not hierarchy.speaks_of_slip(case):
         _fill(case, "cage", free.Cage(motion="kinematic"))
@@ -46,7 +46,7 @@ MASS_OF_CARRIER = 1.0  # kg: an assumption
 
 
 def completed_rig(case: CaseFields) -> Rig:
-    """The rig with the section of a ring that bends, its harmonics, and where its load enters."""
+    """Complete the rig by the section of a flexible ring, its harmonics, and the entry of its load."""
     ring, load = case.rig.ring, case.rig.load or RingLoad()
     if ring is None:
         return case.rig
@@ -54,8 +54,8 @@ def completed_rig(case: CaseFields) -> Rig:
     if harmonics == "auto":
         on_ring = case.rig.sensor.on_ring
         harmonics = min(MAX_HARMONICS, case.bearing.rollers + AROUND_A_ROLLER) if on_ring else IN_A_HOUSING
-    given = {name: getattr(ring.section, name) or usual for name, usual in case.bearing.ring_section.items()}
-    bent = {"harmonics": harmonics, "section": ring.section.model_copy(update=given)}
+    dimensions = {name: getattr(ring.section, name) or usual for name, usual in case.bearing.ring_section.items()}
+    bent = {"harmonics": harmonics, "section": ring.section.model_copy(update=dimensions)}
     held = {"mass": load.mass or MASS_OF_CARRIER} if load.carried else {}
     held |= {"fit": load.fit or 0.0} if load.by == "housing" else {}
     return case.rig.model_copy(update={"ring": ring.model_copy(update=bent), "load": load.model_copy(update=held)})
@@ -73,14 +73,14 @@ def _fill_free_motion(case: CaseFields) -> None:
 
 
 def _completed(case: CaseFields, defect: Defect) -> Defect:
-    """A defect with the edges that its excitation takes it to have."""
+    """Complete a defect by the edges that its excitation assumes."""
     if case.excitation != "elastic-edge" or defect.edge is not None:
         return defect
     return defect.model_copy(update={"edge": Edge(radius=EDGE_RADIUS)})
 
 
 def _numbered(defect: Defect) -> Defect:
-    """A roller's defect with the number of its roller."""
+    """Complete a roller's defect by the number of its roller."""
     if defect.race != "roller" or defect.roller is not None:
         return defect
     return defect.model_copy(update={"roller": 1})

@@ -36,7 +36,7 @@ __all__ = ["Conflict", "Path", "conflicts"]
 
 
 def conflicts(case: "CaseFields") -> Iterator[Conflict]:
-    """Everything in a case that does not fit together."""
+    """Yield all conflicts within a case."""
     yield from pit_conflicts(case)
     yield from _model(case)
     yield from _contact(case)
@@ -136,11 +136,11 @@ def _in_space(case: "CaseFields") -> Iterator[Conflict]:
 def _half_sprung(name: str, section: "Rig | Shaft | None") -> Iterator[Conflict]:
     if section is None:
         return
-    given = [key for key in MOUNT_FIELDS if getattr(section, key) is not None]
+    present = [key for key in MOUNT_FIELDS if getattr(section, key) is not None]
     springs = ("axial_stiffness", "tilting_stiffness")
-    missing = [key for key in springs if key not in given]
-    if given and missing:
-        paths: tuple[Path, ...] = ((name, given[0]), (name,))
+    missing = [key for key in springs if key not in present]
+    if present and missing:
+        paths: tuple[Path, ...] = ((name, present[0]), (name,))
         words = " and ".join(f"`{key}`" for key in missing)
         yield Conflict("sprung", paths, f"a ring that leans needs {words} too", "give both stiffnesses")
 
@@ -158,48 +158,50 @@ def _lean(case: "CaseFields") -> Iterator[Conflict]:
 
 def _record(case: "CaseFields") -> Iterator[Conflict]:
     for index, name in enumerate(case.record):
-        at: Path = ("record", index)
+        place: Path = ("record", index)
         number = roller_number(name)
         if number is not None and number > case.bearing.rollers:
             message = f"there is no roller {number}: the bearing has {case.bearing.rollers}"
-            yield Conflict("channel", (at, ("bearing", "rollers")), message, "they count from 1")
-        yield from _slice_of(at, name, case)
+            yield Conflict("channel", (place, ("bearing", "rollers")), message, "they count from 1")
+        yield from _slice_of(place, name, case)
         still = _still(name, case) if catalogue.MODELS[case.model].slips else None
         if still:
-            yield Conflict("still", (at,), f"`{name}` stays zero: {still[0]}", still[1])
+            yield Conflict("still", (place,), f"`{name}` stays zero: {still[0]}", still[1])
 
 
 def _bands(case: "CaseFields") -> Iterator[Conflict]:
     for index, name in enumerate(case.features):
-        found = of_band(name)
-        if found is None or found.band is None:
+        feature = of_band(name)
+        if feature is None or feature.band is None:
             continue
-        at: Path = ("features", index)
-        low, high = found.band
+        place: Path = ("features", index)
+        low, high = feature.band
         if not low < high:
-            yield Conflict("band", (at,), f"`{name}`: the band is empty", "give the lower frequency first")
+            yield Conflict("band", (place,), f"`{name}`: the band is empty", "give the lower frequency first")
         if high > HIGHEST:
             message = f"`{name}`: the models know nothing over {show(HIGHEST, 'kHz')}"
-            yield Conflict("band", (at,), message, "end the band there")
+            yield Conflict("band", (place,), message, "end the band there")
         finest = min(low or inf, high - low)
         if 0.0 < finest < FEWEST_PERIODS / case.duration:
             needed = show(FEWEST_PERIODS / finest, "s")
             message = f"`{name}`: a record of {show(case.duration, 's')} does not resolve {finest:g} Hz"
-            yield Conflict("band", (at, ("duration",)), message, f"take a `duration` of {needed} or more")
+            yield Conflict("band", (place, ("duration",)), message, f"take a `duration` of {needed} or more")
 
 
-def _slice_of(at: Path, name: str, case: "CaseFields") -> Iterator[Conflict]:
+def _slice_of(place: Path, name: str, case: "CaseFields") -> Iterator[Conflict]:
     number = slice_number(name)
     count = slice_count(case)
     if number is not None and count is not None and number > count:
         message = f"there is no slice {number}: the roller is cut into {count}"
         yield Conflict(
-            "slice", (at, ("contact", "slices")), message, f"`{name.rpartition('.')[0]}` records them all"
+            "slice", (place, ("contact", "slices")), message, f"`{name.rpartition('.')[0]}` records them all"
         )
 
 
 def _still(name: str, case: "CaseFields") -> tuple[str, str] | None:
-    """Why a channel of rollers and cage that move freely would be a row of zeros, and what would move it."""
+    """Return the reason why a channel of freely moving parts is zero in this case, and a remedy; None if it is
+    not.
+    """
     if name == "ring.rotation" and case.rig.torsion_stiffness is None:
         return "the bracket lets no ring rotate", "give `rig.torsion_stiffness`"
     if name == "inner.displacement" and case.shaft is None:
@@ -242,14 +244,14 @@ def _sizes(case: "CaseFields") -> Iterator[Conflict]:
 
 
 def _bursting(case: "CaseFields") -> Iterator[Conflict]:
-    """An inner ring that turns faster than any ring can."""
+    """Refuse an inner ring above the bursting speed of steel rings."""
     fastest = case.speed if case.ramp is None else max(case.speed, case.ramp.to)
     surface = fastest * (case.bearing.pitch_diameter - case.bearing.roller_diameter) / 2.0
     stress = case.bearing.material.density * surface**2
     if stress > BURSTS_AT:
-        at: Path = ("speed",) if case.ramp is None or case.speed >= case.ramp.to else ("ramp", "to")
+        place: Path = ("speed",) if case.ramp is None or case.speed >= case.ramp.to else ("ramp", "to")
         message = (
             f"at {show(fastest, 'rpm')} the inner race moves at {surface:.3g} m/s: its hoop stress rho v^2,"
             f" {stress:.2g} Pa, bursts the ring (over {BURSTS_AT:.2g} Pa)"
         )
-        yield Conflict("bursts", (at, ("bearing",)), message, "is the unit right?")
+        yield Conflict("bursts", (place, ("bearing",)), message, "is the unit right?")

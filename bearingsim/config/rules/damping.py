@@ -58,7 +58,7 @@ def sentences(jobs: Sequence[Damped]) -> Iterator[str]:
 
 
 def of_jobs(info: Any) -> Iterator[str]:
-    """``sentences`` of finished jobs; info: a frame of what their solver said (``Results.info``)."""
+    """Apply ``sentences`` to finished jobs; info: a frame of the solver's attributes (``Results.info``)."""
     columns = ["damping_time_s", "damping_ratio", "crossing_s"]
     if all(name in info for name in columns):
         yield from sentences([Damped(*row) for row in info[columns].dropna().to_numpy().tolist()])

@@ -27,7 +27,7 @@ NO_FORCE = 1e-9  # component of a unit vector that holds nothing
 
 
 def flexible_ring_conflicts(case: "CaseFields") -> Iterator[Conflict]:
-    """Everything about the ring, its load and its sensor that does not fit together."""
+    """Yield all conflicts of the ring, its load and its sensor."""
     rig = case.rig
     if rig.ring is None:
         yield from _of_rigid_ring(case)
@@ -59,9 +59,9 @@ def _of_rigid_ring(case: "CaseFields") -> Iterator[Conflict]:
 
 def _section(case: "CaseFields", ring: "FlexibleRing") -> Iterator[Conflict]:
     for name, expected in case.bearing.ring_section.items():
-        given = getattr(ring.section, name)
-        if abs(given - expected) > SAME_SECTION * expected:
-            message = f"the bearing's outer ring has a {name} of {show(expected, 'mm')}, not {show(given, 'mm')}"
+        size = getattr(ring.section, name)
+        if abs(size - expected) > SAME_SECTION * expected:
+            message = f"the bearing's outer ring has a {name} of {show(expected, 'mm')}, not {show(size, 'mm')}"
             paths: tuple[Path, ...] = (("rig", "ring", "section", name), ("rig", "ring"), ("bearing",))
             yield Conflict(f"section {name}", paths, message, "leave it out")
 
@@ -87,45 +87,45 @@ def _load(case: "CaseFields", load: "RingLoad") -> Iterator[Conflict]:
 
 
 def _pads(angles: tuple[float, ...]) -> Iterator[Conflict]:
-    at: tuple[Path, ...] = ((*LOAD, "angles"), LOAD)
+    paths: tuple[Path, ...] = ((*LOAD, "angles"), LOAD)
     along, across = sum(map(math.cos, angles)), sum(map(math.sin, angles))
     if _twice(angles):
-        yield Conflict("pads", at, "two pads stand at the same angle", "give each angle once")
+        yield Conflict("pads", paths, "two pads stand at the same angle", "give each angle once")
     elif along <= LEAST_SHARE * len(angles) or abs(across) > BALANCED * along:
         message = "equal forces at these angles do not add up to a load along the load line"
-        yield Conflict("pads", at, message, "take angles on both sides of it, such as `[-45 deg, 45 deg]`")
+        yield Conflict("pads", paths, message, "take angles on both sides of it, such as `[-45 deg, 45 deg]`")
 
 
 def _points(case: "CaseFields", points: "tuple[SupportPoint, ...]") -> Iterator[Conflict]:
-    at: tuple[Path, ...] = ((*LOAD, "at"), LOAD, ("load_across",))
+    paths: tuple[Path, ...] = ((*LOAD, "at"), LOAD, ("load_across",))
     load_line, angles = math.atan2(case.load_across, case.load), [point.angle for point in points]
-    stiff = sum(one.stiffness * max(math.cos(one.angle - load_line), 0.0) ** 2 for one in points)
+    stiff = sum(point.stiffness * max(math.cos(point.angle - load_line), 0.0) ** 2 for point in points)
     moved = math.hypot(case.load, case.load_across) / stiff if stiff > 0.0 else math.inf
     if len(points) > MAX_POINTS:
-        yield Conflict("points", at, f"more than {MAX_POINTS} springs", "say `by: housing`")
+        yield Conflict("points", paths, f"more than {MAX_POINTS} springs", "say `by: housing`")
     elif _twice(angles):
-        yield Conflict("points", at, "two springs stand at the same angle", "give each angle once")
+        yield Conflict("points", paths, "two springs stand at the same angle", "give each angle once")
     elif not any(math.cos(angle - load_line) > BALANCED for angle in angles):
         message = "no spring stands within 90 deg of the load line: nothing carries the load"
-        yield Conflict("points", at, message, f"give one at `angle: {show(load_line, 'deg')}`")
+        yield Conflict("points", paths, message, f"give one at `angle: {show(load_line, 'deg')}`")
     elif not _hold(angles, load_line) and not _stands_on_one(case, angles, load_line):
         message = "springs that push only do not hold the carrier here"
-        yield Conflict("points", at, message, "give springs on both sides of the load line")
+        yield Conflict("points", paths, message, "give springs on both sides of the load line")
     elif moved > FARTHEST:
         message = f"under its load the carrier would move by {show(float(f'{moved:.3g}'), 'mm')}"
-        yield Conflict("points", at, message, "take stiffer springs, or some nearer to the load line")
+        yield Conflict("points", paths, message, "take stiffer springs, or some nearer to the load line")
 
 
 def _stands_on_one(case: "CaseFields", angles: list[float], load_line: float) -> bool:
-    """Whether the only spring stands on the load line, and a bracket keeps the carrier from moving sideways."""
+    """Check if the only spring is on the load line, and a bracket supports the carrier sideways."""
     return len(angles) == 1 and math.cos(angles[0] - load_line) > 1.0 - 1e-12 and case.rig.bracket_stiffness > 0.0
 
 
 def _hold(angles: list[float], load_line: float) -> bool:
-    """Whether springs at these angles hold a carrier that is pushed along the load line and nothing else holds.
+    """Check if springs at these angles hold a carrier loaded along the load line, without another support.
 
-    They do unless it can move some way that presses on no spring, and not against the load. The ways to try are
-    those across each spring.
+    They do unless it can move in a direction that compresses no spring, and not against the load. The directions
+    to test are those across each spring.
     """
     sideways = [angle + turn for angle in angles for turn in (-math.pi / 2.0, math.pi / 2.0)]
     return not any(
@@ -152,7 +152,7 @@ def _housing(case: "CaseFields", load: "RingLoad") -> Iterator[Conflict]:
 
 
 def _twice(angles: "tuple[float, ...] | list[float]") -> bool:
-    """Whether two angles (rad) are the same."""
+    """Check if two angles (rad) are equal."""
     turned = sorted(angle % (2.0 * math.pi) for angle in angles)
     gaps = [after - before for before, after in zip(turned, [*turned[1:], turned[0] + 2.0 * math.pi], strict=True)]
     return len(turned) > 1 and min(gaps) < SAME_ANGLE

@@ -38,42 +38,42 @@ class Need(NamedTuple):
 
 
 def needs(case: "CaseFields") -> list[Need]:
-    """All that a case asks of its model."""
-    found = [_of_defects, _of_sections, _of_shapes_along, _of_record, _of_masses]
-    return [need for of in found for need in of(case)]
+    """List all abilities that a case needs of its model."""
+    checks = [_of_defects, _of_sections, _of_shapes_along, _of_record, _of_masses]
+    return [need for of in checks for need in of(case)]
 
 
 def least(case: "CaseFields") -> str | None:
-    """The lowest model that can do all that the case asks for, or else all that is firm; None if there is none."""
-    found = needs(case)
-    asked, firm = {need.what for need in found}, {need.what for need in found if need.required}
+    """Return the lowest model with all needed abilities, or else with all firm ones; None if there is none."""
+    all_needs = needs(case)
+    desired, firm = {need.what for need in all_needs}, {need.what for need in all_needs if need.required}
     models = catalogue.MODELS.values()
-    able = [model.name for wanted in (asked, firm) for model in models if wanted <= model.abilities]
+    able = [model.name for wanted in (desired, firm) for model in models if wanted <= model.abilities]
     return able[0] if able else None
 
 
 def reference(case: "CaseFields") -> str | None:
-    """The model by which others are judged: the first of ``catalogue.REFERENCES`` that can do all that is asked.
+    """Return the reference model: the first of ``catalogue.REFERENCES`` with all needed abilities.
 
-    None if no model can do all that is firm.
+    None if no model has all firm ones.
     """
-    found = needs(case)
-    asked, firm = {need.what for need in found}, {need.what for need in found if need.required}
+    all_needs = needs(case)
+    desired, firm = {need.what for need in all_needs}, {need.what for need in all_needs if need.required}
     models = [catalogue.MODELS[name] for name in catalogue.REFERENCES]
-    able = [model.name for wanted in (asked, firm) for model in models if wanted <= model.abilities]
+    able = [model.name for wanted in (desired, firm) for model in models if wanted <= model.abilities]
     return able[0] if able else None
 
 
 def unmet_wishes(case: "CaseFields") -> list[Need]:
-    """What a case asks for, firmly or not, and its own model cannot do."""
+    """List the needs of a case, firm or not, that its own model lacks."""
     return [need for need in needs(case) if need.what not in catalogue.MODELS[case.model].abilities]
 
 
 def speaks_of_slip(case: "CaseFields") -> bool:
-    """Whether a case says something of cage, friction, drag, or records what slips."""
-    said = any(_is_said(case, name) for name in ("cage", "friction", "drag"))
+    """Check if a case has sections of cage, friction or drag, or records slip."""
+    written = any(_is_said(case, name) for name in ("cage", "friction", "drag"))
     slips = ("slip", "cage")
-    return said or any(_RECORDED.get(plain(name), ("", ""))[0] in slips for name in case.record)
+    return written or any(_RECORDED.get(plain(name), ("", ""))[0] in slips for name in case.record)
 
 
 def leaves_friction_open(case: "CaseFields") -> bool:
@@ -83,14 +83,14 @@ def leaves_friction_open(case: "CaseFields") -> bool:
 
 
 def unmet_needs(case: "CaseFields") -> list[Need]:
-    """The firm needs that the case's own model cannot meet."""
+    """List the firm needs of a case that its own model lacks."""
     return [
         need for need in needs(case) if need.required and need.what not in catalogue.MODELS[case.model].abilities
     ]
 
 
 def reasons(case: "CaseFields") -> list[str]:
-    """What the case asks for that the least model can do and the one below it cannot, in words."""
+    """Describe the needs met by the least model and not by the one below it."""
     chosen = least(case)
     if chosen is None:
         return []
@@ -169,9 +169,9 @@ def _of_shapes_along(case: "CaseFields") -> Iterator[Need]:
 
 
 def _is_said(case: "CaseFields", name: str) -> bool:
-    """Whether a section is written: in a planar case some are filled in."""
-    found: Any = getattr(case, name)
-    return found is not None and not isinstance(found, Frictionless) and name in case.model_fields_set
+    """Check if a section is written: in a planar case some are filled in."""
+    section: Any = getattr(case, name)
+    return section is not None and not isinstance(section, Frictionless) and name in case.model_fields_set
 
 
 _RECORDED = {
@@ -209,14 +209,14 @@ _RECORDED = {
 
 def _of_record(case: "CaseFields") -> Iterator[Need]:
     for index, name in enumerate(case.record):
-        known = _RECORDED.get(plain(name))
-        if known:
-            what, why = known
+        entry = _RECORDED.get(plain(name))
+        if entry:
+            what, why = entry
             yield Need(what, why, (("record", index),), required=what != "acceleration")
 
 
 def _of_masses(case: "CaseFields") -> Iterator[Need]:
-    """Rollers that do not follow: thrown into a pit, or outwards by their orbit."""
+    """Yield the need for roller inertia: rollers thrown into a defect, or outwards by their orbit."""
     shown = [plain(name) for name in case.record]
     sharp = any(name.startswith("roller.") or name.endswith(".acceleration") for name in shown)
     if case.defects and case.excitation not in IMPULSE_EXCITATIONS and sharp:
@@ -234,7 +234,7 @@ def _of_masses(case: "CaseFields") -> Iterator[Need]:
 
 
 def _centrifugal_force(case: "CaseFields") -> float:
-    """m omega_c^2 d_m/2 of one rolling element at the highest speed, N."""
+    """Compute m omega_c^2 d_m/2 (N) of one rolling element at the highest speed."""
     bearing = case.bearing
     speed = max(case.speed, case.ramp.to) if case.ramp else case.speed
     omega = cage_speed(speed, bearing.roller_diameter, bearing.pitch_diameter)

@@ -29,7 +29,7 @@ ALIKE: dict[str, Alike] = {
 
 
 def until_conflicts(case: "CaseFields") -> Iterator[Conflict]:
-    """Cases that cannot be computed until a scatter is small."""
+    """Yield the conflicts of cases that cannot be run until a scatter is small."""
     if case.until is None:
         return
     if case.record:

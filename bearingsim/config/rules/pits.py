@@ -29,7 +29,7 @@ class Surface(NamedTuple):
 
 
 def surface(bearing: "Bearing", race: str) -> Surface:
-    """The raceway or roller of a bearing without clearance."""
+    """Return the raceway or roller surface of a bearing without clearance."""
     pitch, roller = bearing.pitch_diameter, bearing.roller_diameter
     if race == "outer":
         radius = (pitch + roller) / 2.0
@@ -47,23 +47,23 @@ def surface(bearing: "Bearing", race: str) -> Surface:
 
 
 def pit_conflicts(case: "CaseFields") -> Iterator[Conflict]:
-    """Everything about a case's pits that does not fit together."""
+    """Yield all conflicts of a case's defects."""
     for number, defect in enumerate(case.defects):
-        at = ("defects", number)
-        yield from _roller_of(at, defect, case.bearing)
-        yield from _length(at, defect, case.bearing)
-        yield from _offset(at, defect, case.bearing)
-        yield from _width(at, defect, case.bearing)
-        yield from _ramp(at, defect)
-        yield from _depth(at, defect, case.bearing)
-        yield from _form(at, defect, case)
-    for first, second in combinations(range(len(case.defects)), 2):
-        yield from _overlap(first, second, case)
+        place = ("defects", number)
+        yield from _roller_of(place, defect, case.bearing)
+        yield from _length(place, defect, case.bearing)
+        yield from _offset(place, defect, case.bearing)
+        yield from _width(place, defect, case.bearing)
+        yield from _ramp(place, defect)
+        yield from _depth(place, defect, case.bearing)
+        yield from _form(place, defect, case)
+    for earlier, later in combinations(range(len(case.defects)), 2):
+        yield from _overlap(earlier, later, case)
     yield from _too_wide_together(case)
 
 
-def _roller_of(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
-    paths: tuple[Path, ...] = ((*at, "roller"), (*at, "race"))
+def _roller_of(place: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+    paths: tuple[Path, ...] = ((*place, "roller"), (*place, "race"))
     if defect.roller is not None and defect.race != "roller":
         message = f"a defect of the {defect.race} race is on no roller"
         yield Conflict("roller", paths, message, "say `race: roller`, or leave it out")
@@ -73,7 +73,7 @@ def _roller_of(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Confl
 
 
 def _track(defect: "Defect", bearing: "Bearing") -> tuple[float, str, str]:
-    """How far along the axis an element can have pits (m), what it is, and the length that says so."""
+    """Return the axial extent (m) available for defects on an element, its name, and the length that sets it."""
     if bearing.roller_length is not None:
         return bearing.roller_length, "roller", "roller_length"
     if defect.race == "roller":
@@ -81,25 +81,25 @@ def _track(defect: "Defect", bearing: "Bearing") -> tuple[float, str, str]:
     return bearing.width, "bearing", "width"
 
 
-def _sized(at: Path, name: str, defect: "Defect") -> tuple[tuple[Path, ...], str | None]:
-    """Where a size is said, and what may be wrong with that of a scan."""
+def _sized(place: Path, name: str, defect: "Defect") -> tuple[tuple[Path, ...], str | None]:
+    """Return the paths of a size, and a hint for that of a scan."""
     if defect.shape == "scan":
-        return ((*at, name), (*at, "file")), "is the scan's unit right?"
-    return ((*at, name),), None
+        return ((*place, name), (*place, "file")), "is the scan's unit right?"
+    return ((*place, name),), None
 
 
-def _length(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+def _length(place: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
     longest, name, key = _track(defect, bearing)
     if defect.length > longest:
         length, most = show(defect.length, "mm"), show(longest, "mm")
-        paths, hint = _sized(at, "length", defect)
+        paths, hint = _sized(place, "length", defect)
         message = f"a defect of {length} is longer than the {name} ({most})"
         yield Conflict("long", (*paths, ("bearing", key)), message, hint)
 
 
-def _offset(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+def _offset(place: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
     track, name, key = _track(defect, bearing)
-    paths: tuple[Path, ...] = ((*at, "offset"), (*at, "length"), ("bearing", key))
+    paths: tuple[Path, ...] = ((*place, "offset"), (*place, "length"), ("bearing", key))
     beyond = abs(defect.offset) - defect.length / 2.0 >= track / 2.0 - 1e-9
     hangs = defect.race == "roller" and abs(defect.offset) + defect.length / 2.0 > track / 2.0 + 1e-9
     if defect.length > track or not (beyond or hangs):
@@ -113,51 +113,51 @@ def _offset(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict
         yield Conflict("offset", paths, message, f"the end is {end} from the middle")
 
 
-def _width(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+def _width(place: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
     on = surface(bearing, defect.race)
     if defect.width > on.widest:
         width, most = show(defect.width, "mm"), show(on.widest, "mm")
         message = f"a defect of {width} is wider than the {on.spacing} ({most})"
-        paths, hint = _sized(at, "width", defect)
+        paths, hint = _sized(place, "width", defect)
         yield Conflict("wide", (*paths, ("bearing",)), message, hint)
 
 
-def _ramp(at: Path, defect: "Defect") -> Iterator[Conflict]:
+def _ramp(place: Path, defect: "Defect") -> Iterator[Conflict]:
     ramp = defect.edge.ramp if defect.edge is not None else None
     if ramp is not None and ramp > defect.width:
         message = f"a ramp of {show(ramp, 'mm')} is longer than the defect is wide ({show(defect.width, 'mm')})"
-        yield Conflict("ramp", ((*at, "edge", "ramp"), (*at, "width")), message, "make it shorter")
+        yield Conflict("ramp", ((*place, "edge", "ramp"), (*place, "width")), message, "make it shorter")
 
 
-def _depth(at: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+def _depth(place: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
     on = surface(bearing, defect.race)
     if defect.depth >= on.wall:
         depth, thick = show(defect.depth, "mm"), show(on.wall, "mm")
-        paths, hint = _sized(at, "depth", defect)
+        paths, hint = _sized(place, "depth", defect)
         message = f"a defect {depth} deep goes {on.through} ({thick})"
         yield Conflict("deep", (*paths, ("bearing", on.key)), message, hint)
 
 
-def _form(at: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflict]:
-    """Excitations other than the envelope have forms for simple shapes only."""
+def _form(place: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflict]:
+    """Refuse shapes without a form for excitations other than the envelope."""
     if case.excitation in PATH_EXCITATIONS:
         return
     hint = "say `excitation: envelope`, or take a rectangular, triangular or circular defect with sharp edges"
     if defect.shape not in SIMPLE_SHAPES:
         article = "an" if defect.shape[0] in "aeiou" else "a"
         what = f"{article} {defect.shape}" + (" defect" if defect.shape == "elliptical" else "")
-        paths: tuple[Path, ...] = (("excitation",), (*at, "shape"))
+        paths: tuple[Path, ...] = (("excitation",), (*place, "shape"))
         yield Conflict("form", paths, f"`{case.excitation}` has no form for {what}", hint)
     elif case.excitation == "elastic-edge":
-        yield from _elastic_edge(at, defect, case)
+        yield from _elastic_edge(place, defect, case)
     elif defect.edge is not None:
-        paths = (("excitation",), (*at, "edge"))
+        paths = (("excitation",), (*place, "edge"))
         yield Conflict("form", paths, f"`{case.excitation}` knows sharp edges only", hint)
 
 
-def _elastic_edge(at: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflict]:
-    """Elastic edges are rounded, those of all pits alike, and line contacts."""
-    paths: tuple[Path, ...] = (("excitation",), (*at, "edge"))
+def _elastic_edge(place: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflict]:
+    """Refuse elastic edges unless they are rounded, equal for all defects, and in line contacts."""
+    paths: tuple[Path, ...] = (("excitation",), (*place, "edge"))
     if case.bearing.element == "ball":
         message = "`elastic-edge` is a line contact's, and balls have none"
         yield Conflict("form", (("excitation",), ("bearing",)), message, "say `excitation: soft-edge`")
@@ -170,25 +170,25 @@ def _elastic_edge(at: Path, defect: "Defect", case: "CaseFields") -> Iterator[Co
 
 
 def _distance(a: "Defect", b: "Defect", bearing: "Bearing") -> float:
-    """How far (m) two pits of an element are apart along rolling, middle to middle."""
+    """Compute the distance (m) of two defects along rolling, middle to middle."""
     return abs(math.remainder(a.angle - b.angle, 2.0 * math.pi)) * surface(bearing, a.race).radius
 
 
-def _overlap(first: int, second: int, case: "CaseFields") -> Iterator[Conflict]:
-    """Pits that overlap are felt as one, by who follows the path of a roller."""
-    a, b = case.defects[first], case.defects[second]
+def _overlap(earlier: int, later: int, case: "CaseFields") -> Iterator[Conflict]:
+    """Refuse overlapping defects unless the excitation follows the path of a roller."""
+    a, b = case.defects[earlier], case.defects[later]
     if a.element != b.element or case.excitation in PATH_EXCITATIONS:
         return
     distance = _distance(a, b, case.bearing)
     if distance < (a.width + b.width) / 2.0:
-        paths = tuple(("defects", i, key) for i in (second, first) for key in ("angle", "width"))
-        message = f"overlaps defect {first + 1}: their centres are {show(distance, 'mm')} apart"
+        paths = tuple(("defects", i, key) for i in (later, earlier) for key in ("angle", "width"))
+        message = f"overlaps defect {earlier + 1}: their centres are {show(distance, 'mm')} apart"
         hint = f"move one: only `excitation: envelope` merges pits, `{case.excitation}` does not"
         yield Conflict("overlap", paths, message, hint)
 
 
 def _too_wide_together(case: "CaseFields") -> Iterator[Conflict]:
-    """Pits that overlap, each one the next, may together be too wide."""
+    """Refuse chains of overlapping defects that are too wide together."""
     if case.excitation not in PATH_EXCITATIONS:
         return
     for number, defect in enumerate(case.defects):
@@ -202,18 +202,18 @@ def _too_wide_together(case: "CaseFields") -> Iterator[Conflict]:
 
 
 def chain_width(number: int, case: "CaseFields") -> float:
-    """Width (m) of a defect and all that overlap it, directly or over others."""
+    """Compute the width (m) of a defect and all that overlap it, directly or over others."""
     chain, left = {number}, set(range(len(case.defects))) - {number}
     while touching := {i for i in left if any(_touch(case, i, j) for j in chain)}:
         chain |= touching
         left -= touching
-    first = case.defects[number]
-    radius = surface(case.bearing, first.race).radius
-    middles = {i: math.remainder(case.defects[i].angle - first.angle, 2.0 * math.pi) * radius for i in chain}
+    leader = case.defects[number]
+    radius = surface(case.bearing, leader.race).radius
+    middles = {i: math.remainder(case.defects[i].angle - leader.angle, 2.0 * math.pi) * radius for i in chain}
     low = min(middles[i] - case.defects[i].width / 2.0 for i in chain)
     return max(middles[i] + case.defects[i].width / 2.0 for i in chain) - low
 
 
-def _touch(case: "CaseFields", first: int, second: int) -> bool:
-    a, b = case.defects[first], case.defects[second]
+def _touch(case: "CaseFields", earlier: int, later: int) -> bool:
+    a, b = case.defects[earlier], case.defects[later]
     return a.element == b.element and _distance(a, b, case.bearing) < (a.width + b.width) / 2.0

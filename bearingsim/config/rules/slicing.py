@@ -12,12 +12,12 @@ if TYPE_CHECKING:
 
 
 def reach(defect: "Defect") -> tuple[float, float]:
-    """From where to where a defect reaches along the roller, m from its middle."""
+    """Return the extent of a defect along the roller, m from its middle."""
     return defect.offset - defect.length / 2.0, defect.offset + defect.length / 2.0
 
 
 def slice_ends(case: "CaseFields") -> Any:
-    """Ends (n + 1,) of the slices of the case's roller, m from its middle. ValueError if they are too many."""
+    """Return the ends (n + 1,) of the slices of the case's roller, m from its middle. ValueError if too many."""
     pits = tuple(map(reach, case.defects))
     return _slice_ends(float(case.bearing.roller_length or 0.0), pits, case.contact.slices)
 
@@ -26,13 +26,13 @@ def slice_ends(case: "CaseFields") -> Any:
 def _slice_ends(length: float, pits: tuple[tuple[float, float], ...], count: int) -> Any:
     from bearingsim.core.geometry.slices import slice_edges  # numpy, which only who computes needs
 
-    found = slice_edges(length, pits, count)
-    found.flags.writeable = False  # many cases share it
-    return found
+    edges = slice_edges(length, pits, count)
+    edges.flags.writeable = False  # many cases share it
+    return edges
 
 
 def slice_count(case: "CaseFields") -> int | None:
-    """Slices of the case's roller; None if its model has none, or they are too many: then the case is refused."""
+    """Count the slices of the case's roller; None if its model has none, or for too many (then refused)."""
     if not catalogue.MODELS[case.model].sliced or case.bearing.roller_length is None:
         return None
     try:
@@ -42,7 +42,7 @@ def slice_count(case: "CaseFields") -> int | None:
 
 
 def by_slices(channel: str, case: "CaseFields") -> tuple[str, ...]:
-    """The channel; of a line load along the whole roller one channel for each slice, if the model has slices."""
+    """Expand a line load along the whole roller to one channel per slice, if the model has slices."""
     whole, count = line_load_of(channel), slice_count(case)
     if whole is None or count is None:
         return (channel,)

@@ -76,7 +76,7 @@ class Grid(NamedTuple):
 
 
 def read_file(path: Path) -> tuple[Grid, str]:
-    """The grid of a file, ascending, and the digest of what was read. Raises ScanError for what is no scan."""
+    """Read the grid of a file, ascending, and the digest of its content. Raises ScanError for an invalid scan."""
     if isdir(path):
         raise ScanError(f"`{path}` is a folder", "name the file in it")
     if not isfile(path):
@@ -96,7 +96,7 @@ def read_file(path: Path) -> tuple[Grid, str]:
 
 
 def digest_of(content: bytes) -> str:
-    """16 hex digits that name what is in a file."""
+    """Return 16 hex digits that identify the content of a file."""
     return hashlib.sha256(content).hexdigest()[:16]
 
 
@@ -122,38 +122,38 @@ def _csv(name: str, content: bytes) -> Grid:
     return _listed(rows, numbers)
 
 
-def _check_separator(first: str) -> None:
+def _check_separator(line: str) -> None:
     """Refuse what spreadsheets write where the decimal point is a comma."""
     for separator, name in ((";", "`;`"), ("\t", "a tab")):
-        if separator in first.strip():
+        if separator in line.strip():
             raise ScanError(f"the separator is {name}", "use a comma, and a point for decimals")
 
 
 def _echo(text: str, most: int = LONGEST_ECHO) -> str:
-    """The beginning of what a file says."""
-    said = text.strip()
-    return f"`{said}`" if len(said) <= most else f"`{said[: most - 3]}...`"
+    """Quote the beginning of a text."""
+    stripped = text.strip()
+    return f"`{stripped}`" if len(stripped) <= most else f"`{stripped[: most - 3]}...`"
 
 
 def _columns(heads: Sequence[str], form: Wording) -> dict[str, tuple[int, float]]:
-    """Place and factor to SI of each known column."""
-    found = {}
+    """Return index and factor to SI of each recognised column."""
+    columns = {}
     for place, head in enumerate(heads):
         named = _COLUMN.fullmatch(head)
         if named and named[1] in NAMES:
-            found[named[1]] = (place, _factor(named[1], named[2], form))
-    missing = [name for name in ("s", "z") if name not in found]
-    if missing or ("depth" in found) == ("height" in found):
-        asked = "`s`, `z` and either `depth` or `height`"
+            columns[named[1]] = (place, _factor(named[1], named[2], form))
+    missing = [name for name in ("s", "z") if name not in columns]
+    if missing or ("depth" in columns) == ("height" in columns):
+        required = "`s`, `z` and either `depth` or `height`"
         shown = heads[:6]
         most = max(LONGEST_ECHO // max(len(shown), 1), SHORTEST_ECHO)
-        said = ", ".join(_echo(head, most) for head in shown) or "none"
-        raise ScanError(f"expected {form.columns} {asked}, got {said}", form.example)
-    return found
+        listing = ", ".join(_echo(head, most) for head in shown) or "none"
+        raise ScanError(f"expected {form.columns} {required}, got {listing}", form.example)
+    return columns
 
 
 def _factor(name: str, unit: str | None, form: Wording) -> float:
-    """Metres in a unit; of heights negative."""
+    """Return the length of a unit in m; negative for heights."""
     if not unit:
         raise ScanError(f"the unit of `{name}` is missing", form.unit.format(name))
     try:
@@ -164,7 +164,7 @@ def _factor(name: str, unit: str | None, form: Wording) -> float:
 
 
 def _listed(rows: list[list[str]], numbers: list[int]) -> Grid:
-    """A list of points as a grid."""
+    """Arrange a list of points as a grid."""
     columns = _columns(rows[0], CSV)
     rest = [head.strip() for n, head in enumerate(rows[0]) if n not in {place for place, _ in columns.values()}]
     table = _numbers(rows[1:], numbers[1:], len(rows[0]))
@@ -175,8 +175,8 @@ def _listed(rows: list[list[str]], numbers: list[int]) -> Grid:
     if np.isnan(s).any() or np.isnan(z).any():
         raise ScanError("a point has no place", "`s` and `z` must be in every line")
     if len(table) < MIN_FILLED * len(s) * len(z):
-        found = f"{len(table)} points at {len(s)} values of s and {len(z)} of z"
-        raise ScanError(f"the points form no grid: {found}", "interpolate them onto one")
+        counts = f"{len(table)} points at {len(s)} values of s and {len(z)} of z"
+        raise ScanError(f"the points form no grid: {counts}", "interpolate them onto one")
     if len(np.unique(row * len(s) + column)) < len(table):
         raise ScanError("two points have the same place")
     depth = np.full((len(z), len(s)), np.nan)
@@ -188,7 +188,7 @@ def _listed(rows: list[list[str]], numbers: list[int]) -> Grid:
 
 
 def _falls(values: np.ndarray) -> bool:
-    """Whether places are listed from the last to the first."""
+    """Check if coordinates are in descending order."""
     steps = np.diff(values)
     return bool(np.count_nonzero(steps < 0.0) > np.count_nonzero(steps > 0.0)) if values[0] > values[-1] else False
 
@@ -206,7 +206,7 @@ def _grid(rows: list[list[str]], numbers: list[int]) -> tuple[np.ndarray, np.nda
 
 
 def _numbers(rows: list[list[str]], numbers: list[int], width: int) -> np.ndarray:
-    """Cells (n, width) as numbers, NaN where there is none."""
+    """Convert cells (n, width) to numbers, NaN for empty ones."""
     if len(rows) * width > MAX_POINTS:
         raise ScanError(f"{len(rows) * width} cells; at most {MAX_POINTS}", "thin it out")
     out = np.full((len(rows), width), np.nan)
@@ -252,7 +252,7 @@ def _hdf5(name: str, content: bytes) -> Grid:
 
 
 def _check_shapes(shapes: Mapping[str, tuple[int, ...]]) -> None:
-    """Raises ScanError for datasets that do not fit each other, or are too large."""
+    """Raise ScanError for datasets of inconsistent shape, or too large ones."""
     s, z, p = shapes["s"], shapes["z"], shapes["depth" if "depth" in shapes else "height"]
     if len(s) != 1 or len(z) != 1 or p != (*z, *s):
         raise ScanError(f"expected s (n_s,), z (n_z,) and depth (n_z, n_s), got s {s}, z {z}, depth {p}")
@@ -261,7 +261,7 @@ def _check_shapes(shapes: Mapping[str, tuple[int, ...]]) -> None:
 
 
 def _ascending(s: np.ndarray, z: np.ndarray, depth: np.ndarray) -> Grid:
-    """The grid with axes that run downwards turned round."""
+    """Reverse the descending axes of a grid."""
     notes: list[str] = []
     for name, axis in (("s", s), ("z", z)):
         _check_axis(name, axis)
@@ -290,12 +290,12 @@ FORMS: dict[str, Callable[[str, bytes], Grid]] = {".csv": _csv, ".txt": _csv, ".
 
 
 def places(which: Iterable[tuple[int, int]], grid: Grid) -> str:
-    """Places of cells (row, column), the first three of them."""
+    """Format the positions of cells (row, column), the first three of them."""
     listed = list(which)
-    told = [f"s = {mm(grid.s[j])}, z = {mm(grid.z[i])}" for i, j in listed[:3]]
-    return "; ".join(told) + ("; ..." if len(listed) > 3 else "")
+    texts = [f"s = {mm(grid.s[j])}, z = {mm(grid.z[i])}" for i, j in listed[:3]]
+    return "; ".join(texts) + ("; ..." if len(listed) > 3 else "")
 
 
 def mm(metres: float) -> str:
-    """A place in mm; what rounding has left of zero is zero."""
+    """Format a position in mm, rounding residuals of zero to zero."""
     return f"{round(1e3 * float(metres), 9) + 0.0:.4g} mm"

@@ -47,7 +47,7 @@ class Scan(NamedTuple):
 
 
 def read_scan(path: str | Path) -> Scan:
-    """The scan in a file. Raises ScanError if it is not of the format, or not fit for use."""
+    """Read the scan in a file. Raises ScanError for an invalid format, or data not fit for use."""
     file = Path(path)
     if not isfile(file):
         return _read(file, 0, 0)  # which refuses it
@@ -69,7 +69,7 @@ def _read(path: Path, modified: int, size: int) -> Scan:
 
 
 def _doubts(width: float, depth: float) -> Iterator[str]:
-    """What makes a pit so unlike one that its file's units may be wrong."""
+    """Yield the reasons to doubt the units of a file, from an unusual size of its defect."""
     if width < NARROW:
         yield f"the pit is only {_um(width)} wide along s: is the unit right?"
     if depth > width:
@@ -86,7 +86,7 @@ class Pitted(Protocol):
 
 
 def notes(cases: Iterable[Pitted]) -> list[str]:
-    """What was repaired and assumed in the scans of some cases, each thing once. Raises ScanError."""
+    """List the repairs and assumptions in the scans of some cases, without duplicates. Raises ScanError."""
     files = dict.fromkeys(d.file for case in cases for d in case.defects if d.file is not None)
     return list(dict.fromkeys(f"{Path(file).name}: {note}" for file in files for note in read_scan(file).notes))
 
@@ -95,10 +95,10 @@ def notes(cases: Iterable[Pitted]) -> list[str]:
 
 
 def _without_spikes(grid: Grid) -> Grid:
-    """Cells that stand alone, or in twos, far from their neighbourhood get the median of it."""
+    """Replace single cells or pairs far from their neighbourhood by its median."""
     around = _neighbours(grid.depth)
-    known = np.where(np.isnan(grid.depth), 0.0, grid.depth)
-    middle = np.nanmedian(np.concatenate([around, known[None]]), axis=0)
+    filled = np.where(np.isnan(grid.depth), 0.0, grid.depth)
+    middle = np.nanmedian(np.concatenate([around, filled[None]]), axis=0)
     off = grid.depth - middle
     low, high = np.nanpercentile(grid.depth, [1.0, 99.0])
     least = np.maximum(SPIKE * _roughness(off), SPIKE_OF_RANGE * float(high - low))
@@ -109,23 +109,23 @@ def _without_spikes(grid: Grid) -> Grid:
     count = int(np.count_nonzero(spikes))
     if count == 0:
         return grid
-    share, told = count / spikes.size, places(np.argwhere(spikes), grid)
+    share, where = count / spikes.size, places(np.argwhere(spikes), grid)
     lowest = f"{_um(float(np.abs(off[spikes]).min()))} and more"
     if share > MAX_SPIKES:
-        raise ScanError(f"{count} spikes of {lowest} ({share:.1%} of the cells; {told})", "filter it first")
-    note = f"{count} spike{'s' * (count > 1)} of {lowest} taken out: {told}"
+        raise ScanError(f"{count} spikes of {lowest} ({share:.1%} of the cells; {where})", "filter it first")
+    note = f"{count} spike{'s' * (count > 1)} of {lowest} taken out: {where}"
     return grid._replace(depth=np.where(spikes, middle, grid.depth), notes=(*grid.notes, note))
 
 
 def _roughness(off: np.ndarray) -> np.ndarray:
-    """Standard deviation of the bulk of what stands off its neighbourhood, around each cell."""
+    """Compute the standard deviation of the bulk of deviations from the neighbourhood, around each cell."""
     from scipy.ndimage import median_filter
 
     return np.asarray(1.4826 * median_filter(np.nan_to_num(np.abs(off)), size=AROUND))
 
 
 def _neighbours(depth: np.ndarray) -> np.ndarray:
-    """The eight neighbours of each cell (8, n_z, n_s); NaN outside."""
+    """Return the eight neighbours of each cell (8, n_z, n_s); NaN outside."""
     padded = np.pad(depth, 1, constant_values=np.nan)
     rows, columns = depth.shape
     places_around = [(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)]
@@ -133,20 +133,20 @@ def _neighbours(depth: np.ndarray) -> np.ndarray:
 
 
 def _deviation(values: np.ndarray) -> float:
-    """Standard deviation of the bulk of values: 1.4826 times the median of the absolute deviations."""
-    known = values[np.isfinite(values)]
-    return float(1.4826 * np.median(np.abs(known - np.median(known))))
+    """Estimate the standard deviation of the bulk of values: 1.4826 times the median absolute deviation."""
+    finite = values[np.isfinite(values)]
+    return float(1.4826 * np.median(np.abs(finite - np.median(finite))))
 
 
 def _filled(grid: Grid) -> Grid:
-    """Missing cells from the mean of their neighbours; gaps are closed from their rims."""
+    """Fill missing cells with the mean of their neighbours, from the rims of a gap inwards."""
     missing = np.isnan(grid.depth)
     count = int(np.count_nonzero(missing))
     if count == 0:
         return grid
-    told = places(np.argwhere(missing), grid)
+    where = places(np.argwhere(missing), grid)
     if count > MAX_MISSING * missing.size:
-        raise ScanError(f"{count} cells are missing ({count / missing.size:.1%}; {told})", "measure it again")
+        raise ScanError(f"{count} cells are missing ({count / missing.size:.1%}; {where})", "measure it again")
     gaps = _regions(missing)
     largest = int(np.bincount(gaps.ravel())[1:].max())
     if largest > LARGEST_GAP:
@@ -158,27 +158,26 @@ def _filled(grid: Grid) -> Grid:
     depth = grid.depth
     while np.isnan(depth).any():
         around = _neighbours(depth)
-        known = np.maximum(np.sum(np.isfinite(around), axis=0), 1)
-        mean = np.where(np.isfinite(around).any(axis=0), np.nansum(around, axis=0) / known, np.nan)
+        neighbours = np.maximum(np.sum(np.isfinite(around), axis=0), 1)
+        mean = np.where(np.isfinite(around).any(axis=0), np.nansum(around, axis=0) / neighbours, np.nan)
         depth = np.where(np.isnan(depth), mean, depth)
-    note = (
-        f"{count} missing cell{'s' * (count > 1)} filled from {'their' if count > 1 else 'its'} neighbours: {told}"
-    )
+    cells, whose = ("cells", "their") if count > 1 else ("cell", "its")
+    note = f"{count} missing {cells} filled from {whose} neighbours: {where}"
     return grid._replace(depth=depth, notes=(*grid.notes, note))
 
 
 def _regions(there: np.ndarray) -> np.ndarray:
-    """Numbers from 1 for cells that hang together, over corners too; 0 elsewhere."""
+    """Label connected cells from 1, over corners too; 0 elsewhere."""
     from scipy.ndimage import label
 
     return np.asarray(label(there, structure=np.ones((3, 3)))[0])
 
 
 def _levelled(grid: Grid) -> Grid:
-    """Depth from the surroundings: the plane, or the cylinder, through the grid's border. The race itself is 0."""
+    """Measure depth from the surroundings: plane or cylinder through the grid's border. The race becomes 0."""
     border = np.zeros(grid.depth.shape, dtype=bool)
     border[[0, -1], :] = border[:, [0, -1]] = True
-    surface, deviation, told = _surroundings(grid, border)
+    surface, deviation, remarks = _surroundings(grid, border)
     depth = grid.depth - surface
     pit, burr = float(depth.max()), -float(depth.min())
     if max(pit, burr) <= max(NOISE * deviation, 1e-12):
@@ -193,54 +192,54 @@ def _levelled(grid: Grid) -> Grid:
         raise ScanError(message, "take in undamaged race all around, or take its form off first")
     level = max(NOISE * deviation, 1e-9 * pit)
     rough = np.abs(depth) > level
-    told += _reached(grid, rough)
+    remarks += _reached(grid, rough)
     regions = _regions(rough)
     size = np.bincount(regions.ravel())
     kept = rough & (size[regions] >= SPECK)
     if not kept.any():
         raise ScanError(f"no pit stands out from the noise of the surroundings ({_um(deviation)})")
     if deviation > 0.0:
-        told.append(f"surroundings even to {_um(deviation)}: what is within {_um(level)} of them is the race")
+        remarks.append(f"surroundings even to {_um(deviation)}: what is within {_um(level)} of them is the race")
     specks = int(regions.max()) - len(np.unique(regions[kept]))
     if specks:
-        told.append(f"{specks} speck{'s' * (specks > 1)} of less than {SPECK} cells taken for the race")
-    return grid._replace(depth=np.where(kept, depth, 0.0), notes=(*grid.notes, *told))
+        remarks.append(f"{specks} speck{'s' * (specks > 1)} of less than {SPECK} cells taken for the race")
+    return grid._replace(depth=np.where(kept, depth, 0.0), notes=(*grid.notes, *remarks))
 
 
 def _surroundings(grid: Grid, border: np.ndarray) -> tuple[np.ndarray, float, list[str]]:
-    """The surface that most of the border lies on, its cells' deviation from it, and what that takes off."""
+    """Fit the surface of most of the border; return it, the deviation of its cells, and remarks on its removal."""
     s, z = np.meshgrid(grid.s - grid.s.mean(), grid.z - grid.z.mean())
     plane, bent = np.stack([np.ones_like(s), s, z]), np.stack([np.ones_like(s), s, z, s * s])
     flat, deviation = _fitted(plane, grid.depth, border)
     curved, closer = _fitted(bent, grid.depth, border)
     scale = np.array([1.0, np.ptp(grid.s), np.ptp(grid.z)])
-    told, depth = [], float(np.ptp(grid.depth))
+    remarks, depth = [], float(np.ptp(grid.depth))
     if 2.0 * closer < deviation and deviation > 1e-3 * depth:
-        told.append(f"curved by a radius of {1e3 / abs(2.0 * curved[3]):.4g} mm along s: taken off")
+        remarks.append(f"curved by a radius of {1e3 / abs(2.0 * curved[3]):.4g} mm along s: taken off")
         flat, plane, deviation = curved, bent, closer
     shift, *tilt = flat[:3] * scale
     if max(abs(shift), *map(abs, tilt)) > max(deviation, 1e-3 * depth):
-        told.append(
+        remarks.append(
             f"levelled: offset {_um(shift)}, tilt {_um(tilt[0])} along s and {_um(tilt[1])} along z taken off"
         )
-    return np.tensordot(flat, plane, 1), deviation, told
+    return np.tensordot(flat, plane, 1), deviation, remarks
 
 
 def _fitted(terms: np.ndarray, depth: np.ndarray, border: np.ndarray) -> tuple[np.ndarray, float]:
-    """Coefficients of ``terms`` (k, n_z, n_s) by least squares on the border's bulk, and its deviation (m)."""
+    """Fit coefficients of ``terms`` (k, n_z, n_s) to the bulk of the border; return them and the deviation (m)."""
     A, p = terms[:, border].T, depth[border]
     scale = np.abs(A).max(axis=0)
     kept = np.abs(p - np.median(p)) <= max(NOISE * _deviation(p), 1e-15)
-    found = np.zeros(len(terms))
+    coefficients = np.zeros(len(terms))
     for _ in range(20):
-        found = np.linalg.lstsq(A[kept] / scale, p[kept], rcond=None)[0] / scale
-        off = p - A @ found
+        coefficients = np.linalg.lstsq(A[kept] / scale, p[kept], rcond=None)[0] / scale
+        off = p - A @ coefficients
         kept = np.abs(off) <= max(NOISE * _deviation(off), 1e-15)
-    return found, _deviation(p - A @ found)
+    return coefficients, _deviation(p - A @ coefficients)
 
 
 def _reached(grid: Grid, rough: np.ndarray) -> list[str]:
-    """Whether damage reaches the scan's sides: across them it is taken to end there, along them refused."""
+    """Check damage at the scan's sides: across them it is assumed to end there, along them it is refused."""
     sides = {"s": rough[:, [0, -1]], "z": rough[[0, -1], :].T}
     share = {axis: cells.mean(axis=0).max() for axis, cells in sides.items()}
     if share["s"] > DAMAGED_SHARE:
@@ -252,14 +251,14 @@ def _reached(grid: Grid, rough: np.ndarray) -> list[str]:
 
 
 def _is_one_pit(rough: np.ndarray) -> bool:
-    """Whether the largest damage touches the first or last row."""
+    """Check if the largest damage touches the first or last row."""
     regions = _regions(rough)
     largest = int(np.argmax(np.bincount(regions.ravel())[1:])) + 1
     return bool(np.any(regions[[0, -1]] == largest))
 
 
 def _centred(grid: Grid) -> Grid:
-    """The grid around its damage, whose middle is the defect's place."""
+    """Centre the grid on its damage, at the position of the defect."""
     along, across = _reach(grid)
     s, z = float(np.mean(along)), float(np.mean(across))
     columns = (grid.s >= along[0]) & (grid.s <= along[1])
@@ -270,7 +269,7 @@ def _centred(grid: Grid) -> Grid:
 
 
 def _reach(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
-    """From where to where (m) the damage reaches along s and along z: to the first undamaged cells."""
+    """Return the extent (m) of the damage along s and along z, to the first undamaged cells."""
     damaged = grid.depth != 0.0
     return _span(grid.s, damaged.any(axis=0)), _span(grid.z, damaged.any(axis=1))
 

@@ -52,7 +52,7 @@ _TABLES: dict[str, tuple[_Row, ...]] = {"roller": _ROLLER, "ball": _BALL}
 
 
 def limits(word: Class, element: str, bore: float) -> tuple[float, float]:
-    """Least and largest clearance (m) of a class; `element` is `roller` or `ball`, `bore` in m.
+    """Return the limits of clearance (m) of a class; `element` is `roller` or `ball`, `bore` in m.
 
     Raises ValueError, saying which bores the table has.
     """
@@ -67,7 +67,7 @@ def limits(word: Class, element: str, bore: float) -> tuple[float, float]:
 
 
 def middle(word: Class, element: str, bore: float) -> float:
-    """The middle of a class's range, m; ValueError as in `limits`."""
+    """Return the middle of a class's range, m; ValueError as in `limits`."""
     low, high = limits(word, element, bore)
     return round(0.5 * (low + high), 12)
 
@@ -82,18 +82,18 @@ class _ClearanceOrClass(Quantity):
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
         return or_words(super().__get_pydantic_json_schema__(schema, handler), *CLASSES)
 
-    def _checked(self, given: Any, info: ValidationInfo) -> float:
-        if not isinstance(given, str) or not re.match(r"\s*[A-Za-z]", given):
-            return self(given)
-        if given not in CLASSES:
+    def _checked(self, raw: Any, info: ValidationInfo) -> float:
+        if not isinstance(raw, str) or not re.match(r"\s*[A-Za-z]", raw):
+            return self(raw)
+        if raw not in CLASSES:
             expected = f"expected a length such as `20 um`, or a class: {', '.join(CLASSES)}"
-            meant = given.upper() if given.upper() in CLASSES else None
-            refuse("word", f"{expected}; got `{given}`", f"did you mean `{meant}`?" if meant else None)
+            meant = raw.upper() if raw.upper() in CLASSES else None
+            refuse("word", f"{expected}; got `{raw}`", f"did you mean `{meant}`?" if meant else None)
         bearing = info.data.get("bearing")
         if bearing is None:  # wrong itself, which is told there
             return 0.0
         try:
-            return middle(given, bearing.element, bearing.bore)
+            return middle(raw, bearing.element, bearing.bore)
         except ValueError as error:
             refuse("bore", str(error), "give a length")
 

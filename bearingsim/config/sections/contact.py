@@ -40,12 +40,12 @@ SPELLED_OIL = {
 }
 
 
-def _oil(given: Any) -> str:
-    """`VG 68`, whatever its spelling."""
-    word = str(given).upper().replace("ISO", "").replace("VG", "").strip()
+def _oil(raw: Any) -> str:
+    """Normalise the spelling of an ISO grade: `VG 68`."""
+    word = str(raw).upper().replace("ISO", "").replace("VG", "").strip()
     if not word.isdecimal() or int(word) not in GRADES:
         listed = f"there are {', '.join(KNOWN_OILS)}"
-        refuse("word", f"expected an ISO grade such as `VG 68`, got {described(given)}", listed)
+        refuse("word", f"expected an ISO grade such as `VG 68`, got {described(raw)}", listed)
     return f"VG {int(word)}"
 
 
@@ -71,11 +71,11 @@ class _ByStiffness(Section):
         """c/k (s)."""
 
     def jumps(self, touch_down_stiffness: bool) -> bool:
-        """Whether the force jumps as a contact closes: where it is stiff from the start."""
+        """Check if the force jumps at touch-down: for a contact stiff from the start."""
         return self.damping_time > 0.0 and touch_down_stiffness
 
     def caveat(self, opens: bool) -> str:
-        """What is to be kept in mind of the results; ``opens``: contacts open and close again."""
+        """Return a caveat on the results; ``opens``: contacts open and close again."""
         return NEARLY_JUMPS if opens and self.damping_time > 0.0 else ""
 
 
@@ -132,13 +132,13 @@ class Film(Section):
         elif self.temperature is None:
             refuse("missing", "an oil needs its temperature, such as `temperature: 55 C`", at="oil")
         elif not COLDEST <= self.temperature - ZERO_CELSIUS <= HOTTEST:
-            given, known = f"{self.temperature - ZERO_CELSIUS:g} C", f"{COLDEST:g} C to {HOTTEST:g} C"
-            told = f"the viscosity of oils is known from {known}, not at {given}"
-            refuse("bound", told, "say `viscosity`", at="temperature")
+            temperature, limits = f"{self.temperature - ZERO_CELSIUS:g} C", f"{COLDEST:g} C to {HOTTEST:g} C"
+            message = f"the viscosity of oils is known from {limits}, not at {temperature}"
+            refuse("bound", message, "say `viscosity`", at="temperature")
         return self
 
     def caveat(self, opens: bool) -> str:
-        """What is to be kept in mind of the results; ``opens``: contacts open and close again."""
+        """Return a caveat on the results; ``opens``: contacts open and close again."""
         if self.at == "own":
             return "`film` at the element's own frequency is an order of magnitude; flooded, isothermal contacts"
         return (
@@ -176,7 +176,7 @@ class General(Section):
     indentation_exponent: Exponent
 
     def jumps(self, touch_down_stiffness: bool) -> bool:
-        """Whether the force jumps as a contact closes: damping that does not grow with the approach."""
+        """Check if the force jumps at touch-down: for damping that does not grow with the approach."""
         return self.coefficient > 0.0 and isclose(self.indentation_exponent, 0.0, abs_tol=1e-12)
 
 
@@ -205,25 +205,25 @@ WORDS = tuple(word for word in STIFFNESS.words if word not in STIFFNESS.sections
 KNOWN = (*WORDS, *STIFFNESS.sections)
 
 
-def _stiffness(given: Any) -> Any:
-    """A law without numbers as a word; one with numbers as a mapping."""
-    law = STIFFNESS.tag(given) if isinstance(given, dict) else getattr(given, "law", given)
+def _stiffness(raw: Any) -> Any:
+    """Convert a law without numbers to a word, and one with numbers to a mapping."""
+    law = STIFFNESS.tag(raw) if isinstance(raw, dict) else getattr(raw, "law", raw)
     if law not in KNOWN:
         raise_unknown_word(law, KNOWN)
-    if law in WORDS and isinstance(given, dict):
-        others = [key for key in given if key != "law"]
+    if law in WORDS and isinstance(raw, dict):
+        others = [key for key in raw if key != "law"]
         if others:
             refuse("unknown", f"the law `{law}` takes no numbers", f"leave out {', '.join(others)}")
         return law
-    if isinstance(given, str) and law not in WORDS:
+    if isinstance(raw, str) and law not in WORDS:
         if law in STIFFNESS.words:
             return {"law": law}
         refuse("missing", f"the law `{law}` needs numbers", "{law: constant, coefficient: 3e5, exponent: 1.1}")
-    return given
+    return raw
 
 
-def _stiffness_tag(given: Any) -> Any:
-    return WORD if isinstance(given, str) else STIFFNESS.tag(given)
+def _stiffness_tag(raw: Any) -> Any:
+    return WORD if isinstance(raw, str) else STIFFNESS.tag(raw)
 
 
 if TYPE_CHECKING:

@@ -118,13 +118,13 @@ class Defect(Section):
     @model_validator(mode="before")
     @classmethod
     def _measured(cls, data: Any) -> Any:
-        """A scan with the sizes that its file has. Words `none` are left out: a sweep's way to say nothing."""
+        """Complete a scan by the sizes of its file; drop words `none`, by which a sweep omits a field."""
         if not isinstance(data, dict):
             return data
-        said = {
+        fields = {
             key: value for key, value in data.items() if key not in _MAY_BE_NONE or value not in ("none", None)
         }
-        return _with_scan(said) if said.get("shape") == "scan" else said
+        return _with_scan(fields) if fields.get("shape") == "scan" else fields
 
     @model_validator(mode="after")
     def _of_its_shape(self) -> "Defect":
@@ -144,30 +144,33 @@ class Defect(Section):
 _MAY_BE_NONE = (*SIZES, *_OF_SHAPE, "edge")
 
 
-def _with_scan(said: dict[str, Any]) -> dict[str, Any]:
-    if not isinstance(said.get("file"), str):
+def _with_scan(fields: dict[str, Any]) -> dict[str, Any]:
+    if not isinstance(fields.get("file"), str):
         refuse(
-            "missing", "a scan needs `file`", "as in `file: scans/spall.csv`", at="file" if "file" in said else ""
+            "missing",
+            "a scan needs `file`",
+            "as in `file: scans/spall.csv`",
+            at="file" if "file" in fields else "",
         )
     from bearingsim.config.scan.repair import ScanError, read_scan  # numpy is for those who scan
 
-    given = [name for name in (*SIZES, "digest") if name in said]
-    made = len(given) == len(SIZES) + 1 and all(isinstance(said[name], int | float) for name in SIZES)
-    if given and not made:
-        refuse("foreign", f"a scan's {given[0]} comes from its file", "leave it out", at=given[0])
+    present = [name for name in (*SIZES, "digest") if name in fields]
+    made = len(present) == len(SIZES) + 1 and all(isinstance(fields[name], int | float) for name in SIZES)
+    if present and not made:
+        refuse("foreign", f"a scan's {present[0]} comes from its file", "leave it out", at=present[0])
     try:
-        scan = read_scan(said["file"])
+        scan = read_scan(fields["file"])
     except ScanError as error:
         refuse("scan", error.message, error.hint, at="file")
     if made:
-        _check_unchanged(said, scan.digest, scan.sizes)
-    return said | dict(zip(SIZES, scan.sizes, strict=True)) | {"digest": scan.digest}
+        _check_unchanged(fields, scan.digest, scan.sizes)
+    return fields | dict(zip(SIZES, scan.sizes, strict=True)) | {"digest": scan.digest}
 
 
-def _check_unchanged(said: dict[str, Any], digest: str, sizes: tuple[float, ...]) -> None:
+def _check_unchanged(fields: dict[str, Any], digest: str, sizes: tuple[float, ...]) -> None:
     """Refuse what a defect that was made before says of its file, if it is not so."""
-    if said["digest"] != digest:
-        refuse("changed", f"`{said['file']}` has changed since", "make the case anew", at="file")
+    if fields["digest"] != digest:
+        refuse("changed", f"`{fields['file']}` has changed since", "make the case anew", at="file")
     for name, size in zip(SIZES, sizes, strict=True):
-        if not isclose(said[name], size, rel_tol=SAME_SIZE):
+        if not isclose(fields[name], size, rel_tol=SAME_SIZE):
             refuse("foreign", f"a scan's {name} comes from its file", "leave it out", at=name)

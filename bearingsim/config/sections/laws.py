@@ -21,45 +21,45 @@ class Laws:
     default: str
     words: tuple[str, ...]
 
-    def tag(self, given: Any) -> Any:
-        """The law of what is given."""
-        if not isinstance(given, dict):
-            return getattr(given, "law", None)
-        return given["law"] if "law" in given else self.told_by(given)
+    def tag(self, raw: Any) -> Any:
+        """Return the law of a value."""
+        if not isinstance(raw, dict):
+            return getattr(raw, "law", None)
+        return raw["law"] if "law" in raw else self.told_by(raw)
 
     def told_by(self, keys: Iterable[str]) -> str:
-        """The law of a mapping without `law`: the only one that has all its keys, else the default."""
+        """Return the law of a mapping without `law`: the only one with all its keys, else the default."""
         fitting = [law for law, section in self.sections.items() if section.model_fields.keys() >= set(keys)]
         return fitting[0] if len(fitting) == 1 else self.default
 
-    def spelled(self, given: Any) -> Any:
-        """A word as a mapping; refuses what is no law."""
-        found = {"law": given} if isinstance(given, str) else given
-        law = self.tag(found)
+    def spelled(self, raw: Any) -> Any:
+        """Convert a word to a mapping; refuse an unknown law."""
+        mapping = {"law": raw} if isinstance(raw, str) else raw
+        law = self.tag(mapping)
         if not isinstance(law, str) or law not in self.sections:
-            raise_unknown_word(self.tag(found), tuple(self.sections))
-        return found
+            raise_unknown_word(self.tag(mapping), tuple(self.sections))
+        return mapping
 
     def field(self) -> Any:
-        """The type of a field that holds one of them."""
+        """Return the type of a field for one of the laws."""
         return Annotated[
             self.union(), Discriminator(self.tag), Written(self.spelled, lambda own: or_words(own, *self.words))
         ]
 
     def union(self) -> Any:
-        """The sections, each with its law as a tag."""
+        """Return the union of the sections, each with its law as a tag."""
         tagged = (Annotated[section, Tag(law)] for law, section in self.sections.items())
         return Union[tuple(tagged)]  # noqa: UP007 (made at run time)
 
 
 def laws_of(what: str, default: str) -> Laws:
-    """The laws of ``what`` (`stiffness`, `damping`, `friction`) in the catalogue.
+    """Load the laws of ``what`` (`stiffness`, `damping`, `friction`) from the catalogue.
 
-    default: of a mapping that could be of several.
+    default: law of an ambiguous mapping.
     """
-    known = catalogue.LAWS[what].values()
-    sections = {law.name: section for law in known if law.section and (section := _section(law.section))}
-    return Laws(sections, default, tuple(law.name for law in known if law.bare))
+    entries = catalogue.LAWS[what].values()
+    sections = {law.name: section for law in entries if law.section and (section := _section(law.section))}
+    return Laws(sections, default, tuple(law.name for law in entries if law.bare))
 
 
 def _section(place: str) -> type[Section] | None:

@@ -39,9 +39,9 @@ _OF_ELEMENT = {"roller_length": "roller"} | dict.fromkeys(_GROOVES, "ball")
 
 
 def named(kind: Kind) -> Written:
-    """Mark of a section that may be given by name or path."""
+    """Return a mark of a section that may be given by name or path."""
     return Written(
-        lambda given: described(kind, given),
+        lambda source: described(kind, source),
         lambda own: {"anyOf": [{"type": ["string", "number"], "examples": library_names(kind)}, own]},
     )
 
@@ -108,7 +108,7 @@ class Bearing(Section):
         return self.material.density * cross_section * length
 
     def ball_pass_frequency(self, speed: float) -> float:
-        """Rollers passing a point of the outer race per second (BPFO), Hz; `speed` in rad/s."""
+        """Compute the ball pass frequency of the outer race (BPFO), Hz; `speed` in rad/s."""
         return ball_pass_frequency_outer(speed, self.roller_diameter, self.pitch_diameter, self.rollers)
 
     @model_validator(mode="after")
@@ -125,8 +125,8 @@ class Bearing(Section):
     def _check_groove(self, name: str) -> None:
         ball = self.roller_diameter / 2.0
         if not ball < getattr(self, name) <= 2.0 * ball:
-            given, least, most = (show(value, "mm") for value in (getattr(self, name), ball, 2.0 * ball))
-            refuse("groove", f"a groove of {given} does not fit the ball (over {least}, at most {most})", at=name)
+            radius, least, most = (show(value, "mm") for value in (getattr(self, name), ball, 2.0 * ball))
+            refuse("groove", f"a groove of {radius} does not fit the ball (over {least}, at most {most})", at=name)
 
     @model_validator(mode="after")
     def _fits(self) -> "Bearing":
@@ -192,7 +192,7 @@ class Rig(Section):
 
     @model_validator(mode="after")
     def _whole(self) -> "Rig":
-        """One angle of the sensor, and no more of a ring that does not bend."""
+        """Check for one angle of the sensor, and fields of a flexible ring only with one."""
         angle = self.sensor_angle if self.sensor.angle is None else self.sensor.angle
         if "sensor_angle" in self.model_fields_set and angle != self.sensor_angle:
             refuse(
@@ -207,5 +207,5 @@ class Rig(Section):
 
 
 def default_rig() -> Rig:
-    """The rig taken when none is named."""
+    """Return the default rig."""
     return Rig.model_validate(described("rigs", "bvt5"))

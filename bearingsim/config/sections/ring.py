@@ -41,10 +41,10 @@ class Mapped(Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _is_a_mapping(cls, given: Any) -> Any:
-        if isinstance(given, dict | cls):
-            return given
-        return refuse("mapping", f"expected a mapping such as `{cls.example}`, got {described(given)}")
+    def _is_a_mapping(cls, raw: Any) -> Any:
+        if isinstance(raw, dict | cls):
+            return raw
+        return refuse("mapping", f"expected a mapping such as `{cls.example}`, got {described(raw)}")
 
 
 class RingSection(Mapped):

@@ -21,9 +21,9 @@ from bearingsim.config.fields import (
 ProfileShape = Literal["straight", "crowned", "logarithmic"]
 
 
-def _spelled(given: Any) -> Any:
-    """A bare word is a shape that needs no numbers."""
-    return {"shape": given} if isinstance(given, str) else given
+def _spelled(raw: Any) -> Any:
+    """Convert a bare word to a shape without numbers."""
+    return {"shape": raw} if isinstance(raw, str) else raw
 
 
 class Profile(Section):
