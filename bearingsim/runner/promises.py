@@ -15,14 +15,13 @@ __all__ = ["held", "promises", "withdrawals"]
 
 
 def promises(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
-    """All of it; nothing of a study that names none."""
+    """Yield the models chosen for an accuracy, what audits found, and what the accuracy leaves out."""
     accuracy = plan.get("accuracy")
     if accuracy is None:
         return
-    within = f"{100.0 * accuracy['within']:.3g} %"
-    models = Counter(one["model"] for one in accuracy["jobs"].values())
-    told = ", ".join(f"`{model}` in {count}" for model, count in models.most_common())
-    yield f"models for {within} of {', '.join(accuracy['of'])}: {told} of {len(accuracy['jobs'])} cases"
+    models = Counter(entry["model"] for entry in accuracy["jobs"].values())
+    counts = ", ".join(f"`{model}` in {count}" for model, count in models.most_common())
+    yield f"models for {_percent(accuracy)}: {counts} of {len(accuracy['jobs'])} cases"
     yield from accuracy["notes"]
     audits = _by_job(plan, frame)
     if audits:
@@ -32,28 +31,27 @@ def promises(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
             f"audit: {kept} of {len(audits)} jobs computed again by their reference kept it;"
             f" the worst is {worst:.2g} % off"
         )
-    moved = {name.split(".")[1] for name in errors(plan, frame).columns}
-    unknown = [what for what in UNKNOWNS if what not in moved]
-    if unknown:
-        yield f"not examined beside it: what {', '.join(unknown)} move"
+    varied = {name.split(".")[1] for name in errors(plan, frame).columns}
+    unvaried = [what for what in UNKNOWNS if what not in varied]
+    if unvaried:
+        yield f"not included in the accuracy: {', '.join(unvaried)}"
 
 
 def withdrawals(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
-    """Yield a sentence if an audit failed: what it found, and of how many cases the promise is withdrawn."""
+    """Yield what a failed audit found, and for how many cases the promise is withdrawn."""
     refuted = store.withdrawn(plan, frame)
     if not refuted:
         return
     accuracy = plan["accuracy"]
     worst = max(store.audited(plan, frame), key=lambda audit: audit.off - audit.scatter)
-    yield (
-        f"accuracy of {100.0 * accuracy['within']:.3g} % withdrawn for {len(refuted)} of {len(accuracy['jobs'])}"
-        f" cases: {worst.feature} of {worst.job} is {100.0 * worst.off:.2g} % off its reference"
-        " (say `model: reference` to compute all by it)"
-    )
+    cases = f"{len(refuted)} of {len(accuracy['jobs'])} cases"
+    off = f"{worst.feature} is {100.0 * worst.off:.2g} % off its reference"
+    yield f"accuracy of {_percent(accuracy)} withdrawn for {cases}: {off}"
+    yield f"  in job {worst.job}; `model: reference` in place of `accuracy` computes all by it"
 
 
 def held(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
-    """Yield how many cases are as close as their study asks; after a failed audit how many of the others are."""
+    """Yield how many cases are as close as asked, and what would help others; withdrawn cases are left out."""
     accuracy = plan.get("accuracy")
     if accuracy is None:
         return
@@ -61,15 +59,20 @@ def held(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     jobs = [job for job in accuracy["jobs"] if job not in refuted]
     done = [job for job in jobs if frame["status"].get(job) == "done"]
     sums = near.loc[done, [*store.PARTS]].sum(axis=1, skipna=False).dropna()
-    close = int((sums <= accuracy["within"]).sum())
-    within, longer = f"{100.0 * accuracy['within']:.3g} %", _longer(near, sums, accuracy)
+    over = sums[sums > accuracy["within"]]
+    close = len(sums) - len(over)
+    others = f", the others within {100.0 * over.max():.2g} %" if len(over) else ""
     if done and refuted:
-        yield f"of the other {len(done)} cases {close} are within {within} by their trials{longer}"
+        yield f"of the other {len(done)} cases {close} are within {_percent(accuracy)} by their trials{others}"
     elif done:
-        yield f"accuracy of {within}: {close} of {len(done)} cases hold it, against the reference model{longer}"
+        yield f"{close} of {len(done)} cases are within {_percent(accuracy)} of the reference, a model{others}"
+    yield from _remedies(near, over, accuracy)
     if len(sums) < len(done):
-        count = len(done) - len(sums)
-        yield f"of {count} chaotic cases the scatter of a line is not known, and so not whether they hold it"
+        yield f"{len(done) - len(sums)} chaotic cases: standard error of a line, and so accuracy, unknown"
+
+
+def _percent(accuracy: Mapping[str, Any]) -> str:
+    return f"{100.0 * accuracy['within']:.3g} %"
 
 
 def _by_job(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, list[store.Audited]]:
@@ -80,15 +83,18 @@ def _by_job(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, list[st
     return audits
 
 
-def _longer(near: "pd.DataFrame", sums: "pd.Series[float]", accuracy: Mapping[str, Any]) -> str:
-    """What those need that do not hold it, if that is a longer record, or a finer discretisation."""
-    over = sums[sums > accuracy["within"]].index
-    scattered = near.loc[over, "error.scatter"]
-    left = accuracy["within"] - near.loc[over, [name for name in store.PARTS if name != "error.scatter"]].sum(
-        axis=1
-    )
-    longer = ((scattered / left) ** 2)[(left > 0.0) & (scattered > left)]
-    told = f"; {len(longer)} would with a `duration` {longer.max():.1f} times as long" if len(longer) else ""
-    nodes = near.loc[over, "error.nodes"]
-    finer = int(((nodes > 0.0) & (sums[over] - nodes <= accuracy["within"])).sum())
-    return told + (f"; {finer} would with more `contact.length_nodes` (slices, harmonics)" if finer else "")
+def _remedies(near: "pd.DataFrame", over: "pd.Series[float]", accuracy: Mapping[str, Any]) -> Iterator[str]:
+    """Yield how many cases a longer record or a finer discretisation brings within the accuracy.
+
+    near: parts of the error by job; over: the error of the cases that exceed the accuracy.
+    """
+    parts = near.loc[over.index]
+    left = accuracy["within"] - parts[[name for name in store.PARTS if name != "error.scatter"]].sum(axis=1)
+    scatter = parts["error.scatter"]
+    longer = ((scatter / left) ** 2)[(left > 0.0) & (scatter > left)]
+    if len(longer):
+        yield f"  {len(longer)} more would be with {longer.max():.1f} times the `duration`"
+    nodes = parts["error.nodes"]
+    finer = int(((nodes > 0.0) & (over - nodes <= accuracy["within"])).sum())
+    if finer:
+        yield f"  {finer} more would be with more `contact.length_nodes` (slices, harmonics)"
