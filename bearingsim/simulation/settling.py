@@ -31,6 +31,7 @@ FAST = 0.05  # a mode that keeps less of itself for a ball pass is forgotten by 
 WAIT = 2  # ball passes in which all but slow modes are forgotten
 EXTRAPOLATIONS, MOST_PASSES = 6, 120  # one after the other, as a rule; ball passes after which none is found
 CAGE_TURNS = 5.0  # that a free cage takes to settle
+LOOSE = 1e-5  # share of the rings' motion under which a mode is that of rollers that touch nothing
 SMALL = 1e-3  # of the approach at rest: a displacement in which the contacts are straight
 
 
@@ -92,7 +93,8 @@ def extrapolation_passes(case: Case) -> int:
 def modes(case: Case) -> tuple[complex, ...]:
     """Return the eigenvalues (1/s) of rings and rollers in radial motion about rest, those of both signs.
 
-    None of a model without memory. Raises ``Refused`` if nothing holds the ring.
+    None of a model without memory; those of rollers that press on no ring are left out. Raises ``Refused`` if
+    nothing holds the ring.
     """
     if MODELS[case.model].memoryless:
         return ()
@@ -107,12 +109,16 @@ def _modes(healthy: Case) -> tuple[complex, ...]:
     load, K, _ = loads_at_rest(healthy)
     model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
     t, y = next(at_rest_in_a_pass(model))[:2]
-    matrix = _linearised(model, t, y, SMALL * approach(model.outer, load), K)
-    return tuple(complex(value) for value in np.linalg.eigvals(matrix))
+    matrix, cells = _linearised(model, t, y, SMALL * approach(model.outer, load), K)
+    values, vectors = np.linalg.eig(matrix)
+    shapes = np.abs(vectors[: len(cells)])
+    of_rings = (cells < lay.FIRST_LANE) | (cells >= lay.FIRST_LANE + model.bearing.Z)
+    shares = shapes[of_rings].max(axis=0, initial=0.0) / shapes.max(axis=0)
+    return tuple(complex(value) for value in values[shares > LOOSE])
 
 
-def _linearised(model: Any, t: float, y: np.ndarray, small: float, K: float) -> np.ndarray:
-    """Return the matrix (2 n, 2 n) of the motion about rest, by central differences of the accelerations.
+def _linearised(model: Any, t: float, y: np.ndarray, small: float, K: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the matrix (2 n, 2 n) of the motion about rest, by central differences, and the cells (n,) that move.
 
     small: displacement (m); K: stiffness over mass (1/s^2) of the stiffest roller, by which a speed is as small.
     """
@@ -129,7 +135,7 @@ def _linearised(model: Any, t: float, y: np.ndarray, small: float, K: float) -> 
     moves = np.abs(slopes[0]).sum(axis=1) > 0.0  # an inner ring without a shaft does not
     stiffness, damping = (found[np.ix_(moves, moves)] for found in slopes)
     still = np.zeros_like(stiffness)
-    return np.block([[still, np.eye(len(still))], [stiffness, damping]])
+    return np.block([[still, np.eye(len(still))], [stiffness, damping]]), cells[moves]
 
 
 def _radial(model: Any) -> np.ndarray:
