@@ -9,15 +9,13 @@ from typing import Any
 
 from bearingsim import store
 
-__all__ = ["OtherRuns", "notes"]
-
 LOOK_S = 0.5
-"""How long what was seen of other runs is taken to be all."""
+"""Least time between two looks into the folder (s): each lists all units."""
 
 
 @dataclass
 class OtherRuns:
-    """What other runs have sealed in a folder since this one began.
+    """Jobs that other runs have sealed in a folder since this one began.
 
     known: names of the units that were judged then. Of its own units a run begins no job that it has sealed.
     """
@@ -28,7 +26,7 @@ class OtherRuns:
     _looked: float = field(default=-LOOK_S, init=False)
 
     def have(self, job: str) -> bool:
-        """Whether another run has sealed a job, as far as was to be seen within the last half second."""
+        """Check if another run has sealed a job, as seen at most LOOK_S ago."""
         if time.monotonic() - self._looked >= LOOK_S:
             others = store.unit_names(self.root) - self.known
             self._jobs = {name for unit in others for name in _jobs(store.unit_path(self.root, unit))}
@@ -38,7 +36,7 @@ class OtherRuns:
 
 @cache
 def _jobs(path: Path) -> list[str]:
-    """Of a unit, which never changes; none of one that cannot be read: its jobs are computed again."""
+    """Return the ids of the jobs of a unit, which never changes; none if it cannot be read."""
     try:
         return store.jobs_named(path)
     except store.DamagedUnit:
@@ -46,7 +44,7 @@ def _jobs(path: Path) -> list[str]:
 
 
 def notes(root: Path, plan: Mapping[str, Any], elsewhere: int) -> Iterator[str]:
-    """What other runs in the folder did meanwhile. plan: that of this run; elsewhere: jobs that others did."""
+    """Yield what other runs in the folder did meanwhile; plan: of this run; elsewhere: number of their jobs."""
     if elsewhere:
         jobs = f"{elsewhere} jobs were" if elsewhere > 1 else "1 job was"
         yield f"{jobs} computed by another run in this folder meanwhile"

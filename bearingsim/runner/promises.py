@@ -11,8 +11,6 @@ from bearingsim.study.uncertainty import UNKNOWNS
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["held", "promises", "withdrawals"]
-
 
 def promises(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     """Yield the models chosen for an accuracy, what audits found, and what the accuracy leaves out."""

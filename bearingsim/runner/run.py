@@ -79,7 +79,7 @@ def run(
         before = store.holdings(root).sealed if study.goal is not None else None  # trials may do some jobs, too
         try:
             reach = partial(_reach, joined)
-            study = selected(study, root, workers, engine, alone=shard == (1, 1), shown=progress, first=reach)
+            study = selected(study, root, workers, engine, alone=shard == (1, 1), shown=progress, begin=reach)
         except Stopped as stop:
             raise Interrupted(_before_jobs(study, root, stop, time.perf_counter() - started)) from None
         every = study.jobs()

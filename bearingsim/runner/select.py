@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from bearingsim.simulation.trial import Trial
     from bearingsim.study import Job, Study
 
-__all__ = ["NoChoices", "Stopped", "selected"]
-
 LARGEST_BATCH, BATCHES = 32, 4
 """Trials that are sealed together; so many batches a worker, if there are enough."""
 LONGEST_BATCH_S = 10.0
@@ -59,12 +57,12 @@ def selected(
     engine: Engine,
     alone: bool = True,
     shown: bool | None = None,
-    first: Callable[[], None] = lambda: None,
+    begin: Callable[[], None] = lambda: None,
 ) -> "Study":
-    """The study with a model chosen for each case; itself if it names no accuracy.
+    """Choose a model for each case of a study; return the study itself if it names no accuracy.
 
-    Choices that the folder holds are taken as they are. alone: whether this is no share of the study. first: what
-    is done before a model is tried. Raises NoChoices, and Stopped by Ctrl-C.
+    Choices in the folder are kept. alone: whether this is no share of the study; begin: called before a model is
+    tried. Raises NoChoices, and Stopped by Ctrl-C.
     """
     if study.goal is None:
         return study
@@ -77,10 +75,10 @@ def selected(
             f" run `{command('check', study, root, '--pilots')}` first"
         )
     if missing:
-        first()
-        found = _decided(study, root, missing, workers, engine, shown)
-        choices, plans = store.add_choices(root, found.choices, plan_name(study, keys))
-        store.log(root, "models chosen", cases=len(missing), repeating=found.repeating)
+        begin()
+        decision = _decided(study, root, missing, workers, engine, shown)
+        choices, plans = store.add_choices(root, decision.choices, plan_name(study, keys))
+        store.log(root, "models chosen", cases=len(missing), repeating=decision.repeating)
     done = selection.chosen(study, choices)
     assert done.selection is not None
     notes = tuple(kept(study, keys, choices, plans))
@@ -90,25 +88,25 @@ def selected(
 def _decided(
     study: "Study", root: Path, missing: Sequence[int], workers: int, engine: Engine, shown: bool | None
 ) -> selection.Decision:
-    """What is chosen for the cases of these numbers, once all that is wanted has been tried. Raises Stopped."""
+    """Choose for the cases of these numbers after all trials that the choice needs. Raises Stopped."""
     choosing = selection.Choosing(study, missing)
-    known: dict[str, Trial | None] = store.read_trials(root, selection.asked_of(study))
+    trials: dict[str, Trial | None] = store.read_trials(root, selection.asked_of(study))
     try:
-        while wanted := choosing.wanted(known):
-            known |= dict.fromkeys((one.id for one in wanted), None)  # what the machine fails is not wanted again
-            known |= _tried(root, wanted, workers, engine, study, shown)
+        while wanted := choosing.wanted(trials):
+            trials |= dict.fromkeys((trial.id for trial in wanted), None)  # one that failed is not wanted again
+            trials |= _tried(root, wanted, workers, engine, study, shown)
     except KeyboardInterrupt as stop:
         store.sweep(root)
         store.log(root, "interrupted while models were tried")
         number = getattr(stop, "number", signal.SIGINT)
         raise Stopped(root, len(store.read_trials(root)), number) from None
-    return choosing.decide(known)
+    return choosing.decide(trials)
 
 
 def _tried(
     root: Path, wanted: Sequence["Trialled"], workers: int, engine: Engine, study: "Study", shown: bool | None
 ) -> "dict[str, Trial | None]":
-    """All trials of the folder, once those that are wanted are among them: each batch is sealed as it is done."""
+    """Compute the wanted trials in batches, each sealed as it is done; return all trials of the folder."""
     provenance = store.provenance(study)
     deaths = Deaths(root, "while models were tried")
     while todo := _untried(root, wanted, study):
@@ -116,9 +114,9 @@ def _tried(
             patient(shown) as patience,
             suppress(Exception),
         ):  # what fails here fails as a trial, and is told
-            load(engine.warm)([one.case for one in todo], compiling(patience))
+            load(engine.warm)([trial.case for trial in todo], compiling(patience))
         arguments = [(root, batch, engine, provenance) for batch in _batches(todo, workers)]
-        costs = {one.id: min(price(one.case), 1e6) for one in todo}
+        costs = {trial.id: min(price(trial.case), 1e6) for trial in todo}
         try:
             with (
                 progress(shown, len(todo), sum(costs.values())) as report,
@@ -135,61 +133,64 @@ def _tried(
 
 
 def _untried(root: Path, wanted: Sequence["Trialled"], study: "Study") -> "list[Trialled]":
-    """Those of which the folder holds no trial: another process may have added some."""
-    known = store.read_trials(root, selection.asked_of(study))
-    return [one for one in wanted if one.id not in known]
+    """Return the wanted trials that the folder lacks: another process may have added some."""
+    stored = store.read_trials(root, selection.asked_of(study))
+    return [trial for trial in wanted if trial.id not in stored]
 
 
 def _batches(todo: Sequence["Trialled"], workers: int) -> list[tuple["Trialled", ...]]:
-    """Trials in batches."""
+    """Split trials into batches of LARGEST_BATCH and LONGEST_BATCH_S at most."""
     size = max(1, min(len(todo) // (BATCHES * workers), LARGEST_BATCH))
-    found: list[list[Trialled]] = []
+    batches: list[list[Trialled]] = []
     seconds = float("inf")
-    for one in todo:
-        seconds += price(one.case)
-        if not found or len(found[-1]) == size or seconds > LONGEST_BATCH_S:
-            found.append([])
-            seconds = price(one.case)
-        found[-1].append(one)
-    return [tuple(batch) for batch in found]
+    for trial in todo:
+        seconds += price(trial.case)
+        if not batches or len(batches[-1]) == size or seconds > LONGEST_BATCH_S:
+            batches.append([])
+            seconds = price(trial.case)
+        batches[-1].append(trial)
+    return [tuple(batch) for batch in batches]
 
 
 def _compute(
     root: Path, batch: tuple["Trialled", ...], engine: Engine, provenance: "Mapping[str, Value]"
 ) -> tuple[list[str], list[str]]:
-    """The trials of a batch; a reference that repeats itself is stored as a job, too. Ids done and failed.
+    """Compute the trials of a batch; return the ids done and failed.
 
-    Who is asked to stop keeps those that are done.
+    A periodic reference is stored as a job, too. After a request to stop the trials done so far are stored.
     """
-    found: dict[str, Trial | None] = {}
+    trials: dict[str, Trial | None] = {}
     records: list[tuple[Job, Record]] = []
     try:
-        for one in takewhile(lambda _: not stop_requested(), batch):
-            _try(root, one, engine, found, records)
+        for wanted in takewhile(lambda _: not stop_requested(), batch):
+            _try(root, wanted, engine, trials, records)
     finally:
         store.write_units(root, records, provenance)
-        store.write_trials(root, store.unit_name(found), found)
-    return [name for name, one in found.items() if one is not None], [n for n, one in found.items() if one is None]
+        store.write_trials(root, store.unit_name(trials), trials)
+    failed = [name for name, trial in trials.items() if trial is None]
+    return [name for name in trials if name not in failed], failed
 
 
 def _try(
     root: Path,
-    one: "Trialled",
+    wanted: "Trialled",
     engine: Engine,
-    found: "dict[str, Trial | None]",
+    trials: "dict[str, Trial | None]",
     records: "list[tuple[Job, Record]]",
 ) -> None:
-    """A trial: into what was found goes what came of it, into the records that of a whole job."""
+    """Compute a trial and add it to ``trials``, None if it failed; add a whole job to ``records``."""
     from bearingsim.simulation import SimulationError
     from bearingsim.study import Job, case_id
 
     try:
-        trial, record = load(engine.try_out)(one.case, one.asked, one.passes, one.turn, *one.against)
+        trial, record = load(engine.try_out)(
+            wanted.case, wanted.asked, wanted.passes, wanted.turn, *wanted.against
+        )
     except SimulationError:  # told by the job, if it comes to that
         trial, record = None, None
     except Exception as error:  # of the machine, perhaps: nothing is known of it, and so it is not chosen
-        store.log(root, "trial failed", case=case_id(one.case), reason=f"{type(error).__name__}: {error}")
+        store.log(root, "trial failed", case=case_id(wanted.case), reason=f"{type(error).__name__}: {error}")
         return
-    found[one.id] = trial
+    trials[wanted.id] = trial
     if record is not None:
-        records.append((Job(one.case), record))
+        records.append((Job(wanted.case), record))

@@ -159,9 +159,9 @@ def check(layout: Any, value: Any) -> None:
     try:
         _adapter(layout).validate_python(value)
     except ValidationError as error:
-        first = error.errors(include_url=False, include_context=False)[0]
-        place = ".".join(map(str, first["loc"])) or "its text"
-        raise Unreadable(f"{place[:LONGEST_PLACE]}: {first['msg']}") from None
+        entry = error.errors(include_url=False, include_context=False)[0]
+        place = ".".join(map(str, entry["loc"])) or "its text"
+        raise Unreadable(f"{place[:LONGEST_PLACE]}: {entry['msg']}") from None
 
 
 def check_plan(plan: Mapping[str, Any]) -> None:
@@ -183,10 +183,10 @@ def check_plan(plan: Mapping[str, Any]) -> None:
 def _references(plan: Mapping[str, Any]) -> Iterator[str]:
     """Yield the ids that a plan names beside those of its jobs."""
     yield from (entry["healthy"] for entry in plan["jobs"] if entry["healthy"] is not None)
-    yield from chain.from_iterable((one["of"], one["job"]) for one in plan.get("variations", ()))
+    yield from chain.from_iterable((varied["of"], varied["job"]) for varied in plan.get("variations", ()))
     yield from (plan.get("design") or {"ids": ()})["ids"]
     accuracy = plan.get("accuracy")
     if accuracy is not None:
         yield from accuracy["jobs"]
         yield from chain.from_iterable(curve["jobs"] for curve in accuracy["curves"])
-        yield from chain.from_iterable((one["of"], one["job"]) for one in accuracy["audits"])
+        yield from chain.from_iterable((audit["of"], audit["job"]) for audit in accuracy["audits"])

@@ -15,8 +15,6 @@ from bearingsim.study.uncertainty import RIGID
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["PARTS", "Audited", "audited", "nearness", "withdrawn"]
-
 STEP_OF = {"rms": "rms", "max": "force"}  # by the ending of a feature: all others are lines
 OF_RECORD = ("acceleration.rms", "displacement.rms")
 """They change otherwise than the RMS of the velocity: bounded by the largest change of all that is recorded."""
@@ -44,15 +42,15 @@ class Audited(NamedTuple):
 
 
 def scales(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
-    """What an error of a feature counts over (SI), by job."""
+    """Return the value (SI) by job that errors of a feature are relative to: the largest of its curve."""
     values = frame[f"features/{feature}"].abs()
-    found = values.copy()
-    found[:] = float("inf")
+    largest = values.copy()
+    largest[:] = float("inf")
     for curve in plan["accuracy"]["curves"]:
         if curve["feature"] == feature:
             jobs = [job for job in curve["jobs"] if job in values.index]
-            found.loc[jobs] = found.loc[jobs].clip(upper=values.loc[jobs].max())
-    return found.where(found < float("inf"), values)
+            largest.loc[jobs] = largest.loc[jobs].clip(upper=values.loc[jobs].max())
+    return largest.where(largest < float("inf"), values)
 
 
 def nearness(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
@@ -65,20 +63,20 @@ def nearness(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     import pandas as pd
 
     accuracy = plan.get("accuracy")
-    found = pd.DataFrame(index=frame.index, columns=[*PARTS, "error"], dtype=float)
+    table = pd.DataFrame(index=frame.index, columns=[*PARTS, "error"], dtype=float)
     if accuracy is None:
-        return found.iloc[:, :0]
+        return table.iloc[:, :0]
     cases = [job for job in accuracy["jobs"] if job in frame.index]
     parts = {feature: _parts(plan, frame, feature) for feature in accuracy["of"] if f"features/{feature}" in frame}
     for name in PARTS:
         of_features = pd.DataFrame({feature: part[name] for feature, part in parts.items()})
-        found.loc[cases, name] = of_features.max(axis=1).replace(inf, nan).reindex(cases)
+        table.loc[cases, name] = of_features.max(axis=1).replace(inf, nan).reindex(cases)
     if RIGID not in plan.get("assumptions", ()):
         sums = pd.DataFrame({feature: part.sum(axis=1, skipna=False) for feature, part in parts.items()})
-        found.loc[cases, "error"] = sums.max(axis=1).replace(inf, nan).reindex(cases)
-    refuted = pd.Series(withdrawn(plan, frame), dtype=float).reindex(found.index)
-    found["error"] = found["error"].where(~(refuted > found["error"].fillna(0.0)), refuted)
-    return found.where(frame["status"] == "done")
+        table.loc[cases, "error"] = sums.max(axis=1).replace(inf, nan).reindex(cases)
+    refuted = pd.Series(withdrawn(plan, frame), dtype=float).reindex(table.index)
+    table["error"] = table["error"].where(~(refuted > table["error"].fillna(0.0)), refuted)
+    return table.where(frame["status"] == "done")
 
 
 def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.DataFrame":
@@ -89,8 +87,8 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
     chosen = plan["accuracy"]["jobs"]
 
     def tried(part: str) -> "pd.Series[float]":
-        found = pd.Series({job: one.get(part, {}).get(feature, 0.0) for job, one in chosen.items()}, dtype=float)
-        return found.fillna(inf).reindex(frame.index)
+        errors = {job: choice.get(part, {}).get(feature, 0.0) for job, choice in chosen.items()}
+        return pd.Series(errors, dtype=float).fillna(inf).reindex(frame.index)
 
     step = _step_errors(frame, plain) * frame[f"features/{plain}"].abs() / size
     scatter = standard_error(frame, plain).where(~scatters_unknown(frame, plain), inf) / size
@@ -102,10 +100,10 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
 
 
 def _step_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
-    """The relative errors of the step of a feature; of an envelope, a square, twice that of the acceleration."""
-    found = of_band(feature)
-    times = 2.0 if found is not None and found.line else 1.0
-    of_acceleration = found is not None and (found.line or found.quantity == "acceleration")
+    """Return the relative step error of a feature; an envelope, a square, has twice that of the acceleration."""
+    banded = of_band(feature)
+    times = 2.0 if banded is not None and banded.line else 1.0
+    of_acceleration = banded is not None and (banded.line or banded.quantity == "acceleration")
     kind = "record" if of_acceleration or feature.partition("@")[0] in OF_RECORD else _kind(feature)
     return times * _relative(frame, f"step_error.{kind}")
 

@@ -11,8 +11,6 @@ from bearingsim.config.names import ERRORS, FAULT_LINES
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["NOTABLE", "errors", "is_one_draw", "relative_error", "spread"]
-
 BY_BLOCKS = {"velocity@BPFO": "standard_error.line", "velocity.rms": "standard_error.rms"}
 """The relative standard errors by blocks of ball passes; results of earlier versions do not have them."""
 NOTABLE = 0.005
@@ -24,7 +22,7 @@ STANDARD_DEVIATIONS = 2.5  # that `rms_scatter` stands for, or more: it counts h
 def spread(
     plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str, what: str | None = None
 ) -> "pd.DataFrame":
-    """``least`` and ``largest`` of a feature (SI) among a job and its variations of ``what`` (or of all).
+    """Return ``least`` and ``largest`` of a feature (SI) among a job and its variations of ``what`` (or of all).
 
     frame: of ``job_frame``. Indexed by the jobs whose variations all have a result; ``chaotic``: whether one of
     the motions is. None of a phase, which has no least value.
@@ -33,11 +31,11 @@ def spread(
     import pandas as pd
 
     columns = ["least", "largest", "chaotic"]
-    entries = [one for one in plan.get("variations", ()) if what is None or one["what"] == what]
+    entries = [varied for varied in plan.get("variations", ()) if what is None or varied["what"] == what]
     name = f"features/{feature}"
     if not entries or name not in frame or name.endswith(".phase"):
         return pd.DataFrame(columns=columns)
-    pairs = pd.DataFrame([(one["of"], one["job"]) for one in entries], columns=["of", "job"])
+    pairs = pd.DataFrame([(varied["of"], varied["job"]) for varied in entries], columns=["of", "job"])
     lacking = frame[name].reindex(pairs["job"]).isna().to_numpy()
     pairs = pairs[~pairs["of"].isin(pairs["of"][lacking])]  # a part of the range would look like all of it
     if pairs.empty:
@@ -48,30 +46,30 @@ def spread(
     beside = standard_error(frame, feature).reindex(pairs["job"]).to_numpy()
     pairs = pairs.assign(least=value - beside, largest=value + beside)
     pairs["chaotic"] = _chaotic(frame).reindex(pairs["job"]).to_numpy()
-    found = pairs.groupby("of", sort=False).agg({"least": "min", "largest": "max", "chaotic": "any"})
+    ranges = pairs.groupby("of", sort=False).agg({"least": "min", "largest": "max", "chaotic": "any"})
     unknown = pairs["of"][np.isnan(beside)]  # chaotic, and not seen for long enough
-    found = found[~found.index.isin(unknown)]
-    return found if (value < 0.0).any() else found.assign(least=found["least"].clip(lower=0.0))
+    ranges = ranges[~ranges.index.isin(unknown)]
+    return ranges if (value < 0.0).any() else ranges.assign(least=ranges["least"].clip(lower=0.0))
 
 
 def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
-    """How far off one draw of a chaotic motion may be (SI); 0 where it is not chaotic, or no feature tells.
+    """Return the standard error (SI) of a feature of chaotic motions; 0 where not chaotic, or nothing tells it.
 
-    NaN where the motion was not seen for long enough to tell.
+    NaN where the record is too short to tell.
     """
     import numpy as np
     import pandas as pd
 
-    found = pd.Series(0.0, frame.index)
+    error = pd.Series(0.0, frame.index)
     if f"features/{feature}-scatter" in frame:
-        found = frame[f"features/{feature}-scatter"]
+        error = frame[f"features/{feature}-scatter"]
     elif ".rms" in feature and "features/rms_scatter" in frame:
-        found = frame["features/rms_scatter"] / STANDARD_DEVIATIONS * frame[f"features/{feature}"].abs()
-    return found.replace(np.inf, np.nan).where(_chaotic(frame), 0.0)
+        error = frame["features/rms_scatter"] / STANDARD_DEVIATIONS * frame[f"features/{feature}"].abs()
+    return error.replace(np.inf, np.nan).where(_chaotic(frame), 0.0)
 
 
 def is_one_draw(table: "pd.DataFrame", feature: str, notable: float = NOTABLE) -> "pd.Series[bool]":
-    """Where a feature of a table is one draw of many: the motion is chaotic, its standard error over ``notable``.
+    """Mark jobs in which a feature is one draw of many: chaotic, with a standard error over ``notable``.
 
     ``notable``: part of the value.
     """
@@ -79,7 +77,7 @@ def is_one_draw(table: "pd.DataFrame", feature: str, notable: float = NOTABLE) -
 
 
 def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
-    """The standard error of a feature of a table as a part of it; NaN where nothing tells it.
+    """Return the standard error of a feature of a table as a part of it; NaN where nothing tells it.
 
     What is neither line nor RMS has that of the velocity's RMS.
     """
@@ -101,9 +99,9 @@ def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
 
 
 def scatters_unknown(frame: "pd.DataFrame", feature: str) -> "pd.Series[bool]":
-    """Where a feature is a line of a chaotic motion whose scatter nothing tells: it is no multiple of BPFO."""
-    told = "@" not in feature or ".rms@" in feature or f"features/{feature}-scatter" in frame
-    return _chaotic(frame) & (not told)
+    """Mark jobs in which a feature is a line of a chaotic motion without a standard error: no multiple of BPFO."""
+    has_scatter = "@" not in feature or ".rms@" in feature or f"features/{feature}-scatter" in frame
+    return _chaotic(frame) & (not has_scatter)
 
 
 def _chaotic(frame: "pd.DataFrame") -> "pd.Series[bool]":
@@ -113,20 +111,20 @@ def _chaotic(frame: "pd.DataFrame") -> "pd.Series[bool]":
 
 
 def errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
-    """(largest - least)/value by job: `error.damping` of the line, `.rms`, `.force`, and so on for all varied."""
+    """Return (largest - least)/value by job: `error.damping` of the line, `.rms`, `.force`, and so on."""
     import pandas as pd
 
-    found = pd.DataFrame(index=frame.index)
-    for what in dict.fromkeys(one["what"] for one in plan.get("variations", ())):
+    table = pd.DataFrame(index=frame.index)
+    for what in dict.fromkeys(varied["what"] for varied in plan.get("variations", ())):
         for ending in ERRORS:
             features = _features(frame, ending)
             parts = [_relative(plan, frame, name, what)[features == name] for name in features.unique()]
-            found[f"error.{what}{ending}"] = pd.concat(parts)
-    return found.dropna(how="all", axis=1)
+            table[f"error.{what}{ending}"] = pd.concat(parts)
+    return table.dropna(how="all", axis=1)
 
 
 def _features(frame: "pd.DataFrame", ending: str) -> "pd.Series[str]":
-    """Which feature a column of ``ERRORS`` is of, by job: the line that of its first defect."""
+    """Return the feature by job that a column of ``ERRORS`` is of: the line that of its first defect."""
     import pandas as pd
 
     if ending:
@@ -136,7 +134,7 @@ def _features(frame: "pd.DataFrame", ending: str) -> "pd.Series[str]":
 
 
 def _relative(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str, what: str) -> "pd.Series[float]":
-    """(largest - least)/value of a feature, NaN for jobs that were not varied."""
+    """Return (largest - least)/value of a feature, NaN for jobs that were not varied."""
     import numpy as np
     import pandas as pd
 
