@@ -19,12 +19,16 @@ from bearingsim.core.sampling import RESAMPLE_REACH
 LEAD = 4  # ball passes beyond record and filters, for the last steps of a run
 
 
+UNRESOLVED_S = 0.05  # stands for `settle: auto` in a case that no run has resolved: its least time
+
+
 def model(case: Case, support: Support) -> Impulse:
     """Build the ring as two oscillators, on the mean stiffness and damping of the healthy bearing at rest."""
     rest, b = healthy_rest(case), geometry.bearing(case)
     c_x, c_y = healthy_damping(case)
     filters = RESAMPLE_REACH / case.sampling
-    end = case.settle + case.duration + filters + LEAD / case.bearing.ball_pass_frequency(case.speed)
+    settle = case.settle if isinstance(case.settle, float) else UNRESOLVED_S
+    end = settle + case.duration + filters + LEAD / case.bearing.ball_pass_frequency(case.speed)
     pairs = pits.roller_pit_pairs(case)
     zone = load_zone(case, rest.K_x + support.k_b, rest.K_y + support.k_b)
     blows = _train(case, zone, pairs, end)
