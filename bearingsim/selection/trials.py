@@ -6,7 +6,8 @@ from functools import lru_cache
 
 from bearingsim.config import Case
 from bearingsim.selection.candidates import recut, reference, with_friction
-from bearingsim.simulation.trial import Against, Trial, cage_turn, passes_to_try, pit_turn, tells_friction
+from bearingsim.simulation.settling import cage_turn
+from bearingsim.simulation.trial import Against, Trial, passes_to_try, pit_turn, tells_friction
 from bearingsim.study import Study, healthy_twin
 from bearingsim.study.goal import HEALTHY
 from bearingsim.study.jobs import identity

@@ -13,11 +13,9 @@ from bearingsim import cpu_time, signals
 from bearingsim.config import Case
 from bearingsim.config.bands import FLAT, Band, BandFeature
 from bearingsim.config.names import LINES, of_band
-from bearingsim.simulation.channels import CAGE_ANGLE
-from bearingsim.simulation.features import ROW_OF, SampleAngles, sample_angles, sensed
+from bearingsim.simulation.features import SampleAngles, angles_of_record, sensed
 from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.record_windows import windows
-from bearingsim.simulation.settling import has_free_cage
 from bearingsim.simulation.time_grid import Grid
 
 
@@ -29,7 +27,7 @@ def band_features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str
     if not asked or not count:
         return dict.fromkeys(asked, nan)
     series = {f.quantity: sensed(case, raw, f.quantity, start, count) for f in asked.values()}
-    angles = _angles(case, model, cut, raw, start, count)
+    angles = angles_of_record(case, model, cut, raw, start, count)
     found = {}
     for name, feature in asked.items():
         cpu_time.check()
@@ -51,13 +49,6 @@ def band_of(case: Case, feature: BandFeature) -> Band:
 def resolves(band: Band, duration: float) -> bool:
     """Tell whether a record of ``duration`` (s) holds a period of a band's lowest frequency and of its width."""
     return (band.low == 0.0 or band.low * duration >= 1.0) and (band.high - band.low) * duration >= 1.0
-
-
-def _angles(case: Case, model: Any, cut: Grid, raw: RawRecord, start: int, count: int) -> SampleAngles:
-    slip = np.zeros(count)
-    if has_free_cage(case):
-        (slip,) = raw.read(start, count, np.array([ROW_OF[CAGE_ANGLE]]))
-    return sample_angles(model, cut, start, slip)
 
 
 def _envelope_line(

@@ -104,6 +104,14 @@ def sample_angles(model: Any, cut: Grid, start: int, slip: np.ndarray) -> Sample
     )
 
 
+def angles_of_record(case: Case, model: Any, cut: Grid, raw: RawRecord, start: int, count: int) -> SampleAngles:
+    """Return the angles at ``count`` fine samples of a record from number ``start`` on, as the cage has turned."""
+    slip = np.zeros(count)
+    if has_free_cage(case):
+        (slip,) = raw.read(start, count, np.array([ROW_OF[CAGE_ANGLE]]))
+    return sample_angles(model, cut, start, slip)
+
+
 def ball_pass_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """Amplitude, phase and scatter of the lines at the outer-race frequency and its multiples."""
     found = {}

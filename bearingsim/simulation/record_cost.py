@@ -20,9 +20,7 @@ FLOAT = 8  # bytes
 SENSED = 6  # rows along the sensor that are filtered for statistics
 FINER = sqrt(5.0)  # times as many steps are taken to check them
 PASSES_CHECKED = 2.0 / (1.0 + FINER)  # in a step check that takes the steps of one pass: coarse ones and fine
-BLOCK = (
-    1 << 16
-)  # fine samples that are read at a time: of a long record a copy of all rows is larger than all else
+BLOCK = 1 << 16  # fine samples read at a time: of a long record a copy of all rows is larger than all else
 TURNED = 180.0  # values for each fine sample of a block while lines of bodies that slip are read
 STEADY, TURNING = 6.0, 16.0  # values for each fine sample while lines are read, at constant speeds and at others
 BANDED = 14.0  # values for each fine sample of the record while features of bands are read

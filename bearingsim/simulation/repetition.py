@@ -45,6 +45,11 @@ def may_repeat(case: Case) -> bool:
     return known.issuperset(type(case).model_fields) and all(holds(case) for holds in CONDITIONS.values())
 
 
+def passes_are_alike(case: Case) -> bool:
+    """Tell whether the motion of a case may repeat, though it be computed in full."""
+    return may_repeat(case.model_copy(update={"periodic": True}))
+
+
 EXTREMES = {
     "outer_force.max": lay.Q_O_MAX,
     "inner_force.max": lay.Q_I_MAX,

@@ -21,7 +21,7 @@ from bearingsim.core.models.equilibrium import NoEquilibrium
 from bearingsim.core.models.interface import harmonics
 from bearingsim.errors import Refused
 from bearingsim.simulation.limits import LONGEST, at_rest_in_a_pass, loaded_at_rest, loads_at_rest
-from bearingsim.simulation.repetition import may_repeat
+from bearingsim.simulation.repetition import passes_are_alike
 
 REMEMBERED = 5e-5
 """Of the start, when the record begins. The start is up to ten times the RMS, and a tenth of the least accuracy
@@ -78,7 +78,7 @@ def slow_modes(case: Case) -> int:
 
     Ball passes must be alike, and the case, whose `settle` is a time, must settle for longer than fast modes need.
     """
-    if case.settle <= LEAST or not may_repeat(case.model_copy(update={"periodic": True})):
+    if case.settle <= LEAST or not passes_are_alike(case):
         return 0
     rate = case.bearing.ball_pass_frequency(case.speed)
     return sum(mode.real > log(FAST) * rate for mode in modes(case))

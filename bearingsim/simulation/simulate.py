@@ -33,7 +33,7 @@ from bearingsim.simulation.other_features import of_extensions, refuse_undeclare
 from bearingsim.simulation.pilot import longer_duration
 from bearingsim.simulation.prices import price
 from bearingsim.simulation.raw_record import RawRecord
-from bearingsim.simulation.repetition import may_repeat
+from bearingsim.simulation.repetition import may_repeat, passes_are_alike
 from bearingsim.simulation.settling import has_free_cage
 from bearingsim.simulation.start_error import start_errors
 from bearingsim.simulation.step_check import StepCheck
@@ -330,8 +330,7 @@ def _of_start(setup: Setup, raw: RawRecord, chaotic: bool) -> dict[str, float]:
     """What the record remembers of the run's start, relative."""
     by_chance = accuracy.StandardErrors(nan, nan)
     enough = len(record_windows.windows(setup.case, setup.cut, raw, reach=0).index) > accuracy.MIN_PASSES
-    alike = may_repeat(setup.case.model_copy(update={"periodic": True}))
-    if enough and (chaotic or alike or has_free_cage(setup.case)):
+    if enough and (chaotic or passes_are_alike(setup.case) or has_free_cage(setup.case)):
         by_chance = accuracy.standard_errors(setup.case, setup.model, setup.cut, raw)
     errors = start_errors(setup, raw, by_chance)
     return {"error.start": errors.line, "error.start.rms": errors.rms, "error.start.force": errors.force}

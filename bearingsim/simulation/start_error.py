@@ -16,13 +16,12 @@ from bearingsim.config.names import LINES
 from bearingsim.core.geometry.motion import steady
 from bearingsim.core.sampling import sampling_kernel
 from bearingsim.simulation.accuracy import QUIET_LINE, StandardErrors
-from bearingsim.simulation.channels import CAGE_ANGLE
 from bearingsim.simulation.comparison import FORCE, fault_lines
-from bearingsim.simulation.features import ROW_OF, sample_angles, sensed
+from bearingsim.simulation.features import angles_of_record, sensed
 from bearingsim.simulation.integration import Setup
 from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.record_windows import Windows, windows
-from bearingsim.simulation.settling import has_free_cage, slowest_decay
+from bearingsim.simulation.settling import slowest_decay
 from bearingsim.simulation.trial import pit_turn
 
 PARTS = 4  # of a record: how the change from one to the next shrinks tells what is to come
@@ -82,10 +81,7 @@ def _passes(setup: Setup, raw: RawRecord, of_record: Windows) -> Passes:
     velocity = sensed(case, raw, "velocity", of_record.start, n * M)
     taps = sampling_kernel(cut.fine_rate / case.sampling)
     low = sensed(case, raw.through(taps), "velocity", of_record.start, n * M)
-    slip = np.zeros(n * M)
-    if has_free_cage(case):
-        (slip,) = raw.read(of_record.start, n * M, np.array([ROW_OF[CAGE_ANGLE]]))
-    angles = sample_angles(setup.model, cut, of_record.start, slip)
+    angles = angles_of_record(case, setup.model, cut, raw, of_record.start, n * M)
     lines = np.stack(
         [
             2.0 * (velocity * np.exp(-1j * angles.along(LINES[name], raw.Z))).reshape(n, M).mean(axis=1)

@@ -24,6 +24,7 @@ from bearingsim.simulation.features import SampleAngles
 from bearingsim.simulation.integration import Setup
 from bearingsim.simulation.pilot import PILOT_PART, PIT_TURN, ROUNDING
 from bearingsim.simulation.raw_record import RawRecord
+from bearingsim.simulation.settling import cage_turn
 
 MIN_PASSES, TURNS = 16, 4
 """Ball passes, and turns of every pit through the load zone, that are compared at least."""
@@ -104,11 +105,6 @@ def passes_to_try(case: Case, loose: bool = False) -> int:
 def most_passes(case: Case) -> int:
     """Return the ball passes of a case that are computed for a trial at most, if its motion does not repeat."""
     return max(int(MOST_PART * case.duration * case.bearing.ball_pass_frequency(case.speed)), 1)
-
-
-def cage_turn(case: Case) -> float:
-    """Return the time (s) in which the cage turns through the load zone once."""
-    return case.bearing.rollers / case.bearing.ball_pass_frequency(case.speed)
 
 
 def tells_friction(case: Case) -> bool:
