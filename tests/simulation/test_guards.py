@@ -94,7 +94,7 @@ def test_crossings_stepped_over_fail_the_run() -> None:
     with mock.patch.object(INTEGRATION, "advance_and_sample", blind), pytest.raises(SimulationError) as caught:
         simulate(case(**VERLET, periodic=False))
     assert "crossings of pits were stepped over" in caught.value.reason
-    assert 0.0 < (caught.value.time or 0.0) < 0.13
+    assert caught.value.time == pytest.approx(5 / RATE, rel=1e-3)  # the ball passes after which it seems to repeat
 
 
 def test_what_blows_up_in_the_last_steps_fails_the_run() -> None:
