@@ -153,9 +153,9 @@ def unsettled(plan: "Plan") -> Iterator[str]:
     cases = [resolved(priced.job.case) for priced in plan.everything]
     slow = [case for case in cases if remembered(case) > NOTABLE and slow_modes(case) == 0]
     if slow:
-        jobs = f"{len(slow)} of {len(cases)} jobs: " if len(slow) < len(cases) else ""
+        jobs = f" ({len(slow)} of {len(cases)} jobs)" if len(slow) < len(cases) else ""
         left = f"{span(1e2 * remembered(case) for case in slow)} % of the start is left"
         times = [needed(case) for case in slow]
         advice = f"needs {span(times)} s" if max(times) < math.inf else "is never damped"
         longer = "`settle: auto`" if max(times) <= MOST else "more damping"
-        yield f"{jobs}{left} when the record begins; the slowest mode {advice}: take {longer} (docs/start.md)"
+        yield f"{left} as the record begins: the slowest mode {advice}; take {longer}{jobs}"
