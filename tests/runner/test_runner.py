@@ -91,7 +91,7 @@ def test_chaotic_jobs_are_told_of_with_what_would_tell_more(
 
 
 @pytest.mark.parametrize(
-    ("errors", "said"), [([0.009, math.nan], []), ([0.02, 0.035], ["of 2 jobs", "up to 3.5 %"])]
+    ("errors", "said"), [([0.009, math.nan], []), ([0.02, 0.035], ["2 jobs: RMS of what else", "up to 3.5 %"])]
 )
 def test_what_half_the_step_changes_of_a_record_is_told_of_jobs_that_are_not_chaotic(
     errors: list[float], said: list[str]

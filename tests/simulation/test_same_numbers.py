@@ -81,5 +81,5 @@ def plain() -> list[list[float]]:
 @pytest.mark.parametrize("n", range(len(FIELDS)), ids=["outer race", "inner race", "roller"])
 def test_plain_python_gives_the_same_numbers(n: int, plain: list[list[float]]) -> None:
     assert plain[n] == pytest.approx(numbers(**FIELDS[n]), rel=1e-12, nan_ok=True)
-    # lines too near each other are nan, and the standard errors of a motion that is not chaotic
-    assert np.isfinite(plain[n]).sum() > 0.4 * (len(plain[n]) - 2)
+    # lines too near each other are nan, two standard errors of a motion that is not chaotic, three of its start
+    assert np.isfinite(plain[n]).sum() > 0.4 * (len(plain[n]) - 5)
