@@ -8,7 +8,7 @@ from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.simulation.pilot import check_cost
 from bearingsim.simulation.prices import per_second, price
-from bearingsim.simulation.repetition import may_repeat
+from bearingsim.simulation.repetition import may_repeat, period_is_sought
 from bearingsim.simulation.settling import extrapolation_passes
 
 
@@ -44,10 +44,13 @@ def cost(case: Case, step: float, passes: int | None = None) -> Cost:
     before = extrapolation_passes(case)
     at_most = one_pass * (before + whole + proof)
     computed = whole
+    in_a_period = min(whole, int(price("passes")))
     if may_repeat(case):
-        computed = min(whole, int(price("passes")))
-        if case.checks_step and case.step_check != "strict":
-            proof = sqrt(5.0) * (price("finer passes") + before)
+        computed = in_a_period
+    if case.checks_step and period_is_sought(case):
+        proof = sqrt(5.0) * (price("finer passes") + before)
+        if not case.periodic:
+            proof += before + in_a_period
     computed += before
     return Cost(one_pass * computed, one_pass * proof, at_most, computed, one_pass)
 

@@ -50,6 +50,12 @@ def passes_are_alike(case: Case) -> bool:
     return may_repeat(case.model_copy(update={"periodic": True}))
 
 
+def period_is_sought(case: Case) -> bool:
+    """Tell whether a case is first computed until it repeats: for its record, or to check its step on a period."""
+    wanted = case.periodic or case.checks_step
+    return wanted and case.step_check != "strict" and passes_are_alike(case)
+
+
 EXTREMES = {
     "outer_force.max": lay.Q_O_MAX,
     "inner_force.max": lay.Q_I_MAX,

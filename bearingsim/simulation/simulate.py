@@ -33,7 +33,7 @@ from bearingsim.simulation.other_features import of_extensions, refuse_undeclare
 from bearingsim.simulation.pilot import longer_duration
 from bearingsim.simulation.prices import price
 from bearingsim.simulation.raw_record import RawRecord
-from bearingsim.simulation.repetition import may_repeat, passes_are_alike
+from bearingsim.simulation.repetition import passes_are_alike, period_is_sought
 from bearingsim.simulation.settling import has_free_cage
 from bearingsim.simulation.start_error import start_errors
 from bearingsim.simulation.step_check import StepCheck
@@ -153,7 +153,7 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
     """Compute one case in one way; ``began``: CPU time at the start, s."""
     case, part, patience = attempt
     setup, periodic = set_up(case, part), case.model_copy(update={"periodic": True})
-    if may_repeat(periodic) and case.step_check != "strict":  # the run itself shows whether it does, and soon
+    if period_is_sought(setup.case):
         until_periodic = replace(setup, case=periodic)
         raw = integrate(until_periodic, patience=patience)
         checks_step = _checked_step(until_periodic, raw)

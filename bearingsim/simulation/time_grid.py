@@ -17,6 +17,7 @@ from bearingsim.simulation.cost import Cost, cost, solved_once
 from bearingsim.simulation.limits import Limits, step_limits
 from bearingsim.simulation.prices import per_second, price
 from bearingsim.simulation.record_cost import Size
+from bearingsim.simulation.repetition import period_is_sought
 
 SAFETY = 0.9  # of the limit at impact, more is refused: it is a lone roller's, and the ring's motion lowers it
 FINE_PER_SAMPLE, MIN_FINE = 4, 64
@@ -146,7 +147,7 @@ def estimate(case: Case) -> Estimate:
     cut = grid(case)
     found = cost(case, cut.step, cut.passes)
     expected, most = _sizes(case, cut, found)
-    _refuse_too_large(case, most)
+    _refuse_too_large(case, most, cut)
     plain = expected._replace(checked=0.0)
     seconds, unchecked, longest = (record_cost.counts(case, one).seconds for one in (expected, plain, most))
     return Estimate(
@@ -155,9 +156,19 @@ def estimate(case: Case) -> Estimate:
         steps=found.passes * cut.steps_per_pass,
         check_seconds=found.proof + seconds - unchecked,
         most_seconds=price("job") + found.at_most + longest,
-        memory=record_cost.memory(case, expected),
-        most_memory=record_cost.memory(case, most),
+        memory=_memory(case, expected, cut),
+        most_memory=_memory(case, most, cut),
     )
+
+
+def _memory(case: Case, size: Size, cut: Grid) -> float:
+    """Return the most memory (bytes) of a run, with that of a period on which the step is checked before."""
+    in_full = record_cost.memory(case, size)
+    if case.periodic or not period_is_sought(case):
+        return in_full
+    periodic = case.model_copy(update={"periodic": True})
+    of_period = _sizes(periodic, cut, cost(periodic, cut.step, cut.passes))[0]
+    return max(in_full, record_cost.memory(periodic, of_period))
 
 
 def _sizes(case: Case, cut: Grid, found: Cost) -> tuple[Size, Size]:
@@ -172,11 +183,11 @@ def _sizes(case: Case, cut: Grid, found: Cost) -> tuple[Size, Size]:
 
 def refuse_too_large(case: Case, cut: Grid) -> None:
     """Raise ``Refused`` if a case, its method named, may take more memory than there is."""
-    _refuse_too_large(case, _sizes(case, cut, cost(case, cut.step, cut.passes))[1])
+    _refuse_too_large(case, _sizes(case, cut, cost(case, cut.step, cut.passes))[1], cut)
 
 
-def _refuse_too_large(case: Case, size: Size) -> None:
-    needed, there = PROGRAM + record_cost.memory(case, size), memory.limit()
+def _refuse_too_large(case: Case, size: Size, cut: Grid) -> None:
+    needed, there = PROGRAM + _memory(case, size, cut), memory.limit()
     if needed > there:
         raise Refused(
             f"it may take {needed / 1e9:.2g} GB of memory, and there are {there / 1e9:.2g} GB",

@@ -131,10 +131,11 @@ OF_BANDS = {
     [
         REPEATS,
         REPEATS | FULL,
+        REPEATS | {"periodic": False},
         OF_BANDS | FULL,
         TURNING | FULL | {"duration": "0.6 s", "record": [], "method": "verlet"},
     ],
-    ids=["repeats", "in full", "bands", "slips"],
+    ids=["repeats", "in full", "in full, checked", "bands", "slips"],
 )
 def test_memory_is_that_which_is_taken(more: dict[str, Any]) -> None:
     """Of passes held while a period is sought, forces picked as they are, bands, and lines of bodies that slip."""

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from bearingsim.config import Case
-from bearingsim.simulation import simulate, try_out
+from bearingsim.simulation import accuracy, simulate, try_out
 from bearingsim.simulation.trial import (
     MIN_PASSES,
     TURNS,
     amplitudes,
     mean_square,
+    most_passes,
     passes_to_try,
     pit_turn,
     spans_of,
@@ -68,8 +69,11 @@ def test_a_healthy_twin_is_cut_as_the_case_whose_pit_turns() -> None:
 
 def test_a_record_that_may_end_early_is_tried_all_the_same() -> None:
     """It may be known well enough before so many passes have gone by."""
-    found, record = try_out(long(until="40 %", record=[], periodic=False), ASKED, 24)
-    assert found.passes == len(found.forces) == 24
+    given = long(until="40 %", record=[], periodic=False)
+    passes = most_passes(given)
+    assert passes > accuracy.MIN_PASSES
+    found, record = try_out(given, ASKED, passes)
+    assert found.passes == len(found.forces) == passes
     assert record is None
 
 
