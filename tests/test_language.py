@@ -1,16 +1,23 @@
-"""Language of the code: docstrings of functions begin with an imperative verb, names describe their content."""
+"""Language of the code: docstrings of functions begin with a verb, others with a noun; names describe content."""
 
 import ast
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[1]
+TOP = "."
+"""The modules of the package itself, outside all rooms."""
 ROOMS = (  # packages checked; add a package once it passes
-    "assemble", "bench", "cli", "config", "plots", "runner", "sensitivity", "signals",
-    "stability", "store", "text",
+    TOP, "assemble", "bench", "cli", "config", "plots", "runner", "sensitivity", "signals",
+    "stability", "store", "study", "text",
 )  # fmt: skip
+ROOMS_OF_NOUNS = tuple(room for room in ROOMS if room not in {"core", "selection", "simulation"})
+NO_NOUNS = frozenset(
+    {"What", "How", "Who", "Where", "Which", "Whether"}
+)  # openings of a clause in place of a noun
 NO_VERBS = frozenset({  # openings of a docstring that are no imperative
     "what", "who", "which", "where", "when", "how", "whether", "why", "one", "ones", "those", "these",
     "this", "that", "there", "it", "its", "their", "they", "a", "an", "the", "all", "each", "every",
@@ -28,7 +35,7 @@ VAGUE = frozenset({"found", "told", "one", "known", "given", "here", "asked", "s
 def modules(room: str) -> list[Path]:
     """Return the source files of a package of the program."""
     package = ROOT / "bearingsim"
-    return sorted(path for path in (package / room).rglob("*.py"))
+    return sorted(package.glob("*.py") if room == TOP else (package / room).rglob("*.py"))
 
 
 def is_property(function: ast.FunctionDef) -> bool:
@@ -51,6 +58,26 @@ def odd_openings(tree: ast.Module) -> Iterator[str]:
             text = ast.get_docstring(node)
             if text and not is_imperative(text):
                 yield f"{node.lineno} {node.name}: {text.splitlines()[0]}"
+
+
+def documented(tree: ast.Module) -> Iterator[tuple[ast.AST, str]]:
+    """List the module, its classes, properties and constants with their docstrings."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef) and is_property(node):
+            yield node, ast.get_docstring(node) or ""
+        if isinstance(node, ast.Module | ast.ClassDef):
+            yield node, ast.get_docstring(node) or ""
+            for constant, text in pairwise(node.body):
+                match constant, text:
+                    case (ast.Assign() | ast.AnnAssign(), ast.Expr(value=ast.Constant(value=str(docstring)))):
+                        yield constant, docstring
+
+
+def clauses(tree: ast.Module) -> Iterator[str]:
+    """List docstrings that begin with a clause in place of a noun."""
+    for node, text in documented(tree):
+        if text and text.split()[0].rstrip(",.:;") in NO_NOUNS:
+            yield f"{getattr(node, 'lineno', 1)} {text.splitlines()[0]}"
 
 
 def vague_names(tree: ast.Module) -> Iterator[str]:
@@ -88,6 +115,11 @@ def test_docstrings_of_functions_begin_with_a_verb(room: str) -> None:
     assert places(room, odd_openings) == []
 
 
+@pytest.mark.parametrize("room", ROOMS_OF_NOUNS)
+def test_docstrings_of_modules_classes_and_constants_begin_with_a_noun(room: str) -> None:
+    assert places(room, clauses) == []
+
+
 @pytest.mark.parametrize("room", ROOMS)
 def test_names_describe_their_content(room: str) -> None:
     assert places(room, vague_names) == []
@@ -104,3 +136,20 @@ def test_openings_that_are_no_imperative_are_recognised() -> None:
     ]
     assert [sentence for sentence in sentences if is_imperative(sentence)] == []
     assert all(is_imperative(sentence) for sentence in ("Return the step.", "Compute it.", "Pass a value on."))
+
+
+def test_clauses_are_recognised_wherever_a_docstring_stands() -> None:
+    source = '''"""What it is."""
+LIMIT = 1
+"""Where it ends."""
+class Step:
+    """How it is taken."""
+    size: float
+    """Which size."""
+    @property
+    def is_long(self):
+        """Whether it is long."""
+    def half(self):
+        """What a function does is checked elsewhere."""
+'''
+    assert len(list(clauses(ast.parse(source)))) == 5

@@ -1,4 +1,4 @@
-"""The fields of a case, as they are written: what one simulation needs to be told."""
+"""Fields of a case: the parameters of one simulation."""
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
@@ -119,10 +119,10 @@ class CaseFields(Section):
 
     @property
     def checks_step(self) -> bool:
-        """Whether the step is to be proven: there is one, and the case does not forbid it."""
+        """True if the step is to be checked: the model has one, and `step_check` is not false."""
         return bool(self.step_check) and self.method is not None
 
     @property
     def automatic(self) -> bool:
-        """Whether there is a step, and it is left to be chosen."""
+        """True if the step is chosen by the program."""
         return self.method is not None and self.step == "auto"

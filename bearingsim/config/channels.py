@@ -1,4 +1,4 @@
-"""What a name in `record:` or `features:` asks for."""
+"""Names in `record:` and `features:`."""
 
 import re
 from typing import Any

@@ -80,10 +80,10 @@ ROLLER = {
     "outer_line_load": Channel(("",), "N/m", "line load of roller {} on the outer race"),
     "inner_line_load": Channel(("",), "N/m", "line load of roller {} on the inner race"),
 }
-"""What can be recorded of any roller: `roller.3.outer_force`; without a number, of the first."""
+"""Channels of a roller: `roller.3.outer_force`; without a number, of the first roller."""
 
 LINE_LOADS = ("outer_line_load", "inner_line_load")
-"""What has a value in each slice of a roller: `roller.3.outer_line_load.7` in the seventh from -z."""
+"""Channels of a slice of a roller: `roller.3.outer_line_load.7`, the seventh slice from -z."""
 
 _OF_ROLLER = re.compile(r"roller\.(?:([1-9]\d?)\.)?([a-z_]+)(?:\.([1-9]\d?))?", re.ASCII)
 
@@ -186,9 +186,9 @@ def _of_extensions(own: Mapping[str, Feature]) -> dict[str, Feature]:
 
 
 UNKNOWNS = ("damping", "clearance", "bracket", "support")
-"""What a study can call uncertain."""
+"""Parameters that `uncertainty` can vary."""
 ERRORS = {"": "the fault's line", ".rms": "the velocity's RMS", ".force": "the largest force on the outer race"}
-"""Of what the table says how far the unknown moves it, by the ending of the column."""
+"""Features with `error.*` columns, by the suffix of the column."""
 
 
 def _errors() -> dict[str, Feature]:

@@ -137,7 +137,7 @@ _GROUPS: dict[tuple[str, ...], str] = {
 }
 
 SENTENCES = {word: sentence for words, sentence in _GROUPS.items() for word in words}
-"""What is true of each word, and what is nearest to it."""
+"""Explanation of each word, and the nearest key."""
 
 
 def sentence(word: str) -> str:

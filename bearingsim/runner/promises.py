@@ -1,4 +1,4 @@
-"""What is said at the end of a run of the accuracy that its study names: models, how many hold it, audits."""
+"""Summary of a run with `accuracy`: models, cases within the accuracy, audits."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping

@@ -1,1 +1,1 @@
-"""Where each method fails: a matrix of materials and steps, each run judged."""
+"""Stability map of the methods: a matrix of materials and steps, each run judged."""

@@ -38,7 +38,7 @@ HEALTHY = "healthy"
 
 
 class Grid(NamedTuple):
-    """What is varied. k: N/mm^(10/9); damping: (m3, c in N s/mm^(1 + m3)); steps (s) of methods that have one,
+    """Varied parameters. k: N/mm^(10/9); damping: (m3, c in N s/mm^(1 + m3)); steps (s) of methods that have one,
     tolerances of the others, and of SciPy's; limit: CPU seconds for a cell, patience: for a solution of the
     reference.
     """

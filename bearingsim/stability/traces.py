@@ -27,7 +27,7 @@ WHY = {
 
 
 class Trace(NamedTuple):
-    """What a run has come to.
+    """Outcome of a run.
 
     every: ``SAMPLE_INTERVAL`` samples from one column to the next; velocity: of the ring (2, n), m/s; touching:
     whether each roller carries load at the outer race (Z, n); failure: a class of ``judge``, empty if it ended

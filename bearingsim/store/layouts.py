@@ -1,4 +1,4 @@
-"""What the JSON files of a results folder hold: ids, names, numbers and texts, each in its place.
+"""Layouts of the JSON files of a results folder: ids, names, numbers and texts, each in its place.
 
 Names that become those of files are checked as a study's own. Texts may be anything: they are printed by
 ``text/terminal.py``, drawn as they are, and quoted in tables.

@@ -1,6 +1,6 @@
-"""What is said of each result of a study that names an accuracy: how far it may be off, and what audits found.
+"""Error bounds of the results of a study with `accuracy`, and differences found by audits.
 
-All over the largest value of the curve that a result is drawn in (of the lowest of several; its own, of none).
+All are relative to the largest value of the curve with the result (the lowest of several; without one its own).
 """
 
 from collections.abc import Iterator, Mapping

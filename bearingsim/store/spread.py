@@ -1,6 +1,6 @@
-"""What is not known of a bearing, and what it does to its results: the jobs of `uncertainty:` beside their own.
+"""Spread of results under uncertain parameters: the jobs of `uncertainty:` beside the nominal ones.
 
-A value found in a chaotic motion is one draw of many: it counts with its standard error to both sides.
+A value of a chaotic motion is a random sample: it counts with its standard error to both sides.
 """
 
 from collections.abc import Mapping

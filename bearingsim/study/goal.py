@@ -1,10 +1,10 @@
-"""The `accuracy:` of a study: how close its results are to be, to those of the model that others are judged by.
+"""The `accuracy:` of a study: the largest difference of its results from those of the reference model.
 
     accuracy: 2 %
     accuracy: {within: 2 %, of: [velocity@BPFO-healthy, velocity.rms]}
 
-The program then takes the cheapest model that holds it (``bearingsim/selection``). Each is relative to the largest
-value of the curve that it is drawn in. Without `of` it is about what the figures draw.
+The program then takes the cheapest model within it (``bearingsim/selection``). Differences are relative to the
+largest value of the curve in a figure. Default of `of`: the features in the figures.
 """
 
 from collections.abc import Collection, Iterable, Mapping
@@ -19,10 +19,10 @@ from bearingsim.text.units import UnitError, parse, show, suggestion
 from bearingsim.text.yamlfile import Mark, Node, Problem, problem
 
 FINEST, COARSEST = 0.005, 0.5
-"""What can be promised: the reference itself is not known better, and worse is none."""
+"""Accuracies that can be asked for: the reference itself is no better than the first."""
 HEALTHY = "-healthy"
 QUANTITIES = ("displacement", "velocity", "acceleration")
-KNOWN = (
+JUDGED = (
     *(f"{quantity}@{line}{ending}" for quantity in QUANTITIES for line in LINES for ending in ("", HEALTHY)),
     *(f"{quantity}.rms" for quantity in QUANTITIES),
     "outer_force.max",
@@ -30,14 +30,14 @@ KNOWN = (
 """Features of which an accuracy can be asked: lines, RMS, the largest force."""
 CHOSEN, STEPPED = "which chooses it", "which rests on the error of an automatic step"
 NOT_BESIDE = {"model": CHOSEN, "method": CHOSEN, "step": STEPPED, "tolerance": STEPPED}
-"""What is left to a study that names an accuracy."""
+"""Keys that exclude `accuracy`, with the reason."""
 NOT_SWEPT = dict.fromkeys(("contact.slices", "rig.ring.harmonics"), "which tries other values of it")
-"""What such a study may say once."""
+"""Keys that may have only one value beside `accuracy`, with the reason."""
 
 
 @dataclass(frozen=True)
 class Goal:
-    """How close (relative to the largest value of a curve) which features are to be."""
+    """Accuracy asked of features; ``within`` is relative to the largest value of a curve."""
 
     within: float
     of: tuple[str, ...]
@@ -49,24 +49,24 @@ class Goal:
 
 
 def is_judged(name: str) -> bool:
-    """Tell whether an accuracy can be asked of a feature: one of ``KNOWN``, or one of a band."""
-    return name in KNOWN or of_band(name) is not None
+    """Return whether an accuracy can be asked of a feature: one of ``JUDGED``, or one of a band."""
+    return name in JUDGED or of_band(name) is not None
 
 
 def parse_goal(section: Node | None, figures: Iterable[Figure], problems: list[Problem]) -> Goal | None:
-    """The accuracy that a study asks for; None if it asks for none, or in a way that is wrong."""
+    """Read the section `accuracy`; None without one or with errors, which are added to ``problems``."""
     if section is None:
         return None
     before, mark = len(problems), section.key or section.mark
-    given = section.mapping if isinstance(section.value, dict) else {"within": section}
-    for key, node in given.items():
+    entries = section.mapping if isinstance(section.value, dict) else {"within": section}
+    for key, node in entries.items():
         if key not in ("within", "of"):
             near = suggestion(key, ["within", "of"]) or "known: within, of"
             problems.append(problem(node.key or node.mark, f"accuracy: unknown key `{key}`", near))
-    if "within" not in given:
+    if "within" not in entries:
         problems.append(problem(mark, "accuracy: `within` is missing", "as in `{within: 2 %}`"))
-    within = _share(given["within"], problems) if "within" in given else 0.0
-    of = _features(given.get("of"), problems) if "of" in given else _drawn(figures)
+    within = _share(entries["within"], problems) if "within" in entries else 0.0
+    of = _features(entries.get("of"), problems) if "of" in entries else _drawn(figures)
     if not of and len(problems) == before:
         what = "say of what, as in `accuracy: {within: 2 %, of: [velocity.rms]}`, or name `figures`"
         problems.append(problem(mark, "accuracy: no figure draws a line, an RMS or the largest force", what))
@@ -74,32 +74,32 @@ def parse_goal(section: Node | None, figures: Iterable[Figure], problems: list[P
 
 
 def _share(node: Node, problems: list[Problem]) -> float:
-    """How close results are to be."""
+    """Read `within`, a share; 0 if it is wrong."""
     try:
-        found = parse(node.text, "share")
+        share = parse(node.text, "share")
     except UnitError as error:
         problems.append(problem(node.mark, f"accuracy: {error}", "as in `accuracy: 2 %`"))
         return 0.0
-    if not FINEST <= found <= COARSEST:
+    if not FINEST <= share <= COARSEST:
         message = f"accuracy: expected {show(FINEST, '%')} to {show(COARSEST, '%')}, got `{node.text}`"
-        why = "the reference itself is not known better (docs/accuracy.md)" if found < FINEST else None
+        why = "the reference itself is not known better (docs/accuracy.md)" if share < FINEST else None
         problems.append(problem(node.mark, message, why))
-    return found
+    return share
 
 
 def _features(node: Node | None, problems: list[Problem]) -> tuple[str, ...]:
-    """What an accuracy is asked of."""
+    """Read the names of the features."""
     items = () if node is None else node.items or (node,)
     for item in items:
         if not is_judged(item.text):
-            known = "lines such as `velocity@BPFO`, an RMS such as `velocity.rms`, `outer_force.max`"
+            examples = "lines such as `velocity@BPFO`, an RMS such as `velocity.rms`, `outer_force.max`"
             message = f"accuracy.of: no accuracy can be held of `{item.text}`"
-            problems.append(problem(item.mark, message, suggestion(item.text, KNOWN) or known))
+            problems.append(problem(item.mark, message, suggestion(item.text, JUDGED) or examples))
     return tuple(dict.fromkeys(item.text for item in items))
 
 
 def _drawn(figures: Iterable[Figure]) -> tuple[str, ...]:
-    """What figures draw, as far as an accuracy can be asked of it."""
+    """List the features in the figures for which an accuracy can be asked."""
     return tuple(dict.fromkeys(name for figure in figures for name in figure.y if is_judged(name)))
 
 
@@ -110,7 +110,7 @@ def check_goal(
     overrides: Mapping[str, str],
     problems: list[Problem],
 ) -> None:
-    """Note what cannot stand beside `accuracy`, and what has no model to judge by.
+    """Add a problem for each entry that excludes `accuracy`, and for a case without a reference model.
 
     swept: the entry of each path that the study, or an override, gives a list of values.
     """
@@ -119,8 +119,8 @@ def check_goal(
     for path, why in NOT_BESIDE.items():
         message, advice = f"`{path}` beside `accuracy`, {why}", f"leave `{path}` out, or `accuracy`"
         harmless = AUTO if why == STEPPED else None
-        said = [entry for entry in _said(root, path, swept) if entry.value != harmless]
-        problems += [problem(_place(entry), message, advice) for entry in said]
+        entries = [entry for entry in _entries(root, path, swept) if entry.value != harmless]
+        problems += [problem(_place(entry), message, advice) for entry in entries]
         if overrides.get(path, harmless) != harmless and path not in swept:
             problems.append(problem(mark, message, f"leave out --set {path}"))
     for path, why in NOT_SWEPT.items():
@@ -129,7 +129,7 @@ def check_goal(
             problems.append(problem(_place(swept[path]), message, "give it one value"))
     if not all(case.step_check for case in cases):
         message = "`step_check: false` beside `accuracy`: how far off the step is would not be known"
-        place = next(map(_place, _said(root, "step_check", swept)), mark)
+        place = next(map(_place, _entries(root, "step_check", swept)), mark)
         problems.append(problem(place, message, "leave it out"))
     for case in cases:
         unmet = hierarchy.unmet_wishes(case) if case.rig.ring is not None else []
@@ -139,8 +139,8 @@ def check_goal(
             return
 
 
-def _said(root: Node, path: str, swept: Mapping[str, Node]) -> list[Node]:
-    """What a study says of a path: at its top, in `quick`, or as a list of values."""
+def _entries(root: Node, path: str, swept: Mapping[str, Node]) -> list[Node]:
+    """List the entries of a path: at the top, in `quick`, and in the sweep."""
     quick = root.mapping.get("quick", Node({}, root.mark))
     return [entries[path] for entries in (root.mapping, quick.mapping, swept) if path in entries]
 
@@ -150,7 +150,7 @@ def _place(entry: Node) -> Mark:
 
 
 def asks_for_reference(root: Node) -> Node:
-    """The tree of a study with the model that others are judged by, in place of an accuracy."""
+    """Return the tree of a study with the reference model in place of `accuracy`."""
     section = root.mapping["accuracy"]
     rest = {key: node for key, node in root.mapping.items() if key not in NOT_BESIDE}
     model = Node(REFERENCE, section.mark, section.key)

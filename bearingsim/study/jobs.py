@@ -1,4 +1,4 @@
-"""What a study expands to: cases, their ids, and the jobs that a runner works through."""
+"""Cases of a study, their ids, and the jobs to compute."""
 
 import hashlib
 from collections.abc import Callable, Iterable, Mapping
@@ -44,8 +44,8 @@ class Figure:
 class Job:
     """One simulation of a study: its case, its swept values (SI, or words), and its healthy baseline.
 
-    `baseline` is None for a bearing without defects, which is its own; `is_baseline` tells a job that is there
-    only to be compared with, `is_variation` one that shows what the unknown does to another.
+    baseline: None for a bearing without defects; is_baseline: computed only for comparison; is_variation: computed
+    only for the uncertainty of another job.
     """
 
     case: Case
@@ -56,7 +56,7 @@ class Job:
 
     @cached_property
     def id(self) -> str:
-        """16 hex digits (``case_id``), which take the limits of the case's step to find."""
+        """16 hex digits (``case_id``); with `method: auto` they need the step limits of the case."""
         return case_id(self.case)
 
     @property
@@ -67,7 +67,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Variation:
-    """A job with another value (SI) of what is not known in a case."""
+    """A job with another value (SI) of an uncertain parameter of a case."""
 
     case: Case
     what: str
@@ -82,9 +82,9 @@ class Variation:
 
 @dataclass(frozen=True)
 class Audit:
-    """A job computed again by the model that others are judged by; ``of``: the id of the job that it checks.
+    """A job repeated with the reference model; ``of``: the id of the job that it checks.
 
-    healthy: its baseline, if it is compared with one.
+    healthy: its baseline, if it has one.
     """
 
     of: str
@@ -93,10 +93,10 @@ class Audit:
 
 
 class Chosen(NamedTuple):
-    """A model that was chosen for a case, why, and its errors, relative, by feature.
+    """The model chosen for a case, why, and its relative errors by feature.
 
-    error: against the reference; nodes: of nodes along defects, slices and harmonics; friction: of friction, if it
-    is left out; both None where they are unknown.
+    error: against the reference; nodes: by the nodes along defects, slices and harmonics; friction: if left out;
+    both None if unknown.
     """
 
     model: str
@@ -108,7 +108,7 @@ class Chosen(NamedTuple):
 
 @dataclass(frozen=True)
 class Selection:
-    """What was chosen for a study that names an accuracy (``bearingsim/selection``).
+    """Models chosen for a study with `accuracy` (``bearingsim/selection``).
 
     jobs: by the id of each case; curves: features, and the ids on each curve; notes: remarks on choices that were
     made for an earlier plan.
@@ -124,11 +124,10 @@ class Selection:
 class Study:
     """A study file, read and checked: `text` as written, `units` of the swept paths as written there.
 
-    notes: what the user is to be told of the file, though it is read. goal: the accuracy that is asked for; then
-    the swept cases have the model that others are judged by, and ``otherwise`` gives the same cases with other
-    values at some paths, None for those that cannot be. drawn: the design that is swept, by numbers of cases;
-    ``design`` says it by the jobs' ids, those of the models that have been chosen. files: what it is made of
-    (``text/files_read.py``). left_out: what `uncertainty` varies, and `quick` does not.
+    notes: remarks on the file for the user. goal: the accuracy that is asked for; then the swept cases have the
+    reference model, and ``otherwise`` gives the same cases with other values at some paths, None for invalid ones.
+    drawn: the swept design, by numbers of cases; ``design`` has the ids of the jobs with the chosen models. files:
+    the files it was read from (``text/files_read.py``). left_out: parameters of `uncertainty` that `quick` skips.
     """
 
     name: str
@@ -149,27 +148,27 @@ class Study:
     drawn: Drawn | None = None
 
     def cases(self) -> list[Case]:
-        """The swept cases, in order: the last entry of `sweep` changes fastest."""
+        """List the swept cases in order: the last entry of `sweep` changes fastest."""
         return [case for case, _ in self.swept_cases]
 
     def jobs(self) -> list[Job]:
-        """Every job once: the cases, the healthy baselines they are compared with, then what is varied of them."""
+        """List every job once: the cases, their healthy baselines, their variations, then the audits."""
         audited = () if self.selection is None else self.selection.audits
-        again = [job for one in audited for job in (one.job, one.healthy) if job is not None]
-        return _each_once([*self._planned, *(one.job for one in self.variations()), *again])
+        again = [job for audit in audited for job in (audit.job, audit.healthy) if job is not None]
+        return _each_once([*self._planned, *(variation.job for variation in self.variations()), *again])
 
     def planned(self) -> list[Job]:
-        """The cases, then the healthy baselines they are compared with."""
+        """List the cases, then their healthy baselines."""
         return list(self._planned)
 
     @cached_property
     def design(self) -> Design | None:
         """The design that the study sweeps, with the ids of its rows; None of a study without."""
-        found = self.drawn
-        if found is None:
+        drawn = self.drawn
+        if drawn is None:
             return None
-        ids = tuple(case_id(self.swept_cases[number][0]) for number in found.cases)
-        return Design(found.kind, found.n, found.seed, found.paths, found.ranges, ids)
+        ids = tuple(case_id(self.swept_cases[number][0]) for number in drawn.cases)
+        return Design(drawn.kind, drawn.n, drawn.seed, drawn.paths, drawn.ranges, ids)
 
     @cached_property
     def _planned(self) -> tuple[Job, ...]:
@@ -182,7 +181,7 @@ class Study:
 
     @cached_property
     def assumptions(self) -> tuple[str, ...]:
-        """What is assumed because the study says nothing of it, and what it takes out of its range, in words."""
+        """Assumptions that the study leaves open, and values out of a law's range, in words."""
         from bearingsim.study.ranges import beyond, unheld  # imports the core, which takes a second
 
         drawn = [name for figure in self.figures for name in figure.y]
@@ -195,20 +194,20 @@ class Study:
         """Return what a study that names an accuracy assumes of friction and oil, in words."""
         if self.goal is None or any(case.drag is not None for case in self.cases()):
             return ()
-        tried = self.selection is not None and any(one.friction for one in self.selection.jobs.values())
+        tried = self.selection is not None and any(chosen.friction for chosen in self.selection.jobs.values())
         rubs = tried or any(speaks_of_slip(case) or leaves_friction_open(case) for case in self.cases())
         return (NO_OIL,) if rubs else (NO_SLIP,)
 
     def variations(self) -> list[Variation]:
-        """What is varied of the cases: of all by `uncertainty`; of a few if the study does not speak of it.
+        """List the variations of all cases by `uncertainty`; without it the variations of damping in a few cases.
 
-        Of a design nothing unasked: a larger one computes its new points only.
+        A design has none but those of `uncertainty`, so that a larger design adds its new points only.
         """
         return self._variations
 
     @cached_property
     def _variations(self) -> list[Variation]:
-        if self.uncertainty is not None or self.drawn is not None:  # what a design is to vary is in it
+        if self.uncertainty is not None or self.drawn is not None:  # no other variations of a design
             cases, uncertain = self.cases(), self.uncertainty or ()
         else:
             cases, uncertain = sampled(self.cases(), len(self.planned())), (USUAL,)
@@ -220,18 +219,17 @@ class Study:
 
 
 def _each_once(jobs: Iterable[Job]) -> list[Job]:
-    """The jobs, each once, in order."""
-    found: dict[str, Job] = {}
+    """Drop repeated jobs; keep the order."""
+    unique: dict[str, Job] = {}
     for job in jobs:
-        found.setdefault(identity(job.case), job)
-    return list(found.values())
+        unique.setdefault(identity(job.case), job)
+    return list(unique.values())
 
 
 def case_id(case: Case) -> str:
-    """16 hex digits that name a result: equal for equal physics, however it was written.
+    """Return 16 hex digits that name a result: equal for equal physics, whatever the notation.
 
-    `auto` counts as the methods that it tries, in their order: a price that changes them gives other numbers, and
-    so another id.
+    `auto` counts as the methods that it tries, in their order, since new prices can change them and the numbers.
     """
     if case.method != AUTO:
         return identity(case)
@@ -240,28 +238,28 @@ def case_id(case: Case) -> str:
     return identity(case, {"method": tried(case)})
 
 
-def identity(case: Case, found: Mapping[str, Any] | None = None) -> str:
-    """16 hex digits, equal for cases that ask for the same, whatever that may come to.
+def identity(case: Case, extra: Mapping[str, Any] | None = None) -> str:
+    """Return 16 hex digits, equal for cases with equal parameters.
 
-    Covers all that shapes the numbers (12 significant digits), what was found for it besides, and the model's
-    version; not the names and sources of bearing, rig and material, nor what the case does not use.
+    Covers every parameter that the numbers depend on (12 significant digits), ``extra`` entries, and
+    the model's version; not the names and sources of bearing, rig and material, nor unused parameters.
     """
     from bearingsim.core import MODEL_VERSION
 
-    besides = ((name, tuple(value) if isinstance(value, list) else value) for name, value in (found or {}).items())
+    besides = ((name, tuple(value) if isinstance(value, list) else value) for name, value in (extra or {}).items())
     return _digest(case, tuple(besides), MODEL_VERSION)
 
 
 @lru_cache(maxsize=1 << 18)
-def _digest(case: Case, found: tuple[tuple[str, Any], ...], version: int) -> str:
-    besides = {"model_version": version} | extensions(case) | dict(found)
+def _digest(case: Case, extra: tuple[tuple[str, Any], ...], version: int) -> str:
+    besides = {"model_version": version} | extensions(case) | dict(extra)
     texts = used(case) | {name: json_text(value) for name, value in besides.items()}
     whole = ",".join(f'"{name}":{texts[name]}' for name in sorted(texts))
     return hashlib.sha256(f"{{{whole}}}".encode()).hexdigest()[:16]
 
 
 def _baseline(case: Case, swept: dict[str, float | str]) -> Job | None:
-    """The job of the healthy twin of a case, if it has one."""
+    """Return the job of the healthy twin of a case, if it has one."""
     healthy = healthy_twin(case)
     if healthy is None:
         return None
@@ -271,16 +269,16 @@ def _baseline(case: Case, swept: dict[str, float | str]) -> Job | None:
 
 
 def healthy_twin(case: Case) -> Case | None:
-    """The same bearing without its defects; none for a model that knows pits as impulses only."""
+    """Return the case without its defects; None if it has none, or for a model of impulses only."""
     if not case.defects or not MODELS[case.model].takes_pits:
         return None
     plain: dict[str, Any] = {
         name: Case.model_fields[name].default for name in _of_defects(case) & Case.model_fields.keys()
     }
-    plain["record"] = tuple(name for name in case.record if slice_number(name) is None)  # it is cut otherwise
+    plain["record"] = tuple(name for name in case.record if slice_number(name) is None)  # its slices differ
     return case.model_copy(update=plain)
 
 
 def _of_defects(case: Case) -> set[str]:
-    """The keys that a healthy twin has not."""
+    """Return the keys that a healthy twin does not use."""
     return {"defect", "defects", "excitation"} | ({"seed"} if not MODELS[case.model].slips else set())

@@ -18,7 +18,7 @@ from bearingsim.designs import KINDS
 from bearingsim.study.design import MAX_SEED
 from bearingsim.study.distributions import DISTRIBUTIONS
 from bearingsim.study.figures import DRAWN
-from bearingsim.study.goal import KNOWN, NOT_BESIDE, STEPPED
+from bearingsim.study.goal import JUDGED, NOT_BESIDE, STEPPED
 from bearingsim.study.load import NAME
 from bearingsim.study.paths import fields_at, known_paths
 from bearingsim.study.sweep import GENERATORS, MAX_VALUES
@@ -227,7 +227,7 @@ def _accuracy() -> Schema:
         [
             share,
             _closed(
-                {"within": share, "of": _some({"anyOf": [{"enum": list(KNOWN)}, OF_BAND]})}, required=["within"]
+                {"within": share, "of": _some({"anyOf": [{"enum": list(JUDGED)}, OF_BAND]})}, required=["within"]
             ),
         ]
     )

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 FORMULA = ("=", "+", "-", "@", "\t", "\n")
-"""How a formula may begin (OWASP, CSV injection)."""
+"""Characters that can begin a formula (OWASP, CSV injection)."""
 
 
 def csv_text(table: "pd.DataFrame") -> str:

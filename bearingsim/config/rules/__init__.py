@@ -1,1 +1,1 @@
-"""What a case may ask for: which model can do it, what contradicts, where slices end."""
+"""Rules of a case: abilities asked of the model, contradictions, slices."""

@@ -1,4 +1,4 @@
-"""What a case leaves open and follows from the rest of it is filled in, so that a case says what is computed."""
+"""Completion of a case: values that it leaves open and that follow from the rest."""
 
 import math
 

@@ -1,9 +1,9 @@
-"""What it is for values to be right alone but not together."""
+"""A conflict between values that are valid alone."""
 
 from typing import NamedTuple
 
 Path = tuple[str | int, ...]
-"""Where a value stands in a case: `("defects", 0, "length")`."""
+"""Keys that lead to a value of a case: `("defects", 0, "length")`."""
 
 
 class Conflict(NamedTuple):

@@ -1,7 +1,7 @@
-"""What is known of the damping of rolling contacts, and what is to be said of a choice beside it.
+"""Plausible damping of rolling contacts, and remarks on other values.
 
-docs/damping.md has the sources. c/k is the damping over the stiffness of a contact at rest: the time in which it
-creeps to rest, if it is heavily damped.
+docs/damping.md has the sources. c/k is the damping over the stiffness of a contact at rest: the decay time of an
+overdamped contact.
 """
 
 from collections.abc import Iterator, Sequence
@@ -13,9 +13,9 @@ PLAUSIBLE = (0.3e-6, 25e-6)
 PART_OF_CROSSING = 0.1
 """Of the time in which a pit is crossed: what c/k stays under, if the roller is to follow the pit."""
 WARNING = "warning: "
-"""How a sentence begins that is one."""
+"""Opening of a warning."""
 SLACK = 1.0 + 1e-6
-"""A default at the very end of the range is not beside it."""
+"""Tolerance of the bounds: a default at the end of the range lies within it."""
 
 
 class Damped(NamedTuple):
@@ -27,12 +27,12 @@ class Damped(NamedTuple):
 
     @property
     def too_heavy(self) -> bool:
-        """Whether the roller cannot follow the pit."""
+        """True if the roller cannot follow the pit."""
         return self.time > SLACK * PLAUSIBLE[1] or self.time > PART_OF_CROSSING * self.crossing
 
     @property
     def too_light(self) -> bool:
-        """Whether the contact is damped like dry steel."""
+        """True if the contact is damped like dry steel."""
         return self.time * SLACK < PLAUSIBLE[0]
 
 

@@ -1,4 +1,4 @@
-"""What does not go together about an outer ring that bends, its load and its sensor."""
+"""Conflicts of a flexible outer ring, its load and its sensor."""
 
 import math
 from collections.abc import Iterator

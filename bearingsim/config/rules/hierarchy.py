@@ -1,4 +1,4 @@
-"""What a case asks of its model, and which is the lowest in the catalogue that can do it.
+"""Abilities that a case asks of its model, and the lowest model of the catalogue with all of them.
 
 A need is firm where a model below would compute something else than what the case says: it is refused. A need
 that is not firm is one of quality: a model below computes the case, but what is asked for is not worth much.

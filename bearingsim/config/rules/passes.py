@@ -1,4 +1,4 @@
-"""Whether all ball passes of a case are alike but for the motion itself: what makes one differ from the next."""
+"""Reasons why the ball passes of a case differ: its excitation is not periodic at BPFO."""
 
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, NamedTuple
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class Alike(NamedTuple):
-    """What a field must be for passes to be alike, and why they are not if it is not."""
+    """A condition on a field for equal ball passes, and the reason if it is not met."""
 
     holds: Callable[["CaseFields"], bool]
     why_not: str

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 
 class Surface(NamedTuple):
-    """What carries pits: its radius; how wide they may be and what limits that; how deep, where they come out, and
-    the bearing's length that says so (all m).
+    """Surface with pits: its radius, the largest width of a pit and its limit, the largest depth, the place where
+    a deeper pit comes out, and the length of the bearing that decides it (all m).
     """
 
     radius: float

@@ -1,4 +1,4 @@
-"""How the roller of a case is cut into slices, and what is recorded of each."""
+"""Slices of the roller of a case, and their channels."""
 
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any

@@ -37,12 +37,12 @@ POINT_BYTES, MAX_BYTES = 16, 200_000_000
 MIN_FILLED = 0.5  # share of a grid's cells that must be there at all
 LONGEST_ECHO, SHORTEST_ECHO = 60, 12  # letters of a file's first line that a message repeats
 BROUGHT: dict[str, Path] = {}
-"""Where the files of scans lie that came from another machine with what is to be computed, by digest."""
+"""Files of scans that were sent to this machine with the jobs, by digest."""
 _COLUMN = re.compile(r"\s*([A-Za-z]\w*)\s*(?:\[([^\]]*)\])?\s*")
 
 
 class ScanError(UserError, ValueError):
-    """What is wrong with a scan, and what would mend it."""
+    """An error in a scan, and its remedy."""
 
     def __init__(self, message: str, hint: str | None = None) -> None:
         self.message, self.hint = message, hint
@@ -50,7 +50,7 @@ class ScanError(UserError, ValueError):
 
 
 class Wording(NamedTuple):
-    """What a form of file calls its columns, an example of them, and how it says that of `{}` is in `um`."""
+    """Words for messages on one form of file: its columns, an example, and the unit `um` of the column `{}`."""
 
     columns: str
     example: str
@@ -286,7 +286,7 @@ def _check_axis(name: str, axis: np.ndarray) -> None:
 
 
 FORMS: dict[str, Callable[[str, bytes], Grid]] = {".csv": _csv, ".txt": _csv, ".h5": _hdf5, ".hdf5": _hdf5}
-"""How the content of a file is read, by the ending of its name."""
+"""Readers of a file's content, by the suffix of its name."""
 
 
 def places(which: Iterable[tuple[int, int]], grid: Grid) -> str:

@@ -79,7 +79,7 @@ def _doubts(width: float, depth: float) -> Iterator[str]:
 
 
 class Pitted(Protocol):
-    """What has pits: a case."""
+    """A case, as far as its defects."""
 
     @property
     def defects(self) -> Sequence[Any]: ...

@@ -1,4 +1,4 @@
-"""How rolling elements and races press on each other: stiffness and damping."""
+"""Contacts of rolling elements and races: stiffness and damping."""
 
 from abc import abstractmethod
 from math import isclose, pi
@@ -189,7 +189,7 @@ class Constant(Section):
 
     @property
     def stiff_at_touch_down(self) -> bool:
-        """Whether the contact is stiff as soon as it closes."""
+        """True if the stiffness does not vanish as the contact closes."""
         return isclose(self.exponent, 1.0)
 
 
@@ -239,7 +239,7 @@ else:
 
 
 class Contact(Section):
-    """How rolling elements and races press on each other.
+    """Contact of rolling elements and races.
 
     `stiffness` is a word or a `Constant`; in a case it is never None: `palmgren` for rollers, `point` for balls.
     `length_nodes` cut a pit whose width varies along the roller; `slices` cut the roller of the spatial model, and
@@ -258,6 +258,6 @@ class Contact(Section):
 
     @property
     def jumps(self) -> bool:
-        """Whether contacts are damped in full as soon as they close: their force jumps then."""
+        """True if the damping force jumps as a contact closes."""
         jumps = getattr(self.damping, "jumps", None)  # a law that says nothing of it is continuous
         return bool(jumps and jumps(getattr(self.stiffness, "stiff_at_touch_down", False)))

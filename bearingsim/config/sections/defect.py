@@ -62,8 +62,9 @@ _OF_SHAPE = {"grown": "spall", "seed": "spall", "file": "scan", "digest": "scan"
 
 
 class Edge(Section):
-    """What has been done to a pit's edges along rolling: rounded with `radius`, or walls made no steeper than over
-    the length `ramp` (m). One of the two.
+    """Edges of a pit along rolling: rounded with `radius`, or walls no steeper than over the length `ramp` (m).
+
+    One of the two keys.
     """
 
     radius: Length | None = None

@@ -1,4 +1,4 @@
-"""What moves freely from the `planar` model on: friction, cage, drag, shaft, ramp. Absent sections are None."""
+"""Sections for the models from `planar` on: friction, cage, drag, shaft, ramp. Absent sections are None."""
 
 from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
@@ -124,7 +124,7 @@ class Cage(Section):
 
 
 class Drag(Section):
-    """What brakes rollers and cage: churned oil, and the film between the cage and the ring beside it (`land`).
+    """Drag on rollers and cage: churned oil, and the film between the cage and its guiding ring (`land`).
 
     The roller's drag is 1/2 (oil_fraction oil_density) drag_coefficient L D v^2; the film's stress is
     oil_viscosity U/land_gap on an area 2 pi R land_width (None: the ring's width less the roller's length).

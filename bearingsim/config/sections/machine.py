@@ -1,4 +1,4 @@
-"""What the user has on the bench: materials, bearings, rigs."""
+"""Materials, bearings and rigs."""
 
 import math
 from typing import Annotated, Any, Literal, get_args
@@ -47,7 +47,7 @@ def named(kind: Kind) -> Written:
 
 
 class Material(Section):
-    """What rollers and rings are made of. The elastic constants are for the laws `johnson` and `point`."""
+    """Material of rollers and rings. The elastic constants are for the laws `johnson` and `point`."""
 
     name: Text = ""
     density: SolidDensity

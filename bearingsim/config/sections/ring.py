@@ -23,7 +23,7 @@ from bearingsim.config.fields import (
 MAX_HARMONICS = 100
 LoadPath = Literal["point", "pads", "points", "housing"]
 CARRIED: tuple[LoadPath, ...] = ("points", "housing")
-"""Where springs stand between the ring and a rigid carrier, on which load and bracket act."""
+"""Load paths with springs between the ring and a rigid carrier, on which load and bracket act."""
 
 KEYS: dict[LoadPath, tuple[str, ...]] = {
     "point": (),
@@ -31,7 +31,7 @@ KEYS: dict[LoadPath, tuple[str, ...]] = {
     "points": ("at", "mass"),
     "housing": ("stiffness", "fit", "mass"),
 }
-"""What each way of loading the ring can be told besides; the first is needed."""
+"""Further keys of each load path; the first is required."""
 
 
 class Mapped(Section):
@@ -77,7 +77,7 @@ class SupportPoint(Mapped):
 
 
 class RingLoad(Mapped):
-    """Where the load enters a ring that bends.
+    """Load path into a flexible ring.
 
     `point`: a force at the load line. `pads`: equal radial forces at `angles` (rad), whose resultant is the load.
     `points`: springs `at` some angles; `housing`: springs all round, of `stiffness` (N/m per m of circumference),
@@ -95,7 +95,7 @@ class RingLoad(Mapped):
 
     @property
     def carried(self) -> bool:
-        """Whether springs stand between the ring and a carrier."""
+        """True if springs connect the ring to a carrier."""
         return self.by in CARRIED
 
     @model_validator(mode="after")
@@ -113,7 +113,7 @@ class RingLoad(Mapped):
 
 
 class Sensor(Mapped):
-    """Where the sensor sits, and the direction (rad, from the load line) in which it looks outwards."""
+    """Position of the sensor, and its outward direction (rad, from the load line)."""
 
     example = "{on: ring, angle: 0 deg}"
     on: Annotated[Literal["ring", "housing"], one_of("ring", "housing")] = "ring"
@@ -121,5 +121,5 @@ class Sensor(Mapped):
 
     @property
     def on_ring(self) -> bool:
-        """Whether the sensor sits on the ring itself."""
+        """True if the sensor is on the ring itself."""
         return self.on == "ring"

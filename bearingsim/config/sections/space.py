@@ -1,4 +1,4 @@
-"""What the `spatial` model adds: the roller's profile, flanges, and rings that lean."""
+"""Sections for the `spatial` model: roller profile, flanges, misalignment."""
 
 from typing import Annotated, Any, Literal, get_args
 
@@ -27,7 +27,7 @@ def _spelled(raw: Any) -> Any:
 
 
 class Profile(Section):
-    """How much thinner a roller gets towards its ends.
+    """Profile of a roller: decrease of its radius towards the ends.
 
     `crowned`: by a parabola that begins at the ends of `straight_length` (m) and sinks to `drop` (m, of the
     radius) at the roller's ends. `logarithmic`: by 0.00035 D_w ln[1/(1 - (2 z/L_w)^2)], that of ISO/TS 16281.
