@@ -20,7 +20,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start flags nodes friction
+.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start flags nodes friction house
 
 help:
 	@sed -n '1,8s/^# //p' Makefile
@@ -127,6 +127,10 @@ speed-accuracy: install-dev
 # is anything lost when a disk is full, a bit flips, a process ends? As root also on small disks
 faults: install-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/faults.py $(ONLY)
+
+# sizes of files and functions by room, and circles of imports: a report, no test
+house: install-dev
+	$(BIN)/python benchmarks/house.py
 
 # is a wrong scheduler told in time, and does Ctrl-C end the run meanwhile? Writes docs/data/handshakes.csv
 handshakes: install-dev

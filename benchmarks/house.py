@@ -1,0 +1,114 @@
+"""Report of the source by room: sizes of files and functions, circles of imports (``make house``). No test.
+
+    python benchmarks/house.py              # of this tree
+    python benchmarks/house.py ../older     # of another checkout
+
+A line counts as text (docstring, also of a constant, or comment), blank, import, or else code. The length of a
+function includes signature and docstring. A circle is a set of modules that import one another, wherever the
+import stands: at the top, in a function, or under TYPE_CHECKING. The package's own ``__init__``, which imports
+nothing before it is used, is left out.
+"""
+
+import ast
+import sys
+from collections import Counter, defaultdict
+from collections.abc import Collection, Iterator
+from pathlib import Path
+from typing import TypeGuard
+
+LONG = 60
+"""Lines of a function; more are reported."""
+COUNTED = ("files", "lines", "code", "text", "blank", "import", "functions", "long")
+PACKAGE = "bearingsim"
+OTHERS = ("benchmarks", "tests", "docs")
+
+
+def room(path: Path) -> str:
+    """Return the room of a source file: the folder in the package, of the core one level deeper."""
+    folders = path.parent.parts
+    if folders[0] != PACKAGE:
+        return folders[0]
+    return "/".join(folders[1 : 3 if folders[1:2] == ("core",) else 2]) or "(top)"
+
+
+def is_text(node: ast.AST) -> TypeGuard[ast.Expr]:
+    """Check if a statement is a string, as docstrings are."""
+    return (
+        isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+    )
+
+
+def functions(tree: ast.Module) -> Iterator[tuple[str, int]]:
+    """Yield each function's name and its number of lines."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            yield node.name, (node.end_lineno or 0) - node.lineno + 1
+
+
+def count(source: str, tree: ast.Module) -> Counter[str]:
+    """Count the lines of a file by what they are."""
+    kinds = {}
+    lines = source.splitlines()
+    for number, line in enumerate(lines, 1):
+        stripped = line.strip()
+        kinds[number] = "blank" if not stripped else "text" if stripped.startswith("#") else "code"
+    for node in ast.walk(tree):
+        if is_text(node) or isinstance(node, ast.Import | ast.ImportFrom):
+            kind = "text" if is_text(node) else "import"
+            kinds |= dict.fromkeys(range(node.lineno, (node.end_lineno or 0) + 1), kind)
+    lengths = [length for _, length in functions(tree)]
+    sizes = {"files": 1, "lines": len(lines), "functions": len(lengths), "long": sum(n > LONG for n in lengths)}
+    return Counter(kinds.values()) + Counter(sizes)
+
+
+def imported(tree: ast.Module, modules: Collection[str]) -> set[str]:
+    """Return the ``modules`` that a module imports: of ``from a import b`` ``a.b`` or, if none, ``a``."""
+    names = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            inner = [f"{node.module}.{alias.name}" for alias in node.names]
+            names |= {name if name in modules else str(node.module) for name in inner}
+    return names & set(modules)
+
+
+def circles(imports: dict[str, set[str]]) -> list[list[str]]:
+    """Return the sets of modules that reach one another (strongly connected components of two or more)."""
+
+    def reached(start: str) -> frozenset[str]:
+        seen, edge = set(), [start]
+        while edge:
+            for module in imports[edge.pop()] - seen:
+                seen.add(module)
+                edge.append(module)
+        return frozenset(seen)
+
+    reach = {module: reached(module) for module in imports}
+    groups = {frozenset(b for b in reach[a] if a in reach[b]) for a in imports if a in reach[a]}
+    return sorted(sorted(group) for group in groups if len(group) > 1)
+
+
+def report(root: Path) -> Iterator[str]:
+    """Yield the lines of the report on a checkout."""
+    rooms: dict[str, Counter[str]] = defaultdict(Counter)
+    trees, long = {}, []
+    for path in sorted(path for top in (PACKAGE, *OTHERS) for path in (root / top).rglob("*.py")):
+        place, source = path.relative_to(root), path.read_text(encoding="utf-8")
+        tree = ast.parse(source)
+        rooms[room(place)] += count(source, tree)
+        long += [f"{place}: {name} {length}" for name, length in functions(tree) if length > LONG]
+        if place.parts[0] == PACKAGE and place != Path(PACKAGE, "__init__.py"):
+            trees[".".join(place.with_suffix("").parts).removesuffix(".__init__")] = tree
+    loops = circles({name: imported(tree, trees) for name, tree in trees.items()})
+    rooms[PACKAGE] = sum((rooms[name] for name in rooms if name not in OTHERS), Counter())
+    yield f"{'room':18}" + "".join(f"{name:>10}" for name in COUNTED) + f"{'blank+import':>14}"
+    for name, sizes in rooms.items():
+        share = 100.0 * (sizes["blank"] + sizes["import"]) / (sizes["lines"] or 1)
+        yield f"{name:18}" + "".join(f"{sizes[column]:>10}" for column in COUNTED) + f"{share:>12.1f} %"
+    yield f"\nfunctions over {LONG} lines: {len(long)}\n" + "".join(f"  {line}\n" for line in long)
+    yield f"circles of imports: {len(loops)}\n" + "".join(f"  {', '.join(loop)}\n" for loop in loops)
+
+
+if __name__ == "__main__":
+    print("\n".join(report(Path(sys.argv[1] if len(sys.argv) > 1 else "."))))
