@@ -40,14 +40,15 @@ class Compared(NamedTuple):
     """What is compared of two runs, over the ball passes that count.
 
     fine: (n,) velocity (m/s) along the sensor at fine samples; recorded: (m,) the same as it is recorded,
-    low-passed or raw; rest: (C, m) all that is recorded: the motion along the sensor, the channels asked for;
-    lines: (L, parts) what each part of it adds to the complex amplitudes of the fault's lines; force: the largest
-    of an outer contact (N).
+    low-passed or raw; rest: (C, m) all that is recorded low-passed: the motion along the sensor, the channels
+    asked for; picked: (P, k) all that is recorded raw, at the record's instants; lines: (L, parts) what each part
+    of it adds to the complex amplitudes of the fault's lines; force: the largest of an outer contact (N).
     """
 
     fine: np.ndarray
     recorded: np.ndarray
     rest: np.ndarray
+    picked: np.ndarray
     lines: np.ndarray
     force: float
 
@@ -61,7 +62,12 @@ def compare(one: Compared, other: Compared) -> Changes:
         ),
         rms=max(rms_change(a, b) for a, b in zip(one[:2], other[:2], strict=True)),
         force=abs(one.force - other.force) / (other.force or 1.0),
-        record=max(rms_change(a, b) for a, b in zip(one.rest, other.rest, strict=True)),
+        record=max(
+            (
+                *(rms_change(a, b) for a, b in zip(one.rest, other.rest, strict=True)),
+                *(change_of_picks(a, b) for a, b in zip(one.picked, other.picked, strict=True)),
+            )
+        ),
     )
 
 
@@ -69,6 +75,18 @@ def rms_change(one: np.ndarray, other: np.ndarray) -> float:
     """Relative change of an RMS about the mean; of what hardly changes at all, relative to its size."""
     size = max(float(np.std(other)), QUIET_LINE * float(np.abs(other).max()))
     return float(abs(np.std(one) - np.std(other)) / (size or 1.0))
+
+
+def change_of_picks(one: np.ndarray, other: np.ndarray) -> float:
+    """Return the relative change of the RMS about the mean of raw values, picked at the same instants.
+
+    They meet the flanks of an impact by chance, and a step moves those: changes of single values, which cancel in
+    their sum by luck, count for no less than the root of their sum of squares.
+    """
+    power, before = ((series - np.mean(other)) ** 2 for series in (other, one))
+    least = (QUIET_LINE * float(np.abs(other).max(initial=0.0))) ** 2 * len(other)
+    change = before - power
+    return float(0.5 * max(abs(change.sum()), np.linalg.norm(change)) / (max(power.sum(), least) or 1.0))
 
 
 def amplitudes(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.ndarray:
@@ -93,27 +111,43 @@ def line_change(one: np.ndarray, other: np.ndarray) -> float:
 
 
 def of_orbit(setup: Setup, raw: RawRecord) -> Compared:
-    """What is compared of a motion that repeats itself: a period of it, and of rollers a turn of the cage."""
+    """What is compared of a motion that repeats itself: a period of it, and of rollers a turn of the cage.
+
+    Of what is recorded raw the record: which parts of a period its instants meet is chance.
+    """
     case, cut, model = setup.case, setup.cut, setup.model
     M, period = cut.fine_per_pass, raw.repetition.period
     taps = sampling_kernel(cut.fine_rate / case.sampling)
     turns = ceil((raw.repetition.computed + ceil(len(taps) / M)) / raw.Z)  # of the cage: each roller in its place
     start = turns * raw.Z * M
-    whole = raw.read(start, period * M)
-    fine = features.along_sensor(case, whole, "velocity")
-    low = raw.through(taps) if case.antialias else raw
-    rows = low.read(start, raw.Z * M if np.any(lay.lane_of(raw.places) >= 0) else period * M)
+    fine = features.along_sensor(case, raw.read(start, period * M), "velocity")
+    length = raw.Z * M if np.any(lay.lane_of(raw.places) >= 0) else period * M
+    low = raw.through(taps).read(start, length) if case.antialias else None
     lines = signals.lines_by_pass(fine, M, [1], start, case.bearing.rollers * model.bearing.theta_0)
-    return _compared(case, raw, fine, rows, lines.mean(axis=1, keepdims=True), raw.peaks[-period:])
+    return _compared(case, raw, fine, low, raw.picked, lines.mean(axis=1, keepdims=True), raw.peaks[-period:])
 
 
 def _compared(
-    case: Case, raw: RawRecord, fine: np.ndarray, rows: np.ndarray, lines: np.ndarray, peaks: np.ndarray
+    case: Case,
+    raw: RawRecord,
+    fine: np.ndarray,
+    low: np.ndarray | None,
+    picked: np.ndarray,
+    lines: np.ndarray,
+    peaks: np.ndarray,
 ) -> Compared:
+    """low, picked: rows of all that is recorded, low-passed (None if nothing is) and raw."""
+    rows = picked if low is None else low
     along = {quantity: features.along_sensor(case, rows, quantity) for quantity in MOTION}
-    asked = [row for row in channels.asked(case, raw.places) if row >= len(channels.base(case))]
-    rest, force = np.stack([*along.values(), *rows[asked]]), peaks[:, FORCE].max()
-    return Compared(fine, along["velocity"], rest, lines, float(force))
+    motion = np.stack([*along.values()])
+    asked = channels.asked(case, raw.places)
+    asked = asked[asked >= len(channels.base(case))]
+    raws = channels.are_contact_forces(case, raw.places[asked])
+    if low is None:
+        rest, picks = motion[:0], np.concatenate([motion, picked[asked]])
+    else:
+        rest, picks = np.concatenate([motion, low[asked[~raws]]]), picked[asked[raws]]
+    return Compared(fine, along["velocity"], rest, picks, lines, float(peaks[:, FORCE].max()))
 
 
 def fault_lines(case: Case) -> list[str]:
@@ -126,10 +160,11 @@ def of_pilot(setup: Setup, raw: RawRecord, passes: int) -> Compared:
     case, cut = setup.case, setup.cut
     start, length = record_windows.first_sample(case, cut), passes * cut.fine_per_pass + 1
     fine = features.sensed(case, raw, "velocity", start, length)
-    rows = low_passed(setup, raw, start, length) if case.antialias else raw_values(setup, raw.picked, passes)
+    low = low_passed(setup, raw, start, length) if case.antialias else None
+    picked = raw_values(setup, raw.picked, passes)
     lines = np.stack([amplitudes(setup, name, passes, fine) for name in fault_lines(case)])
     before = floor(case.settle * cut.rate + 1e-6)
-    return _compared(case, raw, fine, rows, lines, raw.peaks[before : before + passes])
+    return _compared(case, raw, fine, low, picked, lines, raw.peaks[before : before + passes])
 
 
 def low_passed(setup: Setup, raw: RawRecord, start: int, length: int) -> np.ndarray:

@@ -133,8 +133,7 @@ def check_on_orbit(coarse: Setup, raw: RawRecord) -> StepCheck | None:
     whole = coarse.case.model_copy(update={"until": None})
     fine = set_up(whole, coarse.part * shorter(cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU)
     most = MOST_FINER_PASSES[0] * raw.repetition.computed + MOST_FINER_PASSES[1]
-    fine = replace(fine, cut=replace(fine.cut, passes=min(fine.cut.passes, most)))
-    other = integrate(fine, start=by_place(coarse, raw), close=CLOSE_TO_ORBIT)
+    other = integrate(fine, start=by_place(coarse, raw), close=CLOSE_TO_ORBIT, most=most)
     if other.repetition.period == 0:
         return None
     return StepCheck(*compare(*(of_orbit(setup, one) for setup, one in ((coarse, raw), (fine, other)))))
