@@ -1,4 +1,5 @@
-"""Where everything lies in the one flat buffer that a simulation works on.
+"""Layout of the one flat buffer that a simulation works on: every row declared once, with unit, owners and
+lifetime.
 
 A loop over rollers keeps its vector lanes only if the compiler can see that rows do not overlap and that no
 index is negative; it sees both when all rows lie in one buffer at constant offsets and loops count from zero
@@ -14,12 +15,22 @@ Behind everything else, and only in a buffer made for slices, lie the rows of ``
 each of its two sides, and of each slice (``slice_row``).
 
 The names of rows are offsets: ``y[lay.RADIAL + j]`` is roller j's radial position, ``y[lay.POSITION + lay.X]`` the
-ring's, with ``from bearingsim.core import layout as lay``.
+ring's, with ``from bearingsim.core import layout as lay``. ``rows.py`` says what a declaration holds and refuses
+overlaps; ``free_rows`` lists the rows that a model may still declare. The owners:
+
+``all``          every model and method
+``bent``         rest of a ring that bends; ``bent-search``: its Newton step, which overwrites the springs' forces
+``rest``         rest of rollers and ring in the plane
+``linearise``    analytic Jacobian of ``planar``; ``differences``: Jacobian by differences
+``adaptive`` ... methods; the models by their names
 """
+
+from functools import partial
 
 import numpy as np
 
 from bearingsim.core.jit import jit
+from bearingsim.core.rows import DECLARED, EVERYBODY, declare
 
 VECTOR_WIDTH = 8  # doubles in the widest vector register
 FIRST_LANE = 8  # where a row's lanes begin; before them the shared coordinates
@@ -27,132 +38,141 @@ MAX_ROLLERS = 104
 ROW = FIRST_LANE + MAX_ROLLERS
 STATE = 6 * ROW
 
-X, Y, PSI = 0, 1, 2  # shared coordinates in a state: the ring's centre (m) and rotation (rad)
-PHI_C, X_C, Y_C = 3, 4, 5  # the cage's rotation beyond its kinematic one (rad), its centre (m)
-X_I, Y_I = 6, 7  # the inner ring's centre (m)
-Z, Z_C, Z_I = (3 * ROW + n for n in range(3))  # along the bearing's axis: outer ring, cage, inner ring (m)
-RING_TILT_X, CAGE_TILT_X, INNER_TILT_X = (4 * ROW + n for n in range(3))  # components of their axes along e_0 (1)
-RING_TILT_Y, CAGE_TILT_Y, INNER_TILT_Y = (5 * ROW + n for n in range(3))  # and along e_90
-POSITION, VELOCITY, ACCELERATION = 0 * STATE, 1 * STATE, 2 * STATE
-# how far the outer ring bends (m): amplitudes of its harmonics, of cosine and of sine; where nothing but the
-# radial motion of the rollers is known, since rollers have these rows elsewhere
-MODES_C, MODES_S = ROW, 2 * ROW
+rows = partial(declare, step=ROW, size=MAX_ROLLERS)  # lanes of rollers
+whole_rows = partial(declare, step=ROW, size=ROW)
+cells = partial(declare, step=1, size=1)
+states = partial(declare, step=STATE, size=STATE)
+SPRINGY = "ring rollers bent"  # owners of what belongs to a ring that bends
+BODIES = "planar spatial linearise differences rest"  # owners of coordinates beyond the radial ones
 
-# rollers, radially (m)
-RADIAL, RADIAL_V, RADIAL_A = (block + FIRST_LANE for block in (POSITION, VELOCITY, ACCELERATION))
-# angle from the centre of the own pocket (rad)
-EPS, EPS_V, EPS_A = (row + ROW for row in (RADIAL, RADIAL_V, RADIAL_A))
-# rotation beyond the kinematic one (rad)
-SPIN, SPIN_V, SPIN_A = (row + 2 * ROW for row in (RADIAL, RADIAL_V, RADIAL_A))
-# rollers, along the bearing's axis (m)
-AXIAL, AXIAL_V, AXIAL_A = (row + 3 * ROW for row in (RADIAL, RADIAL_V, RADIAL_A))
-# component of the own axis along e_0 (1)
-AXIS_X, AXIS_X_V, AXIS_X_A = (row + 4 * ROW for row in (RADIAL, RADIAL_V, RADIAL_A))
-AXIS_Y, AXIS_Y_V, AXIS_Y_A = (row + 5 * ROW for row in (RADIAL, RADIAL_V, RADIAL_A))  # and along e_90
-
-_FIRST = 3 * STATE
-COS_0, SIN_0, INVERSE_MASS = (_FIRST + n * ROW for n in range(3))  # constants of a lane: angle at theta_c = 0, 1/m
-COS, SIN = (_FIRST + n * ROW for n in range(3, 5))  # of the roller's angle now
-DELTA_O, V_O, Q_O = (_FIRST + n * ROW for n in range(5, 8))  # outer contact: approach, its rate, force
-DELTA_I, V_I, Q_I = (_FIRST + n * ROW for n in range(8, 11))  # inner contact
-SLIP_O, SLIP_I, Q_P = (_FIRST + n * ROW for n in range(11, 14))  # slip speeds (m/s), force of the pocket (N)
-# tangential force on the roller, in a pit (N)
-PIT_FORCE_O, PIT_FORCE_I = (_FIRST + n * ROW for n in range(14, 16))
-# largest Q_O; seconds over the step limit
-Q_O_MAX, OVERRUN, OVERRUN_MAX = (_FIRST + n * ROW for n in range(16, 19))
-Q_I_MAX, Q_P_MAX = (_FIRST + n * ROW for n in range(19, 21))  # largest Q_I and |Q_P|
-WORK = _FIRST + 21 * ROW  # rows a model may use within an evaluation
-# (the equilibrium uses some of these rows before a motion begins: ``models/equilibrium.py``)
-# direction of a roller's pocket; cos and sin of EPS
-COS_POCKET, SIN_POCKET, COS_EPS, SIN_EPS = (WORK + n * ROW for n in range(4))
-# outer contact: normal along e_r, e_theta; distance from the ring's centre (m); speed across the normal (m/s)
-NORMAL_O_R, NORMAL_O_T, RHO_O, TANGENTIAL_V_O = (WORK + n * ROW for n in range(4, 8))
-# the same of the inner contact
-NORMAL_I_R, NORMAL_I_T, RHO_I, TANGENTIAL_V_I = (WORK + n * ROW for n in range(8, 12))
-# on a roller: along e_r, e_theta (N), spin (N m)
-FORCE_R, FORCE_T, TORQUE = (WORK + n * ROW for n in range(12, 15))
-# how far the outer race is bent outwards at each roller (m), and how fast that grows as the roller goes on (m/s)
-BEND, BEND_V = (WORK + n * ROW for n in range(7, 9))
-FRICTION_O, FRICTION_I = (WORK + n * ROW for n in range(15, 17))  # friction at the two contacts (N)
-RHO_V_O, RHO_V_I = (WORK + n * ROW for n in range(17, 19))  # rates of RHO_O, RHO_I of rollers over a pit (m/s)
-# cells, not rows: forces (N) and torques (N m) on ring, cage and inner ring
-F_X, F_Y, M_RING, F_X_C, F_Y_C, M_C, F_X_I, F_Y_I = range(WORK + 19 * ROW, WORK + 19 * ROW + 8)
-F_Z, M_X, M_Y, F_Z_C, M_X_C, M_Y_C, F_Z_I, M_X_I, M_Y_I = range(WORK + 19 * ROW + 8, WORK + 19 * ROW + 17)
-M_INNER = WORK + 19 * ROW + 17  # about the axis, on the inner ring (N m)
-LOADS = 18  # cells from F_X to M_INNER
-# cells: radial motion of a ring that bends where its sensor sits: place (m), velocity (m/s), acceleration (m/s^2)
-SENSOR, SENSOR_V, SENSOR_A = range(WORK + 19 * ROW + MAX_ROLLERS, WORK + 19 * ROW + MAX_ROLLERS + 3)  # no lane
-PIT_TORQUE = WORK + 20 * ROW  # of the pits of a roller, on itself (N m)
-WORK_ROWS = 21
-JACOBIAN_WORK = WORK + WORK_ROWS * ROW  # rows that ``linearise`` may use, within one call
-JACOBIAN_WORK_ROWS = 86
-STAGE = JACOBIAN_WORK + JACOBIAN_WORK_ROWS * ROW  # states a method may use, between evaluations
-STAGE_STATES = 56
-LOADED_ROLLERS = STAGE + STAGE_STATES * STATE  # one cell: rollers that carry load
-# cells of a method: the step it stands in, from and to (s), the length it will try next (s); why it cannot go on
-# (``core/outcomes.py``; 0 while it can) and the body concerned; steps taken and refused, evaluations of the model,
-# Newton iterations; crossings of pits seen
-(
-    T_START,
-    T_END,
-    H_NEXT,
-    FAILED,
-    FAILED_BODY,
-    STEPS_TAKEN,
-    STEPS_REJECTED,
-    EVALUATIONS,
-    NEWTON_ITERATIONS,
-    PIT_CROSSINGS,
-) = range(LOADED_ROLLERS + 1, LOADED_ROLLERS + 11)
-# the time it stops at next (s), the length of the step taken last (s) and its error; dense output complete?
-NEXT_STOP, H_TAKEN, LAST_ERROR, DENSE_READY = range(LOADED_ROLLERS + 11, LOADED_ROLLERS + 15)
-CPU_END = (
-    LOADED_ROLLERS + 15
-)  # cell: this thread's CPU time (s) at which compiled loops end, 0: never (``clock.py``)
-# of each of the first pits' roller-pit pairs: 1 + the number of the roller that stands in it, 0: none; rollers
-# seen in it
-ROLLER_IN_PIT, PAIR_CROSSINGS = LOADED_ROLLERS + 2 * VECTOR_WIDTH, LOADED_ROLLERS + 2 * VECTOR_WIDTH + ROW
-# part of the method's step limit that each monitored body takes up
-STEP_RATIO = LOADED_ROLLERS + 2 * VECTOR_WIDTH + 2 * ROW
-APPROACH_NOW = STEP_RATIO + ROW  # larger approach of each roller to a race without pits, as the monitor looks (m)
-# forces Q_O, Q_I, |Q_P| (N) at the start and at the end of an adaptive method's step
-FORCES_AT_START, FORCES_AT_END = APPROACH_NOW + ROW, APPROACH_NOW + 4 * ROW
-
-# what forces and torques accelerate a roller by, and (cells) the bodies of the shared coordinates X to Y_I (1/kg,
-# 1/(kg m^2)); how the place (m) and velocity (m/s) of each roller, as a body sees it, change along e_r, e_theta;
-# what follows, of force along e_r, e_theta (N) and torque (N m) on it, and on these shared coordinates
-(
-    MOBILITY_R,
-    MOBILITY_T,
-    MOBILITY_SPIN,
-    MOBILITY_SHARED,
-    D_POSITION_R,
-    D_POSITION_T,
-    D_VELOCITY_R,
-    D_VELOCITY_T,
-    D_FORCE_R,
-    D_FORCE_T,
-    D_TORQUE,
-    D_FORCE_SHARED,
-) = (JACOBIAN_WORK + FIRST_LANE + n * ROW for n in range(12))
-# rows of contacts
-OUTER_CONTACT, INNER_CONTACT, POCKET_CONTACT = (JACOBIAN_WORK + FIRST_LANE + n * ROW for n in (19, 43, 67))
-# of differences (``models/differences.py``): the state about which they are taken (three blocks), rows of what
-# each roller adds to the cells F_X to M_INNER, now and there; cells: their sums there, whether a coordinate moves
-HERE, ROLLER_LOADS, ROLLER_LOADS_HERE, LOADS_HERE = (JACOBIAN_WORK + n * ROW for n in (0, 18, 36, 54))
-
-# of a ring that bends: cosine and sine of each harmonic's angle as the first roller has it; amplitudes (m), and
-# their rates (m/s), as the rollers see them; forces (N) on the amplitudes, as the rollers make them
-TURN_C, TURN_S, SEEN_C, SEEN_S, SEEN_V_C, SEEN_V_S, PUSH_C, PUSH_S = (
-    JACOBIAN_WORK + n * ROW for n in range(54, 62)
+# the state: positions (m, rad), velocities (m/s, rad/s), accelerations (m/s^2, rad/s^2)
+POSITION, VELOCITY, ACCELERATION = BLOCKS = 0 * STATE, 1 * STATE, 2 * STATE
+# rollers: radial place; angle from the centre of the own pocket, rotation beyond the kinematic one, place along
+# the bearing's axis, components of the own axis along e_0 and e_90
+RADIAL, RADIAL_V, RADIAL_A = declare(
+    FIRST_LANE, "m, m/s, m/s^2", f"rollers {BODIES}", "run", size=MAX_ROLLERS, step=STATE
 )
-# forces (N) on the amplitudes by springs around the ring; of each spring: how far it is pressed (m), how fast
-# (m/s), its force (N), of up to 4 ROW springs
-PULL_C, PULL_S = (JACOBIAN_WORK + n * ROW for n in range(71, 73))
-PRESSED, PRESSED_V, SPRING_FORCE = (JACOBIAN_WORK + n * ROW for n in range(73, 85, 4))
+EPS, SPIN, AXIAL, AXIS_X, AXIS_Y = rows(RADIAL + ROW, "rad, rad, m, 1, 1", BODIES, "run")
+EPS_V, SPIN_V, AXIAL_V, AXIS_X_V, AXIS_Y_V = rows(RADIAL_V + ROW, "rad/s, rad/s, m/s, 1/s, 1/s", BODIES, "run")
+EPS_A, SPIN_A, AXIAL_A, AXIS_X_A, AXIS_Y_A = rows(
+    RADIAL_A + ROW, "rad/s^2, rad/s^2, m/s^2, 1/s^2, 1/s^2", BODIES, "run"
+)
+# shared coordinates, relative to a block; units are those of POSITION. The ring's centre and rotation; the cage's
+# rotation beyond its kinematic one, its centre; the inner ring's centre
+X, Y, PSI, PHI_C, X_C, Y_C, X_I, Y_I = cells(0, "m, m, rad, rad, m, m, m, m", "all", "run", bases=BLOCKS)
+# along the bearing's axis: outer ring, cage, inner ring; components of their axes along e_0 and e_90
+Z, Z_C, Z_I = cells(3 * ROW, "m", BODIES, "run", count=3, bases=BLOCKS)
+RING_TILT_X, CAGE_TILT_X, INNER_TILT_X = cells(4 * ROW, "1", BODIES, "run", count=3, bases=BLOCKS)
+RING_TILT_Y, CAGE_TILT_Y, INNER_TILT_Y = cells(5 * ROW, "1", BODIES, "run", count=3, bases=BLOCKS)
+# amplitudes of the harmonics of a ring that bends, of cosine and of sine: in models whose rollers move radially
+# only
+MODES_C, MODES_S = whole_rows(ROW, "m", SPRINGY, "run", count=2, bases=BLOCKS)
+
+# constants and results of each roller
+_FIRST = 3 * STATE
+COS_0, SIN_0, INVERSE_MASS = rows(_FIRST, "1, 1, 1/kg", "all", "constant")  # angle at theta_c = 0
+COS, SIN = rows(_FIRST + 3 * ROW, "1", "all", "evaluation", count=2)  # of the roller's angle now
+# contacts with the outer and the inner race: approach, its rate, force
+DELTA_O, V_O, Q_O, DELTA_I, V_I, Q_I = rows(_FIRST + 5 * ROW, "m, m/s, N", "all", "evaluation", count=2)
+# slips at the races, force of the pocket, tangential forces on the roller over a defect
+SLIP_O, SLIP_I, Q_P, PIT_FORCE_O, PIT_FORCE_I = rows(_FIRST + 11 * ROW, "m/s, m/s, N, N, N", "all", "evaluation")
+# largest Q_O; part of the time over the step limit, and its largest value; largest Q_I and |Q_P|
+Q_O_MAX, OVERRUN, OVERRUN_MAX, Q_I_MAX, Q_P_MAX = rows(_FIRST + 16 * ROW, "N, s, s, N, N", "all", "run")
+
+# WORK: rows of one evaluation of the model
+WORK, WORK_ROWS = _FIRST + 21 * ROW, 21
+PLANE = "planar linearise"
+# direction of a roller's pocket; cos and sin of EPS
+COS_POCKET, SIN_POCKET, COS_EPS, SIN_EPS = rows(WORK, "1", f"{PLANE} spatial", "evaluation", count=4)
+# of the outer and the inner contact: normal along e_r, e_theta; distance from the ring's centre; speed across the
+# normal
+NORMAL_O_R, NORMAL_O_T, RHO_O, TANGENTIAL_V_O = rows(WORK + 4 * ROW, "1, 1, m, m/s", PLANE, "evaluation")
+NORMAL_I_R, NORMAL_I_T, RHO_I, TANGENTIAL_V_I = rows(WORK + 8 * ROW, "1, 1, m, m/s", PLANE, "evaluation")
+# on a roller: along e_r, e_theta, spin
+FORCE_R, FORCE_T, TORQUE = rows(WORK + 12 * ROW, "N, N, N m", f"{PLANE} spatial", "evaluation")
+# outward displacement of a bent outer race at each roller, and its rate as the roller travels
+BEND, BEND_V = rows(WORK + 7 * ROW, "m, m/s", SPRINGY, "evaluation")
+# friction at the two contacts; rates of RHO_O, RHO_I of rollers over a defect
+FRICTION_O, FRICTION_I, RHO_V_O, RHO_V_I = rows(WORK + 15 * ROW, "N, N, m/s, m/s", PLANE, "evaluation")
+# forces and torques on outer ring, cage and inner ring: in the plane, beyond it, on the inner ring about the axis
+F_X, F_Y, M_RING, F_X_C, F_Y_C, M_C, F_X_I, F_Y_I = cells(
+    WORK + 19 * ROW, "N, N, N m, N, N, N m, N, N", "all", "evaluation"
+)
+F_Z, M_X, M_Y, F_Z_C, M_X_C, M_Y_C, F_Z_I, M_X_I, M_Y_I = cells(
+    F_Y_I + 1, "N, N m, N m", "all", "evaluation", count=3
+)
+(M_INNER,) = cells(M_Y_I + 1, "N m", "all", "evaluation")
+LOADS = 18  # cells from F_X to M_INNER
+# radial motion of a ring that bends where its sensor sits; forces of the springs on the ring's centre
+SENSOR, SENSOR_V, SENSOR_A = cells(WORK + 19 * ROW + MAX_ROLLERS, "m, m/s, m/s^2", "all", "evaluation")
+(PIT_TORQUE,) = rows(WORK + 20 * ROW, "N m", PLANE, "evaluation")  # of a roller's own defects, on itself
+SPRINGS_X, SPRINGS_Y = cells(WORK + 20 * ROW + MAX_ROLLERS, "N", SPRINGY, "evaluation", count=2)
+
+# JACOBIAN_WORK: rows of one call of ``linearise``, and of models that have none
+JACOBIAN_WORK, JACOBIAN_WORK_ROWS = WORK + WORK_ROWS * ROW, 86
+# accelerations by force and torque on a roller, and (cells) on the bodies of the shared coordinates X to Y_I;
+# derivatives of a roller's place and velocity, as a body sees it, along e_r, e_theta; of the force along e_r,
+# e_theta and torque on it, and (a row each) on these shared coordinates
+of_linearise = partial(rows, owners="linearise", lifetime="linearise")
+MOBILITY_R, MOBILITY_T, MOBILITY_SPIN, MOBILITY_SHARED = of_linearise(
+    JACOBIAN_WORK + FIRST_LANE, "1/kg, 1/kg, 1/(kg m^2), 1/kg"
+)
+D_POSITION_R, D_POSITION_T, D_VELOCITY_R, D_VELOCITY_T = of_linearise(MOBILITY_SHARED + ROW, "m, m, m/s, m/s")
+D_FORCE_R, D_FORCE_T, D_TORQUE = of_linearise(D_VELOCITY_T + ROW, "N, N, N m")
+D_FORCE_SHARED = of_linearise(D_TORQUE + ROW, "N", count=FIRST_LANE)[0]
+# rows of contacts: ``parts/races.py``, ``parts/cage_slopes.py``
+OUTER_CONTACT, INNER_CONTACT, POCKET_CONTACT = (JACOBIAN_WORK + FIRST_LANE + n * ROW for n in (19, 43, 67))
+# loads of each roller on the cells F_X to M_INNER
+ROLLER_LOADS = whole_rows(
+    JACOBIAN_WORK + 18 * ROW, "N", "ring rollers planar spatial differences", "evaluation", count=LOADS
+)[0]
+# differences (``models/differences.py``): the state about which they are taken; its ROLLER_LOADS; cells of their
+# sums, and a mark for each coordinate that moves
+(HERE,) = declare(JACOBIAN_WORK, "m", "differences", "linearise", size=3 * STATE, step=0)
+ROLLER_LOADS_HERE = whole_rows(JACOBIAN_WORK + 36 * ROW, "N", "differences", "linearise", count=LOADS)[0]
+(LOADS_HERE,) = whole_rows(JACOBIAN_WORK + 54 * ROW, "N", "differences", "linearise")
+# a ring that bends: cosine and sine of each harmonic's angle at the first roller; amplitudes and their rates in
+# the frame of the rollers; generalised forces of the rollers on the amplitudes
+TURN_C, TURN_S, SEEN_C, SEEN_S, SEEN_V_C, SEEN_V_S, PUSH_C, PUSH_S = whole_rows(
+    JACOBIAN_WORK + 54 * ROW, "1, 1, m, m, m/s, m/s, N, N", f"{SPRINGY} bent-search", "evaluation"
+)
+# generalised forces of springs around the ring; of each of up to MAX_SPRINGS: compression, its rate, force
+PULL_C, PULL_S = whole_rows(JACOBIAN_WORK + 71 * ROW, "N", SPRINGY, "evaluation", count=2)
 MAX_SPRINGS = 4 * ROW
-# cells: what the springs do to the ring's centre (N)
-SPRINGS_X, SPRINGS_Y = range(WORK + 20 * ROW + MAX_ROLLERS, WORK + 20 * ROW + MAX_ROLLERS + 2)
+PRESSED, PRESSED_V, SPRING_FORCE = declare(
+    JACOBIAN_WORK + 73 * ROW,
+    "m, m/s, N",
+    f"{SPRINGY} bent-search",
+    "evaluation",
+    size=MAX_SPRINGS,
+    step=MAX_SPRINGS,
+)
+
+# STAGE: states that a method keeps between evaluations, declared by the methods
+STAGE, STAGE_STATES = JACOBIAN_WORK + JACOBIAN_WORK_ROWS * ROW, 56
+
+# cells of a run: rollers that carry load
+(LOADED_ROLLERS,) = cells(STAGE + STAGE_STATES * STATE, "1", "all", "run")
+# of a method: the step it stands in, from and to, the length it will try next; why it cannot go on
+# (``core/outcomes.py``; 0 while it can) and the body concerned; steps taken and refused, evaluations of the model,
+# Newton iterations; crossings of defects seen
+T_START, T_END, H_NEXT, FAILED, FAILED_BODY = cells(LOADED_ROLLERS + 1, "s, s, s, 1, 1", "all", "run")
+STEPS_TAKEN, STEPS_REJECTED, EVALUATIONS, NEWTON_ITERATIONS, PIT_CROSSINGS = cells(
+    FAILED_BODY + 1, "1", "all", "run", count=5
+)
+# the time it stops at next, the length of the step taken last and its error; dense output complete?
+NEXT_STOP, H_TAKEN, LAST_ERROR, DENSE_READY = cells(LOADED_ROLLERS + 11, "s, s, 1, 1", "all", "run")
+(CPU_END,) = cells(
+    LOADED_ROLLERS + 15, "s", "all", "run"
+)  # CPU time at which compiled loops end, 0: never (``clock.py``)
+# of each of the first defects' roller-defect pairs: 1 + the number of the roller that stands in it, 0: none;
+# rollers seen in it. Part of the method's step limit that each monitored body takes up. Larger approach of each
+# roller to an undamaged race, for the monitor
+ROLLER_IN_PIT, PAIR_CROSSINGS, STEP_RATIO, APPROACH_NOW = whole_rows(
+    LOADED_ROLLERS + 2 * VECTOR_WIDTH, "1, 1, 1, m", "all", "run"
+)
+# forces Q_O, Q_I, |Q_P| at the start and at the end of an adaptive method's step
+FORCES_AT_START, FORCES_AT_END = whole_rows(APPROACH_NOW + ROW, "N", "adaptive", "step", count=6)[::3]
 
 # a matrix of the arrow's shape (``methods/arrow.py``): rows of the rollers' own blocks, of what the border does to
 # a roller, of what a roller does to the border; cells of the border's own block
@@ -160,110 +180,111 @@ MAX_OWN, MAX_SHARED = 6, 17  # coordinates of a roller, and shared ones
 DIAGONAL_BLOCK, BORDER_COLUMN, BORDER_ROW = 0, MAX_OWN * MAX_OWN * ROW, MAX_OWN * (MAX_OWN + MAX_SHARED) * ROW
 CORNER_BLOCK = MAX_OWN * (MAX_OWN + 2 * MAX_SHARED) * ROW
 ARROW_SIZE = CORNER_BLOCK + -(-MAX_SHARED * (MAX_SHARED + 2) // ROW) * ROW
-POSITION_JACOBIAN = LOADED_ROLLERS + 11 * ROW  # d(acceleration)/d(position)
-VELOCITY_JACOBIAN = POSITION_JACOBIAN + ARROW_SIZE  # d(acceleration)/d(velocity)
-SYSTEM = VELOCITY_JACOBIAN + ARROW_SIZE  # the matrix that a method solves with
+# d(acceleration)/d(position), d(acceleration)/d(velocity); the matrix that a method solves with
+POSITION_JACOBIAN, VELOCITY_JACOBIAN, SYSTEM = declare(
+    LOADED_ROLLERS + 11 * ROW,
+    "1/s^2, 1/s, 1",
+    "linearise differences rollers",
+    "step",
+    size=ARROW_SIZE,
+    step=ARROW_SIZE,
+)
 BUFFER_SIZE = SYSTEM + ARROW_SIZE
 
-# what only ``spatial`` has: rows of a roller
-_SPACE = BUFFER_SIZE + FIRST_LANE
-# its axis along e_r, e_theta, e_z, and the rates of these; speed about the axis (rad/s); surface speed (m/s)
-TILT, SKEW, AXIS_Z, TILT_V, SKEW_V, AXIS_Z_V, OMEGA, ROLLING_SPEED = (_SPACE + n * ROW for n in range(8))
-# force (N), moment (N m) on a roller
-FORCE_Z, MOMENT_R, MOMENT_T, MOMENT_Z = (_SPACE + n * ROW for n in range(8, 12))
-SKEW_V_CHANGE = _SPACE + 12 * ROW  # change of the skew's rate within the lag (rad/s)
-# a roller in its pocket: distance from the middle (m), its rate (m/s), slip along the wall and the axis (m/s), in
-# the roller's middle and their growth along it (*_SLOPE); relative turning about the cage's axis and radius
-# (rad/s)
-(
-    POCKET_OFFSET,
-    POCKET_OFFSET_V,
-    POCKET_SLIP,
-    POCKET_SLIP_Z,
-    POCKET_OFFSET_SLOPE,
-    POCKET_OFFSET_V_SLOPE,
-    POCKET_SLIP_SLOPE,
-    POCKET_SLIP_Z_SLOPE,
-) = (_SPACE + n * ROW for n in range(13, 21))
-POCKET_OMEGA_Z, POCKET_OMEGA_R = (_SPACE + n * ROW for n in range(21, 23))
-# sums over slices
-(
-    POCKET_FORCE_W,
-    POCKET_FORCE_R,
-    POCKET_FORCE_Z,
-    POCKET_ZETA_FORCE_W,
-    POCKET_ZETA_FORCE_R,
-    POCKET_ZETA_FORCE_Z,
-    POCKET_COUPLE_Z,
-    POCKET_COUPLE_R,
-) = (_SPACE + n * ROW for n in range(23, 31))
-Q_F = _SPACE + 31 * ROW  # force of the flanges on a roller along the bearing's axis (N)
-TILT_MAX, LINE_LOAD_MAX = (_SPACE + n * ROW for n in range(32, 34))  # largest |tilt| (rad) and line load (N/m)
-KAPPA_F, KAPPA_P = (_SPACE + n * ROW for n in range(34, 36))  # friction over slip, flanges and pocket (N s/m)
-_SPACE_ROWS = 36
-
-# rows of one side of a roller (add ``OUTER_SIDE`` or ``INNER_SIDE``); see core/parts/races_in_space.py
-OUTER_SIDE = BUFFER_SIZE + _SPACE_ROWS * ROW + FIRST_LANE
-RING_AXIS_R, RING_AXIS_T = (n * ROW for n in range(2))  # the ring's axis along e_r, e_theta
-OFFSET_R, OFFSET_T, OFFSET_Z, DIRECTION_R, DIRECTION_T, DIRECTION_Z = (n * ROW for n in range(2, 8))
-OFFSET_V_R, OFFSET_V_T, OFFSET_V_Z, DIRECTION_V_R, DIRECTION_V_T, DIRECTION_V_Z = (n * ROW for n in range(8, 14))
-ROLL_SPEED, AXIAL_SLIP, AXIAL_SLIP_SLOPE, AXIAL_SLIP_ARM_R, AXIAL_SLIP_ARM_T, AXIAL_SLIP_ARM_Z = (
-    n * ROW for n in range(14, 20)
+# rows of a roller that only ``spatial`` has
+_SPACE, _SPACE_ROWS = BUFFER_SIZE + FIRST_LANE, 36
+of_space = partial(rows, owners="spatial", lifetime="evaluation")
+# its axis along e_r, e_theta, e_z, and the rates of these; speed about the axis; surface speed
+TILT, SKEW, AXIS_Z, TILT_V, SKEW_V, AXIS_Z_V, OMEGA, ROLLING_SPEED = of_space(
+    _SPACE, "1, 1, 1, 1/s, 1/s, 1/s, rad/s, m/s"
 )
-(
-    CONTACT_FORCE_R,
-    CONTACT_FORCE_T,
-    CONTACT_FORCE_Z,
-    CONTACT_ZETA_FORCE_R,
-    CONTACT_ZETA_FORCE_T,
-    CONTACT_ZETA_FORCE_Z,
-    COUPLE_AXIAL,
-    COUPLE_R,
-    COUPLE_T,
-    COUPLE_Z,
-) = (n * ROW for n in range(20, 30))
-# sums of friction over slip, for the lag
-KAPPA_0, KAPPA_1, KAPPA_2, KAPPA_SLIP_0, KAPPA_SLIP_1, KAPPA_SLIP_Z = (n * ROW for n in range(30, 36))
-# ...; over a pit?
-KAPPA_ARM, KAPPA_R, KAPPA_T, KAPPA_Z, SLIP_CHANGE, SLIP_CHANGE_Z, PIT_REACH = (n * ROW for n in range(36, 43))
-# of a pit, as the slice at hand feels it: depth (m), tangent of the normal's tilt, 1 - its cosine, stiffness lost;
-# is it the roller's own?
-ROLLER_DROP, NORMAL_SLOPE, NORMAL_VERSINE, STIFFNESS_LOSS, OWN_PIT = (n * ROW for n in range(43, 48))
-SIDE_ROWS = 48
-INNER_SIDE = OUTER_SIDE + SIDE_ROWS * ROW
+# force, moment on a roller; change of the skew's rate within the lag
+FORCE_Z, MOMENT_R, MOMENT_T, MOMENT_Z, SKEW_V_CHANGE = of_space(_SPACE + 8 * ROW, "N, N m, N m, N m, rad/s")
+# a roller in its pocket: distance from the middle, its rate, slip along the wall and the axis, in the roller's
+# middle; their derivatives along the roller (*_SLOPE); relative angular velocity about the cage's axis and radius
+POCKET_OFFSET, POCKET_OFFSET_V, POCKET_SLIP, POCKET_SLIP_Z = of_space(_SPACE + 13 * ROW, "m, m/s, m/s, m/s")
+POCKET_OFFSET_SLOPE, POCKET_OFFSET_V_SLOPE, POCKET_SLIP_SLOPE, POCKET_SLIP_Z_SLOPE = of_space(
+    _SPACE + 17 * ROW, "1, 1/s, 1/s, 1/s"
+)
+POCKET_OMEGA_Z, POCKET_OMEGA_R = of_space(_SPACE + 21 * ROW, "rad/s, rad/s")
+# sums over slices
+POCKET_FORCE_W, POCKET_FORCE_R, POCKET_FORCE_Z = of_space(_SPACE + 23 * ROW, "N", count=3)
+POCKET_ZETA_FORCE_W, POCKET_ZETA_FORCE_R, POCKET_ZETA_FORCE_Z = of_space(_SPACE + 26 * ROW, "N m", count=3)
+POCKET_COUPLE_Z, POCKET_COUPLE_R = of_space(_SPACE + 29 * ROW, "N m", count=2)
+(Q_F,) = of_space(_SPACE + 31 * ROW, "N")  # force of the flanges along the bearing's axis
+TILT_MAX, LINE_LOAD_MAX = rows(_SPACE + 32 * ROW, "rad, N/m", "spatial", "run")  # largest |tilt| and line load
+KAPPA_F, KAPPA_P = of_space(_SPACE + 34 * ROW, "N s/m", count=2)  # friction over slip: flanges, pocket
 
+# rows of one side of a roller, relative to OUTER_SIDE or INNER_SIDE (``parts/races_in_space.py``). A relative
+# offset alone lies far outside any buffer: without its side an index is refused, or ends the process, and changes
+# nothing
+RELATIVE = 2**40
+_SIDE, SIDE_ROWS = BUFFER_SIZE + _SPACE_ROWS * ROW + FIRST_LANE, 48
+OUTER_SIDE, INNER_SIDE = SIDES = _SIDE - RELATIVE, _SIDE + SIDE_ROWS * ROW - RELATIVE
+side_rows = partial(of_space, bases=SIDES)
+# the ring's axis along e_r, e_theta; the contact line's middle and direction, and their rates
+RING_AXIS_R, RING_AXIS_T = side_rows(RELATIVE, "1, 1")
+OFFSET_R, OFFSET_T, OFFSET_Z, DIRECTION_R, DIRECTION_T, DIRECTION_Z = side_rows(
+    RELATIVE + 2 * ROW, "m, m, m, 1, 1, 1"
+)
+OFFSET_V_R, OFFSET_V_T, OFFSET_V_Z, DIRECTION_V_R, DIRECTION_V_T, DIRECTION_V_Z = side_rows(
+    RELATIVE + 8 * ROW, "m/s, m/s, m/s, 1/s, 1/s, 1/s"
+)
+ROLL_SPEED, AXIAL_SLIP, AXIAL_SLIP_SLOPE, AXIAL_SLIP_ARM_R, AXIAL_SLIP_ARM_T, AXIAL_SLIP_ARM_Z = side_rows(
+    RELATIVE + 14 * ROW, "m/s, m/s, 1/s, rad/s, rad/s, rad/s"
+)
+# sums over slices
+CONTACT_FORCE_R, CONTACT_FORCE_T, CONTACT_FORCE_Z = side_rows(RELATIVE + 20 * ROW, "N", count=3)
+CONTACT_ZETA_FORCE_R, CONTACT_ZETA_FORCE_T, CONTACT_ZETA_FORCE_Z = side_rows(RELATIVE + 23 * ROW, "N m", count=3)
+COUPLE_AXIAL, COUPLE_R, COUPLE_T, COUPLE_Z = side_rows(RELATIVE + 26 * ROW, "N m", count=4)
+# sums of friction over slip (kappa), for the lag: moments 0 to 2 along the roller, times the slip, by arm and
+# direction
+KAPPA_0, KAPPA_1, KAPPA_2, KAPPA_SLIP_0, KAPPA_SLIP_1, KAPPA_SLIP_Z = side_rows(
+    RELATIVE + 30 * ROW, "N s/m, N s, N m s, N, N m, N"
+)
+KAPPA_ARM, KAPPA_R, KAPPA_T, KAPPA_Z = side_rows(RELATIVE + 36 * ROW, "N s, N s/m, N s/m, N s/m")
+# changes of the slips within the lag; over a defect?
+SLIP_CHANGE, SLIP_CHANGE_Z, PIT_REACH = side_rows(RELATIVE + 40 * ROW, "m/s, m/s, 1")
+# of a defect under the current slice: depth, tangent of the normal's tilt, 1 - its cosine, stiffness lost; is it
+# the roller's own?
+ROLLER_DROP, NORMAL_SLOPE, NORMAL_VERSINE, STIFFNESS_LOSS, OWN_PIT = side_rows(
+    RELATIVE + 43 * ROW, "m, 1, 1, 1, 1"
+)
+
+# rows of a slice (``slice_row``), in units of ROW: force (N), approach (m) at the two races
 SLICES = BUFFER_SIZE + (_SPACE_ROWS + 2 * SIDE_ROWS) * ROW
-LOAD_O, LOAD_I, APPROACH_O, APPROACH_I = range(4)  # rows of a slice: force (N), approach (m) at the two races
+LOAD_O, LOAD_I, APPROACH_O, APPROACH_I = range(4)
 SLICE_ROWS = 4
 
 
 @jit
 def diagonal_block(matrix, i, k):
-    """Where the lanes of d(coordinate i of a roller)/d(its coordinate k) begin, in the arrow at ``matrix``."""
+    """Return the first lane of d(coordinate i of a roller)/d(its coordinate k) in the arrow at ``matrix``."""
     return matrix + DIAGONAL_BLOCK + (i * MAX_OWN + k) * ROW + FIRST_LANE
 
 
 @jit
 def border_column(matrix, i, k):
-    """The lanes of d(coordinate i of a roller)/d(shared coordinate k)."""
+    """Return the first lane of d(coordinate i of a roller)/d(shared coordinate k)."""
     return matrix + BORDER_COLUMN + (i * MAX_SHARED + k) * ROW + FIRST_LANE
 
 
 @jit
 def border_row(matrix, k, i):
-    """The lanes of d(shared coordinate k)/d(coordinate i of a roller)."""
+    """Return the first lane of d(shared coordinate k)/d(coordinate i of a roller)."""
     return matrix + BORDER_ROW + (k * MAX_OWN + i) * ROW + FIRST_LANE
 
 
 @jit
 def corner_block(matrix, k, m):
-    """The cell of d(shared coordinate k)/d(shared coordinate m)."""
+    """Return the cell of d(shared coordinate k)/d(shared coordinate m)."""
     return matrix + CORNER_BLOCK + k * MAX_SHARED + m
 
 
 @jit
 def shared_cell(k):
-    """Where shared coordinate ``k`` (0 to 16) stands in a block of the state: X to Y_I, then those of ``spatial``.
+    """Return the cell of shared coordinate ``k`` (0 to 16) in a block of the state: X to Y_I, then those of
+    ``spatial``.
 
     8, 9, 10: Z, Z_C, Z_I; 11, 12, 13: RING_TILT_X, CAGE_TILT_X, INNER_TILT_X; 14, 15, 16: RING_TILT_Y,
     CAGE_TILT_Y, INNER_TILT_Y.
@@ -273,27 +294,47 @@ def shared_cell(k):
 
 @jit
 def roller_load(cell):
-    """Where the lanes of ROLLER_LOADS begin that belong to one of the cells F_X to M_INNER."""
+    """Return the first lane of ROLLER_LOADS that belongs to one of the cells F_X to M_INNER."""
     return ROLLER_LOADS + (cell - F_X) * ROW + FIRST_LANE
 
 
 @jit
 def slice_row(k, i):
-    """Where the lanes of row ``i`` of slice ``k`` begin."""
+    """Return the first lane of row ``i`` of slice ``k``."""
     return SLICES + (k * SLICE_ROWS + i) * ROW + FIRST_LANE
 
 
 def lane_of(places: np.ndarray) -> np.ndarray:
-    """Which roller's lane (from 0) each of ``places`` of the buffer lies in; -1 for what is shared."""
+    """Return the roller (from 0) in whose lane each of ``places`` of the buffer lies; -1 for shared cells."""
     of_contacts = (places >= COS_0) & (places < LOADED_ROLLERS)  # rows whose lanes stand first
     lane = places % ROW - np.where(of_contacts, 0, FIRST_LANE)
     return np.where((lane >= 0) & (lane < MAX_ROLLERS), lane, -1)
 
 
-def buffer(Z: int, m_r: float, slices: int = 0) -> np.ndarray:
-    """A zeroed buffer with the lane constants of Z evenly spaced rollers of mass ``m_r`` (kg).
+def free_rows(owner: str) -> dict[str, list[int]]:
+    """Return the rows of WORK and of JACOBIAN_WORK, counted from either, that ``owner`` may declare.
 
-    slices: how many a roller is cut into, in ``spatial``; 0 in models that know of none. ``m_r`` = 0 (models whose
+    A new model passes the names of the models and parts whose functions it calls, separated by blanks.
+    """
+    owners = {*owner.split(), EVERYBODY}
+    taken = {
+        place // ROW
+        for rows in DECLARED
+        if owners & rows.owners
+        for first, end in rows.spans()
+        for place in range(first, end)
+    }
+    regions = {"WORK": (WORK, WORK_ROWS), "JACOBIAN_WORK": (JACOBIAN_WORK, JACOBIAN_WORK_ROWS)}
+    return {
+        name: [n for n in range(count) if start // ROW + n not in taken]
+        for name, (start, count) in regions.items()
+    }
+
+
+def buffer(Z: int, m_r: float, slices: int = 0) -> np.ndarray:
+    """Make a zeroed buffer with the lane constants of Z evenly spaced rollers of mass ``m_r`` (kg).
+
+    slices: number of slices of a roller in ``spatial``; 0 in models without. ``m_r`` = 0 (models whose
     rollers have no mass) leaves the rollers' inverse mass 0: their lanes stand still.
     """
     y = np.zeros(SLICES + slices * SLICE_ROWS * ROW if slices else BUFFER_SIZE)

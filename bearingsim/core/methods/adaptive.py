@@ -37,10 +37,12 @@ from bearingsim.core.outcomes import STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS, TO
 from bearingsim.core.parameters import lanes
 from bearingsim.core.pits.jumps import next_jump
 
-START_Q, START_V, START_A = (lay.STAGE + n * lay.STATE for n in range(3))  # the state a step begins from
-END_Q, END_V, END_A = (lay.STAGE + n * lay.STATE for n in range(3, 6))  # and the one it has come to
-METHOD_STATES = lay.STAGE + 6 * lay.STATE  # 49 blocks of the method's own
-LENGTH_SCALE = lay.STAGE + 55 * lay.STATE  # metres per unit of each coordinate; 0 of entries that are none
+ADAPTIVE = "adaptive tableau rodas backward-euler generalized-alpha"  # owners of what every adaptive method keeps
+# states at the start and at the end of a step
+START_Q, START_V, START_A, END_Q, END_V, END_A = lay.states(lay.STAGE, "m, m/s, m/s^2", ADAPTIVE, "step", count=2)
+METHOD_STATES = lay.STAGE + 6 * lay.STATE  # 49 blocks that each method declares for itself
+# length (m) per unit of each coordinate; 0 of entries that are no coordinates
+(LENGTH_SCALE,) = lay.states(lay.STAGE + 55 * lay.STATE, "1", ADAPTIVE, "run")
 
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 5.0  # by how much a step may change
 SMALL_ERROR = 1e-4  # a smaller one tells the controller nothing

@@ -33,7 +33,7 @@ from bearingsim.core.methods.newton import BASE_Q, BASE_V, OFFSET, SPARE, UNKNOW
 from bearingsim.core.models.interface import state_width
 from bearingsim.core.outcomes import NEWTON_FAILED
 
-ERROR_Q, ERROR_V = SPARE, SPARE + lay.STATE
+ERROR_Q, ERROR_V = lay.states(SPARE, "m, m/s", "backward-euler", "step")
 
 
 class BackwardEuler(NamedTuple):

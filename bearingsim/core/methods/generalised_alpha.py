@@ -25,7 +25,7 @@ RHO = 0.8  # per step, of infinitely fast motion
 A_M, A_F = (2.0 * RHO - 1.0) / (RHO + 1.0), RHO / (RHO + 1.0)
 """The parts that the start of a step has in its balance."""
 GAMMA, BETA = 0.5 - A_M + A_F, 0.25 * (1.0 - A_M + A_F) ** 2
-METHOD_ACCELERATION = SPARE  # a of the method
+(METHOD_ACCELERATION,) = lay.states(SPARE, "m/s^2", "generalized-alpha", "step")  # the method's own acceleration
 
 
 class GeneralisedAlpha(NamedTuple):

@@ -18,7 +18,7 @@ from bearingsim.core.jit import jit
 from bearingsim.core.methods.interface import MethodKind, no_limit, stability_ratio, step
 from bearingsim.core.models.impulse import free_motion
 
-SPEED = lay.STAGE  # the true velocity, m/s, from the ring's x on
+(SPEED,) = lay.states(lay.STAGE, "m/s", "impulses", "step")  # true velocity, from the ring's x on
 
 
 class Impulses(NamedTuple):

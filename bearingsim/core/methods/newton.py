@@ -19,8 +19,10 @@ from bearingsim.core.methods.adaptive import LENGTH_SCALE, METHOD_STATES, START_
 from bearingsim.core.methods.arrow import assemble_system, factorise, roller_lanes, solve
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, linearise
 
-BASE_Q, BASE_V, OFFSET, UNKNOWN, NEWTON_STEP, RESIDUAL, SPARE = (METHOD_STATES + n * lay.STATE for n in range(7))
-# from SPARE on a method may keep its own
+BASE_Q, BASE_V, OFFSET, UNKNOWN, NEWTON_STEP, RESIDUAL = lay.states(
+    METHOD_STATES, "m, m/s, m/s^2, m/s^2, m/s^2, m/s^2", "backward-euler generalized-alpha", "step"
+)
+SPARE = RESIDUAL + lay.STATE  # first block that an implicit method may declare for itself
 
 MAX_ITERATIONS = 15
 STEP_TOLERANCE = 1e-2  # of the tolerance: a Newton step so short is the last one, and is taken

@@ -18,7 +18,7 @@ from bearingsim.core.models.interface import accelerations, state_width
 
 TABLE = runge_kutta(np.diag([1 / 2, 1 / 2, 1.0], -1), np.array([1, 2, 2, 1]) / 6)
 LIMITS = limit_over_h_c(TABLE)
-START_Q, START_V, SUM_Q, SUM_V = (lay.STAGE + n * lay.STATE for n in range(4))
+START_Q, START_V, SUM_Q, SUM_V = lay.states(lay.STAGE, "m, m/s, m/s, m/s^2", "rk4", "step")
 
 
 class RungeKutta4(NamedTuple):

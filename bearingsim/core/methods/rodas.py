@@ -71,8 +71,8 @@ DENSE = np.array(
 TIME_INCREMENT = 1e-6
 
 # df/dt; right-hand sides of the stage at hand
-TIME_DERIVATIVE, RIGHT_Q, RIGHT_V = (METHOD_STATES + n * lay.STATE for n in range(3))
-FIRST = METHOD_STATES + 3 * lay.STATE  # p and r of each stage
+TIME_DERIVATIVE, RIGHT_Q, RIGHT_V = lay.states(METHOD_STATES, "m/s^3, m, m/s", "rodas", "step")
+FIRST = lay.states(RIGHT_V + lay.STATE, "m, m/s", "rodas", "step", count=STAGES)[0]  # p and r of each stage
 
 
 class Rodas(NamedTuple):

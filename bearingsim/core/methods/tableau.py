@@ -21,8 +21,9 @@ from bearingsim.core.methods.interface import no_preparation, prepare, stability
 from bearingsim.core.methods.limit import limit_over_h_c, step_over_limit
 from bearingsim.core.models.interface import accelerations, state_width
 
-# f_j of stage j lies in block j of METHOD_STATES
-ERROR_Q, ERROR_V = lay.STAGE + 53 * lay.STATE, lay.STAGE + 54 * lay.STATE
+MAX_STAGES = 47
+lay.states(METHOD_STATES, "m/s^2", "tableau", "step", count=MAX_STAGES)  # f_j of stage j in block j
+ERROR_Q, ERROR_V = lay.states(METHOD_STATES + MAX_STAGES * lay.STATE, "m, m/s", "tableau", "step")
 
 
 class Tableau(NamedTuple):

@@ -13,6 +13,8 @@ from bearingsim.core import layout as lay
 from bearingsim.core.methods.interface import MethodKind, no_preparation, prepare, stability_ratio, step
 from bearingsim.core.models.by_roller import drift, evaluate, kick
 
+(KICKED_V,) = lay.states(lay.STAGE, "m/s", "verlet", "step")  # velocity in the middle of a step
+
 
 class Verlet(NamedTuple):
     """h: step, s."""
@@ -25,7 +27,7 @@ def _drift(method, y, i):
     """Position to the end of the step, velocity to its prediction; the half-kicked velocity is kept."""
     h, v, a = method.h, y[lay.VELOCITY + i], y[lay.ACCELERATION + i]
     kicked = v + 0.5 * h * a
-    y[lay.STAGE + i] = kicked
+    y[KICKED_V + i] = kicked
     y[lay.POSITION + i] += h * kicked
     y[lay.VELOCITY + i] = v + h * a
 
@@ -33,7 +35,7 @@ def _drift(method, y, i):
 @kick.register(Verlet)
 def _kick(method, y, i):
     """The second half of the kick, with the new acceleration."""
-    y[lay.VELOCITY + i] = y[lay.STAGE + i] + 0.5 * method.h * y[lay.ACCELERATION + i]
+    y[lay.VELOCITY + i] = y[KICKED_V + i] + 0.5 * method.h * y[lay.ACCELERATION + i]
 
 
 prepare.register(Verlet)(no_preparation)

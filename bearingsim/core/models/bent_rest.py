@@ -41,11 +41,15 @@ from bearingsim.core.parts.bending import (
     pull,
     push_harmonics,
 )
+from bearingsim.core.rows import declare
 
-# rows as in a state: where a search begins, which way it goes (m), the force (N) there; how far a contact is
-# pressed by each unknown (1), where PULL stood
-FROM, WAY, FORCE, PHI = (lay.JACOBIAN_WORK + n * lay.ROW for n in (62, 65, 68, 71))
-MATRIX = lay.POSITION_JACOBIAN  # N/m, row by row; implicit methods do not know such a ring
+# rows as in a state: start of a line search and its direction (m), force (N) there
+FROM, WAY, FORCE = declare(
+    lay.JACOBIAN_WORK + 62 * lay.ROW, "m, m, N", "bent bent-search", "start", size=3 * lay.ROW, step=3 * lay.ROW
+)
+# derivative of a contact's approach by each unknown, over PULL_C and PULL_S, which FORCE has taken up
+(PHI,) = declare(lay.PULL_C, "1", "bent-search", "start", size=2 * lay.ROW, step=0)
+MATRIX = lay.POSITION_JACOBIAN  # N/m, row by row; implicit methods have no bent ring
 LONGEST_STEP = 1e-4  # m
 UNSUPPORTED = 1e-8  # of a contact's stiffness: what keeps the step finite where a ring hangs on one roller
 

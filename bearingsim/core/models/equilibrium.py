@@ -27,10 +27,10 @@ from bearingsim.core.parts.bending import Bending, NoSprings, Stiff, bend, bend_
 from bearingsim.core.pits.on_roller import elastic_over_pit, is_masked, roller_at_pit
 from bearingsim.core.pits.pairs import HALF_WIDTH, INNER, OUTER, SIDE
 
-K_SERIES = lay.WORK  # work row: stiffness of the two contacts of a roller in series, N/m
-# work rows, two each (outer, inner): the roller-pit pair that a roller's contact
-PAIR, DISTANCE = lay.WORK + lay.ROW, lay.WORK + 3 * lay.ROW
-# stands in (-1: none), and its distance from the pit's middle, m
+(K_SERIES,) = lay.rows(lay.WORK, "N/m", "rest bent", "start")  # stiffness of a roller's two contacts in series
+# of the outer contact, and a row on of the inner: the roller-pit pair in which it stands (-1: none), and its
+# distance from the pit's middle
+PAIR, _, DISTANCE, _ = lay.rows(lay.WORK + lay.ROW, "1, 1, m, m", "rest bent", "start")
 RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
 MAX_STEPS = 200
 STEPS_A_LOOK = 16  # steps between two looks at the clock, and at the rounding

@@ -52,7 +52,7 @@ from bearingsim.core.pits.on_roller import (
 from bearingsim.core.pits.pairs import HALF_WIDTH, Pits, passing_speed
 
 # how a roller's force grows with its series' approach: N/m, N s/m
-K_RING, C_RING = lay.WORK + 5 * lay.ROW, lay.WORK + 6 * lay.ROW
+K_RING, C_RING = lay.rows(lay.WORK + 5 * lay.ROW, "N/m, N s/m", "ring", "evaluation")
 
 
 class Ring(NamedTuple):

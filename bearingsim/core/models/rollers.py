@@ -47,7 +47,8 @@ from bearingsim.core.pits.on_roller import (
 )
 from bearingsim.core.pits.pairs import HALF_WIDTH, OUTER, SIDE, Pits, passing_speed
 
-K_O, C_O, K_I, C_I = (lay.WORK + n * lay.ROW for n in range(4))  # how a contact's force grows: N/m, N s/m
+# tangent stiffness and damping of the contacts
+K_O, C_O, K_I, C_I = lay.rows(lay.WORK, "N/m, N s/m", "rollers", "linearise", count=2)
 
 
 class Rollers(NamedTuple):

@@ -18,9 +18,9 @@ from bearingsim.core.parts.cage import (
     radial_stop,
 )
 
-# rows of a roller in its pocket: place and velocity from the cage's centre along the pocket's directions (m, m/s);
-# wall on which it lies; how the wall's force and the stop's grow with approach and rate; mu, force times its slope
-# (N s/m); friction, force on the roller along the pocket's directions (N)
+# rows of a roller in its pocket: place and velocity from the cage's centre along the pocket's directions; wall on
+# which it lies; tangent stiffness and damping of the wall and of the stop; mu, its derivative by slip times the
+# force; force on the roller along the pocket's directions
 (
     OFFSET_R,
     OFFSET_T,
@@ -35,7 +35,9 @@ from bearingsim.core.parts.cage import (
     MU_V,
     POCKET_FORCE_R,
     POCKET_FORCE_T,
-) = (lay.POCKET_CONTACT + n * lay.ROW for n in range(13))
+) = lay.rows(
+    lay.POCKET_CONTACT, "m, m, m/s, m/s, 1, N/m, N s/m, N/m, N s/m, 1, N s/m, N, N", "linearise", "linearise"
+)
 
 
 @generic

@@ -10,6 +10,7 @@ while n and tau turn as the roller moves across. What moves is in the rows D_POS
 and e_theta as the ring's centre sees it; what follows is added to the rows D_FORCE.
 """
 
+from functools import partial
 from math import sqrt
 from typing import Any
 
@@ -34,9 +35,12 @@ from bearingsim.core.pits.pairs import (
     SIDE,
 )
 
-# rows of a contact: rate of rho (m/s); how the force (LOAD) and, in a pit, the sideways force (ASIDE) and the mean
-# approach grow with approach (D), its rate (V), place (S) and ds/dt (Z); radii (m) of the surface that carries the
-# pit: of any, of the ring, of the roller
+# rows of a contact, relative to OUTER_CONTACT or INNER_CONTACT: rate of rho; derivatives of the force (LOAD), of
+# the tangential force over a defect and of the mean approach by approach (D), its rate (V), place (S) and ds/dt
+# (Z); radius of the surface that carries the defect: of any, of the ring, of the roller
+jacobian_rows = partial(
+    lay.rows, owners="linearise", lifetime="linearise", bases=(lay.OUTER_CONTACT, lay.INNER_CONTACT)
+)
 (
     RHO_V,
     LOAD_D,
@@ -51,11 +55,11 @@ from bearingsim.core.pits.pairs import (
     PIT_RADIUS,
     PIT_RADIUS_RING,
     PIT_RADIUS_ROLLER,
-) = (n * lay.ROW for n in range(13))
-# tilt of the normal: tangent, cosine, sine; 1/force (1/N); arms on roller and ring (m); mu, force times its slopes
-# by slip and by rolling speed (N s/m); force on the roller along and across n (N)
+) = jacobian_rows(0, "m/s, N/m, N s/m, N/m, N/m, N s/m, N/m, N s/m, 1, 1, m, m, m")
+# tilt of the normal: tangent, cosine, sine; 1/force; arms on roller and ring; mu, its derivatives by slip and by
+# rolling speed times the force; force on the roller along and across n
 NORMAL_SLOPE, NORMAL_COS, NORMAL_SIN, INVERSE_LOAD, ROLLER_ARM, RING_ARM, MU, MU_V, MU_U, FORCE_N, FORCE_TAU = (
-    n * lay.ROW for n in range(13, 24)
+    jacobian_rows(13 * lay.ROW, "1, 1, 1, 1/N, m, m, 1, N s/m, N s/m, N, N")
 )
 # rows from NORMAL_O_R or NORMAL_I_R on: n along e_r (and e_theta), rho, speed across n
 NORMAL, RHO, TANGENTIAL_V = 0, 2 * lay.ROW, 3 * lay.ROW

@@ -1,0 +1,83 @@
+"""Declarations of the buffer's rows: unit, owners and lifetime of each, checked for overlap at import.
+
+``declare`` returns plain offsets, which compiled code treats as constants. Two declarations may share cells only
+if no owner is common to both. An owner is a model, a method or a phase of the computation that needs the values.
+"""
+
+import sys
+from typing import Literal, NamedTuple
+
+Lifetime = Literal["constant", "run", "step", "evaluation", "linearise", "start"]
+"""Period over which values are kept: ``constant`` since the buffer was made, ``run`` between steps, ``step``
+between evaluations of the model within a step, ``evaluation`` and ``linearise`` within one call, ``start`` while
+the state of rest is sought."""
+EVERYBODY = "all"
+"""Owner of rows that no model and no method may use for anything else."""
+
+
+class Rows(NamedTuple):
+    """Declared rows: cells ``start`` to ``start + size`` beyond each base; ``place`` is file and line."""
+
+    starts: tuple[int, ...]
+    size: int
+    bases: tuple[int, ...]
+    units: tuple[str, ...]
+    owners: frozenset[str]
+    lifetime: Lifetime
+    place: str
+
+    def spans(self) -> list[tuple[int, int]]:
+        """Return first cell and end of each row, at each base."""
+        return [(base + start, base + start + self.size) for base in self.bases for start in self.starts]
+
+
+DECLARED: list[Rows] = []
+"""All declarations, in the order of import."""
+
+
+def declare(
+    start: int,
+    units: str,
+    owners: str,
+    lifetime: Lifetime,
+    *,
+    size: int,
+    step: int,
+    count: int = 1,
+    bases: tuple[int, ...] = (0,),
+) -> tuple[int, ...]:
+    """Declare rows and return their offsets, ``step`` cells apart.
+
+    units: one for each row, separated by commas; all of them ``count`` times.
+    owners: separated by blanks; ``all`` stands for everybody.
+    size: cells of a row.
+    bases: places of a relative row; (0,) declares absolute ones.
+
+    Raises ValueError if a cell belongs to another row of one of the owners.
+    """
+    caller = sys._getframe(1)
+    units_of_rows = tuple(units.split(", ")) * count
+    starts = tuple(start + n * step for n in range(len(units_of_rows)))
+    place = f"{caller.f_code.co_filename}:{caller.f_lineno}"
+    rows = Rows(starts, size, bases, units_of_rows, frozenset(owners.split()), lifetime, place)
+    for other in (*DECLARED, rows):
+        check_apart(rows, other)
+    DECLARED.append(rows)
+    return starts
+
+
+def have_common_owner(a: Rows, b: Rows) -> bool:
+    """Check if somebody needs the values of both."""
+    return bool(a.owners & b.owners) or EVERYBODY in a.owners | b.owners
+
+
+def check_apart(rows: Rows, other: Rows) -> None:
+    """Raise ValueError if two declarations of a common owner share a cell, or one declaration has a cell twice."""
+    if have_common_owner(rows, other):
+        pairs = ((a, b) for a in enumerate(rows.spans(), 1) for b in enumerate(other.spans(), 1))
+        for (n, (first, end)), (m, (first_other, end_other)) in pairs:
+            if first < end_other and first_other < end and (rows is not other or n != m):
+                raise ValueError(
+                    f"{rows.place}: row {n} (cells {first} to {end - 1}) overlaps row {m} of {other.place}; "
+                    "move it to free cells (`layout.free_rows`)"
+                )
