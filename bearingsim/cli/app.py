@@ -123,7 +123,7 @@ def check(
         return
     if study is None:
         raise typer.BadParameter("name a study file (or --schema)", param_hint="STUDY")
-    from bearingsim.cli import plan
+    from bearingsim.cli import plan, plan_table
 
     loaded = _loaded(study, set_, quick)
     if pilots and loaded.goal is None:
@@ -135,9 +135,9 @@ def check(
     with patient(seconds=SILENCE_S) as patience:
         priced = plan.plan_of(loaded, jobs, patience)
     if as_json:
-        say(plan.as_json(priced))
+        say(plan_table.as_json(priced))
     else:
-        plan.show(priced, verbose=_verbose(ctx))
+        plan_table.show(priced, verbose=_verbose(ctx))
     for refused in priced.refused:
         say(f"{study}: {refused}", err=True)
     if priced.refused:
@@ -190,10 +190,10 @@ def run(
             loaded,
             out,
             jobs,
-            fresh,
-            retry_failed,
-            share,
-            verify,
+            fresh=fresh,
+            retry_failed=retry_failed,
+            shard=share,
+            verify=verify,
             scheduler=scheduler,
             max_failures=failures,
             max_cpu=cpu,
@@ -201,10 +201,6 @@ def run(
     from bearingsim.cli import ending
 
     ending.show(summary, _verbose(ctx))
-    if _verbose(ctx) and summary.failed:
-        from bearingsim.cli import tables
-
-        tables.show_failures(summary.folder, tracebacks=True)
     raise typer.Exit(summary.exit_code)
 
 

@@ -30,7 +30,10 @@ class Result(NamedTuple):
 
 
 def show(summary: "RunSummary", verbose: bool) -> None:
-    """Print counts, the results that the figures name, promises and warnings, and the next command."""
+    """Print counts, the results that the figures name, promises and warnings, and the next command.
+
+    verbose: also details, and the tracebacks of failures.
+    """
     from bearingsim.store import ResultsError, open_results
 
     say(f"{summary.headline}, in {near(summary.folder)}")
@@ -63,6 +66,10 @@ def show(summary: "RunSummary", verbose: bool) -> None:
             say(text)
     if summary.done + summary.resumed:
         say(f"next: bearingsim plot {near(summary.folder)}")
+    if verbose and summary.failed:
+        from bearingsim.cli import tables
+
+        tables.show_failures(summary.folder, tracebacks=True)
 
 
 def results_named(results: "Results") -> Iterator[Result]:

@@ -2,19 +2,16 @@
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
+from bearingsim.cli.plan import Plan, Priced
 from bearingsim.cli.screen import span
 from bearingsim.config.rules.damping import WARNING
-
-if TYPE_CHECKING:
-    from bearingsim.cli.plan import Plan, Priced
 
 OPENS = 2.0  # times the force at rest: a larger impact force means that contacts have opened
 NOTABLE = 0.01  # part of the start's transient that may be left as the record begins without a remark
 
 
-def remarks(plan: "Plan", verbose: bool) -> Iterator[str]:
+def remarks(plan: Plan, verbose: bool) -> Iterator[str]:
     """Yield the remarks, one text each; verbose: also on methods, periodicity and the variation of damping."""
     yield from choices(plan)
     if verbose:
@@ -33,7 +30,7 @@ HANGS = 0.999  # of a pit's depth: a roller that sinks less does not reach the f
 CLEARS_WALLS = 0.5  # of the depth of a V: below it the walls (slope 2 depth/width) are steeper than the roller
 
 
-def hanging(plan: "Plan") -> Iterator[str]:
+def hanging(plan: Plan) -> Iterator[str]:
     """Yield a remark if rollers rest on the rims of all pits, so that depth has no influence."""
     damaged = [
         priced for priced in plan.cases if priced.job.case.defects and priced.job.case.excitation == "envelope"
@@ -53,7 +50,7 @@ def hanging(plan: "Plan") -> Iterator[str]:
         yield f"{element}s sink {reached} um and do not reach the floor, {floors} um{same}"
 
 
-def choices(plan: "Plan") -> list[str]:
+def choices(plan: Plan) -> list[str]:
     """Return the models chosen for an `accuracy`, with the reasons, or a note that they are not chosen yet."""
     goal, selection = plan.study.goal, plan.study.selection
     if goal is None:
@@ -69,7 +66,7 @@ def choices(plan: "Plan") -> list[str]:
     return [*texts, *selection.notes]
 
 
-def methods(plan: "Plan") -> list[str]:
+def methods(plan: Plan) -> list[str]:
     """Return the methods chosen by `method: auto`, with the reasons, and the extent of the step check."""
     automatic = [priced for priced in plan.everything if priced.job.case.method == "auto"]
     reasons: dict[str, list[str]] = {}
@@ -89,7 +86,7 @@ def methods(plan: "Plan") -> list[str]:
     return texts
 
 
-def repeating(plan: "Plan") -> Iterator[str]:
+def repeating(plan: Plan) -> Iterator[str]:
     """Yield the number of jobs whose response may be periodic, and the CPU time if none is."""
     from bearingsim.runner.progress import duration
 
@@ -102,7 +99,7 @@ def repeating(plan: "Plan") -> Iterator[str]:
         yield f"{count} responses may be periodic; if none is: {duration(most)} of CPU time"
 
 
-def damping(plan: "Plan") -> Iterator[str]:
+def damping(plan: Plan) -> Iterator[str]:
     """Yield the damping of the study's contacts beside its plausible range; nothing for models without damping."""
     from bearingsim.catalogue import MODELS
     from bearingsim.config.rules.damping import Damped, sentences
@@ -114,14 +111,14 @@ def damping(plan: "Plan") -> Iterator[str]:
     yield from dict.fromkeys(filter(None, map(caveat, acts)))
 
 
-def caveat(priced: "Priced") -> str:
+def caveat(priced: Priced) -> str:
     """Return the caveat of a case's damping law, or "" if it has none."""
     limits, law = priced.limits, priced.job.case.contact.damping
     opens = limits.impact_force > OPENS * limits.rest_load
     return str(law.caveat(opens)) if hasattr(law, "caveat") else ""
 
 
-def varied(plan: "Plan") -> Iterator[str]:
+def varied(plan: Plan) -> Iterator[str]:
     """Yield the unknown quantities that the study varies, with their values and the number of cases."""
     from bearingsim.study.uncertainty import UNKNOWNS, by_kind
 
@@ -133,7 +130,7 @@ def varied(plan: "Plan") -> Iterator[str]:
         yield f"`uncertainty`: {UNKNOWNS[what].tried_text(what, values)}, in {of}"
 
 
-def unvaried(plan: "Plan") -> Iterator[str]:
+def unvaried(plan: Plan) -> Iterator[str]:
     """Yield the cost of varying the damping, if the study does not vary it."""
     from bearingsim.runner.progress import duration
     from bearingsim.study.uncertainty import acts, sweeps_damping, unexamined
@@ -145,7 +142,7 @@ def unvaried(plan: "Plan") -> Iterator[str]:
             yield unexamined(len(damped), duration, sum(priced.estimate.cpu_seconds for priced in damped))
 
 
-def unsettled(plan: "Plan") -> Iterator[str]:
+def unsettled(plan: Plan) -> Iterator[str]:
     """Yield a remark on jobs whose initial transient has not decayed when their record begins."""
     from bearingsim.simulation.choice import resolved
     from bearingsim.simulation.settling import MOST, needed, remembered, slow_modes

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from bearingsim.cli.screen import needed_width, print_table, significant, terminal_width
 from bearingsim.config.rules import damping
 from bearingsim.errors import UserError
-from bearingsim.runner.summary import repetitions
+from bearingsim.runner.findings import repetitions
 from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
@@ -68,8 +68,7 @@ UNVARIED = {"clearance": "0 um, 10 um", "bracket": "0.5, 2"}
 
 def show_assumptions(results: "Results") -> None:
     """Print a sentence for each assumption of a study, and the setting that varies it."""
-    from bearingsim.runner.findings import findings
-    from bearingsim.runner.unknowns import assumed
+    from bearingsim.runner.findings import assumed, findings
     from bearingsim.store import job_frame
 
     frame = job_frame(results.path)

@@ -1,39 +1,20 @@
 """Statements on the results at the end of a run: accuracy, warnings, assumptions, details."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from math import inf
+from collections.abc import Iterator, Mapping, Sequence
+from math import ceil, inf
 from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
 from bearingsim.config.names import NO_VALUE
 from bearingsim.config.rules import damping
+from bearingsim.runner.progress import duration
 from bearingsim.runner.promises import held, promises, withdrawals
-from bearingsim.runner.summary import chaos, repetitions, step_errors, unsettled
-from bearingsim.runner.unknowns import assumed, moved
-from bearingsim.study.uncertainty import NO_OIL, NO_SLIP, RIGID, sweeps_damping
+from bearingsim.runner.summary import Findings
+from bearingsim.store import NOTABLE, errors, is_one_draw, relative_error
+from bearingsim.study.uncertainty import NO_OIL, NO_SLIP, RIGID, UNKNOWNS, by_kind, sweeps_damping, unexamined
 
 if TYPE_CHECKING:
     import pandas as pd
-
-
-@dataclass(frozen=True)
-class Findings:
-    """Statements on results.
-
-    withdrawn: promises that audits refuted; held: accuracy of the results; assumed: names of assumptions.
-    """
-
-    withdrawn: tuple[str, ...] = ()
-    held: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
-    assumed: tuple[str, ...] = ()
-    details: tuple[str, ...] = ()
-
-    @property
-    def everything(self) -> tuple[str, ...]:
-        """All sentences."""
-        return (*self.withdrawn, *self.held, *self.warnings, *self.details)
 
 
 def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
@@ -114,3 +95,173 @@ def without_value(info: "pd.DataFrame") -> Iterator[str]:
             count = f"{len(jobs)} of {len(info)} jobs"
             feature = column.removeprefix(NO_VALUE)
             yield f"feature `{feature}` has no value in {count}: {reason} (for example {jobs.index[0]})"
+
+
+LINE_AND_RMS = ("velocity@BPFO", "velocity.rms")
+FEW = 2  # features named in a line; the rest are counted
+
+
+def chaos(frame: "pd.DataFrame", drawn: Sequence[str] = (), notable: float = NOTABLE) -> Iterator[str]:
+    """Yield the standard error of the results of chaotic jobs, and the duration that would reduce it.
+
+    frame: of ``store.build_table``; drawn: features of the figures; notable: relative standard error above which
+    it is reported.
+    """
+    import pandas as pd
+
+    table = frame.filter(regex="^features/").rename(columns=lambda name: name.partition("/")[2])
+    names = [name for name in drawn or LINE_AND_RMS if name in table]
+    if not names or "chaotic" not in table:
+        return
+    standard = pd.DataFrame(
+        {name: relative_error(table, name).where(is_one_draw(table, name, notable), 0.0) for name in names}
+    )
+    unknown = standard.isna() | (standard == inf)
+    bounded = standard.mask(unknown, 0.0)
+    if (bounded.to_numpy() > 0.0).any():
+        worst = float(bounded.to_numpy().max())
+        longer = f"{ceil((worst / notable) ** 2)} times the `duration` for {100.0 * notable:.2g} %"
+        yield f"{_of_jobs(bounded > 0.0)} chaotic, known to {100.0 * worst:.2g} %; {longer}"
+    if unknown.to_numpy().any():
+        yield f"{_of_jobs(unknown)} chaotic, standard error unknown; a longer `duration` may tell"
+
+
+def _of_jobs(flags: "pd.DataFrame") -> str:
+    """Format features with their number of jobs, as `velocity.rms in 2 of 8 jobs:`; flags: jobs by features."""
+    names = [str(name) for name in flags if flags[name].any()]
+    more = f" and {len(names) - FEW} more" if len(names) > FEW else ""
+    return f"{', '.join(names[:FEW])}{more} in {flags.any(axis=1).sum()} of {len(flags)} jobs:"
+
+
+LESS_SURE = {
+    "step_error.force": "the largest force",
+    "step_error.record": "RMS of what else is recorded",
+}
+
+
+def step_errors(frame: "pd.DataFrame") -> Iterator[str]:
+    """Yield step errors above the limit in quantities other than line and RMS."""
+    from bearingsim.simulation.step_check import ACCURACY  # imports the core, which takes a second
+
+    for name, what in LESS_SURE.items():
+        if f"features/{name}" not in frame:
+            continue
+        values = frame[f"features/{name}"]
+        error = values[(frame["features/chaotic"] == 0.0) & (values > ACCURACY)]
+        if len(error):
+            jobs = f"{len(error)} job{'s' * (len(error) > 1)}"
+            yield f"{jobs}: {what} may be off by up to {100.0 * error.max():.2g} % (`{name}`)"
+
+
+def unsettled(frame: "pd.DataFrame") -> Iterator[str]:
+    """Yield the jobs whose initial transient changes line or RMS by more than 1 %, except by chance."""
+    from bearingsim.simulation.step_check import ACCURACY
+
+    columns = [name for name in ("features/error.start", "features/error.start.rms") if name in frame]
+    if not columns:
+        return
+    by_chance = frame.filter(items=["features/standard_error.line", "features/cage.slip.mean"]).notna().any(axis=1)
+    errors = frame.loc[~by_chance, columns].max(axis=1)
+    errors = errors[errors > ACCURACY]
+    if len(errors):
+        jobs = f"{len(errors)} jobs have" if len(errors) > 1 else "1 job has"
+        yield (
+            f"{jobs} not settled: line or RMS is off by up to {100.0 * errors.max():.2g} % (`error.start`);"
+            " take `settle: auto`, or a longer one"
+        )
+
+
+def repetitions(info: "pd.DataFrame") -> Iterator[str]:
+    """Yield the numbers of periodic and non-periodic responses; ``info``: of finished jobs, a row each."""
+    if "period_passes" not in info:
+        return
+    checked = info[info["period_passes"].notna()]
+    repeating = checked[checked["period_passes"] > 0]
+    if len(repeating):
+        passes = _span(repeating["passes_computed"], "{:.0f}")
+        yield (
+            f"{len(repeating)} of {len(checked)} responses are periodic: {passes} of"
+            f" {_span(repeating['passes'], '{:.0f}')} ball passes computed (`periodic: false` computes all)"
+        )
+    ended = checked[(checked["period_passes"] == 0) & (checked["passes_computed"] < checked["passes"])]
+    if len(ended):
+        passes = _span(ended["passes_computed"], "{:.0f}")
+        yield f"{len(ended)} of {len(checked)} jobs were accurate enough after {passes} ball passes"
+    others = checked[(checked["passes_computed"] == checked["passes"]) & (checked["last_difference"] > 0.0)]
+    if len(others):
+        yield (
+            f"{len(others)} of {len(checked)} responses are not periodic: successive passes differ by"
+            f" {_span(100.0 * others['last_difference'], '{:.2g}')} % of the range (`last_difference`)"
+        )
+
+
+def _span(values: "pd.Series[float]", form: str) -> str:
+    low, high = form.format(values.min()), form.format(values.max())
+    return low if low == high else f"{low} to {high}"
+
+
+BRIEFLY = {"": "the line", ".rms": "the RMS", ".force": "the largest force"}
+
+
+def moved(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
+    """Yield the change of the results over the variations of each uncertain quantity.
+
+    plan: of ``store.read_plan``; frame: of ``store.build_table``.
+    """
+    changes = errors(plan, frame)
+    values = by_kind((variation["what"], variation["value"]) for variation in plan.get("variations", ()))
+    for what, tried in values.items():
+        columns = {text: f"error.{what}{ending}" for ending, text in BRIEFLY.items()}
+        by_feature = {text: changes[name].dropna() for text, name in columns.items() if name in changes}
+        yield from _lacking(plan, frame, what)
+        ranges = ", ".join(f"{text} by {_percent(column.max())}" for text, column in by_feature.items())
+        if ranges:
+            jobs = max(len(column) for column in by_feature.values())
+            most = f" (at most, of {jobs} jobs)" if jobs > 1 else ""
+            yield f"{UNKNOWNS[what].tried_text(what, tried)} moves {ranges}{most}{_chaotic(plan, frame, what)}"
+
+
+def assumed(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
+    """Yield the assumptions of a study, and the cost of varying damping if it is not varied."""
+    values = {variation["what"] for variation in plan.get("variations", ())}
+    if "damping" not in values and not plan.get("nothing_uncertain") and not sweeps_damping(plan["units"]):
+        yield from _unexamined(plan, frame)
+    yield from plan.get("assumptions", ())
+
+
+def _percent(part: float) -> str:
+    return f"{100.0 * part:.0f} %" if part >= 0.1 else f"{100.0 * part:.2g} %"
+
+
+def _variations(plan: Mapping[str, Any], what: str) -> list[str]:
+    """List the ids of the jobs in which a quantity is varied."""
+    return list({variation["job"]: None for variation in plan.get("variations", ()) if variation["what"] == what})
+
+
+def _lacking(plan: Mapping[str, Any], frame: "pd.DataFrame", what: str) -> Iterator[str]:
+    """Yield the number of variations without a result, if any."""
+    jobs = _variations(plan, what)
+    count = int((frame["status"].reindex(jobs) != "done").sum()) if "status" in frame else 0
+    if count:
+        yield f"{count} of {len(jobs)} variations of the {what} have no result, and their jobs no range"
+
+
+def _chaotic(plan: Mapping[str, Any], frame: "pd.DataFrame", what: str) -> str:
+    """Return a remark on the number of chaotic variations, or "" without any."""
+    jobs = _variations(plan, what)
+    if "features/chaotic" not in frame:
+        return ""
+    count = int((frame["features/chaotic"][frame.index.isin(jobs)] == 1.0).sum())
+    return (
+        f"; {count} of {len(jobs)} variations moved chaotically: the standard error of line and RMS counts"
+        * bool(count)
+    )
+
+
+def _unexamined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
+    cases = [entry["job"] for entry in plan["jobs"] if not entry["twin"] and not entry["variation"]]
+    if "info/damping_time_s" not in frame or "info/cpu_s" not in frame:
+        return
+    damped = frame.loc[cases][frame.loc[cases]["info/damping_time_s"].notna()]
+    if len(damped):
+        yield unexamined(len(damped), duration, float(damped["info/cpu_s"].sum()))

@@ -1,14 +1,18 @@
-"""Grouping of jobs: shards of a study, and units of work."""
+"""Grouping of jobs by their cost: shards of a study, units of work, bounds of CPU time and failures."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import groupby
+from math import inf, isfinite
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from bearingsim import memory
+from bearingsim import cpu_time, memory
 from bearingsim.memory import PROGRAM
+from bearingsim.runner.progress import duration
+from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
     from bearingsim.study import Job
+
 
 UNIT_S = 2.0  # s of CPU time of a unit, against which the 40 ms of its file are small
 SHORTEST_UNIT_S, LONGEST_UNIT_S = 0.25, 10.0  # s of CPU time, in short and long studies
@@ -102,3 +106,63 @@ def _cut(group: Sequence[int], costs: Sequence[Cost], target: float) -> Iterator
             unit, seconds, size = [], 0.0, 0.0
     if unit:
         yield unit
+
+
+class Affordable(NamedTuple):
+    """Jobs within the bound of CPU time, with their costs; notes: a line on the jobs left out, if any."""
+
+    jobs: list["Job"]
+    costs: list[Cost]
+    notes: list[str]
+
+
+def refuse_bounds(max_failures: float, max_cpu: float) -> None:
+    """Raise ValueError for bounds that no job can meet."""
+    if max_failures < 1:
+        raise ValueError(f"expected at least 1 failed job that ends the run, got {max_failures}")
+    if not max_cpu > 0.0:
+        raise ValueError(f"expected a CPU time above zero, got {max_cpu} s")
+
+
+def affordable(jobs: Sequence["Job"], costs: Sequence[Cost], max_cpu: float, shown: bool | None) -> Affordable:
+    """Select the jobs whose estimated CPU time is at most ``max_cpu`` s; shown: False prints nothing."""
+    longer = [cost.seconds for cost in costs if cost.seconds > max_cpu]
+    kept = [pair for pair in zip(jobs, costs, strict=True) if pair[1].seconds <= max_cpu]
+    notes = []
+    if longer:
+        count = f"{len(longer)} jobs are" if len(longer) > 1 else "1 job is"
+        bound, longest = duration(max_cpu), max(longer)
+        most = f"{'up to ' * (len(longer) > 1)}{duration(longest)} of CPU time, " if isfinite(longest) else ""
+        notes.append(f"{count} left out: estimated to take {most}over {bound} (`--max-cpu`)")
+        if shown is not False:
+            say(" ".join(notes), err=True)
+    return Affordable([job for job, _ in kept], [cost for _, cost in kept], notes)
+
+
+def ended_early(failed: int, max_failures: float) -> str:
+    """Return a note on a run that the number of failed jobs has ended."""
+    jobs = f"{failed} jobs" if failed > 1 else "1 job"
+    allowed = "`--fail-fast`" if max_failures == 1 else f"`--max-failures {max_failures:g}`"
+    return f"ended early: {jobs} failed ({allowed}); run the same command to go on without what failed"
+
+
+def costs(estimate: Callable[[Any], Any], jobs: Sequence["Job"], max_cpu: float) -> list[Cost]:
+    """Estimate the costs of jobs whose CPU time is bounded by ``max_cpu`` s."""
+    return [_cost(estimate, job.case, max_cpu) for job in jobs]
+
+
+def _cost(estimate: Callable[[Any], Any], case: Any, max_cpu: float) -> Cost:
+    """Estimate the cost of a job: zero for a refused case, whose simulation reports the reason.
+
+    Infinite if the estimate itself takes longer than the CPU time (s) of a job.
+    """
+    began = cpu_time.now()
+    try:
+        with cpu_time.at_most(max_cpu):
+            price = estimate(case)
+    except cpu_time.OutOfCpuTime:
+        return Cost(inf, 0.0)
+    except ValueError:
+        return Cost(0.0, 0.0)
+    numbers = float(price.cpu_seconds), float(price.bytes), float(price.most_memory)
+    return Cost(*numbers, spent=cpu_time.now() - began)

@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from bearingsim.errors import UserError
-from bearingsim.runner.shared_memory import in_shared_memory
-from bearingsim.runner.stopping import flag_for_workers, heeding, ignoring, stop_requested
+from bearingsim.runner.stopping import flag_for_workers, heeding, ignoring, in_shared_memory, stop_requested
 from bearingsim.runner.work import Outcome, Work, compute, die_with_parent
 from bearingsim.store import Failure, log, take_suspects
 

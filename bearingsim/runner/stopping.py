@@ -3,6 +3,7 @@
 A second signal ends the process at once. A run that reaches its bounds ends like one that gets a first signal.
 """
 
+import errno
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -10,8 +11,7 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
-from bearingsim.errors import Signalled
-from bearingsim.runner.shared_memory import in_shared_memory
+from bearingsim.errors import Signalled, UserError
 from bearingsim.text.terminal import say
 
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
@@ -121,3 +121,30 @@ def _ask(number: int, frame: FrameType | None) -> None:
     for other in SIGNALS:
         signal.signal(other, signal.SIG_DFL)
     say("stopping when the jobs in hand are done (once more: at once)", err=True)
+
+
+WRONG = {
+    errno.ENOSPC: "is full: make room there",
+    errno.EROFS: "is read-only: make it writable",
+    errno.EACCES: "is closed to this user: make it writable",
+    errno.EPERM: "is closed to this user: make it writable",
+    errno.ENOENT: "is missing: mount it",
+    errno.ENOSYS: "is missing: mount it",
+}
+"""Causes by error number of ``sem_open``, which makes a file in /dev/shm for each lock."""
+
+
+class NoSharedMemory(UserError):
+    """Worker processes cannot be started for want of shared memory."""
+
+
+@contextmanager
+def in_shared_memory() -> Iterator[None]:
+    """Turn errors of locks in shared memory into NoSharedMemory, which names the cause."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename is not None or error.errno not in WRONG:
+            raise
+        wrong = WRONG[error.errno]
+        raise NoSharedMemory(f"worker processes need /dev/shm, which {wrong}, or use `--jobs 1`") from error

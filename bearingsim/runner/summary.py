@@ -1,19 +1,12 @@
 """Summary of a run: counts, time, and failures grouped by reason."""
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import groupby
-from math import ceil, inf
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from bearingsim.store import NOTABLE, Failure, is_one_draw, relative_error
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from bearingsim.runner.findings import Findings
+from bearingsim.store import Failure
 
 
 @dataclass(frozen=True)
@@ -38,112 +31,28 @@ def grouped(failures: Iterable[Failure]) -> tuple[FailureGroup, ...]:
     return tuple(sorted(kinds, key=lambda group: -len(group.jobs)))
 
 
-LINE_AND_RMS = ("velocity@BPFO", "velocity.rms")
-FEW = 2  # features named in a line; the rest are counted
-
-
-def chaos(frame: "pd.DataFrame", drawn: Sequence[str] = (), notable: float = NOTABLE) -> Iterator[str]:
-    """Yield the standard error of the results of chaotic jobs, and the duration that would reduce it.
-
-    frame: of ``store.build_table``; drawn: features of the figures; notable: relative standard error above which
-    it is reported.
-    """
-    import pandas as pd
-
-    table = frame.filter(regex="^features/").rename(columns=lambda name: name.partition("/")[2])
-    names = [name for name in drawn or LINE_AND_RMS if name in table]
-    if not names or "chaotic" not in table:
-        return
-    errors = pd.DataFrame(
-        {name: relative_error(table, name).where(is_one_draw(table, name, notable), 0.0) for name in names}
-    )
-    unknown = errors.isna() | (errors == inf)
-    bounded = errors.mask(unknown, 0.0)
-    if (bounded.to_numpy() > 0.0).any():
-        worst = float(bounded.to_numpy().max())
-        longer = f"{ceil((worst / notable) ** 2)} times the `duration` for {100.0 * notable:.2g} %"
-        yield f"{_of_jobs(bounded > 0.0)} chaotic, known to {100.0 * worst:.2g} %; {longer}"
-    if unknown.to_numpy().any():
-        yield f"{_of_jobs(unknown)} chaotic, standard error unknown; a longer `duration` may tell"
-
-
-def _of_jobs(flags: "pd.DataFrame") -> str:
-    """Format features with their number of jobs, as `velocity.rms in 2 of 8 jobs:`; flags: jobs by features."""
-    names = [str(name) for name in flags if flags[name].any()]
-    more = f" and {len(names) - FEW} more" if len(names) > FEW else ""
-    return f"{', '.join(names[:FEW])}{more} in {flags.any(axis=1).sum()} of {len(flags)} jobs:"
-
-
-LESS_SURE = {
-    "step_error.force": "the largest force",
-    "step_error.record": "RMS of what else is recorded",
-}
-
-
-def step_errors(frame: "pd.DataFrame") -> Iterator[str]:
-    """Yield step errors above the limit in quantities other than line and RMS."""
-    from bearingsim.simulation.step_check import ACCURACY  # imports the core, which takes a second
-
-    for name, what in LESS_SURE.items():
-        if f"features/{name}" not in frame:
-            continue
-        values = frame[f"features/{name}"]
-        error = values[(frame["features/chaotic"] == 0.0) & (values > ACCURACY)]
-        if len(error):
-            jobs = f"{len(error)} job{'s' * (len(error) > 1)}"
-            yield f"{jobs}: {what} may be off by up to {100.0 * error.max():.2g} % (`{name}`)"
-
-
-def unsettled(frame: "pd.DataFrame") -> Iterator[str]:
-    """Yield the jobs whose initial transient changes line or RMS by more than 1 %, except by chance."""
-    from bearingsim.simulation.step_check import ACCURACY
-
-    columns = [name for name in ("features/error.start", "features/error.start.rms") if name in frame]
-    if not columns:
-        return
-    by_chance = frame.filter(items=["features/standard_error.line", "features/cage.slip.mean"]).notna().any(axis=1)
-    errors = frame.loc[~by_chance, columns].max(axis=1)
-    errors = errors[errors > ACCURACY]
-    if len(errors):
-        jobs = f"{len(errors)} jobs have" if len(errors) > 1 else "1 job has"
-        yield (
-            f"{jobs} not settled: line or RMS is off by up to {100.0 * errors.max():.2g} % (`error.start`);"
-            " take `settle: auto`, or a longer one"
-        )
-
-
-def repetitions(info: "pd.DataFrame") -> Iterator[str]:
-    """Yield the numbers of periodic and non-periodic responses; ``info``: of finished jobs, a row each."""
-    if "period_passes" not in info:
-        return
-    checked = info[info["period_passes"].notna()]
-    repeating = checked[checked["period_passes"] > 0]
-    if len(repeating):
-        passes = _span(repeating["passes_computed"], "{:.0f}")
-        yield (
-            f"{len(repeating)} of {len(checked)} responses are periodic: {passes} of"
-            f" {_span(repeating['passes'], '{:.0f}')} ball passes computed (`periodic: false` computes all)"
-        )
-    ended = checked[(checked["period_passes"] == 0) & (checked["passes_computed"] < checked["passes"])]
-    if len(ended):
-        passes = _span(ended["passes_computed"], "{:.0f}")
-        yield f"{len(ended)} of {len(checked)} jobs were accurate enough after {passes} ball passes"
-    others = checked[(checked["passes_computed"] == checked["passes"]) & (checked["last_difference"] > 0.0)]
-    if len(others):
-        yield (
-            f"{len(others)} of {len(checked)} responses are not periodic: successive passes differ by"
-            f" {_span(100.0 * others['last_difference'], '{:.2g}')} % of the range (`last_difference`)"
-        )
-
-
-def _span(values: "pd.Series[float]", form: str) -> str:
-    low, high = form.format(values.min()), form.format(values.max())
-    return low if low == high else f"{low} to {high}"
-
-
 def kind_of(reason: str) -> str:
     """Replace the numbers of a reason by `#`, so that failures of one kind compare equal."""
     return re.sub(r"[-+]?\d[\d.]*(e[-+]?\d+)?", "#", reason)
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Statements on results.
+
+    withdrawn: promises that audits refuted; held: accuracy of the results; assumed: names of assumptions.
+    """
+
+    withdrawn: tuple[str, ...] = ()
+    held: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()
+    details: tuple[str, ...] = ()
+
+    @property
+    def everything(self) -> tuple[str, ...]:
+        """All sentences."""
+        return (*self.withdrawn, *self.held, *self.warnings, *self.details)
 
 
 @dataclass(frozen=True)
@@ -168,7 +77,7 @@ class RunSummary:
     integrator_cpu_s: float
     interrupted: int = 0
     notes: tuple[str, ...] = ()
-    findings: "Findings | None" = None
+    findings: Findings | None = None
 
     @property
     def failed(self) -> int:

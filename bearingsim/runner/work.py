@@ -8,16 +8,16 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import cache
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingsim import cpu_time
+from bearingsim import cpu_time, store
 from bearingsim.errors import UserError
-from bearingsim.runner.beside import OtherRuns
 from bearingsim.runner.stopping import stop_requested, take_flag
 from bearingsim.store import DiskFull, Failure, room, start_marker, unit_name, write_units
 from bearingsim.store.columns import Value
@@ -25,6 +25,7 @@ from bearingsim.store.columns import Value
 if TYPE_CHECKING:
     from bearingsim.simulation.simulate import Record
     from bearingsim.study import Job
+
 
 PR_SET_PDEATHSIG = 1  # option of prctl(2): signal sent to this process when its parent dies
 POLL_S = 2.0  # s between checks of the parent where prctl is missing
@@ -49,6 +50,31 @@ BEARINGSIM = Engine()
 
 Seal = Callable[[Path, Sequence[tuple["Job", "Record"]], Mapping[str, Value]], object]
 """Callback that stores records: results folder, jobs with their records, provenance."""
+
+
+LOOK_S = 0.5
+"""Least time between two looks into the folder (s): each lists all units."""
+
+
+@dataclass
+class OtherRuns:
+    """Jobs that other runs have sealed in a folder since this one began.
+
+    known: names of the units that were judged then. Of its own units a run begins no job that it has sealed.
+    """
+
+    root: Path
+    known: frozenset[str]
+    _jobs: set[str] = field(default_factory=set, init=False)
+    _looked: float = field(default=-LOOK_S, init=False)
+
+    def have(self, job: str) -> bool:
+        """Check if another run has sealed a job, as seen at most LOOK_S ago."""
+        if time.monotonic() - self._looked >= LOOK_S:
+            others = store.unit_names(self.root) - self.known
+            self._jobs = {name for unit in others for name in _jobs(store.unit_path(self.root, unit))}
+            self._looked = time.monotonic()
+        return job in self._jobs
 
 
 @dataclass(frozen=True)
@@ -192,3 +218,27 @@ def _watch(parent: int) -> None:
     while os.getppid() == parent:
         time.sleep(POLL_S)
     os._exit(1)
+
+
+@cache
+def _jobs(path: Path) -> list[str]:
+    """Return the ids of the jobs of a unit, which never changes; none if it cannot be read."""
+    try:
+        return store.jobs_named(path)
+    except store.DamagedUnit:
+        return []
+
+
+def elsewhere(root: Path, plan: Mapping[str, Any], elsewhere: int) -> Iterator[str]:
+    """Yield what other runs in the folder did meanwhile; plan: of this run; elsewhere: number of their jobs."""
+    if elsewhere:
+        jobs = f"{elsewhere} jobs were" if elsewhere > 1 else "1 job was"
+        yield f"{jobs} computed by another run in this folder meanwhile"
+    now = store.planned_jobs(root)
+    ours = {entry["job"] for entry in plan["jobs"]}
+    if now != ours:
+        lacking = f"lacks {len(ours - now)} of this run's {len(ours)} jobs" if ours - now else "has more jobs"
+        yield (
+            f"another run has replaced the plan of this folder meanwhile: its table {lacking}"
+            " (all results are kept: give this command again for the table of its plan)"
+        )

@@ -1,7 +1,8 @@
 """Study files: read, checked, and expanded into jobs."""
 
 from bearingsim.study.design import Design
-from bearingsim.study.jobs import Figure, Job, Study, case_id, healthy_twin
+from bearingsim.study.figures import Figure
+from bearingsim.study.jobs import Job, Study, case_id, healthy_twin
 from bearingsim.study.load import Outline, load_study, outline
 from bearingsim.study.paths import dimension
 from bearingsim.study.rolling_parts import load_rolling_parts

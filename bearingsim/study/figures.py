@@ -1,13 +1,13 @@
 """The section `figures:` of a study file."""
 
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
 
 from bearingsim.catalogue import MODELS
 from bearingsim.config import FEATURES
 from bearingsim.config.bands import EXAMPLES
 from bearingsim.config.names import of_band
 from bearingsim.config.vocabulary import sentence
-from bearingsim.study.jobs import Figure
 from bearingsim.text.units import suggestion
 from bearingsim.text.yamlfile import MAX_TOLD, Node, Problem, problem
 
@@ -26,6 +26,19 @@ KNOWN_TO: dict[str, tuple[str, ...]] = {
 """Models that compute the features with these prefixes; every model computes all others."""
 
 KEYS = ("y", "x", "by", "panels", "where", "title", "log")
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure of a study: features against a swept path, one curve per `by`, one panel per `panels`."""
+
+    y: tuple[str, ...]
+    x: str
+    by: tuple[str, ...] = ()
+    panels: tuple[str, ...] = ()
+    where: dict[str, str] = field(default_factory=dict)
+    title: str | None = None
+    log: tuple[str, ...] = ()
 
 
 def of_bands(root: Node) -> dict[str, Node]:

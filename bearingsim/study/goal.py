@@ -14,7 +14,7 @@ from bearingsim.catalogue import AUTO, REFERENCE
 from bearingsim.config import Case
 from bearingsim.config.names import LINES, of_band
 from bearingsim.config.rules import hierarchy
-from bearingsim.study.jobs import Figure
+from bearingsim.study.figures import Figure
 from bearingsim.text.units import UnitError, parse, show, suggestion
 from bearingsim.text.yamlfile import Mark, Node, Problem, problem
 

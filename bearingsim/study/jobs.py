@@ -4,13 +4,15 @@ import hashlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from bearingsim.catalogue import AUTO, MODELS
 from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
 from bearingsim.config.rules.hierarchy import leaves_friction_open, speaks_of_slip
 from bearingsim.study.design import Design, Drawn
+from bearingsim.study.figures import Figure
+from bearingsim.study.goal import Goal
 from bearingsim.study.uncertainty import (
     NO_OIL,
     NO_SLIP,
@@ -22,22 +24,6 @@ from bearingsim.study.uncertainty import (
     variations,
 )
 from bearingsim.study.used import extensions, json_text, used
-
-if TYPE_CHECKING:
-    from bearingsim.study.goal import Goal
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A figure of a study: features against a swept path, one curve per `by`, one panel per `panels`."""
-
-    y: tuple[str, ...]
-    x: str
-    by: tuple[str, ...] = ()
-    panels: tuple[str, ...] = ()
-    where: dict[str, str] = field(default_factory=dict)
-    title: str | None = None
-    log: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -142,7 +128,7 @@ class Study:
     uncertainty: tuple[Uncertain, ...] | None = None
     left_out: tuple[Uncertain, ...] = ()
     files: Mapping[str, str | None] = field(default_factory=dict, repr=False)
-    goal: "Goal | None" = None
+    goal: Goal | None = None
     selection: Selection | None = None
     otherwise: "Callable[[Mapping[str, str]], list[Case | None]] | None" = field(default=None, repr=False)
     drawn: Drawn | None = None

@@ -11,9 +11,9 @@ from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
 from bearingsim.config.fields import described
 from bearingsim.study import aliases
-from bearingsim.study.figures import check_known, of_bands, parse_figures
+from bearingsim.study.figures import Figure, check_known, of_bands, parse_figures
 from bearingsim.study.goal import Goal, asks_for_reference, check_goal, parse_goal
-from bearingsim.study.jobs import Figure, Study
+from bearingsim.study.jobs import Study
 from bearingsim.study.plan import Plan
 from bearingsim.study.uncertainty import Uncertain, check_possible, parse_uncertainty
 from bearingsim.text import files_read

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from bearingsim import store
-from bearingsim.runner import RunSummary, beside, run
+from bearingsim.runner import RunSummary, run, work
 from bearingsim.store import journal, marker, own_files, sealed
 from tests.scenes import fake_studies
 from tests.scenes.fake_studies import ENGINE, FakeStudy, case_id
@@ -42,7 +42,7 @@ def test_a_run_beside_that_replaces_the_plan_loses_nothing(
         return plain(case)
 
     monkeypatch.setattr(fake_studies, "simulate", simulate)
-    monkeypatch.setattr(beside, "LOOK_S", 0.0)
+    monkeypatch.setattr(work, "LOOK_S", 0.0)
     summary = compute(MM, tmp_path)
     assert (summary.exit_code, ended[0].exit_code) == (0, 0)
     assert (summary.done, summary.planned, summary.missing) == (5, 5, 0)
@@ -70,7 +70,7 @@ def test_the_same_run_beside_computes_each_job_once(tmp_path: Path, monkeypatch:
         return plain(case)
 
     monkeypatch.setattr(fake_studies, "simulate", simulate)
-    monkeypatch.setattr(beside, "LOOK_S", 0.0)
+    monkeypatch.setattr(work, "LOOK_S", 0.0)
     summary = compute(MM, tmp_path)
     assert (summary.exit_code, summary.done) == (0, 5)
     assert len(computed) == 6  # the job in hand of both
@@ -80,7 +80,7 @@ def test_a_plan_that_is_gone_at_the_end_is_told(tmp_path: Path) -> None:
     compute(MM, tmp_path)
     plan = store.read_plan(tmp_path)
     (tmp_path / "plan.json").unlink()
-    assert "lacks 5 of this run's 5 jobs" in "".join(beside.notes(tmp_path, plan, 0))
+    assert "lacks 5 of this run's 5 jobs" in "".join(work.elsewhere(tmp_path, plan, 0))
 
 
 def test_what_another_run_has_just_set_aside_is_no_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -154,7 +154,7 @@ def test_the_same_run_beside_is_not_done_again(
 
     monkeypatch.setattr(fake_studies, "estimate", beside_it if moment == "estimate" else fake_studies.estimate)
     monkeypatch.setattr(fake_studies, "simulate", counted)
-    monkeypatch.setattr(beside, "LOOK_S", 0.0)
+    monkeypatch.setattr(work, "LOOK_S", 0.0)
     summary = compute(MM, tmp_path)
     twice = {job for job, count in Counter(computed).items() if count > 1}
     assert twice == ({computed[0]} if moment == "simulate" else set())

@@ -20,8 +20,9 @@ import pytest
 
 from bearingsim import store
 from bearingsim.runner import Interrupted, RunSummary, progress, run
+from bearingsim.runner.findings import chaos, step_errors
 from bearingsim.runner.packing import Cost, pack, shard_of, unit_seconds
-from bearingsim.runner.summary import chaos, grouped, step_errors
+from bearingsim.runner.summary import grouped
 from bearingsim.text import patience
 from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
 

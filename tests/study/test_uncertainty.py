@@ -13,7 +13,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 
 from bearingsim import store
 from bearingsim.plots.plot import drawn
-from bearingsim.runner.unknowns import moved
+from bearingsim.runner.findings import moved
 from bearingsim.store.spread import errors, spread, standard_error
 from bearingsim.store.table import job_frame
 from bearingsim.study import StudyError, case_id, json_schema, load_study

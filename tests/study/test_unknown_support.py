@@ -9,7 +9,7 @@ from matplotlib.collections import PolyCollection
 
 from bearingsim import store
 from bearingsim.plots.plot import drawn
-from bearingsim.runner.unknowns import assumed
+from bearingsim.runner.findings import assumed
 from bearingsim.store.table import job_frame
 from bearingsim.study import case_id, load_study
 from bearingsim.study.uncertainty import RIGID, SUPPORTS, UNKNOWNS, Uncertain

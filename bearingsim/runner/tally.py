@@ -1,0 +1,174 @@
+"""Totals of a run: jobs done before it, outcomes as they arrive, and the summary."""
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from bearingsim import store
+from bearingsim.runner.findings import findings
+from bearingsim.runner.select import Stopped
+from bearingsim.runner.summary import Findings, RunSummary, grouped
+from bearingsim.runner.work import Outcome
+from bearingsim.study import outline
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from bearingsim.study import Job, Study
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Jobs to compute, number of jobs done by earlier runs, failures that are not tried again.
+
+    held: contents of the folder, of this study or another.
+    """
+
+    todo: list["Job"]
+    resumed: int
+    failures: dict[str, store.Failure]
+    held: store.Holdings
+
+
+def plan_of(root: Path, jobs: Sequence["Job"], retry_failed: bool, verify: bool, before: set[str] | None) -> Plan:
+    """Plan the jobs to compute.
+
+    before: ids of the jobs sealed when this run began, if trials have sealed some since.
+    """
+    held = store.holdings(root, verify)
+    left = [job for job in jobs if job.id not in held.sealed]
+    ids = {job.id for job in left}
+    failures = {job: failure for job, failure in held.failures.items() if job in ids}
+    todo = left if retry_failed else [job for job in left if job.id not in failures]
+    resumed = [job for job in jobs if job.id in held.sealed and (before is None or job.id in before)]
+    return Plan(todo, len(resumed), failures, held)
+
+
+@dataclass
+class Tally:
+    """Running total of outcomes; writes failures and the journal as they arrive."""
+
+    root: Path
+    command: str
+    failures: dict[str, store.Failure]
+    max_failures: float = inf
+    failed: int = 0
+    elsewhere: int = 0
+    start_cpu_s: float = 0.0
+    cpu_s: float = 0.0
+    integrator_cpu_s: float = 0.0
+
+    @property
+    def full(self) -> bool:
+        """True if the number of jobs failed in this run has reached its bound."""
+        return self.failed >= self.max_failures
+
+    def add(self, outcome: Outcome) -> None:
+        """Add an outcome."""
+        self.failed += len(outcome.failed)
+        self.elsewhere += len(outcome.elsewhere)
+        self.start_cpu_s += outcome.start_cpu_s
+        self.cpu_s += outcome.cpu_s
+        self.integrator_cpu_s += outcome.integrator_cpu_s
+        for job in (*outcome.done, *outcome.elsewhere):
+            if self.failures.pop(job, None) is not None:
+                store.clear_failure(self.root, job)
+        for failure in outcome.failed:
+            self._add_failure(failure)
+        facts = {"done": len(outcome.done), "failed": len(outcome.failed)}
+        unit = store.unit_name(outcome.done) if outcome.done else outcome.unit  # as it was sealed
+        store.log(self.root, "unit", unit=unit, **facts, seconds=round(outcome.seconds, 3))
+
+    def summary(
+        self,
+        study: str,
+        status: "pd.Series[str]",
+        resumed: int,
+        seconds: float,
+        interrupted: int,
+        notes: tuple[str, ...],
+        of_results: Findings,
+    ) -> RunSummary:
+        """Summarise the run; status: of each requested job, as in the table, so that both counts agree."""
+        return RunSummary(
+            study=study,
+            folder=self.root,
+            planned=len(status),
+            resumed=resumed,
+            done=int((status == "done").sum()) - resumed,
+            failures=grouped(
+                self.failures[job] for job in status.index[status == "failed"] if job in self.failures
+            ),
+            seconds=seconds,
+            start_cpu_s=self.start_cpu_s,
+            cpu_s=self.cpu_s,
+            integrator_cpu_s=self.integrator_cpu_s,
+            interrupted=interrupted,
+            notes=notes,
+            findings=of_results,
+        )
+
+    def _add_failure(self, failure: store.Failure) -> None:
+        before = self.failures.get(failure.job)
+        attempts = failure.attempts + (before.attempts if before else 0)
+        completed = replace(failure, attempts=attempts, command=self.command, when=store.now())
+        self.failures[failure.job] = completed
+        completed.write(self.root)
+
+
+def before_jobs(study: "Study", root: Path, stop: Stopped, seconds: float) -> RunSummary:
+    """Summarise a run that was interrupted during the trials of models, some of which are results of jobs."""
+    jobs = {job.id for job in study.jobs()}
+    sealed = store.holdings(root).sealed
+    return RunSummary(
+        study=study.name,
+        folder=root,
+        planned=len(jobs),
+        resumed=len(jobs & sealed),
+        done=0,
+        failures=(),
+        seconds=seconds,
+        start_cpu_s=0.0,
+        cpu_s=0.0,
+        integrator_cpu_s=0.0,
+        interrupted=stop.number,
+        notes=(stop.what,),
+    )
+
+
+def finished(path: Path, out: Path | None, overrides: Mapping[str, str], quick: bool) -> RunSummary | None:
+    """Summarise a run of a study that is done; None if jobs are left, or the plan does not decide it.
+
+    The plan decides if study, files, program and working folder have not changed, and no accuracy is requested.
+    """
+    started = time.perf_counter()
+    about = outline(path, overrides, quick)
+    if about is None or about.quick != quick:
+        return None
+    root = store.results_folder(about.name, quick, out)
+    try:
+        plan = store.read_plan(root)
+        made_of = store.made_of(about.files, about.overrides, quick)
+        same = made_of != "" and made_of == plan["made_of"] and plan["accuracy"] is None
+        frame = store.job_frame(root) if same else None
+    except store.UNREADABLE:
+        return None
+    if frame is None or not (frame["status"] == "done").all():
+        return None
+    return RunSummary(
+        study=plan["study"],
+        folder=root,
+        planned=len(frame),
+        resumed=len(frame),
+        done=0,
+        failures=(),
+        seconds=time.perf_counter() - started,
+        start_cpu_s=0.0,
+        cpu_s=0.0,
+        integrator_cpu_s=0.0,
+        notes=tuple(plan["notes"]),
+        findings=findings(plan, frame),
+    )
