@@ -48,7 +48,7 @@ class Monitor(NamedTuple):
 
 @jit
 def start_at_rest(model, t, y):
-    """``begin``, compiled as a whole: from Python its parts compile one by one, each when first met.
+    """Run ``begin``, compiled as a whole: from Python its parts compile one by one, each when first met.
 
     Returns the largest stiffness (1/s^2) and damping (1/s) over mass of a monitored body.
     """
@@ -76,7 +76,7 @@ def ready(method, model, t, y):
 
 @jit
 def first_over(row, bound, y, n):
-    """The first lane (of n) of the buffer's ``row`` that is not at most ``bound``, or NO_BODY.
+    """Return the first lane (of n) of the buffer's ``row`` that is not at most ``bound``, or NO_BODY.
 
     They are counted first: a count keeps its vector lanes, a search does not, and mostly there is nothing to find.
     """
@@ -92,7 +92,7 @@ def first_over(row, bound, y, n):
 
 @jit
 def approaches_of_bodies(model, y, n):
-    """The larger approach (m) of each roller to an undamaged race, as the bodies stand: row APPROACH_NOW."""
+    """Fill row APPROACH_NOW: the larger approach (m) of each roller to an undamaged race in the present state."""
     gap = model.bearing.gap
     u_x, u_y = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
     i_x, i_y = y[lay.POSITION + lay.X_I], y[lay.POSITION + lay.Y_I]
@@ -115,7 +115,7 @@ def radial_energy(bearing, y, n):
 
 @jit
 def exceeded_limit(method, model, monitor, y):
-    """The body that has been over the method's step limit for longer than allowed, or NO_BODY."""
+    """Return the body that has been over the method's step limit for longer than allowed, or NO_BODY."""
     elapsed, bodies = monitor.stride * method.h, monitored(model)
     bodies = lanes(model.bearing) if bodies > 1 else bodies  # a padded lane has no stiffness over its mass
     for j in range(bodies):
@@ -186,7 +186,7 @@ def _take_samples(samples, method, model, t, until, y, places):
 
 @jit
 def advance(method, model, monitor, start, y, places, out):
-    """``advance_and_sample`` without samples."""
+    """Run ``advance_and_sample`` without samples."""
     return advance_and_sample(method, model, monitor, start, y, places, out, NoSamples())
 
 

@@ -24,7 +24,7 @@ def thread_seconds() -> float:
 
 @intrinsic
 def seconds_by_system(typing_context: Any) -> Any:
-    """``thread_seconds``, by the system's ``clock_gettime``."""
+    """Read ``thread_seconds`` by the system's ``clock_gettime``."""
 
     def written(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         if CLOCK is None:

@@ -52,7 +52,8 @@ GENERICS: list[Any] = []
 
 
 def source_digest() -> str:
-    """First 12 hex digits of SHA-256 over numba's version, the core's sources, and those of extensions."""
+    """Compute the first 12 hex digits of SHA-256 over numba's version, the core's sources, and those of
+    extensions."""
     digest = hashlib.sha256(numba.__version__.encode())
     for source in (*sorted(CORE.rglob("*.py")), *extension_sources()):
         digest.update(source.read_bytes())
@@ -60,7 +61,7 @@ def source_digest() -> str:
 
 
 def cache_folder() -> Path | None:
-    """Where compiled code is kept: ``$BEARINGSIM_CACHE``, else the user's cache, else the temporary folder.
+    """Choose the cache of compiled code: ``$BEARINGSIM_CACHE``, else the user's cache, else the temporary folder.
 
     What is kept is run, so nobody else may write there. Of the first place where others can, one line to stderr
     says so, and the processes that this one starts take the place found instead. None if there is none.
@@ -83,24 +84,24 @@ def cache_folder() -> Path | None:
 
 
 def told(what: str) -> None:
-    """A line to stderr."""
+    """Print a line to stderr."""
     print(f"bearingsim: {what}", file=sys.stderr)
 
 
 def chosen_folder() -> Path:
-    """The folder that the user names, or the user's cache."""
+    """Return the folder that the user names, or the user's cache."""
     named = os.environ.get("BEARINGSIM_CACHE") or os.environ.get("XDG_CACHE_HOME")
     return Path(named) if named else Path.home() / ".cache"
 
 
 def temporary_folder() -> Path:
-    """This user's own in the temporary folder."""
+    """Return this user's own folder in the temporary one."""
     user = os.getuid() if hasattr(os, "getuid") else "user"
     return own_folder(Path(tempfile.gettempdir()), f"bearingsim-{user}")
 
 
 def passing_folder() -> Path:
-    """A new one, removed as this process ends."""
+    """Make a folder that is removed as this process ends."""
     folder, maker = tempfile.mkdtemp(prefix="bearingsim-"), os.getpid()
 
     def remove() -> None:
@@ -134,7 +135,7 @@ def jit(function: Callable, **options: Any) -> Any:
 
 
 def kept_safely(dispatcher: Any) -> Any:
-    """A compiled function whose code is saved by one process at a time, and compiled anew if it cannot be read.
+    """Let one process at a time save a function's compiled code, and compile anew if the cache cannot be read.
 
     Compiling and loading are not charged to the job that needs the code.
 
@@ -203,7 +204,7 @@ def absent(parameters: Parameters) -> Parameters:
 
 
 def constant(value: Any, name: str) -> Callable:
-    """An implementation of ``name`` that gives ``value``, whatever the arguments."""
+    """Make an implementation of ``name`` that returns ``value``, whatever the arguments."""
 
     def given(*arguments: Any) -> Any:
         return value
@@ -282,5 +283,5 @@ keeps its vector lanes only if it calls nothing, and a model costs 60 numbers to
 
 @partial(jit, fastmath={"reassoc", "contract"})
 def add(a: float, b: float) -> float:
-    """a + b, in whatever order suits the vector unit when it accumulates."""
+    """Return a + b, in whatever order suits the vector unit when it accumulates."""
     return a + b

@@ -75,7 +75,7 @@ if FOUND:
         depth = 0  # of compilations in each other; numba compiles in one thread at a time
 
         def compile_extra(self, function: Any) -> Any:
-            """The compiled ``function``."""
+            """Compile ``function``."""
             linked = Compiler.depth > 0
             if linked:
                 flags = self.state.flags
@@ -89,7 +89,8 @@ if FOUND:
             return self._known_to_callers(found) if linked else found
 
         def _known_to_callers(self, found: Any) -> Any:
-            """Callers find code by its entry point, which must be a builtin: here any that is like no other."""
+            """Enter code into the table of its callers, who look it up by its entry point: any builtin that
+            equals no other."""
             entry = object().__reduce_ex__
             self.state.targetctx.insert_user_function(entry, found.fndesc, [found.library])
             return found._replace(entry_point=entry)
@@ -109,7 +110,7 @@ def rare_collections() -> Iterator[None]:
 
 
 def is_linked(compiled: Any) -> bool:
-    """Whether a compiled function has no machine code of its own."""
+    """Check if a compiled function has no machine code of its own."""
     return FOUND and isinstance(compiled.library, LinkedLibrary)
 
 

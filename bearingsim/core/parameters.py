@@ -39,11 +39,12 @@ class Support(NamedTuple):
 
 @jit
 def lanes(bearing):
-    """Lanes in use: the rollers, padded to the vector width."""
+    """Return the number of lanes in use: the rollers, padded to the vector width."""
     return (bearing.Z + lay.VECTOR_WIDTH - 1) // lay.VECTOR_WIDTH * lay.VECTOR_WIDTH
 
 
 @jit
 def kinematic_angles(bearing, t):
-    """Angles (rad) of the cage, the inner ring and a roller's roll in the cage at time ``t``, without slip."""
+    """Return the angles (rad) of the cage, the inner ring and a roller's roll in the cage at time ``t``,
+    without slip."""
     return bearing.theta_0 + bearing.omega_c * t, bearing.omega_i * t, bearing.omega_b * t

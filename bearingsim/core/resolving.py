@@ -26,7 +26,7 @@ def resolve_once() -> None:
 
 
 def keeping(resolve: Any) -> Any:
-    """``resolve`` (function, context, arguments, keywords), called once for each combination of types."""
+    """Cache ``resolve`` (function, context, arguments, keywords) for each combination of types."""
     kept: dict[tuple, tuple[Any, Any]] = {}
 
     def get_call_type(function: Any, context: Any, arguments: Any, keywords: Any) -> Any:
@@ -43,5 +43,5 @@ def keeping(resolve: Any) -> Any:
 
 
 def lowered_by_numba(function: Any, signature: Any) -> bool:
-    """Whether a signature is that of an operator itself, not of an implementation compiled for it."""
+    """Check if a signature is that of an operator itself, not of an implementation compiled for it."""
     return getattr(function, "_impl_keys", {}).get(signature.args) is function.typing_key

@@ -32,7 +32,7 @@ def kaiser_sinc(t: np.ndarray, cutoff: float, reach: float, decibels: float) -> 
 
 @lru_cache(maxsize=64)
 def decimation_kernel(D: int) -> np.ndarray:
-    """Taps (2 D DECIMATION_REACH + 1,) of the first stage, one in D kept; their sum is 1."""
+    """Return the taps (2 D DECIMATION_REACH + 1,) of the first stage, one in D kept; their sum is 1."""
     t = np.arange(-D * DECIMATION_REACH, D * DECIMATION_REACH + 1) / D
     taps = kaiser_sinc(t, 0.5, DECIMATION_REACH, 88.0)
     return taps / taps.sum()
@@ -40,7 +40,8 @@ def decimation_kernel(D: int) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def sampling_kernel(ratio: float) -> np.ndarray:
-    """Taps (odd) of the second stage, at ``ratio`` (4 or more) fine samples per sample; their sum is 1."""
+    """Return the taps (odd) of the second stage, at ``ratio`` (4 or more) fine samples per sample; their sum is
+    1."""
     reach = int(np.ceil(RESAMPLE_REACH * ratio))
     taps = kaiser_sinc(np.arange(-reach, reach + 1) / ratio, 0.5, RESAMPLE_REACH, 80.0)
     return taps / taps.sum()
@@ -48,7 +49,7 @@ def sampling_kernel(ratio: float) -> np.ndarray:
 
 @lru_cache(maxsize=1)
 def interpolation_kernel() -> np.ndarray:
-    """One side of the third stage's kernel, TABLE entries per fine sample, with a zero after the end."""
+    """Return one side of the third stage's kernel, TABLE entries per fine sample, with a zero after the end."""
     t = np.arange(INTERPOLATION_REACH * TABLE + 2) / TABLE
     return kaiser_sinc(t, 0.5, INTERPOLATION_REACH, 120.0)
 
@@ -90,7 +91,7 @@ def low_pass(fine, taps, out, begin, end):
 
 @jit
 def interpolate(fine, first, ratio, kernel, weights, out, begin, end):
-    """Values out[:, n] at places first + n ratio of ``fine`` (C, m), begin <= n < end.
+    """Interpolate values out[:, n] at places first + n ratio of ``fine`` (C, m), begin <= n < end.
 
     fine: has nothing above 0.15 of its rate; weights: (2 INTERPOLATION_REACH,) to work with. They are normalised,
     so a constant stays what it is.

@@ -29,7 +29,7 @@ FUSED: Any = ("contract",)  # a product may be fused with the addition to it, as
 def weighted_rows(
     builder: Any, y: Any, rows: list[Any], table: Any, shape: tuple[Any, Any], first: Any
 ) -> list[Any]:
-    """For each of ``rows``, sum_i y[row + i] table[i, first:first + 8] as a vector.
+    """Return for each of ``rows`` sum_i y[row + i] table[i, first:first + 8] as a vector.
 
     y, table: pointers; all the rest integers.
     """
@@ -49,7 +49,7 @@ def weighted_rows(
 
 
 def halves(context: Any, builder: Any, kind: Any, value: Any) -> tuple[list[Any], tuple[Any, Any]]:
-    """Where the two halves of an array (2, n, m) begin, and the shape (n, m) of each."""
+    """Return the pointers to the two halves of an array (2, n, m), and the shape (n, m) of each."""
     array = context.make_array(kind)(context, builder, value)
     _, n, m = cgutils.unpack_tuple(builder, array.shape)
     return [array.data, builder.gep(array.data, [builder.mul(n, m)])], (n, m)
@@ -61,7 +61,7 @@ def put(builder: Any, y: Any, place: Any, vector: Any) -> None:
 
 
 def sum_harmonics(tables: np.ndarray, rows_c: tuple, rows_s: tuple, y: np.ndarray, first: int, to: tuple) -> None:
-    """y[to + k] = sum_i y[row_c + i] tables[0, i, first + k] + y[row_s + i] tables[1, i, first + k].
+    """Set y[to + k] = sum_i y[row_c + i] tables[0, i, first + k] + y[row_s + i] tables[1, i, first + k].
 
     For k from 0 to 7, and for each row_c of ``rows_c``, row_s of ``rows_s``, ``to``: tuples of as many integers.
     tables: (2, n, m), in C order: cosines and sines.
@@ -75,7 +75,7 @@ def sum_harmonics(tables: np.ndarray, rows_c: tuple, rows_s: tuple, y: np.ndarra
 
 
 def sum_rollers(tables: np.ndarray, row: int, y: np.ndarray, first: int, to: tuple) -> None:
-    """y[to[0] + k] = sum_j y[row + j] tables[0, j, first + k], and the same of to[1] and tables[1]."""
+    """Set y[to[0] + k] = sum_j y[row + j] tables[0, j, first + k], and the same of to[1] and tables[1]."""
     n, lanes = tables.shape[1], slice(first, first + VECTOR_WIDTH)
     for table, place in zip(tables, to, strict=True):
         y[place : place + VECTOR_WIDTH] = y[row : row + n] @ table[:, lanes]
@@ -88,7 +88,7 @@ def sum_rollers(tables: np.ndarray, row: int, y: np.ndarray, first: int, to: tup
 def harmonics_in_registers(
     typing_context: Any, tables: Any, rows_c: Any, rows_s: Any, y: Any, first: Any, to: Any
 ) -> Any:
-    """``sum_harmonics``."""
+    """Compile ``sum_harmonics``."""
 
     def written(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         starts, shape = halves(context, builder, signature.args[0], arguments[0])
@@ -108,7 +108,7 @@ def harmonics_in_registers(
 
 @intrinsic
 def rollers_in_registers(typing_context: Any, tables: Any, row: Any, y: Any, first: Any, to: Any) -> Any:
-    """``sum_rollers``."""
+    """Compile ``sum_rollers``."""
 
     def written(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         of_tables, weights, of_y, lane, places = arguments

@@ -20,7 +20,8 @@ class Ramp(NamedTuple):
 
 @generic
 def kinematic_time(motion: Any, t: float) -> tuple[float, float, float]:
-    """The time (s) in which the ring would have turned as far at its first speed; its rate and acceleration (1/s).
+    """Return the time (s) in which the ring would have turned as far at its first speed; its rate and acceleration
+    (1/s).
 
     So angles are omega_i times the first, speeds omega_i times the second; at a steady speed it is t, 1, 0.
     """
@@ -41,17 +42,17 @@ def _kinematic_time_ramp(motion, t):
 
 
 def motion_of(model: Any) -> Any:
-    """The model's motion; ``Steady`` for a model that knows no other."""
+    """Return the model's motion; ``Steady`` for a model without."""
     return getattr(model, "motion", Steady())
 
 
 def steady(model: Any) -> bool:
-    """Whether the model's speed never changes."""
+    """Check if the model's speed never changes."""
     return isinstance(motion_of(model), Steady)
 
 
 def kinematic_times(model: Any, time: np.ndarray) -> np.ndarray:
-    """``kinematic_time``'s first result at each time (n,), s."""
+    """Return ``kinematic_time``'s first result at each time (n,), s."""
     motion = motion_of(model)
     return time if isinstance(motion, Steady) else np.array([kinematic_time(motion, t)[0] for t in time.tolist()])
 

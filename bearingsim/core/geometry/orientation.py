@@ -50,13 +50,14 @@ def axis_z(a_x, a_y):
 
 @jit
 def axis_precession(a_x, a_y, a_z, w_x, w_y):
-    """How fast (rad/s) a body turns about its axis without its angle changing, because the axis goes round."""
+    """Compute the speed (rad/s) of a body about its axis at constant angle, due to the precession of the axis."""
     return (w_x * a_y - a_x * w_y) / (1.0 + a_z)
 
 
 @jit
 def axis_precession_rate(body, l_x, l_y):
-    """Its rate (rad/s^2), the axis being accelerated by ``l_x``, ``l_y`` (1/s^2)."""
+    """Compute the rate (rad/s^2) of ``axis_precession`` under accelerations ``l_x``, ``l_y`` (1/s^2) of the
+    axis."""
     bent = 1.0 + body.a_z
     area = body.w_x * body.a_y - body.a_x * body.w_y
     return (l_x * body.a_y - body.a_x * l_y) / bent - area * body.w_z / (bent * bent)
@@ -75,7 +76,8 @@ def axis_acceleration(m_x, m_y, m_z, spin, I_t, a_x, a_y, a_z, w_x, w_y, w_z):
 
 @jit
 def body_at(y, x, z, tilt_x, tilt_y, angle_rate):
-    """The body whose centre lies in the cells ``x``, ``x`` + 1 and ``z``, its axis in ``tilt_x``, ``tilt_y``.
+    """Return the body whose centre lies in the cells ``x``, ``x`` + 1 and ``z``, its axis in ``tilt_x``,
+    ``tilt_y``.
 
     angle_rate: of its angle about the axis (rad/s).
     """

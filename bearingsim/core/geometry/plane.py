@@ -22,14 +22,14 @@ class Centre(NamedTuple):
 
 @inlined
 def centre_at(cell, y):
-    """The centre whose coordinates are the shared ones ``cell`` and ``cell`` + 1."""
+    """Return the centre whose coordinates are the shared ones ``cell`` and ``cell`` + 1."""
     p, v = lay.POSITION + cell, lay.VELOCITY + cell
     return Centre(y[p], y[p + 1], y[v], y[v + 1])
 
 
 @inlined
 def roller_direction(C, S, y, j):
-    """Directions of the pocket of roller ``j`` and of itself; C, S: cosine and sine of the first pocket's angle.
+    """Fill the directions of roller ``j`` and of its pocket; C, S: cosine and sine of the first pocket's angle.
 
     |EPS| stays under a hundredth, where the series are exact to rounding.
     """
@@ -45,7 +45,7 @@ def roller_direction(C, S, y, j):
 
 @jit
 def roller_directions(theta_c, y, n):
-    """The same of all rollers, the first pocket standing at ``theta_c`` (rad)."""
+    """Fill the directions of all rollers and pockets, the first pocket standing at ``theta_c`` (rad)."""
     C, S = cos(theta_c), sin(theta_c)
     for j in range(n):
         roller_direction(C, S, y, j)
@@ -53,7 +53,7 @@ def roller_directions(theta_c, y, n):
 
 @jit
 def relative_to_ring(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
-    """A roller as a ring sees it whose centre stands at u (m) and moves at ``v_x``, ``v_y`` (m/s).
+    """Compute place and velocity of a roller relative to a ring at u (m) that moves at ``v_x``, ``v_y`` (m/s).
 
     c, s: of the roller's angle; r, v: its radius (m) and radial speed (m/s); theta_v: its orbit (rad/s). Returns
     its distance rho from the centre (m), the direction n to it along e_r and e_theta, r - rho (m) without
@@ -97,6 +97,6 @@ def approach(side, bearing, ring, omega_cage, y, j):
 
 @inlined
 def small_angle(sine):
-    """The angle (rad) of this sine: its series, exact to rounding below a fiftieth."""
+    """Return the angle (rad) of this sine: its series, exact to rounding below a fiftieth."""
     z = sine * sine
     return sine * (1.0 + z * (1.0 / 6.0 + z * (3.0 / 40.0 + z * (15.0 / 336.0 + z * (105.0 / 3456.0)))))

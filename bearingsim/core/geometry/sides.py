@@ -16,32 +16,34 @@ class InnerSide(NamedTuple):
 
 @generic
 def sign(side: Any) -> float:
-    """1 where the roller lies inside the race, -1 where outside."""
+    """Return 1 where the roller lies inside the race, -1 where outside."""
 
 
 @generic(inline="early")
 def side_rows(side: Any) -> int:
-    """Where the rows of this side of the rollers begin."""
+    """Return the base of the rows of this side of the rollers."""
 
 
 @generic(inline="early")
 def contact_rows(side: Any) -> tuple[int, int, int, int, int]:
-    """Rows of what the planar models call force, approach, its rate, slip and tangential force."""
+    """Return the rows of force, approach, its rate, slip and tangential force in the planar models."""
 
 
 @generic(inline="early")
 def normal_rows(side: Any) -> tuple[int, int, int, int, int]:
-    """Rows of n along e_r and e_theta, of rho, of the speed across n, and of rho's rate over a pit."""
+    """Return the rows of n along e_r and e_theta, of rho, of the speed across n, and of rho's rate over a
+    defect."""
 
 
 @generic(inline="early")
 def load_cells(side: Any) -> tuple[int, int, int]:
-    """Cells of a ring's loads: the first in the plane, the first of those beyond it, the moment about the axis."""
+    """Return cells of a ring's loads: the first in the plane, the first of those beyond it, the moment about
+    the axis."""
 
 
 @generic(inline="early")
 def slice_rows(side: Any) -> tuple[int, int]:
-    """Rows of the load and the approach on this side, among those of a slice."""
+    """Return the rows of the load and the approach on this side, among those of a slice."""
 
 
 @slice_rows.register(OuterSide)

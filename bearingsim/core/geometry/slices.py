@@ -24,7 +24,7 @@ class Slices(NamedTuple):
 
 
 def slice_edges(L_w: float, pits: Iterable[tuple[float, float]], n: int) -> np.ndarray:
-    """Ends (m, from the middle) of at least ``n`` slices of a roller of length ``L_w`` (m), (n + 1,).
+    """Return the ends (m, from the middle) of at least ``n`` slices of a roller of length ``L_w`` (m), (n + 1,).
 
     pits: from where to where (m) each pit reaches along the roller. Every end of a pit is an end of a slice, so
     there can be more than ``n``; at most ``MAX_SLICES``, else ``ValueError``.
@@ -42,7 +42,7 @@ def slice_edges(L_w: float, pits: Iterable[tuple[float, float]], n: int) -> np.n
 
 
 def slices(ends: np.ndarray, drop: Callable[[float], float]) -> Slices:
-    """Slices between ``ends`` (n + 1,) in m, with the roller's ``drop`` (m) at their middles."""
+    """Make the slices between ``ends`` (n + 1,) in m, with the roller's ``drop`` (m) at their middles."""
     middles = (ends[1:] + ends[:-1]) / 2.0
     table = np.stack([middles, np.diff(ends) / (ends[-1] - ends[0]), [drop(float(z)) for z in middles]], axis=1)
     return Slices(np.ascontiguousarray(table))

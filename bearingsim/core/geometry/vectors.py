@@ -23,13 +23,13 @@ def cross(a, b):
 
 @jit
 def combine(p, a, q, b):
-    """p a + q b."""
+    """Return p a + q b."""
     return p * a[0] + q * b[0], p * a[1] + q * b[1], p * a[2] + q * b[2]
 
 
 @jit
 def combine_three(p, a, q, b, s, c):
-    """p a + q b + s c."""
+    """Return p a + q b + s c."""
     return p * a[0] + q * b[0] + s * c[0], p * a[1] + q * b[1] + s * c[1], p * a[2] + q * b[2] + s * c[2]
 
 

@@ -11,7 +11,7 @@ LONGEST_ELLIPSE = 1e4  # ratio of the axes; a longer contact is a line
 
 
 def effective_modulus(E: float, nu: float) -> float:
-    """E* = E/(2 (1 - nu^2)) (Pa) of two bodies of Young's modulus ``E`` (Pa) and Poisson's ratio ``nu``."""
+    """Return E* = E/(2 (1 - nu^2)) (Pa) of two bodies of Young's modulus ``E`` (Pa) and Poisson's ratio ``nu``."""
     return E / (2.0 * (1.0 - nu * nu))
 
 
@@ -27,7 +27,8 @@ def half_width(Q_per_m: float, R: float, E_star: float) -> float:
 
 
 def line_pressure(Q_per_m: float, R: float, E_star: float) -> float:
-    """Largest pressure (Pa) of a line contact, 2 Q'/(pi b) = sqrt(Q' E*/(pi R)); arguments as ``half_width``."""
+    """Return the largest pressure (Pa) of a line contact, 2 Q'/(pi b) = sqrt(Q' E*/(pi R)); arguments as
+    ``half_width``."""
     return sqrt(Q_per_m * E_star / (pi * R))
 
 
@@ -45,17 +46,19 @@ class PointContact(NamedTuple):
     b: float
 
     def semi_axes(self, Q: Any) -> tuple[Any, Any]:
-        """The longer and the shorter semi-axis (m) of the ellipse under the force ``Q`` (N, or an array)."""
+        """Return the longer and the shorter semi-axis (m) of the ellipse under the force ``Q`` (N, or an
+        array)."""
         return self.a * Q ** (1.0 / 3.0), self.b * Q ** (1.0 / 3.0)
 
     def pressure(self, Q: float) -> float:
-        """Largest pressure (Pa) under the force ``Q`` (N): 3 Q/(2 pi a b)."""
+        """Return the largest pressure (Pa) under the force ``Q`` (N): 3 Q/(2 pi a b)."""
         a, b = self.semi_axes(Q)
         return 1.5 * Q / (pi * a * b)
 
 
 def ball_on_race(E: float, nu: float, D_w: float, r_g: float, R: float) -> PointContact:
-    """A ball of diameter ``D_w`` (m) on a race whose groove has the radius ``r_g`` (m); E in Pa.
+    """Return the contact of a ball of diameter ``D_w`` (m) on a race whose groove has the radius ``r_g`` (m); E in
+    Pa.
 
     ``R``: radius of the race at the bottom of its groove (m), positive for an inner race (convex), negative for
     an outer (concave). The long axis lies across the direction of rolling. Raises ValueError if the ball does not
@@ -68,7 +71,8 @@ def ball_on_race(E: float, nu: float, D_w: float, r_g: float, R: float) -> Point
 
 
 def elliptic_contact(E_star: float, rho_1: float, rho_2: float) -> PointContact:
-    """The contact of two bodies of the relative principal curvatures ``rho_1``, ``rho_2`` > 0 (1/m), in any order.
+    """Return the contact of two bodies of the relative principal curvatures ``rho_1``, ``rho_2`` > 0 (1/m), in any
+    order.
 
     With kappa = a/b, the complete elliptic integrals K and E of the modulus e, e^2 = 1 - 1/kappa^2, and
     A + B = (rho_1 + rho_2)/2:
@@ -103,18 +107,18 @@ def elliptic_integrals(kappa: float) -> tuple[float, float]:
 
 
 def modulus_squared(kappa: float) -> float:
-    """e^2 = 1 - 1/kappa^2."""
+    """Return e^2 = 1 - 1/kappa^2."""
     return (kappa - 1.0) * (kappa + 1.0) / (kappa * kappa)
 
 
 def curvature_ratio(kappa: float) -> float:
-    """B/A of the curvatures whose ellipse has the axes' ratio ``kappa`` > 1: (kappa^2 E - K)/(K - E)."""
+    """Return B/A of the curvatures whose ellipse has the axes' ratio ``kappa`` > 1: (kappa^2 E - K)/(K - E)."""
     _, short_of_one = elliptic_integrals(kappa)
     return kappa * kappa * (modulus_squared(kappa) - short_of_one) / short_of_one
 
 
 def axis_ratio(ratio: float) -> float:
-    """kappa = a/b of the ellipse that bodies of the curvatures' ratio B/A = ``ratio`` >= 1 make."""
+    """Return kappa = a/b of the contact ellipse of bodies whose curvatures have the ratio B/A = ``ratio`` >= 1."""
     if ratio < 1.0 + 1e-12:
         return 1.0  # a circle, where the ratio itself is 0/0
     low, high = 0.0, log(LONGEST_ELLIPSE)

@@ -22,7 +22,7 @@ _LOWEST = float(np.nextafter(FLOOR, 0.0))  # its bits name cell 0
 
 
 def tabulate(function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
-    """The table of a function that gives values and slopes at many numbers: Hermite's cubics between them."""
+    """Tabulate a function that returns values and slopes of arrays, by cubic Hermite interpolation."""
     octaves = 2.0 ** np.arange(FIRST, LAST)
     y = np.append(np.outer(octaves, 1.0 + np.arange(CELLS) / CELLS).ravel(), CEILING)
     x, slope = function(y)
@@ -38,7 +38,8 @@ def tabulate(function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) ->
 
 @jit
 def cell(y):
-    """Where the coefficients of the cell of ``y`` begin, and the distance of ``y`` from the cell's left end."""
+    """Return the place of the coefficients of the cell of ``y``, and the distance of ``y`` from the cell's left
+    end."""
     inside = min(max(_LOWEST, y), CEILING)  # in this order NaN finds a cell, and stays in the distance
     number = np.float64(inside).view(np.int64) >> _SHIFT
     left = np.int64(number << _SHIFT).view(np.float64)
@@ -48,20 +49,20 @@ def cell(y):
 
 @jit
 def value(table, y):
-    """The function at ``y`` >= 0."""
+    """Return the function at ``y`` >= 0."""
     k, s = cell(y)
     return table[k] + s * (table[k + 1] + s * (table[k + 2] + s * table[k + 3]))
 
 
 @jit
 def slope(table, y):
-    """The slope of ``value``."""
+    """Return the first derivative of ``value``."""
     k, s = cell(y)
     return table[k + 1] + s * (2.0 * table[k + 2] + s * (3.0 * table[k + 3]))
 
 
 @jit
 def bend(table, y):
-    """The slope of ``slope``; it jumps a little from cell to cell."""
+    """Return the second derivative of ``value``, slightly discontinuous between cells."""
     k, s = cell(y)
     return 2.0 * table[k + 2] + s * (6.0 * table[k + 3])

@@ -64,14 +64,15 @@ class Thickness(NamedTuple):
 
 
 def moes_numbers(Q: Number, line: OiledLine) -> tuple[Number, float]:
-    """Moes' load M = W U^(-1/2) and oil L = alpha E' U^(1/4), with W = (Q/L)/(E' R), U = eta (2 u)/(E' R)."""
+    """Return Moes' load M = W U^(-1/2) and oil L = alpha E' U^(1/4), with W = (Q/L)/(E' R), U = eta (2 u)/(E'
+    R)."""
     E = 2.0 * line.E_star
     U = line.eta * 2.0 * line.u / (E * line.R)
     return Q / (line.L * E * line.R * U**0.5), line.alpha * E * U**0.25
 
 
 def film_thickness(Q: Number, line: OiledLine) -> Thickness:
-    """Moes' film under the load ``Q`` > 0 (N): one formula between four asymptotes, in R U^(1/2):
+    """Return Moes' film thickness under the load ``Q`` > 0 (N): one formula between four asymptotes, in R U^(1/2):
 
         rigid, isoviscous       central 3.0 / M              least 2.45 / M
         elastic, isoviscous             2.621 M^(-1/5)             2.05 M^(-1/5)
@@ -132,13 +133,14 @@ def inlet_squeeze(h: Number, line: OiledLine) -> Number:
 
 
 def transition(Q: Number, line: OiledLine) -> Number:
-    """z = M (L + 20)/21.3: under 1 the film gives way like that of rigid cylinders, over 2 the contact is flat."""
+    """Return z = M (L + 20)/21.3: under 1 the film deflects like that of rigid cylinders, over 2 the contact is
+    flat."""
     M, L = moes_numbers(Q, line)
     return M * (L + STIFFER) / SPREAD
 
 
 def film_compliance(Q: Number, line: OiledLine) -> Number:
-    """-dh/dQ (m/N) of the film under slow changes of load: h/Q of rigid cylinders, times exp(-z^3.4).
+    """Return -dh/dQ (m/N) of the film under slow changes of load: h/Q of rigid cylinders, times exp(-z^3.4).
 
     h = 4.896 eta u R L/Q. Once pressure thickens the oil, the film no longer depends on load and is stiff.
     """

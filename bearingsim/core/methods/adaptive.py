@@ -57,12 +57,12 @@ TIME_TOLERANCE = 1e-9  # part of the time between recorded instants: so near to 
 
 @generic
 def estimate_order(method: Any) -> float:
-    """The power of the step that the method's estimate of its error goes with."""
+    """Return the exponent of the step in the method's error estimate."""
 
 
 @generic
 def failure_outcome(method: Any) -> int:
-    """Why a run ends whose steps fall below the floor (``core/outcomes.py``)."""
+    """Return the outcome (``core/outcomes.py``) of a run whose steps fall below the floor."""
 
 
 @generic
@@ -83,7 +83,7 @@ def complete_dense_output(method: Any, model: Any, y: Any) -> None:
 
 
 def no_completion(method, model, y):
-    """``complete_dense_output`` of a method whose dense output needs no evaluation."""
+    """Skip ``complete_dense_output``, for methods whose dense output needs no evaluation."""
 
 
 def register_adaptive(
@@ -109,7 +109,7 @@ def register_adaptive(
 
 @jit
 def save_state(y, block, n):
-    """The state, accelerations included, into the three blocks from ``block`` on."""
+    """Copy the state, accelerations included, into the three blocks from ``block`` on."""
     for j in range(n):
         y[block + j] = y[lay.POSITION + j]
         y[block + lay.STATE + j] = y[lay.VELOCITY + j]
@@ -118,7 +118,7 @@ def save_state(y, block, n):
 
 @jit
 def restore_state(y, block, n):
-    """The state from the three blocks from ``block`` on."""
+    """Copy the state from the three blocks from ``block`` on."""
     for j in range(n):
         y[lay.POSITION + j] = y[block + j]
         y[lay.VELOCITY + j] = y[block + lay.STATE + j]
@@ -139,7 +139,7 @@ def start_from_end(y, n):
 
 @jit
 def fill_length_scales(model, y):
-    """LENGTH_SCALE: 1 of lengths; of angles and axes the radius at which they are felt."""
+    """Fill LENGTH_SCALE: 1 of lengths; of angles and axes their lever arm."""
     b = model.bearing
     own, shared = degrees_of_freedom(model)
     of_shared, of_roller = shared_arms(b), roller_arms(b)
@@ -156,7 +156,7 @@ def fill_length_scales(model, y):
 
 @jit
 def error_norm(method, error_q, error_v, y, n):
-    """Errors of positions and velocities, in the blocks at ``error_q`` and ``error_v``, over the tolerance.
+    """Return the norm of the errors of positions and velocities at ``error_q`` and ``error_v`` over the tolerance.
 
     Velocities are measured by the larger of those at START and in the state's block.
     """
@@ -172,7 +172,8 @@ def error_norm(method, error_q, error_v, y, n):
 
 @jit
 def error_past_jumps(error, h):
-    """The error of an L-stable method, at most 1 in a step so short that only a jump of a force can be in its way.
+    """Return the error of an L-stable method, at most 1 in a step so short that only a jump of the force can cause
+    it.
 
     The force is then felt over all of the step and not over a part of it. Nothing moves by more than rounding
     meanwhile, and the impulse that it is out by is made good by the same dashpot before anything else moves: no
@@ -183,7 +184,8 @@ def error_past_jumps(error, h):
 
 @jit
 def scaled_norm(method, q, v, y, n):
-    """The same measure of any position and velocity, in the blocks at ``q`` and ``v``; velocities by START's."""
+    """Return the same norm of any position and velocity, in the blocks at ``q`` and ``v``; velocities by
+    START's."""
     total = 0.0
     for j in range(n):
         lever = y[LENGTH_SCALE + j]
@@ -232,7 +234,8 @@ def growth_factor(method, error, before):
 
 @jit
 def fit_to_stop(h, left):
-    """A step of about ``h`` (s) that ends on a stop ``left`` (s) ahead, or leaves at least as much as it takes."""
+    """Return a step of about ``h`` (s) that ends on a stop ``left`` (s) ahead, or leaves at least its own
+    length."""
     if h >= left:
         return left
     return 0.5 * left if 2.0 * h > left else h
@@ -243,7 +246,7 @@ def fit_to_stop(h, left):
 
 @jit
 def cross_jump(method, model, y, n):
-    """From just before a jump to just after it; the step taken last keeps its length."""
+    """Step from just before a jump to just after it; the length of the last step is kept."""
     t, weight = y[lay.T_END] + 2.0 * JUMP_GAP, jump_weight(method)
     for j in range(n):
         y[lay.POSITION + j] = y[END_Q + j] + 2.0 * JUMP_GAP * y[END_V + j]
@@ -287,7 +290,7 @@ def take_step(method, model, y, n):
 
 @jit
 def advance_once(method, model, y):
-    """One accepted step, or the hop over a jump; returns the attempts made."""
+    """Make one accepted step, or cross a jump; return the number of attempts."""
     n, rollers = state_width(model), lanes(model.bearing)
     if y[lay.NEXT_STOP] - y[lay.T_END] <= JUMP_GAP:
         cross_jump(method, model, y, n)
@@ -315,7 +318,7 @@ def arrive(model, y, n):
 
 @jit
 def middle_state(model, y, n):
-    """The middle of the step taken last, contacts included: on Hermite's quintic through both ends.
+    """Set the state in the middle of the last step, contacts included, by Hermite's quintic through both ends.
 
     It fits places (m, rad), velocities and accelerations there, to sixth order in the step, so no method's dense
     output is to be completed for it. Coefficients: those six conditions solved at one half.
@@ -333,7 +336,7 @@ def middle_state(model, y, n):
 
 @jit
 def state_within(method, model, part, y, n):
-    """The state at ``part`` (0 to 1) of the step taken last, contacts included."""
+    """Set the state at ``part`` (0 to 1) of the last step, contacts included."""
     if y[lay.DENSE_READY] == 0.0:
         complete_dense_output(method, model, y)
         y[lay.DENSE_READY] = 1.0
@@ -344,7 +347,7 @@ def state_within(method, model, part, y, n):
 
 @jit
 def show_instant(method, model, t, y):
-    """The state at a recorded instant ``t`` (s) within the step taken last, contacts included."""
+    """Set the state at a recorded instant ``t`` (s) within the last step, contacts included."""
     n = state_width(model)
     if y[lay.H_TAKEN] > 0.0 and abs(t - y[lay.T_END]) > TIME_TOLERANCE * method.h:
         state_within(method, model, (t - y[lay.T_START]) / y[lay.H_TAKEN], y, n)
@@ -355,7 +358,7 @@ def show_instant(method, model, t, y):
 
 
 def _prepare(method, model, t, y):
-    """``prepare`` of every adaptive method."""
+    """Implement ``prepare`` for every adaptive method."""
     n = state_width(model)
     fill_length_scales(model, y)
     y[lay.T_START], y[lay.T_END], y[lay.H_TAKEN], y[lay.DENSE_READY], y[lay.LAST_ERROR] = t, t, 0.0, 0.0, 1.0
@@ -368,12 +371,12 @@ def _prepare(method, model, t, y):
 
 
 def _step(method, model, t, y):
-    """``step`` of every adaptive method."""
+    """Implement ``step`` for every adaptive method."""
     reach(method, model, t + method.h, y)
 
 
 def _reach(method, model, t, y):
-    """``reach`` of every adaptive method: up to the instant or past it, then back by dense output."""
+    """Implement ``reach`` for every adaptive method: up to the instant or past it, then back by dense output."""
     tries, look = 0, ATTEMPTS_A_LOOK
     while y[lay.FAILED] == SUCCESS and y[lay.T_END] < t - TIME_TOLERANCE * method.h:
         tries += advance_once(method, model, y)

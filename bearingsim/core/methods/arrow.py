@@ -29,14 +29,14 @@ PIVOTS = (
 
 @jit
 def roller_lanes(model):
-    """Lanes in use by the model's rollers; 0 if they have no coordinates of their own."""
+    """Return the number of lanes used by the model's rollers; 0 if they have no coordinates of their own."""
     own, _ = degrees_of_freedom(model)
     return state_width(model) - max(own - 1, 0) * lay.ROW - lay.FIRST_LANE
 
 
 @jit
 def angles_follow_cage(model):
-    """Whether the cage turns the frame in which a roller's angle is kept."""
+    """Check if a roller's angle is relative to the cage."""
     own, shared = degrees_of_freedom(model)
     return own > 1 and shared > lay.PHI_C
 
@@ -46,7 +46,7 @@ def angles_follow_cage(model):
 
 @jit
 def combine_row(to, of_velocity, of_position, alpha, beta, y, n):
-    """One row of -beta A_v - alpha A_q."""
+    """Compute one row of -beta A_v - alpha A_q."""
     made = y[to : to + n]
     by_velocity, by_position = y[of_velocity : of_velocity + n], y[of_position : of_position + n]
     for j in range(n):
@@ -89,7 +89,7 @@ def assemble_system(model, alpha, beta, y):
 
 @jit
 def subtract_product(to, of, by, y, n):
-    """One row less the product of two others."""
+    """Subtract the product of two rows from a row."""
     left, one, other = y[to : to + n], y[of : of + n], y[by : by + n]
     for j in range(n):
         left[j] -= one[j] * other[j]
@@ -128,7 +128,7 @@ def factorise(model, y):
 
 @jit
 def solve_rollers(own, first, apart, y, n):
-    """D_j^-1 of every roller on one column, in place: coordinate i in the row at ``first`` + i ``apart``."""
+    """Apply D_j^-1 of every roller to one column, in place: coordinate i in the row at ``first`` + i ``apart``."""
     for i in range(own):
         for k in range(i):
             subtract_product(first + i * apart, lay.diagonal_block(lay.SYSTEM, i, k), first + k * apart, y, n)
@@ -178,7 +178,8 @@ def swap(one, other, y, n):
 
 @jit
 def to_absolute(model, block, sign, y):
-    """Angles of a state block from their pockets' to absolute ones (``sign`` 1) or back (-1); no padded lanes."""
+    """Convert the angles of a state block from relative to the pocket to absolute (``sign`` 1) or back (-1); no
+    padded lanes."""
     turned = sign * y[block + lay.PHI_C]
     for j in range(roller_lanes(model)):
         y[block + lay.ROW + lay.FIRST_LANE + j] += turned if y[lay.INVERSE_MASS + j] > 0.0 else 0.0
@@ -186,7 +187,7 @@ def to_absolute(model, block, sign, y):
 
 @jit
 def solve(model, block, y):
-    """x of SYSTEM x = b, in place on the state block that begins at ``block``; SYSTEM is factored."""
+    """Solve SYSTEM x = b, in place on the state block that begins at ``block``; SYSTEM is factored."""
     own, shared = degrees_of_freedom(model)
     n = roller_lanes(model)
     if angles_follow_cage(model):
@@ -212,7 +213,7 @@ def solve(model, block, y):
 
 @jit
 def solve_border(shared, block, y):
-    """The border's own system, in place on the shared cells of ``block``."""
+    """Solve the border's own system, in place on the shared cells of ``block``."""
     for k in range(shared):
         best = lay.shared_cell(int(y[PIVOTS + k]))
         here = lay.shared_cell(k)
@@ -232,9 +233,8 @@ def solve_border(shared, block, y):
 
 @jit
 def multiply(model, matrix, source, target, y):
-    """The state block at ``target`` = ``matrix`` (POSITION_JACOBIAN, VELOCITY_JACOBIAN) times the one at
-    ``source``.
-    """
+    """Set the state block at ``target`` to ``matrix`` (POSITION_JACOBIAN, VELOCITY_JACOBIAN) times the block at
+    ``source``."""
     own, shared = degrees_of_freedom(model)
     n = roller_lanes(model)
     turned = y[source + lay.PHI_C] if angles_follow_cage(model) else 0.0

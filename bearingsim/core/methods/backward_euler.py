@@ -48,7 +48,7 @@ class BackwardEuler(NamedTuple):
 
 @jit
 def set_equation(h, y, n):
-    """The step's equation, and its guess: the acceleration stays."""
+    """Set the step's equation, and its guess: a constant acceleration."""
     for j in range(n):
         y[BASE_Q + j] = y[START_Q + j] + h * y[START_V + j]
         y[BASE_V + j] = y[START_V + j]
@@ -58,7 +58,7 @@ def set_equation(h, y, n):
 
 @jit
 def estimate(model, h, y, n):
-    """(I - h J)^-1 h/2 (v1 - v, a1 - a) into ERROR_Q and ERROR_V; S is that of the step's end."""
+    """Compute (I - h J)^-1 h/2 (v1 - v, a1 - a) into ERROR_Q and ERROR_V; S is that of the step's end."""
     for j in range(n):
         y[ERROR_Q + j] = 0.5 * h * (y[lay.VELOCITY + j] - y[START_V + j])
         y[ERROR_V + j] = 0.0

@@ -31,7 +31,7 @@ ORDER, STAGES, DENSE_STAGES = 8, 12, 16  # stages of a step, and with those of d
 
 
 def full(rows: dict[int, dict[int, float]], count: int, columns: int) -> np.ndarray:
-    """(count, columns) of a table's rows."""
+    """Return the rows of a table as an array (count, columns)."""
     found = np.zeros((count, columns))
     for i, row in rows.items():
         found[i, list(row)] = list(row.values())
@@ -79,7 +79,7 @@ def _attempt(method, model, t, h, y):
 
 
 def more_stages(method, model, y):
-    """``complete_dense_output``: the stages of the continuous extension."""
+    """Compute the stages of the continuous extension (``complete_dense_output``)."""
     evaluate_stages(DENSE_ROWS, model, y[lay.T_START], y[lay.H_TAKEN], y, state_width(model))
 
 

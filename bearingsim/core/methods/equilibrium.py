@@ -22,7 +22,7 @@ class Equilibrium(NamedTuple):
 
 @jit
 def place_at(model, t, y):
-    """The ring's place at rest at time ``t`` (s), and that of a bent one at its sensor (m)."""
+    """Set the ring's place at rest at time ``t`` (s), and that of a bent one at its sensor (m)."""
     find_rest(model, t, y)
     read_sensor(model.bending, y)
     return y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y], y[lay.SENSOR]

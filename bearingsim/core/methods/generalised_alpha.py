@@ -36,13 +36,13 @@ class GeneralisedAlpha(NamedTuple):
 
 @jit
 def tight_tolerances(h):
-    """To what Newton's method is driven: 1e-10 of the velocities, or rounding of the smallest ones."""
+    """Return the tolerances of Newton's method: 1e-10 of the velocities, or rounding of the smallest ones."""
     return Tolerances(h, 1e-10, 1e-15, 1e-12, h)
 
 
 @jit
 def equation(method, t, y, n):
-    """The step's equation for a1, its guess the last a."""
+    """Return the step's equation for a1, its guess the last a."""
     h = method.h
     here, weight = 1.0 - A_F, 1.0 / (1.0 - A_M)
     for j in range(n):
@@ -56,7 +56,7 @@ def equation(method, t, y, n):
 
 @jit
 def finish(method, y, n):
-    """The state at the step's end."""
+    """Set the state at the step's end."""
     h = method.h
     for j in range(n):
         a, a_1, v = y[METHOD_ACCELERATION + j], y[UNKNOWN + j], y[START_V + j]

@@ -44,7 +44,7 @@ def motion_with_impulses(m, K, C, times, J, start, end, x, v):
 
 @jit
 def step_along(m, K, C, times, J, t, h, y, axis):
-    """A step of one mode from ``t`` (s), a whole number of steps."""
+    """Step one mode from ``t`` (s) by a whole number of steps."""
     n = np.rint(t / h)  # all spans begin and end at n h, so that none overlaps the next by a rounding
     x_0, v_0 = y[lay.POSITION + axis], y[SPEED + axis]
     x_1, v_1 = motion_with_impulses(m, K, C, times, J, n * h, (n + 1.0) * h, x_0, v_0)

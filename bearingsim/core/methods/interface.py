@@ -47,12 +47,12 @@ def prepare(method: Any, model: Any, t: float, y: np.ndarray) -> None:
 
 
 def no_preparation(method, model, t, y):
-    """``prepare`` of a method to which the state is all there is."""
+    """Skip ``prepare``, for methods that keep nothing but the state."""
 
 
 @generic
 def attempt(method: Any, model: Any, t: float, h: float, y: np.ndarray) -> float:
-    """An adaptive method's one step of ``h`` (s) from the state that ``adaptive.py`` keeps at START.
+    """Make one step of ``h`` (s) of an adaptive method from the state that ``adaptive.py`` keeps at START.
 
     Leaves the new state, its accelerations included, in the state's blocks. Returns the estimate of its error over
     the tolerance (1: as large as allowed; not finite, or over 1: to be repeated shorter).
@@ -61,7 +61,7 @@ def attempt(method: Any, model: Any, t: float, h: float, y: np.ndarray) -> float
 
 @generic
 def interpolate(method: Any, part: float, h: float, y: np.ndarray, n: int) -> None:
-    """Positions and velocities (``n`` entries) at ``part`` (0 to 1) of the step of ``h`` (s) taken last."""
+    """Set positions and velocities (``n`` entries) at ``part`` (0 to 1) of the last step of ``h`` (s)."""
 
 
 @generic(inline="late")
@@ -79,12 +79,12 @@ def reach(method: Any, model: Any, t: float, y: np.ndarray) -> None:
 
 @generic
 def stability_ratio(method: Any, K: float, C: float) -> float:
-    """How much of the method's linear stability limit a step takes up: above 1 it grows.
+    """Return the step over the method's linear stability limit: above 1 errors grow.
 
     K: stiffness over mass (1/s^2), C: damping over mass (1/s) of one body.
     """
 
 
 def no_limit(method, K, C):
-    """``stability_ratio`` of a method whose step needs no such watch."""
+    """Return 0, the ``stability_ratio`` of a method without a stability limit."""
     return 0.0

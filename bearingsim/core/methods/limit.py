@@ -23,13 +23,13 @@ LIMIT_SAFETY = 0.999  # of the limit: so much the straight lines between nodes m
 
 @jit
 def critical_step(K, C):
-    """h_c (s) of symplectic Euler; K in 1/s^2, C in 1/s, not both 0."""
+    """Return h_c (s) of symplectic Euler; K in 1/s^2, C in 1/s, not both 0."""
     return 4.0 / (C + sqrt(C * C + 4.0 * K))
 
 
 @jit
 def table_place(K, C):
-    """Where an oscillator stands in the table, 0 to 1: by the angle of its root to 1/2, then by its faster root.
+    """Return an oscillator's place in the table, 0 to 1: by the angle of its root to 1/2, then by its faster root.
 
     So the limit of a method whose stability is a function of the root alone has no kink where oscillation ends.
     """
@@ -61,7 +61,7 @@ def oscillators() -> tuple[np.ndarray, np.ndarray]:
 
 
 def amplification(tableau: Any, K: np.ndarray, C: np.ndarray) -> np.ndarray:
-    """What a step of 1 s makes of q and of v: (2, 2, ...), by the table itself; K, C: (...)."""
+    """Return the amplification matrices (2, 2, ...) of q and v in a step of 1 s, by the tableau; K, C: (...)."""
     made = np.empty((2, 2, *K.shape))
     for column, (q, v) in enumerate(((1.0, 0.0), (0.0, 1.0))):
         f = np.zeros((len(tableau.c), K.size))
@@ -81,7 +81,7 @@ def spectral_radius(M: np.ndarray) -> np.ndarray:
 
 
 def limit_over_h_c(tableau: Any) -> np.ndarray:
-    """(NODES,) the step from which on motion grows, over h_c, at each oscillator of the table."""
+    """Return the stability limit over h_c, (NODES,), at each oscillator of the table."""
     K, C = oscillators()
 
     def grows(h: np.ndarray) -> np.ndarray:

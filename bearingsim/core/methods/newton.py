@@ -40,7 +40,7 @@ class Equation(NamedTuple):
 
 @jit
 def step_norm(tolerance, equation, y, n):
-    """How long the Newton step is: what it does to positions and velocities, over the tolerance."""
+    """Return the norm of the Newton step: its change of positions and velocities, over the tolerance."""
     alpha, beta = equation.alpha, equation.beta
     total = 0.0
     for j in range(n):
@@ -55,7 +55,7 @@ def step_norm(tolerance, equation, y, n):
 
 @jit
 def set_state(equation, y, n):
-    """The state that belongs to UNKNOWN."""
+    """Set the state that belongs to UNKNOWN."""
     for j in range(n):
         y[lay.POSITION + j] = y[BASE_Q + j] + equation.alpha * y[UNKNOWN + j]
         y[lay.VELOCITY + j] = y[BASE_V + j] + equation.beta * y[UNKNOWN + j]
@@ -82,7 +82,7 @@ def factor_jacobian(model, equation, y):
 
 @jit
 def worst_residual(model, y):
-    """FAILED_BODY: the roller of the largest step that Newton's method still asks for; -1: ring or cage."""
+    """Set FAILED_BODY: the roller of the largest remaining Newton step; -1: ring or cage."""
     own, _ = degrees_of_freedom(model)
     lanes = roller_lanes(model)
     worst, body = 0.0, -1

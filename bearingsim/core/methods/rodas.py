@@ -87,7 +87,7 @@ class Rodas(NamedTuple):
 
 @jit
 def time_derivative(model, t, h, y, n):
-    """How forces grow with time and state at the start; both seen an instant later, which saves an evaluation."""
+    """Compute the total time derivative of the accelerations at the start by one evaluation an instant later."""
     for j in range(n):
         y[lay.POSITION + j] = y[START_Q + j]
         y[lay.VELOCITY + j] = y[START_V + j]
@@ -100,7 +100,7 @@ def time_derivative(model, t, h, y, n):
 
 @jit
 def begin_stage(i, h, y, n):
-    """The state of stage ``i``, and of its right-hand sides all but the forces there."""
+    """Set the state of stage ``i``, and its right-hand sides except the forces."""
     for j in range(n):
         y[lay.POSITION + j] = y[START_Q + j]
         y[lay.VELOCITY + j] = y[START_V + j]
@@ -119,7 +119,7 @@ def begin_stage(i, h, y, n):
 
 @jit
 def end_stage(model, i, h, y, n):
-    """p and r of stage ``i`` from its right-hand sides, to which the state's slopes are added."""
+    """Solve for p and r of stage ``i`` from its right-hand sides and the derivatives of the state."""
     within = GAMMA * h
     p, r = FIRST + 2 * i * lay.STATE, FIRST + (2 * i + 1) * lay.STATE
     for j in range(n):

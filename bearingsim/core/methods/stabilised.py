@@ -18,7 +18,8 @@ STAGES, EPS = 8, 2 / 13
 
 
 def chebyshev_table(s: int) -> Tableau:
-    """The method of ``s`` stages: row j of the slopes that lead to Y_j, the last of them the new state."""
+    """Return the method of ``s`` stages: row j weights the slopes that lead to Y_j, the last of them the new
+    state."""
     w_0 = 1.0 + EPS / s**2
     T = [Chebyshev.basis(j) for j in range(s + 1)]
     first, second = ([float(p.deriv(m)(w_0)) for p in T] for m in (1, 2))

@@ -41,18 +41,18 @@ Row = tuple[float, tuple[float, ...], tuple[float, ...]]
 
 
 def rows_of(tableau: Tableau, first: int, last: int) -> tuple[Row, ...]:
-    """Stages ``first`` to ``last`` (excluded) of a table, as the compiler writes them out."""
+    """Return stages ``first`` to ``last`` (excluded) of a table as tuples, which the compiler unrolls."""
     c, a, A, _, _ = tableau
     return tuple((float(c[i]), weights(A[i, :i]), weights(a[i, :i])) for i in range(first, last))
 
 
 def weights(values: np.ndarray) -> tuple[float, ...]:
-    """Weights (n,) as a tuple, which the compiler knows the length of."""
+    """Return weights (n,) as a tuple, whose length the compiler knows."""
     return tuple(float(value) for value in values)
 
 
 def runge_kutta(a: np.ndarray, b: np.ndarray) -> Tableau:
-    """The table of a Runge-Kutta method."""
+    """Return the table of a Runge-Kutta method."""
     return Tableau(a.sum(axis=1), a, a @ a, b, b @ a)
 
 
@@ -87,7 +87,7 @@ def add_accelerations(weights_q, weights_v, count, h, q, v, y, n):
 
 @inlined
 def weighted_accelerations(weights_q, weights_v, y, k):
-    """sum_j weights_q[j] f_j and sum_j weights_v[j] f_j of entry ``k`` of the state; weights: tuples.
+    """Return sum_j weights_q[j] f_j and sum_j weights_v[j] f_j of entry ``k`` of the state; weights: tuples.
 
     As many as the weights are, so that the compiler writes the sum out and a loop over entries keeps its lanes.
     """
@@ -101,7 +101,7 @@ def weighted_accelerations(weights_q, weights_v, y, k):
 
 @inlined
 def stage_state(c, weights_q, weights_v, h, y, n):
-    """The state's block: from START over ``c`` of the step by the slopes found so far."""
+    """Set the state of a stage at ``c`` of the step from START by the preceding stages."""
     ahead, h_2 = c * h, h * h
     for k in range(n):
         sum_q, sum_v = weighted_accelerations(weights_q, weights_v, y, k)
@@ -111,14 +111,14 @@ def stage_state(c, weights_q, weights_v, h, y, n):
 
 @jit
 def save_accelerations(block, y, n):
-    """The accelerations into the block of a stage."""
+    """Copy the accelerations into the block of a stage."""
     for k in range(n):
         y[block + k] = y[lay.ACCELERATION + k]
 
 
 @jit
 def evaluate_stages(rows, model, t, h, y, n):
-    """The stages of ``rows`` (``rows_of``) of the step of ``h`` (s) from ``t`` (s)."""
+    """Evaluate the stages of ``rows`` (``rows_of``) of the step of ``h`` (s) from ``t`` (s)."""
     for row in literal_unroll(rows):
         stage_state(row[0], row[1], row[2], h, y, n)
         accelerations(model, t + row[0] * h, y)
@@ -128,7 +128,7 @@ def evaluate_stages(rows, model, t, h, y, n):
 
 @inlined
 def estimate(weights_q, weights_v, h, y, n):
-    """Errors of positions and velocities by their weights (tuples); returns the blocks in which they lie."""
+    """Compute errors of positions and velocities by their weights (tuples); return the blocks that hold them."""
     h_2 = h * h
     for k in range(n):
         sum_q, sum_v = weighted_accelerations(weights_q, weights_v, y, k)
@@ -138,7 +138,8 @@ def estimate(weights_q, weights_v, h, y, n):
 
 
 def continuous_extension(b: np.ndarray, last: int, higher: np.ndarray) -> np.ndarray:
-    """Rows F of v(x) = v + h x (F_0 + (1 - x) (F_1 + x (F_2 + (1 - x) (F_3 + ...)))) f, x from 0 to 1: (3 + m, s).
+    """Return rows F of v(x) = v + h x (F_0 + (1 - x) (F_1 + x (F_2 + (1 - x) (F_3 + ...)))) f, x from 0 to 1: (3 +
+    m, s).
 
     The first three are Hermite's; ``last``: the stage at the end of the step; higher: (m, s), the method's own.
     Source: Hairer, Norsett and Wanner, Solving ODEs I, sec. II.6.
@@ -149,7 +150,7 @@ def continuous_extension(b: np.ndarray, last: int, higher: np.ndarray) -> np.nda
 
 @jit
 def dense_state(F_q, F_v, part, h, y, n):
-    """The state's block at ``part`` (0 to 1) of the step of ``h`` (s) from START, by a continuous extension."""
+    """Set the state at ``part`` (0 to 1) of the step of ``h`` (s) from START, by a continuous extension."""
     rows, stages = F_v.shape
     weights_q, weights_v = y[ERROR_Q : ERROR_Q + stages], y[ERROR_V : ERROR_V + stages]
     for j in range(stages):
@@ -166,7 +167,8 @@ def dense_state(F_q, F_v, part, h, y, n):
 
 
 def cusp_of(tableau: Tableau) -> float:
-    """The last part of a step after which a force may jump: the weights after it add up to the time after it.
+    """Return the last part of a step at which a jump of the force keeps the order: weights after it sum to the
+    time after it.
 
     Where there is none within the step, it is the step's end (just before it, that rounding is on the safe side).
     """

@@ -34,7 +34,7 @@ def _drift(method, y, i):
 
 @kick.register(Verlet)
 def _kick(method, y, i):
-    """The second half of the kick, with the new acceleration."""
+    """Complete the kick with the new acceleration."""
     y[lay.VELOCITY + i] = y[KICKED_V + i] + 0.5 * method.h * y[lay.ACCELERATION + i]
 
 

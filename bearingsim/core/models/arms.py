@@ -5,7 +5,7 @@ from bearingsim.core.jit import jit
 
 @jit
 def shared_arms(b):
-    """Of the shared coordinates, in the order of ``layout.shared_cell``; b: the bearing."""
+    """Return the lever arms of the shared coordinates, in the order of ``layout.shared_cell``; b: the bearing."""
     middle = 0.5 * (b.R_o + b.R_i)
     in_plane = (1.0, 1.0, b.R_o, middle, 1.0, 1.0, 1.0, 1.0)
     return (*in_plane, 1.0, 1.0, 1.0, b.R_o, middle, b.R_i, b.R_o, middle, b.R_i)
@@ -13,5 +13,5 @@ def shared_arms(b):
 
 @jit
 def roller_arms(b):
-    """Of a roller's six coordinates."""
+    """Return the lever arms of a roller's six coordinates."""
     return 1.0, 0.5 * (b.R_o + b.R_i), b.R_w, 1.0, b.R_w, b.R_w

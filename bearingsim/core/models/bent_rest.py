@@ -56,13 +56,13 @@ UNSUPPORTED = 1e-8  # of a contact's stiffness: what keeps the step finite where
 
 @inlined
 def unknowns(bending):
-    """How many unknowns there are."""
+    """Return the number of unknowns."""
     return 2 + 2 * harmonics(bending)
 
 
 @inlined
 def cell(bending, k):
-    """Where unknown ``k`` stands in a block of the state."""
+    """Return the cell of unknown ``k`` in a block of the state."""
     n = harmonics(bending)
     return k if k < 2 else (lay.MODES_C + k - 2 if k < 2 + n else lay.MODES_S + k - 2 - n)
 
@@ -185,7 +185,7 @@ def choose_way(bending, model, y):
 
 @jit
 def push_along(bending, y):
-    """The force's push along WAY (N m)."""
+    """Return the work of the force along WAY (N m)."""
     total = 0.0
     for k in range(unknowns(bending)):
         total += y[FORCE + cell(bending, k)] * y[WAY + cell(bending, k)]

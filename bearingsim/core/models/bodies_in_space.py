@@ -33,7 +33,7 @@ class Bodies(NamedTuple):
 
 @jit
 def bodies(model, t, y):
-    """``Bodies`` at time ``t`` (s)."""
+    """Return ``Bodies`` at time ``t`` (s)."""
     b = model.bearing
     time, rate, growth = kinematic_time(model.motion, t)
     omega_i, omega_cage = b.omega_i * rate, b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C]

@@ -23,7 +23,8 @@ from bearingsim.core.parameters import lanes
 
 @generic(inline="late")
 def shared(model: Any, t: float, y: np.ndarray) -> Any:
-    """What all rollers share at time ``t`` (s), as numbers: where rings and cage are, what turns with time."""
+    """Return the numbers that all rollers share at time ``t`` (s): places of rings and cage, and what turns
+    with time."""
 
 
 @generic(inline="late")
@@ -63,7 +64,7 @@ def kick(motion: Any, y: np.ndarray, i: int) -> None:
 
 
 def as_a_whole(model, motion, t, y):
-    """``evaluate`` of a model that knows its ``accelerations`` only as a whole."""
+    """Implement ``evaluate`` for a model that computes its ``accelerations`` only as a whole."""
     n = state_width(model)
     for i in range(n):
         drift(motion, y, i)
@@ -83,7 +84,8 @@ ROWS = tuple(i * lay.ROW + lay.FIRST_LANE for i in range(6))
 
 @inlined
 def drift_roller(motion, own, y, j):
-    """``drift`` of the ``own`` coordinates of roller ``j``: one by one, since rows that are counted lose lanes."""
+    """Apply ``drift`` to the ``own`` coordinates of roller ``j``, one by one, because a loop over rows costs
+    vector lanes."""
     if own > 0:
         drift(motion, y, ROWS[0] + j)
     if own > 1:
@@ -97,7 +99,7 @@ def drift_roller(motion, own, y, j):
 
 @inlined
 def kick_roller(motion, own, y, j):
-    """``kick`` of the same."""
+    """Apply ``kick`` to the ``own`` coordinates of roller ``j``."""
     if own > 0:
         kick(motion, y, ROWS[0] + j)
     if own > 1:
@@ -111,7 +113,7 @@ def kick_roller(motion, own, y, j):
 
 @inlined
 def drift_harmonics(model, motion, y):
-    """``drift`` of how far the outer ring is bent."""
+    """Apply ``drift`` to the amplitudes of a bent outer ring."""
     for i in range(harmonics(model)):
         drift(motion, y, lay.MODES_C + i)
     for i in range(harmonics(model)):
@@ -120,7 +122,7 @@ def drift_harmonics(model, motion, y):
 
 @inlined
 def kick_harmonics(model, motion, y):
-    """``kick`` of the same."""
+    """Apply ``kick`` to the amplitudes of a bent outer ring."""
     for i in range(harmonics(model)):
         kick(motion, y, lay.MODES_C + i)
     for i in range(harmonics(model)):
@@ -129,7 +131,7 @@ def kick_harmonics(model, motion, y):
 
 @inlined
 def load_rollers(model, motion, at, y, n):
-    """The first loop over rollers."""
+    """Run the first loop over rollers."""
     own, _ = degrees_of_freedom(model)
     for j in range(n):
         drift_roller(motion, own, y, j)
@@ -138,7 +140,7 @@ def load_rollers(model, motion, at, y, n):
 
 @inlined
 def accelerate_rollers(model, motion, at, felt, y, n):
-    """The second."""
+    """Run the second loop over rollers."""
     own, _ = degrees_of_freedom(model)
     for j in range(n):
         accelerate_roller(model, at, felt, y, j)
@@ -146,7 +148,7 @@ def accelerate_rollers(model, motion, at, felt, y, n):
 
 
 def roller_by_roller(model, motion, t, y):
-    """``evaluate`` of a model whose functions are those above."""
+    """Implement ``evaluate`` for a model whose functions are those above."""
     n, (_, common) = lanes(model.bearing), degrees_of_freedom(model)
     for k in range(common):
         drift(motion, y, lay.shared_cell(k))
@@ -161,7 +163,7 @@ def roller_by_roller(model, motion, t, y):
 
 
 def accelerations_by_roller(model, t, y):
-    """``accelerations`` of such a model."""
+    """Implement ``accelerations`` for such a model."""
     evaluate(model, Still(), t, y)
 
 

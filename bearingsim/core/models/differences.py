@@ -22,7 +22,7 @@ ORBIT = 1  # the coordinate of a roller that the arrow counts absolutely
 
 @generic
 def roller_moves(model: Any, i: int) -> bool:
-    """Whether coordinate ``i`` of a roller is free."""
+    """Check if coordinate ``i`` of a roller is free."""
 
 
 @generic
@@ -80,7 +80,7 @@ def load_bodies(model, t, y, j, per):
 
 @jit
 def roller_column(model, t, matrix, i, own, shared, y, cell):
-    """The column of coordinate ``i`` of every roller, displaced in the row at ``cell`` of the state."""
+    """Compute the column of coordinate ``i`` of every roller, displaced in the row at ``cell`` of the state."""
     Z = model.bearing.Z
     accelerations(model, t, y)
     for k in range(own):
@@ -98,7 +98,7 @@ def roller_column(model, t, matrix, i, own, shared, y, cell):
 
 @jit
 def shared_column(model, t, matrix, m, own, shared, y, cell):
-    """The column of the shared coordinate ``m``, displaced in ``cell`` of the state."""
+    """Compute the column of the shared coordinate ``m``, displaced in ``cell`` of the state."""
     per = 1.0 / (y[cell] - y[lay.HERE + cell])
     accelerations(model, t, y)
     for k in range(own):
@@ -130,7 +130,7 @@ def return_here(block, y):
 
 @jit
 def difference_jacobian(model, t, y):
-    """``linearise`` by differences."""
+    """Implement ``linearise`` by differences."""
     own, shared = degrees_of_freedom(model)
     b = model.bearing
     clear_arrows(own, shared, y, lanes(b))

@@ -152,7 +152,7 @@ def net_force(model, y):
 
 @jit
 def ring_stiffness(model, y):
-    """Stiffness of the ring's support (N/m): entries xx, xy, yy of the symmetric matrix -df/du."""
+    """Return the stiffness of the ring's support (N/m): entries xx, xy, yy of the symmetric matrix -df/du."""
     k_b = model.support.k_b
     # a ring hanging on one roller has no stiffness across it: a trace of it keeps the step finite
     trace = 1e-8 * tangent(model.outer.stiffness, 1e-7)
@@ -225,7 +225,7 @@ def is_futile(size, y):
 
 @generic
 def settle(bending: Any, model: Any, t: float, y: np.ndarray) -> float:
-    """``find_rest`` of a ring that bends so."""
+    """Run ``find_rest`` for a ring that bends in this way."""
 
 
 @settle.register(Stiff)
@@ -271,7 +271,7 @@ def first_guess(model, t, y):
 
 @jit
 def rest_from_scratch(model, t, y):
-    """``find_rest`` with nothing known beforehand; all velocities zero. Returns the residual force (N)."""
+    """Run ``find_rest`` without an initial guess; all velocities zero. Return the residual force (N)."""
     y[lay.POSITION : lay.POSITION + lay.STATE] = 0.0
     y[lay.VELOCITY : lay.VELOCITY + lay.STATE] = 0.0
     first_guess(model, t, y)
@@ -279,7 +279,7 @@ def rest_from_scratch(model, t, y):
 
 
 def find_in_time(find, model, t, y):
-    """``find_rest`` or ``rest_from_scratch``, called from Python. Raises OutOfCpuTime if the job's is over."""
+    """Run ``find_rest`` or ``rest_from_scratch`` from Python. Raises OutOfCpuTime if the job's is over."""
 
     def find_until(end):
         y[lay.CPU_END] = end
@@ -289,12 +289,12 @@ def find_in_time(find, model, t, y):
 
 
 def given_load(model):
-    """All of the load (N) that a bearing is given."""
+    """Return the whole load (N) on a bearing."""
     return model.bending.load if isinstance(model.bending, Bending) else hypot(*model.support[:2])
 
 
 def place_of_held(model, y):
-    """Where that stands which a bracket would hold (m, m)."""
+    """Return the place of what a bracket would hold (m, m)."""
     return held_place(model.bending.springs if isinstance(model.bending, Bending) else NoSprings(), y)
 
 
@@ -341,7 +341,7 @@ def rests_of_a_pass(model, y, samples):
 
 
 def mean_rest(model, y, samples=32):
-    """``Rest`` of a bearing, from ``samples`` of a ball pass. Raises ``NoEquilibrium``."""
+    """Return ``Rest`` of a bearing, from ``samples`` of a ball pass. Raises ``NoEquilibrium``."""
     Z, found, loads = model.bearing.Z, [], []
     for _ in rests_of_a_pass(model, y, samples):
         k_xx, _, k_yy = ring_stiffness(model, y)
@@ -354,7 +354,8 @@ def mean_rest(model, y, samples=32):
 
 
 def mean_ring_damping(model, outer, inner, y, samples=32):
-    """``ring_damping`` of a bearing with the contact laws ``outer`` and ``inner``, averaged over a ball pass."""
+    """Return ``ring_damping`` of a bearing with the contact laws ``outer`` and ``inner``, averaged over a ball
+    pass."""
     Z = model.bearing.Z
     found = [ring_damping(Z, outer, inner, y) for _ in rests_of_a_pass(model, y, samples)]
     c_x, c_y = np.mean(found, axis=0)

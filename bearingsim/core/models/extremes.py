@@ -27,7 +27,7 @@ SMOOTH = 0.7  # of the top: where a value is less, a parabola would guess
 
 @jit
 def copy_forces(row, y, n):
-    """Every roller's forces Q_O, Q_I, |Q_P| into the three rows from ``row`` on."""
+    """Copy every roller's forces Q_O, Q_I, |Q_P| into the three rows from ``row`` on."""
     for j in range(n):
         y[row + j] = y[lay.Q_O + j]
         y[row + lay.ROW + j] = y[lay.Q_I + j]
@@ -36,7 +36,8 @@ def copy_forces(row, y, n):
 
 @jit
 def largest_within(start, middle, end):
-    """The largest of three evenly spaced values, and of the parabola through them if its top lies between."""
+    """Return the largest of three evenly spaced values, and of the parabola through them if its top lies
+    between."""
     bend, growth = 2.0 * middle - start - end, end - start
     top = middle + growth * growth / (8.0 * max(bend, 1e-300))
     smooth = min(min(start, end), middle) > SMOOTH * top
@@ -57,5 +58,5 @@ def update_forces_within(y, n):
 
 
 def update_forces(model, y):
-    """``update_extremes`` of models that know of forces and no more."""
+    """Implement ``update_extremes`` for models that have no extremes but those of forces."""
     update_largest_forces(y, lanes(model.bearing))

@@ -42,7 +42,7 @@ class Impulse(NamedTuple):
 
 @jit
 def free_response(m, K, C, t):
-    """The two functions c (1) and s (s) that free motion over ``t`` >= 0 (s) is made of (see ``free_motion``).
+    """Return the two functions c (1) and s (s) that compose free motion over ``t`` >= 0 (s) (see ``free_motion``).
 
     With beta = C/2m and D = K/m - beta^2: c = e^(-beta t) cos(sqrt(D) t), s = e^(-beta t) sin(sqrt(D) t)/sqrt(D),
     their hyperbolic continuation for D < 0, and a series around D = 0.

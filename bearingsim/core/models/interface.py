@@ -19,13 +19,13 @@ class ModelKind(NamedTuple):
 
 @generic
 def state_width(model: Any) -> int:
-    """Entries of a row that the model's state takes (the ring's, then the lanes in use)."""
+    """Return the entries of a row that the model's state takes (the ring's, then the lanes in use)."""
 
 
 @generic(inline="late", otherwise=0)
 def harmonics(model: Any) -> int:
-    """How many harmonics of its outer ring a model knows (``parts/bending.py``), those of sine counted as one with
-    those of cosine."""
+    """Return the number of harmonics of the outer ring in a model (``parts/bending.py``), sine and cosine
+    counted as one."""
 
 
 @generic
@@ -45,7 +45,7 @@ def update_extremes(model: Any, y: np.ndarray) -> None:
 
 @generic(inline="late", otherwise=0.0)
 def bend_at(model: Any, y: np.ndarray, j: int) -> float:
-    """How far the outer race is bent outwards at roller ``j``, m."""
+    """Return the outward displacement of the bent outer race at roller ``j``, m."""
 
 
 @generic(otherwise=None)
@@ -55,7 +55,7 @@ def read_sensor(model: Any, y: np.ndarray) -> None:
 
 @generic(inline="late")
 def stiffness_per_mass(model: Any, y: np.ndarray, j: int) -> float:
-    """Stiffness over mass (1/s^2) of monitored body ``j`` as it stands now."""
+    """Return the stiffness over mass (1/s^2) of monitored body ``j`` in the present state."""
 
 
 @generic(inline="late")
@@ -65,12 +65,12 @@ def damping_per_mass(model: Any, y: np.ndarray, j: int) -> float:
 
 @generic
 def monitored(model: Any) -> int:
-    """How many bodies have their step limit monitored: the rollers (by lane), or the ring alone."""
+    """Return the number of bodies with a monitored step limit: the rollers (by lane), or the ring alone."""
 
 
 @generic
 def degrees_of_freedom(model: Any) -> tuple[int, int]:
-    """Coordinates of a roller (0 to 6), and shared ones (to 17), that the model's equations have.
+    """Return the number of coordinates of a roller (0 to 6), and of shared ones (to 17), in the model's equations.
 
     Coordinate i of a roller is row i of a state; shared ones are counted as in ``layout.shared_cell``.
     """

@@ -32,7 +32,7 @@ class Turning(NamedTuple):
 
 @inlined
 def turning(model, t, y):
-    """``Turning`` at time ``t`` (s)."""
+    """Return ``Turning`` at time ``t`` (s)."""
     theta_c, omega_c = kinematic_angles(model.bearing, t)[0], model.bearing.omega_c
     u_x, u_y = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
     w_x, w_y = y[lay.VELOCITY + lay.X] + omega_c * u_y, y[lay.VELOCITY + lay.Y] - omega_c * u_x
@@ -51,14 +51,14 @@ def turn_roller(at, y, j):
 
 @inlined
 def push_ring(y, j):
-    """What roller ``j`` does to the ring, its normal going through the bearing's centre."""
+    """Fill the load of roller ``j`` on the ring, along a normal through the bearing's centre."""
     y[lay.roller_load(lay.F_X) + j] = y[lay.Q_O + j] * y[lay.COS + j]
     y[lay.roller_load(lay.F_Y) + j] = y[lay.Q_O + j] * y[lay.SIN + j]
 
 
 @inlined
 def static_force(support, f_x, f_y, y):
-    """``f_x``, ``f_y`` (N), with the load and the bracket's spring: what acts on a ring that stands."""
+    """Return ``f_x``, ``f_y`` (N), plus the load and the bracket's spring: the force on a ring at rest."""
     f_x = f_x - support.F - support.k_b * (y[lay.POSITION + lay.X] - support.x_0)
     f_y = f_y - support.F_across - support.k_b * (y[lay.POSITION + lay.Y] - support.y_0)
     return f_x, f_y
@@ -66,7 +66,7 @@ def static_force(support, f_x, f_y, y):
 
 @inlined
 def dynamic_force(support, f_x, f_y, y):
-    """The same with the bracket's damper: what acts on a ring that moves."""
+    """Return the same plus the bracket's damper: the force on a moving ring."""
     f_x, f_y = static_force(support, f_x, f_y, y)
     return f_x - support.c_b * y[lay.VELOCITY + lay.X], f_y - support.c_b * y[lay.VELOCITY + lay.Y]
 
@@ -80,21 +80,21 @@ def accelerate(m_o, f_x, f_y, y):
 
 @inlined
 def accelerate_ring(model, at, y):
-    """The ring's acceleration under what ``push_ring`` says of all rollers."""
+    """Fill the ring's acceleration under the loads that ``push_ring`` filled."""
     sum_loads(lay.F_X, lay.F_Y, y, lanes(model.bearing))
     accelerate(model.bearing.m_o, y[lay.F_X] + at.held_x, y[lay.F_Y] + at.held_y, y)
 
 
 @jit
 def accelerate_outer_ring(model, y):
-    """Its acceleration under what the rollers, and a guided cage, have pushed into its cells."""
+    """Fill the ring's acceleration under the loads of rollers and a guided cage in its cells."""
     f_x, f_y = dynamic_force(model.support, y[lay.F_X], y[lay.F_Y], y)
     accelerate(model.bearing.m_o, f_x, f_y, y)
 
 
 @jit
 def linearise_ring(model, K, C, y, n):
-    """Derivatives of the ring's acceleration by its own position and velocity; fills the border's blocks.
+    """Fill the border's blocks: derivatives of the ring's acceleration by its own position and velocity.
 
     K, C: rows of how Q_o grows with the outer contact's approach and its rate as the ring sees them, that is with
     delta = -u.e_r and v = -(u' - omega_c x u).e_r and a roller that stays where it is (N/m, N s/m).

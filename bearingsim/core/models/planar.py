@@ -103,7 +103,7 @@ next_jump.register(Planar)(next_jump_freely)
 
 @roller_at_pit.register(Planar)
 def _roller_at_pit(model, d, t, y):
-    """From where rollers, rings and cage are, and the rows that ``approach`` fills."""
+    """Find the roller from the places of rollers, rings and cage, and the rows that ``approach`` fills."""
     b, head = model.bearing, model.pits.head[d]
     time, _, _ = kinematic_time(model.motion, t)
     turned = b.omega_c * time + y[lay.POSITION + lay.PHI_C]
@@ -291,7 +291,7 @@ def _accelerate_shared(model, at, t, y):
 
 @accelerate_roller.register(Planar)
 def _accelerate_roller(model, at, alpha_cage, y, j):
-    """q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  spin'' = M/I."""
+    """Compute q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  spin'' = M/I."""
     b, cage, per_mass = model.bearing, model.cage, y[lay.INVERSE_MASS + j]
     real, alpha_spin = b.m_r * per_mass, (b.omega_c - b.omega_b) * at.growth
     r, theta_v = 0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j], at.omega_cage + y[lay.EPS_V + j]
@@ -311,7 +311,8 @@ update_extremes.register(Planar)(update_forces)
 
 @stiffness_per_mass.register(Planar)
 def _stiffness_per_mass(model, y, j):
-    """The roller's between its races, or of its pocket, or of what holds the rings: the largest."""
+    """Return the largest of the roller's stiffness between its races, of its pocket, and of the rings'
+    supports."""
     outer = stiffness_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = stiffness_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
     held = max(spring_per_mass(model.shaft), spring_per_mass(model.bracket))

@@ -34,7 +34,7 @@ CAGE, INNER = 3, 6  # where the cage's shared coordinates begin, and the inner r
 
 @jit
 def clear_changes(low, high, y, n):
-    """Nothing moves, nothing changes, in the shared coordinates ``low`` to before ``high`` neither."""
+    """Clear all displacements and changes, in the shared coordinates ``low`` to before ``high`` too."""
     for j in range(n):
         y[lay.D_POSITION_R + j] = 0.0
         y[lay.D_POSITION_T + j] = 0.0
@@ -48,7 +48,7 @@ def clear_changes(low, high, y, n):
 
 @jit
 def mobilities(model, y, n):
-    """What forces and torques accelerate the rollers by, and the bodies of the shared coordinates."""
+    """Fill the accelerations of rollers and shared bodies by unit forces and torques."""
     b, cage, m_o = model.bearing, model.cage, model.bearing.m_o
     middle, held = 0.5 * (b.R_o + b.R_i), cage_constraint(cage, 1.0)
     for j in range(n):
@@ -107,7 +107,7 @@ def write_shared_column(matrix, m, low, high, m_r, y, n):
 
 @jit
 def displace_rollers(i, place, speed, middle, omega_cage, y, n):
-    """Every roller's coordinate ``i`` changes by ``place`` (m, rad), its rate by ``speed`` (m/s, rad/s).
+    """Displace every roller's coordinate ``i`` by ``place`` (m, rad), its rate by ``speed`` (m/s, rad/s).
 
     A velocity r' e_r + r theta' e_theta changes with r and, as its directions turn, with theta too.
     """
@@ -122,7 +122,8 @@ def displace_rollers(i, place, speed, middle, omega_cage, y, n):
 
 @jit
 def displace_body(axis, place, speed, y, n):
-    """A body moves along e_0 (axis 0) or e_90 (1) by ``place`` (m), ``speed`` (m/s): as it sees it, rollers do."""
+    """Displace a body along e_0 (axis 0) or e_90 (1) by ``place`` (m), ``speed`` (m/s): relative to it, the
+    rollers."""
     for j in range(n):
         c, s = y[lay.COS + j], y[lay.SIN + j]
         r, t = (-s, -c) if axis else (-c, s)
@@ -136,7 +137,7 @@ def displace_body(axis, place, speed, y, n):
 
 @jit
 def by_rollers(model, omega_cage, omega_i, spin, y, n):
-    """The columns of the rollers' own coordinates and velocities."""
+    """Fill the columns of the rollers' own coordinates and velocities."""
     b, ring_v = model.bearing, y[lay.VELOCITY + lay.PSI]
     middle = 0.5 * (b.R_o + b.R_i)
     for i in range(3):
@@ -153,7 +154,7 @@ def by_rollers(model, omega_cage, omega_i, spin, y, n):
 
 @jit
 def by_ring(side, omega_ring, spin, m_r, low, high, y, n):
-    """The columns of a ring's centre; ``low`` to before ``high``: its shared coordinates."""
+    """Fill the columns of a ring's centre; ``low`` to before ``high``: its shared coordinates."""
     for axis in range(2):
         for matrix, place, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
             clear_changes(low, high, y, n)
@@ -164,7 +165,7 @@ def by_ring(side, omega_ring, spin, m_r, low, high, y, n):
 
 @jit
 def by_turn(model, spin, y, n):
-    """The columns of the outer ring's angle, with which its pits turn, and of its speed."""
+    """Fill the columns of the outer ring's angle, with which its defects turn, and of its speed."""
     for matrix, place, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
         clear_changes(lay.X, CAGE, y, n)
         race_change(OuterSide(), spin, y[lay.VELOCITY + lay.PSI], 0.0, 0.0, 0.0, place, speed, y, n)
@@ -173,7 +174,7 @@ def by_turn(model, spin, y, n):
 
 @jit
 def by_cage(model, omega_cage, y, n):
-    """The columns of the cage's angle and centre, in the order of its shared coordinates."""
+    """Fill the columns of the cage's angle and centre, in the order of its shared coordinates."""
     for k in range(CAGE, INNER):
         for matrix, place, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
             turn, turn_v = (place, speed) if k == lay.PHI_C else (0.0, 0.0)
@@ -186,7 +187,8 @@ def by_cage(model, omega_cage, y, n):
 
 @jit
 def by_own_motion(model, omega_cage, y, n):
-    """What turning directions do, and own motion: q'' = r theta'^2 + F_r/m, theta'' = (F_t/m - 2 q' theta')/r."""
+    """Add the terms of rotating directions and own motion: q'' = r theta'^2 + F_r/m, theta'' = (F_t/m - 2 q'
+    theta')/r."""
     b, held = model.bearing, cage_constraint(model.cage, 1.0)
     middle = 0.5 * (b.R_o + b.R_i)
     for j in range(n):
@@ -208,7 +210,7 @@ def by_own_motion(model, omega_cage, y, n):
 
 @jit
 def by_springs(model, y):
-    """What holds the rings, and the oil between cage and land."""
+    """Add the derivatives of the rings' supports, and of the oil between cage and land."""
     support, m_o = model.support, model.bearing.m_o
     for k, K, C in (
         (lay.X, support.k_b / m_o, support.c_b / m_o),
@@ -224,7 +226,7 @@ def by_springs(model, y):
 
 @jit
 def planar_jacobian(model, t, y):
-    """``linearise`` of ``planar``, from the rows that ``accelerations`` filled."""
+    """Implement ``linearise`` for ``planar``, from the rows that ``accelerations`` filled."""
     b = model.bearing
     n = lanes(b)
     _, rate, _ = kinematic_time(model.motion, t)

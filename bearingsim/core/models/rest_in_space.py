@@ -105,7 +105,7 @@ def settle(model, t, y, s, at, goal):
 
 @jit
 def settle_on(model, t, y, s, at, goal, size):
-    """``settle``, of rollers whose residuals are in ``at``, the largest ``size`` (N)."""
+    """Run ``settle`` for rollers whose residuals are in ``at``, the largest ``size`` (N)."""
     Z = model.bearing.Z
     for _ in range(MAX_STEPS):
         if size <= goal or is_over(y[lay.CPU_END]):
@@ -222,7 +222,7 @@ class MeanRest(NamedTuple):
 
 
 def mean_rest_in_space(model: Any, y: np.ndarray, samples: int = 32) -> MeanRest:
-    """``MeanRest``, from ``samples`` of a ball pass; ``y``: a buffer at a rest in the plane.
+    """Return ``MeanRest``, from ``samples`` of a ball pass; ``y``: a buffer at a rest in the plane.
 
     Raises ``NoEquilibrium`` if one is not found to 1e-8 of the load.
     """

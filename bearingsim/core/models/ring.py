@@ -87,7 +87,8 @@ def _shared(model, t, y):
 
 @inlined
 def share_approach(model, at, c, s, y, j):
-    """The two contacts of roller ``j`` over undamaged races: approaches, and half of the rate to each."""
+    """Share the approach of roller ``j`` among its two contacts over undamaged races, and half of the rate to
+    each."""
     delta = -(at.u_x * c + at.u_y * s) - 2.0 * model.bearing.gap
     inner = series_share(model.outer.stiffness, model.inner.stiffness, max(delta, 0.0)) + 0.5 * min(delta, 0.0)
     y[lay.DELTA_O + j], y[lay.DELTA_I + j] = delta - inner, inner
@@ -132,7 +133,7 @@ def correct_for_pit(model, y, j):
 
 @inlined
 def any_over_pit(model, t, y):
-    """Whether any roller stands over a pit."""
+    """Check if any roller stands over a defect."""
     for d in range(len(model.pits.head)):
         if abs(roller_at_pit(model, d, t, y)[1]) < model.pits.head[d, HALF_WIDTH]:
             return True
@@ -141,7 +142,7 @@ def any_over_pit(model, t, y):
 
 @jit
 def correct_for_pits(model, t, y):
-    """The same of all rollers that stand over one."""
+    """Correct the contacts of all rollers that stand over a defect."""
     locate_pits(model, t, y)
     for j in range(model.bearing.Z):
         if y[PAIR + j] >= 0.0 or y[PAIR + lay.ROW + j] >= 0.0:
@@ -159,7 +160,7 @@ def _accelerate_shared(model, at, t, y):
 
 @accelerate_roller.register(Ring)
 def _accelerate_roller(model, at, felt, y, j):
-    """A roller without mass has none."""
+    """Skip the acceleration: a roller without mass has none."""
 
 
 @begin.register(Ring)
@@ -172,7 +173,8 @@ update_extremes.register(Ring)(update_forces)
 
 @stiffness_per_mass.register(Ring)
 def _stiffness_per_mass(model, y, j):
-    """All contacts in one line: at least the largest eigenvalue of the ring's stiffness, at most twice it."""
+    """Return the sum of all contacts' stiffness: one to two times the largest eigenvalue of the ring's
+    stiffness."""
     total = 0.0
     for i in range(lanes(model.bearing)):
         real = y[lay.COS + i] * y[lay.COS + i] + y[lay.SIN + i] * y[lay.SIN + i]  # 1, and 0 in a padded lane
@@ -200,7 +202,7 @@ def _degrees_of_freedom(model):
 
 @jit
 def slopes_in_series(model, y, n):
-    """How the force of every roller over undamaged races grows: each contact takes its part of the approach.
+    """Fill tangent stiffness and damping of every roller over undamaged races: two contacts in series.
 
     The elastic balance E_o(delta_o) = E_i(delta_i) gives the outer the part E_i'/(E_o' + E_i'); of the rate it has
     half.
@@ -215,7 +217,7 @@ def slopes_in_series(model, y, n):
 
 @jit
 def slopes_over_pit_in_series(model, y, j):
-    """The same of a roller of which a contact stands over a pit (``correct_for_pit``)."""
+    """Fill tangent stiffness and damping of a roller with a contact over a defect (``correct_for_pit``)."""
     pits, bearing = model.pits, model.bearing
     u_r = -(y[lay.DELTA_O + j] + y[lay.DELTA_I + j] + 2.0 * bearing.gap)
     q = roller_balance(model, y, j, u_r)

@@ -95,7 +95,7 @@ def _shared(model, t, y):
 
 @inlined
 def approach_races(model, at, c, s, y, j):
-    """Approaches and their rates of both contacts of roller ``j`` over an undamaged race."""
+    """Fill approaches and their rates of both contacts of roller ``j`` over an undamaged race."""
     gap, r, v = model.bearing.gap, y[lay.RADIAL + j], y[lay.RADIAL_V + j]
     y[lay.DELTA_O + j] = r - (at.u_x * c + at.u_y * s) - gap - bending.bend(model.bending, y, j)
     y[lay.V_O + j] = v - (at.w_x * c + at.w_y * s) - bending.bend_rate(model.bending, y, j)
@@ -123,7 +123,7 @@ def correct_for_pits(model, t, y):
 
 @jit
 def correct_for_pit(model, d, j, s, t, y):
-    """The same of roller ``j`` over roller-pit pair ``d``, unless it feels another one."""
+    """Correct the contact of roller ``j`` over roller-defect pair ``d``, unless another pair masks it."""
     if is_masked(model, d, j, s, t, y):
         return
     pits, speed = model.pits, passing_speed(model.pits, d, model.bearing)

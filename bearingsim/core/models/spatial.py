@@ -120,7 +120,7 @@ def _monitored(model):
 
 @jit
 def roller_axes(spin, omega_cage, R_w, y, n):
-    """Every roller's axis along e_r, e_theta and e_z, its rate, and the speed about it."""
+    """Fill every roller's axis along e_r, e_theta and e_z, its rate, and the speed about it."""
     for j in range(n):
         c, s = y[lay.COS + j], y[lay.SIN + j]
         a_x, a_y, w_x, w_y = y[lay.AXIS_X + j], y[lay.AXIS_Y + j], y[lay.AXIS_X_V + j], y[lay.AXIS_Y_V + j]
@@ -134,7 +134,7 @@ def roller_axes(spin, omega_cage, R_w, y, n):
 
 @jit
 def external_loads(model, omega_cage, y, n):
-    """What acts on every roller but contacts: gravity and the oil that it ploughs through."""
+    """Fill the loads on every roller other than contacts: gravity and oil drag."""
     weight, middle = model.gravity * model.bearing.m_r, 0.5 * (model.bearing.R_o + model.bearing.R_i)
     for j in range(n):
         speed = (omega_cage + y[lay.EPS_V + j]) * (middle + y[lay.RADIAL + j])
@@ -146,7 +146,7 @@ def external_loads(model, omega_cage, y, n):
 
 @jit
 def race_contacts(model, t, steep, outer, inner, omega_cage, y, n):
-    """The contacts of the rollers' slices with both races: fills the sums of both sides.
+    """Compute the contacts of the rollers' slices with both races: fills the sums of both sides.
 
     steep: 1.0, or 0.0 where pits are not to tilt the normal (at rest).
     """
@@ -171,7 +171,7 @@ def race_contacts(model, t, steep, outer, inner, omega_cage, y, n):
 
 @jit
 def accelerate_rollers(model, omega_cage, alpha_cage, alpha_spin, y, n):
-    """Newton's equations for the centre of every roller, Euler's for its axis and the turning about it."""
+    """Apply Newton's equations to the centre of every roller, Euler's to its axis and the rotation about it."""
     b, cage = model.bearing, model.cage
     middle = 0.5 * (b.R_o + b.R_i)
     for j in range(n):
@@ -238,7 +238,8 @@ next_jump.register(Spatial)(next_jump_freely)
 
 @roller_at_pit.register(Spatial)
 def _roller_at_pit(model, d, t, y):
-    """Of a roller's middle, from where rollers, rings and cage are and the rows that ``race_frame`` fills."""
+    """Find the roller by its middle, from the places of rollers, rings and cage and the rows that
+    ``race_frame`` fills."""
     head, middle = model.pits.head[d], 0.5 * (model.bearing.R_o + model.bearing.R_i)
     outer = head[SIDE] == OUTER
     leans = (lay.RING_TILT_X, lay.RING_TILT_Y) if outer else (lay.INNER_TILT_X, lay.INNER_TILT_Y)
@@ -251,7 +252,8 @@ def _roller_at_pit(model, d, t, y):
 
 @jit
 def sum_over_slices(model, y, j):
-    """Stiffness (N/m) and damping (N s/m) of a roller's contacts, and against tilting (N m/rad, N m s/rad)."""
+    """Return stiffness (N/m) and damping (N s/m) of a roller's contacts, and against tilting (N m/rad, N m
+    s/rad)."""
     k, c, k_tilt, c_tilt = 0.0, 0.0, 0.0, 0.0
     for i in range(len(model.slices.table)):
         zeta, weight = model.slices.table[i, ZETA], model.slices.table[i, WEIGHT]
@@ -270,7 +272,8 @@ def sum_over_slices(model, y, j):
 
 @stiffness_per_mass.register(Spatial)
 def _stiffness_per_mass(model, y, j):
-    """The roller's between its races, radially or tilting, of pocket, flange, rings: the largest."""
+    """Return the largest of the roller's stiffness between its races, radial or tilting, of pocket, flange and
+    rings."""
     per_mass = y[lay.INVERSE_MASS + j]
     k, _, k_tilt, _ = sum_over_slices(model, y, j)
     held = max(spring_per_mass(model.shaft), spring_per_mass(model.bracket))
@@ -312,7 +315,7 @@ def _linearise(model, t, y):
 
 @roller_moves.register(Spatial)
 def _roller_moves(model, i):
-    """A kinematic cage leaves a roller its radial motion and its tilt."""
+    """Leave a roller only its radial motion and its tilt where the cage is kinematic."""
     return i == 0 or i > 3 or cage_constraint(model.cage, 1.0) > 0.0
 
 

@@ -57,7 +57,7 @@ class Room(NamedTuple):
 
 
 def room(Z: int) -> Room:
-    """Room for a bearing of ``Z`` rollers."""
+    """Make room for a bearing of ``Z`` rollers."""
     shapes = ((Z, 2), (Z, 2), (Z,), (Z, 3), (Z, 2, RINGS), (Z, 2), (Z, 2), *3 * [(RINGS,)], (RINGS, RINGS + 1))
     return Room(*map(np.zeros, shapes))
 
@@ -78,7 +78,7 @@ class Scales(NamedTuple):
 
 @jit
 def scales(model, t):
-    """``Scales`` at time ``t`` (s)."""
+    """Return ``Scales`` at time ``t`` (s)."""
     b, rate = model.bearing, kinematic_time(model.motion, t)[1]
     orbit, spin = b.omega_c * rate, (b.omega_c - b.omega_b) * rate
     return Scales(
@@ -95,7 +95,7 @@ def scales(model, t):
 
 @jit
 def contacts_at_rest(model, t, y, n):
-    """All contacts with everything standing still at time ``t`` (s): what presses on rollers and rings."""
+    """Compute all contacts at zero velocities at time ``t`` (s): the loads on rollers and rings."""
     b, middle = model.bearing, 0.5 * (model.bearing.R_o + model.bearing.R_i)
     time, _, _ = kinematic_time(model.motion, t)
     outer = body_at(y, lay.X, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, 0.0)
@@ -152,7 +152,7 @@ def arm(i, half):
 
 @jit
 def largest_force(s, at):
-    """The largest residual (N) of the rings, moments counted by half a roller's length."""
+    """Return the largest residual (N) of the rings, moments divided by half a roller's length."""
     largest = 0.0
     for i in range(RINGS):
         largest = max(largest, abs(at.forces[i]) / arm(i, s.half))
@@ -164,7 +164,8 @@ def largest_force(s, at):
 
 @jit
 def moments(model, y, j):
-    """Sums of k, k zeta, k zeta^2 over roller ``j``'s contacts (N/m, N, N m): on the outer race, on the inner."""
+    """Return the sums of k, k zeta, k zeta^2 over roller ``j``'s contacts (N/m, N, N m): on the outer race, on
+    the inner."""
     o_0, o_1, o_2, i_0, i_1, i_2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(len(model.slices.table)):
         weight, zeta = model.slices.table[k, WEIGHT], model.slices.table[k, ZETA]
@@ -178,7 +179,7 @@ def moments(model, y, j):
 
 @jit
 def softened(model, s):
-    """Those of the stiffness that is added to every roller's."""
+    """Return the moments with the stiffness that is added to every roller's."""
     first, second, count = 0.0, 0.0, len(model.slices.table)
     for k in range(count):
         zeta = model.slices.table[k, ZETA]

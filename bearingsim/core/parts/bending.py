@@ -86,7 +86,7 @@ COS_S, SIN_S, K_S, C_S, FIT = range(5)
 
 @generic(inline="late", absent=0)
 def harmonics(bending: Any) -> int:
-    """How many harmonics the ring has, padded."""
+    """Return the number of harmonics of the ring, padded."""
 
 
 @harmonics.register(Bending)
@@ -104,17 +104,17 @@ def bend_race(bending: Any, C: float, S: float, omega_c: float, y: np.ndarray, r
 
 @generic(inline="late", absent=0.0)
 def bend(bending: Any, y: np.ndarray, j: int) -> float:
-    """How far the race is bent outwards at roller ``j``, m."""
+    """Return the outward displacement of the race at roller ``j``, m."""
 
 
 @generic(inline="late", absent=0.0)
 def bend_rate(bending: Any, y: np.ndarray, j: int) -> float:
-    """How fast that grows as the roller goes on, m/s."""
+    """Return the rate of ``bend`` along the roller's path, m/s."""
 
 
 @generic(inline="late", absent=None)
 def accelerate_harmonics(bending: Any, m_o: float, y: np.ndarray) -> None:
-    """The amplitudes' accelerations, and what springs add to that of the ring of mass ``m_o`` (kg).
+    """Fill the amplitudes' accelerations, and add the springs' part to that of the ring of mass ``m_o`` (kg).
 
     The rows Q_O are filled, and ``bend_race`` has been called.
     """
@@ -126,13 +126,13 @@ def press_springs(springs: Any, y: np.ndarray) -> None:
 
 
 def ring_place(springs, y):
-    """``held_place`` where nothing is between ring and bracket."""
+    """Return ``held_place`` where nothing is between ring and bracket."""
     return y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
 
 
 @generic(absent=ring_place)
 def held_place(springs: Any, y: np.ndarray) -> tuple[float, float]:
-    """Where that stands which the bracket holds (m, m): the ring, or the carrier around it."""
+    """Return the place (m, m) of what the bracket holds: the ring, or the carrier around it."""
 
 
 @held_place.register(Springs)
@@ -143,7 +143,8 @@ def _held_place(springs, y):
 
 @generic(inline="late", absent=0.0)
 def pull(springs: Any, row: int, y: np.ndarray, i: int) -> float:
-    """The springs' force (N) on amplitude ``i`` of cosine or sine, by ``row``; or, by its cell, on the centre."""
+    """Return the springs' force (N) on amplitude ``i`` of cosine or sine, by ``row``; or, by its cell, on the
+    centre."""
 
 
 @generic(inline="late", absent=None)
@@ -152,13 +153,13 @@ def read_sensor(bending: Any, y: np.ndarray) -> None:
 
 
 def of_the_roller(bending, K, per_mass, k):
-    """``with_race`` of a stiff ring."""
+    """Return ``with_race`` of a stiff ring."""
     return K
 
 
 @generic(inline="late", absent=of_the_roller)
 def with_race(bending: Any, K: float, per_mass: float, k: float) -> float:
-    """An upper bound of the stiffness over mass (1/s^2) of a roller on a race that bends.
+    """Bound the stiffness over mass (1/s^2) of a roller on a race that bends.
 
     K: of the roller alone, 1/s^2; per_mass: 1/kg of it; k: stiffness of its outer contact, N/m.
     """
@@ -166,7 +167,8 @@ def with_race(bending: Any, K: float, per_mass: float, k: float) -> float:
 
 @generic(inline="late", absent=0.0)
 def damping_of_race(bending: Any, c: float) -> float:
-    """What a race that bends adds to the damping over mass (1/s) of a roller; c: of its outer contact, N s/m."""
+    """Return the damping over mass (1/s) that a bending race adds to a roller's; c: of its outer contact, N
+    s/m."""
 
 
 @with_race.register(Bending)
@@ -276,7 +278,8 @@ def _pull(springs, row, y, i):
 
 @inlined
 def force_on_harmonic(bending, y, i):
-    """Forces (N) of rollers, load and springs on the amplitudes of cosine and sine of harmonic ``i``."""
+    """Return the forces (N) of rollers, load and springs on the amplitudes of cosine and sine of harmonic
+    ``i``."""
     c, s = y[lay.TURN_C + i], y[lay.TURN_S + i]
     push_c, push_s = y[lay.PUSH_C + i], y[lay.PUSH_S + i]
     f_c = bending.of_harmonic[LOAD_C, i] + push_c * c - push_s * s
@@ -307,7 +310,7 @@ def _accelerate_harmonics(bending, m_o, y):
 
 @inlined
 def shift_to_sensor(bending, block, y):
-    """The part of the ring's rigid motion in a block of the state."""
+    """Return the part of the ring's rigid motion in a block of the state."""
     return bending.sensor_x * y[block + lay.X] + bending.sensor_y * y[block + lay.Y]
 
 

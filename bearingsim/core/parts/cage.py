@@ -236,7 +236,8 @@ def _accelerate_cage_free(cage, model, omega_cage, omega_i, alpha, y):
 
 @generic(absent=0.0)
 def pocket_stiffness(cage: Any, per_mass: float) -> float:
-    """Stiffness of a pocket's wall over the mass (1/s^2) of what it parts, a roller's inverse mass being given."""
+    """Return the stiffness of a pocket's wall over the reduced mass (1/s^2) of roller and cage, from a roller's
+    inverse mass."""
 
 
 @pocket_stiffness.register(FreeCage)
@@ -246,7 +247,7 @@ def _pocket_stiffness_free(cage, per_mass):
 
 @generic(absent=0.0)
 def cage_constraint(cage: Any, theta_a: float) -> float:
-    """A roller's angular acceleration (rad/s^2) under its forces, or none where the cage holds it."""
+    """Return a roller's angular acceleration (rad/s^2) under its forces, or 0 where the cage holds it."""
 
 
 @cage_constraint.register(FreeCage)

@@ -43,7 +43,7 @@ class CageInSpace(NamedTuple):
 
 @generic
 def cage_body(cage_z: Any, omega_cage: float, y: Any) -> Body:
-    """The cage as it stands and moves; omega_cage: rate of its angle (rad/s)."""
+    """Return the cage's place and motion; omega_cage: rate of its angle (rad/s)."""
 
 
 @cage_body.register(CageInPlane)
@@ -100,7 +100,8 @@ def _accelerate_cage_axis_space(cage_z, cage, body, y):
 
 @generic(absent=0.0)
 def axial_stiffness(cage_z: Any, cage: Any, per_mass: float) -> float:
-    """Stiffness of a pocket's end over the mass (1/s^2) of what it parts, a roller's inverse mass being given."""
+    """Return the stiffness of a pocket's end over the reduced mass (1/s^2) of roller and cage, from a roller's
+    inverse mass."""
 
 
 @axial_stiffness.register(CageInSpace)
@@ -132,7 +133,7 @@ def _pockets_free(cage, model, body, omega_cage, spin, y, n):
 
 @jit
 def pocket_axes(body, pc, ps, ce, se):
-    """A pocket's r and w along the roller's e_r, e_theta, e_z; the cage's axis along e_r, e_theta."""
+    """Return a pocket's r and w along the roller's e_r, e_theta, e_z; the cage's axis along e_r, e_theta."""
     p_r, p_t = body.a_x * pc + body.a_y * ps, body.a_y * pc - body.a_x * ps  # the axis as the pocket sees it
     b_r, b_t = p_r * ce + p_t * se, p_t * ce - p_r * se
     h = 1.0 / (1.0 + body.a_z)
@@ -147,7 +148,7 @@ def pocket_axes(body, pc, ps, ce, se):
 
 @jit
 def relative_to_cage(bearing, body, omega_cage, y, j):
-    """A roller's centre less the cage's, and its velocity as seen from the cage, along e_r, e_theta, e_z."""
+    """Return a roller's centre less the cage's, and its velocity relative to the cage, along e_r, e_theta, e_z."""
     c = y[lay.COS_POCKET + j] * y[lay.COS_EPS + j] - y[lay.SIN_POCKET + j] * y[lay.SIN_EPS + j]
     s = y[lay.SIN_POCKET + j] * y[lay.COS_EPS + j] + y[lay.COS_POCKET + j] * y[lay.SIN_EPS + j]
     r = 0.5 * (bearing.R_o + bearing.R_i) + y[lay.RADIAL + j]
@@ -161,7 +162,7 @@ def relative_to_cage(bearing, body, omega_cage, y, j):
 
 @jit
 def pocket_kinematics(bearing, body, omega_cage, y, n):
-    """How each roller stands in its pocket and slips along the wall: along its axis, all is linear."""
+    """Fill each roller's place in its pocket and its slip along the wall, both linear along its axis."""
     for j in range(n):
         pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
         rad, w, b, q = pocket_axes(body, pc, ps, ce, se)
@@ -199,7 +200,7 @@ def pocket_kinematics(bearing, body, omega_cage, y, n):
 
 @jit
 def any_pocket_contact(play, half, y, n):
-    """Whether any roller, ``half`` (m) of its length to either side, touches its pocket."""
+    """Check if any roller, ``half`` (m) of its length to either side, touches its pocket."""
     touching = 0.0
     for j in range(n):
         touching = add(

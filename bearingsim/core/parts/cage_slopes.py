@@ -42,12 +42,12 @@ from bearingsim.core.parts.cage import (
 
 @generic
 def orbit_drag_slope(drag: Any, speed: float) -> float:
-    """How ``orbit_drag`` grows with the speed (N s/m)."""
+    """Return the derivative of ``orbit_drag`` by the speed (N s/m)."""
 
 
 @generic
 def land_drag_slope(drag: Any) -> float:
-    """How ``land_drag`` grows with the cage's speed (N m s)."""
+    """Return the derivative of ``land_drag`` by the cage's speed (N m s)."""
 
 
 @orbit_drag_slope.register(NoDrag)
@@ -72,7 +72,7 @@ def _land_drag_slope_oil(drag):
 
 @generic
 def radial_stop_slopes(guide: Any, out: float, speed: float) -> tuple[float, float]:
-    """How ``radial_stop`` grows with the way out (N/m) and its rate (N s/m)."""
+    """Return the derivatives of ``radial_stop`` by the displacement (N/m) and its rate (N s/m)."""
 
 
 @radial_stop_slopes.register(Centred)
@@ -93,12 +93,12 @@ def _radial_stop_slopes_rollers(guide, out, speed):
 
 @generic
 def cage_mobility(cage: Any) -> tuple[float, float]:
-    """What a torque (N m) accelerates the cage by (1/(kg m^2)), and a force (N) its centre (1/kg)."""
+    """Return the cage's acceleration by a unit torque (1/(kg m^2)), and its centre's by a unit force (1/kg)."""
 
 
 @generic
 def centre_mobility(guide: Any, m: float) -> float:
-    """What a force (N) accelerates the centre of a cage of mass ``m`` (kg) by (1/kg)."""
+    """Return the acceleration (1/kg) of the centre of a cage of mass ``m`` (kg) by a unit force."""
 
 
 @centre_mobility.register(Centred)
@@ -131,7 +131,7 @@ def _cage_mobility_free(cage):
 
 @generic
 def pocket_slopes(cage: Any, model: Any, omega_cage: float, spin: float, y: Any, n: int) -> None:
-    """Slopes of every roller's contact with its pocket: fills the rows above."""
+    """Fill the rows above: stiffness and damping of every roller's contact with its pocket."""
 
 
 @pocket_slopes.register(KinematicCage)
@@ -248,7 +248,8 @@ def _land_change_rollers(guide, omega_cage, omega_i, y):
 
 @jit
 def land_column(guide, omega_cage, omega_ring, matrix, m, p, w, cage_v, ring_v, y):
-    """One column of ``land_change``: what moves by p (m) and w (m/s) relative to the ring, cage_v, ring_v (rad/s).
+    """Add one column of ``land_change``: a motion by p (m) and w (m/s) relative to the ring, cage_v, ring_v
+    (rad/s).
 
     p, w: pairs along e_0 and e_90.
     """

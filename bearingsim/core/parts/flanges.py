@@ -71,7 +71,7 @@ def _flange_forces(flanges, model, outer, inner, y, n):
 
 @jit
 def any_near_flange(side, flanges, model, ring, y, n):
-    """Whether any roller may touch a flange of this ring: mostly none does, and all the rest is spared.
+    """Check if any roller may touch a flange of this ring, because mostly none does and the rest is skipped.
 
     The approach at the point X is half (1 - a.b) - play a.b + sigma off a.b - sigma (X - c).(a - (a.b) b), so at
     most |off| + (R_w + t + half) lean - play (1 - lean), lean being the sine of the angle between the axes.
@@ -92,7 +92,7 @@ def any_near_flange(side, flanges, model, ring, y, n):
 
 @jit
 def side_flanges(side, flanges, minus, plus, model, ring, y, n):
-    """The flanges of one ring."""
+    """Return the flanges of one ring."""
     if minus > 0.0:
         flange_force(side, flanges, model, ring, -1.0, y, n)
     if plus > 0.0:
@@ -101,7 +101,7 @@ def side_flanges(side, flanges, minus, plus, model, ring, y, n):
 
 @jit
 def half_chord(R_w, height):
-    """How far (m) the two points lie to either side of the middle."""
+    """Return the distance (m) of the two points on either side of the middle."""
     return sqrt(R_w * R_w - (R_w - 0.5 * height) ** 2) / sqrt(3.0)
 
 
@@ -151,7 +151,8 @@ class RollerInRing(NamedTuple):
 
 @jit
 def roller_in_ring(side, bearing, ring, y, j):
-    """``RollerInRing`` of roller ``j``, from the rows that ``race_frame`` of ``parts/races_in_space.py`` fills."""
+    """Return ``RollerInRing`` of roller ``j``, from the rows that ``race_frame`` of ``parts/races_in_space.py``
+    fills."""
     at = side_rows(side)
     r = 0.5 * (bearing.R_o + bearing.R_i) + y[lay.RADIAL + j]
     c = y[lay.COS + j]
@@ -172,7 +173,8 @@ def roller_in_ring(side, bearing, ring, y, j):
 
 @jit
 def approach_gradient(view, sigma, q, t):
-    """What the approach grows by as the roller's centre moves (1), and its axis' rate as the ring sees it (1/s).
+    """Return the gradient (1) of the approach by the roller's centre, and its axis' rate relative to the ring
+    (1/s).
 
     q, t: where the point is from the roller's centre, along n and tau (m).
     """
@@ -184,7 +186,8 @@ def approach_gradient(view, sigma, q, t):
 
 @jit
 def slip_at(view, ring, Y, tips, omega):
-    """The slip across the roller's axis ``Y`` (m) from its centre, and its size (m/s); and |turning| (rad/s).
+    """Return the slip across the roller's axis ``Y`` (m) from its centre, and its size (m/s); and |turning|
+    (rad/s).
 
     tips: rate (1/s) of the roller's axis as the ring sees it; omega: speed (rad/s) about the axis.
     """
@@ -213,7 +216,7 @@ def add_point(side, sigma, N, kappa, g, Y, a, slip, y, j):
 
 @generic(absent=0.0)
 def axial_position(flanges: Any, outer: Body, inner: Body, c: float, s: float, r: float) -> float:
-    """Where along the bearing's axis (m) a roller at ``r`` (m), at the angle of c and s, stands among flanges.
+    """Return the axial place (m) between the flanges of a roller at ``r`` (m), at the angle of c and s.
 
     The mean of the rings' middles, as they lean and stand there, each counted as often as it has flanges: with two
     on a ring the roller has its play to either side, with a single one to that one; no flange is pressed unless
@@ -231,7 +234,8 @@ def _axial_position(flanges, outer, inner, c, s, r):
 
 @generic(absent=0.0)
 def flange_stiffness(flanges: Any, per_mass: float, per_inertia: float, R_w: float) -> float:
-    """Stiffness of a flange over what of a roller it moves (1/s^2), its inverse mass and inertia being given."""
+    """Return the stiffness of a flange over the roller's reduced mass (1/s^2), from its inverse mass and
+    inertia."""
 
 
 @flange_stiffness.register(Flanges)

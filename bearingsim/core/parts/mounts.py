@@ -90,12 +90,13 @@ def _accelerate_mounted_ring_sprung(held, ring, f_z, m_x, m_y, m_z, y, z, tilt_x
 
 @generic(absent=(0.0, 0.0, 0.0))
 def mount_mobility(held: Any) -> tuple[float, float, float]:
-    """What a force accelerates the ring by along the axis (1/kg), a moment its axis (1/(kg m^2)); its I_a."""
+    """Return the ring's axial acceleration by a unit force (1/kg), its axis' by a unit moment (1/(kg m^2)); its
+    I_a."""
 
 
 @generic(absent=(0.0, 0.0, 0.0, 0.0))
 def mount_springs(held: Any) -> tuple[float, float, float, float]:
-    """Springs and dampers over what they hold: along the axis (1/s^2, 1/s), against leaning (1/s^2, 1/s)."""
+    """Return springs and dampers over mass: along the axis (1/s^2, 1/s), against tilting (1/s^2, 1/s)."""
 
 
 @mount_mobility.register(ElasticMount)
@@ -117,7 +118,7 @@ def mount_rates(held: Any) -> tuple[float, float]:
 def mount_load(
     held: Any, y: Any, f_z: float, m_x: float, m_y: float, m_z: float, z: int, tilt_x: int, tilt_y: int
 ) -> tuple[float, float, float]:
-    """What force (N) and moment (N m) leave over springs at rest: along the axis (N), on the lean's x, y (N m)."""
+    """Return the unbalanced force (N) along the axis and moment (N m) about x, y, over springs at rest."""
 
 
 @mount_rates.register(ElasticMount)
@@ -139,12 +140,12 @@ def _mount_load_sprung(held, y, f_z, m_x, m_y, m_z, z, tilt_x, tilt_y):
 
 @generic(absent=0.0)
 def mount_stiffness(held: Any) -> float:
-    """The larger stiffness over inertia (1/s^2) of the mount's springs."""
+    """Return the larger stiffness over inertia (1/s^2) of the mount's springs."""
 
 
 @generic(absent=0.0)
 def mount_damping(held: Any) -> float:
-    """The larger damping over inertia (1/s) of the mount's dampers."""
+    """Return the larger damping over inertia (1/s) of the mount's dampers."""
 
 
 @mount_stiffness.register(ElasticMount)

@@ -67,7 +67,7 @@ NORMAL, RHO, TANGENTIAL_V = 0, 2 * lay.ROW, 3 * lay.ROW
 
 @generic
 def derivative_rows(side: Any) -> tuple[int, int, int, int]:
-    """Where the rows above begin; rows of n and of the friction; the ring's first shared coordinate."""
+    """Return the base of the rows above; rows of n and of the friction; the ring's first shared coordinate."""
 
 
 @derivative_rows.register(OuterSide)
@@ -82,7 +82,7 @@ def _derivative_rows_inner(side):
 
 @jit
 def contact_slopes(side, law, y, n):
-    """Slopes of every contact with an undamaged race."""
+    """Fill the derivatives of every contact with an undamaged race."""
     at, _, _, _ = derivative_rows(side)
     _, approach, rate, _, _ = contact_rows(side)
     sigma = sign(side)
@@ -99,9 +99,8 @@ def contact_slopes(side, law, y, n):
 
 @jit
 def pit_slopes(side, law, pits, d, s, speed, delta, v, y, j):
-    """Slopes of the contact of roller ``j`` that stands in roller-pit pair ``d``: ``force_over_pit``'s, group by
-    group.
-    """
+    """Fill the derivatives of roller ``j``'s contact over roller-defect pair ``d``: ``force_over_pit``'s, group
+    by group."""
     at, _, _, _ = derivative_rows(side)
     head = pits.head[d]
     load_d, load_v, load_s, mean_d, mean_s = 0.0, 0.0, 0.0, 0.0, 0.0

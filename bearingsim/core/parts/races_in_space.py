@@ -33,7 +33,7 @@ FEW = 127  # tells it that there are no more rollers, and so that a slice's rows
 
 @jit
 def race_frame(side, bearing, ring, omega_cage, y, n):
-    """How each roller stands and moves relative to the ring: along its axis, all is linear."""
+    """Fill each roller's place and motion relative to the ring, linear along its axis."""
     at, middle = side_rows(side), 0.5 * (bearing.R_o + bearing.R_i)
     b_z, w_z = ring.a_z, ring.w_z
     for j in range(n):
@@ -115,7 +115,7 @@ def add_slice(side, law, friction, bearing, ring, zeta, weight, drop, k, y, n):
 
 @inlined
 def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
-    """The slice of roller ``j``: where it stands and moves, its force and friction, and what these add up to.
+    """Compute the slice of roller ``j``: place, motion, force and friction, added to the sums.
 
     Returns its load (N) and approach (m).
     """
@@ -202,7 +202,7 @@ def keep_line_load(row, width, y, n):
 
 @jit
 def slip_relaxation(lag, m_r, I_r, I_t, R_w, y, n):
-    """How the slips of every roller will change within the lag (s): fills SLIP_CHANGE, SLIP_CHANGE_Z and
+    """Compute the changes of every roller's slips within the lag (s): fills SLIP_CHANGE, SLIP_CHANGE_Z and
     SKEW_V_CHANGE.
 
     Of the lag a part is ``implicit_fraction``. Along the race: the mean slips of both contacts and the rate of
@@ -240,7 +240,7 @@ def slip_relaxation(lag, m_r, I_r, I_t, R_w, y, n):
 
 @jit
 def solve_slip_changes(a, b, k_oo, k_oi, k_ii, S_o, S_i):
-    """Changes s of two slips that follow from forces F = S + k s by s = -(a F_o + b F_i), -(b F_o + a F_i)."""
+    """Return the changes s of two slips under forces F = S + k s: s = -(a F_o + b F_i), -(b F_o + a F_i)."""
     A, B = 1.0 + a * k_oo + b * k_oi, a * k_oi + b * k_ii
     C, D = b * k_oo + a * k_oi, 1.0 + b * k_oi + a * k_ii
     per = 1.0 / (A * D - B * C)

@@ -75,7 +75,7 @@ def _accelerate_ring_rotation_spring(bracket, y):
 
 @generic(absent=0.0)
 def mobility(part: Any) -> float:
-    """What a force (N) or torque (N m) accelerates the ring by: 1/kg, 1/(kg m^2); 0 where it is held."""
+    """Return the ring's acceleration by a unit force or torque: 1/kg, 1/(kg m^2); 0 where it is held."""
 
 
 @mobility.register(ElasticShaft)
@@ -90,7 +90,7 @@ def _mobility_torsion(part):
 
 @generic(absent=0.0)
 def spring_per_mass(part: Any) -> float:
-    """Stiffness over mass (1/s^2) of the shaft's or the bracket's own spring."""
+    """Return the stiffness over mass (1/s^2) of the shaft's or the bracket's own spring."""
 
 
 @generic(absent=0.0)

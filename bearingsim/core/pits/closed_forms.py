@@ -45,9 +45,8 @@ def roller_drop(group, s, R):
 
 @jit
 def roller_drop_curvature(group, s, R):
-    """How the slope of ``roller_drop`` grows along ``s`` (1/m): 1/R on a rim, -kappa on a wall, none on a
-    floor.
-    """
+    """Return the second derivative of ``roller_drop`` along ``s`` (1/m): 1/R on a rim, -kappa on a wall, 0 on a
+    floor."""
     x = max(group[GROUP_HALF_WIDTH] - abs(s), 0.0)
     on_floor = group[KAPPA] <= 0.0 and roller_drop(group, s, R)[0] >= group[DEPTH]  # a bowl has none
     if x == 0.0 or on_floor:
@@ -56,17 +55,17 @@ def roller_drop_curvature(group, s, R):
 
 
 def box(width: float, depth: float) -> tuple[float, float, float, float]:
-    """b, x_e, kappa, depth of a rectangular section: rim, then floor."""
+    """Return b, x_e, kappa, depth of a rectangular section: rim, then floor."""
     return width / 2.0, NO_WALL, 0.0, depth
 
 
 def groove(width: float, depth: float, R: float) -> tuple[float, float, float, float]:
-    """The same for a V: the wall of slope 2d/w is met where the rim's slope x/R reaches it."""
+    """Return the same for a V: the wall of slope 2d/w begins where the rim's slope x/R reaches it."""
     return width / 2.0, R * 2.0 * depth / width, 0.0, depth
 
 
 def bowl(width: float, depth: float, R: float, zeta: float) -> tuple[float, float, float, float]:
-    """The same for a parabolic bowl at zeta = 2 z/L from its middle: a smaller bowl of the same curvature.
+    """Return the same for a parabolic bowl at zeta = 2 z/L from its middle: a smaller bowl of the same curvature.
 
     Flatter than the roller (its radius w^2/(8 d) above R) it is met along its wall, else on its rims only.
     """
@@ -84,7 +83,7 @@ NO_PIT = (0.0, NO_WALL, 0.0, 0.0)
 
 @generic
 def section_of(pit: Any, R: float, zeta: float) -> tuple[float, float, float, float]:
-    """b, x_e, kappa, depth of a shape's section at zeta = 2 z/L from its middle, |zeta| < 1."""
+    """Return b, x_e, kappa, depth of a shape's section at zeta = 2 z/L from its middle, |zeta| < 1."""
 
 
 @section_of.register(Rectangular)
@@ -103,7 +102,7 @@ def _section_circular(pit, R, zeta):
 
 
 def groups_of(pit: Any, L_w: float, R: float, nodes: int, offset: float = 0.0) -> list:
-    """Groups (w, b, x_e, kappa, depth) of a pit; lengths in m, ``nodes`` on a bowl's half length.
+    """Return the groups (w, b, x_e, kappa, depth) of a defect; lengths in m, ``nodes`` on a bowl's half length.
 
     offset: of the pit's middle along the roller (m). What lies beyond the contact (``L_w``) is not felt.
     """
@@ -119,7 +118,8 @@ def groups_of(pit: Any, L_w: float, R: float, nodes: int, offset: float = 0.0) -
 
 
 def _halves(low: float, high: float, L_w: float) -> list[tuple[float, float, float]]:
-    """From where to where (m, from the middle) either half of a pit is felt, and its share of the contact."""
+    """Return the extent (m, from the middle) in which either half of a defect acts, and its share of the
+    contact."""
     if low >= 0.0 or high <= 0.0:
         a, b = sorted((abs(low), abs(high)))
         return [(a, b, (b - a) / L_w)]
@@ -136,6 +136,7 @@ def _bowls(half: tuple[float, float, float], pit: Any, R: float, nodes: int) -> 
 
 
 def groups_of_slices(pit: Any, R: float, zetas: Sequence[float] | np.ndarray, offset: float = 0.0) -> list:
-    """A group of weight 1 for each slice of a roller whose middle is at zeta (m), the pit's at ``offset`` (m)."""
+    """Return a group of weight 1 for each slice of a roller whose middle is at zeta (m), the defect's at
+    ``offset`` (m)."""
     places = [2.0 * (zeta - offset) / pit.length for zeta in zetas]
     return [(1.0, *(section_of(pit, R, place) if abs(place) < 1.0 else NO_PIT)) for place in places]

@@ -16,7 +16,8 @@ from bearingsim.core.pits.pairs import CARRIER, HALF_WIDTH, ON_INNER
 
 
 def count_pit_crossings(model, t, y):
-    """``count_crossings`` of models with pits; of the first roller-pit pairs, as many as a row has room for."""
+    """Implement ``count_crossings`` for models with defects; the pairs beyond the length of a row are not
+    counted."""
     for d in range(min(len(model.pits.head), lay.ROW)):
         j, s = roller_at_pit(model, d, t, y)
         there = j + 1.0 if abs(s) < model.pits.head[d, HALF_WIDTH] else 0.0
@@ -32,9 +33,8 @@ def count_crossings(model: Any, t: float, y: np.ndarray) -> None:
 
 
 def passages(model: Any, d: int, t: float, y: np.ndarray) -> float:
-    """How far roller-pit pair ``d`` has turned at time ``t`` (s), in rollers that pass, from the angles in
-    ``y``.
-    """
+    """Return the rotation of roller-defect pair ``d`` at time ``t`` (s), in rollers that pass, from the angles
+    in ``y``."""
     b, on = model.bearing, int(model.pits.head[d, CARRIER])
     time = float(kinematic_times(model, np.array([t]))[0])
     slip = float(y[lay.POSITION + lay.PHI_C])
@@ -45,8 +45,7 @@ def passages(model: Any, d: int, t: float, y: np.ndarray) -> float:
 
 
 def missed_crossings(model: Any, t: float, before: list[float], y: np.ndarray) -> int:
-    """Crossings that the angles have made since they were ``before`` (of each roller-pit pair), but the run has
-    not seen.
+    """Return the crossings by the angles since ``before`` (of each roller-defect pair) that the run has not seen.
 
     One at either end of the run is as may be.
     """

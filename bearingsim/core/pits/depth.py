@@ -35,17 +35,17 @@ EDGE_POINTS = 401  # among which the place is sought where an edge meets the wal
 
 @generic
 def section(of_map: Any, z: float) -> Profile:
-    """The profile at ``z`` (m) from the pit's middle; ``RACE`` where the pit does not reach."""
+    """Return the profile at ``z`` (m) from the defect's middle; ``RACE`` beyond the defect."""
 
 
 @generic
 def extent(of_map: Any) -> tuple[float, float, float, float]:
-    """From where to where (m) the pit reaches along rolling, then along the axis. Burrs belong to it."""
+    """Return the extent (m, m) of the defect along rolling, then along the axis, burrs included."""
 
 
 @generic
 def cuts(of_map: Any) -> list[tuple[float, float, int]]:
-    """Stretches (m, m) along z and how the section changes within them: EVEN, SMOOTH or ROUGH."""
+    """Return stretches (m, m) along z and how the section changes within them: EVEN, SMOOTH or ROUGH."""
 
 
 class Rectangular(NamedTuple):
@@ -212,7 +212,7 @@ def _section_eased(eased, z):
 
 
 def _edge(profile: Profile, radius: float, ramp: float) -> Profile:
-    """What is taken off before and at the first rim of a profile.
+    """Return the material removed before and at the first rim of a profile.
 
     An edge reaches back(p) (m) before the wall where that is p deep. It begins where it just touches the wall:
     for a radius, where a disc that rolls below the race meets it.
@@ -309,7 +309,7 @@ def _extent_scanned(scan):
 
 
 def _span(places: np.ndarray, there: np.ndarray) -> tuple[float, float]:
-    """From the last place before to the first after those that are there."""
+    """Return the extent from the last place before to the first after those in the profile."""
     k = np.flatnonzero(there)
     return float(places[max(k[0] - 1, 0)]), float(places[min(k[-1] + 1, len(places) - 1)])
 

@@ -47,7 +47,7 @@ class EdgeContact(NamedTuple):
 
 
 def edge_contact(force: float, L_w: float, R_w: float, R_o: float, E_star: float, rho: float) -> EdgeContact:
-    """The excitation with ``force`` (N) on a roller of length ``L_w`` (m) as its reference load.
+    """Return the excitation with ``force`` (N) on a roller of length ``L_w`` (m) as its reference load.
 
     R_w, R_o: radii (m) of roller and outer race; E_star: E/(2 (1 - nu^2)) (Pa); rho: radius (m) of the edges.
     The inner race's D is a sixth smaller, which changes Lambda by 2 %. Raises ValueError without a load, or with
@@ -66,7 +66,7 @@ def half_contact(excitation, R):
 
 @jit
 def narrowed_contact(xi):
-    """f of a sharp edge of a half-plane, xi half widths b behind the rim, and where its pressure's centre lies.
+    """Return f of a sharp edge of a half-plane, xi half widths b behind the rim, and the centre of the pressure.
 
     The contact is c half widths wide, c = 2/3 (sqrt(xi^2 + 3) - xi), and f = 2 ln(2/c) + xi c + 2 min(xi, 0)^2;
     for xi <= -1 it is Hertz's and f = 0. The centre: distance from the rim, in half widths.
@@ -79,14 +79,16 @@ def narrowed_contact(xi):
 
 @jit
 def softening(from_rim, wall, rho):
-    """f of the material missing behind a wall (m), the pressure's centre ``from_rim`` (m) before its rim."""
+    """Return f of the material missing behind a wall (m), the pressure's centre ``from_rim`` (m) before its
+    rim."""
     part = HEIGHT_WEIGHT * wall / (from_rim + RADIUS_WEIGHT * rho)
     return log(1.0 + part * part)
 
 
 @jit
 def one_edge(x, b, wall, rho, R):
-    """f of one edge of radius ``rho`` (m), the roller's middle ``x`` (m) behind the rim; ``wall``: its height (m).
+    """Return f of one edge of radius ``rho`` (m), the roller's middle ``x`` (m) behind the rim; ``wall``: its
+    height (m).
 
     Far behind the rim the contact is Hertz's on the edge itself, ln(R/rho) softer than on the race.
     """
@@ -98,7 +100,8 @@ def one_edge(x, b, wall, rho, R):
 
 @jit
 def ridge(x, beyond, b, rho, R):
-    """f of the ridge between race and flat wall, the roller ``x`` (m) behind the rim, ``beyond`` (m) past its end.
+    """Return f of the ridge between race and flat wall, the roller ``x`` (m) behind the rim, ``beyond`` (m) past
+    its end.
 
     The roller hangs on the ridge for 0 < x, beyond < 0; from either side it is one edge, and the two are alike.
     """
@@ -108,7 +111,7 @@ def ridge(x, beyond, b, rho, R):
 
 @jit
 def two_edges(width, b, wall, rho, R, D):
-    """f in the middle of a slot of ``width`` (m), half of the load on either edge."""
+    """Return f in the middle of a slot of ``width`` (m), half of the load on either edge."""
     less = sqrt(0.5) * b
     _, centre = narrowed_contact(0.5 * width / less)
     alone = 2.0 * log(2.0 * D / less) + 1.0 + one_edge(0.5 * width, less, wall, rho, R)
@@ -146,9 +149,8 @@ def _pit_response_edge_contact(excitation, group, s, R):
 
 @jit
 def narrowed_contact_slopes(xi):
-    """Of what ``narrowed_contact`` gives, along ``xi``: of f, and of the place of the pressure's centre (half
-    widths).
-    """
+    """Return the derivatives of ``narrowed_contact`` by ``xi``: of f, and of the centre of the pressure (half
+    widths)."""
     if xi <= -1.0:
         return 0.0, -1.0
     root = sqrt(xi * xi + 3.0)
@@ -161,7 +163,7 @@ def narrowed_contact_slopes(xi):
 
 @jit
 def softening_slope(from_rim, wall, rho):
-    """Of ``softening`` (1/m)."""
+    """Return the derivative of ``softening`` (1/m)."""
     reach = from_rim + RADIUS_WEIGHT * rho
     part = HEIGHT_WEIGHT * wall / reach
     return -2.0 * part * part / ((1.0 + part * part) * reach)
@@ -169,7 +171,7 @@ def softening_slope(from_rim, wall, rho):
 
 @jit
 def one_edge_slope(x, b, wall, rho, R):
-    """Of ``one_edge`` (1/m)."""
+    """Return the derivative of ``one_edge`` by ``x`` (1/m)."""
     (sharp, centre), (sharp_slope, centre_slope) = narrowed_contact(x / b), narrowed_contact_slopes(x / b)
     blunt = min(rho / R, 1.0)
     narrow = (1.0 - blunt) * exp(-sharp)
@@ -181,7 +183,7 @@ def one_edge_slope(x, b, wall, rho, R):
 
 @jit
 def ridge_slope(x, beyond, b, rho, R):
-    """Of ``ridge`` (1/m), ``x`` and ``beyond`` growing together."""
+    """Return the derivative of ``ridge`` (1/m) along the path, by ``x`` and ``beyond`` together."""
     before, after = exp(-one_edge(x, b, 0.0, rho, R)), exp(-one_edge(-beyond, b, 0.0, rho, R))
     before_slope = -before * one_edge_slope(x, b, 0.0, rho, R)
     after_slope = after * one_edge_slope(-beyond, b, 0.0, rho, R)
@@ -191,7 +193,7 @@ def ridge_slope(x, beyond, b, rho, R):
 
 @jit
 def remaining_share_slope(f, b, D):
-    """Of ``remaining_share``."""
+    """Return the derivative of ``remaining_share``."""
     race = 2.0 * log(2.0 * D / b) + 1.0
     if 1.0 + f / race <= 0.1:
         return 0.0
@@ -200,14 +202,15 @@ def remaining_share_slope(f, b, D):
 
 @jit
 def reach_of(group, b):
-    """Height (m) of an upright wall, else 0, and how far (m) before the rim the edge begins to give way."""
+    """Return the height (m) of an upright wall, else 0, and the distance (m) before the rim at which the edge
+    deflects."""
     wall = group[DEPTH] if group[KAPPA] == VERTICAL_WALL else 0.0
     return wall, max(b, INFLUENCE_HEIGHTS * wall)
 
 
 @jit
 def on_one_edge(group, away, b, rho, R):
-    """f on the nearer edge, ``away`` (m) from the pit's middle, and its slope (1/m)."""
+    """Return f on the nearer edge, ``away`` (m) from the defect's middle, and its slope (1/m)."""
     wall, reach = reach_of(group, b)
     x = group[GROUP_HALF_WIDTH] - reach - away
     if wall > 0.0:
@@ -217,7 +220,7 @@ def on_one_edge(group, away, b, rho, R):
 
 @jit
 def on_both_edges(group, away, b, rho, R, D, load):
-    """f on the two edges and its slope (1/m), infinite where a floor or wall is in the middle."""
+    """Return f on the two edges and its slope (1/m), infinite where a floor or wall is in the middle."""
     wall, reach = reach_of(group, b)
     _, in_the_middle = roller_drop(group, reach, R + rho)
     if in_the_middle >= 0.0:
@@ -228,7 +231,8 @@ def on_both_edges(group, away, b, rho, R, D, load):
 
 @jit
 def softness(excitation, group, away, R):
-    """f at ``away`` (m) from the pit's middle and its slope (1/m): on one edge, on the floor or on both edges."""
+    """Return f at ``away`` (m) from the defect's middle and its slope (1/m): on one edge, on the floor or on
+    both edges."""
     b, D, rho, load = half_contact(excitation, R), excitation.D, excitation.rho, excitation.load
     h, h_slope = roller_drop(group, away + reach_of(group, b)[1], R + rho)
     f, slope = on_one_edge(group, away, b, rho, R)

@@ -47,7 +47,8 @@ Between LOW and HIGH (m) of s it is touched between its ends.
 
 
 def parts_of(profile: Profile, R: float) -> np.ndarray:
-    """What a roller of relative radius ``R`` (m) can touch (n, 8), in order, with the race around it and in gaps.
+    """Return the parts (n, 8) that a roller of relative radius ``R`` (m) can touch, in order, the race around
+    included.
 
     Of a piece more hollow than the roller that is its two ends.
     """
@@ -79,7 +80,7 @@ def _levelled(p: float) -> float:
 
 @jit
 def drop_over_part(part, s, R):
-    """h (m) and its slope (1) at ``s`` (m) over one part alone."""
+    """Return h (m) and its slope (1) at ``s`` (m) over one part alone."""
     if part[LOW] < s < part[HIGH]:
         x = (s - part[T_0] - R * part[SLOPE_0]) / (1.0 + R * part[CURVATURE])
         away = s - part[T_0] - x
@@ -90,13 +91,13 @@ def drop_over_part(part, s, R):
 
 @jit
 def part_curvature(part, s, R):
-    """h'' (1/m) just after ``s`` over one part alone."""
+    """Return h'' (1/m) just after ``s`` over one part alone."""
     return part[CURVATURE] / (1.0 + R * part[CURVATURE]) if part[LOW] <= s < part[HIGH] else 1.0 / R
 
 
 @jit
 def excess(left, right, s, R):
-    """h (m) over the left of two parts less h over the right, and its slope; h never falls."""
+    """Return h (m) over the left of two parts less h over the right, and its slope; h never falls."""
     h_1, slope_1 = drop_over_part(left, s, R)
     h_2, slope_2 = drop_over_part(right, s, R)
     return h_1 - h_2, slope_1 - slope_2
@@ -104,7 +105,7 @@ def excess(left, right, s, R):
 
 @jit
 def takeover(left, right, R):
-    """From which s (m) on the right one of two parts is felt; -inf always, inf never.
+    """Return the s (m) beyond which the right one of two parts is touched; -inf always, inf never.
 
     The excess never falls, and is quadratic between the ends of contact.
     """
@@ -122,7 +123,7 @@ def takeover(left, right, R):
 
 @jit
 def root(left, right, low, high, R):
-    """Where the excess, negative at ``low`` and no longer at ``high``, is zero: by its parabola at ``high``."""
+    """Return the zero of the excess, negative at ``low`` and not at ``high``: by its parabola at ``high``."""
     D, rate = excess(left, right, high, R)
     middle = max(0.5 * (low + high), high - RACE_REACH)
     curvature = part_curvature(left, middle, R) - part_curvature(right, middle, R)
@@ -134,7 +135,7 @@ def root(left, right, low, high, R):
 
 @jit
 def touched_parts(parts, R, touched):
-    """Which of the parts (n, 8) the roller touches, and from which s (m) on: fills ``touched`` (2, n).
+    """Find the parts (n, 8) that the roller touches, and the s (m) where each begins: fills ``touched`` (2, n).
 
     Returns how many of its columns are used.
     """
@@ -152,7 +153,7 @@ def touched_parts(parts, R, touched):
 
 
 def path_over(profile: Profile, R: float) -> Path:
-    """The path h(s) of a roller of relative radius ``R`` (m) over a profile, exact."""
+    """Return the path h(s) of a roller of relative radius ``R`` (m) over a profile, exact."""
     parts = parts_of(profile, R)
     found = np.empty((2, len(parts)))
     count = touched_parts(parts, R, found)
@@ -169,13 +170,13 @@ def path_over(profile: Profile, R: float) -> Path:
 
 
 def _row(part: np.ndarray, s: float, R: float) -> tuple[float, float, float, float]:
-    """The piece of a path that begins at ``s`` (m) on a part."""
+    """Return the piece of a path that begins at ``s`` (m) on a part."""
     h, slope = drop_over_part(part, s, R) if s > -inf else (0.0, 0.0)
     return s, h, slope, 0.5 * part_curvature(part, s, R)
 
 
 def path_drop(path: Path, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """h (n,) m and its slope (n,) at ``s`` (n,) m: the slow way, for all at once."""
+    """Return h (n,) m and its slope (n,) at ``s`` (n,) m: slow, but exact everywhere at once."""
     if len(path.pieces) == 0:
         return np.zeros(len(s)), np.zeros(len(s))
     k = np.maximum(np.searchsorted(path.pieces[:, S], s) - 1, 0)
@@ -185,14 +186,14 @@ def path_drop(path: Path, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def ends_of(path: Path) -> np.ndarray:
-    """h and slope (n, 2) where each piece ends."""
+    """Return h and slope (n, 2) at the end of each piece."""
     start, h, slope, half = path.pieces.T
     x = np.append(start[1:], path.end) - start
     return np.stack([h + x * (slope + x * half), slope + 2.0 * x * half], axis=1)
 
 
 def steepest(path: Path) -> float:
-    """The steepest slope (1) of a path, up or down."""
+    """Return the steepest slope (1) of a path, up or down."""
     return float(max(np.abs(path.pieces[:, SLOPE]).max(), np.abs(ends_of(path)[:, 1]).max()))
 
 
@@ -212,7 +213,7 @@ HEAD_OF_TABLE, ROW_OF_TABLE = 4, 4
 
 
 def packed(paths: Sequence[Path]) -> tuple[np.ndarray, list[int]]:
-    """All paths in one array (n,), and the place in it where each begins."""
+    """Return all paths in one array (n,), and the place in it where each begins."""
     tables = [_table(path) for path in paths]
     places = np.cumsum([0, *(len(table) for table in tables)])
     return np.concatenate([np.zeros(0), *tables]), [int(place) for place in places[:-1]]
@@ -230,7 +231,7 @@ def _table(path: Path) -> np.ndarray:
 
 @jit
 def row_at(table, at, s):
-    """Where the row of the piece at ``s`` (m) begins, of the path whose table begins at ``at``."""
+    """Return the start of the row of the piece at ``s`` (m), of the path whose table begins at ``at``."""
     bin_of_s = int((s - table[at + FIRST]) * table[at + BINS_PER_METRE])
     row = at + int(table[at + ROWS])
     row += ROW_OF_TABLE * int(table[at + HEAD_OF_TABLE + min(bin_of_s, int(table[at + ROWS]) - HEAD_OF_TABLE - 1)])
@@ -241,7 +242,8 @@ def row_at(table, at, s):
 
 @jit
 def drop_at(table, at, s):
-    """h (m) and its slope (1), on a cusp the left one, at ``s`` (m) over the path whose table begins at ``at``."""
+    """Return h (m) and its slope (1), on a cusp the left one, at ``s`` (m) over the path whose table begins at
+    ``at``."""
     if not table[at + FIRST] <= s < table[at + LAST]:  # in these words for NaN, too
         return 0.0, 0.0
     row = row_at(table, at, s)
@@ -253,7 +255,7 @@ def drop_at(table, at, s):
 
 @jit
 def drop_curvature_at(table, at, s):
-    """How that slope grows along ``s`` (1/m)."""
+    """Return the second derivative of h along ``s`` (1/m)."""
     if not table[at + FIRST] <= s < table[at + LAST]:
         return 0.0
     return 2.0 * table[row_at(table, at, s) + HALF_CURVATURE]

@@ -31,7 +31,8 @@ REMAINING, UNLOADED = -1.0, 1.0  # in column KAPPA of ``PressureShare``: which p
 
 @generic
 def pit_response(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float, float]:
-    """What one group feels at ``s`` (m) from the pit's middle: its share (1), drop h (m) and slope dh/ds (1).
+    """Return the response of one group at ``s`` (m) from the defect's middle: share (1), drop h (m) and slope
+    dh/ds (1).
 
     group: (5,) row of ``response_groups``; R: radius (m) of the roller relative to the race.
     """
@@ -39,16 +40,14 @@ def pit_response(excitation: Any, group: np.ndarray, s: float, R: float) -> tupl
 
 @generic
 def pit_response_gradient(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float]:
-    """Slopes, along ``s``, of what ``pit_response`` gives: of the share (1/m) and of dh/ds (1/m). A jump has
-    none.
-    """
+    """Return the derivatives of ``pit_response`` by ``s``: of the share (1/m) and of dh/ds (1/m). A jump has
+    none."""
 
 
 @generic
 def response_groups(excitation: Any, pit: Any, rows: list, R: float) -> list:
-    """Rows of a ``pit`` (a depth map) as ``pit_response`` reads them, from the ``rows`` of its envelope. Plain
-    Python.
-    """
+    """Return the groups of a ``pit`` (a depth map) for ``pit_response``, from the ``rows`` of its roller path.
+    Plain Python."""
 
 
 class Envelope(NamedTuple):
@@ -99,7 +98,7 @@ def _pit_response_gradient_traced(excitation, group, s, R):
 
 
 def pulses(rows: list, R: float) -> list:
-    """The envelope's rows with the drop of each, its h in the middle (m), in place of its depth."""
+    """Return the roller path's rows with the drop of each, its h in the middle (m), in place of its depth."""
     return [
         (row[GROUP_WEIGHT], row[GROUP_HALF_WIDTH], NO_WALL, 0.0, float(roller_drop(np.array(row), 0.0, R)[0]))
         for row in rows

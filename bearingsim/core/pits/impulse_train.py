@@ -73,7 +73,7 @@ def load(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
 
 
 def pit_passages(bearing: Bearing, pair: RollerPitPair, start: float, end: float) -> tuple[np.ndarray, np.ndarray]:
-    """Instants (n,) in (start, end], s, at which a roller stands over the pit's middle, and its angles (n,) rad.
+    """Return the instants (n,) in (start, end], s, of rollers over the defect's middle, and its angles (n,) rad.
 
     A pit of the outer race is met Z times a turn of the cage, always at its own angle; one of the inner race Z
     times a turn of the ring relative to the cage, wherever the ring has carried it; one of a roller once for each
@@ -93,7 +93,8 @@ def pit_passages(bearing: Bearing, pair: RollerPitPair, start: float, end: float
 
 
 def instants(first: float, between: float, speed: float, start: float, end: float) -> np.ndarray:
-    """Instants (n,) in (start, end], s, at which ``speed`` t is ``first`` plus a whole number of ``between``."""
+    """Return the instants (n,) in (start, end], s, at which ``speed`` t is ``first`` plus a whole number of
+    ``between``."""
     low, high = (np.floor((speed * t - first) / between) for t in (start, end))
     return (first + between * np.arange(low + 1, high + 1)) / speed
 
@@ -108,9 +109,8 @@ def crossing_speed(bearing: Bearing, pair: RollerPitPair) -> float:
 
 
 def stiffness_share(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
-    """kappa (n,): a loaded roller's part in the ring's stiffness at ``phi`` (n,) rad, at most
-    ``MAX_STIFFNESS_SHARE``.
-    """
+    """Return kappa (n,): a loaded roller's part in the ring's stiffness at ``phi`` (n,) rad, at most
+    ``MAX_STIFFNESS_SHARE``."""
     stiffness = zone.n * load(zone, phi) / approach(zone, phi)
     return np.minimum(stiffness * (np.cos(phi) ** 2 / zone.K_x + np.sin(phi) ** 2 / zone.K_y), MAX_STIFFNESS_SHARE)
 
@@ -132,7 +132,7 @@ def unloaded_width(pair: RollerPitPair, delta: np.ndarray, kappa: np.ndarray, n:
 
 
 def roller_drops(pair: RollerPitPair, s: np.ndarray) -> list[np.ndarray]:
-    """How far (n,) m each group lets a roller sink at ``s`` (n,) m."""
+    """Return the drop (n,) m of a roller into each group at ``s`` (n,) m."""
     if pair.paths:
         return [path_drop(path, s)[0] for path in pair.paths]
     return [np.array([roller_drop(np.array(row), x, pair.R)[0] for x in s]) for row in pair.groups]
@@ -149,7 +149,7 @@ def impulse_strengths(bearing: Bearing, zone: LoadZone, pair: RollerPitPair, phi
 
 
 def train(bearing: Bearing, zone: LoadZone, pairs: Sequence[RollerPitPair], start: float, end: float) -> Train:
-    """One impulse at each meeting of a roller with a pit in (start, end], s: all pits superposed."""
+    """Return one impulse at each passage of a roller over a defect in (start, end], s: all defects superposed."""
     parts = [pit_impulses(bearing, zone, pair, start, end) for pair in pairs]
     return merged_trains(parts)
 
@@ -157,7 +157,7 @@ def train(bearing: Bearing, zone: LoadZone, pairs: Sequence[RollerPitPair], star
 def pit_impulses(
     bearing: Bearing, zone: LoadZone, pair: RollerPitPair, start: float, end: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Instants (n,) s, angles (n,) rad and strengths (n,) N s of one pit's impulses."""
+    """Return the instants (n,) s, angles (n,) rad and strengths (n,) N s of one defect's impulses."""
     times, phi = pit_passages(bearing, pair, start, end)
     return times, phi, impulse_strengths(bearing, zone, pair, phi)
 
@@ -171,7 +171,7 @@ def random_train(
     generator: np.random.Generator,
     spacing: float = 50e-6,
 ) -> Train:
-    """``train`` with each impulse broken up among the asperities of a rough pit.
+    """Return ``train`` with each impulse divided among the asperities of a rough defect.
 
     After Behzad, Bastami and Mba (J. Vib. Acoust. 133, 2011, 031011), who see the cause of a damaged bearing's
     vibration in random impacts of asperities. Over a pit of width w the impulse J becomes N = w/``spacing`` ones
@@ -195,7 +195,7 @@ def random_train(
 
 
 def merged_trains(parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Train:
-    """All (times, angles, strengths) as one train: each pushes the ring against e_r of its angle."""
+    """Merge all (times, angles, strengths) into one train: each pushes the ring against e_r of its angle."""
     times, phi, J = (np.concatenate([np.zeros(0), *(part[n] for part in parts)]) for n in range(3))
     order = np.argsort(times, kind="stable")
     return Train(times[order], (-J * np.cos(phi))[order], (-J * np.sin(phi))[order])

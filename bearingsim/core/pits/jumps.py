@@ -40,7 +40,7 @@ MAX_JUMPS = 32  # kept of a roller-pit pair; a rough pit has hundreds of small o
 
 
 def jumps_of(excitation: Any, groups: Sequence[Sequence[float]], paths: Sequence[Path], R: float) -> list[float]:
-    """Places (m) along rolling where the force over a roller-pit pair's groups jumps, or its damping part, in
+    """Return the places (m) along rolling where the force over a pair's groups jumps, or its damping part, in
     order.
 
     paths: of a traced pit, one for each group, else none. Jumps of several groups in one place add up.
@@ -59,7 +59,7 @@ def jumps_of(excitation: Any, groups: Sequence[Sequence[float]], paths: Sequence
 
 
 def jumps_of_group(excitation: Any, group: np.ndarray, R: float) -> list[tuple[float, np.ndarray]]:
-    """Places (m) and by how much share (1), drop (m) and slope (1) jump there; only where they do."""
+    """Return the places (m) of jumps, and the jumps of share (1), drop (m) and slope (1) there."""
     places = {
         0.0,
         float(group[GROUP_HALF_WIDTH]),
@@ -83,7 +83,7 @@ def jumps_of_group(excitation: Any, group: np.ndarray, R: float) -> list[tuple[f
 
 
 def floor_reach(excitation: Any, group: np.ndarray, R: float) -> float:
-    """The greatest distance (m) from the middle at which a group is felt in its full depth; -1 if nowhere."""
+    """Return the greatest distance (m) from the middle at which a group acts in its full depth; -1 if nowhere."""
     if pit_response(excitation, group, 0.0, R)[1] < group[DEPTH]:
         return -1.0
     low, high = 0.0, float(group[GROUP_HALF_WIDTH])
@@ -97,7 +97,7 @@ def floor_reach(excitation: Any, group: np.ndarray, R: float) -> float:
 
 
 def cusps_of(path: Path) -> list[tuple[float, np.ndarray]]:
-    """Places (m) where the slope of a path falls, and by how much, as ``jumps_of_group``."""
+    """Return the places (m) where the slope of a path falls, and by how much, as ``jumps_of_group``."""
     if len(path.pieces) == 0:
         return []
     places, after = np.append(path.pieces[1:, S], path.end), np.append(path.pieces[1:, 2], 0.0)
@@ -114,7 +114,7 @@ def cusps_of(path: Path) -> list[tuple[float, np.ndarray]]:
 
 @generic
 def next_jump(model: Any, t: float, y: np.ndarray) -> float:
-    """Time (s) of the next jump of a force, from ``t`` (s) on; inf where there is none.
+    """Return the time (s) of the next jump of a force, from ``t`` (s) on; inf where there is none.
 
     Of rollers that move freely it is a prediction from the state in ``y``, which falls short until it is near.
     """
@@ -140,7 +140,7 @@ def spacing(pits, d, Z):
 
 
 def next_jump_evenly(model, t, y):
-    """``next_jump`` of rollers that stand evenly spaced and turn without slip: exact."""
+    """Implement ``next_jump`` for rollers that are evenly spaced and turn without slip: exact."""
     pits, b = model.pits, model.bearing
     soonest = inf
     for d in range(len(pits.head)):
@@ -155,7 +155,7 @@ def next_jump_evenly(model, t, y):
 
 
 def next_jump_freely(model, t, y):
-    """``next_jump`` of rollers that stand anywhere: of the one nearest to each roller-pit pair, from how it moves.
+    """Implement ``next_jump`` for rollers at any place: of the one nearest to each pair, from its velocity.
 
     Left out of its speed: that the rings move across, a thousandth of it. So the time falls short by a hundredth
     of the way, until that is ``NEAR_JUMP``. Of a skewed roller its middle counts.

@@ -93,7 +93,7 @@ def roller_drop_rate(stiffness, pits, d, s, speed, delta):
 
 @jit
 def slopes_over_pit(contact, pits, d, s, speed, delta, v):
-    """How the force of ``force_over_pit`` grows with the approach (N/m) and with its rate (N s/m)."""
+    """Return the derivatives of ``force_over_pit`` by the approach (N/m) and its rate (N s/m)."""
     K, C = 0.0, 0.0
     for k in range(int(pits.head[d, GROUP_COUNT])):
         group = pits.groups[d, k]
@@ -119,7 +119,7 @@ def stiffness_over_pit(stiffness, pits, d, s, delta):
 
 @jit
 def roller_drop_rate_slope(stiffness, pits, d, s, speed, delta):
-    """How ``roller_drop_rate`` grows with the approach (1/s)."""
+    """Return the derivative of ``roller_drop_rate`` by the approach (1/s)."""
     force, moment, stiff, stiff_moment = 0.0, 0.0, 0.0, 0.0
     for k in range(int(pits.head[d, GROUP_COUNT])):
         group = pits.groups[d, k]
@@ -147,22 +147,19 @@ def mean_roller_drop(pits, d, s):
 
 @generic
 def roller_at_pit(model: Any, d: int, t: float, y: np.ndarray) -> tuple[int, float]:
-    """The roller nearest to roller-pit pair ``d`` at time ``t`` (s), and its distance (m) from the pit's
-    middle.
-    """
+    """Return the roller nearest to roller-defect pair ``d`` at time ``t`` (s), and its distance (m) from the
+    defect's middle."""
 
 
 def roller_at_pit_evenly(model, d, t, y):
-    """``roller_at_pit`` of rollers that stand evenly spaced and turn without slip."""
+    """Implement ``roller_at_pit`` for rollers that are evenly spaced and turn without slip."""
     theta_c, theta_i, roll = kinematic_angles(model.bearing, t)
     return nearest_roller(model.pits, d, theta_c, theta_i, roll, model.bearing.Z)
 
 
 @jit
 def is_masked(model, d, j, s, t, y):
-    """Whether another roller-pit pair counts at this contact of roller ``j``: of two pits the deeper one is
-    felt.
-    """
+    """Check if another pair acts at this contact of roller ``j``: of two defects the deeper one does."""
     pits = model.pits
     for e in range(len(pits.head)):
         if e != d and pits.head[e, SIDE] == pits.head[d, SIDE]:

@@ -29,7 +29,8 @@ ROLLER_REACHED, SLICE_REACHED = 1.0, 2.0
 
 @jit
 def slice_polar_position(at, middle, b_z, zeta, y, j):
-    """Angle (rad) of a slice from e_r, about the ring's own axis, and its distance (m) from that axis."""
+    """Return the angle (rad) of a slice from e_r, about the ring's own axis, and its distance (m) from that
+    axis."""
     r = middle + y[lay.RADIAL + j] + y[at + lay.OFFSET_R + j] + zeta * y[at + lay.DIRECTION_R + j]
     t = y[at + lay.OFFSET_T + j] + zeta * y[at + lay.DIRECTION_T + j]
     z = y[at + lay.OFFSET_Z + j] + zeta * y[at + lay.DIRECTION_Z + j]
@@ -41,8 +42,8 @@ def slice_polar_position(at, middle, b_z, zeta, y, j):
 
 @jit
 def roller_near_pit(model, d, t, y):
-    """The roller nearest to roller-pit pair ``d``, and the distance (m) from the pit's middle of its angle in its
-    pocket.
+    """Return the roller nearest to pair ``d``, and the distance (m) of its angle in its pocket from the defect's
+    middle.
 
     What the angle of a slice, times the radius, adds to is that of each slice.
     """
@@ -95,7 +96,7 @@ def clear_pit_response(model, y):
 
 @jit
 def slice_pit_response(model, t, k, steep, b_z_outer, b_z_inner, y):
-    """What slice ``k`` of the marked rollers feels: drop, tilt of the normal, share of its stiffness.
+    """Fill the response of slice ``k`` of the marked rollers: drop, tilt of the normal, share of its stiffness.
 
     steep: 0.0 to leave out the tilt; b_z_outer, b_z_inner: third components of the rings' axes. Of the pits within
     reach the deepest is felt, as ``on_roller.is_masked`` chooses: of equals the first, a burr only where none of

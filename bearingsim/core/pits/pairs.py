@@ -94,19 +94,19 @@ def pack_pits(pairs: Sequence[RollerPitPair], excitation: Any, most: int = 1) ->
 
 
 def outer_reduced_radius(R_w: float, R_o: float) -> float:
-    """Radius (m) of the roller relative to the outer race it rolls in: R_w R_o / (R_o - R_w)."""
+    """Return the radius (m) of the roller relative to the outer race it rolls in: R_w R_o / (R_o - R_w)."""
     return R_w * R_o / (R_o - R_w)
 
 
 def inner_reduced_radius(R_w: float, R_i: float) -> float:
-    """Radius (m) of the roller relative to the inner race it rolls on: R_w R_i / (R_i + R_w)."""
+    """Return the radius (m) of the roller relative to the inner race it rolls on: R_w R_i / (R_i + R_w)."""
     return R_w * R_i / (R_i + R_w)
 
 
 @jit
 def nearest_roller(packed, d, theta_c, theta_i, roll, Z):
-    """Which roller is nearest to roller-pit pair ``d``, and its distance s (m) along rolling from the pit's
-    middle.
+    """Return the roller nearest to roller-defect pair ``d``, and its distance s (m) along rolling from the
+    defect's middle.
 
     theta_c: angle of roller 0 (rad); the Z rollers are evenly spaced. theta_i: angle of the inner ring. roll: how
     far a roller has turned backwards relative to the line through its centre and the bearing's. Where motion has
@@ -127,7 +127,7 @@ def nearest_roller(packed, d, theta_c, theta_i, roll, Z):
 
 @jit
 def passing_speed(packed, d, bearing):
-    """How fast (m/s) rollers move past the pit, ds/dt, at kinematic speeds."""
+    """Return the speed (m/s) of rollers past the defect, ds/dt, at kinematic speeds."""
     on = packed.head[d, CARRIER]
     if on >= 0.0:
         return packed.head[d, RADIUS] * bearing.omega_b

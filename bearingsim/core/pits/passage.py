@@ -22,7 +22,7 @@ AFTERWARDS = 10.0  # such times, and the passage once more, that are looked at b
 
 @jit
 def passage_peak(model, d, delta_o, delta_i, cpu_end):
-    """The largest contact force (N) as a roller passes roller-pit pair ``d``.
+    """Return the largest contact force (N) during a roller's passage of roller-defect pair ``d``.
 
     delta_o, delta_i: the approaches (m) of its contacts at rest; cpu_end: as of ``cpu_time.bounded``.
     """
@@ -65,7 +65,7 @@ IMPACT_STEP = 0.2  # of the time in which damping alone would stop a roller: a s
 
 @jit
 def free_impact(m, law, speed, cpu_end):
-    """A free roller of mass ``m`` (kg) thrown at one race with ``speed`` (m/s).
+    """Compute the impact of a free roller of mass ``m`` (kg) on one race with ``speed`` (m/s).
 
     cpu_end: as of ``cpu_time.bounded``. Returns the peak force (N) and the largest stiffness (N/m) and damping
     (N s/m) until it stands still.

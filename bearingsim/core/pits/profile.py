@@ -23,7 +23,7 @@ RACE = Profile(np.zeros((0, 5)))
 
 
 def quadratic(start: float, end: float, depth: float, slope: float = 0.0, curvature: float = 0.0) -> Profile:
-    """A profile of one piece."""
+    """Return a profile of one piece."""
     return Profile(np.array([[start, end, depth, slope, curvature]]))
 
 
@@ -51,26 +51,26 @@ def curve(t: np.ndarray, p: np.ndarray, slope: np.ndarray) -> Profile:
 
 
 def shifted(profile: Profile, by: float) -> Profile:
-    """The profile ``by`` (m) further along."""
+    """Return the profile moved by ``by`` (m)."""
     pieces = profile.pieces.copy()
     pieces[:, [FROM, TO]] += by
     return Profile(pieces)
 
 
 def mirrored(profile: Profile) -> Profile:
-    """The profile seen from the other side, p(-t)."""
+    """Return the profile mirrored, p(-t)."""
     start, end, _, m, c = profile.pieces.T
     return Profile(np.stack([-end, -start, last_depths(profile), -(m + (end - start) * c), c], axis=1)[::-1])
 
 
 def last_depths(profile: Profile) -> np.ndarray:
-    """Depth (n,) m where each piece ends."""
+    """Return the depth (n,) m at the end of each piece."""
     width = profile.pieces[:, TO] - profile.pieces[:, FROM]
     return profile.pieces[:, P] + width * (profile.pieces[:, M] + width * profile.pieces[:, C] / 2.0)
 
 
 def relief(profile: Profile) -> float:
-    """Height (m) from the highest to the lowest point of a profile and the race around it."""
+    """Return the height (m) from the highest to the lowest point of a profile and the race around it."""
     start, end, _, m, c = profile.pieces.T
     bottom = start + np.clip(-m / np.where(c == 0.0, 1.0, c), 0.0, end - start)
     x = np.where(c == 0.0, 0.0, bottom - start)
@@ -79,7 +79,7 @@ def relief(profile: Profile) -> float:
 
 
 def depth_at(profile: Profile, t: np.ndarray) -> np.ndarray:
-    """Depth (m) at ``t`` (n,) m; on a step that of the piece that begins there."""
+    """Return the depth (m) at ``t`` (n,) m; on a step that of the piece that begins there."""
     pieces = profile.pieces
     if len(pieces) == 0:
         return np.zeros(len(t))
@@ -90,7 +90,7 @@ def depth_at(profile: Profile, t: np.ndarray) -> np.ndarray:
 
 
 def deepest(first: Profile, second: Profile) -> Profile:
-    """The deeper of two profiles at each place that both cover, and either where only one does."""
+    """Return the deeper of two profiles at each place that both cover, and either where only one does."""
     if len(first.pieces) == 0 or len(second.pieces) == 0:
         return second if len(first.pieces) == 0 else first
     ends = _distinct(np.concatenate([first.pieces[:, :P].ravel(), second.pieces[:, :P].ravel()]))
@@ -112,13 +112,13 @@ def _distinct(ends: np.ndarray) -> np.ndarray:
 
 
 def _covering(profile: Profile, t: np.ndarray) -> np.ndarray:
-    """The piece at each ``t``, -1 for the race."""
+    """Return the piece at each ``t``, -1 for the race."""
     k = np.searchsorted(profile.pieces[:, FROM], t, side="right") - 1
     return np.where((k >= 0) & (t < profile.pieces[k, TO]), k, -1)
 
 
 def _rows(profile: Profile, k: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Depth, slope and curvature (n, 3) of the pieces ``k`` at ``t``; no depth at all for the race.
+    """Return depth, slope and curvature (n, 3) of the pieces ``k`` at ``t``; no depth at all for the race.
 
     So a raised rim counts where nothing else is.
     """
@@ -128,7 +128,7 @@ def _rows(profile: Profile, k: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 
 def _crossings(first: Profile, second: Profile, ends: np.ndarray) -> np.ndarray:
-    """Where two profiles are equally deep, between ``ends``."""
+    """Return the places of equal depth of two profiles, between ``ends``."""
     low, middles = ends[:-1], (ends[1:] + ends[:-1]) / 2.0
     a, b = _covering(first, middles), _covering(second, middles)
     both = (a >= 0) & (b >= 0)

@@ -39,7 +39,8 @@ class Spall(NamedTuple):
 
 @lru_cache(maxsize=64)
 def full_grown(seed: int) -> tuple[Bowl, ...]:
-    """The bowls of a spall in the order of their breaking, in a box from -1/2 to 1/2 along and across, 1 deep."""
+    """Return the bowls of a spall in the order of their breaking, in a box from -1/2 to 1/2 along and across, 1
+    deep."""
     draw = np.random.default_rng(seed)
     bowls: list[Bowl] = [(0.0, 0.0, 1.0, 1.0, FIRST_DEPTH)]
     for _ in range(BOWLS - 1):
@@ -51,7 +52,7 @@ def full_grown(seed: int) -> tuple[Bowl, ...]:
 
 
 def trailing_rim(bowls: list[Bowl], across: float) -> float:
-    """How far along a spall reaches at one place across."""
+    """Return the trailing rim of a spall at one place across."""
     return max(u + a * sqrt(1.0 - ((across - v) / b) ** 2) for u, v, a, b, _ in bowls if abs(across - v) <= b)
 
 
@@ -66,7 +67,7 @@ def _in_a_box(bowls: list[Bowl]) -> tuple[Bowl, ...]:
 
 
 def bowls_of(spall: Spall) -> list[Bowl]:
-    """The bowls that are there, in m: the last one of a size in between."""
+    """Return the bowls of a spall of this size, in m: the last one partly grown."""
     whole = full_grown(spall.seed)
     count = spall.grown * (len(whole) - 1)
     found = []

@@ -20,7 +20,8 @@ RollerSlice = tuple[float, float]
 
 
 def cut_along_roller(pit: Any, L_w: float, nodes: int) -> list[RollerSlice]:
-    """Slices of a roller of length ``L_w`` (m) over a pit, their weights adding up to its share of the roller.
+    """Return the slices of a roller of length ``L_w`` (m) over a defect, their weights summing to its share of the
+    roller.
 
     Where the section is the same all along there is one; where it changes smoothly ``nodes`` of Gauss on the
     longest stretch, in proportion on others; where it is rough as many of even length.
@@ -36,7 +37,7 @@ def cut_along_roller(pit: Any, L_w: float, nodes: int) -> list[RollerSlice]:
 
 
 def _rule(kind: int, nodes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Places in (-1, 1) and weights (sum 2)."""
+    """Return the nodes in (-1, 1) and weights (sum 2) of a quadrature."""
     if kind == EVEN:
         return np.zeros(1), np.full(1, 2.0)
     if kind == SMOOTH:
@@ -49,15 +50,14 @@ TracedGroup = tuple[tuple[float, ...], Path]
 
 
 def paths_over(pit: Any, R: float, places: Sequence[float] | np.ndarray) -> tuple[TracedGroup, ...]:
-    """What is felt of a pit at each z (m) of ``places``: found once."""
+    """Return the roller path over a defect at each z (m) of ``places``, cached."""
     return _paths_over(pit, repr(pit), R, tuple(float(z) for z in places))
 
 
 @lru_cache(maxsize=256)
 def _paths_over(pit: Any, named: str, R: float, places: tuple[float, ...]) -> tuple[TracedGroup, ...]:
-    """``paths_over``, remembered; ``named`` tells shapes apart that are equal as tuples. A rough pit in 41 slices
-    has 20 kB of paths: a sweep's pits are all kept.
-    """
+    """Cache ``paths_over``; ``named`` distinguishes shapes that are equal as tuples. The paths of a rough
+    defect in 41 slices take 20 kB, so those of a whole sweep are kept."""
     return tuple(_traced(section(pit, z), R) for z in places)
 
 
@@ -70,7 +70,8 @@ def _traced(profile: Profile, R: float) -> TracedGroup:
 
 
 def grouped(pit: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[list, list[Path]]:
-    """Groups and paths of a roller over a pit; slices that feel the same are one group, the rest of it another."""
+    """Return groups and paths of a roller over a defect; equal slices form one group, the rest of the roller
+    another."""
     found: dict[bytes, tuple[float, tuple, Path]] = {}
     for (weight, _), (row, path) in zip(slices, paths_over(pit, R, [z for _, z in slices]), strict=True):
         key = (np.round(np.append(path.pieces / SAME, path.end / SAME[0])) + 0.0).tobytes()
@@ -83,7 +84,7 @@ def grouped(pit: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[list, li
 
 
 def sliced(pit: Any, R: float, zetas: Sequence[float] | np.ndarray) -> tuple[list, list[Path]]:
-    """A group of weight 1 and a path for each slice of a roller whose middle is at zeta (m)."""
+    """Return a group of weight 1 and a path for each slice of a roller whose middle is at zeta (m)."""
     found = paths_over(pit, R, zetas)
     return [(1.0, *row) for row, _ in found], [path for _, path in found]
 
@@ -99,7 +100,8 @@ def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) ->
 
 
 def span_of(pit: Any, R: float) -> float:
-    """The shortest way (m) over a pit, or one of several merged, along its middle; ``R``: of the roller (m)."""
+    """Return the shortest extent (m) of a defect, or one of several merged, along its middle; ``R``: of the
+    roller (m)."""
     if isinstance(pit, Merged):
         return min(span_of(part, R) for part in pit.pits)
     low, high, z_0, z_1 = extent(pit)
@@ -108,14 +110,14 @@ def span_of(pit: Any, R: float) -> float:
 
 
 def burr(pit: Any) -> float:
-    """How far (m) a pit's highest place stands out of the race; only a scan's can."""
+    """Return the height (m) of a defect's highest place above the race; only a scan has one."""
     if isinstance(pit, Placed):
         return burr(pit.pit)
     return max(0.0, -float(pit.depth.min())) if isinstance(pit, Scanned) else 0.0
 
 
 def traced_pits(pairs: Sequence[RollerPitPair]) -> Pits:
-    """The roller-pit pairs packed, and their paths in one table."""
+    """Pack the roller-defect pairs, and their paths in one table."""
     paths = [path for one in pairs for path in one.paths if len(path.pieces)]
     table, places = packed(paths)
     found, left = pack_pits(pairs, Traced(table)), iter(places)

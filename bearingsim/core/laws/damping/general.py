@@ -34,7 +34,8 @@ def _force(contact, delta, v):
 
 @slopes.register(General)
 def _slopes(contact, delta, v):
-    """At 0, |v|^(m2-1) and delta^(m3-1) are infinite if the exponent is below 1: SLOWEST, SHALLOWEST stand in."""
+    """Replace 0 by SLOWEST, SHALLOWEST in |v|^(m2-1) and delta^(m3-1), which are infinite there if the exponent
+    is below 1."""
     d, speed = max(delta, 0.0), abs(v)
     deep = raised(contact.m3, d)
     drag = contact.c * raised(contact.m2, speed)
@@ -81,7 +82,7 @@ class Power(NamedTuple):
 
 @generic
 def raised(exponent: Any, x: float) -> float:
-    """x^m, for x >= 0."""
+    """Return x^m, for x >= 0."""
 
 
 @generic
@@ -134,7 +135,7 @@ WHOLE = ((0.0, Power0), (1.0, Power1), (2.0, Power2))
 
 
 def power(m: float) -> Power0 | Power1 | Power2 | Power:
-    """The fastest exponent that is ``m``."""
+    """Choose the fastest exponent type that equals ``m``."""
     known = [kind for whole, kind in WHOLE if isclose(m, whole, rel_tol=1e-12, abs_tol=1e-12)]
     return known[0]() if known else Power(float(m))
 

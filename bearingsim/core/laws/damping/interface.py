@@ -29,15 +29,15 @@ def slopes(contact: Any, delta: float, v: float) -> tuple[float, float]:
 
 @generic
 def stiffness_bound(contact: Any, delta: float, v: float) -> float:
-    """How fast the force may grow with the approach (N/m), at ``delta`` >= 0 and ``v``."""
+    """Bound the derivative of the force by the approach (N/m), at ``delta`` >= 0 and ``v``."""
 
 
 @generic
 def damping_bound(contact: Any, delta: float, v: float) -> float:
-    """How fast the force may grow with the closing rate (N s/m), at ``delta`` >= 0 and ``v``."""
+    """Bound the derivative of the force by the closing rate (N s/m), at ``delta`` >= 0 and ``v``."""
 
 
 @jit
 def in_series(outer: float, inner: float) -> float:
-    """Stiffness or damping of two contacts in series; 0 where one of them is 0."""
+    """Return the stiffness or damping of two contacts in series; 0 where one of them is 0."""
     return outer * inner / max(outer + inner, 1e-300)

@@ -5,7 +5,8 @@ from bearingsim.core.jit import jit
 
 @jit
 def cubic_step(x):
-    """-1 up to x = -1, 1 from x = 1, the odd cubic between: continuous with its slope, which is 1.5 at x = 0."""
+    """Return -1 up to x = -1, 1 from x = 1, the odd cubic between: continuous with its slope, which is 1.5 at x
+    = 0."""
     x = min(max(x, -1.0), 1.0)
     return x * (1.5 - 0.5 * x * x)
 

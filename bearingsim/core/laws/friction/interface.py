@@ -24,4 +24,4 @@ def mu_slope(law: Any, v: float, u: float) -> tuple[float, float]:
 
 @generic(absent=0.0)
 def mu_slope_bound(law: Any, u: float) -> float:
-    """Largest d(mu)/dv (s/m) at the rolling speed ``u`` (m/s): what limits an explicit step."""
+    """Return the largest d(mu)/dv (s/m) at the rolling speed ``u`` (m/s), which limits an explicit step."""

@@ -64,7 +64,7 @@ def _mu_slope_bound(law, u):
 
 @jit
 def exp_minus(x):
-    """e^-x for 0 <= x <= 40 without a call, relative error below 2e-14.
+    """Return e^-x for 0 <= x <= 40 without a call, relative error below 2e-14.
 
     e^-x = 2^n e^r, n the whole number nearest to -x/ln 2, |r| <= ln(2)/2. Adding 1.5 * 2^52 rounds to whole
     numbers and leaves n in the lowest bits, from where it is shifted into the exponent; e^r is its series.

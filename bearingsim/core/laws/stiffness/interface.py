@@ -30,7 +30,7 @@ def curvature(law: Any, delta: float) -> float:
 
 @jit
 def fill_curve(law: Any, delta: Any, Q: Any, k: Any) -> None:
-    """``curve``, into given arrays."""
+    """Fill ``curve`` into the arrays."""
     for i in range(len(delta)):
         Q[i], k[i] = elastic(law, delta[i]), tangent(law, delta[i])
 

@@ -30,7 +30,7 @@ class Johnson(NamedTuple):
 
 
 def johnson(E: float, nu: float, L: float, dR: float) -> Johnson:
-    """The law of a roller of length ``L`` (m) on a race, both of ``E`` (Pa) and ``nu``.
+    """Return the law of a roller of length ``L`` (m) on a race, both of ``E`` (Pa) and ``nu``.
 
     ``dR`` (m): R_i + R_w on the inner race, R_o - R_w on the outer.
     """
@@ -60,7 +60,7 @@ def _share_unlike(inner, outer, delta):
 
 @generic(otherwise=_share_unlike)
 def series_share_with_johnson(inner: Any, outer: Any, delta: float) -> float:
-    """``series_share`` where the outer contact is ``Johnson``'s."""
+    """Return ``series_share`` where the outer contact is ``Johnson``'s."""
 
 
 @series_share.register(Johnson)

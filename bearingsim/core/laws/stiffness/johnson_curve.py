@@ -24,7 +24,7 @@ from bearingsim.core.laws.octaves import bend, slope, tabulate, value
 
 
 def exact(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """x and dx/dy at each ``y``: Newton on w - ln w = -1 - ln y, where w = y/x = -(ln x + 1) > 1."""
+    """Return x and dx/dy at each ``y``: Newton on w - ln w = -1 - ln y, where w = y/x = -(ln x + 1) > 1."""
     right = -1.0 - np.log(y)
     w = right + np.log(right)
     for _ in range(8):
@@ -37,17 +37,17 @@ TABLE = tabulate(exact)
 
 @jit
 def reduced_force(y):
-    """x(y): force over 4 pi E* dR L at the approach ``y`` >= 0 over 4 dR."""
+    """Return x(y): force over 4 pi E* dR L at the approach ``y`` >= 0 over 4 dR."""
     return value(TABLE, y)
 
 
 @jit
 def reduced_slope(y):
-    """dx/dy, the slope of ``reduced_force``."""
+    """Return dx/dy, the derivative of ``reduced_force``."""
     return slope(TABLE, y)
 
 
 @jit
 def reduced_curvature(y):
-    """d2x/dy2, the slope of ``reduced_slope``; it jumps a little from cell to cell."""
+    """Return d2x/dy2, the derivative of ``reduced_slope``, slightly discontinuous between cells."""
     return bend(TABLE, y)

@@ -12,12 +12,12 @@ NO_POWER = (0.0, 0.0)
 
 @generic(otherwise=NO_POWER)
 def as_power(law: Any) -> tuple[float, float]:
-    """k (N/m^m) and m of a power law k delta^m; two zeros of a law that is none."""
+    """Return k (N/m^m) and m of a power law k delta^m; two zeros for any other law."""
 
 
 @jit
 def series_share_by_newton(outer, inner, delta):
-    """``series_share`` of any two laws."""
+    """Compute ``series_share`` of any two laws."""
     d = max(delta, 0.0)
     of_outer, of_inner = elastic(outer, 0.5 * d), elastic(inner, 0.5 * d)
     part = d * of_outer / max(of_outer + of_inner, 1e-300)
@@ -29,7 +29,8 @@ def series_share_by_newton(outer, inner, delta):
 
 
 def series_share_of_powers(outer, inner, delta):
-    """``series_share`` of two power laws of one exponent, in closed form; of any other two by Newton's method."""
+    """Compute ``series_share`` of two power laws of one exponent, in closed form; of any other two by Newton's
+    method."""
     (k_outer, m), (k_inner, m_inner) = as_power(outer), as_power(inner)
     if m != m_inner or m == 0.0:  # known when this is compiled, but for ``PowerLaw``
         return series_share_by_newton(outer, inner, delta)
@@ -39,7 +40,7 @@ def series_share_of_powers(outer, inner, delta):
 
 @generic(otherwise=series_share_of_powers)
 def series_share(outer: Any, inner: Any, delta: float) -> float:
-    """The inner contact's part (m) of the approach ``delta`` >= 0 (m) of two contacts in series.
+    """Return the inner contact's part (m) of the approach ``delta`` >= 0 (m) of two contacts in series.
 
     It balances the elastic forces, E_outer(delta - part) = E_inner(part). Closed for two power laws of one
     exponent and for two of Johnson's; delta/2, exactly, if both contacts are equal. Any other pair takes Newton

@@ -24,19 +24,20 @@ class TenNinths(NamedTuple):
 
 
 def palmgren(L_w: float) -> TenNinths:
-    """Palmgren's stiffness of a steel line contact of length ``L_w`` (m), k in N/m^(10/9)."""
+    """Return Palmgren's stiffness of a steel line contact of length ``L_w`` (m), k in N/m^(10/9)."""
     return TenNinths(PALMGREN_N_MM * (1e3 * L_w) ** (8.0 / 9.0) * 1e3**EXPONENT)
 
 
 def iso16281(L_w: float) -> TenNinths:
-    """ISO/TS 16281's stiffness of one of the two contacts of a roller of length ``L_w`` (m), k in N/m^(10/9)."""
+    """Return ISO/TS 16281's stiffness of one of the two contacts of a roller of length ``L_w`` (m), k in
+    N/m^(10/9)."""
     both = ISO16281_BOTH_N_MM * (1e3 * L_w) ** (8.0 / 9.0) * 1e3**EXPONENT
     return TenNinths(both * 2.0**EXPONENT)
 
 
 @jit
 def ninth_root(x: float) -> float:
-    """x^(1/9) for x >= 0 without a call, so that a loop over rollers keeps its vector lanes.
+    """Return x^(1/9) for x >= 0 without a call, so that a loop over rollers keeps its vector lanes.
 
     r ~ x^(-1/9) is read off the exponent bits, then corrected three times by
     r <- r (1 - e)^(-1/9), e = 1 - x r^9, expanded to e^3; relative error below 2e-15 over 1e-30 .. 1e3.
