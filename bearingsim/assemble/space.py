@@ -8,7 +8,7 @@ from bearingsim.assemble import free, geometry
 from bearingsim.assemble.contacts import roller_length
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
-from bearingsim.config.rules.slicing import slice_ends
+from bearingsim.config.rules.completion import slice_ends
 from bearingsim.core.geometry import slices as cut
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.stiffness.linear import Linear

@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, NoReturn
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
@@ -284,3 +284,15 @@ if TYPE_CHECKING:
 else:
     Settling = Annotated[float | Literal["auto"], QuantityOrAuto("time", least=0.0)]
 Text = Annotated[str, Written(_text, lambda _: {"type": ["string", "number", "boolean"]})]
+
+Path = tuple[str | int, ...]
+"""Keys that lead to a value of a case: `("defects", 0, "length")`."""
+
+
+class Conflict(NamedTuple):
+    """Values that do not go together: a kind, the paths concerned, why, and what would mend it."""
+
+    kind: str
+    paths: tuple[Path, ...]
+    message: str
+    hint: str | None = None

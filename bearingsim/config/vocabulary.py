@@ -7,8 +7,6 @@ from collections.abc import Collection
 
 from bearingsim.text.units import suggestion
 
-__all__ = ["SENTENCES", "advice", "sentence"]
-
 _GROUPS: dict[tuple[str, ...], str] = {
     # what is not modelled, and what is nearest
     ("contact_angle", "angular_contact", "pressure_angle"): (

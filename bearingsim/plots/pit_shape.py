@@ -97,6 +97,6 @@ def pits_of(case: "Case") -> Iterator[Pit]:
 def ends_of_slices(case: "Case") -> Reals:
     """Return the ends of the slices of a roller (m, from its middle); empty for a model without slices."""
     from bearingsim.catalogue import MODELS
-    from bearingsim.config.rules.slicing import slice_ends
+    from bearingsim.config.rules.completion import slice_ends
 
     return np.asarray(slice_ends(case) if MODELS[case.model].sliced else ())

@@ -8,8 +8,8 @@ from bearingsim.assemble.pits import varies_along_roller
 from bearingsim.catalogue import MODELS, below
 from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
+from bearingsim.config.rules.completion import slice_count
 from bearingsim.config.rules.hierarchy import leaves_friction_open
-from bearingsim.config.rules.slicing import slice_count
 from bearingsim.config.sections.contact import MOST_SLICES
 from bearingsim.config.sections.free import Cage, StaticDynamic
 from bearingsim.config.sections.machine import Rig

@@ -1,15 +1,13 @@
 """Sensitivity analysis of a design: influential parameters of a feature, with confidence intervals.
 
-``blocks`` reads a feature from a results folder, in the rows of its design. ``sobol`` and ``morris`` make indices
-and effects of them, ``intervals`` says how well they are known, ``verdict`` puts them into words.
+``blocks`` reads a feature from a results folder, in the rows of its design. ``estimates`` computes indices and
+effects with their intervals, ``verdict`` puts them into words.
 """
 
 import numpy as np
 
 from bearingsim.sensitivity.blocks import Blocks, SensitivityError, design_of, of_results
-from bearingsim.sensitivity.intervals import LEVEL, Estimate
-from bearingsim.sensitivity.morris import Effects, of_trajectories
-from bearingsim.sensitivity.sobol import Indices, of_blocks
+from bearingsim.sensitivity.estimates import LEVEL, Effects, Estimate, Indices, of_blocks, of_trajectories
 from bearingsim.sensitivity.verdict import of_effects, of_indices
 
 __all__ = [

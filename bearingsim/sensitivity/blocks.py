@@ -10,7 +10,7 @@ from bearingsim import designs
 from bearingsim.config import FEATURES
 from bearingsim.errors import UserError
 from bearingsim.runner.commands import typed
-from bearingsim.sensitivity.intervals import Array
+from bearingsim.sensitivity.estimates import Array
 from bearingsim.text.units import suggestion
 
 if TYPE_CHECKING:

@@ -4,9 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from bearingsim.sensitivity.intervals import Estimate
-from bearingsim.sensitivity.morris import Effects
-from bearingsim.sensitivity.sobol import Indices
+from bearingsim.sensitivity.estimates import Effects, Estimate, Indices
 
 LITTLE = 0.05
 """Share of the variance or of the largest effect below which a parameter is negligible."""

@@ -14,7 +14,7 @@ from bearingsim.assemble.bending import has_carrier, of_ring, places_of_springs
 from bearingsim.assemble.contacts import powers
 from bearingsim.catalogue import EXPLICIT, METHODS
 from bearingsim.config import Case
-from bearingsim.config.rules.slicing import slice_count
+from bearingsim.config.rules.completion import slice_count
 from bearingsim.simulation.limits import LONGEST, Limits, step_limits
 
 TABLE = Path(__file__).with_name("prices.csv")

@@ -14,7 +14,7 @@ import numpy as np
 
 from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
-from bearingsim.config.rules.passes import ALIKE
+from bearingsim.config.rules.conflicts import ALIKE
 from bearingsim.core import layout as lay
 from bearingsim.core.models.interface import degrees_of_freedom
 from bearingsim.simulation.lengths import lengths

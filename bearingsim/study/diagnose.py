@@ -10,7 +10,7 @@ from pydantic_core import ErrorDetails
 
 from bearingsim.config import Case
 from bearingsim.config.case import LAWS
-from bearingsim.config.rules.conflicts import Conflict, Path
+from bearingsim.config.fields import Conflict, Path
 from bearingsim.config.sections.contact import WORD
 from bearingsim.study.paths import advice_on, all_paths, label
 from bearingsim.text.units import EXPECTED

@@ -7,8 +7,7 @@ from typing import Any, NamedTuple, get_args
 
 from bearingsim.config import Case
 from bearingsim.config.case_fields import OLD_WORDS
-from bearingsim.config.fields import Quantity, Section
-from bearingsim.config.rules.conflicts import Path
+from bearingsim.config.fields import Path, Quantity, Section
 from bearingsim.config.sections.ring import SupportPoint
 from bearingsim.config.vocabulary import sentence
 from bearingsim.text.units import Dimension, suggestion

@@ -9,7 +9,7 @@ from pathlib import Path as FilePath
 
 from bearingsim.catalogue import USUAL_MODEL
 from bearingsim.config import Case
-from bearingsim.config.rules.conflicts import Path
+from bearingsim.config.fields import Path
 from bearingsim.designs import KINDS
 from bearingsim.study.design import IN_BLOCKS, Drawn, beside, drawn
 from bearingsim.study.diagnose import STUDY_KEYS, Problems, Sections, case_of, check_replaced, mark_of

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from graphlib import CycleError, TopologicalSorter
 
-from bearingsim.config.rules.conflicts import Path
+from bearingsim.config.fields import Path
 from bearingsim.study.paths import dimension, node_at, put
 from bearingsim.study.words import Words
 from bearingsim.text.expressions import PLAIN, TRUTH, Expression, ExpressionError, Kind, kind_of, kind_text, read

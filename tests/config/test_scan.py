@@ -14,8 +14,8 @@ from bearingsim.assemble.pits import depth_map
 from bearingsim.config import Case
 from bearingsim.config.scan import file as scanfile
 from bearingsim.config.scan import repair
-from bearingsim.config.scan.file import read_file
-from bearingsim.config.scan.repair import ScanError, notes, read_scan
+from bearingsim.config.scan.file import ScanError, read_file
+from bearingsim.config.scan.repair import notes, read_scan
 from bearingsim.core.pits import traced
 from bearingsim.core.pits.envelope import path_over
 from bearingsim.study import load_study

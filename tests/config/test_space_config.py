@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from bearingsim import assemble
 from bearingsim.assemble import space
 from bearingsim.config import Case, dataset_names
-from bearingsim.config.rules.slicing import slice_count, slice_ends
+from bearingsim.config.rules.completion import slice_count, slice_ends
 from bearingsim.core.geometry.slices import MAX_SLICES, WEIGHT, ZETA, slice_edges
 from bearingsim.core.parts.cage_in_space import CageInPlane
 from bearingsim.core.parts.flanges import NoFlanges

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bearingsim.config.rules.slicing import slice_ends
+from bearingsim.config.rules.completion import slice_ends
 from bearingsim.core.geometry.kinematics import cage_speed
 from bearingsim.plots import PlotError
 from bearingsim.plots.line_load import LoadAlong, instants

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from bearingsim.designs import block, cube
-from bearingsim.sensitivity import SensitivityError, analysed, of_results, sobol
+from bearingsim.sensitivity import SensitivityError, analysed, estimates, of_results
 from tests.scenes.closed_forms import ISHIGAMI
 
 LINE = "velocity@BPFO"
@@ -58,7 +58,7 @@ def test_three_per_cent_of_failures_leave_the_indices():
     found = of_results(results(n=n, failed=failed), LINE)
     assert found.failed == len(failed)
     assert 0.12 < found.dropped / n < 0.16
-    indices = sobol.indices(found.values)
+    indices = estimates.indices(found.values)
     assert np.abs(indices - [ISHIGAMI.first, ISHIGAMI.total]).max() < 0.05
 
 

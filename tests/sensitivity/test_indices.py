@@ -5,8 +5,8 @@ import pytest
 from scipy.stats import sobol_indices
 
 from bearingsim.designs import cube
-from bearingsim.sensitivity import morris, sobol
-from bearingsim.sensitivity.intervals import estimate
+from bearingsim.sensitivity import estimates
+from bearingsim.sensitivity.estimates import estimate
 from tests.scenes.closed_forms import ISHIGAMI, SOBOL_G, Known
 
 KNOWN = pytest.mark.parametrize("known", [ISHIGAMI, SOBOL_G], ids=["ishigami", "sobol-g"])
@@ -27,7 +27,7 @@ def test_closed_forms_are_those_of_the_literature():
 @KNOWN
 @pytest.mark.parametrize("seed", [1, 2])
 def test_indices_are_those_of_closed_forms(known, seed):
-    found = sobol.indices(blocks_of(known, 2**14, seed))
+    found = estimates.indices(blocks_of(known, 2**14, seed))
     assert np.abs(found - BOTH([known.first, known.total])).max() < 0.02
 
 
@@ -37,7 +37,7 @@ def test_dropped_blocks_leave_the_indices(known):
     f[np.random.default_rng(1).random(f.shape) < 0.03] = np.nan
     whole = f[np.isfinite(f).all(axis=1)]
     assert 0.8 < len(whole) / len(f) < 0.9
-    assert np.abs(sobol.indices(whole) - BOTH([known.first, known.total])).max() < 0.05
+    assert np.abs(estimates.indices(whole) - BOTH([known.first, known.total])).max() < 0.05
 
 
 @KNOWN
@@ -45,7 +45,7 @@ def test_dropped_blocks_leave_the_indices(known):
 def test_total_indices_are_those_of_scipy_and_first_ones_near_them(known, offset):
     f = blocks_of(known, 2**12) + offset
     theirs = sobol_indices(func={"f_A": f[:, 0], "f_B": f[:, 1], "f_AB": f[:, None, 2:].T}, n=2**12)
-    first, total = sobol.indices(f)
+    first, total = estimates.indices(f)
     assert total == pytest.approx(theirs.total_order, abs=1e-9)
     assert first == pytest.approx(theirs.first_order, abs=0.01)
 
@@ -60,25 +60,25 @@ def test_correlated_columns_of_a_small_design_make_no_first_index(seed):
     """Of six parameters at 128 blocks, those columns of A and B are correlated whatever the scramble."""
     f = pair(cube("saltelli", 128, 6, seed)).reshape(128, 8)
     assert abs(np.corrcoef(f[:, 0], f[:, 1])[0, 1]) > 0.3
-    found = sobol.of_blocks(f)
+    found = estimates.of_blocks(f)
     assert np.abs(found.first.value).max() < 0.12
     assert np.all((found.first.low <= 0.0) & (found.first.high >= 0.0))
 
 
 def test_an_inert_parameter_has_no_index_and_the_only_one_all_of_it():
     f = (cube("saltelli", 16, 2, 1)[:, 0] ** 2).reshape(16, 4)
-    assert sobol.indices(f)[0] == pytest.approx([1.0, 0.0], abs=1e-12)
+    assert estimates.indices(f)[0] == pytest.approx([1.0, 0.0], abs=1e-12)
 
 
 def test_a_large_mean_does_not_blur_the_first_indices():
     plain, shifted = (blocks_of(ISHIGAMI, 128) + offset for offset in (0.0, 1e4))
-    assert sobol.indices(shifted) == pytest.approx(sobol.indices(plain), abs=1e-8)
+    assert estimates.indices(shifted) == pytest.approx(estimates.indices(plain), abs=1e-8)
 
 
 def test_what_acts_only_together_is_the_rest():
     d = 2
     f = np.prod(cube("saltelli", 4096, d, 1) - 0.5, axis=1).reshape(-1, d + 2)  # x y: nothing alone
-    found = sobol.of_blocks(f)
+    found = estimates.of_blocks(f)
     assert found.together.value == pytest.approx([1.0], abs=0.05)
     assert found.together.low[0] > 0.9
     assert found.total.value == pytest.approx([1.0, 1.0], abs=0.05)
@@ -102,13 +102,13 @@ def test_intervals_hold_the_value_as_often_as_they_say(points, tries, least, mos
     weights, n, d = np.array([3.0, 2.0, 1.0]), 128, 3
     first, held = weights**2 / (weights**2).sum(), 0
     for seed in range(tries):
-        found = sobol.of_blocks((points(n, d, seed) @ weights).reshape(n, d + 2)).first
+        found = estimates.of_blocks((points(n, d, seed) @ weights).reshape(n, d + 2)).first
         held += int(np.count_nonzero((found.low <= first) & (first <= found.high)))
     assert least <= held / (tries * d) <= most
 
 
 def test_intervals_are_the_same_each_time_and_shrink_with_the_design():
-    few, again, many = (sobol.of_blocks(blocks_of(ISHIGAMI, n)) for n in (128, 128, 2048))
+    few, again, many = (estimates.of_blocks(blocks_of(ISHIGAMI, n)) for n in (128, 128, 2048))
     assert np.array_equal(few.total.low, again.total.low)
     narrower = (many.total.high - many.total.low) / (few.total.high - few.total.low)
     assert narrower == pytest.approx(0.25, abs=0.08)  # 16 times as many blocks
@@ -127,13 +127,13 @@ def test_blocks_are_drawn_whole():
 def test_morris_ranks_by_total_index(known, n):
     d = len(known.first)
     points = cube("morris", n, d, 1).reshape(n, d + 1, d)
-    magnitude = np.abs(morris.elementary(points, known.of(points))).mean(axis=0)
+    magnitude = np.abs(estimates.elementary(points, known.of(points))).mean(axis=0)
     assert np.argsort(-magnitude).tolist() == np.argsort(-known.total).tolist()
 
 
 def test_effects_of_a_plane_are_its_slopes():
     points = cube("morris", 20, 3, 1).reshape(20, 4, 3)
-    found = morris.of_trajectories(points, points @ np.array([3.0, -2.0, 0.0]))
+    found = estimates.of_trajectories(points, points @ np.array([3.0, -2.0, 0.0]))
     assert found.mean.value == pytest.approx([3.0, -2.0, 0.0])
     assert found.magnitude.value == pytest.approx([3.0, 2.0, 0.0])
     assert found.spread.value == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
@@ -142,7 +142,7 @@ def test_effects_of_a_plane_are_its_slopes():
 def test_what_depends_on_the_others_has_a_spread():
     points = cube("morris", 400, 2, 1).reshape(400, 3, 2)
     x, y = np.moveaxis(points, -1, 0)
-    found = morris.of_trajectories(points, x * (y - 0.5))
+    found = estimates.of_trajectories(points, x * (y - 0.5))
     assert found.spread.low[0] > np.abs(found.mean.high[0])
     assert found.magnitude.low[0] > 0.2
     of_levels = np.sqrt((3**2 + 7**2) / 2) / 16  # y - 0.5 at four levels

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bearingsim.config import Case
-from bearingsim.config.rules.slicing import slice_ends
+from bearingsim.config.rules.completion import slice_ends
 from bearingsim.simulation.simulate import Record, simulate
 
 SLOT = {"shape": "rectangular", "width": "0.8 mm", "depth": "50 um"}

@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 
 from bearingsim import store
-from bearingsim.config.scan.repair import ScanError, read_scan
+from bearingsim.config.scan.file import ScanError
+from bearingsim.config.scan.repair import read_scan
 from bearingsim.plots.plot import drawn
 from bearingsim.runner import run
 from bearingsim.study import Study, load_study

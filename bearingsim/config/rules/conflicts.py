@@ -1,19 +1,18 @@
 """Values of a case that are right alone but not together."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim import catalogue
 from bearingsim.config.bands import FEWEST_PERIODS, HIGHEST
 from bearingsim.config.channels import plain, roller_number, slice_number
+from bearingsim.config.fields import Conflict, Path
 from bearingsim.config.names import of_band
 from bearingsim.config.rules import hierarchy
-from bearingsim.config.rules.conflict import Conflict, Path
+from bearingsim.config.rules.completion import slice_count
 from bearingsim.config.rules.flexible_ring import flexible_ring_conflicts
-from bearingsim.config.rules.passes import until_conflicts
 from bearingsim.config.rules.pits import pit_conflicts
-from bearingsim.config.rules.slicing import slice_count
 from bearingsim.config.sections.defect import IMPULSE_EXCITATIONS
 from bearingsim.config.sections.free import Frictionless
 from bearingsim.text.units import show
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
     from bearingsim.config.sections.free import Shaft
     from bearingsim.config.sections.machine import Rig
 
+
 MAX_TILT = 0.02  # rad: beyond it a bearing is not mounted askew but broken
 MAX_SAMPLES = 1e9
 """4 GB of each channel in single precision, a day at 10 kHz: what no one could look at, and few machines hold."""
@@ -31,8 +31,6 @@ BURSTS_AT = 2.5e9
 stretched by rho v^2 at least (hoop stress of a thin ring), so that one of steel bursts at some 560 m/s."""
 MOUNT_FIELDS = ("axial_stiffness", "axial_damping", "tilting_stiffness", "tilting_damping")
 HELD_BY_CAGE = ("cage.slip", "cage.axial", "cage.lean", "roller.cage_force", "roller.skew", "roller.axial")
-
-__all__ = ["Conflict", "Path", "conflicts"]
 
 
 def conflicts(case: "CaseFields") -> Iterator[Conflict]:
@@ -45,7 +43,7 @@ def conflicts(case: "CaseFields") -> Iterator[Conflict]:
     yield from flexible_ring_conflicts(case)
     yield from _record(case)
     yield from _bands(case)
-    yield from until_conflicts(case)
+    yield from _until(case)
     yield from _sizes(case)
 
 
@@ -255,3 +253,40 @@ def _bursting(case: "CaseFields") -> Iterator[Conflict]:
             f" {stress:.2g} Pa, bursts the ring (over {BURSTS_AT:.2g} Pa)"
         )
         yield Conflict("bursts", (place, ("bearing",)), message, "is the unit right?")
+
+
+class Alike(NamedTuple):
+    """A condition on a field for equal ball passes, and the reason if it is not met."""
+
+    holds: Callable[["CaseFields"], bool]
+    why_not: str
+
+
+ALIKE: dict[str, Alike] = {
+    "ramp": Alike(lambda case: case.ramp is None, "the speed changes"),
+    "unbalance": Alike(lambda case: case.unbalance is None, "an unbalance turns with the shaft"),
+    "defects": Alike(lambda case: all(d.race == "outer" for d in case.defects), "a pit turns"),
+    "excitation": Alike(lambda case: case.excitation != "random-impulses", "impulses are random"),
+    "model": Alike(lambda case: catalogue.MODELS[case.model].repeats, "the model does not say that they are"),
+    "cage": Alike(lambda case: case.cage is None or case.cage.motion == "kinematic", "the cage is free"),
+}
+"""By the fields of a case; what all others say is the same in each pass."""
+
+
+def _until(case: "CaseFields") -> Iterator[Conflict]:
+    """Yield the conflicts of cases that cannot be run until a scatter is small."""
+    if case.until is None:
+        return
+    if case.record:
+        message = "a record that ends as soon as it is accurate enough has no series"
+        yield Conflict("until", (("until",), ("record",)), message, "say `record: []`, or leave `until` out")
+    if not case.antialias:
+        message = "`until` tells how well the RMS of the low-passed motion is known"
+        yield Conflict("until", (("until",), ("antialias",)), message, "leave `antialias: false` out")
+    if case.step_check == "strict":
+        message = "`step_check: strict` is about the whole record, which `until` may end sooner"
+        yield Conflict("until", (("until",), ("step_check",)), message, "say one of them")
+    for name, alike in ALIKE.items():
+        if not alike.holds(case):
+            message = f"`until` compares ball passes, which are not alike: {alike.why_not}"
+            yield Conflict("until", (("until",), (name,)), message, "leave it out")

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from bearingsim import catalogue
-from bearingsim.config.rules.conflict import Conflict, Path
+from bearingsim.config.fields import Conflict, Path
 from bearingsim.text.units import show
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple
 
-from bearingsim.config.rules.conflict import Conflict, Path
+from bearingsim.config.fields import Conflict, Path
 from bearingsim.config.sections.defect import PATH_EXCITATIONS, SIMPLE_SHAPES
 from bearingsim.text.units import show
 

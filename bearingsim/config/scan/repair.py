@@ -14,8 +14,6 @@ import numpy as np
 
 from bearingsim.config.scan.file import Grid, ScanError, mm, places, read_file
 
-__all__ = ["Scan", "ScanError", "notes", "read_scan"]
-
 MIN_PLACES = 5  # places along either axis
 MAX_MISSING, LARGEST_GAP = 0.05, 9  # share of cells; cells of one gap
 MAX_SPIKES, LARGEST_SPIKE = 0.01, 2  # share of cells; cells of one spike

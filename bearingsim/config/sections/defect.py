@@ -153,7 +153,8 @@ def _with_scan(fields: dict[str, Any]) -> dict[str, Any]:
             "as in `file: scans/spall.csv`",
             at="file" if "file" in fields else "",
         )
-    from bearingsim.config.scan.repair import ScanError, read_scan  # numpy is for those who scan
+    from bearingsim.config.scan.file import ScanError  # numpy is for those who scan
+    from bearingsim.config.scan.repair import read_scan
 
     present = [name for name in (*SIZES, "digest") if name in fields]
     made = len(present) == len(SIZES) + 1 and all(isinstance(fields[name], int | float) for name in SIZES)
