@@ -5,7 +5,6 @@ does alone shows in the median of points side by side; how much the others do, i
 """
 
 import math
-import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -16,14 +15,12 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
 from bearingsim.plots import labels, select
-from bearingsim.plots.style import COLUMN_IN
-from bearingsim.plots.sweep import (
+from bearingsim.plots.axes import (
     BAND_ALPHA,
-    LABEL_LETTERS,
     ROW_IN,
     Curve,
-    axis_label,
     curves_of,
+    draw_panels,
     finish,
     legend_entries,
     legend_width,
@@ -31,11 +28,13 @@ from bearingsim.plots.sweep import (
     mark_chaotic,
     mark_lost,
     positions,
-    share_scales,
     styles_of_curves,
     x_axis,
+    x_label,
     y_axis,
+    y_label,
 )
+from bearingsim.plots.style import COLUMN_IN
 from bearingsim.study import Figure
 from bearingsim.study.design import COUNTED
 
@@ -91,24 +90,12 @@ def description(design: Mapping[str, Any]) -> str:
 
 
 def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
-    """Draw a completed figure whose points make no line: arguments and arrangement as of ``sweep.draw``."""
-    panels = list(select.splits(rows, figure.panels, units))
-    entries = legend_entries(figure, styles_of_curves(figure, rows, units), rows)
-    width = len(figure.y) * COLUMN_IN + 0.55 + legend_width(entries)
-    layout = ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.06)
-    canvas = Canvas(figsize=(width, len(panels) * ROW_IN + 0.55), layout=layout)
-    axes = [list(line) for line in canvas.subplots(len(panels), len(figure.y), sharex=True, squeeze=False)]
-    for row, (text, part) in enumerate(panels):
-        for column, name in enumerate(figure.y):
-            _panel(axes[row][column], name, figure, rows, part, units)
-            letter(axes[row][column], row * len(figure.y) + column, len(panels) * len(figure.y), text)
-    share_scales(axes)
-    for ax in axes[-1]:
-        ax.set_xlabel(_x_label(figure.x, rows, units))
-    if entries:
-        canvas.legend(handles=entries, loc="outside right upper")
-    finish(canvas, figure.title, caption)
-    return canvas
+    """Draw a completed figure whose points make no line; arguments as of ``axes.draw_panels``."""
+
+    def panel(ax: "Axes", name: str, part: "pd.DataFrame") -> None:
+        _panel(ax, name, figure, rows, part, units)
+
+    return draw_panels(figure, rows, units, caption, panel)
 
 
 def draw_paths(
@@ -126,15 +113,13 @@ def draw_paths(
     for number, (ax, path) in enumerate(zip(axes, paths, strict=False)):
         log = (*figure.log, "x") if by_logarithm(list(rows[path])) else figure.log
         _panel(ax, name, replace(figure, x=path, log=log), rows, rows, units)
-        ax.set_xlabel(_x_label(path, rows, units))
+        ax.set_xlabel(x_label(path, rows, units))
         letter(ax, number, len(paths), "")
         if number % columns:
             ax.set_ylabel("")
     for ax in axes[len(paths) :]:
         ax.remove()
-    if entries:
-        canvas.legend(handles=entries, loc="outside right upper")
-    finish(canvas, figure.title, caption)
+    finish(canvas, figure.title, caption, entries)
     return canvas
 
 
@@ -150,10 +135,6 @@ def by_logarithm(values: Sequence[float]) -> bool:
     return float(np.median(values)) < math.sqrt(math.sqrt(low * high) * (low + high) / 2.0)
 
 
-def _x_label(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:
-    return axis_label(labels.name_text(path), select.x_unit(path, rows, units))
-
-
 def _panel(
     ax: "Axes",
     name: str,
@@ -164,7 +145,7 @@ def _panel(
 ) -> None:
     """Draw one feature's points over x; ``part``: the rows of the panel, of all ``rows``."""
     unit, factor = labels.feature_axis(name, float(rows[name].abs().max()))
-    ax.set_ylabel(textwrap.fill(axis_label(labels.feature_text(name), unit), LABEL_LETTERS))
+    ax.set_ylabel(y_label(name, unit))
     order = {value: place for place, value in enumerate(select.values(rows, figure.x))}
     for curve in curves_of(figure, part, units, styles_of_curves(figure, rows, units), order):
         x, y = positions(figure.x, curve.rows, rows, units), list(curve.rows[name] * factor)

@@ -10,10 +10,10 @@ from matplotlib.figure import Figure as Canvas
 from bearingsim.config import dataset_names
 from bearingsim.config.names import roller_of
 from bearingsim.plots import labels, recorded, select
+from bearingsim.plots.axes import axis_label, finish, share_scales
 from bearingsim.plots.caption import fixed_values
 from bearingsim.plots.recorded import Job, Signal
 from bearingsim.plots.style import COLOURS, COLUMN_IN
-from bearingsim.plots.sweep import axis_label, finish, share_scales
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,12 +9,11 @@ from matplotlib.figure import Figure as Canvas
 
 from bearingsim.config.names import LINE_LOADS, roller_of
 from bearingsim.plots import labels, lines, recorded, select
+from bearingsim.plots.axes import axis_label, finish
 from bearingsim.plots.caption import fixed_values
-from bearingsim.plots.passage import Passage, first_passage
-from bearingsim.plots.pit_shape import Reals, ends_of_slices
+from bearingsim.plots.passage import Passage, Reals, ends_of_slices, first_passage
 from bearingsim.plots.recorded import Job
 from bearingsim.plots.style import COLOURS, LINES
-from bearingsim.plots.sweep import axis_label, finish
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

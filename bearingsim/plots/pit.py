@@ -9,11 +9,21 @@ import numpy as np
 from matplotlib.figure import Figure as Canvas
 
 from bearingsim.plots import labels, recorded, select
+from bearingsim.plots.axes import finish, letter
 from bearingsim.plots.caption import fixed_values
-from bearingsim.plots.passage import RollerPath, roller_path
-from bearingsim.plots.pit_shape import MARGIN, Pit, Reals, Section, cut, distinct_sections, ends_of_slices, pits_of
+from bearingsim.plots.passage import (
+    MARGIN,
+    Pit,
+    Reals,
+    RollerPath,
+    Section,
+    cut,
+    distinct_sections,
+    ends_of_slices,
+    pits_of,
+    roller_path,
+)
 from bearingsim.plots.style import COLOURS
-from bearingsim.plots.sweep import finish, letter
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -183,7 +183,7 @@ def _design_texts(results: "Results") -> list[str]:
 
 def _sheet(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> "tuple[Canvas, Figure]":
     """Complete and draw a figure; return the canvas and the completed figure."""
-    from bearingsim.plots import categories, design, select, sweep
+    from bearingsim.plots import design, select, sweep
     from bearingsim.plots.caption import band_of_record, fixed_values, moved_along, varying
 
     units, together = results.plan["units"], select.design_paths(results)
@@ -194,8 +194,8 @@ def _sheet(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> "tuple
         caption += [*varying(figure, part, units), *_design_texts(results)]
         return design.draw(figure, part, units, caption), figure
     caption += moved_along(figure, part, units)
-    if categories.are_many(figure, part, units):
-        return categories.draw(figure, part, units, caption), figure
+    if sweep.are_many(figure, part, units):
+        return sweep.draw_names(figure, part, units, caption), figure
     part = select.with_spread(results, part, figure.y)
     return sweep.draw(figure, part, units, [*caption, *select.spread_texts(results, part)]), figure
 

@@ -14,11 +14,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
 from bearingsim.plots import labels, recorded, select
+from bearingsim.plots.axes import finish, letter
 from bearingsim.plots.caption import fixed_values
 from bearingsim.plots.pit import round_below
 from bearingsim.plots.ring_shape import Instant, Mark, Push, Reals, RingShape, ring_shape
 from bearingsim.plots.style import COLOURS, COLUMN_IN
-from bearingsim.plots.sweep import finish, letter
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,9 +10,9 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from bearingsim.plots import labels
+from bearingsim.plots.axes import finish
 from bearingsim.plots.caption import fixed_values
 from bearingsim.plots.style import COLOURS, MARKERS, drawing
-from bearingsim.plots.sweep import finish
 from bearingsim.sensitivity import LEVEL, Blocks, Effects, Estimate, Indices
 
 if TYPE_CHECKING:

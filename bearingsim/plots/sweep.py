@@ -1,185 +1,66 @@
 """Features against a swept parameter: the figures of a parametric study."""
 
 import math
-import textwrap
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure as Canvas
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator
 
 from bearingsim.plots import labels, select
-from bearingsim.plots.style import COLUMN_IN, CurveStyle, curve_styles
-from bearingsim.store import PARTS, is_one_draw
+from bearingsim.plots.axes import (
+    BAND_ALPHA,
+    MODEL_MARK,
+    STATUS_MARKS,
+    Curve,
+    curves_of,
+    draw_panels,
+    finish,
+    legend_entries,
+    legend_width,
+    letter,
+    mark_chaotic,
+    mark_lost,
+    models_of,
+    positions,
+    styles_of_curves,
+    ticks_between,
+    x_axis,
+    y_axis,
+    y_label,
+)
+from bearingsim.plots.style import CurveStyle
+from bearingsim.store import PARTS
 from bearingsim.study import Figure
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
-    from matplotlib.axis import Axis
-
-ROW_IN = 2.7
-HEADROOM = 1.05  # upper limit of an axis from zero, times the largest value
-LABEL_LETTERS = 34  # of an axis label, in a line
-CAPTION_LINES, CAPTION_LINE_IN = (
-    4,
-    0.13,
-)  # caption lines that fit below any figure; height (inches) of each further line
-CHARACTER_IN = 0.066  # width of a letter of the legend
-STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
-RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec": "0.45", "mew": 1.0}
-BAND_ALPHA, BAR_POINTS = 0.18, 4.0
-EVEN = 3.0  # below this ratio of limits a log axis gets linear ticks
-TICKS = ((6.0, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)), (200.0, (1.0, 2.0, 5.0)))
-"""Digits of ticks on a log axis, by the largest ratio of limits at which they fit."""
-NO_BREAK = "\u00a0"
 
 
-@dataclass(frozen=True)
-class Curve:
-    """Line of a panel: its texts in the legend by colour and by line, its style and its rows."""
-
-    colour_text: str
-    line_text: str
-    look: CurveStyle
-    rows: "pd.DataFrame"
+BAR_POINTS = 4.0  # width of a bar of uncertainty
 
 
 def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
-    """Draw a completed figure: a column of axes per y, a row per panel, a line per combination of `by`.
-
-    rows: the cases of the figure, SI; caption: what all of them have in common, wrapped below.
-    """
-    panels = list(select.splits(rows, figure.panels, units))
+    """Draw a completed figure, a line per combination of `by`; arguments as of ``axes.draw_panels``."""
     order = {value: place for place, value in enumerate(select.values(rows, figure.x))}
     styles = styles_of_curves(figure, rows, units)
-    entries = legend_entries(figure, styles, rows)
-    canvas, axes = _sheet(len(panels), len(figure.y), entries)
-    for row, (text, part) in enumerate(panels):
-        for column, name in enumerate(figure.y):
-            _panel(axes[row][column], name, figure, rows, curves_of(figure, part, units, styles, order), units)
-            letter(axes[row][column], row * len(figure.y) + column, len(panels) * len(figure.y), text)
-    share_scales(axes)
-    for ax in axes[-1]:
-        ax.set_xlabel(axis_label(labels.name_text(figure.x), select.x_unit(figure.x, rows, units)))
-    if entries:
-        canvas.legend(handles=entries, loc="outside right upper")
-    finish(canvas, figure.title, caption)
-    return canvas
 
+    def panel(ax: "Axes", name: str, part: "pd.DataFrame") -> None:
+        unit, factor = labels.feature_axis(name, float(rows[name].abs().max()))  # of the whole column
+        ax.set_ylabel(y_label(name, unit))
+        for curve in curves_of(figure, part, units, styles, order):
+            x, y = positions(figure.x, curve.rows, rows, units), list(curve.rows[name] * factor)
+            ax.plot(*_broken(x, y, name), **curve.look.keywords())
+            mark_spread(ax, x, curve, name, factor)
+            mark_errors(ax, x, y, curve)
+            mark_models(ax, x, y, curve.rows, models_of(rows))
+            mark_chaotic(ax, x, y, curve.rows, name)
+            mark_lost(ax, x, curve.rows["status"])
+        x_axis(ax, figure, rows, units)
+        y_axis(ax, name, figure)
 
-def finish(canvas: Canvas, title: str | None, caption: Sequence[str]) -> None:
-    """Put the title above and the caption, wrapped to the figure's width, below; a long one makes it higher."""
-    if title:
-        canvas.suptitle(title, fontsize=10.0)
-    width = int(canvas.get_size_inches()[0] / 0.053)
-    whole = [item.replace(" ", NO_BREAK) for item in caption]
-    text = textwrap.fill(", ".join(whole), width, break_on_hyphens=False)
-    inches, height = canvas.get_size_inches()
-    canvas.set_size_inches(inches, height + CAPTION_LINE_IN * max(0, text.count("\n") + 1 - CAPTION_LINES))
-    canvas.supxlabel(text, x=0.01, ha="left", fontsize=7.0, color="0.35")
-
-
-def axis_label(text: str, unit: str) -> str:
-    """Join name and unit to an axis label: `Defect length (mm)`."""
-    return text[:1].upper() + text[1:] + (f" ({labels.pretty(unit)})" if unit else "")
-
-
-def _sheet(rows: int, columns: int, entries: Sequence[Line2D]) -> tuple[Canvas, list[list["Axes"]]]:
-    width = columns * COLUMN_IN + 0.55 + legend_width(entries)
-    canvas = Canvas(figsize=(width, rows * ROW_IN + 0.55), layout=ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.06))
-    return canvas, [list(line) for line in canvas.subplots(rows, columns, sharex=True, squeeze=False)]
-
-
-def legend_width(entries: Sequence[Line2D]) -> float:
-    """Estimate the width (inches) of the texts of a legend beside the axes."""
-    return CHARACTER_IN * max((len(str(entry.get_label())) for entry in entries), default=-8)
-
-
-# Curves and their looks
-
-
-def styles_of_curves(
-    figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]
-) -> dict[tuple[str, str], CurveStyle]:
-    """Assign a style to each combination of the first `by` path and all others, equal in every panel."""
-    firsts = [text for text, _ in select.splits(rows, figure.by[:1], units)]
-    seconds = list(dict.fromkeys(text for text, _ in select.splits(rows, figure.by[1:], units)))
-    ordered = bool(figure.by) and select.is_numeric(select.values(rows, figure.by[0]))
-    table = curve_styles(len(firsts), len(seconds), ordered)
-    return {(a, b): table[i][j] for i, a in enumerate(firsts) for j, b in enumerate(seconds)}
-
-
-def curves_of(
-    figure: Figure,
-    rows: "pd.DataFrame",
-    units: Mapping[str, str],
-    styles: Mapping[tuple[str, str], CurveStyle],
-    order: Mapping[Any, int],
-) -> list[Curve]:
-    """List the curves of one panel, points sorted by the ``order`` of values on x."""
-    return [
-        Curve(
-            colour_text,
-            line_text,
-            styles[colour_text, line_text],
-            inner.loc[inner[figure.x].map(order).sort_values().index],
-        )
-        for colour_text, part in select.splits(rows, figure.by[:1], units)
-        for line_text, inner in select.splits(part, figure.by[1:], units)
-    ]
-
-
-def legend_entries(
-    figure: Figure, styles: Mapping[tuple[str, str], CurveStyle], rows: "pd.DataFrame"
-) -> list[Line2D]:
-    """Make legend entries: first `by` path by colour and marker, others by line, then marks of failures and
-    models.
-    """
-    firsts = list(dict.fromkeys(colour_text for colour_text, _ in styles))
-    seconds = list(dict.fromkeys(line_text for _, line_text in styles))
-    entries: list[Line2D] = []
-    if len(firsts) > 1:
-        looks_of = [(colour_text, styles[colour_text, seconds[0]]) for colour_text in firsts]
-        entries += [_entry(text, look._replace(line="") if len(seconds) > 1 else look) for text, look in looks_of]
-    if len(seconds) > 1:
-        entries += [
-            _entry(line_text, styles[firsts[0], line_text]._replace(colour="0.25")) for line_text in seconds
-        ]
-    lost = [mark for status, mark in STATUS_MARKS.items() if (rows["status"] == status).any()]
-    entries += [Line2D([], [], ls="", marker=m, color=colour, label=text) for m, colour, text in lost]
-    marks = {model: MODEL_MARK | {"marker": mark} for model, mark in models_of(rows).items()}
-    entries += [Line2D([], [], label=model, **mark) for model, mark in marks.items() if len(marks) > 1]
-    drawn = [is_one_draw(rows, name).any() for name in figure.y if name in rows]
-    return entries + [Line2D([], [], **RING, label="chaotic: one draw of many")] * any(drawn)
-
-
-def _entry(text: str, look: CurveStyle) -> Line2D:
-    return Line2D([], [], label=text, **look.keywords())
-
-
-# One panel
-
-
-def _panel(
-    ax: "Axes", name: str, figure: Figure, rows: "pd.DataFrame", curves: list[Curve], units: Mapping[str, str]
-) -> None:
-    """Draw one feature's curves; the y unit is that of the whole column."""
-    unit, factor = labels.feature_axis(name, float(rows[name].abs().max()))
-    ax.set_ylabel(textwrap.fill(axis_label(labels.feature_text(name), unit), LABEL_LETTERS))
-    for curve in curves:
-        x, y = positions(figure.x, curve.rows, rows, units), list(curve.rows[name] * factor)
-        ax.plot(*_broken(x, y, name), **curve.look.keywords())
-        mark_spread(ax, x, curve, name, factor)
-        mark_errors(ax, x, y, curve)
-        mark_models(ax, x, y, curve.rows, models_of(rows))
-        mark_chaotic(ax, x, y, curve.rows, name)
-        mark_lost(ax, x, curve.rows["status"])
-    x_axis(ax, figure, rows, units)
-    y_axis(ax, name, figure)
+    return draw_panels(figure, rows, units, caption, panel)
 
 
 def mark_spread(ax: "Axes", x: Sequence[float], curve: Curve, name: str, factor: float) -> None:
@@ -194,10 +75,6 @@ def mark_spread(ax: "Axes", x: Sequence[float], curve: Curve, name: str, factor:
     elif any(has):
         places, least, largest = ([v for v, is_one in zip(a, has, strict=True) if is_one] for a in (x, low, high))
         ax.vlines(places, least, largest, color=curve.look.colour, lw=BAR_POINTS, alpha=2.0 * BAND_ALPHA)
-
-
-MODEL_MARKS = "osD^vP"
-MODEL_MARK: dict[str, Any] = {"ls": "", "color": "0.1", "ms": 2.5, "mew": 0.0}
 
 
 def mark_errors(ax: "Axes", x: Sequence[float], y: Sequence[float], curve: Curve) -> None:
@@ -216,14 +93,6 @@ def mark_errors(ax: "Axes", x: Sequence[float], y: Sequence[float], curve: Curve
         ax.errorbar(places, value, error, fmt="none", ecolor=curve.look.colour, elinewidth=1.0, capsize=2.5)
 
 
-def models_of(rows: "pd.DataFrame") -> dict[str, str]:
-    """Assign a mark to each model chosen for the rows; empty unless the study names an accuracy."""
-    if "error.model" not in rows:
-        return {}
-    names = sorted({str(name) for name in rows["model"] if name})
-    return {name: MODEL_MARKS[number % len(MODEL_MARKS)] for number, name in enumerate(names)}
-
-
 def mark_models(
     ax: "Axes", x: Sequence[float], y: Sequence[float], rows: "pd.DataFrame", marks: Mapping[str, str]
 ) -> None:
@@ -236,15 +105,6 @@ def mark_models(
             ax.plot(*zip(*points, strict=True), zorder=5.0, **MODEL_MARK | {"marker": mark})
 
 
-def positions(x: str, part: "pd.DataFrame", rows: "pd.DataFrame", units: Mapping[str, str]) -> list[float]:
-    """Return the positions of rows on the x axis: in the study's unit, or words counted from 0."""
-    distinct = select.values(rows, x)
-    if not select.is_numeric(distinct):
-        return [float(distinct.index(value)) for value in part[x]]
-    unit = select.x_unit(x, rows, units)
-    return [labels.shown(x, value, unit) for value in part[x]]
-
-
 def _broken(x: Sequence[float], y: Sequence[float], name: str) -> tuple[list[float], list[float]]:
     """Return the points of a curve; phases are broken at the wrap from -180 to 180 deg."""
     points = [(x[0], y[0])]
@@ -255,77 +115,109 @@ def _broken(x: Sequence[float], y: Sequence[float], name: str) -> tuple[list[flo
     return [a for a, _ in points], [b for _, b in points]
 
 
-def mark_chaotic(ax: "Axes", x: Sequence[float], y: Sequence[float], rows: "pd.DataFrame", name: str) -> None:
-    """Draw a ring around each point of a feature that is one draw of many of a chaotic motion."""
-    draws = is_one_draw(rows, name)
-    points = [(a, b) for a, b, is_so in zip(x, y, draws, strict=True) if is_so and math.isfinite(a * b)]
-    if points:
-        ax.plot(*zip(*points, strict=True), **RING)
+# Many named cases, one under the other: names on the left, a column of values per feature
 
 
-def mark_lost(ax: "Axes", x: Sequence[float], status: "pd.Series[Any]") -> None:
-    """Mark jobs without a result on the x axis."""
+MAX_UPRIGHT, MAX_LETTERS = 6, 36  # names, and letters of all of them, that find room below an axis
+LINE_IN = 0.22  # height of a name
+VALUES_IN, NAME_LETTER_IN = 2.3, 0.072  # widths of a column of values, and of a letter of a name
+VALUE_LETTERS = 30  # of a label below values, in a line
+SPREAD = 0.5  # of the distance between names, over which several curves are spread
+ROOM = 0.22  # of the axis' length, for the number beside the last point
+
+
+def are_many(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> bool:
+    """Check if the words on x are too many, or too long, to be written below an axis."""
+    categories = select.values(rows, figure.x)
+    letters = sum(len(labels.value_text(figure.x, value, units)) for value in categories)
+    return not select.is_numeric(categories) and (len(categories) > MAX_UPRIGHT or letters > MAX_LETTERS)
+
+
+def draw_names(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
+    """Draw a completed figure with words on x lying down: a point per case, first case on top.
+
+    A column of axes per y, a row per panel, a colour per combination of `by`; a single curve's points carry their
+    numbers. Arguments as of ``axes.draw_panels``.
+    """
+    names = select.values(rows, figure.x)
+    panels = list(select.splits(rows, figure.panels, units))
+    styles = styles_of_curves(figure, rows, units)
+    entries = legend_entries(figure, styles, rows)
+    longest = max(len(name) for name in names)
+    width = (
+        len(figure.y) * VALUES_IN
+        + NAME_LETTER_IN * longest
+        + 0.4
+        + (legend_width(entries) + 0.6 if entries else 0.0)
+    )
+    height = len(panels) * (LINE_IN * len(names) + 0.75) + 0.3
+    canvas = Canvas(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.05))
+    axes = canvas.subplots(len(panels), len(figure.y), sharex="col", sharey=True, squeeze=False)
+    order = {name: place for place, name in enumerate(names)}
+    for row, (text, part) in enumerate(panels):
+        for column, feature in enumerate(figure.y):
+            ax = axes[row][column]
+            _values(ax, feature, figure, rows, curves_of(figure, part, units, styles, order), order)
+            letter(ax, row * len(figure.y) + column, len(panels) * len(figure.y), text)
+    corner = axes[0][0]
+    corner.set_yticks(range(len(names)), [labels.value_text(figure.x, name, units) for name in names])
+    corner.set_ylim(len(names) - 0.5, -0.5)
+    finish(canvas, figure.title, caption, entries)
+    return canvas
+
+
+def _values(
+    ax: "Axes", name: str, figure: Figure, rows: "pd.DataFrame", curves: list[Curve], order: Mapping[str, int]
+) -> None:
+    """Draw the points of one feature, a row per category."""
+    unit, factor = labels.feature_axis(name, float(rows[name].abs().max()))
+    ax.set_xlabel(y_label(name, unit, VALUE_LETTERS), fontsize=8.0)
+    is_log = "y" in figure.log and not name.endswith(".phase")
+    for number, curve in enumerate(curves):
+        aside = SPREAD * ((number + 0.5) / len(curves) - 0.5) if len(curves) > 1 else 0.0
+        places = [order[value] + aside for value in curve.rows[figure.x]]
+        points = list(curve.rows[name] * factor)
+        look: CurveStyle = curve.look._replace(line="")
+        ax.plot(points, places, **look.keywords())
+        mark_chaotic(ax, points, places, curve.rows, name)
+        if len(curves) == 1:
+            _numbers(ax, points, places, is_log)
+        _mark_lost_left(ax, places, list(curve.rows["status"]))
+    _value_axis(ax, name, is_log)
+    ax.grid(visible=False, axis="x")
+
+
+def _numbers(ax: "Axes", points: Sequence[float], places: Sequence[float], is_log: bool) -> None:
+    """Write its value right of each point, or at the axis if a log axis cannot show it."""
+    for value, place in zip(points, places, strict=True):
+        if value > 0.0 or (value == value and not is_log):
+            ax.annotate(
+                f"{value:.3g}", (value, place), (5, 0), textcoords="offset points", va="center", fontsize=7
+            )
+        elif value == 0.0:
+            ax.annotate("0", (0.0, place), (3, 0), xycoords=("axes fraction", "data"),
+                        textcoords="offset points", va="center", fontsize=7)  # fmt: skip
+
+
+def _mark_lost_left(ax: "Axes", places: Sequence[float], status: Sequence[str]) -> None:
+    """Mark jobs without a result on the left axis."""
     for kind, (marker, colour, _) in STATUS_MARKS.items():
-        where = [position for position, state in zip(x, status, strict=True) if state == kind]
-        if where:  # an empty line that is not clipped has no place, and breaks the layout
-            marks: dict[str, Any] = {"color": colour, "markersize": 6, "markeredgewidth": 1.5, "clip_on": False}
-            ax.plot(where, [0.025] * len(where), marker, transform=ax.get_xaxis_transform(), **marks)
+        where = [place for place, state in zip(places, status, strict=True) if state == kind]
+        if where:
+            ax.plot([0.02] * len(where), where, marker, transform=ax.get_yaxis_transform(), color=colour,
+                    markersize=6, markeredgewidth=1.5)  # fmt: skip
 
 
-def x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> None:
-    """Set the ticks of the x axis: at each value if there are few, words as categories."""
-    distinct = select.values(rows, figure.x)
-    if not select.is_numeric(distinct):
-        ax.set_xticks(range(len(distinct)), [labels.value_text(figure.x, value, units) for value in distinct])
-        ax.margins(x=0.12)
-    elif "x" in figure.log:
-        ax.set_xscale("log")
+def _value_axis(ax: "Axes", name: str, is_log: bool) -> None:
+    """Set scale, limits and ticks of the value axis, with room for the number of the largest value."""
+    if is_log:
+        ax.set_xscale("log", nonpositive="mask")
         ticks_between(ax.xaxis, ax.dataLim.minposx, ax.dataLim.x1)
-    elif len(distinct) <= 7:
-        unit = select.x_unit(figure.x, rows, units)
-        ticks = [labels.shown(figure.x, value, unit) for value in distinct]
-        ax.set_xticks(ticks, [labels.number_text(tick) for tick in ticks])
-
-
-def y_axis(ax: "Axes", name: str, figure: Figure) -> None:
-    """Set limits and ticks of a feature's y axis, from zero if no value is negative."""
-    if "y" in figure.log and not name.endswith(".phase"):
-        ax.set_yscale("log", nonpositive="mask")
-        ticks_between(ax.yaxis, ax.dataLim.minposy, ax.dataLim.y1)
+        low, high = ax.get_xlim()
+        ax.set_xlim(low, high * (high / low) ** ROOM)
     elif name.endswith(".phase"):
-        ax.set_ylim(-190.0, 190.0)
-        ax.set_yticks(range(-180, 181, 90))
+        ax.set_xlim(-190.0, 190.0)
+        ax.set_xticks(range(-180, 181, 90))
     else:
-        low, high = ax.dataLim.intervaly  # the margins are of a range that may be far from zero
-        if low >= 0.0:
-            ax.set_ylim(0.0, max(ax.get_ylim()[1], HEADROOM * high))
-        ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
-
-
-def ticks_between(axis: "Axis", low: float, high: float) -> None:
-    """Set the ticks of a log axis from ``low`` > 0 to ``high``: plain numbers, denser over fewer decades."""
-    span = high / low
-    between = next((digits for most, digits in TICKS if span < most), (1.0,))
-    axis.set_major_locator(MaxNLocator(4) if span < EVEN else LogLocator(subs=between))
-    axis.set_minor_locator(NullLocator() if span < EVEN else LogLocator(subs="auto"))
-    axis.set_major_formatter(lambda value, _: labels.number_text(value))
-    axis.set_minor_formatter(NullFormatter())
-
-
-def letter(ax: "Axes", number: int, count: int, text: str) -> None:
-    """Write `(a)` and the panel's text above its left corner."""
-    letter = f"({chr(ord('a') + number)})" if count > 1 else ""
-    ax.set_title(" ".join(filter(None, [letter, text])), loc="left")
-
-
-COMPARABLE = 4.0  # ratio of y ranges above which panels keep their own axes
-
-
-def share_scales(axes: list[list["Axes"]]) -> None:
-    """Share one y axis among the panels of a feature, unless their ranges differ too much."""
-    for stack in zip(*axes, strict=True):
-        limits = [ax.get_ylim() for ax in stack]
-        spans = [high - low for low, high in limits]
-        if max(spans) <= COMPARABLE * min(spans):
-            for ax in stack:
-                ax.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
+        ax.set_xlim(0.0, ax.get_xlim()[1] * (1.0 + ROOM))
+        ax.xaxis.set_major_formatter(lambda value, _: labels.number_text(value))

@@ -6,8 +6,8 @@ import pytest
 
 from bearingsim.cli import tables
 from bearingsim.plots import PlotError, lines
+from bearingsim.plots.axes import ticks_between
 from bearingsim.plots.plot import drawn
-from bearingsim.plots.sweep import ticks_between
 from tests.plots.test_plots import STUDY, only, record, results, text_of
 
 __all__ = ["results"]

@@ -8,8 +8,7 @@ import pytest
 
 from bearingsim.config import dataset_names
 from bearingsim.core.geometry.kinematics import cage_speed
-from bearingsim.plots.passage import first_passage, roller_path
-from bearingsim.plots.pit_shape import cut, pits_of
+from bearingsim.plots.passage import cut, first_passage, pits_of, roller_path
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.recorded import Job
 from bearingsim.simulation.simulate import simulate

@@ -10,8 +10,8 @@ from bearingsim import store
 from bearingsim.core.pits.closed_forms import bowl, box, groove, roller_drop
 from bearingsim.core.pits.depth import Circular, Merged, Placed
 from bearingsim.plots import PlotError, plot
+from bearingsim.plots.passage import cut, distinct_sections, pits_of
 from bearingsim.plots.pit import SECTION_IN, exaggeration
-from bearingsim.plots.pit_shape import cut, distinct_sections, pits_of
 from bearingsim.plots.plot import drawn as figures
 from bearingsim.store import case_of, flat_parameters
 from bearingsim.study import load_study

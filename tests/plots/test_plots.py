@@ -10,7 +10,7 @@ import pytest
 from matplotlib.colors import to_rgb
 
 from bearingsim import store
-from bearingsim.plots import PlotError, PlotWarning, labels, plot, select, style, sweep
+from bearingsim.plots import PlotError, PlotWarning, axes, labels, plot, select, style
 from bearingsim.plots.plot import KINDS, drawn
 from bearingsim.plots.recorded import Signal
 from bearingsim.plots.series import amplitude_spectrum
@@ -186,7 +186,7 @@ def test_what_moves_chaotically_is_ringed_and_the_legend_says_so(results):
     table.loc[(table["defect.length"] == 6e-3) & (table["load"] == 300.0), "chaotic"] = 1.0
     with mock.patch.object(type(made), "table", return_value=table):
         _, canvas = only(drawn(made))
-    rings = [line for ax in canvas.axes for line in ax.lines if line.get_markersize() == sweep.RING["ms"]]
+    rings = [line for ax in canvas.axes for line in ax.lines if line.get_markersize() == axes.RING["ms"]]
     assert len(rings) == 4  # two features, two models
     assert {tuple(ring.get_xdata()) for ring in rings} == {(6.0,)}
     assert text_of(canvas)[-1] == "chaotic: one draw of many"
@@ -208,7 +208,7 @@ def test_of_an_accuracy_bars_show_the_error_and_marks_the_model(results, total, 
     lengths = [abs(b[1] - a[1]) for a, b in bars.get_segments()]
     assert lengths == pytest.approx([2 * shown * max(ax.lines[0].get_ydata())] * len(lengths))
     assert text_of(canvas)[-2:] == ["planar", "rollers"]
-    marks = [line for line in ax.lines if line.get_markersize() == sweep.MODEL_MARK["ms"]]
+    marks = [line for line in ax.lines if line.get_markersize() == axes.MODEL_MARK["ms"]]
     at = {line.get_marker(): set(line.get_xdata()) for line in marks}
     assert at == {"o": {3.0, 9.0}, "s": {6.0}}
 

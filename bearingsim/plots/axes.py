@@ -1,0 +1,271 @@
+"""Axes that figures of features share: frame, curves, marks, scales, texts."""
+
+import math
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from matplotlib.figure import Figure as Canvas
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator
+
+from bearingsim.plots import labels, select
+from bearingsim.plots.style import COLUMN_IN, CurveStyle, curve_styles
+from bearingsim.store import is_one_draw
+from bearingsim.study import Figure
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+
+
+ROW_IN = 2.7
+HEADROOM = 1.05  # upper limit of an axis from zero, times the largest value
+LABEL_LETTERS = 34  # of an axis label, in a line
+CAPTION_LINES = 4  # of a caption that fit below any figure
+CAPTION_LINE_IN = 0.13  # height (inches) of each further line of a caption
+CHARACTER_IN = 0.066  # width of a letter of the legend
+STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
+RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec": "0.45", "mew": 1.0}
+BAND_ALPHA = 0.18
+EVEN = 3.0  # below this ratio of limits a log axis gets linear ticks
+TICKS = ((6.0, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)), (200.0, (1.0, 2.0, 5.0)))
+"""Digits of ticks on a log axis, by the largest ratio of limits at which they fit."""
+NO_BREAK = "\u00a0"
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Line of a panel: its texts in the legend by colour and by line, its style and its rows."""
+
+    colour_text: str
+    line_text: str
+    look: CurveStyle
+    rows: "pd.DataFrame"
+
+
+def draw_panels(
+    figure: Figure,
+    rows: "pd.DataFrame",
+    units: Mapping[str, str],
+    caption: Sequence[str],
+    panel: "Callable[[Axes, str, pd.DataFrame], None]",
+) -> Canvas:
+    """Draw a completed figure: a column of axes per y, a row per panel, by ``panel`` (axes, feature, rows).
+
+    rows: the cases of the figure, SI; caption: what all of them have in common, wrapped below.
+    """
+    parts = list(select.splits(rows, figure.panels, units))
+    entries = legend_entries(figure, styles_of_curves(figure, rows, units), rows)
+    width = len(figure.y) * COLUMN_IN + 0.55 + legend_width(entries)
+    layout = ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.06)
+    canvas = Canvas(figsize=(width, len(parts) * ROW_IN + 0.55), layout=layout)
+    axes = [list(line) for line in canvas.subplots(len(parts), len(figure.y), sharex=True, squeeze=False)]
+    for row, (text, part) in enumerate(parts):
+        for column, name in enumerate(figure.y):
+            panel(axes[row][column], name, part)
+            letter(axes[row][column], row * len(figure.y) + column, len(parts) * len(figure.y), text)
+    share_scales(axes)
+    for ax in axes[-1]:
+        ax.set_xlabel(x_label(figure.x, rows, units))
+    finish(canvas, figure.title, caption, entries)
+    return canvas
+
+
+def finish(canvas: Canvas, title: str | None, caption: Sequence[str], entries: Sequence[Line2D] = ()) -> None:
+    """Add the legend beside the axes, the title above, and the caption, wrapped to the figure's width, below.
+
+    A long caption makes the figure higher.
+    """
+    if entries:
+        canvas.legend(handles=entries, loc="outside right upper")
+    if title:
+        canvas.suptitle(title, fontsize=10.0)
+    width = int(canvas.get_size_inches()[0] / 0.053)
+    whole = [item.replace(" ", NO_BREAK) for item in caption]
+    text = textwrap.fill(", ".join(whole), width, break_on_hyphens=False)
+    inches, height = canvas.get_size_inches()
+    canvas.set_size_inches(inches, height + CAPTION_LINE_IN * max(0, text.count("\n") + 1 - CAPTION_LINES))
+    canvas.supxlabel(text, x=0.01, ha="left", fontsize=7.0, color="0.35")
+
+
+def axis_label(text: str, unit: str) -> str:
+    """Join name and unit to an axis label: `Defect length (mm)`."""
+    return text[:1].upper() + text[1:] + (f" ({labels.pretty(unit)})" if unit else "")
+
+
+def x_label(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:
+    """Return the label of the x axis of a figure over ``path``."""
+    return axis_label(labels.name_text(path), select.x_unit(path, rows, units))
+
+
+def y_label(name: str, unit: str, letters: int = LABEL_LETTERS) -> str:
+    """Return the label of a feature's axis, wrapped to lines of some letters."""
+    return textwrap.fill(axis_label(labels.feature_text(name), unit), letters)
+
+
+def legend_width(entries: Sequence[Line2D]) -> float:
+    """Estimate the width (inches) of the texts of a legend beside the axes."""
+    return CHARACTER_IN * max((len(str(entry.get_label())) for entry in entries), default=-8)
+
+
+# Curves and their looks
+
+
+def styles_of_curves(
+    figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]
+) -> dict[tuple[str, str], CurveStyle]:
+    """Assign a style to each combination of the first `by` path and all others, equal in every panel."""
+    firsts = [text for text, _ in select.splits(rows, figure.by[:1], units)]
+    seconds = list(dict.fromkeys(text for text, _ in select.splits(rows, figure.by[1:], units)))
+    ordered = bool(figure.by) and select.is_numeric(select.values(rows, figure.by[0]))
+    table = curve_styles(len(firsts), len(seconds), ordered)
+    return {(a, b): table[i][j] for i, a in enumerate(firsts) for j, b in enumerate(seconds)}
+
+
+def curves_of(
+    figure: Figure,
+    rows: "pd.DataFrame",
+    units: Mapping[str, str],
+    styles: Mapping[tuple[str, str], CurveStyle],
+    order: Mapping[Any, int],
+) -> list[Curve]:
+    """List the curves of one panel, points sorted by the ``order`` of values on x."""
+    return [
+        Curve(
+            colour_text,
+            line_text,
+            styles[colour_text, line_text],
+            inner.loc[inner[figure.x].map(order).sort_values().index],
+        )
+        for colour_text, part in select.splits(rows, figure.by[:1], units)
+        for line_text, inner in select.splits(part, figure.by[1:], units)
+    ]
+
+
+def legend_entries(
+    figure: Figure, styles: Mapping[tuple[str, str], CurveStyle], rows: "pd.DataFrame"
+) -> list[Line2D]:
+    """Make legend entries: first `by` path by colour and marker, others by line, then marks of failures and
+    models.
+    """
+    firsts = list(dict.fromkeys(colour_text for colour_text, _ in styles))
+    seconds = list(dict.fromkeys(line_text for _, line_text in styles))
+    entries: list[Line2D] = []
+    if len(firsts) > 1:
+        looks_of = [(colour_text, styles[colour_text, seconds[0]]) for colour_text in firsts]
+        entries += [_entry(text, look._replace(line="") if len(seconds) > 1 else look) for text, look in looks_of]
+    if len(seconds) > 1:
+        entries += [
+            _entry(line_text, styles[firsts[0], line_text]._replace(colour="0.25")) for line_text in seconds
+        ]
+    lost = [mark for status, mark in STATUS_MARKS.items() if (rows["status"] == status).any()]
+    entries += [Line2D([], [], ls="", marker=m, color=colour, label=text) for m, colour, text in lost]
+    marks = {model: MODEL_MARK | {"marker": mark} for model, mark in models_of(rows).items()}
+    entries += [Line2D([], [], label=model, **mark) for model, mark in marks.items() if len(marks) > 1]
+    drawn = [is_one_draw(rows, name).any() for name in figure.y if name in rows]
+    return entries + [Line2D([], [], **RING, label="chaotic: one draw of many")] * any(drawn)
+
+
+def _entry(text: str, look: CurveStyle) -> Line2D:
+    return Line2D([], [], label=text, **look.keywords())
+
+
+MODEL_MARKS = "osD^vP"
+MODEL_MARK: dict[str, Any] = {"ls": "", "color": "0.1", "ms": 2.5, "mew": 0.0}
+
+
+def models_of(rows: "pd.DataFrame") -> dict[str, str]:
+    """Assign a mark to each model chosen for the rows; empty unless the study names an accuracy."""
+    if "error.model" not in rows:
+        return {}
+    names = sorted({str(name) for name in rows["model"] if name})
+    return {name: MODEL_MARKS[number % len(MODEL_MARKS)] for number, name in enumerate(names)}
+
+
+def positions(x: str, part: "pd.DataFrame", rows: "pd.DataFrame", units: Mapping[str, str]) -> list[float]:
+    """Return the positions of rows on the x axis: in the study's unit, or words counted from 0."""
+    distinct = select.values(rows, x)
+    if not select.is_numeric(distinct):
+        return [float(distinct.index(value)) for value in part[x]]
+    unit = select.x_unit(x, rows, units)
+    return [labels.shown(x, value, unit) for value in part[x]]
+
+
+def mark_chaotic(ax: "Axes", x: Sequence[float], y: Sequence[float], rows: "pd.DataFrame", name: str) -> None:
+    """Draw a ring around each point of a feature that is one draw of many of a chaotic motion."""
+    draws = is_one_draw(rows, name)
+    points = [(a, b) for a, b, is_so in zip(x, y, draws, strict=True) if is_so and math.isfinite(a * b)]
+    if points:
+        ax.plot(*zip(*points, strict=True), **RING)
+
+
+def mark_lost(ax: "Axes", x: Sequence[float], status: "pd.Series[Any]") -> None:
+    """Mark jobs without a result on the x axis."""
+    for kind, (marker, colour, _) in STATUS_MARKS.items():
+        where = [position for position, state in zip(x, status, strict=True) if state == kind]
+        if where:  # an empty line that is not clipped has no place, and breaks the layout
+            marks: dict[str, Any] = {"color": colour, "markersize": 6, "markeredgewidth": 1.5, "clip_on": False}
+            ax.plot(where, [0.025] * len(where), marker, transform=ax.get_xaxis_transform(), **marks)
+
+
+def x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> None:
+    """Set the ticks of the x axis: at each value if there are few, words as categories."""
+    distinct = select.values(rows, figure.x)
+    if not select.is_numeric(distinct):
+        ax.set_xticks(range(len(distinct)), [labels.value_text(figure.x, value, units) for value in distinct])
+        ax.margins(x=0.12)
+    elif "x" in figure.log:
+        ax.set_xscale("log")
+        ticks_between(ax.xaxis, ax.dataLim.minposx, ax.dataLim.x1)
+    elif len(distinct) <= 7:
+        unit = select.x_unit(figure.x, rows, units)
+        ticks = [labels.shown(figure.x, value, unit) for value in distinct]
+        ax.set_xticks(ticks, [labels.number_text(tick) for tick in ticks])
+
+
+def y_axis(ax: "Axes", name: str, figure: Figure) -> None:
+    """Set limits and ticks of a feature's y axis, from zero if no value is negative."""
+    if "y" in figure.log and not name.endswith(".phase"):
+        ax.set_yscale("log", nonpositive="mask")
+        ticks_between(ax.yaxis, ax.dataLim.minposy, ax.dataLim.y1)
+    elif name.endswith(".phase"):
+        ax.set_ylim(-190.0, 190.0)
+        ax.set_yticks(range(-180, 181, 90))
+    else:
+        low, high = ax.dataLim.intervaly  # the margins are of a range that may be far from zero
+        if low >= 0.0:
+            ax.set_ylim(0.0, max(ax.get_ylim()[1], HEADROOM * high))
+        ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
+
+
+def ticks_between(axis: "Axis", low: float, high: float) -> None:
+    """Set the ticks of a log axis from ``low`` > 0 to ``high``: plain numbers, denser over fewer decades."""
+    span = high / low
+    between = next((digits for most, digits in TICKS if span < most), (1.0,))
+    axis.set_major_locator(MaxNLocator(4) if span < EVEN else LogLocator(subs=between))
+    axis.set_minor_locator(NullLocator() if span < EVEN else LogLocator(subs="auto"))
+    axis.set_major_formatter(lambda value, _: labels.number_text(value))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def letter(ax: "Axes", number: int, count: int, text: str) -> None:
+    """Write `(a)` and the panel's text above its left corner."""
+    letter = f"({chr(ord('a') + number)})" if count > 1 else ""
+    ax.set_title(" ".join(filter(None, [letter, text])), loc="left")
+
+
+COMPARABLE = 4.0  # ratio of y ranges above which panels keep their own axes
+
+
+def share_scales(axes: list[list["Axes"]]) -> None:
+    """Share one y axis among the panels of a feature, unless their ranges differ too much."""
+    for stack in zip(*axes, strict=True):
+        limits = [ax.get_ylim() for ax in stack]
+        spans = [high - low for low, high in limits]
+        if max(spans) <= COMPARABLE * min(spans):
+            for ax in stack:
+                ax.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
