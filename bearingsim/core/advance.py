@@ -32,7 +32,7 @@ RING_MOTION = tuple(
 
 
 class Monitor(NamedTuple):
-    """What a run must keep to.
+    """Limits of a run.
 
     stride: steps between looks; patience: seconds a body may be over the method's step limit; approach_bound:
     approach of a contact (m), energy_bound: energy of radial motion (J), that nothing in the case can bring about;
@@ -105,7 +105,7 @@ def approaches_of_bodies(model, y, n):
 
 @jit
 def radial_energy(bearing, y, n):
-    """Kinetic energy (J) of the ring's motion and the rollers' radial one."""
+    """Return the kinetic energy (J) of the ring's motion and the rollers' radial one."""
     v2 = 0.0
     for j in range(n):
         v2 = add(v2, y[lay.RADIAL_V + j] * y[lay.RADIAL_V + j])
@@ -130,7 +130,7 @@ def exceeded_limit(method, model, monitor, y):
 
 @jit
 def check_state(method, model, monitor, t, y):
-    """Outcome and body at time ``t`` (s): is the state finite, and no more than the case can have made of it?"""
+    """Return outcome and body at time ``t`` (s): NOT_FINITE or too much energy, if so."""
     n = lanes(model.bearing)
     slow = exceeded_limit(method, model, monitor, y)
     energy = radial_energy(model.bearing, y, n)
@@ -176,9 +176,9 @@ def take_samples(
 
 @take_samples.register(Samples)
 def _take_samples(samples, method, model, t, until, y, places):
-    first = max(0, floor((t - samples.first) * samples.rate) + 1)
+    begin = max(0, floor((t - samples.first) * samples.rate) + 1)
     end = min(samples.out.shape[1], floor((until - samples.first) * samples.rate) + 1)
-    for k in range(first, end):
+    for k in range(begin, end):
         reach(method, model, samples.first + k / samples.rate, y)
         read_sensor(model, y)
         record(y, places, k, samples.out)

@@ -50,5 +50,5 @@ def _thread_seconds():
 
 @jit
 def is_over(end):
-    """Tell whether the CPU time of this thread is past ``end`` (s); 0 and inf are never past."""
+    """Check if the CPU time of this thread is past ``end`` (s); 0 and inf are never past."""
     return 0.0 < end < thread_seconds()

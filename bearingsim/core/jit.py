@@ -1,4 +1,4 @@
-"""How the core is compiled: the one place that decides it.
+"""Compilation of the core: the one place that decides it.
 
 Five words are used everywhere else:
 
@@ -76,16 +76,16 @@ def cache_folder() -> Path | None:
                 continue
             if os.access(folder, os.W_OK):
                 if why:
-                    told(f"compiled code is kept in {folder.parent}: {why}")
+                    report(f"compiled code is kept in {folder.parent}: {why}")
                     os.environ["BEARINGSIM_CACHE"] = str(folder.parent.parent)
                 return folder
-    told(f"compiled code is not kept, so each process compiles anew: {why or 'no folder can be written'}")
+    report(f"compiled code is not kept, so each process compiles anew: {why or 'no folder can be written'}")
     return None
 
 
-def told(what: str) -> None:
+def report(message: str) -> None:
     """Print a line to stderr."""
-    print(f"bearingsim: {what}", file=sys.stderr)
+    print(f"bearingsim: {message}", file=sys.stderr)
 
 
 def chosen_folder() -> Path:
@@ -115,7 +115,7 @@ def passing_folder() -> Path:
 _CACHE = cache_folder()
 UNREADABLE = (ImportError, AttributeError)  # a type of another module, which is not here or has changed
 SAVING_S = 10.0
-"""How long another process may save: then this one does not, for it may be suspended."""
+"""Longest wait, in s, for another process that saves, which may be suspended; after it nothing is saved."""
 
 
 @lru_cache(maxsize=1)
@@ -206,11 +206,11 @@ def absent(parameters: Parameters) -> Parameters:
 def constant(value: Any, name: str) -> Callable:
     """Make an implementation of ``name`` that returns ``value``, whatever the arguments."""
 
-    def given(*arguments: Any) -> Any:
+    def implementation(*arguments: Any) -> Any:
         return value
 
-    given.__qualname__ = f"{name}.constant"  # compiled functions are told apart by it
-    return given
+    implementation.__qualname__ = f"{name}.constant"  # distinguishes compiled functions
+    return implementation
 
 
 def generic(
@@ -236,25 +236,25 @@ def generic(
     name = declaration.__name__
     implementations: dict[type, Callable] = {}
 
-    def found(kind: type) -> Any:
-        given = absent if kind in ABSENT and absent is not REFUSED else otherwise
-        return implementations.get(kind, given)
+    def lookup(kind: type) -> Any:
+        default = absent if kind in ABSENT and absent is not REFUSED else otherwise
+        return implementations.get(kind, default)
 
     def serves(kind: type) -> bool:
-        return found(kind) is not REFUSED
+        return lookup(kind) is not REFUSED
 
     def implementation(kind: type) -> Callable:
-        given = found(kind)
-        if given is REFUSED:
+        choice = lookup(kind)
+        if choice is REFUSED:
             raise TypeError(f"`{name}` is not registered for {kind.__name__}: @{name}.register({kind.__name__})")
-        return given if callable(given) else constant(given, name)
+        return choice if callable(choice) else constant(choice, name)
 
     def dispatch(*arguments: Any) -> Any:
         return implementation(type(arguments[0]))(*arguments)
 
-    def choose(first: Any, *rest: Any) -> Callable:
+    def choose(parameters: Any, *rest: Any) -> Callable:
         try:
-            return implementation(getattr(first, "instance_class", type(first)))
+            return implementation(getattr(parameters, "instance_class", type(parameters)))
         except TypeError as error:
             raise numba.TypingError(str(error)) from None
 
@@ -265,8 +265,8 @@ def generic(
 
         return keep
 
-    for given in ("__name__", "__qualname__", "__doc__", "__module__"):
-        setattr(dispatch, given, getattr(declaration, given))
+    for attribute in ("__name__", "__qualname__", "__doc__", "__module__"):
+        setattr(dispatch, attribute, getattr(declaration, attribute))
     dispatch.register = register  # type: ignore[attr-defined]
     dispatch.types = implementations.keys()  # type: ignore[attr-defined]
     dispatch.serves = serves  # type: ignore[attr-defined]

@@ -321,8 +321,8 @@ def free_rows(owner: str) -> dict[str, list[int]]:
         place // ROW
         for rows in DECLARED
         if owners & rows.owners
-        for first, end in rows.spans()
-        for place in range(first, end)
+        for start_of_row, end in rows.spans()
+        for place in range(start_of_row, end)
     }
     regions = {"WORK": (WORK, WORK_ROWS), "JACOBIAN_WORK": (JACOBIAN_WORK, JACOBIAN_WORK_ROWS)}
     return {

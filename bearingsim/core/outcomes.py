@@ -1,4 +1,4 @@
-"""How a run may end, as numbers that compiled code can hand on; words are found for them in ``simulation``."""
+"""Outcomes of a run, as numbers for compiled code; ``simulation`` has the words for them."""
 
 SUCCESS = 0
 STEP_LIMIT_EXCEEDED = 1  # a body stayed over the method's step limit

@@ -1,4 +1,4 @@
-"""What the models know, in SI. Symbols are those of docs/model.md; fields are floats unless said otherwise.
+"""Parameters of the models, in SI. Symbols are those of docs/model.md; fields are floats unless said otherwise.
 
 Every float must be a ``float`` (an ``int`` would compile a second copy of the core): ``build`` makes them.
 """
@@ -27,7 +27,7 @@ class Bearing(NamedTuple):
 
 
 class Support(NamedTuple):
-    """What holds and loads the outer ring: -F e_0 - F_across e_90, a bracket spring and damper at (x_0, y_0)."""
+    """Support and load of the outer ring: -F e_0 - F_across e_90, a bracket spring and damper at (x_0, y_0)."""
 
     F: float  # N
     F_across: float  # N

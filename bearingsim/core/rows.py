@@ -75,9 +75,9 @@ def check_apart(rows: Rows, other: Rows) -> None:
     """Raise ValueError if two declarations of a common owner share a cell, or one declaration has a cell twice."""
     if have_common_owner(rows, other):
         pairs = ((a, b) for a in enumerate(rows.spans(), 1) for b in enumerate(other.spans(), 1))
-        for (n, (first, end)), (m, (first_other, end_other)) in pairs:
-            if first < end_other and first_other < end and (rows is not other or n != m):
+        for (n, (begin, end)), (m, (begin_other, end_other)) in pairs:
+            if begin < end_other and begin_other < end and (rows is not other or n != m):
                 raise ValueError(
-                    f"{rows.place}: row {n} (cells {first} to {end - 1}) overlaps row {m} of {other.place}; "
+                    f"{rows.place}: row {n} (cells {begin} to {end - 1}) overlaps row {m} of {other.place}; "
                     "move it to free cells (`layout.free_rows`)"
                 )

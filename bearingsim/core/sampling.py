@@ -23,7 +23,8 @@ TABLE = 1024  # entries of the interpolation kernel per fine sample
 
 
 def kaiser_sinc(t: np.ndarray, cutoff: float, reach: float, decibels: float) -> np.ndarray:
-    """Kernel of a low-pass at ``t`` (in sample periods), ``cutoff`` in cycles a period, zero beyond ``reach``."""
+    """Return the kernel of a low-pass at ``t`` (in sample periods), ``cutoff`` in cycles a period, zero beyond
+    ``reach``."""
     beta = 0.1102 * (decibels - 8.7)
     inside = np.clip(1.0 - (t / reach) ** 2, 0.0, None)
     window = np.where(np.abs(t) <= reach, np.i0(beta * np.sqrt(inside)) / np.i0(beta), 0.0)
@@ -90,33 +91,33 @@ def low_pass(fine, taps, out, begin, end):
 
 
 @jit
-def interpolate(fine, first, ratio, kernel, weights, out, begin, end):
+def interpolate(fine, begin_fine, ratio, kernel, weights, out, begin, end):
     """Interpolate values out[:, n] at places first + n ratio of ``fine`` (C, m), begin <= n < end.
 
     fine: has nothing above 0.15 of its rate; weights: (2 INTERPOLATION_REACH,) to work with. They are normalised,
     so a constant stays what it is.
     """
     for n in range(begin, end):
-        place = first + n * ratio
+        place = begin_fine + n * ratio
         low = int(np.floor(place)) - INTERPOLATION_REACH + 1
         total = 0.0
         for k in range(2 * INTERPOLATION_REACH):
-            at = abs(low + k - place) * TABLE
-            i = int(at)
-            weights[k] = kernel[i] + (at - i) * (kernel[i + 1] - kernel[i])
+            distance = abs(low + k - place) * TABLE
+            i = int(distance)
+            weights[k] = kernel[i] + (distance - i) * (kernel[i + 1] - kernel[i])
             total += weights[k]
         for c in range(out.shape[0]):
             out[c, n] = dot(weights, fine[c, low : low + 2 * INTERPOLATION_REACH], 2 * INTERPOLATION_REACH) / total
 
 
 @jit
-def pick(raw, first, ratio, out, begin, end):
-    """Raw values between steps: out[:, n] at column first + n ratio of ``raw`` (C, m), begin <= n < end.
+def pick(raw, begin_fine, ratio, out, begin, end):
+    """Pick raw values between steps: out[:, n] at column first + n ratio of ``raw`` (C, m), begin <= n < end.
 
     Linear in between. ``out`` is the whole record: a slice of it would compile a second copy where it covers all.
     """
     for n in range(begin, end):
-        place = first + n * ratio
+        place = begin_fine + n * ratio
         i = min(int(place), raw.shape[1] - 2)
         for c in range(out.shape[0]):
             out[c, n] = raw[c, i] + (place - i) * (raw[c, i + 1] - raw[c, i])

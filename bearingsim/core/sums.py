@@ -25,7 +25,7 @@ def lane_sum(row, y, n):
 
 
 @inlined
-def sum_loads(first, last, y, n):
-    """Fill the cells ``first`` to ``last`` of the loads on rings and cage with what the rollers do to them."""
-    for cell in range(first, last + 1):
+def sum_loads(begin, end, y, n):
+    """Fill the cells ``begin`` to ``end`` of the loads on rings and cage with what the rollers do to them."""
+    for cell in range(begin, end + 1):
         y[cell] = lane_sum(lay.roller_load(cell), y, n)

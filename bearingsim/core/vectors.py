@@ -27,7 +27,7 @@ FUSED: Any = ("contract",)  # a product may be fused with the addition to it, as
 
 
 def weighted_rows(
-    builder: Any, y: Any, rows: list[Any], table: Any, shape: tuple[Any, Any], first: Any
+    builder: Any, y: Any, rows: list[Any], table: Any, shape: tuple[Any, Any], lane: Any
 ) -> list[Any]:
     """Return for each of ``rows`` sum_i y[row + i] table[i, first:first + 8] as a vector.
 
@@ -37,7 +37,7 @@ def weighted_rows(
     for total in totals:
         builder.store(NOTHING, total)
     with cgutils.for_range(builder, shape[0]) as loop:
-        lanes = builder.gep(table, [builder.add(builder.mul(loop.index, shape[1]), first)])
+        lanes = builder.gep(table, [builder.add(builder.mul(loop.index, shape[1]), lane)])
         values = builder.load(builder.bitcast(lanes, EIGHT.as_pointer()), align=8)
         for row, total in zip(rows, totals, strict=True):
             weight = builder.load(builder.gep(y, [builder.add(row, loop.index)]))
@@ -60,13 +60,13 @@ def put(builder: Any, y: Any, place: Any, vector: Any) -> None:
     builder.store(vector, builder.bitcast(builder.gep(y, [place]), EIGHT.as_pointer()), align=8)
 
 
-def sum_harmonics(tables: np.ndarray, rows_c: tuple, rows_s: tuple, y: np.ndarray, first: int, to: tuple) -> None:
+def sum_harmonics(tables: np.ndarray, rows_c: tuple, rows_s: tuple, y: np.ndarray, lane: int, to: tuple) -> None:
     """Set y[to + k] = sum_i y[row_c + i] tables[0, i, first + k] + y[row_s + i] tables[1, i, first + k].
 
     For k from 0 to 7, and for each row_c of ``rows_c``, row_s of ``rows_s``, ``to``: tuples of as many integers.
     tables: (2, n, m), in C order: cosines and sines.
     """
-    n, lanes = tables.shape[1], slice(first, first + VECTOR_WIDTH)
+    n, lanes = tables.shape[1], slice(lane, lane + VECTOR_WIDTH)
     for row_c, row_s, place in zip(rows_c, rows_s, to, strict=True):
         by_c, by_s = (
             y[row : row + n] @ table[:, lanes] for row, table in zip((row_c, row_s), tables, strict=True)
@@ -74,9 +74,9 @@ def sum_harmonics(tables: np.ndarray, rows_c: tuple, rows_s: tuple, y: np.ndarra
         y[place : place + VECTOR_WIDTH] = by_c + by_s
 
 
-def sum_rollers(tables: np.ndarray, row: int, y: np.ndarray, first: int, to: tuple) -> None:
+def sum_rollers(tables: np.ndarray, row: int, y: np.ndarray, lane: int, to: tuple) -> None:
     """Set y[to[0] + k] = sum_j y[row + j] tables[0, j, first + k], and the same of to[1] and tables[1]."""
-    n, lanes = tables.shape[1], slice(first, first + VECTOR_WIDTH)
+    n, lanes = tables.shape[1], slice(lane, lane + VECTOR_WIDTH)
     for table, place in zip(tables, to, strict=True):
         y[place : place + VECTOR_WIDTH] = y[row : row + n] @ table[:, lanes]
 
@@ -86,7 +86,7 @@ def sum_rollers(tables: np.ndarray, row: int, y: np.ndarray, first: int, to: tup
 
 @intrinsic
 def harmonics_in_registers(
-    typing_context: Any, tables: Any, rows_c: Any, rows_s: Any, y: Any, first: Any, to: Any
+    typing_context: Any, tables: Any, rows_c: Any, rows_s: Any, y: Any, lane: Any, to: Any
 ) -> Any:
     """Compile ``sum_harmonics``."""
 
@@ -98,8 +98,8 @@ def harmonics_in_registers(
             weighted_rows(builder, buffer, rows, start, shape, arguments[4])
             for rows, start in zip((of_c, of_s), starts, strict=True)
         )
-        for place, one, other in zip(places, by_c, by_s, strict=True):
-            put(builder, buffer, place, builder.fadd(one, other))
+        for place, sum_c, sum_s in zip(places, by_c, by_s, strict=True):
+            put(builder, buffer, place, builder.fadd(sum_c, sum_s))
         return context.get_dummy_value()
 
     pair = types.UniTuple(types.intp, len(to))
@@ -107,7 +107,7 @@ def harmonics_in_registers(
 
 
 @intrinsic
-def rollers_in_registers(typing_context: Any, tables: Any, row: Any, y: Any, first: Any, to: Any) -> Any:
+def rollers_in_registers(typing_context: Any, tables: Any, row: Any, y: Any, lane: Any, to: Any) -> Any:
     """Compile ``sum_rollers``."""
 
     def written(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -115,20 +115,18 @@ def rollers_in_registers(typing_context: Any, tables: Any, row: Any, y: Any, fir
         starts, shape = halves(context, builder, signature.args[0], of_tables)
         buffer = context.make_array(signature.args[2])(context, builder, of_y).data
         sums = [weighted_rows(builder, buffer, [weights], start, shape, lane)[0] for start in starts]
-        for place, found in zip(cgutils.unpack_tuple(builder, places), sums, strict=True):
-            put(builder, buffer, place, found)
+        for place, total in zip(cgutils.unpack_tuple(builder, places), sums, strict=True):
+            put(builder, buffer, place, total)
         return context.get_dummy_value()
 
     return types.void(tables, types.intp, y, types.intp, types.UniTuple(types.intp, 2)), written
 
 
 @overload(sum_harmonics, jit_options=INLINED, strict=False)
-def _sum_harmonics(tables, rows_c, rows_s, y, first, to):
-    return lambda tables, rows_c, rows_s, y, first, to: harmonics_in_registers(
-        tables, rows_c, rows_s, y, first, to
-    )
+def _sum_harmonics(tables, rows_c, rows_s, y, lane, to):
+    return lambda tables, rows_c, rows_s, y, lane, to: harmonics_in_registers(tables, rows_c, rows_s, y, lane, to)
 
 
 @overload(sum_rollers, jit_options=INLINED, strict=False)
-def _sum_rollers(tables, row, y, first, to):
-    return lambda tables, row, y, first, to: rollers_in_registers(tables, row, y, first, to)
+def _sum_rollers(tables, row, y, lane, to):
+    return lambda tables, row, y, lane, to: rollers_in_registers(tables, row, y, lane, to)

@@ -1,1 +1,1 @@
-"""Where bodies stand and how they move."""
+"""Places and motion of bodies."""

@@ -10,27 +10,28 @@ from math import cos, pi
 
 
 def cage_speed(omega_i: float, D_w: float, d_m: float, angle: float = 0.0) -> float:
-    """Angular speed of the cage (rad/s) when the inner ring turns at ``omega_i`` and the outer stands."""
+    """Return the angular speed of the cage (rad/s) when the inner ring turns at ``omega_i`` and the outer
+    stands."""
     return omega_i * (1.0 - D_w / d_m * cos(angle)) / 2.0
 
 
 def fundamental_train_frequency(omega_i: float, D_w: float, d_m: float, angle: float = 0.0) -> float:
-    """FTF: the cage's turns per second (Hz)."""
+    """Return FTF: the cage's turns per second (Hz)."""
     return cage_speed(omega_i, D_w, d_m, angle) / (2.0 * pi)
 
 
 def ball_pass_frequency_outer(omega_i: float, D_w: float, d_m: float, Z: int, angle: float = 0.0) -> float:
-    """BPFO: rolling elements passing a point of the outer race per second (Hz)."""
+    """Return BPFO: rolling elements passing a point of the outer race per second (Hz)."""
     return Z * fundamental_train_frequency(omega_i, D_w, d_m, angle)
 
 
 def ball_pass_frequency_inner(omega_i: float, D_w: float, d_m: float, Z: int, angle: float = 0.0) -> float:
-    """BPFI: rolling elements passing a point of the inner race per second (Hz)."""
+    """Return BPFI: rolling elements passing a point of the inner race per second (Hz)."""
     return Z * (omega_i / (2.0 * pi) - fundamental_train_frequency(omega_i, D_w, d_m, angle))
 
 
 def ball_spin_frequency(omega_i: float, D_w: float, d_m: float, angle: float = 0.0) -> float:
-    """BSF: turns of a rolling element about its own axis, seen from the cage, per second (Hz).
+    """Return BSF: turns of a rolling element about its own axis relative to the cage, per second (Hz).
 
     A spot on the element meets a race twice a turn, so its line stands at 2 BSF.
     """

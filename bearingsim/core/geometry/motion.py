@@ -1,4 +1,4 @@
-"""How the inner ring turns: at a steady speed, or on a ramp. Every kinematic speed is proportional to it."""
+"""Rotation of the inner ring, at a steady speed or on a ramp. Every kinematic speed is proportional to it."""
 
 from typing import Any, NamedTuple
 
@@ -58,6 +58,6 @@ def kinematic_times(model: Any, time: np.ndarray) -> np.ndarray:
 
 
 def speed_factor(model: Any, time: np.ndarray) -> Any:
-    """Speed at each time (n,), s, over the speed at t = 0; 1.0 at a steady speed."""
+    """Return the speed at each time (n,), s, over the speed at t = 0; 1.0 at a steady speed."""
     motion = motion_of(model)
     return 1.0 if isinstance(motion, Steady) else np.array([kinematic_time(motion, t)[1] for t in time.tolist()])

@@ -1,4 +1,4 @@
-"""Where a body's axis points, and how it turns: symmetric tops.
+"""Direction and rotation of a body's axis: symmetric tops.
 
 The axis is a unit vector a of which two components in fixed directions are kept, a_z = sqrt(1 - a_x^2 - a_y^2).
 The body's angle beta counts about the axis, from where the smallest turn that brings e_z to a would leave it.
@@ -44,7 +44,7 @@ class Body(NamedTuple):
 
 @jit
 def axis_z(a_x, a_y):
-    """Third component of an axis."""
+    """Return the third component of an axis."""
     return sqrt(1.0 - a_x * a_x - a_y * a_y)
 
 
@@ -65,7 +65,8 @@ def axis_precession_rate(body, l_x, l_y):
 
 @jit
 def axis_acceleration(m_x, m_y, m_z, spin, I_t, a_x, a_y, a_z, w_x, w_y, w_z):
-    """Acceleration of the axis' x and y (1/s^2) under a moment (N m); spin: angular momentum about the axis.
+    """Return the acceleration of the axis' x and y (1/s^2) under a moment (N m); spin: angular momentum about the
+    axis.
 
     All in the same directions, fixed or those of a frame now.
     """

@@ -1,4 +1,4 @@
-"""Where rollers stand and move in the plane, and how close they are to the races, without small angles.
+"""Places and velocities of rollers in the plane and their approach to the races, without small angles.
 
 With rho = |c_j - u| the distance of a roller from a ring's centre, n from there to the roller, tau across it.
 """
@@ -12,7 +12,7 @@ from bearingsim.core.jit import inlined, jit
 
 
 class Centre(NamedTuple):
-    """Where a ring's or the cage's centre stands (m), and its velocity (m/s), along e_0 and e_90."""
+    """Place (m) and velocity (m/s) of a ring's or the cage's centre, along e_0 and e_90."""
 
     x: float
     y: float
@@ -69,7 +69,7 @@ def relative_to_ring(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
 
 @inlined
 def approach(side, bearing, ring, omega_cage, y, j):
-    """Approach, its rate, normal and sideways speed of one contact of roller ``j`` over an undamaged race.
+    """Compute approach, its rate, normal and sideways speed of one contact of roller ``j`` over an undamaged race.
 
     ring: its ``Centre``. The normal points from there to the roller.
     """

@@ -7,11 +7,11 @@ from bearingsim.core.jit import generic
 
 
 class OuterSide(NamedTuple):
-    """Where a roller touches the outer race."""
+    """Contact of a roller with the outer race."""
 
 
 class InnerSide(NamedTuple):
-    """Where a roller touches the inner race."""
+    """Contact of a roller with the inner race."""
 
 
 @generic

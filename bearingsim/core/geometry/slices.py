@@ -49,13 +49,14 @@ def slices(ends: np.ndarray, drop: Callable[[float], float]) -> Slices:
 
 
 def crowned(z: float, L_w: float, straight: float, most: float) -> float:
-    """Drop (m) at ``z`` (m) of a parabola that sinks from the ends of the ``straight`` part to ``most`` (m)."""
+    """Return the drop (m) at ``z`` (m) of a parabola that sinks from the ends of the ``straight`` part to
+    ``most`` (m)."""
     beyond = max(abs(z) - straight / 2.0, 0.0) / (L_w / 2.0 - straight / 2.0) if straight < L_w else 0.0
     return most * beyond * beyond
 
 
 def logarithmic(z: float, L_w: float, D_w: float) -> float:
-    """Drop (m) at ``z`` (m) of ISO/TS 16281's logarithmic profile, 0.00035 D_w ln[1/(1 - (2 z/L_w)^2)].
+    """Return the drop (m) at ``z`` (m) of ISO/TS 16281's logarithmic profile, 0.00035 D_w ln[1/(1 - (2 z/L_w)^2)].
 
     For rollers of L_w <= 2.5 D_w (ISO/TS 16281:2008, 5.4; after Lundberg).
     """

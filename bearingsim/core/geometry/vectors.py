@@ -5,19 +5,19 @@ from bearingsim.core.jit import jit
 
 @jit
 def cross_components(a_r, a_t, a_z, b_r, b_t, b_z):
-    """Vector product."""
+    """Return the vector product."""
     return a_t * b_z - a_z * b_t, a_z * b_r - a_r * b_z, a_r * b_t - a_t * b_r
 
 
 @jit
 def dot(a, b):
-    """Scalar product of (3,) and (3,)."""
+    """Return the scalar product of (3,) and (3,)."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @jit
 def cross(a, b):
-    """Vector product of (3,) and (3,)."""
+    """Return the vector product of (3,) and (3,)."""
     return cross_components(a[0], a[1], a[2], b[0], b[1], b[2])
 
 
@@ -35,7 +35,8 @@ def combine_three(p, a, q, b, s, c):
 
 @jit
 def angular_velocity(body, c, s):
-    """Angular velocity (rad/s) of a ``Body`` along e_r, e_theta and e_z of the angle with cosine c and sine s."""
+    """Return the angular velocity (rad/s) of a ``Body`` along e_r, e_theta and e_z of the angle with cosine c
+    and sine s."""
     o_x, o_y, o_z = cross_components(body.a_x, body.a_y, body.a_z, body.w_x, body.w_y, body.w_z)
     o_x, o_y = o_x + body.omega * body.a_x, o_y + body.omega * body.a_y
     return o_x * c + o_y * s, o_y * c - o_x * s, o_z + body.omega * body.a_z

@@ -19,7 +19,7 @@ def effective_modulus(E: float, nu: float) -> float:
 
 
 def half_width(Q_per_m: float, R: float, E_star: float) -> float:
-    """Half width b (m) of the strip in contact under ``Q_per_m`` (N/m); ``R``: relative radius (m).
+    """Return the half width b (m) of the strip in contact under ``Q_per_m`` (N/m); ``R``: relative radius (m).
 
     R is R_w R_i/(R_i + R_w) on an inner race, R_w R_o/(R_o - R_w) on an outer, R_w on a flat.
     """
@@ -91,7 +91,7 @@ def elliptic_contact(E_star: float, rho_1: float, rho_2: float) -> PointContact:
 
 
 def elliptic_integrals(kappa: float) -> tuple[float, float]:
-    """K, and 1 - E/K, of the modulus e with e^2 = 1 - 1/kappa^2.
+    """Return K, and 1 - E/K, of the modulus e with e^2 = 1 - 1/kappa^2.
 
     K = pi/(2 agm(1, 1/kappa)), 1 - E/K = sum of 2^(n-1) c_n^2 (Abramowitz and Stegun, 17.6). The second is
     returned as it is summed, because differences such as K - E would lose it in rounding.

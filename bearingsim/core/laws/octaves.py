@@ -31,9 +31,9 @@ def tabulate(function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) ->
     third = (slope[:-1] + slope[1:] - 2.0 * rise / h) / h**2
     inside = np.stack([x[:-1], slope[:-1], second, third], axis=1)
     mean = x[0] / y[0]
-    first = [0.0, 2.0 * mean - slope[0], (slope[0] - mean) / y[0], 0.0]
-    last = [x[-1], slope[-1], 0.0, 0.0]
-    return np.vstack([first, inside, last]).ravel()
+    below = [0.0, 2.0 * mean - slope[0], (slope[0] - mean) / y[0], 0.0]
+    above = [x[-1], slope[-1], 0.0, 0.0]
+    return np.vstack([below, inside, above]).ravel()
 
 
 @jit

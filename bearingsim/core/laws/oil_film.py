@@ -21,7 +21,8 @@ Number = Any  # a float or an array
 
 
 def entrainment_speed(omega_inner: float, D_m: float, D_w: float, omega_outer: float = 0.0) -> float:
-    """Mean speed u (m/s) at which oil is carried into both contacts of an element that rolls without slip.
+    """Return the mean speed u (m/s) at which oil is carried into both contacts of an element that rolls without
+    slip.
 
     ``omega_inner``, ``omega_outer``: the rings (rad/s). ``D_m``: pitch diameter, ``D_w``: diameter of the element
     (m). With g = D_w/D_m the cage turns at (omega_i (1 - g) + omega_o (1 + g))/2. Seen from it the inner race of
@@ -106,7 +107,8 @@ NOTHING = 1e-6  # N, a load under which there is no damping
 
 
 def film_damping(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, growth: float = 0.5) -> Number:
-    """Damping c (N s/m) of the contact, beside its elastic law: Q + k x + c dx/dt for a small approach x.
+    """Return the damping c (N s/m) of the contact, beside its elastic law: Q + k x + c dx/dt for a small approach
+    x.
 
     ``Q``: load (N); ``k``: dQ/d(delta) (N/m) there of the elastic law in use; ``omega``: of the oscillation
     (rad/s), 0 for a slow one. ``growth``: of the half width, b ~ Q^growth, 1/2 for lines, 1/3 for balls
@@ -122,7 +124,8 @@ def film_damping(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, gro
 
 
 def inlet_squeeze(h: Number, line: OiledLine) -> Number:
-    """Damping (N s/m) of the film alone, *rigid* cylinders with the narrowest gap ``h`` (m), constant viscosity.
+    """Return the damping (N s/m) of the film alone, *rigid* cylinders with the narrowest gap ``h`` (m), constant
+    viscosity.
 
         6.551 eta L (R/h)^(3/2)
 
@@ -149,7 +152,7 @@ def film_compliance(Q: Number, line: OiledLine) -> Number:
 
 
 def squeezed(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0) -> Number:
-    """Damping (N s/m) by squeezing the oil before the contact: a spring k in series with the film.
+    """Return the damping (N s/m) by squeezing the oil before the contact: a spring k in series with the film.
 
     The film is a spring k_f and a damper tau k_f in parallel, tau = 0.946 sqrt(2 R h)/u. In series with k they
     damp by k tau s (1 - s), s = k_f/(k + k_f), rolling off as 1/(1 + (0.79 omega tau s)^2). A film that is much
@@ -162,7 +165,8 @@ def squeezed(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0) -> Numb
 
 
 def carried(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, growth: float = 0.5) -> Number:
-    """Damping (N s/m) by the film that a growing contact takes in: its edge meets the oil faster than u.
+    """Return the damping (N s/m) by the film that a growing contact takes in: its edge meets the oil faster than
+    u.
 
     An edge that moves out at db/dt takes in a film thicker by n (h/u) db/dt, n = d(ln h)/d(ln u), so that
 
@@ -179,7 +183,8 @@ def carried(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, growth: 
 
 
 def half_widths(Q: Number, line: OiledLine) -> Number:
-    """Half width b (m) of the dry contact, as ``hertz.half_width``; of a strip also where its length varies."""
+    """Return the half width b (m) of the dry contact, as ``hertz.half_width``; of a strip also where its length
+    varies."""
     return np.sqrt(4.0 * Q * line.R / (np.pi * line.L * line.E_star))
 
 
@@ -193,12 +198,13 @@ def roll_off(omega_T: Number) -> Number:
 
 
 def hysteresis(k: Number, omega: Number, loss_factor: float) -> Number:
-    """Damping (N s/m) of the bodies: c = loss_factor k/omega, losing pi loss_factor k X^2 a cycle at any rate."""
+    """Return the damping (N s/m) of the bodies: c = loss_factor k/omega, losing pi loss_factor k X^2 a cycle at
+    any rate."""
     return loss_factor * k / omega
 
 
 def ball_as_strip(a: Number, b: Number, pressure: Number, E_star: float) -> tuple[Number, Number]:
-    """L and R (m) of a line contact with the half width ``b``, largest pressure and load of an ellipse.
+    """Return L and R (m) of a line contact with the half width ``b``, largest pressure and load of an ellipse.
 
     Semi-axes ``a`` > ``b`` in m, ``pressure`` in Pa; a is across the rolling. With Q = 2 pi a b p/3 = pi b p L/2
     the strip is 4 a/3 long, and b = 2 p R/E*. Sideways flow, the falling pressure and film towards the ends of

@@ -34,7 +34,8 @@ DENSITY_15 = 880.0  # kg/m3 at 15 C
 
 
 def iso_viscosity(grade: int, celsius: float) -> float:
-    """Viscosity (Pa s) of a mineral oil of the ISO VG ``grade`` and viscosity index 95 at a temperature in C.
+    """Return the viscosity (Pa s) of a mineral oil of the ISO VG ``grade`` and viscosity index 95 at a temperature
+    in C.
 
     Walther's equation as in ASTM D341, log10 log10(nu + 0.7) = A - B log10 T, nu in mm2/s, T in K, through the
     grade's viscosity at 40 C and the one at 100 C that ISO 2909 (ASTM D2270, procedure A) gives the index 95 by
@@ -51,14 +52,15 @@ def iso_viscosity(grade: int, celsius: float) -> float:
 
 
 def walther(nu_40: float, nu_100: float, celsius: float) -> float:
-    """Kinematic viscosity (mm2/s) at a temperature on the line of ASTM D341 through those at 40 and 100 C."""
+    """Return the kinematic viscosity (mm2/s) at a temperature on the line of ASTM D341 through those at 40 and
+    100 C."""
     at_40, at_100 = (log10(log10(nu + 0.7)) for nu in (nu_40, nu_100))
     T, T_40, T_100 = (log10(c + ZERO_CELSIUS) for c in (celsius, 40.0, 100.0))
     return float(10.0**10.0 ** (at_40 + (at_100 - at_40) * (T - T_40) / (T_100 - T_40)) - 0.7)
 
 
 def oil_density(celsius: float) -> float:
-    """Density (kg/m3) of a mineral oil that has 880 at 15 C (oils: 850 to 900).
+    """Return the density (kg/m3) of a mineral oil that has 880 at 15 C (oils: 850 to 900).
 
     API MPMS 11.1 (ASTM D1250), lubricating oils: rho_15 exp(-a t (1 + 0.8 a t)), a = 0.6278/rho_15 per K.
     """

@@ -67,7 +67,7 @@ def failure_outcome(method: Any) -> int:
 
 @generic
 def jump_weight(method: Any) -> float:
-    """Weight, 0 to 1, of the forces just behind a jump when it is hopped over.
+    """Return the weight, 0 to 1, of the forces just behind a jump when it is hopped over.
 
     An implicit method takes those before it alone: a dashpot may be so stiff that even JUMP_GAP is too long a step
     for the velocity that a jump leaves, and the next step settles it.
@@ -127,7 +127,7 @@ def restore_state(y, block, n):
 
 @jit
 def start_from_end(y, n):
-    """START of the next step from END of the last."""
+    """Copy END of the last step to START of the next."""
     for j in range(n):
         y[START_Q + j] = y[END_Q + j]
         y[START_V + j] = y[END_V + j]
@@ -200,7 +200,7 @@ def scaled_norm(method, q, v, y, n):
 
 @jit
 def first_step(method, model, t, y, n):
-    """Length (s) of the first step from the state at START: an Euler step's worth of what changes."""
+    """Return the length (s) of the first step from the state at START: an Euler step's worth of what changes."""
     moving = scaled_norm(method, START_V, START_A, y, n)
     h = 1e-2 * scaled_norm(method, START_Q, START_V, y, n) / moving if moving > 0.0 else method.longest
     h = min(max(h, 1e-3 * method.longest), method.longest)

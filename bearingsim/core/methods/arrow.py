@@ -55,7 +55,7 @@ def combine_row(to, of_velocity, of_position, alpha, beta, y, n):
 
 @jit
 def assemble_system(model, alpha, beta, y):
-    """SYSTEM = I - beta A_v - alpha A_q; alpha in s^2, beta in s."""
+    """Fill SYSTEM = I - beta A_v - alpha A_q; alpha in s^2, beta in s."""
     own, shared = degrees_of_freedom(model)
     n = roller_lanes(model)
     for i in range(own):
@@ -90,9 +90,9 @@ def assemble_system(model, alpha, beta, y):
 @jit
 def subtract_product(to, of, by, y, n):
     """Subtract the product of two rows from a row."""
-    left, one, other = y[to : to + n], y[of : of + n], y[by : by + n]
+    left, factor, row = y[to : to + n], y[of : of + n], y[by : by + n]
     for j in range(n):
-        left[j] -= one[j] * other[j]
+        left[j] -= factor[j] * row[j]
 
 
 @jit
@@ -127,23 +127,24 @@ def factorise(model, y):
 
 
 @jit
-def solve_rollers(own, first, apart, y, n):
-    """Apply D_j^-1 of every roller to one column, in place: coordinate i in the row at ``first`` + i ``apart``."""
+def solve_rollers(own, column, apart, y, n):
+    """Apply D_j^-1 of every roller to one column, in place: coordinate i in the row at ``column`` + i
+    ``apart``."""
     for i in range(own):
         for k in range(i):
-            subtract_product(first + i * apart, lay.diagonal_block(lay.SYSTEM, i, k), first + k * apart, y, n)
+            subtract_product(column + i * apart, lay.diagonal_block(lay.SYSTEM, i, k), column + k * apart, y, n)
     for back in range(own):
         i = own - 1 - back
         for k in range(i + 1, own):
-            subtract_product(first + i * apart, lay.diagonal_block(lay.SYSTEM, i, k), first + k * apart, y, n)
+            subtract_product(column + i * apart, lay.diagonal_block(lay.SYSTEM, i, k), column + k * apart, y, n)
         pivot = lay.diagonal_block(lay.SYSTEM, i, i)
         for j in range(n):
-            y[first + i * apart + j] *= y[pivot + j]
+            y[column + i * apart + j] *= y[pivot + j]
 
 
 @jit
 def factor_border(shared, y):
-    """LU of the border's block, rows exchanged by size over the largest entry that the row had."""
+    """Factor the border's block by LU, rows exchanged by size over the largest entry of the row."""
     for k in range(shared):
         largest = 0.0
         for m in range(shared):
@@ -152,9 +153,9 @@ def factor_border(shared, y):
     for p in range(shared):
         best, size = p, 0.0
         for k in range(p, shared):
-            found = abs(y[lay.corner_block(lay.SYSTEM, k, p)]) * y[PIVOTS + lay.MAX_SHARED + k]
-            if found > size:
-                best, size = k, found
+            candidate = abs(y[lay.corner_block(lay.SYSTEM, k, p)]) * y[PIVOTS + lay.MAX_SHARED + k]
+            if candidate > size:
+                best, size = k, candidate
         y[PIVOTS + p] = best
         if best != p:
             swap(lay.corner_block(lay.SYSTEM, p, 0), lay.corner_block(lay.SYSTEM, best, 0), y, shared)
@@ -167,10 +168,10 @@ def factor_border(shared, y):
 
 
 @jit
-def swap(one, other, y, n):
+def swap(a, b, y, n):
     """Exchange two stretches of the buffer."""
     for m in range(n):
-        y[one + m], y[other + m] = y[other + m], y[one + m]
+        y[a + m], y[b + m] = y[b + m], y[a + m]
 
 
 # its use
@@ -216,8 +217,8 @@ def solve_border(shared, block, y):
     """Solve the border's own system, in place on the shared cells of ``block``."""
     for k in range(shared):
         best = lay.shared_cell(int(y[PIVOTS + k]))
-        here = lay.shared_cell(k)
-        y[block + here], y[block + best] = y[block + best], y[block + here]
+        cell = lay.shared_cell(k)
+        y[block + cell], y[block + best] = y[block + best], y[block + cell]
     for k in range(shared):
         total = y[block + lay.shared_cell(k)]
         for m in range(k):

@@ -32,10 +32,10 @@ ORDER, STAGES, DENSE_STAGES = 8, 12, 16  # stages of a step, and with those of d
 
 def full(rows: dict[int, dict[int, float]], count: int, columns: int) -> np.ndarray:
     """Return the rows of a table as an array (count, columns)."""
-    found = np.zeros((count, columns))
+    table = np.zeros((count, columns))
     for i, row in rows.items():
-        found[i, list(row)] = list(row.values())
-    return found
+        table[i, list(row)] = list(row.values())
+    return table
 
 
 TABLE = runge_kutta(full(STAGE_ROWS, DENSE_STAGES, DENSE_STAGES), np.zeros(DENSE_STAGES))

@@ -44,14 +44,14 @@ def tight_tolerances(h):
 def equation(method, t, y, n):
     """Return the step's equation for a1, its guess the last a."""
     h = method.h
-    here, weight = 1.0 - A_F, 1.0 / (1.0 - A_M)
+    part, weight = 1.0 - A_F, 1.0 / (1.0 - A_M)
     for j in range(n):
         a = y[METHOD_ACCELERATION + j]
-        y[BASE_V + j] = y[START_V + j] + here * h * (1.0 - GAMMA) * a
-        y[BASE_Q + j] = y[START_Q + j] + here * h * (y[START_V + j] + h * (0.5 - BETA) * a)
+        y[BASE_V + j] = y[START_V + j] + part * h * (1.0 - GAMMA) * a
+        y[BASE_Q + j] = y[START_Q + j] + part * h * (y[START_V + j] + h * (0.5 - BETA) * a)
         y[OFFSET + j] = -A_M * weight * a
         y[UNKNOWN + j] = a
-    return Equation(t + here * h, here * h * h * BETA, here * h * GAMMA, weight)
+    return Equation(t + part * h, part * h * h * BETA, part * h * GAMMA, weight)
 
 
 @jit

@@ -29,13 +29,14 @@ class Impulses(NamedTuple):
 
 @jit
 def motion_with_impulses(m, K, C, times, J, start, end, x, v):
-    """Displacement (m) and velocity (m/s) of one mode at ``end`` (s), from those at ``start``, all impulses taken.
+    """Return displacement (m) and velocity (m/s) of one mode at ``end`` (s), from those at ``start`` and all
+    impulses.
 
     An impulse belongs to the span that its instant ends or lies in: (start, end].
     """
     x, v = free_motion(m, K, C, end - start, x, v)
-    first, last = np.searchsorted(times, start, side="right"), np.searchsorted(times, end, side="right")
-    for k in range(first, last):
+    begin, end_of_step = np.searchsorted(times, start, side="right"), np.searchsorted(times, end, side="right")
+    for k in range(begin, end_of_step):
         more_x, more_v = free_motion(m, K, C, end - times[k], 0.0, J[k] / m)
         x += more_x
         v += more_v

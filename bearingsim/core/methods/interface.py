@@ -8,7 +8,7 @@ from bearingsim.core.jit import generic
 
 
 class MethodKind(NamedTuple):
-    """What others must know of a method; steps measured by benchmarks/step_fraction.py (docs/steps.md).
+    """Properties of a method; steps measured by benchmarks/step_fraction.py (docs/steps.md).
 
     parameters: its ``NamedTuple``; evaluations: of the model in a step; fraction: of the stability limit at
     impact, the most an automatic step takes; per_period: steps of an automatic run in a period of the contact,

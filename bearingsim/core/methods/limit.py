@@ -1,4 +1,4 @@
-"""How long a step an explicit method may take on q'' = -K q - C q': from what one step makes of any (q, v).
+"""Longest stable step of an explicit method on q'' = -K q - C q', from the amplification matrix of one step.
 
 The limit is tabulated over that of symplectic Euler,
 
@@ -43,19 +43,19 @@ def step_over_limit(limits, h, K, C):
     """Step ``h`` (s) over a method's limit, infinite if K or C is; ``limits``: from ``limit_over_h_c``."""
     if K <= 0.0 and C <= 0.0:
         return 0.0
-    at = (NODES - 1) * table_place(max(K, 0.0), max(C, 0.0))
-    if not at >= 0.0:
+    place = (NODES - 1) * table_place(max(K, 0.0), max(C, 0.0))
+    if not place >= 0.0:
         return np.inf
-    k = min(int(at), NODES - 2)
-    ratio = limits[k] + (at - k) * (limits[k + 1] - limits[k])
+    k = min(int(place), NODES - 2)
+    ratio = limits[k] + (place - k) * (limits[k + 1] - limits[k])
     return h / (ratio * critical_step(max(K, 0.0), max(C, 0.0)))
 
 
 def oscillators() -> tuple[np.ndarray, np.ndarray]:
-    """K and C of the oscillators of the table, each with h_c = 1: (NODES,)."""
-    at = np.linspace(0.0, 1.0, NODES)
-    slower = np.minimum(2.0 * (1.0 - at), 1.0)  # omega over the faster root
-    zeta = np.where(at < 0.5, np.sin(pi * at), 0.5 * (slower + 1.0 / np.maximum(slower, 1e-9)))
+    """Return K and C of the oscillators of the table, each with h_c = 1: (NODES,)."""
+    places = np.linspace(0.0, 1.0, NODES)
+    slower = np.minimum(2.0 * (1.0 - places), 1.0)  # omega over the faster root
+    zeta = np.where(places < 0.5, np.sin(pi * places), 0.5 * (slower + 1.0 / np.maximum(slower, 1e-9)))
     C = 4.0 / (1.0 + np.sqrt(1.0 + 1.0 / np.maximum(zeta, 1e-9) ** 2))
     return np.where(zeta > 0.0, (C / np.maximum(2.0 * zeta, 1e-9)) ** 2, 4.0), C
 
@@ -74,7 +74,7 @@ def amplification(tableau: Any, K: np.ndarray, C: np.ndarray) -> np.ndarray:
 
 
 def spectral_radius(M: np.ndarray) -> np.ndarray:
-    """Spectral radius of each 2 x 2 matrix (2, 2, ...)."""
+    """Return the spectral radius of each 2 x 2 matrix (2, 2, ...)."""
     half, det = 0.5 * (M[0, 0] + M[1, 1]), M[0, 0] * M[1, 1] - M[0, 1] * M[1, 0]
     below = half * half - det
     return np.where(below < 0.0, np.sqrt(np.abs(det)), np.abs(half) + np.sqrt(np.maximum(below, 0.0)))

@@ -63,7 +63,7 @@ def set_state(equation, y, n):
 
 @jit
 def evaluate(model, equation, y, n):
-    """RESIDUAL r = x - B - w f at UNKNOWN."""
+    """Fill RESIDUAL r = x - B - w f at UNKNOWN."""
     set_state(equation, y, n)
     accelerations(model, equation.t, y)
     y[lay.EVALUATIONS] += 1.0
@@ -90,11 +90,11 @@ def worst_residual(model, y):
         worst = max(worst, y[LENGTH_SCALE + j] * abs(y[NEWTON_STEP + j]))
     for i in range(own):
         for j in range(lanes):
-            asked = y[LENGTH_SCALE + lay.FIRST_LANE + i * lay.ROW + j] * abs(
+            size = y[LENGTH_SCALE + lay.FIRST_LANE + i * lay.ROW + j] * abs(
                 y[NEWTON_STEP + lay.FIRST_LANE + i * lay.ROW + j]
             )
-            if asked > worst:
-                worst, body = asked, j
+            if size > worst:
+                worst, body = size, j
     y[lay.FAILED_BODY] = body
 
 

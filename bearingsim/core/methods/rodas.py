@@ -108,8 +108,8 @@ def begin_stage(i, h, y, n):
         y[RIGHT_V + j] = D[i] * h * y[TIME_DERIVATIVE + j]
     for k in range(i):
         a, e = A[i, k], E[i, k] / h
-        first = FIRST + 2 * k * lay.STATE
-        p, r = y[first : first + n], y[first + lay.STATE : first + lay.STATE + n]
+        block = FIRST + 2 * k * lay.STATE
+        p, r = y[block : block + n], y[block + lay.STATE : block + lay.STATE + n]
         for j in range(n):
             y[lay.POSITION + j] += a * p[j]
             y[lay.VELOCITY + j] += a * r[j]
@@ -158,16 +158,16 @@ def _attempt(method, model, t, h, y):
 
 @interpolate.register(Rodas)
 def _interpolate(method, part, h, y, n):
-    """Third order: (1 - s) y + s (y1 + (1 - s) sum_k (DENSE_0k + s DENSE_1k) u_k)."""
+    """Interpolate in third order: (1 - s) y + s (y1 + (1 - s) sum_k (DENSE_0k + s DENSE_1k) u_k)."""
     for j in range(n):
         y[lay.POSITION + j] = (1.0 - part) * y[START_Q + j] + part * y[END_Q + j]
         y[lay.VELOCITY + j] = (1.0 - part) * y[START_V + j] + part * y[END_V + j]
     for k in range(STAGES):
         weight = part * (1.0 - part) * (DENSE[0, k] + part * DENSE[1, k])
-        first = FIRST + 2 * k * lay.STATE
+        block = FIRST + 2 * k * lay.STATE
         for j in range(n):
-            y[lay.POSITION + j] += weight * y[first + j]
-            y[lay.VELOCITY + j] += weight * y[first + lay.STATE + j]
+            y[lay.POSITION + j] += weight * y[block + j]
+            y[lay.VELOCITY + j] += weight * y[block + lay.STATE + j]
 
 
 register_adaptive(Rodas, order=4.0, across=0.0)

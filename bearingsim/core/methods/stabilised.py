@@ -22,9 +22,12 @@ def chebyshev_table(s: int) -> Tableau:
     state."""
     w_0 = 1.0 + EPS / s**2
     T = [Chebyshev.basis(j) for j in range(s + 1)]
-    first, second = ([float(p.deriv(m)(w_0)) for p in T] for m in (1, 2))
-    w_1 = first[s] / second[s]
-    b = [second[j] / first[j] ** 2 if j > 1 else second[2] / first[2] ** 2 for j in range(s + 1)]
+    derivative, second_derivative = ([float(p.deriv(m)(w_0)) for p in T] for m in (1, 2))
+    w_1 = derivative[s] / second_derivative[s]
+    b = [
+        second_derivative[j] / derivative[j] ** 2 if j > 1 else second_derivative[2] / derivative[2] ** 2
+        for j in range(s + 1)
+    ]
     rows = np.zeros((s + 1, s))
     rows[1, 0] = b[1] * w_1
     for j in range(2, s + 1):

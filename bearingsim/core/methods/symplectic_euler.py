@@ -22,7 +22,7 @@ class SymplecticEuler(NamedTuple):
 
 @drift.register(SymplecticEuler)
 def _drift(method, y, i):
-    """Velocity by the acceleration found last, then position by the new velocity."""
+    """Advance the velocity by the last acceleration, then the position by the new velocity."""
     y[lay.VELOCITY + i] += method.h * y[lay.ACCELERATION + i]
     y[lay.POSITION + i] += method.h * y[lay.VELOCITY + i]
 

@@ -40,10 +40,10 @@ Row = tuple[float, tuple[float, ...], tuple[float, ...]]
 """A stage: c_i, and the weights A_ij and a_ij of those before it."""
 
 
-def rows_of(tableau: Tableau, first: int, last: int) -> tuple[Row, ...]:
-    """Return stages ``first`` to ``last`` (excluded) of a table as tuples, which the compiler unrolls."""
+def rows_of(tableau: Tableau, begin: int, end: int) -> tuple[Row, ...]:
+    """Return stages ``begin`` to ``end`` (excluded) of a table as tuples, which the compiler unrolls."""
     c, a, A, _, _ = tableau
-    return tuple((float(c[i]), weights(A[i, :i]), weights(a[i, :i])) for i in range(first, last))
+    return tuple((float(c[i]), weights(A[i, :i]), weights(a[i, :i])) for i in range(begin, end))
 
 
 def weights(values: np.ndarray) -> tuple[float, ...]:
@@ -64,25 +64,25 @@ def add_accelerations(weights_q, weights_v, count, h, q, v, y, n):
     """
     fours, h_2 = count // 4, h * h
     for m in range(fours):
-        j, at = 4 * m, METHOD_STATES + 4 * m * lay.STATE
+        j, block = 4 * m, METHOD_STATES + 4 * m * lay.STATE
         Q_0 = h_2 * weights_q[j]
         Q_1 = h_2 * weights_q[j + 1]
         Q_2 = h_2 * weights_q[j + 2]
         Q_3 = h_2 * weights_q[j + 3]
         V_0, V_1, V_2, V_3 = h * weights_v[j], h * weights_v[j + 1], h * weights_v[j + 2], h * weights_v[j + 3]
         for k in range(n):
-            f_0 = y[at + k]
-            f_1 = y[at + lay.STATE + k]
-            f_2 = y[at + 2 * lay.STATE + k]
-            f_3 = y[at + 3 * lay.STATE + k]
+            f_0 = y[block + k]
+            f_1 = y[block + lay.STATE + k]
+            f_2 = y[block + 2 * lay.STATE + k]
+            f_3 = y[block + 3 * lay.STATE + k]
             y[q + k] += (Q_0 * f_0 + Q_1 * f_1) + (Q_2 * f_2 + Q_3 * f_3)
             y[v + k] += (V_0 * f_0 + V_1 * f_1) + (V_2 * f_2 + V_3 * f_3)
     for m in range(count - 4 * fours):
         j = 4 * fours + m
-        Q_0, V_0, at = h_2 * weights_q[j], h * weights_v[j], METHOD_STATES + j * lay.STATE
+        Q_0, V_0, block = h_2 * weights_q[j], h * weights_v[j], METHOD_STATES + j * lay.STATE
         for k in range(n):
-            y[q + k] += Q_0 * y[at + k]
-            y[v + k] += V_0 * y[at + k]
+            y[q + k] += Q_0 * y[block + k]
+            y[v + k] += V_0 * y[block + k]
 
 
 @inlined
@@ -91,11 +91,11 @@ def weighted_accelerations(weights_q, weights_v, y, k):
 
     As many as the weights are, so that the compiler writes the sum out and a loop over entries keeps its lanes.
     """
-    sum_q, sum_v, at = 0.0, 0.0, METHOD_STATES + k
+    sum_q, sum_v, cell = 0.0, 0.0, METHOD_STATES + k
     for j in range(len(weights_v)):
-        sum_q += weights_q[j] * y[at]
-        sum_v += weights_v[j] * y[at]
-        at += lay.STATE
+        sum_q += weights_q[j] * y[cell]
+        sum_v += weights_v[j] * y[cell]
+        cell += lay.STATE
     return sum_q, sum_v
 
 

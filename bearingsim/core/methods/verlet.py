@@ -24,7 +24,8 @@ class Verlet(NamedTuple):
 
 @drift.register(Verlet)
 def _drift(method, y, i):
-    """Position to the end of the step, velocity to its prediction; the half-kicked velocity is kept."""
+    """Advance the position to the end of the step, the velocity to its prediction; keep the half-kicked
+    velocity."""
     h, v, a = method.h, y[lay.VELOCITY + i], y[lay.ACCELERATION + i]
     kicked = v + 0.5 * h * a
     y[KICKED_V + i] = kicked

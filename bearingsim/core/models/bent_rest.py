@@ -194,7 +194,7 @@ def push_along(bending, y):
 
 @jit
 def go(bending, model, t, y, part):
-    """Stand at FROM and ``part`` of WAY; the force's size (N) there."""
+    """Set the ring to FROM and ``part`` of WAY; return the force's size (N) there."""
     for k in range(unknowns(bending)):
         i = cell(bending, k)
         y[lay.POSITION + i] = y[FROM + i] + part * y[WAY + i]
@@ -212,17 +212,17 @@ def search_along(bending, model, t, y, push):
         i = cell(bending, k)
         y[FROM + i] = y[lay.POSITION + i]
     size = go(bending, model, t, y, 1.0)
-    here = push_along(bending, y)
-    if abs(here) <= 0.5 * push or here > 0.0:
+    work = push_along(bending, y)
+    if abs(work) <= 0.5 * push or work > 0.0:
         return size
     low, high = 0.0, 1.0
     for _ in range(60):
         part = 0.5 * (low + high)
         size = go(bending, model, t, y, part)
-        here = push_along(bending, y)
-        if abs(here) <= 0.5 * push:
+        work = push_along(bending, y)
+        if abs(work) <= 0.5 * push:
             break
-        if here > 0.0:
+        if work > 0.0:
             low = part
         else:
             high = part

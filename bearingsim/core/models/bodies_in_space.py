@@ -58,14 +58,14 @@ def hold_mounted_rings(model, y):
 
 
 @jit
-def accelerate_bodies_of(model, at, y):
+def accelerate_bodies_of(model, common, y):
     """Write the accelerations of rings and cage from the cells of their loads; returns the cage's angular one."""
     b = model.bearing
-    wound = accelerate_cage_axis(model.cage_z, model.cage, at.cage, y)
-    y[lay.M_C] = y[lay.M_X_C] * at.cage.a_x + y[lay.M_Y_C] * at.cage.a_y + y[lay.M_C] * at.cage.a_z
+    wound = accelerate_cage_axis(model.cage_z, model.cage, common.cage, y)
+    y[lay.M_C] = y[lay.M_X_C] * common.cage.a_x + y[lay.M_Y_C] * common.cage.a_y + y[lay.M_C] * common.cage.a_z
     taken = accelerate_mounted_ring(
         model.mount_o,
-        at.outer,
+        common.outer,
         y[lay.F_Z],
         y[lay.M_X],
         y[lay.M_Y],
@@ -75,10 +75,12 @@ def accelerate_bodies_of(model, at, y):
         lay.RING_TILT_X,
         lay.RING_TILT_Y,
     )
-    y[lay.M_RING] = y[lay.M_X] * at.outer.a_x + y[lay.M_Y] * at.outer.a_y + y[lay.M_RING] * at.outer.a_z - taken
+    y[lay.M_RING] = (
+        y[lay.M_X] * common.outer.a_x + y[lay.M_Y] * common.outer.a_y + y[lay.M_RING] * common.outer.a_z - taken
+    )
     accelerate_mounted_ring(
         model.mount_i,
-        at.inner,
+        common.inner,
         y[lay.F_Z_I],
         y[lay.M_X_I],
         y[lay.M_Y_I],
@@ -89,10 +91,10 @@ def accelerate_bodies_of(model, at, y):
         lay.INNER_TILT_Y,
     )
 
-    kinematic = b.omega_c * at.growth
-    alpha_cage = accelerate_cage(model.cage, model, at.omega_cage, at.omega_i, kinematic, y) - wound
+    kinematic = b.omega_c * common.growth
+    alpha_cage = accelerate_cage(model.cage, model, common.omega_cage, common.omega_i, kinematic, y) - wound
     y[lay.ACCELERATION + lay.PHI_C] = alpha_cage - kinematic
     accelerate_outer_ring(model, y)
     accelerate_ring_rotation(model.bracket, y)
-    accelerate_inner_ring(model.shaft, model, at.theta_i, at.omega_i, b.omega_i * at.growth, y)
+    accelerate_inner_ring(model.shaft, model, common.theta_i, common.omega_i, b.omega_i * common.growth, y)
     return alpha_cage

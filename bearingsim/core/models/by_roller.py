@@ -28,15 +28,15 @@ def shared(model: Any, t: float, y: np.ndarray) -> Any:
 
 
 @generic(inline="late")
-def load_roller(model: Any, at: Any, y: np.ndarray, j: int) -> None:
+def load_roller(model: Any, common: Any, y: np.ndarray, j: int) -> None:
     """Fill the contact rows of roller ``j``, and of its ``layout.roller_load`` those that the model sums.
 
-    at: from ``shared``. The rollers are lanes of one loop: no branches, nothing of another roller.
+    common: from ``shared``. The rollers are lanes of one loop: no branches, nothing of another roller.
     """
 
 
 @generic(inline="late")
-def accelerate_shared(model: Any, at: Any, t: float, y: np.ndarray) -> Any:
+def accelerate_shared(model: Any, common: Any, t: float, y: np.ndarray) -> Any:
     """Correct the rollers that stand over a pit, sum up, and accelerate rings and cage.
 
     Returns what the rollers' own acceleration needs of it, as numbers.
@@ -44,7 +44,7 @@ def accelerate_shared(model: Any, at: Any, t: float, y: np.ndarray) -> Any:
 
 
 @generic(inline="late")
-def accelerate_roller(model: Any, at: Any, felt: Any, y: np.ndarray, j: int) -> None:
+def accelerate_roller(model: Any, common: Any, felt: Any, y: np.ndarray, j: int) -> None:
     """Write the acceleration of roller ``j``; felt: from ``accelerate_shared``. A lane, as in ``load_roller``."""
 
 
@@ -79,7 +79,7 @@ def evaluate(model: Any, motion: Any, t: float, y: np.ndarray) -> None:
 
 
 ROWS = tuple(i * lay.ROW + lay.FIRST_LANE for i in range(6))
-"""Where the lanes of a roller's coordinates begin in a block of the state."""
+"""First lanes of a roller's coordinates in a block of the state."""
 
 
 @inlined
@@ -130,36 +130,36 @@ def kick_harmonics(model, motion, y):
 
 
 @inlined
-def load_rollers(model, motion, at, y, n):
+def load_rollers(model, motion, common, y, n):
     """Run the first loop over rollers."""
     own, _ = degrees_of_freedom(model)
     for j in range(n):
         drift_roller(motion, own, y, j)
-        load_roller(model, at, y, j)
+        load_roller(model, common, y, j)
 
 
 @inlined
-def accelerate_rollers(model, motion, at, felt, y, n):
+def accelerate_rollers(model, motion, common, felt, y, n):
     """Run the second loop over rollers."""
     own, _ = degrees_of_freedom(model)
     for j in range(n):
-        accelerate_roller(model, at, felt, y, j)
+        accelerate_roller(model, common, felt, y, j)
         kick_roller(motion, own, y, j)
 
 
 def roller_by_roller(model, motion, t, y):
     """Implement ``evaluate`` for a model whose functions are those above."""
-    n, (_, common) = lanes(model.bearing), degrees_of_freedom(model)
-    for k in range(common):
+    n, (_, coordinates) = lanes(model.bearing), degrees_of_freedom(model)
+    for k in range(coordinates):
         drift(motion, y, lay.shared_cell(k))
     drift_harmonics(model, motion, y)
-    at = shared(model, t, y)
-    load_rollers(model, motion, at, y, n)
-    felt = accelerate_shared(model, at, t, y)
-    for k in range(common):
+    common = shared(model, t, y)
+    load_rollers(model, motion, common, y, n)
+    felt = accelerate_shared(model, common, t, y)
+    for k in range(coordinates):
         kick(motion, y, lay.shared_cell(k))
     kick_harmonics(model, motion, y)
-    accelerate_rollers(model, motion, at, felt, y, n)
+    accelerate_rollers(model, motion, common, felt, y, n)
 
 
 def accelerations_by_roller(model, t, y):

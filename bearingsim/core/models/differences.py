@@ -92,8 +92,8 @@ def roller_column(model, t, matrix, i, own, shared, y, cell):
     for j in range(Z):
         load_bodies(model, t, y, j, 1.0 / (y[cell + j] - y[lay.HERE + cell + j]))
         for k in range(shared):
-            at = lay.ACCELERATION + lay.shared_cell(k)
-            y[lay.border_row(matrix, k, i) + j] = y[at] - y[lay.HERE + at]
+            acceleration = lay.ACCELERATION + lay.shared_cell(k)
+            y[lay.border_row(matrix, k, i) + j] = y[acceleration] - y[lay.HERE + acceleration]
 
 
 @jit
@@ -107,8 +107,8 @@ def shared_column(model, t, matrix, m, own, shared, y, cell):
         for j in range(model.bearing.Z):
             y[lay.border_column(matrix, k, m) + j] = per * (y[row + j] + turned - y[lay.HERE + row + j])
     for k in range(shared):
-        at = lay.ACCELERATION + lay.shared_cell(k)
-        y[lay.corner_block(matrix, k, m)] = per * (y[at] - y[lay.HERE + at])
+        acceleration = lay.ACCELERATION + lay.shared_cell(k)
+        y[lay.corner_block(matrix, k, m)] = per * (y[acceleration] - y[lay.HERE + acceleration])
 
 
 @jit
@@ -140,9 +140,9 @@ def difference_jacobian(model, t, y):
         y[lay.F_X + c] = y[lay.LOADS_HERE + c] + 1.0
     accelerate_bodies(model, t, y)
     for k in range(shared):  # marked where a load accelerates it
-        at = lay.shared_cell(k)
+        coordinate = lay.shared_cell(k)
         y[lay.LOADS_HERE + lay.LOADS + k] = (
-            1.0 if y[lay.ACCELERATION + at] != y[lay.HERE + lay.ACCELERATION + at] else 0.0
+            1.0 if y[lay.ACCELERATION + coordinate] != y[lay.HERE + lay.ACCELERATION + coordinate] else 0.0
         )
     for matrix, block, size in (
         (lay.POSITION_JACOBIAN, lay.POSITION, DISPLACEMENT),

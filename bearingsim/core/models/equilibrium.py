@@ -47,7 +47,8 @@ class NoEquilibrium(ArithmeticError):
 
 @jit
 def contact_force(contact, side, pits, y, j, delta):
-    """Force (N), slope (N/m) and mean approach (m) of a contact of roller ``j``, ``delta`` (m) in the race.
+    """Return the force (N), slope (N/m) and mean approach (m) of a contact of roller ``j``, ``delta`` (m) in the
+    race.
 
     side: OUTER or INNER.
     """
@@ -57,7 +58,8 @@ def contact_force(contact, side, pits, y, j, delta):
 
 @jit
 def excess_force(model, y, j, touch, q):
-    """Net inward force (N) on a roller at ``q`` (m) and its slope; ``touch`` is where it meets the outer race."""
+    """Return the net inward force (N) on a roller at ``q`` (m) and its slope; ``touch`` is where it meets the
+    outer race."""
     bearing = model.bearing
     outer, k_o, _ = contact_force(model.outer, OUTER, model.pits, y, j, q - touch)
     inner, k_i, _ = contact_force(model.inner, INNER, model.pits, y, j, -bearing.gap - q)
@@ -67,7 +69,7 @@ def excess_force(model, y, j, touch, q):
 
 @jit
 def roller_balance(model, y, j, u_r):
-    """Position q (m) of a roller when the outer race stands ``u_r`` further out at its angle.
+    """Return the position q (m) of a roller when the outer race stands ``u_r`` further out at its angle.
 
     Newton's method from where a roller without mass would be over undamaged races. It goes out by no more than a
     reach that doubles until the outer race holds the roller; from then on it halves the bracket wherever its own
@@ -142,7 +144,7 @@ def balance_rollers(model, t, y):
 
 @jit
 def net_force(model, y):
-    """Net force (N) on the ring, from the rows that ``balance_rollers`` filled."""
+    """Return the net force (N) on the ring, from the rows that ``balance_rollers`` filled."""
     f_x, f_y = static_force(model.support, 0.0, 0.0, y)
     for j in range(model.bearing.Z):
         f_x += y[lay.Q_O + j] * y[lay.COS + j]
@@ -167,14 +169,15 @@ def ring_stiffness(model, y):
 
 @jit
 def solve_2x2(k_xx, k_xy, k_yy, f_x, f_y):
-    """Solution of the symmetric 2 x 2 system."""
+    """Return the solution of the symmetric 2 x 2 system."""
     determinant = k_xx * k_yy - k_xy * k_xy
     return (k_yy * f_x - k_xy * f_y) / determinant, (k_xx * f_y - k_xy * f_x) / determinant
 
 
 @jit
 def force_at(model, t, y, x, z, d_x, d_y, part):
-    """Net force (N) with the ring moved by ``part`` of (d_x, d_y) from (x, z), and its push that way (N m)."""
+    """Return the net force (N) with the ring moved by ``part`` of (d_x, d_y) from (x, z), and its push that way
+    (N m)."""
     y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y] = x + part * d_x, z + part * d_y
     balance_rollers(model, t, y)
     f_x, f_y = net_force(model, y)
@@ -194,10 +197,10 @@ def line_search(model, t, y, d_x, d_y, push):
     low, high = 0.0, 1.0
     for _ in range(60):
         part = 0.5 * (low + high)
-        f_x, f_y, here = force_at(model, t, y, x, z, d_x, d_y, part)
-        if abs(here) <= 0.5 * push:
+        f_x, f_y, push_now = force_at(model, t, y, x, z, d_x, d_y, part)
+        if abs(push_now) <= 0.5 * push:
             break
-        if here > 0.0:
+        if push_now > 0.0:
             low = part
         else:
             high = part
@@ -216,7 +219,8 @@ def find_rest(model, t, y):
 
 @jit
 def is_futile(size, y):
-    """Tell whether further steps are: the job's CPU time is over, or a net force of ``size`` (N) is rounding."""
+    """Check if further steps are futile: the job's CPU time is over, or a net force of ``size`` (N) is
+    rounding."""
     largest = 0.0
     for j in range(lay.ROW):
         largest = max(largest, y[lay.Q_O + j], y[lay.Q_I + j])
@@ -247,7 +251,7 @@ def _settle(bending, model, t, y):
 
 @jit
 def force_along(model, t, y, x):
-    """Net force (N) along the load line with the ring at ``x`` (m) on it: falls as x grows."""
+    """Return the net force (N) along the load line with the ring at ``x`` (m) on it: falls as x grows."""
     y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y] = x, 0.0
     balance_rollers(model, t, y)
     return net_force(model, y)[0]
@@ -315,7 +319,8 @@ class Rest(NamedTuple):
 
 
 def ring_damping(Z, outer, inner, y):
-    """Damping (N s/m) that ``Z`` rollers offer the ring along e_0 and e_90: a roller's two contacts in series."""
+    """Return the damping (N s/m) that ``Z`` rollers offer the ring along e_0 and e_90: a roller's two contacts
+    in series."""
     c_xx, c_yy = 0.0, 0.0
     for j in range(Z):
         of_outer = damping_bound(outer, max(y[lay.DELTA_O + j], 0.0), 0.0)
@@ -342,13 +347,13 @@ def rests_of_a_pass(model, y, samples):
 
 def mean_rest(model, y, samples=32):
     """Return ``Rest`` of a bearing, from ``samples`` of a ball pass. Raises ``NoEquilibrium``."""
-    Z, found, loads = model.bearing.Z, [], []
+    Z, rests, loads = model.bearing.Z, [], []
     for _ in rests_of_a_pass(model, y, samples):
         k_xx, _, k_yy = ring_stiffness(model, y)
-        found.append((*place_of_held(model, y), k_xx, k_yy))
+        rests.append((*place_of_held(model, y), k_xx, k_yy))
         most = int(np.argmax(y[lay.Q_I : lay.Q_I + Z]))
         loads.append((y[lay.Q_O + most], y[lay.DELTA_O + most] + y[lay.DELTA_I + most]))
-    x, z, k_x, k_y = (float(value) for value in np.mean(found, axis=0))
+    x, z, k_x, k_y = (float(value) for value in np.mean(rests, axis=0))
     load, approach = (float(value) for value in max(loads))
     return Rest(x, z, load, approach, k_x, k_y)
 
@@ -357,6 +362,6 @@ def mean_ring_damping(model, outer, inner, y, samples=32):
     """Return ``ring_damping`` of a bearing with the contact laws ``outer`` and ``inner``, averaged over a ball
     pass."""
     Z = model.bearing.Z
-    found = [ring_damping(Z, outer, inner, y) for _ in rests_of_a_pass(model, y, samples)]
-    c_x, c_y = np.mean(found, axis=0)
+    dampings = [ring_damping(Z, outer, inner, y) for _ in rests_of_a_pass(model, y, samples)]
+    c_x, c_y = np.mean(dampings, axis=0)
     return float(c_x), float(c_y)

@@ -11,7 +11,7 @@ from bearingsim.core.parameters import lanes
 
 @jit
 def update_largest_forces(y, n):
-    """Running maxima of each roller's forces, and the number of rollers that carry load now."""
+    """Update the running maxima of each roller's forces, and the number of rollers that carry load."""
     loaded = 0.0
     for j in range(n):
         y[lay.Q_O_MAX + j] = max(y[lay.Q_O_MAX + j], y[lay.Q_O + j])

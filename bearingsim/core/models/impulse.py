@@ -63,7 +63,7 @@ def free_response(m, K, C, t):
 
 @jit
 def free_motion(m, K, C, t, x, v):
-    """Displacement (m) and velocity (m/s) after ``t`` (s) of free motion from ``x`` and ``v``: exact."""
+    """Return displacement (m) and velocity (m/s) after ``t`` (s) of free motion from ``x`` and ``v``: exact."""
     beta = C / (2.0 * m)
     c, s = free_response(m, K, C, t)
     return x * (c + beta * s) + v * s, v * (c - beta * s) - x * K / m * s

@@ -8,7 +8,7 @@ from bearingsim.core.jit import generic
 
 
 class ModelKind(NamedTuple):
-    """What belongs to a model's code; the rest of what is known of it stands in the catalogue.
+    """Properties of a model's code; its other properties stand in the catalogue.
 
     parameters: its ``NamedTuple``; per_crossing: steps of an automatic run over the narrowest pit.
     """
@@ -60,7 +60,7 @@ def stiffness_per_mass(model: Any, y: np.ndarray, j: int) -> float:
 
 @generic(inline="late")
 def damping_per_mass(model: Any, y: np.ndarray, j: int) -> float:
-    """Damping over mass (1/s) of monitored body ``j`` as it stands now."""
+    """Return the damping over mass (1/s) of monitored body ``j`` as it stands now."""
 
 
 @generic

@@ -1,4 +1,4 @@
-"""What every model with a moving ring shares: angles of the rollers, and the ring's own equation of motion.
+"""Parts of every model with a moving ring: angles of the rollers, and the ring's own equation of motion.
 
 m_o u'' = -F e_0 - F_across e_90 - k_b (u - u_0) - c_b u' + sum_j Q_o,j e_r(theta_j)
 """
@@ -13,7 +13,7 @@ from bearingsim.core.sums import sum_loads
 
 
 class Turning(NamedTuple):
-    """What rollers share that a kinematic cage leads past a ring that moves.
+    """Quantities common to all rollers under a kinematic cage and a moving ring.
 
     C, S: cosine and sine of the first roller's angle; u_x, u_y: the ring's centre (m); w_x, w_y: its velocity as
     the cage sees it, u' - omega_c x u, so that w.e_r = d(u.e_r)/dt (m/s); held_x, held_y: force on the ring (N) by
@@ -41,10 +41,10 @@ def turning(model, t, y):
 
 
 @inlined
-def turn_roller(at, y, j):
-    """Cosine and sine of the angle of roller ``j``."""
-    c = at.C * y[lay.COS_0 + j] - at.S * y[lay.SIN_0 + j]
-    s = at.S * y[lay.COS_0 + j] + at.C * y[lay.SIN_0 + j]
+def turn_roller(common, y, j):
+    """Fill cosine and sine of the angle of roller ``j``; return them."""
+    c = common.C * y[lay.COS_0 + j] - common.S * y[lay.SIN_0 + j]
+    s = common.S * y[lay.COS_0 + j] + common.C * y[lay.SIN_0 + j]
     y[lay.COS + j], y[lay.SIN + j] = c, s
     return c, s
 
@@ -79,10 +79,10 @@ def accelerate(m_o, f_x, f_y, y):
 
 
 @inlined
-def accelerate_ring(model, at, y):
+def accelerate_ring(model, common, y):
     """Fill the ring's acceleration under the loads that ``push_ring`` filled."""
     sum_loads(lay.F_X, lay.F_Y, y, lanes(model.bearing))
-    accelerate(model.bearing.m_o, y[lay.F_X] + at.held_x, y[lay.F_Y] + at.held_y, y)
+    accelerate(model.bearing.m_o, y[lay.F_X] + common.held_x, y[lay.F_Y] + common.held_y, y)
 
 
 @jit

@@ -117,7 +117,7 @@ def _roller_at_pit(model, d, t, y):
 
 
 class Plane(NamedTuple):
-    """What all rollers share.
+    """Pocket angle, body speeds and centres, computed once per evaluation.
 
     time: s, the motion's own; growth: how fast speeds grow with it (1/s); C, S: cosine and sine of the first
     pocket's angle; omega_cage, omega_i: speeds of the cage and the inner ring, spin: a roller's nominal one,
@@ -161,19 +161,20 @@ def _shared(model, t, y):
 
 
 @load_roller.register(Planar)
-def _load_roller(model, at, y, j):
-    roller_direction(at.C, at.S, y, j)
-    approach(OuterSide(), model.bearing, at.outer, at.omega_cage, y, j)
-    approach(InnerSide(), model.bearing, at.inner, at.omega_cage, y, j)
+def _load_roller(model, common, y, j):
+    roller_direction(common.C, common.S, y, j)
+    approach(OuterSide(), model.bearing, common.outer, common.omega_cage, y, j)
+    approach(InnerSide(), model.bearing, common.inner, common.omega_cage, y, j)
     y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
     y[lay.Q_I + j] = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
     y[lay.PIT_TORQUE + j] = 0.0
-    move_sideways(model, at, 0.0, 0.0, y, j)
+    move_sideways(model, common, 0.0, 0.0, y, j)
 
 
 @inlined
-def move_sideways(model, at, lean_o, lean_i, y, j):
-    """Slip, friction, drag and pocket of roller ``j``: fills FORCE_R, FORCE_T, TORQUE and its loads on the rings.
+def move_sideways(model, common, lean_o, lean_i, y, j):
+    """Compute slip, friction, drag and pocket of roller ``j``: fills FORCE_R, FORCE_T, TORQUE and its loads on the
+    rings.
 
     lean_o, lean_i: tangent of the angle of the contacts' normals against n, in a pit.
     """
@@ -182,16 +183,16 @@ def move_sideways(model, at, lean_o, lean_i, y, j):
     along, across = model.lag * (per_m + turned), model.lag * (per_m - turned)
     c, s = y[lay.COS + j], y[lay.SIN + j]
     real = b.m_r * y[lay.INVERSE_MASS + j]  # 1, and 0 in a padded lane
-    beta_v = at.spin + y[lay.SPIN_V + j]
-    theta_v = at.omega_cage + y[lay.EPS_V + j]
+    beta_v = common.spin + y[lay.SPIN_V + j]
+    theta_v = common.omega_cage + y[lay.EPS_V + j]
     u = R_w * abs(theta_v - beta_v)  # surfaces through a contact that moves with the roller's centre
 
     arm_o, arm_i = R_w - 0.5 * y[lay.DELTA_O + j], R_w - 0.5 * y[lay.DELTA_I + j]
     cos_o, cos_i = 1.0 / sqrt(1.0 + lean_o * lean_o), 1.0 / sqrt(1.0 + lean_i * lean_i)
     sin_o, sin_i = lean_o * cos_o, lean_i * cos_i
     on_o, on_i = y[lay.RHO_O + j] * cos_o + arm_o, y[lay.RHO_I + j] * cos_i - arm_i  # arms on the rings
-    s_o = y[lay.TANGENTIAL_V_O + j] * cos_o + y[lay.RHO_V_O + j] * sin_o + beta_v * arm_o - at.turning * on_o
-    s_i = y[lay.TANGENTIAL_V_I + j] * cos_i - y[lay.RHO_V_I + j] * sin_i - beta_v * arm_i - at.omega_i * on_i
+    s_o = y[lay.TANGENTIAL_V_O + j] * cos_o + y[lay.RHO_V_O + j] * sin_o + beta_v * arm_o - common.turning * on_o
+    s_i = y[lay.TANGENTIAL_V_I + j] * cos_i - y[lay.RHO_V_I + j] * sin_i - beta_v * arm_i - common.omega_i * on_i
     y[lay.SLIP_O + j], y[lay.SLIP_I + j] = s_o, s_i
     s_o += AT_REST if s_o > 0.0 else -AT_REST
     s_i += AT_REST if s_i > 0.0 else -AT_REST
@@ -216,23 +217,24 @@ def move_sideways(model, at, lean_o, lean_i, y, j):
     y[lay.roller_load(lay.M_RING) + j] = real * f_o * on_o
     y[lay.roller_load(lay.F_X_I) + j] = -i_r * c + i_t * s
     y[lay.roller_load(lay.F_Y_I) + j] = -i_r * s - i_t * c
-    pocket_force(model.cage, model, at, y, j)
+    pocket_force(model.cage, model, common, y, j)
 
 
 @inlined
-def correct_for_pits(model, at, t, y):
+def correct_for_pits(model, common, t, y):
     """Correct each roller that stands over a pit; returns the torque (N m) of the pits on the outer ring."""
     torque = 0.0
     for d in range(len(model.pits.head)):
         j, s = roller_at_pit(model, d, t, y)
         if abs(s) < model.pits.head[d, HALF_WIDTH]:
-            torque += correct_for_pit(model, at, d, j, s, t, y)
+            torque += correct_for_pit(model, common, d, j, s, t, y)
     return torque
 
 
 @jit
-def correct_for_pit(model, at, d, j, s, t, y):
-    """Force, tilt of the normal and torque of roller ``j`` over roller-pit pair ``d``, and what follows from them.
+def correct_for_pit(model, common, d, j, s, t, y):
+    """Correct force, tilt of the normal and torque of roller ``j`` over roller-defect pair ``d``, and all that
+    follows.
 
     Returns the torque (N m) of the pit on the outer ring.
     """
@@ -240,8 +242,8 @@ def correct_for_pit(model, at, d, j, s, t, y):
         return 0.0
     pits, on = model.pits, model.pits.head[d, CARRIER]
     own, outer = on >= 0.0, pits.head[d, SIDE] == OUTER
-    turning = at.omega_i if on == ON_INNER else at.turning
-    turning = at.spin + y[lay.SPIN_V + j] if own else turning
+    turning = common.omega_i if on == ON_INNER else common.turning
+    turning = common.spin + y[lay.SPIN_V + j] if own else turning
     if outer:
         sideways = tilt_contact(OuterSide(), model.outer, pits, d, j, s, turning, y)
     else:
@@ -250,7 +252,7 @@ def correct_for_pit(model, at, d, j, s, t, y):
     y[lay.PIT_TORQUE + j] -= torque if own else 0.0
     lean_o = y[lay.PIT_FORCE_O + j] / max(y[lay.Q_O + j], 1e-300)
     lean_i = y[lay.PIT_FORCE_I + j] / max(y[lay.Q_I + j], 1e-300)
-    move_sideways(model, at, lean_o, lean_i, y, j)
+    move_sideways(model, common, lean_o, lean_i, y, j)
     return -torque if outer and not own else 0.0
 
 
@@ -273,28 +275,30 @@ def tilt_contact(side, law, pits, d, j, s, turning, y):
 
 
 @accelerate_shared.register(Planar)
-def _accelerate_shared(model, at, t, y):
+def _accelerate_shared(model, common, t, y):
     b = model.bearing
-    n, kinematic = lanes(b), b.omega_c * at.growth
-    torque = correct_for_pits(model, at, t, y)
+    n, kinematic = lanes(b), b.omega_c * common.growth
+    torque = correct_for_pits(model, common, t, y)
     sum_loads(lay.F_X, lay.M_RING, y, n)
     sum_loads(lay.F_X_I, lay.F_Y_I, y, n)
     sum_pocket_forces(model.cage, y, n)
     y[lay.M_RING] += torque
-    alpha_cage = accelerate_cage(model.cage, model, at.omega_cage, at.omega_i, kinematic, y)
+    alpha_cage = accelerate_cage(model.cage, model, common.omega_cage, common.omega_i, kinematic, y)
     y[lay.ACCELERATION + lay.PHI_C] = alpha_cage - kinematic
     accelerate_outer_ring(model, y)
     accelerate_ring_rotation(model.bracket, y)
-    accelerate_inner_ring(model.shaft, model, b.omega_i * at.time, at.omega_i, b.omega_i * at.growth, y)
+    accelerate_inner_ring(
+        model.shaft, model, b.omega_i * common.time, common.omega_i, b.omega_i * common.growth, y
+    )
     return alpha_cage
 
 
 @accelerate_roller.register(Planar)
-def _accelerate_roller(model, at, alpha_cage, y, j):
+def _accelerate_roller(model, common, alpha_cage, y, j):
     """Compute q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  spin'' = M/I."""
     b, cage, per_mass = model.bearing, model.cage, y[lay.INVERSE_MASS + j]
-    real, alpha_spin = b.m_r * per_mass, (b.omega_c - b.omega_b) * at.growth
-    r, theta_v = 0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j], at.omega_cage + y[lay.EPS_V + j]
+    real, alpha_spin = b.m_r * per_mass, (b.omega_c - b.omega_b) * common.growth
+    r, theta_v = 0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j], common.omega_cage + y[lay.EPS_V + j]
     y[lay.RADIAL_A + j] = real * r * theta_v * theta_v + per_mass * y[lay.FORCE_R + j]
     theta_a = (per_mass * y[lay.FORCE_T + j] - 2.0 * y[lay.RADIAL_V + j] * theta_v) / r
     y[lay.EPS_A + j] = cage_constraint(cage, real * (theta_a - alpha_cage))
@@ -323,8 +327,8 @@ def _stiffness_per_mass(model, y, j):
 
 @damping_per_mass.register(Planar)
 def _damping_per_mass(model, y, j):
-    """Radial damping, or that of what holds the rings, or of friction on slip (see ``lagged_friction``): the
-    largest.
+    """Return the largest of radial damping, of the rings' supports and of friction on slip (see
+    ``lagged_friction``): the largest.
     """
     outer = damping_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = damping_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])

@@ -75,99 +75,109 @@ def move_rollers(y, steps, part, Z):
 
 
 @jit
-def step_rollers(s, at, Z):
-    """Fill ``at.step`` and ``at.push``: Newton's step of every roller, none longer than ``LONGEST_STEP``."""
+def step_rollers(s, arrays, Z):
+    """Fill ``arrays.step`` and ``arrays.push``: Newton's step of every roller, none longer than
+    ``LONGEST_STEP``."""
     for j in range(Z):
-        q, tilt = solve_2x2(at.pairs[j, 0], at.pairs[j, 1], at.pairs[j, 2], at.left[j, 0], at.left[j, 1])
+        q, tilt = solve_2x2(
+            arrays.pairs[j, 0], arrays.pairs[j, 1], arrays.pairs[j, 2], arrays.left[j, 0], arrays.left[j, 1]
+        )
         shorter = min(1.0, LONGEST_STEP / max(abs(q), abs(tilt) * s.half, 1e-300))
-        at.step[j, 0], at.step[j, 1] = shorter * q, shorter * tilt
-        at.push[j] = at.left[j, 0] * at.step[j, 0] + at.left[j, 1] * at.step[j, 1]
+        arrays.step[j, 0], arrays.step[j, 1] = shorter * q, shorter * tilt
+        arrays.push[j] = arrays.left[j, 0] * arrays.step[j, 0] + arrays.left[j, 1] * arrays.step[j, 1]
 
 
 @jit
-def step_back(y, at, Z):
+def step_back(y, arrays, Z):
     """Take half of its step back from every roller that went past its rest; returns whether one did."""
     any_past = False
     for j in range(Z):
-        if at.left[j, 0] * at.step[j, 0] + at.left[j, 1] * at.step[j, 1] < -0.5 * at.push[j]:
+        if arrays.left[j, 0] * arrays.step[j, 0] + arrays.left[j, 1] * arrays.step[j, 1] < -0.5 * arrays.push[j]:
             any_past = True
-            at.step[j, 0], at.step[j, 1], at.push[j] = 0.5 * at.step[j, 0], 0.5 * at.step[j, 1], 0.5 * at.push[j]
-            y[lay.RADIAL + j] -= at.step[j, 0]
-            y[lay.TILT + j] -= at.step[j, 1]
+            arrays.step[j, 0], arrays.step[j, 1], arrays.push[j] = (
+                0.5 * arrays.step[j, 0],
+                0.5 * arrays.step[j, 1],
+                0.5 * arrays.push[j],
+            )
+            y[lay.RADIAL + j] -= arrays.step[j, 0]
+            y[lay.TILT + j] -= arrays.step[j, 1]
     return any_past
 
 
 @jit
-def settle(model, t, y, s, at, goal):
+def settle(model, t, y, s, arrays, goal):
     """Balance every roller to ``goal`` (N) where the rings stand; returns their largest residual (N)."""
-    return settle_on(model, t, y, s, at, goal, press(model, t, y, s, at))
+    return settle_on(model, t, y, s, arrays, goal, press(model, t, y, s, arrays))
 
 
 @jit
-def settle_on(model, t, y, s, at, goal, size):
-    """Run ``settle`` for rollers whose residuals are in ``at``, the largest ``size`` (N)."""
+def settle_on(model, t, y, s, arrays, goal, size):
+    """Run ``settle`` for rollers whose residuals are in ``arrays``, the largest ``size`` (N)."""
     Z = model.bearing.Z
     for _ in range(MAX_STEPS):
         if size <= goal or is_over(y[lay.CPU_END]):
             break
-        stiffen_rollers(model, y, s, at)
-        step_rollers(s, at, Z)
+        stiffen_rollers(model, y, s, arrays)
+        step_rollers(s, arrays, Z)
         before = size
-        move_rollers(y, at.step, 1.0, Z)
-        size = press(model, t, y, s, at)
+        move_rollers(y, arrays.step, 1.0, Z)
+        size = press(model, t, y, s, arrays)
         for _ in range(HALVINGS):
-            if size <= goal or not step_back(y, at, Z):
+            if size <= goal or not step_back(y, arrays, Z):
                 break
-            size = press(model, t, y, s, at)
+            size = press(model, t, y, s, arrays)
         if before <= size <= RESIDUAL * s.load:
             break  # rounding
     return size
 
 
 @jit
-def step_rings(model, y, s, at):
-    """Fill ``at.move``, Newton's step of the rings, and ``at.follow``, the rollers'; return its work (N m)."""
-    stiffen_rollers(model, y, s, at)
-    stiffen_rings(model, y, at)
+def step_rings(model, y, s, arrays):
+    """Fill ``arrays.move``, Newton's step of the rings, and ``arrays.follow``, the rollers'; return its work (N
+    m)."""
+    stiffen_rollers(model, y, s, arrays)
+    stiffen_rings(model, y, arrays)
     for i in range(RINGS):
-        at.stiff[i, RINGS] = at.forces[i]
-    eliminate(at.stiff)
+        arrays.stiff[i, RINGS] = arrays.forces[i]
+    eliminate(arrays.stiff)
     longest, push = 1e-300, 0.0
     for i in range(RINGS):
-        longest = max(longest, abs(at.stiff[i, RINGS]) * arm(i, s.half))
+        longest = max(longest, abs(arrays.stiff[i, RINGS]) * arm(i, s.half))
     for i in range(RINGS):
-        at.move[i] = at.stiff[i, RINGS] * min(1.0, LONGEST_STEP / longest)
-        at.start[i] = y[lay.POSITION + CELLS[i]]
-        push += at.forces[i] * at.move[i]
+        arrays.move[i] = arrays.stiff[i, RINGS] * min(1.0, LONGEST_STEP / longest)
+        arrays.start[i] = y[lay.POSITION + CELLS[i]]
+        push += arrays.forces[i] * arrays.move[i]
     for j in range(model.bearing.Z):
-        at.held[j, 0], at.held[j, 1] = y[lay.RADIAL + j], y[lay.TILT + j]
+        arrays.held[j, 0], arrays.held[j, 1] = y[lay.RADIAL + j], y[lay.TILT + j]
         q, tilt = 0.0, 0.0
         for i in range(RINGS):
-            q, tilt = q - at.crossed[j, 0, i] * at.move[i], tilt - at.crossed[j, 1, i] * at.move[i]
-        at.follow[j, 0], at.follow[j, 1] = solve_2x2(at.pairs[j, 0], at.pairs[j, 1], at.pairs[j, 2], q, tilt)
+            q, tilt = q - arrays.crossed[j, 0, i] * arrays.move[i], tilt - arrays.crossed[j, 1, i] * arrays.move[i]
+        arrays.follow[j, 0], arrays.follow[j, 1] = solve_2x2(
+            arrays.pairs[j, 0], arrays.pairs[j, 1], arrays.pairs[j, 2], q, tilt
+        )
     return push
 
 
 @jit
-def move_all(y, at, part, Z):
+def move_all(y, arrays, part, Z):
     """Put rings and rollers where a part of the step leads from where they stood."""
     for i in range(RINGS):
-        y[lay.POSITION + CELLS[i]] = at.start[i] + part * at.move[i]
+        y[lay.POSITION + CELLS[i]] = arrays.start[i] + part * arrays.move[i]
     for j in range(Z):
-        y[lay.RADIAL + j] = at.held[j, 0] + part * at.follow[j, 0]
-        y[lay.TILT + j] = at.held[j, 1] + part * at.follow[j, 1]
+        y[lay.RADIAL + j] = arrays.held[j, 0] + part * arrays.follow[j, 0]
+        y[lay.TILT + j] = arrays.held[j, 1] + part * arrays.follow[j, 1]
 
 
 @jit
-def search(model, t, y, s, at, goal):
+def search(model, t, y, s, arrays, goal):
     """Take a step of the rings, or as much of it as does not pass their rest; returns what ``settle`` does."""
-    push, part, size = step_rings(model, y, s, at), 1.0, 0.0
+    push, part, size = step_rings(model, y, s, arrays), 1.0, 0.0
     for _ in range(HALVINGS):
-        move_all(y, at, part, model.bearing.Z)
-        size = settle(model, t, y, s, at, goal)
+        move_all(y, arrays, part, model.bearing.Z)
+        size = settle(model, t, y, s, arrays, goal)
         past = 0.0
         for i in range(RINGS):
-            past += at.forces[i] * at.move[i]
+            past += arrays.forces[i] * arrays.move[i]
         if past >= -0.5 * push:
             break
         part *= 0.5
@@ -175,23 +185,23 @@ def search(model, t, y, s, at, goal):
 
 
 @jit
-def balance(at, model, t, y):
+def balance(arrays, model, t, y):
     """Find the rest near what ``y`` holds; returns the largest residual (N), moments counted by half a roller."""
     hold_mounted_rings(model, y)
     s = scales(model, t)
     goal = LOOSE * s.load
-    size = settle(model, t, y, s, at, goal)
+    size = settle(model, t, y, s, arrays, goal)
     for _ in range(MAX_STEPS):
-        left = largest_force(s, at)
+        left = largest_force(s, arrays)
         wanted = max(LOOSE * left, STRICT * RESIDUAL * s.load)
         if goal > wanted:  # what the rings feel is as wrong as the rollers are
             goal = wanted
-            size = settle_on(model, t, y, s, at, goal, size)
+            size = settle_on(model, t, y, s, arrays, goal, size)
         elif left <= RESIDUAL * s.load:
             break
         else:
-            size = search(model, t, y, s, at, goal)
-    return max(size, largest_force(s, at))
+            size = search(model, t, y, s, arrays, goal)
+    return max(size, largest_force(s, arrays))
 
 
 def rest_in_space(model: Any, t: float, y: np.ndarray, tilted: bool = False) -> float:

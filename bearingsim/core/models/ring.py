@@ -86,19 +86,19 @@ def _shared(model, t, y):
 
 
 @inlined
-def share_approach(model, at, c, s, y, j):
+def share_approach(model, common, c, s, y, j):
     """Share the approach of roller ``j`` among its two contacts over undamaged races, and half of the rate to
     each."""
-    delta = -(at.u_x * c + at.u_y * s) - 2.0 * model.bearing.gap
+    delta = -(common.u_x * c + common.u_y * s) - 2.0 * model.bearing.gap
     inner = series_share(model.outer.stiffness, model.inner.stiffness, max(delta, 0.0)) + 0.5 * min(delta, 0.0)
     y[lay.DELTA_O + j], y[lay.DELTA_I + j] = delta - inner, inner
-    y[lay.V_O + j] = y[lay.V_I + j] = -0.5 * (at.w_x * c + at.w_y * s)
+    y[lay.V_O + j] = y[lay.V_I + j] = -0.5 * (common.w_x * c + common.w_y * s)
 
 
 @load_roller.register(Ring)
-def _load_roller(model, at, y, j):
-    c, s = turn_roller(at, y, j)
-    share_approach(model, at, c, s, y, j)
+def _load_roller(model, common, y, j):
+    c, s = turn_roller(common, y, j)
+    share_approach(model, common, c, s, y, j)
     y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
     y[lay.Q_I + j] = y[lay.Q_O + j]
     push_ring(y, j)
@@ -152,14 +152,14 @@ def correct_for_pits(model, t, y):
 
 
 @accelerate_shared.register(Ring)
-def _accelerate_shared(model, at, t, y):
+def _accelerate_shared(model, common, t, y):
     if any_over_pit(model, t, y):
         correct_for_pits(model, t, y)
-    accelerate_ring(model, at, y)
+    accelerate_ring(model, common, y)
 
 
 @accelerate_roller.register(Ring)
-def _accelerate_roller(model, at, felt, y, j):
+def _accelerate_roller(model, common, felt, y, j):
     """Skip the acceleration: a roller without mass has none."""
 
 
@@ -242,9 +242,9 @@ def slopes_over_pit_in_series(model, y, j):
 
 @linearise.register(Ring)
 def _linearise(model, t, y):
-    n, at = lanes(model.bearing), shared(model, t, y)
+    n, common = lanes(model.bearing), shared(model, t, y)
     for j in range(n):
-        share_approach(model, at, y[lay.COS + j], y[lay.SIN + j], y, j)
+        share_approach(model, common, y[lay.COS + j], y[lay.SIN + j], y, j)
     slopes_in_series(model, y, n)
     if len(model.pits.head) > 0:
         locate_pits(model, t, y)

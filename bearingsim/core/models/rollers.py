@@ -88,25 +88,25 @@ by_roller(Rollers)
 
 @shared.register(Rollers)
 def _shared(model, t, y):
-    at = turning(model, t, y)
-    bending.bend_race(model.bending, at.C, at.S, model.bearing.omega_c, y, lanes(model.bearing))
-    return at
+    common = turning(model, t, y)
+    bending.bend_race(model.bending, common.C, common.S, model.bearing.omega_c, y, lanes(model.bearing))
+    return common
 
 
 @inlined
-def approach_races(model, at, c, s, y, j):
+def approach_races(model, common, c, s, y, j):
     """Fill approaches and their rates of both contacts of roller ``j`` over an undamaged race."""
     gap, r, v = model.bearing.gap, y[lay.RADIAL + j], y[lay.RADIAL_V + j]
-    y[lay.DELTA_O + j] = r - (at.u_x * c + at.u_y * s) - gap - bending.bend(model.bending, y, j)
-    y[lay.V_O + j] = v - (at.w_x * c + at.w_y * s) - bending.bend_rate(model.bending, y, j)
+    y[lay.DELTA_O + j] = r - (common.u_x * c + common.u_y * s) - gap - bending.bend(model.bending, y, j)
+    y[lay.V_O + j] = v - (common.w_x * c + common.w_y * s) - bending.bend_rate(model.bending, y, j)
     y[lay.DELTA_I + j] = -gap - r
     y[lay.V_I + j] = -v
 
 
 @load_roller.register(Rollers)
-def _load_roller(model, at, y, j):
-    c, s = turn_roller(at, y, j)
-    approach_races(model, at, c, s, y, j)
+def _load_roller(model, common, y, j):
+    c, s = turn_roller(common, y, j)
+    approach_races(model, common, c, s, y, j)
     y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
     y[lay.Q_I + j] = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
     push_ring(y, j)
@@ -135,14 +135,14 @@ def correct_for_pit(model, d, j, s, t, y):
 
 
 @accelerate_shared.register(Rollers)
-def _accelerate_shared(model, at, t, y):
+def _accelerate_shared(model, common, t, y):
     correct_for_pits(model, t, y)
-    accelerate_ring(model, at, y)
+    accelerate_ring(model, common, y)
     bending.accelerate_harmonics(model.bending, model.bearing.m_o, y)
 
 
 @accelerate_roller.register(Rollers)
-def _accelerate_roller(model, at, felt, y, j):
+def _accelerate_roller(model, common, felt, y, j):
     b = model.bearing
     centrifugal = b.m_r * b.omega_c * b.omega_c * (0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j])
     y[lay.RADIAL_A + j] = y[lay.INVERSE_MASS + j] * (centrifugal + y[lay.Q_I + j] - y[lay.Q_O + j])
@@ -206,9 +206,9 @@ def slopes_over_pits(model, t, y):
 @linearise.register(Rollers)
 def _linearise(model, t, y):
     bearing = model.bearing
-    n, at = lanes(bearing), shared(model, t, y)
+    n, common = lanes(bearing), shared(model, t, y)
     for j in range(n):
-        approach_races(model, at, y[lay.COS + j], y[lay.SIN + j], y, j)
+        approach_races(model, common, y[lay.COS + j], y[lay.SIN + j], y, j)
         y[K_O + j], y[C_O + j] = slopes(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
         y[K_I + j], y[C_I + j] = slopes(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
     slopes_over_pits(model, t, y)

@@ -203,18 +203,18 @@ def accelerate_rollers(model, omega_cage, alpha_cage, alpha_spin, y, n):
 def _accelerations(model, t, y):
     b = model.bearing
     n = lanes(b)
-    at = bodies(model, t, y)
-    roller_directions(b.theta_0 + b.omega_c * at.time + y[lay.POSITION + lay.PHI_C], y, n)
-    roller_axes(at.spin, at.omega_cage, b.R_w, y, n)
-    external_loads(model, at.omega_cage, y, n)
-    race_contacts(model, t, 1.0, at.outer, at.inner, at.omega_cage, y, n)
-    flange_forces(model.flanges, model, at.outer, at.inner, y, n)
-    side_loads(OuterSide(), b, at.outer, y, n)
-    side_loads(InnerSide(), b, at.inner, y, n)
-    pocket_forces_in_space(model.cage, model, at.cage, at.omega_cage, at.spin, y, n)
+    common = bodies(model, t, y)
+    roller_directions(b.theta_0 + b.omega_c * common.time + y[lay.POSITION + lay.PHI_C], y, n)
+    roller_axes(common.spin, common.omega_cage, b.R_w, y, n)
+    external_loads(model, common.omega_cage, y, n)
+    race_contacts(model, t, 1.0, common.outer, common.inner, common.omega_cage, y, n)
+    flange_forces(model.flanges, model, common.outer, common.inner, y, n)
+    side_loads(OuterSide(), b, common.outer, y, n)
+    side_loads(InnerSide(), b, common.inner, y, n)
+    pocket_forces_in_space(model.cage, model, common.cage, common.omega_cage, common.spin, y, n)
     sum_loads(lay.F_X, lay.M_INNER, y, n)
-    alpha_cage = accelerate_bodies_of(model, at, y)
-    accelerate_rollers(model, at.omega_cage, alpha_cage, (b.omega_c - b.omega_b) * at.growth, y, n)
+    alpha_cage = accelerate_bodies_of(model, common, y)
+    accelerate_rollers(model, common.omega_cage, alpha_cage, (b.omega_c - b.omega_b) * common.growth, y, n)
 
 
 @begin.register(Spatial)
@@ -285,7 +285,7 @@ def _stiffness_per_mass(model, y, j):
 
 @damping_per_mass.register(Spatial)
 def _damping_per_mass(model, y, j):
-    """Radial or tilting damping, or that of what holds the rings, or of friction on slip: the largest.
+    """Return the largest of radial and tilting damping, of the rings' supports and of friction on slip.
 
     Friction on flanges and pockets has no lag and acts in all these directions, so it adds to what damps the
     roller: as it is now, for it always slips.

@@ -1,4 +1,4 @@
-"""What rings and rollers of a bearing in space feel where they stand still: residuals, and their slopes.
+"""Residual forces on rings and rollers of a bearing in space at rest, and their derivatives.
 
 Unknown are radial place and tilt of every roller, and eight coordinates of the rings (``CELLS``). Residuals are
 minus the gradient of an energy, stiffnesses minus their slopes. Slices of a roller lie along its axis at zeta, so
@@ -34,7 +34,7 @@ RINGS, INNER = len(CELLS), 5  # how many, and the first of the inner ring
 
 
 class Room(NamedTuple):
-    """Where the search for a rest writes: a row for each roller, in m and rad or N and N m; rings as of ``CELLS``.
+    """Arrays of the search for a rest: a row for each roller, in m and rad or N and N m; rings as of ``CELLS``.
 
     left (Z, 2): residuals; step (Z, 2) and push (Z,): a step and its work (N m); pairs (Z, 3): stiffness of radial
     place and tilt, symmetric; crossed (Z, 2, 8): stiffness between rollers and rings; held, follow (Z, 2): where
@@ -63,7 +63,7 @@ def room(Z: int) -> Room:
 
 
 class Scales(NamedTuple):
-    """What the search measures by.
+    """Scales of the search for a rest.
 
     half: half a roller's length, m; load: N; flung: centrifugal force of a roller over its distance from the axis,
     N/m; gyro: gyroscopic moment over its tilt, N m/rad; soft: stiffness added to that of its contacts, N/m.
@@ -115,15 +115,15 @@ def contacts_at_rest(model, t, y, n):
 
 
 @jit
-def press(model, t, y, s, at):
-    """Fill ``at.left`` and ``at.forces``; returns the largest residual (N) of the rollers."""
+def press(model, t, y, s, arrays):
+    """Fill ``arrays.left`` and ``arrays.forces``; returns the largest residual (N) of the rollers."""
     contacts_at_rest(model, t, y, lanes(model.bearing))
     b, support, largest = model.bearing, model.support, 0.0
     for j in range(b.Z):
-        at.left[j, 0] = y[lay.FORCE_R + j] + s.flung * (0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j])
-        at.left[j, 1] = y[lay.MOMENT_T + j] - s.gyro * y[lay.TILT + j]
-        largest = max(largest, abs(at.left[j, 0]), abs(at.left[j, 1]) / s.half)
-    f = at.forces
+        arrays.left[j, 0] = y[lay.FORCE_R + j] + s.flung * (0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j])
+        arrays.left[j, 1] = y[lay.MOMENT_T + j] - s.gyro * y[lay.TILT + j]
+        largest = max(largest, abs(arrays.left[j, 0]), abs(arrays.left[j, 1]) / s.half)
+    f = arrays.forces
     f[0] = y[lay.F_X] - support.F - support.k_b * (y[lay.POSITION + lay.X] - support.x_0)
     f[1] = y[lay.F_Y] - support.F_across - support.k_b * (y[lay.POSITION + lay.Y] - support.y_0)
     f[2], f[3], f[4] = mount_load(
@@ -146,16 +146,16 @@ def press(model, t, y, s, at):
 
 @jit
 def arm(i, half):
-    """Half a roller's length (m) if coordinate ``i`` of the rings is an angle, else 1."""
+    """Return half a roller's length (m) if coordinate ``i`` of the rings is an angle, else 1."""
     return half if i in (3, 4, 6, 7) else 1.0
 
 
 @jit
-def largest_force(s, at):
+def largest_force(s, arrays):
     """Return the largest residual (N) of the rings, moments divided by half a roller's length."""
     largest = 0.0
     for i in range(RINGS):
-        largest = max(largest, abs(at.forces[i]) / arm(i, s.half))
+        largest = max(largest, abs(arrays.forces[i]) / arm(i, s.half))
     return largest
 
 
@@ -180,31 +180,32 @@ def moments(model, y, j):
 @jit
 def softened(model, s):
     """Return the moments with the stiffness that is added to every roller's."""
-    first, second, count = 0.0, 0.0, len(model.slices.table)
+    moment, moment_2, count = 0.0, 0.0, len(model.slices.table)
     for k in range(count):
         zeta = model.slices.table[k, ZETA]
-        first, second = first + zeta, second + zeta * zeta
-    return s.soft, s.soft * first / count, s.soft * second / count
+        moment, moment_2 = moment + zeta, moment_2 + zeta * zeta
+    return s.soft, s.soft * moment / count, s.soft * moment_2 / count
 
 
 @jit
-def stiffen_rollers(model, y, s, at):
-    """Fill ``at.pairs``."""
+def stiffen_rollers(model, y, s, arrays):
+    """Fill ``arrays.pairs``."""
     s_0, s_1, s_2 = softened(model, s)
     for j in range(model.bearing.Z):
         o_0, o_1, o_2, i_0, i_1, i_2 = moments(model, y, j)
-        at.pairs[j, 0] = o_0 + i_0 + s_0 - s.flung
-        at.pairs[j, 1] = o_1 + i_1 + s_1
-        at.pairs[j, 2] = o_2 + i_2 + s_2 + s.gyro
+        arrays.pairs[j, 0] = o_0 + i_0 + s_0 - s.flung
+        arrays.pairs[j, 1] = o_1 + i_1 + s_1
+        arrays.pairs[j, 2] = o_2 + i_2 + s_2 + s.gyro
 
 
 @jit
-def stiffen_rings(model, y, at):
-    """Fill ``at.crossed`` and ``at.stiff``, that of the rings when rollers give way, by ``at.pairs``."""
-    at.stiff[:], at.crossed[:] = 0.0, 0.0
+def stiffen_rings(model, y, arrays):
+    """Fill ``arrays.crossed`` and ``arrays.stiff``, that of the rings when rollers give way, by
+    ``arrays.pairs``."""
+    arrays.stiff[:], arrays.crossed[:] = 0.0, 0.0
     for j in range(model.bearing.Z):
         o_0, o_1, o_2, _, i_1, i_2 = moments(model, y, j)
-        moved, tilted = at.crossed[j, 0], at.crossed[j, 1]
+        moved, tilted = arrays.crossed[j, 0], arrays.crossed[j, 1]
         for e in range(2):
             along = y[lay.COS + j] if e == 0 else y[lay.SIN + j]
             moved[e], moved[3 + e], moved[6 + e] = -o_0 * along, -o_1 * along, -i_1 * along
@@ -212,25 +213,25 @@ def stiffen_rings(model, y, at):
         for e in range(2):
             along = y[lay.COS + j] if e == 0 else y[lay.SIN + j]
             for w in range(INNER):
-                at.stiff[e, w] -= along * moved[w]
-                at.stiff[3 + e, w] -= along * tilted[w]
+                arrays.stiff[e, w] -= along * moved[w]
+                arrays.stiff[3 + e, w] -= along * tilted[w]
             for w in range(INNER, RINGS):
-                at.stiff[6 + e, w] -= along * tilted[w]
+                arrays.stiff[6 + e, w] -= along * tilted[w]
         for w in range(RINGS):
-            q, tilt = solve_2x2(at.pairs[j, 0], at.pairs[j, 1], at.pairs[j, 2], moved[w], tilted[w])
+            q, tilt = solve_2x2(arrays.pairs[j, 0], arrays.pairs[j, 1], arrays.pairs[j, 2], moved[w], tilted[w])
             for v in range(RINGS):
-                at.stiff[v, w] -= moved[v] * q + tilted[v] * tilt
-    hold_rings(model, at)
+                arrays.stiff[v, w] -= moved[v] * q + tilted[v] * tilt
+    hold_rings(model, arrays)
 
 
 @jit
-def hold_rings(model, at):
-    """Add to ``at.stiff`` what holds the rings besides rollers; a coordinate that nothing lets move stays."""
+def hold_rings(model, arrays):
+    """Add to ``arrays.stiff`` what holds the rings besides rollers; a coordinate that nothing lets move stays."""
     k_b = model.support.k_b + 1e-8 * tangent(model.outer.stiffness, 1e-7)
     (z_o, lean_o), (z_i, lean_i) = mount_rates(model.mount_o), mount_rates(model.mount_i)
     held = (k_b, k_b, z_o, lean_o, lean_o, z_i, lean_i, lean_i)
     for v in range(RINGS):
         if held[v] == 0.0:
-            at.stiff[v, :], at.stiff[:, v] = 0.0, 0.0
-            at.stiff[v, v] = 1.0
-        at.stiff[v, v] += held[v]
+            arrays.stiff[v, :], arrays.stiff[:, v] = 0.0, 0.0
+            arrays.stiff[v, v] = 1.0
+        arrays.stiff[v, v] += held[v]

@@ -1,1 +1,1 @@
-"""What touches and holds the rollers: races, cage, flanges, shaft, mounts."""
+"""Parts that touch or hold the rollers and rings: races, cage, flanges, shaft, mounts."""

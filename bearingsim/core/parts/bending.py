@@ -228,24 +228,24 @@ def turn_amplitudes(bending, omega_c, y):
 def _bend_race(bending, C, S, omega_c, y, rollers):
     turn_harmonics(bending, C, S, y)
     turn_amplitudes(bending, omega_c, y)
-    for first in range(0, rollers, lay.VECTOR_WIDTH):
-        to = (lay.BEND + first, lay.BEND_V + first)
-        sum_harmonics(bending.at_rollers, (lay.SEEN_C, lay.SEEN_V_C), (lay.SEEN_S, lay.SEEN_V_S), y, first, to)
+    for lane in range(0, rollers, lay.VECTOR_WIDTH):
+        to = (lay.BEND + lane, lay.BEND_V + lane)
+        sum_harmonics(bending.at_rollers, (lay.SEEN_C, lay.SEEN_V_C), (lay.SEEN_S, lay.SEEN_V_S), y, lane, to)
 
 
 @inlined
 def push_harmonics(bending, y):
     """Fill PUSH: what the rollers' forces Q_O do to the amplitudes, as the rollers see them."""
-    for first in range(0, bending.of_harmonic.shape[1], lay.VECTOR_WIDTH):
-        sum_rollers(bending.by_roller, lay.Q_O, y, first, (lay.PUSH_C + first, lay.PUSH_S + first))
+    for lane in range(0, bending.of_harmonic.shape[1], lay.VECTOR_WIDTH):
+        sum_rollers(bending.by_roller, lay.Q_O, y, lane, (lay.PUSH_C + lane, lay.PUSH_S + lane))
 
 
 @press_springs.register(Springs)
 def _press_springs(springs, y):
     press_each_spring(springs, y)
     shape, x, z = springs.by_spring.shape, 0.0, 0.0
-    for first in range(0, shape[2], lay.VECTOR_WIDTH):
-        sum_rollers(springs.by_spring, lay.SPRING_FORCE, y, first, (lay.PULL_C + first, lay.PULL_S + first))
+    for lane in range(0, shape[2], lay.VECTOR_WIDTH):
+        sum_rollers(springs.by_spring, lay.SPRING_FORCE, y, lane, (lay.PULL_C + lane, lay.PULL_S + lane))
     for p in range(shape[1]):
         x -= springs.of_spring[COS_S, p] * y[lay.SPRING_FORCE + p]
         z -= springs.of_spring[SIN_S, p] * y[lay.SPRING_FORCE + p]
@@ -258,8 +258,8 @@ def press_each_spring(springs, y):
     lanes = springs.of_spring.shape[1]
     rows_c = (lay.POSITION + lay.MODES_C, lay.VELOCITY + lay.MODES_C)
     rows_s = (lay.POSITION + lay.MODES_S, lay.VELOCITY + lay.MODES_S)
-    for first in range(0, lanes, lay.VECTOR_WIDTH):
-        sum_harmonics(springs.at, rows_c, rows_s, y, first, (lay.PRESSED + first, lay.PRESSED_V + first))
+    for lane in range(0, lanes, lay.VECTOR_WIDTH):
+        sum_harmonics(springs.at, rows_c, rows_s, y, lane, (lay.PRESSED + lane, lay.PRESSED_V + lane))
     u_x, u_y = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
     w_x, w_y = y[lay.VELOCITY + lay.X], y[lay.VELOCITY + lay.Y]
     for p in range(lanes):

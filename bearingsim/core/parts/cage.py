@@ -81,12 +81,12 @@ class OilDrag(NamedTuple):
 
 @generic(absent=0.0)
 def orbit_drag(drag: Any, speed: float) -> float:
-    """Force (N) on a roller along its orbit at ``speed`` (m/s)."""
+    """Return the force (N) on a roller along its orbit at ``speed`` (m/s)."""
 
 
 @generic(absent=0.0)
 def land_drag(drag: Any, omega_cage: float, omega_i: float) -> float:
-    """Torque (N m) on the cage at its speed and the inner ring's (rad/s)."""
+    """Return the torque (N m) on the cage at its speed and the inner ring's (rad/s)."""
 
 
 @orbit_drag.register(OilDrag)
@@ -101,7 +101,8 @@ def _land_drag_oil(drag, omega_cage, omega_i):
 
 @generic(absent=0.0)
 def radial_stop(guide: Any, out: float, speed: float) -> float:
-    """Force (N) of a pocket on its roller along e_r, ``out`` (m) and ``speed`` (m/s) outwards from the middle."""
+    """Return the force (N) of a pocket on its roller along e_r, ``out`` (m) and ``speed`` (m/s) outwards from
+    the middle."""
 
 
 @radial_stop.register(RingGuided)
@@ -117,7 +118,7 @@ def _radial_stop_rollers(guide, out, speed):
 
 @generic(absent=(0.0, 0.0))
 def cage_centre_acceleration(guide: Any, m: float, y: Any) -> tuple[float, float]:
-    """Acceleration (m/s^2) of the cage's centre under the forces gathered in the cells F_X_C, F_Y_C."""
+    """Return the acceleration (m/s^2) of the cage's centre under the forces gathered in the cells F_X_C, F_Y_C."""
 
 
 @cage_centre_acceleration.register(RollerGuided)
@@ -142,7 +143,8 @@ def _land_contact_rollers(guide, omega_cage, omega_i, y):
 
 @land_contact.register(RingGuided)
 def _land_contact_ring(guide, omega_cage, omega_i, y):
-    """Cage and ring touch where the cage is off the ring's centre by the play; the point moves with the offset."""
+    """Bring cage and ring in contact where the cage is off the ring's centre by the play; the point moves with
+    the offset."""
     o, i = guide.outer, 1.0 - guide.outer
     x = y[lay.POSITION + lay.X_C] - o * y[lay.POSITION + lay.X] - i * y[lay.POSITION + lay.X_I]
     z = y[lay.POSITION + lay.Y_C] - o * y[lay.POSITION + lay.Y] - i * y[lay.POSITION + lay.Y_I]
@@ -169,29 +171,31 @@ def _land_contact_ring(guide, omega_cage, omega_i, y):
 
 
 @generic(inline="late", absent=None)
-def pocket_force(cage: Any, model: Any, at: Any, y: Any, j: int) -> None:
+def pocket_force(cage: Any, model: Any, common: Any, y: Any, j: int) -> None:
     """Add the pocket's force to the rows FORCE_R, FORCE_T, TORQUE of roller ``j``; fill its loads on the cage.
 
-    at: its fields ``cage`` (a ``Centre``), ``omega_cage``, ``spin``: the cage's speed, a roller's nominal spin
+    common: its fields ``cage`` (a ``Centre``), ``omega_cage``, ``spin``: the cage's speed, a roller's nominal spin
     (rad/s).
     """
 
 
 @pocket_force.register(FreeCage)
-def _pocket_force_free(cage, model, at, y, j):
-    b, omega_cage = model.bearing, at.omega_cage
+def _pocket_force_free(cage, model, common, y, j):
+    b, omega_cage = model.bearing, common.omega_cage
     middle, R_w, real = 0.5 * (b.R_o + b.R_i), b.R_w, b.m_r * y[lay.INVERSE_MASS + j]  # 1, and 0 in a padded lane
     pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
     r, v = middle + y[lay.RADIAL + j], y[lay.RADIAL_V + j]
     w = r * (omega_cage + y[lay.EPS_V + j])
-    e = r * se + at.cage.x * ps - at.cage.y * pc
-    rho = r * ce - at.cage.x * pc - at.cage.y * ps
-    v_r = v * ce - w * se - at.cage.v_x * pc - at.cage.v_y * ps  # less the cage's centre, in the pocket's frame
-    v_t = v * se + w * ce + at.cage.v_x * ps - at.cage.v_y * pc
+    e = r * se + common.cage.x * ps - common.cage.y * pc
+    rho = r * ce - common.cage.x * pc - common.cage.y * ps
+    v_r = (
+        v * ce - w * se - common.cage.v_x * pc - common.cage.v_y * ps
+    )  # less the cage's centre, in the pocket's frame
+    v_t = v * se + w * ce + common.cage.v_x * ps - common.cage.v_y * pc
     side = 1.0 if e > 0.0 else -1.0
     N = normal_force(cage.pocket, abs(e) - cage.play, side * (v_t - omega_cage * rho))
-    slip = v_r - side * R_w * (at.spin + y[lay.SPIN_V + j]) + omega_cage * (e + side * R_w)
-    f = mu(cage.friction, slip, R_w * abs(at.spin)) * N
+    slip = v_r - side * R_w * (common.spin + y[lay.SPIN_V + j]) + omega_cage * (e + side * R_w)
+    f = mu(cage.friction, slip, R_w * abs(common.spin)) * N
     stop = radial_stop(cage.guide, rho - middle, v_r + omega_cage * e)
     push_r, push_t = real * (stop - f), -real * side * N  # on the roller, in the pocket's frame
     y[lay.Q_P + j] = push_t
@@ -215,7 +219,7 @@ def _sum_pocket_forces_free(cage, y, n):
 
 @generic
 def accelerate_cage(cage: Any, model: Any, omega_cage: float, omega_i: float, alpha: float, y: Any) -> float:
-    """Angular acceleration (rad/s^2) of the cage; its centre's acceleration is written into the state.
+    """Return the cage's angular acceleration (rad/s^2); write its centre's acceleration into the state.
 
     alpha: the kinematic acceleration (rad/s^2). Adds to the cells of the rings what the cage's guide does to them.
     """

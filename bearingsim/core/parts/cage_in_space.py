@@ -73,7 +73,8 @@ def _cage_body_space(cage_z, omega_cage, y):
 
 @generic(absent=0.0)
 def axial_stop(cage_z: Any, out: float, speed: float) -> float:
-    """Force (N) of a pocket on its roller along the cage's axis, ``out`` (m) and ``speed`` (m/s) outwards."""
+    """Return the force (N) of a pocket on its roller along the cage's axis, ``out`` (m) and ``speed`` (m/s)
+    outwards."""
 
 
 @axial_stop.register(CageInSpace)
@@ -212,7 +213,7 @@ def any_pocket_contact(play, half, y, n):
 
 @jit
 def pocket_slice_force(cage, bearing, spin, zeta, weight, drop, y, n):
-    """Force and friction of the pocket's wall on one slice of every roller; adds to the sums."""
+    """Add force and friction of the pocket's wall on one slice of every roller to the sums."""
     radius = bearing.R_w - drop
     for j in range(n):
         real = weight * bearing.m_r * y[lay.INVERSE_MASS + j]  # 0 in a padded lane
@@ -246,7 +247,8 @@ def pocket_slice_force(cage, bearing, spin, zeta, weight, drop, y, n):
 
 @jit
 def pocket_load(cage, model, body, omega_cage, y, j):
-    """Force and moment of a pocket on its roller, stops included, and the roller's centre less the cage's."""
+    """Add force and moment of a pocket on its roller, stops included; return the roller's centre less the
+    cage's."""
     b, real = model.bearing, model.bearing.m_r * y[lay.INVERSE_MASS + j]
     rad, w, leans, _ = pocket_axes(
         body, y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]

@@ -1,4 +1,4 @@
-"""How forces between the cage and what surrounds it change as they move: exact, for ``parts/cage.py``."""
+"""Analytic derivatives of the forces between the cage, rollers and ring, for ``parts/cage.py``."""
 
 from math import hypot
 from typing import Any

@@ -76,15 +76,15 @@ def any_near_flange(side, flanges, model, ring, y, n):
     The approach at the point X is half (1 - a.b) - play a.b + sigma off a.b - sigma (X - c).(a - (a.b) b), so at
     most |off| + (R_w + t + half) lean - play (1 - lean), lean being the sine of the angle between the axes.
     """
-    at, middle = side_rows(side), 0.5 * (model.bearing.R_o + model.bearing.R_i)
+    base, middle = side_rows(side), 0.5 * (model.bearing.R_o + model.bearing.R_i)
     play, reach = flanges.play, 2.0 * model.bearing.R_w + 0.5 * model.L_w + flanges.play
     near = 0.0
     for j in range(n):
         c, s = y[lay.COS + j], y[lay.SIN + j]
         d_r, d_t = middle + y[lay.RADIAL + j] - ring.x * c - ring.y * s, ring.x * s - ring.y * c
-        off = d_r * y[at + lay.RING_AXIS_R + j] + d_t * y[at + lay.RING_AXIS_T + j]
+        off = d_r * y[base + lay.RING_AXIS_R + j] + d_t * y[base + lay.RING_AXIS_T + j]
         off += (y[lay.AXIAL + j] - ring.z) * ring.a_z
-        a_r, a_t, a_z = y[at + lay.DIRECTION_R + j], y[at + lay.DIRECTION_T + j], y[at + lay.DIRECTION_Z + j]
+        a_r, a_t, a_z = y[base + lay.DIRECTION_R + j], y[base + lay.DIRECTION_T + j], y[base + lay.DIRECTION_Z + j]
         closest = abs(off) + reach * sqrt(a_r * a_r + a_t * a_t + a_z * a_z)
         near = add(near, 0.0 if closest < play else 1.0)  # what is no number counts as near
     return near > 0.0
@@ -107,7 +107,7 @@ def half_chord(R_w, height):
 
 @jit
 def flange_force(side, flanges, model, ring, sigma, y, n):
-    """Both points of one flange, on the side ``sigma`` (1 or -1) of the middle."""
+    """Compute both points of one flange, on the side ``sigma`` (1 or -1) of the middle."""
     t = half_chord(model.bearing.R_w, flanges.height)
     flange_point_force(side, flanges, model, ring, sigma, t, y, n)
     flange_point_force(side, flanges, model, ring, sigma, -t, y, n)
@@ -115,7 +115,7 @@ def flange_force(side, flanges, model, ring, sigma, y, n):
 
 @jit
 def flange_point_force(side, flanges, model, ring, sigma, t, y, n):
-    """Force, friction and moment at one point, ``t`` (m) along the race, of every roller."""
+    """Add force, friction and moment at one point, ``t`` (m) along the race, of every roller."""
     b, half = model.bearing, 0.5 * model.L_w
     face = b.R_o - 0.5 * flanges.height if sign(side) > 0.0 else b.R_i + 0.5 * flanges.height
     for j in range(n):
@@ -153,18 +153,18 @@ class RollerInRing(NamedTuple):
 def roller_in_ring(side, bearing, ring, y, j):
     """Return ``RollerInRing`` of roller ``j``, from the rows that ``race_frame`` of ``parts/races_in_space.py``
     fills."""
-    at = side_rows(side)
+    base = side_rows(side)
     r = 0.5 * (bearing.R_o + bearing.R_i) + y[lay.RADIAL + j]
     c = y[lay.COS + j]
     s = y[lay.SIN + j]
-    b = y[at + lay.RING_AXIS_R + j], y[at + lay.RING_AXIS_T + j], ring.a_z
+    b = y[base + lay.RING_AXIS_R + j], y[base + lay.RING_AXIS_T + j], ring.a_z
     b_v = ring.w_x * c + ring.w_y * s, ring.w_y * c - ring.w_x * s, ring.w_z
     d = r - ring.x * c - ring.y * s, ring.x * s - ring.y * c, y[lay.AXIAL + j] - ring.z
-    X = r + y[at + lay.OFFSET_R + j], y[at + lay.OFFSET_T + j], y[at + lay.OFFSET_Z + j]
+    X = r + y[base + lay.OFFSET_R + j], y[base + lay.OFFSET_T + j], y[base + lay.OFFSET_Z + j]
     rho, sway = sqrt(dot(X, X)), dot(d, b_v)
     n = X[0] / rho, X[1] / rho, X[2] / rho
     moves = combine(
-        1.0, (y[at + lay.OFFSET_V_R + j], y[at + lay.OFFSET_V_T + j], y[at + lay.OFFSET_V_Z + j]), sway, b
+        1.0, (y[base + lay.OFFSET_V_R + j], y[base + lay.OFFSET_V_T + j], y[base + lay.OFFSET_V_Z + j]), sway, b
     )
     a = (y[lay.TILT + j], y[lay.SKEW + j], y[lay.AXIS_Z + j])
     a_v = (y[lay.TILT_V + j], y[lay.SKEW_V + j], y[lay.AXIS_Z_V + j])
@@ -201,15 +201,15 @@ def slip_at(view, ring, Y, tips, omega):
 @jit
 def add_point(side, sigma, N, kappa, g, Y, a, slip, y, j):
     """Add force and friction at ``Y`` (m) to the sums of roller ``j``: g is the approach's slope, a the axis."""
-    at = side_rows(side)
+    base = side_rows(side)
     G = combine(-kappa, slip, -N, g)
     M = cross(Y, combine(-kappa, slip, -N * sigma, a))  # sigma a x Y = Y x -sigma a
-    y[at + lay.CONTACT_FORCE_R + j] += G[0]
-    y[at + lay.CONTACT_FORCE_T + j] += G[1]
-    y[at + lay.CONTACT_FORCE_Z + j] += G[2]
-    y[at + lay.COUPLE_R + j] += M[0]
-    y[at + lay.COUPLE_T + j] += M[1]
-    y[at + lay.COUPLE_Z + j] += M[2]
+    y[base + lay.CONTACT_FORCE_R + j] += G[0]
+    y[base + lay.CONTACT_FORCE_T + j] += G[1]
+    y[base + lay.CONTACT_FORCE_Z + j] += G[2]
+    y[base + lay.COUPLE_R + j] += M[0]
+    y[base + lay.COUPLE_T + j] += M[1]
+    y[base + lay.COUPLE_Z + j] += M[2]
     y[lay.Q_F + j] -= N * g[2]
     y[lay.KAPPA_F + j] += kappa
 

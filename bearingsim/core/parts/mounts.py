@@ -1,4 +1,4 @@
-"""How a ring is held against moving along its axis and leaning: the coordinates that ``planar`` does not have.
+"""Supports of a ring along its axis and against tilting: the coordinates that ``planar`` does not have.
 
 A ring's axis is the unit vector b; its components b_x, b_y in the bearing's plane are the lean (rad, for the small
 angles of a bearing). A ring that is held with a lean is misaligned.
@@ -111,7 +111,7 @@ def _mount_springs_sprung(held):
 
 @generic(absent=(0.0, 0.0))
 def mount_rates(held: Any) -> tuple[float, float]:
-    """Spring rates along the axis (N/m) and against leaning (N m/rad); zero where nothing gives way."""
+    """Return the spring rates along the axis (N/m) and against leaning (N m/rad); zero where nothing gives way."""
 
 
 @generic(absent=(0.0, 0.0, 0.0))

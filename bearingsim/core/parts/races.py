@@ -1,4 +1,4 @@
-"""How the force between rollers and a race of ``planar`` changes as they move: exact, in the order of its making.
+"""Analytic derivatives of the force between rollers and a race of ``planar``, in the order of its computation.
 
 A contact has three ways to move: its approach along n, its place s over a pit across it, and its slip. With
 sigma = 1 at the outer race, -1 at the inner, and n' = n tilted by the pit, the force on the roller is
@@ -83,25 +83,25 @@ def _derivative_rows_inner(side):
 @jit
 def contact_slopes(side, law, y, n):
     """Fill the derivatives of every contact with an undamaged race."""
-    at, _, _, _ = derivative_rows(side)
+    base, _, _, _ = derivative_rows(side)
     _, approach, rate, _, _ = contact_rows(side)
     sigma = sign(side)
     for j in range(n):
-        y[at + LOAD_D + j], y[at + LOAD_V + j] = slopes(law, y[approach + j], y[rate + j])
-        y[at + RHO_V + j] = sigma * y[rate + j]
-        y[at + LOAD_S + j], y[at + MEAN_D + j], y[at + MEAN_S + j] = 0.0, 1.0, 0.0
-        y[at + PIT_FORCE_D + j] = 0.0
-        y[at + PIT_FORCE_V + j] = 0.0
-        y[at + PIT_FORCE_S + j] = 0.0
-        y[at + PIT_FORCE_Z + j] = 0.0
-        y[at + PIT_RADIUS + j], y[at + PIT_RADIUS_RING + j], y[at + PIT_RADIUS_ROLLER + j] = 0.0, 0.0, 0.0
+        y[base + LOAD_D + j], y[base + LOAD_V + j] = slopes(law, y[approach + j], y[rate + j])
+        y[base + RHO_V + j] = sigma * y[rate + j]
+        y[base + LOAD_S + j], y[base + MEAN_D + j], y[base + MEAN_S + j] = 0.0, 1.0, 0.0
+        y[base + PIT_FORCE_D + j] = 0.0
+        y[base + PIT_FORCE_V + j] = 0.0
+        y[base + PIT_FORCE_S + j] = 0.0
+        y[base + PIT_FORCE_Z + j] = 0.0
+        y[base + PIT_RADIUS + j], y[base + PIT_RADIUS_RING + j], y[base + PIT_RADIUS_ROLLER + j] = 0.0, 0.0, 0.0
 
 
 @jit
 def pit_slopes(side, law, pits, d, s, speed, delta, v, y, j):
     """Fill the derivatives of roller ``j``'s contact over roller-defect pair ``d``: ``force_over_pit``'s, group
     by group."""
-    at, _, _, _ = derivative_rows(side)
+    base, _, _, _ = derivative_rows(side)
     head = pits.head[d]
     load_d, load_v, load_s, mean_d, mean_s = 0.0, 0.0, 0.0, 0.0, 0.0
     aside_d, aside_v, aside_s, aside_z = 0.0, 0.0, 0.0, 0.0
@@ -109,26 +109,26 @@ def pit_slopes(side, law, pits, d, s, speed, delta, v, y, j):
         group = pits.groups[d, k]
         share, h, slope = pit_response(pits.excitation, group, s, head[REDUCED_RADIUS])
         share_s, slope_s = pit_response_gradient(pits.excitation, group, s, head[REDUCED_RADIUS])
-        here, rate, closed = delta - h, v - slope * speed, 1.0 if delta > h else 0.0
-        K, C = slopes(law, here, rate)
-        weight, force = share * group[GROUP_WEIGHT], normal_force(law, here, rate)
+        approach, rate, closed = delta - h, v - slope * speed, 1.0 if delta > h else 0.0
+        K, C = slopes(law, approach, rate)
+        weight, force = share * group[GROUP_WEIGHT], normal_force(law, approach, rate)
         K, C = weight * K, weight * C
         by_s = share_s * group[GROUP_WEIGHT] * force - K * slope - C * slope_s * speed
         load_d, load_v, load_s = load_d + K, load_v + C, load_s + by_s
         aside_d, aside_v, aside_z = aside_d + K * slope, aside_v + C * slope, aside_z - C * slope * slope
         aside_s += by_s * slope + weight * force * slope_s
         mean_d += weight * closed
-        mean_s += group[GROUP_WEIGHT] * closed * (share_s * here - share * slope)
-    y[at + LOAD_D + j], y[at + LOAD_V + j], y[at + LOAD_S + j] = load_d, load_v, load_s
-    y[at + PIT_FORCE_D + j], y[at + PIT_FORCE_V + j], y[at + PIT_FORCE_S + j] = aside_d, aside_v, aside_s
-    y[at + PIT_FORCE_Z + j], y[at + MEAN_D + j], y[at + MEAN_S + j] = aside_z, mean_d, mean_s
+        mean_s += group[GROUP_WEIGHT] * closed * (share_s * approach - share * slope)
+    y[base + LOAD_D + j], y[base + LOAD_V + j], y[base + LOAD_S + j] = load_d, load_v, load_s
+    y[base + PIT_FORCE_D + j], y[base + PIT_FORCE_V + j], y[base + PIT_FORCE_S + j] = aside_d, aside_v, aside_s
+    y[base + PIT_FORCE_Z + j], y[base + MEAN_D + j], y[base + MEAN_S + j] = aside_z, mean_d, mean_s
 
 
 @jit
 def slopes_over_pits(side, law, model, t, omega_cage, omega_i, spin, y):
     """Correct the slopes of each contact of this side that stands over a pit (``planar.correct_for_pits``)."""
     pits, b, sigma = model.pits, model.bearing, sign(side)
-    at, frame, _, shared = derivative_rows(side)
+    base, frame, _, shared = derivative_rows(side)
     for d in range(len(pits.head)):
         on, radius = pits.head[d, CARRIER], pits.head[d, RADIUS]
         if (pits.head[d, SIDE] == OUTER) == (sigma > 0.0):
@@ -150,15 +150,15 @@ def slopes_over_pits(side, law, model, t, omega_cage, omega_i, spin, y):
                 delta, apart = sigma * (y[lay.RADIAL + j] - short) - b.gap, n_r * d_r + n_t * d_t
                 speed = radius * (y[frame + TANGENTIAL_V + j] / y[frame + RHO + j] - turning)
                 pit_slopes(side, law, pits, d, s, speed, delta, sigma * apart, y, j)
-                y[at + RHO_V + j], y[at + PIT_RADIUS + j] = apart, radius
-                y[at + PIT_RADIUS_RING + j] = radius if on == ON_OUTER else 0.0
-                y[at + PIT_RADIUS_ROLLER + j] = radius if on >= 0.0 else 0.0
+                y[base + RHO_V + j], y[base + PIT_RADIUS + j] = apart, radius
+                y[base + PIT_RADIUS_RING + j] = radius if on == ON_OUTER else 0.0
+                y[base + PIT_RADIUS_ROLLER + j] = radius if on >= 0.0 else 0.0
 
 
 @jit
 def friction_slopes(side, friction, R_w, omega_cage, spin, y, n):
-    """Tilt of the normal, arms and friction of every contact, as they stand."""
-    at, frame, rubs, _ = derivative_rows(side)
+    """Fill tilt of the normal, arms and friction of every contact."""
+    base, frame, rubs, _ = derivative_rows(side)
     force, approach, _, slip, tilt = contact_rows(side)
     sigma = sign(side)
     for j in range(n):
@@ -170,16 +170,16 @@ def friction_slopes(side, friction, R_w, omega_cage, spin, y, n):
         cosine = 1.0 / sqrt(1.0 + lean * lean)
         sine, arm = lean * cosine, R_w - 0.5 * y[approach + j]
         by_slip, by_rolling = mu_slope(friction, y[slip + j], R_w * abs(turning))
-        y[at + NORMAL_SLOPE + j] = lean
-        y[at + NORMAL_COS + j] = cosine
-        y[at + NORMAL_SIN + j] = sine
-        y[at + INVERSE_LOAD + j] = per_load
-        y[at + ROLLER_ARM + j], y[at + RING_ARM + j] = arm, y[frame + RHO + j] * cosine + sigma * arm
-        y[at + MU + j] = mu(friction, y[slip + j], R_w * abs(turning))
-        y[at + MU_V + j] = Q * by_slip
-        y[at + MU_U + j] = Q * by_rolling * (R_w if turning > 0.0 else -R_w)
-        y[at + FORCE_N + j] = -sigma * (Q + f * sine)
-        y[at + FORCE_TAU + j] = y[tilt + j] - f * cosine
+        y[base + NORMAL_SLOPE + j] = lean
+        y[base + NORMAL_COS + j] = cosine
+        y[base + NORMAL_SIN + j] = sine
+        y[base + INVERSE_LOAD + j] = per_load
+        y[base + ROLLER_ARM + j], y[base + RING_ARM + j] = arm, y[frame + RHO + j] * cosine + sigma * arm
+        y[base + MU + j] = mu(friction, y[slip + j], R_w * abs(turning))
+        y[base + MU_V + j] = Q * by_slip
+        y[base + MU_U + j] = Q * by_rolling * (R_w if turning > 0.0 else -R_w)
+        y[base + FORCE_N + j] = -sigma * (Q + f * sine)
+        y[base + FORCE_TAU + j] = y[tilt + j] - f * cosine
 
 
 @jit
@@ -190,7 +190,7 @@ def race_change(side, spin, omega_ring, roll, roll_v, orbit_v, ring, ring_v, y, 
     spin, omega_ring: a roller's nominal spin and the ring's speed (rad/s); roll, roll_v: changes of the rollers'
     turning, orbit_v: of their orbit's speed (rolling depends on it), ring, ring_v: of the ring's (rad, rad/s).
     """
-    at, frame, rubs, shared = derivative_rows(side)
+    base, frame, rubs, shared = derivative_rows(side)
     _, _, _, _, tilt = contact_rows(side)
     sigma = sign(side)
     for j in range(n):
@@ -202,12 +202,17 @@ def race_change(side, spin, omega_ring, roll, roll_v, orbit_v, ring, ring_v, y, 
         p_t = y[lay.D_POSITION_T + j]
         w_r = y[lay.D_VELOCITY_R + j]
         w_t = y[lay.D_VELOCITY_T + j]
-        apart, pit, lean, f = y[at + RHO_V + j], y[at + PIT_RADIUS + j], y[at + NORMAL_SLOPE + j], y[rubs + j]
-        cosine = y[at + NORMAL_COS + j]
-        sine = y[at + NORMAL_SIN + j]
-        arm = y[at + ROLLER_ARM + j]
-        on_ring = y[at + RING_ARM + j]
-        pit_ring, pit_roller = y[at + PIT_RADIUS_RING + j], y[at + PIT_RADIUS_ROLLER + j]
+        apart, pit, lean, f = (
+            y[base + RHO_V + j],
+            y[base + PIT_RADIUS + j],
+            y[base + NORMAL_SLOPE + j],
+            y[rubs + j],
+        )
+        cosine = y[base + NORMAL_COS + j]
+        sine = y[base + NORMAL_SIN + j]
+        arm = y[base + ROLLER_ARM + j]
+        on_ring = y[base + RING_ARM + j]
+        pit_ring, pit_roller = y[base + PIT_RADIUS_RING + j], y[base + PIT_RADIUS_ROLLER + j]
 
         out, turned = n_r * p_r + n_t * p_t, (n_r * p_t - n_t * p_r) / rho
         apart_1 = n_r * w_r + n_t * w_t + across * turned
@@ -215,23 +220,23 @@ def race_change(side, spin, omega_ring, roll, roll_v, orbit_v, ring, ring_v, y, 
         deep, closing = sigma * out, sigma * apart_1
         along = pit * turned - pit_ring * ring - pit_roller * roll
         passing = pit * (across_1 - across * out / rho) / rho - pit_ring * ring_v - pit_roller * roll_v
-        load = y[at + LOAD_D + j] * deep + y[at + LOAD_V + j] * closing
-        load += y[at + LOAD_S + j] * along - y[at + PIT_FORCE_V + j] * passing  # Q_z = -S_v, group by group
-        aside = y[at + PIT_FORCE_D + j] * deep + y[at + PIT_FORCE_V + j] * closing
-        aside += y[at + PIT_FORCE_S + j] * along + y[at + PIT_FORCE_Z + j] * passing
+        load = y[base + LOAD_D + j] * deep + y[base + LOAD_V + j] * closing
+        load += y[base + LOAD_S + j] * along - y[base + PIT_FORCE_V + j] * passing  # Q_z = -S_v, group by group
+        aside = y[base + PIT_FORCE_D + j] * deep + y[base + PIT_FORCE_V + j] * closing
+        aside += y[base + PIT_FORCE_S + j] * along + y[base + PIT_FORCE_Z + j] * passing
 
         tilt_1 = (pit * aside - y[tilt + j] * out) / rho
-        lean_1 = (tilt_1 - lean * load) * y[at + INVERSE_LOAD + j] * cosine * cosine
+        lean_1 = (tilt_1 - lean * load) * y[base + INVERSE_LOAD + j] * cosine * cosine
         cosine_1, sine_1 = -sine * lean_1, cosine * lean_1
-        arm_1 = -0.5 * (y[at + MEAN_D + j] * deep + y[at + MEAN_S + j] * along)
+        arm_1 = -0.5 * (y[base + MEAN_D + j] * deep + y[base + MEAN_S + j] * along)
         on_ring_1 = out * cosine + rho * cosine_1 + sigma * arm_1
         slip = across_1 * cosine + across * cosine_1 - ring_v * on_ring - omega_ring * on_ring_1
         slip += sigma * (apart_1 * sine + apart * sine_1 + roll_v * arm + (spin + y[lay.SPIN_V + j]) * arm_1)
-        f_1 = y[at + MU + j] * load + y[at + MU_U + j] * (orbit_v - roll_v)
-        f_1 += y[at + MU_V + j] * slip
+        f_1 = y[base + MU + j] * load + y[base + MU_U + j] * (orbit_v - roll_v)
+        f_1 += y[base + MU_V + j] * slip
 
-        along_n = -sigma * (load + f_1 * sine + f * sine_1) - y[at + FORCE_TAU + j] * turned
-        across_n = tilt_1 - f_1 * cosine - f * cosine_1 + y[at + FORCE_N + j] * turned
+        along_n = -sigma * (load + f_1 * sine + f * sine_1) - y[base + FORCE_TAU + j] * turned
+        across_n = tilt_1 - f_1 * cosine - f * cosine_1 + y[base + FORCE_N + j] * turned
         push_r, push_t = along_n * n_r - across_n * n_t, along_n * n_t + across_n * n_r
         c, s = y[lay.COS + j], y[lay.SIN + j]
         y[lay.D_FORCE_R + j] += push_r

@@ -34,7 +34,7 @@ FEW = 127  # tells it that there are no more rollers, and so that a slice's rows
 @jit
 def race_frame(side, bearing, ring, omega_cage, y, n):
     """Fill each roller's place and motion relative to the ring, linear along its axis."""
-    at, middle = side_rows(side), 0.5 * (bearing.R_o + bearing.R_i)
+    base, middle = side_rows(side), 0.5 * (bearing.R_o + bearing.R_i)
     b_z, w_z = ring.a_z, ring.w_z
     for j in range(n):
         c, s = y[lay.COS + j], y[lay.SIN + j]
@@ -50,53 +50,57 @@ def race_frame(side, bearing, ring, omega_cage, y, n):
         m_z = y[lay.AXIAL_V + j] - ring.v_z
         off = d_r * b_r - u_t * b_t + d_z * b_z
         along = a_r * b_r + a_t * b_t + a_z * b_z
-        y[at + lay.RING_AXIS_R + j], y[at + lay.RING_AXIS_T + j] = b_r, b_t
-        y[at + lay.OFFSET_R + j] = -u_r - off * b_r  # less r, of which it would cost digits
-        y[at + lay.OFFSET_T + j] = -u_t - off * b_t
-        y[at + lay.OFFSET_Z + j] = d_z - off * b_z
-        y[at + lay.DIRECTION_R + j] = a_r - along * b_r
-        y[at + lay.DIRECTION_T + j] = a_t - along * b_t
-        y[at + lay.DIRECTION_Z + j] = a_z - along * b_z
-        y[at + lay.OFFSET_V_R + j] = m_r - off * w_r
-        y[at + lay.OFFSET_V_T + j] = m_t - off * w_t
-        y[at + lay.OFFSET_V_Z + j] = m_z - off * w_z
-        y[at + lay.DIRECTION_V_R + j] = v_r - along * w_r
-        y[at + lay.DIRECTION_V_T + j] = v_t - along * w_t
-        y[at + lay.DIRECTION_V_Z + j] = v_z - along * w_z
+        y[base + lay.RING_AXIS_R + j], y[base + lay.RING_AXIS_T + j] = b_r, b_t
+        y[base + lay.OFFSET_R + j] = -u_r - off * b_r  # less r, of which it would cost digits
+        y[base + lay.OFFSET_T + j] = -u_t - off * b_t
+        y[base + lay.OFFSET_Z + j] = d_z - off * b_z
+        y[base + lay.DIRECTION_R + j] = a_r - along * b_r
+        y[base + lay.DIRECTION_T + j] = a_t - along * b_t
+        y[base + lay.DIRECTION_Z + j] = a_z - along * b_z
+        y[base + lay.OFFSET_V_R + j] = m_r - off * w_r
+        y[base + lay.OFFSET_V_T + j] = m_t - off * w_t
+        y[base + lay.OFFSET_V_Z + j] = m_z - off * w_z
+        y[base + lay.DIRECTION_V_R + j] = v_r - along * w_r
+        y[base + lay.DIRECTION_V_T + j] = v_t - along * w_t
+        y[base + lay.DIRECTION_V_Z + j] = v_z - along * w_z
         omega = y[lay.OMEGA + j]
         o_r = a_t * v_z - a_z * v_t + omega * a_r  # the roller's angular velocity
         o_t = a_z * v_r - a_r * v_z + omega * a_t
         o_z = a_r * v_t - a_t * v_r + omega * a_z
-        y[at + lay.ROLL_SPEED + j] = o_r * b_r + o_t * b_t + o_z * b_z
-        y[at + lay.AXIAL_SLIP + j] = m_r * b_r + m_t * b_t + m_z * b_z + d_r * w_r - u_t * w_t + d_z * w_z
-        y[at + lay.AXIAL_SLIP_SLOPE + j] = v_r * b_r + v_t * b_t + v_z * b_z + a_r * w_r + a_t * w_t + a_z * w_z
-        y[at + lay.AXIAL_SLIP_ARM_R + j] = b_t * o_z - b_z * o_t + w_r
-        y[at + lay.AXIAL_SLIP_ARM_T + j] = b_z * o_r - b_r * o_z + w_t
-        y[at + lay.AXIAL_SLIP_ARM_Z + j] = b_r * o_t - b_t * o_r + w_z
+        y[base + lay.ROLL_SPEED + j] = o_r * b_r + o_t * b_t + o_z * b_z
+        y[base + lay.AXIAL_SLIP + j] = m_r * b_r + m_t * b_t + m_z * b_z + d_r * w_r - u_t * w_t + d_z * w_z
+        y[base + lay.AXIAL_SLIP_SLOPE + j] = v_r * b_r + v_t * b_t + v_z * b_z + a_r * w_r + a_t * w_t + a_z * w_z
+        y[base + lay.AXIAL_SLIP_ARM_R + j] = b_t * o_z - b_z * o_t + w_r
+        y[base + lay.AXIAL_SLIP_ARM_T + j] = b_z * o_r - b_r * o_z + w_t
+        y[base + lay.AXIAL_SLIP_ARM_Z + j] = b_r * o_t - b_t * o_r + w_z
 
 
 @jit
 def clear_sums(side, y, n):
     """Empty the sums over slices, after ``race_frame``."""
-    at = side_rows(side)
+    base = side_rows(side)
     force, approach, rate, slip, across = contact_rows(side)
     for j in range(n):
         y[force + j], y[approach + j], y[slip + j], y[across + j] = 0.0, 0.0, 0.0, 0.0
-        y[rate + j] = sign(side) * y[at + lay.OFFSET_V_R + j]  # of the middle, nearly: for the step monitor only
-        y[at + lay.CONTACT_FORCE_R + j] = 0.0
-        y[at + lay.CONTACT_FORCE_T + j] = 0.0
-        y[at + lay.CONTACT_FORCE_Z + j] = 0.0
-        y[at + lay.COUPLE_AXIAL + j] = 0.0
-        y[at + lay.CONTACT_ZETA_FORCE_R + j] = 0.0
-        y[at + lay.CONTACT_ZETA_FORCE_T + j] = 0.0
-        y[at + lay.CONTACT_ZETA_FORCE_Z + j] = 0.0
-        y[at + lay.COUPLE_R + j], y[at + lay.COUPLE_T + j], y[at + lay.COUPLE_Z + j] = 0.0, 0.0, 0.0
-        y[at + lay.KAPPA_0 + j], y[at + lay.KAPPA_1 + j], y[at + lay.KAPPA_2 + j] = 0.0, 0.0, 0.0
-        y[at + lay.KAPPA_SLIP_0 + j], y[at + lay.KAPPA_SLIP_1 + j], y[at + lay.KAPPA_SLIP_Z + j] = 0.0, 0.0, 0.0
-        y[at + lay.KAPPA_ARM + j] = 0.0
-        y[at + lay.KAPPA_R + j] = 0.0
-        y[at + lay.KAPPA_T + j] = 0.0
-        y[at + lay.KAPPA_Z + j] = 0.0
+        y[rate + j] = sign(side) * y[base + lay.OFFSET_V_R + j]  # of the middle, nearly: for the step monitor only
+        y[base + lay.CONTACT_FORCE_R + j] = 0.0
+        y[base + lay.CONTACT_FORCE_T + j] = 0.0
+        y[base + lay.CONTACT_FORCE_Z + j] = 0.0
+        y[base + lay.COUPLE_AXIAL + j] = 0.0
+        y[base + lay.CONTACT_ZETA_FORCE_R + j] = 0.0
+        y[base + lay.CONTACT_ZETA_FORCE_T + j] = 0.0
+        y[base + lay.CONTACT_ZETA_FORCE_Z + j] = 0.0
+        y[base + lay.COUPLE_R + j], y[base + lay.COUPLE_T + j], y[base + lay.COUPLE_Z + j] = 0.0, 0.0, 0.0
+        y[base + lay.KAPPA_0 + j], y[base + lay.KAPPA_1 + j], y[base + lay.KAPPA_2 + j] = 0.0, 0.0, 0.0
+        y[base + lay.KAPPA_SLIP_0 + j], y[base + lay.KAPPA_SLIP_1 + j], y[base + lay.KAPPA_SLIP_Z + j] = (
+            0.0,
+            0.0,
+            0.0,
+        )
+        y[base + lay.KAPPA_ARM + j] = 0.0
+        y[base + lay.KAPPA_R + j] = 0.0
+        y[base + lay.KAPPA_T + j] = 0.0
+        y[base + lay.KAPPA_Z + j] = 0.0
 
 
 @inlined
@@ -119,42 +123,42 @@ def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
 
     Returns its load (N) and approach (m).
     """
-    at, sigma, middle = side_rows(side), sign(side), 0.5 * (bearing.R_o + bearing.R_i)
+    base, sigma, middle = side_rows(side), sign(side), 0.5 * (bearing.R_o + bearing.R_i)
     lacking, radius, b_z, turning = bearing.gap + drop, bearing.R_w - drop, ring.a_z, ring.omega
-    short = y[at + lay.OFFSET_R + j] + zeta * y[at + lay.DIRECTION_R + j]
+    short = y[base + lay.OFFSET_R + j] + zeta * y[base + lay.DIRECTION_R + j]
     X_r = middle + y[lay.RADIAL + j] + short
-    X_t = y[at + lay.OFFSET_T + j] + zeta * y[at + lay.DIRECTION_T + j]
-    X_z = y[at + lay.OFFSET_Z + j] + zeta * y[at + lay.DIRECTION_Z + j]
+    X_t = y[base + lay.OFFSET_T + j] + zeta * y[base + lay.DIRECTION_T + j]
+    X_z = y[base + lay.OFFSET_Z + j] + zeta * y[base + lay.DIRECTION_Z + j]
     aside = X_t * X_t + X_z * X_z
     rho = sqrt(X_r * X_r + aside)
     per_both = 1.0 / (rho * (rho + X_r))
     per_rho = per_both * (rho + X_r)
     n_r, n_t, n_z = X_r * per_rho, X_t * per_rho, X_z * per_rho
-    b_r, b_t = y[at + lay.RING_AXIS_R + j], y[at + lay.RING_AXIS_T + j]
+    b_r, b_t = y[base + lay.RING_AXIS_R + j], y[base + lay.RING_AXIS_T + j]
     t_r, t_t, t_z = b_t * n_z - b_z * n_t, b_z * n_r - b_r * n_z, b_r * n_t - b_t * n_r
-    v_r = y[at + lay.OFFSET_V_R + j] + zeta * y[at + lay.DIRECTION_V_R + j]
-    v_t = y[at + lay.OFFSET_V_T + j] + zeta * y[at + lay.DIRECTION_V_T + j]
-    v_z = y[at + lay.OFFSET_V_Z + j] + zeta * y[at + lay.DIRECTION_V_Z + j]
+    v_r = y[base + lay.OFFSET_V_R + j] + zeta * y[base + lay.DIRECTION_V_R + j]
+    v_t = y[base + lay.OFFSET_V_T + j] + zeta * y[base + lay.DIRECTION_V_T + j]
+    v_z = y[base + lay.OFFSET_V_Z + j] + zeta * y[base + lay.DIRECTION_V_Z + j]
     apart = n_r * v_r + n_t * v_t + n_z * v_z
     across = t_r * v_r + t_t * v_t + t_z * v_z
 
-    lean, cosine = y[at + lay.NORMAL_SLOPE + j], 1.0 - y[at + lay.NORMAL_VERSINE + j]
-    own, rolls, sine = y[at + lay.OWN_PIT + j], y[at + lay.ROLL_SPEED + j], sigma * lean * cosine
+    lean, cosine = y[base + lay.NORMAL_SLOPE + j], 1.0 - y[base + lay.NORMAL_VERSINE + j]
+    own, rolls, sine = y[base + lay.OWN_PIT + j], y[base + lay.ROLL_SPEED + j], sigma * lean * cosine
     short += aside * (per_both * rho)
-    delta = sigma * (y[lay.RADIAL + j] + short) - lacking - y[at + lay.ROLLER_DROP + j]
+    delta = sigma * (y[lay.RADIAL + j] + short) - lacking - y[base + lay.ROLLER_DROP + j]
     arm = sigma * (radius - 0.5 * delta)
     o_r, o_t, o_z = n_r * cosine - t_r * sine, n_t * cosine - t_t * sine, n_z * cosine - t_z * sine
     e_r, e_t, e_z = t_r * cosine + n_r * sine, t_t * cosine + n_t * sine, t_z * cosine + n_z * sine
-    drift = y[at + lay.AXIAL_SLIP + j] + zeta * y[at + lay.AXIAL_SLIP_SLOPE + j]
+    drift = y[base + lay.AXIAL_SLIP + j] + zeta * y[base + lay.AXIAL_SLIP_SLOPE + j]
     drift += arm * (
-        o_r * y[at + lay.AXIAL_SLIP_ARM_R + j]
-        + o_t * y[at + lay.AXIAL_SLIP_ARM_T + j]
-        + o_z * y[at + lay.AXIAL_SLIP_ARM_Z + j]
+        o_r * y[base + lay.AXIAL_SLIP_ARM_R + j]
+        + o_t * y[base + lay.AXIAL_SLIP_ARM_T + j]
+        + o_z * y[base + lay.AXIAL_SLIP_ARM_Z + j]
     )
     slip = across * cosine + apart * sine + arm * rolls - turning * (rho * cosine + arm)
     rate = sigma * apart - lean * (across - (turning + own * (rolls - turning)) * rho)
 
-    force = weight * (1.0 - y[at + lay.STIFFNESS_LOSS + j]) * normal_force(law, delta, rate)
+    force = weight * (1.0 - y[base + lay.STIFFNESS_LOSS + j]) * normal_force(law, delta, rate)
     speed = sqrt(slip * slip + drift * drift + AT_REST * AT_REST)
     kappa = mu(friction, speed, y[lay.ROLLING_SPEED + j]) * force / speed
     push, shove, f, f_b = -sigma * force, lean * force, kappa * slip, kappa * drift
@@ -162,26 +166,26 @@ def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
     g_t = push * n_t + shove * t_t - f * e_t - f_b * b_t
     g_z = push * n_z + shove * t_z - f * e_z - f_b * b_z
     bend, moment = arm * f_b, zeta * kappa
-    y[at + lay.CONTACT_FORCE_R + j] += g_r
-    y[at + lay.CONTACT_FORCE_T + j] += g_t
-    y[at + lay.CONTACT_FORCE_Z + j] += g_z
-    y[at + lay.CONTACT_ZETA_FORCE_R + j] += zeta * g_r
-    y[at + lay.CONTACT_ZETA_FORCE_T + j] += zeta * g_t
-    y[at + lay.CONTACT_ZETA_FORCE_Z + j] += zeta * g_z
-    y[at + lay.COUPLE_AXIAL + j] -= arm * f + own * shove * rho
-    y[at + lay.COUPLE_R + j] += bend * e_r
-    y[at + lay.COUPLE_T + j] += bend * e_t
-    y[at + lay.COUPLE_Z + j] += bend * e_z
-    y[at + lay.KAPPA_0 + j] += kappa
-    y[at + lay.KAPPA_1 + j] += moment
-    y[at + lay.KAPPA_2 + j] += zeta * moment
-    y[at + lay.KAPPA_SLIP_0 + j] += f
-    y[at + lay.KAPPA_SLIP_1 + j] += zeta * f
-    y[at + lay.KAPPA_SLIP_Z + j] += f_b
-    y[at + lay.KAPPA_ARM + j] += kappa * arm
-    y[at + lay.KAPPA_R + j] += kappa * e_r
-    y[at + lay.KAPPA_T + j] += kappa * e_t
-    y[at + lay.KAPPA_Z + j] += kappa * e_z
+    y[base + lay.CONTACT_FORCE_R + j] += g_r
+    y[base + lay.CONTACT_FORCE_T + j] += g_t
+    y[base + lay.CONTACT_FORCE_Z + j] += g_z
+    y[base + lay.CONTACT_ZETA_FORCE_R + j] += zeta * g_r
+    y[base + lay.CONTACT_ZETA_FORCE_T + j] += zeta * g_t
+    y[base + lay.CONTACT_ZETA_FORCE_Z + j] += zeta * g_z
+    y[base + lay.COUPLE_AXIAL + j] -= arm * f + own * shove * rho
+    y[base + lay.COUPLE_R + j] += bend * e_r
+    y[base + lay.COUPLE_T + j] += bend * e_t
+    y[base + lay.COUPLE_Z + j] += bend * e_z
+    y[base + lay.KAPPA_0 + j] += kappa
+    y[base + lay.KAPPA_1 + j] += moment
+    y[base + lay.KAPPA_2 + j] += zeta * moment
+    y[base + lay.KAPPA_SLIP_0 + j] += f
+    y[base + lay.KAPPA_SLIP_1 + j] += zeta * f
+    y[base + lay.KAPPA_SLIP_Z + j] += f_b
+    y[base + lay.KAPPA_ARM + j] += kappa * arm
+    y[base + lay.KAPPA_R + j] += kappa * e_r
+    y[base + lay.KAPPA_T + j] += kappa * e_t
+    y[base + lay.KAPPA_Z + j] += kappa * e_z
     all_force, all_approach, _, all_slip, all_across = contact_rows(side)
     y[all_force + j] += force
     y[all_across + j] += shove
@@ -251,30 +255,34 @@ def solve_slip_changes(a, b, k_oo, k_oi, k_ii, S_o, S_i):
 @jit
 def relax_friction(side, ring, y, n):
     """Change the friction in the sums to that of the slips a lag later, along its mean direction."""
-    at, b_z = side_rows(side), ring.a_z
+    base, b_z = side_rows(side), ring.a_z
     for j in range(n):
-        k_0 = y[at + lay.KAPPA_0 + j]
-        k_1 = y[at + lay.KAPPA_1 + j]
-        shift = y[at + lay.SLIP_CHANGE + j]
-        shift_z = y[at + lay.SLIP_CHANGE_Z + j]
+        k_0 = y[base + lay.KAPPA_0 + j]
+        k_1 = y[base + lay.KAPPA_1 + j]
+        shift = y[base + lay.SLIP_CHANGE + j]
+        shift_z = y[base + lay.SLIP_CHANGE_Z + j]
         per = 1.0 / max(k_0, 1e-300)
-        e_r, e_t, e_z = y[at + lay.KAPPA_R + j] * per, y[at + lay.KAPPA_T + j] * per, y[at + lay.KAPPA_Z + j] * per
-        arm, skew = y[at + lay.KAPPA_ARM + j] * per, y[lay.SKEW_V_CHANGE + j]
+        e_r, e_t, e_z = (
+            y[base + lay.KAPPA_R + j] * per,
+            y[base + lay.KAPPA_T + j] * per,
+            y[base + lay.KAPPA_Z + j] * per,
+        )
+        arm, skew = y[base + lay.KAPPA_ARM + j] * per, y[lay.SKEW_V_CHANGE + j]
         f = k_0 * shift + k_1 * skew
-        h = k_1 * shift + y[at + lay.KAPPA_2 + j] * skew
+        h = k_1 * shift + y[base + lay.KAPPA_2 + j] * skew
         f_b = k_0 * shift_z
         h_b = k_1 * shift_z
-        b_r, b_t = y[at + lay.RING_AXIS_R + j], y[at + lay.RING_AXIS_T + j]
-        y[at + lay.CONTACT_FORCE_R + j] -= f * e_r + f_b * b_r
-        y[at + lay.CONTACT_FORCE_T + j] -= f * e_t + f_b * b_t
-        y[at + lay.CONTACT_FORCE_Z + j] -= f * e_z + f_b * b_z
-        y[at + lay.CONTACT_ZETA_FORCE_R + j] -= h * e_r + h_b * b_r
-        y[at + lay.CONTACT_ZETA_FORCE_T + j] -= h * e_t + h_b * b_t
-        y[at + lay.CONTACT_ZETA_FORCE_Z + j] -= h * e_z + h_b * b_z
-        y[at + lay.COUPLE_AXIAL + j] -= arm * f
-        y[at + lay.COUPLE_R + j] += arm * f_b * e_r
-        y[at + lay.COUPLE_T + j] += arm * f_b * e_t
-        y[at + lay.COUPLE_Z + j] += arm * f_b * e_z
+        b_r, b_t = y[base + lay.RING_AXIS_R + j], y[base + lay.RING_AXIS_T + j]
+        y[base + lay.CONTACT_FORCE_R + j] -= f * e_r + f_b * b_r
+        y[base + lay.CONTACT_FORCE_T + j] -= f * e_t + f_b * b_t
+        y[base + lay.CONTACT_FORCE_Z + j] -= f * e_z + f_b * b_z
+        y[base + lay.CONTACT_ZETA_FORCE_R + j] -= h * e_r + h_b * b_r
+        y[base + lay.CONTACT_ZETA_FORCE_T + j] -= h * e_t + h_b * b_t
+        y[base + lay.CONTACT_ZETA_FORCE_Z + j] -= h * e_z + h_b * b_z
+        y[base + lay.COUPLE_AXIAL + j] -= arm * f
+        y[base + lay.COUPLE_R + j] += arm * f_b * e_r
+        y[base + lay.COUPLE_T + j] += arm * f_b * e_t
+        y[base + lay.COUPLE_Z + j] += arm * f_b * e_z
 
 
 @jit
@@ -284,23 +292,23 @@ def side_loads(side, bearing, ring, y, n):
     Force (N) and moment about the ring's centre (N m), both along e_0, e_90, e_z. What a roller feels, the ring
     feels at the same points: minus the force, and minus its moment about the ring's centre.
     """
-    at, middle = side_rows(side), 0.5 * (bearing.R_o + bearing.R_i)
+    base, middle = side_rows(side), 0.5 * (bearing.R_o + bearing.R_i)
     plane, space, turn = load_cells(side)
     f_x, f_y, f_z = lay.roller_load(plane), lay.roller_load(plane + 1), lay.roller_load(space)
     m_x, m_y, m_z = lay.roller_load(space + 1), lay.roller_load(space + 2), lay.roller_load(turn)
     for j in range(n):
         c, s, real = y[lay.COS + j], y[lay.SIN + j], bearing.m_r * y[lay.INVERSE_MASS + j]
         a_r, a_t, a_z = y[lay.TILT + j], y[lay.SKEW + j], y[lay.AXIS_Z + j]
-        G_r = y[at + lay.CONTACT_FORCE_R + j]
-        G_t = y[at + lay.CONTACT_FORCE_T + j]
-        G_z = y[at + lay.CONTACT_FORCE_Z + j]
-        h_r = y[at + lay.CONTACT_ZETA_FORCE_R + j]
-        h_t = y[at + lay.CONTACT_ZETA_FORCE_T + j]
-        h_z = y[at + lay.CONTACT_ZETA_FORCE_Z + j]
-        twist = y[at + lay.COUPLE_AXIAL + j]
-        M_r = a_t * h_z - a_z * h_t + twist * y[at + lay.RING_AXIS_R + j] + y[at + lay.COUPLE_R + j]
-        M_t = a_z * h_r - a_r * h_z + twist * y[at + lay.RING_AXIS_T + j] + y[at + lay.COUPLE_T + j]
-        M_z = a_r * h_t - a_t * h_r + twist * ring.a_z + y[at + lay.COUPLE_Z + j]
+        G_r = y[base + lay.CONTACT_FORCE_R + j]
+        G_t = y[base + lay.CONTACT_FORCE_T + j]
+        G_z = y[base + lay.CONTACT_FORCE_Z + j]
+        h_r = y[base + lay.CONTACT_ZETA_FORCE_R + j]
+        h_t = y[base + lay.CONTACT_ZETA_FORCE_T + j]
+        h_z = y[base + lay.CONTACT_ZETA_FORCE_Z + j]
+        twist = y[base + lay.COUPLE_AXIAL + j]
+        M_r = a_t * h_z - a_z * h_t + twist * y[base + lay.RING_AXIS_R + j] + y[base + lay.COUPLE_R + j]
+        M_t = a_z * h_r - a_r * h_z + twist * y[base + lay.RING_AXIS_T + j] + y[base + lay.COUPLE_T + j]
+        M_z = a_r * h_t - a_t * h_r + twist * ring.a_z + y[base + lay.COUPLE_Z + j]
         y[lay.FORCE_R + j] += G_r
         y[lay.FORCE_T + j] += G_t
         y[lay.FORCE_Z + j] += G_z

@@ -1,4 +1,4 @@
-"""What holds the inner ring, and the outer ring against rotation."""
+"""Supports of the inner ring, and of the outer ring against rotation."""
 
 from math import cos, sin
 from typing import Any, NamedTuple
@@ -36,8 +36,8 @@ def accelerate_inner_ring(shaft: Any, model: Any, theta_i: float, omega_i: float
 
 @accelerate_inner_ring.register(ElasticShaft)
 def _accelerate_inner_ring_elastic(shaft, model, theta_i, omega_i, alpha_i, y):
-    support, at = model.support, theta_i + shaft.angle
-    c, s = cos(at), sin(at)
+    support, angle = model.support, theta_i + shaft.angle
+    c, s = cos(angle), sin(angle)
     f_x = y[lay.F_X_I] + support.F - shaft.k * y[lay.POSITION + lay.X_I] - shaft.c * y[lay.VELOCITY + lay.X_I]
     f_y = (
         y[lay.F_Y_I] + support.F_across - shaft.k * y[lay.POSITION + lay.Y_I] - shaft.c * y[lay.VELOCITY + lay.Y_I]
@@ -95,7 +95,7 @@ def spring_per_mass(part: Any) -> float:
 
 @generic(absent=0.0)
 def damper_per_mass(part: Any) -> float:
-    """Damping over mass (1/s) of its damper."""
+    """Return the damping over mass (1/s) of its damper."""
 
 
 @spring_per_mass.register(ElasticShaft)

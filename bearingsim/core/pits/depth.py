@@ -286,12 +286,12 @@ def _extent_merged(merged):
 def _cuts_merged(merged):
     parts = [cut for pit in merged.pits for cut in cuts(pit)]
     ends = sorted({end for a, b, _ in parts for end in (a, b)})
-    found = []
+    bowls = []
     for a, b in pairwise(ends):
         over = [kind for low, high, kind in parts if low < (a + b) / 2.0 < high]
         if over:
-            found.append((a, b, max(over)))
-    return found
+            bowls.append((a, b, max(over)))
+    return bowls
 
 
 @section.register(Merged)

@@ -1,4 +1,4 @@
-"""What a roller feels of a pit whose edges are elastic: softer than the race, and smooth where two of them carry.
+"""Contact of a roller over a defect with elastic edges: softer than the race, and smooth where two of them carry.
 
 The envelope's single point presses a smooth half-plane. On an edge the contact is narrower, and behind it the
 race's material is missing. Both add to the approach; in units of Q'/(pi E*), that on the race being Lambda,
@@ -60,7 +60,7 @@ def edge_contact(force: float, L_w: float, R_w: float, R_o: float, E_star: float
 
 @jit
 def half_contact(excitation, R):
-    """Half width b (m) of the contact on the race under the reference load: b^2 = 4 R Q'/(pi E*)."""
+    """Return the half width b (m) of the contact on the race under the reference load: b^2 = 4 R Q'/(pi E*)."""
     return 2.0 * sqrt(excitation.load * R)
 
 
@@ -120,7 +120,7 @@ def two_edges(width, b, wall, rho, R, D):
 
 @jit
 def remaining_share(f, b, D):
-    """Part of a force k delta^(10/9) that is left where the approach has ``f`` more."""
+    """Return the part of a force k delta^(10/9) that is left where the approach has ``f`` more."""
     part = 1.0 / max(1.0 + f / (2.0 * log(2.0 * D / b) + 1.0), 0.1)
     return part * ninth_root(part)
 
@@ -256,13 +256,13 @@ def _pit_response_gradient_edge_contact(excitation, group, s, R):
 
 @response_groups.register(EdgeContact)
 def _response_groups_edge_contact(excitation, pit, rows, R):
-    found = []
+    groups = []
     for row in rows:
         b = half_contact(excitation, R)
         if row[DEPTH] == 0.0:
-            found.append(row)
+            groups.append(row)
         elif isinstance(pit, Rectangular):
-            found.append(
+            groups.append(
                 (
                     row[GROUP_WEIGHT],
                     row[GROUP_HALF_WIDTH] + max(b, INFLUENCE_HEIGHTS * row[DEPTH]),
@@ -272,5 +272,5 @@ def _response_groups_edge_contact(excitation, pit, rows, R):
                 )
             )
         else:
-            found.append((row[GROUP_WEIGHT], row[GROUP_HALF_WIDTH] + b, *row[X_E:]))
-    return found
+            groups.append((row[GROUP_WEIGHT], row[GROUP_HALF_WIDTH] + b, *row[X_E:]))
+    return groups

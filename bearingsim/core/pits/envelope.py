@@ -52,17 +52,17 @@ def parts_of(profile: Profile, R: float) -> np.ndarray:
 
     Of a piece more hollow than the roller that is its two ends.
     """
-    found, last = [], -RACE_REACH
+    parts, last = [], -RACE_REACH
     for t_0, t_1, p_0, m, c in profile.pieces.tolist():
         if t_0 > last:
-            found.append(_part(last, t_0, 0.0, 0.0, 0.0, R))
+            parts.append(_part(last, t_0, 0.0, 0.0, 0.0, R))
         if 1.0 + R * c > 1e-9:
-            found.append(_part(t_0, t_1, p_0, m, c, R))
+            parts.append(_part(t_0, t_1, p_0, m, c, R))
         else:
             x = t_1 - t_0
-            found += [_corner(t_0, p_0), _corner(t_1, p_0 + x * (m + x * c / 2.0))]
+            parts += [_corner(t_0, p_0), _corner(t_1, p_0 + x * (m + x * c / 2.0))]
         last = t_1
-    return np.array([*found, _part(last, RACE_REACH, 0.0, 0.0, 0.0, R)])
+    return np.array([*parts, _part(last, RACE_REACH, 0.0, 0.0, 0.0, R)])
 
 
 def _part(t_0: float, t_1: float, p: float, m: float, c: float, R: float) -> tuple[float, ...]:
@@ -111,8 +111,8 @@ def takeover(left, right, R):
     """
     before = -inf
     inner, outer = min(left[HIGH], right[HIGH]), max(left[LOW], right[LOW])
-    first, last = min(left[LOW], right[LOW]), max(left[HIGH], right[HIGH])
-    for end in (first, min(inner, outer), max(inner, outer), last):
+    low, high = min(left[LOW], right[LOW]), max(left[HIGH], right[HIGH])
+    for end in (low, min(inner, outer), max(inner, outer), high):
         D, rate = excess(left, right, end, R)
         if D >= 0.0:
             return root(left, right, before, end, R)
@@ -155,18 +155,18 @@ def touched_parts(parts, R, touched):
 def path_over(profile: Profile, R: float) -> Path:
     """Return the path h(s) of a roller of relative radius ``R`` (m) over a profile, exact."""
     parts = parts_of(profile, R)
-    found = np.empty((2, len(parts)))
-    count = touched_parts(parts, R, found)
-    touched, starts = parts[found[0, :count].astype(int)], found[1, :count].tolist()
+    pieces = np.empty((2, len(parts)))
+    count = touched_parts(parts, R, pieces)
+    touched, starts = parts[pieces[0, :count].astype(int)], pieces[1, :count].tolist()
     rows = [
         _row(part, s, R)
         for part, start, end in zip(touched, starts, [*starts[1:], inf], strict=True)
         for s in dict.fromkeys((start, part[LOW], part[HIGH]))
         if s == start or start < s < end
     ]
-    first, last = min(touched[0][HIGH], *starts[1:], RACE_REACH), max(touched[-1][LOW], starts[-1])
-    kept = [row for row in rows if first <= row[S] < last]
-    return Path(np.array(kept), float(last)) if kept else FLAT
+    begin, end_of_path = min(touched[0][HIGH], *starts[1:], RACE_REACH), max(touched[-1][LOW], starts[-1])
+    kept = [row for row in rows if begin <= row[S] < end_of_path]
+    return Path(np.array(kept), float(end_of_path)) if kept else FLAT
 
 
 def _row(part: np.ndarray, s: float, R: float) -> tuple[float, float, float, float]:
@@ -198,7 +198,7 @@ def steepest(path: Path) -> float:
 
 
 def cusp(path: Path) -> tuple[float, float]:
-    """Place (m) of the sharpest cusp of a path, and by how much its slope falls there (1)."""
+    """Return the place (m) of the sharpest cusp of a path, and by how much its slope falls there (1)."""
     after = np.append(path.pieces[1:, SLOPE], 0.0)
     falls = ends_of(path)[:, 1] - after
     k = int(np.argmax(falls))
@@ -220,33 +220,35 @@ def packed(paths: Sequence[Path]) -> tuple[np.ndarray, list[int]]:
 
 
 def _table(path: Path) -> np.ndarray:
-    """Head, bins and rows of a path. A bin holds the number of the piece at its beginning."""
+    """Return head, bins and rows of a path. A bin holds the number of the piece at its beginning."""
     starts = path.pieces[:, S]
-    first, span = starts[0], path.end - starts[0]
+    begin, span = starts[0], path.end - starts[0]
     bins = int(min(max(BINS_PER_PIECE * len(starts), 8), MAX_BINS))
-    pieces = np.searchsorted(starts, first + np.arange(bins) / bins * span) - 1.0
-    head = [first, path.end, bins / span, HEAD_OF_TABLE + bins]
+    pieces = np.searchsorted(starts, begin + np.arange(bins) / bins * span) - 1.0
+    head = [begin, path.end, bins / span, HEAD_OF_TABLE + bins]
     return np.concatenate([head, np.maximum(pieces, 0.0), path.pieces.ravel(), [inf]])
 
 
 @jit
-def row_at(table, at, s):
-    """Return the start of the row of the piece at ``s`` (m), of the path whose table begins at ``at``."""
-    bin_of_s = int((s - table[at + FIRST]) * table[at + BINS_PER_METRE])
-    row = at + int(table[at + ROWS])
-    row += ROW_OF_TABLE * int(table[at + HEAD_OF_TABLE + min(bin_of_s, int(table[at + ROWS]) - HEAD_OF_TABLE - 1)])
+def row_at(table, table_start, s):
+    """Return the start of the row of the piece at ``s`` (m), of the path whose table begins at ``table_start``."""
+    bin_of_s = int((s - table[table_start + FIRST]) * table[table_start + BINS_PER_METRE])
+    row = table_start + int(table[table_start + ROWS])
+    row += ROW_OF_TABLE * int(
+        table[table_start + HEAD_OF_TABLE + min(bin_of_s, int(table[table_start + ROWS]) - HEAD_OF_TABLE - 1)]
+    )
     while s > table[row + ROW_OF_TABLE]:  # the last row is followed by infinity
         row += ROW_OF_TABLE
     return row
 
 
 @jit
-def drop_at(table, at, s):
+def drop_at(table, table_start, s):
     """Return h (m) and its slope (1), on a cusp the left one, at ``s`` (m) over the path whose table begins at
-    ``at``."""
-    if not table[at + FIRST] <= s < table[at + LAST]:  # in these words for NaN, too
+    ``table_start``."""
+    if not table[table_start + FIRST] <= s < table[table_start + LAST]:  # in these words for NaN, too
         return 0.0, 0.0
-    row = row_at(table, at, s)
+    row = row_at(table, table_start, s)
     x = s - table[row + S]
     return table[row + H] + x * (table[row + SLOPE] + x * table[row + HALF_CURVATURE]), (
         table[row + SLOPE] + 2.0 * x * table[row + HALF_CURVATURE]
@@ -254,8 +256,8 @@ def drop_at(table, at, s):
 
 
 @jit
-def drop_curvature_at(table, at, s):
+def drop_curvature_at(table, table_start, s):
     """Return the second derivative of h along ``s`` (1/m)."""
-    if not table[at + FIRST] <= s < table[at + LAST]:
+    if not table[table_start + FIRST] <= s < table[table_start + LAST]:
         return 0.0
-    return 2.0 * table[row_at(table, at, s) + HALF_CURVATURE]
+    return 2.0 * table[row_at(table, table_start, s) + HALF_CURVATURE]

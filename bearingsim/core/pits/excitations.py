@@ -1,4 +1,4 @@
-"""What a roller feels of a pit: the models of the literature side by side.
+"""Excitations by a defect: the models of the literature side by side.
 
 A pit is cut along the roller into groups (``pits/closed_forms.py``). At the distance s (m) along rolling from the
 pit's middle a group of weight w carries
@@ -241,7 +241,8 @@ class PressureShare(NamedTuple):
 
 
 def hertz_half_width(force: float, L_w: float, R: float, E: float, nu: float) -> float:
-    """Half width b (m) of a line contact of length ``L_w`` (m) under ``force`` (N), both bodies of E (Pa), nu.
+    """Return the half width b (m) of a line contact of length ``L_w`` (m) under ``force`` (N), both bodies of E
+    (Pa), nu.
 
     Hertz: b^2 = 4 F R/(pi L E*), 1/E* = 2 (1 - nu^2)/E (Johnson, Contact Mechanics 1985, eq. 4.43).
     """
@@ -250,7 +251,7 @@ def hertz_half_width(force: float, L_w: float, R: float, E: float, nu: float) ->
 
 @jit
 def pressure_before(x):
-    """Part of a semi-elliptic pressure over (-1, 1) that lies before ``x``."""
+    """Return the part of a semi-elliptic pressure over (-1, 1) that lies before ``x``."""
     x = min(max(x, -1.0), 1.0)
     return 0.5 + (asin(x) + x * sqrt(1.0 - x * x)) / pi
 
@@ -266,7 +267,7 @@ def _pit_response_pressure_share(excitation, group, s, R):
 
 @jit
 def pressure_at(x):
-    """Slope of ``pressure_before``."""
+    """Return the slope of ``pressure_before``."""
     return 2.0 / pi * sqrt(max(1.0 - x * x, 0.0))
 
 
@@ -280,17 +281,17 @@ def _pit_response_gradient_pressure_share(excitation, group, s, R):
 
 @response_groups.register(PressureShare)
 def _response_groups_pressure_share(excitation, pit, rows, R):
-    found = []
+    groups = []
     for row in rows:
         if row[DEPTH] == 0.0:
-            found.append((row[GROUP_WEIGHT], 0.0, NO_WALL, REMAINING, 0.0))
+            groups.append((row[GROUP_WEIGHT], 0.0, NO_WALL, REMAINING, 0.0))
         else:
             reach = row[GROUP_HALF_WIDTH] + excitation.b
-            found += [
+            groups += [
                 (row[GROUP_WEIGHT], reach, NO_WALL, REMAINING, 0.0),
                 (row[GROUP_WEIGHT], reach, NO_WALL, UNLOADED, row[DEPTH]),
             ]
-    return found
+    return groups
 
 
 class SoftEdge(NamedTuple):

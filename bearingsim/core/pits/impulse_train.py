@@ -36,7 +36,7 @@ MAX_STIFFNESS_SHARE = 0.5  # of kappa: a ring that mainly hangs on one roller wo
 
 
 class LoadZone(NamedTuple):
-    """How the load is shared: q(phi) = q_0 [1 - (1 - cos phi)/(2 epsilon)]^n, nothing where the bracket is < 0.
+    """Distribution of the load: q(phi) = q_0 [1 - (1 - cos phi)/(2 epsilon)]^n, nothing where the bracket is < 0.
 
     q_0: largest load of a roller (N); delta_0: approach of its two contacts together (m); epsilon: load zone
     parameter, 1/2 without clearance, less with it, more with preload; n: exponent of the contact, 10/9 for a line,
@@ -63,7 +63,7 @@ class Train(NamedTuple):
 
 
 def approach(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
-    """Approach (m) of both contacts together of a roller at ``phi`` (rad), 0 outside the load zone."""
+    """Return the approach (m) of both contacts together of a roller at ``phi`` (rad), 0 outside the load zone."""
     return zone.delta_0 * np.maximum(1.0 - (1.0 - np.cos(phi - zone.axis)) / (2.0 * zone.epsilon), 0.0)
 
 
@@ -92,15 +92,15 @@ def pit_passages(bearing: Bearing, pair: RollerPitPair, start: float, end: float
     return times, np.full(len(times), pair.angle)
 
 
-def instants(first: float, between: float, speed: float, start: float, end: float) -> np.ndarray:
-    """Return the instants (n,) in (start, end], s, at which ``speed`` t is ``first`` plus a whole number of
+def instants(offset: float, between: float, speed: float, start: float, end: float) -> np.ndarray:
+    """Return the instants (n,) in (start, end], s, at which ``speed`` t is ``offset`` plus a whole number of
     ``between``."""
-    low, high = (np.floor((speed * t - first) / between) for t in (start, end))
-    return (first + between * np.arange(low + 1, high + 1)) / speed
+    low, high = (np.floor((speed * t - offset) / between) for t in (start, end))
+    return (offset + between * np.arange(low + 1, high + 1)) / speed
 
 
 def crossing_speed(bearing: Bearing, pair: RollerPitPair) -> float:
-    """Speed (m/s) at which a contact runs over the pit."""
+    """Return the speed (m/s) at which a contact runs over the pit."""
     if pair.carrier >= 0:
         return pair.radius * bearing.omega_b
     if pair.carrier == ON_INNER:
@@ -116,7 +116,8 @@ def stiffness_share(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
 
 
 def unloaded_width(pair: RollerPitPair, delta: np.ndarray, kappa: np.ndarray, n: float) -> np.ndarray:
-    """Integral of P over the pit (n,), m: how far rollers with approach ``delta`` > 0 (n,) m go unloaded."""
+    """Return the integral of P over the defect (n,), m: the unloaded way of rollers with approach ``delta`` > 0
+    (n,) m."""
     s = ((np.arange(2 * SHED_SAMPLES) + 0.5) / SHED_SAMPLES - 1.0) * pair.half_width
     h = roller_drops(pair, s)
     delta, kappa = delta[:, None], kappa[:, None]
@@ -139,7 +140,8 @@ def roller_drops(pair: RollerPitPair, s: np.ndarray) -> list[np.ndarray]:
 
 
 def impulse_strengths(bearing: Bearing, zone: LoadZone, pair: RollerPitPair, phi: np.ndarray) -> np.ndarray:
-    """Impulse J (n,) N s that a roller at ``phi`` (n,) rad sheds over the pit; 0 outside the load zone."""
+    """Return the impulse J (n,) N s that a roller at ``phi`` (n,) rad sheds over the pit; 0 outside the load
+    zone."""
     places, which = np.unique(phi, return_inverse=True)
     J, loaded = np.zeros(len(places)), approach(zone, places) > 0.0
     there = places[loaded]

@@ -45,13 +45,13 @@ def jumps_of(excitation: Any, groups: Sequence[Sequence[float]], paths: Sequence
 
     paths: of a traced pit, one for each group, else none. Jumps of several groups in one place add up.
     """
-    found: dict[float, np.ndarray] = {}
+    jump_at: dict[float, np.ndarray] = {}
     for k, row in enumerate(groups):
         jumps = cusps_of(paths[k]) if paths else jumps_of_group(excitation, np.array([*row]), R)
         for place, jump in jumps:
-            at = round(place, 9) + 0.0
-            found[at] = found.get(at, np.zeros(3)) + row[GROUP_WEIGHT] * jump
-    places, sizes = np.array([*found]), np.array([*found.values()]).reshape(-1, 3)
+            rounded = round(place, 9) + 0.0
+            jump_at[rounded] = jump_at.get(rounded, np.zeros(3)) + row[GROUP_WEIGHT] * jump
+    places, sizes = np.array([*jump_at]), np.array([*jump_at.values()]).reshape(-1, 3)
     largest = np.maximum(sizes.max(axis=0, initial=0.0), 1e-30)  # each kind beside its like
     sharpness = (sizes / largest).max(axis=1)
     sharpest = np.argsort(-sharpness, kind="stable")[:MAX_JUMPS]
@@ -66,7 +66,7 @@ def jumps_of_group(excitation: Any, group: np.ndarray, R: float) -> list[tuple[f
         float(group[GROUP_HALF_WIDTH] - group[X_E]),
         floor_reach(excitation, group, R),
     }
-    found = []
+    jumps = []
     for place in {
         sign * place for place in places if 0.0 <= place <= group[GROUP_HALF_WIDTH] for sign in (-1.0, 1.0)
     }:
@@ -78,8 +78,8 @@ def jumps_of_group(excitation: Any, group: np.ndarray, R: float) -> list[tuple[f
             else np.full(3, inf)
         )
         if (jump > smooth).any():
-            found.append((place, np.where(jump > smooth, jump, 0.0)))
-    return found
+            jumps.append((place, np.where(jump > smooth, jump, 0.0)))
+    return jumps
 
 
 def floor_reach(excitation: Any, group: np.ndarray, R: float) -> float:
@@ -122,8 +122,8 @@ def next_jump(model: Any, t: float, y: np.ndarray) -> float:
 
 @jit
 def distance_to_jump(pits, d, s, forwards):
-    """Way (m) from ``s`` to the next jump of roller-pit pair ``d``, s growing if ``forwards``; inf if none is
-    ahead.
+    """Return the way (m) from ``s`` to the next jump of roller-pit pair ``d``, s growing if ``forwards``; inf if
+    none is ahead.
     """
     least = inf
     for k in range(int(pits.head[d, JUMP_COUNT])):
@@ -135,7 +135,8 @@ def distance_to_jump(pits, d, s, forwards):
 
 @jit
 def spacing(pits, d, Z):
-    """Way (m) along rolling between two contacts that come to roller-pit pair ``d`` one after the other."""
+    """Return the way (m) along rolling between two contacts that come to roller-pit pair ``d`` one after the
+    other."""
     return 2.0 * pi * pits.head[d, RADIUS] / (1 if pits.head[d, CARRIER] >= 0.0 else Z)
 
 

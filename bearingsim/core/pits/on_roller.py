@@ -15,14 +15,15 @@ from bearingsim.core.pits.pairs import GROUP_COUNT, GROUP_WEIGHT, HALF_WIDTH, RE
 
 @inlined
 def touching_slope(stiffness, delta):
-    """Slope (N/m) of the elastic force at any approach ``delta`` (m): none out of contact, whatever the law."""
+    """Return the slope (N/m) of the elastic force at any approach ``delta`` (m): none out of contact, whatever
+    the law."""
     return tangent(stiffness, delta) if delta > 0.0 else 0.0
 
 
 @jit
 def elastic_over_pit(stiffness, pits, d, s, delta):
-    """Elastic force (N), its slope (N/m) and the mean approach (m) of a contact that stands in roller-pit pair
-    ``d``.
+    """Return the elastic force (N), its slope (N/m) and the mean approach (m) of a contact that stands in
+    roller-pit pair ``d``.
 
     delta: approach (m) to the undamaged race; ``s``: distance (m) from the pit's middle. ``d`` = -1: no pit.
     """
@@ -32,17 +33,17 @@ def elastic_over_pit(stiffness, pits, d, s, delta):
     for k in range(int(pits.head[d, GROUP_COUNT])):
         group = pits.groups[d, k]
         share, h, _ = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
-        weight, here = share * group[GROUP_WEIGHT], max(delta - h, 0.0)
-        force += weight * elastic(stiffness, here)
+        weight, approach = share * group[GROUP_WEIGHT], max(delta - h, 0.0)
+        force += weight * elastic(stiffness, approach)
         slope += weight * touching_slope(stiffness, delta - h)
-        mean += weight * here
+        mean += weight * approach
     return force, slope, mean
 
 
 @jit
 def force_over_pit(contact, pits, d, s, speed, delta, v):
-    """Force (N) of a contact in roller-pit pair ``d``, its sideways part, and mean approach (m) and closing rate
-    (m/s).
+    """Return the force (N) of a contact in roller-pit pair ``d``, its sideways part, and mean approach (m) and
+    closing rate (m/s).
 
     delta, v: approach (m) to the undamaged race and its rate (m/s); speed: ds/dt (m/s). The means are over what is
     in contact, for the step monitor. The sideways part is sum Q_k dh_k/ds (N): times -1 the push along growing s.
@@ -76,8 +77,8 @@ def correct_contact(side, contact, pits, d, j, s, speed, y):
 
 @jit
 def roller_drop_rate(stiffness, pits, d, s, speed, delta):
-    """Mean rate (m/s) at which a contact in roller-pit pair ``d`` sinks, weighted by its elastic forces; 0 for no
-    pit.
+    """Return the mean rate (m/s) at which a contact in roller-pit pair ``d`` sinks, weighted by its elastic
+    forces; 0 for no pit.
     """
     if d < 0:
         return 0.0
@@ -106,7 +107,7 @@ def slopes_over_pit(contact, pits, d, s, speed, delta, v):
 
 @jit
 def stiffness_over_pit(stiffness, pits, d, s, delta):
-    """Slope (N/m) of the elastic force of what is in contact; ``d`` = -1: no pit."""
+    """Return the slope (N/m) of the elastic force of what is in contact; ``d`` = -1: no pit."""
     if d < 0:
         return touching_slope(stiffness, delta)
     slope = 0.0
@@ -124,9 +125,9 @@ def roller_drop_rate_slope(stiffness, pits, d, s, speed, delta):
     for k in range(int(pits.head[d, GROUP_COUNT])):
         group = pits.groups[d, k]
         share, h, slope = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
-        weight, here = share * group[GROUP_WEIGHT], max(delta - h, 0.0)
-        part = weight * elastic(stiffness, here)
-        growth = weight * tangent(stiffness, here) if here > 0.0 else 0.0
+        weight, approach = share * group[GROUP_WEIGHT], max(delta - h, 0.0)
+        part = weight * elastic(stiffness, approach)
+        growth = weight * tangent(stiffness, approach) if approach > 0.0 else 0.0
         force += part
         moment += part * slope * speed
         stiff += growth
@@ -136,7 +137,7 @@ def roller_drop_rate_slope(stiffness, pits, d, s, speed, delta):
 
 @jit
 def mean_roller_drop(pits, d, s):
-    """Mean drop (m) over the roller's length."""
+    """Return the mean drop (m) over the roller's length."""
     mean = 0.0
     for k in range(int(pits.head[d, GROUP_COUNT])):
         group = pits.groups[d, k]
@@ -165,7 +166,7 @@ def is_masked(model, d, j, s, t, y):
         if e != d and pits.head[e, SIDE] == pits.head[d, SIDE]:
             other, along = roller_at_pit(model, e, t, y)
             if other == j and abs(along) < pits.head[e, HALF_WIDTH]:
-                here, there = mean_roller_drop(pits, d, s), mean_roller_drop(pits, e, along)
-                if there > here or (there == here and e < d):
+                drop, other_drop = mean_roller_drop(pits, d, s), mean_roller_drop(pits, e, along)
+                if other_drop > drop or (other_drop == drop and e < d):
                     return True
     return False

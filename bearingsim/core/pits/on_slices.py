@@ -11,7 +11,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.geometry.slices import ZETA
 from bearingsim.core.jit import jit
-from bearingsim.core.pits.excitations import pit_response, pit_response_gradient
+from bearingsim.core.pits.excitations import pit_response
 from bearingsim.core.pits.pairs import (
     CARRIER,
     GROUP_HALF_WIDTH,
@@ -28,14 +28,14 @@ ROLLER_REACHED, SLICE_REACHED = 1.0, 2.0
 
 
 @jit
-def slice_polar_position(at, middle, b_z, zeta, y, j):
+def slice_polar_position(base, middle, b_z, zeta, y, j):
     """Return the angle (rad) of a slice from e_r, about the ring's own axis, and its distance (m) from that
     axis."""
-    r = middle + y[lay.RADIAL + j] + y[at + lay.OFFSET_R + j] + zeta * y[at + lay.DIRECTION_R + j]
-    t = y[at + lay.OFFSET_T + j] + zeta * y[at + lay.DIRECTION_T + j]
-    z = y[at + lay.OFFSET_Z + j] + zeta * y[at + lay.DIRECTION_Z + j]
+    r = middle + y[lay.RADIAL + j] + y[base + lay.OFFSET_R + j] + zeta * y[base + lay.DIRECTION_R + j]
+    t = y[base + lay.OFFSET_T + j] + zeta * y[base + lay.DIRECTION_T + j]
+    z = y[base + lay.OFFSET_Z + j] + zeta * y[base + lay.DIRECTION_Z + j]
     h = z / (1.0 + b_z)
-    return atan2(t - y[at + lay.RING_AXIS_T + j] * h, r - y[at + lay.RING_AXIS_R + j] * h), sqrt(
+    return atan2(t - y[base + lay.RING_AXIS_T + j] * h, r - y[base + lay.RING_AXIS_R + j] * h), sqrt(
         r * r + t * t + z * z
     )
 
@@ -63,18 +63,18 @@ def mark_rollers_at_pits(model, t, b_z_outer, b_z_inner, y):
     middle = 0.5 * (b.R_o + b.R_i)
     for j in range(b.Z):
         y[lay.OUTER_SIDE + lay.PIT_REACH + j], y[lay.INNER_SIDE + lay.PIT_REACH + j] = 0.0, 0.0
-    found = 0
+    count = 0
     for d in range(len(pits.head)):
         head = pits.head[d]
         outer = head[SIDE] == OUTER
         side, b_z = (lay.OUTER_SIDE, b_z_outer) if outer else (lay.INNER_SIDE, b_z_inner)
         j, s = roller_near_pit(model, d, t, y)
-        here, rho = slice_polar_position(side, middle, b_z, 0.0, y, j)
+        angle, rho = slice_polar_position(side, middle, b_z, 0.0, y, j)
         reach = head[HALF_WIDTH] + head[RADIUS] * model.L_w * abs(y[side + lay.DIRECTION_T + j]) / rho
-        if abs(s + head[RADIUS] * here) < reach:
+        if abs(s + head[RADIUS] * angle) < reach:
             y[side + lay.PIT_REACH + j] = ROLLER_REACHED
-            found += 1
-    return found
+            count += 1
+    return count
 
 
 @jit
@@ -109,8 +109,8 @@ def slice_pit_response(model, t, k, steep, b_z_outer, b_z_inner, y):
         side, b_z = (lay.OUTER_SIDE, b_z_outer) if head[SIDE] == OUTER else (lay.INNER_SIDE, b_z_inner)
         j, s = roller_near_pit(model, d, t, y)
         if y[side + lay.PIT_REACH + j] > 0.0:
-            here, rho = slice_polar_position(side, middle, b_z, zeta, y, j)
-            s += head[RADIUS] * here
+            angle, rho = slice_polar_position(side, middle, b_z, zeta, y, j)
+            s += head[RADIUS] * angle
             if abs(s) < group[GROUP_HALF_WIDTH]:
                 share, h, slope = pit_response(pits.excitation, group, s, head[REDUCED_RADIUS])
                 if y[side + lay.PIT_REACH + j] == ROLLER_REACHED or h > y[side + lay.ROLLER_DROP + j]:
@@ -123,25 +123,3 @@ def slice_pit_response(model, t, k, steep, b_z_outer, b_z_inner, y):
                     ) = h, lean, 1.0 - share
                     y[side + lay.NORMAL_VERSINE + j] = 1.0 - 1.0 / sqrt(1.0 + lean * lean)
                     y[side + lay.OWN_PIT + j] = 1.0 if head[CARRIER] >= 0.0 else 0.0
-
-
-@jit
-def slice_pit_curvature(model, t, k, outer, b_z, y, j):
-    """How the slope of what slice ``k`` of roller ``j`` feels of a pit grows along s (1/m); radius of the pit (m).
-
-    outer: the side; b_z: third component of the ring's axis. The pit is that which ``slice_pit_response`` has
-    chosen.
-    """
-    pits, zeta, middle = model.pits, model.slices.table[k, ZETA], 0.5 * (model.bearing.R_o + model.bearing.R_i)
-    at = lay.OUTER_SIDE if outer else lay.INNER_SIDE
-    for d in range(len(pits.head)):
-        head, group = pits.head[d], pits.groups[d, k]
-        nearest, s = roller_near_pit(model, d, t, y)
-        if (head[SIDE] == OUTER) == outer and nearest == j:
-            s += head[RADIUS] * slice_polar_position(at, middle, b_z, zeta, y, j)[0]
-            if (
-                abs(s) < group[GROUP_HALF_WIDTH]
-                and pit_response(pits.excitation, group, s, head[REDUCED_RADIUS])[1] == y[at + lay.ROLLER_DROP + j]
-            ):
-                return pit_response_gradient(pits.excitation, group, s, head[REDUCED_RADIUS])[1], head[RADIUS]
-    return 0.0, 0.0

@@ -69,27 +69,27 @@ class Pits(NamedTuple):
 
 def pack_pits(pairs: Sequence[RollerPitPair], excitation: Any, most: int = 1) -> Pits:
     """Pack the roller-pit pairs into the arrays the core reads, with room for ``most`` groups each or more."""
-    deepest = max([most, *(len(one.groups) for one in pairs)])
+    deepest = max([most, *(len(pair.groups) for pair in pairs)])
     groups = np.zeros((len(pairs), deepest, GROUP))
-    for row, one in zip(groups, pairs, strict=True):
-        row[: len(one.groups)] = one.groups
-    head = np.zeros((len(pairs), FIRST_JUMP + max((len(one.jumps) for one in pairs), default=0)))
-    for row, one in zip(head, pairs, strict=True):
-        reach, used = one.half_width, len(one.groups)
-        span = one.span or 2.0 * reach
+    for row, pair in zip(groups, pairs, strict=True):
+        row[: len(pair.groups)] = pair.groups
+    head = np.zeros((len(pairs), FIRST_JUMP + max((len(pair.jumps) for pair in pairs), default=0)))
+    for row, pair in zip(head, pairs, strict=True):
+        reach, used = pair.half_width, len(pair.groups)
+        span = pair.span or 2.0 * reach
         row[:FIRST_JUMP] = (
-            one.side,
-            one.carrier,
-            one.angle,
-            one.radius,
-            one.R,
+            pair.side,
+            pair.carrier,
+            pair.angle,
+            pair.radius,
+            pair.R,
             reach,
             used,
-            one.cusp,
+            pair.cusp,
             span,
-            len(one.jumps),
+            len(pair.jumps),
         )
-        row[FIRST_JUMP : FIRST_JUMP + len(one.jumps)] = one.jumps
+        row[FIRST_JUMP : FIRST_JUMP + len(pair.jumps)] = pair.jumps
     return Pits(head, groups, excitation)
 
 

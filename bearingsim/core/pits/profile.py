@@ -28,25 +28,26 @@ def quadratic(start: float, end: float, depth: float, slope: float = 0.0, curvat
 
 
 def polygon(t: np.ndarray, p: np.ndarray) -> Profile:
-    """Straight lines between the points (``t``, ``p``) (n,) in m; lines that lie in the race are left out."""
+    """Return straight lines between the points (``t``, ``p``) (n,) in m; lines that lie in the race are left
+    out."""
     pieces = np.stack([t[:-1], t[1:], p[:-1], np.diff(p) / np.diff(t), np.zeros(len(t) - 1)], axis=1)
     return Profile(pieces[(p[:-1] != 0.0) | (p[1:] != 0.0)])
 
 
 def curve(t: np.ndarray, p: np.ndarray, slope: np.ndarray) -> Profile:
-    """Two parabolas between neighbours of the points (``t``, ``p``) (n,) in m, without corners.
+    """Return two parabolas between neighbours of the points (``t``, ``p``) (n,) in m, without corners.
 
     They have the curve's ``slope`` (n,) at the points; an interval with a slope that is not finite is one straight
     line.
     """
     width, rise = np.diff(t), np.diff(p)
     bent = np.isfinite(slope[:-1]) & np.isfinite(slope[1:])
-    first, last = np.where(bent, slope[:-1], rise / width), np.where(bent, slope[1:], rise / width)
-    middle = 2.0 * rise / width - (first + last) / 2.0
+    start_slope, end_slope = np.where(bent, slope[:-1], rise / width), np.where(bent, slope[1:], rise / width)
+    middle = 2.0 * rise / width - (start_slope + end_slope) / 2.0
     half = width / 2.0
-    left = np.stack([t[:-1], t[:-1] + half, p[:-1], first, (middle - first) / half], axis=1)
-    at_half = p[:-1] + half * (first + middle) / 2.0
-    right = np.stack([t[:-1] + half, t[1:], at_half, middle, (last - middle) / half], axis=1)
+    left = np.stack([t[:-1], t[:-1] + half, p[:-1], start_slope, (middle - start_slope) / half], axis=1)
+    at_half = p[:-1] + half * (start_slope + middle) / 2.0
+    right = np.stack([t[:-1] + half, t[1:], at_half, middle, (end_slope - middle) / half], axis=1)
     return Profile(np.stack([left, right], axis=1).reshape(-1, 5))
 
 
@@ -89,17 +90,17 @@ def depth_at(profile: Profile, t: np.ndarray) -> np.ndarray:
     return np.where(inside, pieces[k, P] + x * (pieces[k, M] + x * pieces[k, C] / 2.0), 0.0)
 
 
-def deepest(first: Profile, second: Profile) -> Profile:
+def deepest(left: Profile, right: Profile) -> Profile:
     """Return the deeper of two profiles at each place that both cover, and either where only one does."""
-    if len(first.pieces) == 0 or len(second.pieces) == 0:
-        return second if len(first.pieces) == 0 else first
-    ends = _distinct(np.concatenate([first.pieces[:, :P].ravel(), second.pieces[:, :P].ravel()]))
-    ends = _distinct(np.concatenate([ends, _crossings(first, second, ends)]))
+    if len(left.pieces) == 0 or len(right.pieces) == 0:
+        return right if len(left.pieces) == 0 else left
+    ends = _distinct(np.concatenate([left.pieces[:, :P].ravel(), right.pieces[:, :P].ravel()]))
+    ends = _distinct(np.concatenate([ends, _crossings(left, right, ends)]))
     middles = (ends[1:] + ends[:-1]) / 2.0
-    a, b = _covering(first, middles), _covering(second, middles)
-    by_first = _rows(first, a, middles)[:, 0] >= _rows(second, b, middles)[:, 0]
-    source = np.where(by_first, a, np.where(b >= 0, b + len(first.pieces), -1))
-    rows = np.where(by_first[:, None], _rows(first, a, ends[:-1]), _rows(second, b, ends[:-1]))
+    a, b = _covering(left, middles), _covering(right, middles)
+    by_left = _rows(left, a, middles)[:, 0] >= _rows(right, b, middles)[:, 0]
+    source = np.where(by_left, a, np.where(b >= 0, b + len(left.pieces), -1))
+    rows = np.where(by_left[:, None], _rows(left, a, ends[:-1]), _rows(right, b, ends[:-1]))
     begins = np.append(True, np.diff(source) != 0)
     until = np.append(ends[:-1][begins][1:], ends[-1])
     pieces = np.column_stack([ends[:-1][begins], until, rows[begins]])
@@ -127,12 +128,12 @@ def _rows(profile: Profile, k: np.ndarray, t: np.ndarray) -> np.ndarray:
     return np.column_stack([np.where(k >= 0, p + x * (m + x * c / 2.0), -np.inf), m + x * c, c])
 
 
-def _crossings(first: Profile, second: Profile, ends: np.ndarray) -> np.ndarray:
+def _crossings(left: Profile, right: Profile, ends: np.ndarray) -> np.ndarray:
     """Return the places of equal depth of two profiles, between ``ends``."""
     low, middles = ends[:-1], (ends[1:] + ends[:-1]) / 2.0
-    a, b = _covering(first, middles), _covering(second, middles)
+    a, b = _covering(left, middles), _covering(right, middles)
     both = (a >= 0) & (b >= 0)
-    p, m, c = (_rows(first, a[both], low[both]) - _rows(second, b[both], low[both])).T
+    p, m, c = (_rows(left, a[both], low[both]) - _rows(right, b[both], low[both])).T
     with np.errstate(all="ignore"):  # no root, or none of the second degree
         q = -0.5 * (m + np.copysign(np.sqrt(m * m - 2.0 * c * p), m))
         roots = np.concatenate([2.0 * q / c, p / q])

@@ -70,13 +70,13 @@ def bowls_of(spall: Spall) -> list[Bowl]:
     """Return the bowls of a spall of this size, in m: the last one partly grown."""
     whole = full_grown(spall.seed)
     count = spall.grown * (len(whole) - 1)
-    found = []
+    bowls = []
     for n, (u, v, a, b, d) in enumerate(whole):
         part = min(count - n + 1.0, 1.0)
         if part > 0.0:
             size, along, across = part, spall.width, spall.length
-            found.append((u * along, v * across, size * a * along, size * b * across, size * d * spall.depth))
-    return found
+            bowls.append((u * along, v * across, size * a * along, size * b * across, size * d * spall.depth))
+    return bowls
 
 
 @section.register(Spall)

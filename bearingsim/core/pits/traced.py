@@ -72,25 +72,25 @@ def _traced(profile: Profile, R: float) -> TracedGroup:
 def grouped(pit: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[list, list[Path]]:
     """Return groups and paths of a roller over a defect; equal slices form one group, the rest of the roller
     another."""
-    found: dict[bytes, tuple[float, tuple, Path]] = {}
+    groups: dict[bytes, tuple[float, tuple, Path]] = {}
     for (weight, _), (row, path) in zip(slices, paths_over(pit, R, [z for _, z in slices]), strict=True):
         key = (np.round(np.append(path.pieces / SAME, path.end / SAME[0])) + 0.0).tobytes()
-        before = found[key][0] if key in found else 0.0
-        found[key] = (before + weight, row, path)
+        before = groups[key][0] if key in groups else 0.0
+        groups[key] = (before + weight, row, path)
     rest = 1.0 - sum(weight for weight, _ in slices)
     untouched = [(rest, NO_PIT, FLAT)] if rest > 1e-12 else []
-    parts = [*untouched, *found.values()]
+    parts = [*untouched, *groups.values()]
     return [(weight, *row) for weight, row, _ in parts], [path for _, _, path in parts]
 
 
 def sliced(pit: Any, R: float, zetas: Sequence[float] | np.ndarray) -> tuple[list, list[Path]]:
     """Return a group of weight 1 and a path for each slice of a roller whose middle is at zeta (m)."""
-    found = paths_over(pit, R, zetas)
-    return [(1.0, *row) for row, _ in found], [path for _, path in found]
+    traced = paths_over(pit, R, zetas)
+    return [(1.0, *row) for row, _ in traced], [path for _, path in traced]
 
 
 def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) -> float:
-    """Place (m) of the cusp that the most of a roller feels the most of; 0 if there is none."""
+    """Return the place (m) of the cusp that the most of a roller feels the most of; 0 if there is none."""
     cusps = [(cusp(path), row[0]) for row, path in zip(groups, paths, strict=True) if len(path.pieces)]
     place, fall = 0.0, 0.0
     for (where, falls), weight in cusps:
@@ -118,10 +118,10 @@ def burr(pit: Any) -> float:
 
 def traced_pits(pairs: Sequence[RollerPitPair]) -> Pits:
     """Pack the roller-defect pairs, and their paths in one table."""
-    paths = [path for one in pairs for path in one.paths if len(path.pieces)]
+    paths = [path for pair in pairs for path in pair.paths if len(path.pieces)]
     table, places = packed(paths)
-    found, left = pack_pits(pairs, Traced(table)), iter(places)
-    for groups, one in zip(found.groups, pairs, strict=True):
-        for row, path in zip(groups, one.paths, strict=False):
+    pits, left = pack_pits(pairs, Traced(table)), iter(places)
+    for groups, pair in zip(pits.groups, pairs, strict=True):
+        for row, path in zip(groups, pair.paths, strict=False):
             row[KAPPA] = next(left) if len(path.pieces) else 0.0
-    return found
+    return pits

@@ -87,7 +87,7 @@ def raised(exponent: Any, x: float) -> float:
 
 @generic
 def raised_slope(exponent: Any, x: float) -> float:
-    """Slope of x^m, m x^(m-1), for x > 0."""
+    """Return the slope of x^m, m x^(m-1), for x > 0."""
 
 
 @raised.register(Power0)
@@ -136,10 +136,10 @@ WHOLE = ((0.0, Power0), (1.0, Power1), (2.0, Power2))
 
 def power(m: float) -> Power0 | Power1 | Power2 | Power:
     """Choose the fastest exponent type that equals ``m``."""
-    known = [kind for whole, kind in WHOLE if isclose(m, whole, rel_tol=1e-12, abs_tol=1e-12)]
-    return known[0]() if known else Power(float(m))
+    kinds = [kind for whole, kind in WHOLE if isclose(m, whole, rel_tol=1e-12, abs_tol=1e-12)]
+    return kinds[0]() if kinds else Power(float(m))
 
 
 def general(stiffness: Any, c: float, m2: float, m3: float) -> General:
-    """General damping with the fastest exponents that are m2 and m3."""
+    """Return general damping with the fastest exponents that are m2 and m3."""
     return General(stiffness, c, power(m2), power(m3))

@@ -1,4 +1,4 @@
-"""What every damping law gives: the force, its exact derivatives, and bounds of them.
+"""Functions of every damping law: the force, its derivatives, and their bounds.
 
     Q = max(0, Q_e(delta) + damping(delta, v))   where delta > 0, else 0
 
@@ -19,12 +19,14 @@ from bearingsim.core.jit import generic, jit
 
 @generic
 def normal_force(contact: Any, delta: float, v: float) -> float:
-    """Contact force (N, never pulling) at approach ``delta`` (m, any sign) and closing rate ``v`` (m/s)."""
+    """Return the contact force (N, never pulling) at approach ``delta`` (m, any sign) and closing rate ``v``
+    (m/s)."""
 
 
 @generic
 def slopes(contact: Any, delta: float, v: float) -> tuple[float, float]:
-    """K = dQ/d(delta) (N/m) and C = dQ/dv (N s/m) at approach ``delta`` (m, any sign) and rate ``v`` (m/s)."""
+    """Return K = dQ/d(delta) (N/m) and C = dQ/dv (N s/m) at approach ``delta`` (m, any sign) and rate ``v``
+    (m/s)."""
 
 
 @generic

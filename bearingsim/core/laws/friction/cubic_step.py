@@ -13,6 +13,6 @@ def cubic_step(x):
 
 @jit
 def cubic_step_slope(x):
-    """Slope of ``cubic_step``."""
+    """Return the slope of ``cubic_step``."""
     x = min(max(x, -1.0), 1.0)
     return 1.5 - 1.5 * x * x

@@ -1,4 +1,4 @@
-"""What every friction law gives: the coefficient mu(v, u) and its slopes.
+"""Functions of every friction law: the coefficient mu(v, u) and its derivatives.
 
 mu is odd in the slip speed v (m/s) of one surface over the other: the friction force on the first is -mu(v, u) Q.
 u > 0 (m/s) is the mean of the speeds at which the two surfaces pass through the contact. Every law has a finite
@@ -14,12 +14,13 @@ from bearingsim.core.jit import generic
 
 @generic(absent=0.0)
 def mu(law: Any, v: float, u: float) -> float:
-    """Friction coefficient, of the sign of the slip speed ``v`` (m/s), at the rolling speed ``u`` > 0 (m/s)."""
+    """Return the friction coefficient, of the sign of the slip speed ``v`` (m/s), at the rolling speed ``u`` >
+    0 (m/s)."""
 
 
 @generic(absent=(0.0, 0.0))
 def mu_slope(law: Any, v: float, u: float) -> tuple[float, float]:
-    """Exact d(mu)/dv and d(mu)/du (s/m) at the slip speed ``v`` and the rolling speed ``u`` > 0 (m/s)."""
+    """Return d(mu)/dv and d(mu)/du (s/m) at the slip speed ``v`` and the rolling speed ``u`` > 0 (m/s)."""
 
 
 @generic(absent=0.0)

@@ -5,7 +5,7 @@ from bearingsim.core.jit import jit
 
 @jit
 def implicit_fraction(t):
-    """Part of a lag that is taken where slip would die out ``t`` times within it, t/(1 + t).
+    """Return the part of a lag that is taken where slip would die out ``t`` times within it, t/(1 + t).
 
     Friction that is slow beside the lag hardly needs it: so its error is of second order in the lag, t^2. Slip
     still dies out no faster than within the lag: at the rate t (1 + t)/(1 + t + t^2) of it.
@@ -15,14 +15,14 @@ def implicit_fraction(t):
 
 @jit
 def lagged(rate, lag):
-    """Rate (1/s) at which slip dies out with the lag (s), ``rate`` being that without."""
+    """Return the rate (1/s) at which slip dies out with the lag (s), ``rate`` being that without."""
     t = lag * rate
     return rate / (1.0 + implicit_fraction(t) * t)
 
 
 @jit
 def lagged_friction(k_o, k_i, s_o, s_i, a, b):
-    """Friction (N) at a roller's two contacts: that of the slips as they will be a lag later.
+    """Return the friction (N) at a roller's two contacts: that of the slips as they will be a lag later.
 
     k_o, k_i: friction over slip at either contact (N s/m); s_o, s_i: slip (m/s). A force F_o changes the slips at
     the rates -(1/m + R_w^2/I) F_o and -(1/m - R_w^2/I) F_o, crosswise F_i; a, b: these factors times the lag

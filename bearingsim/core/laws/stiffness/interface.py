@@ -1,4 +1,4 @@
-"""What every elastic law gives: the force Q_e = k delta^m1, or one like it, and its derivatives.
+"""Functions of every elastic law: the force Q_e = k delta^m1, or one like it, and its derivatives.
 
 delta: approach (m), positive in contact. All laws keep the vector lanes of a loop over rollers, but ``PowerLaw``,
 which calls the library's power.
@@ -15,17 +15,17 @@ SHALLOWEST = 1e-12  # m: approach below which a slope that is infinite at touch-
 
 @generic
 def elastic(law: Any, delta: float) -> float:
-    """Elastic force (N) at approach ``delta`` >= 0 (m)."""
+    """Return the elastic force (N) at approach ``delta`` >= 0 (m)."""
 
 
 @generic
 def tangent(law: Any, delta: float) -> float:
-    """Slope of the elastic force (N/m) at approach ``delta`` >= 0 (m)."""
+    """Return the slope of the elastic force (N/m) at approach ``delta`` >= 0 (m)."""
 
 
 @generic
 def curvature(law: Any, delta: float) -> float:
-    """Slope of the tangent stiffness, d2Q/d(delta)2 (N/m^2), at approach ``delta`` >= 0 (m)."""
+    """Return the slope of the tangent stiffness, d2Q/d(delta)2 (N/m^2), at approach ``delta`` >= 0 (m)."""
 
 
 @jit
@@ -36,7 +36,7 @@ def fill_curve(law: Any, delta: Any, Q: Any, k: Any) -> None:
 
 
 def curve(law: Any, delta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Elastic forces (N) and stiffnesses (N/m) at approaches ``delta`` (n,) > 0 (m)."""
+    """Return elastic forces (N) and stiffnesses (N/m) at approaches ``delta`` (n,) > 0 (m)."""
     Q, k = np.empty_like(delta), np.empty_like(delta)
     fill_curve(law, delta, Q, k)
     return Q, k

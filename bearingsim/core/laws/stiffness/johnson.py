@@ -70,7 +70,7 @@ def _series_share(outer, inner, delta):
 
 @series_share_with_johnson.register(Johnson)
 def _share_alike(inner, outer, delta):
-    """Two in series are a third: with P = force/length, delta = Q (1/P_o + 1/P_i) [ln(F/Q) - 1].
+    """Return a third for two in series: with P = force/length, delta = Q (1/P_o + 1/P_i) [ln(F/Q) - 1].
 
     ln F is the mean of ln F_o and ln F_i weighted by 1/P; then part = Q/P_i [ln(F_i/Q) - 1].
     """
