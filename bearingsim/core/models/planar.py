@@ -328,8 +328,7 @@ def _stiffness_per_mass(model, y, j):
 @damping_per_mass.register(Planar)
 def _damping_per_mass(model, y, j):
     """Return the largest of radial damping, of the rings' supports and of friction on slip (see
-    ``lagged_friction``): the largest.
-    """
+    ``lagged_friction``)."""
     outer = damping_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = damping_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
     b = model.bearing
