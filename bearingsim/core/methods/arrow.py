@@ -90,9 +90,9 @@ def assemble_system(model, alpha, beta, y):
 @jit
 def subtract_product(to, of, by, y, n):
     """Subtract the product of two rows from a row."""
-    left, factor, row = y[to : to + n], y[of : of + n], y[by : by + n]
+    target, left, right = y[to : to + n], y[of : of + n], y[by : by + n]
     for j in range(n):
-        left[j] -= factor[j] * row[j]
+        target[j] -= left[j] * right[j]
 
 
 @jit

@@ -256,13 +256,13 @@ def _pit_response_gradient_edge_contact(excitation, group, s, R):
 
 @response_groups.register(EdgeContact)
 def _response_groups_edge_contact(excitation, pit, rows, R):
-    groups = []
+    response = []
     for row in rows:
         b = half_contact(excitation, R)
         if row[DEPTH] == 0.0:
-            groups.append(row)
+            response.append(row)
         elif isinstance(pit, Rectangular):
-            groups.append(
+            response.append(
                 (
                     row[GROUP_WEIGHT],
                     row[GROUP_HALF_WIDTH] + max(b, INFLUENCE_HEIGHTS * row[DEPTH]),
@@ -272,5 +272,5 @@ def _response_groups_edge_contact(excitation, pit, rows, R):
                 )
             )
         else:
-            groups.append((row[GROUP_WEIGHT], row[GROUP_HALF_WIDTH] + b, *row[X_E:]))
-    return groups
+            response.append((row[GROUP_WEIGHT], row[GROUP_HALF_WIDTH] + b, *row[X_E:]))
+    return response

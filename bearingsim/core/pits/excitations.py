@@ -281,17 +281,17 @@ def _pit_response_gradient_pressure_share(excitation, group, s, R):
 
 @response_groups.register(PressureShare)
 def _response_groups_pressure_share(excitation, pit, rows, R):
-    groups = []
+    response = []
     for row in rows:
         if row[DEPTH] == 0.0:
-            groups.append((row[GROUP_WEIGHT], 0.0, NO_WALL, REMAINING, 0.0))
+            response.append((row[GROUP_WEIGHT], 0.0, NO_WALL, REMAINING, 0.0))
         else:
             reach = row[GROUP_HALF_WIDTH] + excitation.b
-            groups += [
+            response += [
                 (row[GROUP_WEIGHT], reach, NO_WALL, REMAINING, 0.0),
                 (row[GROUP_WEIGHT], reach, NO_WALL, UNLOADED, row[DEPTH]),
             ]
-    return groups
+    return response
 
 
 class SoftEdge(NamedTuple):

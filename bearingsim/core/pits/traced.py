@@ -70,16 +70,16 @@ def _traced(profile: Profile, R: float) -> TracedGroup:
 
 
 def grouped(pit: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[list, list[Path]]:
-    """Return groups and paths of a roller over a defect; equal slices form one group, the rest of the roller
+    """Return merged and paths of a roller over a defect; equal slices form one group, the rest of the roller
     another."""
-    groups: dict[bytes, tuple[float, tuple, Path]] = {}
+    merged: dict[bytes, tuple[float, tuple, Path]] = {}
     for (weight, _), (row, path) in zip(slices, paths_over(pit, R, [z for _, z in slices]), strict=True):
         key = (np.round(np.append(path.pieces / SAME, path.end / SAME[0])) + 0.0).tobytes()
-        before = groups[key][0] if key in groups else 0.0
-        groups[key] = (before + weight, row, path)
+        before = merged[key][0] if key in merged else 0.0
+        merged[key] = (before + weight, row, path)
     rest = 1.0 - sum(weight for weight, _ in slices)
     untouched = [(rest, NO_PIT, FLAT)] if rest > 1e-12 else []
-    parts = [*untouched, *groups.values()]
+    parts = [*untouched, *merged.values()]
     return [(weight, *row) for weight, row, _ in parts], [path for _, _, path in parts]
 
 
