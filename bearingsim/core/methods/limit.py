@@ -43,11 +43,11 @@ def step_over_limit(limits, h, K, C):
     """Step ``h`` (s) over a method's limit, infinite if K or C is; ``limits``: from ``limit_over_h_c``."""
     if K <= 0.0 and C <= 0.0:
         return 0.0
-    place = (NODES - 1) * table_place(max(K, 0.0), max(C, 0.0))
-    if not place >= 0.0:
+    position = (NODES - 1) * table_place(max(K, 0.0), max(C, 0.0))
+    if not position >= 0.0:
         return np.inf
-    k = min(int(place), NODES - 2)
-    ratio = limits[k] + (place - k) * (limits[k + 1] - limits[k])
+    k = min(int(position), NODES - 2)
+    ratio = limits[k] + (position - k) * (limits[k + 1] - limits[k])
     return h / (ratio * critical_step(max(K, 0.0), max(C, 0.0)))
 
 

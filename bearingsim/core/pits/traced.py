@@ -70,7 +70,7 @@ def _traced(profile: Profile, R: float) -> TracedGroup:
 
 
 def grouped(pit: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[list, list[Path]]:
-    """Return merged and paths of a roller over a defect; equal slices form one group, the rest of the roller
+    """Return groups and paths of a roller over a defect; equal slices form one group, the rest of the roller
     another."""
     merged: dict[bytes, tuple[float, tuple, Path]] = {}
     for (weight, _), (row, path) in zip(slices, paths_over(pit, R, [z for _, z in slices]), strict=True):
