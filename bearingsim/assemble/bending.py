@@ -65,7 +65,10 @@ class Harmonic(NamedTuple):
 
 
 def harmonic(section: Section, n: int) -> Harmonic:
-    """Compute harmonic ``n`` (0, 2, 3, ...) of the free ring."""
+    """Compute harmonic ``n`` (0, 2, 3, ...) of the free ring.
+
+    Equation (R4) of docs/ring.md: Winkler's integrals of a curved Timoshenko beam.
+    """
     (k, k_shear), J = moduli(section), integrals(section)
     K, M = beam_matrices(section, n)
     if n == 0:

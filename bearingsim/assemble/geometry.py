@@ -9,12 +9,18 @@ from bearingsim.core.parameters import Bearing
 
 
 def outer_radius(case: Case) -> float:
-    """Compute the radius (m) of the outer race, half of the clearance on its side."""
+    """Compute the radius (m) of the outer race, half of the clearance on its side.
+
+    Equation (M1) of docs/model.md.
+    """
     return (case.bearing.pitch_diameter + case.bearing.roller_diameter) / 2.0 + case.clearance / 4.0
 
 
 def inner_radius(case: Case) -> float:
-    """Compute the radius (m) of the inner race, half of the clearance on its side."""
+    """Compute the radius (m) of the inner race, half of the clearance on its side.
+
+    Equation (M1) of docs/model.md.
+    """
     return (case.bearing.pitch_diameter - case.bearing.roller_diameter) / 2.0 - case.clearance / 4.0
 
 

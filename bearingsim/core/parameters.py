@@ -46,5 +46,8 @@ def lanes(bearing):
 @jit
 def kinematic_angles(bearing, t):
     """Return the angles (rad) of the cage, the inner ring and a roller's roll in the cage at time ``t``,
-    without slip."""
+    without slip.
+
+    Equation (M2) of docs/model.md.
+    """
     return bearing.theta_0 + bearing.omega_c * t, bearing.omega_i * t, bearing.omega_b * t

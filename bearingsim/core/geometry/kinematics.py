@@ -11,7 +11,10 @@ from math import cos, pi
 
 def cage_speed(omega_i: float, D_w: float, d_m: float, angle: float = 0.0) -> float:
     """Return the angular speed of the cage (rad/s) when the inner ring turns at ``omega_i`` and the outer
-    stands."""
+    stands.
+
+    Equation (M2) of docs/model.md, without slip.
+    """
     return omega_i * (1.0 - D_w / d_m * cos(angle)) / 2.0
 
 

@@ -50,7 +50,10 @@ def axis_z(a_x, a_y):
 
 @jit
 def axis_precession(a_x, a_y, a_z, w_x, w_y):
-    """Compute the speed (rad/s) of a body about its axis at constant angle, due to the precession of the axis."""
+    """Compute the speed (rad/s) of a body about its axis at constant angle, due to the precession of the axis.
+
+    Equation (S1) of docs/spatial.md: winding.
+    """
     return (w_x * a_y - a_x * w_y) / (1.0 + a_z)
 
 
@@ -69,6 +72,8 @@ def axis_acceleration(m_x, m_y, m_z, spin, I_t, a_x, a_y, a_z, w_x, w_y, w_z):
     axis.
 
     All in the same directions, fixed or those of a frame now.
+
+    Equation (S1) of docs/spatial.md: a''.
     """
     t_x, t_y, t_z = m_x - spin * w_x, m_y - spin * w_y, m_z - spin * w_z
     w_2 = w_x * w_x + w_y * w_y + w_z * w_z

@@ -45,7 +45,10 @@ def roller_direction(C, S, y, j):
 
 @jit
 def roller_directions(theta_c, y, n):
-    """Fill the directions of all rollers and pockets, the first pocket standing at ``theta_c`` (rad)."""
+    """Fill the directions of all rollers and pockets, the first pocket standing at ``theta_c`` (rad).
+
+    Equation (P1) of docs/planar.md.
+    """
     C, S = cos(theta_c), sin(theta_c)
     for j in range(n):
         roller_direction(C, S, y, j)
@@ -72,6 +75,8 @@ def approach(side, bearing, ring, omega_cage, y, j):
     """Compute approach, its rate, normal and sideways speed of one contact of roller ``j`` over an undamaged race.
 
     ring: its ``Centre``. The normal points from there to the roller.
+
+    Equation (P3) of docs/planar.md without h.
     """
     normal_r, normal_t, distance, across, _ = normal_rows(side)
     _, approaches, rates, _, tilts = contact_rows(side)

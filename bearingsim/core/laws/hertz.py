@@ -81,6 +81,8 @@ def elliptic_contact(E_star: float, rho_1: float, rho_2: float) -> PointContact:
 
     The integrals come from the arithmetic-geometric mean and kappa by bisection: exact to 1e-11. (The usual fits
     of Hamrock and Brewe are good to a few per cent.)
+
+    Equation (C2) of docs/contact.md; Johnson, Contact Mechanics 1985, sections 4.1 and 4.2.
     """
     kappa = axis_ratio(max(rho_1, rho_2) / min(rho_1, rho_2))
     K, short_of_one = elliptic_integrals(kappa)

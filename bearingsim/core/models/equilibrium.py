@@ -144,7 +144,10 @@ def balance_rollers(model, t, y):
 
 @jit
 def net_force(model, y):
-    """Return the net force (N) on the ring, from the rows that ``balance_rollers`` filled."""
+    """Return the net force (N) on the ring, from the rows that ``balance_rollers`` filled.
+
+    Equation (M12) of docs/model.md.
+    """
     f_x, f_y = static_force(model.support, 0.0, 0.0, y)
     for j in range(model.bearing.Z):
         f_x += y[lay.Q_O + j] * y[lay.COS + j]

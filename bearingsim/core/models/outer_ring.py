@@ -66,7 +66,10 @@ def static_force(support, f_x, f_y, y):
 
 @inlined
 def dynamic_force(support, f_x, f_y, y):
-    """Return the same plus the bracket's damper: the force on a moving ring."""
+    """Return the same plus the bracket's damper: the force on a moving ring.
+
+    Equation (M8) of docs/model.md, second line, without the rollers' forces.
+    """
     f_x, f_y = static_force(support, f_x, f_y, y)
     return f_x - support.c_b * y[lay.VELOCITY + lay.X], f_y - support.c_b * y[lay.VELOCITY + lay.Y]
 
@@ -80,7 +83,10 @@ def accelerate(m_o, f_x, f_y, y):
 
 @inlined
 def accelerate_ring(model, common, y):
-    """Fill the ring's acceleration under the loads that ``push_ring`` filled."""
+    """Fill the ring's acceleration under the loads that ``push_ring`` filled.
+
+    Equation (M8) of docs/model.md, second line.
+    """
     sum_loads(lay.F_X, lay.F_Y, y, lanes(model.bearing))
     accelerate(model.bearing.m_o, y[lay.F_X] + common.held_x, y[lay.F_Y] + common.held_y, y)
 

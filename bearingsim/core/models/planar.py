@@ -177,6 +177,8 @@ def move_sideways(model, common, lean_o, lean_i, y, j):
     rings.
 
     lean_o, lean_i: tangent of the angle of the contacts' normals against n, in a pit.
+
+    Equation (P5) of docs/planar.md, over a defect (P6); friction with the lag of a step: (P9).
     """
     b, friction, drag = model.bearing, model.friction, model.drag
     R_w, per_m, turned = b.R_w, 1.0 / b.m_r, b.R_w * b.R_w / b.I_r
@@ -237,6 +239,8 @@ def correct_for_pit(model, common, d, j, s, t, y):
     follows.
 
     Returns the torque (N m) of the pit on the outer ring.
+
+    Equations (P3) and (P4) of docs/planar.md.
     """
     if is_masked(model, d, j, s, t, y):
         return 0.0
@@ -295,7 +299,10 @@ def _accelerate_shared(model, common, t, y):
 
 @accelerate_roller.register(Planar)
 def _accelerate_roller(model, common, alpha_cage, y, j):
-    """Compute q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  spin'' = M/I."""
+    """Compute q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  spin'' = M/I.
+
+    Equation (P2) of docs/planar.md.
+    """
     b, cage, per_mass = model.bearing, model.cage, y[lay.INVERSE_MASS + j]
     real, alpha_spin = b.m_r * per_mass, (b.omega_c - b.omega_b) * common.growth
     r, theta_v = 0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j], common.omega_cage + y[lay.EPS_V + j]
@@ -328,7 +335,10 @@ def _stiffness_per_mass(model, y, j):
 @damping_per_mass.register(Planar)
 def _damping_per_mass(model, y, j):
     """Return the largest of radial damping, of the rings' supports and of friction on slip (see
-    ``lagged_friction``)."""
+    ``lagged_friction``).
+
+    Equation (P7) of docs/planar.md, the rate of friction.
+    """
     outer = damping_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = damping_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
     b = model.bearing

@@ -88,7 +88,10 @@ def _shared(model, t, y):
 @inlined
 def share_approach(model, common, c, s, y, j):
     """Share the approach of roller ``j`` among its two contacts over undamaged races, and half of the rate to
-    each."""
+    each.
+
+    Equation (M9) of docs/model.md.
+    """
     delta = -(common.u_x * c + common.u_y * s) - 2.0 * model.bearing.gap
     inner = series_share(model.outer.stiffness, model.inner.stiffness, max(delta, 0.0)) + 0.5 * min(delta, 0.0)
     y[lay.DELTA_O + j], y[lay.DELTA_I + j] = delta - inner, inner
@@ -106,7 +109,10 @@ def _load_roller(model, common, y, j):
 
 @jit
 def correct_for_pit(model, y, j):
-    """Solve the series of a roller of which a contact stands over a pit."""
+    """Solve the series of a roller of which a contact stands over a defect.
+
+    Equations (M10) and (M11) of docs/model.md.
+    """
     pits, bearing = model.pits, model.bearing
     u_r = -(y[lay.DELTA_O + j] + y[lay.DELTA_I + j] + 2.0 * bearing.gap)
     q = roller_balance(model, y, j, u_r)

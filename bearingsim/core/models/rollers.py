@@ -95,7 +95,10 @@ def _shared(model, t, y):
 
 @inlined
 def approach_races(model, common, c, s, y, j):
-    """Fill approaches and their rates of both contacts of roller ``j`` over an undamaged race."""
+    """Fill approaches and their rates of both contacts of roller ``j`` over an undamaged race.
+
+    Equation (M7) of docs/model.md without h; of a ring that bends (R3) of docs/ring.md.
+    """
     gap, r, v = model.bearing.gap, y[lay.RADIAL + j], y[lay.RADIAL_V + j]
     y[lay.DELTA_O + j] = r - (common.u_x * c + common.u_y * s) - gap - bending.bend(model.bending, y, j)
     y[lay.V_O + j] = v - (common.w_x * c + common.w_y * s) - bending.bend_rate(model.bending, y, j)
@@ -143,6 +146,7 @@ def _accelerate_shared(model, common, t, y):
 
 @accelerate_roller.register(Rollers)
 def _accelerate_roller(model, common, felt, y, j):
+    """Implement ``accelerate_roller`` by equation (M8) of docs/model.md, first line."""
     b = model.bearing
     centrifugal = b.m_r * b.omega_c * b.omega_c * (0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j])
     y[lay.RADIAL_A + j] = y[lay.INVERSE_MASS + j] * (centrifugal + y[lay.Q_I + j] - y[lay.Q_O + j])

@@ -99,6 +99,8 @@ def bend_race(bending: Any, C: float, S: float, omega_c: float, y: np.ndarray, r
     """Fill the rows BEND and BEND_V of so many ``rollers`` (lanes), the first at the angle of cosine C, sine S.
 
     omega_c: speed of the cage, rad/s.
+
+    Equation (R1) of docs/ring.md: w at every roller.
     """
 
 
@@ -117,6 +119,8 @@ def accelerate_harmonics(bending: Any, m_o: float, y: np.ndarray) -> None:
     """Fill the amplitudes' accelerations, and add the springs' part to that of the ring of mass ``m_o`` (kg).
 
     The rows Q_O are filled, and ``bend_race`` has been called.
+
+    Equation (R2) of docs/ring.md.
     """
 
 

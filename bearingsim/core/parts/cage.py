@@ -181,6 +181,7 @@ def pocket_force(cage: Any, model: Any, common: Any, y: Any, j: int) -> None:
 
 @pocket_force.register(FreeCage)
 def _pocket_force_free(cage, model, common, y, j):
+    """Implement ``pocket_force`` by equation (P10) of docs/planar.md."""
     b, omega_cage = model.bearing, common.omega_cage
     middle, R_w, real = 0.5 * (b.R_o + b.R_i), b.R_w, b.m_r * y[lay.INVERSE_MASS + j]  # 1, and 0 in a padded lane
     pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]

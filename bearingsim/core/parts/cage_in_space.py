@@ -213,7 +213,10 @@ def any_pocket_contact(play, half, y, n):
 
 @jit
 def pocket_slice_force(cage, bearing, spin, zeta, weight, drop, y, n):
-    """Add force and friction of the pocket's wall on one slice of every roller to the sums."""
+    """Add force and friction of the pocket's wall on one slice of every roller to the sums.
+
+    Equation (S5) of docs/spatial.md.
+    """
     radius = bearing.R_w - drop
     for j in range(n):
         real = weight * bearing.m_r * y[lay.INVERSE_MASS + j]  # 0 in a padded lane

@@ -115,7 +115,10 @@ def flange_force(side, flanges, model, ring, sigma, y, n):
 
 @jit
 def flange_point_force(side, flanges, model, ring, sigma, t, y, n):
-    """Add force, friction and moment at one point, ``t`` (m) along the race, of every roller."""
+    """Add force, friction and moment at one point, ``t`` (m) along the race, of every roller.
+
+    Equation (S4) of docs/spatial.md.
+    """
     b, half = model.bearing, 0.5 * model.L_w
     face = b.R_o - 0.5 * flanges.height if sign(side) > 0.0 else b.R_i + 0.5 * flanges.height
     for j in range(n):

@@ -33,7 +33,10 @@ FEW = 127  # tells it that there are no more rollers, and so that a slice's rows
 
 @jit
 def race_frame(side, bearing, ring, omega_cage, y, n):
-    """Fill each roller's place and motion relative to the ring, linear along its axis."""
+    """Fill each roller's place and motion relative to the ring, linear along its axis.
+
+    Equation (S2) of docs/spatial.md, first line.
+    """
     base, middle = side_rows(side), 0.5 * (bearing.R_o + bearing.R_i)
     b_z, w_z = ring.a_z, ring.w_z
     for j in range(n):
@@ -122,6 +125,8 @@ def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
     """Compute the slice of roller ``j``: place, motion, force and friction, added to the sums.
 
     Returns its load (N) and approach (m).
+
+    Equations (S2) and (S3) of docs/spatial.md.
     """
     base, sigma, middle = side_rows(side), sign(side), 0.5 * (bearing.R_o + bearing.R_i)
     lacking, radius, b_z, turning = bearing.gap + drop, bearing.R_w - drop, ring.a_z, ring.omega

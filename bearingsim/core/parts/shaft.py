@@ -36,6 +36,7 @@ def accelerate_inner_ring(shaft: Any, model: Any, theta_i: float, omega_i: float
 
 @accelerate_inner_ring.register(ElasticShaft)
 def _accelerate_inner_ring_elastic(shaft, model, theta_i, omega_i, alpha_i, y):
+    """Implement ``accelerate_inner_ring`` by equation (P11) of docs/planar.md."""
     support, angle = model.support, theta_i + shaft.angle
     c, s = cos(angle), sin(angle)
     f_x = y[lay.F_X_I] + support.F - shaft.k * y[lay.POSITION + lay.X_I] - shaft.c * y[lay.VELOCITY + lay.X_I]

@@ -32,7 +32,10 @@ from bearingsim.core.pits.pairs import DEPTH, GROUP_HALF_WIDTH, KAPPA, NO_WALL, 
 
 @jit
 def roller_drop(group, s, R):
-    """Return the roller path h (m) of one group at ``s`` (m) from the defect's middle, and its slope dh/ds."""
+    """Return the roller path h (m) of one group at ``s`` (m) from the defect's middle, and its slope dh/ds.
+
+    Equation (M5) of docs/model.md: the closed form of (M4) for a box, a V groove and a bowl.
+    """
     x = max(group[GROUP_HALF_WIDTH] - abs(s), 0.0)
     x_1 = min(x, group[X_E])
     x_2 = x - x_1

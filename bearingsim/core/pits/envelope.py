@@ -153,7 +153,10 @@ def touched_parts(parts, R, touched):
 
 
 def path_over(profile: Profile, R: float) -> Path:
-    """Return the path h(s) of a roller of relative radius ``R`` (m) over a profile, exact."""
+    """Return the path h(s) of a roller of relative radius ``R`` (m) over a profile, exact.
+
+    Equation (M4) of docs/model.md.
+    """
     parts = parts_of(profile, R)
     pieces = np.empty((2, len(parts)))
     count = touched_parts(parts, R, pieces)

@@ -26,6 +26,8 @@ def elastic_over_pit(stiffness, pits, d, s, delta):
     roller-pit pair ``d``.
 
     delta: approach (m) to the undamaged race; ``s``: distance (m) from the pit's middle. ``d`` = -1: no pit.
+
+    Equation (M10) of docs/model.md, either side.
     """
     if d < 0:
         return elastic(stiffness, max(delta, 0.0)), touching_slope(stiffness, delta), max(delta, 0.0)
@@ -47,6 +49,8 @@ def force_over_pit(contact, pits, d, s, speed, delta, v):
 
     delta, v: approach (m) to the undamaged race and its rate (m/s); speed: ds/dt (m/s). The means are over what is
     in contact, for the step monitor. The sideways part is sum Q_k dh_k/ds (N): times -1 the push along growing s.
+
+    Equation (M6) of docs/model.md.
     """
     force, sideways, mean, closing = 0.0, 0.0, 0.0, 0.0
     for k in range(int(pits.head[d, GROUP_COUNT])):
@@ -79,6 +83,8 @@ def correct_contact(side, contact, pits, d, j, s, speed, y):
 def roller_drop_rate(stiffness, pits, d, s, speed, delta):
     """Return the mean rate (m/s) at which a contact in roller-pit pair ``d`` sinks, weighted by its elastic
     forces; 0 for no pit.
+
+    Equation (M11) of docs/model.md, of a defect at the inner contact.
     """
     if d < 0:
         return 0.0

@@ -20,7 +20,10 @@ from bearingsim.core.jit import generic, jit
 @generic
 def normal_force(contact: Any, delta: float, v: float) -> float:
     """Return the contact force (N, never pulling) at approach ``delta`` (m, any sign) and closing rate ``v``
-    (m/s)."""
+    (m/s).
+
+    Equation (C1) of docs/contact.md, (M3) of docs/model.md.
+    """
 
 
 @generic

@@ -29,6 +29,8 @@ def lagged_friction(k_o, k_i, s_o, s_i, a, b):
     (s/kg), of which a part is ``implicit_fraction``. The new slips follow from forces k s with the new s, in
     closed form. So slip never dies out faster than within the lag, however steep the friction's curve, and an
     explicit step as long as the lag is stable; without lag the force is k s.
+
+    Equation (P9) of docs/planar.md, the solution of (P8).
     """
     t = a * (k_o + k_i)
     D, a, b = 1.0 + t, t * a, t * b  # the part is t/D; D is multiplied out, for one division in place of two
