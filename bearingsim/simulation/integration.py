@@ -172,7 +172,7 @@ def integrate(
     there; look: whether it may end before.
     """
     case, cut, pace = setup.case, setup.cut, Pace()
-    y = _start(setup, nudge, _steady_start(setup, pace, start, close))
+    y = _start(setup, nudge, _steady_start(setup, pace, start, close, most))
     kept = Recording(case, cut, setup.model.bearing.Z, y)
     search, period, difference = _search(setup, kept.places, close), 0, nan
     passes, look_at = 0, accuracy.MIN_PASSES
@@ -236,8 +236,10 @@ def _go_on_from(setup: Setup, t: float, y: np.ndarray) -> None:
         ready(setup.method, setup.model, t, y)
 
 
-def _steady_start(setup: Setup, pace: Pace, start: np.ndarray | None, close: Closeness) -> np.ndarray | None:
-    """Return the state at t = 0, (2, 6, ROW), that slow modes decay to; ``start`` if none is found.
+def _steady_start(
+    setup: Setup, pace: Pace, start: np.ndarray | None, close: Closeness, most: int | None
+) -> np.ndarray | None:
+    """Return the state at t = 0, (2, 6, ROW), that slow modes decay to; ``start`` if none is found in ``most`` passes.
 
     At the end of each ball pass rollers stand where others stood at t = 0.
     """
@@ -245,8 +247,11 @@ def _steady_start(setup: Setup, pace: Pace, start: np.ndarray | None, close: Clo
     if slow is None:
         return start
     y, passes = _start(setup, 0.0, start), 0
+    if start is not None:
+        state = slice(lay.POSITION, lay.POSITION + 2 * lay.STATE)
+        slow.set_out_from(y[state], _start(setup, 0.0)[state])
     places = channels.recorded(setup.case)
-    first = replace(setup, cut=replace(setup.cut, passes=slow.passes))
+    first = replace(setup, cut=replace(setup.cut, passes=min(slow.passes, most or slow.passes)))
     with suppress(MethodFailure):  # if it is not the extrapolation's, the run meets it too
         for _ in _ball_passes(first, NoSamples(), y, places, pace):
             passes += 1

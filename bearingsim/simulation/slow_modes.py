@@ -30,7 +30,7 @@ class SlowModes:
     """
 
     def __init__(self, model: Any, count: int, passes: int, near: float) -> None:
-        """count: of slow modes; near: as of ``of``."""
+        """Take no state yet. count: of slow modes; near: as of ``of``."""
         self.model, self.passes, self.near = model, passes, near
         self.weights = lengths(model)
         self.states: deque[np.ndarray] = deque(maxlen=count + 2)
@@ -43,6 +43,10 @@ class SlowModes:
         passes = int(min(MOST_PASSES, case.settle * cut.rate))
         count = slow_modes(case)
         return cls(model, count, passes, near) if count > 0 else None
+
+    def set_out_from(self, start: np.ndarray, rest: np.ndarray) -> None:
+        """Measure changes by the distance between a start (2 STATE,) near the steady state and a start from rest."""
+        self.first = float(np.linalg.norm(self.weights * (start - rest)))
 
     def after_pass(self, y: np.ndarray) -> bool:
         """Write the steady state into the buffer ``y`` at the end of a pass, if it can be seen; whether it can."""

@@ -48,6 +48,7 @@ SECOND_PILOT = 4.0  # times as long is a second pilot, if the first one's twins 
 CLOSE_TO_ORBIT = Closeness(1e-5, 1e-5, times=1)
 """How close the finer run must come to repeating itself: changes by less count as none."""
 MOST_FINER_PASSES = 4, 16  # times those of the run, and some more: then it is not waited for any longer
+FEW_PASSES = 120  # passes of the finer run up to which it may cost more than the run
 MAX_COST_RATIO = 4.0  # times the CPU time that half the step and a tenth of the tolerance may take
 
 
@@ -132,11 +133,17 @@ def check_on_orbit(coarse: Setup, raw: RawRecord) -> StepCheck | None:
     cut = coarse.cut
     whole = coarse.case.model_copy(update={"until": None})
     fine = set_up(whole, coarse.part * shorter(cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU)
-    most = MOST_FINER_PASSES[0] * raw.repetition.computed + MOST_FINER_PASSES[1]
-    other = integrate(fine, start=by_place(coarse, raw), close=CLOSE_TO_ORBIT, most=most)
+    other = integrate(fine, start=by_place(coarse, raw), close=CLOSE_TO_ORBIT, most=most_finer_passes(raw))
     if other.repetition.period == 0:
         return None
     return StepCheck(*compare(*(of_orbit(setup, one) for setup, one in ((coarse, raw), (fine, other)))))
+
+
+def most_finer_passes(raw: RawRecord) -> int:
+    """Return the ball passes after which a finer run is given up: beyond a few it costs no more than the run."""
+    computed = raw.repetition.computed
+    as_much = max(FEW_PASSES, round(computed / sqrt(5.0)))
+    return min(MOST_FINER_PASSES[0] * computed + MOST_FINER_PASSES[1], as_much)
 
 
 def by_place(coarse: Setup, raw: RawRecord) -> np.ndarray:

@@ -8,7 +8,8 @@ import pytest
 
 from bearingsim import assemble, simulate
 from bearingsim.core import layout as lay
-from bearingsim.simulation import choice, repetition, settling
+from bearingsim.simulation import choice, repetition, settling, step_check
+from bearingsim.simulation.integration import integrate, set_up
 from bearingsim.simulation.slow_modes import SlowModes
 from tests.scenes.short_cases import SLOT, case
 
@@ -109,6 +110,23 @@ def test_states_are_compared_with_rollers_in_the_places_of_the_last() -> None:
         y[lay.RADIAL : lay.RADIAL + 13] = np.roll(pattern, -n)  # roller j stands where j + 1 did a pass before
         slow.states.append(y[lay.POSITION : lay.POSITION + 2 * lay.STATE])
     assert np.ptp(slow._in_place(), axis=1).max() == 0.0
+
+
+def test_a_start_near_the_steady_motion_needs_little_extrapolation(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its changes are small from the first on: to be much smaller yet is no condition."""
+    setup = set_up(choice.resolved(auto(**HEAVY, periodic=True)))
+    raw, passes, plain = integrate(setup), [0], SlowModes.after_pass
+
+    def counted(slow: SlowModes, y: np.ndarray) -> bool:
+        passes[0] += 1
+        return plain(slow, y)
+
+    monkeypatch.setattr(SlowModes, "after_pass", counted)
+    integrate(setup, start=step_check.by_place(setup, raw), close=step_check.CLOSE_TO_ORBIT)
+    assert 0 < passes[0] <= settling.WAIT + 4 + 2
+    passes[0] = 0
+    integrate(setup, most=5)
+    assert passes[0] == 5
 
 
 def test_only_slow_modes_of_passes_that_are_alike_are_extrapolated() -> None:

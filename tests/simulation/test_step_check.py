@@ -1,5 +1,6 @@
 """The proof of a step on the run's own beginning, and what follows if it does not hold."""
 
+import dataclasses
 import math
 from typing import Any
 from unittest import mock
@@ -222,6 +223,14 @@ def test_a_period_tells_of_the_step_what_a_pilot_does(model: str, clearance: str
     assert on_orbit.rms == pytest.approx(on_pilot.rms, rel=0.1, abs=1e-5)
     assert on_orbit.record == pytest.approx(on_pilot.record, rel=0.1, abs=1e-5)
     assert not on_orbit.chaotic
+
+
+@pytest.mark.parametrize(("computed", "finer"), [(4, 32), (60, 120), (1342, 600)])
+def test_a_long_finer_run_costs_no_more_than_the_run(computed: int, finer: int) -> None:
+    """Its steps are shorter by sqrt(5)."""
+    raw = integrate(set_up(choice.resolved(rollers())))
+    raw = dataclasses.replace(raw, repetition=raw.repetition._replace(computed=computed))
+    assert step_check.most_finer_passes(raw) == finer
 
 
 @pytest.mark.parametrize("roller", [1, 7])
