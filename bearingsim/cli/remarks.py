@@ -8,7 +8,6 @@ from bearingsim.cli.screen import span
 from bearingsim.config.rules.damping import WARNING
 
 OPENS = 2.0  # times the force at rest: a larger impact force means that contacts have opened
-NOTABLE = 0.01  # part of the start's transient that may be left as the record begins without a remark
 
 
 def remarks(plan: Plan, verbose: bool) -> Iterator[str]:
@@ -145,10 +144,10 @@ def unvaried(plan: Plan) -> Iterator[str]:
 def unsettled(plan: Plan) -> Iterator[str]:
     """Yield a remark on jobs whose initial transient has not decayed when their record begins."""
     from bearingsim.simulation.choice import resolved
-    from bearingsim.simulation.settling import MOST, needed, remembered, slow_modes
+    from bearingsim.simulation.settling import MOST, needed, remembered, remembers_start
 
     cases = [resolved(priced.job.case) for priced in plan.everything]
-    slow = [case for case in cases if remembered(case) > NOTABLE and slow_modes(case) == 0]
+    slow = [case for case in cases if remembers_start(case)]
     if slow:
         jobs = f" ({len(slow)} of {len(cases)} jobs)" if len(slow) < len(cases) else ""
         left = f"{span(1e2 * remembered(case) for case in slow)} % of the start is left"

@@ -18,7 +18,7 @@ from bearingsim.simulation.cost import Cost, cost
 from bearingsim.simulation.limits import Limits, step_limits
 from bearingsim.simulation.prices import price
 from bearingsim.simulation.repetition import may_repeat
-from bearingsim.simulation.settling import settled
+from bearingsim.simulation.settling import refuse_unsettled, settled
 
 STEP_PARTS = (1.0, 0.5, 0.25, 0.125)
 """Parts of an automatic step that are tried in turn; with half of it goes a tenth of the tolerance."""
@@ -69,9 +69,11 @@ def with_method(case: Case, method: str | None) -> Case:
 def attempts(case: Case) -> Iterator[Attempt]:
     """What to try in turn until a run proves right: shorter automatic steps, then (with `auto`) other methods.
 
-    At last the first method without its patience, if it was left for that.
+    At last the first method without its patience, if it was left for that. Raises ``Refused`` if the step check is
+    strict and the run would not settle.
     """
     first, patience = resolved(case), choice(case).patience
+    refuse_unsettled(first)
     parts = STEP_PARTS if case.automatic and case.tolerance == "auto" else (1.0,)
     for part in parts:
         yield Attempt(first, part, patience)

@@ -239,17 +239,17 @@ def _go_on_from(setup: Setup, t: float, y: np.ndarray) -> None:
 def _steady_start(
     setup: Setup, pace: Pace, start: np.ndarray | None, close: Closeness, most: int | None
 ) -> np.ndarray | None:
-    """Return the state at t = 0, (2, 6, ROW), that slow modes decay to; ``start`` if none is found in ``most`` passes.
+    """Return the state at t = 0, (2, 6, ROW), that slow modes decay to; ``start`` if none is found.
 
-    At the end of each ball pass rollers stand where others stood at t = 0.
+    At the end of each ball pass rollers stand where others stood at t = 0. most: ball passes that it takes.
     """
     slow = SlowModes.of(setup.case, setup.model, setup.cut, NEAR_STEADY * close.shrinking)
     if slow is None:
         return start
     y, passes = _start(setup, 0.0, start), 0
     if start is not None:
-        state = slice(lay.POSITION, lay.POSITION + 2 * lay.STATE)
-        slow.set_out_from(y[state], _start(setup, 0.0)[state])
+        moving = slice(lay.POSITION, lay.POSITION + 2 * lay.STATE)
+        slow.set_out_from(y[moving], _start(setup, 0.0)[moving])
     places = channels.recorded(setup.case)
     first = replace(setup, cut=replace(setup.cut, passes=min(slow.passes, most or slow.passes)))
     with suppress(MethodFailure):  # if it is not the extrapolation's, the run meets it too

@@ -30,6 +30,7 @@ LEAST, MOST = 0.05, 10.0  # s: `auto` settles no shorter, and no longer
 FAST = 0.05  # a mode that keeps less of itself for a ball pass is forgotten by itself
 WAIT = 2  # ball passes in which all but slow modes are forgotten
 EXTRAPOLATIONS, MOST_PASSES = 6, 120  # one after the other, as a rule; ball passes after which none is found
+NOTABLE = 0.01  # of the start: the most that may be left as the record begins without a remark, or a refusal
 CAGE_TURNS = 5.0  # that a free cage takes to settle
 LOOSE = 1e-5  # share of the rings' motion under which a mode is that of rollers that touch nothing
 SMALL = 1e-3  # of the approach at rest: a displacement in which the contacts are straight
@@ -56,6 +57,22 @@ def needed(case: Case) -> float:
 def remembered(case: Case) -> float:
     """Return the part of its start that a case, whose `settle` is a time, remembers as its record begins."""
     return exp(-slowest_decay(case) * case.settle)
+
+
+def remembers_start(case: Case) -> bool:
+    """Return whether the record of a case, whose `settle` is a time, begins with a notable part of its start."""
+    return remembered(case) > NOTABLE and slow_modes(case) == 0
+
+
+def refuse_unsettled(case: Case) -> None:
+    """Raise ``Refused`` for a case with a strict step check that remembers its start; its `settle` is a time."""
+    if case.step_check == "strict" and remembers_start(case):
+        time = needed(case)
+        longer = f"take a `settle` of {time:.2g} s" if time <= MOST else "take more damping"
+        raise Refused(
+            f"{remembered(case):.1%} of the start is left after `settle`, {case.settle:.2g} s",
+            f"{longer}, or say `step_check: true`",
+        )
 
 
 def has_free_cage(case: Case) -> bool:

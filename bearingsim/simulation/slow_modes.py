@@ -45,7 +45,7 @@ class SlowModes:
         return cls(model, count, passes, near) if count > 0 else None
 
     def set_out_from(self, start: np.ndarray, rest: np.ndarray) -> None:
-        """Measure changes by the distance between a start (2 STATE,) near the steady state and a start from rest."""
+        """Measure changes by the distance between a start (2 STATE,) and one from rest."""
         self.first = float(np.linalg.norm(self.weights * (start - rest)))
 
     def after_pass(self, y: np.ndarray) -> bool:

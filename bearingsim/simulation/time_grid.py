@@ -18,6 +18,7 @@ from bearingsim.simulation.limits import Limits, step_limits
 from bearingsim.simulation.prices import per_second, price
 from bearingsim.simulation.record_cost import Size
 from bearingsim.simulation.repetition import period_is_sought
+from bearingsim.simulation.settling import refuse_unsettled
 
 SAFETY = 0.9  # of the limit at impact, more is refused: it is a lone roller's, and the ring's motion lowers it
 FINE_PER_SAMPLE, MIN_FINE = 4, 64
@@ -142,8 +143,12 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
 
 
 def estimate(case: Case) -> Estimate:
-    """What the case will take. Raises ``Refused`` like ``requested_step``, and for more memory than there is."""
+    """Return what the case will take. Raises ``Refused`` as ``requested_step`` and a strict step check do.
+
+    And for more memory than there is.
+    """
     case = resolved(case)
+    refuse_unsettled(case)
     cut = grid(case)
     found = cost(case, cut.step, cut.passes)
     expected, most = _sizes(case, cut, found)

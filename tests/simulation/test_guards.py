@@ -92,7 +92,7 @@ def test_crossings_stepped_over_fail_the_run() -> None:
         return advance_and_sample(method, model, monitor._replace(stride=10**9), *rest)
 
     with mock.patch.object(INTEGRATION, "advance_and_sample", blind), pytest.raises(SimulationError) as caught:
-        simulate(case(**VERLET, periodic=False))
+        simulate(case(**VERLET))
     assert "crossings of pits were stepped over" in caught.value.reason
     assert caught.value.time == pytest.approx(5 / RATE, rel=1e-3)  # the ball passes after which it seems to repeat
 

@@ -1,5 +1,6 @@
 """Settling: how long a run remembers its start, how the steady motion is extrapolated, and what error is left."""
 
+import sys
 from math import log
 from typing import Any
 
@@ -8,7 +9,8 @@ import pytest
 
 from bearingsim import assemble, simulate
 from bearingsim.core import layout as lay
-from bearingsim.simulation import choice, repetition, settling, step_check
+from bearingsim.errors import Refused
+from bearingsim.simulation import SimulationError, choice, repetition, settling, step_check, time_grid
 from bearingsim.simulation.integration import integrate, set_up
 from bearingsim.simulation.slow_modes import SlowModes
 from tests.scenes.short_cases import SLOT, case
@@ -193,3 +195,26 @@ def test_an_automatic_step_is_the_same_periodic_or_in_full(rig: dict[str, Any]) 
     assert whole.features["step_error.rms"] == short.features["step_error.rms"]
     for name in ("velocity@BPFO", "velocity@3BPFO", "velocity.rms", "velocity.kurtosis", "outer_force.max"):
         assert short.features[name] == pytest.approx(whole.features[name], rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("settle", "rig", "advice"),
+    [
+        ("50 ms", {"ring_mass": "60 kg"}, "take a `settle` of 0.48 s"),
+        ("auto", {"ring_mass": "20000 kg", "bracket_damping": 0.0}, "take more damping"),
+    ],
+)
+def test_a_strict_check_refuses_before_the_run_what_cannot_settle(
+    monkeypatch: pytest.MonkeyPatch, settle: str, rig: dict[str, Any], advice: str
+) -> None:
+    """Without a strict check it runs, and `error.start` is large."""
+    fields = {"model": "planar", "rig": rig, "defect": SLOT, "settle": settle}
+    strict = case(**fields, step_check="strict")
+    monkeypatch.setattr(sys.modules[simulate.__module__], "integrate", lambda *_, **__: pytest.fail("it ran"))
+    with pytest.raises(SimulationError, match="of the start is left after `settle`") as refusal:
+        simulate(strict)
+    assert advice in refusal.value.advice
+    with pytest.raises(Refused, match=advice):
+        time_grid.estimate(strict)
+    for other in (case(**fields), case(**fields | {"settle": "auto", "rig": {}}, step_check="strict")):
+        assert time_grid.estimate(other).cpu_seconds > 0.0
