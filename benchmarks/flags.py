@@ -88,7 +88,9 @@ def standard_errors(case: Case, run: Record) -> dict[str, float]:
     setup = set_up(case.model_copy(update=whole), float(run.info["step_part"]))
     raw = integrate(setup)
     parts = [
-        setup.case.model_copy(update={"duration": case.duration, "settle": case.settle + n * case.duration})
+        setup.case.model_copy(
+            update={"duration": case.duration, "settle": setup.case.settle_s + n * case.duration}
+        )
         for n in range(count)
     ]
     read = [

@@ -58,7 +58,7 @@ def _job(run: Run, case: Case) -> list[Row]:
     warm([case])
     record = simulate(case)
     seconds = _cpu(case, record, "cpu_s")
-    took = [_row(run, record, seconds / (settled(case).settle + case.duration))]
+    took = [_row(run, record, seconds / (settled(case).settle_s + case.duration))]
     if case.method is None:
         full = _in_full(replace(run, role=AUTOMATIC), case.model_copy(update=IN_FULL))
         return [*took, full | {"key": run.key}]

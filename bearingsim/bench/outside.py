@@ -113,7 +113,9 @@ def solve(case: Case, solver: Solver, tolerance: float) -> tuple[dict[str, float
     y, _ = assemble.start(setup.case, setup.model)
     update_extremes(setup.model, y)
     count = setup.cut.passes * setup.cut.steps_per_pass
-    problem = Equations(setup.model, y, setup.cut.step * np.arange(1, count + 1), setup.method, setup.case.settle)
+    problem = Equations(
+        setup.model, y, setup.cut.step * np.arange(1, count + 1), setup.method, setup.case.settle_s
+    )
     solution = solver(problem)
     values = _features(setup, y, solution.states) | {"outer_force.max": solution.force}
     return values, solution.cpu, setup.cut.passes / setup.cut.rate

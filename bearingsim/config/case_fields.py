@@ -37,11 +37,9 @@ from bearingsim.config.vocabulary import sentence
 if TYPE_CHECKING:
     ModelName = str
     MethodName = str
-    AUTO_TIME: float
 else:
     ModelName = Literal[(catalogue.REFERENCE, *catalogue.MODELS)]
     MethodName = Literal[(catalogue.AUTO, *catalogue.METHODS)]
-    AUTO_TIME = catalogue.AUTO
 
 
 MAX_PITS = 100
@@ -107,7 +105,7 @@ class CaseFields(Section):
     periodic: Switch = True
     until: Accuracy | None = None
     duration: Duration = 1.0
-    settle: Settling = AUTO_TIME
+    settle: Settling = "auto"
     start_angle: Angle = 0.0
     seed: Annotated[int, whole(0, 999_999_999)] = 0
     sampling: Frequency = 10240.0
@@ -126,3 +124,9 @@ class CaseFields(Section):
     def automatic(self) -> bool:
         """True if the step is chosen by the program."""
         return self.method is not None and self.step == "auto"
+
+    @property
+    def settle_s(self) -> float:
+        """Time to settle in, s; `auto` must have been resolved (``simulation/settling.py``)."""
+        assert not isinstance(self.settle, str)
+        return self.settle

@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, NoReturn
+from typing import Annotated, Any, Literal, NamedTuple, NoReturn
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
@@ -279,10 +279,7 @@ Switch = Annotated[bool, BeforeValidator(_switch)]
 StepCheckMode = Annotated[bool | Literal["strict"], BeforeValidator(_proving)]
 Step = Annotated[float | Literal["auto"], QuantityOrAuto("time", above=0.0)]
 Tolerance = Annotated[float | Literal["auto"], QuantityOrAuto("tolerance", least=1e-13, most=0.1)]
-if TYPE_CHECKING:
-    Settling = float  # a time, once `auto` has been resolved (``simulation/settling.py``)
-else:
-    Settling = Annotated[float | Literal["auto"], QuantityOrAuto("time", least=0.0)]
+Settling = Annotated[float | Literal["auto"], QuantityOrAuto("time", least=0.0)]
 Text = Annotated[str, Written(_text, lambda _: {"type": ["string", "number", "boolean"]})]
 
 Path = tuple[str | int, ...]

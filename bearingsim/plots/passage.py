@@ -164,7 +164,7 @@ def _passage(job: Job, case: "Case", number: int, pit: Pit) -> Passage | None:
     ahead = roller_angle(job, number) - pit.angle
     radius = (case.bearing.pitch_diameter + case.bearing.roller_diameter) / 2.0
     if pit.race == "inner":
-        ahead = case.speed * (settled(case).settle + time) - ahead
+        ahead = case.speed * (settled(case).settle_s + time) - ahead
         radius -= case.bearing.roller_diameter
     turns = ahead / (2.0 * pi)
     speed = float((ahead[-1] - ahead[0]) / (time[-1] - time[0]) * radius)

@@ -163,7 +163,7 @@ def of_pilot(setup: Setup, raw: RawRecord, passes: int) -> Compared:
     low = low_passed(setup, raw, start, length) if case.antialias else None
     picked = raw_values(setup, raw.picked, passes)
     lines = np.stack([amplitudes(setup, name, passes, fine) for name in fault_lines(case)])
-    before = floor(case.settle * cut.rate + 1e-6)
+    before = floor(case.settle_s * cut.rate + 1e-6)
     return _compared(case, raw, fine, low, picked, lines, raw.peaks[before : before + passes])
 
 

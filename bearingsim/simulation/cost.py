@@ -36,7 +36,7 @@ def cost(case: Case, step: float, passes: int | None = None) -> Cost:
     passes: of all of the run, if more is known of it than its duration.
     """
     rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
-    whole = passes or ceil((case.settle + case.duration) * rate)
+    whole = passes or ceil((case.settle_s + case.duration) * rate)
     one_pass = per_second(case, step) / rate
     if solved_once(case):
         whole = 1

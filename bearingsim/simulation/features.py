@@ -286,8 +286,8 @@ def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """
     known = MODELS[case.model]
     told = (known.loaded, known.loaded, known.slips, known.sliced, known.sliced)
-    first = ceil(case.settle * cut.rate - 1e-6)
-    passes = np.arange(first, max(first + 1, floor((case.settle + case.duration) * cut.rate + 1e-6)))
+    first = ceil(case.settle_s * cut.rate - 1e-6)
+    passes = np.arange(first, max(first + 1, floor((case.settle_s + case.duration) * cut.rate + 1e-6)))
     if raw.repetition.period == 0:
         passes = passes[passes < raw.repetition.computed]
     largest = raw.peaks[np.unique(raw.repetition.source(passes))].max(axis=0)

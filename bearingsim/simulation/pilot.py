@@ -26,9 +26,9 @@ def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
     """
     case = at_full_speed(case)
     rate = case.bearing.ball_pass_frequency(case.speed)
-    whole = case.settle + case.duration
-    settles = case.settle if case.step_check == "strict" else SETTLES * is_lightly_damped(case)
-    forgotten = max(UNCOUNTED_PASSES / rate, min(settles, case.settle))
+    whole = case.settle_s + case.duration
+    settles = case.settle_s if case.step_check == "strict" else SETTLES * is_lightly_damped(case)
+    forgotten = max(UNCOUNTED_PASSES / rate, min(settles, case.settle_s))
     wanted = times * max(MIN_PASSES / rate, MIN_DURATION, compared_part(case) * whole, turns_of_pits(case))
     counted = max(1, min(ceil(wanted * rate - ROUNDING), int((whole - forgotten) * rate + ROUNDING)))
     settle = min(forgotten, max(0.0, whole - counted / rate))
@@ -57,7 +57,7 @@ def longer_duration(case: Case) -> float:
     short, passes = pilot(case)
     if not sees_pit_turns(case, passes):
         return DURATION_MARGIN * turns_of_pits(case)
-    return LONGER_PILOT * (short.settle + short.duration) / compared_part(case)
+    return LONGER_PILOT * (short.settle_s + short.duration) / compared_part(case)
 
 
 def check_cost(case: Case) -> float:
@@ -66,7 +66,7 @@ def check_cost(case: Case) -> float:
     A third pilot, of what may be chaotic, and longer ones, of what is doubtful, come on top.
     """
     short, _ = pilot(case)
-    return (1.0 + sqrt(5.0)) * (short.settle + short.duration) / (case.settle + case.duration)
+    return (1.0 + sqrt(5.0)) * (short.settle_s + short.duration) / (case.settle_s + case.duration)
 
 
 def turns_of_pits(case: Case) -> float:

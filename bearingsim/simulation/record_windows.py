@@ -36,7 +36,7 @@ class Windows:
 
 def first_sample(case: Case, cut: Grid) -> int:
     """The number of the record's first fine sample, counted from t = 0."""
-    return ceil(case.settle * cut.fine_rate - 1e-6)
+    return ceil(case.settle_s * cut.fine_rate - 1e-6)
 
 
 def whole_passes(case: Case, cut: Grid) -> int:

@@ -86,7 +86,7 @@ def samples_between_steps(case: Case, picked: np.ndarray) -> NoSamples | Samples
     """
     if not channels.picks(case) or not assemble.adaptive(case):
         return NoSamples()
-    return Samples(case.settle, case.sampling, picked)
+    return Samples(case.settle_s, case.sampling, picked)
 
 
 def take_peaks(y: np.ndarray) -> list[float]:
@@ -116,7 +116,7 @@ def _pick_pass(case: Case, cut: Grid, p: int, window: np.ndarray, picked: np.nda
     """Fill in, and return, the raw values whose instants lie in ball pass ``p`` (start excluded, end included)."""
     steps, tail = cut.steps_per_pass, window.shape[1] - cut.steps_per_pass
     ratio = 1.0 / (case.sampling * cut.step)  # steps per sample
-    start = case.settle / cut.step
+    start = case.settle_s / cut.step
     first, end = (max(0, floor((q * steps - start) / ratio) + 1) for q in (p, p + 1))
     first = 0 if p == 0 else min(first, picked.shape[1])
     end = min(end, picked.shape[1])

@@ -38,8 +38,7 @@ SMALL = 1e-3  # of the approach at rest: a displacement in which the contacts ar
 
 def settled(case: Case) -> Case:
     """Return the case with a time in place of `settle: auto`. Raises ``Refused`` if nothing holds the ring."""
-    given: Any = case.settle
-    return case.model_copy(update={"settle": settling(case)}) if given == "auto" else case
+    return case.model_copy(update={"settle": settling(case)}) if case.settle == "auto" else case
 
 
 def settling(case: Case) -> float:
@@ -56,7 +55,7 @@ def needed(case: Case) -> float:
 
 def remembered(case: Case) -> float:
     """Return the part of its start that a case, whose `settle` is a time, remembers as its record begins."""
-    return exp(-slowest_decay(case) * case.settle)
+    return exp(-slowest_decay(case) * case.settle_s)
 
 
 def remembers_start(case: Case) -> bool:
@@ -70,7 +69,7 @@ def refuse_unsettled(case: Case) -> None:
         time = needed(case)
         longer = f"take a `settle` of {time:.2g} s" if time <= MOST else "take more damping"
         raise Refused(
-            f"{remembered(case):.1%} of the start is left after `settle`, {case.settle:.2g} s",
+            f"{remembered(case):.1%} of the start is left after `settle`, {case.settle_s:.2g} s",
             f"{longer}, or say `step_check: true`",
         )
 
@@ -95,7 +94,7 @@ def slow_modes(case: Case) -> int:
 
     Ball passes must be alike, and the case, whose `settle` is a time, must settle for longer than fast modes need.
     """
-    if case.settle <= LEAST or not passes_are_alike(case):
+    if case.settle_s <= LEAST or not passes_are_alike(case):
         return 0
     rate = case.bearing.ball_pass_frequency(case.speed)
     return sum(mode.real > log(FAST) * rate for mode in modes(case))

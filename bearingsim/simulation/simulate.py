@@ -201,7 +201,7 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
     rows = channels.asked(case, raw.places)
     sampled = _sampled(case, setup.cut, raw, rows)
     instants = np.arange(time_grid.samples(case)) / case.sampling
-    series = channels.series(case, setup.model, sampled, raw.places[rows], case.settle + instants)
+    series = channels.series(case, setup.model, sampled, raw.places[rows], case.settle_s + instants)
     own = features(case, setup.model, setup.cut, raw) | band_features(case, setup.model, setup.cut, raw)
     own |= _check_features(checks_step, _kept(setup, raw)) | _of_chaos(setup, raw, checks_step.chaotic)
     own |= _of_start(setup, raw, checks_step.chaotic)
@@ -265,7 +265,7 @@ def _refuse_unsettled(case: Case, error: float) -> None:
     """Refuse a record that its run's start moves by more than a strict check allows."""
     if error > step_check.ACCURACY:
         raise SimulationError(
-            f"after {case.settle:.2g} s the run has not settled: line or RMS is off by {error:.1%}",
+            f"after {case.settle_s:.2g} s the run has not settled: line or RMS is off by {error:.1%}",
             "take `settle: auto` or a longer one, or say `step_check: true`",
         )
 
@@ -297,7 +297,7 @@ def _info(setup: Setup, raw: RawRecord) -> dict[str, float | int | str]:
         "method": case.method or "",
         "step_s": cut.step,
         "step_part": setup.part,
-        "settle_s": case.settle,
+        "settle_s": case.settle_s,
         "passes": cut.passes,
         "passes_computed": raw.repetition.computed,
         "period_passes": raw.repetition.period,
@@ -357,10 +357,10 @@ def _damping(setup: Setup) -> dict[str, float]:
 
 def _cage_angle(setup: Setup, raw: RawRecord) -> float:
     """Where the first roller's pocket is as the record starts, rad; what the cage has slipped is taken off."""
-    bearing, place = setup.model.bearing, setup.case.settle * setup.cut.fine_rate
+    bearing, place = setup.model.bearing, setup.case.settle_s * setup.cut.fine_rate
     before, after = raw.read(floor(place), 2, np.array([BASE.index(CAGE_ANGLE)]))[0]
     slipped = before + (place - floor(place)) * (after - before)
-    return float(bearing.theta_0 + bearing.omega_c * setup.case.settle + slipped)
+    return float(bearing.theta_0 + bearing.omega_c * setup.case.settle_s + slipped)
 
 
 _WARM: set[tuple] = set()  # kinds of case that this process has compiled or loaded
@@ -425,7 +425,7 @@ def _low_passed(case: Case, cut: time_grid.Grid, raw: RawRecord, rows: np.ndarra
     ratio, kernel = cut.fine_rate / case.sampling, interpolation_kernel()
     low, weights = raw.through(sampling_kernel(ratio)), np.empty(2 * INTERPOLATION_REACH)
     block = max(1, int(BLOCK / ratio))
-    start = case.settle * cut.fine_rate
+    start = case.settle_s * cut.fine_rate
     for n in range(0, out.shape[1], block):
         cpu_time.check()
         end = min(n + block, out.shape[1])

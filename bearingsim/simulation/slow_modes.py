@@ -40,7 +40,7 @@ class SlowModes:
     @classmethod
     def of(cls, case: Case, model: Any, cut: Grid, near: float) -> "SlowModes | None":
         """Return those of a case, None if it has none; near: part of the first change that counts as none."""
-        passes = int(min(MOST_PASSES, case.settle * cut.rate))
+        passes = int(min(MOST_PASSES, case.settle_s * cut.rate))
         count = slow_modes(case)
         return cls(model, count, passes, near) if count > 0 else None
 

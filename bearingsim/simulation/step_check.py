@@ -210,7 +210,7 @@ def _scatter(series: Sequence[np.ndarray], blocks: int, size: int) -> tuple[floa
 
 def length(case: Case) -> float:
     """What is computed of a case, s."""
-    return case.settle + case.duration
+    return case.settle_s + case.duration
 
 
 def shorter(decimation: int) -> float:

@@ -126,7 +126,7 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
             if case.step == "auto"
             else "take a longer `step`, or say `step: auto`",
         )
-    computed = 1.0 / rate if solved_once(case) else case.settle + case.duration
+    computed = 1.0 / rate if solved_once(case) else case.settle_s + case.duration
     seconds = computed * per_second(case, 1.0 / (rate * fine * decimation))
     adaptive = assemble.adaptive(case)
     most = max(max_cpu, MAX_CPU)
@@ -138,7 +138,7 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
             + (other if adaptive else ", or give a `step` of your own"),
         )
     beyond = RESAMPLE_REACH / case.sampling + (DECIMATION_REACH + INTERPOLATION_REACH + 2) / (rate * fine)
-    passes = ceil((case.settle + case.duration + beyond) * rate)
+    passes = ceil((case.settle_s + case.duration + beyond) * rate)
     return Grid(rate, 1.0 / (rate * fine * decimation), fine, decimation, passes)
 
 

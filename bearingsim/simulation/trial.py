@@ -127,8 +127,8 @@ def pit_turn(case: Case) -> float:
 def last_pass(setup: Setup, passes: int) -> int:
     """Ball passes to compute so that so many after settling can be read."""
     case, cut = setup.case, setup.cut
-    beyond = cut.passes - floor((case.settle + case.duration) * cut.rate)  # what filters reach
-    return min(cut.passes, ceil(case.settle * cut.rate) + passes + beyond)
+    beyond = cut.passes - floor((case.settle_s + case.duration) * cut.rate)  # what filters reach
+    return min(cut.passes, ceil(case.settle_s * cut.rate) + passes + beyond)
 
 
 def of_passes(setup: Setup, raw: RawRecord, asked: Sequence[str], passes: int, turn: float) -> Trial:

@@ -64,7 +64,7 @@ def test_on_the_inner_race_inwards_is_deep_and_rollers_come_from_ahead():
     found = roller_path(job_of(given, **ramps), given, pit)
     start = -0.6 + 2.0 * math.pi / 13
     faster = given.speed - OMEGA_C
-    met = math.radians(110.0) + start - given.speed * given.settle  # what the ring must still turn further
+    met = math.radians(110.0) + start - given.speed * given.settle_s  # what the ring must still turn further
     time = (met % (2.0 * math.pi) - found.s / 0.0265) / faster
     angle = start + OMEGA_C * time
     assert np.all(np.diff(found.s) > 0.0)

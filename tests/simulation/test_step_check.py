@@ -336,14 +336,14 @@ def test_a_pilot_is_short_but_sees_pits_turn_through_the_load_zone() -> None:
 def test_the_pilot_of_a_short_record_is_the_record() -> None:
     short, passes = pilot.pilot(choice.resolved(case(duration="8 ms", settle="0 s")))
     assert passes == 1
-    assert short.settle + short.duration <= 3.0 / RATE
+    assert short.settle_s + short.duration <= 3.0 / RATE
     assert simulate(case(duration="8 ms", settle="0 s")).features["step_error.rms"] < 0.01
 
 
 def piloted(**fields: Any) -> tuple[float, int]:
     """What a pilot of `rollers` lets settle (s), and how many ball passes of it are compared."""
     short, passes = pilot.pilot(choice.resolved(rollers(duration="0.4 s", **fields)))
-    return short.settle, passes
+    return short.settle_s, passes
 
 
 def test_the_pilot_of_a_lightly_damped_bearing_settles_as_the_run_does() -> None:
@@ -364,7 +364,7 @@ def test_where_strictness_is_asked_for_the_whole_run_is_proven() -> None:
 def test_a_proof_may_take_longer_than_a_run_may() -> None:
     """The finer pilot of a strict proof takes more than twice the CPU time of its run."""
     given = choice.resolved(rollers(step_check="strict"))
-    price = (given.settle + given.duration) * prices.per_second(given, time_grid.grid(given).step)
+    price = (given.settle_s + given.duration) * prices.per_second(given, time_grid.grid(given).step)
     begun = mock.patch.object(step_check, "run_pilot", side_effect=InterruptedError)
     with mock.patch.object(time_grid, "MAX_CPU", 1.3 * price), begun, pytest.raises(InterruptedError):
         step_check.check_step(set_up(given, 1.0))  # both pilots were let begin
