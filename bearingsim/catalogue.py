@@ -228,12 +228,12 @@ register(
     Law("static-dynamic", "friction", f"{_C}.free:StaticDynamic", f"{_A}.free:static_dynamic", bare=True),
     Law("traction", "friction", f"{_C}.free:Traction", f"{_A}.free:traction", bare=True),
     Law("none", "friction", f"{_C}.free:Frictionless", f"{_A}.free:frictionless", bare=True),
-    Shape("rectangular", "bearingsim.core.pits.depth:Rectangular", simple=True),
-    Shape("triangular", "bearingsim.core.pits.depth:Triangular", simple=True),
-    Shape("circular", "bearingsim.core.pits.depth:Circular", simple=True),
-    Shape("elliptical", "bearingsim.core.pits.depth:Elliptical"),
-    Shape("spall", f"{_A}.pits:spall", of_section=True),
-    Shape("scan", f"{_A}.pits:scan", of_section=True),
+    Shape("rectangular", "bearingsim.core.defects.depth:Rectangular", simple=True),
+    Shape("triangular", "bearingsim.core.defects.depth:Triangular", simple=True),
+    Shape("circular", "bearingsim.core.defects.depth:Circular", simple=True),
+    Shape("elliptical", "bearingsim.core.defects.depth:Elliptical"),
+    Shape("spall", f"{_A}.defects:spall", of_section=True),
+    Shape("scan", f"{_A}.defects:scan", of_section=True),
 )
 
 USUAL_MODEL = "rollers"

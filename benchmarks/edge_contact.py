@@ -21,7 +21,7 @@ from matplotlib.axes import Axes
 from bearingsim import assemble, simulate
 from bearingsim.assemble.rest import largest_load
 from bearingsim.config import Case
-from bearingsim.core.pits.edge_contact import edge_contact
+from bearingsim.core.defects.edge_contact import edge_contact
 from bearingsim.plots.style import COLOURS, MARKERS, RC
 from benchmarks.edges.edge import bodies, corrected, corrected_ratio, crossed, crossed_at, stressed
 from benchmarks.edges.race import Slot, slope_reach
@@ -214,7 +214,7 @@ def features(width: float, excitation: str, rho: float = 0.0, factor: float = 1.
         return np.array([simulate(given).features[name] for name in ANSWERS])
     load = factor * largest_load(given)
     elastic = edge_contact(load, LENGTH, PAIR.R_w, PAIR.R_o, PAIR.E_star, rho)
-    with mock.patch.object(assemble.pits, "excitation", return_value=elastic):
+    with mock.patch.object(assemble.defects, "excitation", return_value=elastic):
         return np.array([simulate(given).features[name] for name in ANSWERS])
 
 

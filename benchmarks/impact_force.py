@@ -24,8 +24,8 @@ import numpy as np
 from bearingsim import assemble
 from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.config import Case, library_names
+from bearingsim.core.defects.pairs import inner_reduced_radius, outer_reduced_radius
 from bearingsim.core.laws.hertz import effective_modulus
-from bearingsim.core.pits.pairs import inner_reduced_radius, outer_reduced_radius
 from bearingsim.simulation import choice
 from bearingsim.simulation.simulate import simulate
 

@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.core.jit import jit
-from bearingsim.core.pits.closed_forms import bowl, box, groove
-from bearingsim.core.pits.depth import (
+from bearingsim.core.defects.closed_forms import bowl, box, groove
+from bearingsim.core.defects.depth import (
     Circular,
     Eased,
     Elliptical,
@@ -25,18 +24,19 @@ from bearingsim.core.pits.depth import (
     Triangular,
     section,
 )
-from bearingsim.core.pits.envelope import path_drop, path_over
-from bearingsim.core.pits.excitations import Envelope, pit_response
-from bearingsim.core.pits.pairs import (
+from bearingsim.core.defects.envelope import path_drop, path_over
+from bearingsim.core.defects.excitations import Envelope, defect_response
+from bearingsim.core.defects.pairs import (
     GROUP_HALF_WIDTH,
     GROUP_WEIGHT,
-    RollerPitPair,
+    RollerDefectPair,
     outer_reduced_radius,
-    pack_pits,
+    pack_defects,
 )
-from bearingsim.core.pits.profile import depth_at
-from bearingsim.core.pits.spall import Spall
-from bearingsim.core.pits.traced import cut_along_roller, grouped, traced_pits
+from bearingsim.core.defects.profile import depth_at
+from bearingsim.core.defects.spall import Spall
+from bearingsim.core.defects.traced import cut_along_roller, grouped, traced_defects
+from bearingsim.core.jit import jit
 
 R, L_W = outer_reduced_radius(0.006, 0.0385), 0.012
 SHAPES = (Rectangular, Triangular, Circular, Elliptical)
@@ -161,7 +161,7 @@ def evaluated(excitation, group, places, radius):
     """Sum of h over places (n,) m."""
     total = 0.0
     for s in places:
-        _, h, slope = pit_response(excitation, group, s, radius)
+        _, h, slope = defect_response(excitation, group, s, radius)
         total += h + slope
     return total
 
@@ -189,7 +189,7 @@ def print_cost() -> None:
     }
     print("closed form           ns in order, at random")
     for name, row in closed.items():
-        found = pack_pits([RollerPitPair(0, -1, 0.0, 0.0385, R, [(1.0, *row)])], Envelope())
+        found = pack_defects([RollerDefectPair(0, -1, 0.0, 0.0385, R, [(1.0, *row)])], Envelope())
         ns = [nanoseconds(found.excitation, found.groups[0, 0], in_order) for in_order in (True, False)]
         print(f"{name:20s}  {ns[0]:5.1f}  {ns[1]:5.1f}")
     print("table                 groups, pieces, ms to build, ns in order, at random")
@@ -199,7 +199,7 @@ def print_cost() -> None:
         began = time.perf_counter()
         rows, paths = grouped(pit, R, cut_along_roller(pit, L_W, 24))
         spent = 1e3 * (time.perf_counter() - began)
-        found = traced_pits([RollerPitPair(0, -1, 0.0, 0.0385, R, rows, paths)])
+        found = traced_defects([RollerDefectPair(0, -1, 0.0, 0.0385, R, rows, paths)])
         k = max(range(len(rows)), key=lambda i: len(paths[i].pieces))
         ns = [nanoseconds(found.excitation, found.groups[0, k], in_order) for in_order in (True, False)]
         assert abs(sum(row[GROUP_WEIGHT] for row in rows) - 1.0) < 1e-9

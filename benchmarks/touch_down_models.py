@@ -6,6 +6,9 @@ from typing import Any, NamedTuple
 import own_cache  # noqa: F401  (before the core is imported)
 
 from bearingsim.core import layout as lay
+from bearingsim.core.defects.jumps import next_jump
+from bearingsim.core.defects.on_roller import roller_at_defect
+from bearingsim.core.defects.pairs import Defects
 from bearingsim.core.jit import jit
 from bearingsim.core.methods.adaptive import JUMP_GAP
 from bearingsim.core.methods.dop853 import Dop853
@@ -18,9 +21,6 @@ from bearingsim.core.models.interface import accelerations, degrees_of_freedom, 
 from bearingsim.core.models.rollers import Rollers
 from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.parts.bending import Stiff
-from bearingsim.core.pits.jumps import next_jump
-from bearingsim.core.pits.on_roller import roller_at_pit
-from bearingsim.core.pits.pairs import Pits
 
 NAMES = {
     "verlet": Verlet,
@@ -108,7 +108,7 @@ class LocatedRollers(NamedTuple):
     support: Support
     outer: Any
     inner: Any
-    pits: Pits
+    pits: Defects
 
 
 class BlindRollers(NamedTuple):
@@ -118,7 +118,7 @@ class BlindRollers(NamedTuple):
     support: Support
     outer: Any
     inner: Any
-    pits: Pits
+    pits: Defects
 
 
 KNOWN: dict[str, Any] = {"nothing": BlindRollers, "cusps": Rollers, "contacts": LocatedRollers}
@@ -127,7 +127,7 @@ KNOWN: dict[str, Any] = {"nothing": BlindRollers, "cusps": Rollers, "contacts": 
 @jit
 def plain(model):
     """The model as the package has it."""
-    return Rollers(model.bearing, model.support, model.outer, model.inner, model.pits, Stiff())
+    return Rollers(model.bearing, model.support, model.outer, model.inner, model.defects, Stiff())
 
 
 for _model in (LocatedRollers, BlindRollers):
@@ -135,7 +135,7 @@ for _model in (LocatedRollers, BlindRollers):
     degrees_of_freedom.register(_model)(lambda model: degrees_of_freedom(plain(model)))
     update_extremes.register(_model)(lambda model, y: update_extremes(plain(model), y))
     accelerations.register(_model)(lambda model, t, y: accelerations(plain(model), t, y))
-    roller_at_pit.register(_model)(lambda model, d, t, y: roller_at_pit(plain(model), d, t, y))
+    roller_at_defect.register(_model)(lambda model, d, t, y: roller_at_defect(plain(model), d, t, y))
 next_jump.register(BlindRollers)(lambda model, t, y: inf)
 
 

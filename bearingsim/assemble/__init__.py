@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.assemble import bending, contacts, free, geometry, pits, scales, space
+from bearingsim.assemble import bending, contacts, defects, free, geometry, scales, space
 from bearingsim.assemble.rest import bracket_anchor, static_model
 from bearingsim.catalogue import EXPLICIT, METHODS, MODELS, call, code
 from bearingsim.config import Case
 from bearingsim.config.sections.contact import Undamped as NoDamping
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
+from bearingsim.core.defects.pairs import ANGLE, CARRIER, CUSP, ON_OUTER, RADIUS, Defects
 from bearingsim.core.geometry.motion import steady
 from bearingsim.core.geometry.slices import ZETA
 from bearingsim.core.laws.damping.undamped import Undamped
@@ -27,7 +28,6 @@ from bearingsim.core.models.rest_in_space import mean_rest_in_space, rest_in_spa
 from bearingsim.core.models.static import Static
 from bearingsim.core.parameters import Support
 from bearingsim.core.parts.bending import Stiff
-from bearingsim.core.pits.pairs import ANGLE, CARRIER, CUSP, ON_OUTER, RADIUS, Pits
 from bearingsim.errors import UserError
 
 __all__ = [
@@ -53,7 +53,7 @@ PARAMETER_BUILDERS: dict[str, Any] = {
     "support": lambda case: support(case),
     "outer": contacts.outer,
     "inner": contacts.inner,
-    "pits": lambda case: pits_of_case(case),
+    "defects": lambda case: defects_of_case(case),
     "bending": lambda case: bending_of_case(case),
     "motion": free.motion,
     "friction": free.friction,
@@ -144,9 +144,9 @@ def _made(parameters: Any) -> list[str]:
     return made
 
 
-def pits_of_case(case: Case) -> Pits:
+def defects_of_case(case: Case) -> Defects:
     """Build the case's defects, sliced along the roller like the rollers of its model."""
-    return pits.packed_pits(case, space.slices(case).table[:, ZETA] if MODELS[case.model].sliced else None)
+    return defects.packed_defects(case, space.slices(case).table[:, ZETA] if MODELS[case.model].sliced else None)
 
 
 def bending_of_case(case: Case) -> Any:
@@ -210,13 +210,13 @@ def aligned_with_cusp(model: Any, steps_per_pass: int, cusp: float) -> Any:
     is aligned, and only on the outer race at a steady speed: elsewhere cusps fall anywhere in a step, and the
     error averages out.
     """
-    if "pits" not in model._fields or not steady(model):
+    if "defects" not in model._fields or not steady(model):
         return model
-    pits = model.pits
-    if len(pits.head) == 0 or pits.head[0, CARRIER] != ON_OUTER:
+    defects = model.defects
+    if len(defects.head) == 0 or defects.head[0, CARRIER] != ON_OUTER:
         return model
     b, pass_angle = model.bearing, 2.0 * pi / model.bearing.Z
-    place = pits.head[0, ANGLE] + pits.head[0, CUSP] / pits.head[0, RADIUS]
+    place = defects.head[0, ANGLE] + defects.head[0, CUSP] / defects.head[0, RADIUS]
     steps = (b.theta_0 - place) / pass_angle * steps_per_pass  # whole when the cusp is met
     ahead = ceil(steps + cusp) - cusp - steps
     return model._replace(bearing=b._replace(theta_0=float(b.theta_0 + ahead * pass_angle / steps_per_pass)))

@@ -13,12 +13,12 @@ import numpy as np
 
 from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.config import Case, Film
+from bearingsim.core.defects.pairs import inner_reduced_radius, outer_reduced_radius
 from bearingsim.core.laws.damping.tabulated import Tabulated
 from bearingsim.core.laws.hertz import PointContact, effective_modulus
 from bearingsim.core.laws.octaves import tabulate
 from bearingsim.core.laws.oil_film import OiledLine, ball_as_strip, entrainment_speed, film_damping, hysteresis
 from bearingsim.core.laws.stiffness.interface import curve
-from bearingsim.core.pits.pairs import inner_reduced_radius, outer_reduced_radius
 
 DEEPEST = 1e-4  # m, largest approach of the table, beyond that of any bearing: damping is constant above
 DIFFERENCE = 1e-5  # of the approach, step of the difference quotient

@@ -5,15 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.assemble import contacts, geometry, pits
+from bearingsim.assemble import contacts, defects, geometry
 from bearingsim.assemble.rest import healthy_damping, healthy_rest
 from bearingsim.config import Case
+from bearingsim.core.defects.impulse_train import LoadZone, random_train, train
+from bearingsim.core.defects.pairs import RollerDefectPair
 from bearingsim.core.laws.stiffness.series import as_power
 from bearingsim.core.laws.stiffness.ten_ninths import EXPONENT
 from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.parameters import Support
-from bearingsim.core.pits.impulse_train import LoadZone, random_train, train
-from bearingsim.core.pits.pairs import RollerPitPair
 from bearingsim.core.sampling import RESAMPLE_REACH
 
 LEAD = 4  # ball passes beyond record and filters, for the last steps of a run
@@ -29,7 +29,7 @@ def model(case: Case, support: Support) -> Impulse:
     filters = RESAMPLE_REACH / case.sampling
     settle = case.settle if isinstance(case.settle, float) else UNRESOLVED_S
     end = settle + case.duration + filters + LEAD / case.bearing.ball_pass_frequency(case.speed)
-    pairs = pits.roller_pit_pairs(case)
+    pairs = defects.roller_defect_pairs(case)
     zone = load_zone(case, rest.K_x + support.k_b, rest.K_y + support.k_b)
     blows = _train(case, zone, pairs, end)
     return Impulse(
@@ -45,7 +45,7 @@ def model(case: Case, support: Support) -> Impulse:
     )
 
 
-def _train(case: Case, zone: LoadZone, pairs: list[RollerPitPair], end: float) -> Any:
+def _train(case: Case, zone: LoadZone, pairs: list[RollerDefectPair], end: float) -> Any:
     b = geometry.bearing(case)
     if case.excitation == "random-impulses":
         return random_train(b, zone, pairs, 0.0, end, np.random.default_rng(case.seed))

@@ -8,6 +8,7 @@ from bearingsim.assemble import contacts, free
 from bearingsim.catalogue import AUTO, FEATURES, MODELS, code
 from bearingsim.config import FEATURES as DECLARED
 from bearingsim.config import Case
+from bearingsim.core.defects.crossings import count_crossings
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
 from bearingsim.core.laws.friction.interface import mu, mu_slope, mu_slope_bound
 from bearingsim.core.laws.stiffness.interface import curvature, elastic, tangent
@@ -23,7 +24,6 @@ from bearingsim.core.models.interface import (
     stiffness_per_mass,
     update_extremes,
 )
-from bearingsim.core.pits.crossings import count_crossings
 from bearingsim.errors import UserError
 
 DAMPING = (normal_force, stiffness_bound, damping_bound), (slopes,)
@@ -42,8 +42,8 @@ def missing(case: Case, implicit: bool) -> Iterator[str]:
     model: Any = assemble.kind(case).parameters
     contact, damping = case.contact, case.contact.damping
     yield from _missing(f"model `{case.model}`", model, MODEL, implicit)
-    if "pits" not in model._fields and model not in count_crossings.types:
-        yield f"the model `{case.model}` has neither `pits` nor a `count_crossings` of its own"
+    if "defects" not in model._fields and model not in count_crossings.types:
+        yield f"the model `{case.model}` has neither `defects` nor a `count_crossings` of its own"
     if not MODELS[case.model].own_method and not accelerations.serves(model):
         yield f"the model `{case.model}` has no `accelerations`"
     if case.method not in (None, AUTO):

@@ -6,6 +6,8 @@ from typing import Any
 from bearingsim.assemble import bending, contacts, geometry
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
+from bearingsim.core.defects.excitations import Envelope
+from bearingsim.core.defects.pairs import GROUP_WEIGHT, Defects, pack_defects
 from bearingsim.core.geometry.slices import WEIGHT
 from bearingsim.core.laws.damping.undamped import Undamped
 from bearingsim.core.models.equilibrium import Rest, mean_rest, mean_ring_damping
@@ -13,8 +15,6 @@ from bearingsim.core.models.spatial import Spatial
 from bearingsim.core.models.static import Static
 from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.parts.bending import Stiff
-from bearingsim.core.pits.excitations import Envelope
-from bearingsim.core.pits.pairs import GROUP_WEIGHT, Pits, pack_pits
 
 STIFF = Stiff()
 OF_A_STUDY = 1 << 14
@@ -26,20 +26,20 @@ def static_model(model: Any) -> Static:
 
     For a model with sliced rollers without their tilt: the slices become groups of their weights.
     """
-    pits = model.pits
+    defects = model.defects
     if isinstance(model, Spatial):
-        groups = pits.groups.copy()
+        groups = defects.groups.copy()
         groups[:, :, GROUP_WEIGHT] *= model.slices.table[:, WEIGHT] if len(groups) else 1.0
-        pits = pits._replace(groups=groups)
+        defects = defects._replace(groups=groups)
     shape = bending.at_rest(model.bending) if "bending" in model._fields else Stiff()
-    return static_bearing(model.bearing, model.support, model.outer, model.inner, pits, shape)
+    return static_bearing(model.bearing, model.support, model.outer, model.inner, defects, shape)
 
 
 def static_bearing(
-    bearing: Bearing, support: Support, outer: Any, inner: Any, pits: Pits, shape: Any = STIFF
+    bearing: Bearing, support: Support, outer: Any, inner: Any, defects: Defects, shape: Any = STIFF
 ) -> Static:
     """Build a bearing at rest: contact laws reduced to stiffness; shape: bending of its outer ring."""
-    return Static(bearing, support, Undamped(outer.stiffness), Undamped(inner.stiffness), pits, shape)
+    return Static(bearing, support, Undamped(outer.stiffness), Undamped(inner.stiffness), defects, shape)
 
 
 def bracket_anchor(case: Case) -> tuple[float, float]:
@@ -68,7 +68,7 @@ def _rest(
     carried = ring is not None and ring.load_path.carried
     free = Support(*((0.0, 0.0) if carried else (F, F_across)), 0.0, 0.0, 0.0, 0.0)
     bent = Stiff() if ring is None else bending.at_rest(bending.made(ring))
-    model = static_bearing(of_case, free, outer, inner, pack_pits([], Envelope()), bent)
+    model = static_bearing(of_case, free, outer, inner, pack_defects([], Envelope()), bent)
     return mean_rest(model, lay.buffer(of_case.Z, of_case.m_r))
 
 
@@ -76,5 +76,5 @@ def healthy_damping(case: Case) -> tuple[float, float]:
     """Compute the mean damping (N s/m) of the healthy, unsupported bearing at rest on its ring along x and y."""
     of_case, free = geometry.bearing(case), Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
     outer, inner = contacts.outer(case), contacts.inner(case)
-    model = static_bearing(of_case, free, outer, inner, pack_pits([], Envelope()))
+    model = static_bearing(of_case, free, outer, inner, pack_defects([], Envelope()))
     return mean_ring_damping(model, outer, inner, lay.buffer(of_case.Z, of_case.m_r))

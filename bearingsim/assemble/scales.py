@@ -10,10 +10,8 @@ from scipy.optimize import brentq
 
 from bearingsim.assemble import contacts, geometry, rest
 from bearingsim.config import Case
-from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
-from bearingsim.core.methods.interface import Tolerances
-from bearingsim.core.pits.excitations import STEP_EXCITATIONS
-from bearingsim.core.pits.pairs import (
+from bearingsim.core.defects.excitations import STEP_EXCITATIONS
+from bearingsim.core.defects.pairs import (
     DEPTH,
     GROUP_COUNT,
     GROUP_HALF_WIDTH,
@@ -22,6 +20,8 @@ from bearingsim.core.pits.pairs import (
     X_E,
     passing_speed,
 )
+from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
+from bearingsim.core.methods.interface import Tolerances
 
 MIN_STEPS_PER_CROSSING = 8  # steps; with fewer a method may skip a defect
 DAMPER_TOLERANCE = 1e-3  # of the force: largest change of a damping force by an error in velocity
@@ -36,8 +36,10 @@ def at_full_speed(case: Case) -> Case:
 
 def crossing_time(model: Any) -> float:
     """Compute the shortest time (s) of a contact over a defect, or over several merged; inf without defects."""
-    pits = model.pits
-    times = [pits.head[d, SPAN] / abs(passing_speed(pits, d, model.bearing)) for d in range(len(pits.head))]
+    defects = model.defects
+    times = [
+        defects.head[d, SPAN] / abs(passing_speed(defects, d, model.bearing)) for d in range(len(defects.head))
+    ]
     return float(min(times, default=inf))
 
 
@@ -47,13 +49,13 @@ def closing_speed(model: Any) -> float:
     The slope of its path is at most x/R with x the distance from the rim to the point of contact with wall, floor
     or middle; the roller passes it at the sliding speed.
     """
-    pits = model.pits
+    defects = model.defects
     speeds = [
-        min(group[GROUP_HALF_WIDTH], group[X_E], sqrt(2.0 * pits.head[d, REDUCED_RADIUS] * group[DEPTH]))
-        / pits.head[d, REDUCED_RADIUS]
-        * abs(passing_speed(pits, d, model.bearing))
-        for d in range(len(pits.head))
-        for group in pits.groups[d, : int(pits.head[d, GROUP_COUNT])]
+        min(group[GROUP_HALF_WIDTH], group[X_E], sqrt(2.0 * defects.head[d, REDUCED_RADIUS] * group[DEPTH]))
+        / defects.head[d, REDUCED_RADIUS]
+        * abs(passing_speed(defects, d, model.bearing))
+        for d in range(len(defects.head))
+        for group in defects.groups[d, : int(defects.head[d, GROUP_COUNT])]
     ]
     return float(max(speeds, default=0.0))
 
@@ -100,12 +102,14 @@ def damping_over_stiffness(law: Any, delta: float) -> float:
 
 def largest_roller_drop(model: Any) -> float:
     """Compute the largest depth (m) of a roller in a defect: it hangs on the rims, or reaches the floor."""
-    pits = model.pits
+    defects = model.defects
     reached = [
-        float(group[DEPTH] if isinstance(pits.excitation, STEP_EXCITATIONS) else min(group[DEPTH], hanging))
-        for d in range(len(pits.head))
-        for group in pits.groups[d, : int(pits.head[d, GROUP_COUNT])]
-        for hanging in [group[GROUP_HALF_WIDTH] * group[GROUP_HALF_WIDTH] / (2.0 * pits.head[d, REDUCED_RADIUS])]
+        float(group[DEPTH] if isinstance(defects.excitation, STEP_EXCITATIONS) else min(group[DEPTH], hanging))
+        for d in range(len(defects.head))
+        for group in defects.groups[d, : int(defects.head[d, GROUP_COUNT])]
+        for hanging in [
+            group[GROUP_HALF_WIDTH] * group[GROUP_HALF_WIDTH] / (2.0 * defects.head[d, REDUCED_RADIUS])
+        ]
     ]
     return max(reached, default=0.0)
 

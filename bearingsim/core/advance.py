@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingsim.core import layout as lay
+from bearingsim.core.defects.crossings import count_crossings
 from bearingsim.core.jit import absent, add, generic, jit
 from bearingsim.core.methods.interface import prepare, reach, stability_ratio, step
 from bearingsim.core.models.interface import (
@@ -23,7 +24,6 @@ from bearingsim.core.models.interface import (
 )
 from bearingsim.core.outcomes import NO_BODY, NOT_FINITE, STEP_LIMIT_EXCEEDED, SUCCESS, TOO_DEEP, TOO_MUCH_ENERGY
 from bearingsim.core.parameters import lanes
-from bearingsim.core.pits.crossings import count_crossings
 
 RING_MOTION = tuple(
     block + axis for block in (lay.POSITION, lay.VELOCITY, lay.ACCELERATION) for axis in (lay.X, lay.Y)

@@ -75,7 +75,9 @@ COS, SIN = rows(_FIRST + 3 * ROW, "1", "all", "evaluation", count=2)  # of the r
 # contacts with the outer and the inner race: approach, its rate, force
 DELTA_O, V_O, Q_O, DELTA_I, V_I, Q_I = rows(_FIRST + 5 * ROW, "m, m/s, N", "all", "evaluation", count=2)
 # slips at the races, force of the pocket, tangential forces on the roller over a defect
-SLIP_O, SLIP_I, Q_P, PIT_FORCE_O, PIT_FORCE_I = rows(_FIRST + 11 * ROW, "m/s, m/s, N, N, N", "all", "evaluation")
+SLIP_O, SLIP_I, Q_P, DEFECT_FORCE_O, DEFECT_FORCE_I = rows(
+    _FIRST + 11 * ROW, "m/s, m/s, N, N, N", "all", "evaluation"
+)
 # largest Q_O; part of the time over the step limit, and its largest value; largest Q_I and |Q_P|
 Q_O_MAX, OVERRUN, OVERRUN_MAX, Q_I_MAX, Q_P_MAX = rows(_FIRST + 16 * ROW, "N, s, s, N, N", "all", "run")
 
@@ -105,7 +107,7 @@ F_Z, M_X, M_Y, F_Z_C, M_X_C, M_Y_C, F_Z_I, M_X_I, M_Y_I = cells(
 LOADS = 18  # cells from F_X to M_INNER
 # radial motion of a ring that bends where its sensor sits; forces of the springs on the ring's centre
 SENSOR, SENSOR_V, SENSOR_A = cells(WORK + 19 * ROW + MAX_ROLLERS, "m, m/s, m/s^2", "all", "evaluation")
-(PIT_TORQUE,) = rows(WORK + 20 * ROW, "N m", PLANE, "evaluation")  # of a roller's own defects, on itself
+(DEFECT_TORQUE,) = rows(WORK + 20 * ROW, "N m", PLANE, "evaluation")  # of a roller's own defects, on itself
 SPRINGS_X, SPRINGS_Y = cells(WORK + 20 * ROW + MAX_ROLLERS, "N", SPRINGY, "evaluation", count=2)
 
 # JACOBIAN_WORK: rows of one call of ``linearise``, and of models that have none
@@ -157,7 +159,7 @@ STAGE, STAGE_STATES = JACOBIAN_WORK + JACOBIAN_WORK_ROWS * ROW, 56
 # (``core/outcomes.py``; 0 while it can) and the body concerned; steps taken and refused, evaluations of the model,
 # Newton iterations; crossings of defects seen
 T_START, T_END, H_NEXT, FAILED, FAILED_BODY = cells(LOADED_ROLLERS + 1, "s, s, s, 1, 1", "all", "run")
-STEPS_TAKEN, STEPS_REJECTED, EVALUATIONS, NEWTON_ITERATIONS, PIT_CROSSINGS = cells(
+STEPS_TAKEN, STEPS_REJECTED, EVALUATIONS, NEWTON_ITERATIONS, DEFECT_CROSSINGS = cells(
     FAILED_BODY + 1, "1", "all", "run", count=5
 )
 # the time it stops at next, the length of the step taken last and its error; dense output complete?
@@ -168,7 +170,7 @@ NEXT_STOP, H_TAKEN, LAST_ERROR, DENSE_READY = cells(LOADED_ROLLERS + 11, "s, s, 
 # of each of the first defects' roller-defect pairs: 1 + the number of the roller that stands in it, 0: none;
 # rollers seen in it. Part of the method's step limit that each monitored body takes up. Larger approach of each
 # roller to an undamaged race, for the monitor
-ROLLER_IN_PIT, PAIR_CROSSINGS, STEP_RATIO, APPROACH_NOW = whole_rows(
+ROLLER_IN_DEFECT, PAIR_CROSSINGS, STEP_RATIO, APPROACH_NOW = whole_rows(
     LOADED_ROLLERS + 2 * VECTOR_WIDTH, "1, 1, 1, m", "all", "run"
 )
 # forces Q_O, Q_I, |Q_P| at the start and at the end of an adaptive method's step
@@ -244,10 +246,10 @@ KAPPA_0, KAPPA_1, KAPPA_2, KAPPA_SLIP_0, KAPPA_SLIP_1, KAPPA_SLIP_Z = side_rows(
 )
 KAPPA_ARM, KAPPA_R, KAPPA_T, KAPPA_Z = side_rows(RELATIVE + 36 * ROW, "N s, N s/m, N s/m, N s/m")
 # changes of the slips within the lag; over a defect?
-SLIP_CHANGE, SLIP_CHANGE_Z, PIT_REACH = side_rows(RELATIVE + 40 * ROW, "m/s, m/s, 1")
+SLIP_CHANGE, SLIP_CHANGE_Z, DEFECT_REACH = side_rows(RELATIVE + 40 * ROW, "m/s, m/s, 1")
 # of a defect under the current slice: depth, tangent of the normal's tilt, 1 - its cosine, stiffness lost; is it
 # the roller's own?
-ROLLER_DROP, NORMAL_SLOPE, NORMAL_VERSINE, STIFFNESS_LOSS, OWN_PIT = side_rows(
+ROLLER_DROP, NORMAL_SLOPE, NORMAL_VERSINE, STIFFNESS_LOSS, OWN_DEFECT = side_rows(
     RELATIVE + 43 * ROW, "m, 1, 1, 1, 1"
 )
 

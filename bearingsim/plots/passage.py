@@ -28,7 +28,7 @@ class Pit(NamedTuple):
     """One pit. Lengths in m; s along rolling from its middle, z along the roller from the roller's middle.
 
     race: what carries it; R: radius of the roller relative to the race it is met on (of a roller's pit the outer
-    one); angle: rad, as in the case; map: its depth (``pits/depth.py``); s, z: from where to where it reaches.
+    one); angle: rad, as in the case; map: its depth (``defects/depth.py``); s, z: from where to where it reaches.
     """
 
     race: str
@@ -53,8 +53,8 @@ class Pit(NamedTuple):
     @property
     def picture(self) -> Reals:
         """p (m) at ``heights`` and ``places()``."""
-        from bearingsim.core.pits.depth import section
-        from bearingsim.core.pits.profile import depth_at
+        from bearingsim.core.defects.depth import section
+        from bearingsim.core.defects.profile import depth_at
 
         return np.stack([depth_at(section(self.map, float(z)), self.places()) for z in self.heights])
 
@@ -72,9 +72,9 @@ class Section(NamedTuple):
 
 def cut(pit: Pit, z: float) -> Section:
     """Compute the section of a defect at z (m) along the roller."""
-    from bearingsim.core.pits.depth import section
-    from bearingsim.core.pits.envelope import path_drop, path_over
-    from bearingsim.core.pits.profile import depth_at
+    from bearingsim.core.defects.depth import section
+    from bearingsim.core.defects.envelope import path_drop, path_over
+    from bearingsim.core.defects.profile import depth_at
 
     s, profile = pit.places(FINER * (ACROSS - 1) + 1), section(pit.map, z)
     return Section(z, s, depth_at(profile, s), path_drop(path_over(profile, pit.R), s)[0])
@@ -91,12 +91,12 @@ def distinct_sections(pit: Pit) -> list[float]:
 
 def pits_of(case: "Case") -> Iterator[Pit]:
     """Yield the defects of a case in its order; overlapping ones count as one."""
-    from bearingsim.assemble import pits
-    from bearingsim.core.pits.depth import Placed, extent
+    from bearingsim.assemble import defects
+    from bearingsim.core.defects.depth import Placed, extent
 
-    for cluster in pits.pit_clusters(case):
-        race, R = cluster.leader.race, pits.reduced_radius(case, 1 if cluster.leader.race == "inner" else 0)
-        made = cluster.pit or Placed(pits.depth_map(cluster.leader), 0.0, cluster.leader.offset)
+    for cluster in defects.defect_clusters(case):
+        race, R = cluster.leader.race, defects.reduced_radius(case, 1 if cluster.leader.race == "inner" else 0)
+        made = cluster.defect or Placed(defects.depth_map(cluster.leader), 0.0, cluster.leader.offset)
         low, high, left, right = extent(made)
         yield Pit(race, R, cluster.angle, made, (low, high), (left, right))
 

@@ -76,7 +76,7 @@ def sheets(results: "Results", jobs: Sequence[str]) -> list[Sheet]:
 
 
 def _of_job(results: "Results", job: str, parameters: Mapping[Any, Any]) -> Iterator[Sheet]:
-    from bearingsim.assemble.pits import contact_length
+    from bearingsim.assemble.defects import contact_length
 
     case = recorded.case_of(results, job, parameters)
     made = list(pits_of(case))

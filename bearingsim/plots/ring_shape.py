@@ -187,9 +187,9 @@ def _instants(case: "Case", model: Any, parts: tuple[float, ...]) -> Iterator[In
 
 def _begin(model: Any) -> float:
     """Compute the first time (s) of a roller over the first defect of the outer race, or at the load line."""
-    from bearingsim.core.pits.pairs import ANGLE, CARRIER, ON_OUTER
+    from bearingsim.core.defects.pairs import ANGLE, CARRIER, ON_OUTER
 
-    places = [float(row[ANGLE]) for row in model.pits.head if row[CARRIER] == ON_OUTER]
+    places = [float(row[ANGLE]) for row in model.defects.head if row[CARRIER] == ON_OUTER]
     ahead = ((places or [0.0])[0] - model.bearing.theta_0) % (2.0 * pi / model.bearing.Z)
     return float(ahead / model.bearing.omega_c)
 
@@ -253,10 +253,10 @@ def _springs(bent: Any, y: np.ndarray) -> tuple[Reals, tuple[float, float]]:
 
 def _marks(model: Any, t: float, angles: Reals) -> Iterator[Mark]:
     """Yield the positions of the defects at ``t`` (s)."""
-    from bearingsim.core.pits.pairs import ANGLE, CARRIER, HALF_WIDTH, ON_INNER, ON_OUTER, OUTER, RADIUS, SIDE
+    from bearingsim.core.defects.pairs import ANGLE, CARRIER, HALF_WIDTH, ON_INNER, ON_OUTER, OUTER, RADIUS, SIDE
 
     bearing = model.bearing
-    for row in model.pits.head:
+    for row in model.defects.head:
         on, angle, half = row[CARRIER], float(row[ANGLE]), float(row[HALF_WIDTH] / row[RADIUS])
         if on == ON_OUTER:
             yield Mark("outer", angle, half)

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 
-from bearingsim.assemble.pits import varies_along_roller
+from bearingsim.assemble.defects import varies_along_roller
 from bearingsim.catalogue import MODELS, below
 from bearingsim.config import Case
 from bearingsim.config.channels import slice_number

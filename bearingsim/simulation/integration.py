@@ -19,9 +19,9 @@ from bearingsim.config.rules import hierarchy
 from bearingsim.core import layout as lay
 from bearingsim.core import outcomes
 from bearingsim.core.advance import Monitor, NoSamples, Samples, advance_and_sample, ready, start_at_rest
+from bearingsim.core.defects.crossings import missed_crossings, passages
 from bearingsim.core.methods.interface import prepare
 from bearingsim.core.models.interface import monitored, update_extremes
-from bearingsim.core.pits.crossings import missed_crossings, passages
 from bearingsim.core.sampling import (
     DECIMATION_REACH,
 )
@@ -384,7 +384,7 @@ def _pit_passages(setup: Setup, t: float, y: np.ndarray) -> list[float]:
     """
     if not MODELS[setup.case.model].loaded or MODELS[setup.case.model].memoryless:
         return []
-    return [passages(setup.model, d, t, y) for d in range(len(setup.model.pits.head))]
+    return [passages(setup.model, d, t, y) for d in range(len(setup.model.defects.head))]
 
 
 WHY = {

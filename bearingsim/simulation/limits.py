@@ -27,14 +27,14 @@ from bearingsim.assemble.scales import (
 from bearingsim.catalogue import METHODS, MODELS, lowest
 from bearingsim.config import Case
 from bearingsim.core.advance import start_at_rest
+from bearingsim.core.defects.excitations import STEP_EXCITATIONS
+from bearingsim.core.defects.pairs import DEPTH
+from bearingsim.core.defects.passage import free_impact, passage_peak
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 from bearingsim.core.methods.interface import stability_ratio
 from bearingsim.core.models.equilibrium import NoEquilibrium
 from bearingsim.core.models.interface import damping_per_mass, degrees_of_freedom, stiffness_per_mass
 from bearingsim.core.parts.bending import Stiff
-from bearingsim.core.pits.excitations import STEP_EXCITATIONS
-from bearingsim.core.pits.pairs import DEPTH
-from bearingsim.core.pits.passage import free_impact, passage_peak
 from bearingsim.cpu_time import bounded
 from bearingsim.errors import Refused
 from bearingsim.simulation.fastest import SEARCH, Rates, fastest_rate, rates_at_rest
@@ -150,15 +150,15 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limits,
 def impact_force(model: Any, load: float) -> float:
     """Estimate of the largest contact force (N), of a roller that passes the pits under ``load`` (N).
 
-    ``core/pits/passage.py`` says what is left out. Rollers without mass follow a pit without an impact.
+    ``core/defects/passage.py`` says what is left out. Rollers without mass follow a pit without an impact.
     """
     b = model.bearing
     if b.m_r == 0.0:
         return load
-    model = model._replace(pits=static_model(model).pits)  # of slices each has its share of the roller
+    model = model._replace(defects=static_model(model).defects)  # of slices each has its share of the roller
     inwards = max(load - b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i), 0.0)
     deep = approach(model.outer, load), approach(model.inner, inwards)
-    peaks = (bounded(partial(passage_peak, model, d, *deep)) for d in range(len(model.pits.head)))
+    peaks = (bounded(partial(passage_peak, model, d, *deep)) for d in range(len(model.defects.head)))
     return max([load, *map(float, peaks)])
 
 
@@ -257,7 +257,7 @@ def step_impact(model: Any, law: Any, load: float) -> tuple[float, float, float]
     Only for excitations with such a step. The roller has fallen by then, in free flight from what its inner
     contact gave it (at most load times approach), but no deeper than the pit; so far it is pressed into the race.
     """
-    b, pits = model.bearing, model.pits
+    b, pits = model.bearing, model.defects
     if b.m_r == 0.0 or len(pits.head) == 0 or not isinstance(pits.excitation, STEP_EXCITATIONS):
         return 0.0, 0.0, 0.0
     flight = crossing_time(model)

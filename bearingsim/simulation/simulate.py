@@ -312,7 +312,7 @@ def _info(setup: Setup, raw: RawRecord) -> dict[str, float | int | str]:
         "step_limit_at_rest_s": setup.limits.at_rest,
         "step_limit_at_impact_s": setup.limits.at_impact,
         "longest_overrun_s": float(y[lay.OVERRUN_MAX : lay.OVERRUN_MAX + setup.model.bearing.Z].max()),
-        "crossings": int(y[lay.PIT_CROSSINGS]),
+        "crossings": int(y[lay.DEFECT_CROSSINGS]),
         "cage_angle_start_rad": _cage_angle(setup, raw),
         "integrator_cpu_s": raw.integrator_cpu_s,
     }

@@ -12,8 +12,8 @@ import numpy as np
 
 from bearingsim import assemble
 from bearingsim.config import Case
+from bearingsim.core.defects.pairs import HALF_WIDTH, passing_speed
 from bearingsim.core.laws.stiffness.ten_ninths import EXPONENT, PALMGREN_N_MM
-from bearingsim.core.pits.pairs import HALF_WIDTH, passing_speed
 
 SPAN = 2.2e-3  # s
 SAMPLE_INTERVAL = 1e-6  # s between compared samples
@@ -72,7 +72,7 @@ TIMES = SAMPLE_INTERVAL * np.arange(1, SAMPLES + 1)
 
 def crossings(model: Any) -> list[tuple[float, float]]:
     """Compute entry and exit times (s) of the roller at each defect, at kinematic speeds."""
-    if len(model.pits.head) == 0:
+    if len(model.defects.head) == 0:
         return []
-    half = float(model.pits.head[0, HALF_WIDTH]) / passing_speed(model.pits, 0, model.bearing)
+    half = float(model.defects.head[0, HALF_WIDTH]) / passing_speed(model.defects, 0, model.bearing)
     return [(t - half, t + half) for t in MIDDLES]

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.pits.closed_forms import groups_of
-from bearingsim.core.pits.depth import Rectangular
-from bearingsim.core.pits.edge_contact import EdgeContact
-from bearingsim.core.pits.excitations import pit_response, response_groups
+from bearingsim.core.defects.closed_forms import groups_of
+from bearingsim.core.defects.depth import Rectangular
+from bearingsim.core.defects.edge_contact import EdgeContact
+from bearingsim.core.defects.excitations import defect_response, response_groups
 from benchmarks.edges.pitted import finite_elements, half_planes, on_race, pitted, race_of
 from benchmarks.edges.pressed import Body, Pressed, press, press_to
 from benchmarks.edges.race import Grading, Slot, depth_at, envelope
@@ -86,7 +86,7 @@ def corrected(pair: Pair, slot: Slot, reference: float, s: float) -> tuple[float
     width = WIDE if slot.width == inf else slot.width
     pit = Rectangular(1.0, width, slot.depth)
     (row,) = response_groups(excitation, pit, groups_of(pit, 1.0, pair.R, 1), pair.R)
-    share, h, _ = pit_response(excitation, np.array(row), s - width / 2.0, pair.R)
+    share, h, _ = defect_response(excitation, np.array(row), s - width / 2.0, pair.R)
     return share, h
 
 

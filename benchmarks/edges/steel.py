@@ -2,8 +2,8 @@
 
 from typing import NamedTuple
 
+from bearingsim.core.defects.pairs import outer_reduced_radius
 from bearingsim.core.laws.hertz import effective_modulus, half_width
-from bearingsim.core.pits.pairs import outer_reduced_radius
 from benchmarks.edges.half_space import hertz_approach, johnson_datum
 
 

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from bearingsim import assemble
 from bearingsim.config import Case
-from bearingsim.core.pits.edge_contact import EdgeContact
+from bearingsim.core.defects.edge_contact import EdgeContact
 from bearingsim.simulation.simulate import simulate
 from bearingsim.study.jobs import case_id
 from tests.scenes.nf308 import CHI
@@ -22,12 +22,12 @@ def case(**fields: Any) -> Case:
 
 
 def test_it_takes_load_radii_and_steel_from_the_case() -> None:
-    found = assemble.model(case(defect=SLOT | {"edge": {"radius": "10 um"}})).pits.excitation
+    found = assemble.model(case(defect=SLOT | {"edge": {"radius": "10 um"}})).defects.excitation
     assert isinstance(found, EdgeContact)
     E_star = 207e9 / (2.0 * (1.0 - 0.3**2))
     assert found.load * 0.012 * 3.141592653589793 * E_star == pytest.approx(4.09 * 150 / 13 + 2.04, abs=0.5)  # N
     assert found.rho == 1e-5
-    assert assemble.model(case(defect=SLOT)).pits.excitation.rho == 2e-5
+    assert assemble.model(case(defect=SLOT)).defects.excitation.rho == 2e-5
 
 
 def test_edges_said_and_not_said_may_be_alike() -> None:

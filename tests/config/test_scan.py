@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from bearingsim.assemble.pits import depth_map
+from bearingsim.assemble.defects import depth_map
 from bearingsim.config import Case
 from bearingsim.config.scan import file as scanfile
 from bearingsim.config.scan import repair
 from bearingsim.config.scan.file import ScanError, read_file
 from bearingsim.config.scan.repair import notes, read_scan
-from bearingsim.core.pits import traced
-from bearingsim.core.pits.envelope import path_over
+from bearingsim.core.defects import traced
+from bearingsim.core.defects.envelope import path_over
 from bearingsim.study import load_study
 from bearingsim.study.jobs import case_id
 from bearingsim.study.schema import json_schema

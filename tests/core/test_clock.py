@@ -10,10 +10,10 @@ from bearingsim.core import layout as lay
 from bearingsim.core import outcomes
 from bearingsim.core.advance import ready
 from bearingsim.core.clock import is_over, thread_seconds
+from bearingsim.core.defects.passage import free_impact, passage_peak
 from bearingsim.core.jit import jit
 from bearingsim.core.methods import adaptive
 from bearingsim.core.models import equilibrium
-from bearingsim.core.pits.passage import free_impact, passage_peak
 from bearingsim.simulation import choice
 from bearingsim.simulation.integration import set_up
 from tests.scenes.nf308 import PLACES, SLOT, at_rest, case, recorded

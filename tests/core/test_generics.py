@@ -13,6 +13,13 @@ import pytest
 import bearingsim.core
 from bearingsim.core import jit
 from bearingsim.core.advance import Monitor, NoSamples, Samples
+from bearingsim.core.defects.closed_forms import section_of
+from bearingsim.core.defects.crossings import count_crossings
+from bearingsim.core.defects.depth import Eased, Elliptical, Merged, Mirrored, Placed, Scanned
+from bearingsim.core.defects.excitations import Traced, defect_response_gradient, response_groups
+from bearingsim.core.defects.jumps import next_jump
+from bearingsim.core.defects.on_roller import roller_at_defect
+from bearingsim.core.defects.spall import Spall
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
 from bearingsim.core.laws.friction.frictionless import Frictionless
 from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
@@ -57,13 +64,6 @@ from bearingsim.core.parts.shaft import (
     accelerate_ring_rotation,
     mobility,
 )
-from bearingsim.core.pits.closed_forms import section_of
-from bearingsim.core.pits.crossings import count_crossings
-from bearingsim.core.pits.depth import Eased, Elliptical, Merged, Mirrored, Placed, Scanned
-from bearingsim.core.pits.excitations import Traced, pit_response_gradient, response_groups
-from bearingsim.core.pits.jumps import next_jump
-from bearingsim.core.pits.on_roller import roller_at_pit
-from bearingsim.core.pits.spall import Spall
 
 Found = dict[Any, frozenset[type]]
 """Generics and the types that each is implemented for."""
@@ -103,7 +103,7 @@ IN_PLACE_OF: dict[type, type] = {
 EXCEPTIONS: list[tuple[tuple[Any, ...], Any, str]] = [
     ((response_groups,), {Traced}, "its groups are made with its table, from paths: `pits/traced.py`"),
     ((section_of,), {Elliptical, Eased, Mirrored, Placed, Merged, Spall, Scanned}, "their paths are traced"),
-    ((roller_at_pit,), {Impulse}, "it has no pits"),
+    ((roller_at_defect,), {Impulse}, "it has no pits"),
     (
         (accelerations, degrees_of_freedom, linearise, next_jump),
         {Static, Impulse},
@@ -207,7 +207,7 @@ def test_any_one_that_is_taken_away_is_missed() -> None:
     assert len(pairs) > 290
 
 
-@pytest.mark.parametrize(("one", "kind"), [(pit_response_gradient, Traced), (hold_mounted_ring, RigidMount)])
+@pytest.mark.parametrize(("one", "kind"), [(defect_response_gradient, Traced), (hold_mounted_ring, RigidMount)])
 def test_a_type_that_is_taken_away_from_one_is_named(one: Any, kind: type) -> None:
     said = complaints(FOUND | {one: FOUND[one] - {kind}})
     assert said == [f"{one.__name__} has none for {kind.__name__}"]
@@ -234,4 +234,4 @@ def test_a_new_type_is_wanted_everywhere() -> None:
 def test_generics_of_one_family_are_found_together(one: Any, other: Any) -> None:
     (family,) = (generics for generics, _ in families(FOUND) if one in generics)
     assert other in family
-    assert pit_response_gradient not in family
+    assert defect_response_gradient not in family

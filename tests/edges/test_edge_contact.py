@@ -7,11 +7,11 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from bearingsim.core.defects.closed_forms import groups_of
+from bearingsim.core.defects.edge_contact import EdgeContact, edge_contact, narrowed_contact, one_edge, two_edges
+from bearingsim.core.defects.excitations import Envelope, defect_response, response_groups
+from bearingsim.core.defects.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, X_E
 from bearingsim.core.jit import jit
-from bearingsim.core.pits.closed_forms import groups_of
-from bearingsim.core.pits.edge_contact import EdgeContact, edge_contact, narrowed_contact, one_edge, two_edges
-from bearingsim.core.pits.excitations import Envelope, pit_response, response_groups
-from bearingsim.core.pits.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, X_E
 from benchmarks.edges.edge import bodies, corrected_ratio, crossed
 from benchmarks.edges.half_space import two_half_planes
 from benchmarks.edges.pressed import press
@@ -75,7 +75,7 @@ def test_a_flat_wall(shape, width, depth):
     body = two_half_planes(t, PAIR.E_star, PAIR.D)
     (row,) = rows_of(shape, width, depth, excitation=EDGES._replace(rho=1e-9))
     for x in np.linspace(-1.0, 5.0, 7) * HALF:
-        share, h, _ = pit_response(EDGES._replace(rho=1e-9), row, x - width / 2.0, R)
+        share, h, _ = defect_response(EDGES._replace(rho=1e-9), row, x - width / 2.0, R)
         found = press(body, gap + (t - x) ** 2 / (2.0 * R), FORCE).approach
         assert h + share**-0.9 * PAIR.approach(FORCE) == pytest.approx(found, rel=0.025)
 
@@ -94,8 +94,8 @@ def test_it_is_the_envelope_with_a_share(shape, width, depth, place):
     for row, usual in zip(
         rows_of(shape, width, depth), rows_of(shape, width, depth, excitation=Envelope()), strict=True
     ):
-        share, h, slope = pit_response(EDGES, row, place * width, R)
-        _, expected, steepness = pit_response(Envelope(), usual, place * width, R + EDGES.rho)
+        share, h, slope = defect_response(EDGES, row, place * width, R)
+        _, expected, steepness = defect_response(Envelope(), usual, place * width, R + EDGES.rho)
         assert (h, slope) == pytest.approx((expected, steepness), rel=1e-9, abs=1e-15)
         assert 0.2 < share < 1.3
         if abs(place * width) >= row[GROUP_HALF_WIDTH]:
@@ -106,7 +106,7 @@ def test_it_is_the_envelope_with_a_share(shape, width, depth, place):
 def test_slopes_have_the_bound_that_impact_speeds_are_estimated_with(shape, width, depth, place):
     for row in rows_of(shape, width, depth):
         bound = min(row[GROUP_HALF_WIDTH], row[X_E], sqrt(2 * R * row[DEPTH])) / R
-        assert abs(pit_response(EDGES, row, place * width, R)[2]) <= bound * (1 + 1e-9)
+        assert abs(defect_response(EDGES, row, place * width, R)[2]) <= bound * (1 + 1e-9)
 
 
 @settings(max_examples=200)
@@ -116,7 +116,7 @@ def test_the_approach_at_the_reference_load_is_continuous(width, depth, place):
     (row,) = rows_of("rectangular", width, depth)
     assume(row[GROUP_HALF_WIDTH] > 1e-9)
     s, step = place * row[GROUP_HALF_WIDTH], 1e-9
-    (share, h, _), (other, sunk, _) = pit_response(EDGES, row, s, R), pit_response(EDGES, row, s + step, R)
+    (share, h, _), (other, sunk, _) = defect_response(EDGES, row, s, R), defect_response(EDGES, row, s + step, R)
     full = PAIR.approach(FORCE)
     change = (h + share**-0.9 * full) - (sunk + other**-0.9 * full)
     assert abs(change) <= 0.35 * step + 1e-14 + 1e-3 * full * (abs(s) > 0.99 * row[GROUP_HALF_WIDTH])
@@ -125,7 +125,7 @@ def test_the_approach_at_the_reference_load_is_continuous(width, depth, place):
 def test_a_pit_shorter_than_the_roller():
     rows = rows_of("rectangular", 0.8e-3, 5e-5, length=0.003)
     assert [row[GROUP_WEIGHT] for row in rows] == pytest.approx([0.75, 0.25])
-    assert pit_response(EDGES, rows[0], 0.0, R) == (1.0, 0.0, 0.0)
+    assert defect_response(EDGES, rows[0], 0.0, R) == (1.0, 0.0, 0.0)
 
 
 def test_what_cannot_be():
@@ -137,10 +137,10 @@ def test_what_cannot_be():
 def test_compiled_it_is_the_same():
     @jit
     def call(excitation, group, s, R):
-        return pit_response(excitation, group, s, R)
+        return defect_response(excitation, group, s, R)
 
     for shape, depth in (("rectangular", 5e-5), ("triangular", 5e-6)):
         (row,) = rows_of(shape, 0.8e-3, depth)
         for s in np.linspace(-5e-4, 5e-4, 41):
-            assert call(EDGES, row, s, R) == pytest.approx(pit_response(EDGES, row, s, R), rel=1e-12)
+            assert call(EDGES, row, s, R) == pytest.approx(defect_response(EDGES, row, s, R), rel=1e-12)
     assert isinstance(EDGES, EdgeContact)

@@ -11,8 +11,8 @@ import numpy as np
 from scipy.linalg import solve
 from scipy.optimize import minimize
 
-from bearingsim.core.pits.closed_forms import roller_drop
-from bearingsim.core.pits.pairs import RADIUS
+from bearingsim.core.defects.closed_forms import roller_drop
+from bearingsim.core.defects.pairs import RADIUS
 
 STEP = 1e-6  # of a state, for the slopes of forces
 CONVERGED = 1e-8  # of the load; rounding of places leaves 1e-10 of it
@@ -31,7 +31,7 @@ def angles(model):
 
 def sinking(model):
     """Sinking (Z, slices) of each slice at the outer race's pit, if there is one."""
-    pits, h = model.pits, np.zeros((model.bearing.Z, len(model.slices.table)))
+    pits, h = model.defects, np.zeros((model.bearing.Z, len(model.slices.table)))
     if len(pits.head):
         away = pits.head[0, RADIUS] * np.angle(np.exp(1j * (angles(model) - pits.head[0, 2])))
         for row, s in zip(h, away, strict=True):

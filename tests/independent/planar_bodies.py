@@ -9,13 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingsim.core import layout as lay
-from bearingsim.core.geometry.motion import kinematic_time
-from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
-from bearingsim.core.laws.friction.traction import Traction
-from bearingsim.core.laws.stiffness.series import as_power
-from bearingsim.core.parts.cage import FreeCage, OilDrag, RingGuided, RollerGuided
-from bearingsim.core.parts.shaft import ElasticShaft, TorsionSpring
-from bearingsim.core.pits.pairs import (
+from bearingsim.core.defects.pairs import (
     ANGLE,
     CARRIER,
     DEPTH,
@@ -27,6 +21,12 @@ from bearingsim.core.pits.pairs import (
     REDUCED_RADIUS,
     SIDE,
 )
+from bearingsim.core.geometry.motion import kinematic_time
+from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
+from bearingsim.core.laws.friction.traction import Traction
+from bearingsim.core.laws.stiffness.series import as_power
+from bearingsim.core.parts.cage import FreeCage, OilDrag, RingGuided, RollerGuided
+from bearingsim.core.parts.shaft import ElasticShaft, TorsionSpring
 
 
 def places(Z: int) -> np.ndarray:
@@ -165,7 +165,7 @@ def race(s: Scene, outer: bool) -> Flow:
     n = apart / rho
     delta, closing = (rho + b.R_w - b.R_o if outer else b.R_i + b.R_w - rho), sign * dot(n, speed)
     found = press(law, delta, closing, 0.0)
-    for head, groups in zip(model.pits.head, model.pits.groups, strict=True):
+    for head, groups in zip(model.defects.head, model.defects.groups, strict=True):
         if head[SIDE] == (0 if outer else 1):
             x, x_rate = passing(s, head, ring, n, sign, dot(1j * n, speed) / rho)
             over = over_pit(law, delta, closing, head, groups, x, x_rate)

@@ -9,13 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingsim.core import layout as lay
-from bearingsim.core.geometry.motion import kinematic_time
-from bearingsim.core.parts.cage import FreeCage, OilDrag, RollerGuided
-from bearingsim.core.parts.cage_in_space import CageInSpace
-from bearingsim.core.parts.flanges import Flanges
-from bearingsim.core.parts.mounts import ElasticMount
-from bearingsim.core.parts.shaft import ElasticShaft, TorsionSpring
-from bearingsim.core.pits.pairs import (
+from bearingsim.core.defects.pairs import (
     ANGLE,
     CARRIER,
     DEPTH,
@@ -26,6 +20,12 @@ from bearingsim.core.pits.pairs import (
     REDUCED_RADIUS,
     SIDE,
 )
+from bearingsim.core.geometry.motion import kinematic_time
+from bearingsim.core.parts.cage import FreeCage, OilDrag, RollerGuided
+from bearingsim.core.parts.cage_in_space import CageInSpace
+from bearingsim.core.parts.flanges import Flanges
+from bearingsim.core.parts.mounts import ElasticMount
+from bearingsim.core.parts.shaft import ElasticShaft, TorsionSpring
 from tests.independent.planar_bodies import force, mu
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -187,7 +187,7 @@ def race(s: Scene, outer: bool) -> Flow:
     delta = sigma * (rho - (b.R_o if outer else b.R_i)) + b.R_w - drop
     rate = sigma * dot(n, speed)
     h, lean = np.zeros(delta.shape), np.zeros(delta.shape)
-    for head, groups in zip(model.pits.head, model.pits.groups, strict=True):
+    for head, groups in zip(model.defects.head, model.defects.groups, strict=True):
         if head[SIDE] == (0 if outer else 1):
             x, x_rate = passing(s, head, ring, rollers, sigma * n, dot(tau, speed) / rho)
             deep, slope = box(head, groups, x)

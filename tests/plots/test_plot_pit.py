@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from bearingsim import store
-from bearingsim.core.pits.closed_forms import bowl, box, groove, roller_drop
-from bearingsim.core.pits.depth import Circular, Merged, Placed
+from bearingsim.core.defects.closed_forms import bowl, box, groove, roller_drop
+from bearingsim.core.defects.depth import Circular, Merged, Placed
 from bearingsim.plots import PlotError, plot
 from bearingsim.plots.passage import cut, distinct_sections, pits_of
 from bearingsim.plots.pit import SECTION_IN, exaggeration

@@ -3,7 +3,7 @@
 import numpy as np
 from hypothesis import strategies as st
 
-from bearingsim.core.pits.depth import (
+from bearingsim.core.defects.depth import (
     Circular,
     Eased,
     Elliptical,
@@ -13,9 +13,9 @@ from bearingsim.core.pits.depth import (
     Scanned,
     Triangular,
 )
-from bearingsim.core.pits.pairs import inner_reduced_radius, outer_reduced_radius
-from bearingsim.core.pits.profile import depth_at
-from bearingsim.core.pits.spall import Spall
+from bearingsim.core.defects.pairs import inner_reduced_radius, outer_reduced_radius
+from bearingsim.core.defects.profile import depth_at
+from bearingsim.core.defects.spall import Spall
 
 R_OUTER, R_INNER = outer_reduced_radius(0.006, 0.0385), inner_reduced_radius(0.006, 0.0265)
 SMOOTH = (Rectangular, Triangular, Circular, Elliptical)

@@ -7,6 +7,10 @@ import numpy as np
 from bearingsim.assemble.rest import static_bearing, static_model
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import Monitor, advance, start_at_rest
+from bearingsim.core.defects.closed_forms import groups_of
+from bearingsim.core.defects.depth import Rectangular
+from bearingsim.core.defects.excitations import Envelope
+from bearingsim.core.defects.pairs import INNER, ON_INNER, ON_OUTER, OUTER, RollerDefectPair, pack_defects
 from bearingsim.core.geometry.motion import Steady
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
@@ -23,10 +27,6 @@ from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.parts.cage import Centred, FreeCage, OilDrag, RollerGuided
 from bearingsim.core.parts.shaft import FixedRing, RigidShaft, TorsionSpring
-from bearingsim.core.pits.closed_forms import groups_of
-from bearingsim.core.pits.depth import Rectangular
-from bearingsim.core.pits.excitations import Envelope
-from bearingsim.core.pits.pairs import INNER, ON_INNER, ON_OUTER, OUTER, RollerPitPair, pack_pits
 from tests.independent import planar
 
 FAR = 0.01  # m: a pocket that no roller touches
@@ -92,7 +92,7 @@ def friction(given: Any) -> Any:
     return StaticDynamic(mu_s, mu_d, 0.02, 0.1)
 
 
-def meetings(scene: planar.Scene, pit: planar.Pit) -> list[RollerPitPair]:
+def meetings(scene: planar.Scene, pit: planar.Pit) -> list[RollerDefectPair]:
     """A box over the full length, as each contact meets it."""
     rings: dict[Any, tuple[int, float, tuple[int, ...]]] = {
         planar.OUTER: (ON_OUTER, scene.R_o, (OUTER,)),
@@ -101,7 +101,7 @@ def meetings(scene: planar.Scene, pit: planar.Pit) -> list[RollerPitPair]:
     on, radius, sides = rings.get(pit.on) or (pit.on[1], scene.R_w, (OUTER, INNER))
     reduced = {OUTER: scene.reduced(planar.OUTER), INNER: scene.reduced(planar.INNER)}
     return [
-        RollerPitPair(
+        RollerDefectPair(
             side,
             on,
             pit.angle,
@@ -132,7 +132,7 @@ def carried(scene: planar.Scene) -> Planar:
     law = (HuntCrossley if scene.clamp else Unclamped)(TenNinths(scene.elastic.k), scene.damping.chi)
     load = complex(scene.load)
     healthy = static_bearing(
-        bearing, Support(load.real, load.imag, 0.0, 0.0, 0.0, 0.0), law, law, pack_pits([], Envelope())
+        bearing, Support(load.real, load.imag, 0.0, 0.0, 0.0, 0.0), law, law, pack_defects([], Envelope())
     )
     rest = mean_rest(healthy, lay.buffer(scene.Z, scene.m_r), samples=16)  # as many as the reference
     wall = HuntCrossley(Linear(max(scene.pocket_stiffness, 1.0)), scene.pocket_chi)
@@ -149,7 +149,7 @@ def carried(scene: planar.Scene) -> Planar:
         support=Support(load.real, load.imag, scene.k_b, scene.c_b, rest.x, rest.y),
         outer=law,
         inner=law,
-        pits=pack_pits([one for pit in scene.pits for one in meetings(scene, pit)], Envelope()),
+        defects=pack_defects([one for pit in scene.pits for one in meetings(scene, pit)], Envelope()),
         motion=Steady(),
         friction=friction(scene.friction),
         cage=free,

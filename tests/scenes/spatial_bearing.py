@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from bearingsim.core import layout as lay
+from bearingsim.core.defects.pairs import GROUP_COUNT, GROUP_HALF_WIDTH, GROUP_WEIGHT, HALF_WIDTH
 from bearingsim.core.geometry.slices import Slices, slices
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
@@ -18,7 +19,6 @@ from bearingsim.core.parts.cage import KinematicCage
 from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace
 from bearingsim.core.parts.flanges import Flanges
 from bearingsim.core.parts.mounts import RigidMount
-from bearingsim.core.pits.pairs import GROUP_COUNT, GROUP_HALF_WIDTH, GROUP_WEIGHT, HALF_WIDTH
 
 L_W = 12e-3
 STRAIGHT = RigidMount(0.0, 0.0)
@@ -62,7 +62,9 @@ def in_space(model: Any, cut: Slices, reach: Any = None, **given: Any) -> Spatia
     b = model.bearing
     fields = model._asdict()
     lag = fields.pop("lag")
-    fields["pits"] = felt_by_slices(model.pits, cut.table, reach) if len(model.pits.head) else model.pits
+    fields["defects"] = (
+        felt_by_slices(model.defects, cut.table, reach) if len(model.defects.head) else model.defects
+    )
     rest = {
         "slices": cut,
         "L_w": L_W,

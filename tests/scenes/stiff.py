@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingsim.core import layout as lay
+from bearingsim.core.defects.jumps import next_jump
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.general import General, Power
 from bearingsim.core.laws.damping.interface import normal_force, slopes
@@ -19,7 +20,6 @@ from bearingsim.core.models.interface import (
     update_extremes,
 )
 from bearingsim.core.parameters import Bearing
-from bearingsim.core.pits.jumps import next_jump
 
 UNIT = Bearing(1, 1.0, 3.0, 1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0)
 """One roller of 1 kg."""

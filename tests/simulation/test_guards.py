@@ -12,8 +12,8 @@ import pytest
 from bearingsim.core import layout as lay
 from bearingsim.core import outcomes
 from bearingsim.core.advance import Monitor, advance_and_sample
+from bearingsim.core.defects.crossings import missed_crossings, passages
 from bearingsim.core.methods.verlet import Verlet
-from bearingsim.core.pits.crossings import missed_crossings, passages
 from bearingsim.errors import Refused
 from bearingsim.simulation import choice, limits, step_check, time_grid
 from bearingsim.simulation.integration import set_up
@@ -81,7 +81,7 @@ def test_a_crossing_that_was_not_seen_is_missed() -> None:
     setup = set_up(choice.resolved(case(**VERLET)))
     y = at_rest(setup.model)
     before = [passages(setup.model, 0, 0.0, y)]
-    y[lay.PIT_CROSSINGS] = y[lay.PAIR_CROSSINGS] = 15.0
+    y[lay.DEFECT_CROSSINGS] = y[lay.PAIR_CROSSINGS] = 15.0
     for seen, unseen in ((16, 0), (15, 0), (14, 0), (13, 1), (3, 11)):
         y[lay.PAIR_CROSSINGS] = seen
         assert missed_crossings(setup.model, 15.5 / RATE, before, y) == unseen

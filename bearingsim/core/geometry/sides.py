@@ -88,12 +88,12 @@ def _side_rows_inner(side):
 
 @contact_rows.register(OuterSide)
 def _contact_rows_outer(side):
-    return lay.Q_O, lay.DELTA_O, lay.V_O, lay.SLIP_O, lay.PIT_FORCE_O
+    return lay.Q_O, lay.DELTA_O, lay.V_O, lay.SLIP_O, lay.DEFECT_FORCE_O
 
 
 @contact_rows.register(InnerSide)
 def _contact_rows_inner(side):
-    return lay.Q_I, lay.DELTA_I, lay.V_I, lay.SLIP_I, lay.PIT_FORCE_I
+    return lay.Q_I, lay.DELTA_I, lay.V_I, lay.SLIP_I, lay.DEFECT_FORCE_I
 
 
 @normal_rows.register(OuterSide)

@@ -2,7 +2,7 @@
 
 A slice is a short disc of the roller; its middle stands zeta (m) along the axis from the roller's middle, it
 carries the part w of the roller's contact (its part of the length), and is smaller than the roller by the drop of
-the profile. Slices end where pits end, and are of even length in between: the midpoint rule, of second order
+the profile. Slices end where defects end, and are of even length in between: the midpoint rule, of second order
 however the load ends along the roller (docs/spatial.md).
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 
 ZETA, WEIGHT, DROP = range(3)  # columns of a slice
 MAX_SLICES = 64
-PIT_DENSITY = 3.0  # how many times as dense slices lie where a pit is
+DEFECT_DENSITY = 3.0  # how many times as dense slices lie where a defect is
 
 
 class Slices(NamedTuple):
@@ -23,16 +23,16 @@ class Slices(NamedTuple):
     table: np.ndarray
 
 
-def slice_edges(L_w: float, pits: Iterable[tuple[float, float]], n: int) -> np.ndarray:
+def slice_edges(L_w: float, defects: Iterable[tuple[float, float]], n: int) -> np.ndarray:
     """Return the ends (m, from the middle) of at least ``n`` slices of a roller of length ``L_w`` (m), (n + 1,).
 
-    pits: from where to where (m) each pit reaches along the roller. Every end of a pit is an end of a slice, so
-    there can be more than ``n``; at most ``MAX_SLICES``, else ``ValueError``.
+    defects: from where to where (m) each defect reaches along the roller. Every end of a defect is an end of a
+    slice, so there can be more than ``n``; at most ``MAX_SLICES``, else ``ValueError``.
     """
-    inside = [(max(a, -L_w / 2.0), min(b, L_w / 2.0)) for a, b in pits]
-    cuts = np.unique(np.round([-L_w / 2.0, L_w / 2.0, *(end for pit in inside for end in pit)], 12))
+    inside = [(max(a, -L_w / 2.0), min(b, L_w / 2.0)) for a, b in defects]
+    cuts = np.unique(np.round([-L_w / 2.0, L_w / 2.0, *(end for defect in inside for end in defect)], 12))
     middles, lengths = (cuts[1:] + cuts[:-1]) / 2.0, np.diff(cuts)
-    denser = [PIT_DENSITY if any(a < middle < b for a, b in inside) else 1.0 for middle in middles]
+    denser = [DEFECT_DENSITY if any(a < middle < b for a, b in inside) else 1.0 for middle in middles]
     wanted = n * lengths * denser / np.sum(lengths * denser)
     counts = np.maximum(1, np.ceil(wanted - 1e-9)).astype(int)
     if counts.sum() > MAX_SLICES:

@@ -11,7 +11,7 @@ a sum and not a mean: one roller that hits is not averaged away by twelve that d
 control (Gustafsson 1991; Hairer and Wanner, Solving ODEs II, sec. IV.2), which also keeps an explicit method
 quiet where stability limits it. First step: Hairer, Norsett and Wanner, Solving ODEs I, sec. II.4.
 
-At a jump (``pits/jumps.py``) a step ends just before it, and the next begins just after it: no method looks
+At a jump (``defects/jumps.py``) a step ends just before it, and the next begins just after it: no method looks
 across. What lies between is less than rounding leaves of the time; explicit methods take it by the trapezoidal
 rule.
 """
@@ -22,6 +22,7 @@ from typing import Any
 
 from bearingsim.core import layout as lay
 from bearingsim.core.clock import is_over
+from bearingsim.core.defects.jumps import next_jump
 from bearingsim.core.jit import add, generic, jit
 from bearingsim.core.methods.interface import attempt, interpolate, no_limit, prepare, reach, stability_ratio, step
 from bearingsim.core.models.arms import roller_arms, shared_arms
@@ -35,7 +36,6 @@ from bearingsim.core.models.interface import (
 )
 from bearingsim.core.outcomes import STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS, TOO_SLOW
 from bearingsim.core.parameters import lanes
-from bearingsim.core.pits.jumps import next_jump
 
 ADAPTIVE = "adaptive tableau rodas backward-euler generalized-alpha"  # owners of what every adaptive method keeps
 # states at the start and at the end of a step

@@ -1,6 +1,6 @@
 """Not an integrator: the balance found anew at every step, for models without inertia.
 
-Velocity and acceleration at t are differences of the places at t - h, t and t + h. A pit's cusp makes the true
+Velocity and acceleration at t are differences of the places at t - h, t and t + h. A defect's cusp makes the true
 velocity jump, and samples of a jump have a wrong mean; differences of places add up to the way gone, so lines come
 out right.
 """

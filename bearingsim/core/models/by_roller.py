@@ -37,7 +37,7 @@ def load_roller(model: Any, common: Any, y: np.ndarray, j: int) -> None:
 
 @generic(inline="late")
 def accelerate_shared(model: Any, common: Any, t: float, y: np.ndarray) -> Any:
-    """Correct the rollers that stand over a pit, sum up, and accelerate rings and cage.
+    """Correct the rollers that stand over a defect, sum up, and accelerate rings and cage.
 
     Returns what the rollers' own acceleration needs of it, as numbers.
     """

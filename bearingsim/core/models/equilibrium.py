@@ -17,6 +17,8 @@ import numpy as np
 from bearingsim import cpu_time
 from bearingsim.core import layout as lay
 from bearingsim.core.clock import is_over
+from bearingsim.core.defects.on_roller import elastic_over_defect, is_masked, roller_at_defect
+from bearingsim.core.defects.pairs import HALF_WIDTH, INNER, OUTER, SIDE
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.laws.damping.interface import damping_bound, in_series
 from bearingsim.core.laws.stiffness.interface import tangent
@@ -24,12 +26,10 @@ from bearingsim.core.laws.stiffness.series import series_share
 from bearingsim.core.models.outer_ring import static_force
 from bearingsim.core.parameters import kinematic_angles, lanes
 from bearingsim.core.parts.bending import Bending, NoSprings, Stiff, bend, bend_race, held_place
-from bearingsim.core.pits.on_roller import elastic_over_pit, is_masked, roller_at_pit
-from bearingsim.core.pits.pairs import HALF_WIDTH, INNER, OUTER, SIDE
 
 (K_SERIES,) = lay.rows(lay.WORK, "N/m", "rest bent", "start")  # stiffness of a roller's two contacts in series
-# of the outer contact, and a row on of the inner: the roller-pit pair in which it stands (-1: none), and its
-# distance from the pit's middle
+# of the outer contact, and a row on of the inner: the roller-defect pair in which it stands (-1: none), and its
+# distance from the defect's middle
 PAIR, _, DISTANCE, _ = lay.rows(lay.WORK + lay.ROW, "1, 1, m, m", "rest bent", "start")
 RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
 MAX_STEPS = 200
@@ -46,14 +46,14 @@ class NoEquilibrium(ArithmeticError):
 
 
 @jit
-def contact_force(contact, side, pits, y, j, delta):
+def contact_force(contact, side, defects, y, j, delta):
     """Return the force (N), slope (N/m) and mean approach (m) of a contact of roller ``j``, ``delta`` (m) in the
     race.
 
     side: OUTER or INNER.
     """
     d, s = int(y[PAIR + side * lay.ROW + j]), y[DISTANCE + side * lay.ROW + j]
-    return elastic_over_pit(contact.stiffness, pits, d, s, delta)
+    return elastic_over_defect(contact.stiffness, defects, d, s, delta)
 
 
 @jit
@@ -61,8 +61,8 @@ def excess_force(model, y, j, touch, q):
     """Return the net inward force (N) on a roller at ``q`` (m) and its slope; ``touch`` is where it meets the
     outer race."""
     bearing = model.bearing
-    outer, k_o, _ = contact_force(model.outer, OUTER, model.pits, y, j, q - touch)
-    inner, k_i, _ = contact_force(model.inner, INNER, model.pits, y, j, -bearing.gap - q)
+    outer, k_o, _ = contact_force(model.outer, OUTER, model.defects, y, j, q - touch)
+    inner, k_i, _ = contact_force(model.inner, INNER, model.defects, y, j, -bearing.gap - q)
     r = 0.5 * (bearing.R_o + bearing.R_i) + q
     return outer - inner - bearing.m_r * bearing.omega_c * bearing.omega_c * r, k_o + k_i
 
@@ -73,7 +73,7 @@ def roller_balance(model, y, j, u_r):
 
     Newton's method from where a roller without mass would be over undamaged races. It goes out by no more than a
     reach that doubles until the outer race holds the roller; from then on it halves the bracket wherever its own
-    step leaves it or does not shrink fast. The rows PAIR and DISTANCE say where the roller stands over a pit.
+    step leaves it or does not shrink fast. The rows PAIR and DISTANCE say where the roller stands over a defect.
     """
     gap = model.bearing.gap
     touch, pressed = u_r + gap, -2.0 * gap - u_r
@@ -106,26 +106,26 @@ def roller_balance(model, y, j, u_r):
 
 
 @jit
-def locate_pits(model, t, y):
-    """Fill the rows PAIR and DISTANCE: the roller-pit pair each contact stands in, and its distance (m) from the
-    middle.
+def locate_defects(model, t, y):
+    """Fill the rows PAIR and DISTANCE: the roller-defect pair each contact stands in, and its distance (m) from
+    the middle.
     """
-    pits = model.pits
+    defects = model.defects
     for j in range(model.bearing.Z):
         y[PAIR + j] = -1.0
         y[PAIR + lay.ROW + j] = -1.0
-    for d in range(len(pits.head)):
-        j, s = roller_at_pit(model, d, t, y)
-        if abs(s) < pits.head[d, HALF_WIDTH] and not is_masked(model, d, j, s, t, y):
-            row = lay.ROW * int(pits.head[d, SIDE])
+    for d in range(len(defects.head)):
+        j, s = roller_at_defect(model, d, t, y)
+        if abs(s) < defects.head[d, HALF_WIDTH] and not is_masked(model, d, j, s, t, y):
+            row = lay.ROW * int(defects.head[d, SIDE])
             y[PAIR + row + j], y[DISTANCE + row + j] = d, s
 
 
 @jit
 def balance_rollers(model, t, y):
     """Balance every roller for the ring position in ``y``; fills its angle, approach, force and K_SERIES rows."""
-    bearing, pits = model.bearing, model.pits
-    locate_pits(model, t, y)
+    bearing, defects = model.bearing, model.defects
+    locate_defects(model, t, y)
     theta_c, _, _ = kinematic_angles(bearing, t)
     C, S = cos(theta_c), sin(theta_c)
     bend_race(model.bending, C, S, bearing.omega_c, y, lanes(bearing))
@@ -136,8 +136,8 @@ def balance_rollers(model, t, y):
         q = roller_balance(model, y, j, u_r)
         y[lay.COS + j], y[lay.SIN + j], y[lay.RADIAL + j] = c, s, q
         outer, inner = q - u_r - bearing.gap, -bearing.gap - q
-        y[lay.Q_O + j], k_o, y[lay.DELTA_O + j] = contact_force(model.outer, OUTER, pits, y, j, outer)
-        y[lay.Q_I + j], k_i, y[lay.DELTA_I + j] = contact_force(model.inner, INNER, pits, y, j, inner)
+        y[lay.Q_O + j], k_o, y[lay.DELTA_O + j] = contact_force(model.outer, OUTER, defects, y, j, outer)
+        y[lay.Q_I + j], k_i, y[lay.DELTA_I + j] = contact_force(model.inner, INNER, defects, y, j, inner)
         carries = y[lay.Q_O + j] > 0.0 and y[lay.Q_I + j] > 0.0
         y[K_SERIES + j] = k_o * k_i / (k_o + k_i) if carries else 0.0
 

@@ -1,11 +1,11 @@
-"""``impulse``: the ring alone, an oscillator along e_0 and another along e_90, struck when rollers meet pits.
+"""``impulse``: the ring alone, an oscillator along e_0 and another along e_90, struck when rollers meet defects.
 
     m x'' + C_x x' + K_x x = sum_k J_x,k delta(t - t_k),      and the same in y
 
 x and y are displacements from the place where the healthy bearing rests. After McFadden and Smith (J. Sound Vib.
 96, 1984, 69-82, one point defect; 98, 1985, 263-273, several): a train of impulses, as strong as the load where
 each acts, through the transfer function of what it strikes. Theirs leads to a resonance of the machine; here it is
-that of the rigid ring on its rollers. Times and strengths: ``pits/impulse_train.py``.
+that of the rigid ring on its rollers. Times and strengths: ``defects/impulse_train.py``.
 
 Left out: the rollers (no contact forces), that stiffness varies as they pass, that it falls while one of them
 carries nothing, and the coupling of the two directions, which vanishes on average over a ball pass.
@@ -16,10 +16,10 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.core import layout as lay
+from bearingsim.core.defects.crossings import count_crossings
 from bearingsim.core.jit import jit
 from bearingsim.core.models.interface import ModelKind, solved, state_width, update_extremes
 from bearingsim.core.parameters import Bearing
-from bearingsim.core.pits.crossings import count_crossings
 
 
 class Impulse(NamedTuple):

@@ -10,7 +10,7 @@ from bearingsim.core.jit import generic
 class ModelKind(NamedTuple):
     """Properties of a model's code; its other properties stand in the catalogue.
 
-    parameters: its ``NamedTuple``; per_crossing: steps of an automatic run over the narrowest pit.
+    parameters: its ``NamedTuple``; per_crossing: steps of an automatic run over the narrowest defect.
     """
 
     parameters: type

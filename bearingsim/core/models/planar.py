@@ -6,11 +6,11 @@ rho = |c_j - u| the distance of a roller from the ring's centre, n from there to
 
     delta_o = rho + R_w - R_o - h(s),   s = R_o (angle of n - psi - phi_d),   force on the roller  -Q_o (n + g tau)
 
-where g = -h'(s) R_o/rho: at a pit the contact's normal tilts, so that its edge pushes the roller along. Likewise
-at the inner race. Slip at a contact is the speed of the roller's surface over the race's, across the normal that a
-pit tilts, the roller's arm being R_w - delta/2, and the friction -mu(slip) Q. No small angle is taken for u: the
-linear approach q - u.e_r would do work on a closed path. Angles and turns are kept beyond their kinematic values,
-so no digits are lost.
+where g = -h'(s) R_o/rho: at a defect the contact's normal tilts, so that its edge pushes the roller along.
+Likewise at the inner race. Slip at a contact is the speed of the roller's surface over the race's, across the
+normal that a defect tilts, the roller's arm being R_w - delta/2, and the friction -mu(slip) Q. No small angle is
+taken for u: the linear approach q - u.e_r would do work on a closed path. Angles and turns are kept beyond their
+kinematic values, so no digits are lost.
 
 Left out: tilt, skew and axial motion of rollers, the bending of rings and cage, oil films as springs.
 """
@@ -19,6 +19,18 @@ from math import cos, sin, sqrt
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
+from bearingsim.core.defects.jumps import next_jump, next_jump_freely
+from bearingsim.core.defects.on_roller import correct_contact, is_masked, roller_at_defect
+from bearingsim.core.defects.pairs import (
+    CARRIER,
+    HALF_WIDTH,
+    ON_INNER,
+    OUTER,
+    RADIUS,
+    SIDE,
+    Defects,
+    nearest_roller,
+)
 from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.geometry.plane import Centre, approach, centre_at, roller_direction, small_angle
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, contact_rows, normal_rows, sign
@@ -57,9 +69,6 @@ from bearingsim.core.parts.shaft import (
     damper_per_mass,
     spring_per_mass,
 )
-from bearingsim.core.pits.jumps import next_jump, next_jump_freely
-from bearingsim.core.pits.on_roller import correct_contact, is_masked, roller_at_pit
-from bearingsim.core.pits.pairs import CARRIER, HALF_WIDTH, ON_INNER, OUTER, RADIUS, SIDE, Pits, nearest_roller
 from bearingsim.core.sums import sum_loads
 
 AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's slope
@@ -77,7 +86,7 @@ class Planar(NamedTuple):
     support: Support
     outer: Any
     inner: Any
-    pits: Pits
+    defects: Defects
     motion: Any
     friction: Any
     cage: Any
@@ -101,15 +110,15 @@ def _monitored(model):
 next_jump.register(Planar)(next_jump_freely)
 
 
-@roller_at_pit.register(Planar)
-def _roller_at_pit(model, d, t, y):
+@roller_at_defect.register(Planar)
+def _roller_at_defect(model, d, t, y):
     """Find the roller from the places of rollers, rings and cage, and the rows that ``approach`` fills."""
-    b, head = model.bearing, model.pits.head[d]
+    b, head = model.bearing, model.defects.head[d]
     time, _, _ = kinematic_time(model.motion, t)
     turned = b.omega_c * time + y[lay.POSITION + lay.PHI_C]
     own, outer = head[CARRIER] >= 0.0, head[SIDE] == OUTER
     roll = turned - (b.omega_c - b.omega_b) * time - (y[lay.SPIN + int(head[CARRIER])] if own else 0.0)
-    j, s = nearest_roller(model.pits, d, b.theta_0 + turned, b.omega_i * time, roll, b.Z)
+    j, s = nearest_roller(model.defects, d, b.theta_0 + turned, b.omega_i * time, roll, b.Z)
     tilted = small_angle(y[lay.NORMAL_O_T + j] if outer else y[lay.NORMAL_I_T + j])
     return j, s + head[RADIUS] * (
         y[lay.EPS + j] + tilted - (y[lay.POSITION + lay.PSI] if outer and not own else 0.0)
@@ -167,7 +176,7 @@ def _load_roller(model, common, y, j):
     approach(InnerSide(), model.bearing, common.inner, common.omega_cage, y, j)
     y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
     y[lay.Q_I + j] = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
-    y[lay.PIT_TORQUE + j] = 0.0
+    y[lay.DEFECT_TORQUE + j] = 0.0
     move_sideways(model, common, 0.0, 0.0, y, j)
 
 
@@ -176,7 +185,7 @@ def move_sideways(model, common, lean_o, lean_i, y, j):
     """Compute slip, friction, drag and pocket of roller ``j``: fills FORCE_R, FORCE_T, TORQUE and its loads on the
     rings.
 
-    lean_o, lean_i: tangent of the angle of the contacts' normals against n, in a pit.
+    lean_o, lean_i: tangent of the angle of the contacts' normals against n, in a defect.
 
     Equation (P5) of docs/planar.md, over a defect (P6); friction with the lag of a step: (P9).
     """
@@ -202,10 +211,10 @@ def move_sideways(model, common, lean_o, lean_i, y, j):
     k_o, k_i = mu(friction, s_o, u) * y[lay.Q_O + j] * s_i * per, mu(friction, s_i, u) * y[lay.Q_I + j] * s_o * per
     f_o, f_i = lagged_friction(k_o, k_i, s_o, s_i, along, across)
 
-    along_n, across_n = -y[lay.Q_O + j] - f_o * sin_o, y[lay.PIT_FORCE_O + j] - f_o * cos_o
+    along_n, across_n = -y[lay.Q_O + j] - f_o * sin_o, y[lay.DEFECT_FORCE_O + j] - f_o * cos_o
     o_r = along_n * y[lay.NORMAL_O_R + j] - across_n * y[lay.NORMAL_O_T + j]
     o_t = along_n * y[lay.NORMAL_O_T + j] + across_n * y[lay.NORMAL_O_R + j]
-    along_n, across_n = y[lay.Q_I + j] + f_i * sin_i, y[lay.PIT_FORCE_I + j] - f_i * cos_i
+    along_n, across_n = y[lay.Q_I + j] + f_i * sin_i, y[lay.DEFECT_FORCE_I + j] - f_i * cos_i
     i_r = along_n * y[lay.NORMAL_I_R + j] - across_n * y[lay.NORMAL_I_T + j]
     i_t = along_n * y[lay.NORMAL_I_T + j] + across_n * y[lay.NORMAL_I_R + j]
     y[lay.FRICTION_O + j], y[lay.FRICTION_I + j] = f_o, f_i
@@ -213,7 +222,7 @@ def move_sideways(model, common, lean_o, lean_i, y, j):
     weight, r = model.gravity * b.m_r, 0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j]
     y[lay.FORCE_R + j] = o_r + i_r + weight * c
     y[lay.FORCE_T + j] = o_t + i_t - weight * s + orbit_drag(drag, theta_v * r)
-    y[lay.TORQUE + j] = y[lay.PIT_TORQUE + j] + f_i * arm_i - f_o * arm_o
+    y[lay.TORQUE + j] = y[lay.DEFECT_TORQUE + j] + f_i * arm_i - f_o * arm_o
     y[lay.roller_load(lay.F_X) + j] = -o_r * c + o_t * s
     y[lay.roller_load(lay.F_Y) + j] = -o_r * s - o_t * c
     y[lay.roller_load(lay.M_RING) + j] = real * f_o * on_o
@@ -223,57 +232,57 @@ def move_sideways(model, common, lean_o, lean_i, y, j):
 
 
 @inlined
-def correct_for_pits(model, common, t, y):
-    """Correct each roller that stands over a pit; returns the torque (N m) of the pits on the outer ring."""
+def correct_for_defects(model, common, t, y):
+    """Correct each roller that stands over a defect; returns the torque (N m) of the defects on the outer ring."""
     torque = 0.0
-    for d in range(len(model.pits.head)):
-        j, s = roller_at_pit(model, d, t, y)
-        if abs(s) < model.pits.head[d, HALF_WIDTH]:
-            torque += correct_for_pit(model, common, d, j, s, t, y)
+    for d in range(len(model.defects.head)):
+        j, s = roller_at_defect(model, d, t, y)
+        if abs(s) < model.defects.head[d, HALF_WIDTH]:
+            torque += correct_for_defect(model, common, d, j, s, t, y)
     return torque
 
 
 @jit
-def correct_for_pit(model, common, d, j, s, t, y):
+def correct_for_defect(model, common, d, j, s, t, y):
     """Correct force, tilt of the normal and torque of roller ``j`` over roller-defect pair ``d``, and all that
     follows.
 
-    Returns the torque (N m) of the pit on the outer ring.
+    Returns the torque (N m) of the defect on the outer ring.
 
     Equations (P3) and (P4) of docs/planar.md.
     """
     if is_masked(model, d, j, s, t, y):
         return 0.0
-    pits, on = model.pits, model.pits.head[d, CARRIER]
-    own, outer = on >= 0.0, pits.head[d, SIDE] == OUTER
+    defects, on = model.defects, model.defects.head[d, CARRIER]
+    own, outer = on >= 0.0, defects.head[d, SIDE] == OUTER
     turning = common.omega_i if on == ON_INNER else common.turning
     turning = common.spin + y[lay.SPIN_V + j] if own else turning
     if outer:
-        sideways = tilt_contact(OuterSide(), model.outer, pits, d, j, s, turning, y)
+        sideways = tilt_contact(OuterSide(), model.outer, defects, d, j, s, turning, y)
     else:
-        sideways = tilt_contact(InnerSide(), model.inner, pits, d, j, s, turning, y)
-    torque = sideways * pits.head[d, RADIUS]
-    y[lay.PIT_TORQUE + j] -= torque if own else 0.0
-    lean_o = y[lay.PIT_FORCE_O + j] / max(y[lay.Q_O + j], 1e-300)
-    lean_i = y[lay.PIT_FORCE_I + j] / max(y[lay.Q_I + j], 1e-300)
+        sideways = tilt_contact(InnerSide(), model.inner, defects, d, j, s, turning, y)
+    torque = sideways * defects.head[d, RADIUS]
+    y[lay.DEFECT_TORQUE + j] -= torque if own else 0.0
+    lean_o = y[lay.DEFECT_FORCE_O + j] / max(y[lay.Q_O + j], 1e-300)
+    lean_i = y[lay.DEFECT_FORCE_I + j] / max(y[lay.Q_I + j], 1e-300)
     move_sideways(model, common, lean_o, lean_i, y, j)
     return -torque if outer and not own else 0.0
 
 
 @jit
-def tilt_contact(side, law, pits, d, j, s, turning, y):
-    """Correct one contact, whose pit turns at ``turning`` (rad/s), and tilt its normal.
+def tilt_contact(side, law, defects, d, j, s, turning, y):
+    """Correct one contact, whose defect turns at ``turning`` (rad/s), and tilt its normal.
 
     Returns the sideways part (N) of its force.
     """
     (_, _, rho, across, apart), (_, _, rate, _, tilt), radius = (
         normal_rows(side),
         contact_rows(side),
-        pits.head[d, RADIUS],
+        defects.head[d, RADIUS],
     )
     y[apart + j] = sign(side) * y[rate + j]
     speed = radius * (y[across + j] / y[rho + j] - turning)
-    sideways = correct_contact(side, law, pits, d, j, s, speed, y)
+    sideways = correct_contact(side, law, defects, d, j, s, speed, y)
     y[tilt + j] = sideways * radius / y[rho + j]
     return sideways
 
@@ -282,7 +291,7 @@ def tilt_contact(side, law, pits, d, j, s, turning, y):
 def _accelerate_shared(model, common, t, y):
     b = model.bearing
     n, kinematic = lanes(b), b.omega_c * common.growth
-    torque = correct_for_pits(model, common, t, y)
+    torque = correct_for_defects(model, common, t, y)
     sum_loads(lay.F_X, lay.M_RING, y, n)
     sum_loads(lay.F_X_I, lay.F_Y_I, y, n)
     sum_pocket_forces(model.cage, y, n)

@@ -24,7 +24,7 @@ from bearingsim.core.parts.cage_slopes import (
     pocket_change,
     pocket_slopes,
 )
-from bearingsim.core.parts.races import contact_slopes, friction_slopes, race_change, slopes_over_pits
+from bearingsim.core.parts.races import contact_slopes, friction_slopes, race_change, slopes_over_defects
 from bearingsim.core.parts.shaft import damper_per_mass, mobility, spring_per_mass
 
 RADIAL, ORBIT, SPIN = range(3)  # a roller's coordinates
@@ -235,9 +235,9 @@ def planar_jacobian(model, t, y):
     mobilities(model, y, n)
     contact_slopes(OuterSide(), model.outer, y, n)
     contact_slopes(InnerSide(), model.inner, y, n)
-    if len(model.pits.head) > 0:
-        slopes_over_pits(OuterSide(), model.outer, model, t, omega_cage, omega_i, spin, y)
-        slopes_over_pits(InnerSide(), model.inner, model, t, omega_cage, omega_i, spin, y)
+    if len(model.defects.head) > 0:
+        slopes_over_defects(OuterSide(), model.outer, model, t, omega_cage, omega_i, spin, y)
+        slopes_over_defects(InnerSide(), model.inner, model, t, omega_cage, omega_i, spin, y)
     friction_slopes(OuterSide(), model.friction, b.R_w, omega_cage, spin, y, n)
     friction_slopes(InnerSide(), model.friction, b.R_w, omega_cage, spin, y, n)
     pocket_slopes(model.cage, model, omega_cage, spin, y, n)

@@ -3,8 +3,8 @@
 Unknown are q_j and tilt_j of every roller, the outer ring's x and y, and of a ring on springs its place along the
 axis and its lean. There is no friction, and nothing is damped; geometry and contacts are those of the motion
 (``models/spatial.py``), evaluated at rest, so that what a leaning ring or a profile does is in it as it is there.
-Rollers do not skew, stay in the middle of their pockets and between the flanges, and a pit's edge pushes nothing
-sideways (as in ``models/equilibrium.py``).
+Rollers do not skew, stay in the middle of their pockets and between the flanges, and a defect's edge pushes
+nothing sideways (as in ``models/equilibrium.py``).
 
 The residuals are minus the gradient of an energy that is convex but for the tilt of normals (1e-6 of it). For
 rings that stand still each roller's pair of equations is solved by itself, all rollers at once; the rings follow

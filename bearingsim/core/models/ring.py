@@ -4,7 +4,7 @@ Over an undamaged race both contacts share the approach and its rate equally,
 
     Q = normal_force(delta/2, v/2),   delta = -u.e_r - G_r/2,   v its rate,
 
-and over a pit with several groups along the roller the elastic balance is solved for the inner approach,
+and over a defect with several groups along the roller the elastic balance is solved for the inner approach,
 
     sum_k w_k E(delta - delta_i - h_k) = E(delta_i),
 
@@ -18,12 +18,23 @@ the rollers' inertia and centrifugal load.
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
+from bearingsim.core.defects.jumps import next_jump, next_jump_evenly
+from bearingsim.core.defects.on_roller import (
+    force_over_defect,
+    roller_at_defect,
+    roller_at_defect_evenly,
+    roller_drop_rate,
+    roller_drop_rate_slope,
+    slopes_over_defect,
+    stiffness_over_defect,
+)
+from bearingsim.core.defects.pairs import HALF_WIDTH, Defects, passing_speed
 from bearingsim.core.jit import add, inlined, jit
 from bearingsim.core.laws.damping.interface import damping_bound, in_series, normal_force, slopes, stiffness_bound
 from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.laws.stiffness.series import series_share
 from bearingsim.core.models.by_roller import accelerate_roller, accelerate_shared, by_roller, load_roller, shared
-from bearingsim.core.models.equilibrium import DISTANCE, PAIR, locate_pits, roller_balance
+from bearingsim.core.models.equilibrium import DISTANCE, PAIR, locate_defects, roller_balance
 from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import (
     ModelKind,
@@ -39,17 +50,6 @@ from bearingsim.core.models.interface import (
 )
 from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, push_ring, turn_roller, turning
 from bearingsim.core.parameters import Bearing, Support, lanes
-from bearingsim.core.pits.jumps import next_jump, next_jump_evenly
-from bearingsim.core.pits.on_roller import (
-    force_over_pit,
-    roller_at_pit,
-    roller_at_pit_evenly,
-    roller_drop_rate,
-    roller_drop_rate_slope,
-    slopes_over_pit,
-    stiffness_over_pit,
-)
-from bearingsim.core.pits.pairs import HALF_WIDTH, Pits, passing_speed
 
 # how a roller's force grows with its series' approach: N/m, N s/m
 K_RING, C_RING = lay.rows(lay.WORK + 5 * lay.ROW, "N/m, N s/m", "ring", "evaluation")
@@ -62,7 +62,7 @@ class Ring(NamedTuple):
     support: Support
     outer: Any
     inner: Any
-    pits: Pits
+    defects: Defects
 
 
 @state_width.register(Ring)
@@ -75,7 +75,7 @@ def _monitored(model):
     return 1
 
 
-roller_at_pit.register(Ring)(roller_at_pit_evenly)
+roller_at_defect.register(Ring)(roller_at_defect_evenly)
 next_jump.register(Ring)(next_jump_evenly)
 by_roller(Ring)
 
@@ -108,12 +108,12 @@ def _load_roller(model, common, y, j):
 
 
 @jit
-def correct_for_pit(model, y, j):
+def correct_for_defect(model, y, j):
     """Solve the series of a roller of which a contact stands over a defect.
 
     Equations (M10) and (M11) of docs/model.md.
     """
-    pits, bearing = model.pits, model.bearing
+    defects, bearing = model.defects, model.bearing
     u_r = -(y[lay.DELTA_O + j] + y[lay.DELTA_I + j] + 2.0 * bearing.gap)
     q = roller_balance(model, y, j, u_r)
     outer, inner, half = q - u_r - bearing.gap, -bearing.gap - q, y[lay.V_O + j]
@@ -121,46 +121,46 @@ def correct_for_pit(model, y, j):
     d, s = int(y[PAIR + j]), y[DISTANCE + j]
     e, along = int(y[PAIR + lay.ROW + j]), y[DISTANCE + lay.ROW + j]
     if d >= 0:
-        speed = passing_speed(pits, d, bearing)
+        speed = passing_speed(defects, d, bearing)
         if e >= 0:
             half -= 0.5 * roller_drop_rate(
-                model.inner.stiffness, pits, e, along, passing_speed(pits, e, bearing), inner
+                model.inner.stiffness, defects, e, along, passing_speed(defects, e, bearing), inner
             )
-        y[lay.Q_O + j], _, y[lay.DELTA_O + j], y[lay.V_O + j] = force_over_pit(
-            model.outer, pits, d, s, 0.5 * speed, outer, half
+        y[lay.Q_O + j], _, y[lay.DELTA_O + j], y[lay.V_O + j] = force_over_defect(
+            model.outer, defects, d, s, 0.5 * speed, outer, half
         )
     else:
-        speed = passing_speed(pits, e, bearing)
-        y[lay.Q_O + j], _, y[lay.DELTA_I + j], y[lay.V_I + j] = force_over_pit(
-            model.inner, pits, e, along, 0.5 * speed, inner, half
+        speed = passing_speed(defects, e, bearing)
+        y[lay.Q_O + j], _, y[lay.DELTA_I + j], y[lay.V_I + j] = force_over_defect(
+            model.inner, defects, e, along, 0.5 * speed, inner, half
         )
         y[lay.V_O + j] = y[lay.V_I + j]
 
 
 @inlined
-def any_over_pit(model, t, y):
+def any_over_defect(model, t, y):
     """Check if any roller stands over a defect."""
-    for d in range(len(model.pits.head)):
-        if abs(roller_at_pit(model, d, t, y)[1]) < model.pits.head[d, HALF_WIDTH]:
+    for d in range(len(model.defects.head)):
+        if abs(roller_at_defect(model, d, t, y)[1]) < model.defects.head[d, HALF_WIDTH]:
             return True
     return False
 
 
 @jit
-def correct_for_pits(model, t, y):
+def correct_for_defects(model, t, y):
     """Correct the contacts of all rollers that stand over a defect."""
-    locate_pits(model, t, y)
+    locate_defects(model, t, y)
     for j in range(model.bearing.Z):
         if y[PAIR + j] >= 0.0 or y[PAIR + lay.ROW + j] >= 0.0:
-            correct_for_pit(model, y, j)
+            correct_for_defect(model, y, j)
             y[lay.Q_I + j] = y[lay.Q_O + j]
             push_ring(y, j)
 
 
 @accelerate_shared.register(Ring)
 def _accelerate_shared(model, common, t, y):
-    if any_over_pit(model, t, y):
-        correct_for_pits(model, t, y)
+    if any_over_defect(model, t, y):
+        correct_for_defects(model, t, y)
     accelerate_ring(model, common, y)
 
 
@@ -222,27 +222,27 @@ def slopes_in_series(model, y, n):
 
 
 @jit
-def slopes_over_pit_in_series(model, y, j):
-    """Fill tangent stiffness and damping of a roller with a contact over a defect (``correct_for_pit``)."""
-    pits, bearing = model.pits, model.bearing
+def slopes_over_defect_in_series(model, y, j):
+    """Fill tangent stiffness and damping of a roller with a contact over a defect (``correct_for_defect``)."""
+    defects, bearing = model.defects, model.bearing
     u_r = -(y[lay.DELTA_O + j] + y[lay.DELTA_I + j] + 2.0 * bearing.gap)
     q = roller_balance(model, y, j, u_r)
     outer, inner, half = q - u_r - bearing.gap, -bearing.gap - q, y[lay.V_O + j]
     d, s = int(y[PAIR + j]), y[DISTANCE + j]
     e, along = int(y[PAIR + lay.ROW + j]), y[DISTANCE + lay.ROW + j]
-    k_o = stiffness_over_pit(model.outer.stiffness, pits, d, s, outer)
-    k_i = stiffness_over_pit(model.inner.stiffness, pits, e, along, inner)
+    k_o = stiffness_over_defect(model.outer.stiffness, defects, d, s, outer)
+    k_i = stiffness_over_defect(model.inner.stiffness, defects, e, along, inner)
     part = k_i / max(k_o + k_i, 1e-300)
     if d < 0:
-        speed = 0.5 * passing_speed(pits, e, bearing)
-        K, C = slopes_over_pit(model.inner, pits, e, along, speed, inner, half)
+        speed = 0.5 * passing_speed(defects, e, bearing)
+        K, C = slopes_over_defect(model.inner, defects, e, along, speed, inner, half)
         return (1.0 - part) * K, 0.5 * C
     falling = 0.0  # how the closing rate falls as the inner contact closes up
     if e >= 0:
-        speed, stiffness = passing_speed(pits, e, bearing), model.inner.stiffness
-        half -= 0.5 * roller_drop_rate(stiffness, pits, e, along, speed, inner)
-        falling = 0.5 * roller_drop_rate_slope(stiffness, pits, e, along, speed, inner)
-    K, C = slopes_over_pit(model.outer, pits, d, s, 0.5 * passing_speed(pits, d, bearing), outer, half)
+        speed, stiffness = passing_speed(defects, e, bearing), model.inner.stiffness
+        half -= 0.5 * roller_drop_rate(stiffness, defects, e, along, speed, inner)
+        falling = 0.5 * roller_drop_rate_slope(stiffness, defects, e, along, speed, inner)
+    K, C = slopes_over_defect(model.outer, defects, d, s, 0.5 * passing_speed(defects, d, bearing), outer, half)
     return part * K - (1.0 - part) * falling * C, 0.5 * C
 
 
@@ -252,11 +252,11 @@ def _linearise(model, t, y):
     for j in range(n):
         share_approach(model, common, y[lay.COS + j], y[lay.SIN + j], y, j)
     slopes_in_series(model, y, n)
-    if len(model.pits.head) > 0:
-        locate_pits(model, t, y)
+    if len(model.defects.head) > 0:
+        locate_defects(model, t, y)
         for j in range(model.bearing.Z):
             if y[PAIR + j] >= 0.0 or y[PAIR + lay.ROW + j] >= 0.0:
-                y[K_RING + j], y[C_RING + j] = slopes_over_pit_in_series(model, y, j)
+                y[K_RING + j], y[C_RING + j] = slopes_over_defect_in_series(model, y, j)
     linearise_ring(model, K_RING, C_RING, y, n)
 
 

@@ -5,8 +5,9 @@
     m_r r'' = m_r omega_c^2 r + Q_i - Q_o
     m_o u'' = -F e_0 - F_across e_90 - k_b (u - u_0) - c_b u' + sum_j Q_o,j e_r(theta_j)
 
-(A pit of a roller counts in h at each of its contacts, sliding past at R_w omega_b.) The position of a roller is
-kept as its displacement q from the middle of the clearance, r = d_m/2 + q: 0.03 m would cost 2 of 16 digits. Left
+(A defect of a roller counts in h at each of its contacts, sliding past at R_w omega_b.) The position of a roller
+is kept as its displacement q from the middle of the clearance, r = d_m/2 + q: 0.03 m would cost 2 of 16 digits.
+Left
 out: friction, tangential motion, tilt, the bending of the rings (that of the outer one may be kept:
 ``parts/bending.py``, which then takes w(theta_j) off delta_o and its rate off v_o).
 """
@@ -14,6 +15,15 @@ out: friction, tangential motion, tilt, the bending of the rings (that of the ou
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
+from bearingsim.core.defects.jumps import next_jump, next_jump_evenly
+from bearingsim.core.defects.on_roller import (
+    correct_contact,
+    is_masked,
+    roller_at_defect,
+    roller_at_defect_evenly,
+    slopes_over_defect,
+)
+from bearingsim.core.defects.pairs import HALF_WIDTH, OUTER, SIDE, Defects, passing_speed
 from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.jit import inlined, jit
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
@@ -37,15 +47,6 @@ from bearingsim.core.models.interface import (
 from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, push_ring, turn_roller, turning
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.parts import bending
-from bearingsim.core.pits.jumps import next_jump, next_jump_evenly
-from bearingsim.core.pits.on_roller import (
-    correct_contact,
-    is_masked,
-    roller_at_pit,
-    roller_at_pit_evenly,
-    slopes_over_pit,
-)
-from bearingsim.core.pits.pairs import HALF_WIDTH, OUTER, SIDE, Pits, passing_speed
 
 # tangent stiffness and damping of the contacts
 K_O, C_O, K_I, C_I = lay.rows(lay.WORK, "N/m, N s/m", "rollers", "linearise", count=2)
@@ -61,7 +62,7 @@ class Rollers(NamedTuple):
     support: Support
     outer: Any
     inner: Any
-    pits: Pits
+    defects: Defects
     bending: Any
 
 
@@ -81,7 +82,7 @@ def _monitored(model):
     return model.bearing.Z
 
 
-roller_at_pit.register(Rollers)(roller_at_pit_evenly)
+roller_at_defect.register(Rollers)(roller_at_defect_evenly)
 next_jump.register(Rollers)(next_jump_evenly)
 by_roller(Rollers)
 
@@ -116,30 +117,30 @@ def _load_roller(model, common, y, j):
 
 
 @inlined
-def correct_for_pits(model, t, y):
-    """Correct the contact of each roller that stands over a pit (its force is the sum of its groups)."""
-    for d in range(len(model.pits.head)):
-        j, s = roller_at_pit(model, d, t, y)
-        if abs(s) < model.pits.head[d, HALF_WIDTH]:
-            correct_for_pit(model, d, j, s, t, y)
+def correct_for_defects(model, t, y):
+    """Correct the contact of each roller that stands over a defect (its force is the sum of its groups)."""
+    for d in range(len(model.defects.head)):
+        j, s = roller_at_defect(model, d, t, y)
+        if abs(s) < model.defects.head[d, HALF_WIDTH]:
+            correct_for_defect(model, d, j, s, t, y)
 
 
 @jit
-def correct_for_pit(model, d, j, s, t, y):
+def correct_for_defect(model, d, j, s, t, y):
     """Correct the contact of roller ``j`` over roller-defect pair ``d``, unless another pair masks it."""
     if is_masked(model, d, j, s, t, y):
         return
-    pits, speed = model.pits, passing_speed(model.pits, d, model.bearing)
-    if pits.head[d, SIDE] == OUTER:
-        correct_contact(OuterSide(), model.outer, pits, d, j, s, speed, y)
+    defects, speed = model.defects, passing_speed(model.defects, d, model.bearing)
+    if defects.head[d, SIDE] == OUTER:
+        correct_contact(OuterSide(), model.outer, defects, d, j, s, speed, y)
         push_ring(y, j)
     else:
-        correct_contact(InnerSide(), model.inner, pits, d, j, s, speed, y)
+        correct_contact(InnerSide(), model.inner, defects, d, j, s, speed, y)
 
 
 @accelerate_shared.register(Rollers)
 def _accelerate_shared(model, common, t, y):
-    correct_for_pits(model, t, y)
+    correct_for_defects(model, t, y)
     accelerate_ring(model, common, y)
     bending.accelerate_harmonics(model.bending, model.bearing.m_o, y)
 
@@ -192,19 +193,19 @@ def _degrees_of_freedom(model):
 
 
 @jit
-def slopes_over_pits(model, t, y):
-    """Correct the slopes of each contact that stands over a pit; where it stands depends on time alone."""
-    pits, bearing = model.pits, model.bearing
-    for d in range(len(pits.head)):
-        j, s = roller_at_pit(model, d, t, y)
-        if abs(s) < pits.head[d, HALF_WIDTH] and not is_masked(model, d, j, s, t, y):
-            speed = passing_speed(pits, d, bearing)
-            if pits.head[d, SIDE] == OUTER:
+def slopes_over_defects(model, t, y):
+    """Correct the slopes of each contact that stands over a defect; where it stands depends on time alone."""
+    defects, bearing = model.defects, model.bearing
+    for d in range(len(defects.head)):
+        j, s = roller_at_defect(model, d, t, y)
+        if abs(s) < defects.head[d, HALF_WIDTH] and not is_masked(model, d, j, s, t, y):
+            speed = passing_speed(defects, d, bearing)
+            if defects.head[d, SIDE] == OUTER:
                 delta, v = y[lay.DELTA_O + j], y[lay.V_O + j]
-                y[K_O + j], y[C_O + j] = slopes_over_pit(model.outer, pits, d, s, speed, delta, v)
+                y[K_O + j], y[C_O + j] = slopes_over_defect(model.outer, defects, d, s, speed, delta, v)
             else:
                 delta, v = y[lay.DELTA_I + j], y[lay.V_I + j]
-                y[K_I + j], y[C_I + j] = slopes_over_pit(model.inner, pits, d, s, speed, delta, v)
+                y[K_I + j], y[C_I + j] = slopes_over_defect(model.inner, defects, d, s, speed, delta, v)
 
 
 @linearise.register(Rollers)
@@ -215,7 +216,7 @@ def _linearise(model, t, y):
         approach_races(model, common, y[lay.COS + j], y[lay.SIN + j], y, j)
         y[K_O + j], y[C_O + j] = slopes(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
         y[K_I + j], y[C_I + j] = slopes(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
-    slopes_over_pits(model, t, y)
+    slopes_over_defects(model, t, y)
 
     omega_c, omega_2, per_ring = bearing.omega_c, bearing.omega_c * bearing.omega_c, 1.0 / bearing.m_o
     for j in range(n):
@@ -236,5 +237,5 @@ def _linearise(model, t, y):
     linearise_ring(model, K_O, C_O, y, n)
 
 
-# at the cusp of a narrow pit the damping force jumps, and decays within 0.2 us: hence more steps over it
+# at the cusp of a narrow defect the damping force jumps, and decays within 0.2 us: hence more steps over it
 KIND = ModelKind(Rollers, per_crossing=100)

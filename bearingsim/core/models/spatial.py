@@ -8,7 +8,7 @@ components along e_r, e_theta, e_z of its own angle,
     q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  z'' = F_z/m
     omega' = M.a/I_a,  a'' = [(M - I_a omega a') x a]/I_t - |a'|^2 a
 
-Where nothing leans, and no pit tilts, all that is new stays zero and the rest is ``planar`` to rounding.
+Where nothing leans, and no defect tilts, all that is new stays zero and the rest is ``planar`` to rounding.
 
 Left out: the bending of rollers, rings and cage; that a tilted slice is an ellipse in the contact's plane
 (R_w (1 - cos tilt): 3 nm at 1 mrad); the moments of a cage's guide; oil films as springs.
@@ -17,6 +17,16 @@ Left out: the bending of rollers, rings and cage; that a tilted slice is an elli
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
+from bearingsim.core.defects.jumps import next_jump, next_jump_freely
+from bearingsim.core.defects.on_roller import roller_at_defect
+from bearingsim.core.defects.on_slices import (
+    clear_defect_response,
+    mark_rollers_at_defects,
+    roller_near_defect,
+    slice_defect_response,
+    slice_polar_position,
+)
+from bearingsim.core.defects.pairs import OUTER, RADIUS, SIDE, Defects
 from bearingsim.core.geometry.orientation import axis_acceleration, axis_precession, axis_z
 from bearingsim.core.geometry.plane import roller_directions
 from bearingsim.core.geometry.sides import InnerSide, OuterSide
@@ -65,16 +75,6 @@ from bearingsim.core.parts.shaft import (
     damper_per_mass,
     spring_per_mass,
 )
-from bearingsim.core.pits.jumps import next_jump, next_jump_freely
-from bearingsim.core.pits.on_roller import roller_at_pit
-from bearingsim.core.pits.on_slices import (
-    clear_pit_response,
-    mark_rollers_at_pits,
-    roller_near_pit,
-    slice_pit_response,
-    slice_polar_position,
-)
-from bearingsim.core.pits.pairs import OUTER, RADIUS, SIDE, Pits
 from bearingsim.core.sums import sum_loads
 
 
@@ -90,7 +90,7 @@ class Spatial(NamedTuple):
     support: Support
     outer: Any
     inner: Any
-    pits: Pits
+    defects: Defects
     motion: Any
     friction: Any
     cage: Any
@@ -148,22 +148,22 @@ def external_loads(model, omega_cage, y, n):
 def race_contacts(model, t, steep, outer, inner, omega_cage, y, n):
     """Compute the contacts of the rollers' slices with both races: fills the sums of both sides.
 
-    steep: 1.0, or 0.0 where pits are not to tilt the normal (at rest).
+    steep: 1.0, or 0.0 where defects are not to tilt the normal (at rest).
     """
     b, table = model.bearing, model.slices.table
     race_frame(OuterSide(), b, outer, omega_cage, y, n)
     race_frame(InnerSide(), b, inner, omega_cage, y, n)
-    met = mark_rollers_at_pits(model, t, outer.a_z, inner.a_z, y) if len(model.pits.head) > 0 else 0
+    met = mark_rollers_at_defects(model, t, outer.a_z, inner.a_z, y) if len(model.defects.head) > 0 else 0
     clear_sums(OuterSide(), y, n)
     clear_sums(InnerSide(), y, n)
     for k in range(len(table)):
         zeta, weight, drop = table[k, ZETA], table[k, WEIGHT], table[k, DROP]
         if met > 0:
-            slice_pit_response(model, t, k, steep, outer.a_z, inner.a_z, y)
+            slice_defect_response(model, t, k, steep, outer.a_z, inner.a_z, y)
         add_slice(OuterSide(), model.outer, model.friction, b, outer, zeta, weight, drop, k, y, n)
         add_slice(InnerSide(), model.inner, model.friction, b, inner, zeta, weight, drop, k, y, n)
     if met > 0:
-        clear_pit_response(model, y)
+        clear_defect_response(model, y)
     slip_relaxation(model.lag, b.m_r, b.I_r, model.I_t, b.R_w, y, n)
     relax_friction(OuterSide(), outer, y, n)
     relax_friction(InnerSide(), inner, y, n)
@@ -236,15 +236,15 @@ def _update_extremes(model, y):
 next_jump.register(Spatial)(next_jump_freely)
 
 
-@roller_at_pit.register(Spatial)
-def _roller_at_pit(model, d, t, y):
+@roller_at_defect.register(Spatial)
+def _roller_at_defect(model, d, t, y):
     """Find the roller by its middle, from the places of rollers, rings and cage and the rows that
     ``race_frame`` fills."""
-    head, middle = model.pits.head[d], 0.5 * (model.bearing.R_o + model.bearing.R_i)
+    head, middle = model.defects.head[d], 0.5 * (model.bearing.R_o + model.bearing.R_i)
     outer = head[SIDE] == OUTER
     leans = (lay.RING_TILT_X, lay.RING_TILT_Y) if outer else (lay.INNER_TILT_X, lay.INNER_TILT_Y)
     b_z = axis_z(y[leans[0]], y[leans[1]])
-    j, s = roller_near_pit(model, d, t, y)
+    j, s = roller_near_defect(model, d, t, y)
     return j, s + head[RADIUS] * slice_polar_position(
         lay.OUTER_SIDE if outer else lay.INNER_SIDE, middle, b_z, 0.0, y, j
     )[0]

@@ -1,18 +1,18 @@
 """``static``: at each cage angle the ring stands where the forces balance; nothing has inertia or damping.
 
 Left out: everything that takes time. What remains is the load distribution with the rollers' centrifugal load,
-variable compliance, and the path of the ring as rollers sink into a pit.
+variable compliance, and the path of the ring as rollers sink into a defect.
 """
 
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
+from bearingsim.core.defects.on_roller import roller_at_defect, roller_at_defect_evenly
+from bearingsim.core.defects.pairs import Defects
 from bearingsim.core.models import bent_rest  # noqa: F401  (registers how a bent ring comes to rest)
 from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import ModelKind, solved, state_width, update_extremes
 from bearingsim.core.parameters import Bearing, Support
-from bearingsim.core.pits.on_roller import roller_at_pit, roller_at_pit_evenly
-from bearingsim.core.pits.pairs import Pits
 
 
 class Static(NamedTuple):
@@ -27,12 +27,12 @@ class Static(NamedTuple):
     support: Support
     outer: Any
     inner: Any
-    pits: Pits
+    defects: Defects
     bending: Any
 
 
 solved(Static)
-roller_at_pit.register(Static)(roller_at_pit_evenly)
+roller_at_defect.register(Static)(roller_at_defect_evenly)
 update_extremes.register(Static)(update_forces)
 
 

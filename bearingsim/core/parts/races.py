@@ -1,7 +1,7 @@
 """Analytic derivatives of the force between rollers and a race of ``planar``, in the order of its computation.
 
-A contact has three ways to move: its approach along n, its place s over a pit across it, and its slip. With
-sigma = 1 at the outer race, -1 at the inner, and n' = n tilted by the pit, the force on the roller is
+A contact has three ways to move: its approach along n, its place s over a defect across it, and its slip. With
+sigma = 1 at the outer race, -1 at the inner, and n' = n tilted by the defect, the force on the roller is
 -sigma Q n' - f tau', and
 
     dQ = Q_d d(delta) + Q_v dv + Q_s ds + Q_z d(s'),   df = mu dQ + Q (mu_v d(slip) + mu_u du)
@@ -15,14 +15,9 @@ from math import sqrt
 from typing import Any
 
 from bearingsim.core import layout as lay
-from bearingsim.core.geometry.plane import relative_to_ring
-from bearingsim.core.geometry.sides import InnerSide, OuterSide, contact_rows, sign
-from bearingsim.core.jit import generic, jit
-from bearingsim.core.laws.damping.interface import normal_force, slopes
-from bearingsim.core.laws.friction.interface import mu, mu_slope
-from bearingsim.core.pits.excitations import pit_response, pit_response_gradient
-from bearingsim.core.pits.on_roller import is_masked, roller_at_pit
-from bearingsim.core.pits.pairs import (
+from bearingsim.core.defects.excitations import defect_response, defect_response_gradient
+from bearingsim.core.defects.on_roller import is_masked, roller_at_defect
+from bearingsim.core.defects.pairs import (
     CARRIER,
     GROUP_COUNT,
     GROUP_WEIGHT,
@@ -34,6 +29,11 @@ from bearingsim.core.pits.pairs import (
     REDUCED_RADIUS,
     SIDE,
 )
+from bearingsim.core.geometry.plane import relative_to_ring
+from bearingsim.core.geometry.sides import InnerSide, OuterSide, contact_rows, sign
+from bearingsim.core.jit import generic, jit
+from bearingsim.core.laws.damping.interface import normal_force, slopes
+from bearingsim.core.laws.friction.interface import mu, mu_slope
 
 # rows of a contact, relative to OUTER_CONTACT or INNER_CONTACT: rate of rho; derivatives of the force (LOAD), of
 # the tangential force over a defect and of the mean approach by approach (D), its rate (V), place (S) and ds/dt
@@ -46,15 +46,15 @@ jacobian_rows = partial(
     LOAD_D,
     LOAD_V,
     LOAD_S,
-    PIT_FORCE_D,
-    PIT_FORCE_V,
-    PIT_FORCE_S,
-    PIT_FORCE_Z,
+    DEFECT_FORCE_D,
+    DEFECT_FORCE_V,
+    DEFECT_FORCE_S,
+    DEFECT_FORCE_Z,
     MEAN_D,
     MEAN_S,
-    PIT_RADIUS,
-    PIT_RADIUS_RING,
-    PIT_RADIUS_ROLLER,
+    DEFECT_RADIUS,
+    DEFECT_RADIUS_RING,
+    DEFECT_RADIUS_ROLLER,
 ) = jacobian_rows(0, "m/s, N/m, N s/m, N/m, N/m, N s/m, N/m, N s/m, 1, 1, m, m, m")
 # tilt of the normal: tangent, cosine, sine; 1/force; arms on roller and ring; mu, its derivatives by slip and by
 # rolling speed times the force; force on the roller along and across n
@@ -90,25 +90,29 @@ def contact_slopes(side, law, y, n):
         y[base + LOAD_D + j], y[base + LOAD_V + j] = slopes(law, y[approach + j], y[rate + j])
         y[base + RHO_V + j] = sigma * y[rate + j]
         y[base + LOAD_S + j], y[base + MEAN_D + j], y[base + MEAN_S + j] = 0.0, 1.0, 0.0
-        y[base + PIT_FORCE_D + j] = 0.0
-        y[base + PIT_FORCE_V + j] = 0.0
-        y[base + PIT_FORCE_S + j] = 0.0
-        y[base + PIT_FORCE_Z + j] = 0.0
-        y[base + PIT_RADIUS + j], y[base + PIT_RADIUS_RING + j], y[base + PIT_RADIUS_ROLLER + j] = 0.0, 0.0, 0.0
+        y[base + DEFECT_FORCE_D + j] = 0.0
+        y[base + DEFECT_FORCE_V + j] = 0.0
+        y[base + DEFECT_FORCE_S + j] = 0.0
+        y[base + DEFECT_FORCE_Z + j] = 0.0
+        y[base + DEFECT_RADIUS + j], y[base + DEFECT_RADIUS_RING + j], y[base + DEFECT_RADIUS_ROLLER + j] = (
+            0.0,
+            0.0,
+            0.0,
+        )
 
 
 @jit
-def pit_slopes(side, law, pits, d, s, speed, delta, v, y, j):
-    """Fill the derivatives of roller ``j``'s contact over roller-defect pair ``d``: ``force_over_pit``'s, group
+def defect_slopes(side, law, defects, d, s, speed, delta, v, y, j):
+    """Fill the derivatives of roller ``j``'s contact over roller-defect pair ``d``: ``force_over_defect``'s, group
     by group."""
     base, _, _, _ = derivative_rows(side)
-    head = pits.head[d]
+    head = defects.head[d]
     load_d, load_v, load_s, mean_d, mean_s = 0.0, 0.0, 0.0, 0.0, 0.0
     aside_d, aside_v, aside_s, aside_z = 0.0, 0.0, 0.0, 0.0
     for k in range(int(head[GROUP_COUNT])):
-        group = pits.groups[d, k]
-        share, h, slope = pit_response(pits.excitation, group, s, head[REDUCED_RADIUS])
-        share_s, slope_s = pit_response_gradient(pits.excitation, group, s, head[REDUCED_RADIUS])
+        group = defects.groups[d, k]
+        share, h, slope = defect_response(defects.excitation, group, s, head[REDUCED_RADIUS])
+        share_s, slope_s = defect_response_gradient(defects.excitation, group, s, head[REDUCED_RADIUS])
         approach, rate, closed = delta - h, v - slope * speed, 1.0 if delta > h else 0.0
         K, C = slopes(law, approach, rate)
         weight, force = share * group[GROUP_WEIGHT], normal_force(law, approach, rate)
@@ -120,20 +124,25 @@ def pit_slopes(side, law, pits, d, s, speed, delta, v, y, j):
         mean_d += weight * closed
         mean_s += group[GROUP_WEIGHT] * closed * (share_s * approach - share * slope)
     y[base + LOAD_D + j], y[base + LOAD_V + j], y[base + LOAD_S + j] = load_d, load_v, load_s
-    y[base + PIT_FORCE_D + j], y[base + PIT_FORCE_V + j], y[base + PIT_FORCE_S + j] = aside_d, aside_v, aside_s
-    y[base + PIT_FORCE_Z + j], y[base + MEAN_D + j], y[base + MEAN_S + j] = aside_z, mean_d, mean_s
+    y[base + DEFECT_FORCE_D + j], y[base + DEFECT_FORCE_V + j], y[base + DEFECT_FORCE_S + j] = (
+        aside_d,
+        aside_v,
+        aside_s,
+    )
+    y[base + DEFECT_FORCE_Z + j], y[base + MEAN_D + j], y[base + MEAN_S + j] = aside_z, mean_d, mean_s
 
 
 @jit
-def slopes_over_pits(side, law, model, t, omega_cage, omega_i, spin, y):
-    """Correct the slopes of each contact of this side that stands over a pit (``planar.correct_for_pits``)."""
-    pits, b, sigma = model.pits, model.bearing, sign(side)
+def slopes_over_defects(side, law, model, t, omega_cage, omega_i, spin, y):
+    """Correct the slopes of each contact of this side that stands over a defect
+    (``planar.correct_for_defects``)."""
+    defects, b, sigma = model.defects, model.bearing, sign(side)
     base, frame, _, shared = derivative_rows(side)
-    for d in range(len(pits.head)):
-        on, radius = pits.head[d, CARRIER], pits.head[d, RADIUS]
-        if (pits.head[d, SIDE] == OUTER) == (sigma > 0.0):
-            j, s = roller_at_pit(model, d, t, y)
-            if abs(s) < pits.head[d, HALF_WIDTH] and not is_masked(model, d, j, s, t, y):
+    for d in range(len(defects.head)):
+        on, radius = defects.head[d, CARRIER], defects.head[d, RADIUS]
+        if (defects.head[d, SIDE] == OUTER) == (sigma > 0.0):
+            j, s = roller_at_defect(model, d, t, y)
+            if abs(s) < defects.head[d, HALF_WIDTH] and not is_masked(model, d, j, s, t, y):
                 turning = omega_i if on == ON_INNER else y[lay.VELOCITY + lay.PSI]
                 turning = spin + y[lay.SPIN_V + j] if on >= 0.0 else turning
                 _, n_r, n_t, short, d_r, d_t = relative_to_ring(
@@ -149,10 +158,10 @@ def slopes_over_pits(side, law, model, t, omega_cage, omega_i, spin, y):
                 )
                 delta, apart = sigma * (y[lay.RADIAL + j] - short) - b.gap, n_r * d_r + n_t * d_t
                 speed = radius * (y[frame + TANGENTIAL_V + j] / y[frame + RHO + j] - turning)
-                pit_slopes(side, law, pits, d, s, speed, delta, sigma * apart, y, j)
-                y[base + RHO_V + j], y[base + PIT_RADIUS + j] = apart, radius
-                y[base + PIT_RADIUS_RING + j] = radius if on == ON_OUTER else 0.0
-                y[base + PIT_RADIUS_ROLLER + j] = radius if on >= 0.0 else 0.0
+                defect_slopes(side, law, defects, d, s, speed, delta, sigma * apart, y, j)
+                y[base + RHO_V + j], y[base + DEFECT_RADIUS + j] = apart, radius
+                y[base + DEFECT_RADIUS_RING + j] = radius if on == ON_OUTER else 0.0
+                y[base + DEFECT_RADIUS_ROLLER + j] = radius if on >= 0.0 else 0.0
 
 
 @jit
@@ -202,9 +211,9 @@ def race_change(side, spin, omega_ring, roll, roll_v, orbit_v, ring, ring_v, y, 
         p_t = y[lay.D_POSITION_T + j]
         w_r = y[lay.D_VELOCITY_R + j]
         w_t = y[lay.D_VELOCITY_T + j]
-        apart, pit, lean, f = (
+        apart, defect, lean, f = (
             y[base + RHO_V + j],
-            y[base + PIT_RADIUS + j],
+            y[base + DEFECT_RADIUS + j],
             y[base + NORMAL_SLOPE + j],
             y[rubs + j],
         )
@@ -212,20 +221,20 @@ def race_change(side, spin, omega_ring, roll, roll_v, orbit_v, ring, ring_v, y, 
         sine = y[base + NORMAL_SIN + j]
         arm = y[base + ROLLER_ARM + j]
         on_ring = y[base + RING_ARM + j]
-        pit_ring, pit_roller = y[base + PIT_RADIUS_RING + j], y[base + PIT_RADIUS_ROLLER + j]
+        defect_ring, defect_roller = y[base + DEFECT_RADIUS_RING + j], y[base + DEFECT_RADIUS_ROLLER + j]
 
         out, turned = n_r * p_r + n_t * p_t, (n_r * p_t - n_t * p_r) / rho
         apart_1 = n_r * w_r + n_t * w_t + across * turned
         across_1 = n_r * w_t - n_t * w_r - apart * turned
         deep, closing = sigma * out, sigma * apart_1
-        along = pit * turned - pit_ring * ring - pit_roller * roll
-        passing = pit * (across_1 - across * out / rho) / rho - pit_ring * ring_v - pit_roller * roll_v
+        along = defect * turned - defect_ring * ring - defect_roller * roll
+        passing = defect * (across_1 - across * out / rho) / rho - defect_ring * ring_v - defect_roller * roll_v
         load = y[base + LOAD_D + j] * deep + y[base + LOAD_V + j] * closing
-        load += y[base + LOAD_S + j] * along - y[base + PIT_FORCE_V + j] * passing  # Q_z = -S_v, group by group
-        aside = y[base + PIT_FORCE_D + j] * deep + y[base + PIT_FORCE_V + j] * closing
-        aside += y[base + PIT_FORCE_S + j] * along + y[base + PIT_FORCE_Z + j] * passing
+        load += y[base + LOAD_S + j] * along - y[base + DEFECT_FORCE_V + j] * passing  # Q_z = -S_v, group by group
+        aside = y[base + DEFECT_FORCE_D + j] * deep + y[base + DEFECT_FORCE_V + j] * closing
+        aside += y[base + DEFECT_FORCE_S + j] * along + y[base + DEFECT_FORCE_Z + j] * passing
 
-        tilt_1 = (pit * aside - y[tilt + j] * out) / rho
+        tilt_1 = (defect * aside - y[tilt + j] * out) / rho
         lean_1 = (tilt_1 - lean * load) * y[base + INVERSE_LOAD + j] * cosine * cosine
         cosine_1, sine_1 = -sine * lean_1, cosine * lean_1
         arm_1 = -0.5 * (y[base + MEAN_D + j] * deep + y[base + MEAN_S + j] * along)
@@ -241,8 +250,8 @@ def race_change(side, spin, omega_ring, roll, roll_v, orbit_v, ring, ring_v, y, 
         c, s = y[lay.COS + j], y[lay.SIN + j]
         y[lay.D_FORCE_R + j] += push_r
         y[lay.D_FORCE_T + j] += push_t
-        y[lay.D_TORQUE + j] -= sigma * (f_1 * arm + f * arm_1) + pit_roller * aside
+        y[lay.D_TORQUE + j] -= sigma * (f_1 * arm + f * arm_1) + defect_roller * aside
         y[lay.D_FORCE_SHARED + shared * lay.ROW + j] += push_t * s - push_r * c
         y[lay.D_FORCE_SHARED + (shared + 1) * lay.ROW + j] -= push_r * s + push_t * c
-        on_race = f_1 * on_ring + f * on_ring_1 - pit_ring * aside
+        on_race = f_1 * on_ring + f * on_ring_1 - defect_ring * aside
         y[lay.D_FORCE_SHARED + lay.PSI * lay.ROW + j] += on_race if sigma > 0.0 else 0.0

@@ -5,10 +5,10 @@ Slice k of a roller stands at p = c + zeta_k a. With the ring's centre u and its
     d = p - u,  w = d.b,  X = d - w b,  rho = |X|,  n = X/rho,  tau = b x n
     delta = sigma (rho - R) + R_w - drop - h(s),     force on the slice  -sigma Q n + g Q tau
 
-sigma = 1 on the outer race, -1 on the inner; g = -sigma times what a pit tilts the normal by. X and its rate grow
-linearly along the roller, so each roller keeps where they are in its middle (OFFSET, OFFSET_V) and how they grow
-(DIRECTION, DIRECTION_V). Sums over the slices: G of the forces, H of zeta times them; COUPLE_AXIAL, COUPLE of what
-friction turns, acting the arm away from p:
+sigma = 1 on the outer race, -1 on the inner; g = -sigma times what a defect tilts the normal by. X and its rate
+grow linearly along the roller, so each roller keeps where they are in its middle (OFFSET, OFFSET_V) and how they
+grow (DIRECTION, DIRECTION_V). Sums over the slices: G of the forces, H of zeta times them; COUPLE_AXIAL, COUPLE of
+what friction turns, acting the arm away from p:
 
     moment on the roller = a x H + COUPLE_AXIAL b + COUPLE
 
@@ -110,7 +110,8 @@ def clear_sums(side, y, n):
 def add_slice(side, law, friction, bearing, ring, zeta, weight, drop, k, y, n):
     """Add what acts on slice ``k`` of every roller to the sums of this side; keep its loads and approaches.
 
-    zeta, drop: m; weight: part of the contact. The side's rows ROLLER_DROP to OWN_PIT say what it feels of a pit.
+    zeta, drop: m; weight: part of the contact. The side's rows ROLLER_DROP to OWN_DEFECT say what it feels of a
+    defect.
     """
     load_row, approach_row = slice_rows(side)
     row = lay.SLICES + lay.FIRST_LANE + (k & (MAX_SLICES - 1)) * (lay.SLICE_ROWS * lay.ROW)
@@ -148,7 +149,7 @@ def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
     across = t_r * v_r + t_t * v_t + t_z * v_z
 
     lean, cosine = y[base + lay.NORMAL_SLOPE + j], 1.0 - y[base + lay.NORMAL_VERSINE + j]
-    own, rolls, sine = y[base + lay.OWN_PIT + j], y[base + lay.ROLL_SPEED + j], sigma * lean * cosine
+    own, rolls, sine = y[base + lay.OWN_DEFECT + j], y[base + lay.ROLL_SPEED + j], sigma * lean * cosine
     short += aside * (per_both * rho)
     delta = sigma * (y[lay.RADIAL + j] + short) - lacking - y[base + lay.ROLLER_DROP + j]
     arm = sigma * (radius - 0.5 * delta)

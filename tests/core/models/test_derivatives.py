@@ -7,6 +7,8 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.core import layout as lay
+from bearingsim.core.defects.on_roller import roller_at_defect
+from bearingsim.core.defects.pairs import ANGLE, HALF_WIDTH, RADIUS
 from bearingsim.core.laws.damping.general import general
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.damping.kraemer import Kraemer
@@ -14,8 +16,6 @@ from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
 from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
 from bearingsim.core.models.interface import degrees_of_freedom
 from bearingsim.core.parameters import kinematic_angles
-from bearingsim.core.pits.on_roller import roller_at_pit
-from bearingsim.core.pits.pairs import ANGLE, HALF_WIDTH, RADIUS
 from tests.scenes.differences import cells, derivatives, differences
 from tests.scenes.nf308 import case
 
@@ -52,7 +52,7 @@ def over_a_pit(model: Any, rng: np.random.Generator) -> float:
     y = assemble.empty_buffer(model)
     while True:
         t = float(rng.uniform(0.0, 0.1))
-        if abs(roller_at_pit(model, 0, t, y)[1]) < 0.9 * model.pits.head[0, HALF_WIDTH]:
+        if abs(roller_at_defect(model, 0, t, y)[1]) < 0.9 * model.defects.head[0, HALF_WIDTH]:
             return t
 
 
@@ -91,7 +91,7 @@ def test_derivatives_are_those_of_the_accelerations(name, law, defects):
 def test_over_two_pits_at_once(name, law):
     """Roller 1 stands over a pit of each race: in series, each changes how fast the other contact closes."""
     model, t = model_of(name, law, BOWL, BOWL | {"race": "inner"}), 0.01
-    rng, head = np.random.default_rng(3), model.pits.head
+    rng, head = np.random.default_rng(3), model.defects.head
     theta_c, theta_i, _ = kinematic_angles(model.bearing, t)
     errors = []
     for _ in range(20):

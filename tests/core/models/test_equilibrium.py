@@ -11,6 +11,8 @@ from scipy.optimize import brentq, root
 
 from bearingsim import assemble
 from bearingsim.core import layout as lay
+from bearingsim.core.defects.excitations import ClearanceIncrease
+from bearingsim.core.defects.pairs import ON_INNER, ON_OUTER, REDUCED_RADIUS, RollerDefectPair, pack_defects
 from bearingsim.core.laws.damping.undamped import Undamped
 from bearingsim.core.laws.stiffness.interface import elastic
 from bearingsim.core.laws.stiffness.johnson import johnson
@@ -25,8 +27,6 @@ from bearingsim.core.models.equilibrium import (
     rest_from_scratch,
     roller_balance,
 )
-from bearingsim.core.pits.excitations import ClearanceIncrease
-from bearingsim.core.pits.pairs import ON_INNER, ON_OUTER, REDUCED_RADIUS, RollerPitPair, pack_pits
 from tests.independent import rollers
 from tests.scenes.nf308 import SLOT, at_rest, case, weightless
 
@@ -144,9 +144,9 @@ def test_the_bracket_takes_no_share_of_the_load():
 def test_a_slot_takes_the_load_off_its_roller():
     """The roller on a narrow full-length slot carries what the two contacts in series give with h taken off."""
     healthy = unsupported(first=0.0)
-    slot = healthy._replace(pits=assemble.pits.packed_pits(case(defect=SLOT | {"width": "0.1 mm"})))
+    slot = healthy._replace(defects=assemble.defects.packed_defects(case(defect=SLOT | {"width": "0.1 mm"})))
     loads, y = forces(slot)
-    h = (0.1e-3) ** 2 / 8 / slot.pits.head[0, REDUCED_RADIUS]
+    h = (0.1e-3) ** 2 / 8 / slot.defects.head[0, REDUCED_RADIUS]
     shift = -y[lay.POSITION + lay.X]
     law = slot.outer.stiffness
     inner = brentq(lambda d: elastic(law, shift - h - d) - elastic(law, d), 1e-12, shift - h - 1e-12, xtol=1e-20)
@@ -228,7 +228,9 @@ def test_a_rollers_balance_is_that_of_a_bisection(named):
     for _ in range(400):
         h, share = 10.0 ** random.uniform(-8, -3, (2, 2)), random.choice([0.25, 0.75])
         pairs = [
-            RollerPitPair(side, on, 0.0, 0.03, 0.007, [(share, 1.0, 1.0, 0.0, a), (1.0 - share, 1.0, 1.0, 0.0, b)])
+            RollerDefectPair(
+                side, on, 0.0, 0.03, 0.007, [(share, 1.0, 1.0, 0.0, a), (1.0 - share, 1.0, 1.0, 0.0, b)]
+            )
             for side, on, (a, b) in ((0, ON_OUTER, h[0]), (1, ON_INNER, h[1]))
         ]
         mass, gap = random.choice([0.0, 1e-11, 1e-5, 1e-2, 0.1]), random.choice([0.0, 5e-6, -3e-6, 2e-5, -1e-10])
@@ -236,7 +238,7 @@ def test_a_rollers_balance_is_that_of_a_bisection(named):
             bearing=usual.bearing._replace(m_r=mass, gap=gap),
             outer=Undamped(outer),
             inner=Undamped(inner),
-            pits=pack_pits(pairs, ClearanceIncrease()),
+            defects=pack_defects(pairs, ClearanceIncrease()),
         )
         over, y = random.integers(0, 2, 2), assemble.empty_buffer(usual)
         y[PAIR], y[PAIR + lay.ROW], y[DISTANCE] = over[0] - 1.0, 2.0 * over[1] - 1.0, 0.0

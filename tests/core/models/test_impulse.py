@@ -12,34 +12,34 @@ from scipy.optimize import brentq
 
 from bearingsim import assemble
 from bearingsim.core import layout as lay
+from bearingsim.core.defects.closed_forms import groups_of
+from bearingsim.core.defects.excitations import Envelope
+from bearingsim.core.defects.impulse_train import (
+    LoadZone,
+    approach,
+    crossing_speed,
+    defect_passages,
+    impulse_strengths,
+    load,
+    random_train,
+    train,
+)
+from bearingsim.core.defects.pairs import (
+    INNER,
+    ON_INNER,
+    ON_OUTER,
+    OUTER,
+    RollerDefectPair,
+    inner_reduced_radius,
+    nearest_roller,
+    outer_reduced_radius,
+    pack_defects,
+)
 from bearingsim.core.jit import jit
 from bearingsim.core.methods.impulses import Impulses
 from bearingsim.core.methods.interface import step
 from bearingsim.core.models.equilibrium import find_rest, rest_from_scratch, ring_stiffness
 from bearingsim.core.models.impulse import Impulse, free_motion
-from bearingsim.core.pits.closed_forms import groups_of
-from bearingsim.core.pits.excitations import Envelope
-from bearingsim.core.pits.impulse_train import (
-    LoadZone,
-    approach,
-    crossing_speed,
-    impulse_strengths,
-    load,
-    pit_passages,
-    random_train,
-    train,
-)
-from bearingsim.core.pits.pairs import (
-    INNER,
-    ON_INNER,
-    ON_OUTER,
-    OUTER,
-    RollerPitPair,
-    inner_reduced_radius,
-    nearest_roller,
-    outer_reduced_radius,
-    pack_pits,
-)
 from tests.scenes.nf308 import case
 from tests.scenes.pit_maps import SHAPES
 
@@ -64,7 +64,7 @@ def pit(race="outer", angle=0.0, width=0.8e-3, depth=DEEP, length=L_W, shape="re
     reduced = (outer_reduced_radius(BEARING.R_w, BEARING.R_o), inner_reduced_radius(BEARING.R_w, BEARING.R_i))[
         side
     ]
-    return RollerPitPair(
+    return RollerDefectPair(
         side, on, angle, radius, reduced, groups_of(SHAPES[shape](length, width, depth), L_W, reduced, 6)
     )
 
@@ -246,8 +246,8 @@ def test_sidebands_of_a_pit_on_the_inner_race(epsilon):
 def test_impulses_come_when_a_roller_is_over_the_pit(race, angle, start, length):
     """Against the geometry that the other models use."""
     one = pit(race, angle)
-    times, phi = pit_passages(BEARING, one, start, start + length)
-    packed = pack_pits([one], Envelope())
+    times, phi = defect_passages(BEARING, one, start, start + length)
+    packed = pack_defects([one], Envelope())
     for t, at in zip(times, phi, strict=True):
         assert start - 1e-12 < t <= start + length + 1e-12
         theta_c = BEARING.theta_0 + BEARING.omega_c * t
@@ -356,7 +356,7 @@ def healthy_and_struck(one):
     """Complex BPFO velocity lines (2,) of ``static``, less the healthy one; and the mean stiffness at rest."""
     healthy = assemble.model(case(model="static"))
     lines, stiffness, count = [], np.zeros(3), 1000
-    for model in (healthy, healthy._replace(pits=pack_pits([one], Envelope()))):
+    for model in (healthy, healthy._replace(defects=pack_defects([one], Envelope()))):
         y, places = assemble.empty_buffer(model), np.empty((2, count))
         for n in range(count):
             (find_rest if n else rest_from_scratch)(model, (n + 1) / count * PASS, y)
@@ -402,7 +402,7 @@ def test_random_impulses_share_out_each_crossing():
     one = pit()
     found = random_train(BEARING, ZONE, [one], 0.0, end, np.random.default_rng(1))
     J = impulse_strengths(BEARING, ZONE, one, np.zeros(1))[0]
-    times, _ = pit_passages(BEARING, one, 0.0, end)
+    times, _ = defect_passages(BEARING, one, 0.0, end)
     nearest = np.rint((found.times - times[0]) / PASS).astype(int)
     late = found.times - times[nearest]
     half = 0.4e-3 / (BEARING.R_o * BEARING.omega_c)

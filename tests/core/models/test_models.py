@@ -9,13 +9,13 @@ from scipy.optimize import brentq
 from bearingsim import assemble
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import Monitor
+from bearingsim.core.defects.closed_forms import roller_drop
+from bearingsim.core.defects.pairs import GROUP_COUNT, GROUP_WEIGHT, REDUCED_RADIUS
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.interface import accelerations
 from bearingsim.core.outcomes import NOT_FINITE
-from bearingsim.core.pits.closed_forms import roller_drop
-from bearingsim.core.pits.pairs import GROUP_COUNT, GROUP_WEIGHT, REDUCED_RADIUS
 from bearingsim.simulation.simulate import simulate
 from tests.independent import rollers
 from tests.scenes.nf308 import PLACES, SLOT, at_rest, case, drive, light_rollers, recorded
@@ -131,7 +131,7 @@ def test_moving_approach_rate_is_the_approachs_derivative():
         theta = model.bearing.theta_0 + model.bearing.omega_c * t
         u_r = moved[lay.POSITION + lay.X] * np.cos(theta) + moved[lay.POSITION + lay.Y] * np.sin(theta)
         rim = 1e-3 - abs(model.bearing.R_o * theta)
-        found.append(moved[lay.RADIAL] - u_r - min(rim**2 / (2 * model.pits.head[0, REDUCED_RADIUS]), 0.05e-3))
+        found.append(moved[lay.RADIAL] - u_r - min(rim**2 / (2 * model.defects.head[0, REDUCED_RADIUS]), 0.05e-3))
     accelerations(model, 0.0, y)
     rate, delta = (found[1] - found[0]) / (2 * h), (found[0] + found[1]) / 2
     assert y[lay.Q_O] == pytest.approx(normal_force(model.outer, delta, rate), rel=1e-5, abs=1e-3)
@@ -146,8 +146,8 @@ def ring_over(defect):
     b, u, w, theta = model.bearing, y[lay.POSITION : lay.POSITION + 2], y[lay.VELOCITY : lay.VELOCITY + 2], 0.003
     e_r, e_theta = np.array([np.cos(theta), np.sin(theta)]), np.array([-np.sin(theta), np.cos(theta)])
     Delta, rate = -u @ e_r, -w @ e_r - b.omega_c * (u @ e_theta)
-    groups = model.pits.groups[0, : int(model.pits.head[0, GROUP_COUNT])]
-    sunk = np.array([roller_drop(group, b.R_o * theta, model.pits.head[0, REDUCED_RADIUS]) for group in groups])
+    groups = model.defects.groups[0, : int(model.defects.head[0, GROUP_COUNT])]
+    sunk = np.array([roller_drop(group, b.R_o * theta, model.defects.head[0, REDUCED_RADIUS]) for group in groups])
     return model, y, Delta, rate, groups[:, GROUP_WEIGHT], sunk[:, 0], sunk[:, 1] * b.R_o * b.omega_c
 
 

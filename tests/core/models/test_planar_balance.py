@@ -9,11 +9,11 @@ import pytest
 from bearingsim import assemble
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
+from bearingsim.core.defects.pairs import ANGLE, RADIUS
 from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.parts.cage import RingGuided
-from bearingsim.core.pits.pairs import ANGLE, RADIUS
 from tests.independent import planar_bodies as bodies
 from tests.scenes.nf308 import SLOT, case
 from tests.scenes.planar_runs import balances, begun, closing, orders, recorded
@@ -71,7 +71,7 @@ def lead_onto_pits(model, y, t, outwards):
         y[lay.RADIAL + j] = q
     found = now(model, y, t)
     theta = np.angle(found.rollers.at[:, 0])
-    head = model.pits.head
+    head = model.defects.head
     head[:, ANGLE] = 4e-5 / head[:, RADIUS]
     head[0, ANGLE] += np.angle(found.rollers.at[3, 0] - found.ring.at[0]) - y[lay.POSITION + lay.PSI]
     head[1, ANGLE] += np.angle(found.rollers.at[7, 0] - found.inner.at[0]) - found.inner.angle[0]
@@ -113,9 +113,9 @@ def test_in_the_states_below_everything_acts(way):
     """Each pit, the cage's guide, and pockets on both sides."""
     for seed in range(4):
         model, y = shaken(way, seed)
-        assert abs(y[lay.PIT_FORCE_O + 3]) > 0.5
-        assert abs(y[lay.PIT_FORCE_I + 7]) > 0.5
-        assert abs(y[(lay.PIT_FORCE_I if seed % 2 else lay.PIT_FORCE_O) + 4]) > 0.5
+        assert abs(y[lay.DEFECT_FORCE_O + 3]) > 0.5
+        assert abs(y[lay.DEFECT_FORCE_I + 7]) > 0.5
+        assert abs(y[(lay.DEFECT_FORCE_I if seed % 2 else lay.DEFECT_FORCE_O) + 4]) > 0.5
         guide, s = model.cage.guide, now(model, y, WHERE)
         if isinstance(guide, RingGuided):
             ring = s.ring if guide.outer else s.inner

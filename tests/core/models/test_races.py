@@ -10,15 +10,9 @@ from scipy.optimize import brentq
 
 from bearingsim import assemble
 from bearingsim.core import layout as lay
-from bearingsim.core.laws.damping.interface import normal_force
-from bearingsim.core.laws.stiffness.ten_ninths import iso16281
-from bearingsim.core.methods.rk4 import RungeKutta4
-from bearingsim.core.models.equilibrium import rest_from_scratch
-from bearingsim.core.models.interface import accelerations
-from bearingsim.core.parameters import kinematic_angles
-from bearingsim.core.pits.excitations import Envelope
-from bearingsim.core.pits.on_roller import is_masked
-from bearingsim.core.pits.pairs import (
+from bearingsim.core.defects.excitations import Envelope
+from bearingsim.core.defects.on_roller import is_masked
+from bearingsim.core.defects.pairs import (
     ANGLE,
     INNER,
     ON_INNER,
@@ -27,11 +21,17 @@ from bearingsim.core.pits.pairs import (
     RADIUS,
     REDUCED_RADIUS,
     SIDE,
-    RollerPitPair,
+    RollerDefectPair,
     nearest_roller,
-    pack_pits,
+    pack_defects,
     passing_speed,
 )
+from bearingsim.core.laws.damping.interface import normal_force
+from bearingsim.core.laws.stiffness.ten_ninths import iso16281
+from bearingsim.core.methods.rk4 import RungeKutta4
+from bearingsim.core.models.equilibrium import rest_from_scratch
+from bearingsim.core.models.interface import accelerations
+from bearingsim.core.parameters import kinematic_angles
 from bearingsim.simulation import time_grid
 from bearingsim.simulation.simulate import simulate
 from tests.independent import rollers
@@ -46,7 +46,9 @@ PLACES_OF_A_PIT = ({}, {"race": "inner"}, {"race": "roller", "roller": 1})
 
 def one_pit(side, on, angle, radius=0.01, R=0.005, depth=5e-5):
     """A single full-length slot of 0.8 mm."""
-    return pack_pits([RollerPitPair(side, on, angle, radius, R, [(1.0, 0.4e-3, 1.0, 0.0, depth)])], Envelope())
+    return pack_defects(
+        [RollerDefectPair(side, on, angle, radius, R, [(1.0, 0.4e-3, 1.0, 0.0, depth)])], Envelope()
+    )
 
 
 def wrapped(angle):
@@ -96,19 +98,19 @@ def test_sliding_is_the_derivative_of_the_distance(t, angle, where):
 def test_nothing_slips():
     """The contact runs at 2.959 m/s along outer race, inner race (backwards) and roller alike."""
     outer, inner, roller = (assemble.model(case(defect=SLOT | on)) for on in PLACES_OF_A_PIT)
-    assert passing_speed(outer.pits, 0, BEARING) == pytest.approx(2.959, abs=5e-4)
-    assert passing_speed(inner.pits, 0, BEARING) == pytest.approx(
-        -passing_speed(outer.pits, 0, BEARING), rel=1e-12
+    assert passing_speed(outer.defects, 0, BEARING) == pytest.approx(2.959, abs=5e-4)
+    assert passing_speed(inner.defects, 0, BEARING) == pytest.approx(
+        -passing_speed(outer.defects, 0, BEARING), rel=1e-12
     )
     for d in (0, 1):
-        assert passing_speed(roller.pits, d, BEARING) == pytest.approx(
-            passing_speed(outer.pits, 0, BEARING), rel=1e-12
+        assert passing_speed(roller.defects, d, BEARING) == pytest.approx(
+            passing_speed(outer.defects, 0, BEARING), rel=1e-12
         )
 
 
 def test_each_contact_has_its_own_curvature():
     """1/R is 1/6 - 1/38.5 on the outer race and 1/6 + 1/26.5 on the inner, per mm; a roller's pit meets both."""
-    outer, inner, roller = (assemble.model(case(defect=SLOT | on)).pits.head for on in PLACES_OF_A_PIT)
+    outer, inner, roller = (assemble.model(case(defect=SLOT | on)).defects.head for on in PLACES_OF_A_PIT)
     assert outer[:, [SIDE, REDUCED_RADIUS, RADIUS]] == pytest.approx(np.array([[0, R_OUTER, 38.5e-3]]))
     assert inner[:, [SIDE, REDUCED_RADIUS, RADIUS]] == pytest.approx(np.array([[1, R_INNER, 26.5e-3]]))
     assert roller[:, [SIDE, REDUCED_RADIUS, RADIUS]] == pytest.approx(
@@ -176,16 +178,16 @@ def test_of_two_pits_the_deeper_one_is_felt(theta, off, depths, side, swapped):
     """A race's pit at the load line and one of the first roller, ``off`` its own middle, each sunk by hand."""
     R = R_OUTER if side == OUTER else R_INNER
     half = 0.4e-3
-    of_race = RollerPitPair(
+    of_race = RollerDefectPair(
         side, ON_OUTER if side == OUTER else ON_INNER, 0.0, 0.03, R, [(1.0, half, 1.0, 0.0, depths[0])]
     )
-    of_roller = RollerPitPair(side, 0, pi * side, 6e-3, R, [(1.0, half, 1.0, 0.0, depths[1])])
-    both = pack_pits([of_roller, of_race] if swapped else [of_race, of_roller], Envelope())
+    of_roller = RollerDefectPair(side, 0, pi * side, 6e-3, R, [(1.0, half, 1.0, 0.0, depths[1])])
+    both = pack_defects([of_roller, of_race] if swapped else [of_race, of_roller], Envelope())
     along = (0.03 * theta, off)
     sunk = [min(max(half - abs(s), 0.0) ** 2 / (2 * R), depth) for s, depth in zip(along, depths, strict=True)]
     assume(max(sunk) > 0.0 and sunk[0] != sunk[1])
     stood = BEARING._replace(theta_0=theta, omega_c=0.0, omega_i=0.0, omega_b=off / 6e-3)
-    model, y = MODEL._replace(bearing=stood, pits=both), assemble.empty_buffer(MODEL)
+    model, y = MODEL._replace(bearing=stood, defects=both), assemble.empty_buffer(MODEL)
     felt = [abs(s) < half and not is_masked(model, int(n != swapped), 0, s, 1.0, y) for n, s in enumerate(along)]
     assert felt == [sunk[0] > sunk[1], sunk[1] > sunk[0]]
 
@@ -318,10 +320,10 @@ def test_a_load_from_another_side_turns_the_whole_motion(name, turned):
     s, b = usual.support, usual.bearing
     x_0, y_0 = cos(turned) * s.x_0 - sin(turned) * s.y_0, sin(turned) * s.x_0 + cos(turned) * s.y_0
     support = s._replace(F=s.F * cos(turned), F_across=s.F * sin(turned), x_0=x_0, y_0=y_0)
-    head = usual.pits.head.copy()
+    head = usual.defects.head.copy()
     head[0, ANGLE] += turned
     other = usual._replace(
-        support=support, bearing=b._replace(theta_0=b.theta_0 + turned), pits=usual.pits._replace(head=head)
+        support=support, bearing=b._replace(theta_0=b.theta_0 + turned), defects=usual.defects._replace(head=head)
     )
     found, expected = drive(other, RungeKutta4(1e-6), 4000), drive(usual, RungeKutta4(1e-6), 4000)
     for x in (0, 2, 4):

@@ -11,6 +11,7 @@ import pytest
 from bearingsim import assemble
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
+from bearingsim.core.defects.pairs import ANGLE, RADIUS
 from bearingsim.core.geometry.slices import slice_edges, slices
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
@@ -18,7 +19,6 @@ from bearingsim.core.laws.stiffness.linear import Linear
 from bearingsim.core.parts.cage_in_space import CageInSpace
 from bearingsim.core.parts.flanges import Flanges
 from bearingsim.core.parts.mounts import ElasticMount
-from bearingsim.core.pits.pairs import ANGLE, RADIUS
 from tests.core.models.test_planar_balance import EVERYTHING, RUBBING, SPEEDING, WHERE, rate
 from tests.core.models.test_planar_balance import random_state as planar_state
 from tests.independent import spatial_bodies as bodies
@@ -91,7 +91,7 @@ def lead_onto_pits(model, y, outwards, own):
     for j, q in ((3, 1e-5), (7, -1e-5), (4, 1e-5 if outwards else -1e-5)):
         y[lay.RADIAL + j] = q
     s = now(model, y)
-    head = model.pits.head
+    head = model.defects.head
     head[:, ANGLE] = 4e-5 / head[:, RADIUS]
     for d, ring, j in ((0, s.ring, 3), (1, s.inner, 7)):
         head[d, ANGLE] += ring.angle_of(s.rollers.at[:, j] - ring.at)[0]
@@ -144,16 +144,16 @@ def test_in_the_states_below_everything_acts(way):
         _, y = shaken(way, seed, *STATES[0])
         assert (
             min(
-                abs(y[lay.PIT_FORCE_O + 3]),
-                abs(y[lay.PIT_FORCE_I + 7]),
-                abs(y[(lay.PIT_FORCE_I if seed % 2 else lay.PIT_FORCE_O) + 4]),
+                abs(y[lay.DEFECT_FORCE_O + 3]),
+                abs(y[lay.DEFECT_FORCE_I + 7]),
+                abs(y[(lay.DEFECT_FORCE_I if seed % 2 else lay.DEFECT_FORCE_O) + 4]),
             )
             > 0.5
         )
         assert (np.abs(y[lay.Q_F : lay.Q_F + 13]) > 1.0).sum() > 5
         assert (np.abs(y[lay.Q_P : lay.Q_P + 13]) > 1.0).sum() > 3
         _, y = shaken(way, seed, *STATES[1])
-        assert min(abs(y[lay.PIT_FORCE_O + 3]), abs(y[lay.PIT_FORCE_I + 7])) > 0.5
+        assert min(abs(y[lay.DEFECT_FORCE_O + 3]), abs(y[lay.DEFECT_FORCE_I + 7])) > 0.5
         loads = np.array([y[lay.slice_row(k, lay.LOAD_O) : lay.slice_row(k, lay.LOAD_O) + 13] for k in range(9)])
         assert ((loads > 0.0).any(axis=0) & (loads == 0.0).any(axis=0)).sum() > 5
 

@@ -4,6 +4,7 @@ from math import cos
 from typing import NamedTuple
 
 from bearingsim.core import layout as lay
+from bearingsim.core.defects.crossings import count_crossings
 from bearingsim.core.models.interface import (
     ModelKind,
     accelerations,
@@ -15,7 +16,6 @@ from bearingsim.core.models.interface import (
     update_extremes,
 )
 from bearingsim.core.parameters import Bearing, Support, kinematic_angles
-from bearingsim.core.pits.crossings import count_crossings
 
 STIFFNESS, DAMPING, PUSH = 1e8, 1e3, 1.0  # N/m, N s/m, N
 

@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.pits.depth import EVEN, cuts, extent, section
-from bearingsim.core.pits.profile import RACE, polygon
+from bearingsim.core.defects.depth import EVEN, cuts, extent, section
+from bearingsim.core.defects.profile import RACE, polygon
 
 
 class Wedge(NamedTuple):

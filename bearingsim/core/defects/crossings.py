@@ -1,4 +1,4 @@
-"""The rollers that cross pits, counted as a run sees them, and as many as the angles say.
+"""The rollers that cross defects, counted as a run sees them, and as many as the angles say.
 
 A run that has seen fewer has stepped over one.
 """
@@ -9,33 +9,33 @@ from typing import Any
 import numpy as np
 
 from bearingsim.core import layout as lay
+from bearingsim.core.defects.on_roller import roller_at_defect
+from bearingsim.core.defects.pairs import CARRIER, HALF_WIDTH, ON_INNER
 from bearingsim.core.geometry.motion import kinematic_times
 from bearingsim.core.jit import generic
-from bearingsim.core.pits.on_roller import roller_at_pit
-from bearingsim.core.pits.pairs import CARRIER, HALF_WIDTH, ON_INNER
 
 
-def count_pit_crossings(model, t, y):
+def count_defect_crossings(model, t, y):
     """Implement ``count_crossings`` for models with defects; the pairs beyond the length of a row are not
     counted."""
-    for d in range(min(len(model.pits.head), lay.ROW)):
-        j, s = roller_at_pit(model, d, t, y)
-        there = j + 1.0 if abs(s) < model.pits.head[d, HALF_WIDTH] else 0.0
-        if there != y[lay.ROLLER_IN_PIT + d]:
+    for d in range(min(len(model.defects.head), lay.ROW)):
+        j, s = roller_at_defect(model, d, t, y)
+        there = j + 1.0 if abs(s) < model.defects.head[d, HALF_WIDTH] else 0.0
+        if there != y[lay.ROLLER_IN_DEFECT + d]:
             y[lay.PAIR_CROSSINGS + d] += 1.0 if there > 0.0 else 0.0
-            y[lay.PIT_CROSSINGS] += 1.0 if there > 0.0 else 0.0
-            y[lay.ROLLER_IN_PIT + d] = there
+            y[lay.DEFECT_CROSSINGS] += 1.0 if there > 0.0 else 0.0
+            y[lay.ROLLER_IN_DEFECT + d] = there
 
 
-@generic(otherwise=count_pit_crossings)
+@generic(otherwise=count_defect_crossings)
 def count_crossings(model: Any, t: float, y: np.ndarray) -> None:
-    """Count the rollers that stand newly over a pit at time ``t`` (s), the state being that in ``y``."""
+    """Count the rollers that stand newly over a defect at time ``t`` (s), the state being that in ``y``."""
 
 
 def passages(model: Any, d: int, t: float, y: np.ndarray) -> float:
     """Return the rotation of roller-defect pair ``d`` at time ``t`` (s), in rollers that pass, from the angles
     in ``y``."""
-    b, on = model.bearing, int(model.pits.head[d, CARRIER])
+    b, on = model.bearing, int(model.defects.head[d, CARRIER])
     time = float(kinematic_times(model, np.array([t]))[0])
     slip = float(y[lay.POSITION + lay.PHI_C])
     if on >= 0:
@@ -50,7 +50,7 @@ def missed_crossings(model: Any, t: float, before: list[float], y: np.ndarray) -
     One at either end of the run is as may be.
     """
     unseen = 0
-    for d in range(min(len(model.pits.head), lay.ROW)):
+    for d in range(min(len(model.defects.head), lay.ROW)):
         passed = abs(passages(model, d, t, y) - before[d])
         unseen += max(0, floor(passed) - 1 - int(y[lay.PAIR_CROSSINGS + d]))
     return unseen

@@ -2,7 +2,8 @@
 
 At a cusp the slope of a roller's path falls, so its closing rate and with it the damping force jump; under a
 pulse the approach itself jumps. A step that looks across loses its order there, so adaptive methods stop on these
-places. They lie in the head of each roller-pit pair (``pits/pairs.py``), found when it is built (``jumps_of``).
+places. They lie in the head of each roller-defect pair (``defects/pairs.py``), found when it is built
+(``jumps_of``).
 """
 
 from collections.abc import Sequence
@@ -12,12 +13,10 @@ from typing import Any
 import numpy as np
 
 from bearingsim.core import layout as lay
-from bearingsim.core.geometry.motion import kinematic_time
-from bearingsim.core.jit import generic, jit
-from bearingsim.core.pits.envelope import Path, S, ends_of
-from bearingsim.core.pits.excitations import pit_response
-from bearingsim.core.pits.on_roller import roller_at_pit
-from bearingsim.core.pits.pairs import (
+from bearingsim.core.defects.envelope import Path, S, ends_of
+from bearingsim.core.defects.excitations import defect_response
+from bearingsim.core.defects.on_roller import roller_at_defect
+from bearingsim.core.defects.pairs import (
     CARRIER,
     DEPTH,
     FIRST_JUMP,
@@ -29,11 +28,13 @@ from bearingsim.core.pits.pairs import (
     X_E,
     passing_speed,
 )
+from bearingsim.core.geometry.motion import kinematic_time
+from bearingsim.core.jit import generic, jit
 
 PROBE = 1e-9  # m: so far to either side of a place is looked whether something jumps there
-LEAST_SHARPNESS = 0.05  # of a roller-pit pair's sharpest jump: duller ones are left to the control of the error
+LEAST_SHARPNESS = 0.05  # of a roller-defect pair's sharpest jump: duller ones are left to the control of the error
 NEAR_JUMP = 1e-8  # m: from so near a roller comes straight to a jump
-MAX_JUMPS = 32  # kept of a roller-pit pair; a rough pit has hundreds of small ones
+MAX_JUMPS = 32  # kept of a roller-defect pair; a rough defect has hundreds of small ones
 
 
 # Where things jump: found once, in plain Python
@@ -43,7 +44,7 @@ def jumps_of(excitation: Any, groups: Sequence[Sequence[float]], paths: Sequence
     """Return the places (m) along rolling where the force over a pair's groups jumps, or its damping part, in
     order.
 
-    paths: of a traced pit, one for each group, else none. Jumps of several groups in one place add up.
+    paths: of a traced defect, one for each group, else none. Jumps of several groups in one place add up.
     """
     jump_at: dict[float, np.ndarray] = {}
     for k, row in enumerate(groups):
@@ -70,7 +71,7 @@ def jumps_of_group(excitation: Any, group: np.ndarray, R: float) -> list[tuple[f
     for place in {
         sign * place for place in places if 0.0 <= place <= group[GROUP_HALF_WIDTH] for sign in (-1.0, 1.0)
     }:
-        before, after = (np.array(pit_response(excitation, group, place + d, R)) for d in (-PROBE, PROBE))
+        before, after = (np.array(defect_response(excitation, group, place + d, R)) for d in (-PROBE, PROBE))
         jump = np.abs(after - before)
         smooth = (
             10.0 * PROBE * np.array([1.0 / group[GROUP_HALF_WIDTH], 1.0, 1.0 / R])
@@ -84,12 +85,12 @@ def jumps_of_group(excitation: Any, group: np.ndarray, R: float) -> list[tuple[f
 
 def floor_reach(excitation: Any, group: np.ndarray, R: float) -> float:
     """Return the greatest distance (m) from the middle at which a group acts in its full depth; -1 if nowhere."""
-    if pit_response(excitation, group, 0.0, R)[1] < group[DEPTH]:
+    if defect_response(excitation, group, 0.0, R)[1] < group[DEPTH]:
         return -1.0
     low, high = 0.0, float(group[GROUP_HALF_WIDTH])
     for _ in range(60):
         middle = 0.5 * (low + high)
-        if pit_response(excitation, group, middle, R)[1] >= group[DEPTH]:
+        if defect_response(excitation, group, middle, R)[1] >= group[DEPTH]:
             low = middle
         else:
             high = middle
@@ -121,36 +122,36 @@ def next_jump(model: Any, t: float, y: np.ndarray) -> float:
 
 
 @jit
-def distance_to_jump(pits, d, s, forwards):
-    """Return the way (m) from ``s`` to the next jump of roller-pit pair ``d``, s growing if ``forwards``; inf if
-    none is ahead.
+def distance_to_jump(defects, d, s, forwards):
+    """Return the way (m) from ``s`` to the next jump of roller-defect pair ``d``, s growing if ``forwards``; inf
+    if none is ahead.
     """
     least = inf
-    for k in range(int(pits.head[d, JUMP_COUNT])):
-        way = pits.head[d, FIRST_JUMP + k] - s
+    for k in range(int(defects.head[d, JUMP_COUNT])):
+        way = defects.head[d, FIRST_JUMP + k] - s
         way = way if forwards else -way
         least = min(least, way if way >= 0.0 else inf)
     return least
 
 
 @jit
-def spacing(pits, d, Z):
-    """Return the way (m) along rolling between two contacts that come to roller-pit pair ``d`` one after the
+def spacing(defects, d, Z):
+    """Return the way (m) along rolling between two contacts that come to roller-defect pair ``d`` one after the
     other."""
-    return 2.0 * pi * pits.head[d, RADIUS] / (1 if pits.head[d, CARRIER] >= 0.0 else Z)
+    return 2.0 * pi * defects.head[d, RADIUS] / (1 if defects.head[d, CARRIER] >= 0.0 else Z)
 
 
 def next_jump_evenly(model, t, y):
     """Implement ``next_jump`` for rollers that are evenly spaced and turn without slip: exact."""
-    pits, b = model.pits, model.bearing
+    defects, b = model.defects, model.bearing
     soonest = inf
-    for d in range(len(pits.head)):
-        speed = passing_speed(pits, d, b)
+    for d in range(len(defects.head)):
+        speed = passing_speed(defects, d, b)
         if speed != 0.0:
-            _, s = roller_at_pit(model, d, t, y)
-            follows = spacing(pits, d, b.Z)
-            next_one = distance_to_jump(pits, d, s - follows if speed > 0.0 else s + follows, speed > 0.0)
-            way = min(distance_to_jump(pits, d, s, speed > 0.0), next_one)
+            _, s = roller_at_defect(model, d, t, y)
+            follows = spacing(defects, d, b.Z)
+            next_one = distance_to_jump(defects, d, s - follows if speed > 0.0 else s + follows, speed > 0.0)
+            way = min(distance_to_jump(defects, d, s, speed > 0.0), next_one)
             soonest = min(soonest, t + way / abs(speed))
     return soonest
 
@@ -161,19 +162,19 @@ def next_jump_freely(model, t, y):
     Left out of its speed: that the rings move across, a thousandth of it. So the time falls short by a hundredth
     of the way, until that is ``NEAR_JUMP``. Of a skewed roller its middle counts.
     """
-    pits, b = model.pits, model.bearing
+    defects, b = model.defects, model.bearing
     _, rate, _ = kinematic_time(model.motion, t)
     soonest = inf
-    for d in range(len(pits.head)):
-        j, s = roller_at_pit(model, d, t, y)
-        on = pits.head[d, CARRIER]
+    for d in range(len(defects.head)):
+        j, s = roller_at_defect(model, d, t, y)
+        on = defects.head[d, CARRIER]
         turning = b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C] + y[lay.EPS_V + j]
         if on >= 0.0:
             turning -= (b.omega_c - b.omega_b) * rate + y[lay.SPIN_V + j]
         else:
             turning -= b.omega_i * rate if on == ON_INNER else y[lay.VELOCITY + lay.PSI]
-        speed = pits.head[d, RADIUS] * turning
+        speed = defects.head[d, RADIUS] * turning
         if speed != 0.0:
-            way = distance_to_jump(pits, d, s, speed > 0.0)
+            way = distance_to_jump(defects, d, s, speed > 0.0)
             soonest = min(soonest, t + (way if way < NEAR_JUMP else 0.99 * way) / abs(speed))
     return soonest

@@ -17,12 +17,12 @@ it with finite elements.
 from math import e, exp, inf, log, pi, sqrt
 from typing import NamedTuple
 
+from bearingsim.core.defects.closed_forms import roller_drop, roller_drop_curvature
+from bearingsim.core.defects.depth import Rectangular
+from bearingsim.core.defects.excitations import defect_response, defect_response_gradient, response_groups
+from bearingsim.core.defects.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, KAPPA, X_E
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.stiffness.ten_ninths import ninth_root
-from bearingsim.core.pits.closed_forms import roller_drop, roller_drop_curvature
-from bearingsim.core.pits.depth import Rectangular
-from bearingsim.core.pits.excitations import pit_response, pit_response_gradient, response_groups
-from bearingsim.core.pits.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, KAPPA, X_E
 
 # fitted to finite elements: weight of the wall's height, and of the edge's radius
 HEIGHT_WEIGHT, RADIUS_WEIGHT = 0.42, 0.7
@@ -31,13 +31,13 @@ VERTICAL_WALL = -1.0  # in column KAPPA: the walls stand upright, and are never 
 
 
 class EdgeContact(NamedTuple):
-    """The envelope, with the elastic edges of the pit.
+    """The envelope, with the elastic edges of the defect.
 
     load: Q'/(pi E*) (m) at the reference load, E* = E/(2 (1 - nu^2)) of two bodies; D: m, how far from the contact
-    the bodies do not move, 2 sqrt(R_w R_o)/e for a roller in its race; rho: m, radius of the pit's edges, > 0 (a
-    sharp edge has no largest pressure).
+    the bodies do not move, 2 sqrt(R_w R_o)/e for a roller in its race; rho: m, radius of the defect's edges, > 0
+    (a sharp edge has no largest pressure).
 
-    Left out: yielding, friction, the tilt of the contact's normal, the pit's ends along the roller, and that f
+    Left out: yielding, friction, the tilt of the contact's normal, the defect's ends along the roller, and that f
     changes with the load. The force keeps more than all of itself where two rounded edges carry far apart.
     """
 
@@ -125,8 +125,8 @@ def remaining_share(f, b, D):
     return part * ninth_root(part)
 
 
-@pit_response.register(EdgeContact)
-def _pit_response_edge_contact(excitation, group, s, R):
+@defect_response.register(EdgeContact)
+def _defect_response_edge_contact(excitation, group, s, R):
     b, D, rho = half_contact(excitation, R), excitation.D, excitation.rho
     if group[DEPTH] == 0.0 or abs(s) >= group[GROUP_HALF_WIDTH]:
         return 1.0, 0.0, 0.0
@@ -243,8 +243,8 @@ def softness(excitation, group, away, R):
     return (apart, apart_slope) if apart < f else (f, slope)
 
 
-@pit_response_gradient.register(EdgeContact)
-def _pit_response_gradient_edge_contact(excitation, group, s, R):
+@defect_response_gradient.register(EdgeContact)
+def _defect_response_gradient_edge_contact(excitation, group, s, R):
     if group[DEPTH] == 0.0 or abs(s) >= group[GROUP_HALF_WIDTH]:
         return 0.0, 0.0
     b = half_contact(excitation, R)
@@ -255,13 +255,13 @@ def _pit_response_gradient_edge_contact(excitation, group, s, R):
 
 
 @response_groups.register(EdgeContact)
-def _response_groups_edge_contact(excitation, pit, rows, R):
+def _response_groups_edge_contact(excitation, defect, rows, R):
     response = []
     for row in rows:
         b = half_contact(excitation, R)
         if row[DEPTH] == 0.0:
             response.append(row)
-        elif isinstance(pit, Rectangular):
+        elif isinstance(defect, Rectangular):
             response.append(
                 (
                     row[GROUP_WEIGHT],

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
+from bearingsim.core.defects.jumps import next_jump
+from bearingsim.core.defects.on_roller import roller_at_defect
+from bearingsim.core.defects.pairs import FIRST_JUMP, HALF_WIDTH, JUMP_COUNT
 from bearingsim.core.jit import jit
 from bearingsim.core.models.interface import accelerations
-from bearingsim.core.pits.jumps import next_jump
-from bearingsim.core.pits.on_roller import roller_at_pit
-from bearingsim.core.pits.pairs import FIRST_JUMP, HALF_WIDTH, JUMP_COUNT
 from tests.scenes.nf308 import SLOT, at_rest, case
 
 WIDE = SLOT | {"width": "3 mm"}
@@ -18,14 +18,14 @@ WIDE = SLOT | {"width": "3 mm"}
 
 def jumps(**given):
     """Places (mm) of the first meeting's jumps."""
-    head = assemble.pits.packed_pits(case(**given)).head[0]
+    head = assemble.defects.packed_defects(case(**given)).head[0]
     return 1e3 * head[FIRST_JUMP : FIRST_JUMP + int(head[JUMP_COUNT])]
 
 
 def test_a_narrow_slot_has_one_cusp_and_a_wide_one_where_the_floor_begins_and_ends():
     """The roller (relative radius R) reaches the floor sqrt(2 R d) behind the rim."""
     assert jumps(defect=SLOT) == pytest.approx([0.0], abs=1e-9)
-    R = assemble.pits.reduced_radius(case(), 0)
+    R = assemble.defects.reduced_radius(case(), 0)
     reached = 1.5 - 1e3 * np.sqrt(2.0 * R * 0.05e-3)
     assert jumps(defect=WIDE) == pytest.approx([-reached, reached], abs=1e-6)
 
@@ -55,14 +55,14 @@ def asked(model, t, y):
 def told(model, t, y):
     """What ``next_jump`` says, and where the first meeting's contact stands."""
     accelerations(model, t, y)
-    return next_jump(model, t, y), roller_at_pit(model, 0, t, y)
+    return next_jump(model, t, y), roller_at_defect(model, 0, t, y)
 
 
 @pytest.mark.parametrize("race", ["outer", "inner", "roller"])
 def test_with_a_kinematic_cage_the_next_jump_is_known(race):
     """At the time told a contact stands on the jump; times follow each other, each jump once."""
     model = assemble.model(case(defect=WIDE | {"race": race}))
-    y, t, places = at_rest(model), 0.0, model.pits.head[0, FIRST_JUMP:]
+    y, t, places = at_rest(model), 0.0, model.defects.head[0, FIRST_JUMP:]
     seen = []
     for _ in range(12):
         at, _ = told(model, t, y)
@@ -86,7 +86,7 @@ def test_a_free_roller_is_closed_in_upon():
     t, way = 0.0, []
     for _ in range(600):
         at, (_, s) = told(model, t, y)
-        if abs(s) < model.pits.head[0, HALF_WIDTH] and s < 0.0:
+        if abs(s) < model.defects.head[0, HALF_WIDTH] and s < 0.0:
             way.append(-s)
             t = at
         else:

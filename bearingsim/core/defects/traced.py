@@ -1,4 +1,4 @@
-"""From a depth map to what the core reads: where a pit is cut along the roller, its paths, and their table."""
+"""From a depth map to what the core reads: where a defect is cut along the roller, its paths, and their table."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -7,26 +7,26 @@ from typing import Any
 
 import numpy as np
 
-from bearingsim.core.pits.closed_forms import NO_PIT
-from bearingsim.core.pits.depth import EVEN, SMOOTH, Merged, Placed, Scanned, cuts, extent, section
-from bearingsim.core.pits.envelope import FLAT, Path, cusp, packed, path_over, steepest
-from bearingsim.core.pits.excitations import Traced
-from bearingsim.core.pits.pairs import KAPPA, Pits, RollerPitPair, pack_pits
-from bearingsim.core.pits.profile import Profile, relief
+from bearingsim.core.defects.closed_forms import NO_DEFECT
+from bearingsim.core.defects.depth import EVEN, SMOOTH, Merged, Placed, Scanned, cuts, extent, section
+from bearingsim.core.defects.envelope import FLAT, Path, cusp, packed, path_over, steepest
+from bearingsim.core.defects.excitations import Traced
+from bearingsim.core.defects.pairs import KAPPA, Defects, RollerDefectPair, pack_defects
+from bearingsim.core.defects.profile import Profile, relief
 
 SAME = np.array([1e-12, 1e-18, 1e-12, 1e-6])  # m, m, 1, 1/m: paths whose pieces and ends differ by less are one
 RollerSlice = tuple[float, float]
 """Weight (1) and middle z (m, from the roller's) of a slice of a roller."""
 
 
-def cut_along_roller(pit: Any, L_w: float, nodes: int) -> list[RollerSlice]:
+def cut_along_roller(defect: Any, L_w: float, nodes: int) -> list[RollerSlice]:
     """Return the slices of a roller of length ``L_w`` (m) over a defect, their weights summing to its share of the
     roller.
 
     Where the section is the same all along there is one; where it changes smoothly ``nodes`` of Gauss on the
     longest stretch, in proportion on others; where it is rough as many of even length.
     """
-    stretches = [(max(a, -L_w / 2.0), min(b, L_w / 2.0), kind) for a, b, kind in cuts(pit)]
+    stretches = [(max(a, -L_w / 2.0), min(b, L_w / 2.0), kind) for a, b, kind in cuts(defect)]
     stretches = [(a, b, kind) for a, b, kind in stretches if b > a]
     longest = max((b - a for a, b, _ in stretches), default=0.0)
     return [
@@ -49,43 +49,43 @@ TracedGroup = tuple[tuple[float, ...], Path]
 """A group without its weight (b, x_e, 0, depth), and its path."""
 
 
-def paths_over(pit: Any, R: float, places: Sequence[float] | np.ndarray) -> tuple[TracedGroup, ...]:
+def paths_over(defect: Any, R: float, places: Sequence[float] | np.ndarray) -> tuple[TracedGroup, ...]:
     """Return the roller path over a defect at each z (m) of ``places``, cached."""
-    return _paths_over(pit, repr(pit), R, tuple(float(z) for z in places))
+    return _paths_over(defect, repr(defect), R, tuple(float(z) for z in places))
 
 
 @lru_cache(maxsize=256)
-def _paths_over(pit: Any, named: str, R: float, places: tuple[float, ...]) -> tuple[TracedGroup, ...]:
+def _paths_over(defect: Any, named: str, R: float, places: tuple[float, ...]) -> tuple[TracedGroup, ...]:
     """Cache ``paths_over``; ``named`` distinguishes shapes that are equal as tuples. The paths of a rough
     defect in 41 slices take 20 kB, so those of a whole sweep are kept."""
-    return tuple(_traced(section(pit, z), R) for z in places)
+    return tuple(_traced(section(defect, z), R) for z in places)
 
 
 def _traced(profile: Profile, R: float) -> TracedGroup:
     path = path_over(profile, R)
     if len(path.pieces) == 0:
-        return NO_PIT, path
+        return NO_DEFECT, path
     reach = R * steepest(path)
     return (max(-path.pieces[0, 0], path.end, reach), reach, 0.0, relief(profile)), path
 
 
-def grouped(pit: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[list, list[Path]]:
+def grouped(defect: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[list, list[Path]]:
     """Return groups and paths of a roller over a defect; equal slices form one group, the rest of the roller
     another."""
     merged: dict[bytes, tuple[float, tuple, Path]] = {}
-    for (weight, _), (row, path) in zip(slices, paths_over(pit, R, [z for _, z in slices]), strict=True):
+    for (weight, _), (row, path) in zip(slices, paths_over(defect, R, [z for _, z in slices]), strict=True):
         key = (np.round(np.append(path.pieces / SAME, path.end / SAME[0])) + 0.0).tobytes()
         before = merged[key][0] if key in merged else 0.0
         merged[key] = (before + weight, row, path)
     rest = 1.0 - sum(weight for weight, _ in slices)
-    untouched = [(rest, NO_PIT, FLAT)] if rest > 1e-12 else []
+    untouched = [(rest, NO_DEFECT, FLAT)] if rest > 1e-12 else []
     parts = [*untouched, *merged.values()]
     return [(weight, *row) for weight, row, _ in parts], [path for _, _, path in parts]
 
 
-def sliced(pit: Any, R: float, zetas: Sequence[float] | np.ndarray) -> tuple[list, list[Path]]:
+def sliced(defect: Any, R: float, zetas: Sequence[float] | np.ndarray) -> tuple[list, list[Path]]:
     """Return a group of weight 1 and a path for each slice of a roller whose middle is at zeta (m)."""
-    traced = paths_over(pit, R, zetas)
+    traced = paths_over(defect, R, zetas)
     return [(1.0, *row) for row, _ in traced], [path for _, path in traced]
 
 
@@ -99,29 +99,29 @@ def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) ->
     return place
 
 
-def span_of(pit: Any, R: float) -> float:
+def span_of(defect: Any, R: float) -> float:
     """Return the shortest extent (m) of a defect, or one of several merged, along its middle; ``R``: of the
     roller (m)."""
-    if isinstance(pit, Merged):
-        return min(span_of(part, R) for part in pit.pits)
-    low, high, z_0, z_1 = extent(pit)
-    path = path_over(section(pit, (z_0 + z_1) / 2.0), R)
+    if isinstance(defect, Merged):
+        return min(span_of(part, R) for part in defect.defects)
+    low, high, z_0, z_1 = extent(defect)
+    path = path_over(section(defect, (z_0 + z_1) / 2.0), R)
     return path.end - float(path.pieces[0, 0]) if len(path.pieces) else high - low
 
 
-def burr(pit: Any) -> float:
+def burr(defect: Any) -> float:
     """Return the height (m) of a defect's highest place above the race; only a scan has one."""
-    if isinstance(pit, Placed):
-        return burr(pit.pit)
-    return max(0.0, -float(pit.depth.min())) if isinstance(pit, Scanned) else 0.0
+    if isinstance(defect, Placed):
+        return burr(defect.defect)
+    return max(0.0, -float(defect.depth.min())) if isinstance(defect, Scanned) else 0.0
 
 
-def traced_pits(pairs: Sequence[RollerPitPair]) -> Pits:
+def traced_defects(pairs: Sequence[RollerDefectPair]) -> Defects:
     """Pack the roller-defect pairs, and their paths in one table."""
     paths = [path for pair in pairs for path in pair.paths if len(path.pieces)]
     table, places = packed(paths)
-    pits, left = pack_pits(pairs, Traced(table)), iter(places)
-    for groups, pair in zip(pits.groups, pairs, strict=True):
+    defects, left = pack_defects(pairs, Traced(table)), iter(places)
+    for groups, pair in zip(defects.groups, pairs, strict=True):
         for row, path in zip(groups, pair.paths, strict=False):
             row[KAPPA] = next(left) if len(path.pieces) else 0.0
-    return pits
+    return defects

@@ -1,11 +1,12 @@
 """The path of a roller over a box, a V groove or a parabolic bowl: closed forms, group by group.
 
-A roller is round and cannot follow a narrow pit: its centre moves along the envelope of the roller over the
-profile p(t) of the pit,
+A roller is round and cannot follow a narrow defect: its centre moves along the envelope of the roller over the
+profile p(t) of the defect,
 
     h(s) = min over t of [ p(t) + (t - s)^2 / (2 R) ],
 
-s being the distance along rolling from the pit's middle, and 1/R the curvature of roller and race relative to each
+s being the distance along rolling from the defect's middle, and 1/R the curvature of roller and race relative to
+each
 other: R = R_w R_o / (R_o - R_w) on the outer race, R_w R_i / (R_i + R_w) on the inner. For these three shapes the
 minimum has one closed form. With x = max(b - |s|, 0), the distance from the rim, split at x_e into
 x_1 = min(x, x_e) and x_2 = x - x_1,
@@ -15,7 +16,7 @@ x_1 = min(x, x_e) and x_2 = x - x_1,
 that is: first the roller hangs on the rim, then (beyond x_e) it touches the wall, whose curvature relative to
 the roller's gives kappa, and at depth d it touches the floor.
 
-Along the roller the pit is cut into groups of weight w (their sum is 1), each with its own b, x_e, kappa and d:
+Along the roller the defect is cut into groups of weight w (their sum is 1), each with its own b, x_e, kappa and d:
 one group for the untouched length, one for a box or a V (exact), Gauss nodes for a bowl.
 """
 
@@ -25,9 +26,9 @@ from typing import Any
 
 import numpy as np
 
+from bearingsim.core.defects.depth import Circular, Rectangular, Triangular
+from bearingsim.core.defects.pairs import DEPTH, GROUP_HALF_WIDTH, KAPPA, NO_WALL, X_E
 from bearingsim.core.jit import generic, jit
-from bearingsim.core.pits.depth import Circular, Rectangular, Triangular
-from bearingsim.core.pits.pairs import DEPTH, GROUP_HALF_WIDTH, KAPPA, NO_WALL, X_E
 
 
 @jit
@@ -74,50 +75,50 @@ def bowl(width: float, depth: float, R: float, zeta: float) -> tuple[float, floa
     """
     rest = 1.0 - zeta * zeta
     b = width / 2.0 * sqrt(rest)
-    R_pit = width * width / (8.0 * depth)
-    if R_pit <= R:
+    R_defect = width * width / (8.0 * depth)
+    if R_defect <= R:
         return b, NO_WALL, 0.0, depth * rest
-    return b, b * R / R_pit, 1.0 / (R_pit - R), depth * rest
+    return b, b * R / R_defect, 1.0 / (R_defect - R), depth * rest
 
 
-NO_PIT = (0.0, NO_WALL, 0.0, 0.0)
-"""b, x_e, kappa, depth where there is no pit."""
+NO_DEFECT = (0.0, NO_WALL, 0.0, 0.0)
+"""b, x_e, kappa, depth where there is no defect."""
 
 
 @generic
-def section_of(pit: Any, R: float, zeta: float) -> tuple[float, float, float, float]:
+def section_of(defect: Any, R: float, zeta: float) -> tuple[float, float, float, float]:
     """Return b, x_e, kappa, depth of a shape's section at zeta = 2 z/L from its middle, |zeta| < 1."""
 
 
 @section_of.register(Rectangular)
-def _section_rectangular(pit, R, zeta):
-    return box(pit.width, pit.depth)
+def _section_rectangular(defect, R, zeta):
+    return box(defect.width, defect.depth)
 
 
 @section_of.register(Triangular)
-def _section_triangular(pit, R, zeta):
-    return groove(pit.width, pit.depth, R)
+def _section_triangular(defect, R, zeta):
+    return groove(defect.width, defect.depth, R)
 
 
 @section_of.register(Circular)
-def _section_circular(pit, R, zeta):
-    return bowl(pit.width, pit.depth, R, zeta)
+def _section_circular(defect, R, zeta):
+    return bowl(defect.width, defect.depth, R, zeta)
 
 
-def groups_of(pit: Any, L_w: float, R: float, nodes: int, offset: float = 0.0) -> list:
+def groups_of(defect: Any, L_w: float, R: float, nodes: int, offset: float = 0.0) -> list:
     """Return the groups (w, b, x_e, kappa, depth) of a defect; lengths in m, ``nodes`` on a bowl's half length.
 
-    offset: of the pit's middle along the roller (m). What lies beyond the contact (``L_w``) is not felt.
+    offset: of the defect's middle along the roller (m). What lies beyond the contact (``L_w``) is not felt.
     """
-    low, high = max(-pit.length / 2.0, -L_w / 2.0 - offset), min(pit.length / 2.0, L_w / 2.0 - offset)
+    low, high = max(-defect.length / 2.0, -L_w / 2.0 - offset), min(defect.length / 2.0, L_w / 2.0 - offset)
     share = min(1.0, max(high - low, 0.0) / L_w)
-    untouched = [(1.0 - share, *NO_PIT)] if share < 1.0 else []
+    untouched = [(1.0 - share, *NO_DEFECT)] if share < 1.0 else []
     if share == 0.0:
         return untouched
-    if not isinstance(pit, Circular):
-        return [*untouched, (share, *section_of(pit, R, 0.0))]
+    if not isinstance(defect, Circular):
+        return [*untouched, (share, *section_of(defect, R, 0.0))]
     halves = [(0.0, high, share)] if low == -high else _halves(low, high, L_w)
-    return [*untouched, *(row for half in halves for row in _bowls(half, pit, R, nodes))]
+    return [*untouched, *(row for half in halves for row in _bowls(half, defect, R, nodes))]
 
 
 def _halves(low: float, high: float, L_w: float) -> list[tuple[float, float, float]]:
@@ -129,17 +130,20 @@ def _halves(low: float, high: float, L_w: float) -> list[tuple[float, float, flo
     return [(0.0, -low, -low / L_w), (0.0, high, high / L_w)]
 
 
-def _bowls(half: tuple[float, float, float], pit: Any, R: float, nodes: int) -> list:
-    low, high = 2.0 * half[0] / pit.length, 2.0 * half[1] / pit.length
+def _bowls(half: tuple[float, float, float], defect: Any, R: float, nodes: int) -> list:
+    low, high = 2.0 * half[0] / defect.length, 2.0 * half[1] / defect.length
     zeta, weight = np.polynomial.legendre.leggauss(nodes)
     return [
-        (half[2] * float(w) / 2.0, *bowl(pit.width, pit.depth, R, low + (high - low) * (1.0 + float(z)) / 2.0))
+        (
+            half[2] * float(w) / 2.0,
+            *bowl(defect.width, defect.depth, R, low + (high - low) * (1.0 + float(z)) / 2.0),
+        )
         for z, w in zip(zeta, weight, strict=True)
     ]
 
 
-def groups_of_slices(pit: Any, R: float, zetas: Sequence[float] | np.ndarray, offset: float = 0.0) -> list:
+def groups_of_slices(defect: Any, R: float, zetas: Sequence[float] | np.ndarray, offset: float = 0.0) -> list:
     """Return a group of weight 1 for each slice of a roller whose middle is at zeta (m), the defect's at
     ``offset`` (m)."""
-    places = [2.0 * (zeta - offset) / pit.length for zeta in zetas]
-    return [(1.0, *(section_of(pit, R, place) if abs(place) < 1.0 else NO_PIT)) for place in places]
+    places = [2.0 * (zeta - offset) / defect.length for zeta in zetas]
+    return [(1.0, *(section_of(defect, R, place) if abs(place) < 1.0 else NO_DEFECT)) for place in places]

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from bearingsim.core.pits import traced
-from bearingsim.core.pits.closed_forms import bowl, box, groove, roller_drop, roller_drop_curvature
-from bearingsim.core.pits.depth import (
+from bearingsim.core.defects import traced
+from bearingsim.core.defects.closed_forms import bowl, box, groove, roller_drop, roller_drop_curvature
+from bearingsim.core.defects.depth import (
     Circular,
     Eased,
     Elliptical,
@@ -20,12 +20,12 @@ from bearingsim.core.pits.depth import (
     extent,
     section,
 )
-from bearingsim.core.pits.envelope import Path, cusp, drop_at, drop_curvature_at, packed, path_drop, path_over
-from bearingsim.core.pits.excitations import pit_response
-from bearingsim.core.pits.pairs import GROUP_HALF_WIDTH, GROUP_WEIGHT, KAPPA, RollerPitPair
-from bearingsim.core.pits.profile import RACE, depth_at
-from bearingsim.core.pits.spall import Spall
-from bearingsim.core.pits.traced import cut_along_roller, grouped, sharpest_cusp, sliced, traced_pits
+from bearingsim.core.defects.envelope import Path, cusp, drop_at, drop_curvature_at, packed, path_drop, path_over
+from bearingsim.core.defects.excitations import defect_response
+from bearingsim.core.defects.pairs import GROUP_HALF_WIDTH, GROUP_WEIGHT, KAPPA, RollerDefectPair
+from bearingsim.core.defects.profile import RACE, depth_at
+from bearingsim.core.defects.spall import Spall
+from bearingsim.core.defects.traced import cut_along_roller, grouped, sharpest_cusp, sliced, traced_defects
 from tests.scenes.pit_maps import (
     R_OUTER,
     brute,
@@ -206,13 +206,13 @@ def test_bends_of_tables_are_those_of_the_closed_forms(shape, width, depth, R):
 @given(pit=smooth_pits, R=radii)
 def test_tables_are_the_paths_and_columns_their_bounds(pit, R):
     groups, paths = grouped(pit, R, cut_along_roller(pit, 12e-3, 4))
-    found = traced_pits([RollerPitPair(0, -1, 0.0, 0.0385, R, groups, paths)])
+    found = traced_defects([RollerDefectPair(0, -1, 0.0, 0.0385, R, groups, paths)])
     assert sum(row[GROUP_WEIGHT] for row in groups) == pytest.approx(1.0, rel=1e-9)
     for row, path in zip(found.groups[0], paths, strict=True):
         s = np.linspace(-1.1, 1.1, 57) * max(row[GROUP_HALF_WIDTH], 1e-6)
         h, slope = (
             np.array(values)
-            for values in zip(*(pit_response(found.excitation, row, x, R)[1:] for x in s), strict=True)
+            for values in zip(*(defect_response(found.excitation, row, x, R)[1:] for x in s), strict=True)
         )
         expected_h, expected_slope = path_drop(path, s)
         inside = np.abs(s) < row[GROUP_HALF_WIDTH]

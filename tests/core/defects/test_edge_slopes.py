@@ -1,4 +1,4 @@
-"""What ``pit_response_gradient`` gives for elastic edges: each slope beside differences of the function that it
+"""What ``defect_response_gradient`` gives for elastic edges: each slope beside differences of the function that it
 belongs to.
 """
 
@@ -7,9 +7,8 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from bearingsim.core.jit import jit
-from bearingsim.core.pits.closed_forms import groups_of
-from bearingsim.core.pits.edge_contact import (
+from bearingsim.core.defects.closed_forms import groups_of
+from bearingsim.core.defects.edge_contact import (
     edge_contact,
     half_contact,
     narrowed_contact,
@@ -24,8 +23,9 @@ from bearingsim.core.pits.edge_contact import (
     softening_slope,
     softness,
 )
-from bearingsim.core.pits.excitations import pit_response, pit_response_gradient, response_groups
-from bearingsim.core.pits.pairs import GROUP_HALF_WIDTH, outer_reduced_radius
+from bearingsim.core.defects.excitations import defect_response, defect_response_gradient, response_groups
+from bearingsim.core.defects.pairs import GROUP_HALF_WIDTH, outer_reduced_radius
+from bearingsim.core.jit import jit
 from tests.scenes.pit_maps import SHAPES
 
 R_W, R_O, L_W = 0.006, 0.0385, 0.012
@@ -111,22 +111,22 @@ def test_bend_is_the_slope_of_share_and_slope(shape, width, depth, place):
     """Away from kinks: there the differences on either side are unlike."""
     for row in rows_of(shape, width, depth):
         s, h = place * row[GROUP_HALF_WIDTH], 1e-9
-        near = np.array([pit_response(EDGES, row, s + n * h, R) for n in range(-2, 3)])
+        near = np.array([defect_response(EDGES, row, s + n * h, R) for n in range(-2, 3)])
         found = (near[3] - near[1]) / (2 * h)
         uneven = np.abs((near[4] - 2 * near[2] + near[0]) / (2 * h))
         if abs(s) < 3 * h or uneven[0] > 1e-3 * abs(found[0]) + 1.0 or uneven[2] > 1e-3 / R:
             continue
-        share_slope, bent = pit_response_gradient(EDGES, row, s, R)
+        share_slope, bent = defect_response_gradient(EDGES, row, s, R)
         assert share_slope == pytest.approx(found[0], rel=2e-3, abs=2.0)
         assert bent == pytest.approx(found[2], rel=2e-3, abs=2e-3 / R)
 
 
 @given(shape=shapes, width=widths, depth=depths, place=places)
 def test_the_share_follows_from_the_softness_that_is_differentiated(shape, width, depth, place):
-    """``pit_response`` and ``pit_response_gradient`` take the same of edge, floor and both edges."""
+    """``defect_response`` and ``defect_response_gradient`` take the same of edge, floor and both edges."""
     for row in rows_of(shape, width, depth):
         f, _ = softness(EDGES, row, abs(place) * row[GROUP_HALF_WIDTH], R)
-        assert pit_response(EDGES, row, place * row[GROUP_HALF_WIDTH], R)[0] == pytest.approx(
+        assert defect_response(EDGES, row, place * row[GROUP_HALF_WIDTH], R)[0] == pytest.approx(
             remaining_share(f, HALF, EDGES.D), rel=1e-12
         )
 
@@ -134,13 +134,13 @@ def test_the_share_follows_from_the_softness_that_is_differentiated(shape, width
 def test_beyond_the_half_width_nothing_changes():
     (row,) = rows_of("rectangular", 0.8e-3, 5e-5)
     for s in (-1.001 * row[GROUP_HALF_WIDTH], row[GROUP_HALF_WIDTH], 2.0 * row[GROUP_HALF_WIDTH]):
-        assert pit_response_gradient(EDGES, row, s, R) == (0.0, 0.0)
-    assert pit_response_gradient(EDGES, np.array([1.0, 0.0, 1.0, 0.0, 0.0]), 0.0, R) == (0.0, 0.0)
+        assert defect_response_gradient(EDGES, row, s, R) == (0.0, 0.0)
+    assert defect_response_gradient(EDGES, np.array([1.0, 0.0, 1.0, 0.0, 0.0]), 0.0, R) == (0.0, 0.0)
 
 
 @jit
 def compiled(excitation, group, s, R):
-    return pit_response_gradient(excitation, group, s, R)
+    return defect_response_gradient(excitation, group, s, R)
 
 
 def test_compiled_and_plain_agree():
@@ -148,5 +148,5 @@ def test_compiled_and_plain_agree():
         (row,) = rows_of(shape, 0.8e-3, depth)
         for s in np.linspace(-5e-4, 5e-4, 41):
             assert compiled(EDGES, row, s, R) == pytest.approx(
-                pit_response_gradient(EDGES, row, s, R), rel=1e-10, abs=1e-9
+                defect_response_gradient(EDGES, row, s, R), rel=1e-10, abs=1e-9
             )

@@ -8,11 +8,11 @@ import pytest
 from bearingsim import assemble
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
-from bearingsim.core.pits.envelope import Path
-from bearingsim.core.pits.on_roller import is_masked
-from bearingsim.core.pits.on_slices import clear_pit_response, mark_rollers_at_pits, slice_pit_response
-from bearingsim.core.pits.pairs import ON_OUTER, OUTER, RollerPitPair
-from bearingsim.core.pits.traced import traced_pits
+from bearingsim.core.defects.envelope import Path
+from bearingsim.core.defects.on_roller import is_masked
+from bearingsim.core.defects.on_slices import clear_defect_response, mark_rollers_at_defects, slice_defect_response
+from bearingsim.core.defects.pairs import ON_OUTER, OUTER, RollerDefectPair
+from bearingsim.core.defects.traced import traced_defects
 from tests.scenes.nf308 import case
 from tests.scenes.spatial_bearing import empty, even, in_space
 
@@ -24,7 +24,7 @@ def level(h):
     """A meeting whose every slice feels ``h`` (m) all along."""
     row = (1.0, B, B, 0.0, abs(h))
     path = Path(np.array([[-B, h, 0.0, 0.0]]), B)
-    return RollerPitPair(OUTER, ON_OUTER, 0.0, 0.0385, 7e-3, [row] * 2, [path] * 2)
+    return RollerDefectPair(OUTER, ON_OUTER, 0.0, 0.0385, 7e-3, [row] * 2, [path] * 2)
 
 
 def standing_over(depths):
@@ -33,16 +33,16 @@ def standing_over(depths):
     model = model._replace(bearing=model.bearing._replace(theta_0=AT / 0.0385))
     y = empty(model)
     start_at_rest(model, 0.0, y)
-    return model._replace(pits=traced_pits([level(h) for h in depths])), y
+    return model._replace(defects=traced_defects([level(h) for h in depths])), y
 
 
 def felt(depths):
     """Sinking (m) of the first roller's first slice."""
     model, y = standing_over(depths)
-    assert mark_rollers_at_pits(model, 0.0, 1.0, 1.0, y) == len(depths)
-    slice_pit_response(model, 0.0, 0, 1.0, 1.0, 1.0, y)
+    assert mark_rollers_at_defects(model, 0.0, 1.0, 1.0, y) == len(depths)
+    slice_defect_response(model, 0.0, 0, 1.0, 1.0, 1.0, y)
     sinking = y[lay.OUTER_SIDE + lay.ROLLER_DROP]
-    clear_pit_response(model, y)
+    clear_defect_response(model, y)
     assert y[lay.OUTER_SIDE + lay.ROLLER_DROP] == 0.0
     return sinking
 

@@ -1,4 +1,4 @@
-"""The profile of a pit along rolling, at one place across it: depth p(t), m, downwards, in quadratic pieces.
+"""The profile of a defect along rolling, at one place across it: depth p(t), m, downwards, in quadratic pieces.
 
 Outside its pieces, and between them, the profile is the race, p = 0. Pieces may meet with a step (a vertical wall)
 or a corner. Straight lines and parabolas are exact; other curves are drawn by ``curve``.

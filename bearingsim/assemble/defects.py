@@ -16,9 +16,9 @@ from bearingsim.config import Case
 from bearingsim.config.scan.file import BROUGHT
 from bearingsim.config.scan.repair import CACHED_SCANS, read_scan
 from bearingsim.config.sections.defect import EDGE_RADIUS, SIMPLE_SHAPES
-from bearingsim.core.pits import excitations
-from bearingsim.core.pits.closed_forms import groups_of, groups_of_slices
-from bearingsim.core.pits.depth import (
+from bearingsim.core.defects import excitations
+from bearingsim.core.defects.closed_forms import groups_of, groups_of_slices
+from bearingsim.core.defects.depth import (
     EVEN,
     Eased,
     Merged,
@@ -28,28 +28,28 @@ from bearingsim.core.pits.depth import (
     cuts,
     extent,
 )
-from bearingsim.core.pits.edge_contact import EdgeContact, edge_contact
-from bearingsim.core.pits.jumps import jumps_of
-from bearingsim.core.pits.pairs import (
+from bearingsim.core.defects.edge_contact import EdgeContact, edge_contact
+from bearingsim.core.defects.jumps import jumps_of
+from bearingsim.core.defects.pairs import (
     INNER,
     ON_INNER,
     ON_OUTER,
     OUTER,
-    Pits,
-    RollerPitPair,
+    Defects,
+    RollerDefectPair,
     inner_reduced_radius,
     outer_reduced_radius,
-    pack_pits,
+    pack_defects,
 )
-from bearingsim.core.pits.spall import Spall
-from bearingsim.core.pits.traced import (
+from bearingsim.core.defects.spall import Spall
+from bearingsim.core.defects.traced import (
     burr,
     cut_along_roller,
     grouped,
     sharpest_cusp,
     sliced,
     span_of,
-    traced_pits,
+    traced_defects,
 )
 from bearingsim.errors import Refused
 
@@ -68,33 +68,33 @@ Places = Sequence[float] | np.ndarray
 """Middles of slices along a roller, m."""
 
 
-class PitCluster(NamedTuple):
+class DefectCluster(NamedTuple):
     """Defects of one element that act on a roller as one.
 
-    leader: the first of them; pit: all of them as one map, its s measured from ``angle`` (rad), None for a single
-    defect with a closed form.
+    leader: the first of them; defect: all of them as one map, its s measured from ``angle`` (rad), None for a
+    single defect with a closed form.
     """
 
     leader: config.Defect
     angle: float
-    pit: Any
+    defect: Any
 
 
-def packed_pits(case: Case, zetas: Places | None = None) -> Pits:
+def packed_defects(case: Case, zetas: Places | None = None) -> Defects:
     """Pack the case's defects for the core, as met by the rollers' contacts.
 
     zetas: middles (m) of a roller's slices: then a group of weight 1 for each of them, in their order. Raises
     Refused for a defect without effect, and for one wider than the spacing of the rollers.
     """
-    chosen, pairs = excitation(case), roller_pit_pairs(case, zetas)
+    chosen, pairs = excitation(case), roller_defect_pairs(case, zetas)
     if any(pair.paths for pair in pairs):
-        return traced_pits(pairs)
-    return pack_pits(pairs, chosen, 1 if zetas is None else len(zetas))
+        return traced_defects(pairs)
+    return pack_defects(pairs, chosen, 1 if zetas is None else len(zetas))
 
 
-def roller_pit_pairs(case: Case, zetas: Places | None = None) -> list[RollerPitPair]:
+def roller_defect_pairs(case: Case, zetas: Places | None = None) -> list[RollerDefectPair]:
     """Pair every defect with each contact that meets it: all by closed form, or all traced."""
-    return [pair for cluster in pit_clusters(case) for pair in pairs_of_cluster(case, cluster, zetas)]
+    return [pair for cluster in defect_clusters(case) for pair in pairs_of_cluster(case, cluster, zetas)]
 
 
 def excitation(case: Case) -> Any:
@@ -149,8 +149,8 @@ def depth_map(d: config.Defect) -> Any:
     """Build a defect's depth map around its own middle."""
     shape = SHAPES[d.shape]
     arguments = (d,) if shape.of_section else (d.length, d.width, d.depth)
-    pit = call(shape.build, *arguments)
-    return pit if d.edge is None else Eased(pit, d.edge.radius or 0.0, d.edge.ramp or 0.0)
+    defect = call(shape.build, *arguments)
+    return defect if d.edge is None else Eased(defect, d.edge.radius or 0.0, d.edge.ramp or 0.0)
 
 
 def varies_along_roller(d: config.Defect) -> bool:
@@ -160,8 +160,8 @@ def varies_along_roller(d: config.Defect) -> bool:
 
 def spall(d: config.Defect) -> Any:
     """Build a spall, mirrored on an inner race, where rollers come from +s and spalls grow the other way."""
-    pit = Spall(d.length, d.width, d.depth, float(d.grown or 0.0), int(d.seed or 0))
-    return Mirrored(pit) if d.race == "inner" else pit
+    defect = Spall(d.length, d.width, d.depth, float(d.grown or 0.0), int(d.seed or 0))
+    return Mirrored(defect) if d.race == "inner" else defect
 
 
 def scan(d: config.Defect) -> Scanned:
@@ -178,12 +178,12 @@ def scanned(file: str, digest: str) -> Scanned:
     return Scanned(digest, surface.s, surface.z, surface.depth)
 
 
-def pit_clusters(case: Case) -> list[PitCluster]:
+def defect_clusters(case: Case) -> list[DefectCluster]:
     """Merge the case's defects that one roller meets at a time; closed forms only if all have one."""
     clusters = _clusters(case)
     simple = all(len(cluster) == 1 and _has_closed_form(case, cluster[0]) for cluster in clusters)
     if simple:
-        return [PitCluster(d, d.angle, None) for (d,) in clusters]
+        return [DefectCluster(d, d.angle, None) for (d,) in clusters]
     return [_merged(case, cluster) for cluster in clusters]
 
 
@@ -211,9 +211,9 @@ def _reach_each_other(case: Case, a: config.Defect, b: config.Defect) -> bool:
 
 def _response_range(case: Case, d: config.Defect) -> tuple[float, float]:
     """Return the largest range (m) along rolling in which a defect acts on a roller, from its middle."""
-    pit = depth_map(d)
-    low, high, _, _ = extent(pit)
-    lifted = sqrt(2.0 * reduced_radius(case, OUTER) * burr(pit))
+    defect = depth_map(d)
+    low, high, _, _ = extent(defect)
+    lifted = sqrt(2.0 * reduced_radius(case, OUTER) * burr(defect))
     return low - lifted, high + lifted
 
 
@@ -223,16 +223,16 @@ def carrier_radius(case: Case, d: config.Defect) -> float:
     return radii[d.race](case) if d.race in radii else case.bearing.roller_diameter / 2.0
 
 
-def _merged(case: Case, cluster: Sequence[config.Defect]) -> PitCluster:
+def _merged(case: Case, cluster: Sequence[config.Defect]) -> DefectCluster:
     """Merge defects into one map, s measured from the middle of them all."""
     leader, radius = cluster[0], carrier_radius(case, cluster[0])
     places = [remainder(d.angle - leader.angle, 2.0 * pi) * radius for d in cluster]
     maps = [Placed(depth_map(d), s, d.offset) for d, s in zip(cluster, places, strict=True)]
     if len(maps) == 1:
-        return PitCluster(leader, leader.angle, maps[0])
+        return DefectCluster(leader, leader.angle, maps[0])
     low, high, _, _ = extent(Merged(tuple(maps)))
     middle = (low + high) / 2.0
-    return PitCluster(
+    return DefectCluster(
         leader,
         leader.angle + middle / radius,
         Merged(tuple(placed._replace(s=placed.s - middle) for placed in maps)),
@@ -242,7 +242,7 @@ def _merged(case: Case, cluster: Sequence[config.Defect]) -> PitCluster:
 # Meetings
 
 
-def pairs_of_cluster(case: Case, cluster: PitCluster, zetas: Places | None) -> list[RollerPitPair]:
+def pairs_of_cluster(case: Case, cluster: DefectCluster, zetas: Places | None) -> list[RollerDefectPair]:
     """Pair merged defects with each contact that meets them."""
     d = cluster.leader
     on, sides = {
@@ -253,18 +253,18 @@ def pairs_of_cluster(case: Case, cluster: PitCluster, zetas: Places | None) -> l
     return [_pair(case, cluster, on, side, zetas) for side in sides]
 
 
-def _pair(case: Case, cluster: PitCluster, on: int, side: int, zetas: Places | None) -> RollerPitPair:
+def _pair(case: Case, cluster: DefectCluster, on: int, side: int, zetas: Places | None) -> RollerDefectPair:
     radius, R = carrier_radius(case, cluster.leader), reduced_radius(case, side)
-    if cluster.pit is None:
+    if cluster.defect is None:
         rows = closed_form_groups(case, cluster.leader, side, zetas)
         jumps = closed_form_jumps(excitation(case), tuple(map(tuple, rows)), R)
         return _checked_pair(
-            case, cluster.leader, RollerPitPair(side, on, cluster.angle, radius, R, rows, jumps=jumps)
+            case, cluster.leader, RollerDefectPair(side, on, cluster.angle, radius, R, rows, jumps=jumps)
         )
-    rows, paths = traced_groups(case, cluster.pit, side, zetas)
-    cusp, span, jumps = sharpest_cusp(rows, paths), span_of(cluster.pit, R), jumps_of(None, rows, paths, R)
+    rows, paths = traced_groups(case, cluster.defect, side, zetas)
+    cusp, span, jumps = sharpest_cusp(rows, paths), span_of(cluster.defect, R), jumps_of(None, rows, paths, R)
     return _checked_pair(
-        case, cluster.leader, RollerPitPair(side, on, cluster.angle, radius, R, rows, paths, cusp, span, jumps)
+        case, cluster.leader, RollerDefectPair(side, on, cluster.angle, radius, R, rows, paths, cusp, span, jumps)
     )
 
 
@@ -274,13 +274,13 @@ def closed_form_jumps(excitation: Any, groups: tuple[tuple[float, ...], ...], R:
     return jumps_of(excitation, groups, (), R)
 
 
-def _checked_pair(case: Case, d: config.Defect, pair: RollerPitPair) -> RollerPitPair:
+def _checked_pair(case: Case, d: config.Defect, pair: RollerDefectPair) -> RollerDefectPair:
     """Return the pair. Raises Refused if the defect has no effect, or acts on two rollers at a time."""
     if pair.half_width == 0.0:
         reason = f"nothing is felt of the {d.shape} defect: it is beyond the contact, or of no depth"
         reach = f"{500.0 * contact_length(case, pair.side):.4g} mm"
         raise Refused(
-            reason, f"the contact reaches {reach} from the middle: take a smaller `offset`, or a larger pit"
+            reason, f"the contact reaches {reach} from the middle: take a smaller `offset`, or a larger defect"
         )
     spacing = 2.0 * pi * pair.radius / (1 if d.race == "roller" else case.bearing.rollers)
     if 2.0 * pair.half_width > spacing:
@@ -300,17 +300,21 @@ def _narrower(d: config.Defect) -> str:
 def closed_form_groups(case: Case, d: config.Defect, side: int, zetas: Places | None) -> list:
     """Build the groups along the contact of a defect with a closed form, or those of given slices."""
     L_w, R, nodes = contact_length(case, side), reduced_radius(case, side), case.contact.length_nodes
-    pit = call(SHAPES[d.shape].build, d.length, d.width, d.depth)
-    rows = groups_of(pit, L_w, R, nodes, d.offset) if zetas is None else groups_of_slices(pit, R, zetas, d.offset)
-    groups = excitations.response_groups(excitation(case), pit, rows, R)
+    defect = call(SHAPES[d.shape].build, d.length, d.width, d.depth)
+    rows = (
+        groups_of(defect, L_w, R, nodes, d.offset)
+        if zetas is None
+        else groups_of_slices(defect, R, zetas, d.offset)
+    )
+    groups = excitations.response_groups(excitation(case), defect, rows, R)
     if zetas is not None and len(groups) != len(zetas):
         raise Refused(f"`{case.excitation}` has no form for slices", "take `excitation: envelope`")
     return groups
 
 
-def traced_groups(case: Case, pit: Any, side: int, zetas: Places | None) -> tuple[list, list]:
+def traced_groups(case: Case, defect: Any, side: int, zetas: Places | None) -> tuple[list, list]:
     """Build groups and paths of a traced defect along the contact, or at given slices."""
     L_w, R = contact_length(case, side), reduced_radius(case, side)
     if zetas is not None:
-        return sliced(pit, R, zetas)
-    return grouped(pit, R, cut_along_roller(pit, L_w, case.contact.length_nodes))
+        return sliced(defect, R, zetas)
+    return grouped(defect, R, cut_along_roller(defect, L_w, case.contact.length_nodes))

@@ -1,16 +1,24 @@
-"""One contact of a roller over a pit: the sum over the pit's groups; scalar, since few rollers stand in one."""
+"""One contact of a roller over a defect: the sum over the defect's groups; scalar, since few rollers stand in
+one."""
 
 from typing import Any
 
 import numpy as np
 
+from bearingsim.core.defects.excitations import defect_response
+from bearingsim.core.defects.pairs import (
+    GROUP_COUNT,
+    GROUP_WEIGHT,
+    HALF_WIDTH,
+    REDUCED_RADIUS,
+    SIDE,
+    nearest_roller,
+)
 from bearingsim.core.geometry.sides import contact_rows
 from bearingsim.core.jit import generic, inlined, jit
 from bearingsim.core.laws.damping.interface import normal_force, slopes
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
 from bearingsim.core.parameters import kinematic_angles
-from bearingsim.core.pits.excitations import pit_response
-from bearingsim.core.pits.pairs import GROUP_COUNT, GROUP_WEIGHT, HALF_WIDTH, REDUCED_RADIUS, SIDE, nearest_roller
 
 
 @inlined
@@ -21,20 +29,20 @@ def touching_slope(stiffness, delta):
 
 
 @jit
-def elastic_over_pit(stiffness, pits, d, s, delta):
+def elastic_over_defect(stiffness, defects, d, s, delta):
     """Return the elastic force (N), its slope (N/m) and the mean approach (m) of a contact that stands in
-    roller-pit pair ``d``.
+    roller-defect pair ``d``.
 
-    delta: approach (m) to the undamaged race; ``s``: distance (m) from the pit's middle. ``d`` = -1: no pit.
+    delta: approach (m) to the undamaged race; ``s``: distance (m) from the defect's middle. ``d`` = -1: no defect.
 
     Equation (M10) of docs/model.md, either side.
     """
     if d < 0:
         return elastic(stiffness, max(delta, 0.0)), touching_slope(stiffness, delta), max(delta, 0.0)
     force, slope, mean = 0.0, 0.0, 0.0
-    for k in range(int(pits.head[d, GROUP_COUNT])):
-        group = pits.groups[d, k]
-        share, h, _ = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
+    for k in range(int(defects.head[d, GROUP_COUNT])):
+        group = defects.groups[d, k]
+        share, h, _ = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
         weight, approach = share * group[GROUP_WEIGHT], max(delta - h, 0.0)
         force += weight * elastic(stiffness, approach)
         slope += weight * touching_slope(stiffness, delta - h)
@@ -43,8 +51,8 @@ def elastic_over_pit(stiffness, pits, d, s, delta):
 
 
 @jit
-def force_over_pit(contact, pits, d, s, speed, delta, v):
-    """Return the force (N) of a contact in roller-pit pair ``d``, its sideways part, and mean approach (m) and
+def force_over_defect(contact, defects, d, s, speed, delta, v):
+    """Return the force (N) of a contact in roller-defect pair ``d``, its sideways part, and mean approach (m) and
     closing rate (m/s).
 
     delta, v: approach (m) to the undamaged race and its rate (m/s); speed: ds/dt (m/s). The means are over what is
@@ -53,9 +61,9 @@ def force_over_pit(contact, pits, d, s, speed, delta, v):
     Equation (M6) of docs/model.md.
     """
     force, sideways, mean, closing = 0.0, 0.0, 0.0, 0.0
-    for k in range(int(pits.head[d, GROUP_COUNT])):
-        group = pits.groups[d, k]
-        share, h, slope = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
+    for k in range(int(defects.head[d, GROUP_COUNT])):
+        group = defects.groups[d, k]
+        share, h, slope = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
         weight, rate = share * group[GROUP_WEIGHT], v - slope * speed
         part = weight * normal_force(contact, delta - h, rate)
         force += part
@@ -66,32 +74,32 @@ def force_over_pit(contact, pits, d, s, speed, delta, v):
 
 
 @jit
-def correct_contact(side, contact, pits, d, j, s, speed, y):
-    """Correct the contact of roller ``j`` that stands in roller-pit pair ``d``; returns its force's sideways part
-    (N).
+def correct_contact(side, contact, defects, d, j, s, speed, y):
+    """Correct the contact of roller ``j`` that stands in roller-defect pair ``d``; returns its force's sideways
+    part (N).
 
     The approach and rate kept for the roller are means over what is in contact, for the step monitor.
     """
     force, approach, rate, _, _ = contact_rows(side)
-    y[force + j], sideways, y[approach + j], y[rate + j] = force_over_pit(
-        contact, pits, d, s, speed, y[approach + j], y[rate + j]
+    y[force + j], sideways, y[approach + j], y[rate + j] = force_over_defect(
+        contact, defects, d, s, speed, y[approach + j], y[rate + j]
     )
     return sideways
 
 
 @jit
-def roller_drop_rate(stiffness, pits, d, s, speed, delta):
-    """Return the mean rate (m/s) at which a contact in roller-pit pair ``d`` sinks, weighted by its elastic
-    forces; 0 for no pit.
+def roller_drop_rate(stiffness, defects, d, s, speed, delta):
+    """Return the mean rate (m/s) at which a contact in roller-defect pair ``d`` sinks, weighted by its elastic
+    forces; 0 for no defect.
 
     Equation (M11) of docs/model.md, of a defect at the inner contact.
     """
     if d < 0:
         return 0.0
     force, moment = 0.0, 0.0
-    for k in range(int(pits.head[d, GROUP_COUNT])):
-        group = pits.groups[d, k]
-        share, h, slope = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
+    for k in range(int(defects.head[d, GROUP_COUNT])):
+        group = defects.groups[d, k]
+        share, h, slope = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
         part = share * group[GROUP_WEIGHT] * elastic(stiffness, max(delta - h, 0.0))
         force += part
         moment += part * slope * speed
@@ -99,12 +107,12 @@ def roller_drop_rate(stiffness, pits, d, s, speed, delta):
 
 
 @jit
-def slopes_over_pit(contact, pits, d, s, speed, delta, v):
-    """Return the derivatives of ``force_over_pit`` by the approach (N/m) and its rate (N s/m)."""
+def slopes_over_defect(contact, defects, d, s, speed, delta, v):
+    """Return the derivatives of ``force_over_defect`` by the approach (N/m) and its rate (N s/m)."""
     K, C = 0.0, 0.0
-    for k in range(int(pits.head[d, GROUP_COUNT])):
-        group = pits.groups[d, k]
-        share, h, slope = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
+    for k in range(int(defects.head[d, GROUP_COUNT])):
+        group = defects.groups[d, k]
+        share, h, slope = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
         by_approach, by_rate = slopes(contact, delta - h, v - slope * speed)
         K += share * group[GROUP_WEIGHT] * by_approach
         C += share * group[GROUP_WEIGHT] * by_rate
@@ -112,25 +120,25 @@ def slopes_over_pit(contact, pits, d, s, speed, delta, v):
 
 
 @jit
-def stiffness_over_pit(stiffness, pits, d, s, delta):
-    """Return the slope (N/m) of the elastic force of what is in contact; ``d`` = -1: no pit."""
+def stiffness_over_defect(stiffness, defects, d, s, delta):
+    """Return the slope (N/m) of the elastic force of what is in contact; ``d`` = -1: no defect."""
     if d < 0:
         return touching_slope(stiffness, delta)
     slope = 0.0
-    for k in range(int(pits.head[d, GROUP_COUNT])):
-        group = pits.groups[d, k]
-        share, h, _ = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
+    for k in range(int(defects.head[d, GROUP_COUNT])):
+        group = defects.groups[d, k]
+        share, h, _ = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
         slope += share * group[GROUP_WEIGHT] * touching_slope(stiffness, delta - h)
     return slope
 
 
 @jit
-def roller_drop_rate_slope(stiffness, pits, d, s, speed, delta):
+def roller_drop_rate_slope(stiffness, defects, d, s, speed, delta):
     """Return the derivative of ``roller_drop_rate`` by the approach (1/s)."""
     force, moment, stiff, stiff_moment = 0.0, 0.0, 0.0, 0.0
-    for k in range(int(pits.head[d, GROUP_COUNT])):
-        group = pits.groups[d, k]
-        share, h, slope = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
+    for k in range(int(defects.head[d, GROUP_COUNT])):
+        group = defects.groups[d, k]
+        share, h, slope = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
         weight, approach = share * group[GROUP_WEIGHT], max(delta - h, 0.0)
         part = weight * elastic(stiffness, approach)
         growth = weight * tangent(stiffness, approach) if approach > 0.0 else 0.0
@@ -142,37 +150,37 @@ def roller_drop_rate_slope(stiffness, pits, d, s, speed, delta):
 
 
 @jit
-def mean_roller_drop(pits, d, s):
+def mean_roller_drop(defects, d, s):
     """Return the mean drop (m) over the roller's length."""
     mean = 0.0
-    for k in range(int(pits.head[d, GROUP_COUNT])):
-        group = pits.groups[d, k]
-        share, h, _ = pit_response(pits.excitation, group, s, pits.head[d, REDUCED_RADIUS])
+    for k in range(int(defects.head[d, GROUP_COUNT])):
+        group = defects.groups[d, k]
+        share, h, _ = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
         mean += share * group[GROUP_WEIGHT] * h
     return mean
 
 
 @generic
-def roller_at_pit(model: Any, d: int, t: float, y: np.ndarray) -> tuple[int, float]:
+def roller_at_defect(model: Any, d: int, t: float, y: np.ndarray) -> tuple[int, float]:
     """Return the roller nearest to roller-defect pair ``d`` at time ``t`` (s), and its distance (m) from the
     defect's middle."""
 
 
-def roller_at_pit_evenly(model, d, t, y):
-    """Implement ``roller_at_pit`` for rollers that are evenly spaced and turn without slip."""
+def roller_at_defect_evenly(model, d, t, y):
+    """Implement ``roller_at_defect`` for rollers that are evenly spaced and turn without slip."""
     theta_c, theta_i, roll = kinematic_angles(model.bearing, t)
-    return nearest_roller(model.pits, d, theta_c, theta_i, roll, model.bearing.Z)
+    return nearest_roller(model.defects, d, theta_c, theta_i, roll, model.bearing.Z)
 
 
 @jit
 def is_masked(model, d, j, s, t, y):
     """Check if another pair acts at this contact of roller ``j``: of two defects the deeper one does."""
-    pits = model.pits
-    for e in range(len(pits.head)):
-        if e != d and pits.head[e, SIDE] == pits.head[d, SIDE]:
-            other, along = roller_at_pit(model, e, t, y)
-            if other == j and abs(along) < pits.head[e, HALF_WIDTH]:
-                drop, other_drop = mean_roller_drop(pits, d, s), mean_roller_drop(pits, e, along)
+    defects = model.defects
+    for e in range(len(defects.head)):
+        if e != d and defects.head[e, SIDE] == defects.head[d, SIDE]:
+            other, along = roller_at_defect(model, e, t, y)
+            if other == j and abs(along) < defects.head[e, HALF_WIDTH]:
+                drop, other_drop = mean_roller_drop(defects, d, s), mean_roller_drop(defects, e, along)
                 if other_drop > drop or (other_drop == drop and e < d):
                     return True
     return False

@@ -8,9 +8,9 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from bearingsim import assemble
-from bearingsim.core.pits.closed_forms import bowl, box, groove, groups_of, roller_drop
-from bearingsim.core.pits.depth import Circular
-from bearingsim.core.pits.pairs import ANGLE, GROUP, RADIUS, nearest_roller, outer_reduced_radius
+from bearingsim.core.defects.closed_forms import bowl, box, groove, groups_of, roller_drop
+from bearingsim.core.defects.depth import Circular
+from bearingsim.core.defects.pairs import ANGLE, GROUP, RADIUS, nearest_roller, outer_reduced_radius
 from tests.scenes.nf308 import SLOT, case
 from tests.scenes.pit_maps import SHAPES
 
@@ -112,14 +112,14 @@ def test_a_bowls_mean_depth_converges_with_the_nodes():
 @example(theta_c=nan, angle=0.0, Z=13)
 def test_a_roller_is_found_even_where_motion_has_blown_up(theta_c, angle, Z):
     """A step or two may follow before the watch looks, and the number indexes memory."""
-    pits = assemble.pits.packed_pits(case(defect=SLOT))
+    pits = assemble.defects.packed_defects(case(defect=SLOT))
     pits.head[0, ANGLE] = angle
     assert 0 <= nearest_roller(pits, 0, theta_c, 0.0, 0.0, Z)[0] < Z
 
 
 @given(theta_c=st.floats(-20.0, 20.0), angle=st.floats(-4.0, 4.0), Z=st.integers(3, 64))
 def test_the_nearest_roller_is_found_at_any_angle(theta_c, angle, Z):
-    pits = assemble.pits.packed_pits(case(defect=SLOT))
+    pits = assemble.defects.packed_defects(case(defect=SLOT))
     pits.head[0, ANGLE] = angle
     R_o = pits.head[0, RADIUS]
     j, s = nearest_roller(pits, 0, theta_c, 0.0, 0.0, Z)

@@ -8,12 +8,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from bearingsim.core.jit import jit
-from bearingsim.core.laws.stiffness.interface import elastic
-from bearingsim.core.laws.stiffness.ten_ninths import palmgren
-from bearingsim.core.pits.closed_forms import groups_of
-from bearingsim.core.pits.depth import Elliptical
-from bearingsim.core.pits.excitations import (
+from bearingsim.core.defects.closed_forms import groups_of
+from bearingsim.core.defects.depth import Elliptical
+from bearingsim.core.defects.excitations import (
     ClearanceIncrease,
     Envelope,
     HalfSinePulse,
@@ -21,12 +18,15 @@ from bearingsim.core.pits.excitations import (
     PressureShare,
     RectangularPulse,
     SoftEdge,
+    defect_response,
+    defect_response_gradient,
     hertz_half_width,
-    pit_response,
-    pit_response_gradient,
     response_groups,
 )
-from bearingsim.core.pits.pairs import DEPTH, GROUP, GROUP_HALF_WIDTH, GROUP_WEIGHT, X_E, outer_reduced_radius
+from bearingsim.core.defects.pairs import DEPTH, GROUP, GROUP_HALF_WIDTH, GROUP_WEIGHT, X_E, outer_reduced_radius
+from bearingsim.core.jit import jit
+from bearingsim.core.laws.stiffness.interface import elastic
+from bearingsim.core.laws.stiffness.ten_ninths import palmgren
 from tests.scenes.pit_maps import SHAPES
 
 R_W, R_O, L_W = 0.006, 0.0385, 0.012
@@ -52,12 +52,12 @@ def rows_of(excitation, shape="rectangular", width=WIDE, depth=DEEP, length=L_W)
 def slot(excitation, s, **pit):
     """Share, h and slope of a pit that is one group."""
     (row,) = rows_of(excitation, **pit)
-    return pit_response(excitation, row, s, R)
+    return defect_response(excitation, row, s, R)
 
 
 def pull(excitation, rows, s, delta, law):
     """Elastic force of the whole contact."""
-    parts = [(row[GROUP_WEIGHT], *pit_response(excitation, row, s, R)) for row in rows]
+    parts = [(row[GROUP_WEIGHT], *defect_response(excitation, row, s, R)) for row in rows]
     return sum(w * share * elastic(law, max(delta - h, 0.0)) for w, share, h, _ in parts)
 
 
@@ -72,7 +72,7 @@ def test_what_is_felt_stays_within_the_pit(excitation, shape, width, depth, leng
     rows = rows_of(excitation, shape, width, depth, length)
     s = place * width
     for row in rows:
-        share, h, slope = pit_response(excitation, row, s, R)
+        share, h, slope = defect_response(excitation, row, s, R)
         assert len(row) == GROUP
         assert 0.0 <= share <= 1.0
         assert 0.0 <= h <= depth * (1 + 1e-12)
@@ -96,7 +96,7 @@ def test_slopes_are_derivatives(excitation, shape, width, depth, place):
     """Where h is smooth: not at rims, in the middle, at the edge of a floor or wall."""
     s, step = place * width, 1e-7 * width
     for row in rows_of(excitation, shape, width, depth):
-        before, here, after = (pit_response(excitation, row, x, R) for x in (s - step, s, s + step))
+        before, here, after = (defect_response(excitation, row, x, R) for x in (s - step, s, s + step))
         rate = (after[1] - before[1]) / (2 * step)
         left, right = (here[1] - before[1]) / step, (after[1] - here[1]) / step
         steepest = max(depth, width**2 / (8 * R)) / width
@@ -108,7 +108,7 @@ def test_slopes_are_derivatives(excitation, shape, width, depth, place):
 def test_slopes_have_the_bound_that_impact_speeds_are_estimated_with(excitation, shape, width, depth, place):
     for row in rows_of(excitation, shape, width, depth):
         bound = min(row[GROUP_HALF_WIDTH], row[X_E], sqrt(2 * R * row[DEPTH])) / R
-        assert abs(pit_response(excitation, row, place * width, R)[2]) <= bound * (1 + 1e-9)
+        assert abs(defect_response(excitation, row, place * width, R)[2]) <= bound * (1 + 1e-9)
 
 
 @given(excitation=st.sampled_from(PULSES), shape=shapes, width=widths, depth=depths)
@@ -117,8 +117,8 @@ def test_pulses_sink_as_far_as_the_envelope(excitation, shape, width, depth):
         rows_of(excitation, shape, width, depth), rows_of(Envelope(), shape, width, depth), strict=True
     ):
         assert pulse[GROUP_WEIGHT] == envelope[GROUP_WEIGHT]
-        assert pit_response(excitation, pulse, 0.0, R)[1] == pytest.approx(
-            pit_response(Envelope(), envelope, 0.0, R)[1], rel=1e-12
+        assert defect_response(excitation, pulse, 0.0, R)[1] == pytest.approx(
+            defect_response(Envelope(), envelope, 0.0, R)[1], rel=1e-12
         )
 
 
@@ -175,15 +175,15 @@ def test_piecewise_pulse_of_a_pit_without_a_floor_is_a_half_sine(shape, width, d
     for row, other in zip(
         rows_of(PiecewisePulse(), shape, width, depth), rows_of(HalfSinePulse(), shape, width, depth), strict=True
     ):
-        found = pit_response(PiecewisePulse(), row, place * width, R)
-        expected = pit_response(HalfSinePulse(), other, place * width, R)
+        found = defect_response(PiecewisePulse(), row, place * width, R)
+        expected = defect_response(HalfSinePulse(), other, place * width, R)
         assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * depth)
 
 
 @given(shape=shapes, width=widths, depth=depths, place=st.floats(-0.49, 0.49))
 def test_clearance_increase_knows_no_roller(shape, width, depth, place):
     """Near its middle a bowl's section is the pit's; box and V have one section."""
-    share, h, slope = pit_response(
+    share, h, slope = defect_response(
         ClearanceIncrease(), rows_of(ClearanceIncrease(), shape, width, depth)[0], place * width, R
     )
     assert (share, slope) == (1.0, 0.0)
@@ -197,8 +197,8 @@ def test_pressure_share_is_the_integral_over_the_pit(width, s, b):
     low, high = max(-width / 2 - s, -b), min(width / 2 - s, b)
     pressure = lambda x: 2 / (pi * b) * sqrt(max(1 - (x / b) ** 2, 0.0))  # noqa: E731
     rho = quad(pressure, low, high)[0] if high > low else 0.0
-    assert pit_response(excitation, lost, s, R)[0] == pytest.approx(rho, abs=1e-6)
-    assert pit_response(excitation, kept, s, R)[0] == pytest.approx(1 - rho, abs=1e-6)
+    assert defect_response(excitation, lost, s, R)[0] == pytest.approx(rho, abs=1e-6)
+    assert defect_response(excitation, kept, s, R)[0] == pytest.approx(1 - rho, abs=1e-6)
 
 
 def test_pressure_share_loses_force_until_the_approach_exceeds_the_depth():
@@ -229,7 +229,7 @@ def test_an_edge_kept_whole_is_the_envelope(shape, width, depth, place):
     for soft, firm in zip(
         rows_of(SoftEdge(), shape, width, depth), rows_of(Envelope(), shape, width, depth), strict=True
     ):
-        assert pit_response(SoftEdge(1.0), soft, place * width, R) == pit_response(
+        assert defect_response(SoftEdge(1.0), soft, place * width, R) == defect_response(
             Envelope(), firm, place * width, R
         )
 
@@ -255,13 +255,13 @@ def test_compiled_and_plain_agree(excitation):
     row = rows_of(excitation, depth=5e-6)[-1]
     for s in (-0.3e-3, 0.0, 0.1e-3, 0.395e-3, 0.5e-3):
         assert compiled(excitation, row, s, R) == pytest.approx(
-            pit_response(excitation, row, s, R), rel=1e-13, abs=1e-20
+            defect_response(excitation, row, s, R), rel=1e-13, abs=1e-20
         )
 
 
 @jit
 def compiled(excitation, group, s, R):
-    return pit_response(excitation, group, s, R)
+    return defect_response(excitation, group, s, R)
 
 
 def test_a_shape_without_a_closed_form_is_refused():
@@ -274,10 +274,10 @@ def test_bend_is_the_slope_of_what_is_felt(excitation, shape, width, depth, plac
     """Away from where a course is put together; what leaps has no slope there."""
     s, h = place * width, 1e-6 * width
     for row in rows_of(excitation, shape, width, depth):
-        near = np.array([pit_response(excitation, row, s + n * h, R) for n in range(-2, 3)])
+        near = np.array([defect_response(excitation, row, s + n * h, R) for n in range(-2, 3)])
         before, after = near[2] - near[0], near[4] - near[2]
         assume(abs(after - before)[[0, 2]] == pytest.approx(0.0, abs=1e-3 * h / R))
-        share_slope, bent = pit_response_gradient(excitation, row, s, R)
+        share_slope, bent = defect_response_gradient(excitation, row, s, R)
         found = (near[3] - near[1]) / (2 * h)
         assert bent == pytest.approx(found[2], rel=1e-3, abs=1e-5 / R)
         assert share_slope == pytest.approx(found[0], rel=1e-3, abs=1e-4 / width)

@@ -1,4 +1,4 @@
-"""One roller, held between two rings that stand still, as it passes a pit, or thrown at one of them.
+"""One roller, held between two rings that stand still, as it passes a defect, or thrown at one of them.
 
     m x'' = Q_i(delta_i - x) - Q_o(delta_o + x) + C
 
@@ -9,15 +9,15 @@ other rollers and the rings' masses are left out, so this is an estimate: how ha
 from math import pi, sqrt
 
 from bearingsim.core.clock import is_over
+from bearingsim.core.defects.on_roller import force_over_defect
+from bearingsim.core.defects.pairs import HALF_WIDTH, OUTER, SIDE, passing_speed
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
-from bearingsim.core.pits.on_roller import force_over_pit
-from bearingsim.core.pits.pairs import HALF_WIDTH, OUTER, SIDE, passing_speed
 
 STEPS_OF_A_PASSAGE = 400  # at least, from rim to rim
 STEP_OF_A_PERIOD = 0.1  # of the time in which a contact turns by one radian
 STEPS_A_LOOK = 4096  # steps between two looks at the clock
-AFTERWARDS = 10.0  # such times, and the passage once more, that are looked at behind the pit
+AFTERWARDS = 10.0  # such times, and the passage once more, that are looked at behind the defect
 
 
 @jit
@@ -26,9 +26,9 @@ def passage_peak(model, d, delta_o, delta_i, cpu_end):
 
     delta_o, delta_i: the approaches (m) of its contacts at rest; cpu_end: as of ``cpu_time.bounded``.
     """
-    outer, inner, pits, m = model.outer, model.inner, model.pits, model.bearing.m_r
-    speed, half = passing_speed(pits, d, model.bearing), pits.head[d, HALF_WIDTH]
-    on_outer = pits.head[d, SIDE] == OUTER
+    outer, inner, defects, m = model.outer, model.inner, model.defects, model.bearing.m_r
+    speed, half = passing_speed(defects, d, model.bearing), defects.head[d, HALF_WIDTH]
+    on_outer = defects.head[d, SIDE] == OUTER
     balance = normal_force(outer, delta_o, 0.0) - normal_force(inner, delta_i, 0.0)
     resting = sqrt((stiffness_bound(outer, delta_o, 0.0) + stiffness_bound(inner, delta_i, 0.0)) / m)
     longest, end = 2.0 * half / (abs(speed) * STEPS_OF_A_PASSAGE), 3.0 * half / abs(speed) + AFTERWARDS / resting
@@ -37,14 +37,14 @@ def passage_peak(model, d, delta_o, delta_i, cpu_end):
     while t < end and not (n % STEPS_A_LOOK == STEPS_A_LOOK - 1 and is_over(cpu_end)):
         n += 1
         s = speed * t
-        over_pit = abs(s) < half
+        over_defect = abs(s) < half
         d_o, d_i = delta_o + x, delta_i - x
-        if over_pit and on_outer:
-            Q_o, _, d_o, v_o = force_over_pit(outer, pits, d, s, speed, d_o, v)
+        if over_defect and on_outer:
+            Q_o, _, d_o, v_o = force_over_defect(outer, defects, d, s, speed, d_o, v)
         else:
             Q_o, v_o = normal_force(outer, d_o, v), v
-        if over_pit and not on_outer:
-            Q_i, _, d_i, v_i = force_over_pit(inner, pits, d, s, speed, d_i, -v)
+        if over_defect and not on_outer:
+            Q_i, _, d_i, v_i = force_over_defect(inner, defects, d, s, speed, d_i, -v)
         else:
             Q_i, v_i = normal_force(inner, d_i, -v), -v
         peak = max(peak, max(Q_o, Q_i))

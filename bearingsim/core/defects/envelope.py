@@ -16,8 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingsim.core.defects.profile import Profile
 from bearingsim.core.jit import jit
-from bearingsim.core.pits.profile import Profile
 
 RACE_REACH = 1.0  # m: so far the race goes on to either side
 ROUNDING_DEPTH = 1e-15  # m: nearer to the race a depth is rounding

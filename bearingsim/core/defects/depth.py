@@ -1,7 +1,8 @@
-"""Pits as depth maps p(s, z), m, positive downwards: s along rolling, z along the axis, from the pit's middle.
+"""Defects as depth maps p(s, z), m, positive downwards: s along rolling, z along the axis, from the defect's
+middle.
 
 A map is a type; ``section`` gives its profile at one z, exactly or drawn by parabolas, ``extent`` where it
-reaches, ``cuts`` where along z its section changes in kind. Plain Python, run once per pit.
+reaches, ``cuts`` where along z its section changes in kind. Plain Python, run once per defect.
 """
 
 from dataclasses import dataclass, field
@@ -12,8 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim.core.jit import generic
-from bearingsim.core.pits.profile import (
+from bearingsim.core.defects.profile import (
     FROM,
     RACE,
     TO,
@@ -26,6 +26,7 @@ from bearingsim.core.pits.profile import (
     quadratic,
     shifted,
 )
+from bearingsim.core.jit import generic
 
 ARC_POINTS = 17  # of a rounded edge; more of them where it is flat, since no roller gets down where it is steep
 ELLIPSE_POINTS = 65
@@ -81,34 +82,36 @@ class Elliptical(NamedTuple):
 
 
 class Eased(NamedTuple):
-    """A pit whose edges along rolling are rounded with ``radius`` (m), or walls no steeper than over ``ramp`` (m).
+    """A defect whose edges along rolling are rounded with ``radius`` (m), or walls no steeper than over ``ramp``
+    (m).
 
-    One of the two is zero. What stands over the rim is taken off the race, so the opening is wider than the pit.
+    One of the two is zero. What stands over the rim is taken off the race, so the opening is wider than the
+    defect.
     """
 
-    pit: Any
+    defect: Any
     radius: float
     ramp: float
 
 
 class Mirrored(NamedTuple):
-    """A pit whose s runs the other way."""
+    """A defect whose s runs the other way."""
 
-    pit: Any
+    defect: Any
 
 
 class Placed(NamedTuple):
-    """A pit with its middle at s, z (m)."""
+    """A defect with its middle at s, z (m)."""
 
-    pit: Any
+    defect: Any
     s: float
     z: float
 
 
 class Merged(NamedTuple):
-    """Several pits as one: at each place the deepest of those that reach there."""
+    """Several defects as one: at each place the deepest of those that reach there."""
 
-    pits: tuple[Any, ...]
+    defects: tuple[Any, ...]
 
 
 @dataclass(frozen=True)
@@ -127,8 +130,8 @@ class Scanned:
 # Shapes with a formula
 
 
-def _box_extent(pit):
-    return -pit.width / 2.0, pit.width / 2.0, -pit.length / 2.0, pit.length / 2.0
+def _box_extent(defect):
+    return -defect.width / 2.0, defect.width / 2.0, -defect.length / 2.0, defect.length / 2.0
 
 
 for _shape in (Rectangular, Triangular, Circular, Elliptical):
@@ -137,51 +140,51 @@ for _shape in (Rectangular, Triangular, Circular, Elliptical):
 
 @cuts.register(Rectangular)
 @cuts.register(Triangular)
-def _cuts_even(pit):
-    return [(-pit.length / 2.0, pit.length / 2.0, EVEN)]
+def _cuts_even(defect):
+    return [(-defect.length / 2.0, defect.length / 2.0, EVEN)]
 
 
 @cuts.register(Circular)
 @cuts.register(Elliptical)
-def _cuts_round(pit):
-    return [(-pit.length / 2.0, 0.0, SMOOTH), (0.0, pit.length / 2.0, SMOOTH)]
+def _cuts_round(defect):
+    return [(-defect.length / 2.0, 0.0, SMOOTH), (0.0, defect.length / 2.0, SMOOTH)]
 
 
 @section.register(Rectangular)
-def _section_rectangular(pit, z):
-    if abs(z) >= pit.length / 2.0:
+def _section_rectangular(defect, z):
+    if abs(z) >= defect.length / 2.0:
         return RACE
-    return quadratic(-pit.width / 2.0, pit.width / 2.0, pit.depth)
+    return quadratic(-defect.width / 2.0, defect.width / 2.0, defect.depth)
 
 
 @section.register(Triangular)
-def _section_triangular(pit, z):
-    if abs(z) >= pit.length / 2.0:
+def _section_triangular(defect, z):
+    if abs(z) >= defect.length / 2.0:
         return RACE
-    b = pit.width / 2.0
-    return polygon(np.array([-b, 0.0, b]), np.array([0.0, pit.depth, 0.0]))
+    b = defect.width / 2.0
+    return polygon(np.array([-b, 0.0, b]), np.array([0.0, defect.depth, 0.0]))
 
 
 @section.register(Circular)
-def _section_circular(pit, z):
-    zeta = 2.0 * z / pit.length
+def _section_circular(defect, z):
+    zeta = 2.0 * z / defect.length
     if abs(zeta) >= 1.0:
         return RACE
-    b, bend = pit.width / 2.0 * sqrt(1.0 - zeta * zeta), 8.0 * pit.depth / pit.width**2
+    b, bend = defect.width / 2.0 * sqrt(1.0 - zeta * zeta), 8.0 * defect.depth / defect.width**2
     return quadratic(-b, b, 0.0, bend * b, -bend)
 
 
 @section.register(Elliptical)
-def _section_elliptical(pit, z):
-    zeta = 2.0 * z / pit.length
+def _section_elliptical(defect, z):
+    zeta = 2.0 * z / defect.length
     if abs(zeta) >= 1.0:
         return RACE
     rest = sqrt(1.0 - zeta * zeta)
     theta = np.linspace(-pi / 2.0, pi / 2.0, ELLIPSE_POINTS)
-    t, p = pit.width / 2.0 * rest * np.sin(theta), pit.depth * rest * np.cos(theta)
+    t, p = defect.width / 2.0 * rest * np.sin(theta), defect.depth * rest * np.cos(theta)
     p[[0, -1]] = 0.0
     slope = np.full(len(t), inf)
-    slope[1:-1] = -2.0 * pit.depth / pit.width * np.tan(theta[1:-1])
+    slope[1:-1] = -2.0 * defect.depth / defect.width * np.tan(theta[1:-1])
     return curve(t, p, slope)
 
 
@@ -190,19 +193,19 @@ def _section_elliptical(pit, z):
 
 @extent.register(Eased)
 def _extent_eased(eased):
-    s_0, s_1, z_0, z_1 = extent(eased.pit)
+    s_0, s_1, z_0, z_1 = extent(eased.defect)
     out = eased.radius + eased.ramp
     return s_0 - out, s_1 + out, z_0, z_1
 
 
 @cuts.register(Eased)
 def _cuts_eased(eased):
-    return cuts(eased.pit)
+    return cuts(eased.defect)
 
 
 @section.register(Eased)
 def _section_eased(eased, z):
-    sharp = section(eased.pit, z)
+    sharp = section(eased.defect, z)
     if len(sharp.pieces) == 0:
         return sharp
     for profile in (sharp, mirrored(sharp)):
@@ -246,45 +249,45 @@ def _back_of_radius(p: np.ndarray, radius: float) -> np.ndarray:
 
 @extent.register(Mirrored)
 def _extent_mirrored(turned):
-    s_0, s_1, z_0, z_1 = extent(turned.pit)
+    s_0, s_1, z_0, z_1 = extent(turned.defect)
     return -s_1, -s_0, z_0, z_1
 
 
 @cuts.register(Mirrored)
 def _cuts_mirrored(turned):
-    return cuts(turned.pit)
+    return cuts(turned.defect)
 
 
 @section.register(Mirrored)
 def _section_mirrored(turned, z):
-    return mirrored(section(turned.pit, z))
+    return mirrored(section(turned.defect, z))
 
 
 @extent.register(Placed)
 def _extent_placed(placed):
-    s_0, s_1, z_0, z_1 = extent(placed.pit)
+    s_0, s_1, z_0, z_1 = extent(placed.defect)
     return s_0 + placed.s, s_1 + placed.s, z_0 + placed.z, z_1 + placed.z
 
 
 @cuts.register(Placed)
 def _cuts_placed(placed):
-    return [(a + placed.z, b + placed.z, kind) for a, b, kind in cuts(placed.pit)]
+    return [(a + placed.z, b + placed.z, kind) for a, b, kind in cuts(placed.defect)]
 
 
 @section.register(Placed)
 def _section_placed(placed, z):
-    return shifted(section(placed.pit, z - placed.z), placed.s)
+    return shifted(section(placed.defect, z - placed.z), placed.s)
 
 
 @extent.register(Merged)
 def _extent_merged(merged):
-    s_0, s_1, z_0, z_1 = np.array([extent(pit) for pit in merged.pits]).T
+    s_0, s_1, z_0, z_1 = np.array([extent(defect) for defect in merged.defects]).T
     return float(s_0.min()), float(s_1.max()), float(z_0.min()), float(z_1.max())
 
 
 @cuts.register(Merged)
 def _cuts_merged(merged):
-    parts = [cut for pit in merged.pits for cut in cuts(pit)]
+    parts = [cut for defect in merged.defects for cut in cuts(defect)]
     ends = sorted({end for a, b, _ in parts for end in (a, b)})
     bowls = []
     for a, b in pairwise(ends):
@@ -296,7 +299,7 @@ def _cuts_merged(merged):
 
 @section.register(Merged)
 def _section_merged(merged, z):
-    return reduce(deepest, (section(pit, z) for pit in merged.pits))
+    return reduce(deepest, (section(defect, z) for defect in merged.defects))
 
 
 # Scans

@@ -1,19 +1,19 @@
-"""When rollers meet pits, and how hard the ring is struck: the impulses of the model ``impulse``. Plain numpy.
+"""When rollers meet defects, and how hard the ring is struck: the impulses of the model ``impulse``. Plain numpy.
 
-McFadden and Smith (J. Sound Vib. 96, 1984, 69-82) let a point defect give an impulse at each roller-pit pair, as
-strong as the load there, q(phi), and superpose the trains of several defects (98, 1985, 263-273). They leave the
-scale of the impulses free. Here it is what a roller sheds: over the pit the race loses the roller's force, and the
-ring is pushed against e_r, at s from the pit's middle by the force P q(phi),
+McFadden and Smith (J. Sound Vib. 96, 1984, 69-82) let a point defect give an impulse at each roller-defect pair,
+as strong as the load there, q(phi), and superpose the trains of several defects (98, 1985, 263-273). They leave
+the scale of the impulses free. Here it is what a roller sheds: over the defect the race loses the roller's force,
+and the ring is pushed against e_r, at s from the defect's middle by the force P q(phi),
 
     (1 - kappa) P = 1 - sum_g w_g max(1 - h_g(s)/delta + kappa P/n, 0)^n,      J = q(phi)/v integral of P ds
 
-h_g: envelope of the pit's group g; delta(phi): approach of both contacts of the roller together; v: speed at which
-the contact runs over the pit; kappa = k (cos^2 phi/K_x + sin^2 phi/K_y): the roller's part, k = n q/delta, in the
-ring's stiffness. The terms in kappa take that part back while the roller carries nothing (with K_x = K_y = inf
-they vanish). Wholly unloaded P = 1/(1 - kappa), 1.45 for an NF308 without clearance. A pit as long as the roller,
-much wider than sqrt(2 R delta) and deeper than delta, gives J = P q w/v, P q for the time of crossing; one that is
-shorter, narrower or shallower gives less. The crossing is taken as an instant, its middle: good for frequencies
-far below v/w.
+h_g: envelope of the defect's group g; delta(phi): approach of both contacts of the roller together; v: speed at
+which the contact runs over the defect; kappa = k (cos^2 phi/K_x + sin^2 phi/K_y): the roller's part, k = n
+q/delta, in the ring's stiffness. The terms in kappa take that part back while the roller carries nothing (with K_x
+= K_y = inf they vanish). Wholly unloaded P = 1/(1 - kappa), 1.45 for an NF308 without clearance. A defect as long
+as the roller, much wider than sqrt(2 R delta) and deeper than delta, gives J = P q w/v, P q for the time of
+crossing; one that is shorter, narrower or shallower gives less. The crossing is taken as an instant, its middle:
+good for frequencies far below v/w.
 
 Left out: inertia during the crossing, the blow with which the roller comes back (its impulse is nearly nothing but
 the load again, since the roller is light), and slip.
@@ -25,12 +25,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingsim.core.defects.closed_forms import roller_drop
+from bearingsim.core.defects.envelope import path_drop
+from bearingsim.core.defects.pairs import GROUP_WEIGHT, INNER, ON_INNER, RollerDefectPair
 from bearingsim.core.parameters import Bearing
-from bearingsim.core.pits.closed_forms import roller_drop
-from bearingsim.core.pits.envelope import path_drop
-from bearingsim.core.pits.pairs import GROUP_WEIGHT, INNER, ON_INNER, RollerPitPair
 
-SHED_SAMPLES = 200  # at which the load shed is summed, over half a pit
+SHED_SAMPLES = 200  # at which the load shed is summed, over half a defect
 NEWTON_STEPS = 8  # steps; the function is convex and they start above its root
 MAX_STIFFNESS_SHARE = 0.5  # of kappa: a ring that mainly hangs on one roller would fall, not spring
 
@@ -72,10 +72,12 @@ def load(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
     return zone.q_0 * (approach(zone, phi) / zone.delta_0) ** zone.n
 
 
-def pit_passages(bearing: Bearing, pair: RollerPitPair, start: float, end: float) -> tuple[np.ndarray, np.ndarray]:
+def defect_passages(
+    bearing: Bearing, pair: RollerDefectPair, start: float, end: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the instants (n,) in (start, end], s, of rollers over the defect's middle, and its angles (n,) rad.
 
-    A pit of the outer race is met Z times a turn of the cage, always at its own angle; one of the inner race Z
+    A defect of the outer race is met Z times a turn of the cage, always at its own angle; one of the inner race Z
     times a turn of the ring relative to the cage, wherever the ring has carried it; one of a roller once for each
     race and turn of the roller, wherever the cage has carried that.
     """
@@ -99,8 +101,8 @@ def instants(offset: float, between: float, speed: float, start: float, end: flo
     return (offset + between * np.arange(low + 1, high + 1)) / speed
 
 
-def crossing_speed(bearing: Bearing, pair: RollerPitPair) -> float:
-    """Return the speed (m/s) at which a contact runs over the pit."""
+def crossing_speed(bearing: Bearing, pair: RollerDefectPair) -> float:
+    """Return the speed (m/s) at which a contact runs over the defect."""
     if pair.carrier >= 0:
         return pair.radius * bearing.omega_b
     if pair.carrier == ON_INNER:
@@ -115,7 +117,7 @@ def stiffness_share(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
     return np.minimum(stiffness * (np.cos(phi) ** 2 / zone.K_x + np.sin(phi) ** 2 / zone.K_y), MAX_STIFFNESS_SHARE)
 
 
-def unloaded_width(pair: RollerPitPair, delta: np.ndarray, kappa: np.ndarray, n: float) -> np.ndarray:
+def unloaded_width(pair: RollerDefectPair, delta: np.ndarray, kappa: np.ndarray, n: float) -> np.ndarray:
     """Return the integral of P over the defect (n,), m: the unloaded way of rollers with approach ``delta`` > 0
     (n,) m."""
     s = ((np.arange(2 * SHED_SAMPLES) + 0.5) / SHED_SAMPLES - 1.0) * pair.half_width
@@ -132,15 +134,15 @@ def unloaded_width(pair: RollerPitPair, delta: np.ndarray, kappa: np.ndarray, n:
     return 2.0 * pair.half_width * P.mean(axis=1)
 
 
-def roller_drops(pair: RollerPitPair, s: np.ndarray) -> list[np.ndarray]:
+def roller_drops(pair: RollerDefectPair, s: np.ndarray) -> list[np.ndarray]:
     """Return the drop (n,) m of a roller into each group at ``s`` (n,) m."""
     if pair.paths:
         return [path_drop(path, s)[0] for path in pair.paths]
     return [np.array([roller_drop(np.array(row), x, pair.R)[0] for x in s]) for row in pair.groups]
 
 
-def impulse_strengths(bearing: Bearing, zone: LoadZone, pair: RollerPitPair, phi: np.ndarray) -> np.ndarray:
-    """Return the impulse J (n,) N s that a roller at ``phi`` (n,) rad sheds over the pit; 0 outside the load
+def impulse_strengths(bearing: Bearing, zone: LoadZone, pair: RollerDefectPair, phi: np.ndarray) -> np.ndarray:
+    """Return the impulse J (n,) N s that a roller at ``phi`` (n,) rad sheds over the defect; 0 outside the load
     zone."""
     places, which = np.unique(phi, return_inverse=True)
     J, loaded = np.zeros(len(places)), approach(zone, places) > 0.0
@@ -150,24 +152,24 @@ def impulse_strengths(bearing: Bearing, zone: LoadZone, pair: RollerPitPair, phi
     return J[which]
 
 
-def train(bearing: Bearing, zone: LoadZone, pairs: Sequence[RollerPitPair], start: float, end: float) -> Train:
+def train(bearing: Bearing, zone: LoadZone, pairs: Sequence[RollerDefectPair], start: float, end: float) -> Train:
     """Return one impulse at each passage of a roller over a defect in (start, end], s: all defects superposed."""
-    parts = [pit_impulses(bearing, zone, pair, start, end) for pair in pairs]
+    parts = [defect_impulses(bearing, zone, pair, start, end) for pair in pairs]
     return merged_trains(parts)
 
 
-def pit_impulses(
-    bearing: Bearing, zone: LoadZone, pair: RollerPitPair, start: float, end: float
+def defect_impulses(
+    bearing: Bearing, zone: LoadZone, pair: RollerDefectPair, start: float, end: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the instants (n,) s, angles (n,) rad and strengths (n,) N s of one defect's impulses."""
-    times, phi = pit_passages(bearing, pair, start, end)
+    times, phi = defect_passages(bearing, pair, start, end)
     return times, phi, impulse_strengths(bearing, zone, pair, phi)
 
 
 def random_train(
     bearing: Bearing,
     zone: LoadZone,
-    pairs: Sequence[RollerPitPair],
+    pairs: Sequence[RollerDefectPair],
     start: float,
     end: float,
     generator: np.random.Generator,
@@ -176,8 +178,8 @@ def random_train(
     """Return ``train`` with each impulse divided among the asperities of a rough defect.
 
     After Behzad, Bastami and Mba (J. Vib. Acoust. 133, 2011, 031011), who see the cause of a damaged bearing's
-    vibration in random impacts of asperities. Over a pit of width w the impulse J becomes N = w/``spacing`` ones
-    (rounded, at least 1), anywhere in the crossing with equal probability, with exponentially distributed
+    vibration in random impacts of asperities. Over a defect of width w the impulse J becomes N = w/``spacing``
+    ones (rounded, at least 1), anywhere in the crossing with equal probability, with exponentially distributed
     strengths of mean J/N: their sum has the mean J and the standard deviation J/sqrt(N). Left out: what follows
     from the heights and stiffness of asperities (``spacing``, in m, stands for all of it), and asperities of
     healthy surfaces.
@@ -186,7 +188,7 @@ def random_train(
     """
     parts = []
     for pair, draw in zip(pairs, generator.spawn(len(pairs)), strict=True):
-        times, phi, J = pit_impulses(bearing, zone, pair, start, end)
+        times, phi, J = defect_impulses(bearing, zone, pair, start, end)
         width = 2.0 * pair.half_width
         N = max(1, round(width / spacing))
         u = draw.random((len(times), N, 2))

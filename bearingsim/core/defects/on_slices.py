@@ -1,18 +1,15 @@
-"""Pits as the slices of a roller meet them: each slice at its own place along the race, with its own section.
+"""Defects as the slices of a roller meet them: each slice at its own place along the race, with its own section.
 
-In ``spatial`` the group k of a roller-pit pair is what slice k feels. A pit of a race is found by the angle of a
-slice's n about the ring's own axis; a pit of a roller by the same angle and the roller's own. (That of a roller
-should count about the roller's axis: it is off by products of tilts, 1e-6 of the angle at 1 mrad.)
+In ``spatial`` the group k of a roller-defect pair is what slice k feels. A defect of a race is found by the angle
+of a slice's n about the ring's own axis; a defect of a roller by the same angle and the roller's own. (That of a
+roller should count about the roller's axis: it is off by products of tilts, 1e-6 of the angle at 1 mrad.)
 """
 
 from math import atan2, sqrt
 
 from bearingsim.core import layout as lay
-from bearingsim.core.geometry.motion import kinematic_time
-from bearingsim.core.geometry.slices import ZETA
-from bearingsim.core.jit import jit
-from bearingsim.core.pits.excitations import pit_response
-from bearingsim.core.pits.pairs import (
+from bearingsim.core.defects.excitations import defect_response
+from bearingsim.core.defects.pairs import (
     CARRIER,
     GROUP_HALF_WIDTH,
     HALF_WIDTH,
@@ -22,8 +19,11 @@ from bearingsim.core.pits.pairs import (
     SIDE,
     nearest_roller,
 )
+from bearingsim.core.geometry.motion import kinematic_time
+from bearingsim.core.geometry.slices import ZETA
+from bearingsim.core.jit import jit
 
-# in row PIT_REACH: a pit reaches the roller; and is felt by the slice at hand
+# in row DEFECT_REACH: a defect reaches the roller; and is felt by the slice at hand
 ROLLER_REACHED, SLICE_REACHED = 1.0, 2.0
 
 
@@ -41,80 +41,85 @@ def slice_polar_position(base, middle, b_z, zeta, y, j):
 
 
 @jit
-def roller_near_pit(model, d, t, y):
+def roller_near_defect(model, d, t, y):
     """Return the roller nearest to pair ``d``, and the distance (m) of its angle in its pocket from the defect's
     middle.
 
     What the angle of a slice, times the radius, adds to is that of each slice.
     """
-    b, head = model.bearing, model.pits.head[d]
+    b, head = model.bearing, model.defects.head[d]
     time, _, _ = kinematic_time(model.motion, t)
     turned = b.omega_c * time + y[lay.POSITION + lay.PHI_C]
     own, outer = head[CARRIER] >= 0.0, head[SIDE] == OUTER
     roll = turned - (b.omega_c - b.omega_b) * time - (y[lay.SPIN + int(head[CARRIER])] if own else 0.0)
-    j, s = nearest_roller(model.pits, d, b.theta_0 + turned, b.omega_i * time, roll, b.Z)
+    j, s = nearest_roller(model.defects, d, b.theta_0 + turned, b.omega_i * time, roll, b.Z)
     return j, s + head[RADIUS] * (y[lay.EPS + j] - (y[lay.POSITION + lay.PSI] if outer and not own else 0.0))
 
 
 @jit
-def mark_rollers_at_pits(model, t, b_z_outer, b_z_inner, y):
-    """Mark the sides of rollers that stand over a pit, or may with a part of their length; how many there are."""
-    pits, b = model.pits, model.bearing
+def mark_rollers_at_defects(model, t, b_z_outer, b_z_inner, y):
+    """Mark the sides of rollers that stand over a defect, or may with a part of their length; how many there
+    are."""
+    defects, b = model.defects, model.bearing
     middle = 0.5 * (b.R_o + b.R_i)
     for j in range(b.Z):
-        y[lay.OUTER_SIDE + lay.PIT_REACH + j], y[lay.INNER_SIDE + lay.PIT_REACH + j] = 0.0, 0.0
+        y[lay.OUTER_SIDE + lay.DEFECT_REACH + j], y[lay.INNER_SIDE + lay.DEFECT_REACH + j] = 0.0, 0.0
     count = 0
-    for d in range(len(pits.head)):
-        head = pits.head[d]
+    for d in range(len(defects.head)):
+        head = defects.head[d]
         outer = head[SIDE] == OUTER
         side, b_z = (lay.OUTER_SIDE, b_z_outer) if outer else (lay.INNER_SIDE, b_z_inner)
-        j, s = roller_near_pit(model, d, t, y)
+        j, s = roller_near_defect(model, d, t, y)
         angle, rho = slice_polar_position(side, middle, b_z, 0.0, y, j)
         reach = head[HALF_WIDTH] + head[RADIUS] * model.L_w * abs(y[side + lay.DIRECTION_T + j]) / rho
         if abs(s + head[RADIUS] * angle) < reach:
-            y[side + lay.PIT_REACH + j] = ROLLER_REACHED
+            y[side + lay.DEFECT_REACH + j] = ROLLER_REACHED
             count += 1
     return count
 
 
 @jit
-def clear_pit_response(model, y):
-    """Empty what the slice at hand feels of pits."""
+def clear_defect_response(model, y):
+    """Empty what the slice at hand feels of defects."""
     for side in (lay.OUTER_SIDE, lay.INNER_SIDE):
         for j in range(model.bearing.Z):
-            if y[side + lay.PIT_REACH + j] > 0.0:
-                y[side + lay.PIT_REACH + j] = ROLLER_REACHED
+            if y[side + lay.DEFECT_REACH + j] > 0.0:
+                y[side + lay.DEFECT_REACH + j] = ROLLER_REACHED
                 for row in (
                     lay.ROLLER_DROP,
                     lay.NORMAL_SLOPE,
                     lay.NORMAL_VERSINE,
                     lay.STIFFNESS_LOSS,
-                    lay.OWN_PIT,
+                    lay.OWN_DEFECT,
                 ):
                     y[side + row + j] = 0.0
 
 
 @jit
-def slice_pit_response(model, t, k, steep, b_z_outer, b_z_inner, y):
+def slice_defect_response(model, t, k, steep, b_z_outer, b_z_inner, y):
     """Fill the response of slice ``k`` of the marked rollers: drop, tilt of the normal, share of its stiffness.
 
-    steep: 0.0 to leave out the tilt; b_z_outer, b_z_inner: third components of the rings' axes. Of the pits within
-    reach the deepest is felt, as ``on_roller.is_masked`` chooses: of equals the first, a burr only where none of
-    the others reaches.
+    steep: 0.0 to leave out the tilt; b_z_outer, b_z_inner: third components of the rings' axes. Of the defects
+    within reach the deepest is felt, as ``on_roller.is_masked`` chooses: of equals the first, a burr only where
+    none of the others reaches.
     """
-    pits, zeta, middle = model.pits, model.slices.table[k, ZETA], 0.5 * (model.bearing.R_o + model.bearing.R_i)
-    clear_pit_response(model, y)
-    for d in range(len(pits.head)):
-        head, group = pits.head[d], pits.groups[d, k]
+    defects, zeta, middle = (
+        model.defects,
+        model.slices.table[k, ZETA],
+        0.5 * (model.bearing.R_o + model.bearing.R_i),
+    )
+    clear_defect_response(model, y)
+    for d in range(len(defects.head)):
+        head, group = defects.head[d], defects.groups[d, k]
         side, b_z = (lay.OUTER_SIDE, b_z_outer) if head[SIDE] == OUTER else (lay.INNER_SIDE, b_z_inner)
-        j, s = roller_near_pit(model, d, t, y)
-        if y[side + lay.PIT_REACH + j] > 0.0:
+        j, s = roller_near_defect(model, d, t, y)
+        if y[side + lay.DEFECT_REACH + j] > 0.0:
             angle, rho = slice_polar_position(side, middle, b_z, zeta, y, j)
             s += head[RADIUS] * angle
             if abs(s) < group[GROUP_HALF_WIDTH]:
-                share, h, slope = pit_response(pits.excitation, group, s, head[REDUCED_RADIUS])
-                if y[side + lay.PIT_REACH + j] == ROLLER_REACHED or h > y[side + lay.ROLLER_DROP + j]:
-                    y[side + lay.PIT_REACH + j] = SLICE_REACHED
+                share, h, slope = defect_response(defects.excitation, group, s, head[REDUCED_RADIUS])
+                if y[side + lay.DEFECT_REACH + j] == ROLLER_REACHED or h > y[side + lay.ROLLER_DROP + j]:
+                    y[side + lay.DEFECT_REACH + j] = SLICE_REACHED
                     lean = steep * slope * head[RADIUS] / rho
                     (
                         y[side + lay.ROLLER_DROP + j],
@@ -122,4 +127,4 @@ def slice_pit_response(model, t, k, steep, b_z_outer, b_z_inner, y):
                         y[side + lay.STIFFNESS_LOSS + j],
                     ) = h, lean, 1.0 - share
                     y[side + lay.NORMAL_VERSINE + j] = 1.0 - 1.0 / sqrt(1.0 + lean * lean)
-                    y[side + lay.OWN_PIT + j] = 1.0 if head[CARRIER] >= 0.0 else 0.0
+                    y[side + lay.OWN_DEFECT + j] = 1.0 if head[CARRIER] >= 0.0 else 0.0

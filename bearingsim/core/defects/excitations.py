@@ -1,13 +1,13 @@
 """Excitations by a defect: the models of the literature side by side.
 
-A pit is cut along the roller into groups (``pits/closed_forms.py``). At the distance s (m) along rolling from the
-pit's middle a group of weight w carries
+A defect is cut along the roller into groups (``defects/closed_forms.py``). At the distance s (m) along rolling
+from the defect's middle a group of weight w carries
 
     w share elastic(delta - h(s))      (delta: approach of the contact to the undamaged race)
 
 and its approach grows more slowly by h'(s) ds/dt. An excitation is a type: it says what share and h are
-(``pit_response``) and what the columns of its groups mean (``response_groups``), except for W, the weight, and B,
-the half width (m) beyond which nothing is felt. The slope is nowhere more than min(B, X_E, sqrt(2 R DEPTH))/R:
+(``defect_response``) and what the columns of its groups mean (``response_groups``), except for W, the weight, and
+B, the half width (m) beyond which nothing is felt. The slope is nowhere more than min(B, X_E, sqrt(2 R DEPTH))/R:
 estimates of impact speed use that.
 
 Several of the published forms take the race as flat and let a ball sink by R_w - sqrt(R_w^2 - w^2/4). Here all use
@@ -20,17 +20,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bearingsim.core.defects.closed_forms import roller_drop, roller_drop_curvature
+from bearingsim.core.defects.depth import Rectangular
+from bearingsim.core.defects.envelope import drop_at, drop_curvature_at
+from bearingsim.core.defects.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, KAPPA, NO_WALL, X_E
 from bearingsim.core.jit import generic, jit
-from bearingsim.core.pits.closed_forms import roller_drop, roller_drop_curvature
-from bearingsim.core.pits.depth import Rectangular
-from bearingsim.core.pits.envelope import drop_at, drop_curvature_at
-from bearingsim.core.pits.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, KAPPA, NO_WALL, X_E
 
 REMAINING, UNLOADED = -1.0, 1.0  # in column KAPPA of ``PressureShare``: which part of the pressure a group is
 
 
 @generic
-def pit_response(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float, float]:
+def defect_response(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float, float]:
     """Return the response of one group at ``s`` (m) from the defect's middle: share (1), drop h (m) and slope
     dh/ds (1).
 
@@ -39,42 +39,43 @@ def pit_response(excitation: Any, group: np.ndarray, s: float, R: float) -> tupl
 
 
 @generic
-def pit_response_gradient(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float]:
-    """Return the derivatives of ``pit_response`` by ``s``: of the share (1/m) and of dh/ds (1/m). A jump has
+def defect_response_gradient(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float]:
+    """Return the derivatives of ``defect_response`` by ``s``: of the share (1/m) and of dh/ds (1/m). A jump has
     none."""
 
 
 @generic
-def response_groups(excitation: Any, pit: Any, rows: list, R: float) -> list:
-    """Return the groups of a ``pit`` (a depth map) for ``pit_response``, from the ``rows`` of its roller path.
-    Plain Python."""
+def response_groups(excitation: Any, defect: Any, rows: list, R: float) -> list:
+    """Return the groups of a ``defect`` (a depth map) for ``defect_response``, from the ``rows`` of its roller
+    path. Plain Python."""
 
 
 class Envelope(NamedTuple):
-    """The path of a round, rigid roller over the pit's profile: ``pits/closed_forms.py``. The default.
+    """The path of a round, rigid roller over the defect's profile: ``defects/closed_forms.py``. The default.
 
     Left out: that an edge is softer than the race, and the tilt of the contact's normal.
     """
 
 
-@pit_response.register(Envelope)
-def _pit_response_envelope(excitation, group, s, R):
+@defect_response.register(Envelope)
+def _defect_response_envelope(excitation, group, s, R):
     h, slope = roller_drop(group, s, R)
     return 1.0, h, slope
 
 
-@pit_response_gradient.register(Envelope)
-def _pit_response_gradient_envelope(excitation, group, s, R):
+@defect_response_gradient.register(Envelope)
+def _defect_response_gradient_envelope(excitation, group, s, R):
     return 0.0, roller_drop_curvature(group, s, R)
 
 
 @response_groups.register(Envelope)
-def _response_groups_envelope(excitation, pit, rows, R):
+def _response_groups_envelope(excitation, defect, rows, R):
     return rows
 
 
 class Traced(NamedTuple):
-    """The same path where it has no closed form: looked up in a table, built once for a pit (``pits/traced.py``).
+    """The same path where it has no closed form: looked up in a table, built once for a defect
+    (``defects/traced.py``).
 
     Column KAPPA of a group says where in ``table`` its path begins. Left out: what ``Envelope`` leaves out.
     """
@@ -82,16 +83,16 @@ class Traced(NamedTuple):
     table: np.ndarray
 
 
-@pit_response.register(Traced)
-def _pit_response_traced(excitation, group, s, R):
+@defect_response.register(Traced)
+def _defect_response_traced(excitation, group, s, R):
     if abs(s) >= group[GROUP_HALF_WIDTH]:
         return 1.0, 0.0, 0.0
     h, slope = drop_at(excitation.table, int(group[KAPPA]), s)
     return 1.0, h, slope
 
 
-@pit_response_gradient.register(Traced)
-def _pit_response_gradient_traced(excitation, group, s, R):
+@defect_response_gradient.register(Traced)
+def _defect_response_gradient_traced(excitation, group, s, R):
     return 0.0, (
         drop_curvature_at(excitation.table, int(group[KAPPA]), s) if abs(s) < group[GROUP_HALF_WIDTH] else 0.0
     )
@@ -106,7 +107,7 @@ def pulses(rows: list, R: float) -> list:
 
 
 class RectangularPulse(NamedTuple):
-    """The drop all at once: h = H inside the pit, 0 outside, H = min(depth, w^2/(8 R)) for a box.
+    """The drop all at once: h = H inside the defect, 0 outside, H = min(depth, w^2/(8 R)) for a box.
 
     After the pulses of the ball models of the 2000s (among them Patel, Tandon and Pandey 2010, Sawalhi and Randall
     2008). Left out: the way in and out. A step has no rate, so h' = 0: the roller meets the far edge as a sudden
@@ -114,40 +115,40 @@ class RectangularPulse(NamedTuple):
     """
 
 
-@pit_response.register(RectangularPulse)
-def _pit_response_rectangular(excitation, group, s, R):
+@defect_response.register(RectangularPulse)
+def _defect_response_rectangular(excitation, group, s, R):
     return 1.0, (group[DEPTH] if abs(s) < group[GROUP_HALF_WIDTH] else 0.0), 0.0
 
 
-@pit_response_gradient.register(RectangularPulse)
-def _pit_response_gradient_rectangular(excitation, group, s, R):
+@defect_response_gradient.register(RectangularPulse)
+def _defect_response_gradient_rectangular(excitation, group, s, R):
     return 0.0, 0.0
 
 
 @response_groups.register(RectangularPulse)
-def _response_groups_rectangular(excitation, pit, rows, R):
+def _response_groups_rectangular(excitation, defect, rows, R):
     return pulses(rows, R)
 
 
 class HalfSinePulse(NamedTuple):
-    """h = H sin(pi (s/w + 1/2)) inside the pit, H the drop as for ``RectangularPulse``.
+    """h = H sin(pi (s/w + 1/2)) inside the defect, H the drop as for ``RectangularPulse``.
 
     After the half-sine displacement excitation of the ball models (among them Liu, Shao and Lim 2012, for a ball
-    larger than the defect). Smooth where the envelope of a narrow pit has its cusp, with 6/pi times its area; the
-    slope jumps at the rims. Left out: the geometry of roller and rim, which gives parabolas.
+    larger than the defect). Smooth where the envelope of a narrow defect has its cusp, with 6/pi times its area;
+    the slope jumps at the rims. Left out: the geometry of roller and rim, which gives parabolas.
     """
 
 
-@pit_response.register(HalfSinePulse)
-def _pit_response_half_sine(excitation, group, s, R):
+@defect_response.register(HalfSinePulse)
+def _defect_response_half_sine(excitation, group, s, R):
     if abs(s) >= group[GROUP_HALF_WIDTH]:
         return 1.0, 0.0, 0.0
     phase = 0.5 * pi * s / group[GROUP_HALF_WIDTH]
     return 1.0, group[DEPTH] * cos(phase), -0.5 * pi * group[DEPTH] / group[GROUP_HALF_WIDTH] * sin(phase)
 
 
-@pit_response_gradient.register(HalfSinePulse)
-def _pit_response_gradient_half_sine(excitation, group, s, R):
+@defect_response_gradient.register(HalfSinePulse)
+def _defect_response_gradient_half_sine(excitation, group, s, R):
     if abs(s) >= group[GROUP_HALF_WIDTH]:
         return 0.0, 0.0
     per_metre = 0.5 * pi / group[GROUP_HALF_WIDTH]
@@ -155,7 +156,7 @@ def _pit_response_gradient_half_sine(excitation, group, s, R):
 
 
 @response_groups.register(HalfSinePulse)
-def _response_groups_half_sine(excitation, pit, rows, R):
+def _response_groups_half_sine(excitation, defect, rows, R):
     return pulses(rows, R)
 
 
@@ -163,15 +164,15 @@ class PiecewisePulse(NamedTuple):
     """A quarter sine down from each rim, a plateau between: h = H sin(pi x/(2 x_r)) for x < x_r, else H.
 
     x: distance from the nearer rim; x_r = min(w/2, sqrt(2 R d)), where a roller that hangs on the rim of a box
-    reaches the floor. So the ratio of roller to pit decides, as it does after Liu, Shao and Lim 2012: too narrow a
-    pit for the roller to reach the floor gives one half sine, a wide one a plateau of the full depth. Their ball
-    can hang on the pit's sides too (their ratio of length to width); a roller cannot, and a pit shorter than it
-    leaves the rest of its length on the race. A V or a bowl has no floor to stand on: a half sine.
+    reaches the floor. So the ratio of roller to defect decides, as it does after Liu, Shao and Lim 2012: too
+    narrow a defect for the roller to reach the floor gives one half sine, a wide one a plateau of the full depth.
+    Their ball can hang on the defect's sides too (their ratio of length to width); a roller cannot, and a defect
+    shorter than it leaves the rest of its length on the race. A V or a bowl has no floor to stand on: a half sine.
     """
 
 
-@pit_response.register(PiecewisePulse)
-def _pit_response_piecewise(excitation, group, s, R):
+@defect_response.register(PiecewisePulse)
+def _defect_response_piecewise(excitation, group, s, R):
     x = group[GROUP_HALF_WIDTH] - abs(s)
     if x <= 0.0:
         return 1.0, 0.0, 0.0
@@ -182,8 +183,8 @@ def _pit_response_piecewise(excitation, group, s, R):
     return 1.0, group[DEPTH] * sin(phase), (-slope if s > 0.0 else slope)
 
 
-@pit_response_gradient.register(PiecewisePulse)
-def _pit_response_gradient_piecewise(excitation, group, s, R):
+@defect_response_gradient.register(PiecewisePulse)
+def _defect_response_gradient_piecewise(excitation, group, s, R):
     x = group[GROUP_HALF_WIDTH] - abs(s)
     if x <= 0.0 or x > group[X_E]:
         return 0.0, 0.0
@@ -192,48 +193,50 @@ def _pit_response_gradient_piecewise(excitation, group, s, R):
 
 
 @response_groups.register(PiecewisePulse)
-def _response_groups_piecewise(excitation, pit, rows, R):
-    floors = [sqrt(2.0 * R * row[DEPTH]) if isinstance(pit, Rectangular) else NO_WALL for row in rows]
+def _response_groups_piecewise(excitation, defect, rows, R):
+    floors = [sqrt(2.0 * R * row[DEPTH]) if isinstance(defect, Rectangular) else NO_WALL for row in rows]
     return [
         (w, b, min(b, floor), 0.0, sag) for (w, b, _, _, sag), floor in zip(pulses(rows, R), floors, strict=True)
     ]
 
 
 class ClearanceIncrease(NamedTuple):
-    """Over the pit the clearance is larger by the pit's depth: h = depth inside, 0 outside, whatever the width.
+    """Over the defect the clearance is larger by the defect's depth: h = depth inside, 0 outside, whatever the
+    width.
 
     After Arslan and Akturk 2008, and Patel, Tandon and Pandey 2010, who take the defect's depth off the contact's
-    deformation. Left out: the size of the roller, which keeps it from the floor of a narrow pit. No rate, as for
-    ``RectangularPulse``. The depth of a V is taken over its whole width, that of a bowl in each group.
+    deformation. Left out: the size of the roller, which keeps it from the floor of a narrow defect. No rate, as
+    for ``RectangularPulse``. The depth of a V is taken over its whole width, that of a bowl in each group.
     """
 
 
-@pit_response.register(ClearanceIncrease)
-def _pit_response_clearance(excitation, group, s, R):
+@defect_response.register(ClearanceIncrease)
+def _defect_response_clearance(excitation, group, s, R):
     return 1.0, (group[DEPTH] if abs(s) < group[GROUP_HALF_WIDTH] else 0.0), 0.0
 
 
-@pit_response_gradient.register(ClearanceIncrease)
-def _pit_response_gradient_clearance(excitation, group, s, R):
+@defect_response_gradient.register(ClearanceIncrease)
+def _defect_response_gradient_clearance(excitation, group, s, R):
     return 0.0, 0.0
 
 
 @response_groups.register(ClearanceIncrease)
-def _response_groups_clearance(excitation, pit, rows, R):
+def _response_groups_clearance(excitation, defect, rows, R):
     return [(row[GROUP_WEIGHT], row[GROUP_HALF_WIDTH], NO_WALL, 0.0, row[DEPTH]) for row in rows]
 
 
 class PressureShare(NamedTuple):
-    """The part of the contact's pressure that would lie over the pit is lost until the approach exceeds its depth.
+    """The part of the contact's pressure that would lie over the defect is lost until the approach exceeds its
+    depth.
 
     After Ashtekar, Sadeghi and Stacke 2008, whose force over a dent follows from its size within the contact. With
-    the semi-elliptic pressure of half width b (m) centred at s, the part over the pit is
+    the semi-elliptic pressure of half width b (m) centred at s, the part over the defect is
 
         rho = P((w/2 - s)/b) - P((-w/2 - s)/b),    P(x) = 1/2 + (arcsin x + x sqrt(1 - x^2))/pi,   |x| <= 1
 
     and the contact is two groups: the share 1 - rho at h = 0, the share rho at h = depth. b is constant, that of
     the largest healthy load (``hertz_half_width``). Left out: the pressure that moves to the dent's rims, and that
-    b grows with the load. For dents narrower than the contact, 2 b: over a wider pit (and most are: b is some
+    b grows with the load. For dents narrower than the contact, 2 b: over a wider defect (and most are: b is some
     18 um at 47 N) the roller falls as a point would, onto the floor.
     """
 
@@ -256,8 +259,8 @@ def pressure_before(x):
     return 0.5 + (asin(x) + x * sqrt(1.0 - x * x)) / pi
 
 
-@pit_response.register(PressureShare)
-def _pit_response_pressure_share(excitation, group, s, R):
+@defect_response.register(PressureShare)
+def _defect_response_pressure_share(excitation, group, s, R):
     half_width, b = group[GROUP_HALF_WIDTH] - excitation.b, excitation.b
     rho = pressure_before((half_width - s) / b) - pressure_before((-half_width - s) / b)
     if group[KAPPA] == UNLOADED:
@@ -271,8 +274,8 @@ def pressure_at(x):
     return 2.0 / pi * sqrt(max(1.0 - x * x, 0.0))
 
 
-@pit_response_gradient.register(PressureShare)
-def _pit_response_gradient_pressure_share(excitation, group, s, R):
+@defect_response_gradient.register(PressureShare)
+def _defect_response_gradient_pressure_share(excitation, group, s, R):
     half_width, b = group[GROUP_HALF_WIDTH] - excitation.b, excitation.b
     ahead, behind = (half_width - s) / b, (-half_width - s) / b
     rho_slope = (pressure_at(behind) - pressure_at(ahead)) / b
@@ -280,7 +283,7 @@ def _pit_response_gradient_pressure_share(excitation, group, s, R):
 
 
 @response_groups.register(PressureShare)
-def _response_groups_pressure_share(excitation, pit, rows, R):
+def _response_groups_pressure_share(excitation, defect, rows, R):
     response = []
     for row in rows:
         if row[DEPTH] == 0.0:
@@ -301,29 +304,30 @@ class SoftEdge(NamedTuple):
     slip and traction (those are the model's business: ``planar``). 0.65 is the middle of 0.6 to 0.7, what a
     half-space solution gives for one sharp edge alone. Full stiffness returns on the floor and on a wall. Left
     out: the passage from race to edge within half a contact's width, so the force jumps at the rim; and in the
-    middle of a narrow pit, where two edges carry, the stiffness is that of one.
+    middle of a narrow defect, where two edges carry, the stiffness is that of one.
     """
 
     kept: float = 0.65
 
 
-@pit_response.register(SoftEdge)
-def _pit_response_soft_edge(excitation, group, s, R):
+@defect_response.register(SoftEdge)
+def _defect_response_soft_edge(excitation, group, s, R):
     h, slope = roller_drop(group, s, R)
     x = group[GROUP_HALF_WIDTH] - abs(s)
     on_rim = 0.0 < x <= group[X_E] and h < group[DEPTH]
     return (excitation.kept if on_rim else 1.0), h, slope
 
 
-@pit_response_gradient.register(SoftEdge)
-def _pit_response_gradient_soft_edge(excitation, group, s, R):
+@defect_response_gradient.register(SoftEdge)
+def _defect_response_gradient_soft_edge(excitation, group, s, R):
     return 0.0, roller_drop_curvature(group, s, R)
 
 
 @response_groups.register(SoftEdge)
-def _response_groups_soft_edge(excitation, pit, rows, R):
+def _response_groups_soft_edge(excitation, defect, rows, R):
     return rows
 
 
 STEP_EXCITATIONS = (RectangularPulse, ClearanceIncrease, PressureShare)
-"""Excitations under which a pit ends in a step, or nearly: a roller with mass is then deep in the race at once."""
+"""Excitations under which a defect ends in a step, or nearly: a roller with mass is then deep in the race at
+once."""

@@ -1,7 +1,9 @@
-"""Roller-pit pairs: which roller stands over which pit, and how the pits of a case are packed for compiled code.
+"""Roller-defect pairs: which roller stands over which defect, and how the defects of a case are packed for
+compiled code.
 
-A pit of a race makes one pair, with the rollers' contacts on that race. A pit of a roller makes two, one with each
-race. ``head`` holds what a pair is, ``groups`` the path over it (``pits/closed_forms.py``, ``pits/traced.py``).
+A defect of a race makes one pair, with the rollers' contacts on that race. A defect of a roller makes two, one
+with each race. ``head`` holds what a pair is, ``groups`` the path over it (``defects/closed_forms.py``,
+``defects/traced.py``).
 """
 
 from collections.abc import Sequence
@@ -18,18 +20,19 @@ GROUP_WEIGHT, GROUP_HALF_WIDTH, X_E, KAPPA, DEPTH = range(5)  # columns of a gro
 GROUP = 5
 
 OUTER, INNER = 0, 1  # sides of a roller, on which it touches a race
-ON_OUTER, ON_INNER = -1, -2  # what carries a pit, if no roller
+ON_OUTER, ON_INNER = -1, -2  # what carries a defect, if no roller
 
 
-class RollerPitPair(NamedTuple):
-    """A pit as one contact meets it. A pit of a race is met on that race's side, a roller's pit on both.
+class RollerDefectPair(NamedTuple):
+    """A defect as one contact meets it. A defect of a race is met on that race's side, a roller's defect on both.
 
     side: OUTER or INNER; carrier: ON_OUTER, ON_INNER, or the number of the roller that carries it; angle: rad from
     the load line (on the inner race at t = 0), or from the roller's outermost point at t = 0; radius: of the
     surface that carries it (m); R: reduced radius of roller and race (m); groups: rows (w, b, x_e, kappa, depth);
-    paths: of a traced pit, one for each group (``pack_pits/traced.py``); cusp: place (m) of the sharpest cusp;
-    span: the shortest way (m) over the pit or a part of it, 0 if from rim to rim; jumps: places (m) where the
-    force or its damping part jumps (``pack_pits/jumps.py``).
+    paths: of a traced defect, one for each group (``pack_defects/traced.py``); cusp: place (m) of the sharpest
+    cusp;
+    span: the shortest way (m) over the defect or a part of it, 0 if from rim to rim; jumps: places (m) where the
+    force or its damping part jumps (``pack_defects/jumps.py``).
     """
 
     side: int
@@ -45,21 +48,23 @@ class RollerPitPair(NamedTuple):
 
     @property
     def half_width(self) -> float:
-        """The distance (m) from the middle beyond which no group feels the pit."""
+        """The distance (m) from the middle beyond which no group feels the defect."""
         return float(max(row[GROUP_HALF_WIDTH] for row in self.groups))
 
 
-# columns of a roller-pit pair's head
+# columns of a roller-defect pair's head
 SIDE, CARRIER, ANGLE, RADIUS, REDUCED_RADIUS, HALF_WIDTH, GROUP_COUNT, CUSP, SPAN, JUMP_COUNT = range(10)
 FIRST_JUMP = 10
 
 
-class Pits(NamedTuple):
-    """All roller-pit pairs, packed in few arrays: each one that a function is handed costs it reference counting.
+class Defects(NamedTuple):
+    """All roller-defect pairs, packed in few arrays: each one that a function is handed costs it reference
+    counting.
 
-    head: (D, 10 + most jumps) as in ``RollerPitPair``, then half_width (m), beyond which no roller feels the pit,
-    used, its number of groups, cusp (m), span (m), the number of jumps and their places (m); groups: (D, K, 5),
-    padded with rows of weight zero; excitation: what a roller feels of a pit (``pack_pits/excitations.py``).
+    head: (D, 10 + most jumps) as in ``RollerDefectPair``, then half_width (m), beyond which no roller feels the
+    defect, used, its number of groups, cusp (m), span (m), the number of jumps and their places (m); groups: (D,
+    K, 5), padded with rows of weight zero; excitation: what a roller feels of a defect
+    (``pack_defects/excitations.py``).
     """
 
     head: np.ndarray
@@ -67,8 +72,8 @@ class Pits(NamedTuple):
     excitation: Any
 
 
-def pack_pits(pairs: Sequence[RollerPitPair], excitation: Any, most: int = 1) -> Pits:
-    """Pack the roller-pit pairs into the arrays the core reads, with room for ``most`` groups each or more."""
+def pack_defects(pairs: Sequence[RollerDefectPair], excitation: Any, most: int = 1) -> Defects:
+    """Pack the roller-defect pairs into the arrays the core reads, with room for ``most`` groups each or more."""
     deepest = max([most, *(len(pair.groups) for pair in pairs)])
     groups = np.zeros((len(pairs), deepest, GROUP))
     for row, pair in zip(groups, pairs, strict=True):
@@ -90,7 +95,7 @@ def pack_pits(pairs: Sequence[RollerPitPair], excitation: Any, most: int = 1) ->
             len(pair.jumps),
         )
         row[FIRST_JUMP : FIRST_JUMP + len(pair.jumps)] = pair.jumps
-    return Pits(head, groups, excitation)
+    return Defects(head, groups, excitation)
 
 
 def outer_reduced_radius(R_w: float, R_o: float) -> float:

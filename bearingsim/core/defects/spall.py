@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.pits.depth import ROUGH, cuts, extent, section
-from bearingsim.core.pits.profile import RACE, Profile, deepest, quadratic
+from bearingsim.core.defects.depth import ROUGH, cuts, extent, section
+from bearingsim.core.defects.profile import RACE, Profile, deepest, quadratic
 
 BOWLS = 32
 SIZES, DEPTHS = (0.6, 1.2), (0.5, 1.0)

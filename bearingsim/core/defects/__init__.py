@@ -1,0 +1,1 @@
+"""Defects: their shape, the path of a roller over them, and where its force jumps."""

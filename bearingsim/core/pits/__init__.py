@@ -1,1 +1,0 @@
-"""Pits: their shape, the path of a roller over them, and where its force jumps."""
