@@ -83,10 +83,10 @@ stability: install
 studies: $(FIGURES)
 
 test: install-dev
-	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest --numprocesses auto --max-worker-restart 0 --dist loadfile --no-loadscope-reorder
 
 test-quick: install-dev
-	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -m "not slow"
+	$(BIN)/python -m pytest --numprocesses auto --max-worker-restart 0 --dist loadfile --no-loadscope-reorder -m "not slow"
 
 # the fast tests on each supported Python, in an environment of its own
 test-versions: install-dev
