@@ -157,7 +157,7 @@ class NoSamples(NamedTuple):
 
 
 class Samples(NamedTuple):
-    """Instants at which the state is recorded as an adaptive method knows it there, between its steps.
+    """Instants at which the state is recorded by dense output, between the steps of an adaptive method.
 
     first: s, the time of number 0; rate: 1/s; out: (C, n) what is recorded.
     """

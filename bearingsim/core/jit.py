@@ -63,12 +63,12 @@ def source_digest() -> str:
 def cache_folder() -> Path | None:
     """Choose the cache of compiled code: ``$BEARINGSIM_CACHE``, else the user's cache, else the temporary folder.
 
-    What is kept is run, so nobody else may write there. Of the first place where others can, one line to stderr
-    says so, and the processes that this one starts take the place found instead. None if there is none.
+    Stored code is executed, so only the user may write there. Of the first place where others can, one line to
+    stderr says so, and the processes that this one starts take the place found instead. None if there is none.
     """
     digest, why = source_digest(), ""
     for place in (chosen_folder, temporary_folder, passing_folder):
-        with suppress(RuntimeError):  # nobody's home
+        with suppress(RuntimeError):  # no home folder
             try:
                 folder = own_folder(place(), "bearingsim", digest)
             except OSError as error:  # no such place, or others can write there
@@ -173,7 +173,7 @@ def kept_safely(dispatcher: Any) -> Any:
 @contextmanager
 def heard(begins: Callable[[], None], ends: Callable[[], None]) -> Iterator[None]:
     """Call ``begins`` when something is compiled, not loaded from the cache, and ``ends`` when that is done."""
-    depth = 0  # what is called is compiled meanwhile
+    depth = 0  # callees are compiled during the compilation of their caller
 
     class Compilation(event.Listener):
         def on_start(self, _: event.Event) -> None:

@@ -1,21 +1,21 @@
 """Layout of the one flat buffer that a simulation works on: every row declared once, with unit, owners and
 lifetime.
 
-A loop over rollers keeps its vector lanes only if the compiler can see that rows do not overlap and that no
-index is negative; it sees both when all rows lie in one buffer at constant offsets and loops count from zero
+A loop over rollers keeps its vector lanes only if the compiler can prove that rows do not overlap and that no
+index is negative. It can when all rows lie in one buffer at constant offsets and loops count from zero
 (with separate arrays the run-time overlap checks cost as much as the work; a loop from 8 stays scalar). A row
 holds the shared coordinates (ring, cage, inner ring), then one lane per roller, padded to the vector width.
 Padded lanes have cos = sin = 0 and an inverse mass of 0: they compute, and change nothing.
 
 A state (positions, velocities, accelerations) is a block of six rows, one for each coordinate of a roller:
 radial, angle, spin, axial, and two components of its axis. The shared coordinates stand before the lanes: those of
-the plane in the first row, those that only ``spatial`` knows in the last three. Models that know less use less.
+the plane in the first row, those of ``spatial`` in the last three. Simpler models use fewer.
 
 Behind everything else, and only in a buffer made for slices, lie the rows of ``spatial``: those of a roller, of
 each of its two sides, and of each slice (``slice_row``).
 
 The names of rows are offsets: ``y[lay.RADIAL + j]`` is roller j's radial position, ``y[lay.POSITION + lay.X]`` the
-ring's, with ``from bearingsim.core import layout as lay``. ``rows.py`` says what a declaration holds and refuses
+ring's, with ``from bearingsim.core import layout as lay``. ``rows.py`` describes declarations and refuses
 overlaps; ``free_rows`` lists the rows that a model may still declare. The owners:
 
 ``all``          every model and method
@@ -155,8 +155,8 @@ STAGE, STAGE_STATES = JACOBIAN_WORK + JACOBIAN_WORK_ROWS * ROW, 56
 
 # cells of a run: rollers that carry load
 (LOADED_ROLLERS,) = cells(STAGE + STAGE_STATES * STATE, "1", "all", "run")
-# of a method: the step it stands in, from and to, the length it will try next; why it cannot go on
-# (``core/outcomes.py``; 0 while it can) and the body concerned; steps taken and refused, evaluations of the model,
+# of a method: start and end of the current step, length of the next attempt; reason of a failure
+# (``core/outcomes.py``; 0: none) and the body concerned; steps taken and refused, evaluations of the model,
 # Newton iterations; crossings of defects seen
 T_START, T_END, H_NEXT, FAILED, FAILED_BODY = cells(LOADED_ROLLERS + 1, "s, s, s, 1, 1", "all", "run")
 STEPS_TAKEN, STEPS_REJECTED, EVALUATIONS, NEWTON_ITERATIONS, DEFECT_CROSSINGS = cells(
@@ -167,7 +167,7 @@ NEXT_STOP, H_TAKEN, LAST_ERROR, DENSE_READY = cells(LOADED_ROLLERS + 11, "s, s, 
 (CPU_END,) = cells(
     LOADED_ROLLERS + 15, "s", "all", "run"
 )  # CPU time at which compiled loops end, 0: never (``clock.py``)
-# of each of the first defects' roller-defect pairs: 1 + the number of the roller that stands in it, 0: none;
+# of each of the first defects' roller-defect pairs: 1 + the number of the roller in it, 0: none;
 # rollers seen in it. Part of the method's step limit that each monitored body takes up. Larger approach of each
 # roller to an undamaged race, for the monitor
 ROLLER_IN_DEFECT, PAIR_CROSSINGS, STEP_RATIO, APPROACH_NOW = whole_rows(
@@ -176,8 +176,8 @@ ROLLER_IN_DEFECT, PAIR_CROSSINGS, STEP_RATIO, APPROACH_NOW = whole_rows(
 # forces Q_O, Q_I, |Q_P| at the start and at the end of an adaptive method's step
 FORCES_AT_START, FORCES_AT_END = whole_rows(APPROACH_NOW + ROW, "N", "adaptive", "step", count=6)[::3]
 
-# a matrix of the arrow's shape (``methods/arrow.py``): rows of the rollers' own blocks, of what the border does to
-# a roller, of what a roller does to the border; cells of the border's own block
+# a matrix of the arrow's shape (``methods/arrow.py``): rows of the rollers' own blocks, of the border's effect on
+# a roller, of a roller's effect on the border; cells of the border's own block
 MAX_OWN, MAX_SHARED = 6, 17  # coordinates of a roller, and shared ones
 DIAGONAL_BLOCK, BORDER_COLUMN, BORDER_ROW = 0, MAX_OWN * MAX_OWN * ROW, MAX_OWN * (MAX_OWN + MAX_SHARED) * ROW
 CORNER_BLOCK = MAX_OWN * (MAX_OWN + 2 * MAX_SHARED) * ROW

@@ -63,14 +63,15 @@ if FOUND:
     JITCodeLibrary._finalize_specific = signals_held()(JITCodeLibrary._finalize_specific)  # type: ignore[method-assign]
 
     class LinkedLibrary(JITCodeLibrary):
-        """Optimised code that callers link, and nobody runs."""
+        """Optimised code for linking into callers, without machine code of its own."""
 
         def _finalize_final_module(self) -> None:
             self._finalize_dynamic_globals()
             self._finalized = True
 
     class Compiler(compiler.Compiler):
-        """Compiles what Python calls as numba does, and what is compiled meanwhile into a ``LinkedLibrary``."""
+        """Compiler that gives machine code to functions called from Python only, and a ``LinkedLibrary`` to
+        their callees."""
 
         depth = 0  # of compilations in each other; numba compiles in one thread at a time
 
@@ -116,7 +117,7 @@ def is_linked(compiled: Any) -> bool:
 
 
 def ready_when_called(dispatcher: Any) -> Any:
-    """Let a function that Python calls be compiled anew, whole, if only callers know it so far."""
+    """Compile a function completely once Python calls it, if so far it was compiled for callers only."""
     if not FOUND:
         return dispatcher
     add_overload, compile_for = dispatcher.add_overload, dispatcher.compile

@@ -16,7 +16,7 @@ class Bearing(NamedTuple):
     R_w: float  # roller radius, m
     R_o: float  # outer race radius, m
     R_i: float  # inner race radius, m
-    gap: float  # a quarter of the diametral radial clearance, m: what each contact of a centred roller lacks
+    gap: float  # a quarter of the diametral radial clearance, m: gap at each contact of a centred roller
     m_r: float  # roller mass, kg
     I_r: float  # roller's moment of inertia about its axis, kg m^2
     m_o: float  # outer ring mass, kg

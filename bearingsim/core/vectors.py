@@ -1,9 +1,9 @@
 """Sums of eight lanes at once, in vector registers.
 
 numba's compiler makes vectors of a loop over lanes, but not of a sum over harmonics (or rollers) for each lane:
-the lanes would have to stay in registers while the loop runs. So that loop is written in the compiler's own
-words. Eight doubles are one register of AVX-512, two of AVX2, four of SSE2 or NEON: the order of each sum, and so
-its bits, are the same.
+the lanes would have to stay in registers while the loop runs. So the loop is written in LLVM IR
+(numba intrinsics). Eight doubles are one register of AVX-512, two of AVX2, four of SSE2 or NEON: the order of each
+sum, and so its bits, are the same.
 """
 
 from typing import Any
@@ -81,7 +81,7 @@ def sum_rollers(tables: np.ndarray, row: int, y: np.ndarray, lane: int, to: tupl
         y[place : place + VECTOR_WIDTH] = y[row : row + n] @ table[:, lanes]
 
 
-# What numba compiles in their stead
+# Their compiled implementations
 
 
 @intrinsic

@@ -1,7 +1,7 @@
 """The path of a roller over a box, a V groove or a parabolic bowl: closed forms, group by group.
 
-A roller is round and cannot follow a narrow defect: its centre moves along the envelope of the roller over the
-profile p(t) of the defect,
+A roller is round and cannot follow a narrow defect: its centre moves along the roller path, the envelope of the
+roller over the profile p(t) of the defect,
 
     h(s) = min over t of [ p(t) + (t - s)^2 / (2 R) ],
 

@@ -1,7 +1,7 @@
 """Contact of a roller over a defect with elastic edges: softer than the race, and smooth where two of them carry.
 
-The envelope's single point presses a smooth half-plane. On an edge the contact is narrower, and behind it the
-race's material is missing. Both add to the approach; in units of Q'/(pi E*), that on the race being Lambda,
+The roller path assumes one contact point on a smooth half-plane. On an edge the contact is narrower, and behind it
+the race's material is missing. Both add to the approach; in units of Q'/(pi E*), that on the race being Lambda,
 
     delta - h = Q'/(pi E*) (Lambda + f)       Lambda = 2 ln(2 D/b) + 1
 
@@ -26,12 +26,12 @@ from bearingsim.core.laws.stiffness.ten_ninths import ninth_root
 
 # fitted to finite elements: weight of the wall's height, and of the edge's radius
 HEIGHT_WEIGHT, RADIUS_WEIGHT = 0.42, 0.7
-INFLUENCE_HEIGHTS = 2.0  # wall heights before the rim from where the missing material is felt
-VERTICAL_WALL = -1.0  # in column KAPPA: the walls stand upright, and are never met
+INFLUENCE_HEIGHTS = 2.0  # wall heights before the rim at which the missing material begins to count
+VERTICAL_WALL = -1.0  # in column KAPPA: vertical walls, which the roller never touches
 
 
 class EdgeContact(NamedTuple):
-    """The envelope, with the elastic edges of the defect.
+    """The roller path, with elastic edges of the defect.
 
     load: Q'/(pi E*) (m) at the reference load, E* = E/(2 (1 - nu^2)) of two bodies; D: m, how far from the contact
     the bodies do not move, 2 sqrt(R_w R_o)/e for a roller in its race; rho: m, radius of the defect's edges, > 0

@@ -11,8 +11,8 @@ B, the half width (m) beyond which nothing is felt. The slope is nowhere more th
 estimates of impact speed use that.
 
 Several of the published forms take the race as flat and let a ball sink by R_w - sqrt(R_w^2 - w^2/4). Here all use
-the radius R relative to the race, as the envelope does: for an NF308's outer race that is 15 % less, and the forms
-then differ in nothing but their course. docs/excitations.md compares them.
+the radius R relative to the race, as the roller path does: for an NF308's outer race that is 15 % less, and the
+forms then differ in nothing but their course. docs/excitations.md compares them.
 """
 
 from math import asin, cos, pi, sin, sqrt
@@ -134,8 +134,8 @@ class HalfSinePulse(NamedTuple):
     """h = H sin(pi (s/w + 1/2)) inside the defect, H the drop as for ``RectangularPulse``.
 
     After the half-sine displacement excitation of the ball models (among them Liu, Shao and Lim 2012, for a ball
-    larger than the defect). Smooth where the envelope of a narrow defect has its cusp, with 6/pi times its area;
-    the slope jumps at the rims. Left out: the geometry of roller and rim, which gives parabolas.
+    larger than the defect). Smooth where the roller path over a narrow defect has its cusp, with 6/pi times its
+    area; the slope jumps at the rims. Left out: the geometry of roller and rim, which gives parabolas.
     """
 
 
@@ -298,7 +298,7 @@ def _response_groups_pressure_share(excitation, defect, rows, R):
 
 
 class SoftEdge(NamedTuple):
-    """The envelope, with only ``kept`` (1) of the contact's stiffness while the roller hangs on a rim.
+    """The roller path, with only ``kept`` (1) of the contact's stiffness while the roller hangs on a rim.
 
     After Niu, Cao, He and Li 2014 and 2015, whose ball of finite size is held less stiffly in the defect, with
     slip and traction (those are the model's business: ``planar``). 0.65 is the middle of 0.6 to 0.7, what a

@@ -7,8 +7,8 @@ and the ring is pushed against e_r, at s from the defect's middle by the force P
 
     (1 - kappa) P = 1 - sum_g w_g max(1 - h_g(s)/delta + kappa P/n, 0)^n,      J = q(phi)/v integral of P ds
 
-h_g: envelope of the defect's group g; delta(phi): approach of both contacts of the roller together; v: speed at
-which the contact runs over the defect; kappa = k (cos^2 phi/K_x + sin^2 phi/K_y): the roller's part, k = n
+h_g: roller path over the defect's group g; delta(phi): approach of both contacts of the roller together; v: speed
+at which the contact runs over the defect; kappa = k (cos^2 phi/K_x + sin^2 phi/K_y): the roller's part, k = n
 q/delta, in the ring's stiffness. The terms in kappa take that part back while the roller carries nothing (with K_x
 = K_y = inf they vanish). Wholly unloaded P = 1/(1 - kappa), 1.45 for an NF308 without clearance. A defect as long
 as the roller, much wider than sqrt(2 R delta) and deeper than delta, gives J = P q w/v, P q for the time of

@@ -1,4 +1,4 @@
-"""When the force on a roller jumps next: at the cusp of an envelope, or where a pulse begins or ends.
+"""When the force on a roller jumps next: at the cusp of a roller path, or where a pulse begins or ends.
 
 At a cusp the slope of a roller's path falls, so its closing rate and with it the damping force jump; under a
 pulse the approach itself jumps. A step that looks across loses its order there, so adaptive methods stop on these

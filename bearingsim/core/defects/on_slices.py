@@ -23,7 +23,7 @@ from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.geometry.slices import ZETA
 from bearingsim.core.jit import jit
 
-# in row DEFECT_REACH: a defect reaches the roller; and is felt by the slice at hand
+# in row DEFECT_REACH: a defect reaches the roller; it acts on the current slice
 ROLLER_REACHED, SLICE_REACHED = 1.0, 2.0
 
 
@@ -80,7 +80,7 @@ def mark_rollers_at_defects(model, t, b_z_outer, b_z_inner, y):
 
 @jit
 def clear_defect_response(model, y):
-    """Empty what the slice at hand feels of defects."""
+    """Clear the response of the current slice."""
     for side in (lay.OUTER_SIDE, lay.INNER_SIDE):
         for j in range(model.bearing.Z):
             if y[side + lay.DEFECT_REACH + j] > 0.0:

@@ -20,7 +20,7 @@ GROUP_WEIGHT, GROUP_HALF_WIDTH, X_E, KAPPA, DEPTH = range(5)  # columns of a gro
 GROUP = 5
 
 OUTER, INNER = 0, 1  # sides of a roller, on which it touches a race
-ON_OUTER, ON_INNER = -1, -2  # what carries a defect, if no roller
+ON_OUTER, ON_INNER = -1, -2  # carrier of a defect on a ring
 
 
 class RollerDefectPair(NamedTuple):
@@ -29,10 +29,10 @@ class RollerDefectPair(NamedTuple):
     side: OUTER or INNER; carrier: ON_OUTER, ON_INNER, or the number of the roller that carries it; angle: rad from
     the load line (on the inner race at t = 0), or from the roller's outermost point at t = 0; radius: of the
     surface that carries it (m); R: reduced radius of roller and race (m); groups: rows (w, b, x_e, kappa, depth);
-    paths: of a traced defect, one for each group (``pack_defects/traced.py``); cusp: place (m) of the sharpest
+    paths: of a traced defect, one for each group (``defects/traced.py``); cusp: place (m) of the sharpest
     cusp;
     span: the shortest way (m) over the defect or a part of it, 0 if from rim to rim; jumps: places (m) where the
-    force or its damping part jumps (``pack_defects/jumps.py``).
+    force or its damping part jumps (``defects/jumps.py``).
     """
 
     side: int
@@ -48,7 +48,7 @@ class RollerDefectPair(NamedTuple):
 
     @property
     def half_width(self) -> float:
-        """The distance (m) from the middle beyond which no group feels the defect."""
+        """Distance (m) from the middle beyond which the defect acts on no group."""
         return float(max(row[GROUP_HALF_WIDTH] for row in self.groups))
 
 
@@ -63,8 +63,8 @@ class Defects(NamedTuple):
 
     head: (D, 10 + most jumps) as in ``RollerDefectPair``, then half_width (m), beyond which no roller feels the
     defect, used, its number of groups, cusp (m), span (m), the number of jumps and their places (m); groups: (D,
-    K, 5), padded with rows of weight zero; excitation: what a roller feels of a defect
-    (``pack_defects/excitations.py``).
+    K, 5), padded with rows of weight zero; excitation: response of a roller to a defect
+    (``defects/excitations.py``).
     """
 
     head: np.ndarray

@@ -90,7 +90,8 @@ def sliced(defect: Any, R: float, zetas: Sequence[float] | np.ndarray) -> tuple[
 
 
 def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) -> float:
-    """Return the place (m) of the cusp that the most of a roller feels the most of; 0 if there is none."""
+    """Return the place (m) of the cusp with the largest product of fall and share of the roller; 0 if there is
+    none."""
     cusps = [(cusp(path), row[0]) for row, path in zip(groups, paths, strict=True) if len(path.pieces)]
     place, fall = 0.0, 0.0
     for (where, falls), weight in cusps:

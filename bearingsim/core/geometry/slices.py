@@ -14,7 +14,7 @@ import numpy as np
 
 ZETA, WEIGHT, DROP = range(3)  # columns of a slice
 MAX_SLICES = 64
-DEFECT_DENSITY = 3.0  # how many times as dense slices lie where a defect is
+DEFECT_DENSITY = 3.0  # density of slices over a defect relative to elsewhere
 
 
 class Slices(NamedTuple):

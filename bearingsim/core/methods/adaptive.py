@@ -37,22 +37,22 @@ from bearingsim.core.models.interface import (
 from bearingsim.core.outcomes import STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS, TOO_SLOW
 from bearingsim.core.parameters import lanes
 
-ADAPTIVE = "adaptive tableau rodas backward-euler generalized-alpha"  # owners of what every adaptive method keeps
+ADAPTIVE = "adaptive tableau rodas backward-euler generalized-alpha"  # owners of the rows of every adaptive method
 # states at the start and at the end of a step
 START_Q, START_V, START_A, END_Q, END_V, END_A = lay.states(lay.STAGE, "m, m/s, m/s^2", ADAPTIVE, "step", count=2)
 METHOD_STATES = lay.STAGE + 6 * lay.STATE  # 49 blocks that each method declares for itself
 # length (m) per unit of each coordinate; 0 of entries that are no coordinates
 (LENGTH_SCALE,) = lay.states(lay.STAGE + 55 * lay.STATE, "1", ADAPTIVE, "run")
 
-SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 5.0  # by how much a step may change
-SMALL_ERROR = 1e-4  # a smaller one tells the controller nothing
+SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 5.0  # bounds of the change of a step (1)
+SMALL_ERROR = 1e-4  # error over tolerance; a smaller one is rounding to the controller
 MIN_STEP = 1e-15  # s: steps below it, or below some roundings of the time, are none
 TIME_ROUNDING = 8 * 2.0**-52
-JUMP_STEP = 1e-13  # s: where in so short a step a force jumps is of no account to methods that damp what it leaves
-JUMP_GAP = 1e-12  # s: so far on either side of a jump a step ends, or begins
+JUMP_STEP = 1e-13  # s: in steps shorter than this an L-stable method need not locate the jump
+JUMP_GAP = 1e-12  # s: distance from a jump at which a step ends or begins
 MAX_ATTEMPTS = 100_000  # steps between two recorded instants
 ATTEMPTS_A_LOOK = 64  # steps between two looks at the clock
-TIME_TOLERANCE = 1e-9  # part of the time between recorded instants: so near to one, a step's end is it
+TIME_TOLERANCE = 1e-9  # part of the recording interval within which a step's end counts as the instant
 
 
 @generic

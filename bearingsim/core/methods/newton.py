@@ -25,8 +25,8 @@ BASE_Q, BASE_V, OFFSET, UNKNOWN, NEWTON_STEP, RESIDUAL = lay.states(
 SPARE = RESIDUAL + lay.STATE  # first block that an implicit method may declare for itself
 
 MAX_ITERATIONS = 15
-STEP_TOLERANCE = 1e-2  # of the tolerance: a Newton step so short is the last one, and is taken
-ROUNDING = 1e-12  # of a position, and of what x moves: what rounding leaves uncertain, and some more
+STEP_TOLERANCE = 1e-2  # of the tolerance: a Newton step shorter than this is the last
+ROUNDING = 1e-12  # of positions and their changes: bound of rounding errors, with a margin
 
 
 class Equation(NamedTuple):

@@ -47,7 +47,7 @@ def rows_of(tableau: Tableau, begin: int, end: int) -> tuple[Row, ...]:
 
 
 def weights(values: np.ndarray) -> tuple[float, ...]:
-    """Return weights (n,) as a tuple, whose length the compiler knows."""
+    """Return weights (n,) as a tuple, so that its length is a constant for the compiler."""
     return tuple(float(value) for value in values)
 
 

@@ -1,4 +1,4 @@
-"""By which arm (m) an angle is felt: metres per unit of each coordinate, 1 of those that are lengths."""
+"""Lever arms (m) of angles: metres per unit of each coordinate, 1 of lengths."""
 
 from bearingsim.core.jit import jit
 

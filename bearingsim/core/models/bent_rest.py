@@ -51,7 +51,8 @@ FROM, WAY, FORCE = declare(
 (PHI,) = declare(lay.PULL_C, "1", "bent-search", "start", size=2 * lay.ROW, step=0)
 MATRIX = lay.POSITION_JACOBIAN  # N/m, row by row; implicit methods have no bent ring
 LONGEST_STEP = 1e-4  # m
-UNSUPPORTED = 1e-8  # of a contact's stiffness: what keeps the step finite where a ring hangs on one roller
+# of a contact's stiffness: added so that the step stays finite where a ring hangs on one roller
+UNSUPPORTED = 1e-8
 
 
 @inlined

@@ -31,13 +31,13 @@ from bearingsim.core.parts.bending import Bending, NoSprings, Stiff, bend, bend_
 # of the outer contact, and a row on of the inner: the roller-defect pair in which it stands (-1: none), and its
 # distance from the defect's middle
 PAIR, _, DISTANCE, _ = lay.rows(lay.WORK + lay.ROW, "1, 1, m, m", "rest bent", "start")
-RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
+RESIDUAL = 1e-10  # of the load: residual of the search, well under the 1e-8 that a start may have
 MAX_STEPS = 200
 STEPS_A_LOOK = 16  # steps between two looks at the clock, and at the rounding
-ROUNDING = 1e-14  # of the largest contact force: what a net force cannot be brought below for sure
+ROUNDING = 1e-14  # of the largest contact force: rounding error of a net force
 LONGEST_STEP = 1e-5  # m
-LIGHT = 1e-8  # m: how far a roller that carries nothing may be pressed, to begin with
-REACH = 1e-6  # m: how far one is looked for further out, to begin with
+LIGHT = 1e-8  # m: first approach of an unloaded roller
+REACH = 1e-6  # m: first bracket outwards
 TINY = 1e-16  # m: ten nanonewtons in a contact, where the search halves; a Newton step ends far closer
 
 

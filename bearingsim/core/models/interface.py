@@ -82,8 +82,8 @@ def linearise(model: Any, t: float, y: np.ndarray) -> None:
     ``y``.
 
     The model's coordinates, but for each roller's angle, which counts absolutely (EPS plus the cage's PHI_C): so a
-    roller feels itself and the shared coordinates only. The rows that ``accelerations`` fills are those of this
-    state.
+    roller depends on its own and the shared coordinates only. The rows that ``accelerations`` fills are those of
+    this state.
     """
 
 

@@ -89,7 +89,7 @@ def write_roller_column(matrix, i, m_r, y, n):
 
 @jit
 def write_shared_column(matrix, m, low, high, m_r, y, n):
-    """Write it into the column of the shared coordinate ``m``, which ``low`` to before ``high`` feel."""
+    """Write it into the column of the shared coordinate ``m``, which acts on ``low`` to before ``high``."""
     for j in range(n):
         y[lay.border_column(matrix, RADIAL, m) + j] = y[lay.MOBILITY_R + j] * y[lay.D_FORCE_R + j]
     for j in range(n):

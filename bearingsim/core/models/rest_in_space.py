@@ -40,10 +40,10 @@ from bearingsim.core.models.still_in_space import (
     stiffen_rollers,
 )
 
-RESIDUAL = 1e-10  # of the load: well under the 1e-8 promised
+RESIDUAL = 1e-10  # of the load: residual of the search, well under the 1e-8 that a start may have
 MAX_STEPS = 100
 HALVINGS = 40  # of a step, at most
-STRICT, LOOSE = 0.1, 1e-3  # rollers are balanced to so much of RESIDUAL in the end, of the rings' before
+STRICT, LOOSE = 0.1, 1e-3  # tolerance of the rollers: of RESIDUAL at the end, of the rings' residual before
 LONGEST_STEP = 2e-5  # m, and of an angle times half a roller's length
 
 
@@ -194,7 +194,7 @@ def balance(arrays, model, t, y):
     for _ in range(MAX_STEPS):
         left = largest_force(s, arrays)
         wanted = max(LOOSE * left, STRICT * RESIDUAL * s.load)
-        if goal > wanted:  # what the rings feel is as wrong as the rollers are
+        if goal > wanted:  # the rings' residual is as inaccurate as the rollers'
             goal = wanted
             size = settle_on(model, t, y, s, arrays, goal, size)
         elif left <= RESIDUAL * s.load:

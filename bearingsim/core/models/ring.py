@@ -51,7 +51,7 @@ from bearingsim.core.models.interface import (
 from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, push_ring, turn_roller, turning
 from bearingsim.core.parameters import Bearing, Support, lanes
 
-# how a roller's force grows with its series' approach: N/m, N s/m
+# tangent stiffness and damping of a roller's two contacts in series
 K_RING, C_RING = lay.rows(lay.WORK + 5 * lay.ROW, "N/m, N s/m", "ring", "evaluation")
 
 
@@ -237,7 +237,7 @@ def slopes_over_defect_in_series(model, y, j):
         speed = 0.5 * passing_speed(defects, e, bearing)
         K, C = slopes_over_defect(model.inner, defects, e, along, speed, inner, half)
         return (1.0 - part) * K, 0.5 * C
-    falling = 0.0  # how the closing rate falls as the inner contact closes up
+    falling = 0.0  # derivative of the closing rate by the inner approach
     if e >= 0:
         speed, stiffness = passing_speed(defects, e, bearing), model.inner.stiffness
         half -= 0.5 * roller_drop_rate(stiffness, defects, e, along, speed, inner)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from bearingsim.core import layout as lay
 from bearingsim.core.defects.on_roller import roller_at_defect, roller_at_defect_evenly
 from bearingsim.core.defects.pairs import Defects
-from bearingsim.core.models import bent_rest  # noqa: F401  (registers how a bent ring comes to rest)
+from bearingsim.core.models import bent_rest  # noqa: F401  (registers the rest of a bent ring)
 from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import ModelKind, solved, state_width, update_extremes
 from bearingsim.core.parameters import Bearing, Support

@@ -27,10 +27,10 @@ from bearingsim.core.parts.mounts import mount_load, mount_rates
 from bearingsim.core.parts.races_in_space import side_loads
 from bearingsim.core.sums import sum_loads
 
-ADDED_STIFFNESS = 1e-3  # of a contact's stiffness, added to a roller's: one that touches nothing finds back
+ADDED_STIFFNESS = 1e-3  # of a contact's stiffness, added to a roller's so that one without contact returns
 CELLS = (lay.X, lay.Y, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y)
 """Coordinates of the rings: place and lean of the outer, axial place and lean of the inner."""
-RINGS, INNER = len(CELLS), 5  # how many, and the first of the inner ring
+RINGS, INNER = len(CELLS), 5  # number of cells, and the first of the inner ring
 
 
 class Room(NamedTuple):

@@ -57,7 +57,8 @@ class Bending(NamedTuple):
 
 
 # rows: number; stiffness of an amplitude (N/m), over its mass (1/s^2); damping over mass (1/s); 1/mass (1/kg) of
-# cosines and sines, 0 of what is none; the given load on them (N); cos and sin of n times the sensor's angle
+# cosines and sines, 0 of amplitudes that do not exist; the given load on them (N); cos and sin of n times the
+# sensor's angle
 N, K, K_M, C_M, PER_MASS_C, PER_MASS_S, LOAD_C, LOAD_S, SENSOR_C, SENSOR_S = range(10)
 
 
@@ -79,8 +80,8 @@ class Springs(NamedTuple):
     carrier: int
 
 
-# rows: cosine and sine of a spring's angle, its stiffness (N/m), damping (N s/m), how far it is pressed where the
-# ring stands in the middle of the carrier (m)
+# rows: cosine and sine of a spring's angle, its stiffness (N/m), damping (N s/m), its compression (m) with the
+# ring in the middle of the carrier
 COS_S, SIN_S, K_S, C_S, FIT = range(5)
 
 

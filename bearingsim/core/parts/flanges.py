@@ -86,7 +86,7 @@ def any_near_flange(side, flanges, model, ring, y, n):
         off += (y[lay.AXIAL + j] - ring.z) * ring.a_z
         a_r, a_t, a_z = y[base + lay.DIRECTION_R + j], y[base + lay.DIRECTION_T + j], y[base + lay.DIRECTION_Z + j]
         closest = abs(off) + reach * sqrt(a_r * a_r + a_t * a_t + a_z * a_z)
-        near = add(near, 0.0 if closest < play else 1.0)  # what is no number counts as near
+        near = add(near, 0.0 if closest < play else 1.0)  # NaN counts as near
     return near > 0.0
 
 

@@ -70,7 +70,7 @@ def accelerate_mounted_ring(
 ) -> float:
     """Write the ring's acceleration along the axis and that of its axis, under a force (N) and a moment (N m).
 
-    Returns the torque (N m) that the axis' motion takes up before the ring's angle feels the rest.
+    Returns the torque (N m) of the axis' motion; the rest acts on the ring's angle.
     """
 
 

@@ -295,8 +295,8 @@ def relax_friction(side, ring, y, n):
 def side_loads(side, bearing, ring, y, n):
     """Add the sums over slices to what acts on each roller, and fill its rows of what it does to the ring.
 
-    Force (N) and moment about the ring's centre (N m), both along e_0, e_90, e_z. What a roller feels, the ring
-    feels at the same points: minus the force, and minus its moment about the ring's centre.
+    Force (N) and moment about the ring's centre (N m), both along e_0, e_90, e_z. The ring carries the
+    reaction at the same points: minus the force, and minus its moment about the ring's centre.
     """
     base, middle = side_rows(side), 0.5 * (bearing.R_o + bearing.R_i)
     plane, space, turn = load_cells(side)

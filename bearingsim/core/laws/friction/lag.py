@@ -8,14 +8,14 @@ def implicit_fraction(t):
     """Return the part of a lag that is taken where slip would die out ``t`` times within it, t/(1 + t).
 
     Friction that is slow beside the lag hardly needs it: so its error is of second order in the lag, t^2. Slip
-    still dies out no faster than within the lag: at the rate t (1 + t)/(1 + t + t^2) of it.
+    still decays no faster than within the lag: at the rate t (1 + t)/(1 + t + t^2) of it.
     """
     return t / (1.0 + t)
 
 
 @jit
 def lagged(rate, lag):
-    """Return the rate (1/s) at which slip dies out with the lag (s), ``rate`` being that without."""
+    """Return the decay rate (1/s) of slip with the lag (s), ``rate`` being that without."""
     t = lag * rate
     return rate / (1.0 + implicit_fraction(t) * t)
 
@@ -27,7 +27,7 @@ def lagged_friction(k_o, k_i, s_o, s_i, a, b):
     k_o, k_i: friction over slip at either contact (N s/m); s_o, s_i: slip (m/s). A force F_o changes the slips at
     the rates -(1/m + R_w^2/I) F_o and -(1/m - R_w^2/I) F_o, crosswise F_i; a, b: these factors times the lag
     (s/kg), of which a part is ``implicit_fraction``. The new slips follow from forces k s with the new s, in
-    closed form. So slip never dies out faster than within the lag, however steep the friction's curve, and an
+    closed form. So slip never decays faster than within the lag, however steep the friction's curve, and an
     explicit step as long as the lag is stable; without lag the force is k s.
 
     Equation (P9) of docs/planar.md, the solution of (P8).

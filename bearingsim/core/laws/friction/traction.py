@@ -8,7 +8,7 @@ from bearingsim.core.jit import jit
 from bearingsim.core.laws.friction.cubic_step import cubic_step, cubic_step_slope
 from bearingsim.core.laws.friction.interface import mu, mu_slope, mu_slope_bound
 
-MIN_ROLLING_SPEED = 0.01  # m/s: below it, traction is what it is there; a film needs rolling
+MIN_ROLLING_SPEED = 0.01  # m/s: below it traction keeps its value; a film needs rolling
 JUMP_WIDTH = 1e-3  # slide-to-roll ratio over which a traction curve that jumps at zero slip is made to rise
 MAX_EXPONENT = 40.0  # e^-40 is less than rounding
 
