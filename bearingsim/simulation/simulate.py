@@ -15,6 +15,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.sampling import INTERPOLATION_REACH, interpolate, interpolation_kernel, sampling_kernel
 from bearingsim.errors import Refused
 from bearingsim.simulation import accuracy, channels, choice, record_windows, step_check, time_grid, trial
+from bearingsim.simulation.accuracy import StandardErrors
 from bearingsim.simulation.bands import band_features
 from bearingsim.simulation.channels import BASE, CAGE_ANGLE
 from bearingsim.simulation.features import features
@@ -35,7 +36,7 @@ from bearingsim.simulation.prices import price
 from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.repetition import passes_are_alike, period_is_sought
 from bearingsim.simulation.settling import has_free_cage
-from bearingsim.simulation.start_error import start_errors
+from bearingsim.simulation.start_error import StartErrors, start_errors
 from bearingsim.simulation.step_check import StepCheck
 from bearingsim.simulation.trial import Against, Trial
 
@@ -203,8 +204,12 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
     instants = np.arange(time_grid.samples(case)) / case.sampling
     series = channels.series(case, setup.model, sampled, raw.places[rows], case.settle_s + instants)
     own = features(case, setup.model, setup.cut, raw) | band_features(case, setup.model, setup.cut, raw)
-    own |= _check_features(checks_step, _kept(setup, raw)) | _of_chaos(setup, raw, checks_step.chaotic)
-    own |= _of_start(setup, raw, checks_step.chaotic)
+    by_chance = _is_by_chance(setup, raw, checks_step.chaotic)
+    standard = unknown = StandardErrors(nan, nan)
+    if by_chance or checks_step.chaotic or case.until is not None:
+        standard = accuracy.standard_errors(case, setup.model, setup.cut, raw)
+    own |= _check_features(checks_step, _kept(setup, raw), standard if checks_step.chaotic else unknown)
+    own |= _start_features(start_errors(setup, raw, standard if by_chance else unknown))
     if case.step_check == "strict" and not (checks_step.chaotic or has_free_cage(case)):
         _refuse_unsettled(case, max(own["error.start"], own["error.start.rms"]))
     others, reasons = of_extensions(case, instants, series)
@@ -213,7 +218,9 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
         time=instants,
         series=series,
         features=own | others,
-        info=_info(setup, raw) | reasons | {"cpu_s": cpu_time.now() - began},
+        info=_info(setup, raw, unknown if case.until is None else standard)
+        | reasons
+        | {"cpu_s": cpu_time.now() - began},
     )
 
 
@@ -276,8 +283,11 @@ def _kept(setup: Setup, raw: RawRecord) -> float:
     return len(record_windows.windows(setup.case, setup.cut, raw, reach=0).index) / whole
 
 
-def _check_features(checks_step: StepCheck, kept: float) -> dict[str, float]:
-    """A step check as features, of a record that holds the share ``kept`` of its passes."""
+def _check_features(checks_step: StepCheck, kept: float, of_chaos: StandardErrors) -> dict[str, float]:
+    """Return a step check as features.
+
+    kept: share of its ball passes that the record holds; of_chaos: standard errors of a chaotic one, else NaN.
+    """
     return {
         "step_error.line": checks_step.bound(checks_step.line),
         "step_error.rms": checks_step.bound(checks_step.rms),
@@ -285,11 +295,13 @@ def _check_features(checks_step: StepCheck, kept: float) -> dict[str, float]:
         "step_error.record": checks_step.bound(checks_step.record),
         "chaotic": nan if checks_step is step_check.UNCHECKED else float(checks_step.chaotic),
         "rms_scatter": nan if checks_step is step_check.UNCHECKED else checks_step.scatter / sqrt(kept),
+        "standard_error.line": of_chaos.line,
+        "standard_error.rms": of_chaos.rms,
     }
 
 
-def _info(setup: Setup, raw: RawRecord) -> dict[str, float | int | str]:
-    """How a run was computed."""
+def _info(setup: Setup, raw: RawRecord, reached: StandardErrors) -> dict[str, float | int | str]:
+    """Return how a run was computed; reached: standard errors of a record that ended `until` these."""
     case, cut, y = setup.case, setup.cut, raw.y
     steps = raw.repetition.computed * cut.steps_per_pass
     adaptive = assemble.adaptive(case)
@@ -302,7 +314,8 @@ def _info(setup: Setup, raw: RawRecord) -> dict[str, float | int | str]:
         "passes_computed": raw.repetition.computed,
         "period_passes": raw.repetition.period,
         "last_difference": raw.repetition.difference,
-        **_standard_errors(setup, raw),
+        "standard_error_line": reached.line,
+        "standard_error_rms": reached.rms,
         "steps": steps,
         "tolerance": float(setup.method.rtol) if adaptive else float("nan"),
         "own_steps": int(y[lay.STEPS_TAKEN]) if adaptive else steps,
@@ -318,30 +331,15 @@ def _info(setup: Setup, raw: RawRecord) -> dict[str, float | int | str]:
     }
 
 
-def _of_chaos(setup: Setup, raw: RawRecord, chaotic: bool) -> dict[str, float]:
-    """How well the line and the RMS of a chaotic motion are known, relative; nan of another."""
-    errors = accuracy.StandardErrors(nan, nan)
-    if chaotic:
-        errors = accuracy.standard_errors(setup.case, setup.model, setup.cut, raw)
-    return {"standard_error.line": errors.line, "standard_error.rms": errors.rms}
-
-
-def _of_start(setup: Setup, raw: RawRecord, chaotic: bool) -> dict[str, float]:
-    """What the record remembers of the run's start, relative."""
-    by_chance = accuracy.StandardErrors(nan, nan)
+def _is_by_chance(setup: Setup, raw: RawRecord, chaotic: bool) -> bool:
+    """Return whether line and RMS of a record scatter by chance, and it holds enough ball passes to tell."""
     enough = len(record_windows.windows(setup.case, setup.cut, raw, reach=0).index) > accuracy.MIN_PASSES
-    if enough and (chaotic or passes_are_alike(setup.case) or has_free_cage(setup.case)):
-        by_chance = accuracy.standard_errors(setup.case, setup.model, setup.cut, raw)
-    errors = start_errors(setup, raw, by_chance)
+    return enough and (chaotic or passes_are_alike(setup.case) or has_free_cage(setup.case))
+
+
+def _start_features(errors: StartErrors) -> dict[str, float]:
+    """Return the errors of a record because its run has not settled, relative."""
     return {"error.start": errors.line, "error.start.rms": errors.rms, "error.start.force": errors.force}
-
-
-def _standard_errors(setup: Setup, raw: RawRecord) -> dict[str, float]:
-    """Those of line and RMS that a record ``until`` an accuracy has reached, relative."""
-    errors = accuracy.StandardErrors(nan, nan)
-    if setup.case.until is not None:
-        errors = accuracy.standard_errors(setup.case, setup.model, setup.cut, raw)
-    return {"standard_error_line": errors.line, "standard_error_rms": errors.rms}
 
 
 def _damping(setup: Setup) -> dict[str, float]:
