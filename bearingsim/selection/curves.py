@@ -1,6 +1,6 @@
 """The curves that a study draws of what it asks an accuracy of: errors count over their largest values."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -87,6 +87,15 @@ def scales(feature: str, values: Sequence[float], drawn: Iterable[Curve]) -> lis
             largest = max((values[n] for n in curve.cases if values[n] == values[n]), default=float("nan"))
             found |= {n: min(found.get(n, largest), largest) for n in curve.cases}
     return [found.get(n, value) for n, value in enumerate(values)]
+
+
+def extremes(curve: Curve, values: Sequence[Mapping[str, Any]]) -> tuple[int, ...]:
+    """Return the cases at both ends of a curve, and that of its largest value.
+
+    values: of each case by feature, each with a ``value``; nothing of a case whose trial failed.
+    """
+    sizes = {n: values[n][curve.feature].value for n in curve.cases if curve.feature in values[n]}
+    return curve.cases[0], curve.cases[-1], max(sizes, key=sizes.__getitem__, default=curve.cases[0])
 
 
 def groups(cases: Iterable[int], drawn: Iterable[Curve]) -> list[list[int]]:

@@ -16,16 +16,15 @@ from bearingsim.selection.candidates import (
     can_be_tried,
     candidates,
     price,
-    recut,
     reference,
     with_friction,
 )
 from bearingsim.selection.choices import Choice, Choices, key
 from bearingsim.selection.curves import curves, groups
-from bearingsim.selection.evidence import Evidence, Recut
+from bearingsim.selection.evidence import Evidence
 from bearingsim.selection.friction import Friction
+from bearingsim.selection.nodes import Discretisation
 from bearingsim.selection.trials import Known, Trialled, first_trials, once, repeats, trials_of
-from bearingsim.simulation.trial import stepped_alike
 from bearingsim.study import Study
 
 FOR_MODEL = 0.8
@@ -63,7 +62,7 @@ class Choosing:
         missing = friction.trials()
         if not missing:
             missing = [one for group in self._open(friction) for one in self._next(group, evidence, friction)]
-        return once(missing) or self._recut_trials(evidence, friction)
+        return once(missing) or self._nodes(evidence, friction).trials()
 
     def _seen(self, known: Known) -> tuple[Evidence, Friction]:
         """Return what trials tell of models, and of friction."""
@@ -74,9 +73,9 @@ class Choosing:
     def decide(self, known: Known) -> Decision:
         """Choose, with what is known: a trial that is not counts as failed."""
         (evidence, friction), cases = self._seen(known), self.study.cases()
-        found = self._models(evidence, friction)
+        found, discretisation = self._models(evidence, friction), self._nodes(evidence, friction)
         for n in self.tried:
-            found[n] = replace(found[n], nodes=self._nodes(n, found[n], evidence))
+            found[n] = replace(found[n], nodes=discretisation.errors(n))
             if found[n].candidate != WITH_FRICTION:
                 found[n] = replace(found[n], friction=friction.errors(n), inferred=friction.inferred(n))
         repeating = sum(bool(evidence.of_reference[n]) and repeats(self.study, n, known) for n in self.tried)
@@ -97,28 +96,10 @@ class Choosing:
         rubbing = {n: Choice(WITH_FRICTION, cases[n].model, why, {}) for n, why in friction.too_much.items()}
         return found | rubbing
 
-    def _recut_trials(self, evidence: Evidence, friction: Friction) -> list[Trialled]:
-        """Return the trials of the choices with other nodes that are still to be computed."""
-        others = [(n, self._recut(n, choice, evidence)) for n, choice in self._models(evidence, friction).items()]
-        trials = [trials_of(self.study, n, other.recut)[0] for n, other in others if other is not None]
-        return once([trial for trial in trials if trial.id not in evidence.known])
-
-    def _recut(self, n: int, choice: Choice, evidence: Evidence) -> "Recut | None":
-        """Return the case that was chosen for number ``n`` and its like with other nodes, at the same step.
-
-        Of a reference with friction that without: it is cheaper, and has the same nodes. None if nodes change
-        nothing, or the case was not tried.
-        """
-        own, judges = self.study.cases()[n], choice.candidate in (REFERENCE, WITH_FRICTION)
-        chosen = reference(own) if judges else self.able[choice.candidate][n]
-        other = recut(chosen, judges)
-        trial = evidence.known.get(trials_of(self.study, n, chosen)[0].id)
-        return None if other is None or trial is None else Recut(chosen, stepped_alike(other[0], trial), other[1])
-
-    def _nodes(self, n: int, choice: Choice, evidence: Evidence) -> dict[str, float | None]:
-        """Return the error of a choice's discretisation, by feature; nothing if it has none, or was not tried."""
-        other = self._recut(n, choice, evidence)
-        return {} if other is None else evidence.of_nodes(n, other)
+    def _nodes(self, evidence: Evidence, friction: Friction) -> Discretisation:
+        """Return what trials tell of the discretisation of the choices."""
+        choices = self._models(evidence, friction)
+        return Discretisation(evidence, self.drawn, choices, lambda n, name: self.able[name][n])
 
     def _open(self, friction: Friction) -> list[list[int]]:
         """The cases whose reference does not repeat itself nor needs friction; groups take one model."""

@@ -81,3 +81,9 @@ def _relative(error: float, size: float) -> float:
     """An error over what it counts over; infinite if nobody knows."""
     found = error / (size or 1.0)
     return found if np.isfinite(found) else inf
+
+
+def largest(errors: Sequence[float | None]) -> float | None:
+    """Return the largest of some errors; None if one of them is unknown."""
+    known = [of for of in errors if of is not None]
+    return max(known) if len(known) == len(errors) else None

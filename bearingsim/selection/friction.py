@@ -14,8 +14,8 @@ from math import inf
 from bearingsim.config import Case
 from bearingsim.errors import Refused
 from bearingsim.selection.candidates import with_friction
-from bearingsim.selection.curves import Curve
-from bearingsim.selection.evidence import Evidence
+from bearingsim.selection.curves import Curve, extremes
+from bearingsim.selection.evidence import Evidence, largest
 from bearingsim.selection.trials import Trialled, trials_of
 from bearingsim.simulation.settling import settled
 from bearingsim.simulation.trial import CAGE_TURNS, LARGEST_FORCE, Against, long_enough, tells_friction
@@ -51,12 +51,7 @@ class Friction:
     @cached_property
     def extremes(self) -> list[int]:
         """The cases that are tried with friction: of each curve both ends, and that of the largest value."""
-        found: dict[int, None] = {}
-        for curve in self.curves:
-            values = {n: self.evidence.of_reference[n][curve.feature].value for n in curve.cases if curve.feature}
-            largest = max(values, key=values.__getitem__, default=curve.cases[0])
-            found |= dict.fromkeys((curve.cases[0], curve.cases[-1], largest))
-        return list(found)
+        return list(dict.fromkeys(n for curve in self.curves for n in extremes(curve, self.evidence.of_reference)))
 
     def trials(self) -> list[Trialled]:
         """Return the trials with friction that are still to be computed."""
@@ -101,7 +96,7 @@ class Friction:
         others = {other for curve in self.curves if n in curve.cases for other in curve.cases}
         found = [self._at_extremes[other] for other in sorted(others) if other in self._at_extremes]
         names = self.evidence.of_reference[n] if found else ()
-        return {name: _largest([one[name] for one in found]) for name in names}
+        return {name: largest([one[name] for one in found]) for name in names}
 
     def inferred(self, n: int) -> bool:
         """Return whether what friction does to a case is taken from others on its curves."""
@@ -127,8 +122,3 @@ class Friction:
         return (
             f"friction changes {name} by up to {100.0 * off:.2g} % on its curve: over {100.0 * self.limit:.2g} %"
         )
-
-
-def _largest(errors: Sequence[float | None]) -> float | None:
-    known = [of for of in errors if of is not None]
-    return max(known) if len(known) == len(errors) else None

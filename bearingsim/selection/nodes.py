@@ -1,0 +1,80 @@
+"""Errors of the discretisation of chosen cases: nodes along defects, slices, harmonics.
+
+A trial with other nodes costs as much as one of the case itself. On a curve the error changes as the defect does.
+So both ends are tried, and the case of the largest value; one in between has the larger error of its neighbours.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+
+from bearingsim.catalogue import REFERENCE
+from bearingsim.config import Case
+from bearingsim.selection.candidates import WITH_FRICTION, recut, reference
+from bearingsim.selection.choices import Choice
+from bearingsim.selection.curves import Curve, extremes
+from bearingsim.selection.evidence import Evidence, Recut, largest
+from bearingsim.selection.trials import Trialled, once, trials_of
+from bearingsim.simulation.trial import stepped_alike
+
+
+class Discretisation:
+    """Discretisation errors of chosen cases, as far as trials tell.
+
+    recuts: the cases and their like with other nodes, at the same step, by number; on_one: numbers that lie on one
+    curve, of one candidate and with defects of the same shapes.
+    """
+
+    def __init__(
+        self,
+        evidence: Evidence,
+        drawn: Sequence[Curve],
+        choices: Mapping[int, Choice],
+        computed: Callable[[int, str], Case],
+    ) -> None:
+        """Find what can be tried. computed: returns the case of a number as a candidate computes it."""
+        self.evidence, cases = evidence, evidence.study.cases()
+        self.recuts: dict[int, Recut] = {}
+        kinds: dict[int, tuple] = {}
+        for n, choice in choices.items():
+            judges = choice.candidate in (REFERENCE, WITH_FRICTION)
+            chosen = reference(cases[n]) if judges else computed(n, choice.candidate)
+            other = recut(chosen, judges)
+            trial = evidence.known.get(trials_of(evidence.study, n, chosen)[0].id)
+            if (
+                other is not None and trial is not None
+            ):  # with friction, the cheaper case without has the same nodes
+                self.recuts[n] = Recut(chosen, stepped_alike(other[0], trial), other[1])
+                kinds[n] = choice.candidate, chosen.model, *(defect.shape for defect in chosen.defects)
+        self.on_one = [
+            Curve(curve.feature, tuple(n for n in curve.cases if kinds.get(n) == kind))
+            for curve in drawn
+            for kind in dict.fromkeys(kinds[n] for n in curve.cases if n in kinds)
+        ]
+
+    @cached_property
+    def tried(self) -> list[int]:
+        """The cases that are tried: the extremes of each curve, and those on none."""
+        drawn = {n for curve in self.on_one for n in curve.cases}
+        ends = [n for curve in self.on_one for n in extremes(curve, self.evidence.of_reference)]
+        return sorted({*ends, *(n for n in self.recuts if n not in drawn)})
+
+    def trials(self) -> list[Trialled]:
+        """Return the trials with other nodes that are still to be computed."""
+        trials = [trials_of(self.evidence.study, n, self.recuts[n].recut)[0] for n in self.tried]
+        return once([trial for trial in trials if trial.id not in self.evidence.known])
+
+    def errors(self, n: int) -> dict[str, float | None]:
+        """Return the error of a case by feature, None where it is unknown; nothing of a case without nodes."""
+        if n not in self.recuts:
+            return {}
+        if n in self.tried:
+            return self.evidence.of_nodes(n, self.recuts[n])
+        neighbours = {other for curve in self.on_one if n in curve.cases for other in self._neighbours(n, curve)}
+        errors = [self.evidence.of_nodes(other, self.recuts[other]) for other in sorted(neighbours)]
+        return {name: largest([each[name] for each in errors]) for name in errors[0]}
+
+    def _neighbours(self, n: int, curve: Curve) -> tuple[int, int]:
+        """Return the nearest cases before and after number ``n`` on a curve that are tried."""
+        place = curve.cases.index(n)
+        before = next(other for other in reversed(curve.cases[:place]) if other in self.tried)
+        return before, next(other for other in curve.cases[place:] if other in self.tried)
