@@ -11,10 +11,10 @@ ROOT = Path(__file__).parents[1]
 TOP = "."
 """The modules of the package itself, outside all rooms."""
 ROOMS = (  # packages checked; add a package once it passes
-    TOP, "assemble", "bench", "cli", "config", "core", "plots", "runner", "sensitivity", "signals",
-    "stability", "store", "study", "text",
+    TOP, "assemble", "bench", "cli", "config", "core", "plots", "runner", "selection", "sensitivity",
+    "signals", "stability", "store", "study", "text",
 )  # fmt: skip
-ROOMS_OF_NOUNS = tuple(room for room in ROOMS if room not in {"selection", "simulation"})
+ROOMS_OF_NOUNS = tuple(room for room in ROOMS if room != "simulation")
 NO_NOUNS = frozenset(
     {"What", "How", "Who", "Where", "Which", "Whether"}
 )  # openings of a clause in place of a noun

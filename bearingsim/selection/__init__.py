@@ -1,4 +1,4 @@
-"""Which model computes each case of a study that names an accuracy: the cheapest that is shown to hold it."""
+"""Choice of the model of each case of a study that names an accuracy: the cheapest that is shown to hold it."""
 
 from bearingsim.selection.choices import Choice, Choices, chosen
 from bearingsim.selection.curves import Curve, curves

@@ -1,4 +1,4 @@
-"""What may compute a case in place of its reference: cheaper models, fewer slices or harmonics; and the price."""
+"""Candidates that may replace the reference of a case: cheaper models, fewer slices or harmonics; their price."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -36,7 +36,7 @@ WORTH_TRYING = 0.8  # of what the reference takes: a model that saves less is no
 
 
 def reference(case: Case) -> Case:
-    """What a case is judged by: itself, with twice the slices, or twice the harmonics where its ring bends."""
+    """Double the slices of a case, or the harmonics where its ring bends: it is judged by that."""
     if case.rig.ring is not None:
         return case.model_copy(update={"rig": _with_harmonics(case)})
     return _finely_sliced(case) if MODELS[case.model].sliced else case
@@ -80,72 +80,72 @@ def _with_harmonics(case: Case) -> Rig:
 
 
 def _finely_sliced(case: Case) -> Case:
-    """The case with twice the slices; itself where its pits cut too many then, or it records slices by number."""
+    """Double the slices of a case, unless its defects cut too many then, or it records slices by number."""
     more = {"slices": min(MOST_SLICES, FINER * int(case.contact.slices))}
     finer = case.model_copy(update={"contact": case.contact.model_copy(update=more)})
     return case if slice_count(finer) is None or any(map(slice_number, case.record)) else finer
 
 
 def candidates(study: Study, numbers: Sequence[int]) -> dict[str, dict[int, Case]]:
-    """The cases of each candidate that can be and costs less than the reference, by name, from the highest.
+    """List the cases of each candidate that can be and costs less than the reference, by name, from the highest.
 
     None that two cases come to: their results would be one.
     """
     if study.otherwise is None:
         return {}
-    own, found = study.cases(), {name: dict[int, Case]() for name in CANDIDATES}
+    own, cases_of = study.cases(), {name: dict[int, Case]() for name in CANDIDATES}
     for n in numbers:
         most = WORTH_TRYING * price(reference(own[n]))
         for name in ladder(own[n]):
             case = computed_by(study, n, name)
             if case is not None and price(case) < most:
-                found[name][n] = case
-    apart = {name: _told_apart(cases) for name, cases in found.items()}
+                cases_of[name][n] = case
+    apart = {name: _told_apart(cases) for name, cases in cases_of.items()}
     return {name: cases for name, cases in apart.items() if cases}
 
 
 def can_be_tried(case: Case) -> bool:
-    """Whether something may stand in for a case's reference, and its first passes are like all others."""
+    """Check if something may stand in for a case's reference, and its first passes are like all others."""
     return case.ramp is None and bool(ladder(case))
 
 
 def _told_apart(cases: Mapping[int, Case]) -> dict[int, Case]:
-    """The cases that are no other's equals."""
+    """Drop cases that are equal to others."""
     ids = {n: identity(case) for n, case in cases.items()}
     count = Counter(ids.values())
     return {n: case for n, case in cases.items() if count[ids[n]] == 1}
 
 
 def computed_by(study: Study, number: int, candidate: str) -> Case | None:
-    """A case of a study as a candidate computes it; None if it cannot be."""
+    """Return a case of a study as a candidate computes it; None if it cannot be."""
     own = study.swept_cases[number][0]
-    given = ladder(own).get(candidate)
-    if given is None:
+    changes = ladder(own).get(candidate)
+    if changes is None:
         return None
-    if not given or study.otherwise is None:
+    if not changes or study.otherwise is None:
         return own
-    return study.otherwise(given)[number]
+    return study.otherwise(changes)[number]
 
 
 def ladder(case: Case) -> dict[str, dict[str, str]]:
-    """The candidates below the reference of a case, by name, and what each says otherwise."""
-    found = dict(_fewer_slices(case)) if MODELS[case.model].sliced else {}
+    """List the candidates below the reference of a case, by name, with the keys that each changes."""
+    steps = dict(_fewer_slices(case)) if MODELS[case.model].sliced else {}
     if case.rig.ring is not None:
-        found |= {AS_SAID: {}, f"{FEW_HARMONICS} harmonics": {"rig.ring.harmonics": str(FEW_HARMONICS)}}
-    return found | {name: {"model": name} | _same_cage(case, name) for name in below(case.model)}
+        steps |= {AS_SAID: {}, f"{FEW_HARMONICS} harmonics": {"rig.ring.harmonics": str(FEW_HARMONICS)}}
+    return steps | {name: {"model": name} | _same_cage(case, name) for name in below(case.model)}
 
 
 def _same_cage(case: Case, name: str) -> dict[str, str]:
-    """What a model whose cage may slip must be told, if that of the reference does not."""
+    """Return the keys of a model whose cage may slip, if that of the reference does not."""
     kinematic = MODELS[name].slips and case.cage is not None and case.cage.motion == "kinematic"
     return {"cage.motion": "kinematic"} if kinematic else {}
 
 
 def _fewer_slices(case: Case) -> Iterator[tuple[str, dict[str, str]]]:
-    """Candidates with no more slices than a case says, each number once."""
-    said = before = int(case.contact.slices)
+    """Yield candidates with no more slices than a case has, each number once."""
+    slices = before = int(case.contact.slices)
     for name, part in SLICES.items():
-        count = max(FEWEST_SLICES, round(part * said))
+        count = max(FEWEST_SLICES, round(part * slices))
         if part == 1.0:
             yield name, {}
         elif count < before:

@@ -1,4 +1,4 @@
-"""What has been chosen for each case, and the study with that: as if it had named the models itself.
+"""Choices of a model for each case, and the study with them, as if it had named the models itself.
 
 Kept in ``choices.json`` from before the first job on. Who comes later reads them and does not decide again.
 """
@@ -21,7 +21,7 @@ AUDITED, FEWEST_AUDITED = 0.05, 3
 
 @dataclass(frozen=True)
 class Choice:
-    """What computes a case: the name of a candidate, or `reference`; why; what it may be off, by feature (share).
+    """Candidate that computes a case, or `reference`; the reason; its error by feature (share).
 
     model: the name of the model that this comes to; nodes: the error of its discretisation, by feature (share),
     None where it is unknown; friction: the same of the friction that it leaves out; inferred: whether that is from
@@ -42,38 +42,38 @@ Choices = dict[str, Choice]
 
 
 def key(study: Study, case: Case) -> str:
-    """What names a case and the accuracy that is asked of it."""
+    """Identify a case and the accuracy that is asked of it."""
     assert study.goal is not None
-    asked = {"within": study.goal.within, "of": list(study.goal.of)}
-    return identity(case, asked | ({"friction": "tried"} if with_friction(case) is not None else {}))
+    goal = {"within": study.goal.within, "of": list(study.goal.of)}
+    return identity(case, goal | ({"friction": "tried"} if with_friction(case) is not None else {}))
 
 
 def chosen(study: Study, choices: Choices) -> Study:
-    """The study with what was chosen; every case must have a choice."""
+    """Return the study with the models chosen; every case must have a choice."""
     own = [case for case, _ in study.swept_cases]
-    found = [choices[key(study, case)] for case in own]
-    cases = [_case(study, own, n, one.candidate) for n, one in enumerate(found)]
+    taken = [choices[key(study, case)] for case in own]
+    cases = [_case(study, own, n, choice.candidate) for n, choice in enumerate(taken)]
     swept = tuple((case, values) for case, (_, values) in zip(cases, study.swept_cases, strict=True))
     ids = [case_id(case) for case in cases]
     drawn = tuple((curve.feature, tuple(ids[n] for n in curve.cases)) for curve in curves(study))
-    told = {
-        name: Chosen(one.model, one.why, dict(one.error), dict(one.nodes), dict(one.friction))
-        for name, one in zip(ids, found, strict=True)
+    reasons = {
+        name: Chosen(choice.model, choice.why, dict(choice.error), dict(choice.nodes), dict(choice.friction))
+        for name, choice in zip(ids, taken, strict=True)
     }
-    judges = [_judge(case, one) for case, one in zip(own, found, strict=True)]
-    selection = Selection(told, drawn, tuple(audits(study, judges, ids)))
+    judges = [_judge(case, choice) for case, choice in zip(own, taken, strict=True)]
+    selection = Selection(reasons, drawn, tuple(audits(study, judges, ids)))
     return replace(study, swept_cases=swept, selection=selection)
 
 
 def _case(study: Study, own: Sequence[Case], number: int, candidate: str) -> Case:
-    """A case as a candidate computes it."""
+    """Return a case as a candidate computes it. Raises ``UserError`` if it cannot."""
     named = {REFERENCE: reference, WITH_FRICTION: with_friction}.get(candidate)
-    found = named(own[number]) if named is not None else computed_by(study, number, candidate)
-    if found is None:
+    computed = named(own[number]) if named is not None else computed_by(study, number, candidate)
+    if computed is None:
         raise UserError(
             f"choices.json names `{candidate}`, which cannot compute a case: remove it to decide again"
         )
-    return found
+    return computed
 
 
 def _judge(own: Case, choice: Choice) -> Case:
@@ -83,7 +83,7 @@ def _judge(own: Case, choice: Choice) -> Case:
 
 
 def audits(study: Study, references: Sequence[Case], ids: Sequence[str]) -> list[Audit]:
-    """Jobs to be computed again by their reference: a seeded twentieth of those that took something else."""
+    """Draw jobs to be computed again by their reference: a seeded twentieth of those of other models."""
     other = [(name, case) for name, case in zip(ids, references, strict=True) if case_id(case) != name]
     if not other:
         return []
@@ -93,7 +93,7 @@ def audits(study: Study, references: Sequence[Case], ids: Sequence[str]) -> list
 
 
 def _audit(study: Study, of: str, case: Case) -> Audit:
-    """A job computed again as a case says, with its healthy twin if what is asked is measured against that."""
+    """Return a job computed again as a case, with its healthy twin if a feature is measured against that."""
     plain = twin_asked(study, case)
     twin = None if plain is None else Job(plain, is_variation=True)
     job = Job(case, baseline=twin, is_variation=True)

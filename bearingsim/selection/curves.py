@@ -17,15 +17,15 @@ class Curve:
 
 
 def curves(study: Study) -> list[Curve]:
-    """Every curve of a study's figures whose feature it asks an accuracy of."""
-    asked = study.goal.of if study.goal is not None else ()
+    """List the curves of a study's figures whose feature it asks an accuracy of."""
+    features = study.goal.of if study.goal is not None else ()
     design = study.drawn.paths if study.drawn is not None else ()
     swept = [values for _, values in study.swept_cases]
     return [
         Curve(feature, cases)
         for figure in study.figures
         for feature in figure.y
-        if feature in asked
+        if feature in features
         for cases in _of_figure(figure, swept, design)
     ]
 
@@ -33,21 +33,21 @@ def curves(study: Study) -> list[Curve]:
 def _of_figure(
     figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]
 ) -> Iterator[tuple[int, ...]]:
-    """The cases of each curve of a figure: one for each combination of what it draws apart."""
+    """Yield the cases of each curve of a figure: a curve for each combination of what it draws apart."""
     meant = [
         number
         for number, values in enumerate(swept)
         if all(_is_meant(path, text, values.get(path)) for path, text in figure.where.items())
     ]
     paths = _apart(figure, [swept[number] for number in meant], design)
-    found: dict[tuple, list[int]] = {}
+    parted: dict[tuple, list[int]] = {}
     for number in meant:
-        found.setdefault(tuple(swept[number].get(path) for path in paths), []).append(number)
-    return (tuple(numbers) for numbers in found.values())
+        parted.setdefault(tuple(swept[number].get(path) for path in paths), []).append(number)
+    return (tuple(numbers) for numbers in parted.values())
 
 
 def _apart(figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]) -> list[str]:
-    """The paths that part a figure's curves: those it names, then every other that still varies at one x.
+    """List the paths that part a figure's curves: those it names, then every other that still varies at one x.
 
     As figures are drawn (``plots/select.py``). The points of a design are one cloud: what it moves parts nothing.
     """
@@ -55,38 +55,38 @@ def _apart(figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequ
     free = [path for path in design if path not in (figure.x, *paths)]
     others = (name for values in swept for name in values if name not in (figure.x, *paths, *free))
     for path in dict.fromkeys(others):
-        at: dict[tuple, set] = {}
+        places: dict[tuple, set] = {}
         for values in swept:
             place = tuple(values.get(name) for name in (figure.x, *free, *paths))
-            at.setdefault(place, set()).add(values.get(path))
-        if any(len(found) > 1 for found in at.values()):
+            places.setdefault(place, set()).add(values.get(path))
+        if any(len(several) > 1 for several in places.values()):
             paths.append(path)
     return paths
 
 
 def _is_meant(path: str, text: str, value: Any) -> bool:
-    """Whether a swept value (SI, or a word) is what a `where` says."""
-    known = dimension(path)
+    """Check if a swept value (SI, or a word) is that of a `where`."""
+    unit = dimension(path)
     if not isinstance(value, float):
         return str(value) == text
     try:
-        wanted = parse(text, known) if known else float(text)  # a seed has no unit
+        wanted = parse(text, unit) if unit else float(text)  # a seed has no unit
     except (UnitError, ValueError):
         return False
     return abs(wanted - value) <= 1e-9 * max(abs(value), 1e-300)
 
 
 def scales(feature: str, values: Sequence[float], drawn: Iterable[Curve]) -> list[float]:
-    """What errors of a feature count over, by case: the largest value of its curve, of the lowest of several.
+    """List the sizes that errors of a feature count over: the largest value of a curve, of the lowest of several.
 
     values: of all cases; NaN where nobody knows. A case's own value, where no curve draws it.
     """
-    found: dict[int, float] = {}
+    sizes: dict[int, float] = {}
     for curve in drawn:
         if curve.feature == feature:
             largest = max((values[n] for n in curve.cases if values[n] == values[n]), default=float("nan"))
-            found |= {n: min(found.get(n, largest), largest) for n in curve.cases}
-    return [found.get(n, value) for n, value in enumerate(values)]
+            sizes |= {n: min(sizes.get(n, largest), largest) for n in curve.cases}
+    return [sizes.get(n, value) for n, value in enumerate(values)]
 
 
 def extremes(curve: Curve, values: Sequence[Mapping[str, Any]]) -> tuple[int, ...]:
@@ -99,10 +99,10 @@ def extremes(curve: Curve, values: Sequence[Mapping[str, Any]]) -> tuple[int, ..
 
 
 def groups(cases: Iterable[int], drawn: Iterable[Curve]) -> list[list[int]]:
-    """Cases that share a curve, or share one with such as do: each group takes one model."""
+    """Group cases that share a curve, or share one with such as do: each group takes one model."""
     leader = {case: case for case in cases}
 
-    def first(case: int) -> int:
+    def leading(case: int) -> int:
         while leader[case] != case:
             case = leader[case]
         return case
@@ -110,8 +110,8 @@ def groups(cases: Iterable[int], drawn: Iterable[Curve]) -> list[list[int]]:
     for curve in drawn:
         on_it = [case for case in curve.cases if case in leader]
         for case in on_it[1:]:
-            leader[first(case)] = first(on_it[0])
-    found: dict[int, list[int]] = {}
+            leader[leading(case)] = leading(on_it[0])
+    together: dict[int, list[int]] = {}
     for case in leader:
-        found.setdefault(first(case), []).append(case)
-    return list(found.values())
+        together.setdefault(leading(case), []).append(case)
+    return list(together.values())

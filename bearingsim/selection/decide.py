@@ -48,53 +48,53 @@ class Choosing:
     """The choice for some cases of a study: which trials it wants next, and what follows from them."""
 
     def __init__(self, study: Study, numbers: Sequence[int]) -> None:
-        """numbers: of the cases to be chosen for, among ``study.cases()``."""
+        """Find what can be tried. numbers: of the cases to be chosen for, among ``study.cases()``."""
         self.study, self.numbers, cases = study, numbers, study.cases()
         self.tried = [n for n in numbers if can_be_tried(cases[n])]
         self.drawn = curves(study)
 
-    def wanted(self, known: Known) -> list[Trialled]:
-        """Trials that are to be computed before more can be said; none once a choice can be made."""
-        first = [one for one in first_trials(self.study, self.tried) if one.id not in known]
-        if first:
-            return first
-        evidence, friction = self._seen(known)
+    def wanted(self, trials: Known) -> list[Trialled]:
+        """List trials that are to be computed next; none once a choice can be made."""
+        missing = [trial for trial in first_trials(self.study, self.tried) if trial.id not in trials]
+        if missing:
+            return missing
+        evidence, friction = self._seen(trials)
         missing = friction.trials()
         if not missing:
-            missing = [one for group in self._open(friction) for one in self._next(group, evidence, friction)]
+            missing = [trial for group in self._open(friction) for trial in self._next(group, evidence, friction)]
         return once(missing) or self._nodes(evidence, friction).trials()
 
-    def _seen(self, known: Known) -> tuple[Evidence, Friction]:
+    def _seen(self, trials: Known) -> tuple[Evidence, Friction]:
         """Return what trials tell of models, and of friction."""
         assert self.study.goal is not None
-        evidence = Evidence(self.study, self.drawn, known)
+        evidence = Evidence(self.study, self.drawn, trials)
         return evidence, Friction(evidence, self.tried, self.drawn, FOR_MODEL * self.study.goal.within)
 
-    def decide(self, known: Known) -> Decision:
+    def decide(self, trials: Known) -> Decision:
         """Choose, with what is known: a trial that is not counts as failed."""
-        (evidence, friction), cases = self._seen(known), self.study.cases()
-        found, discretisation = self._models(evidence, friction), self._nodes(evidence, friction)
+        (evidence, friction), cases = self._seen(trials), self.study.cases()
+        choices, discretisation = self._models(evidence, friction), self._nodes(evidence, friction)
         for n in self.tried:
-            found[n] = replace(found[n], nodes=discretisation.errors(n))
-            if found[n].candidate != WITH_FRICTION:
-                found[n] = replace(found[n], friction=friction.errors(n), inferred=friction.inferred(n))
-        repeating = sum(bool(evidence.of_reference[n]) and repeats(self.study, n, known) for n in self.tried)
-        return Decision({key(self.study, cases[n]): one for n, one in found.items()}, repeating)
+            choices[n] = replace(choices[n], nodes=discretisation.errors(n))
+            if choices[n].candidate != WITH_FRICTION:
+                choices[n] = replace(choices[n], friction=friction.errors(n), inferred=friction.inferred(n))
+        repeating = sum(bool(evidence.of_reference[n]) and repeats(self.study, n, trials) for n in self.tried)
+        return Decision({key(self.study, cases[n]): choice for n, choice in choices.items()}, repeating)
 
     def _models(self, evidence: Evidence, friction: Friction) -> dict[int, Choice]:
         """Return the choice for each case, without the errors of friction and discretisation."""
-        known, cases = evidence.known, self.study.cases()
-        found = {n: Choice(REFERENCE, cases[n].model, NOTHING_CHEAPER, {}) for n in self.numbers}
-        settled = [n for n in self.tried if repeats(self.study, n, known)]
+        trials, cases = evidence.known, self.study.cases()
+        choices = {n: Choice(REFERENCE, cases[n].model, NOTHING_CHEAPER, {}) for n in self.numbers}
+        settled = [n for n in self.tried if repeats(self.study, n, trials)]
         for n in settled:
             why = "the reference repeats itself: its trial is the answer"
-            found[n] = Choice(
+            choices[n] = Choice(
                 REFERENCE, cases[n].model, why if evidence.of_reference[n] else "the reference fails", {}
             )
         for group in self._open(friction):
-            found |= self._of_group(group, evidence, friction)
+            choices |= self._of_group(group, evidence, friction)
         rubbing = {n: Choice(WITH_FRICTION, cases[n].model, why, {}) for n, why in friction.too_much.items()}
-        return found | rubbing
+        return choices | rubbing
 
     def _nodes(self, evidence: Evidence, friction: Friction) -> Discretisation:
         """Return what trials tell of the discretisation of the choices."""
@@ -102,9 +102,9 @@ class Choosing:
         return Discretisation(evidence, self.drawn, choices, lambda n, name: self.able[name][n])
 
     def _open(self, friction: Friction) -> list[list[int]]:
-        """The cases whose reference does not repeat itself nor needs friction; groups take one model."""
-        known = friction.evidence.known
-        left = [n for n in self.tried if n not in friction.too_much and not repeats(self.study, n, known)]
+        """Group the cases whose reference neither repeats itself nor needs friction: a group takes one model."""
+        trials = friction.evidence.known
+        left = [n for n in self.tried if n not in friction.too_much and not repeats(self.study, n, trials)]
         return groups(left, self.drawn)
 
     @cached_property
@@ -113,14 +113,14 @@ class Choosing:
         return candidates(self.study, self.tried)
 
     def _next(self, group: Sequence[int], evidence: Evidence, friction: Friction) -> list[Trialled]:
-        """The trials of the cheapest candidate that has not been tried on a group, if nothing cheaper holds."""
+        """List trials of the cheapest candidate that has not been tried on a group, if nothing cheaper holds."""
         held = inf
         for cost, name in sorted((self._cost(name, group), name) for name in self.able):
             if held < TIE * cost:
                 return []
             cases = {n: self.able[name][n] for n in group if n in self.able[name]}
-            trials = [one for n, case in cases.items() for one in trials_of(self.study, n, case)]
-            missing = [one for one in trials if one.id not in evidence.known]
+            trials = [trial for n, case in cases.items() for trial in trials_of(self.study, n, case)]
+            missing = [trial for trial in trials if trial.id not in evidence.known]
             if missing:
                 return missing
             if len(cases) == len(group) and all(
@@ -130,17 +130,17 @@ class Choosing:
         return []
 
     def _cost(self, name: str, group: Sequence[int]) -> float:
-        """What a candidate costs for the cases of a group that it is able to compute."""
+        """Add up the cost of a candidate for the cases of a group that it is able to compute."""
         return sum(price(self.able[name][n]) for n in group if n in self.able[name])
 
     def _holds(self, errors: Mapping[str, float], friction: Mapping[str, float | None]) -> bool:
-        """Whether a model's errors, and those of friction, leave enough of the accuracy to step and scatter."""
+        """Check if a model's errors, and those of friction, leave enough of the accuracy to step and scatter."""
         assert self.study.goal is not None
         sums = [of + (friction.get(name) or 0.0) for name, of in errors.items()]
         return bool(sums) and max(sums) <= FOR_MODEL * self.study.goal.within
 
     def _of_group(self, group: Sequence[int], evidence: Evidence, friction: Friction) -> dict[int, Choice]:
-        """One model for the cases of a group, unless several cost less than a third of it."""
+        """Choose one model for the cases of a group, unless several cost less than a third of it."""
         costs = {REFERENCE: {n: price(reference(self.study.cases()[n])) for n in group}}
         for name, cases in self.able.items():
             held = [
@@ -148,14 +148,14 @@ class Choosing:
             ]
             costs[name] = {n: price(cases[n]) for n in held}
         whole = {name: sum(of.values()) for name, of in costs.items() if len(of) == len(group)}
-        one = _cheapest(whole)
+        alone = _cheapest(whole)
         each = {n: _cheapest({name: of[n] for name, of in costs.items() if n in of}) for n in group}
         mixed = sum(costs[name][n] for n, name in each.items())
-        taken = each if mixed < MIXED * whole[one] else dict.fromkeys(group, one)
+        taken = each if mixed < MIXED * whole[alone] else dict.fromkeys(group, alone)
         return {n: self._told(n, name, evidence) for n, name in taken.items()}
 
     def _told(self, n: int, name: str, evidence: Evidence) -> Choice:
-        """A choice, and why."""
+        """Return a choice with its reason."""
         own = self.study.cases()[n]
         if name == REFERENCE:  # with friction it costs no more: neither repeats itself
             last = REFERENCE if with_friction(own) is None else WITH_FRICTION
@@ -166,7 +166,7 @@ class Choosing:
         return Choice(name, case.model, why, errors)
 
     def _why_none(self, n: int, evidence: Evidence) -> str:
-        """Why nothing cheaper is taken in place of the reference of a case."""
+        """Explain why nothing cheaper is taken in place of the reference of a case."""
         assert self.study.goal is not None
         tried = [evidence.errors(n, cases[n]) for cases in self.able.values() if n in cases]
         own, most = [max(errors.values()) for errors in tried if errors], FOR_MODEL * self.study.goal.within
@@ -180,7 +180,7 @@ class Choosing:
 
 
 def _cheapest(costs: Mapping[str, float]) -> str:
-    """The cheapest, from the highest model down: a lower one must save a tenth of the cost."""
+    """Choose the cheapest, from the highest model down: a lower one must save a tenth of the cost."""
     best = REFERENCE
     for name, cost in costs.items():
         if cost < TIE * costs[best]:

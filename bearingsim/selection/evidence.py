@@ -1,4 +1,4 @@
-"""What trials tell of the cases of a study: values, and how far one case is from another that stands for it."""
+"""Evidence from the trials of a study: values of its cases, and errors of one case that stands for another."""
 
 from collections.abc import Sequence
 from math import inf, nan
@@ -23,10 +23,10 @@ class Recut(NamedTuple):
 
 
 class Evidence:
-    """What trials tell of the cases of a study: how far a candidate is off, over what errors count over."""
+    """Errors of candidates as trials show them, over the sizes that errors count over."""
 
-    def __init__(self, study: Study, drawn: Sequence[Curve], known: Known) -> None:
-        self.study, self.known = study, known
+    def __init__(self, study: Study, drawn: Sequence[Curve], trials: Known) -> None:
+        self.study, self.known = study, trials
         assert self.study.goal is not None
         self.of_reference = [self._values(n, reference(case)) for n, case in enumerate(self.study.cases())]
         self.sizes = {
@@ -35,7 +35,7 @@ class Evidence:
         }
 
     def errors(self, n: int, case: Case) -> dict[str, float]:
-        """What a case that stands for number ``n`` is surely no further off, by feature; nothing if it failed."""
+        """Return bounds of the error of a case that stands for number ``n``, by feature; nothing if it failed."""
         own, other = self._values(n, case), self.of_reference[n]
         if not own or not other:
             return {}
@@ -60,17 +60,17 @@ class Evidence:
         errors = {
             name: abs(own[name].value - off[name].value) if exact else error(own[name], off[name]) for name in own
         }
-        found = {name: other.times * _relative(of, self.sizes[name][n]) for name, of in errors.items()}
-        return {name: of if of < inf else None for name, of in found.items()}
+        shares = {name: other.times * _relative(of, self.sizes[name][n]) for name, of in errors.items()}
+        return {name: of if of < inf else None for name, of in shares.items()}
 
     def _values(self, n: int, case: Case, beside: Case | None = None) -> dict[str, Value]:
-        """What is asked of a case, as its trial (and its twin's) has it; nothing of one that failed.
+        """Read the features of a case from its trial (and its twin's); nothing of one that failed.
 
         beside: a case whose twin counts instead.
         """
         assert self.study.goal is not None
         twins = trials_of(self.study, n, beside or case)[1:]
-        trials = [self.known.get(one.id) for one in (trials_of(self.study, n, case)[0], *twins)]
+        trials = [self.known.get(trial.id) for trial in (trials_of(self.study, n, case)[0], *twins)]
         own, twin = trials[0], trials[-1] if len(trials) > 1 else None
         if own is None or None in trials or (twin is not None and twin.turns != own.turns):
             return {}
@@ -78,12 +78,12 @@ class Evidence:
 
 
 def _relative(error: float, size: float) -> float:
-    """An error over what it counts over; infinite if nobody knows."""
-    found = error / (size or 1.0)
-    return found if np.isfinite(found) else inf
+    """Return an error over the size that it counts over; infinite if that is unknown."""
+    share = error / (size or 1.0)
+    return share if np.isfinite(share) else inf
 
 
 def largest(errors: Sequence[float | None]) -> float | None:
     """Return the largest of some errors; None if one of them is unknown."""
-    known = [of for of in errors if of is not None]
-    return max(known) if len(known) == len(errors) else None
+    numbers = [of for of in errors if of is not None]
+    return max(numbers) if len(numbers) == len(errors) else None

@@ -1,4 +1,4 @@
-"""What friction and a free cage do to the cases of a study whose reference has none: tried where it may do most.
+"""Changes by friction and a free cage of cases whose reference has none, tried where they may be largest.
 
 A free cage never repeats itself, so a trial with it costs as much as many that do. It is made at both ends of each
 curve, and where the curve is largest; the cases in between are taken to change by no more, and an audit looks at
@@ -30,7 +30,7 @@ NOT_REPEATING = (
 
 
 class Friction:
-    """What friction does to the cases that leave it open, as far as trials tell.
+    """Changes by friction of the cases that leave it open, as far as trials show them.
 
     tried: numbers of the cases that are tried; limit: what it may change at most (share).
     """
@@ -42,11 +42,11 @@ class Friction:
         short = {n for n in self.rubbing if not tells_friction(cases[n])}
         able = [n for n in self.rubbing if evidence.of_reference[n] and n not in short]
         few = {n for n in able if evidence.turns(n) < CAGE_TURNS}
-        told = [n for n in able if n not in few]
+        seen = [n for n in able if n not in few]
         self.untold = dict.fromkeys(few, NOT_REPEATING) | dict.fromkeys(short, TOO_SHORT)
-        on_one = [Curve(one.feature, tuple(n for n in one.cases if n in told)) for one in drawn]
-        alone = set(told) - {n for one in on_one for n in one.cases}
-        self.curves = [one for one in on_one if one.cases] + [Curve("", (n,)) for n in sorted(alone)]
+        on_one = [Curve(curve.feature, tuple(n for n in curve.cases if n in seen)) for curve in drawn]
+        alone = set(seen) - {n for curve in on_one for n in curve.cases}
+        self.curves = [curve for curve in on_one if curve.cases] + [Curve("", (n,)) for n in sorted(alone)]
 
     @cached_property
     def extremes(self) -> list[int]:
@@ -55,8 +55,8 @@ class Friction:
 
     def trials(self) -> list[Trialled]:
         """Return the trials with friction that are still to be computed."""
-        trials = [one for n in self.extremes for one in self._trials_of(n)]
-        return [one for one in trials if one.id not in self.evidence.known]
+        trials = [trial for n in self.extremes for trial in self._trials_of(n)]
+        return [trial for trial in trials if trial.id not in self.evidence.known]
 
     def _trials_of(self, n: int) -> list[Trialled]:
         """Return the trials of a case with friction: its own, which may end early, and its twin's."""
@@ -80,11 +80,11 @@ class Friction:
     @cached_property
     def _at_extremes(self) -> dict[int, dict[str, float | None]]:
         """The change by friction of each case that is tried with it, by feature; None where its trial failed."""
-        found: dict[int, dict[str, float | None]] = {}
+        changes: dict[int, dict[str, float | None]] = {}
         for n in self.extremes:
             errors = self.evidence.errors(n, self._tried(n))
-            found[n] = dict(errors) if errors else dict.fromkeys(self.evidence.of_reference[n])
-        return found
+            changes[n] = dict(errors) if errors else dict.fromkeys(self.evidence.of_reference[n])
+        return changes
 
     def errors(self, n: int) -> Mapping[str, float | None]:
         """Return the change by friction of a case, by feature: at most that of the tried cases on its curves.
@@ -94,9 +94,9 @@ class Friction:
         if n in self._at_extremes:
             return self._at_extremes[n]
         others = {other for curve in self.curves if n in curve.cases for other in curve.cases}
-        found = [self._at_extremes[other] for other in sorted(others) if other in self._at_extremes]
-        names = self.evidence.of_reference[n] if found else ()
-        return {name: largest([one[name] for one in found]) for name in names}
+        changes = [self._at_extremes[other] for other in sorted(others) if other in self._at_extremes]
+        names = self.evidence.of_reference[n] if changes else ()
+        return {name: largest([change[name] for change in changes]) for name in names}
 
     def inferred(self, n: int) -> bool:
         """Return whether what friction does to a case is taken from others on its curves."""
@@ -105,12 +105,12 @@ class Friction:
     @cached_property
     def too_much(self) -> dict[int, str]:
         """The cases that are computed with friction, and why: those on a curve that it changes too much."""
-        found = dict(self.untold)
+        reasons = dict(self.untold)
         for curve in self.curves:
             worst = max((self._largest_at(n) for n in curve.cases if n in self._at_extremes), default=(0.0, ""))
             if worst[0] > self.limit:
-                found |= dict.fromkeys(curve.cases, self._why(*worst))
-        return found
+                reasons |= dict.fromkeys(curve.cases, self._why(*worst))
+        return reasons
 
     def _largest_at(self, n: int) -> tuple[float, str]:
         """Return the largest known change by friction of a case, and of which feature."""

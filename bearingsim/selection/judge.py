@@ -1,4 +1,4 @@
-"""How far one trial is from another in what is asked, and how surely that is known.
+"""Differences between two trials in the features of a study, with their confidence limits.
 
 A line's amplitude, and the square of an RMS, are means under a window. Their difference d between two models is
 one, too. How it scatters is seen between pairs of turns of the slowest pit: a motion that is no chaos has none.
@@ -31,28 +31,28 @@ class Value(NamedTuple):
     share: float
 
 
-def value(feature: str, found: Trial, twin: Trial | None) -> Value:
-    """A feature (SI) of a trial, against its healthy twin if it is measured so."""
+def value(feature: str, trial: Trial, twin: Trial | None) -> Value:
+    """Return a feature (SI) of a trial, against its healthy twin if it is measured so."""
     if feature == LARGEST_FORCE:
-        turns = np.array_split(found.forces, found.turns)
-        return Value(float(found.forces.max()), np.array([turn.max() for turn in turns]), 1.0)
-    share = 2.0 / found.turns
+        turns = np.array_split(trial.forces, trial.turns)
+        return Value(float(trial.forces.max()), np.array([turn.max() for turn in turns]), 1.0)
+    share = 2.0 / trial.turns
     line = feature.removesuffix(HEALTHY)
     if of_band(line) is not None and feature != line and twin is not None:  # magnitudes are subtracted
-        own, healthy = value(line, found, None), value(line, twin, None)
+        own, healthy = value(line, trial, None), value(line, twin, None)
         return Value(own.value - healthy.value, own.parts - healthy.parts, share)
-    if line in found.powers:
-        rms = float(np.sqrt(found.powers[line][0]))
-        return Value(rms, 0.5 * found.powers[line][1:] / (rms or 1.0), share)
-    amplitudes = found.lines[line] - (twin.lines[line] if feature != line and twin is not None else 0.0)
+    if line in trial.powers:
+        rms = float(np.sqrt(trial.powers[line][0]))
+        return Value(rms, 0.5 * trial.powers[line][1:] / (rms or 1.0), share)
+    amplitudes = trial.lines[line] - (twin.lines[line] if feature != line and twin is not None else 0.0)
     parts = amplitudes[1:] * np.exp(-1j * np.angle(amplitudes[0]))
     return Value(float(abs(amplitudes[0])), parts.real, share)
 
 
-def error(one: Value, other: Value) -> float:
-    """What the first is surely no further off from the second than (SI); infinite if too little is seen of it."""
-    if len(one.parts) < 2 or len(one.parts) != len(other.parts):
+def error(own: Value, other: Value) -> float:
+    """Bound the difference (SI) of two values at 97.5 %; infinite if too little is seen of its scatter."""
+    if len(own.parts) < 2 or len(own.parts) != len(other.parts):
         return float("inf")  # how they scatter is not seen
-    apart, parts = abs(one.value - other.value), one.parts - other.parts
+    apart, parts = abs(own.value - other.value), own.parts - other.parts
     t = float(stdtrit(len(parts) - 1.0, SURE))
-    return apart + t * float(np.sqrt(one.share) * np.std(parts, ddof=1))
+    return apart + t * float(np.sqrt(own.share) * np.std(parts, ddof=1))

@@ -33,30 +33,30 @@ Known = Mapping[str, Trial | None]
 
 
 def trials_of(study: Study, number: int, case: Case) -> list[Trialled]:
-    """Those by which a candidate for a case of a study is judged: its own, and its healthy twin's if asked."""
+    """List those by which a candidate for a case is judged: its own, and its healthy twin's if asked."""
     own = study.swept_cases[number][0]
     loose = with_friction(own) is not None
     turn = max(pit_turn(own), cage_turn(own)) if loose else pit_turn(own)
     read = asked_of(study), passes_to_try(own, loose), turn  # the twin's as its case's: it has no pits
-    cases = [one for one in (case, twin_asked(study, case)) if one is not None]
-    return [Trialled(_named(one, *read), one, *read) for one in cases]
+    cases = [variant for variant in (case, twin_asked(study, case)) if variant is not None]
+    return [Trialled(_named(variant, *read), variant, *read) for variant in cases]
 
 
 def asked_of(study: Study) -> tuple[str, ...]:
-    """The features that each trial of a study is to have."""
+    """List the features that each trial of a study is to have."""
     assert study.goal is not None
     return tuple(sorted({name.removesuffix(HEALTHY) for name in study.goal.of}))
 
 
 @lru_cache(maxsize=1 << 17)
-def _named(case: Case, asked: tuple[str, ...], passes: int, turn: float) -> str:
-    """The id of a trial."""
-    told = {"trial": passes, "asked": list(asked)}
-    return identity(case, told if turn == pit_turn(case) else told | {"turn": float(f"{turn:.12g}")})
+def _named(case: Case, features: tuple[str, ...], passes: int, turn: float) -> str:
+    """Return the id of a trial."""
+    settings = {"trial": passes, "asked": list(features)}
+    return identity(case, settings if turn == pit_turn(case) else settings | {"turn": float(f"{turn:.12g}")})
 
 
 def twin_asked(study: Study, case: Case) -> Case | None:
-    """The healthy twin of a case, if what is asked is measured against that."""
+    """Return the healthy twin of a case, if a feature is measured against that."""
     assert study.goal is not None
     return healthy_twin(case) if any(name.endswith(HEALTHY) for name in study.goal.of) else None
 
@@ -65,15 +65,15 @@ def first_trials(study: Study, numbers: Sequence[int]) -> list[Trialled]:
     """Return those of the references of cases, each once; none of a record that is too short for friction."""
     cases = study.cases()
     wanted = [n for n in numbers if tells_friction(cases[n]) or with_friction(cases[n]) is None or recut(cases[n])]
-    return once([one for n in wanted for one in trials_of(study, n, reference(cases[n]))])
+    return once([trial for n in wanted for trial in trials_of(study, n, reference(cases[n]))])
 
 
 def once(trials: Sequence[Trialled]) -> list[Trialled]:
-    """Trials without those that occur twice."""
-    return list({one.id: one for one in trials}.values())
+    """Drop trials that occur twice."""
+    return list({trial.id: trial for trial in trials}.values())
 
 
-def repeats(study: Study, number: int, known: Known) -> bool:
-    """Whether a case's reference was found to repeat itself: then it is the answer; or failed: then nothing is."""
-    found = [known.get(one.id) for one in trials_of(study, number, reference(study.cases()[number]))]
-    return any(one is None for one in found) or (found[0] is not None and found[0].repeats)
+def repeats(study: Study, number: int, trials: Known) -> bool:
+    """Check if a case's reference repeats itself, so that it is the answer, or failed, so that nothing is."""
+    results = [trials.get(trial.id) for trial in trials_of(study, number, reference(study.cases()[number]))]
+    return any(trial is None for trial in results) or (results[0] is not None and results[0].repeats)
