@@ -13,10 +13,8 @@ from bearingsim.core.laws.damping.kraemer import Kraemer
 from bearingsim.core.laws.damping.tabulated import Tabulated
 from bearingsim.core.laws.hertz import PointContact, ball_on_race
 from bearingsim.core.laws.stiffness import johnson as line_contact
-from bearingsim.core.laws.stiffness import ten_ninths
-from bearingsim.core.laws.stiffness.linear import Linear
-from bearingsim.core.laws.stiffness.power_law import PowerLaw
-from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
+from bearingsim.core.laws.stiffness import power_laws
+from bearingsim.core.laws.stiffness.power_laws import Linear, PowerLaw, ThreeHalves
 
 
 def outer(case: Case) -> Any:
@@ -75,7 +73,7 @@ def constant(case: Case, section: Any, on_outer: bool) -> Any:
     return power(section.coefficient * 1e3**section.exponent, section.exponent)
 
 
-FASTER = ((1.0, Linear), (ten_ninths.EXPONENT, ten_ninths.TenNinths), (1.5, ThreeHalves))
+FASTER = ((1.0, Linear), (power_laws.EXPONENT, power_laws.TenNinths), (1.5, ThreeHalves))
 """The exponents that have a law of their own, without ``pow``."""
 
 
@@ -89,14 +87,14 @@ def power(k: float, m: float) -> Any:
     return PowerLaw(k, m)
 
 
-def palmgren(case: Case, section: Any, on_outer: bool) -> ten_ninths.TenNinths:
+def palmgren(case: Case, section: Any, on_outer: bool) -> power_laws.TenNinths:
     """Build Palmgren's line contact."""
-    return ten_ninths.palmgren(roller_length(case))
+    return power_laws.palmgren(roller_length(case))
 
 
-def iso16281(case: Case, section: Any, on_outer: bool) -> ten_ninths.TenNinths:
+def iso16281(case: Case, section: Any, on_outer: bool) -> power_laws.TenNinths:
     """Build the line contact of ISO/TS 16281."""
-    return ten_ninths.iso16281(roller_length(case))
+    return power_laws.iso16281(roller_length(case))
 
 
 def johnson(case: Case, section: Any, on_outer: bool) -> line_contact.Johnson:

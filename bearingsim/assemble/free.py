@@ -11,10 +11,8 @@ from bearingsim.catalogue import LAWS, call
 from bearingsim.config import Case
 from bearingsim.core.geometry.motion import Ramp, Steady
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
-from bearingsim.core.laws.friction.frictionless import Frictionless
-from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
-from bearingsim.core.laws.friction.traction import Traction
-from bearingsim.core.laws.stiffness.linear import Linear
+from bearingsim.core.laws.friction.curves import Frictionless, StaticDynamic, Traction
+from bearingsim.core.laws.stiffness.power_laws import Linear
 from bearingsim.core.parts import cage as cages
 from bearingsim.core.parts import shaft as shafts
 

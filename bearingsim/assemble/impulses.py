@@ -10,8 +10,8 @@ from bearingsim.assemble.rest import healthy_damping, healthy_rest
 from bearingsim.config import Case
 from bearingsim.core.defects.impulse_train import LoadZone, random_train, train
 from bearingsim.core.defects.pairs import RollerDefectPair
+from bearingsim.core.laws.stiffness.power_laws import EXPONENT
 from bearingsim.core.laws.stiffness.series import as_power
-from bearingsim.core.laws.stiffness.ten_ninths import EXPONENT
 from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.parameters import Support
 from bearingsim.core.sampling import RESAMPLE_REACH

@@ -11,7 +11,7 @@ from bearingsim.config import Case
 from bearingsim.config.rules.completion import slice_ends
 from bearingsim.core.geometry import slices as cut
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
-from bearingsim.core.laws.stiffness.linear import Linear
+from bearingsim.core.laws.stiffness.power_laws import Linear
 from bearingsim.core.parts import flanges as shoulders
 from bearingsim.core.parts.cage import KinematicCage
 from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace

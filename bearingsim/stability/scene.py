@@ -13,7 +13,7 @@ import numpy as np
 from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.core.defects.pairs import HALF_WIDTH, passing_speed
-from bearingsim.core.laws.stiffness.ten_ninths import EXPONENT, PALMGREN_N_MM
+from bearingsim.core.laws.stiffness.power_laws import EXPONENT, PALMGREN_N_MM
 
 SPAN = 2.2e-3  # s
 SAMPLE_INTERVAL = 1e-6  # s between compared samples

@@ -24,7 +24,7 @@ from bearingsim.core.defects.pairs import (
 )
 from bearingsim.core.defects.traced import cut_along_roller, grouped, traced_defects
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
-from bearingsim.core.laws.stiffness.ten_ninths import palmgren
+from bearingsim.core.laws.stiffness.power_laws import palmgren
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.errors import Refused
 from bearingsim.simulation.simulate import SimulationError, simulate

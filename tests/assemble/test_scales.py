@@ -4,7 +4,7 @@ import pytest
 
 from bearingsim.assemble.scales import approach
 from bearingsim.core.laws.damping.undamped import Undamped
-from bearingsim.core.laws.stiffness.linear import Linear
+from bearingsim.core.laws.stiffness.power_laws import Linear
 
 
 @pytest.mark.parametrize("k", [1e2, 1e8, 1e14])

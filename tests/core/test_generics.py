@@ -21,8 +21,7 @@ from bearingsim.core.defects.jumps import next_jump
 from bearingsim.core.defects.on_roller import roller_at_defect
 from bearingsim.core.defects.spall import Spall
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
-from bearingsim.core.laws.friction.frictionless import Frictionless
-from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
+from bearingsim.core.laws.friction.curves import Frictionless, StaticDynamic
 from bearingsim.core.laws.stiffness.interface import elastic
 from bearingsim.core.laws.stiffness.series import as_power
 from bearingsim.core.methods.adaptive import complete_dense_output, estimate_order, failure_outcome, jump_weight

@@ -19,7 +19,7 @@ from bearingsim.core.laws.damping.general import general
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.damping.kraemer import Kraemer
-from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
+from bearingsim.core.laws.stiffness.power_laws import TenNinths
 
 VARIATIONS = """
 import bearingsim.core.sampling, importlib, pkgutil, bearingsim.core as core
@@ -302,7 +302,7 @@ def test_only_types_declared_absent_fall_back_and_only_where_nothing_has_a_value
 
 
 UNCOMPILED = """
-from bearingsim.core.laws.friction.frictionless import Frictionless
+from bearingsim.core.laws.friction.curves import Frictionless
 from bearingsim.core.laws.friction.interface import mu, mu_slope
 from bearingsim.core.methods.verlet import Verlet
 assert mu(Frictionless(), 0.1, 1.0) == 0.0 and mu_slope(Frictionless(), 0.1, 1.0) == (0.0, 0.0)

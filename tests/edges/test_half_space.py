@@ -8,7 +8,7 @@ import pytest
 from bearingsim.core.laws.hertz import line_pressure
 from bearingsim.core.laws.stiffness.interface import elastic
 from bearingsim.core.laws.stiffness.johnson import johnson
-from bearingsim.core.laws.stiffness.ten_ninths import palmgren
+from bearingsim.core.laws.stiffness.power_laws import palmgren
 from benchmarks.edges.edge import bodies, crossed, crossed_at
 from benchmarks.edges.half_space import half_plane, hats, two_half_planes
 from benchmarks.edges.pressed import press, press_to

@@ -22,8 +22,7 @@ from bearingsim.core.defects.pairs import (
     SIDE,
 )
 from bearingsim.core.geometry.motion import kinematic_time
-from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
-from bearingsim.core.laws.friction.traction import Traction
+from bearingsim.core.laws.friction.curves import StaticDynamic, Traction
 from bearingsim.core.laws.stiffness.series import as_power
 from bearingsim.core.parts.cage import FreeCage, OilDrag, RingGuided, RollerGuided
 from bearingsim.core.parts.shaft import ElasticShaft, TorsionSpring

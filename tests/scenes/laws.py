@@ -6,10 +6,7 @@ import pytest
 
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.stiffness.johnson import johnson
-from bearingsim.core.laws.stiffness.linear import Linear
-from bearingsim.core.laws.stiffness.power_law import PowerLaw
-from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
-from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
+from bearingsim.core.laws.stiffness.power_laws import Linear, PowerLaw, TenNinths, ThreeHalves
 from tests.scenes.lanes import ROW, compiled
 
 STEEL = TenNinths(1.58e9)

@@ -14,12 +14,10 @@ from bearingsim.core.defects.pairs import INNER, ON_INNER, ON_OUTER, OUTER, Roll
 from bearingsim.core.geometry.motion import Steady
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
-from bearingsim.core.laws.friction.frictionless import Frictionless
+from bearingsim.core.laws.friction.curves import Frictionless, StaticDynamic
 from bearingsim.core.laws.friction.interface import mu, mu_slope_bound
-from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
-from bearingsim.core.laws.stiffness.linear import Linear
-from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
+from bearingsim.core.laws.stiffness.power_laws import Linear, TenNinths
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.equilibrium import mean_rest, rest_from_scratch
 from bearingsim.core.models.planar import Planar

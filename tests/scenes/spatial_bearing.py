@@ -12,8 +12,8 @@ from bearingsim.core import layout as lay
 from bearingsim.core.defects.pairs import GROUP_COUNT, GROUP_HALF_WIDTH, GROUP_WEIGHT, HALF_WIDTH
 from bearingsim.core.geometry.slices import Slices, slices
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
-from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
-from bearingsim.core.laws.stiffness.linear import Linear
+from bearingsim.core.laws.friction.curves import StaticDynamic
+from bearingsim.core.laws.stiffness.power_laws import Linear
 from bearingsim.core.models.spatial import Spatial
 from bearingsim.core.parts.cage import KinematicCage
 from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace

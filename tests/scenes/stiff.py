@@ -10,7 +10,7 @@ from bearingsim.core.defects.jumps import next_jump
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.general import General, Power
 from bearingsim.core.laws.damping.interface import normal_force, slopes
-from bearingsim.core.laws.stiffness.power_law import PowerLaw
+from bearingsim.core.laws.stiffness.power_laws import PowerLaw
 from bearingsim.core.methods.interface import prepare, step
 from bearingsim.core.models.interface import (
     accelerations,

@@ -22,7 +22,7 @@ from bearingsim.core.defects.depth import Rectangular
 from bearingsim.core.defects.excitations import defect_response, defect_response_gradient, response_groups
 from bearingsim.core.defects.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, KAPPA, X_E
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.stiffness.ten_ninths import ninth_root
+from bearingsim.core.laws.stiffness.power_laws import ninth_root
 
 # fitted to finite elements: weight of the wall's height, and of the edge's radius
 HEIGHT_WEIGHT, RADIUS_WEIGHT = 0.42, 0.7

@@ -26,7 +26,7 @@ from bearingsim.core.defects.excitations import (
 from bearingsim.core.defects.pairs import DEPTH, GROUP, GROUP_HALF_WIDTH, GROUP_WEIGHT, X_E, outer_reduced_radius
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.stiffness.interface import elastic
-from bearingsim.core.laws.stiffness.ten_ninths import palmgren
+from bearingsim.core.laws.stiffness.power_laws import palmgren
 from tests.scenes.pit_maps import SHAPES
 
 R_W, R_O, L_W = 0.006, 0.0385, 0.012

@@ -13,7 +13,7 @@ from bearingsim.core.laws.damping.kraemer import Kraemer
 from bearingsim.core.laws.damping.undamped import Undamped
 from bearingsim.core.laws.octaves import cell
 from bearingsim.core.laws.stiffness.interface import elastic
-from bearingsim.core.laws.stiffness.linear import Linear
+from bearingsim.core.laws.stiffness.power_laws import Linear
 from tests.scenes.lanes import ROW, compiled, keeps_lanes, needs_vectors, rows
 from tests.scenes.laws import LINE, STEEL, force_of_lanes, slope
 from tests.scenes.nf308 import case

@@ -7,10 +7,16 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from bearingsim.core.laws.friction.frictionless import Frictionless
+from bearingsim.core.laws.friction.curves import (
+    JUMP_WIDTH,
+    KRAGELSKII,
+    MIN_ROLLING_SPEED,
+    Frictionless,
+    StaticDynamic,
+    Traction,
+    exp_minus,
+)
 from bearingsim.core.laws.friction.interface import mu, mu_slope, mu_slope_bound
-from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
-from bearingsim.core.laws.friction.traction import JUMP_WIDTH, KRAGELSKII, MIN_ROLLING_SPEED, Traction, exp_minus
 from tests.scenes.lanes import ROW, compiled, keeps_lanes, needs_vectors, rows
 from tests.scenes.laws import slope
 

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 
 from bearingsim.core.laws.octaves import COEFFICIENTS, cell
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
-from bearingsim.core.laws.stiffness.johnson import johnson
-from bearingsim.core.laws.stiffness.johnson_curve import TABLE
-from bearingsim.core.laws.stiffness.ten_ninths import palmgren
+from bearingsim.core.laws.stiffness.johnson import TABLE, johnson
+from bearingsim.core.laws.stiffness.power_laws import palmgren
 from tests.scenes.laws import LINE
 
 

@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
 from bearingsim.core.laws.stiffness.johnson import johnson
-from bearingsim.core.laws.stiffness.power_law import PowerLaw
+from bearingsim.core.laws.stiffness.power_laws import EXPONENT, PowerLaw
 from bearingsim.core.laws.stiffness.series import as_power, series_share, series_share_by_newton
-from bearingsim.core.laws.stiffness.ten_ninths import EXPONENT
 from tests.scenes.lanes import ROW, compiled, keeps_lanes, needs_vectors, rows
 from tests.scenes.laws import LINE, STEEL, STIFFNESSES, every_stiffness
 

@@ -9,10 +9,15 @@ from bearingsim.assemble.contacts import power
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.octaves import cell
 from bearingsim.core.laws.stiffness.interface import curvature, elastic, tangent
-from bearingsim.core.laws.stiffness.linear import Linear
-from bearingsim.core.laws.stiffness.power_law import PowerLaw
-from bearingsim.core.laws.stiffness.ten_ninths import TenNinths, iso16281, ninth_root, palmgren
-from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
+from bearingsim.core.laws.stiffness.power_laws import (
+    Linear,
+    PowerLaw,
+    TenNinths,
+    ThreeHalves,
+    iso16281,
+    ninth_root,
+    palmgren,
+)
 from tests.scenes.lanes import ROW, compiled, keeps_lanes, needs_vectors, rows
 from tests.scenes.laws import LINE, STEEL, every_stiffness, force_of_lanes, slope
 

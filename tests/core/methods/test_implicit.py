@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bearingsim.core import layout as lay
-from bearingsim.core.laws.stiffness.power_law import PowerLaw
+from bearingsim.core.laws.stiffness.power_laws import PowerLaw
 from bearingsim.core.methods import rodas
 from bearingsim.core.methods.backward_euler import BackwardEuler
 from bearingsim.core.methods.generalised_alpha import RHO, GeneralisedAlpha

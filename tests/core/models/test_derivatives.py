@@ -12,8 +12,7 @@ from bearingsim.core.defects.pairs import ANGLE, HALF_WIDTH, RADIUS
 from bearingsim.core.laws.damping.general import general
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.damping.kraemer import Kraemer
-from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
-from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
+from bearingsim.core.laws.stiffness.power_laws import TenNinths, ThreeHalves
 from bearingsim.core.models.interface import degrees_of_freedom
 from bearingsim.core.parameters import kinematic_angles
 from tests.scenes.differences import cells, derivatives, differences

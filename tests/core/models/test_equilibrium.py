@@ -16,9 +16,7 @@ from bearingsim.core.defects.pairs import ON_INNER, ON_OUTER, REDUCED_RADIUS, Ro
 from bearingsim.core.laws.damping.undamped import Undamped
 from bearingsim.core.laws.stiffness.interface import elastic
 from bearingsim.core.laws.stiffness.johnson import johnson
-from bearingsim.core.laws.stiffness.linear import Linear
-from bearingsim.core.laws.stiffness.ten_ninths import TenNinths, iso16281
-from bearingsim.core.laws.stiffness.three_halves import ThreeHalves
+from bearingsim.core.laws.stiffness.power_laws import Linear, TenNinths, ThreeHalves, iso16281
 from bearingsim.core.models.equilibrium import (
     DISTANCE,
     PAIR,

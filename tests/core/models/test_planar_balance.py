@@ -10,7 +10,7 @@ from bearingsim import assemble
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.defects.pairs import ANGLE, RADIUS
-from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
+from bearingsim.core.laws.friction.curves import StaticDynamic
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.parts.cage import RingGuided

@@ -27,7 +27,7 @@ from bearingsim.core.defects.pairs import (
     passing_speed,
 )
 from bearingsim.core.laws.damping.interface import normal_force
-from bearingsim.core.laws.stiffness.ten_ninths import iso16281
+from bearingsim.core.laws.stiffness.power_laws import iso16281
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.equilibrium import rest_from_scratch
 from bearingsim.core.models.interface import accelerations

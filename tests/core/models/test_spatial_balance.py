@@ -14,8 +14,8 @@ from bearingsim.core.advance import start_at_rest
 from bearingsim.core.defects.pairs import ANGLE, RADIUS
 from bearingsim.core.geometry.slices import slice_edges, slices
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
-from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
-from bearingsim.core.laws.stiffness.linear import Linear
+from bearingsim.core.laws.friction.curves import StaticDynamic
+from bearingsim.core.laws.stiffness.power_laws import Linear
 from bearingsim.core.parts.cage_in_space import CageInSpace
 from bearingsim.core.parts.flanges import Flanges
 from bearingsim.core.parts.mounts import ElasticMount

@@ -11,9 +11,8 @@ from bearingsim.core.advance import Monitor, start_at_rest
 from bearingsim.core.geometry.orientation import Body
 from bearingsim.core.geometry.slices import slice_edges, slices
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
-from bearingsim.core.laws.friction.static_dynamic import StaticDynamic
-from bearingsim.core.laws.stiffness.linear import Linear
-from bearingsim.core.laws.stiffness.ten_ninths import TenNinths
+from bearingsim.core.laws.friction.curves import StaticDynamic
+from bearingsim.core.laws.stiffness.power_laws import Linear, TenNinths
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.models.equilibrium import rest_from_scratch
 from bearingsim.core.models.interface import damping_per_mass

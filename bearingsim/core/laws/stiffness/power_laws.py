@@ -1,5 +1,6 @@
-"""Line contact of finite length: the power 10/9 of Palmgren and of ISO/TS 16281."""
+"""Powers of the approach: a linear spring, point contact after Hertz, line contact fits, any exponent."""
 
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -7,6 +8,59 @@ import numpy as np
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.stiffness.interface import SHALLOWEST, curvature, elastic, tangent
 from bearingsim.core.laws.stiffness.series import as_power
+
+
+class Linear(NamedTuple):
+    """Q = k delta; k in N/m."""
+
+    k: float
+
+
+@elastic.register(Linear)
+def _elastic_linear(law, delta):
+    return law.k * delta
+
+
+@tangent.register(Linear)
+def _tangent_linear(law, delta):
+    return law.k
+
+
+@curvature.register(Linear)
+def _curvature_linear(law, delta):
+    return 0.0
+
+
+@as_power.register(Linear)
+def _as_power_linear(law):
+    return law.k, 1.0
+
+
+class ThreeHalves(NamedTuple):
+    """Point contact, Q = k delta^(3/2); k in N/m^(3/2). Source: Hertz; see ``hertz.ball_on_race`` for k."""
+
+    k: float
+
+
+@elastic.register(ThreeHalves)
+def _elastic_three_halves(law, delta):
+    return law.k * delta * sqrt(max(delta, 0.0))
+
+
+@tangent.register(ThreeHalves)
+def _tangent_three_halves(law, delta):
+    return 1.5 * law.k * sqrt(max(delta, 0.0))
+
+
+@curvature.register(ThreeHalves)
+def _curvature_three_halves(law, delta):
+    return tangent(law, delta) / (2.0 * max(delta, SHALLOWEST))
+
+
+@as_power.register(ThreeHalves)
+def _as_power_three_halves(law):
+    return law.k, 1.5
+
 
 PALMGREN_N_MM = 8.06e4  # N/mm^(10/9) per L^(8/9): 3.84e-5^(-10/9)
 ISO16281_BOTH_N_MM = 35948.0
@@ -57,20 +111,47 @@ def ninth_root(x: float) -> float:
 
 
 @elastic.register(TenNinths)
-def _elastic(law, delta):
+def _elastic_ten_ninths(law, delta):
     return law.k * delta * ninth_root(delta)
 
 
 @tangent.register(TenNinths)
-def _tangent(law, delta):
+def _tangent_ten_ninths(law, delta):
     return 10.0 / 9.0 * law.k * ninth_root(delta)
 
 
 @curvature.register(TenNinths)
-def _curvature(law, delta):
+def _curvature_ten_ninths(law, delta):
     return tangent(law, delta) / (9.0 * max(delta, SHALLOWEST))
 
 
 @as_power.register(TenNinths)
-def _as_power(law):
+def _as_power_ten_ninths(law):
     return law.k, EXPONENT
+
+
+class PowerLaw(NamedTuple):
+    """Q = k delta^m with any exponent m >= 1; k in N/m^m. Calls ``pow``: a loop over rollers loses its lanes."""
+
+    k: float
+    m: float
+
+
+@elastic.register(PowerLaw)
+def _elastic_power_law(law, delta):
+    return law.k * max(delta, 0.0) ** law.m
+
+
+@tangent.register(PowerLaw)
+def _tangent_power_law(law, delta):
+    return law.k * law.m * max(delta, 0.0) ** (law.m - 1.0)
+
+
+@curvature.register(PowerLaw)
+def _curvature_power_law(law, delta):
+    return (law.m - 1.0) * tangent(law, delta) / max(delta, SHALLOWEST)
+
+
+@as_power.register(PowerLaw)
+def _as_power_power_law(law):
+    return law.k, law.m

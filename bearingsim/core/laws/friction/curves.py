@@ -1,12 +1,65 @@
-"""Lubricated traction, after Kragelskii."""
+"""Friction curves: none, dry friction of the multibody codes, traction of an oil film."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.core.jit import jit
-from bearingsim.core.laws.friction.cubic_step import cubic_step, cubic_step_slope
+from bearingsim.core.jit import absent, jit
 from bearingsim.core.laws.friction.interface import mu, mu_slope, mu_slope_bound
+
+
+@absent
+class Frictionless(NamedTuple):
+    """mu = 0."""
+
+
+@jit
+def cubic_step(x):
+    """Return -1 up to x = -1, 1 from x = 1, the odd cubic between: continuous with its slope, which is 1.5 at x
+    = 0."""
+    x = min(max(x, -1.0), 1.0)
+    return x * (1.5 - 0.5 * x * x)
+
+
+@jit
+def cubic_step_slope(x):
+    """Return the slope of ``cubic_step``."""
+    x = min(max(x, -1.0), 1.0)
+    return 1.5 - 1.5 * x * x
+
+
+class StaticDynamic(NamedTuple):
+    """Dry friction of the multibody codes: up to mu_s at the slip v_s, down to mu_d at v_d, then level.
+
+    Cubic steps, from -mu_s at -v_s to mu_s at v_s and from there to mu_d; 0 < v_s < v_d (m/s); whatever ``u``.
+    Sources: the contact friction of Adams (STEP) and RecurDyn; written out by Wingertszahn et al., Lubricants 11
+    (2023) 369, eqs 21-27. v_s and v_d are numerical, not material: no surface slips at v_s under a static force.
+    """
+
+    mu_s: float
+    mu_d: float
+    v_s: float
+    v_d: float
+
+
+@mu.register(StaticDynamic)
+def _mu_static_dynamic(law, v, u):
+    beyond = (abs(v) - law.v_s) * (1.0 / (law.v_d - law.v_s))
+    fall = 0.5 * (law.mu_s - law.mu_d) * (1.0 + cubic_step(2.0 * beyond - 1.0))
+    return law.mu_s * cubic_step(v * (1.0 / law.v_s)) - (fall if v > 0.0 else -fall)
+
+
+@mu_slope.register(StaticDynamic)
+def _mu_slope_static_dynamic(law, v, u):
+    per_fall, per_rise = 1.0 / (law.v_d - law.v_s), 1.0 / law.v_s
+    fall = (law.mu_s - law.mu_d) * per_fall * cubic_step_slope(2.0 * (abs(v) - law.v_s) * per_fall - 1.0)
+    return law.mu_s * per_rise * cubic_step_slope(v * per_rise) - fall, 0.0
+
+
+@mu_slope_bound.register(StaticDynamic)
+def _mu_slope_bound_static_dynamic(law, u):
+    return 1.5 * law.mu_s / law.v_s
+
 
 MIN_ROLLING_SPEED = 0.01  # m/s: below it traction keeps its value; a film needs rolling
 JUMP_WIDTH = 1e-3  # slide-to-roll ratio over which a traction curve that jumps at zero slip is made to rise
@@ -35,7 +88,7 @@ KRAGELSKII = Traction(-0.1, 22.28, 181.46, 0.1)
 
 
 @mu.register(Traction)
-def _mu(law, v, u):
+def _mu_traction(law, v, u):
     s = abs(v) / max(u, MIN_ROLLING_SPEED)
     flowing = min(s, MAX_EXPONENT / law.c)  # beyond it only d is left
     level = (law.a + law.b * flowing) * exp_minus(law.c * flowing) + law.d
@@ -44,7 +97,7 @@ def _mu(law, v, u):
 
 
 @mu_slope.register(Traction)
-def _mu_slope(law, v, u):
+def _mu_slope_traction(law, v, u):
     rolling = max(u, MIN_ROLLING_SPEED)
     s = abs(v) / rolling
     flowing = min(s, MAX_EXPONENT / law.c)
@@ -57,7 +110,7 @@ def _mu_slope(law, v, u):
 
 
 @mu_slope_bound.register(Traction)
-def _mu_slope_bound(law, u):
+def _mu_slope_bound_traction(law, u):
     slope = law.b - law.c * law.a + 1.5 * (law.a + law.d) / JUMP_WIDTH
     return slope / max(u, MIN_ROLLING_SPEED)
 
