@@ -14,13 +14,14 @@ LOCK = $(BIN)/uv pip compile --quiet --python-version 3.11 --generate-hashes --n
 PYTHONS := 3.11 3.12 3.13
 FIND_PYTHON = PATH="$$PATH$$(printf ':%s' "$${PYENV_ROOT:-$$HOME/.pyenv}"/versions/*/bin)" $(BIN)/uv python find --system --no-python-downloads 2>/dev/null
 SMOKE := tests/cli/test_smoke.py tests/store
+CAMPAIGNS := promise random-scenes step-error choice price step-cost until many cluster repetition
 FIGURES := fig14 fig15 fig16
 STUDIES := $(FIGURES) damping excitations inner_race roller_defect slip length offset tilt misalignment shapes ring_bends ring_trends paper_literal models
 REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start flags nodes friction compiler-gains house
+.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start flags nodes friction compiler-gains house $(CAMPAIGNS)
 
 help:
 	@sed -n '1,8s/^# //p' Makefile
@@ -164,6 +165,10 @@ flags: install-dev
 # bowls and spalls at four times the nodes: within the error that is said? Writes docs/data/nodes.csv
 nodes: install-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.nodes --csv docs/data/nodes.csv
+
+# campaigns on random scenes: ARGS='--cases 20' and others, as of `python -m benchmarks.NAME --help`
+$(CAMPAIGNS): install-dev
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.$(subst -,_,$@) $(ARGS)
 
 # does an accuracy hold against friction and a free cage, at which cost? Writes docs/data/friction.csv
 friction: install-dev

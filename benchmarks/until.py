@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
-from repetition import draw
 
 from bearingsim.simulation import SimulationError, accuracy, simulate
+from benchmarks.repetition import draw
 
 DURATION, MOST = 2.0, 600
 ERRORS = {"standard_error_line": "velocity@BPFO", "standard_error_rms": "velocity.rms"}

@@ -1,6 +1,6 @@
 """What a factorisation and a solution of the arrow cost, from 13 to 104 rollers, next to numpy's dense ones.
 
-    OPENBLAS_NUM_THREADS=1 python benchmarks/arrow.py [--csv FILE] [--figure FILE]
+    OPENBLAS_NUM_THREADS=1 python docs/evidence/scripts/arrow.py [--csv FILE] [--figure FILE]
 
 Rollers of 1, 3 and 6 coordinates and borders of 2, 8 and 17 (``rollers``, ``planar``, ``spatial``). Shortest of
 interleaved rounds, one core; about a CPU minute. The exponent is fitted over whole vectors (16 to 104).

@@ -1,6 +1,6 @@
 """What a contact that closes within a step does to the order of a method, and what stopping on it gains.
 
-    python benchmarks/touch_down.py [--part order|gain] [--csv FILE] [--figure FILE]
+    python docs/evidence/scripts/touch_down.py [--part order|gain] [--csv FILE] [--figure FILE]
 
 1. Order. A roller of the NF308's mass, pushed by 2 N, meets a contact k delta^m at 10 mm/s; k of steel at
    m = 10/9, at other m as stiff at 1 um. It flies, touches down at 64 places in a step, and is looked at while it

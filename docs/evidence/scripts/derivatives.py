@@ -1,6 +1,6 @@
 """What it costs an implicit method to take ``planar``'s derivatives by differences, as ``spatial``'s are.
 
-    python benchmarks/derivatives.py [--csv FILE]
+    python docs/evidence/scripts/derivatives.py [--csv FILE]
 
 CPU time of the integrator for 23 ms of the NF308 over a 0.8 mm slot (1800 rpm, 150 N), exact derivatives beside
 differences: two processes a round, in turn, of which the shortest of three rounds counts. Contacts from soft to

@@ -1,6 +1,6 @@
 """The closed damping of an oil film (core/laws/oil_film.py) against solutions of 60 random contacts.
 
-    python benchmarks/film_damping.py [--csv FILE] [--figure FILE]
+    python docs/evidence/scripts/film_damping.py [--csv FILE] [--figure FILE]
 
 Rollers of 6 to 20 mm on inner and outer races in turn, 0.05 to 32 % of the load that makes 4 GPa, 300 to 6300
 rpm, 8 to 80 mPa s, 16 to 23 1/GPa, seeded. Each is solved at rest and under oscillations, slow and at the roller's
@@ -15,7 +15,7 @@ from math import exp, log, pi, sqrt
 from pathlib import Path
 from typing import Any, NamedTuple
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 
 import numpy as np
 

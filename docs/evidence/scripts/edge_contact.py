@@ -1,6 +1,6 @@
 """How far the reduced contact can be trusted at the edge of a pit (docs/edges.md).
 
-    python benchmarks/edge_contact.py [--csv FILE] [--png FILE] [--answers]
+    python docs/evidence/scripts/edge_contact.py [--csv FILE] [--png FILE] [--answers]
 
 Elastic contact of a roller over slots by finite elements (they need scikit-fem: `make install-dev`), the reduced
 contact and its correction: about 2 CPU minutes. Instead: --answers: what the correction does to the vibration in

@@ -1,6 +1,6 @@
 """How the contacts of the catalogue's bearings are damped by each law, from light to heavy load.
 
-    python benchmarks/catalogue_damping.py [--oil 'VG 68'] [--temperature 55]
+    python docs/evidence/scripts/catalogue_damping.py [--oil 'VG 68'] [--temperature 55]
 
 Rollers or balls under the load that they have where the bearing carries 0.1 to 50 % of C0 (ISO 76; no clearance),
 at 600, 1800 and 6000 rpm. Prints c/k (us) at both races: of an oil film at low frequency and at the element's own,

@@ -1,6 +1,6 @@
 """What does a reference without slip leave out? Random scenes with a kinematic cage, and with all of them free.
 
-    python benchmarks/left_out.py [--seed 1] [--count 20] [--csv FILE]
+    python docs/evidence/scripts/left_out.py [--seed 1] [--count 20] [--csv FILE]
 
 The scenes of benchmarks/promise.py whose reference is `planar`. Each is computed three times by it: as the
 reference is (nothing rubs, the cage turns at its kinematic speed), with a free cage and dry friction, and with a

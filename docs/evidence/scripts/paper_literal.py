@@ -1,6 +1,6 @@
 """Is studies/paper_literal.yaml converged? Each exponent m3 with its method, refined by ten, or by two.
 
-    python benchmarks/paper_literal.py [--load 150] [--load 300] [--m3 0] [--seconds 60] [--step 0.01]
+    python docs/evidence/scripts/paper_literal.py [--load 150] [--load 300] [--m3 0] [--seconds 60] [--step 0.01]
                                        [--jobs 2] [--csv FILE]
 
 m3 = 0: the study's cases with tolerances of 1e-3, 1e-4, 1e-5, and recorded twice as often each time. m3 = 1, whose
@@ -25,7 +25,7 @@ from bearingsim.simulation.limits import step_limits
 from bearingsim.simulation.simulate import simulate
 from bearingsim.study import load_study
 
-STUDY = Path(__file__).parents[1] / "studies" / "paper_literal.yaml"
+STUDY = Path(__file__).parents[3] / "studies" / "paper_literal.yaml"
 TOLERANCES = {0.0: (1e-3, 1e-4, 1e-5), 1.0: (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)}  # by m3
 STEPS = (0.04e-6, 0.02e-6, 0.01e-6, 0.005e-6)
 JUMPS, UNDAMPED = 0.0, 2.0  # the m3 that is recorded more often, too, and the one that is refined by steps
