@@ -1,24 +1,22 @@
 """Is a number what its name says: no line in an envelope that is not there, a band whatever the sampling?
 
-    python -m benchmarks.bands [--cases 24] [--seed 1] [--csv docs/data/bands.csv]
+    python -m benchmarks.bands [--cases 25] [--seed 1] [--csv docs/data/bands.csv]
 
 Outer-race defects of three bearings, drawn by chance, and the paper's slot. What repeats itself vibrates at
 multiples of BPFO alone: of its envelope the largest line elsewhere is put over that at BPFO, at two samplings.
 `velocity.rms@10-1000Hz` is compared from 10 240 to 409 600 Hz, the least contact force with the largest.
 """
 
-import argparse
 import random
 import sys
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from bearingsim import signals
 from bearingsim.config import Case
-from bearingsim.simulation import SimulationError, simulate
+from bearingsim.simulation import simulate
+from benchmarks.campaign import table
 
 BEARINGS = ("6205", "nf308", "nu206")
 SAMPLINGS = (10_240, 20_480)
@@ -97,24 +95,9 @@ def ghost(series: np.ndarray, fs: float, line: float) -> float:
 
 def main() -> None:
     """Measure all scenes, and write the table. Exit code 1 if one is not as it should be."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--cases", type=int, default=24)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--csv", type=Path)
-    asked = parser.parse_args()
-    chance, rows = random.Random(asked.seed), []
-    for fields in (PAPER, *(scene(chance) for _ in range(asked.cases))):
-        try:
-            rows.append(measured(fields))
-        except SimulationError as error:
-            print(f"left out: {fields}: {error}", flush=True)
-            continue
-        print(*(f"{key}={value}" for key, value in rows[-1]._asdict().items()), flush=True)
-    table = pd.DataFrame(rows)
-    if asked.csv:
-        table.to_csv(asked.csv, index=False, float_format="%.3g", lineterminator="\n")
-    print(f"{table['held'].sum()} of {len(table)} held; {table['repeats'].sum()} repeat themselves")
-    sys.exit(int(not table["held"].all()))
+    frame = table(__doc__, 25, scene, measured, fixed=[PAPER])
+    print(f"{frame['held'].sum()} of {len(frame)} held; {frame['repeats'].sum()} repeat themselves")
+    sys.exit(int(not frame["held"].all()))
 
 
 if __name__ == "__main__":

@@ -8,22 +8,19 @@ as long. An error is within what is said if it is at most `error.start` or 0.1 %
 they differ by chance, if it is at most two of their errors together.
 """
 
-import argparse
 import random
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from math import hypot, sqrt
-from pathlib import Path
 from typing import Any, NamedTuple
 
-import pandas as pd
-
 from bearingsim.config import Case
-from bearingsim.simulation import SimulationError, settling, simulate
+from bearingsim.simulation import settling, simulate
 from bearingsim.simulation.comparison import fault_lines
 from bearingsim.simulation.simulate import Record
 from bearingsim.simulation.slow_modes import SlowModes
+from benchmarks.campaign import table
 
 LONGER = 10.0  # times as long the other run settles
 PROMISED, NOTABLE = 1e-3, 0.01  # of line and RMS: what settling promises; what must not be off unsaid
@@ -138,26 +135,10 @@ def bound(found: Record, long: Record, name: str) -> float:
 
 def main() -> None:
     """Measure all scenes, and write the table. Exit code 1 if too few hold what is said."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--cases", type=int, default=40)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--csv", type=Path)
-    asked = parser.parse_args()
-    chance, rows = random.Random(asked.seed), list[Told]()
-    while len(rows) < asked.cases:
-        fields = scene(chance)
-        try:
-            rows.append(measured(fields))
-        except SimulationError as error:
-            print(f"left out: {fields}: {error}", flush=True)
-            continue
-        print(*(f"{key}={value}" for key, value in rows[-1]._asdict().items()), flush=True)
-    table = pd.DataFrame(rows)
-    if asked.csv:
-        table.to_csv(asked.csv, index=False, float_format="%.3g", lineterminator="\n")
-    held, unsaid = int(table["held"].sum()), int(table["unsaid"].sum())
-    print(f"{held} of {len(table)} within what is said, {unsaid} over 1 % unsaid; {table['repeats'].sum()} repeat")
-    sys.exit(int(held < LEAST_HELD * len(table) or unsaid > 0))
+    frame = table(__doc__, 40, scene, measured)
+    held, unsaid = int(frame["held"].sum()), int(frame["unsaid"].sum())
+    print(f"{held} of {len(frame)} within what is said, {unsaid} over 1 % unsaid; {frame['repeats'].sum()} repeat")
+    sys.exit(int(held < LEAST_HELD * len(frame) or unsaid > 0))
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from bearingsim.simulation import SimulationError, accuracy, simulate
+from bearingsim.simulation.settling import settled
 from benchmarks.repetition import draw
 
 DURATION, MOST = 2.0, 600
@@ -40,8 +41,9 @@ def tried(number: int, seed: int, wanted: float) -> dict[str, Any]:
         for error, name in ERRORS.items()
     }
     scatter = max(float(whole.info[error]) for error in ERRORS)
-    settled = int(case.settle * passes / (case.settle + case.duration))
-    needed = settled + max(accuracy.MIN_PASSES, (passes - settled) * (scatter / wanted) ** 2)
+    settle = settled(case).settle_s
+    begun = int(settle * passes / (settle + case.duration))
+    needed = begun + max(accuracy.MIN_PASSES, (passes - begun) * (scatter / wanted) ** 2)
     return {"scene": number, "early": True, "off": off, "computed": computed, "needed": needed, "passes": passes}
 
 
