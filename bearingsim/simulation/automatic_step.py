@@ -12,7 +12,7 @@ RECORDED_PER_CROSSING, RECORDED_PER_PERIOD = 25, 4
 
 
 def automatic_step(case: Case, found: Limits) -> float:
-    """The step (s) that was measured to keep the line of the fault within about 1 % (see docs/steps.md).
+    """Return the step (s) that was measured to keep the line of the fault within about 1 % (see docs/steps.md).
 
     Of an adaptive method, which sees to that itself, the time between recorded instants.
     """

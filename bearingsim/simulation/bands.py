@@ -20,7 +20,7 @@ from bearingsim.simulation.time_grid import Grid
 
 
 def band_features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
-    """The features that a case names, over the whole ball passes of its record; nan if it holds none."""
+    """Return the features that a case names, over the whole ball passes of its record; nan if it holds none."""
     asked = {name: feature for name in case.features if (feature := of_band(name)) is not None}
     of_record = windows(case, cut, raw, reach=0)
     start, count = of_record.start, len(of_record.index) * of_record.M
@@ -42,7 +42,7 @@ def band_features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str
 
 
 def band_of(case: Case, feature: BandFeature) -> Band:
-    """The band of a feature: its own, or of an envelope without one what `sampling` shows."""
+    """Return the band of a feature: its own, or of an envelope without one what `sampling` shows."""
     return feature.band or Band(0.0, FLAT * case.sampling)
 
 
@@ -54,7 +54,7 @@ def resolves(band: Band, duration: float) -> bool:
 def _envelope_line(
     case: Case, feature: BandFeature, band: Band, series: np.ndarray, fs: float, angles: SampleAngles
 ) -> float:
-    """Amplitude of a line of the squared envelope; nan where band or record do not tell it from others."""
+    """Return amplitude of a line of the squared envelope; nan where band or record do not tell it from others."""
     Z, name, duration = case.bearing.rollers, feature.line, (len(series) - 1) / fs
     ends = np.array([angles.ends().along(line, Z) for line in LINES.values()])
     frequencies = (ends[:, 1] - ends[:, 0]) / (2.0 * pi * duration)

@@ -62,12 +62,12 @@ AT_SENSOR = (lay.SENSOR, lay.SENSOR_V, lay.SENSOR_A)
 
 
 def base(case: Case) -> tuple[int, ...]:
-    """Places in the buffer of the first rows of the case's recording, which features are computed from."""
+    """Return places in the buffer of the first rows of the case's recording, which features are computed from."""
     return BASE if case.rig.ring is None else BASE + AT_SENSOR
 
 
 def places_of(case: Case, name: str) -> tuple[int, ...]:
-    """Where in the buffer a dataset's values come from: of a rigid ring's sensor from both coordinates."""
+    """List places in the buffer of a dataset's values: of a rigid ring's sensor those of both coordinates."""
     of, _, quantity = name.partition(".")
     if of == "sensor" and case.rig.ring is None:
         return tuple(PLACES[component] for component in dataset_names(f"ring.{quantity}"))
@@ -75,7 +75,7 @@ def places_of(case: Case, name: str) -> tuple[int, ...]:
 
 
 def place(name: str) -> int:
-    """Where in the buffer a dataset's values come from."""
+    """Return the place in the buffer that a dataset's values come from."""
     found = roller_of(name)
     if found is None:
         return PLACES[name]
@@ -86,7 +86,7 @@ def place(name: str) -> int:
 
 
 def recorded(case: Case) -> np.ndarray:
-    """Places (C,) in the buffer that a run of the case records: ``base``, then what else it asks for.
+    """Return places (C,) in the buffer that a run of the case records: ``base``, then what else it asks for.
 
     Of a roller whose motion may repeat, those of all rollers: what it does later, others have done before it.
     """
@@ -101,7 +101,7 @@ def recorded(case: Case) -> np.ndarray:
 
 
 def asked(case: Case, places: np.ndarray) -> np.ndarray:
-    """The rows of ``recorded`` that the case's own channels lie in."""
+    """Return the rows of ``recorded`` that the case's own channels lie in."""
     row_of = {int(p): row for row, p in enumerate(places)}
     names = [name for channel in case.record for name in dataset_names(channel)]
     found = [row_of[one] for name in names for one in places_of(case, name)]
@@ -114,7 +114,7 @@ def picks(case: Case) -> bool:
 
 
 def are_contact_forces(case: Case, places: np.ndarray) -> np.ndarray:
-    """Which of some places (R,) of the buffer hold contact forces that the case records: (R,) booleans."""
+    """Return which of some places (R,) of the buffer hold contact forces that the case records: (R,) booleans."""
     names = [name for channel in case.record if is_contact_force(channel) for name in dataset_names(channel)]
     return np.isin(places, [one for name in names for one in places_of(case, name)])
 
@@ -122,7 +122,7 @@ def are_contact_forces(case: Case, places: np.ndarray) -> np.ndarray:
 def series(
     case: Case, model: Any, rows: np.ndarray, places: np.ndarray, time: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """The recorded channels by dataset name, from rows (C, n) sampled at ``time`` (n,), s into the run."""
+    """Return the recorded channels by dataset name, from rows (C, n) sampled at ``time`` (n,), s into the run."""
     row_of = {int(p): row for p, row in zip(places, rows, strict=True)}
     return {
         name: _meant(name, along(case, [row_of[one] for one in places_of(case, name)]), model, time)
@@ -132,14 +132,14 @@ def series(
 
 
 def along(case: Case, rows: list[np.ndarray]) -> np.ndarray:
-    """Values of one row; of both coordinates of a ring in the direction the sensor looks."""
+    """Return values of one row; of both coordinates of a ring in the direction the sensor looks."""
     if len(rows) == 1:
         return rows[0]
     return cos(case.rig.sensor_angle) * rows[0] + sin(case.rig.sensor_angle) * rows[1]
 
 
 def _meant(name: str, values: np.ndarray, model: Any, time: np.ndarray) -> np.ndarray:
-    """A channel from what the buffer keeps: turns beyond the kinematic ones, forces of slices."""
+    """Return a channel from what the buffer keeps: turns beyond the kinematic ones, forces of slices."""
     b = model.bearing
     if name == "cage.speed":
         return values + b.omega_c * speed_factor(model, time)

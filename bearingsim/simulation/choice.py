@@ -57,12 +57,12 @@ def resolved(case: Case) -> Case:
 
 
 def limits(case: Case) -> Limits:
-    """What the case's step must respect, by the method that it is given or chosen."""
+    """Return what the case's step must respect, by the method that it is given or chosen."""
     return step_limits(resolved(case))
 
 
 def with_method(case: Case, method: str | None) -> Case:
-    """The case with a method of that name."""
+    """Return the case with a method of that name."""
     return case.model_copy(update={"method": method})
 
 
@@ -84,7 +84,7 @@ def attempts(case: Case) -> Iterator[Attempt]:
 
 
 def tried(case: Case) -> list[str | None]:
-    """The methods that a case is computed with, each if those before it fail; its own word if it is refused."""
+    """List the methods to compute a case with, each if those before fail; its own word if it is refused."""
     try:
         first = choice(case).method
     except Refused:
@@ -102,7 +102,7 @@ def alternatives(case: Case) -> list[str]:
 
 @lru_cache(maxsize=1 << 17)
 def choice(case: Case) -> Choice:
-    """The cheapest method that holds 1 % of the fault's line. Raises ``Refused`` like ``limits``.
+    """Return the cheapest method that holds 1 % of the fault's line. Raises ``Refused`` like ``limits``.
 
     `periodic: false` is given the method that it is to check.
     """
@@ -126,7 +126,7 @@ def choice(case: Case) -> Choice:
 
 
 def margin(name: str) -> float:
-    """How many times its estimate a method may cost."""
+    """Return how many times its estimate a method may cost."""
     return IMPLICIT_MARGIN if METHODS[name].implicit else ADAPTIVE_MARGIN if METHODS[name].adaptive else 1.0
 
 
@@ -139,7 +139,7 @@ def _patience(case: Case, costs: dict[str, Cost]) -> int:
 
 
 def can_step(case: Case, name: str) -> bool:
-    """Whether a method can step the case's model: an implicit one needs its derivatives.
+    """Check if a method can step the case's model: an implicit one needs its derivatives.
 
     Friction is steep: at its rate the steps of an explicit adaptive method would go, others let it lag.
     """
@@ -149,7 +149,7 @@ def can_step(case: Case, name: str) -> bool:
 
 
 def is_frictionless(case: Case) -> bool:
-    """Whether nothing rubs in a case whose model knows of friction."""
+    """Check if nothing rubs in a case whose model knows of friction."""
     on_races = getattr(case.friction, "law", "none") != "none"
     return not on_races and (case.cage is None or case.cage.motion == "kinematic")
 
@@ -171,5 +171,5 @@ def _saving(chosen: str, prices: dict[str, float], found: Limits) -> str:
 
 
 def _cost(case: Case) -> Cost:
-    """What a case whose method is named takes at its own step, or the automatic one."""
+    """Return what a case whose method is named takes at its own step, or the automatic one."""
     return cost(case, automatic_step(case, step_limits(case)) if case.step == "auto" else case.step)

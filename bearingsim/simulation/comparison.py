@@ -54,7 +54,7 @@ class Compared(NamedTuple):
 
 
 def compare(one: Compared, other: Compared) -> Changes:
-    """How far one run is from another, over the other."""
+    """Return how far one run is from another, over the other."""
     quiet = QUIET_LINE * float(np.std(other.recorded)) or 1.0
     return Changes(
         line=float(
@@ -72,7 +72,7 @@ def compare(one: Compared, other: Compared) -> Changes:
 
 
 def rms_change(one: np.ndarray, other: np.ndarray) -> float:
-    """Relative change of an RMS about the mean; of what hardly changes at all, relative to its size."""
+    """Return relative change of an RMS about the mean; of what hardly changes at all, relative to its size."""
     size = max(float(np.std(other)), QUIET_LINE * float(np.abs(other).max()))
     return float(abs(np.std(one) - np.std(other)) / (size or 1.0))
 
@@ -101,7 +101,7 @@ def amplitudes(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.n
 
 
 def line_change(one: np.ndarray, other: np.ndarray) -> float:
-    """How much two lines differ, given what each pass adds.
+    """Return how much two lines differ, given what each pass adds.
 
     Errors that differ in sign from pass to pass may cancel in a few of them by luck: not less than their root of
     the sum of squares, which is what is left of them on average.
@@ -111,7 +111,7 @@ def line_change(one: np.ndarray, other: np.ndarray) -> float:
 
 
 def of_orbit(setup: Setup, raw: RawRecord) -> Compared:
-    """What is compared of a motion that repeats itself: a period of it, and of rollers a turn of the cage.
+    """Return what is compared of a motion that repeats itself: a period of it, and of rollers a turn of the cage.
 
     Of what is recorded raw the record: which parts of a period its instants meet is chance.
     """
@@ -136,7 +136,7 @@ def _compared(
     lines: np.ndarray,
     peaks: np.ndarray,
 ) -> Compared:
-    """low, picked: rows of all that is recorded, low-passed (None if nothing is) and raw."""
+    """Gather what is compared; low, picked: rows of all that is recorded, low-passed (or None) and raw."""
     rows = picked if low is None else low
     along = {quantity: features.along_sensor(case, rows, quantity) for quantity in MOTION}
     motion = np.stack([*along.values()])
@@ -151,12 +151,12 @@ def _compared(
 
 
 def fault_lines(case: Case) -> list[str]:
-    """The lines of the case's pits; BPFO, at which a healthy bearing vibrates too, without any."""
+    """Return the lines of the case's pits; BPFO, at which a healthy bearing vibrates too, without any."""
     return list(dict.fromkeys(FAULT_LINES[defect.race] for defect in case.defects)) or ["BPFO"]
 
 
 def of_pilot(setup: Setup, raw: RawRecord, passes: int) -> Compared:
-    """What is compared of a pilot: its last so many ball passes."""
+    """Return what is compared of a pilot: its last so many ball passes."""
     case, cut = setup.case, setup.cut
     start, length = record_windows.first_sample(case, cut), passes * cut.fine_per_pass + 1
     fine = features.sensed(case, raw, "velocity", start, length)
@@ -168,11 +168,11 @@ def of_pilot(setup: Setup, raw: RawRecord, passes: int) -> Compared:
 
 
 def low_passed(setup: Setup, raw: RawRecord, start: int, length: int) -> np.ndarray:
-    """Rows (C, ``length``) at fine samples from number ``start``, low-passed as the record is."""
+    """Return rows (C, ``length``) at fine samples from number ``start``, low-passed as the record is."""
     taps = sampling_kernel(setup.cut.fine_rate / setup.case.sampling)
     return raw.through(taps).read(start, length)
 
 
 def raw_values(setup: Setup, picked: np.ndarray, passes: int) -> np.ndarray:
-    """Rows (C, n) of raw values in so many ball passes."""
+    """Return rows (C, n) of raw values in so many ball passes."""
     return picked[:, : floor(passes / setup.cut.rate * setup.case.sampling) + 1]

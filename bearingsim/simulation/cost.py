@@ -56,5 +56,5 @@ def cost(case: Case, step: float, passes: int | None = None) -> Cost:
 
 
 def solved_once(case: Case) -> bool:
-    """Whether one ball pass is all that is computed: each instant stands alone, and each pass is the same."""
+    """Check if one ball pass is all that is computed: each instant stands alone, and each pass is the same."""
     return MODELS[case.model].memoryless and may_repeat(case)

@@ -50,7 +50,7 @@ def rates_at_rest(model: Any, t: float, y: np.ndarray, approach: float, rounds: 
 
 
 def _largest(model: Any, t: float, y: np.ndarray, block: int, arms: np.ndarray, size: float, rounds: int) -> float:
-    """The largest eigenvalue of minus the slope of the accelerations in a block of the state.
+    """Return the largest eigenvalue of minus the slope of the accelerations in a block of the state.
 
     arms: (STATE,) of each entry, m per unit, 0 of what is none; size: largest change of an entry, m or m/s.
     """

@@ -45,11 +45,11 @@ class SampleAngles(NamedTuple):
     roll: np.ndarray
 
     def ends(self) -> "SampleAngles":
-        """The first and the last of them."""
+        """Return the first and the last of them."""
         return SampleAngles(self.cage[[0, -1]], self.inner[[0, -1]], self.roll[[0, -1]])
 
     def along(self, line: Line, Z: int) -> np.ndarray:
-        """The angle whose cosine a line follows."""
+        """Return the angle whose cosine a line follows."""
         return (
             line.outer * Z * self.cage
             + line.inner * Z * (self.inner - self.cage)
@@ -60,7 +60,7 @@ class SampleAngles(NamedTuple):
 
 
 def features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
-    """Every feature of a run."""
+    """Return every feature of a run."""
     return {
         **ball_pass_lines(case, model, cut, raw),
         **other_lines(case, model, cut, raw),
@@ -71,7 +71,7 @@ def features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, flo
 
 
 def of_base(case: Case) -> np.ndarray:
-    """The rows of a recording that features are computed from."""
+    """Return the rows of a recording that features are computed from."""
     return np.arange(len(base(case)))
 
 
@@ -81,14 +81,14 @@ def along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
 
 
 def blocks(count: int) -> Iterator[tuple[int, int]]:
-    """Where each block of so many samples begins and ends. Raises OutOfCpuTime if the job's is over."""
+    """Yield beginning and end of blocks of so many samples. Raises OutOfCpuTime if the job's is over."""
     for first in range(0, count, BLOCK):
         cpu_time.check()
         yield first, min(first + BLOCK, count)
 
 
 def sensed(case: Case, raw: RawRecord | LowPassed, quantity: str, start: int, count: int) -> np.ndarray:
-    """``along_sensor`` of fine samples (count,) from number ``start`` on."""
+    """Return ``along_sensor`` of fine samples (count,) from number ``start`` on."""
     rows, out = np.array([ROW_OF[place] for place in places_of(case, f"sensor.{quantity}")]), np.empty(count)
     for first, end in blocks(count):
         out[first:end] = along(case, list(raw.read(start + first, end - first, rows)))
@@ -134,7 +134,7 @@ def lines_of_passes(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[s
 
 
 def _lines_at_equal_times(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
-    """The lines (harmonics, passes) of each quantity: a kinematic cage passes at equal times."""
+    """Return the lines (harmonics, passes) of each quantity: a kinematic cage passes at equal times."""
     of_record = windows(case, cut, raw, reach=1)
     M, start = of_record.M, of_record.start
     place, speed = (sensed(case, raw, quantity, start, of_record.distinct * M + 1) for quantity in MOTION[:2])
@@ -199,7 +199,7 @@ def other_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, 
 def _lines_at_constant_speed(
     case: Case, model: Any, cut: Grid, raw: RawRecord, length: int
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Complex amplitudes (lines,) of each quantity, and the lines' frequencies (Hz)."""
+    """Return complex amplitudes (lines,) of each quantity, and the lines' frequencies (Hz)."""
     of_record = windows(case, cut, raw, reach=0)
     M, start = of_record.M, of_record.start
     count = min(len(of_record.index), length // M)
@@ -222,7 +222,7 @@ def _lines_at_constant_speed(
 def _lines_as_they_turn(
     case: Case, model: Any, cut: Grid, raw: RawRecord, length: int
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """The same of bodies whose speeds change."""
+    """Return the same of bodies whose speeds change."""
     start, Z = first_sample(case, cut), case.bearing.rollers
 
     def angles(first: int, end: int) -> np.ndarray:
@@ -247,7 +247,7 @@ def _lines_as_they_turn(
 
 
 def statistics(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
-    """RMS, peak, crest factor and kurtosis of the record's whole ball passes, along the sensor.
+    """Return RMS, peak, crest factor and kurtosis of the record's whole ball passes, along the sensor.
 
     Of the low-passed motion at fine samples: a peak between two samples of the record counts. Of a raw record, of
     its samples.
@@ -271,7 +271,7 @@ def _raw_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
 
 
 def _low_passed_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
-    """Of the record's distinct passes."""
+    """Filter the motion along the sensor of the record's distinct passes."""
     taps = sampling_kernel(cut.fine_rate / case.sampling)
     of_record, low = windows(case, cut, raw, reach=len(taps) // 2), raw.through(taps)
     count, weights = of_record.distinct * of_record.M, of_record.weights
@@ -280,7 +280,7 @@ def _low_passed_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
 
 
 def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
-    """Largest force (N), tilt (rad), line load (N/m) that any roller met in the record's whole passes.
+    """Return largest force (N), tilt (rad), line load (N/m) that any roller met in the record's whole passes.
 
     Of the first pass that the record touches, if none is whole; nan for what the model does not know.
     """
@@ -298,7 +298,7 @@ def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
 
 
 def cage_and_load_zone(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
-    """Mean extent of the load zone (rad), and the cage's slip; nan for what the model does not know."""
+    """Return mean extent of the load zone (rad), and the cage's slip; nan for what the model does not know."""
     of_record, known = windows(case, cut, raw, reach=0), MODELS[case.model]
     start, M = of_record.start, of_record.M
     slip, loaded = np.empty(of_record.distinct * M), 0.0

@@ -266,7 +266,7 @@ def _steady_start(
 def _ball_passes(
     setup: Setup, samples: NoSamples | Samples, y: np.ndarray, places: np.ndarray, pace: Pace
 ) -> Iterator[np.ndarray]:
-    """The recording, a ball pass at a time: (C, tail + steps) with the end of the pass before in front.
+    """Return the recording, a ball pass at a time: (C, tail + steps) with the end of the pass before in front.
 
     The same array every time. ``pace`` gathers the CPU time of the integrator.
     """
@@ -424,13 +424,13 @@ def stopped(setup: Setup, outcome: int, body: int, t: float) -> MethodFailure:
 
 
 def needs_roller_mass(setup: Setup, outcome: int) -> bool:
-    """Whether a method has stuck where only rollers with mass would let it go on."""
+    """Check if a method has stuck where only rollers with mass would let it go on."""
     stuck = outcome in (outcomes.STEP_TOO_SMALL, outcomes.NEWTON_FAILED, outcomes.TOO_MANY_STEPS)
     return stuck and not MODELS[setup.case.model].has_inertia and setup.case.contact.jumps
 
 
 def advice(setup: Setup, outcome: int) -> str:
-    """Which step, tolerance or model would do."""
+    """Return which step, tolerance or model would do."""
     adaptive = assemble.adaptive(setup.case)
     if outcome == outcomes.TOO_SLOW:
         return "take a shorter `duration`" + ("" if adaptive else ", or give a `step` of your own")
@@ -443,5 +443,5 @@ def advice(setup: Setup, outcome: int) -> str:
 
 
 def name_of(model: Any, body: int) -> str:
-    """What a monitored body is called."""
+    """Return what a monitored body is called."""
     return f"roller {body + 1}" if monitored(model) > 1 and body >= 0 else "the ring"

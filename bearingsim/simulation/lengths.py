@@ -9,7 +9,7 @@ from bearingsim.core.models.interface import harmonics, state_width
 
 
 def lengths(model: Any) -> np.ndarray:
-    """By what (m, or 1) positions and velocities are multiplied to become lengths and speeds (2 STATE,).
+    """Return by what (m, or 1) positions and velocities are multiplied to become lengths and speeds (2 STATE,).
 
     A roller's own rotation, which grows without end, counts by its speed alone; what is no state of the model does
     not.

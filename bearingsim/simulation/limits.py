@@ -80,7 +80,7 @@ class Slopes(NamedTuple):
 
 
 def step_limits(case: Case) -> Limits:
-    """Limits of the case's step, its method being named. Raises ``Refused`` if nothing holds the ring."""
+    """Return limits of the case's step, its method being named. Raises ``Refused`` if nothing holds the ring."""
     try:
         found, slopes = _without_method(assemble.bearing_of(at_full_speed(case)))
     except NoEquilibrium as error:
@@ -92,7 +92,7 @@ def step_limits(case: Case) -> Limits:
 
 @lru_cache(maxsize=OF_A_STUDY)
 def _without_method(case: Case) -> tuple[Limits, Slopes]:
-    """The limits but for those of a method, and the slopes that these follow from."""
+    """Return the limits but for those of a method, and the slopes that these follow from."""
     rest_load, K, C = loads_at_rest(loaded_at_rest(case))
     K_alone, _ = contacts_alone(loaded_at_rest(case))
     frequency = sqrt(K_alone) / (2.0 * pi) if K_alone > 0.0 else inf
@@ -116,7 +116,7 @@ def _without_method(case: Case) -> tuple[Limits, Slopes]:
 
 
 def damping_ratio_at_rest(case: Case) -> float:
-    """The largest damping ratio of a body on its contacts under the load at rest, without friction."""
+    """Return the largest damping ratio of a body on its contacts under the load at rest, without friction."""
     rest_load, *_ = loads_at_rest(loaded_at_rest(case))
     K, C = contacts_alone(loaded_at_rest(case))
     if MODELS[case.model].slips:
@@ -125,7 +125,7 @@ def damping_ratio_at_rest(case: Case) -> float:
 
 
 def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limits, Slopes]:
-    """The limits with what pits do to them."""
+    """Return the limits with what pits do to them."""
     model = assemble.model(case)
     speed = closing_speed(model)
     hits = [impact(model.bearing.m_r, law, speed) for law in (model.outer, model.inner)]
@@ -215,7 +215,7 @@ def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
 
 @lru_cache(maxsize=OF_A_STUDY)
 def faster_than_monitored(healthy: Case) -> Rates:
-    """Rates of what moves much faster at rest than the monitored bodies; zero if nothing does."""
+    """Return rates of what moves much faster at rest than the monitored bodies; zero if nothing does."""
     load, *monitored = loads_at_rest(healthy)
     model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
     if not MODELS[healthy.model].has_inertia or not degrees_of_freedom.serves(type(model)):
@@ -252,7 +252,7 @@ def at_rest_in_a_pass(model: Any) -> Iterator[tuple[float, np.ndarray, float, fl
 
 
 def step_impact(model: Any, law: Any, load: float) -> tuple[float, float, float]:
-    """What ``impact`` gives, for a roller under ``load`` (N) whose race comes back at once as the pit ends.
+    """Return what ``impact`` gives, for a roller under ``load`` (N) whose race comes back at once as the pit ends.
 
     Only for excitations with such a step. The roller has fallen by then, in free flight from what its inner
     contact gave it (at most load times approach), but no deeper than the pit; so far it is pressed into the race.
@@ -282,7 +282,7 @@ def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
 
 @lru_cache(maxsize=1024)
 def step_limit(method: str | None, K: float, C: float) -> float:
-    """The step (s) at which a method turns unstable; K (1/s^2) and C (1/s) over a body's mass."""
+    """Return the step (s) at which a method turns unstable; K (1/s^2) and C (1/s) over a body's mass."""
     if method is None or METHODS[method].adaptive or (K == 0.0 and C == 0.0):
         return inf
     method_of = assemble.kind_of_method(method).parameters

@@ -18,7 +18,7 @@ ROUNDING = 1e-9  # of a ball pass
 
 
 def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
-    """The beginning of a case, its method named, and how many ball passes are compared.
+    """Return the beginning of a case, its method named, and how many ball passes are compared.
 
     times: as many of them as usual. Of a case with a ramp, one at its highest speed all along: there its step is
     hardest to hold. One that is lightly damped settles first, since from rest it may need that long to become what
@@ -37,23 +37,23 @@ def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
 
 
 def is_lightly_damped(case: Case) -> bool:
-    """Whether damping is so light that a motion long remembers what it started with."""
+    """Check if damping is so light that a motion long remembers what it started with."""
     return step_limits(case).damping_ratio < LIGHT_DAMPING
 
 
 def compared_part(case: Case) -> float:
-    """The part of a run that a pilot is to compare: all of it where strictness is asked for."""
+    """Return the part of a run that a pilot is to compare: all of it where strictness is asked for."""
     return 1.0 if case.step_check == "strict" else PILOT_PART
 
 
 def sees_pit_turns(case: Case, passes: int) -> bool:
-    """Whether every pit turns through the load zone ``TURNS`` times within ``passes`` ball passes."""
+    """Check if every pit turns through the load zone ``TURNS`` times within ``passes`` ball passes."""
     rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
     return passes >= turns_of_pits(case) * rate - ROUNDING
 
 
 def longer_duration(case: Case) -> float:
-    """The duration (s) of a run whose pilot sees the pits turn; twice as much as this one's, if that does."""
+    """Return the duration (s) of a run whose pilot sees the pits turn; twice this one's if it does."""
     short, passes = pilot(case)
     if not sees_pit_turns(case, passes):
         return DURATION_MARGIN * turns_of_pits(case)
@@ -70,7 +70,7 @@ def check_cost(case: Case) -> float:
 
 
 def turns_of_pits(case: Case) -> float:
-    """The time (s) in which the slowest pit turns through the load zone ``TURNS`` times; 0 if none turns."""
+    """Return the time (s) of ``TURNS`` turns of the slowest pit through the load zone; 0 if none turns."""
     return TURNS * max((float(PIT_TURN[defect.race](case)) for defect in case.defects), default=0.0)
 
 

@@ -28,13 +28,13 @@ DAMPING_POWER = 0.37
 
 @cache
 def prices() -> dict[tuple[str, str], float]:
-    """The table: (what, name of model or method) to its number."""
+    """Return the table: (what, name of model or method) to its number."""
     with TABLE.open(newline="") as file:
         return {(row["what"], row["name"]): float(row["value"]) for row in csv.DictReader(file)}
 
 
 def price(what: str, name: str = USUAL) -> float:
-    """A number of the table, or the usual one."""
+    """Return a number of the table, or the usual one."""
     return prices().get((what, name), prices()[what, USUAL])
 
 

@@ -58,7 +58,7 @@ class RawRecord:
         return np.concatenate([known, self._repeated(max(start, computed), start + count, rows)], axis=1)
 
     def _repeated(self, start: int, end: int, rows: np.ndarray) -> np.ndarray:
-        """The columns from ``start`` to ``end``, all after the computed ones, as they would have been computed."""
+        """Return the columns from ``start`` to ``end``, all after the computed ones, by repetition."""
         first, last = ((column - self.lead) // self.M for column in (start, end - 1))
         passes = np.arange(first, last + 1)
         sources = self.repetition.source(passes)
@@ -77,7 +77,7 @@ class RawRecord:
         return np.array([turned(self.places, self.Z, m) for m in range(self.Z)])
 
     def through(self, taps: np.ndarray) -> "RawRecord | LowPassed":
-        """What the low-pass ``taps`` (odd) let through, to be read in the same way.
+        """Return what the low-pass ``taps`` (odd) let through, to be read in the same way.
 
         Of a motion that repeats itself the computed passes are filtered, and some that follow: as many as the
         filter reaches. Of any other, what is asked for, as it is asked for.
@@ -102,7 +102,7 @@ class LowPassed:
     taps: np.ndarray
 
     def read(self, first: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
-        """As ``RawRecord.read``."""
+        """Read fine samples as ``RawRecord.read`` does."""
         reach = len(self.taps) // 2
         wide = np.ascontiguousarray(self.raw.read(first - reach, count + 2 * reach, rows))
         out = np.empty((len(wide), count))

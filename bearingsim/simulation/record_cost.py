@@ -77,7 +77,7 @@ class Size(NamedTuple):
     checked: float
 
     def with_passes(self, computed: int, checked: float) -> "Size":
-        """The same with so many passes computed, and checked."""
+        """Return the same with so many passes computed, and checked."""
         read = min(self.whole, float(computed * self.fine))
         return self._replace(computed=computed, checked=checked, read=read)
 
@@ -94,7 +94,7 @@ def size(case: Case, fine: int, decimation: int, computed: int, checked: float) 
 
 
 def counts(case: Case, of: Size) -> Counts:
-    """What is done with a run of that size."""
+    """Return what is done with a run of that size."""
     passes = of.computed + PASSES_CHECKED * of.checked
     taps = 2.0 * ceil(RESAMPLE_REACH * of.whole / max(1, of.samples)) + 1.0
     of_series = of.whole if of.read == of.whole else of.computed * of.fine

@@ -35,7 +35,7 @@ class Windows:
 
 
 def first_sample(case: Case, cut: Grid) -> int:
-    """The number of the record's first fine sample, counted from t = 0."""
+    """Return the number of the record's first fine sample, counted from t = 0."""
     return ceil(case.settle_s * cut.fine_rate - 1e-6)
 
 
@@ -45,7 +45,7 @@ def whole_passes(case: Case, cut: Grid) -> int:
 
 
 def windows(case: Case, cut: Grid, raw: RawRecord, reach: int) -> Windows:
-    """The whole ball passes of the record.
+    """Return the whole ball passes of the record.
 
     reach: fine samples beyond both ends of a window that what is read of it depends on.
     """

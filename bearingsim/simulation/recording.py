@@ -27,7 +27,7 @@ class Recording:
     """What is kept of a run as its passes are computed."""
 
     def __init__(self, case: Case, cut: Grid, Z: int, y: np.ndarray) -> None:
-        """y: the buffer at t = 0, before which everything stood still."""
+        """Make room for what is kept. y: the buffer at t = 0, before which everything stood still."""
         self.case, self.cut, self.Z = case, cut, Z
         self.places = channels.recorded(self.case)
         self.lead = ceil(RESAMPLE_REACH * self.cut.fine_rate / self.case.sampling) + INTERPOLATION_REACH + 1
@@ -62,7 +62,7 @@ class Recording:
             picked[:] = picked[turned(self.places, self.Z, p - source)]
 
     def raw(self, repetition: Repetition, y: np.ndarray, cpu_s: float) -> RawRecord:
-        """The record as far as it has been computed."""
+        """Return the record as far as it has been computed."""
         M, passes = self.cut.fine_per_pass, repetition.computed
         return RawRecord(
             places=self.places,
@@ -80,7 +80,7 @@ class Recording:
 
 
 def samples_between_steps(case: Case, picked: np.ndarray) -> NoSamples | Samples:
-    """What an adaptive method is to record at the raw record's own instants, into ``picked``.
+    """Return what an adaptive method is to record at the raw record's own instants, into ``picked``.
 
     The steps of any other are so short that a value between two is taken from both.
     """
@@ -90,7 +90,7 @@ def samples_between_steps(case: Case, picked: np.ndarray) -> NoSamples | Samples
 
 
 def take_peaks(y: np.ndarray) -> list[float]:
-    """The largest of each of ``EXTREMES`` that any roller has met since they were last taken."""
+    """Return the largest of each of ``EXTREMES`` that any roller has met since they were last taken."""
     rows = [y[row : row + lay.MAX_ROLLERS] for row in EXTREMES.values()]  # empty: of a model that knows of none
     found = [float(row.max(initial=0.0)) for row in rows]
     for row in rows:

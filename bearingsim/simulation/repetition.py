@@ -37,7 +37,7 @@ CONDITIONS: dict[str, Callable[[Case], bool]] = {
 
 
 def may_repeat(case: Case) -> bool:
-    """Whether the motion of a case, its method named, may become the same in each ball pass.
+    """Check if the motion of a case, its method named, may become the same in each ball pass.
 
     A case with a field that this page does not know is computed in full.
     """
@@ -79,7 +79,7 @@ class Repetition(NamedTuple):
     difference: float
 
     def source(self, p: np.ndarray | int) -> np.ndarray:
-        """The computed pass that pass ``p`` (any shape) equals, by place."""
+        """Return the computed pass that pass ``p`` (any shape) equals, by place."""
         p = np.asarray(p)
         first = self.computed - self.period
         return np.where(p < self.computed, p, first + (p - first) % max(1, self.period))
@@ -165,7 +165,7 @@ class Search:
         return 0, min((found[-1] for found in self.differences.values() if found), default=nan)
 
     def _ranges(self, window: np.ndarray) -> np.ndarray:
-        """The range of the kind of each recorded row (C,)."""
+        """Return the range of the kind of each recorded row (C,)."""
         high, low = np.zeros(len(window)), np.zeros(len(window))
         for c in self.compared:
             high[c], low[c] = window[c].max(), window[c].min()
@@ -179,7 +179,7 @@ class Search:
         return found
 
     def _difference(self, period: int, ranges: np.ndarray) -> float:
-        """The largest difference to ``period`` passes ago; that of their ends if not even these are near."""
+        """Return the largest difference to ``period`` passes ago; of their ends if these are not near."""
         at_end = self._end_difference(period, ranges)
         if not at_end <= NEAR * self.close.shrinking:
             return at_end
@@ -191,7 +191,7 @@ class Search:
         return max(at_end, _over(apart, ranges[self.compared]), of_peaks)
 
     def _end_difference(self, period: int, ranges: np.ndarray) -> float:
-        """The largest difference of the states at the passes' ends, as lengths and speeds."""
+        """Return the largest difference of the states at the passes' ends, as lengths and speeds."""
         now, before = (self.ends[-1 - n].reshape(2, 6, lay.ROW) for n in (0, period))
         before = turned_state(before, self.model, -period)
         lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + self.Z)
@@ -217,13 +217,13 @@ def turned_state(state: np.ndarray, model: Any, passes: int) -> np.ndarray:
 
 
 def _over(differences: np.ndarray, ranges: np.ndarray) -> float:
-    """The largest of differences over their ranges; what does not differ counts as 0 whatever its range."""
+    """Return the largest of differences over their ranges; what does not differ counts as 0 whatever its range."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return float(np.max(np.where(differences == 0.0, 0.0, differences / ranges), initial=0.0))
 
 
 def _settled(differences: list[float], close: Closeness, keeps: float) -> bool:
-    """Whether the last of differences, and all that is to come, is small.
+    """Check if the last of differences, and all that is to come, is small.
 
     keeps: ratio of one difference to the one before that the slowest mode has, which may be too small to be seen.
     """
@@ -242,5 +242,5 @@ def _settled(differences: list[float], close: Closeness, keeps: float) -> bool:
 
 
 def to_come(difference: float, rho: float) -> float:
-    """What a difference, if each is ``rho`` times the one before, can still add up to, itself at least."""
+    """Return what a difference, if each is ``rho`` times the one before, can still add up to, itself at least."""
     return difference * max(1.0, rho / (1.0 - rho)) if rho < 1.0 else inf

@@ -100,7 +100,7 @@ def simulate(case: Case) -> Record:
 def try_out(
     case: Case, asked: Sequence[str], passes: int, turn: float = 0.0, against: Against | None = None
 ) -> tuple[Trial, Record | None]:
-    """The first ball passes of a case, for its model to be compared with others (``trial.py``).
+    """Return the first ball passes of a case, for its model to be compared with others (``trial.py``).
 
     asked: the features that are; passes: how many are compared; turn: of the slowest pit (s), by which they are
     cut (0 if none turns), its own or of the case whose healthy twin this is. If the motion repeats itself within
@@ -112,7 +112,7 @@ def try_out(
 
 
 def _in_turn(case: Case, compute: Callable[[choice.Attempt], T]) -> T:
-    """What comes of the first attempt at a case that proves right."""
+    """Return what comes of the first attempt at a case that proves right."""
     extensions.refuse_broken()
     failed: dict[str, SimulationError] = {}
     left: set[tuple[str | None, int]] = set()  # methods that shorter steps do not help, with their patience
@@ -143,7 +143,7 @@ def _attempts(case: Case) -> list[choice.Attempt]:
 
 
 def _all_failed(errors: list[SimulationError]) -> SimulationError:
-    """One error for all methods that were tried: the reason of each, the advice and the time of the first."""
+    """Combine the errors of all methods tried: the reason of each, the advice and time of the first."""
     reasons = list(dict.fromkeys(error.reason for error in errors))
     first = errors[0]
     advice = first.method_advice if isinstance(first, MethodFailure) and len(errors) > 1 else first.advice
@@ -197,7 +197,7 @@ def _look(setup: Setup, asked: Sequence[str], turn: float, against: Against) -> 
 
 
 def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) -> Record:
-    """The record of a run."""
+    """Return the record of a run."""
     case = setup.case
     rows = channels.asked(case, raw.places)
     sampled = _sampled(case, setup.cut, raw, rows)
@@ -225,7 +225,7 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
 
 
 def _checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
-    """The step check of a setup's step, where one is wanted. Raises ``MethodFailure`` if it does not hold."""
+    """Check the step of a setup where that is wanted. Raises ``MethodFailure`` if it does not hold."""
     if not setup.case.checks_step:
         return step_check.UNCHECKED
     orbit = raw if raw is not None and raw.repetition.period > 0 else None
@@ -247,7 +247,7 @@ def _checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
 
 
 def _tighter_advice(setup: Setup) -> str:
-    """What a case can ask for that does not hold its line."""
+    """Return what a case can ask for that does not hold its line."""
     if assemble.adaptive(setup.case):
         return f"take a tighter `tolerance` than {setup.method.rtol:.2g}"
     return "give a `step` of your own" if setup.case.step == "auto" else "take a shorter `step`"
@@ -278,7 +278,7 @@ def _refuse_unsettled(case: Case, error: float) -> None:
 
 
 def _kept(setup: Setup, raw: RawRecord) -> float:
-    """The share of its ball passes that a record holds, if it ended as it was accurate enough."""
+    """Return the share of its ball passes that a record holds, if it ended as it was accurate enough."""
     whole = record_windows.whole_passes(setup.case, setup.cut)
     return len(record_windows.windows(setup.case, setup.cut, raw, reach=0).index) / whole
 
@@ -343,7 +343,7 @@ def _start_features(errors: StartErrors) -> dict[str, float]:
 
 
 def _damping(setup: Setup) -> dict[str, float]:
-    """The damping of the contacts, where the model has any (``config/rules/damping.py``)."""
+    """Return the damping of the contacts, where the model has any (``config/rules/damping.py``)."""
     found = setup.limits
     values = {
         "damping_time_s": found.damping_time,
@@ -354,7 +354,7 @@ def _damping(setup: Setup) -> dict[str, float]:
 
 
 def _cage_angle(setup: Setup, raw: RawRecord) -> float:
-    """Where the first roller's pocket is as the record starts, rad; what the cage has slipped is taken off."""
+    """Return the angle (rad) of the first roller's pocket as the record starts, less what the cage has slipped."""
     bearing, place = setup.model.bearing, setup.case.settle_s * setup.cut.fine_rate
     before, after = raw.read(floor(place), 2, np.array([BASE.index(CAGE_ANGLE)]))[0]
     slipped = before + (place - floor(place)) * (after - before)
@@ -387,7 +387,7 @@ def warm(cases: Iterable[Case], about_to: Callable[[int, int, float], None] | No
 
 
 def _words(value: Any) -> Any:
-    """All words of a section, and for its numbers their types: cases alike in that run the same compiled code."""
+    """List the words of a section, and the types of its numbers: cases alike in that run the same code."""
     if isinstance(value, Section):
         return tuple(_words(getattr(value, name)) for name in type(value).model_fields)
     if isinstance(value, tuple):
@@ -396,7 +396,7 @@ def _words(value: Any) -> Any:
 
 
 def _types(value: Any) -> Any:
-    """The types that a law is made of: some exponents have their own."""
+    """Return the types that a law is made of: some exponents have their own."""
     return (type(value), *map(_types, value)) if isinstance(value, tuple) else type(value)
 
 
@@ -404,7 +404,7 @@ BLOCK = 1 << 15  # fine samples that are made into a series at a time
 
 
 def _sampled(case: Case, cut: time_grid.Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
-    """The record's samples (R, n) of ``rows`` of the raw one: low-passed, but for contact forces."""
+    """Return the record's samples (R, n) of ``rows`` of the raw one: low-passed, but for contact forces."""
     if not case.antialias:
         return raw.picked[rows]
     forces = channels.are_contact_forces(case, raw.places[rows])
@@ -416,7 +416,7 @@ def _sampled(case: Case, cut: time_grid.Grid, raw: RawRecord, rows: np.ndarray) 
 
 
 def _low_passed(case: Case, cut: time_grid.Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
-    """The same, all of them low-passed, a block at a time."""
+    """Return the same, all of them low-passed, a block at a time."""
     out = np.empty((len(rows), time_grid.samples(case)))
     if len(rows) == 0:
         return out

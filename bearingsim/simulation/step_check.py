@@ -101,7 +101,7 @@ class StepCheck:
         return bool(self.scatter <= ACCURACY)
 
     def bound(self, change: float) -> float:
-        """What the step's error of a quantity stays under, from the ``change`` of it (docs/step-check.md)."""
+        """Bound the step's error of a quantity, from the ``change`` of it (docs/step-check.md)."""
         least = LEAST_SHARE * max(self.line, self.rms, self.force)
         return TIMES_CHANGE * max(change, least) + RESOLVED
 
@@ -125,7 +125,7 @@ def check_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
 
 
 def check_on_orbit(coarse: Setup, raw: RawRecord) -> StepCheck | None:
-    """The step check of a motion that repeats itself: one period of it against one with half the step.
+    """Return the step check of a motion that repeats itself: one period of it against one with half the step.
 
     The finer run starts where the other ended, so it soon repeats itself too; None if it does not. Where it stops,
     what it may still change rests on how fast the coarse run has settled.
@@ -147,7 +147,7 @@ def most_finer_passes(raw: RawRecord) -> int:
 
 
 def by_place(coarse: Setup, raw: RawRecord) -> np.ndarray:
-    """The state at the end of a run whose motion repeats itself, as if it were t = 0: (2, 6, ROW)."""
+    """Return the state at the end of a run whose motion repeats itself, as if it were t = 0: (2, 6, ROW)."""
     state = raw.y[lay.POSITION : lay.POSITION + 2 * lay.STATE].reshape(2, 6, lay.ROW).copy()
     return turned_state(state, coarse.model, raw.repetition.computed)
 
@@ -183,7 +183,7 @@ def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[S
 
 
 def run_pilot(setup: Setup, passes: int, nudge: float = 0.0) -> Compared:
-    """A pilot, and of it what is compared."""
+    """Return a pilot, and of it what is compared."""
     return of_pilot(setup, integrate(setup, nudge), passes)
 
 
@@ -199,7 +199,7 @@ def scatter(series: Sequence[np.ndarray], passes: int) -> tuple[float, float]:
 
 
 def _scatter(series: Sequence[np.ndarray], blocks: int, size: int) -> tuple[float, float]:
-    """``scatter`` from ``blocks`` of ``size`` passes each."""
+    """Return ``scatter`` from ``blocks`` of ``size`` passes each."""
     powers = np.array([by_pass(one, blocks) ** 2 for one in series])
     powers /= np.mean(powers) or 1.0
     between = np.sum((powers - np.roll(powers, 1, axis=0)) ** 2, axis=0)
@@ -209,7 +209,7 @@ def _scatter(series: Sequence[np.ndarray], blocks: int, size: int) -> tuple[floa
 
 
 def length(case: Case) -> float:
-    """What is computed of a case, s."""
+    """Return what is computed of a case, s."""
     return case.settle_s + case.duration
 
 
@@ -219,22 +219,22 @@ def shorter(decimation: int) -> float:
 
 
 def with_finer_tolerance(case: Case) -> Case:
-    """The case with a tenth of its tolerance, if it gives one (one that is automatic goes with the step)."""
+    """Take a tenth of the tolerance of a case, if it gives one (an automatic one goes with the step)."""
     return case if case.tolerance == "auto" else case.model_copy(update={"tolerance": 0.1 * case.tolerance})
 
 
 def ahead(setup: Setup, other: Setup) -> float:
-    """By how long (s) the rollers of one setup are ahead of another's: each begins in step with its first pit."""
+    """Return the time (s) by which one setup's rollers are ahead: each begins in step with its first pit."""
     return float((setup.model.bearing.theta_0 - other.model.bearing.theta_0) / other.model.bearing.omega_c)
 
 
 def shifted(series: np.ndarray, part: float) -> np.ndarray:
-    """A series by a ``part`` of a sample later on, which is much less than one: to first order."""
+    """Return a series by a ``part`` of a sample later on, which is much less than one: to first order."""
     return series + part * np.gradient(series)
 
 
 def by_pass(difference: np.ndarray, passes: int) -> np.ndarray:
-    """RMS of a difference in each ball pass."""
+    """Return RMS of a difference in each ball pass."""
     whole = difference[: (len(difference) - 1) // passes * passes].reshape(passes, -1)
     return np.sqrt(np.mean(whole**2, axis=1))
 

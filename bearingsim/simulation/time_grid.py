@@ -70,7 +70,7 @@ class Estimate:
 
 
 def requested_step(case: Case) -> float:
-    """The step (s) a case asks for, or is given by ``auto``. Raises ``Refused`` if it must not be taken."""
+    """Return the step (s) a case asks for, or is given by ``auto``. Raises ``Refused`` if it must not be taken."""
     case = resolved(case)
     found = step_limits(case)
     if case.step == "auto":
@@ -95,12 +95,12 @@ def _advice(case: Case, found: Limits) -> str:
 
 
 def samples(case: Case) -> int:
-    """Samples of the record."""
+    """Return samples of the record."""
     return floor(case.duration * case.sampling + 1e-6)
 
 
 def highest(case: Case) -> float:
-    """The upper end (Hz) of the highest band that a case names; 0 of one that names none."""
+    """Return the upper end (Hz) of the highest band that a case names; 0 of one that names none."""
     asked = (of_band(name) for name in case.features)
     return max((feature.band.high for feature in asked if feature and feature.band), default=0.0)
 
@@ -177,7 +177,7 @@ def _memory(case: Case, size: Size, cut: Grid) -> float:
 
 
 def _sizes(case: Case, cut: Grid, found: Cost) -> tuple[Size, Size]:
-    """Of a case, its method named, as expected, and if its motion does not repeat itself where it might."""
+    """Size a case, its method named, as expected, and if its motion does not repeat that might."""
     expected = record_cost.size(
         case, cut.fine_per_pass, cut.decimation, found.passes, found.proof / found.one_pass
     )

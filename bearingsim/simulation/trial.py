@@ -71,7 +71,7 @@ class Trial:
         return parts <= {parts_of(self.turns)} and len(self.forces) == self.passes >= self.turns
 
     def tells(self, asked: Iterable[str]) -> bool:
-        """Whether it has all lines and RMS among some features; the largest force each has."""
+        """Check if it has all lines and RMS among some features; the largest force each has."""
         return all(name in self.lines or name in self.powers for name in asked if name != LARGEST_FORCE)
 
 
@@ -120,7 +120,7 @@ def long_enough(case: Case) -> Case:
 
 
 def pit_turn(case: Case) -> float:
-    """The time (s) in which the slowest pit turns through the load zone once; 0 if none turns."""
+    """Return the time (s) in which the slowest pit turns through the load zone once; 0 if none turns."""
     return max((float(PIT_TURN[defect.race](case)) for defect in case.defects), default=0.0)
 
 
@@ -198,12 +198,12 @@ def spans_of(passes: int, turn: float, per_pass: int) -> list[slice]:
 
 
 def parts_of(turns: int) -> int:
-    """How many values a trial of so many turns has of a line: of the whole, and of each two turns."""
+    """Return how many values a trial of so many turns has of a line: of the whole, and of each two turns."""
     return turns if turns >= 3 else 1
 
 
 def whole_turns(passes: int, turn: float) -> int:
-    """How many turns of so many passes a trial holds."""
+    """Return how many turns of so many passes a trial holds."""
     return floor(passes / turn + ROUNDING)
 
 
@@ -215,7 +215,7 @@ def angles_near(case: Case, turning: SampleAngles, name: str, span: slice) -> np
 
 
 def excited(case: Case) -> list[str]:
-    """The lines at which a case vibrates: those of its pits, and of the rollers that pass."""
+    """Return the lines at which a case vibrates: those of its pits, and of the rollers that pass."""
     races = {defect.race for defect in case.defects}
 
     def is_there(line: Line) -> bool:
@@ -250,11 +250,11 @@ def solved(series: np.ndarray, angles: np.ndarray, span: slice) -> np.ndarray:
 
 
 def mean_square(series: np.ndarray) -> float:
-    """The mean square about the mean, under Hann's window."""
+    """Return the mean square about the mean, under Hann's window."""
     weights = hann(len(series))
     return float(weights @ (series - weights @ series) ** 2)
 
 
 def hann(n: int) -> np.ndarray:
-    """Hann's window (n,), whose sum is 1."""
+    """Return Hann's window (n,), whose sum is 1."""
     return np.sin(pi * (np.arange(n) + 0.5) / n) ** 2 * 2.0 / n
