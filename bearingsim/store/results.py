@@ -89,17 +89,25 @@ class Results:
     def _frame(self) -> "pd.DataFrame":
         return job_frame(self.path)
 
+    @cached_property
+    def _table(self) -> "pd.DataFrame":
+        return table(self.plan, self._frame)
+
+    @cached_property
+    def _parameters(self) -> "pd.DataFrame":
+        done = self._frame[self._frame["status"] == "done"]
+        return done.filter(regex="^parameters/").rename(columns=lambda name: name.partition("/")[2])
+
     def table(self) -> "pd.DataFrame":
         """Return one row per job, in SI.
 
         Columns: ``job``, swept paths, features, status, reason, seconds, healthy, unit.
         """
-        return table(self.plan, self._frame)
+        return self._table.copy()
 
     def parameters(self) -> "pd.DataFrame":
         """Return all resolved parameters of the finished jobs in SI, indexed by job."""
-        done = self._frame[self._frame["status"] == "done"]
-        return done.filter(regex="^parameters/").rename(columns=lambda name: name.partition("/")[2])
+        return self._parameters.copy()
 
     def info(self) -> "pd.DataFrame":
         """Return the facts of the solver on finished jobs (step, CPU time, error estimates), indexed by job."""
