@@ -256,6 +256,24 @@ def test_twice_the_nodes_of_the_choice_tell_the_error_of_its_discretisation(
     assert told == pytest.approx([2.0 * 0.004 * size * load / 450.0 for load in (150.0, 450.0, 450.0)], rel=1e-6)
 
 
+def test_shapes_on_one_curve_have_discretisation_errors_of_their_own(write: Write, dear: dict[str, float]) -> None:
+    """Ends of each shape are tried; a case in between has the larger error of neighbours of its shape."""
+    loads, shapes = "150 N, 200 N, 250 N, 300 N, 350 N, 400 N", ", ".join(3 * ["circular", "spall"])
+    text = TEXT.replace("load: [150 N, 300 N, 450 N]", f"zip: {{load: [{loads}], defect.shape: [{shapes}]}}")
+    tried: set[float] = set()
+
+    def of(one: Trialled) -> Trial | None:
+        finer = one.case.contact.length_nodes > NODES
+        tried.update([one.case.load] * finer)
+        spall = bool(one.case.defects) and one.case.defects[0].shape == "spall"
+        return by_nodes(0.01 if spall else 0.004, repeats=True)(one)
+
+    errors = [choice.nodes["velocity@BPFO"] for choice in decided(near(write, text), of)]
+    assert tried == {150.0, 200.0, 350.0, 400.0}
+    of_loads = [0.004 * 150.0, 0.01 * 200.0, 0.004 * 350.0, 0.01 * 400.0, 0.004 * 350.0, 0.01 * 400.0]
+    assert errors == pytest.approx([2.0 * of_load / 400.0 for of_load in of_loads], rel=1e-6)
+
+
 def test_nodes_whose_change_scatters_count_with_their_scatter(write: Write, dear: dict[str, float]) -> None:
     plain = decided(near(write, BOWL), by_nodes(0.004))[2].nodes["velocity@BPFO"]
     noisy = decided(near(write, BOWL), by_nodes(0.004, scatter=0.01))[2].nodes["velocity@BPFO"]
