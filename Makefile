@@ -21,7 +21,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start flags nodes friction compiler-gains house $(CAMPAIGNS)
+.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start largest-force flags nodes friction compiler-gains house $(CAMPAIGNS)
 
 help:
 	@sed -n '1,8s/^# //p' Makefile
@@ -157,6 +157,10 @@ bands: install-dev
 # does a run forget its start, and is what it remembers said? Writes docs/data/start.csv
 start: install-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.start --csv docs/data/start.csv
+
+# does the standard error of a free cage's largest force cover its scatter? Writes docs/data/largest_force.csv
+largest-force: install-dev
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.largest_force --csv docs/data/largest_force.csv
 
 # is a result flagged as one draw of many where it is not known to 0.5 %? Writes docs/data/flags.csv
 flags: install-dev

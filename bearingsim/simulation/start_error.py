@@ -5,7 +5,7 @@ second half of the record is compared with the first: what has decayed between t
 (a chaotic motion, a free cage) no error is under the standard error.
 """
 
-from math import exp, nan
+from math import exp, hypot, isnan, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -121,13 +121,26 @@ def _of_parts(case: Case, passes: Passes, rate: float, standard: StandardErrors)
     before, after, change = (np.array(changes) for changes in (earlier, later, halves))
     with np.errstate(divide="ignore", invalid="ignore"):
         r = np.fmin((after / before) ** 2, slow)
-        line, rms, force = change * [0.5, 0.5, 1.0] * (1.0 + r * [1.0, 1.0, 0.0]) / (1.0 - r)
+        to_come = change * [0.5, 0.5, 1.0] * (1.0 + r * [1.0, 1.0, 0.0]) / (1.0 - r)
     scatter = _scatter([passes.mean(part) for part in parts], passes)
-    line, rms = (
-        np.fmax(line, np.fmax(scatter.line, standard.line)),
-        np.fmax(rms, np.fmax(scatter.rms, standard.rms)),
-    )
-    return StartErrors(float(line), float(rms), float(np.fmax(force, scatter.force)))
+    largest = nan if isnan(standard.rms) else error_of_largest(passes.forces, case.bearing.rollers, length)
+    return StartErrors(*np.fmax.reduce([to_come, scatter, (*standard, largest)]).tolist())
+
+
+def error_of_largest(forces: np.ndarray, rollers: int, quarter: int) -> float:
+    """Estimate the relative standard error of the largest force (n,) of a record of chance.
+
+    rollers: passes in a turn of the cage; quarter: passes in a quarter of the record.
+
+    The maximum of a sample with an exponential tail has the standard deviation of its parts' maxima (Gumbel);
+    that of a bounded tail has a smaller one. The parts are rollers: each keeps its place in its pocket for tens of
+    turns. Their maxima above the median estimate the tail. Quarters of the record add what changes for all.
+    """
+    of_rollers = np.array([forces[n::rollers].max() for n in range(min(rollers, len(forces)))])
+    of_quarters = forces[: PARTS * quarter].reshape(PARTS, quarter).max(axis=1)
+    above = np.maximum(of_rollers - np.median(of_rollers), 0.0)
+    scatter = hypot(np.sqrt(2.0 * np.mean(above**2)), np.std(of_quarters, ddof=1))
+    return float(scatter / (forces.max() or 1.0))
 
 
 def _scatter(means: list[Passes], passes: Passes) -> StartErrors:

@@ -171,6 +171,8 @@ def test_no_error_of_a_free_cage_is_under_its_standard_error() -> None:
     one = simulate(auto(model="planar", defect=SLOT, duration="0.3 s", step_check=False, seed=1)).features
     assert 1e-4 < found["error.start"] < 0.5
     assert abs(one["velocity@BPFO"] / found["velocity@BPFO"] - 1.0) < 5.0 * found["error.start"]
+    assert 1e-5 < found["error.start.force"] < 0.1
+    assert abs(one["outer_force.max"] / found["outer_force.max"] - 1.0) < 5.0 * found["error.start.force"]
 
 
 def test_a_slow_decay_is_no_repetition() -> None:

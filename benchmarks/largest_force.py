@@ -1,0 +1,82 @@
+"""Does the standard error of the largest force cover what records of one motion differ by?
+
+    python -m benchmarks.largest_force [--cases 10] [--seed 1] [--csv docs/data/largest_force.csv]
+
+`planar` with a free cage, 15 to 600 N, housings as in `benchmarks/start.py`. Each scene is computed for 12 s and
+cut into records of 0.5 and of 1 s. Two records are covered if their largest forces differ by at most two of their
+standard errors together, or by 0.1 %. Exit code 1 if under 95 % are, in all scenes.
+"""
+
+import random
+import sys
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim.config import Case
+from bearingsim.simulation import choice
+from bearingsim.simulation.comparison import FORCE
+from bearingsim.simulation.integration import integrate, set_up
+from bearingsim.simulation.start_error import PARTS, error_of_largest
+from benchmarks import start
+from benchmarks.campaign import table
+
+DURATION_S, RECORDS_S = 12.0, (0.5, 1.0)
+LEAST_COVERED = 0.95
+
+
+class Coverage(NamedTuple):
+    """A scene: turns of the cage in a second, and of each length of record (0.5 and 1 s): the relative standard
+    deviation of its largest force, the median of the stated error, and the share of pairs that are covered.
+    """
+
+    scene: str
+    turns: float
+    scatter_short: float
+    stated_short: float
+    covered_short: float
+    scatter_long: float
+    stated_long: float
+    covered_long: float
+
+
+def scene(chance: random.Random) -> dict[str, Any]:
+    """Draw the fields of a case."""
+    load = f"{15.0 * 40.0 ** chance.random():.0f} N"
+    return start.scene(chance) | {"model": "planar", "load": load, "duration": DURATION_S, "record": []}
+
+
+def covered(forces: np.ndarray, passes: int, rollers: int) -> tuple[float, float, float]:
+    """Return scatter, stated error and covered share of records of so many ball passes in a run's forces (n,)."""
+    records = forces[: len(forces) // passes * passes].reshape(-1, passes)
+    quarter = passes // PARTS // rollers * rollers or passes // PARTS
+    largest = records.max(axis=1) / records.max(axis=1).mean()
+    stated = np.array([error_of_largest(record, rollers, quarter) for record in records])
+    one, other = np.triu_indices(len(records), 1)
+    bounds = np.maximum(start.PROMISED, start.CHANCE * np.hypot(stated[one], stated[other]))
+    share = np.mean(np.abs(largest[one] - largest[other]) <= bounds)
+    return float(largest.std(ddof=1)), float(np.median(stated)), float(share)
+
+
+def measured(fields: dict[str, Any]) -> Coverage:
+    """Compute a scene, and compare its records."""
+    setup = set_up(choice.resolved(Case.model_validate(fields)))
+    case, cut = setup.case, setup.cut
+    forces = integrate(setup).peaks[int(case.settle_s * cut.rate) + 1 :, FORCE]
+    rollers = case.bearing.rollers
+    short, long = (covered(forces, int(duration * cut.rate), rollers) for duration in RECORDS_S)
+    rig = fields["rig"]
+    name = f"{fields['bearing']} {rig['ring_mass']} {fields['speed']} {fields['load']} {fields['clearance']}"
+    return Coverage(name, cut.rate / rollers, *short, *long)
+
+
+def main() -> None:
+    """Measure all scenes, and write the table. Exit code 1 if too few pairs are covered."""
+    frame = table(__doc__, 10, scene, measured)
+    shares = frame[["covered_short", "covered_long"]].mean()
+    print(f"covered: {shares.iloc[0]:.1%} of pairs of 0.5 s, {shares.iloc[1]:.1%} of 1 s")
+    sys.exit(int(shares.min() < LEAST_COVERED))
+
+
+if __name__ == "__main__":
+    main()
