@@ -1,4 +1,4 @@
-"""From the names of channels to places in the simulation's buffer, and from what lies there to what is meant."""
+"""Places of channels in the simulation's buffer, and their values from the recorded rows."""
 
 from math import cos, sin
 from typing import Any
@@ -56,18 +56,18 @@ OF_ROLLER = {
 }
 OF_SLICE = {"outer_line_load": lay.LOAD_O, "inner_line_load": lay.LOAD_I}
 BASE = (*RING_MOTION, lay.LOADED_ROLLERS, CAGE_ANGLE, CAGE_SPEED)
-"""What features are computed from, whether it is recorded or not: the first rows of every recording."""
+"""Places that features are computed from, recorded or not: the first rows of every recording."""
 AT_SENSOR = (lay.SENSOR, lay.SENSOR_V, lay.SENSOR_A)
-"""Of a ring that bends the rows after them: its radial displacement, velocity, acceleration at the sensor."""
+"""Rows after BASE of a ring that bends: its radial displacement, velocity, acceleration at the sensor."""
 
 
 def base(case: Case) -> tuple[int, ...]:
-    """Return places in the buffer of the first rows of the case's recording, which features are computed from."""
+    """Return the places in the buffer that features are computed from: the first rows of the case's recording."""
     return BASE if case.rig.ring is None else BASE + AT_SENSOR
 
 
 def places_of(case: Case, name: str) -> tuple[int, ...]:
-    """List places in the buffer of a dataset's values: of a rigid ring's sensor those of both coordinates."""
+    """List the places in the buffer of a dataset's values; for the sensor of a rigid ring, of both coordinates."""
     of, _, quantity = name.partition(".")
     if of == "sensor" and case.rig.ring is None:
         return tuple(PLACES[component] for component in dataset_names(f"ring.{quantity}"))
@@ -75,48 +75,50 @@ def places_of(case: Case, name: str) -> tuple[int, ...]:
 
 
 def place(name: str) -> int:
-    """Return the place in the buffer that a dataset's values come from."""
-    found = roller_of(name)
-    if found is None:
+    """Return the place of a dataset in the buffer."""
+    match = roller_of(name)
+    if match is None:
         return PLACES[name]
-    roller, quantity = found
+    roller, quantity = match
     kind, _, number = quantity.partition(".")
     row = lay.slice_row(int(number) - 1, OF_SLICE[kind]) if number else OF_ROLLER[kind]
     return row + roller - 1
 
 
 def recorded(case: Case) -> np.ndarray:
-    """Return places (C,) in the buffer that a run of the case records: ``base``, then what else it asks for.
+    """Return the places (C,) in the buffer that a run of the case records: ``base``, then its channels.
 
-    Of a roller whose motion may repeat, those of all rollers: what it does later, others have done before it.
+    If the motion may repeat, a channel of one roller needs those of all: it repeats what others did before it.
     """
     names = [name for channel in case.record for name in dataset_names(channel)]
-    asked = np.array([one for name in names for one in places_of(case, name)], dtype=np.int64)
+    requested = np.array([p for name in names for p in places_of(case, name)], dtype=np.int64)
     if may_repeat(case):
-        of_roller = asked[lay.lane_of(asked) >= 0]
+        of_roller = requested[lay.lane_of(requested) >= 0]
         rows = np.unique(of_roller - lay.lane_of(of_roller))
-        asked = np.concatenate([asked, np.add.outer(rows, np.arange(case.bearing.rollers)).ravel()])
-    first = base(case)
-    return np.array([*first, *dict.fromkeys(p for p in asked.tolist() if p not in first)], dtype=np.int64)
+        requested = np.concatenate([requested, np.add.outer(rows, np.arange(case.bearing.rollers)).ravel()])
+    base_places = base(case)
+    return np.array(
+        [*base_places, *dict.fromkeys(p for p in requested.tolist() if p not in base_places)], dtype=np.int64
+    )
 
 
-def asked(case: Case, places: np.ndarray) -> np.ndarray:
-    """Return the rows of ``recorded`` that the case's own channels lie in."""
+def requested_rows(case: Case, places: np.ndarray) -> np.ndarray:
+    """Return the row numbers of the case's own channels among ``recorded``."""
     row_of = {int(p): row for row, p in enumerate(places)}
     names = [name for channel in case.record for name in dataset_names(channel)]
-    found = [row_of[one] for name in names for one in places_of(case, name)]
-    return np.array([*dict.fromkeys(found)], dtype=np.int64)
+    rows = [row_of[p] for name in names for p in places_of(case, name)]
+    return np.array([*dict.fromkeys(rows)], dtype=np.int64)
 
 
 def picks(case: Case) -> bool:
-    """Tell whether raw values are kept at the record's instants: of all, or of contact forces."""
+    """Check if raw values are kept at the record's instants: of all, or of contact forces."""
     return not case.antialias or any(map(is_contact_force, case.record))
 
 
 def are_contact_forces(case: Case, places: np.ndarray) -> np.ndarray:
-    """Return which of some places (R,) of the buffer hold contact forces that the case records: (R,) booleans."""
+    """Return the mask (R,) of the places (R,) that hold contact forces recorded by the case."""
     names = [name for channel in case.record if is_contact_force(channel) for name in dataset_names(channel)]
-    return np.isin(places, [one for name in names for one in places_of(case, name)])
+    return np.isin(places, [p for name in names for p in places_of(case, name)])
 
 
 def series(
@@ -125,21 +127,21 @@ def series(
     """Return the recorded channels by dataset name, from rows (C, n) sampled at ``time`` (n,), s into the run."""
     row_of = {int(p): row for p, row in zip(places, rows, strict=True)}
     return {
-        name: _meant(name, along(case, [row_of[one] for one in places_of(case, name)]), model, time)
+        name: _channel_values(name, along(case, [row_of[p] for p in places_of(case, name)]), model, time)
         for channel in case.record
         for name in dataset_names(channel)
     }
 
 
 def along(case: Case, rows: list[np.ndarray]) -> np.ndarray:
-    """Return values of one row; of both coordinates of a ring in the direction the sensor looks."""
+    """Return the values of one row; of both coordinates of a ring, their projection on the sensor's direction."""
     if len(rows) == 1:
         return rows[0]
     return cos(case.rig.sensor_angle) * rows[0] + sin(case.rig.sensor_angle) * rows[1]
 
 
-def _meant(name: str, values: np.ndarray, model: Any, time: np.ndarray) -> np.ndarray:
-    """Return a channel from what the buffer keeps: turns beyond the kinematic ones, forces of slices."""
+def _channel_values(name: str, values: np.ndarray, model: Any, time: np.ndarray) -> np.ndarray:
+    """Convert buffer values to a channel: relative to absolute speeds, forces of slices to line loads."""
     b = model.bearing
     if name == "cage.speed":
         return values + b.omega_c * speed_factor(model, time)

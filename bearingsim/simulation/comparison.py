@@ -1,6 +1,6 @@
-"""Two runs of the same motion, compared in what is asked of them: line, RMS, largest force, all that is recorded.
+"""Comparison of two runs of one motion in line, RMS, largest force and all recorded channels.
 
-Over one period of a motion that repeats itself, else over the ball passes of a pilot that count.
+Over one period of a periodic motion, otherwise over the counted ball passes of a pilot.
 """
 
 from math import ceil, floor
@@ -26,8 +26,8 @@ FORCE = list(EXTREMES).index("outer_force.max")
 class Changes(NamedTuple):
     """Relative changes from one run to another.
 
-    line: of the fault's line, the worst of several; rms: of the wide band or of the record, the worse;
-    force: of the largest outer force; record: of all that is recorded, of what changes most.
+    line: of the defect's line, the worst of several; rms: of the wide band or of the record, the worse;
+    force: of the largest outer force; record: of the recorded channel that changes most.
     """
 
     line: float
@@ -37,12 +37,12 @@ class Changes(NamedTuple):
 
 
 class Compared(NamedTuple):
-    """What is compared of two runs, over the ball passes that count.
+    """Signals of a run over the ball passes that are compared.
 
     fine: (n,) velocity (m/s) along the sensor at fine samples; recorded: (m,) the same as it is recorded,
-    low-passed or raw; rest: (C, m) all that is recorded low-passed: the motion along the sensor, the channels
-    asked for; picked: (P, k) all that is recorded raw, at the record's instants; lines: (L, parts) what each part
-    of it adds to the complex amplitudes of the fault's lines; force: the largest of an outer contact (N).
+    low-passed or raw; rest: (C, m) all low-passed rows: the motion along the sensor, requested channels;
+    picked: (P, k) all raw rows, at the record's instants; lines: (L, parts) contribution of each part to the
+    complex amplitudes of the defect's lines; force: the largest of an outer contact (N).
     """
 
     fine: np.ndarray
@@ -53,67 +53,70 @@ class Compared(NamedTuple):
     force: float
 
 
-def compare(one: Compared, other: Compared) -> Changes:
-    """Return how far one run is from another, over the other."""
-    quiet = QUIET_LINE * float(np.std(other.recorded)) or 1.0
+def compare(run: Compared, reference: Compared) -> Changes:
+    """Return the changes from a reference run to another, relative to the reference."""
+    quiet = QUIET_LINE * float(np.std(reference.recorded)) or 1.0
     return Changes(
         line=float(
-            max(line_change(a, b) / max(abs(b.sum()), quiet) for a, b in zip(one.lines, other.lines, strict=True))
+            max(
+                line_change(a, b) / max(abs(b.sum()), quiet)
+                for a, b in zip(run.lines, reference.lines, strict=True)
+            )
         ),
-        rms=max(rms_change(a, b) for a, b in zip(one[:2], other[:2], strict=True)),
-        force=abs(one.force - other.force) / (other.force or 1.0),
+        rms=max(rms_change(a, b) for a, b in zip(run[:2], reference[:2], strict=True)),
+        force=abs(run.force - reference.force) / (reference.force or 1.0),
         record=max(
             (
-                *(rms_change(a, b) for a, b in zip(one.rest, other.rest, strict=True)),
-                *(change_of_picks(a, b) for a, b in zip(one.picked, other.picked, strict=True)),
+                *(rms_change(a, b) for a, b in zip(run.rest, reference.rest, strict=True)),
+                *(change_of_picks(a, b) for a, b in zip(run.picked, reference.picked, strict=True)),
             )
         ),
     )
 
 
-def rms_change(one: np.ndarray, other: np.ndarray) -> float:
-    """Return relative change of an RMS about the mean; of what hardly changes at all, relative to its size."""
-    size = max(float(np.std(other)), QUIET_LINE * float(np.abs(other).max()))
-    return float(abs(np.std(one) - np.std(other)) / (size or 1.0))
+def rms_change(series: np.ndarray, reference: np.ndarray) -> float:
+    """Return the relative change of an RMS about the mean; of a nearly constant series, relative to its size."""
+    size = max(float(np.std(reference)), QUIET_LINE * float(np.abs(reference).max()))
+    return float(abs(np.std(series) - np.std(reference)) / (size or 1.0))
 
 
-def change_of_picks(one: np.ndarray, other: np.ndarray) -> float:
+def change_of_picks(picks: np.ndarray, reference: np.ndarray) -> float:
     """Return the relative change of the RMS about the mean of raw values, picked at the same instants.
 
-    They meet the flanks of an impact by chance, and a step moves those: changes of single values, which cancel in
-    their sum by luck, count for no less than the root of their sum of squares.
+    Instants meet the flanks of an impact by chance, and another step moves these. Changes of single values may
+    cancel in the sum by chance, so the change is at least their root sum of squares.
     """
-    power, before = ((series - np.mean(other)) ** 2 for series in (other, one))
-    least = (QUIET_LINE * float(np.abs(other).max(initial=0.0))) ** 2 * len(other)
+    power, before = ((series - np.mean(reference)) ** 2 for series in (reference, picks))
+    least = (QUIET_LINE * float(np.abs(reference).max(initial=0.0))) ** 2 * len(reference)
     change = before - power
     return float(0.5 * max(abs(change.sum()), np.linalg.norm(change)) / (max(power.sum(), least) or 1.0))
 
 
 def amplitudes(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.ndarray:
-    """What each ball pass adds to a line's complex amplitude in a series (Hann), its cage at kinematic speed."""
+    """Return the contribution (passes,) of each ball pass to a line's complex amplitude (Hann), kinematic cage."""
     start = record_windows.first_sample(setup.case, setup.cut)
     turning = features.sample_angles(setup.model, setup.cut, start, np.zeros(len(series)))
     angle = turning.along(LINES[name], setup.case.bearing.rollers)
     window = np.hanning(len(angle))
     turn = 2.0 * window * np.exp(-1j * angle) / window.sum()
-    each = turn * (series - window @ series / window.sum())
-    return np.add.reduceat(each, np.arange(0, len(each) - 1, (len(each) - 1) // passes)[:passes])
+    contributions = turn * (series - window @ series / window.sum())
+    return np.add.reduceat(contributions, np.arange(0, len(angle) - 1, (len(angle) - 1) // passes)[:passes])
 
 
-def line_change(one: np.ndarray, other: np.ndarray) -> float:
-    """Return how much two lines differ, given what each pass adds.
+def line_change(parts: np.ndarray, reference: np.ndarray) -> float:
+    """Return the difference of two lines, from the contribution of each pass.
 
-    Errors that differ in sign from pass to pass may cancel in a few of them by luck: not less than their root of
-    the sum of squares, which is what is left of them on average.
+    Errors that differ in sign from pass to pass may cancel in a few passes by chance, so the difference is at
+    least their root sum of squares, its expected value.
     """
-    difference = one - other
+    difference = parts - reference
     return float(max(abs(difference.sum()), np.linalg.norm(difference)))
 
 
 def of_orbit(setup: Setup, raw: RawRecord) -> Compared:
-    """Return what is compared of a motion that repeats itself: a period of it, and of rollers a turn of the cage.
+    """Return the compared signals of a periodic motion: a period, and of rollers a turn of the cage.
 
-    Of what is recorded raw the record: which parts of a period its instants meet is chance.
+    Raw rows are compared over the record, because the instants meet a period's parts by chance.
     """
     case, cut, model = setup.case, setup.cut, setup.model
     M, period = cut.fine_per_pass, raw.repetition.period
@@ -136,27 +139,27 @@ def _compared(
     lines: np.ndarray,
     peaks: np.ndarray,
 ) -> Compared:
-    """Gather what is compared; low, picked: rows of all that is recorded, low-passed (or None) and raw."""
+    """Gather the compared signals; low, picked: rows of all that is recorded, low-passed (or None) and raw."""
     rows = picked if low is None else low
     along = {quantity: features.along_sensor(case, rows, quantity) for quantity in MOTION}
     motion = np.stack([*along.values()])
-    asked = channels.asked(case, raw.places)
-    asked = asked[asked >= len(channels.base(case))]
-    raws = channels.are_contact_forces(case, raw.places[asked])
+    channel_rows = channels.requested_rows(case, raw.places)
+    channel_rows = channel_rows[channel_rows >= len(channels.base(case))]
+    raws = channels.are_contact_forces(case, raw.places[channel_rows])
     if low is None:
-        rest, picks = motion[:0], np.concatenate([motion, picked[asked]])
+        rest, picks = motion[:0], np.concatenate([motion, picked[channel_rows]])
     else:
-        rest, picks = np.concatenate([motion, low[asked[~raws]]]), picked[asked[raws]]
+        rest, picks = np.concatenate([motion, low[channel_rows[~raws]]]), picked[channel_rows[raws]]
     return Compared(fine, along["velocity"], rest, picks, lines, float(peaks[:, FORCE].max()))
 
 
 def fault_lines(case: Case) -> list[str]:
-    """Return the lines of the case's pits; BPFO, at which a healthy bearing vibrates too, without any."""
+    """Return the lines of the case's defects; without any BPFO, at which a healthy bearing vibrates too."""
     return list(dict.fromkeys(FAULT_LINES[defect.race] for defect in case.defects)) or ["BPFO"]
 
 
 def of_pilot(setup: Setup, raw: RawRecord, passes: int) -> Compared:
-    """Return what is compared of a pilot: its last so many ball passes."""
+    """Return the compared signals of a pilot: its last ``passes`` ball passes."""
     case, cut = setup.case, setup.cut
     start, length = record_windows.first_sample(case, cut), passes * cut.fine_per_pass + 1
     fine = features.sensed(case, raw, "velocity", start, length)
@@ -174,5 +177,5 @@ def low_passed(setup: Setup, raw: RawRecord, start: int, length: int) -> np.ndar
 
 
 def raw_values(setup: Setup, picked: np.ndarray, passes: int) -> np.ndarray:
-    """Return rows (C, n) of raw values in so many ball passes."""
+    """Return the raw values (C, n) of the first ``passes`` ball passes."""
     return picked[:, : floor(passes / setup.cut.rate * setup.case.sampling) + 1]

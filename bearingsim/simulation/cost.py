@@ -1,4 +1,4 @@
-"""What a run takes: the ball passes that are computed of it, and those that prove its step, at what they cost."""
+"""CPU time of a run: of the ball passes that are computed, and of those that check its step."""
 
 from math import ceil, sqrt
 from typing import NamedTuple
@@ -13,9 +13,9 @@ from bearingsim.simulation.settling import extrapolation_passes
 
 
 class Cost(NamedTuple):
-    """CPU time of a run, s: of its steps, of their proof, and of both if a motion does not repeat that might.
+    """CPU time (s) of a run: of its steps, of their check (proof), and of both if the response is not periodic.
 
-    passes: ball passes that are computed; one_pass: s.
+    passes: computed ball passes; one_pass: CPU time (s) of one.
     """
 
     steps: float
@@ -31,9 +31,9 @@ class Cost(NamedTuple):
 
 
 def cost(case: Case, step: float, passes: int | None = None) -> Cost:
-    """The cost of a case, its method named, at steps (of an adaptive method: recorded instants) of ``step`` s.
+    """Estimate the cost of a case, its method named, at steps of ``step`` s (adaptive: between recorded instants).
 
-    passes: of all of the run, if more is known of it than its duration.
+    passes: ball passes of the whole run, if not those of settling and duration.
     """
     rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
     whole = passes or ceil((case.settle_s + case.duration) * rate)
@@ -56,5 +56,5 @@ def cost(case: Case, step: float, passes: int | None = None) -> Cost:
 
 
 def solved_once(case: Case) -> bool:
-    """Check if one ball pass is all that is computed: each instant stands alone, and each pass is the same."""
+    """Check if one ball pass is all that is computed: the model has no memory and every pass is the same."""
     return MODELS[case.model].memoryless and may_repeat(case)

@@ -1,10 +1,10 @@
-"""How fast anything in a bearing at rest can move: the largest slopes of all its accelerations.
+"""Fastest rates of a bearing at rest: the largest eigenvalues of stiffness and damping over mass.
 
     a(q + dq, v + dv) = a(q, v) - K dq - C dv
 
-A step is bounded by the slopes of the monitored bodies (``core/advance.py``): of what is light in a bearing, the
-rollers. A ring that is lighter, or that its bracket or shaft holds harder, is faster. The largest eigenvalues of K
-and C are found by power iteration, each product a difference of two evaluations of the model: no body is left out.
+The monitored bodies (``core/advance.py``), usually the rollers as the lightest, bound a step. A ring that is
+lighter, or that its bracket or shaft holds harder, is faster. The largest eigenvalues of K and C are found by
+power iteration, each product a difference of two evaluations of the model, so that no body is left out.
 """
 
 from math import sqrt
@@ -28,7 +28,7 @@ class Rates(NamedTuple):
 
     @property
     def fastest(self) -> float:
-        """The largest eigenvalue (1/s) of a motion with both: what the step of an explicit method follows."""
+        """Largest eigenvalue (1/s) of a motion with both, which limits the step of an explicit method."""
         omega = sqrt(self.K)
         return fastest_rate(omega, self.C / (2.0 * omega)) if omega > 0.0 else self.C
 

@@ -1,4 +1,4 @@
-"""Numbers read from a run: lines at characteristic frequencies, statistics, what rollers and cage did."""
+"""Features of a run: lines at characteristic frequencies, statistics, extremes, load zone, cage slip."""
 
 from collections.abc import Callable, Iterator
 from math import ceil, floor, pi
@@ -45,7 +45,7 @@ class SampleAngles(NamedTuple):
     roll: np.ndarray
 
     def ends(self) -> "SampleAngles":
-        """Return the first and the last of them."""
+        """Return the first and the last angles."""
         return SampleAngles(self.cage[[0, -1]], self.inner[[0, -1]], self.roll[[0, -1]])
 
     def along(self, line: Line, Z: int) -> np.ndarray:
@@ -76,27 +76,27 @@ def of_base(case: Case) -> np.ndarray:
 
 
 def along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
-    """A quantity of the ring in the direction the sensor looks; of a ring that bends, where the sensor sits."""
+    """Project a quantity of the ring on the sensor's direction; of a ring that bends, return it at the sensor."""
     return along(case, [rows[ROW_OF[place]] for place in places_of(case, f"sensor.{quantity}")])
 
 
 def blocks(count: int) -> Iterator[tuple[int, int]]:
     """Yield beginning and end of blocks of so many samples. Raises OutOfCpuTime if the job's is over."""
-    for first in range(0, count, BLOCK):
+    for begin in range(0, count, BLOCK):
         cpu_time.check()
-        yield first, min(first + BLOCK, count)
+        yield begin, min(begin + BLOCK, count)
 
 
 def sensed(case: Case, raw: RawRecord | LowPassed, quantity: str, start: int, count: int) -> np.ndarray:
     """Return ``along_sensor`` of fine samples (count,) from number ``start`` on."""
     rows, out = np.array([ROW_OF[place] for place in places_of(case, f"sensor.{quantity}")]), np.empty(count)
-    for first, end in blocks(count):
-        out[first:end] = along(case, list(raw.read(start + first, end - first, rows)))
+    for begin, end in blocks(count):
+        out[begin:end] = along(case, list(raw.read(start + begin, end - begin, rows)))
     return out
 
 
 def sample_angles(model: Any, cut: Grid, start: int, slip: np.ndarray) -> SampleAngles:
-    """Angles at fine samples from number ``start`` on; ``slip``: (n,) the cage's turn beyond its kinematic one."""
+    """Return the angles at fine samples from number ``start`` on; slip: (n,) of the cage, beyond kinematic."""
     b = model.bearing
     t = kinematic_times(model, (start + np.arange(len(slip))) / cut.fine_rate)
     return SampleAngles(
@@ -113,37 +113,37 @@ def angles_of_record(case: Case, model: Any, cut: Grid, raw: RawRecord, start: i
 
 
 def ball_pass_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
-    """Amplitude, phase and scatter of the lines at the outer-race frequency and its multiples."""
-    found = {}
+    """Return amplitude, phase and scatter of the lines at the outer-race frequency and its multiples."""
+    columns = {}
     beside = beside_other_lines(case)
     for quantity, lines in lines_of_passes(case, model, cut, raw).items():
         for harmonic, values in zip(HARMONICS, lines, strict=True):
             name = f"{quantity}@{line_name(harmonic)}"
-            found[name], found[f"{name}.phase"], found[f"{name}-scatter"] = signals.line(values, beside)
-    return found or dict.fromkeys(_ball_pass_names(), float("nan"))
+            columns[name], columns[f"{name}.phase"], columns[f"{name}-scatter"] = signals.line(values, beside)
+    return columns or dict.fromkeys(_ball_pass_names(), float("nan"))
 
 
 def beside_other_lines(case: Case) -> bool:
-    """Tell whether a record holds lines, besides those of BPFO, of which a ball pass holds no whole period."""
+    """Check if a record holds lines, besides those of BPFO, of which a ball pass holds no whole period."""
     return has_free_cage(case) or any(defect.race != "outer" for defect in case.defects)
 
 
 def lines_of_passes(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
-    """Read the lines (harmonics, passes) of each quantity; none of a free cage's record that is too short."""
+    """Return the lines (harmonics, passes) of each quantity; empty if a free cage's record is too short."""
     return (_lines_at_equal_angles if has_free_cage(case) else _lines_at_equal_times)(case, model, cut, raw)
 
 
 def _lines_at_equal_times(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
-    """Return the lines (harmonics, passes) of each quantity: a kinematic cage passes at equal times."""
+    """Return the lines (harmonics, passes) of each quantity for a kinematic cage, with passes of equal length."""
     of_record = windows(case, cut, raw, reach=1)
     M, start = of_record.M, of_record.start
     place, speed = (sensed(case, raw, quantity, start, of_record.distinct * M + 1) for quantity in MOTION[:2])
     lines = _lines_from_samples(place, speed, M, start, cut.rate, case.bearing.rollers * model.bearing.theta_0)
-    return {quantity: found[:, of_record.index] for quantity, found in lines.items()}
+    return {quantity: amplitudes[:, of_record.index] for quantity, amplitudes in lines.items()}
 
 
 def _lines_at_equal_angles(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
-    """The same where the cage slips: its passes take what time they take. None of a record that is too short."""
+    """Return the lines by pass of a slipping cage, resampled at equal angles; empty if the record is too short."""
     M, start, Z = cut.fine_per_pass, first_sample(case, cut), case.bearing.rollers
     length = whole_passes(case, cut) * M + 1
     (slip,) = raw.read(start, length, np.array([ROW_OF[CAGE_ANGLE]]))
@@ -154,8 +154,8 @@ def _lines_at_equal_angles(case: Case, model: Any, cut: Grid, raw: RawRecord) ->
         return {}
     M *= ceil(2.0 * pi / (M * np.diff(ball_pass).min()))  # the longest pass keeps all its samples
     motion = np.stack([sensed(case, raw, quantity, start, length) for quantity in MOTION[:2]])
-    (place, speed), first = signals.at_equal_angles(motion, ball_pass, M)
-    passes = first + np.arange((len(place) - 1) // M + 1)
+    (place, speed), first_pass = signals.at_equal_angles(motion, ball_pass, M)
+    passes = first_pass + np.arange((len(place) - 1) // M + 1)
     rate = 1.0 / np.diff(np.interp(2.0 * pi * passes, ball_pass, np.arange(length) / cut.fine_rate))
     return _lines_from_samples(place, speed, M, 0, rate, angle)
 
@@ -163,7 +163,7 @@ def _lines_at_equal_angles(case: Case, model: Any, cut: Grid, raw: RawRecord) ->
 def _lines_from_samples(
     place: np.ndarray, speed: np.ndarray, M: int, start: int, rate: Any, Z_theta_0: float
 ) -> dict[str, np.ndarray]:
-    """Lines (harmonics, passes) of each quantity, from place and speed in whole passes and a sample more."""
+    """Return the lines (harmonics, passes) of each quantity, from place and speed in whole passes and 1 sample."""
     displacement, velocity = (
         signals.lines_by_pass(series[:-1], M, HARMONICS, start, Z_theta_0) for series in (place, speed)
     )
@@ -179,21 +179,24 @@ def _ball_pass_names() -> list[str]:
 
 
 def other_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
-    """Amplitude and phase of lines whose periods do not divide the record; nan where it is too short to tell."""
+    """Return amplitude and phase of lines whose periods do not divide the record; NaN of those not resolved."""
     length = max(2, floor(case.duration * cut.fine_rate + 1e-6))
     length = length if raw.end is None else min(length, raw.end - first_sample(case, cut))
     read = _lines_as_they_turn if has_free_cage(case) or not steady(model) else _lines_at_constant_speed
     lines, frequencies = read(case, model, cut, raw, length)
-    told = dict(
+    resolved = dict(
         zip(LINES, signals.resolvable(frequencies, min(case.duration, length / cut.fine_rate)), strict=True)
     )
-    found: dict[str, float] = {}
+    columns: dict[str, float] = {}
     for quantity, values in lines.items():
         for name, value in zip(LINES, values, strict=True):
             if name in OTHER_LINES:
-                A = value if told[name] else complex("nan")
-                found[f"{quantity}@{name}"], found[f"{quantity}@{name}.phase"] = float(abs(A)), float(np.angle(A))
-    return found
+                A = value if resolved[name] else complex("nan")
+                columns[f"{quantity}@{name}"], columns[f"{quantity}@{name}.phase"] = (
+                    float(abs(A)),
+                    float(np.angle(A)),
+                )
+    return columns
 
 
 def _lines_at_constant_speed(
@@ -222,21 +225,21 @@ def _lines_at_constant_speed(
 def _lines_as_they_turn(
     case: Case, model: Any, cut: Grid, raw: RawRecord, length: int
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Return the same of bodies whose speeds change."""
+    """Return amplitudes and mean frequencies, as at constant speed, of bodies whose speeds change."""
     start, Z = first_sample(case, cut), case.bearing.rollers
 
-    def angles(first: int, end: int) -> np.ndarray:
-        (slip,) = raw.read(start + first, end - first, np.array([ROW_OF[CAGE_ANGLE]]))
-        turning = sample_angles(model, cut, start + first, slip)
+    def angles(begin: int, end: int) -> np.ndarray:
+        (slip,) = raw.read(start + begin, end - begin, np.array([ROW_OF[CAGE_ANGLE]]))
+        turning = sample_angles(model, cut, start + begin, slip)
         return np.array([turning.along(line, Z) for line in LINES.values()])
 
     def parts() -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        for first, end in blocks(length):
-            before, after = max(0, first - 1), min(length, end + 1)  # which slopes are taken from
-            inside = slice(first - before, end - before)
+        for begin, end in blocks(length):
+            before, after = max(0, begin - 1), min(length, end + 1)  # which slopes are taken from
+            inside = slice(begin - before, end - before)
             wide = angles(before, after)
             slope = np.gradient(wide, axis=1)[:, inside]
-            place, speed = (sensed(case, raw, quantity, start + first, end - first) for quantity in MOTION[:2])
+            place, speed = (sensed(case, raw, quantity, start + begin, end - begin) for quantity in MOTION[:2])
             motion = (np.broadcast_to(place, slope.shape), np.broadcast_to(speed, slope.shape))
             yield np.stack([*motion, slope * cut.fine_rate * speed], axis=1), wide[:, inside], slope
 
@@ -261,7 +264,7 @@ def statistics(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
 
 
 Motion = Callable[[str], tuple[np.ndarray, np.ndarray | None]]
-"""Gives of a quantity its values (n,) along the sensor, and how often each occurs, if not once."""
+"""Function from a quantity to its values (n,) along the sensor, and how often each occurs (None: once)."""
 
 
 def _raw_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
@@ -280,40 +283,40 @@ def _low_passed_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
 
 
 def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
-    """Return largest force (N), tilt (rad), line load (N/m) that any roller met in the record's whole passes.
+    """Return the largest force (N), tilt (rad), line load (N/m) of any roller in the record's whole passes.
 
-    Of the first pass that the record touches, if none is whole; nan for what the model does not know.
+    If no pass is whole, of the first that the record touches. Quantities that the model does not compute are NaN.
     """
-    known = MODELS[case.model]
-    told = (known.loaded, known.loaded, known.slips, known.sliced, known.sliced)
-    first = ceil(case.settle_s * cut.rate - 1e-6)
-    passes = np.arange(first, max(first + 1, floor((case.settle_s + case.duration) * cut.rate + 1e-6)))
+    entry = MODELS[case.model]
+    available = (entry.loaded, entry.loaded, entry.slips, entry.sliced, entry.sliced)
+    first_pass = ceil(case.settle_s * cut.rate - 1e-6)
+    passes = np.arange(first_pass, max(first_pass + 1, floor((case.settle_s + case.duration) * cut.rate + 1e-6)))
     if raw.repetition.period == 0:
         passes = passes[passes < raw.repetition.computed]
     largest = raw.peaks[np.unique(raw.repetition.source(passes))].max(axis=0)
     return {
-        name: float(value) if is_told else float("nan")
-        for name, value, is_told in zip(EXTREMES, largest, told, strict=True)
+        name: float(value) if is_available else float("nan")
+        for name, value, is_available in zip(EXTREMES, largest, available, strict=True)
     }
 
 
 def cage_and_load_zone(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
-    """Return mean extent of the load zone (rad), and the cage's slip; nan for what the model does not know."""
-    of_record, known = windows(case, cut, raw, reach=0), MODELS[case.model]
+    """Return mean extent of the load zone (rad) and slip of the cage; NaN if the model does not compute them."""
+    of_record, entry = windows(case, cut, raw, reach=0), MODELS[case.model]
     start, M = of_record.start, of_record.M
     slip, loaded = np.empty(of_record.distinct * M), 0.0
-    for first, end in blocks(len(slip)):
+    for begin, end in blocks(len(slip)):
         rollers, speed = raw.read(
-            start + first, end - first, np.array([ROW_OF[lay.LOADED_ROLLERS], ROW_OF[CAGE_SPEED]])
+            start + begin, end - begin, np.array([ROW_OF[lay.LOADED_ROLLERS], ROW_OF[CAGE_SPEED]])
         )
-        time = (start + np.arange(first, end)) / cut.fine_rate
-        slip[first:end] = -speed / (model.bearing.omega_c * speed_factor(model, time))
-        loaded += rollers @ of_record.weights[np.arange(first, end) // M]
+        time = (start + np.arange(begin, end)) / cut.fine_rate
+        slip[begin:end] = -speed / (model.bearing.omega_c * speed_factor(model, time))
+        loaded += rollers @ of_record.weights[np.arange(begin, end) // M]
     weights = of_record.weights
     by_pass = slip.reshape(-1, M).mean(axis=1)
     extent = 2.0 * pi / model.bearing.Z * loaded / (weights.sum() * M)
     return {
-        "load_zone.extent": float(extent) if known.loaded else float("nan"),
-        "cage.slip.mean": float(np.average(by_pass, weights=weights)) if known.slips else float("nan"),
-        "cage.slip.std": float(slip.std()) if known.slips else float("nan"),
+        "load_zone.extent": float(extent) if entry.loaded else float("nan"),
+        "cage.slip.mean": float(np.average(by_pass, weights=weights)) if entry.slips else float("nan"),
+        "cage.slip.std": float(slip.std()) if entry.slips else float("nan"),
     }

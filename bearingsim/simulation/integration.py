@@ -1,6 +1,6 @@
-"""A case stepped through time: from its setup to the raw record that features and series are read from.
+"""Integration of a case in time, from its setup to the raw record that features and series are read from.
 
-Every run is monitored (``core/advance.py``): what it gives up, and why, is a ``MethodFailure``.
+Every run is monitored (``core/advance.py``); a run that the monitor stops raises ``MethodFailure``.
 """
 
 from collections.abc import Callable, Iterator
@@ -43,7 +43,7 @@ from bearingsim.simulation.slow_modes import SlowModes
 
 
 class SimulationError(Exception):
-    """A run that must not be trusted: why, what to do instead, and when (s into the run; None before it)."""
+    """Failure of a run: its reason, advice, and time (s into the run; None before it)."""
 
     def __init__(self, reason: str, advice: str, time: float | None = None) -> None:
         super().__init__(f"{reason}; {advice}")
@@ -54,9 +54,9 @@ class SimulationError(Exception):
 
 
 class MethodFailure(SimulationError):
-    """The method or its step was not up to what happened: another (``instead``, in words) may be.
+    """Failure of the method or its step, where another (``instead``, in words) may succeed.
 
-    part: of the automatic step that may be short enough, if that is known.
+    part: fraction of the automatic step that may be short enough, if that can be estimated.
     """
 
     def __init__(
@@ -67,15 +67,15 @@ class MethodFailure(SimulationError):
 
 
 class TooSlow(MethodFailure):
-    """The method would take too much CPU time: a shorter step of it would take more."""
+    """Failure by too much CPU time, of which a shorter step would take more."""
 
 
 class NotRepeating(MethodFailure):
-    """The motion has not repeated itself for so long that another method is to take over."""
+    """End of a run that is not periodic and that another method computes faster."""
 
 
 class TooChaotic(SimulationError):
-    """The record of a chaotic motion is too short for its RMS to be worth 1 %; ``duration`` s would do."""
+    """Refusal of a chaotic record too short for an RMS within 1 %; ``duration`` s would be enough."""
 
     def __init__(self, reason: str, advice: str, duration: float = nan) -> None:
         super().__init__(reason, advice)
@@ -84,7 +84,7 @@ class TooChaotic(SimulationError):
 
 @dataclass(frozen=True)
 class Setup:
-    """A case ready to be stepped: method named, cut in time, with the core's parameters and what it must keep to.
+    """Case ready to be stepped: method named, cut in time, with the core's parameters and its limits.
 
     part: of the automatic step; max_cpu: seconds of CPU time that its steps may take, if they are automatic.
     """
@@ -100,9 +100,9 @@ class Setup:
 
 
 def set_up(case: Case, part: float = 1.0, max_cpu: float | None = None) -> Setup:
-    """Ready a case whose method is named; it may take ``max_cpu`` (s). Raises ``Refused``."""
+    """Prepare a case whose method is named; max_cpu: CPU time (s) it may take. Raises ``Refused``."""
     case = settled(case)
-    cut, found = time_grid.grid(case, part, max_cpu or 0.0), choice.limits(case)
+    cut, limits = time_grid.grid(case, part, max_cpu or 0.0), choice.limits(case)
     time_grid.refuse_too_large(case, cut)
     kind = assemble.method_kind(case)
     lag = kind.lag * cut.step
@@ -113,16 +113,16 @@ def set_up(case: Case, part: float = 1.0, max_cpu: float | None = None) -> Setup
         case,
         part,
         cut,
-        found,
+        limits,
         model,
         assemble.method(case, cut.step, part),
-        monitor_of(cut, found),
+        monitor_of(cut, limits),
         max_cpu or time_grid.MAX_CPU,
     )
 
 
 SECONDS_PER_CALL = 0.1  # s of CPU time between two looks at the clock, about
-FIRST_STEPS, STEPS_PER_CALL = 8, 4000  # steps, or recorded instants, until the first look, and at most
+FIRST_STEPS, STEPS_PER_CALL = 8, 4000  # steps, or recorded instants, until the first look, and largest number
 NEAR_STEADY = 0.01  # times the closeness of passes that repeat each other: changes that count as none
 MAX_EVALUATIONS = 2e4  # evaluations of the model by an adaptive method after which the clock is looked at earlier
 
@@ -140,15 +140,15 @@ class Pace:
         self.steps = int(min(STEPS_PER_CALL, max(1.0, steps * SECONDS_PER_CALL / max(seconds, 1e-9))))
 
 
-def monitor_of(cut: time_grid.Grid, found: Limits) -> Monitor:
-    """Look twice within an impact (half a period of the roller between its contacts), and as a pit is crossed."""
-    patience = 0.5 / found.contact_frequency if found.contact_frequency > 0.0 else 1.0
-    stride = int(min(patience, found.crossing / 2.0) / (2.0 * cut.step))
-    return Monitor(min(32, max(1, stride)), patience, found.approach_bound, found.energy_bound, MAX_EVALUATIONS)
+def monitor_of(cut: time_grid.Grid, limits: Limits) -> Monitor:
+    """Return a monitor that looks twice within an impact (half a roller's period), and twice within a crossing."""
+    patience = 0.5 / limits.contact_frequency if limits.contact_frequency > 0.0 else 1.0
+    stride = int(min(patience, limits.crossing / 2.0) / (2.0 * cut.step))
+    return Monitor(min(32, max(1, stride)), patience, limits.approach_bound, limits.energy_bound, MAX_EVALUATIONS)
 
 
 class Look(NamedTuple):
-    """A look at a run after so many ball passes: ``ends`` returns whether they are enough."""
+    """Inspection of a run after ``passes`` ball passes; ``ends`` returns whether they are enough."""
 
     passes: int
     ends: Callable[[RawRecord], bool]
@@ -163,13 +163,13 @@ def integrate(
     most: int | None = None,
     look: Look | None = None,
 ) -> RawRecord:
-    """Step through the ball passes, keeping fine samples (and raw picks where the case wants them).
+    """Step through the ball passes and record fine samples (and raw values if the case needs them).
 
-    All of them, or until the motion repeats itself, as ``close`` as asked, or its line and RMS are known well
+    Ends after all of them, or when the motion is periodic within ``close``, or when line and RMS are accurate
     enough. nudge: share of its displacement by which the ring is moved at the start; start: positions and
-    velocities there (2, 6, ROW), if not those at rest; patience: ball passes after which a motion that has not
-    been found to repeat itself is left with ``NotRepeating``, 0 for never; most: ball passes after which it ends
-    there; look: whether it may end before.
+    velocities there (2, 6, ROW), if not those at rest; patience: ball passes after which a motion that is not
+    periodic raises ``NotRepeating``, 0 for never; most: largest number of ball passes; look: inspection that may
+    end the run.
     """
     case, cut, pace = setup.case, setup.cut, Pace()
     y = _start(setup, nudge, _steady_start(setup, pace, start, close, most))
@@ -210,18 +210,18 @@ def _search(setup: Setup, places: np.ndarray, close: Closeness) -> Search | None
     return Search(places, setup.cut.steps_per_pass, setup.model, memoryless, close, keeps)
 
 
-def _start(setup: Setup, nudge: float, given: np.ndarray | None = None) -> np.ndarray:
-    """A buffer at t = 0, at static equilibrium or as given, its accelerations filled in and its method ready."""
+def _start(setup: Setup, nudge: float, state: np.ndarray | None = None) -> np.ndarray:
+    """Return a buffer at t = 0, at static equilibrium or ``state``, with accelerations, its method prepared."""
     case, model = setup.case, setup.model
     y, residual = assemble.start(case, model)
     if not residual <= 1e-8 * hypot(case.load, case.load_across):
         raise SimulationError(
             f"no static equilibrium at the start: {residual:.3g} N left", "check load and clearance"
         )
-    if given is not None:
-        y[lay.POSITION : lay.POSITION + 2 * lay.STATE] = given.ravel()
+    if state is not None:
+        y[lay.POSITION : lay.POSITION + 2 * lay.STATE] = state.ravel()
     y[lay.POSITION + lay.X] *= 1.0 + nudge
-    if nudge != 0.0 or given is not None:
+    if nudge != 0.0 or state is not None:
         start_at_rest(model, 0.0, y)
     update_extremes(model, y)
     if type(setup.method) in prepare.types:
@@ -230,7 +230,7 @@ def _start(setup: Setup, nudge: float, given: np.ndarray | None = None) -> np.nd
 
 
 def _go_on_from(setup: Setup, t: float, y: np.ndarray) -> None:
-    """Complete a buffer into which places and velocities have been written, at time ``t`` (s)."""
+    """Complete a buffer after its positions and velocities have been written, at time ``t`` (s)."""
     start_at_rest(setup.model, t, y)
     if type(setup.method) in prepare.types:
         ready(setup.method, setup.model, t, y)
@@ -239,9 +239,9 @@ def _go_on_from(setup: Setup, t: float, y: np.ndarray) -> None:
 def _steady_start(
     setup: Setup, pace: Pace, start: np.ndarray | None, close: Closeness, most: int | None
 ) -> np.ndarray | None:
-    """Return the state at t = 0, (2, 6, ROW), that slow modes decay to; ``start`` if none is found.
+    """Return the state at t = 0, (2, 6, ROW), that slow modes decay to; ``start`` if none is reached.
 
-    At the end of each ball pass rollers stand where others stood at t = 0. most: ball passes that it takes.
+    At the end of each ball pass rollers stand where others stood at t = 0. most: largest number of ball passes.
     """
     slow = SlowModes.of(setup.case, setup.model, setup.cut, NEAR_STEADY * close.shrinking)
     if slow is None:
@@ -251,9 +251,9 @@ def _steady_start(
         moving = slice(lay.POSITION, lay.POSITION + 2 * lay.STATE)
         slow.set_out_from(y[moving], _start(setup, 0.0)[moving])
     places = channels.recorded(setup.case)
-    first = replace(setup, cut=replace(setup.cut, passes=min(slow.passes, most or slow.passes)))
+    shortened = replace(setup, cut=replace(setup.cut, passes=min(slow.passes, most or slow.passes)))
     with suppress(MethodFailure):  # if it is not the extrapolation's, the run meets it too
-        for _ in _ball_passes(first, NoSamples(), y, places, pace):
+        for _ in _ball_passes(shortened, NoSamples(), y, places, pace):
             passes += 1
             if slow.after_pass(y):
                 _go_on_from(setup, passes * setup.cut.steps_per_pass * setup.cut.step, y)
@@ -266,16 +266,16 @@ def _steady_start(
 def _ball_passes(
     setup: Setup, samples: NoSamples | Samples, y: np.ndarray, places: np.ndarray, pace: Pace
 ) -> Iterator[np.ndarray]:
-    """Return the recording, a ball pass at a time: (C, tail + steps) with the end of the pass before in front.
+    """Yield the recording of each ball pass, (C, tail + steps), preceded by the end of the pass before.
 
-    The same array every time. ``pace`` gathers the CPU time of the integrator.
+    The array is the same every time. ``pace`` sums the CPU time of the integrator.
     """
     case, cut = setup.case, setup.cut
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
     window = np.empty((len(places), tail + steps))
     window[:] = y[places][:, np.newaxis]
     _warm_up(setup, samples, y, places)
-    if MODELS[case.model].memoryless:  # it was never at rest: what was before t = 0 is known
+    if MODELS[case.model].memoryless:  # never at rest, so the samples before t = 0 follow from the model
         before = window[:, steps:]
         _record_steps(setup, NoSamples(), -tail, y, places, before, pace)
         take_peaks(y)
@@ -289,7 +289,7 @@ def _ball_passes(
 
 
 def _check_end(setup: Setup, began_at: list[float], y: np.ndarray, passes: int) -> None:
-    """Raise ``MethodFailure`` if something went wrong since the monitor last looked, or pits were stepped over."""
+    """Raise ``MethodFailure`` if the motion is not finite at the end of a run, or pits were stepped over."""
     end = passes * setup.cut.steps_per_pass * setup.cut.step
     if not np.isfinite(_pit_passages(setup, end, y)).all():
         raise stopped(setup, outcomes.NOT_FINITE, outcomes.NO_BODY, end)
@@ -299,7 +299,7 @@ def _check_end(setup: Setup, began_at: list[float], y: np.ndarray, passes: int) 
 
 
 def _warm_up(setup: Setup, samples: NoSamples | Samples, y: np.ndarray, places: np.ndarray) -> None:
-    """Compile or load what takes steps, before the clock runs: a step that is thrown away."""
+    """Compile or load the integrator before the clock runs, by a step that is discarded."""
     y = y.copy()
     y[lay.CPU_END] = cpu_time.end()
     part = np.empty((len(places), 2))[:, :1]  # laid out as parts of a recording: another layout is other code
@@ -315,7 +315,7 @@ def _record_steps(
     out: np.ndarray,
     pace: Pace,
 ) -> None:
-    """Take and record all steps of ``out`` from number ``start``, a while at a time; raises if it must stop."""
+    """Take and record all steps of ``out`` from number ``start``. Raises MethodFailure if the run is stopped."""
     n = 0
     while n < out.shape[1]:
         y[lay.CPU_END], began = cpu_time.end(), cpu_time.now()
@@ -340,36 +340,36 @@ MOTIONS = (
 NEIGHBOURS = 4  # columns on each side of a difference
 
 
-def differentiate(window: np.ndarray, motion: tuple[slice, slice, slice], first: int, h: float) -> None:
-    """Write velocity and acceleration as differences of places, from column ``first`` - NEIGHBOURS.
+def differentiate(window: np.ndarray, motion: tuple[slice, slice, slice], column: int, h: float) -> None:
+    """Write velocity and acceleration as differences of positions, from ``column`` - NEIGHBOURS on.
 
-    window: (C, n) in SI, ``h`` s from column to column; motion: rows of it, as of ``MOTIONS``; ``first``: at least
-    2 NEIGHBOURS.
+    window: (C, n) in SI, ``h`` s from column to column; motion: rows of it, as of ``MOTIONS``; ``column``: at
+    least 2 NEIGHBOURS.
 
-    An adaptive method takes steps of its own between recorded instants: of a velocity that jumps there, samples
-    have a wrong mean; differences of places add up to the way gone. They are of eighth order: up to 0.15 of the
-    rate of the columns, above which nothing is kept, their velocity is right to 1e-3. The last NEIGHBOURS columns,
-    whose neighbours are not all known yet, are written anew by the next pass.
+    An adaptive method takes its own steps between recorded instants. Samples of a velocity that jumps there have a
+    wrong mean, whereas differences of positions sum to the displacement. They are of eighth order: up to 0.15 of
+    the rate of the columns, above which nothing is kept, the velocity is accurate to 1e-3. The last NEIGHBOURS
+    columns, which lack neighbours, are written anew by the next pass.
     """
     place, velocity, push = (window[rows] for rows in motion)
     n = window.shape[1]
-    whole = slice(first - NEIGHBOURS, n - NEIGHBOURS), NEIGHBOURS
+    whole = slice(column - NEIGHBOURS, n - NEIGHBOURS), NEIGHBOURS
     for columns, reach in whole, *((slice(n - 1 - r, n - r), r) for r in range(NEIGHBOURS - 1, 0, -1)):
         slopes, bends = difference_weights(reach)
         velocity[:, columns], push[:, columns] = 0.0, 0.0
         for k in range(1, reach + 1):
-            here, after, before = (place[:, columns.start + m : columns.stop + m] for m in (0, k, -k))
+            centre, after, before = (place[:, columns.start + m : columns.stop + m] for m in (0, k, -k))
             velocity[:, columns] += slopes[k - 1] / h * (after - before)
-            push[:, columns] += bends[k - 1] / h**2 * ((after - here) - (here - before))
+            push[:, columns] += bends[k - 1] / h**2 * ((after - centre) - (centre - before))
     velocity[:, -1] = (place[:, -1] - place[:, -2]) / h
     push[:, -1] = push[:, -2]
 
 
 @cache
 def difference_weights(reach: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Weights of u(k h) - u(-k h) in h u', and of u(k h) - 2 u(0) + u(-k h) in h^2 u'', k from 1 to ``reach``.
+    """Return weights of u(k h) - u(-k h) in h u', and of u(k h) - 2 u(0) + u(-k h) in h^2 u''; k: 1 to ``reach``.
 
-    Of order 2 ``reach``. Source: Fornberg 1988.
+    The differences are of order 2 ``reach``. Source: Fornberg 1988.
     """
     share = [
         (-1) ** (k + 1) * factorial(reach) ** 2 / (factorial(reach - k) * factorial(reach + k))
@@ -379,9 +379,7 @@ def difference_weights(reach: int) -> tuple[tuple[float, ...], tuple[float, ...]
 
 
 def _pit_passages(setup: Setup, t: float, y: np.ndarray) -> list[float]:
-    """How far each roller-pit pair has turned at time ``t`` (s); none of a model without any, or that repeats
-    itself.
-    """
+    """Return the passages of each pit at time ``t`` (s); none of a model without contact forces or memory."""
     if not MODELS[setup.case.model].loaded or MODELS[setup.case.model].memoryless:
         return []
     return [passages(setup.model, d, t, y) for d in range(len(setup.model.defects.head))]
@@ -400,14 +398,12 @@ WHY = {
     outcomes.SKIPPED: "{count} crossings of pits were stepped over",
     outcomes.TOO_SLOW: "{method} has taken {hours:.2g} h of CPU time",
 }
-"""Why a run was stopped, by its outcome."""
+"""Reasons why a run was stopped, by its outcome."""
 
 
 def stopped(setup: Setup, outcome: int, body: int, t: float) -> MethodFailure:
-    """Why the monitor stopped a run at ``t`` (s), and what would do; ``body``: which one, or how many
-    crossings.
-    """
-    told = WHY[outcome].format(
+    """Return the failure of a run stopped at ``t`` (s), with advice; body: its number, or a count of crossings."""
+    reason = WHY[outcome].format(
         body=name_of(setup.model, body),
         count=body,
         method=setup.case.method,
@@ -420,17 +416,17 @@ def stopped(setup: Setup, outcome: int, body: int, t: float) -> MethodFailure:
     kind = TooSlow if outcome == outcomes.TOO_SLOW else MethodFailure
     others = choice.alternatives(setup.case)
     instead = f", or `method: {others[0]}`" if others and not needs_roller_mass(setup, outcome) else ""
-    return kind(f"{told}, {1e3 * t:.4g} ms into the run", advice(setup, outcome), t, instead)
+    return kind(f"{reason}, {1e3 * t:.4g} ms into the run", advice(setup, outcome), t, instead)
 
 
 def needs_roller_mass(setup: Setup, outcome: int) -> bool:
-    """Check if a method has stuck where only rollers with mass would let it go on."""
+    """Check if a method is stuck where only rollers with mass would help."""
     stuck = outcome in (outcomes.STEP_TOO_SMALL, outcomes.NEWTON_FAILED, outcomes.TOO_MANY_STEPS)
     return stuck and not MODELS[setup.case.model].has_inertia and setup.case.contact.jumps
 
 
 def advice(setup: Setup, outcome: int) -> str:
-    """Return which step, tolerance or model would do."""
+    """Return advice on a step, tolerance or model that may succeed."""
     adaptive = assemble.adaptive(setup.case)
     if outcome == outcomes.TOO_SLOW:
         return "take a shorter `duration`" + ("" if adaptive else ", or give a `step` of your own")
@@ -443,5 +439,5 @@ def advice(setup: Setup, outcome: int) -> str:
 
 
 def name_of(model: Any, body: int) -> str:
-    """Return what a monitored body is called."""
+    """Return the name of a monitored body."""
     return f"roller {body + 1}" if monitored(model) > 1 and body >= 0 else "the ring"

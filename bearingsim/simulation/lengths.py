@@ -1,4 +1,4 @@
-"""Lengths and speeds of what moves: by what each coordinate of a state is measured against the others."""
+"""Factors by which the coordinates of a state become comparable lengths and speeds."""
 
 from typing import Any
 
@@ -9,10 +9,10 @@ from bearingsim.core.models.interface import harmonics, state_width
 
 
 def lengths(model: Any) -> np.ndarray:
-    """Return by what (m, or 1) positions and velocities are multiplied to become lengths and speeds (2 STATE,).
+    """Return the factors (2 STATE,), m or 1, that turn positions and velocities into lengths and speeds.
 
-    A roller's own rotation, which grows without end, counts by its speed alone; what is no state of the model does
-    not.
+    A roller's rotation grows without end and counts by its speed alone; entries that are no state of the model get
+    0.
     """
     cells = np.full((2, 6, lay.ROW), model.bearing.R_o)
     cells[:, 0, lay.FIRST_LANE :] = 1.0

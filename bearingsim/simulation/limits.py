@@ -1,8 +1,8 @@
-"""What a case's step must respect: how stiff and damped its contacts are, at rest and at impact, and its pits.
+"""Limits of a case's step: stiffness and damping of its contacts at rest and at impact, and its defects.
 
 An explicit method is stable up to a step that stiffness and damping set. Damping often sets it, and grows with
 the load, so the limit is taken twice: at rest, and at an estimate of the roller's impact on the far edge of the
-steepest pit. What loads, speeds and pits can do at most bounds what a run may be believed.
+steepest pit. Loads, speeds and defects bound the approach and energy of a run that can be trusted.
 """
 
 from collections.abc import Iterator
@@ -39,14 +39,14 @@ from bearingsim.cpu_time import bounded
 from bearingsim.errors import Refused
 from bearingsim.simulation.fastest import SEARCH, Rates, fastest_rate, rates_at_rest
 
-LONGEST = 20e-6  # s: a step nobody needs to exceed, for the models without a limit
-FASTER = 2.0  # times the rate of the monitored bodies: what moves faster than that bounds a step
+LONGEST = 20e-6  # s: longest step of models without a limit
+FASTER = 2.0  # times the rate of the monitored bodies: a faster body bounds the step
 SAMPLES_OF_A_PASS = 16  # cage angles at which the load at rest is looked at
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What a case's step must respect. Times in s, forces in N, frequencies in Hz; inf where there is no limit.
+    """Limits of a case's step. Times in s, forces in N, frequencies in Hz; inf where there is no limit.
 
     The limits are the method's own, on the linearised bearing; ``impact_force`` is an estimate of the peak.
     damping_ratio is that of a roller (in `ring`, of the ring) on its contacts, without friction; damping_time (s)
@@ -71,7 +71,7 @@ class Limits:
 
 
 class Slopes(NamedTuple):
-    """How stiff and damped a body is over its mass: K in 1/s^2, C in 1/s, at rest and at most."""
+    """Stiffness K (1/s^2) and damping C (1/s) of a body over its mass, at rest and at most."""
 
     K_rest: float
     C_rest: float
@@ -80,25 +80,25 @@ class Slopes(NamedTuple):
 
 
 def step_limits(case: Case) -> Limits:
-    """Return limits of the case's step, its method being named. Raises ``Refused`` if nothing holds the ring."""
+    """Return the limits of the case's step, its method named. Raises ``Refused`` if nothing holds the ring."""
     try:
-        found, slopes = _without_method(assemble.bearing_of(at_full_speed(case)))
+        limits, slopes = _without_method(assemble.bearing_of(at_full_speed(case)))
     except NoEquilibrium as error:
         raise Refused(str(error), "give the bearing a load that its rollers can carry") from error
     at_rest = step_limit(case.method, slopes.K_rest, slopes.C_rest)
     at_impact = step_limit(case.method, slopes.K_most, slopes.C_most)
-    return replace(found, at_rest=at_rest, at_impact=min(at_rest, at_impact))
+    return replace(limits, at_rest=at_rest, at_impact=min(at_rest, at_impact))
 
 
 @lru_cache(maxsize=OF_A_STUDY)
 def _without_method(case: Case) -> tuple[Limits, Slopes]:
-    """Return the limits but for those of a method, and the slopes that these follow from."""
+    """Return the limits without those of a method, and the slopes that those follow from."""
     rest_load, K, C = loads_at_rest(loaded_at_rest(case))
     K_alone, _ = contacts_alone(loaded_at_rest(case))
     frequency = sqrt(K_alone) / (2.0 * pi) if K_alone > 0.0 else inf
     ratio, faster = damping_ratio_at_rest(case), faster_than_monitored(loaded_at_rest(case))
     K, C = max(K, faster.K), max(C, faster.C)
-    found = Limits(
+    limits = Limits(
         rest_load=rest_load,
         contact_frequency=frequency,
         damping_ratio=ratio,
@@ -112,7 +112,7 @@ def _without_method(case: Case) -> tuple[Limits, Slopes]:
         approach_bound=inf,
         energy_bound=inf,
     )
-    return _with_pits(case, found, K, C) if MODELS[case.model].loaded else (found, Slopes(K, C, K, C))
+    return _with_pits(case, limits, K, C) if MODELS[case.model].loaded else (limits, Slopes(K, C, K, C))
 
 
 def damping_ratio_at_rest(case: Case) -> float:
@@ -125,7 +125,7 @@ def damping_ratio_at_rest(case: Case) -> float:
 
 
 def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limits, Slopes]:
-    """Return the limits with what pits do to them."""
+    """Return the limits with the impacts at defects."""
     model = assemble.model(case)
     speed = closing_speed(model)
     hits = [impact(model.bearing.m_r, law, speed) for law in (model.outer, model.inner)]
@@ -136,7 +136,7 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limits,
         both = 1.0 + model.bearing.m_r * model.bending.mobility
         K_more, C_more = both * K_more, both * C_more
     deepest, energy_bound = bounds(case, model, healthy)
-    found = replace(
+    limits = replace(
         healthy,
         closing_speed=speed,
         impact_force=impact_force(model, healthy.rest_load),
@@ -144,13 +144,13 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limits,
         approach_bound=deepest,
         energy_bound=energy_bound,
     )
-    return found, Slopes(K, C, K + K_more, C + C_more)
+    return limits, Slopes(K, C, K + K_more, C + C_more)
 
 
 def impact_force(model: Any, load: float) -> float:
-    """Estimate of the largest contact force (N), of a roller that passes the pits under ``load`` (N).
+    """Estimate the largest contact force (N) of a roller that passes the defects under ``load`` (N).
 
-    ``core/defects/passage.py`` says what is left out. Rollers without mass follow a pit without an impact.
+    ``core/defects/passage.py`` states what is left out. Rollers without mass follow a pit without an impact.
     """
     b = model.bearing
     if b.m_r == 0.0:
@@ -163,19 +163,19 @@ def impact_force(model: Any, load: float) -> float:
 
 
 APPROACH_MARGIN, ENERGY_MARGIN = 10.0, 1000.0
-"""How many times what load, speed and pits explain a contact is pressed, and a bearing moves, in no right run.
+"""Factors on the approach and energy explained by load, speed and defects, beyond which a run is stopped.
 
-Measured: docs/step-check.md. Far out, since light damping lets a motion add up over many ball passes.
+Measured: docs/step-check.md. They are large because light damping lets a motion grow over many ball passes.
 """
 
 
 def bounds(case: Case, model: Any, healthy: Limits) -> tuple[float, float]:
-    """Approach (m) of a contact and energy (J) of radial motion that load, closing speed and pits cannot exceed.
+    """Return bounds of a contact's approach (m) and of the energy (J) of radial motion.
 
-    What is pressed: the whole load on one roller, the fall through clearance and pit, and the way on which the
-    closing speed is spent in a contact of the frequency at rest. What moves: the load (and the centrifugal one of
-    the rollers) over that fall, all that is stored at rest, every body at the closing speed; and what an unbalance
-    sets in motion against the shaft's damping.
+    Approach: the whole load on one roller, the fall through clearance and pit, and the stopping distance from the
+    closing speed in a contact of the frequency at rest. Energy: the load (and the centrifugal one of the rollers)
+    over that fall, the energy stored at rest, every body at the closing speed, and the speed at which an unbalance
+    drives the inner ring against the shaft's damping.
     """
     b, v = model.bearing, closing_speed(model)
     load = hypot(case.load, case.load_across) + healthy.rest_load
@@ -189,7 +189,7 @@ def bounds(case: Case, model: Any, healthy: Limits) -> tuple[float, float]:
 
 
 def unbalance_speed(case: Case) -> float:
-    """The speed (m/s) at which an unbalance could drive the inner ring, held by the shaft's damping alone."""
+    """Return the speed (m/s) of an inner ring that an unbalance drives against the shaft's damping alone."""
     if case.unbalance is None or case.shaft is None:
         return 0.0
     c = case.shaft.damping
@@ -197,14 +197,14 @@ def unbalance_speed(case: Case) -> float:
 
 
 def loaded_at_rest(case: Case) -> Case:
-    """Return the case without what does not touch its load at rest; what is struck stands as a ring does."""
+    """Return the case without defects; a model without contact forces is replaced by the lowest that has them."""
     same = assemble.healthy(case)
     return same if MODELS[case.model].loaded else same.model_copy(update={"model": lowest("forces", "damping")})
 
 
 @lru_cache(maxsize=OF_A_STUDY)
 def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
-    """Largest outer contact force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
+    """Return the largest outer force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
     model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
     load, K, C = 0.0, 0.0, 0.0
     for _, y, K_now, C_now in at_rest_in_a_pass(model):
@@ -215,7 +215,7 @@ def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
 
 @lru_cache(maxsize=OF_A_STUDY)
 def faster_than_monitored(healthy: Case) -> Rates:
-    """Return rates of what moves much faster at rest than the monitored bodies; zero if nothing does."""
+    """Return the rates of a body much faster at rest than the monitored ones; zero if there is none."""
     load, *monitored = loads_at_rest(healthy)
     model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
     if not MODELS[healthy.model].has_inertia or not degrees_of_freedom.serves(type(model)):
@@ -229,20 +229,20 @@ def faster_than_monitored(healthy: Case) -> Rates:
 
 @lru_cache(maxsize=OF_A_STUDY)
 def contacts_alone(healthy: Case) -> tuple[float, float]:
-    """Stiffness and damping over mass as of ``loads_at_rest``, without what a ring that bends adds to them."""
+    """Return stiffness and damping over mass as ``loads_at_rest``, without those of a ring that bends."""
     if healthy.rig.ring is None or not MODELS[healthy.model].has_inertia:
         return loads_at_rest(healthy)[1:]
-    model, found = assemble.model(healthy), []
+    model, slopes = assemble.model(healthy), []
     stiff = model._replace(bending=Stiff())
     for _, y, _, _ in at_rest_in_a_pass(model):
         for j in range(model.bearing.Z):
-            found.append((stiffness_per_mass(stiff, y, j), damping_per_mass(stiff, y, j)))
-    K, C = np.max(found, axis=0)
+            slopes.append((stiffness_per_mass(stiff, y, j), damping_per_mass(stiff, y, j)))
+    K, C = np.max(slopes, axis=0)
     return float(K), float(C)
 
 
 def at_rest_in_a_pass(model: Any) -> Iterator[tuple[float, np.ndarray, float, float]]:
-    """The model at rest at some times (s) of a ball pass: its buffer, a body's stiffness, damping over mass."""
+    """Yield times (s) of a ball pass, with the buffer at rest, and a body's stiffness and damping over mass."""
     y, pass_time = assemble.empty_buffer(model), 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
     for n in range(SAMPLES_OF_A_PASS):
         t = (n + 0.5) / SAMPLES_OF_A_PASS * pass_time
@@ -252,10 +252,10 @@ def at_rest_in_a_pass(model: Any) -> Iterator[tuple[float, np.ndarray, float, fl
 
 
 def step_impact(model: Any, law: Any, load: float) -> tuple[float, float, float]:
-    """Return what ``impact`` gives, for a roller under ``load`` (N) whose race comes back at once as the pit ends.
+    """Return ``impact`` of a roller under ``load`` (N) whose race returns in a step as the pit ends.
 
-    Only for excitations with such a step. The roller has fallen by then, in free flight from what its inner
-    contact gave it (at most load times approach), but no deeper than the pit; so far it is pressed into the race.
+    Zeros for excitations without such a step. The roller has fallen in free flight, driven by the energy of its
+    inner contact (at most load times approach), but no deeper than the pit; that depth is its approach.
     """
     b, pits = model.bearing, model.defects
     if b.m_r == 0.0 or len(pits.head) == 0 or not isinstance(pits.excitation, STEP_EXCITATIONS):
@@ -269,10 +269,9 @@ def step_impact(model: Any, law: Any, load: float) -> tuple[float, float, float]
 
 
 def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
-    """A free roller of mass ``m`` (kg) thrown at one race with ``speed`` (m/s): peak force, largest slopes over m.
+    """Return peak force and largest slopes over m of a free roller (m in kg) that hits a race at ``speed`` (m/s).
 
-    Returns (N, stiffness/mass in 1/s^2, damping/mass in 1/s). Models whose rollers have no mass have no such
-    impact: zeros.
+    In N, 1/s^2 (stiffness) and 1/s (damping); zeros for rollers without mass, which have no impact.
     """
     if m == 0.0 or speed == 0.0:
         return 0.0, 0.0, 0.0

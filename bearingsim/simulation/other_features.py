@@ -1,4 +1,4 @@
-"""Features that other packages read from a record, and the refusal of those that nobody declared."""
+"""Features of other packages, and the refusal of undeclared ones."""
 
 from collections.abc import Iterable
 from math import isfinite, nan
@@ -15,7 +15,7 @@ from bearingsim.extensions import BrokenExtension
 
 
 class NotRecorded(UserError, KeyError):
-    """A feature asks for a series that its case does not record."""
+    """Series that a feature reads and its case does not record."""
 
 
 class Recorded(dict[str, np.ndarray]):
@@ -59,7 +59,7 @@ def _of_extension(feature: Feature, case: Case, time: np.ndarray, series: Record
 
 
 def refuse_undeclared(computed: Iterable[str]) -> None:
-    """Raise UserError if a feature is computed that has no unit and no label, and so no column of its own."""
+    """Raise UserError if a computed feature has no unit and label, and thus no column."""
     undeclared = [name for name in computed if name not in DECLARED]
     if undeclared:
         raise UserError(f"feature `{undeclared[0]}` is computed but not declared: add it to config/names.py")

@@ -1,4 +1,4 @@
-"""The part of a case on which its step is checked: its beginning, or all with `step_check: strict`."""
+"""Pilot of a case, on which its step is checked: its beginning, or all of it with `step_check: strict`."""
 
 from math import ceil, pi, sqrt
 
@@ -7,22 +7,22 @@ from bearingsim.config import Case
 from bearingsim.simulation.limits import step_limits
 
 UNCOUNTED_PASSES = 1  # ball passes at the start of a pilot that do not count
-LIGHT_DAMPING = 0.2  # damping ratio of a loaded roller under which what a run starts with is long remembered
-SETTLES = 0.05  # s: what a pilot settles for at most
+LIGHT_DAMPING = 0.2  # damping ratio of a loaded roller under which a run forgets its start slowly
+SETTLES = 0.05  # s: longest settling of a pilot
 MIN_PASSES, MIN_DURATION = 4, 5e-3  # ball passes, and s, that count
 PILOT_PART = 1 / 16  # of a run that a pilot takes: with its half step a fifth of the run's CPU time
-TURNS = 2.0  # of a pit through the load zone: one passage is not like the next
-DURATION_MARGIN = 1.5  # times what a pilot is to see: a run of that length lets it
-LONGER_PILOT = 2.0  # as much as a pilot has seen, if that told too little
+TURNS = 2.0  # of a pit through the load zone, since passages differ
+DURATION_MARGIN = 1.5  # times the pilot that sees the pits turn: length of a run that allows it
+LONGER_PILOT = 2.0  # times the length of a pilot that was too short
 ROUNDING = 1e-9  # of a ball pass
 
 
 def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
-    """Return the beginning of a case, its method named, and how many ball passes are compared.
+    """Return the beginning of a case, its method named, and the number of ball passes compared.
 
-    times: as many of them as usual. Of a case with a ramp, one at its highest speed all along: there its step is
-    hardest to hold. One that is lightly damped settles first, since from rest it may need that long to become what
-    it will be; one that is to be proven strictly does so as long as the run.
+    times: factor on that number. A case with a ramp is run at its highest speed, which demands the shortest step.
+    A lightly damped case settles first, because its transient is long; with `step_check: strict` as long as the
+    run.
     """
     case = at_full_speed(case)
     rate = case.bearing.ball_pass_frequency(case.speed)
@@ -37,12 +37,12 @@ def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
 
 
 def is_lightly_damped(case: Case) -> bool:
-    """Check if damping is so light that a motion long remembers what it started with."""
+    """Check if damping is so light that the transient from the start is long."""
     return step_limits(case).damping_ratio < LIGHT_DAMPING
 
 
 def compared_part(case: Case) -> float:
-    """Return the part of a run that a pilot is to compare: all of it where strictness is asked for."""
+    """Return the part of a run that a pilot compares: all of it with `step_check: strict`."""
     return 1.0 if case.step_check == "strict" else PILOT_PART
 
 
@@ -61,9 +61,9 @@ def longer_duration(case: Case) -> float:
 
 
 def check_cost(case: Case) -> float:
-    """CPU time of a step check over that of its run: the pilot as the run is, and with 1/sqrt(5) of the step.
+    """Return the CPU time of a step check over that of its run: a pilot at the step, and one at 1/sqrt(5) of it.
 
-    A third pilot, of what may be chaotic, and longer ones, of what is doubtful, come on top.
+    A third pilot, if the motion may be chaotic, and longer ones, if the result is doubtful, are not included.
     """
     short, _ = pilot(case)
     return (1.0 + sqrt(5.0)) * (short.settle_s + short.duration) / (case.settle_s + case.duration)
@@ -79,4 +79,4 @@ PIT_TURN = {
     "inner": lambda case: 2.0 * pi / at_full_speed(case).speed,
     "roller": lambda case: case.bearing.rollers / case.bearing.ball_pass_frequency(at_full_speed(case).speed),
 }
-"""The time (s) in which a pit of each race turns through the load zone once."""
+"""Time (s) in which a pit of each race turns through the load zone once."""

@@ -1,4 +1,4 @@
-"""What the steps of a case cost in CPU time: laws with measured numbers, which stand in ``prices.csv``.
+"""CPU time of a case's steps: laws with the measured numbers of ``prices.csv``.
 
 The numbers hold for one core of a 2.6 GHz server, and are the same on every machine: the choice of a method rests
 on them. ``benchmarks/step_cost.py`` measures them.
@@ -19,7 +19,7 @@ from bearingsim.simulation.limits import LONGEST, Limits, step_limits
 
 TABLE = Path(__file__).with_name("prices.csv")
 USUAL = ""
-"""The name in the table of what has no row of its own, such as another package's model."""
+"""Name in the table for models and methods without a row, such as another package's model."""
 OWN_PER_PERIOD = 10.0  # steps of an adaptive method in a period of contacts that ring
 RINGING_RATIO = 0.1  # damping ratio under which contacts ring
 # power of the damping ratio, over 1, by which it shortens own steps (Rodas, m3 = 0; others roughly)
@@ -39,13 +39,13 @@ def price(what: str, name: str = USUAL) -> float:
 
 
 def evaluation(case: Case) -> float:
-    """CPU time (s) of one evaluation of the case's model."""
+    """Return the CPU time (s) of one evaluation of the case's model."""
     of_rollers = (price("evaluation", case.model) + price("power") * powers(case)) * (slice_count(case) or 1)
     return of_rollers + bending(case)
 
 
 def bending(case: Case) -> float:
-    """CPU time (s) that a ring which bends, and the springs around it, add to an evaluation."""
+    """Return the CPU time (s) of a ring which bends, and of the springs around it, in an evaluation."""
     if case.rig.ring is None:
         return 0.0
     springs = len(places_of_springs(of_ring(case))[0]) if has_carrier(case.rig) else 0
@@ -53,9 +53,9 @@ def bending(case: Case) -> float:
 
 
 def per_step(method: str, model: str, evaluations: int) -> float:
-    """CPU time of a method's step in evaluations of the model, all that goes with it included (docs/cost.md).
+    """Return the CPU time of a method's step in evaluations of the model, overhead included (docs/cost.md).
 
-    ``evaluations``: of the model in a step, which is what a method without a row of its own is priced by.
+    evaluations: of the model in a step, the price of a method without a row of its own.
     """
     usual = price("adaptive step") if METHODS[method].adaptive else 1.0
     of_any = prices().get(("step", method), usual * evaluations)
@@ -63,27 +63,27 @@ def per_step(method: str, model: str, evaluations: int) -> float:
 
 
 def per_second(case: Case, step: float) -> float:
-    """CPU time (s) of the steps of a simulated second."""
+    """Return the CPU time (s) of the steps of a simulated second."""
     kind = assemble.method_kind(case)
     if case.method is None:
         return evaluation(case) / step * kind.evaluations
-    one = per_step(case.method, case.model, kind.evaluations)
+    step_cost = per_step(case.method, case.model, kind.evaluations)
     if not METHODS[case.method].adaptive:
-        return evaluation(case) / step * one
+        return evaluation(case) / step * step_cost
     own = adaptive_step(case, step_limits(case.model_copy(update={"method": EXPLICIT})))
-    return evaluation(case) * (price("record") / step + one / own)
+    return evaluation(case) * (price("record") / step + step_cost / own)
 
 
-def adaptive_step(case: Case, found: Limits) -> float:
-    """About how long (s) the steps of an adaptive method are.
+def adaptive_step(case: Case, limits: Limits) -> float:
+    """Estimate the length (s) of an adaptive method's own steps.
 
-    An explicit one's are bounded by its stability on contacts at rest; an implicit one's by what is crossed,
-    rings, or opens.
+    Those of an explicit one are bounded by its stability on contacts at rest; those of an implicit one by crossing
+    times, and by contacts that ring or open.
     """
     usual, name = price("own steps"), str(case.method)
     steps = price("own steps", name)
-    smooth = min(found.crossing, LONGEST * usual) / steps
+    smooth = min(limits.crossing, LONGEST * usual) / steps
     if not METHODS[name].implicit:
-        return min(smooth, price("stable step", name) / found.fastest_rate)
-    rings = 1.0 / found.contact_frequency / OWN_PER_PERIOD if found.damping_ratio < RINGING_RATIO else inf
-    return min(smooth, rings, LONGEST * usual / steps / max(1.0, found.damping_ratio) ** DAMPING_POWER)
+        return min(smooth, price("stable step", name) / limits.fastest_rate)
+    rings = 1.0 / limits.contact_frequency / OWN_PER_PERIOD if limits.damping_ratio < RINGING_RATIO else inf
+    return min(smooth, rings, LONGEST * usual / steps / max(1.0, limits.damping_ratio) ** DAMPING_POWER)

@@ -1,4 +1,4 @@
-"""What the integrator leaves behind, before it is sampled: the computed ball passes, and what repeats them."""
+"""Fine samples of the computed ball passes, and of those that repeat them."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -36,51 +36,52 @@ class RawRecord:
 
     @property
     def repeats_from(self) -> int | None:
-        """The fine sample from which on a period is as any later one; None of a motion that does not repeat."""
+        """Fine sample from which on the motion is periodic; None if it is not."""
         if self.repetition.period == 0:
             return None
         return (self.repetition.computed - self.repetition.period) * self.M + self.lead - self.zero
 
     @property
     def end(self) -> int | None:
-        """The number of fine samples from t = 0 on that there are; None of a motion that repeats: any."""
+        """Number of available fine samples from t = 0 on; None (any) of a periodic motion."""
         return None if self.repetition.period else self.lead - self.zero + self.repetition.computed * self.M
 
-    def read(self, first: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
-        """Fine samples (R, count) from number ``first`` on, of all rows or those of the indices ``rows`` (R,)."""
+    def read(self, start: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
+        """Return fine samples (R, count) from number ``start`` on, of all rows or ``rows`` (R,)."""
         rows = np.arange(len(self.places)) if rows is None else np.asarray(rows)
-        start, computed = self.zero + first, self.lead + self.repetition.computed * self.M
-        if start < 0 or (start + count > computed and self.repetition.period == 0):
-            raise IndexError(f"fine samples {first} to {first + count} were not computed")
-        if start + count <= computed:
-            return self.fine[rows, start : start + count]
-        known = self.fine[rows, start:computed]
-        return np.concatenate([known, self._repeated(max(start, computed), start + count, rows)], axis=1)
+        column, computed = self.zero + start, self.lead + self.repetition.computed * self.M
+        if column < 0 or (column + count > computed and self.repetition.period == 0):
+            raise IndexError(f"fine samples {start} to {start + count} were not computed")
+        if column + count <= computed:
+            return self.fine[rows, column : column + count]
+        stored = self.fine[rows, column:computed]
+        return np.concatenate([stored, self._repeated(max(column, computed), column + count, rows)], axis=1)
 
     def _repeated(self, start: int, end: int, rows: np.ndarray) -> np.ndarray:
-        """Return the columns from ``start`` to ``end``, all after the computed ones, by repetition."""
-        first, last = ((column - self.lead) // self.M for column in (start, end - 1))
-        passes = np.arange(first, last + 1)
+        """Return columns from ``start`` to ``end``, after the computed ones, from the passes that they repeat."""
+        first_pass, last_pass = ((column - self.lead) // self.M for column in (start, end - 1))
+        passes = np.arange(first_pass, last_pass + 1)
         sources = self.repetition.source(passes)
         starts, shifts = self.lead + sources * self.M, (passes - sources) % self.Z
-        found = [
-            self.fine[self._partners[m][rows], at : at + self.M] for m, at in zip(shifts, starts, strict=True)
+        parts = [
+            self.fine[self._partners[m][rows], column : column + self.M]
+            for m, column in zip(shifts, starts, strict=True)
         ]
-        skipped = start - self.lead - first * self.M
-        return np.concatenate(found, axis=1)[:, skipped : skipped + end - start]
+        skipped = start - self.lead - first_pass * self.M
+        return np.concatenate(parts, axis=1)[:, skipped : skipped + end - start]
 
     @cached_property
     def _partners(self) -> np.ndarray:
-        """(Z, C) which row holds, m passes before, what row c holds now."""
+        """Row (Z, C) that held, m passes before, what row c holds now."""
         if np.all(lay.lane_of(self.places) < 0):  # nothing of a roller
             return np.broadcast_to(np.arange(len(self.places)), (self.Z, len(self.places)))
         return np.array([turned(self.places, self.Z, m) for m in range(self.Z)])
 
     def through(self, taps: np.ndarray) -> "RawRecord | LowPassed":
-        """Return what the low-pass ``taps`` (odd) let through, to be read in the same way.
+        """Return the record filtered by the low-pass ``taps`` (odd number), read in the same way.
 
-        Of a motion that repeats itself the computed passes are filtered, and some that follow: as many as the
-        filter reaches. Of any other, what is asked for, as it is asked for.
+        Of a periodic motion the computed passes are filtered at once, with those that follow within the filter's
+        reach; any other is filtered as it is read.
         """
         if self.repetition.period == 0:
             return LowPassed(self, taps)
@@ -96,15 +97,15 @@ PRODUCTS = 1 << 28
 
 @dataclass(frozen=True)
 class LowPassed:
-    """A raw record, seen through the low-pass ``taps``."""
+    """Raw record, filtered by the low-pass ``taps`` as it is read."""
 
     raw: RawRecord
     taps: np.ndarray
 
-    def read(self, first: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
+    def read(self, start: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
         """Read fine samples as ``RawRecord.read`` does."""
         reach = len(self.taps) // 2
-        wide = np.ascontiguousarray(self.raw.read(first - reach, count + 2 * reach, rows))
+        wide = np.ascontiguousarray(self.raw.read(start - reach, count + 2 * reach, rows))
         out = np.empty((len(wide), count))
         block = max(1, PRODUCTS // (len(self.taps) * max(1, len(wide))))
         for begin in range(0, count, block):

@@ -1,7 +1,7 @@
-"""What is done with a run besides its steps, in CPU time and in memory: what is kept, filtered, read and written.
+"""CPU time and memory of a job besides its steps: recording, filtering, reading features, writing.
 
-CPU time is counts of what is done times measured prices (``prices.csv``). Memory is that of the arrays which stand
-beside each other: those of the step check come and go before those of the run.
+CPU time is counts of operations times measured prices (``prices.csv``). Memory is that of the arrays alive at
+once: those of the step check are freed before those of the run.
 """
 
 from math import ceil, sqrt
@@ -33,7 +33,7 @@ SMALL = 8e6  # bytes of all that is small
 
 
 class Counts(NamedTuple):
-    """What is done with a run, by the rows of ``prices.csv`` that say what one of each costs.
+    """Operations on a run, by the rows of ``prices.csv`` with the price of each.
 
     kept_value: values recorded, one for each row and step; kept_pass: ball passes; tap: of the low-pass, over all
     that is filtered; line_sample, turning_sample: fine samples that lines are read from, at constant speeds and at
@@ -53,20 +53,20 @@ class Counts(NamedTuple):
 
     @property
     def seconds(self) -> float:
-        """CPU time (s)."""
+        """CPU time (s) of all operations."""
         return sum(price(name.replace("_", " ")) * count for name, count in zip(self._fields, self, strict=True))
 
 
 class Size(NamedTuple):
-    """Numbers that a record is made of.
+    """Sizes of a record.
 
-    rows: recorded, of which ``asked`` make series; computed: ball passes of ``fine`` fine samples and ``steps``
-    steps each; read: fine samples that differ within the record; whole: fine samples of the record; samples: of
-    each of ``columns`` series; checked: passes' worth of steps in the step check.
+    rows: recorded, of which ``requested`` make series; computed: ball passes of ``fine`` fine samples and
+    ``steps`` steps each; read: fine samples that differ within the record; whole: fine samples of the record;
+    samples: of each of ``columns`` series; checked: passes' worth of steps in the step check.
     """
 
     rows: int
-    asked: int
+    requested: int
     computed: int
     fine: int
     steps: int
@@ -77,29 +77,29 @@ class Size(NamedTuple):
     checked: float
 
     def with_passes(self, computed: int, checked: float) -> "Size":
-        """Return the same with so many passes computed, and checked."""
+        """Return the size with other numbers of passes computed and checked."""
         read = min(self.whole, float(computed * self.fine))
         return self._replace(computed=computed, checked=checked, read=read)
 
 
 def size(case: Case, fine: int, decimation: int, computed: int, checked: float) -> Size:
-    """The size of a case, its method named, with so many ball passes ``computed``, and ``checked`` besides."""
+    """Return the size of a case, its method named, with the ball passes ``computed`` and ``checked``."""
     whole = case.duration * case.bearing.ball_pass_frequency(at_full_speed(case).speed) * fine
     places = channels.recorded(case)
-    asked = len(channels.asked(case, places))
+    requested = len(channels.requested_rows(case, places))
     columns = sum(len(CHANNELS[name].components) for name in case.record)
     samples = int(case.duration * case.sampling + 1e-6)
     read = min(whole, float(computed * fine))
-    return Size(len(places), asked, computed, fine, fine * decimation, read, whole, samples, columns, checked)
+    return Size(len(places), requested, computed, fine, fine * decimation, read, whole, samples, columns, checked)
 
 
 def counts(case: Case, of: Size) -> Counts:
-    """Return what is done with a run of that size."""
+    """Count the operations on a run of that size."""
     passes = of.computed + PASSES_CHECKED * of.checked
     taps = 2.0 * ceil(RESAMPLE_REACH * of.whole / max(1, of.samples)) + 1.0
     of_series = of.whole if of.read == of.whole else of.computed * of.fine
     filtered = of.rows * PASSES_CHECKED * of.checked * of.fine
-    filtered += SENSED * of.read + of.asked * of_series if case.antialias else 0.0
+    filtered += SENSED * of.read + of.requested * of_series if case.antialias else 0.0
     turns = MODELS[case.model].slips and not (case.cage is not None and case.cage.motion == "kinematic")
     ramps = case.ramp is not None
     looks = LOOKS if case.until is not None else 0.0
@@ -111,13 +111,13 @@ def counts(case: Case, of: Size) -> Counts:
         turning_sample=of.read if turns or ramps else 0.0,
         ramp_sample=of.read if ramps else 0.0,
         band_sample=of.whole * _bands(case),
-        sample=float(of.samples * (of.asked + (of.rows if channels.picks(case) else 0))),
+        sample=float(of.samples * (of.requested + (of.rows if channels.picks(case) else 0))),
         written=float(of.samples * of.columns),
     )
 
 
 def memory(case: Case, of: Size) -> float:
-    """Return the most memory (bytes) that a run of that size takes at once, beside the program's own."""
+    """Return the largest memory (bytes) of a run of that size, without the program's own."""
     turning = case.ramp is not None or MODELS[case.model].slips
     lines = TURNING * of.read + TURNED * min(of.read, BLOCK) if turning else STEADY * of.read
     lead = RESAMPLE_REACH * of.whole / max(1, of.samples)
@@ -125,7 +125,7 @@ def memory(case: Case, of: Size) -> float:
     picked = float(of.rows * of.samples) if channels.picks(case) else 0.0
     recording = of.rows * (of.computed * of.fine + lead) + picked
     banded = BANDED * of.whole if _bands(case) else 0.0
-    series = (of.asked + WRITTEN * of.columns + 2.0) * of.samples
+    series = (of.requested + WRITTEN * of.columns + 2.0) * of.samples
     pilot = PASSES_CHECKED * of.checked / 2.0 * of.fine
     check = (PILOT * of.rows + COMPARED) * pilot + 2.0 * window
     most = max(lines, banded, series, window)

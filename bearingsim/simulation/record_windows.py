@@ -1,4 +1,4 @@
-"""The record in windows of a ball pass each: those that differ from each other, and how often each occurs."""
+"""Ball passes of a record as windows: the distinct ones, and how often each occurs."""
 
 from dataclasses import dataclass
 from math import ceil, floor
@@ -14,8 +14,8 @@ from bearingsim.simulation.time_grid import Grid
 class Windows:
     """Windows of ``M`` fine samples, side by side from fine sample ``start`` on, the record's first.
 
-    index: (K,) which of the first ``distinct`` windows each of the record's equals: beyond them it is the one
-    ``period`` before.
+    index: (K,) number of the distinct window that each of the record's equals: after the first ``distinct`` it is
+    the one ``period`` before.
     """
 
     start: int
@@ -25,12 +25,12 @@ class Windows:
 
     @property
     def distinct(self) -> int:
-        """How many windows are to be read: the first so many."""
+        """Number of windows that differ: the first ones."""
         return int(self.index.max(initial=-1)) + 1
 
     @property
     def weights(self) -> np.ndarray:
-        """(distinct,) how often each occurs."""
+        """Occurrences (distinct,) of each window."""
         return np.bincount(self.index, minlength=self.distinct)
 
 
@@ -40,14 +40,14 @@ def first_sample(case: Case, cut: Grid) -> int:
 
 
 def whole_passes(case: Case, cut: Grid) -> int:
-    """Ball passes that lie wholly in the record."""
+    """Return the number of ball passes that lie wholly in the record."""
     return floor(case.duration * cut.rate + 1e-6)
 
 
 def windows(case: Case, cut: Grid, raw: RawRecord, reach: int) -> Windows:
     """Return the whole ball passes of the record.
 
-    reach: fine samples beyond both ends of a window that what is read of it depends on.
+    reach: fine samples beyond both ends of a window on which its filtered values depend.
     """
     K, M, start = whole_passes(case, cut), cut.fine_per_pass, first_sample(case, cut)
     if raw.end is not None:  # which the record may end before
@@ -55,5 +55,5 @@ def windows(case: Case, cut: Grid, raw: RawRecord, reach: int) -> Windows:
     k = np.arange(K)
     if raw.repeats_from is None:
         return Windows(start, M, k, 0)
-    first, period = max(0, ceil((raw.repeats_from + reach - start) / M)), raw.repetition.period
-    return Windows(start, M, np.where(k < first, k, first + (k - first) % period), period)
+    onset, period = max(0, ceil((raw.repeats_from + reach - start) / M)), raw.repetition.period
+    return Windows(start, M, np.where(k < onset, k, onset + (k - onset) % period), period)

@@ -1,4 +1,4 @@
-"""What is kept of a run as it is stepped: fine samples, raw picks, the largest values of each ball pass."""
+"""Recording of a run as it is stepped: fine samples, raw values at the record's instants, peaks of each pass."""
 
 from collections import deque
 from math import ceil, floor
@@ -24,10 +24,10 @@ from bearingsim.simulation.time_grid import Grid, samples
 
 
 class Recording:
-    """What is kept of a run as its passes are computed."""
+    """Fine samples, raw values and peaks of a run, ball pass by ball pass."""
 
     def __init__(self, case: Case, cut: Grid, Z: int, y: np.ndarray) -> None:
-        """Make room for what is kept. y: the buffer at t = 0, before which everything stood still."""
+        """Allocate the arrays. y: the buffer at t = 0, before which everything stood still."""
         self.case, self.cut, self.Z = case, cut, Z
         self.places = channels.recorded(self.case)
         self.lead = ceil(RESAMPLE_REACH * self.cut.fine_rate / self.case.sampling) + INTERPOLATION_REACH + 1
@@ -43,7 +43,7 @@ class Recording:
         self.last: deque[np.ndarray] = deque(maxlen=LONGEST_PERIOD if keeps else 0)
 
     def keep(self, p: int, window: np.ndarray, y: np.ndarray) -> None:
-        """Keep what is wanted of pass ``p``; window: as ``_ball_passes`` gives it."""
+        """Record pass ``p``; window: as ``_ball_passes`` gives it."""
         M, D = self.cut.fine_per_pass, self.cut.decimation
         start = self.lead + p * M
         decimate(window, self.taps, D, self.fine[:, start : start + M])
@@ -80,9 +80,9 @@ class Recording:
 
 
 def samples_between_steps(case: Case, picked: np.ndarray) -> NoSamples | Samples:
-    """Return what an adaptive method is to record at the raw record's own instants, into ``picked``.
+    """Return the samples that an adaptive method writes into ``picked`` at the raw record's own instants.
 
-    The steps of any other are so short that a value between two is taken from both.
+    Other methods have steps so short that values are interpolated between two.
     """
     if not channels.picks(case) or not assemble.adaptive(case):
         return NoSamples()
@@ -90,18 +90,18 @@ def samples_between_steps(case: Case, picked: np.ndarray) -> NoSamples | Samples
 
 
 def take_peaks(y: np.ndarray) -> list[float]:
-    """Return the largest of each of ``EXTREMES`` that any roller has met since they were last taken."""
-    rows = [y[row : row + lay.MAX_ROLLERS] for row in EXTREMES.values()]  # empty: of a model that knows of none
-    found = [float(row.max(initial=0.0)) for row in rows]
+    """Return the largest of each of ``EXTREMES`` over all rollers since the last call, and reset them."""
+    rows = [y[row : row + lay.MAX_ROLLERS] for row in EXTREMES.values()]  # empty if the model has none
+    peaks = [float(row.max(initial=0.0)) for row in rows]
     for row in rows:
         row[:] = 0.0
-    return found
+    return peaks
 
 
 def extend_back(case: Case, raw: RawRecord) -> None:
-    """Write what was before t = 0: a revolution of the cage before it was the same.
+    """Fill in the samples before t = 0 with those one revolution of the cage later.
 
-    With pits that turn it was not, and the ring's motion alone is extended, by its first pass: filters reach so
+    With pits that turn these differ, and only the ring's motion is extended, by its first pass: filters reach that
     far, no feature does.
     """
     fine, zero, turn = raw.fine, raw.zero, raw.Z * raw.M
@@ -117,9 +117,9 @@ def _pick_pass(case: Case, cut: Grid, p: int, window: np.ndarray, picked: np.nda
     steps, tail = cut.steps_per_pass, window.shape[1] - cut.steps_per_pass
     ratio = 1.0 / (case.sampling * cut.step)  # steps per sample
     start = case.settle_s / cut.step
-    first, end = (max(0, floor((q * steps - start) / ratio) + 1) for q in (p, p + 1))
-    first = 0 if p == 0 else min(first, picked.shape[1])
+    begin, end = (max(0, floor((q * steps - start) / ratio) + 1) for q in (p, p + 1))
+    begin = 0 if p == 0 else min(begin, picked.shape[1])
     end = min(end, picked.shape[1])
-    if end > first:
-        pick(window, start - p * steps + tail - 1, ratio, picked, first, end)
-    return picked[:, first : max(first, end)]
+    if end > begin:
+        pick(window, start - p * steps + tail - 1, ratio, picked, begin, end)
+    return picked[:, begin : max(begin, end)]

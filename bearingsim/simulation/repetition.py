@@ -1,7 +1,7 @@
-"""Motion that repeats itself, ball pass by ball pass: what may do so, and the pass from which on it does.
+"""Periodic motion: the cases that may have it, and the search for the pass from which on it is periodic.
 
-By the end of a pass every roller stands where the next one stood at its start. So two instants, or two passes, are
-compared by place: roller j now with roller j + m of m passes ago. What repeats need not be computed again
+At the end of a ball pass every roller stands where the next one stood at its start. So two instants, or two
+passes, are compared by place: roller j now with roller j + m of m passes ago. Periods are not computed again
 (docs/repetition.md).
 """
 
@@ -26,32 +26,32 @@ CONSTANT = frozenset(
         *("sampling", "antialias", "features", "record", "until"),
     }
 )
-"""Fields of a case that bring nothing into its motion which one ball pass has and the next has not."""
+"""Fields of a case that act alike in every ball pass."""
 
 CONDITIONS: dict[str, Callable[[Case], bool]] = {
     **{name: alike.holds for name, alike in ALIKE.items()},
     "method": lambda case: case.method is None or not METHODS[case.method].adaptive,
     "periodic": lambda case: case.periodic,
 }
-"""What the other fields must be."""
+"""Conditions on the other fields."""
 
 
 def may_repeat(case: Case) -> bool:
     """Check if the motion of a case, its method named, may become the same in each ball pass.
 
-    A case with a field that this page does not know is computed in full.
+    A case with a field in neither table is computed in full.
     """
-    known = CONSTANT | CONDITIONS.keys()
-    return known.issuperset(type(case).model_fields) and all(holds(case) for holds in CONDITIONS.values())
+    fields = CONSTANT | CONDITIONS.keys()
+    return fields.issuperset(type(case).model_fields) and all(holds(case) for holds in CONDITIONS.values())
 
 
 def passes_are_alike(case: Case) -> bool:
-    """Tell whether the motion of a case may repeat, though it be computed in full."""
+    """Check if the motion of a case may be periodic, even if `periodic: false` computes it in full."""
     return may_repeat(case.model_copy(update={"periodic": True}))
 
 
 def period_is_sought(case: Case) -> bool:
-    """Tell whether a case is first computed until it repeats: for its record, or to check its step on a period."""
+    """Check if a case is first computed until it is periodic: for its record, or to check its step on a period."""
     wanted = case.periodic or case.checks_step
     return wanted and case.step_check != "strict" and passes_are_alike(case)
 
@@ -67,11 +67,11 @@ EXTREMES = {
 
 
 class Repetition(NamedTuple):
-    """From where on a motion repeats itself.
+    """Computed ball passes of a motion, and its period.
 
-    computed: ball passes that were computed; period: after so many passes it is the same again, 0 if it is not;
-    difference: the largest of the last pass to the one a period before, over the range of what differs (nan if
-    none was looked for).
+    computed: ball passes that were computed; period: in ball passes, 0 if the motion is not periodic; difference:
+    the largest of the last pass to the one a period before, over the range of the quantity (NaN if no period was
+    searched for).
     """
 
     computed: int
@@ -81,17 +81,17 @@ class Repetition(NamedTuple):
     def source(self, p: np.ndarray | int) -> np.ndarray:
         """Return the computed pass that pass ``p`` (any shape) equals, by place."""
         p = np.asarray(p)
-        first = self.computed - self.period
-        return np.where(p < self.computed, p, first + (p - first) % max(1, self.period))
+        start = self.computed - self.period
+        return np.where(p < self.computed, p, start + (p - start) % max(1, self.period))
 
 
 LONGEST_PERIOD = 4  # ball passes; longer ones have not been seen
 
 
 class Closeness(NamedTuple):
-    """Differences over the range that are small: with, and without, a look at how fast they shrink.
+    """Limits of differences over the range: with, and without, regard to how fast they shrink.
 
-    times: in a row that they must be, with a period of one pass; with others so many more that each is seen.
+    times: passes in a row within a limit, for a period of one pass; for others so many more that each is seen.
     """
 
     shrinking: float
@@ -100,33 +100,35 @@ class Closeness(NamedTuple):
 
 
 OF_A_RECORD = Closeness(1e-7, 1e-10, times=2)
-"""What a record is made from that is computed once."""
-SLOWEST = 0.98  # shrinking by less from pass to pass is not believed
+"""Limits for a record that is computed once."""
+SLOWEST = 0.98  # ratio of differences from pass to pass above which they do not count as shrinking
 NEAR = 1e3  # times as far apart the ends of two passes may be for all of the passes to be compared
 MOST_HELD = 256e6  # bytes of recordings held to compare with
 LEAST_RANGE = 1e-3  # of the wider of a pair's ranges: the least by which x and y are measured
 
 
 class Search:
-    """Looks for a repetition, a ball pass at a time.
+    """Search for a period, a ball pass at a time.
 
-    Two passes are compared through all their steps, in the ring's place and velocity and in whatever else is
+    Two passes are compared through all their steps, in the ring's position and velocity and in all else that is
     recorded, in the largest forces (and tilt), and in the whole state at their ends. Each difference is taken over
-    the range of its kind within a pass. It must be small twice in a row, and what it can still add up to as well:
-    with a ratio rho from pass to pass that is rho/(1 - rho) of it.
+    the range of its quantity within a pass. It must be small twice in a row, and so must the sum of all that
+    follow: with a ratio rho from pass to pass that is rho/(1 - rho) of it.
     """
 
     def __init__(
         self, places: np.ndarray, steps: int, model: Any, memoryless: bool, close: Closeness, keeps: float = 0.0
     ) -> None:
-        """places: (C,) of the buffer, the first four the ring's place and velocity; steps: in a pass; memoryless:
-        nothing is to be waited for; close: differences that are small; keeps: what the slowest mode of the bearing
-        at rest keeps of itself in a pass.
+        """Prepare the comparison of passes.
+
+        places: (C,) of the buffer, the first four the ring's position and velocity; steps: in a pass; memoryless:
+        the first pass is periodic; close: limits of the differences; keeps: decay of the slowest mode of the
+        bearing at rest in a pass, as a ratio.
         """
         self.places, self.memoryless, self.close, self.Z = places, memoryless, close, model.bearing.Z
         self.keeps = keeps
         self.model = model
-        self.compared = np.r_[0:4, 9 : len(places)]  # accelerations jump, and what cages do is of the state
+        self.compared = np.r_[0:4, 9 : len(places)]  # accelerations jump; the cage is part of the state
         self.compared = self.compared[places[self.compared] != lay.SENSOR_A]
         self.weights = np.zeros(12 * lay.ROW) if memoryless else lengths(model)
         self.least_peaks = np.array([name == "tilt.max" for name in EXTREMES]) / model.bearing.R_o
@@ -140,9 +142,9 @@ class Search:
         self.differences: dict[int, list[float]] = {period: [] for period in self.periods}
 
     def after_pass(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> tuple[int, float]:
-        """The period (passes) with which the motion is found to repeat at the end of a pass, 0 if it is not.
+        """Return the period in ball passes at the end of a pass, 0 if there is none.
 
-        And the difference of passes a period apart; the least of any if it is not found.
+        Second, the difference of passes a period apart; the smallest of any period if there is none.
 
         window: (C, n) the pass's recording, with the end of the one before in front; y: the buffer at its end;
         peaks: ``EXTREMES`` within it.
@@ -157,26 +159,28 @@ class Search:
         ranges = self._ranges(window)
         for period in self.periods:
             if period < len(self.ends):
-                found = self.differences[period]
-                found.append(self._difference(period, ranges))
+                differences = self.differences[period]
+                differences.append(self._difference(period, ranges))
                 passes = self.close.times + period - 1  # each of a period
-                if all(_settled(found[: len(found) - n], self.close, self.keeps) for n in range(passes)):
-                    return period, found[-1]
-        return 0, min((found[-1] for found in self.differences.values() if found), default=nan)
+                if all(
+                    _settled(differences[: len(differences) - n], self.close, self.keeps) for n in range(passes)
+                ):
+                    return period, differences[-1]
+        return 0, min((differences[-1] for differences in self.differences.values() if differences), default=nan)
 
     def _ranges(self, window: np.ndarray) -> np.ndarray:
-        """Return the range of the kind of each recorded row (C,)."""
+        """Return the range of the quantity of each recorded row (C,)."""
         high, low = np.zeros(len(window)), np.zeros(len(window))
         for c in self.compared:
             high[c], low[c] = window[c].max(), window[c].min()
-        found = high - low
-        for pair in (found[:2], found[2:4]):
+        ranges = high - low
+        for pair in (ranges[:2], ranges[2:4]):
             pair[:] = np.maximum(pair, LEAST_RANGE * pair.max())
         lane = lay.lane_of(self.places)
         for kind in set((self.places - lane)[lane >= 0].tolist()):  # all rollers' rows of a quantity have one
             rows = (lane >= 0) & (self.places - lane == kind)
-            found[rows] = high[rows].max() - low[rows].min()
-        return found
+            ranges[rows] = high[rows].max() - low[rows].min()
+        return ranges
 
     def _difference(self, period: int, ranges: np.ndarray) -> float:
         """Return the largest difference to ``period`` passes ago; of their ends if these are not near."""
@@ -201,7 +205,7 @@ class Search:
 
 
 def turned(places: np.ndarray, Z: int, m: int) -> np.ndarray:
-    """The row (C,) of a recording of ``places`` in which, ``m`` passes before, stands what each row holds now."""
+    """Return the row (C,) of a recording of ``places`` that held, ``m`` passes before, what each row holds now."""
     lane = lay.lane_of(places)
     partner = np.where(lane >= 0, places - lane + (lane + m) % Z, places)
     row_of = {int(place): row for row, place in enumerate(places)}
@@ -209,23 +213,23 @@ def turned(places: np.ndarray, Z: int, m: int) -> np.ndarray:
 
 
 def turned_state(state: np.ndarray, model: Any, passes: int) -> np.ndarray:
-    """Positions and velocities (2, 6, ROW) with each roller in the place of another, so many ball passes away."""
-    found, own = state.copy(), degrees_of_freedom(model)[0]
+    """Return positions and velocities (2, 6, ROW) with the rollers rotated by so many ball passes."""
+    moved, own = state.copy(), degrees_of_freedom(model)[0]
     lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + model.bearing.Z)
-    found[:, :own, lanes] = np.roll(found[:, :own, lanes], passes, axis=2)
-    return found
+    moved[:, :own, lanes] = np.roll(moved[:, :own, lanes], passes, axis=2)
+    return moved
 
 
 def _over(differences: np.ndarray, ranges: np.ndarray) -> float:
-    """Return the largest of differences over their ranges; what does not differ counts as 0 whatever its range."""
+    """Return the largest of differences over their ranges; no difference counts as 0 whatever its range."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return float(np.max(np.where(differences == 0.0, 0.0, differences / ranges), initial=0.0))
 
 
 def _settled(differences: list[float], close: Closeness, keeps: float) -> bool:
-    """Check if the last of differences, and all that is to come, is small.
+    """Check if the last of differences, and the sum of those to come, is small.
 
-    keeps: ratio of one difference to the one before that the slowest mode has, which may be too small to be seen.
+    keeps: ratio of successive differences of the slowest mode, which may itself be too small to be seen.
     """
     if not differences or not isfinite(differences[-1]):
         return False
@@ -242,5 +246,5 @@ def _settled(differences: list[float], close: Closeness, keeps: float) -> bool:
 
 
 def to_come(difference: float, rho: float) -> float:
-    """Return what a difference, if each is ``rho`` times the one before, can still add up to, itself at least."""
+    """Return the sum of the differences after one, each ``rho`` times the one before; at least that one."""
     return difference * max(1.0, rho / (1.0 - rho)) if rho < 1.0 else inf

@@ -1,7 +1,7 @@
-"""How long a run remembers its start: the time that `settle: auto` stands for, by the slowest mode of the bearing.
+"""Settling of a run: the transient's slowest mode, the time of `settle: auto`, and the steady motion extrapolated.
 
-A run starts from rest, which is not the steady motion. The difference decays in the modes of the ring (and of the
-inner ring on its shaft) on contacts and bracket. They are found by linearising the bearing at rest.
+A run starts from rest, which is not the steady motion. The transient decays in the modes of the ring (and of the
+inner ring on its shaft) on contacts and bracket, found by linearising the bearing at rest.
 """
 
 from functools import lru_cache
@@ -24,12 +24,12 @@ from bearingsim.simulation.limits import LONGEST, at_rest_in_a_pass, loaded_at_r
 from bearingsim.simulation.repetition import passes_are_alike
 
 REMEMBERED = 5e-5
-"""Of the start, when the record begins. The start is up to ten times the RMS, and a tenth of the least accuracy
-that can be asked for (0.5 %) is 5e-4 of it."""
-LEAST, MOST = 0.05, 10.0  # s: `auto` settles no shorter, and no longer
-FAST = 0.05  # a mode that keeps less of itself for a ball pass is forgotten by itself
-WAIT = 2  # ball passes in which all but slow modes are forgotten
-EXTRAPOLATIONS, MOST_PASSES = 6, 120  # one after the other, as a rule; ball passes after which none is found
+"""Largest part of the start left as the record begins. The start is up to ten times the RMS, and a tenth of the
+smallest accuracy (0.5 %) is 5e-4 of it."""
+LEAST, MOST = 0.05, 10.0  # s: bounds of `settle: auto`
+FAST = 0.05  # part left of a mode after a ball pass under which it needs no extrapolation
+WAIT = 2  # ball passes after which only slow modes are left
+EXTRAPOLATIONS, MOST_PASSES = 6, 120  # usual number of them; ball passes after which extrapolation is given up
 NOTABLE = 0.01  # of the start: the most that may be left as the record begins without a remark, or a refusal
 CAGE_TURNS = 5.0  # that a free cage takes to settle
 LOOSE = 1e-5  # share of the rings' motion under which a mode is that of rollers that touch nothing
@@ -42,24 +42,24 @@ def settled(case: Case) -> Case:
 
 
 def settling(case: Case) -> float:
-    """Return the time (s) that `settle: auto` stands for. Raises ``Refused`` if nothing holds the ring."""
+    """Return the time (s) of `settle: auto`. Raises ``Refused`` if nothing holds the ring."""
     time = min(max(LEAST, needed(case)), MOST)
     return max(time, CAGE_TURNS * cage_turn(case)) if has_free_cage(case) else time
 
 
 def needed(case: Case) -> float:
-    """Return the time (s) after which the slowest mode has forgotten the start; inf if nothing damps it."""
+    """Return the time (s) after which the slowest mode has decayed to ``REMEMBERED``; inf if undamped."""
     decay = slowest_decay(case)
     return -log(REMEMBERED) / decay if decay > 0.0 else inf
 
 
 def remembered(case: Case) -> float:
-    """Return the part of its start that a case, whose `settle` is a time, remembers as its record begins."""
+    """Return the part of the start left as the record of a case, whose `settle` is a time, begins."""
     return exp(-slowest_decay(case) * case.settle_s)
 
 
 def remembers_start(case: Case) -> bool:
-    """Return whether the record of a case, whose `settle` is a time, begins with a notable part of its start."""
+    """Check if a notable part of the start is left as the record of a case, whose `settle` is a time, begins."""
     return remembered(case) > NOTABLE and slow_modes(case) == 0
 
 
@@ -75,7 +75,7 @@ def refuse_unsettled(case: Case) -> None:
 
 
 def has_free_cage(case: Case) -> bool:
-    """Return whether the cage may slip."""
+    """Check if the cage may slip."""
     return MODELS[case.model].slips and not (case.cage is not None and case.cage.motion == "kinematic")
 
 
@@ -90,7 +90,7 @@ def slowest_decay(case: Case) -> float:
 
 
 def slow_modes(case: Case) -> int:
-    """Return the number of modes from whose decay the steady motion is extrapolated; 0 if it is waited for.
+    """Return the number of modes from whose decay the steady motion is extrapolated; 0 if it is not.
 
     Ball passes must be alike, and the case, whose `settle` is a time, must settle for longer than fast modes need.
     """
@@ -101,7 +101,7 @@ def slow_modes(case: Case) -> int:
 
 
 def extrapolation_passes(case: Case) -> int:
-    """Return the ball passes in which the steady motion is extrapolated, about."""
+    """Estimate the ball passes needed to extrapolate the steady motion."""
     count = slow_modes(case)
     return min(EXTRAPOLATIONS * (WAIT + count + 2), MOST_PASSES) if count > 0 else 0
 
@@ -140,16 +140,16 @@ def _linearised(model: Any, t: float, y: np.ndarray, small: float, K: float) -> 
     """
     cells = _radial(model)
     slopes = np.empty((2, len(cells), len(cells)))
-    for block, step, found in ((lay.POSITION, small, slopes[0]), (lay.VELOCITY, small * K**0.5, slopes[1])):
+    for block, step, slope in ((lay.POSITION, small, slopes[0]), (lay.VELOCITY, small * K**0.5, slopes[1])):
         for n, cell in enumerate(block + cells):
             rest, pushed = y[cell], []
             for y[cell] in (rest + step, rest - step):
                 start_at_rest(model, t, y)
                 pushed.append(y[lay.ACCELERATION + cells])
             y[cell] = rest
-            found[:, n] = (pushed[0] - pushed[1]) / (2.0 * step)
+            slope[:, n] = (pushed[0] - pushed[1]) / (2.0 * step)
     moves = np.abs(slopes[0]).sum(axis=1) > 0.0  # an inner ring without a shaft does not
-    stiffness, damping = (found[np.ix_(moves, moves)] for found in slopes)
+    stiffness, damping = (slope[np.ix_(moves, moves)] for slope in slopes)
     still = np.zeros_like(stiffness)
     return np.block([[still, np.eye(len(still))], [stiffness, damping]]), cells[moves]
 

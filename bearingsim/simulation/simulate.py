@@ -1,4 +1,4 @@
-"""One case, computed: the integrator's steps become series and features."""
+"""Simulation of a case: the integrator's steps become series and features."""
 
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
@@ -47,7 +47,7 @@ __all__ = ["Record", "SimulationError", "simulate", "try_out", "warm"]
 
 @dataclass(frozen=True)
 class Record:
-    """What a simulation gives, in SI.
+    """Record of a simulation, in SI.
 
     time: (n,) s from the start of the record (after settling); series: (n,) arrays by dataset name
     (``ring.velocity.x``); features: numbers by name (``velocity@BPFO``); info: how it was computed (step, steps,
@@ -90,33 +90,32 @@ class Record:
 def simulate(case: Case) -> Record:
     """Compute one case. Raises ``SimulationError`` for a run refused before or stopped under way.
 
-    An automatic step rests on an estimate of what is to come, so it is proven (``step_check``), and the run is
-    monitored all along. Should it fail, shorter ones are tried, and then (with `method: auto`) other methods.
+    An automatic step is an estimate, so it is checked (``step_check``), and the run is monitored throughout. If it
+    fails, shorter steps are tried, and then (with `method: auto`) other methods.
     """
     began = cpu_time.now()
     return _in_turn(case, lambda attempt: _simulate(attempt, began))
 
 
 def try_out(
-    case: Case, asked: Sequence[str], passes: int, turn: float = 0.0, against: Against | None = None
+    case: Case, requested: Sequence[str], passes: int, turn: float = 0.0, against: Against | None = None
 ) -> tuple[Trial, Record | None]:
     """Return the first ball passes of a case, for its model to be compared with others (``trial.py``).
 
-    asked: the features that are; passes: how many are compared; turn: of the slowest pit (s), by which they are
-    cut (0 if none turns), its own or of the case whose healthy twin this is. If the motion repeats itself within
-    them, what repeats is all there is to know: then there is the whole record besides, unless its step is not to
-    be checked. Raises like ``simulate``.
+    requested: features; passes: how many are compared; turn: of the slowest pit (s), by which they are cut (0 if
+    none turns), its own or of the case whose healthy twin this is. If the motion becomes periodic within them, the
+    whole record is returned as well, unless its step is not to be checked. Raises like ``simulate``.
     """
     began = cpu_time.now()
-    return _in_turn(case, lambda attempt: _try_out(attempt, asked, passes, turn, began, against))
+    return _in_turn(case, lambda attempt: _try_out(attempt, requested, passes, turn, began, against))
 
 
 def _in_turn(case: Case, compute: Callable[[choice.Attempt], T]) -> T:
-    """Return what comes of the first attempt at a case that proves right."""
+    """Run the attempts at a case in turn; return the first result that passes its checks."""
     extensions.refuse_broken()
     failed: dict[str, SimulationError] = {}
-    left: set[tuple[str | None, int]] = set()  # methods that shorter steps do not help, with their patience
-    enough: dict[str, float] = {}  # of a method, the part of its step that may do
+    left: set[tuple[str | None, int]] = set()  # methods not helped by shorter steps, with their patience
+    enough: dict[str, float] = {}  # by method, the fraction of its step that may succeed
     for attempt in _attempts(case):
         named = attempt.case.method, attempt.patience
         if named in left or attempt.part > max(enough.get(str(attempt.case.method), 1.0), choice.STEP_PARTS[-1]):
@@ -126,11 +125,11 @@ def _in_turn(case: Case, compute: Callable[[choice.Attempt], T]) -> T:
         except NotRepeating:
             left.add(named)
         except MethodFailure as error:
-            failed[str(attempt.case.method)] = error.with_traceback(None)  # whose frames hold the whole record
+            failed[str(attempt.case.method)] = error.with_traceback(None)  # its frames hold the whole record
             enough[str(attempt.case.method)] = error.part
             if isinstance(error, TooSlow):
                 left |= {named, (attempt.case.method, 0)}
-        except Refused as error:  # shorter steps may be too many: what was wrong with longer ones tells more
+        except Refused as error:  # shorter steps may be too many; the failure of longer ones is more informative
             failed.setdefault(str(attempt.case.method), SimulationError(error.reason, error.advice))
     raise _all_failed(list(failed.values()))
 
@@ -145,9 +144,11 @@ def _attempts(case: Case) -> list[choice.Attempt]:
 def _all_failed(errors: list[SimulationError]) -> SimulationError:
     """Combine the errors of all methods tried: the reason of each, the advice and time of the first."""
     reasons = list(dict.fromkeys(error.reason for error in errors))
-    first = errors[0]
-    advice = first.method_advice if isinstance(first, MethodFailure) and len(errors) > 1 else first.advice
-    return SimulationError("; ".join(reasons), advice, first.time)
+    preferred = errors[0]
+    advice = (
+        preferred.method_advice if isinstance(preferred, MethodFailure) and len(errors) > 1 else preferred.advice
+    )
+    return SimulationError("; ".join(reasons), advice, preferred.time)
 
 
 def _simulate(attempt: choice.Attempt, began: float) -> Record:
@@ -168,38 +169,38 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
 
 def _try_out(
     attempt: choice.Attempt,
-    asked: Sequence[str],
+    requested: Sequence[str],
     passes: int,
     turn: float,
     began: float,
     against: Against | None,
 ) -> tuple[Trial, Record | None]:
-    """The first passes of a case, computed in one way: their step is proven if they are all of the record."""
+    """Compute the first passes of a case in one way; check their step if they make up the whole record."""
     whole = attempt.case.model_copy(update={"until": None})  # which may end before so many passes
     setup = set_up(whole, attempt.part)
-    look = None if against is None else _look(setup, asked, turn, against)
+    look = None if against is None else _look(setup, requested, turn, against)
     raw = integrate(setup, most=trial.last_pass(setup, min(passes, trial.most_passes(whole))), look=look)
     if look is not None and raw.repetition.computed == look.passes:
         passes = trial.LOOK_TURNS * raw.Z
-    found = trial.of_passes(setup, raw, asked, passes, turn)
-    if not found.repeats or setup.case.step_check in ("strict", False) or attempt.case.until is not None:
-        return found, None
-    return found, _record(setup, raw, _checked_step(setup, raw), began)
+    result = trial.of_passes(setup, raw, requested, passes, turn)
+    if not result.repeats or setup.case.step_check in ("strict", False) or attempt.case.until is not None:
+        return result, None
+    return result, _record(setup, raw, _checked_step(setup, raw), began)
 
 
-def _look(setup: Setup, asked: Sequence[str], turn: float, against: Against) -> Look:
+def _look(setup: Setup, requested: Sequence[str], turn: float, against: Against) -> Look:
     """Return the look at a trial after two turns of the cage, at which it ends if it is far off."""
     passes = trial.LOOK_TURNS * setup.model.bearing.Z
     return Look(
         trial.last_pass(setup, passes),
-        lambda raw: against.is_far(trial.of_passes(setup, raw, asked, passes, turn)),
+        lambda raw: against.is_far(trial.of_passes(setup, raw, requested, passes, turn)),
     )
 
 
 def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) -> Record:
     """Return the record of a run."""
     case = setup.case
-    rows = channels.asked(case, raw.places)
+    rows = channels.requested_rows(case, raw.places)
     sampled = _sampled(case, setup.cut, raw, rows)
     instants = np.arange(time_grid.samples(case)) / case.sampling
     series = channels.series(case, setup.model, sampled, raw.places[rows], case.settle_s + instants)
@@ -225,36 +226,36 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
 
 
 def _checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
-    """Check the step of a setup where that is wanted. Raises ``MethodFailure`` if it does not hold."""
+    """Check the step of a setup if the case checks steps. Raises ``MethodFailure`` if its error is too large."""
     if not setup.case.checks_step:
         return step_check.UNCHECKED
     orbit = raw if raw is not None and raw.repetition.period > 0 else None
-    found = step_check.check_step(setup, orbit)
+    check = step_check.check_step(setup, orbit)
     shortest = setup.part <= choice.STEP_PARTS[-1] or not setup.case.automatic or setup.case.tolerance != "auto"
-    if found.holds or (shortest and found.holds_but_for_force):
+    if check.holds or (shortest and check.holds_but_for_force):
         if setup.case.step_check == "strict":
-            _refuse_short_record(setup, found)
-        return found
+            _refuse_short_record(setup, check)
+        return check
     finer = "half the step" + " and a tenth of the tolerance" * assemble.adaptive(setup.case)
-    what = max(found.changes, key=found.changes.__getitem__)
-    chaotic = ", and the motion is chaotic" if found.chaotic else ""
-    changes = f"{finer} changes the {what} by {100.0 * found.error:.2g} %{chaotic}"
+    what = max(check.changes, key=check.changes.__getitem__)
+    chaotic = ", and the motion is chaotic" if check.chaotic else ""
+    changes = f"{finer} changes the {what} by {100.0 * check.error:.2g} %{chaotic}"
     raise MethodFailure(
         f"{setup.case.method} does not hold {step_check.ACCURACY:.0%}: {changes}",
-        "take a longer `duration`" if found.chaotic else f"{_tighter_advice(setup)}, or say `step_check: false`",
-        part=setup.part if found.chaotic else setup.part * found.shorter,
+        "take a longer `duration`" if check.chaotic else f"{_tighter_advice(setup)}, or say `step_check: false`",
+        part=setup.part if check.chaotic else setup.part * check.shorter,
     )
 
 
 def _tighter_advice(setup: Setup) -> str:
-    """Return what a case can ask for that does not hold its line."""
+    """Return advice on a tighter tolerance or a shorter step."""
     if assemble.adaptive(setup.case):
         return f"take a tighter `tolerance` than {setup.method.rtol:.2g}"
     return "give a `step` of your own" if setup.case.step == "auto" else "take a shorter `step`"
 
 
 def _refuse_short_record(setup: Setup, checks_step: StepCheck) -> None:
-    """Refuse the record of a chaotic motion that is too short for its RMS to be worth 1 %."""
+    """Raise TooChaotic if a chaotic record is too short for an RMS within 1 %."""
     if checks_step.long_enough:
         return
     needed, worth = longer_duration(setup.case), "of unknown worth"
@@ -269,7 +270,7 @@ def _refuse_short_record(setup: Setup, checks_step: StepCheck) -> None:
 
 
 def _refuse_unsettled(case: Case, error: float) -> None:
-    """Refuse a record that its run's start moves by more than a strict check allows."""
+    """Raise SimulationError if the start of a run changes its record by more than a strict check allows."""
     if error > step_check.ACCURACY:
         raise SimulationError(
             f"after {case.settle_s:.2g} s the run has not settled: line or RMS is off by {error:.1%}",
@@ -278,7 +279,7 @@ def _refuse_unsettled(case: Case, error: float) -> None:
 
 
 def _kept(setup: Setup, raw: RawRecord) -> float:
-    """Return the share of its ball passes that a record holds, if it ended as it was accurate enough."""
+    """Return the share of its ball passes in a record, less than 1 if `until` ended it early."""
     whole = record_windows.whole_passes(setup.case, setup.cut)
     return len(record_windows.windows(setup.case, setup.cut, raw, reach=0).index) / whole
 
@@ -301,7 +302,7 @@ def _check_features(checks_step: StepCheck, kept: float, of_chaos: StandardError
 
 
 def _info(setup: Setup, raw: RawRecord, reached: StandardErrors) -> dict[str, float | int | str]:
-    """Return how a run was computed; reached: standard errors of a record that ended `until` these."""
+    """Return facts on the computation of a run; reached: standard errors of a record that `until` ended."""
     case, cut, y = setup.case, setup.cut, raw.y
     steps = raw.repetition.computed * cut.steps_per_pass
     adaptive = assemble.adaptive(case)
@@ -332,7 +333,7 @@ def _info(setup: Setup, raw: RawRecord, reached: StandardErrors) -> dict[str, fl
 
 
 def _is_by_chance(setup: Setup, raw: RawRecord, chaotic: bool) -> bool:
-    """Return whether line and RMS of a record scatter by chance, and it holds enough ball passes to tell."""
+    """Check if line and RMS of a record scatter by chance, and it holds enough ball passes to show it."""
     enough = len(record_windows.windows(setup.case, setup.cut, raw, reach=0).index) > accuracy.MIN_PASSES
     return enough and (chaotic or passes_are_alike(setup.case) or has_free_cage(setup.case))
 
@@ -344,11 +345,11 @@ def _start_features(errors: StartErrors) -> dict[str, float]:
 
 def _damping(setup: Setup) -> dict[str, float]:
     """Return the damping of the contacts, where the model has any (``config/rules/damping.py``)."""
-    found = setup.limits
+    limits = setup.limits
     values = {
-        "damping_time_s": found.damping_time,
-        "damping_ratio": found.damping_ratio,
-        "crossing_s": found.crossing,
+        "damping_time_s": limits.damping_time,
+        "damping_ratio": limits.damping_ratio,
+        "crossing_s": limits.crossing,
     }
     return values if "damping" in MODELS[setup.case.model].abilities else dict.fromkeys(values, nan)
 
@@ -361,15 +362,15 @@ def _cage_angle(setup: Setup, raw: RawRecord) -> float:
     return float(bearing.theta_0 + bearing.omega_c * setup.case.settle_s + slipped)
 
 
-_WARM: set[tuple] = set()  # kinds of case that this process has compiled or loaded
-WARM_S = 0.3  # s of CPU time, without compiling, of a ball pass: what it has not reached by then compiles in a job
+_WARM: set[tuple] = set()  # kinds of case compiled or loaded in this process
+WARM_S = 0.3  # s of CPU time, without compiling, of a ball pass; functions not called by then compile in a job
 
 
 def warm(cases: Iterable[Case], about_to: Callable[[int, int, float], None] | None = None) -> None:
-    """Compile what the cases need (or load it from the cache) by computing one ball pass of each new kind.
+    """Compile the solvers of the cases (or load them from the cache) by computing one ball pass of each new kind.
 
-    about_to: told the number of the kind that comes next, from 1, how many there are, and the CPU time (s) that it
-    takes to compile.
+    about_to: called with the number of the next kind, from 1, how many there are, and the CPU time (s) of its
+    compilation.
     """
     kinds: dict[tuple, Case] = {}
     for case in cases:
@@ -387,7 +388,7 @@ def warm(cases: Iterable[Case], about_to: Callable[[int, int, float], None] | No
 
 
 def _words(value: Any) -> Any:
-    """List the words of a section, and the types of its numbers: cases alike in that run the same code."""
+    """List the words of a section, and the types of its numbers: cases with equal ones run the same code."""
     if isinstance(value, Section):
         return tuple(_words(getattr(value, name)) for name in type(value).model_fields)
     if isinstance(value, tuple):
@@ -396,15 +397,15 @@ def _words(value: Any) -> Any:
 
 
 def _types(value: Any) -> Any:
-    """Return the types that a law is made of: some exponents have their own."""
+    """Return the nested types of a law, whose exponents may have types of their own."""
     return (type(value), *map(_types, value)) if isinstance(value, tuple) else type(value)
 
 
-BLOCK = 1 << 15  # fine samples that are made into a series at a time
+BLOCK = 1 << 15  # fine samples resampled at a time
 
 
 def _sampled(case: Case, cut: time_grid.Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
-    """Return the record's samples (R, n) of ``rows`` of the raw one: low-passed, but for contact forces."""
+    """Return the record's samples (R, n) of ``rows`` of the raw record: low-passed, except contact forces."""
     if not case.antialias:
         return raw.picked[rows]
     forces = channels.are_contact_forces(case, raw.places[rows])
@@ -416,7 +417,7 @@ def _sampled(case: Case, cut: time_grid.Grid, raw: RawRecord, rows: np.ndarray) 
 
 
 def _low_passed(case: Case, cut: time_grid.Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
-    """Return the same, all of them low-passed, a block at a time."""
+    """Return the record's samples (R, n) of ``rows``, all low-passed, a block at a time."""
     out = np.empty((len(rows), time_grid.samples(case)))
     if len(rows) == 0:
         return out
@@ -427,7 +428,7 @@ def _low_passed(case: Case, cut: time_grid.Grid, raw: RawRecord, rows: np.ndarra
     for n in range(0, out.shape[1], block):
         cpu_time.check()
         end = min(n + block, out.shape[1])
-        first = floor(start + n * ratio) - INTERPOLATION_REACH
+        begin = floor(start + n * ratio) - INTERPOLATION_REACH
         count = ceil((end - n) * ratio) + 2 * INTERPOLATION_REACH + 1
-        interpolate(low.read(first, count, rows), start - first, ratio, kernel, weights, out, n, end)
+        interpolate(low.read(begin, count, rows), start - begin, ratio, kernel, weights, out, n, end)
     return out

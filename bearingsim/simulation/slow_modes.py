@@ -19,8 +19,8 @@ from bearingsim.simulation.settling import MOST_PASSES, WAIT, slow_modes
 from bearingsim.simulation.time_grid import Grid
 
 LEFT = 0.02
-"""Of the last change, the most that the modes leave unexplained. Where more is left, the motion is not linear yet,
-and an extrapolation might lead to another steady motion than the one that a start from rest comes to."""
+"""Largest residual of the modes, relative to the last change. Above it the motion is not linear yet, and an
+extrapolation might lead to another steady motion than the one reached from rest."""
 
 
 class SlowModes:
@@ -30,7 +30,7 @@ class SlowModes:
     """
 
     def __init__(self, model: Any, count: int, passes: int, near: float) -> None:
-        """Take no state yet. count: of slow modes; near: as of ``of``."""
+        """Begin without states. count: of slow modes; near: as of ``of``."""
         self.model, self.passes, self.near = model, passes, near
         self.weights = lengths(model)
         self.states: deque[np.ndarray] = deque(maxlen=count + 2)
@@ -39,7 +39,7 @@ class SlowModes:
 
     @classmethod
     def of(cls, case: Case, model: Any, cut: Grid, near: float) -> "SlowModes | None":
-        """Return those of a case, None if it has none; near: part of the first change that counts as none."""
+        """Return the slow modes of a case, or None; near: part of the first change that counts as none."""
         passes = int(min(MOST_PASSES, case.settle_s * cut.rate))
         count = slow_modes(case)
         return cls(model, count, passes, near) if count > 0 else None
@@ -49,7 +49,7 @@ class SlowModes:
         self.first = float(np.linalg.norm(self.weights * (start - rest)))
 
     def after_pass(self, y: np.ndarray) -> bool:
-        """Write the steady state into the buffer ``y`` at the end of a pass, if it can be seen; whether it can."""
+        """Write the extrapolated steady state into ``y`` at the end of a pass; return False if there is none."""
         self.waited += 1
         if self.waited <= WAIT:
             return False
@@ -63,7 +63,7 @@ class SlowModes:
         if self.reached:
             return False
         shares, *_ = np.linalg.lstsq(changes[:, :-1], -changes[:, -1], rcond=1e-10)
-        polynomial = np.append(shares, 1.0)  # its roots are what the modes are multiplied by in a pass
+        polynomial = np.append(shares, 1.0)  # its roots are the factors of the modes in a pass
         if not np.linalg.norm(changes @ polynomial) <= LEFT * self.last:
             return False
         decays = not grows(polynomial)
@@ -77,7 +77,7 @@ class SlowModes:
 
     @property
     def reached(self) -> bool:
-        """Return whether no further pass is needed."""
+        """Convergence: no further pass is needed."""
         return self.steady and self.last <= self.near * self.first
 
     def _in_place(self) -> np.ndarray:
@@ -90,5 +90,5 @@ class SlowModes:
 
 
 def grows(polynomial: np.ndarray) -> bool:
-    """Return whether a root of a polynomial, its constant first, lies outside of the unit circle."""
+    """Check if a root of a polynomial, its constant first, lies outside of the unit circle."""
     return bool(np.abs(np.roots(polynomial[::-1])).max(initial=0.0) >= 1.0)

@@ -1,14 +1,14 @@
-"""Is a step short enough? Tried on the run's own beginning, or on all of it, before the run is trusted.
+"""Check of a run's step against a step 2.24 times shorter, on a period, a pilot, or the whole run.
 
-A motion that repeats itself is compared with its like at half the step, a period with a period. Of any other, a
-pilot of some ball passes is stepped twice from the same start: as the run will be, and with half the step (and
-a tenth of the tolerance). What the line of the fault and the RMS change by is the error that the run is said to
-have. Half the step is 1/sqrt(5) of it: where in a step a pit's cusp falls sets size and sign of an error of first
-order, and with half of it exactly a second pit's would fall in the same place again, and its error be unseen.
+Of a periodic motion one period is compared. Of any other, a pilot of some ball passes is stepped twice from the
+same start: at the step of the run, and at 1/sqrt(5) of it (with a tenth of the tolerance). The changes of the
+defect's line and the RMS measure the error of the run. The factor is not 2, because the place of a pit's cusp
+within a step sets size and sign of an error of first order, and with exactly half the step the cusp of a second
+pit would fall in the same place, its error unseen.
 
-Where the two part as they go on, a third pilot, whose ring starts 1e-10 of its displacement beside, tells why: if
-it parts from the first as fast, the motion is chaotic, no step can hold a line, and the RMS alone counts. If it
-does not, that is doubtful: all is tried again on a longer beginning, if there is one.
+If the two pilots diverge, a third one, its ring displaced by 1e-10 at the start, shows the reason: if it diverges
+from the first as fast, the motion is chaotic, no step can reproduce a line, and the RMS alone counts. Otherwise
+the result is doubtful, and all is repeated on a longer pilot, if there is one.
 """
 
 from collections.abc import Sequence
@@ -29,36 +29,36 @@ from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.repetition import Closeness, turned_state
 
 ACCURACY = 0.01
-"""What a run holds of its line, RMS and largest force; where the motion is chaotic, of the RMS alone."""
+"""Largest step error of a run's line, RMS and largest force; if the motion is chaotic, of its RMS alone."""
 TIMES_CHANGE, LEAST_SHARE, RESOLVED = 2.5, 0.3, 1e-5
-"""An error stays under so many times the change by half the step. (Of first order it is 1.8 times it, of second
-1.25.) What changes little by luck counts for a share of what changes most. Calibrated on random scenes, and tested
-on others (docs/step-check.md)."""
+"""Factor from the change by the shorter step to a bound of the error (1.8 of first order, 1.25 of second);
+smallest share of the largest change that every change counts as; resolution. Calibrated on random scenes, and
+tested on others (docs/step-check.md)."""
 MAX_CHANGE = ACCURACY / TIMES_CHANGE
-"""The most that half the step may change them."""
+"""Largest change by the shorter step that is accepted."""
 
 APART = 0.01  # of the RMS: two pilots whose velocities differ by less in every ball pass are not chaotic
-PERTURBATION = 1e-10  # of the ring's displacement at the start; a motion that repeats itself soon forgets it
-CONFIDENCE = 2.5  # standard deviations, where many passes tell them
+PERTURBATION = 1e-10  # of the ring's displacement at the start; a periodic motion soon forgets it
+CONFIDENCE = 2.5  # standard deviations, of many passes
 CONFIDENCE_PROBABILITY = 0.9938  # the probability that lies below them
 GROWN, PARTED = 3.0, 1e-4  # from the first pass that counts to the last; in any, of the RMS
-NO_LESS = 0.3  # of what half the step, or a tenth of the tolerance, changes
-MIN_BLOCKS = 16  # of some passes each, to tell how their RMS scatters
-SECOND_PILOT = 4.0  # times as long is a second pilot, if the first one's twins part without chaos
+NO_LESS = 0.3  # times the change by the shorter step, or a tenth of the tolerance
+MIN_BLOCKS = 16  # of some passes each, for the scatter of their RMS
+SECOND_PILOT = 4.0  # times as long is a second pilot, if the first two diverge without chaos
 CLOSE_TO_ORBIT = Closeness(1e-5, 1e-5, times=1)
-"""How close the finer run must come to repeating itself: changes by less count as none."""
-MOST_FINER_PASSES = 4, 16  # times those of the run, and some more: then it is not waited for any longer
+"""Closeness of the finer run to a periodic motion; smaller changes count as none."""
+MOST_FINER_PASSES = 4, 16  # times those of the run, and some more: limit of the finer run
 FEW_PASSES = 120  # passes of the finer run up to which it may cost more than the run
 MAX_COST_RATIO = 4.0  # times the CPU time that half the step and a tenth of the tolerance may take
 
 
 @dataclass(frozen=True)
 class StepCheck:
-    """What half the step (and a tenth of the tolerance) changes, and what follows from it.
+    """Changes by a shorter step (and a tenth of the tolerance), and their verdict.
 
-    line, rms, force, record: as of ``Changes``; chaotic: whether a start 1e-10 beside leads elsewhere; noise:
-    standard deviation of the RMS's relative change over the pilot that chaos alone brings about; scatter: what
-    that surely stays under over the whole record, inf if the pilot was too short to tell.
+    line, rms, force, record: as of ``Changes``; chaotic: whether a perturbation of 1e-10 grows; noise: standard
+    deviation of the RMS's relative change over the pilot due to chaos; scatter: confidence bound of the same over
+    the whole record, inf if the pilot was too short.
     """
 
     line: float
@@ -71,33 +71,33 @@ class StepCheck:
 
     @property
     def changes(self) -> dict[str, float]:
-        """The changes that count, by what changes."""
+        """Changes that count, by quantity."""
         every = {"line of the fault": self.line, "RMS": self.rms, "largest force": self.force}
         return {"RMS": self.rms} if self.chaotic else every
 
     @property
     def error(self) -> float:
-        """The largest change that counts."""
+        """Largest change that counts."""
         return max(self.changes.values())
 
     @property
     def holds(self) -> bool:
-        """Whether the step can be trusted: what it changes is small, or no more than chaos does anyway."""
+        """Acceptance of the step: its change is small, or within the scatter of chaos."""
         return bool(self.error <= max(MAX_CHANGE, CONFIDENCE * self.noise))
 
     @property
     def holds_but_for_force(self) -> bool:
-        """Whether line and RMS can be trusted: a peak of a force may need steps that nobody takes."""
+        """Acceptance of the step by line and RMS alone, since a force peak may need impractical steps."""
         return replace(self, force=0.0).holds
 
     @property
     def shorter(self) -> float:
-        """The part of the step that may hold, if its error is between first and second order."""
+        """Fraction of the step that may be accepted, for an error between first and second order."""
         return (MAX_CHANGE / self.error) ** (2.0 / 3.0)
 
     @property
     def long_enough(self) -> bool:
-        """Whether the record holds so much of a chaotic motion that its RMS is worth 1 %."""
+        """Acceptance of a chaotic record's length: its RMS is within 1 %."""
         return bool(self.scatter <= ACCURACY)
 
     def bound(self, change: float) -> float:
@@ -110,25 +110,22 @@ UNCHECKED = StepCheck(nan, nan, nan, nan)
 
 
 def check_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
-    """Try a case's step. ``raw``: its run, if that is known to repeat itself. Raises like ``integrate``."""
-    if raw is not None:
-        found = check_on_orbit(setup, raw)
-        if found is not None:
-            return found
+    """Check a case's step. raw: its run, if periodic. Raises like ``integrate``."""
+    if raw is not None and (orbit_check := check_on_orbit(setup, raw)) is not None:
+        return orbit_check
     case, part = setup.case, setup.part
     beginning = pilot(case)
-    told, doubtful = check_on_pilot(case, part, *beginning)
+    check, doubtful = check_on_pilot(case, part, *beginning)
     more = pilot(case, SECOND_PILOT)
     if doubtful and more != beginning:
-        told, _ = check_on_pilot(case, part, *more)
-    return told
+        check, _ = check_on_pilot(case, part, *more)
+    return check
 
 
 def check_on_orbit(coarse: Setup, raw: RawRecord) -> StepCheck | None:
-    """Return the step check of a motion that repeats itself: one period of it against one with half the step.
+    """Return the step check of a periodic motion: one period of it against one at a shorter step.
 
-    The finer run starts where the other ended, so it soon repeats itself too; None if it does not. Where it stops,
-    what it may still change rests on how fast the coarse run has settled.
+    The finer run starts where the other ended, so it soon becomes periodic too; None if it does not.
     """
     cut = coarse.cut
     whole = coarse.case.model_copy(update={"until": None})
@@ -136,63 +133,61 @@ def check_on_orbit(coarse: Setup, raw: RawRecord) -> StepCheck | None:
     other = integrate(fine, start=by_place(coarse, raw), close=CLOSE_TO_ORBIT, most=most_finer_passes(raw))
     if other.repetition.period == 0:
         return None
-    return StepCheck(*compare(*(of_orbit(setup, one) for setup, one in ((coarse, raw), (fine, other)))))
+    return StepCheck(*compare(*(of_orbit(setup, run) for setup, run in ((coarse, raw), (fine, other)))))
 
 
 def most_finer_passes(raw: RawRecord) -> int:
-    """Return the ball passes after which a finer run is given up: beyond a few it costs no more than the run."""
+    """Return the largest number of ball passes of a finer run: beyond a few it costs no more than the run."""
     computed = raw.repetition.computed
     as_much = max(FEW_PASSES, round(computed / sqrt(5.0)))
     return min(MOST_FINER_PASSES[0] * computed + MOST_FINER_PASSES[1], as_much)
 
 
 def by_place(coarse: Setup, raw: RawRecord) -> np.ndarray:
-    """Return the state at the end of a run whose motion repeats itself, as if it were t = 0: (2, 6, ROW)."""
+    """Return the state (2, 6, ROW) at the end of a periodic run, turned back to t = 0."""
     state = raw.y[lay.POSITION : lay.POSITION + 2 * lay.STATE].reshape(2, 6, lay.ROW).copy()
     return turned_state(state, coarse.model, raw.repetition.computed)
 
 
 def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[StepCheck, bool]:
-    """The step check by one pilot, and whether it is doubtful: its twins part, and nothing says that this is
-    chaos.
-    """
+    """Return the step check by one pilot, and whether it is doubtful: the pilots diverge without sign of chaos."""
     allowed = time_grid.MAX_CPU * length(short) / length(case)
     short = short.model_copy(update={"periodic": False, "until": None})
     coarse = set_up(short, part, allowed)
     fine = set_up(with_finer_tolerance(short), part * shorter(coarse.cut.decimation), MAX_COST_RATIO * allowed)
-    one, other = (run_pilot(setup, passes) for setup in (coarse, fine))
-    found = StepCheck(*compare(one, other))
-    scale = float(np.std(other.fine)) or 1.0
-    apart = by_pass(one.fine - shifted(other.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
+    run, finer = (run_pilot(setup, passes) for setup in (coarse, fine))
+    check = StepCheck(*compare(run, finer))
+    scale = float(np.std(finer.fine)) or 1.0
+    apart = by_pass(run.fine - shifted(finer.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
     if not apart.max() > APART:
-        return found, False
+        return check, False
     adaptive = assemble.adaptive(case)
-    twin, nudged = (fine, other) if adaptive else (coarse, one)
+    twin, nudged = (fine, finer) if adaptive else (coarse, run)
     third = run_pilot(twin, passes, nudge=PERTURBATION)
     beside = by_pass(nudged.fine - third.fine, passes) / scale
     if not is_chaotic_motion(beside, apart, adaptive):
-        return found, True
-    # the twins of a pilot have not parted at its start: the wider band, where they part first, tells more
+        return check, True
+    # pilots have not diverged at their start; the wider band, where they diverge first, is more informative
     noise, sure = max(
-        (scatter(series, passes) for series in zip(one[:2], other[:2], third[:2], strict=True)), key=np.prod
+        (scatter(series, passes) for series in zip(run[:2], finer[:2], third[:2], strict=True)), key=np.prod
     )
-    told = sees_pit_turns(case, passes) and np.linalg.norm(beside) > NO_LESS * np.linalg.norm(apart)
+    is_measurable = sees_pit_turns(case, passes) and np.linalg.norm(beside) > NO_LESS * np.linalg.norm(apart)
     whole = max(1.0, case.duration * coarse.cut.rate)
-    worth = sure * noise / sqrt(whole) if told else inf
-    return replace(found, chaotic=True, noise=noise / sqrt(passes), scatter=worth), False
+    worth = sure * noise / sqrt(whole) if is_measurable else inf
+    return replace(check, chaotic=True, noise=noise / sqrt(passes), scatter=worth), False
 
 
 def run_pilot(setup: Setup, passes: int, nudge: float = 0.0) -> Compared:
-    """Return a pilot, and of it what is compared."""
+    """Run a pilot; return its compared signals."""
     return of_pilot(setup, integrate(setup, nudge), passes)
 
 
 def scatter(series: Sequence[np.ndarray], passes: int) -> tuple[float, float]:
-    """What chaos does to the RMS of one ball pass: from three recordings of the same passes that have parted.
+    """Return the scatter of a ball pass's RMS due to chaos, from three diverged recordings of the same passes.
 
-    Standard deviation of its relative change, and how many of them it surely stays under: by Student's t, with two
-    degrees of freedom for each pass that tells, since a few strong ones may make up all the rest. Of single passes
-    or blocks of them, whichever says more: what is loud may stay loud for a while.
+    First the standard deviation of its relative change, then the factor to its confidence limit: Student's t, with
+    two degrees of freedom for each effective pass, because a few strong ones may outweigh the rest. The larger of
+    those from single passes and from blocks, because successive passes are correlated.
     """
     sizes = [2**k for k in range(passes.bit_length()) if k == 0 or passes >= MIN_BLOCKS * 2**k]
     return max(_scatter(series, passes // size, size) for size in sizes)
@@ -200,7 +195,7 @@ def scatter(series: Sequence[np.ndarray], passes: int) -> tuple[float, float]:
 
 def _scatter(series: Sequence[np.ndarray], blocks: int, size: int) -> tuple[float, float]:
     """Return ``scatter`` from ``blocks`` of ``size`` passes each."""
-    powers = np.array([by_pass(one, blocks) ** 2 for one in series])
+    powers = np.array([by_pass(recording, blocks) ** 2 for recording in series])
     powers /= np.mean(powers) or 1.0
     between = np.sum((powers - np.roll(powers, 1, axis=0)) ** 2, axis=0)
     telling = np.sum(between) ** 2 / (np.sum(between**2) or 1.0)
@@ -209,42 +204,42 @@ def _scatter(series: Sequence[np.ndarray], blocks: int, size: int) -> tuple[floa
 
 
 def length(case: Case) -> float:
-    """Return what is computed of a case, s."""
+    """Return the computed time (s) of a case."""
     return case.settle_s + case.duration
 
 
 def shorter(decimation: int) -> float:
-    """About 1/sqrt(5), the part of a step to take where a fine sample holds ``decimation`` steps."""
+    """Return about 1/sqrt(5), the fraction of a step where a fine sample holds ``decimation`` steps."""
     return decimation / max(2 * decimation + 1, round(sqrt(5.0) * decimation))
 
 
 def with_finer_tolerance(case: Case) -> Case:
-    """Take a tenth of the tolerance of a case, if it gives one (an automatic one goes with the step)."""
+    """Return the case with a tenth of its tolerance, if it gives one (an automatic one goes with the step)."""
     return case if case.tolerance == "auto" else case.model_copy(update={"tolerance": 0.1 * case.tolerance})
 
 
 def ahead(setup: Setup, other: Setup) -> float:
-    """Return the time (s) by which one setup's rollers are ahead: each begins in step with its first pit."""
+    """Return the time (s) by which a setup's rollers are ahead of another's, both aligned with their first pit."""
     return float((setup.model.bearing.theta_0 - other.model.bearing.theta_0) / other.model.bearing.omega_c)
 
 
 def shifted(series: np.ndarray, part: float) -> np.ndarray:
-    """Return a series by a ``part`` of a sample later on, which is much less than one: to first order."""
+    """Shift a series by a small ``part`` of a sample, to first order."""
     return series + part * np.gradient(series)
 
 
 def by_pass(difference: np.ndarray, passes: int) -> np.ndarray:
-    """Return RMS of a difference in each ball pass."""
+    """Return the RMS (passes,) of a difference in each ball pass."""
     whole = difference[: (len(difference) - 1) // passes * passes].reshape(passes, -1)
     return np.sqrt(np.mean(whole**2, axis=1))
 
 
 def is_chaotic_motion(beside: np.ndarray, apart: np.ndarray, adaptive: bool) -> bool:
-    """Whether a motion is chaotic, by what a nudge (``beside``) and half the step (``apart``) change by ball pass.
+    """Check if a motion is chaotic, by the changes of each ball pass due to a nudge and to a shorter step.
 
-    Both over the RMS. A motion that repeats itself forgets a nudge. An adaptive method answers it by other steps,
-    which changes what it finds by its tolerance. That shrinks with the tolerance: where the finer run parts
-    from its nudged twin as it does from the coarse run, the motion itself does it.
+    beside, apart: (passes,) these changes over the RMS. A periodic motion forgets a nudge. An adaptive method
+    takes other steps after it, with changes that shrink with the tolerance. If the finer run diverges from its
+    nudged twin as much as from the coarse run, the motion itself is the cause.
     """
     if adaptive:
         return bool(beside.max() > PARTED and beside.max() > NO_LESS * apart.max())

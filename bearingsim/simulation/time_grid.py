@@ -1,4 +1,4 @@
-"""A case cut in time, and what it will take: known before anything runs, and printed by ``bearingsim check``."""
+"""Time grid of a case, and its estimated CPU time, memory and disk, as printed by ``bearingsim check``."""
 
 from dataclasses import dataclass
 from math import ceil, floor
@@ -29,7 +29,7 @@ MAX_CPU = 12 * 3600.0  # s: a job of more is refused, unless it gives its own st
 
 @dataclass(frozen=True)
 class Grid:
-    """How a case is cut in time.
+    """Time grid of a case.
 
     rate: ball passes per second (Hz); ``fine_per_pass`` fine samples in each, ``decimation`` steps of ``step`` s
     to a fine sample. ``passes`` are computed: settling, the record, and what its last sample's filter reaches.
@@ -54,10 +54,10 @@ class Grid:
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a job will take: CPU seconds on one core, bytes on disk before compression, steps of the run itself.
+    """Estimate of a job: CPU seconds on one core, bytes on disk before compression, steps of the run itself.
 
-    check_seconds: of ``cpu_seconds``, to prove its step; memory: bytes at once, besides those of the program;
-    most_seconds, most_memory: the same of a motion that might repeat itself and does not.
+    check_seconds: of ``cpu_seconds``, for the step check; memory: bytes at once, besides those of the program;
+    most_seconds, most_memory: if the response could be periodic and is not.
     """
 
     cpu_seconds: float
@@ -70,45 +70,45 @@ class Estimate:
 
 
 def requested_step(case: Case) -> float:
-    """Return the step (s) a case asks for, or is given by ``auto``. Raises ``Refused`` if it must not be taken."""
+    """Return the step (s) of a case, its own or the automatic one. Raises ``Refused`` if it is too long."""
     case = resolved(case)
-    found = step_limits(case)
+    limits = step_limits(case)
     if case.step == "auto":
-        return automatic_step(case, found)
-    safe = min(SAFETY * found.at_impact, found.crossing / MIN_STEPS_PER_CROSSING)
+        return automatic_step(case, limits)
+    safe = min(SAFETY * limits.at_impact, limits.crossing / MIN_STEPS_PER_CROSSING)
     if case.step > safe:
-        raise Refused(_refusal(case.step, found), _advice(case, found))
+        raise Refused(_refusal(case.step, limits), _advice(case, limits))
     return case.step
 
 
-def _refusal(step: float, found: Limits) -> str:
-    if step > SAFETY * found.at_impact:
+def _refusal(step: float, limits: Limits) -> str:
+    if step > SAFETY * limits.at_impact:
         return (
-            f"a step of {1e6 * step:.3g} us is over {1e6 * SAFETY * found.at_impact:.3g} us, {SAFETY:.0%} of the"
-            f" method's limit at an impact ({1e6 * found.at_rest:.3g} us at rest)"
+            f"a step of {1e6 * step:.3g} us is over {1e6 * SAFETY * limits.at_impact:.3g} us, {SAFETY:.0%} of the"
+            f" method's limit at an impact ({1e6 * limits.at_rest:.3g} us at rest)"
         )
-    return f"a step of {1e6 * step:.3g} us passes a pit of {1e6 * found.crossing:.3g} us in too few steps"
+    return f"a step of {1e6 * step:.3g} us passes a pit of {1e6 * limits.crossing:.3g} us in too few steps"
 
 
-def _advice(case: Case, found: Limits) -> str:
-    return f"say `step: auto` ({1e6 * automatic_step(case, found):.2g} us)"
+def _advice(case: Case, limits: Limits) -> str:
+    return f"say `step: auto` ({1e6 * automatic_step(case, limits):.2g} us)"
 
 
 def samples(case: Case) -> int:
-    """Return samples of the record."""
+    """Return the number of samples of the record."""
     return floor(case.duration * case.sampling + 1e-6)
 
 
 def highest(case: Case) -> float:
-    """Return the upper end (Hz) of the highest band that a case names; 0 of one that names none."""
-    asked = (of_band(name) for name in case.features)
-    return max((feature.band.high for feature in asked if feature and feature.band), default=0.0)
+    """Return the upper end (Hz) of the highest band that a case names; 0 if it names none."""
+    features = (of_band(name) for name in case.features)
+    return max((feature.band.high for feature in features if feature and feature.band), default=0.0)
 
 
 def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
     """Cut the case in time: the wanted step, shortened until a ball pass holds a whole number of fine samples.
 
-    part: of the wanted step, to take less; max_cpu: seconds that all steps may take, if more than ``MAX_CPU``.
+    part: fraction of the wanted step; max_cpu: seconds that all steps may take, if more than ``MAX_CPU``.
     On a ramp the ball pass is that of the highest speed. Raises ``Refused`` like ``requested_step``, if no sample
     falls into the record, if a pass has too many steps, or if all take too long.
     """
@@ -143,31 +143,31 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
 
 
 def estimate(case: Case) -> Estimate:
-    """Return what the case will take. Raises ``Refused`` as ``requested_step`` and a strict step check do.
+    """Estimate CPU time, memory and disk of a case.
 
-    And for more memory than there is.
+    Raises ``Refused`` as ``requested_step`` and a strict step check do, and for more memory than there is.
     """
     case = resolved(case)
     refuse_unsettled(case)
     cut = grid(case)
-    found = cost(case, cut.step, cut.passes)
-    expected, most = _sizes(case, cut, found)
+    costs = cost(case, cut.step, cut.passes)
+    expected, most = _sizes(case, cut, costs)
     _refuse_too_large(case, most, cut)
     plain = expected._replace(checked=0.0)
-    seconds, unchecked, longest = (record_cost.counts(case, one).seconds for one in (expected, plain, most))
+    seconds, unchecked, longest = (record_cost.counts(case, size).seconds for size in (expected, plain, most))
     return Estimate(
-        cpu_seconds=price("job") + found.whole + seconds,
+        cpu_seconds=price("job") + costs.whole + seconds,
         bytes=4 * expected.columns * expected.samples,
-        steps=found.passes * cut.steps_per_pass,
-        check_seconds=found.proof + seconds - unchecked,
-        most_seconds=price("job") + found.at_most + longest,
+        steps=costs.passes * cut.steps_per_pass,
+        check_seconds=costs.proof + seconds - unchecked,
+        most_seconds=price("job") + costs.at_most + longest,
         memory=_memory(case, expected, cut),
         most_memory=_memory(case, most, cut),
     )
 
 
 def _memory(case: Case, size: Size, cut: Grid) -> float:
-    """Return the most memory (bytes) of a run, with that of a period on which the step is checked before."""
+    """Return the largest memory (bytes) of a run and of the period on which its step is checked before."""
     in_full = record_cost.memory(case, size)
     if case.periodic or not period_is_sought(case):
         return in_full
@@ -176,14 +176,14 @@ def _memory(case: Case, size: Size, cut: Grid) -> float:
     return max(in_full, record_cost.memory(periodic, of_period))
 
 
-def _sizes(case: Case, cut: Grid, found: Cost) -> tuple[Size, Size]:
-    """Size a case, its method named, as expected, and if its motion does not repeat that might."""
+def _sizes(case: Case, cut: Grid, costs: Cost) -> tuple[Size, Size]:
+    """Return the size of a case, its method named, as expected, and if its response is not periodic."""
     expected = record_cost.size(
-        case, cut.fine_per_pass, cut.decimation, found.passes, found.proof / found.one_pass
+        case, cut.fine_per_pass, cut.decimation, costs.passes, costs.proof / costs.one_pass
     )
-    if found.at_most == found.whole:
+    if costs.at_most == costs.whole:
         return expected, expected
-    return expected, expected.with_passes(cut.passes, found.at_most / found.one_pass - cut.passes)
+    return expected, expected.with_passes(cut.passes, costs.at_most / costs.one_pass - cut.passes)
 
 
 def refuse_too_large(case: Case, cut: Grid) -> None:

@@ -1,9 +1,9 @@
-"""A trial: the first ball passes of a run, by which models are compared in what is asked.
+"""Trial: the first ball passes of a run, by which models are compared in the requested features.
 
-A line's amplitude is the mean of a quantity under a window, and so is an RMS's square. So they are read over the
-whole trial, and over every two turns of the slowest pit that follow each other (Hann's window over two turns lets
-nothing of a turn's own rhythm through). How far two models are apart scatters between those if the motion is
-chaotic, and hardly at all if it is not.
+A line's amplitude is the mean of a quantity under a window, and so is an RMS's square. Both are read over the
+whole trial, and over every two successive turns of the slowest pit (Hann's window over two turns removes the
+period of a turn). If the motion is chaotic, the difference of two
+models scatters between those.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -27,21 +27,21 @@ from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.settling import cage_turn
 
 MIN_PASSES, TURNS = 16, 4
-"""Ball passes, and turns of every pit through the load zone, that are compared at least."""
+"""Smallest numbers of ball passes, and of turns of every pit through the load zone, that are compared."""
 MOST_PART = 0.5
-"""Of a record, the most that is compared: more would cost as much as the run that it may save."""
+"""Largest part of a record that is compared: more would cost as much as the run that it may save."""
 CAGE_TURNS = 5
-"""Turns of a free cage that are compared at least. Its passes are correlated over tens of them: 16 know a line to
-0.9 %, 64 to 0.3 % (100 N, 3000 rpm)."""
+"""Smallest number of turns of a free cage that are compared. Passes are correlated over tens of them: the standard
+error of a line is 0.9 % of 16 and 0.3 % of 64 (100 N, 3000 rpm)."""
 LOOK_TURNS = 2
 """Turns of the cage after which a trial ends that is far off already."""
 SPARE = 1e-9  # s: of rounding, where a duration is to hold a number of passes
 MAIN_LOBE, NEAR = 2.0, 4.0
-"""Over the length of Hann's window: from where on it is zero in places; from where on it lets through under 0.6 %.
-Lines nearer than that to each other are told apart by solving for both."""
+"""Half width of the main lobe of Hann's window, and distance beyond which its response is under 0.6 %, in turns.
+Lines nearer to each other than that are solved for together."""
 LARGEST_FORCE = "outer_force.max"
-TOLD_APART = 0.1
-"""The least eigenvalue of lines' overlap with which they are: each weighs three times as much noise then."""
+LEAST_OVERLAP_EIGENVALUE = 0.1
+"""Smallest eigenvalue of the overlap of lines that are solved for together: noise is amplified threefold there."""
 
 
 @dataclass(frozen=True)
@@ -49,10 +49,10 @@ class Trial:
     """The first passes of a run after it has settled.
 
     passes: how many count; turns: of the slowest pit in them, of ball passes if none turns; repeats: whether the
-    motion has been found to repeat itself; lines: (1 + W,) complex amplitudes (SI) of each asked line over the
-    whole, and over W pairs of turns, by name, NaN of one that the whole cannot tell from others; powers: (1 + W,)
-    mean squares of an asked RMS (SI), likewise; forces: (passes,) the largest of an outer contact (N); method: its
-    name, empty if the model has none; step: its step (s), or its tolerance if it is adaptive.
+    motion is periodic; lines: (1 + W,) complex amplitudes (SI) of each requested line over the whole, and over W
+    pairs of turns, by name, NaN of a line that the whole does not resolve; powers: (1 + W,) mean squares of a
+    requested RMS (SI), likewise; forces: (passes,) the largest of an outer contact (N); method: its name, empty if
+    the model has none; step: its step (s), or its tolerance if it is adaptive.
     """
 
     passes: int
@@ -66,36 +66,36 @@ class Trial:
 
     @property
     def is_whole(self) -> bool:
-        """Whether all that is told of it has the lengths that its passes and turns ask for."""
-        parts = {len(told) for told in (*self.lines.values(), *self.powers.values())}
+        """Consistency: all arrays have the lengths of its passes and turns."""
+        parts = {len(values) for values in (*self.lines.values(), *self.powers.values())}
         return parts <= {parts_of(self.turns)} and len(self.forces) == self.passes >= self.turns
 
-    def tells(self, asked: Iterable[str]) -> bool:
-        """Check if it has all lines and RMS among some features; the largest force each has."""
-        return all(name in self.lines or name in self.powers for name in asked if name != LARGEST_FORCE)
+    def tells(self, requested: Iterable[str]) -> bool:
+        """Check if the trial has all requested lines and RMS values; it always has the largest force."""
+        return all(name in self.lines or name in self.powers for name in requested if name != LARGEST_FORCE)
 
 
 @dataclass(frozen=True)
 class Against:
-    """What a trial is compared with as it goes on.
+    """Reference values of a trial, by which it may end early.
 
-    values: of lines and RMS (SI), by feature; most: the differences (SI) beyond which it need not go on.
+    values: of lines and RMS (SI), by feature; most: differences (SI) beyond which the trial ends.
     """
 
     values: Mapping[str, float]
     most: Mapping[str, float]
 
     def is_far(self, trial: "Trial") -> bool:
-        """Return whether a trial differs by more in any of them."""
+        """Check if a trial differs by more in any feature."""
         own = {name: float(abs(parts[0])) for name, parts in trial.lines.items()}
         own |= {name: float(np.sqrt(parts[0])) for name, parts in trial.powers.items()}
         return any(abs(own[name] - value) > self.most[name] for name, value in self.values.items() if name in own)
 
 
 def passes_to_try(case: Case, loose: bool = False) -> int:
-    """Ball passes of a case by which its model is judged; 0 if its record holds none.
+    """Return the ball passes of a case by which its model is judged; 0 if its record holds none.
 
-    loose: whether that is done beside a free cage, which takes turns of the cage, though the record hold fewer.
+    loose: whether the reference has a free cage, which needs turns of the cage even if the record holds fewer.
     """
     rate = case.bearing.ball_pass_frequency(case.speed)
     wanted = max(MIN_PASSES, ceil(TURNS * pit_turn(case) * rate), ceil(PILOT_PART * case.duration * rate))
@@ -108,7 +108,7 @@ def most_passes(case: Case) -> int:
 
 
 def tells_friction(case: Case) -> bool:
-    """Return whether the record of a case holds the turns of a free cage that tell what friction does."""
+    """Check if the record of a case holds enough turns of a free cage to show the effect of friction."""
     return case.duration >= CAGE_TURNS * cage_turn(case)
 
 
@@ -125,16 +125,16 @@ def pit_turn(case: Case) -> float:
 
 
 def last_pass(setup: Setup, passes: int) -> int:
-    """Ball passes to compute so that so many after settling can be read."""
+    """Return the ball passes to compute so that ``passes`` after settling can be read."""
     case, cut = setup.case, setup.cut
     beyond = cut.passes - floor((case.settle_s + case.duration) * cut.rate)  # what filters reach
     return min(cut.passes, ceil(case.settle_s * cut.rate) + passes + beyond)
 
 
-def of_passes(setup: Setup, raw: RawRecord, asked: Sequence[str], passes: int, turn: float) -> Trial:
-    """What is asked of the first ``passes`` of a run after settling; ``turn``: of the slowest pit (s), or 0.
+def of_passes(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: int, turn: float) -> Trial:
+    """Return the trial of the first ``passes`` of a run after settling; turn: of the slowest pit (s), or 0.
 
-    Of a motion that does not repeat itself at most ``most_passes``.
+    If the motion is not periodic, of at most ``most_passes``.
     """
     case, cut = setup.case, setup.cut
     passes = passes if raw.repetition.period > 0 else min(passes, most_passes(case))
@@ -145,7 +145,7 @@ def of_passes(setup: Setup, raw: RawRecord, asked: Sequence[str], passes: int, t
     turn = max(1.0, turn * cut.rate)  # in ball passes
     spans = spans_of(passes, turn, cut.fine_per_pass)
     lines, powers = {}, {}
-    for name in asked:
+    for name in requested:
         quantity, _, line = name.partition("@")
         banded = of_band(name)
         if banded is not None:
@@ -164,11 +164,11 @@ def of_passes(setup: Setup, raw: RawRecord, asked: Sequence[str], passes: int, t
             along = features.along_sensor(case, rows, name.removesuffix(".rms"))
             powers[name] = np.array([mean_square(along[span]) for span in spans])
     before = ceil(start / cut.fine_per_pass)
-    known = raw.peaks[:, FORCE]
-    places = [int(p) if p < len(known) else int(raw.repetition.source(p)) for p in range(before, before + passes)]
+    peaks = raw.peaks[:, FORCE]
+    places = [int(p) if p < len(peaks) else int(raw.repetition.source(p)) for p in range(before, before + passes)]
     stepped = (case.method, _fineness(setup)) if case.method is not None else ("", 0.0)
     periodic = raw.repetition.period > 0
-    return Trial(passes, whole_turns(passes, turn), periodic, lines, powers, known[places], *stepped)
+    return Trial(passes, whole_turns(passes, turn), periodic, lines, powers, peaks[places], *stepped)
 
 
 def _fineness(setup: Setup) -> float:
@@ -186,9 +186,9 @@ def stepped_alike(case: Case, trial: Trial) -> Case:
 
 
 def spans_of(passes: int, turn: float, per_pass: int) -> list[slice]:
-    """Of a trial's fine samples: the whole turns that it holds, then each two that follow each other.
+    """Return slices of a trial's fine samples: the whole turns in it, then every two successive turns.
 
-    turn: in ball passes. All of it alone, if it holds less than three.
+    turn: in ball passes. If the trial holds fewer than three, only all of it.
     """
     turns = whole_turns(passes, turn)
     if parts_of(turns) == 1:
@@ -198,17 +198,17 @@ def spans_of(passes: int, turn: float, per_pass: int) -> list[slice]:
 
 
 def parts_of(turns: int) -> int:
-    """Return how many values a trial of so many turns has of a line: of the whole, and of each two turns."""
+    """Return the number of values of a line in a trial: of all ``turns``, and of every two turns."""
     return turns if turns >= 3 else 1
 
 
 def whole_turns(passes: int, turn: float) -> int:
-    """Return how many turns of so many passes a trial holds."""
+    """Return the number of whole turns, each of ``turn`` passes, in ``passes`` passes."""
     return floor(passes / turn + ROUNDING)
 
 
 def angles_near(case: Case, turning: SampleAngles, name: str, span: slice) -> np.ndarray:
-    """(1 + L, n) angles of a line, and of those in a case that a window over ``span`` does not tell from it."""
+    """Return the angles (1 + L, n) of a line, and of those in a case not resolved from it over ``span``."""
     angles = {line: turning.along(LINES[line], case.bearing.rollers) for line in (name, *excited(case))}
     turns = {line: float(angle[span][-1] - angle[span][0]) / (2.0 * pi) for line, angle in angles.items()}
     return np.stack([angles[line] for line in angles if abs(turns[line] - turns[name]) < NEAR])
@@ -226,10 +226,10 @@ def excited(case: Case) -> list[str]:
 
 
 def amplitudes(series: np.ndarray, angles: np.ndarray, spans: Sequence[slice]) -> np.ndarray:
-    """(spans,) complex amplitudes of a line, freed of the lines near it, which are solved for over the whole.
+    """Return the complex amplitudes (spans,) of a line, without those of the lines near it.
 
-    angles: as of ``angles_near``. NaN, all of them, if the whole does not tell the lines from each other, or makes
-    too few turns of the line to tell it from a mean.
+    The lines near it are solved for over the whole. angles: as of ``angles_near``. All are NaN if the whole does
+    not resolve the lines from each other, or holds too few turns of the line to separate it from the mean.
     """
     whole = solved(series, angles, spans[0])
     if np.isnan(whole[0]):
@@ -239,12 +239,12 @@ def amplitudes(series: np.ndarray, angles: np.ndarray, spans: Sequence[slice]) -
 
 
 def solved(series: np.ndarray, angles: np.ndarray, span: slice) -> np.ndarray:
-    """(1 + L,) complex amplitudes of lines (SI), all solved for at once under a window; NaN if they cannot be."""
+    """Solve for the complex amplitudes (1 + L,) of lines (SI) under a window; NaN if they are not resolved."""
     turning, x = np.exp(-1j * angles[:, span]), series[span]
     weights = hann(len(x))
     overlap = (turning * weights) @ turning.conj().T
     turns = abs(angles[0, span][-1] - angles[0, span][0]) / (2.0 * pi) * len(x) / (len(x) - 1)
-    if np.linalg.eigvalsh(overlap)[0] < TOLD_APART or turns < MAIN_LOBE * (1.0 - ROUNDING):
+    if np.linalg.eigvalsh(overlap)[0] < LEAST_OVERLAP_EIGENVALUE or turns < MAIN_LOBE * (1.0 - ROUNDING):
         return np.full(len(angles), complex(np.nan, np.nan))
     return np.linalg.solve(overlap, 2.0 * (turning * weights) @ (x - weights @ x))
 
