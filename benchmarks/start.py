@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 from bearingsim.config import Case
 from bearingsim.simulation import settling, simulate
 from bearingsim.simulation.comparison import fault_lines
+from bearingsim.simulation.settling import SlowModes
 from bearingsim.simulation.simulate import Record
-from bearingsim.simulation.slow_modes import SlowModes
 from benchmarks.campaign import table
 
 LONGER = 10.0  # times as long the other run settles

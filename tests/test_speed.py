@@ -12,7 +12,7 @@ import pytest
 from bearingsim import assemble
 from bearingsim.core import layout as lay
 from bearingsim.core.models.interface import accelerations
-from bearingsim.simulation.prices import TABLE
+from bearingsim.simulation.pricing import TABLE
 from benchmarks.speed import accuracy, compare, peers, prices, timing
 from benchmarks.speed.report import Section, Target
 from benchmarks.speed.scenes import case

@@ -11,7 +11,7 @@ from bearingsim.config import Case
 from bearingsim.errors import Refused
 from bearingsim.simulation import limits as case_limits
 from bearingsim.simulation import simulate
-from bearingsim.simulation.automatic_step import automatic_step
+from bearingsim.simulation.choice import automatic_step
 from bearingsim.simulation.settling import settled
 from bearingsim.simulation.simulate import Record, SimulationError, warm
 

@@ -10,14 +10,13 @@ from functools import lru_cache
 from math import inf
 from typing import NamedTuple
 
+from bearingsim import assemble
 from bearingsim.assemble.registered import missing, refuse_features
 from bearingsim.catalogue import AUTO, EXPLICIT, METHODS, MODELS
 from bearingsim.config import Case
 from bearingsim.errors import Refused
-from bearingsim.simulation.automatic_step import automatic_step
-from bearingsim.simulation.cost import Cost, cost
-from bearingsim.simulation.limits import Limits, step_limits
-from bearingsim.simulation.prices import price
+from bearingsim.simulation.limits import LONGEST, Limits, step_limits
+from bearingsim.simulation.pricing import Cost, cost, price
 from bearingsim.simulation.repetition import may_repeat
 from bearingsim.simulation.settling import refuse_unsettled, settled
 
@@ -173,3 +172,22 @@ def _saving(chosen: str, prices: dict[str, float], limits: Limits) -> str:
 def _cost(case: Case) -> Cost:
     """Return the cost of a case, its method named, at its own step or the automatic one."""
     return cost(case, automatic_step(case, step_limits(case)) if case.step == "auto" else case.step)
+
+
+RECORDED_PER_CROSSING, RECORDED_PER_PERIOD = 25, 4
+"""Recorded instants of an adaptive method over a pit, and in a period of contacts that ring."""
+
+
+def automatic_step(case: Case, limits: Limits) -> float:
+    """Return the step (s) measured to keep the defect's line within about 1 % (docs/steps.md).
+
+    For an adaptive method, which controls its own error, the time between recorded instants.
+    """
+    model, method = assemble.kind(case), assemble.method_kind(case)
+    if assemble.adaptive(case):
+        rings = 1.0 / limits.contact_frequency / RECORDED_PER_PERIOD if limits.damping_ratio < 1.0 else inf
+        return min(limits.crossing / RECORDED_PER_CROSSING, rings, LONGEST)
+    seen = min(limits.crossing / model.per_crossing, LONGEST)
+    if MODELS[case.model].memoryless:
+        return seen
+    return min(seen, method.fraction * limits.at_impact, 1.0 / limits.contact_frequency / method.per_period)

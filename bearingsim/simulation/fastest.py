@@ -14,7 +14,7 @@ import numpy as np
 
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
-from bearingsim.simulation.lengths import lengths
+from bearingsim.core.models.interface import harmonics, state_width
 
 SEARCH, REFINE = 3, 24  # rounds of the power iteration: to notice what is four times faster, and to find its rate
 SMALL = 1e-3  # of the approach at rest: a displacement in which the contacts are straight
@@ -67,3 +67,20 @@ def _largest(model: Any, t: float, y: np.ndarray, block: int, arms: np.ndarray, 
     y[changed] = rest
     start_at_rest(model, t, y)
     return value
+
+
+def lengths(model: Any) -> np.ndarray:
+    """Return the factors (2 STATE,), m or 1, that turn positions and velocities into lengths and speeds.
+
+    A roller's rotation grows without end and counts by its speed alone; entries that are no state of the model get
+    0.
+    """
+    cells = np.full((2, 6, lay.ROW), model.bearing.R_o)
+    cells[:, 0, lay.FIRST_LANE :] = 1.0
+    cells[:, 3] = 1.0
+    cells[:, 0, [lay.X, lay.Y, lay.X_C, lay.Y_C, lay.X_I, lay.Y_I]] = 1.0
+    cells[0, 2, lay.FIRST_LANE :] = 0.0
+    if harmonics(model) > 0:  # lengths, where other models have the rollers' angles
+        cells[:, 1:3] = 1.0
+    cells.reshape(2, -1)[:, state_width(model) :] = 0.0
+    return cells.ravel()

@@ -23,8 +23,8 @@ from bearingsim.simulation.channels import (
     base,
     places_of,
 )
+from bearingsim.simulation.pricing import BLOCK
 from bearingsim.simulation.raw_record import LowPassed, RawRecord
-from bearingsim.simulation.record_cost import BLOCK
 from bearingsim.simulation.record_windows import first_sample, whole_passes, windows
 from bearingsim.simulation.repetition import EXTREMES
 from bearingsim.simulation.settling import has_free_cage

@@ -38,8 +38,7 @@ from bearingsim.simulation.repetition import (
     may_repeat,
     turned_state,
 )
-from bearingsim.simulation.settling import settled, slowest_decay
-from bearingsim.simulation.slow_modes import SlowModes
+from bearingsim.simulation.settling import SlowModes, settled, slowest_decay
 
 
 class SimulationError(Exception):
@@ -243,7 +242,7 @@ def _steady_start(
 
     At the end of each ball pass rollers stand where others stood at t = 0. most: largest number of ball passes.
     """
-    slow = SlowModes.of(setup.case, setup.model, setup.cut, NEAR_STEADY * close.shrinking)
+    slow = SlowModes.of(setup.case, setup.model, setup.cut.rate, NEAR_STEADY * close.shrinking)
     if slow is None:
         return start
     y, passes = _start(setup, 0.0, start), 0

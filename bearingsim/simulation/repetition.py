@@ -17,7 +17,7 @@ from bearingsim.config import Case
 from bearingsim.config.rules.conflicts import ALIKE
 from bearingsim.core import layout as lay
 from bearingsim.core.models.interface import degrees_of_freedom
-from bearingsim.simulation.lengths import lengths
+from bearingsim.simulation.fastest import lengths
 
 CONSTANT = frozenset(
     {

@@ -32,7 +32,7 @@ from bearingsim.simulation.integration import (
 )
 from bearingsim.simulation.other_features import of_extensions, refuse_undeclared
 from bearingsim.simulation.pilot import longer_duration
-from bearingsim.simulation.prices import price
+from bearingsim.simulation.pricing import price
 from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.repetition import passes_are_alike, period_is_sought
 from bearingsim.simulation.settling import has_free_cage

@@ -10,13 +10,10 @@ from bearingsim.config.names import of_band
 from bearingsim.core.sampling import DECIMATION_REACH, INTERPOLATION_REACH, RESAMPLE_REACH
 from bearingsim.errors import Refused
 from bearingsim.memory import PROGRAM
-from bearingsim.simulation import record_cost
-from bearingsim.simulation.automatic_step import automatic_step
-from bearingsim.simulation.choice import resolved
-from bearingsim.simulation.cost import Cost, cost, solved_once
+from bearingsim.simulation import pricing
+from bearingsim.simulation.choice import automatic_step, resolved
 from bearingsim.simulation.limits import Limits, step_limits
-from bearingsim.simulation.prices import per_second, price
-from bearingsim.simulation.record_cost import Size
+from bearingsim.simulation.pricing import Cost, Size, cost, per_second, price, solved_once
 from bearingsim.simulation.repetition import period_is_sought
 from bearingsim.simulation.settling import refuse_unsettled
 
@@ -154,7 +151,7 @@ def estimate(case: Case) -> Estimate:
     expected, most = _sizes(case, cut, costs)
     _refuse_too_large(case, most, cut)
     plain = expected._replace(checked=0.0)
-    seconds, unchecked, longest = (record_cost.counts(case, size).seconds for size in (expected, plain, most))
+    seconds, unchecked, longest = (pricing.counts(case, size).seconds for size in (expected, plain, most))
     return Estimate(
         cpu_seconds=price("job") + costs.whole + seconds,
         bytes=4 * expected.columns * expected.samples,
@@ -168,19 +165,17 @@ def estimate(case: Case) -> Estimate:
 
 def _memory(case: Case, size: Size, cut: Grid) -> float:
     """Return the largest memory (bytes) of a run and of the period on which its step is checked before."""
-    in_full = record_cost.memory(case, size)
+    in_full = pricing.memory(case, size)
     if case.periodic or not period_is_sought(case):
         return in_full
     periodic = case.model_copy(update={"periodic": True})
     of_period = _sizes(periodic, cut, cost(periodic, cut.step, cut.passes))[0]
-    return max(in_full, record_cost.memory(periodic, of_period))
+    return max(in_full, pricing.memory(periodic, of_period))
 
 
 def _sizes(case: Case, cut: Grid, costs: Cost) -> tuple[Size, Size]:
     """Return the size of a case, its method named, as expected, and if its response is not periodic."""
-    expected = record_cost.size(
-        case, cut.fine_per_pass, cut.decimation, costs.passes, costs.proof / costs.one_pass
-    )
+    expected = pricing.size(case, cut.fine_per_pass, cut.decimation, costs.passes, costs.proof / costs.one_pass)
     if costs.at_most == costs.whole:
         return expected, expected
     return expected, expected.with_passes(cut.passes, costs.at_most / costs.one_pass - cut.passes)

@@ -1,6 +1,6 @@
 """The prices by which the program estimates what a case costs, measured anew: a proposal, never put in place.
 
-Prices are committed, so that `auto` chooses alike on every machine (``bearingsim/simulation/prices.py``). What
+Prices are committed, so that `auto` chooses alike on every machine (``bearingsim/simulation/pricing.py``). What
 this section finds is written beside the report; what it cannot measure keeps its old number. Whoever takes a
 proposal over copies it by hand, and tells in the change log what `auto` chooses otherwise.
 """
@@ -23,7 +23,7 @@ from bearingsim.core.models.interface import accelerations
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import choice, time_grid
 from bearingsim.simulation.integration import monitor_of
-from bearingsim.simulation.prices import TABLE
+from bearingsim.simulation.pricing import TABLE
 from benchmarks.speed.report import Prices, Section
 from benchmarks.speed.scenes import case
 from benchmarks.speed.study import SHORT, computed, phases_of

@@ -16,7 +16,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.methods.interface import Tolerances, step
 from bearingsim.core.models.interface import accelerations, state_width
 from bearingsim.errors import Refused
-from bearingsim.simulation import choice, prices, time_grid
+from bearingsim.simulation import choice, pricing, time_grid
 from bearingsim.simulation import limits as limiting
 from bearingsim.simulation.choice import limits
 from bearingsim.simulation.time_grid import grid, requested_step
@@ -330,7 +330,7 @@ def test_dashpots_that_jump_as_contacts_open_shorten_own_steps(coefficient, take
     """Mean step of Rodas over a 0.8 mm slot, counted over 25 ms; unforeseen it was up to 26 times off."""
     damping = {"law": "general", "coefficient": coefficient, "indentation_exponent": 0.0}
     given = case(method="rodas", defect=SLOT, contact={"damping": damping})
-    found = prices.adaptive_step(given, choice.limits(choice.with_method(given, "verlet")))
+    found = pricing.adaptive_step(given, choice.limits(choice.with_method(given, "verlet")))
     assert found == pytest.approx(taken, rel=0.5)
 
 
@@ -340,7 +340,7 @@ def test_powers_of_the_library_are_priced(m1: float, m3: float, ns: float) -> No
     stiffness = {"law": "constant", "coefficient": 1e6, "exponent": m1}
     damping = {"law": "general", "coefficient": 100.0, "indentation_exponent": m3}
     given = case(method="verlet", contact={"stiffness": stiffness, "damping": damping})
-    assert prices.per_second(given, 1e-6) == pytest.approx(1e-3 * ns, rel=0.35)
+    assert pricing.per_second(given, 1e-6) == pytest.approx(1e-3 * ns, rel=0.35)
 
 
 def test_static_is_priced_as_one_pass_and_refused_by_its_model() -> None:
@@ -349,7 +349,7 @@ def test_static_is_priced_as_one_pass_and_refused_by_its_model() -> None:
     least = mock.patch.object(time_grid, "MAX_CPU", 0.1 * time_grid.estimate(given).cpu_seconds)
     with least, pytest.raises(Refused, match="`static` would take about"):
         grid(watched)
-    one_pass = time_grid.estimate(given).cpu_seconds - prices.price("job")
+    one_pass = time_grid.estimate(given).cpu_seconds - pricing.price("job")
     with mock.patch.object(time_grid, "MAX_CPU", 2.0 * one_pass):
         grid(given)
 

@@ -11,7 +11,7 @@ import pytest
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.signals import line_at, lines, lines_of_blocks, passes
-from bearingsim.simulation import features, prices, record_cost, simulate, time_grid
+from bearingsim.simulation import features, pricing, simulate, time_grid
 from bearingsim.simulation.choice import Attempt
 from bearingsim.simulation.integration import MethodFailure
 from bearingsim.simulation.simulate import _in_turn as in_turn
@@ -31,9 +31,9 @@ RAMP = TURNING | {"ramp": {"to": "2400 rpm", "time": "0.1 s"}}
 BANDS = ["velocity.rms@10-1000Hz", "acceleration.rms@10-5000Hz", "envelope@BPFO@2000-5000Hz"]
 
 
-@pytest.mark.parametrize("name", record_cost.Counts._fields)
+@pytest.mark.parametrize("name", pricing.Counts._fields)
 def test_everything_counted_has_a_price(name: str) -> None:
-    assert prices.price(name.replace("_", " ")) > 0.0
+    assert pricing.price(name.replace("_", " ")) > 0.0
 
 
 @pytest.mark.parametrize("model", MODELS)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bearingsim.simulation import automatic_step, limits
+from bearingsim.simulation import choice, limits
 from bearingsim.simulation.integration import (
     MOTIONS,
     NEIGHBOURS,
@@ -66,7 +66,7 @@ def test_of_a_velocity_that_jumps_the_way_gone_is_kept(late):
 @pytest.mark.parametrize("method", ["dop853", "rodas"])
 def test_the_line_does_not_depend_on_how_often_is_recorded(method):
     given = case(model="rollers", defect=SLOT, method=method, step_check=False)
-    often = automatic_step.automatic_step(given, limits.step_limits(given))
+    often = choice.automatic_step(given, limits.step_limits(given))
     fine, coarse = (simulate(given.model_copy(update={"step": k * often})).features for k in (0.25, 1))
     assert coarse["velocity@BPFO"] == pytest.approx(fine["velocity@BPFO"], rel=5e-4)
     assert coarse["velocity.rms"] == pytest.approx(fine["velocity.rms"], rel=2e-4)

@@ -12,7 +12,7 @@ from bearingsim.core import layout as lay
 from bearingsim.errors import Refused
 from bearingsim.simulation import SimulationError, choice, repetition, settling, step_check, time_grid
 from bearingsim.simulation.integration import integrate, set_up
-from bearingsim.simulation.slow_modes import SlowModes
+from bearingsim.simulation.settling import SlowModes
 from tests.scenes.short_cases import SLOT, case
 
 HEAVY: dict[str, Any] = {

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
-from bearingsim.simulation import choice, comparison, pilot, prices, step_check, time_grid
+from bearingsim.simulation import choice, comparison, pilot, pricing, step_check, time_grid
 from bearingsim.simulation.accuracy import QUIET_LINE
 from bearingsim.simulation.choice import STEP_PARTS
 from bearingsim.simulation.integration import TooChaotic, integrate, set_up
@@ -364,7 +364,7 @@ def test_where_strictness_is_asked_for_the_whole_run_is_proven() -> None:
 def test_a_proof_may_take_longer_than_a_run_may() -> None:
     """The finer pilot of a strict proof takes more than twice the CPU time of its run."""
     given = choice.resolved(rollers(step_check="strict"))
-    price = (given.settle_s + given.duration) * prices.per_second(given, time_grid.grid(given).step)
+    price = (given.settle_s + given.duration) * pricing.per_second(given, time_grid.grid(given).step)
     begun = mock.patch.object(step_check, "run_pilot", side_effect=InterruptedError)
     with mock.patch.object(time_grid, "MAX_CPU", 1.3 * price), begun, pytest.raises(InterruptedError):
         step_check.check_step(set_up(given, 1.0))  # both pilots were let begin

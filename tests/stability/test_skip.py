@@ -10,7 +10,7 @@ from numba import typeof
 from bearingsim import assemble
 from bearingsim.catalogue import METHODS
 from bearingsim.core.advance import advance_and_sample
-from bearingsim.simulation import automatic_step, choice, limits
+from bearingsim.simulation import choice, limits
 from bearingsim.stability import judge, matrix, references, traces
 from bearingsim.stability.scene import MIDDLES, SAMPLE_INTERVAL, TIMES, crossing, crossings
 from bearingsim.stability.traces import trace
@@ -41,9 +41,7 @@ def setting(scene, name):
     if METHODS[name].adaptive:
         return METHODS[name].tolerance
     named = choice.with_method(scene.case, name)
-    return SAMPLE_INTERVAL / np.ceil(
-        SAMPLE_INTERVAL / automatic_step.automatic_step(named, limits.step_limits(named))
-    )
+    return SAMPLE_INTERVAL / np.ceil(SAMPLE_INTERVAL / choice.automatic_step(named, limits.step_limits(named)))
 
 
 def length(scene, name):

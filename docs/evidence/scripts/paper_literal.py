@@ -20,7 +20,7 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from bearingsim.config import Case
-from bearingsim.simulation import automatic_step
+from bearingsim.simulation import choice
 from bearingsim.simulation.limits import step_limits
 from bearingsim.simulation.simulate import simulate
 from bearingsim.study import load_study
@@ -46,7 +46,7 @@ def refined(case: Case, seconds: float | None, steps: list[float] | None) -> lis
     if m3 == UNDAMPED:
         chosen = [1e-6 * step for step in steps] if steps else STEPS
         return [(f"{1e6 * step:g} us", fast.model_copy(update={"step": step})) for step in chosen]
-    often = automatic_step.automatic_step(case, step_limits(case))
+    often = choice.automatic_step(case, step_limits(case))
     found = []
     for k, tolerance in enumerate(TOLERANCES[m3]):
         step = often / 2**k if m3 == JUMPS else often

@@ -1,20 +1,151 @@
-"""CPU time and memory of a job besides its steps: recording, filtering, reading features, writing.
+"""CPU time and memory of a case: of its steps, of the passes that check them, of recording and reading features.
 
-CPU time is counts of operations times measured prices (``prices.csv``). Memory is that of the arrays alive at
-once: those of the step check are freed before those of the run.
+CPU time is a count of evaluations and operations times the measured prices of ``prices.csv``. These hold for one
+core of a 2.6 GHz server, and are the same on every machine, because the choice of a method rests on them;
+``benchmarks/step_cost.py`` measures them. Memory is that of the arrays alive at once: those of the step check are
+freed before those of the run.
 """
 
-from math import ceil, sqrt
+import csv
+from functools import cache
+from math import ceil, inf, sqrt
+from pathlib import Path
 from typing import NamedTuple
 
+from bearingsim import assemble
+from bearingsim.assemble.bending import has_carrier, of_ring, places_of_springs
+from bearingsim.assemble.contacts import powers
 from bearingsim.assemble.scales import at_full_speed
-from bearingsim.catalogue import MODELS
+from bearingsim.catalogue import EXPLICIT, METHODS, MODELS
 from bearingsim.config import CHANNELS, Case
 from bearingsim.config.names import of_band
+from bearingsim.config.rules.completion import slice_count
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
 from bearingsim.simulation import channels
-from bearingsim.simulation.prices import price
-from bearingsim.simulation.repetition import LONGEST_PERIOD, MOST_HELD, may_repeat
+from bearingsim.simulation.limits import LONGEST, Limits, step_limits
+from bearingsim.simulation.pilot import check_cost
+from bearingsim.simulation.repetition import LONGEST_PERIOD, MOST_HELD, may_repeat, period_is_sought
+from bearingsim.simulation.settling import extrapolation_passes
+
+TABLE = Path(__file__).with_name("prices.csv")
+USUAL = ""
+"""Name in the table for models and methods without a row, such as another package's model."""
+OWN_PER_PERIOD = 10.0  # steps of an adaptive method in a period of contacts that ring
+RINGING_RATIO = 0.1  # damping ratio under which contacts ring
+# power of the damping ratio, over 1, by which it shortens own steps (Rodas, m3 = 0; others roughly)
+DAMPING_POWER = 0.37
+
+
+@cache
+def prices() -> dict[tuple[str, str], float]:
+    """Return the table: (what, name of model or method) to its number."""
+    with TABLE.open(newline="") as file:
+        return {(row["what"], row["name"]): float(row["value"]) for row in csv.DictReader(file)}
+
+
+def price(what: str, name: str = USUAL) -> float:
+    """Return a number of the table, or the usual one."""
+    return prices().get((what, name), prices()[what, USUAL])
+
+
+def evaluation(case: Case) -> float:
+    """Return the CPU time (s) of one evaluation of the case's model."""
+    of_rollers = (price("evaluation", case.model) + price("power") * powers(case)) * (slice_count(case) or 1)
+    return of_rollers + bending(case)
+
+
+def bending(case: Case) -> float:
+    """Return the CPU time (s) of a ring which bends, and of the springs around it, in an evaluation."""
+    if case.rig.ring is None:
+        return 0.0
+    springs = len(places_of_springs(of_ring(case))[0]) if has_carrier(case.rig) else 0
+    return (price("harmonic", case.model) + price("spring") * springs) * float(case.rig.ring.harmonics)
+
+
+def per_step(method: str, model: str, evaluations: int) -> float:
+    """Return the CPU time of a method's step in evaluations of the model, overhead included (docs/cost.md).
+
+    evaluations: of the model in a step, the price of a method without a row of its own.
+    """
+    usual = price("adaptive step") if METHODS[method].adaptive else 1.0
+    of_any = prices().get(("step", method), usual * evaluations)
+    return prices().get(("step", f"{method} {model}"), of_any)
+
+
+def per_second(case: Case, step: float) -> float:
+    """Return the CPU time (s) of the steps of a simulated second."""
+    kind = assemble.method_kind(case)
+    if case.method is None:
+        return evaluation(case) / step * kind.evaluations
+    step_cost = per_step(case.method, case.model, kind.evaluations)
+    if not METHODS[case.method].adaptive:
+        return evaluation(case) / step * step_cost
+    own = adaptive_step(case, step_limits(case.model_copy(update={"method": EXPLICIT})))
+    return evaluation(case) * (price("record") / step + step_cost / own)
+
+
+def adaptive_step(case: Case, limits: Limits) -> float:
+    """Estimate the length (s) of an adaptive method's own steps.
+
+    Those of an explicit one are bounded by its stability on contacts at rest; those of an implicit one by crossing
+    times, and by contacts that ring or open.
+    """
+    usual, name = price("own steps"), str(case.method)
+    steps = price("own steps", name)
+    smooth = min(limits.crossing, LONGEST * usual) / steps
+    if not METHODS[name].implicit:
+        return min(smooth, price("stable step", name) / limits.fastest_rate)
+    rings = 1.0 / limits.contact_frequency / OWN_PER_PERIOD if limits.damping_ratio < RINGING_RATIO else inf
+    return min(smooth, rings, LONGEST * usual / steps / max(1.0, limits.damping_ratio) ** DAMPING_POWER)
+
+
+class Cost(NamedTuple):
+    """CPU time (s) of a run: of its steps, of their check (proof), and of both if the response is not periodic.
+
+    passes: computed ball passes; one_pass: CPU time (s) of one.
+    """
+
+    steps: float
+    proof: float
+    at_most: float
+    passes: int
+    one_pass: float
+
+    @property
+    def whole(self) -> float:
+        """Steps and proof."""
+        return self.steps + self.proof
+
+
+def cost(case: Case, step: float, passes: int | None = None) -> Cost:
+    """Estimate the cost of a case, its method named, at steps of ``step`` s (adaptive: between recorded instants).
+
+    passes: ball passes of the whole run, if not those of settling and duration.
+    """
+    rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
+    whole = passes or ceil((case.settle_s + case.duration) * rate)
+    one_pass = per_second(case, step) / rate
+    if solved_once(case):
+        whole = 1
+    proof = check_cost(case) * whole if case.checks_step else 0.0
+    before = extrapolation_passes(case)
+    at_most = one_pass * (before + whole + proof)
+    computed = whole
+    in_a_period = min(whole, int(price("passes")))
+    if may_repeat(case):
+        computed = in_a_period
+    if case.checks_step and period_is_sought(case):
+        proof = sqrt(5.0) * (price("finer passes") + before)
+        if not case.periodic:
+            proof += before + in_a_period
+    computed += before
+    return Cost(one_pass * computed, one_pass * proof, at_most, computed, one_pass)
+
+
+def solved_once(case: Case) -> bool:
+    """Check if one ball pass is all that is computed: the model has no memory and every pass is the same."""
+    return MODELS[case.model].memoryless and may_repeat(case)
+
 
 FLOAT = 8  # bytes
 SENSED = 6  # rows along the sensor that are filtered for statistics
