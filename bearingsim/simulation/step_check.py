@@ -155,21 +155,24 @@ def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[S
     short = short.model_copy(update={"periodic": False, "until": None})
     coarse = set_up(short, part, allowed)
     fine = set_up(with_finer_tolerance(short), part * shorter(coarse.cut.decimation), MAX_COST_RATIO * allowed)
-    run, finer = (run_pilot(setup, passes) for setup in (coarse, fine))
-    check = StepCheck(*compare(run, finer))
-    scale = float(np.std(finer.fine)) or 1.0
-    apart = by_pass(run.fine - shifted(finer.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
+    coarse_run, fine_run = (run_pilot(setup, passes) for setup in (coarse, fine))
+    check = StepCheck(*compare(coarse_run, fine_run))
+    scale = float(np.std(fine_run.fine)) or 1.0
+    apart = (
+        by_pass(coarse_run.fine - shifted(fine_run.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
+    )
     if not apart.max() > APART:
         return check, False
     adaptive = assemble.adaptive(case)
-    twin, nudged = (fine, finer) if adaptive else (coarse, run)
+    twin, nudged = (fine, fine_run) if adaptive else (coarse, coarse_run)
     third = run_pilot(twin, passes, nudge=PERTURBATION)
     beside = by_pass(nudged.fine - third.fine, passes) / scale
     if not is_chaotic_motion(beside, apart, adaptive):
         return check, True
     # pilots have not diverged at their start; the wider band, where they diverge first, is more informative
     noise, sure = max(
-        (scatter(series, passes) for series in zip(run[:2], finer[:2], third[:2], strict=True)), key=np.prod
+        (scatter(series, passes) for series in zip(coarse_run[:2], fine_run[:2], third[:2], strict=True)),
+        key=np.prod,
     )
     is_measurable = sees_pit_turns(case, passes) and np.linalg.norm(beside) > NO_LESS * np.linalg.norm(apart)
     whole = max(1.0, case.duration * coarse.cut.rate)
