@@ -18,9 +18,11 @@ import pandas as pd
 
 from bearingsim.config import Case
 from bearingsim.simulation import SimulationError, simulate
-from bearingsim.simulation.features import ball_pass_lines, statistics
-from bearingsim.simulation.integration import integrate, set_up
+from bearingsim.simulation.features import statistics
+from bearingsim.simulation.integration import integrate
+from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.simulate import Record
+from bearingsim.simulation.spectral_lines import ball_pass_lines
 from bearingsim.store import NOTABLE, is_one_draw
 from bearingsim.store.spread import BY_BLOCKS
 

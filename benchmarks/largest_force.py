@@ -16,7 +16,8 @@ import numpy as np
 from bearingsim.config import Case
 from bearingsim.simulation import choice
 from bearingsim.simulation.comparison import FORCE
-from bearingsim.simulation.integration import integrate, set_up
+from bearingsim.simulation.integration import integrate
+from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.start_error import PARTS, error_of_largest
 from benchmarks import start
 from benchmarks.campaign import table

@@ -29,7 +29,7 @@ from bearingsim.catalogue import METHODS, MODELS
 from bearingsim.config import Case
 from bearingsim.memory import PROGRAM
 from bearingsim.simulation import choice, simulate, time_grid, warm
-from bearingsim.simulation.integration import SimulationError
+from bearingsim.simulation.run_setup import SimulationError
 from bearingsim.simulation.simulate import Record
 from bearingsim.store import write_units
 

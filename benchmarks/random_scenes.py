@@ -37,7 +37,7 @@ from bearingsim.core.geometry.kinematics import (
 from bearingsim.simulation import time_grid
 from bearingsim.simulation.accuracy import QUIET_LINE
 from bearingsim.simulation.comparison import fault_lines
-from bearingsim.simulation.integration import TooChaotic
+from bearingsim.simulation.run_setup import TooChaotic
 from bearingsim.simulation.simulate import Record, SimulationError, simulate
 
 HELD = 0.01

@@ -25,7 +25,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.advance import RING_MOTION, advance
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import choice, time_grid
-from bearingsim.simulation.integration import monitor_of
+from bearingsim.simulation.run_setup import monitor_of
 
 BASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}

@@ -19,9 +19,10 @@ from bearingsim.core.methods.adaptive import LENGTH_SCALE
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, update_extremes
 from bearingsim.core.sampling import DECIMATION_REACH
 from bearingsim.simulation.features import features
-from bearingsim.simulation.integration import MOTIONS, Setup, differentiate, set_up
+from bearingsim.simulation.integration import MOTIONS, differentiate
 from bearingsim.simulation.recording import Recording
 from bearingsim.simulation.repetition import Repetition
+from bearingsim.simulation.run_setup import Setup, set_up
 from bearingsim.stability.references import SCIPY, StateRate, march, moving, packed, state_rate, unpack
 
 MOST_CPU = 120.0  # s, limit of CPU time of a solver

@@ -9,9 +9,8 @@ from scipy.special import stdtrit
 from bearingsim import signals
 from bearingsim.config import Case
 from bearingsim.core.sampling import sampling_kernel
-from bearingsim.simulation.features import beside_other_lines, lines_of_passes, sensed
-from bearingsim.simulation.raw_record import RawRecord
-from bearingsim.simulation.record_windows import Windows, windows
+from bearingsim.simulation.recording import RawRecord, Windows, windows
+from bearingsim.simulation.spectral_lines import beside_other_lines, lines_of_passes, sensed
 from bearingsim.simulation.time_grid import Grid
 
 MIN_PASSES = 16

@@ -13,12 +13,12 @@ from bearingsim.config import Case
 from bearingsim.config.names import FAULT_LINES, LINES
 from bearingsim.core import layout as lay
 from bearingsim.core.sampling import sampling_kernel
-from bearingsim.simulation import channels, features, record_windows
+from bearingsim.simulation import channels, recording, spectral_lines
 from bearingsim.simulation.accuracy import QUIET_LINE
 from bearingsim.simulation.channels import MOTION
-from bearingsim.simulation.integration import Setup
-from bearingsim.simulation.raw_record import RawRecord
+from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.repetition import EXTREMES
+from bearingsim.simulation.run_setup import Setup
 
 FORCE = list(EXTREMES).index("outer_force.max")
 
@@ -94,8 +94,8 @@ def change_of_picks(picks: np.ndarray, reference: np.ndarray) -> float:
 
 def amplitudes(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.ndarray:
     """Return the contribution (passes,) of each ball pass to a line's complex amplitude (Hann), kinematic cage."""
-    start = record_windows.first_sample(setup.case, setup.cut)
-    turning = features.sample_angles(setup.model, setup.cut, start, np.zeros(len(series)))
+    start = recording.first_sample(setup.case, setup.cut)
+    turning = spectral_lines.sample_angles(setup.model, setup.cut, start, np.zeros(len(series)))
     angle = turning.along(LINES[name], setup.case.bearing.rollers)
     window = np.hanning(len(angle))
     turn = 2.0 * window * np.exp(-1j * angle) / window.sum()
@@ -123,7 +123,7 @@ def of_orbit(setup: Setup, raw: RawRecord) -> Compared:
     taps = sampling_kernel(cut.fine_rate / case.sampling)
     turns = ceil((raw.repetition.computed + ceil(len(taps) / M)) / raw.Z)  # of the cage: each roller in its place
     start = turns * raw.Z * M
-    fine = features.along_sensor(case, raw.read(start, period * M), "velocity")
+    fine = spectral_lines.along_sensor(case, raw.read(start, period * M), "velocity")
     length = raw.Z * M if np.any(lay.lane_of(raw.places) >= 0) else period * M
     low = raw.through(taps).read(start, length) if case.antialias else None
     lines = signals.lines_by_pass(fine, M, [1], start, case.bearing.rollers * model.bearing.theta_0)
@@ -141,7 +141,7 @@ def _compared(
 ) -> Compared:
     """Gather the compared signals; low, picked: rows of all that is recorded, low-passed (or None) and raw."""
     rows = picked if low is None else low
-    along = {quantity: features.along_sensor(case, rows, quantity) for quantity in MOTION}
+    along = {quantity: spectral_lines.along_sensor(case, rows, quantity) for quantity in MOTION}
     motion = np.stack([*along.values()])
     channel_rows = channels.requested_rows(case, raw.places)
     channel_rows = channel_rows[channel_rows >= len(channels.base(case))]
@@ -161,10 +161,10 @@ def fault_lines(case: Case) -> list[str]:
 def of_pilot(setup: Setup, raw: RawRecord, passes: int) -> Compared:
     """Return the compared signals of a pilot: its last ``passes`` ball passes."""
     case, cut = setup.case, setup.cut
-    start, length = record_windows.first_sample(case, cut), passes * cut.fine_per_pass + 1
-    fine = features.sensed(case, raw, "velocity", start, length)
+    start, length = recording.first_sample(case, cut), passes * cut.fine_per_pass + 1
+    fine = spectral_lines.sensed(case, raw, "velocity", start, length)
     low = low_passed(setup, raw, start, length) if case.antialias else None
-    picked = raw_values(setup, raw.picked, passes)
+    picked = raw.picked[:, : floor(passes / cut.rate * case.sampling) + 1]
     lines = np.stack([amplitudes(setup, name, passes, fine) for name in fault_lines(case)])
     before = floor(case.settle_s * cut.rate + 1e-6)
     return _compared(case, raw, fine, low, picked, lines, raw.peaks[before : before + passes])
@@ -174,8 +174,3 @@ def low_passed(setup: Setup, raw: RawRecord, start: int, length: int) -> np.ndar
     """Return rows (C, ``length``) at fine samples from number ``start``, low-passed as the record is."""
     taps = sampling_kernel(setup.cut.fine_rate / setup.case.sampling)
     return raw.through(taps).read(start, length)
-
-
-def raw_values(setup: Setup, picked: np.ndarray, passes: int) -> np.ndarray:
-    """Return the raw values (C, n) of the first ``passes`` ball passes."""
-    return picked[:, : floor(passes / setup.cut.rate * setup.case.sampling) + 1]

@@ -8,28 +8,22 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from math import ceil, exp, factorial, hypot, nan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from bearingsim import assemble, cpu_time
-from bearingsim.catalogue import MODELS, lowest
-from bearingsim.config import Case
-from bearingsim.config.rules import hierarchy
+from bearingsim.catalogue import MODELS
 from bearingsim.core import layout as lay
 from bearingsim.core import outcomes
-from bearingsim.core.advance import Monitor, NoSamples, Samples, advance_and_sample, ready, start_at_rest
+from bearingsim.core.advance import NoSamples, Samples, advance_and_sample, ready, start_at_rest
 from bearingsim.core.defects.crossings import missed_crossings, passages
 from bearingsim.core.methods.interface import prepare
-from bearingsim.core.models.interface import monitored, update_extremes
-from bearingsim.core.sampling import (
-    DECIMATION_REACH,
-)
-from bearingsim.simulation import accuracy, channels, choice, time_grid
+from bearingsim.core.models.interface import update_extremes
+from bearingsim.core.sampling import DECIMATION_REACH
+from bearingsim.simulation import accuracy, channels
 from bearingsim.simulation.channels import BASE
-from bearingsim.simulation.limits import APPROACH_MARGIN, ENERGY_MARGIN, Limits
-from bearingsim.simulation.raw_record import RawRecord
-from bearingsim.simulation.recording import Recording, extend_back, take_peaks
+from bearingsim.simulation.recording import RawRecord, Recording, extend_back, take_peaks
 from bearingsim.simulation.repetition import (
     OF_A_RECORD,
     Closeness,
@@ -38,92 +32,18 @@ from bearingsim.simulation.repetition import (
     may_repeat,
     turned_state,
 )
-from bearingsim.simulation.settling import SlowModes, settled, slowest_decay
-
-
-class SimulationError(Exception):
-    """Failure of a run: its reason, advice, and time (s into the run; None before it)."""
-
-    def __init__(self, reason: str, advice: str, time: float | None = None) -> None:
-        super().__init__(f"{reason}; {advice}")
-        self.reason, self.advice, self.time = reason, advice, time
-
-    def __reduce__(self) -> tuple:
-        return SimulationError, (self.reason, self.advice, self.time)
-
-
-class MethodFailure(SimulationError):
-    """Failure of the method or its step, where another (``instead``, in words) may succeed.
-
-    part: fraction of the automatic step that may be short enough, if that can be estimated.
-    """
-
-    def __init__(
-        self, reason: str, advice: str, time: float | None = None, instead: str = "", part: float = 1.0
-    ) -> None:
-        super().__init__(reason, advice + instead, time)
-        self.method_advice, self.part = advice, part
-
-
-class TooSlow(MethodFailure):
-    """Failure by too much CPU time, of which a shorter step would take more."""
-
-
-class NotRepeating(MethodFailure):
-    """End of a run that is not periodic and that another method computes faster."""
-
-
-class TooChaotic(SimulationError):
-    """Refusal of a chaotic record too short for an RMS within 1 %; ``duration`` s would be enough."""
-
-    def __init__(self, reason: str, advice: str, duration: float = nan) -> None:
-        super().__init__(reason, advice)
-        self.duration = duration
-
-
-@dataclass(frozen=True)
-class Setup:
-    """Case ready to be stepped: method named, cut in time, with the core's parameters and its limits.
-
-    part: of the automatic step; max_cpu: seconds of CPU time that its steps may take, if they are automatic.
-    """
-
-    case: Case
-    part: float
-    cut: time_grid.Grid
-    limits: Limits
-    model: Any
-    method: Any
-    monitor: Monitor
-    max_cpu: float
-
-
-def set_up(case: Case, part: float = 1.0, max_cpu: float | None = None) -> Setup:
-    """Prepare a case whose method is named; max_cpu: CPU time (s) it may take. Raises ``Refused``."""
-    case = settled(case)
-    cut, limits = time_grid.grid(case, part, max_cpu or 0.0), choice.limits(case)
-    time_grid.refuse_too_large(case, cut)
-    kind = assemble.method_kind(case)
-    lag = kind.lag * cut.step
-    model = assemble.with_friction_lag(assemble.model(case), lag)
-    if not assemble.adaptive(case):
-        model = assemble.aligned_with_cusp(model, cut.steps_per_pass, kind.cusp)
-    return Setup(
-        case,
-        part,
-        cut,
-        limits,
-        model,
-        assemble.method(case, cut.step, part),
-        monitor_of(cut, limits),
-        max_cpu or time_grid.MAX_CPU,
-    )
-
+from bearingsim.simulation.run_setup import (
+    MethodFailure,
+    NotRepeating,
+    Setup,
+    SimulationError,
+    stopped,
+)
+from bearingsim.simulation.settling import SlowModes, slowest_decay
 
 SECONDS_PER_CALL = 0.1  # s of CPU time between two looks at the clock, about
 FIRST_STEPS, STEPS_PER_CALL = 8, 4000  # steps, or recorded instants, until the first look, and largest number
 NEAR_STEADY = 0.01  # times the closeness of passes that repeat each other: changes that count as none
-MAX_EVALUATIONS = 2e4  # evaluations of the model by an adaptive method after which the clock is looked at earlier
 
 
 @dataclass
@@ -137,13 +57,6 @@ class Pace:
         """Count the CPU time of some steps, and choose how many come next."""
         self.cpu_s += seconds
         self.steps = int(min(STEPS_PER_CALL, max(1.0, steps * SECONDS_PER_CALL / max(seconds, 1e-9))))
-
-
-def monitor_of(cut: time_grid.Grid, limits: Limits) -> Monitor:
-    """Return a monitor that looks twice within an impact (half a roller's period), and twice within a crossing."""
-    patience = 0.5 / limits.contact_frequency if limits.contact_frequency > 0.0 else 1.0
-    stride = int(min(patience, limits.crossing / 2.0) / (2.0 * cut.step))
-    return Monitor(min(32, max(1, stride)), patience, limits.approach_bound, limits.energy_bound, MAX_EVALUATIONS)
 
 
 class Look(NamedTuple):
@@ -382,61 +295,3 @@ def _pit_passages(setup: Setup, t: float, y: np.ndarray) -> list[float]:
     if not MODELS[setup.case.model].loaded or MODELS[setup.case.model].memoryless:
         return []
     return [passages(setup.model, d, t, y) for d in range(len(setup.model.defects.head))]
-
-
-WHY = {
-    outcomes.STEP_LIMIT_EXCEEDED: "{body} stayed over the step limit for longer than an impact",
-    outcomes.NOT_FINITE: "the ring's motion is no longer finite",
-    outcomes.TOO_DEEP: "{body} is pressed over {approach_bound:.3g} um into a race, {APPROACH_MARGIN:.0f} times"
-    " what load, closing speed and pits explain",
-    outcomes.TOO_MUCH_ENERGY: "ring and rollers move with over {energy_bound:.3g} J, {ENERGY_MARGIN:.0f} times"
-    " what load, closing speed and pits explain",
-    outcomes.STEP_TOO_SMALL: "the step that {method} wants is too short to go on",
-    outcomes.NEWTON_FAILED: "no solution of {method}'s step was found for {body}",
-    outcomes.TOO_MANY_STEPS: "{method} takes too many steps of its own between two recorded instants",
-    outcomes.SKIPPED: "{count} crossings of pits were stepped over",
-    outcomes.TOO_SLOW: "{method} has taken {hours:.2g} h of CPU time",
-}
-"""Reasons why a run was stopped, by its outcome."""
-
-
-def stopped(setup: Setup, outcome: int, body: int, t: float) -> MethodFailure:
-    """Return the failure of a run stopped at ``t`` (s), with advice; body: its number, or a count of crossings."""
-    reason = WHY[outcome].format(
-        body=name_of(setup.model, body),
-        count=body,
-        method=setup.case.method,
-        approach_bound=1e6 * setup.monitor.approach_bound,
-        energy_bound=setup.monitor.energy_bound,
-        hours=setup.max_cpu / 3600.0,
-        APPROACH_MARGIN=APPROACH_MARGIN,
-        ENERGY_MARGIN=ENERGY_MARGIN,
-    )
-    kind = TooSlow if outcome == outcomes.TOO_SLOW else MethodFailure
-    others = choice.alternatives(setup.case)
-    instead = f", or `method: {others[0]}`" if others and not needs_roller_mass(setup, outcome) else ""
-    return kind(f"{reason}, {1e3 * t:.4g} ms into the run", advice(setup, outcome), t, instead)
-
-
-def needs_roller_mass(setup: Setup, outcome: int) -> bool:
-    """Check if a method is stuck where only rollers with mass would help."""
-    stuck = outcome in (outcomes.STEP_TOO_SMALL, outcomes.NEWTON_FAILED, outcomes.TOO_MANY_STEPS)
-    return stuck and not MODELS[setup.case.model].has_inertia and setup.case.contact.jumps
-
-
-def advice(setup: Setup, outcome: int) -> str:
-    """Return advice on a step, tolerance or model that may succeed."""
-    adaptive = assemble.adaptive(setup.case)
-    if outcome == outcomes.TOO_SLOW:
-        return "take a shorter `duration`" + ("" if adaptive else ", or give a `step` of your own")
-    if needs_roller_mass(setup, outcome):
-        return f"say `model: {lowest('roller inertia')}`: {hierarchy.NEEDS_ROLLER_MASS}"
-    if not adaptive:
-        return f"take a step under {1e6 * setup.cut.step / 2:.2g} us"
-    loose = outcome in (outcomes.STEP_TOO_SMALL, outcomes.TOO_MANY_STEPS)
-    return f"take a {'looser' if loose else 'tighter'} `tolerance` than {setup.method.rtol:.2g}"
-
-
-def name_of(model: Any, body: int) -> str:
-    """Return the name of a monitored body."""
-    return f"roller {body + 1}" if monitored(model) > 1 and body >= 0 else "the ring"

@@ -1,6 +1,8 @@
-"""Recording of a run as it is stepped: fine samples, raw values at the record's instants, peaks of each pass."""
+"""Recording of a run: fine samples of its ball passes, read as if all had been computed; raw values; peaks."""
 
 from collections import deque
+from dataclasses import dataclass, replace
+from functools import cached_property
 from math import ceil, floor
 
 import numpy as np
@@ -15,12 +17,166 @@ from bearingsim.core.sampling import (
     RESAMPLE_REACH,
     decimate,
     decimation_kernel,
+    interpolate,
+    interpolation_kernel,
+    low_pass,
     pick,
+    sampling_kernel,
 )
 from bearingsim.simulation import channels
-from bearingsim.simulation.raw_record import RawRecord
 from bearingsim.simulation.repetition import EXTREMES, LONGEST_PERIOD, Repetition, may_repeat, turned
 from bearingsim.simulation.time_grid import Grid, samples
+
+
+@dataclass(frozen=True)
+class RawRecord:
+    """Fine samples of a run.
+
+    places: (C,) of the buffer, recorded; fine: (C, n) fine samples of them over the computed passes, number 0
+    (t = 0) in column ``zero``, the first pass from column ``lead`` on, ``M`` to each pass; Z: rollers; picked:
+    (C, m) raw values at the record's instants, empty if none is asked for; peaks: (passes, E) largest values of
+    ``EXTREMES`` in each computed pass; y: the buffer at the end.
+    """
+
+    places: np.ndarray
+    fine: np.ndarray
+    lead: int
+    zero: int
+    M: int
+    Z: int
+    repetition: Repetition
+    picked: np.ndarray
+    peaks: np.ndarray
+    y: np.ndarray
+    integrator_cpu_s: float
+
+    @property
+    def repeats_from(self) -> int | None:
+        """Fine sample from which on the motion is periodic; None if it is not."""
+        if self.repetition.period == 0:
+            return None
+        return (self.repetition.computed - self.repetition.period) * self.M + self.lead - self.zero
+
+    @property
+    def end(self) -> int | None:
+        """Number of available fine samples from t = 0 on; None (any) of a periodic motion."""
+        return None if self.repetition.period else self.lead - self.zero + self.repetition.computed * self.M
+
+    def read(self, start: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
+        """Return fine samples (R, count) from number ``start`` on, of all rows or ``rows`` (R,)."""
+        rows = np.arange(len(self.places)) if rows is None else np.asarray(rows)
+        column, computed = self.zero + start, self.lead + self.repetition.computed * self.M
+        if column < 0 or (column + count > computed and self.repetition.period == 0):
+            raise IndexError(f"fine samples {start} to {start + count} were not computed")
+        if column + count <= computed:
+            return self.fine[rows, column : column + count]
+        stored = self.fine[rows, column:computed]
+        return np.concatenate([stored, self._repeated(max(column, computed), column + count, rows)], axis=1)
+
+    def _repeated(self, start: int, end: int, rows: np.ndarray) -> np.ndarray:
+        """Return columns from ``start`` to ``end``, after the computed ones, from the passes that they repeat."""
+        first_pass, last_pass = ((column - self.lead) // self.M for column in (start, end - 1))
+        passes = np.arange(first_pass, last_pass + 1)
+        sources = self.repetition.source(passes)
+        starts, shifts = self.lead + sources * self.M, (passes - sources) % self.Z
+        parts = [
+            self.fine[self._partners[m][rows], column : column + self.M]
+            for m, column in zip(shifts, starts, strict=True)
+        ]
+        skipped = start - self.lead - first_pass * self.M
+        return np.concatenate(parts, axis=1)[:, skipped : skipped + end - start]
+
+    @cached_property
+    def _partners(self) -> np.ndarray:
+        """Row (Z, C) that held, m passes before, what row c holds now."""
+        if np.all(lay.lane_of(self.places) < 0):  # nothing of a roller
+            return np.broadcast_to(np.arange(len(self.places)), (self.Z, len(self.places)))
+        return np.array([turned(self.places, self.Z, m) for m in range(self.Z)])
+
+    def through(self, taps: np.ndarray) -> "RawRecord | LowPassed":
+        """Return the record filtered by the low-pass ``taps`` (odd number), read in the same way.
+
+        Of a periodic motion the computed passes are filtered at once, with those that follow within the filter's
+        reach; any other is filtered as it is read.
+        """
+        if self.repetition.period == 0:
+            return LowPassed(self, taps)
+        reach, computed = len(taps) // 2, self.repetition.computed + ceil(len(taps) / self.M)
+        fine = LowPassed(self, taps).read(reach - self.zero, self.lead + computed * self.M - reach)
+        repetition = self.repetition._replace(computed=computed)
+        return replace(self, fine=fine, lead=self.lead - reach, zero=self.zero - reach, repetition=repetition)
+
+
+PRODUCTS = 1 << 28
+"""Products of a tap and a value between two looks at the clock: some 0.1 s."""
+
+
+@dataclass(frozen=True)
+class LowPassed:
+    """Raw record, filtered by the low-pass ``taps`` as it is read."""
+
+    raw: RawRecord
+    taps: np.ndarray
+
+    def read(self, start: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
+        """Read fine samples as ``RawRecord.read`` does."""
+        reach = len(self.taps) // 2
+        wide = np.ascontiguousarray(self.raw.read(start - reach, count + 2 * reach, rows))
+        out = np.empty((len(wide), count))
+        block = max(1, PRODUCTS // (len(self.taps) * max(1, len(wide))))
+        for begin in range(0, count, block):
+            cpu_time.check()
+            low_pass(wide, self.taps, out, begin, min(begin + block, count))
+        return out
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Windows of ``M`` fine samples, side by side from fine sample ``start`` on, the record's first.
+
+    index: (K,) number of the distinct window that each of the record's equals: after the first ``distinct`` it is
+    the one ``period`` before.
+    """
+
+    start: int
+    M: int
+    index: np.ndarray
+    period: int
+
+    @property
+    def distinct(self) -> int:
+        """Number of windows that differ: the first ones."""
+        return int(self.index.max(initial=-1)) + 1
+
+    @property
+    def weights(self) -> np.ndarray:
+        """Occurrences (distinct,) of each window."""
+        return np.bincount(self.index, minlength=self.distinct)
+
+
+def first_sample(case: Case, cut: Grid) -> int:
+    """Return the number of the record's first fine sample, counted from t = 0."""
+    return ceil(case.settle_s * cut.fine_rate - 1e-6)
+
+
+def whole_passes(case: Case, cut: Grid) -> int:
+    """Return the number of ball passes that lie wholly in the record."""
+    return floor(case.duration * cut.rate + 1e-6)
+
+
+def windows(case: Case, cut: Grid, raw: RawRecord, reach: int) -> Windows:
+    """Return the whole ball passes of the record.
+
+    reach: fine samples beyond both ends of a window on which its filtered values depend.
+    """
+    K, M, start = whole_passes(case, cut), cut.fine_per_pass, first_sample(case, cut)
+    if raw.end is not None:  # which the record may end before
+        K = min(K, (raw.end - reach - start) // M)
+    k = np.arange(K)
+    if raw.repeats_from is None:
+        return Windows(start, M, k, 0)
+    onset, period = max(0, ceil((raw.repeats_from + reach - start) / M)), raw.repetition.period
+    return Windows(start, M, np.where(k < onset, k, onset + (k - onset) % period), period)
 
 
 class Recording:
@@ -123,3 +279,36 @@ def _pick_pass(case: Case, cut: Grid, p: int, window: np.ndarray, picked: np.nda
     if end > begin:
         pick(window, start - p * steps + tail - 1, ratio, picked, begin, end)
     return picked[:, begin : max(begin, end)]
+
+
+BLOCK = 1 << 15  # fine samples resampled at a time
+
+
+def sampled(case: Case, cut: Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
+    """Return the record's samples (R, n) of ``rows`` of the raw record: low-passed, except contact forces."""
+    if not case.antialias:
+        return raw.picked[rows]
+    forces = channels.are_contact_forces(case, raw.places[rows])
+    sampled = np.empty((len(rows), samples(case)))
+    if forces.any():
+        sampled[forces] = raw.picked[rows[forces]]
+    sampled[~forces] = _low_passed(case, cut, raw, rows[~forces])
+    return sampled
+
+
+def _low_passed(case: Case, cut: Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
+    """Return the record's samples (R, n) of ``rows``, all low-passed, a block at a time."""
+    out = np.empty((len(rows), samples(case)))
+    if len(rows) == 0:
+        return out
+    ratio, kernel = cut.fine_rate / case.sampling, interpolation_kernel()
+    low, weights = raw.through(sampling_kernel(ratio)), np.empty(2 * INTERPOLATION_REACH)
+    block = max(1, int(BLOCK / ratio))
+    start = case.settle_s * cut.fine_rate
+    for n in range(0, out.shape[1], block):
+        cpu_time.check()
+        end = min(n + block, out.shape[1])
+        begin = floor(start + n * ratio) - INTERPOLATION_REACH
+        count = ceil((end - n) * ratio) + 2 * INTERPOLATION_REACH + 1
+        interpolate(low.read(begin, count, rows), start - begin, ratio, kernel, weights, out, n, end)
+    return out

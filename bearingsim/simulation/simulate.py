@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from math import ceil, floor, isfinite, nan, sqrt
+from math import floor, nan, sqrt
 from typing import Any, TypeVar
 
 import numpy as np
@@ -12,29 +12,23 @@ from bearingsim import assemble, cpu_time, extensions
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case, Section, dataset_names
 from bearingsim.core import layout as lay
-from bearingsim.core.sampling import INTERPOLATION_REACH, interpolate, interpolation_kernel, sampling_kernel
 from bearingsim.errors import Refused
-from bearingsim.simulation import accuracy, channels, choice, record_windows, step_check, time_grid, trial
+from bearingsim.simulation import accuracy, channels, choice, recording, step_check, time_grid, trial
 from bearingsim.simulation.accuracy import StandardErrors
-from bearingsim.simulation.bands import band_features
 from bearingsim.simulation.channels import BASE, CAGE_ANGLE
-from bearingsim.simulation.features import features
-from bearingsim.simulation.integration import (
-    Look,
+from bearingsim.simulation.features import band_features, features, of_extensions, refuse_undeclared
+from bearingsim.simulation.integration import Look, integrate
+from bearingsim.simulation.pricing import price
+from bearingsim.simulation.recording import RawRecord
+from bearingsim.simulation.repetition import passes_are_alike, period_is_sought
+from bearingsim.simulation.run_setup import (
     MethodFailure,
     NotRepeating,
     Setup,
     SimulationError,
-    TooChaotic,
     TooSlow,
-    integrate,
     set_up,
 )
-from bearingsim.simulation.other_features import of_extensions, refuse_undeclared
-from bearingsim.simulation.pilot import longer_duration
-from bearingsim.simulation.pricing import price
-from bearingsim.simulation.raw_record import RawRecord
-from bearingsim.simulation.repetition import passes_are_alike, period_is_sought
 from bearingsim.simulation.settling import has_free_cage
 from bearingsim.simulation.start_error import StartErrors, start_errors
 from bearingsim.simulation.step_check import StepCheck
@@ -158,11 +152,11 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
     if period_is_sought(setup.case):
         until_periodic = replace(setup, case=periodic)
         raw = integrate(until_periodic, patience=patience)
-        checks_step = _checked_step(until_periodic, raw)
+        checks_step = step_check.checked_step(until_periodic, raw)
         if not case.periodic and raw.repetition.period > 0:
             raw = integrate(setup)  # at the step that has been checked on its period
     else:
-        checks_step = _checked_step(setup)
+        checks_step = step_check.checked_step(setup)
         raw = integrate(setup)
     return _record(setup, raw, checks_step, began)
 
@@ -185,7 +179,7 @@ def _try_out(
     result = trial.of_passes(setup, raw, requested, passes, turn)
     if not result.repeats or setup.case.step_check in ("strict", False) or attempt.case.until is not None:
         return result, None
-    return result, _record(setup, raw, _checked_step(setup, raw), began)
+    return result, _record(setup, raw, step_check.checked_step(setup, raw), began)
 
 
 def _look(setup: Setup, requested: Sequence[str], turn: float, against: Against) -> Look:
@@ -201,7 +195,7 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
     """Return the record of a run."""
     case = setup.case
     rows = channels.requested_rows(case, raw.places)
-    sampled = _sampled(case, setup.cut, raw, rows)
+    sampled = recording.sampled(case, setup.cut, raw, rows)
     instants = np.arange(time_grid.samples(case)) / case.sampling
     series = channels.series(case, setup.model, sampled, raw.places[rows], case.settle_s + instants)
     own = features(case, setup.model, setup.cut, raw) | band_features(case, setup.model, setup.cut, raw)
@@ -225,50 +219,6 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
     )
 
 
-def _checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
-    """Check the step of a setup if the case checks steps. Raises ``MethodFailure`` if its error is too large."""
-    if not setup.case.checks_step:
-        return step_check.UNCHECKED
-    orbit = raw if raw is not None and raw.repetition.period > 0 else None
-    check = step_check.check_step(setup, orbit)
-    shortest = setup.part <= choice.STEP_PARTS[-1] or not setup.case.automatic or setup.case.tolerance != "auto"
-    if check.holds or (shortest and check.holds_but_for_force):
-        if setup.case.step_check == "strict":
-            _refuse_short_record(setup, check)
-        return check
-    finer = "half the step" + " and a tenth of the tolerance" * assemble.adaptive(setup.case)
-    what = max(check.changes, key=check.changes.__getitem__)
-    chaotic = ", and the motion is chaotic" if check.chaotic else ""
-    changes = f"{finer} changes the {what} by {100.0 * check.error:.2g} %{chaotic}"
-    raise MethodFailure(
-        f"{setup.case.method} does not hold {step_check.ACCURACY:.0%}: {changes}",
-        "take a longer `duration`" if check.chaotic else f"{_tighter_advice(setup)}, or say `step_check: false`",
-        part=setup.part if check.chaotic else setup.part * check.shorter,
-    )
-
-
-def _tighter_advice(setup: Setup) -> str:
-    """Return advice on a tighter tolerance or a shorter step."""
-    if assemble.adaptive(setup.case):
-        return f"take a tighter `tolerance` than {setup.method.rtol:.2g}"
-    return "give a `step` of your own" if setup.case.step == "auto" else "take a shorter `step`"
-
-
-def _refuse_short_record(setup: Setup, checks_step: StepCheck) -> None:
-    """Raise TooChaotic if a chaotic record is too short for an RMS within 1 %."""
-    if checks_step.long_enough:
-        return
-    needed, worth = longer_duration(setup.case), "of unknown worth"
-    if isfinite(checks_step.scatter):
-        needed = setup.case.duration * (checks_step.scatter / step_check.ACCURACY) ** 2
-        worth = f"uncertain by {checks_step.scatter:.1%}"
-    raise TooChaotic(
-        f"the motion is chaotic, and the RMS of {setup.case.duration:.2g} s of it {worth}",
-        f"take a `duration` of {needed:.2g} s, or say `step_check: true`",
-        needed,
-    )
-
-
 def _refuse_unsettled(case: Case, error: float) -> None:
     """Raise SimulationError if the start of a run changes its record by more than a strict check allows."""
     if error > step_check.ACCURACY:
@@ -280,8 +230,8 @@ def _refuse_unsettled(case: Case, error: float) -> None:
 
 def _kept(setup: Setup, raw: RawRecord) -> float:
     """Return the share of its ball passes in a record, less than 1 if `until` ended it early."""
-    whole = record_windows.whole_passes(setup.case, setup.cut)
-    return len(record_windows.windows(setup.case, setup.cut, raw, reach=0).index) / whole
+    whole = recording.whole_passes(setup.case, setup.cut)
+    return len(recording.windows(setup.case, setup.cut, raw, reach=0).index) / whole
 
 
 def _check_features(checks_step: StepCheck, kept: float, of_chaos: StandardErrors) -> dict[str, float]:
@@ -334,7 +284,7 @@ def _info(setup: Setup, raw: RawRecord, reached: StandardErrors) -> dict[str, fl
 
 def _is_by_chance(setup: Setup, raw: RawRecord, chaotic: bool) -> bool:
     """Check if line and RMS of a record scatter by chance, and it holds enough ball passes to show it."""
-    enough = len(record_windows.windows(setup.case, setup.cut, raw, reach=0).index) > accuracy.MIN_PASSES
+    enough = len(recording.windows(setup.case, setup.cut, raw, reach=0).index) > accuracy.MIN_PASSES
     return enough and (chaotic or passes_are_alike(setup.case) or has_free_cage(setup.case))
 
 
@@ -399,36 +349,3 @@ def _words(value: Any) -> Any:
 def _types(value: Any) -> Any:
     """Return the nested types of a law, whose exponents may have types of their own."""
     return (type(value), *map(_types, value)) if isinstance(value, tuple) else type(value)
-
-
-BLOCK = 1 << 15  # fine samples resampled at a time
-
-
-def _sampled(case: Case, cut: time_grid.Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
-    """Return the record's samples (R, n) of ``rows`` of the raw record: low-passed, except contact forces."""
-    if not case.antialias:
-        return raw.picked[rows]
-    forces = channels.are_contact_forces(case, raw.places[rows])
-    sampled = np.empty((len(rows), time_grid.samples(case)))
-    if forces.any():
-        sampled[forces] = raw.picked[rows[forces]]
-    sampled[~forces] = _low_passed(case, cut, raw, rows[~forces])
-    return sampled
-
-
-def _low_passed(case: Case, cut: time_grid.Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
-    """Return the record's samples (R, n) of ``rows``, all low-passed, a block at a time."""
-    out = np.empty((len(rows), time_grid.samples(case)))
-    if len(rows) == 0:
-        return out
-    ratio, kernel = cut.fine_rate / case.sampling, interpolation_kernel()
-    low, weights = raw.through(sampling_kernel(ratio)), np.empty(2 * INTERPOLATION_REACH)
-    block = max(1, int(BLOCK / ratio))
-    start = case.settle_s * cut.fine_rate
-    for n in range(0, out.shape[1], block):
-        cpu_time.check()
-        end = min(n + block, out.shape[1])
-        begin = floor(start + n * ratio) - INTERPOLATION_REACH
-        count = ceil((end - n) * ratio) + 2 * INTERPOLATION_REACH + 1
-        interpolate(low.read(begin, count, rows), start - begin, ratio, kernel, weights, out, n, end)
-    return out

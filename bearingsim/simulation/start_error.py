@@ -17,11 +17,10 @@ from bearingsim.core.geometry.motion import steady
 from bearingsim.core.sampling import sampling_kernel
 from bearingsim.simulation.accuracy import QUIET_LINE, StandardErrors
 from bearingsim.simulation.comparison import FORCE, fault_lines
-from bearingsim.simulation.features import angles_of_record, sensed
-from bearingsim.simulation.integration import Setup
-from bearingsim.simulation.raw_record import RawRecord
-from bearingsim.simulation.record_windows import Windows, windows
+from bearingsim.simulation.recording import RawRecord, Windows, windows
+from bearingsim.simulation.run_setup import Setup
 from bearingsim.simulation.settling import slowest_decay
+from bearingsim.simulation.spectral_lines import angles_of_record, sensed
 from bearingsim.simulation.trial import pit_turn
 
 PARTS = 4  # of a record: how the change from one to the next shrinks tells what is to come
@@ -92,14 +91,14 @@ def _passes(setup: Setup, raw: RawRecord, of_record: Windows) -> Passes:
     return Passes(lines, np.mean(low.reshape(n, M) ** 2, axis=1), raw.peaks[sources, FORCE])
 
 
-def _changes(one: Passes, other: Passes, passes: Passes) -> StartErrors:
+def _changes(mean: Passes, other: Passes, passes: Passes) -> StartErrors:
     """Return the differences between the means of some passes and of others."""
     power = float(passes.powers.mean()) or 1.0
     sizes = np.maximum(np.abs(passes.lines.mean(axis=1)), QUIET_LINE * power**0.5)
     return StartErrors(
-        float(np.max(np.abs(one.lines - other.lines) / sizes)),
-        0.5 * float(abs(one.powers - other.powers)) / power,
-        float(abs(one.forces - other.forces) / (passes.forces.max() or 1.0)),
+        float(np.max(np.abs(mean.lines - other.lines) / sizes)),
+        0.5 * float(abs(mean.powers - other.powers)) / power,
+        float(abs(mean.forces - other.forces) / (passes.forces.max() or 1.0)),
     )
 
 
@@ -145,5 +144,5 @@ def error_of_largest(forces: np.ndarray, rollers: int, quarter: int) -> float:
 
 def _scatter(means: list[Passes], passes: Passes) -> StartErrors:
     """Return standard errors of a record from the means of its parts."""
-    changes = np.array([_changes(one, other, passes) for one in means for other in means])
+    changes = np.array([_changes(mean, other, passes) for mean in means for other in means])
     return StartErrors(*np.sqrt(np.mean(changes**2, axis=0) * PARTS / (PARTS - 1) / 2.0 / PARTS).tolist())

@@ -13,7 +13,7 @@ the result is doubtful, and all is repeated on a longer pilot, if there is one.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf, nan, sqrt
+from math import inf, isfinite, nan, sqrt
 
 import numpy as np
 from scipy.special import stdtrit
@@ -21,12 +21,13 @@ from scipy.special import stdtrit
 from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
-from bearingsim.simulation import time_grid
+from bearingsim.simulation import choice, time_grid
 from bearingsim.simulation.comparison import Compared, compare, of_orbit, of_pilot
-from bearingsim.simulation.integration import Setup, integrate, set_up
-from bearingsim.simulation.pilot import pilot, sees_pit_turns
-from bearingsim.simulation.raw_record import RawRecord
+from bearingsim.simulation.integration import integrate
+from bearingsim.simulation.pilot import longer_duration, pilot, sees_pit_turns
+from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.repetition import Closeness, turned_state
+from bearingsim.simulation.run_setup import MethodFailure, Setup, TooChaotic, set_up
 
 ACCURACY = 0.01
 """Largest step error of a run's line, RMS and largest force; if the motion is chaotic, of its RMS alone."""
@@ -107,6 +108,50 @@ class StepCheck:
 
 
 UNCHECKED = StepCheck(nan, nan, nan, nan)
+
+
+def checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
+    """Check the step of a setup if the case checks steps. Raises ``MethodFailure`` if its error is too large."""
+    if not setup.case.checks_step:
+        return UNCHECKED
+    orbit = raw if raw is not None and raw.repetition.period > 0 else None
+    check = check_step(setup, orbit)
+    shortest = setup.part <= choice.STEP_PARTS[-1] or not setup.case.automatic or setup.case.tolerance != "auto"
+    if check.holds or (shortest and check.holds_but_for_force):
+        if setup.case.step_check == "strict":
+            _refuse_short_record(setup, check)
+        return check
+    refinement = "half the step" + " and a tenth of the tolerance" * assemble.adaptive(setup.case)
+    what = max(check.changes, key=check.changes.__getitem__)
+    chaotic = ", and the motion is chaotic" if check.chaotic else ""
+    changes = f"{refinement} changes the {what} by {100.0 * check.error:.2g} %{chaotic}"
+    raise MethodFailure(
+        f"{setup.case.method} does not hold {ACCURACY:.0%}: {changes}",
+        "take a longer `duration`" if check.chaotic else f"{_tighter_advice(setup)}, or say `step_check: false`",
+        part=setup.part if check.chaotic else setup.part * check.shorter,
+    )
+
+
+def _tighter_advice(setup: Setup) -> str:
+    """Return advice on a tighter tolerance or a shorter step."""
+    if assemble.adaptive(setup.case):
+        return f"take a tighter `tolerance` than {setup.method.rtol:.2g}"
+    return "give a `step` of your own" if setup.case.step == "auto" else "take a shorter `step`"
+
+
+def _refuse_short_record(setup: Setup, checks_step: StepCheck) -> None:
+    """Raise TooChaotic if a chaotic record is too short for an RMS within 1 %."""
+    if checks_step.long_enough:
+        return
+    needed, worth = longer_duration(setup.case), "of unknown worth"
+    if isfinite(checks_step.scatter):
+        needed = setup.case.duration * (checks_step.scatter / ACCURACY) ** 2
+        worth = f"uncertain by {checks_step.scatter:.1%}"
+    raise TooChaotic(
+        f"the motion is chaotic, and the RMS of {setup.case.duration:.2g} s of it {worth}",
+        f"take a `duration` of {needed:.2g} s, or say `step_check: true`",
+        needed,
+    )
 
 
 def check_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:

@@ -74,7 +74,8 @@ def requested_step(case: Case) -> float:
         return automatic_step(case, limits)
     safe = min(SAFETY * limits.at_impact, limits.crossing / MIN_STEPS_PER_CROSSING)
     if case.step > safe:
-        raise Refused(_refusal(case.step, limits), _advice(case, limits))
+        advice = f"say `step: auto` ({1e6 * automatic_step(case, limits):.2g} us)"
+        raise Refused(_refusal(case.step, limits), advice)
     return case.step
 
 
@@ -85,10 +86,6 @@ def _refusal(step: float, limits: Limits) -> str:
             f" method's limit at an impact ({1e6 * limits.at_rest:.3g} us at rest)"
         )
     return f"a step of {1e6 * step:.3g} us passes a pit of {1e6 * limits.crossing:.3g} us in too few steps"
-
-
-def _advice(case: Case, limits: Limits) -> str:
-    return f"say `step: auto` ({1e6 * automatic_step(case, limits):.2g} us)"
 
 
 def samples(case: Case) -> int:

@@ -17,14 +17,14 @@ from bearingsim import assemble, signals
 from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
 from bearingsim.config.names import LINES, Line, of_band
-from bearingsim.simulation import features, record_windows
-from bearingsim.simulation.bands import band_of
+from bearingsim.simulation import recording, spectral_lines
 from bearingsim.simulation.comparison import FORCE, low_passed
-from bearingsim.simulation.features import SampleAngles
-from bearingsim.simulation.integration import Setup
+from bearingsim.simulation.features import band_of
 from bearingsim.simulation.pilot import PILOT_PART, PIT_TURN, ROUNDING
-from bearingsim.simulation.raw_record import RawRecord
+from bearingsim.simulation.recording import RawRecord
+from bearingsim.simulation.run_setup import Setup
 from bearingsim.simulation.settling import cage_turn
+from bearingsim.simulation.spectral_lines import SampleAngles
 
 MIN_PASSES, TURNS = 16, 4
 """Smallest numbers of ball passes, and of turns of every pit through the load zone, that are compared."""
@@ -138,10 +138,10 @@ def of_passes(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: in
     """
     case, cut = setup.case, setup.cut
     passes = passes if raw.repetition.period > 0 else min(passes, most_passes(case))
-    start, length = record_windows.first_sample(case, cut), passes * cut.fine_per_pass + 1
-    fine = raw.read(start, length, features.of_base(case))
+    start, length = recording.first_sample(case, cut), passes * cut.fine_per_pass + 1
+    fine = raw.read(start, length, spectral_lines.of_base(case))
     rows = low_passed(setup, raw, start, length) if case.antialias else fine
-    turning = features.sample_angles(setup.model, cut, start, np.zeros(length))
+    turning = spectral_lines.sample_angles(setup.model, cut, start, np.zeros(length))
     turn = max(1.0, turn * cut.rate)  # in ball passes
     spans = spans_of(passes, turn, cut.fine_per_pass)
     lines, powers = {}, {}
@@ -149,7 +149,7 @@ def of_passes(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: in
         quantity, _, line = name.partition("@")
         banded = of_band(name)
         if banded is not None:
-            series = features.along_sensor(case, fine, banded.quantity)
+            series = spectral_lines.along_sensor(case, fine, banded.quantity)
             band = band_of(case, banded)
             if banded.line:
                 envelope = signals.squared_envelope(series, cut.fine_rate, band)
@@ -158,22 +158,18 @@ def of_passes(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: in
                 parts = [signals.band_rms(series[span], cut.fine_rate, band) for span in spans]
                 powers[name] = np.square(parts)
         elif line:
-            series = features.along_sensor(case, fine, quantity)
+            series = spectral_lines.along_sensor(case, fine, quantity)
             lines[name] = amplitudes(series, angles_near(case, turning, line, spans[-1]), spans)
         elif name.endswith(".rms"):
-            along = features.along_sensor(case, rows, name.removesuffix(".rms"))
+            along = spectral_lines.along_sensor(case, rows, name.removesuffix(".rms"))
             powers[name] = np.array([mean_square(along[span]) for span in spans])
     before = ceil(start / cut.fine_per_pass)
     peaks = raw.peaks[:, FORCE]
     places = [int(p) if p < len(peaks) else int(raw.repetition.source(p)) for p in range(before, before + passes)]
-    stepped = (case.method, _fineness(setup)) if case.method is not None else ("", 0.0)
+    step = float(setup.method.rtol) if assemble.adaptive(case) else cut.step
+    stepped = (case.method, step) if case.method is not None else ("", 0.0)
     periodic = raw.repetition.period > 0
     return Trial(passes, whole_turns(passes, turn), periodic, lines, powers, peaks[places], *stepped)
-
-
-def _fineness(setup: Setup) -> float:
-    """Return the step (s) of a setup, or the tolerance of an adaptive method."""
-    return float(setup.method.rtol) if assemble.adaptive(setup.case) else setup.cut.step
 
 
 def stepped_alike(case: Case, trial: Trial) -> Case:

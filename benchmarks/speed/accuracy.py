@@ -24,7 +24,7 @@ from bearingsim.core.advance import Monitor, advance, ready
 from bearingsim.core.methods.interface import Tolerances, prepare
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import choice, time_grid
-from bearingsim.simulation.integration import monitor_of
+from bearingsim.simulation.run_setup import monitor_of
 from benchmarks.speed import peers
 from benchmarks.speed.report import Curve, Section, Target
 from benchmarks.speed.scenes import case

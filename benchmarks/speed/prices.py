@@ -22,8 +22,8 @@ from bearingsim.core.methods.interface import prepare
 from bearingsim.core.models.interface import accelerations
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import choice, time_grid
-from bearingsim.simulation.integration import monitor_of
 from bearingsim.simulation.pricing import TABLE
+from bearingsim.simulation.run_setup import monitor_of
 from benchmarks.speed.report import Prices, Section
 from benchmarks.speed.scenes import case
 from benchmarks.speed.study import SHORT, computed, phases_of

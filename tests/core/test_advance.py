@@ -14,7 +14,7 @@ from bearingsim.core.methods.interface import stability_ratio
 from bearingsim.core.models.interface import damping_per_mass, stiffness_per_mass
 from bearingsim.core.outcomes import NO_BODY
 from bearingsim.simulation import channels
-from bearingsim.simulation.integration import set_up
+from bearingsim.simulation.run_setup import set_up
 from tests.scenes.lanes import compiled, keeps_lanes, needs_vectors
 from tests.scenes.short_cases import case
 

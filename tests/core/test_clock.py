@@ -15,7 +15,7 @@ from bearingsim.core.jit import jit
 from bearingsim.core.methods import adaptive
 from bearingsim.core.models import equilibrium
 from bearingsim.simulation import choice
-from bearingsim.simulation.integration import set_up
+from bearingsim.simulation.run_setup import set_up
 from tests.scenes.nf308 import PLACES, SLOT, at_rest, case, recorded
 
 PAST = 1e-9  # s: CPU time that every thread has used

@@ -14,8 +14,9 @@ from bearingsim import catalogue, cpu_time
 from bearingsim.catalogue import FEATURES, Feature
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
-from bearingsim.simulation import choice, features, limits, other_features, simulate, step_check, time_grid, warm
-from bearingsim.simulation.integration import Pace, integrate, set_up
+from bearingsim.simulation import choice, features, limits, simulate, step_check, time_grid, warm
+from bearingsim.simulation.integration import Pace, integrate
+from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.simulate import WARM_S, SimulationError, _record
 from bearingsim.study import load_study
 from benchmarks.cpu_bounds import study_of
@@ -79,12 +80,12 @@ def test_as_features_are_read_and_series_filtered(given: Case) -> None:
 
 def test_a_filter_is_applied_a_part_at_a_time(given: Case) -> None:
     """Of a low `sampling` it has many taps; in parts it gives the same, bit for bit."""
-    from bearingsim.simulation import raw_record
+    from bearingsim.simulation import recording
 
     setup = set_up(given)
     low = integrate(setup).through(np.ones(101) / 101)
     whole = low.read(100, 500)
-    with mock.patch.object(raw_record, "PRODUCTS", 1):
+    with mock.patch.object(recording, "PRODUCTS", 1):
         assert np.array_equal(low.read(100, 500), whole)
 
 
@@ -107,7 +108,7 @@ def test_a_feature_of_another_package_that_runs_out_of_time_is_no_fault_of_it() 
         mock.patch.dict(FEATURES, {"slow": Feature("slow", "", "slow", "its_own:slow")}, clear=True),
         mock.patch.object(catalogue, "code", return_value=slow),
     ):
-        ended = ended_in(lambda: other_features.of_extensions(case(), np.zeros(1), {}))
+        ended = ended_in(lambda: features.of_extensions(case(), np.zeros(1), {}))
     assert ended[-2:] == ["slow", "check"]
 
 

@@ -16,12 +16,13 @@ from bearingsim.core.defects.crossings import missed_crossings, passages
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.errors import Refused
 from bearingsim.simulation import choice, limits, step_check, time_grid
-from bearingsim.simulation.integration import set_up
+from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.simulate import SimulationError, simulate
 from tests.scenes.nf308 import PLACES, SLOT, at_rest, recorded
 from tests.scenes.short_cases import RATE, case
 
 INTEGRATION = importlib.import_module("bearingsim.simulation.integration")
+RUN_SETUP = importlib.import_module("bearingsim.simulation.run_setup")
 SIMULATION = importlib.import_module("bearingsim.simulation.simulate")
 VERLET = {"model": "ring", "method": "verlet", "step": "1 us", "step_check": False, "defect": SLOT}
 
@@ -245,7 +246,7 @@ def test_looks_at_the_clock_change_nothing(way: dict[str, str]) -> None:
     seldom = INTEGRATION.integrate(set_up(given))
     with (
         mock.patch.object(INTEGRATION, "STEPS_PER_CALL", 7),
-        mock.patch.object(INTEGRATION, "MAX_EVALUATIONS", 50.0),
+        mock.patch.object(RUN_SETUP, "MAX_EVALUATIONS", 50.0),
     ):
         often = INTEGRATION.integrate(set_up(given))
     assert np.array_equal(often.fine, seldom.fine)
@@ -255,9 +256,9 @@ def test_looks_at_the_clock_change_nothing(way: dict[str, str]) -> None:
 def test_a_run_asks_to_be_looked_at_where_steps_are_much_work() -> None:
     given = choice.resolved(case(model="rollers", method="dop853", defect=SLOT, duration="20 ms"))
     setup = set_up(given)
-    assert setup.monitor.max_evaluations == INTEGRATION.MAX_EVALUATIONS
+    assert setup.monitor.max_evaluations == RUN_SETUP.MAX_EVALUATIONS
     with (
-        mock.patch.object(INTEGRATION, "MAX_EVALUATIONS", 1000.0),
+        mock.patch.object(RUN_SETUP, "MAX_EVALUATIONS", 1000.0),
         mock.patch.object(INTEGRATION, "advance_and_sample", wraps=advance_and_sample) as spied,
     ):
         INTEGRATION.integrate(set_up(given))

@@ -15,7 +15,7 @@ from bearingsim.errors import UserError
 from bearingsim.extensions import BrokenExtension
 from bearingsim.runner.findings import without_value
 from bearingsim.runner.work import _failure
-from bearingsim.simulation.other_features import of_extensions, refuse_undeclared
+from bearingsim.simulation.features import of_extensions, refuse_undeclared
 from bearingsim.study.used import extensions
 from tests.scenes.short_cases import case
 
@@ -59,13 +59,13 @@ def registered(monkeypatch: pytest.MonkeyPatch, function: str) -> None:
     """Let one feature, `mine`, be that of another package."""
     feature = Feature("mine", "m/s", "mine", f"{__name__}:{function}")
     monkeypatch.setattr("bearingsim.catalogue.FEATURES", {"mine": feature})
-    for module in ("simulation.other_features", "assemble.registered"):
+    for module in ("simulation.features", "assemble.registered"):
         monkeypatch.setattr(f"bearingsim.{module}.FEATURES", {"mine": feature})
 
 
 def declared(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let `mine` be among the declared features."""
-    for module in ("simulation.other_features", "assemble.registered"):
+    for module in ("simulation.features", "assemble.registered"):
         monkeypatch.setattr(f"bearingsim.{module}.DECLARED", {**FEATURES, "mine": FEATURES["velocity.rms"]})
 
 

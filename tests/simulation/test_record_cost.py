@@ -11,9 +11,9 @@ import pytest
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.signals import line_at, lines, lines_of_blocks, passes
-from bearingsim.simulation import features, pricing, simulate, time_grid
+from bearingsim.simulation import features, pricing, simulate, spectral_lines, time_grid
 from bearingsim.simulation.choice import Attempt
-from bearingsim.simulation.integration import MethodFailure
+from bearingsim.simulation.run_setup import MethodFailure
 from bearingsim.simulation.simulate import _in_turn as in_turn
 
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
@@ -61,7 +61,7 @@ def test_what_is_read_and_written_is_priced() -> None:
 def test_features_are_the_same_whatever_is_read_at_a_time(monkeypatch: pytest.MonkeyPatch, more: Any) -> None:
     given = case(duration="0.15 s", **more, **FULL)
     at_once = simulate(given).features
-    for module in (features, passes, lines):
+    for module in (spectral_lines, passes, lines):
         monkeypatch.setattr(module, "BLOCK", 1000)
     in_blocks = simulate(given).features
     for name, value in at_once.items():
@@ -87,7 +87,7 @@ def test_features_of_a_long_record_copy_little_of_it(
             tracemalloc.stop()
 
     monkeypatch.setattr(import_module("bearingsim.simulation.simulate"), "features", watched)
-    for module in (features, passes, lines):
+    for module in (spectral_lines, passes, lines):
         monkeypatch.setattr(module, "BLOCK", 1 << 10)
     simulate(case(duration="0.6 s", **more, **FULL))
     assert found["peak"] < times

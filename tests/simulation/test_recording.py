@@ -4,12 +4,7 @@ import numpy as np
 import pytest
 
 from bearingsim.simulation import choice, limits
-from bearingsim.simulation.integration import (
-    MOTIONS,
-    NEIGHBOURS,
-    difference_weights,
-    differentiate,
-)
+from bearingsim.simulation.integration import MOTIONS, NEIGHBOURS, difference_weights, differentiate
 from bearingsim.simulation.simulate import simulate
 from tests.scenes.short_cases import SLOT, case
 

@@ -20,6 +20,7 @@ SHAFT: dict[str, Any] = {"shaft": {"stiffness": "1e8 N/m", "damping": "1e3 N s/m
 WIDE = SLOT | {"depth": "5 um", "angle": "20 deg"}
 SIMULATION = importlib.import_module("bearingsim.simulation.simulate")
 INTEGRATION = importlib.import_module("bearingsim.simulation.integration")
+RUN_SETUP = importlib.import_module("bearingsim.simulation.run_setup")
 
 
 def resolved(**fields: Any) -> Case:
@@ -126,7 +127,7 @@ STEPS = 40
 
 def period_of(motion: Callable[[int], np.ndarray], passes: int = 40) -> tuple[int, int]:
     """The period found of ``motion`` (of a pass's number: (9, STEPS)), and after how many passes."""
-    setup = INTEGRATION.set_up(resolved(model="ring"))
+    setup = RUN_SETUP.set_up(resolved(model="ring"))
     search, y = Search(channels.recorded(setup.case), STEPS, setup.model, False, OF_A_RECORD), lay.buffer(13, 0.0)
     for p in range(passes):
         window = motion(p)
@@ -141,7 +142,7 @@ def period_of(motion: Callable[[int], np.ndarray], passes: int = 40) -> tuple[in
 
 def test_passes_are_compared_in_ring_motion_and_recorded_channels_only() -> None:
     """Accelerations jump; loaded rollers and the cage are compared in the state at the end of a pass."""
-    setup = INTEGRATION.set_up(resolved(model="rollers", record=["roller.3.outer_force"]))
+    setup = RUN_SETUP.set_up(resolved(model="rollers", record=["roller.3.outer_force"]))
     places = channels.recorded(setup.case)
     search = Search(places, STEPS, setup.model, False, OF_A_RECORD)
     ring = [lay.POSITION + lay.X, lay.POSITION + lay.Y, lay.VELOCITY + lay.X, lay.VELOCITY + lay.Y]
@@ -183,7 +184,7 @@ def test_it_comes_back_if_the_others_fail(monkeypatch: pytest.MonkeyPatch) -> No
     def simulated(attempt: choice.Attempt, began: float) -> Any:
         tried.append((attempt.case.method, attempt.patience))
         if attempt.case.method != "verlet":
-            raise INTEGRATION.TooSlow("too slow", "wait")
+            raise RUN_SETUP.TooSlow("too slow", "wait")
         return real(attempt, began)
 
     monkeypatch.setattr(SIMULATION, "_simulate", simulated)

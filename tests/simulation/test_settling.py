@@ -11,7 +11,8 @@ from bearingsim import assemble, simulate
 from bearingsim.core import layout as lay
 from bearingsim.errors import Refused
 from bearingsim.simulation import SimulationError, choice, repetition, settling, step_check, time_grid
-from bearingsim.simulation.integration import integrate, set_up
+from bearingsim.simulation.integration import integrate
+from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.settling import SlowModes
 from tests.scenes.short_cases import SLOT, case
 

@@ -18,8 +18,8 @@ from bearingsim.core.models.equilibrium import rest_from_scratch
 from bearingsim.core.models.interface import begin
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import channels, choice, time_grid
-from bearingsim.simulation.features import OTHER_LINES
 from bearingsim.simulation.simulate import simulate, warm
+from bearingsim.simulation.spectral_lines import OTHER_LINES
 from tests.independent import rollers
 from tests.scenes.nf308 import light_rollers
 from tests.scenes.short_cases import FORCES, RATE, RING, SLOT, case

@@ -9,9 +9,10 @@ from scipy.special import stdtrit
 
 from bearingsim import signals
 from bearingsim.simulation.accuracy import COSINES, THREE_SIGMA, standard_error, standard_errors
-from bearingsim.simulation.features import lines_of_passes, sensed
-from bearingsim.simulation.integration import integrate, set_up
-from bearingsim.simulation.record_windows import first_sample
+from bearingsim.simulation.integration import integrate
+from bearingsim.simulation.recording import first_sample
+from bearingsim.simulation.run_setup import set_up
+from bearingsim.simulation.spectral_lines import lines_of_passes, sensed
 from tests.scenes.short_cases import SLOT, case
 
 STUDENT = stdtrit(COSINES, THREE_SIGMA) / 3.0

@@ -12,7 +12,8 @@ from bearingsim import assemble
 from bearingsim.simulation import choice, comparison, pilot, pricing, step_check, time_grid
 from bearingsim.simulation.accuracy import QUIET_LINE
 from bearingsim.simulation.choice import STEP_PARTS
-from bearingsim.simulation.integration import TooChaotic, integrate, set_up
+from bearingsim.simulation.integration import integrate
+from bearingsim.simulation.run_setup import TooChaotic, set_up
 from bearingsim.simulation.simulate import SimulationError, simulate
 from bearingsim.simulation.step_check import StepCheck
 from tests.scenes.short_cases import RATE, SLOT, case

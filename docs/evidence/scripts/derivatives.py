@@ -30,7 +30,8 @@ from bearingsim.core.models.planar import Planar
 from bearingsim.core.parts.cage import accelerate_cage, cage_constraint
 from bearingsim.core.parts.shaft import accelerate_inner_ring, accelerate_ring_rotation
 from bearingsim.simulation import choice
-from bearingsim.simulation.integration import integrate, set_up
+from bearingsim.simulation.integration import integrate
+from bearingsim.simulation.run_setup import set_up
 
 ROUNDS = 3
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}

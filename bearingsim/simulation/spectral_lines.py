@@ -1,0 +1,224 @@
+"""Lines of a run at characteristic frequencies, and the motion along the sensor that they are read from."""
+
+from collections.abc import Iterator
+from math import ceil, floor, pi
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bearingsim import cpu_time, signals
+from bearingsim.config import Case
+from bearingsim.config.names import HARMONICS, LINES, Line, line_name
+from bearingsim.core.geometry.motion import kinematic_times, steady
+from bearingsim.simulation.channels import AT_SENSOR, BASE, CAGE_ANGLE, MOTION, along, base, places_of
+from bearingsim.simulation.pricing import BLOCK
+from bearingsim.simulation.recording import LowPassed, RawRecord, first_sample, whole_passes, windows
+from bearingsim.simulation.settling import has_free_cage
+from bearingsim.simulation.time_grid import Grid
+
+MIN_PASSES = 3
+"""Ball passes that a record must hold for lines to be read against a free cage: interpolation takes its ends."""
+
+ROW_OF = {place: row for row, place in enumerate(BASE + AT_SENSOR)}
+OTHER_LINES = {name: line for name, line in LINES.items() if not line.outer}
+
+
+class SampleAngles(NamedTuple):
+    """Angles (n,) in rad at fine samples: of the first roller, the inner ring, and a roller's roll in the cage."""
+
+    cage: np.ndarray
+    inner: np.ndarray
+    roll: np.ndarray
+
+    def ends(self) -> "SampleAngles":
+        """Return the first and the last angles."""
+        return SampleAngles(self.cage[[0, -1]], self.inner[[0, -1]], self.roll[[0, -1]])
+
+    def along(self, line: Line, Z: int) -> np.ndarray:
+        """Return the angle whose cosine a line follows."""
+        return (
+            line.outer * Z * self.cage
+            + line.inner * Z * (self.inner - self.cage)
+            + line.spin * self.roll
+            + line.cage * self.cage
+            + line.shaft * self.inner
+        )
+
+
+def of_base(case: Case) -> np.ndarray:
+    """Return the rows of a recording that features are computed from."""
+    return np.arange(len(base(case)))
+
+
+def along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
+    """Project a quantity of the ring on the sensor's direction; of a ring that bends, return it at the sensor."""
+    return along(case, [rows[ROW_OF[place]] for place in places_of(case, f"sensor.{quantity}")])
+
+
+def blocks(count: int) -> Iterator[tuple[int, int]]:
+    """Yield beginning and end of blocks of so many samples. Raises OutOfCpuTime if the job's is over."""
+    for begin in range(0, count, BLOCK):
+        cpu_time.check()
+        yield begin, min(begin + BLOCK, count)
+
+
+def sensed(case: Case, raw: RawRecord | LowPassed, quantity: str, start: int, count: int) -> np.ndarray:
+    """Return ``along_sensor`` of fine samples (count,) from number ``start`` on."""
+    rows, out = np.array([ROW_OF[place] for place in places_of(case, f"sensor.{quantity}")]), np.empty(count)
+    for begin, end in blocks(count):
+        out[begin:end] = along(case, list(raw.read(start + begin, end - begin, rows)))
+    return out
+
+
+def sample_angles(model: Any, cut: Grid, start: int, slip: np.ndarray) -> SampleAngles:
+    """Return the angles at fine samples from number ``start`` on; slip: (n,) of the cage, beyond kinematic."""
+    b = model.bearing
+    t = kinematic_times(model, (start + np.arange(len(slip))) / cut.fine_rate)
+    return SampleAngles(
+        b.theta_0 + b.omega_c * t + slip, b.omega_i * t, b.omega_b * t + b.omega_b / b.omega_c * slip
+    )
+
+
+def angles_of_record(case: Case, model: Any, cut: Grid, raw: RawRecord, start: int, count: int) -> SampleAngles:
+    """Return the angles at ``count`` fine samples of a record from number ``start`` on, as the cage has turned."""
+    slip = np.zeros(count)
+    if has_free_cage(case):
+        (slip,) = raw.read(start, count, np.array([ROW_OF[CAGE_ANGLE]]))
+    return sample_angles(model, cut, start, slip)
+
+
+def ball_pass_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
+    """Return amplitude, phase and scatter of the lines at the outer-race frequency and its multiples."""
+    columns = {}
+    beside = beside_other_lines(case)
+    for quantity, lines in lines_of_passes(case, model, cut, raw).items():
+        for harmonic, values in zip(HARMONICS, lines, strict=True):
+            name = f"{quantity}@{line_name(harmonic)}"
+            columns[name], columns[f"{name}.phase"], columns[f"{name}-scatter"] = signals.line(values, beside)
+    return columns or dict.fromkeys(_ball_pass_names(), float("nan"))
+
+
+def beside_other_lines(case: Case) -> bool:
+    """Check if a record holds lines, besides those of BPFO, of which a ball pass holds no whole period."""
+    return has_free_cage(case) or any(defect.race != "outer" for defect in case.defects)
+
+
+def lines_of_passes(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
+    """Return the lines (harmonics, passes) of each quantity; empty if a free cage's record is too short."""
+    return (_lines_at_equal_angles if has_free_cage(case) else _lines_at_equal_times)(case, model, cut, raw)
+
+
+def _lines_at_equal_times(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
+    """Return the lines (harmonics, passes) of each quantity for a kinematic cage, with passes of equal length."""
+    of_record = windows(case, cut, raw, reach=1)
+    M, start = of_record.M, of_record.start
+    place, speed = (sensed(case, raw, quantity, start, of_record.distinct * M + 1) for quantity in MOTION[:2])
+    lines = _lines_from_samples(place, speed, M, start, cut.rate, case.bearing.rollers * model.bearing.theta_0)
+    return {quantity: amplitudes[:, of_record.index] for quantity, amplitudes in lines.items()}
+
+
+def _lines_at_equal_angles(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
+    """Return the lines by pass of a slipping cage, resampled at equal angles; empty if the record is too short."""
+    M, start, Z = cut.fine_per_pass, first_sample(case, cut), case.bearing.rollers
+    length = whole_passes(case, cut) * M + 1
+    (slip,) = raw.read(start, length, np.array([ROW_OF[CAGE_ANGLE]]))
+    angle = Z * model.bearing.theta_0
+    ball_pass = Z * sample_angles(model, cut, start, slip).cage - angle
+    enough = 2.0 * pi * MIN_PASSES * (1.0 - 1e-9)  # a record of just so many passes may be short by rounding
+    if ball_pass[-1] - ball_pass[0] < enough or np.any(np.diff(ball_pass) <= 0.0):
+        return {}
+    M *= ceil(2.0 * pi / (M * np.diff(ball_pass).min()))  # the longest pass keeps all its samples
+    motion = np.stack([sensed(case, raw, quantity, start, length) for quantity in MOTION[:2]])
+    (place, speed), first_pass = signals.at_equal_angles(motion, ball_pass, M)
+    passes = first_pass + np.arange((len(place) - 1) // M + 1)
+    rate = 1.0 / np.diff(np.interp(2.0 * pi * passes, ball_pass, np.arange(length) / cut.fine_rate))
+    return _lines_from_samples(place, speed, M, 0, rate, angle)
+
+
+def _lines_from_samples(
+    place: np.ndarray, speed: np.ndarray, M: int, start: int, rate: Any, Z_theta_0: float
+) -> dict[str, np.ndarray]:
+    """Return the lines (harmonics, passes) of each quantity, from place and speed in whole passes and 1 sample."""
+    displacement, velocity = (
+        signals.lines_by_pass(series[:-1], M, HARMONICS, start, Z_theta_0) for series in (place, speed)
+    )
+    acceleration = signals.derivative_lines(
+        velocity, speed[::M], rate, HARMONICS, Z_theta_0 + 2.0 * pi * (start % M) / M
+    )
+    return dict(zip(MOTION, (displacement, velocity, acceleration), strict=True))
+
+
+def _ball_pass_names() -> list[str]:
+    lines = [f"{quantity}@{line_name(harmonic)}" for quantity in MOTION for harmonic in HARMONICS]
+    return [f"{line}{ending}" for line in lines for ending in ("", ".phase", "-scatter")]
+
+
+def other_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
+    """Return amplitude and phase of lines whose periods do not divide the record; NaN of those not resolved."""
+    length = max(2, floor(case.duration * cut.fine_rate + 1e-6))
+    length = length if raw.end is None else min(length, raw.end - first_sample(case, cut))
+    read = _lines_as_they_turn if has_free_cage(case) or not steady(model) else _lines_at_constant_speed
+    lines, frequencies = read(case, model, cut, raw, length)
+    resolved = dict(
+        zip(LINES, signals.resolvable(frequencies, min(case.duration, length / cut.fine_rate)), strict=True)
+    )
+    columns: dict[str, float] = {}
+    for quantity, values in lines.items():
+        for name, value in zip(LINES, values, strict=True):
+            if name in OTHER_LINES:
+                A = value if resolved[name] else complex("nan")
+                columns[f"{quantity}@{name}"], columns[f"{quantity}@{name}.phase"] = (
+                    float(abs(A)),
+                    float(np.angle(A)),
+                )
+    return columns
+
+
+def _lines_at_constant_speed(
+    case: Case, model: Any, cut: Grid, raw: RawRecord, length: int
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Return complex amplitudes (lines,) of each quantity, and the lines' frequencies (Hz)."""
+    of_record = windows(case, cut, raw, reach=0)
+    M, start = of_record.M, of_record.start
+    count = min(len(of_record.index), length // M)
+    W = min(of_record.distinct, count)
+    series = np.stack([sensed(case, raw, q, start, W * M) for q in MOTION[:2]])
+    rest = np.stack([sensed(case, raw, q, start + count * M, length - count * M) for q in MOTION[:2]])
+    turning = sample_angles(model, cut, start, np.zeros(1))
+    angle = np.array([turning.along(line, case.bearing.rollers) for line in LINES.values()])
+    from_zero = sample_angles(model, cut, 0, np.zeros(2))  # where angles have all their digits
+    turn = np.diff([from_zero.along(line, case.bearing.rollers) for line in LINES.values()])[:, 0]
+    displacement, velocity = signals.lines_of_windows(
+        series.reshape(2, W, M), count, of_record.period, rest, angle[:, 0], turn
+    )
+    # by parts from the velocity, which has fewer impacts to fold into the line than an acceleration
+    acceleration = 1j * turn * cut.fine_rate * velocity
+    lines = dict(zip(MOTION, (displacement, velocity, acceleration), strict=True))
+    return lines, turn / (2.0 * pi) * cut.fine_rate
+
+
+def _lines_as_they_turn(
+    case: Case, model: Any, cut: Grid, raw: RawRecord, length: int
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Return amplitudes and mean frequencies, as at constant speed, of bodies whose speeds change."""
+    start, Z = first_sample(case, cut), case.bearing.rollers
+
+    def angles(begin: int, end: int) -> np.ndarray:
+        (slip,) = raw.read(start + begin, end - begin, np.array([ROW_OF[CAGE_ANGLE]]))
+        turning = sample_angles(model, cut, start + begin, slip)
+        return np.array([turning.along(line, Z) for line in LINES.values()])
+
+    def parts() -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        for begin, end in blocks(length):
+            before, after = max(0, begin - 1), min(length, end + 1)  # which slopes are taken from
+            inside = slice(begin - before, end - before)
+            wide = angles(before, after)
+            slope = np.gradient(wide, axis=1)[:, inside]
+            place, speed = (sensed(case, raw, quantity, start + begin, end - begin) for quantity in MOTION[:2])
+            motion = (np.broadcast_to(place, slope.shape), np.broadcast_to(speed, slope.shape))
+            yield np.stack([*motion, slope * cut.fine_rate * speed], axis=1), wide[:, inside], slope
+
+    begin, end = angles(0, 1)[:, 0], angles(length - 1, length)[:, 0]
+    displacement, velocity, by_parts = signals.lines_of_blocks(parts(), begin, end).T
+    lines = dict(zip(MOTION, (displacement, velocity, 1j * by_parts), strict=True))
+    return lines, (end - begin) / (2.0 * pi * (length - 1)) * cut.fine_rate
