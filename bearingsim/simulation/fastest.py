@@ -16,7 +16,10 @@ from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.models.interface import harmonics, state_width
 
-SEARCH, REFINE = 3, 24  # rounds of the power iteration: to notice what is four times faster, and to find its rate
+SEARCH, REFINE = (
+    3,
+    24,
+)  # rounds of the power iteration: to detect a body four times faster; to converge to its rate
 SMALL = 1e-3  # of the approach at rest: a displacement in which the contacts are straight
 
 
@@ -52,7 +55,7 @@ def rates_at_rest(model: Any, t: float, y: np.ndarray, approach: float, rounds: 
 def _largest(model: Any, t: float, y: np.ndarray, block: int, arms: np.ndarray, size: float, rounds: int) -> float:
     """Return the largest eigenvalue of minus the slope of the accelerations in a block of the state.
 
-    arms: (STATE,) of each entry, m per unit, 0 of what is none; size: largest change of an entry, m or m/s.
+    arms: (STATE,) of each entry, m per unit, 0 if it is no state; size: largest change of an entry, m or m/s.
     """
     cells = np.flatnonzero(arms)
     arms, changed, accelerated = arms[cells], block + cells, lay.ACCELERATION + cells

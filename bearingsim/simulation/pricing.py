@@ -38,7 +38,7 @@ DAMPING_POWER = 0.37
 
 @cache
 def prices() -> dict[tuple[str, str], float]:
-    """Return the table: (what, name of model or method) to its number."""
+    """Return the table of prices by operation and name of model or method."""
     with TABLE.open(newline="") as file:
         return {(row["what"], row["name"]): float(row["value"]) for row in csv.DictReader(file)}
 
@@ -159,7 +159,7 @@ PILOT = 3.0  # rows of a pilot's, as they are, filtered, and with filters' reach
 COMPARED = 6.0  # values for each fine sample that are kept of a pilot
 WRITTEN = 3.0  # values for each sample of a series: filtered, of one precision and of the other
 LOOKS = 11.0  # lengths of all that a record is looked at over that ends as it is accurate enough: 1 + 1/1.1 + ...
-NOT_COMPARED = 5  # rows of a pass, when it is compared with others: accelerations, and what cage and rollers count
+NOT_COMPARED = 5  # rows of a pass left out of its comparison: accelerations, counts of rollers, the cage
 SMALL = 8e6  # bytes of all that is small
 
 

@@ -88,7 +88,7 @@ class RawRecord:
 
     @cached_property
     def _partners(self) -> np.ndarray:
-        """Row (Z, C) that held, m passes before, what row c holds now."""
+        """Rows (Z, C) that held the quantity of row c m passes before."""
         if np.all(lay.lane_of(self.places) < 0):  # nothing of a roller
             return np.broadcast_to(np.arange(len(self.places)), (self.Z, len(self.places)))
         return np.array([turned(self.places, self.Z, m) for m in range(self.Z)])

@@ -91,7 +91,7 @@ LONGEST_PERIOD = 4  # ball passes; longer ones have not been seen
 class Closeness(NamedTuple):
     """Limits of differences over the range: with, and without, regard to how fast they shrink.
 
-    times: passes in a row within a limit, for a period of one pass; for others so many more that each is seen.
+    times: passes in a row within a limit, for a period of one pass; ``period`` - 1 more for others.
     """
 
     shrinking: float
@@ -205,7 +205,7 @@ class Search:
 
 
 def turned(places: np.ndarray, Z: int, m: int) -> np.ndarray:
-    """Return the row (C,) of a recording of ``places`` that held, ``m`` passes before, what each row holds now."""
+    """Return the row (C,) of a recording of ``places`` that held the quantity of each row ``m`` passes before."""
     lane = lay.lane_of(places)
     partner = np.where(lane >= 0, places - lane + (lane + m) % Z, places)
     row_of = {int(place): row for row, place in enumerate(places)}
@@ -213,7 +213,7 @@ def turned(places: np.ndarray, Z: int, m: int) -> np.ndarray:
 
 
 def turned_state(state: np.ndarray, model: Any, passes: int) -> np.ndarray:
-    """Return positions and velocities (2, 6, ROW) with the rollers rotated by so many ball passes."""
+    """Return positions and velocities (2, 6, ROW) with the rollers rotated by ``passes`` ball passes."""
     moved, own = state.copy(), degrees_of_freedom(model)[0]
     lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + model.bearing.Z)
     moved[:, :own, lanes] = np.roll(moved[:, :own, lanes], passes, axis=2)

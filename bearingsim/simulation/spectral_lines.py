@@ -56,7 +56,7 @@ def along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
 
 
 def blocks(count: int) -> Iterator[tuple[int, int]]:
-    """Yield beginning and end of blocks of so many samples. Raises OutOfCpuTime if the job's is over."""
+    """Yield beginning and end of blocks of ``count`` samples. Raises OutOfCpuTime if the job's time is over."""
     for begin in range(0, count, BLOCK):
         cpu_time.check()
         yield begin, min(begin + BLOCK, count)

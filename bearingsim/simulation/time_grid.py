@@ -29,7 +29,7 @@ class Grid:
     """Time grid of a case.
 
     rate: ball passes per second (Hz); ``fine_per_pass`` fine samples in each, ``decimation`` steps of ``step`` s
-    to a fine sample. ``passes`` are computed: settling, the record, and what its last sample's filter reaches.
+    to a fine sample. ``passes`` are computed: settling, the record, and the reach of its last sample's filter.
     """
 
     rate: float

@@ -113,7 +113,7 @@ def tells_friction(case: Case) -> bool:
 
 
 def long_enough(case: Case) -> Case:
-    """Return a case whose record is so long that its trial may hold the turns of a free cage."""
+    """Return the case with a record long enough for a trial of a free cage."""
     return case.model_copy(
         update={"duration": max(case.duration, CAGE_TURNS * cage_turn(case) / MOST_PART + SPARE)}
     )
@@ -127,7 +127,7 @@ def pit_turn(case: Case) -> float:
 def last_pass(setup: Setup, passes: int) -> int:
     """Return the ball passes to compute so that ``passes`` after settling can be read."""
     case, cut = setup.case, setup.cut
-    beyond = cut.passes - floor((case.settle_s + case.duration) * cut.rate)  # what filters reach
+    beyond = cut.passes - floor((case.settle_s + case.duration) * cut.rate)  # within the reach of filters
     return min(cut.passes, ceil(case.settle_s * cut.rate) + passes + beyond)
 
 
