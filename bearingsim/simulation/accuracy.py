@@ -14,26 +14,26 @@ from bearingsim.simulation.spectral_lines import beside_other_lines, lines_of_pa
 from bearingsim.simulation.time_grid import Grid
 
 MIN_PASSES = 16
-COSINES = 12  # over the record: fewer ask for more of Student's t, more see less of passes that are alike
-THREE_SIGMA = 0.99865  # the probability of no more than that
-LOOK_AGAIN = 1.1  # times as many passes: so seldom the errors are looked at
-QUIET_LINE = 1e-3  # a line under this part of the RMS (60 dB below it) is none, and is measured by it
+COSINES = 12  # over the record: fewer increase Student's t, more miss the correlation of successive passes
+THREE_SIGMA = 0.99865  # probability of a deviation below three sigma
+LOOK_AGAIN = 1.1  # times as many passes until the errors are estimated again
+QUIET_LINE = 1e-3  # part of the RMS (-60 dB): changes of a weaker line are relative to this
 
 
 class StandardErrors(NamedTuple):
-    """Of the velocity's line at BPFO and of its RMS, relative."""
+    """Relative standard errors of the velocity's line at BPFO and of its RMS."""
 
     line: float
     rms: float
 
     @property
     def largest(self) -> float:
-        """The larger one."""
+        """Larger of the two."""
         return max(self)
 
 
 def standard_errors(case: Case, model: Any, cut: Grid, raw: RawRecord) -> StandardErrors:
-    """Estimate those of what has been computed of a record; infinite of too few passes."""
+    """Estimate the standard errors of a record as far as it is computed; infinite of too few passes."""
     if raw.repetition.period > 0:
         return StandardErrors(0.0, 0.0)
     taps = sampling_kernel(cut.fine_rate / case.sampling)
@@ -56,8 +56,8 @@ def _error_from_samples(
 ) -> float:
     """Estimate the relative standard error of a line that is a plain mean, from all samples of its passes.
 
-    Where the border of two passes cuts an impact, what one of them lacks the other has: whole passes scatter by
-    several times what their mean does.
+    An impact cut by the border of two passes adds to one the part that the other lacks, so whole passes scatter
+    several times more than their mean.
     """
     M, n, start = of_record.M, len(of_record.index), of_record.start
     velocity, Z_theta_0 = sensed(case, raw, "velocity", start, n * M), case.bearing.rollers * model.bearing.theta_0
@@ -69,7 +69,7 @@ def _error_from_samples(
 def _error_from_passes(
     case: Case, model: Any, cut: Grid, raw: RawRecord, of_record: Windows, least: float
 ) -> float:
-    """Estimate that of a line beside others, from its passes as they are weighted and cut for the feature."""
+    """Estimate the standard error of a line beside others, from its passes, weighted as for the feature."""
     lines = lines_of_passes(case, model, cut, raw).get("velocity", np.empty((1, 0)))[0]
     if len(lines) < MIN_PASSES:
         return np.inf

@@ -1,8 +1,8 @@
 """Errors of a record because its run has not wholly settled: of line, RMS and largest force.
 
-Of a motion that repeats itself the steady passes are known, and the record is compared with them. Of any other the
-second half of the record is compared with the first: what has decayed between them decays on. Where that is chance
-(a chaotic motion, a free cage) no error is under the standard error.
+The record of a periodic motion is compared with its steady passes. Of any other the second half is compared with
+the first, and the decay between them is extrapolated. If the motion scatters by chance (a chaotic motion, a free
+cage), no error is below the standard error.
 """
 
 from math import exp, hypot, isnan, nan
@@ -23,9 +23,9 @@ from bearingsim.simulation.settling import slowest_decay
 from bearingsim.simulation.spectral_lines import angles_of_record, sensed
 from bearingsim.simulation.trial import pit_turn
 
-PARTS = 4  # of a record: how the change from one to the next shrinks tells what is to come
-ALIKE = 12  # ball passes: a multiple of all periods that have been seen
-SLOWER = 16.0  # times as slowly as at rest a motion may decay: it is driven, and contacts open
+PARTS = 4  # of a record: the ratio of their successive changes extrapolates the decay
+ALIKE = 12  # ball passes: a multiple of all periods observed
+SLOWER = 16.0  # times slower than at rest: slowest decay of a driven motion whose contacts open
 
 
 class StartErrors(NamedTuple):
