@@ -4,7 +4,6 @@ Nothing under a final name is ever half-written, and nothing but the table has m
 can be killed at any moment and several runs may share a folder.
 """
 
-from bearingsim.store.cases import case_of
 from bearingsim.store.files import (
     DiskFull,
     LinkWithin,
@@ -28,7 +27,7 @@ from bearingsim.store.folder import (
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
 from bearingsim.store.marker import NotOurs, OtherStudy, claim
 from bearingsim.store.merge import Merged, Unmergeable, merge
-from bearingsim.store.names import flat_parameters
+from bearingsim.store.names import case_of, flat_parameters
 from bearingsim.store.nearness import PARTS, Audited, audited, nearness, withdrawn
 from bearingsim.store.provenance import made_of, provenance
 from bearingsim.store.prune import Superfluous, prune, superfluous

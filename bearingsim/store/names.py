@@ -1,13 +1,18 @@
-"""Names of stored parameters, channels and features, with their units and descriptions."""
+"""Stored parameters, from a case and back; names, units and descriptions of parameters, channels and features."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from bearingsim.store.scans import short_path
+from bearingsim.store.scans import own_scan, short_path
 from bearingsim.text.units import UNITS, Dimension
+
+if TYPE_CHECKING:
+    from bearingsim.config import Case
 
 FREE_TEXT = ("source",)  # fields that shape no result, and are not stored
 PATHS = ("file",)  # fields stored as short paths
+WORDS = ("record", "features")  # stored as words joined by spaces
 
 
 def flat_parameters(case: Any) -> dict[str, float | str]:
@@ -35,6 +40,56 @@ def _flat(path: str, value: Any) -> Iterator[tuple[str, float | str]]:
         yield path, float(value)
     elif value is not None:
         yield path, short_path(value) if path.rpartition(".")[2] in PATHS else str(value)
+
+
+def case_of(parameters: Mapping[Any, Any], root: Path | None = None) -> "Case":
+    """Build the case of a job from its resolved parameters in SI, as ``Results.parameters`` returns them.
+
+    Parameters that are not set (NaN or an empty text) and the recorded channels are left out. Scans are read from
+    the results folder ``root`` only. Raises ValueError (pydantic's ValidationError, ScanError) for parameters that
+    form no valid case, such as those of another version.
+    """
+    from bearingsim.config import Case
+
+    tree: dict[str, Any] = {}
+    for path, value in parameters.items():
+        if value == value and value != "":
+            _plant(tree, str(path).split("."), _plain(value))
+    if root is not None:
+        for defect in _mapping(tree.get("defects", {})).values():
+            _take_kept(root, _mapping(defect))
+    return Case.model_validate({name: _lists(item) for name, item in tree.items() if name not in WORDS})
+
+
+def _take_kept(root: Path, defect: dict[str, Any]) -> None:
+    """Point a defect to the stored copy of its scan, if it has one. Raises ScanError without a copy."""
+    if "file" in defect:
+        defect["file"] = str(own_scan(root, str(defect.get("digest")), str(defect["file"])))
+
+
+def _plain(value: Any) -> Any:
+    """Convert whole numbers, which are stored as floats, to int."""
+    return int(value) if isinstance(value, float) and value.is_integer() and abs(value) < 1e9 else value
+
+
+def _plant(tree: dict[str, Any], path: list[str], value: Any) -> None:
+    for name in path[:-1]:
+        tree = _mapping(tree.setdefault(name, {}))
+    tree[path[-1]] = value
+
+
+def _mapping(item: Any) -> dict[str, Any]:
+    if not isinstance(item, dict):
+        raise ValueError("a parameter is a value and has parts")
+    return item
+
+
+def _lists(item: Any) -> Any:
+    """Convert mappings with keys 1, 2, ... to lists."""
+    if not isinstance(item, dict):
+        return item
+    inner = {name: _lists(value) for name, value in item.items()}
+    return [inner[name] for name in sorted(inner, key=int)] if all(map(str.isdecimal, inner)) else inner
 
 
 def parameter_attributes(name: str) -> dict[str, str]:

@@ -9,8 +9,8 @@ from typing import NamedTuple
 from bearingsim import extensions
 from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
+from bearingsim.config.case_fields import OLD_WORDS
 from bearingsim.config.fields import described
-from bearingsim.study import aliases
 from bearingsim.study.figures import Figure, check_known, of_bands, parse_figures
 from bearingsim.study.goal import Goal, asks_for_reference, check_goal, parse_goal
 from bearingsim.study.jobs import Study
@@ -20,6 +20,8 @@ from bearingsim.text import files_read
 from bearingsim.text.yamlfile import Node, Problem, StudyError, argument_mark, parse, problem, read_text
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
+PATHS = ("x", "by", "panels")
+"""Keys of a figure whose values are paths of the study."""
 
 
 def load_study(
@@ -164,8 +166,8 @@ def _opened(path: FilePath, overrides: Mapping[str, str]) -> _Opened:
             raise StudyError(
                 [*flaws, problem(root.mark, "expected `key: value` lines, as `bearingsim new` writes")]
             )
-        notes, root = aliases.notes(root, overrides), aliases.renamed(root)
-        renamed = {aliases.new_path(path): value for path, value in _texts(overrides).items()}
+        notes, root = _notes_on(root, overrides), _renamed(root)
+        renamed = {_new_path(path): value for path, value in _texts(overrides).items()}
         computed = of_bands(root)
         whole, root = root, asks_for_reference(root) if "accuracy" in root.mapping else root
         # Both are checked, so that a problem in `quick` is reported now and not at its first use.
@@ -174,6 +176,35 @@ def _opened(path: FilePath, overrides: Mapping[str, str]) -> _Opened:
         for plan in plans:
             plan.open_files()
     return _Opened(str(path), text, whole, root, flaws, notes, renamed, plans, files)
+
+
+def _renamed(node: Node, is_path: bool = False) -> Node:
+    """Replace deprecated keys in a file: keys of sections, paths of a sweep and paths of figures."""
+    if isinstance(node.value, dict):
+        new = {key: _new_path(key) for key in node.value}
+        # The case refuses a file that has both words.
+        kept = {key: key if word in node.value else word for key, word in new.items()}
+        return replace(node, value={kept[key]: _renamed(inner, key in PATHS) for key, inner in node.value.items()})
+    if isinstance(node.value, tuple):
+        return replace(node, value=tuple(_renamed(inner, is_path) for inner in node.value))
+    return replace(node, value=_new_path(node.value)) if is_path else node
+
+
+def _new_path(path: str) -> str:
+    """Replace a deprecated first word of a path such as `defect.width`."""
+    head, dot, rest = path.partition(".")
+    return OLD_WORDS.get(head, head) + dot + rest
+
+
+def _notes_on(root: Node, overrides: Mapping[str, str]) -> tuple[str, ...]:
+    """List a note for each deprecated key in a file and its overrides."""
+    keys = {*_keys(root), *overrides}
+    replaced = {old: new for old, new in OLD_WORDS.items() if old in keys}
+    return tuple(f"`{old}` is now `{new}`; the old word is still read" for old, new in replaced.items())
+
+
+def _keys(node: Node) -> set[str]:
+    return set(node.mapping).union(*map(_keys, [*node.mapping.values(), *node.items]))
 
 
 def _texts(overrides: Mapping[str, str]) -> dict[str, str]:
