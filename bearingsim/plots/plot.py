@@ -171,7 +171,8 @@ def _of_design(results: "Results", changes: Mapping[str, Any]) -> list[tuple[str
         fixed = fixed_values(results, part, {*paths, *figure.by})
         fixed += band_of_record(results, part, [name])
         caption = [*fixed, *varying(figure, part, others), *_design_texts(results)]
-        sheets.append((_name_of_design(name, changes), design.draw_paths(figure, paths, part, units, caption)))
+        file_name = slug([DESIGN, name, *_option_words(changes)])
+        sheets.append((file_name, design.draw_paths(figure, paths, part, units, caption)))
     return sheets
 
 
@@ -236,11 +237,6 @@ def _option_words(changes: Mapping[str, Any]) -> list[str]:
     words = [word for key in ("by", "panels") if changes.get(key) for word in (key, *changes[key])]
     where = [f"{path} {value.replace('-', 'minus ')}" for path, value in (changes.get("where") or {}).items()]
     return [*words, *(["where", *where] if where else [])]
-
-
-def _name_of_design(feature: str, changes: Mapping[str, Any]) -> str:
-    """Name the file of a design figure: `design-velocity-bpfo`."""
-    return slug([DESIGN, feature, *_option_words(changes)])
 
 
 def slug(words: Sequence[str]) -> str:

@@ -129,8 +129,9 @@ def draw_shape(shape: RingShape, caption: list[str]) -> Canvas:
     bar = canvas.colorbar(shades, ax=axes, shrink=0.5, aspect=25, pad=0.02)
     bar.set_label("Force of a roller on the outer race (N)")
     entries = list(_legend(seen))
+    title = f"Ring at rest; displacements and clearance ×{labels.number_text(seen.times)}"
     canvas.legend(entries, [str(entry.get_label()) for entry in entries], loc="outside upper left", ncols=4,
-                  fontsize=7.5, title=_enlargement(seen), title_fontsize=9.0, alignment="left")  # fmt: skip
+                  fontsize=7.5, title=title, title_fontsize=9.0, alignment="left")  # fmt: skip
     finish(canvas, None, caption)
     return canvas
 
@@ -143,11 +144,6 @@ def _time_text(shape: RingShape, instant: Instant) -> str:
     return (
         f"a roller {where}" if instant.part == 0.0 else f"{labels.number_text(instant.part)} of a ball pass later"
     )
-
-
-def _enlargement(seen: View) -> str:
-    """State the exaggeration in words."""
-    return f"Ring at rest; displacements and clearance ×{labels.number_text(seen.times)}"
 
 
 def draw_instant(ax: "Axes", seen: View, instant: Instant) -> None:

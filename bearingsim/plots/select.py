@@ -1,6 +1,5 @@
 """Selection of rows for a figure, and their split into curves."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -220,11 +219,8 @@ def joined(x: str, placed: Sequence[str], rows: "pd.DataFrame", units: Mapping[s
         return [x]
     others = [path for path in varied(rows, list(units)) if path != x and path not in placed]
     words = [path for path in others if not is_numeric(values(rows, path))]
-    return [x, *(path for path in words if rows.groupby([x, path]).ngroups < _product(rows, x, path))]
-
-
-def _product(rows: "pd.DataFrame", *paths: str) -> int:
-    return math.prod(rows[path].nunique() for path in paths)
+    count = rows[x].nunique()
+    return [x, *(path for path in words if rows.groupby([x, path]).ngroups < count * rows[path].nunique())]
 
 
 def _as_categories(

@@ -163,7 +163,7 @@ def draw_spectrum(
     view = View(
         partial(_shown_spectrum, spectrum),
         "Frequency (Hz)",
-        lambda text: of.format(_lowered(text)),
+        lambda text: of.format(text[:1].lower() + text[1:]),
         power,
     )
     canvas, axes = grid(results, records, recorded.channels_for(records, y), view)
@@ -212,10 +212,6 @@ DRAW: dict[str, Callable[..., Canvas]] = {
     "roller": draw_roller,
 }
 """By kind of figure."""
-
-
-def _lowered(text: str) -> str:
-    return text[:1].lower() + text[1:]
 
 
 def _mark_lines(ax: "Axes", job: Job, named: bool) -> None:

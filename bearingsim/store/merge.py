@@ -6,8 +6,9 @@ so that an interrupted merge can be repeated, and a repeated one changes nothing
 
 import json
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -213,14 +214,9 @@ def _take_failures(folders: Sequence[Path], out: Path, sealed: set[str]) -> None
     for job in before.keys() & sealed:
         clear_failure(out, job)
     last: dict[str, Failure] = {}
-    for failure in _failures([out, *folders]):
+    for failure in chain.from_iterable(read_failures(folder).values() for folder in (out, *folders)):
         if failure.job not in sealed and (failure.job not in last or failure.when > last[failure.job].when):
             last[failure.job] = failure
     for job, failure in last.items():
         if before.get(job) != failure:
             failure.write(out)
-
-
-def _failures(folders: Sequence[Path]) -> Iterator[Failure]:
-    for folder in folders:
-        yield from read_failures(folder).values()

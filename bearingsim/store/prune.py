@@ -36,11 +36,8 @@ class Superfluous:
 
     def __str__(self) -> str:
         lines = [f"{what}: {_counted(len(sizes), sum(sizes.values()))}" for what, sizes in self.files.items()]
-        return "\n".join([*lines, *self.notes, _in_all(len(self.paths), self.bytes)])
-
-
-def _in_all(files: int, size: int) -> str:
-    return f"in all {_counted(files, size)}" if files else "nothing to remove"
+        total = f"in all {_counted(len(self.paths), self.bytes)}" if self.paths else "nothing to remove"
+        return "\n".join([*lines, *self.notes, total])
 
 
 def _counted(files: int, size: int) -> str:
