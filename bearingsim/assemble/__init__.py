@@ -201,14 +201,14 @@ def anchor_in_space(case: Case) -> tuple[float, float]:
     return rest.x, rest.y
 
 
-def aligned_with_cusp(model: Any, steps_per_pass: int, cusp: float) -> Any:
-    """Shift the model's rollers so that the cusp of its first defect lies ``cusp`` of a step after the start of a
-    step.
+def aligned_with_cusp(model: Any, steps_per_pass: int, fraction: float) -> Any:
+    """Shift the model's rollers so that the cusp of its first defect lies a ``fraction`` of a step after the start
+    of a step.
 
-    The damping force jumps at the cusp; its position within a step decides whether the error is of first or of
-    second order (docs/steps.md). The rollers start less than a step further on. Only the first of several defects
-    is aligned, and only on the outer race at a steady speed: elsewhere cusps fall anywhere in a step, and the
-    error averages out.
+    The cusp is the kink of the roller path. The damping force jumps there; its position within a step decides
+    whether the error is of first or of second order (docs/steps.md). The rollers start less than a step further
+    on. Only the first of several defects is aligned, and only on the outer race at a steady speed: elsewhere cusps
+    fall anywhere in a step, and the error averages out.
     """
     if "defects" not in model._fields or not steady(model):
         return model
@@ -218,7 +218,7 @@ def aligned_with_cusp(model: Any, steps_per_pass: int, cusp: float) -> Any:
     b, pass_angle = model.bearing, 2.0 * pi / model.bearing.Z
     place = defects.head[0, ANGLE] + defects.head[0, CUSP] / defects.head[0, RADIUS]
     steps = (b.theta_0 - place) / pass_angle * steps_per_pass  # whole when the cusp is met
-    ahead = ceil(steps + cusp) - cusp - steps
+    ahead = ceil(steps + fraction) - fraction - steps
     return model._replace(bearing=b._replace(theta_0=float(b.theta_0 + ahead * pass_angle / steps_per_pass)))
 
 

@@ -46,17 +46,17 @@ class Pit(NamedTuple):
         return np.linspace(self.s[0] - more, self.s[1] + more, count)
 
     @property
-    def heights(self) -> Reals:
-        """Places (m) along the roller of sections: the middles of even parts of the pit."""
+    def axial_positions(self) -> Reals:
+        """Positions (ALONG,) in m along the roller of sections: the middles of equal intervals of the defect."""
         return self.z[0] + (self.z[1] - self.z[0]) * (np.arange(ALONG) + 0.5) / ALONG
 
     @property
-    def picture(self) -> Reals:
-        """p (m) at ``heights`` and ``places()``."""
+    def depth_map(self) -> Reals:
+        """Depth (ALONG, ACROSS) in m at ``axial_positions`` and ``places()``."""
         from bearingsim.core.defects.depth import section
         from bearingsim.core.defects.profile import depth_at
 
-        return np.stack([depth_at(section(self.map, float(z)), self.places()) for z in self.heights])
+        return np.stack([depth_at(section(self.map, float(z)), self.places()) for z in self.axial_positions])
 
 
 class Section(NamedTuple):
@@ -82,11 +82,11 @@ def cut(pit: Pit, z: float) -> Section:
 
 def distinct_sections(pit: Pit) -> list[float]:
     """List the positions z (m) of the sections to draw: the deepest, and the middle if it differs."""
-    deepest = pit.picture.max(axis=1)
+    deepest = pit.depth_map.max(axis=1)
     lowest, middle = int(np.argmax(deepest)), ALONG // 2
     if deepest[middle] >= ALIKE * deepest[lowest]:
-        return [float(pit.heights[middle])]
-    return [float(pit.heights[k]) for k in ((lowest, middle) if deepest[middle] > 0.0 else (lowest,))]
+        return [float(pit.axial_positions[middle])]
+    return [float(pit.axial_positions[k]) for k in ((lowest, middle) if deepest[middle] > 0.0 else (lowest,))]
 
 
 def pits_of(case: "Case") -> Iterator[Pit]:
@@ -179,8 +179,8 @@ def roller_path(job: Job, case: "Case", pit: Pit) -> RollerPath | None:
     """Compute the path of the first roller whose radial position was recorded.
 
     Returns None without such a record, or if the roller does not pass the defect. The depth of the lowest point is
-    the outward displacement beyond the clearance, less that of the ring (inwards for a defect of the inner race).
-    It includes the elastic approach of the contact.
+    the outward displacement beyond a quarter of the clearance, less that of the ring (inwards for a defect of the
+    inner race). It includes the elastic approach of the contact.
     """
     series = {name: np.asarray(values, np.float64) for name, values in job.series.channels.items()}
     names = [name for name in job.recorded if (roller_of(name) or (0, ""))[1] == "radial"]

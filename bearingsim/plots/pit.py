@@ -87,7 +87,7 @@ def _of_job(results: "Results", job: str, parameters: Mapping[Any, Any]) -> Iter
 
 def _key(sheet: Sheet) -> tuple[Any, ...]:
     """Return a hashable key, equal for sheets with the same picture."""
-    pit, drawn = sheet.pit, (sheet.pit.picture, sheet.slice_ends)
+    pit, drawn = sheet.pit, (sheet.pit.depth_map, sheet.slice_ends)
     numbers = np.round([pit.R, *pit.s, *pit.z, sheet.roller_length], 9)
     return pit.race, *numbers, *(np.round(part, 12).tobytes() for part in drawn)
 
@@ -159,8 +159,8 @@ def _map_inches(sheet: Sheet) -> tuple[float, float]:
 def _draw_map(ax: "Axes", sheet: Sheet, panels: "Sequence[Panel]") -> None:
     """Draw depth over s and z, with the roller's length, the ends of its slices and the lines of the sections."""
     pit, half = sheet.pit, 500.0 * sheet.roller_length
-    depths = 1e6 * np.ma.masked_equal(pit.picture, 0.0)
-    made = ax.pcolormesh(1e3 * pit.places(), 1e3 * pit.heights, depths, cmap=SCALE, shading="nearest",
+    depths = 1e6 * np.ma.masked_equal(pit.depth_map, 0.0)
+    made = ax.pcolormesh(1e3 * pit.places(), 1e3 * pit.axial_positions, depths, cmap=SCALE, shading="nearest",
                          vmin=min(0.0, float(depths.min())), rasterized=True, zorder=2)  # fmt: skip
     s, z = _shown(sheet)
     ax.set_xlim(1e3 * s[0], 1e3 * s[1])
@@ -215,7 +215,7 @@ def _panels(pit: Pit, taken: RollerPath | None) -> Iterator[Panel]:
     for number, place in enumerate(distinct_sections(pit)):
         made, name = cut(pit, place), "AB"[number]
         deepest, path = (float(np.max(values)) for values in (made.p, made.h))
-        depths = [deepest or float(pit.picture.max())]
+        depths = [deepest or float(pit.depth_map.max())]
         closer = [path, *([float(np.max(taken.depth_at(place)))] if taken else [])]
         depths += [CLOSER * low for far, low in pairwise([deepest, *closer]) if 0.0 < low < SHALLOW * far]
         shown = depths if number == 0 else depths[:1]

@@ -60,18 +60,18 @@ LOOK_S = 0.5
 class OtherRuns:
     """Jobs that other runs have sealed in a folder since this one began.
 
-    known: names of the units that were judged then. Of its own units a run begins no job that it has sealed.
+    judged: names of the units that were judged then. Of its own units a run begins no job that it has sealed.
     """
 
     root: Path
-    known: frozenset[str]
+    judged: frozenset[str]
     _jobs: set[str] = field(default_factory=set, init=False)
     _looked: float = field(default=-LOOK_S, init=False)
 
     def have(self, job: str) -> bool:
         """Check if another run has sealed a job, as seen at most LOOK_S ago."""
         if time.monotonic() - self._looked >= LOOK_S:
-            others = store.unit_names(self.root) - self.known
+            others = store.unit_names(self.root) - self.judged
             self._jobs = {name for unit in others for name in _jobs(store.unit_path(self.root, unit))}
             self._looked = time.monotonic()
         return job in self._jobs

@@ -40,9 +40,8 @@ class Discretisation:
             chosen = reference(cases[n]) if judges else computed(n, choice.candidate)
             other = recut(chosen, judges)
             trial = evidence.known.get(trials_of(evidence.study, n, chosen)[0].id)
-            if (
-                other is not None and trial is not None
-            ):  # with friction, the cheaper case without has the same nodes
+            # a case with friction is tried by the cheaper one without, which has the same nodes
+            if other is not None and trial is not None:
                 self.recuts[n] = Recut(chosen, stepped_alike(other[0], trial), other[1])
                 kinds[n] = choice.candidate, chosen.model, *(defect.shape for defect in chosen.defects)
         self.on_one = [

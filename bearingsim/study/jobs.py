@@ -70,12 +70,12 @@ class Variation:
 class Audit:
     """A job repeated with the reference model; ``of``: the id of the job that it checks.
 
-    healthy: its baseline, if it has one.
+    baseline: its healthy job, if it has one.
     """
 
     of: str
     job: Job
-    healthy: Job | None = None
+    baseline: Job | None = None
 
 
 class Chosen(NamedTuple):
@@ -140,7 +140,7 @@ class Study:
     def jobs(self) -> list[Job]:
         """List every job once: the cases, their healthy baselines, their variations, then the audits."""
         audited = () if self.selection is None else self.selection.audits
-        again = [job for audit in audited for job in (audit.job, audit.healthy) if job is not None]
+        again = [job for audit in audited for job in (audit.job, audit.baseline) if job is not None]
         return _each_once([*self._planned, *(variation.job for variation in self.variations()), *again])
 
     def planned(self) -> list[Job]:

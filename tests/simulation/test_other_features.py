@@ -134,7 +134,7 @@ def test_a_feature_that_cannot_be_computed_is_refused_first(function, monkeypatc
         refuse_features()
 
 
-def test_a_declared_feature_is_computed(monkeypatch) -> None:
+def test_a_declared_feature_is_accepted(monkeypatch) -> None:
     registered(monkeypatch, "mean")
     declared(monkeypatch)
     refuse_features()

@@ -8,11 +8,11 @@ from bearingsim.core.jit import generic
 
 
 class Steady(NamedTuple):
-    """The speed of ``Bearing.omega_i`` all along."""
+    """Constant speed ``Bearing.omega_i``."""
 
 
 class Ramp(NamedTuple):
-    """From the bearing's speed at t = 0 linearly to ``ratio`` times it at ``T`` (s), steady from there on."""
+    """Linear change of speed from ``Bearing.omega_i`` to ``ratio`` times it at ``T`` (s), then constant speed."""
 
     ratio: float
     T: float
@@ -20,10 +20,10 @@ class Ramp(NamedTuple):
 
 @generic
 def kinematic_time(motion: Any, t: float) -> tuple[float, float, float]:
-    """Return the time (s) in which the ring would have turned as far at its first speed; its rate and acceleration
-    (1/s).
+    """Return the equivalent time (s) at the initial speed, its first derivative (1) and its second (1/s).
 
-    So angles are omega_i times the first, speeds omega_i times the second; at a steady speed it is t, 1, 0.
+    In the equivalent time the ring would have turned as far at its initial speed. Angles are omega_i times
+    this time, speeds omega_i times its first derivative; at a steady speed the three are t, 1, 0.
     """
 
 
@@ -37,8 +37,8 @@ def _kinematic_time_ramp(motion, t):
     growth = (motion.ratio - 1.0) / motion.T
     on_ramp = min(t, motion.T)
     after = t - on_ramp
-    steep = growth if t < motion.T else 0.0
-    return on_ramp + 0.5 * growth * on_ramp * on_ramp + motion.ratio * after, 1.0 + growth * on_ramp, steep
+    acceleration = growth if t < motion.T else 0.0
+    return on_ramp + 0.5 * growth * on_ramp * on_ramp + motion.ratio * after, 1.0 + growth * on_ramp, acceleration
 
 
 def motion_of(model: Any) -> Any:

@@ -6,7 +6,7 @@ Sources: ISO 3448 (grades), ISO 2909 (viscosity index), ASTM D341 (viscosity ove
 
 from math import exp, log10
 
-GRADES = {  # ISO 3448: kinematic viscosity, mm2/s, at 40 C (its middle) and at 100 C with viscosity index 95
+GRADES = {  # kinematic viscosity, mm2/s: midpoint at 40 C (ISO 3448), at 100 C for viscosity index 95 (ISO 2909)
     2: (2.2, 0.98),
     3: (3.2, 1.26),
     5: (4.6, 1.60),
@@ -39,10 +39,10 @@ def iso_viscosity(grade: int, celsius: float) -> float:
 
     Walther's equation as in ASTM D341, log10 log10(nu + 0.7) = A - B log10 T, nu in mm2/s, T in K, through the
     grade's viscosity at 40 C and the one at 100 C that ISO 2909 (ASTM D2270, procedure A) gives the index 95 by
-    linear interpolation of its table. Under 2 mm2/s there is no index: the values of VG 2, 3 and 5 at 100 C go on
-    with the slope B of VG 7 and 10, and nu + 0.7 is 2 % short. An oil may differ from the middle of its grade by
-    10 %. Raises ValueError for other grades and outside -20 .. 150 C: colder, wax and the pour point make oils
-    depart from the straight line, hotter they do not last.
+    linear interpolation of its table. Below 2 mm2/s the index is undefined: the values of VG 2, 3 and 5 at 100 C
+    are extrapolated with the slope B of VG 7 and 10; the low-viscosity term of ASTM D341, left out, is 2 %. An oil
+    may differ from the middle of its grade by 10 %. Raises ValueError for other grades and outside -20 .. 150 C:
+    below, wax and the pour point make oils depart from the straight line; above, they oxidise.
     """
     if grade not in GRADES:
         raise ValueError(f"ISO VG {grade} is no grade of ISO 3448, which has {', '.join(map(str, GRADES))}")

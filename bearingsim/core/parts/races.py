@@ -203,20 +203,13 @@ def race_change(side, spin, omega_ring, roll, roll_v, orbit_v, ring, ring_v, y, 
     _, _, _, _, tilt = contact_rows(side)
     sigma = sign(side)
     for j in range(n):
-        n_r = y[frame + NORMAL + j]
-        n_t = y[frame + NORMAL + lay.ROW + j]
+        n_r, n_t = y[frame + NORMAL + j], y[frame + NORMAL + lay.ROW + j]
         rho = y[frame + RHO + j]
         across = y[frame + TANGENTIAL_V + j]
-        p_r = y[lay.D_POSITION_R + j]
-        p_t = y[lay.D_POSITION_T + j]
-        w_r = y[lay.D_VELOCITY_R + j]
-        w_t = y[lay.D_VELOCITY_T + j]
-        apart, defect, lean, f = (
-            y[base + RHO_V + j],
-            y[base + DEFECT_RADIUS + j],
-            y[base + NORMAL_SLOPE + j],
-            y[rubs + j],
-        )
+        p_r, p_t = y[lay.D_POSITION_R + j], y[lay.D_POSITION_T + j]
+        w_r, w_t = y[lay.D_VELOCITY_R + j], y[lay.D_VELOCITY_T + j]
+        apart, f = y[base + RHO_V + j], y[rubs + j]
+        defect, lean = y[base + DEFECT_RADIUS + j], y[base + NORMAL_SLOPE + j]
         cosine = y[base + NORMAL_COS + j]
         sine = y[base + NORMAL_SIN + j]
         arm = y[base + ROLLER_ARM + j]
