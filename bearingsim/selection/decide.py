@@ -62,7 +62,7 @@ class Choosing:
         missing = friction.trials()
         if not missing:
             missing = [trial for group in self._open(friction) for trial in self._next(group, evidence, friction)]
-        return once(missing) or self._nodes(evidence, friction).trials()
+        return once(missing) or self._nodes(evidence, self._models(evidence, friction)).trials()
 
     def _seen(self, trials: Known) -> tuple[Evidence, Friction]:
         """Return what trials tell of models, and of friction."""
@@ -73,7 +73,8 @@ class Choosing:
     def decide(self, trials: Known) -> Decision:
         """Choose, with what is known: a trial that is not counts as failed."""
         (evidence, friction), cases = self._seen(trials), self.study.cases()
-        choices, discretisation = self._models(evidence, friction), self._nodes(evidence, friction)
+        choices = self._models(evidence, friction)
+        discretisation = self._nodes(evidence, choices)
         for n in self.tried:
             choices[n] = replace(choices[n], nodes=discretisation.errors(n))
             if choices[n].candidate != WITH_FRICTION:
@@ -96,9 +97,8 @@ class Choosing:
         rubbing = {n: Choice(WITH_FRICTION, cases[n].model, why, {}) for n, why in friction.too_much.items()}
         return choices | rubbing
 
-    def _nodes(self, evidence: Evidence, friction: Friction) -> Discretisation:
+    def _nodes(self, evidence: Evidence, choices: Mapping[int, Choice]) -> Discretisation:
         """Return what trials tell of the discretisation of the choices."""
-        choices = self._models(evidence, friction)
         return Discretisation(evidence, self.drawn, choices, lambda n, name: self.able[name][n])
 
     def _open(self, friction: Friction) -> list[list[int]]:

@@ -51,11 +51,11 @@ class Discretisation:
         ]
 
     @cached_property
-    def tried(self) -> list[int]:
+    def tried(self) -> dict[int, None]:
         """The cases that are tried: the extremes of each curve, and those on none."""
         drawn = {n for curve in self.on_one for n in curve.cases}
         ends = [n for curve in self.on_one for n in extremes(curve, self.evidence.of_reference)]
-        return sorted({*ends, *(n for n in self.recuts if n not in drawn)})
+        return dict.fromkeys(sorted({*ends, *(n for n in self.recuts if n not in drawn)}))
 
     def trials(self) -> list[Trialled]:
         """Return the trials with other nodes that are still to be computed."""

@@ -23,7 +23,8 @@ from bearingsim.simulation.settling import refuse_unsettled, settled
 STEP_PARTS = (1.0, 0.5, 0.25, 0.125)
 """Fractions of the automatic step that are tried in turn; half the step goes with a tenth of the tolerance."""
 ADAPTIVE_MARGIN, IMPLICIT_MARGIN = 1.2, 2.0
-"""Safety factors on the estimated cost of adaptive and implicit methods, whose steps accuracy bounds."""
+"""Safety factors on the estimated cost of explicit adaptive methods, whose steps stability bounds, and of implicit
+ones, whose steps accuracy bounds."""
 
 
 class Choice(NamedTuple):

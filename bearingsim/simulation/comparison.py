@@ -86,10 +86,10 @@ def change_of_picks(picks: np.ndarray, reference: np.ndarray) -> float:
     Instants meet the flanks of an impact by chance, and another step moves these. Changes of single values may
     cancel in the sum by chance, so the change is at least their root sum of squares.
     """
-    power, before = ((series - np.mean(reference)) ** 2 for series in (reference, picks))
+    of_reference, of_picks = ((series - np.mean(reference)) ** 2 for series in (reference, picks))
     least = (QUIET_LINE * float(np.abs(reference).max(initial=0.0))) ** 2 * len(reference)
-    change = before - power
-    return float(0.5 * max(abs(change.sum()), np.linalg.norm(change)) / (max(power.sum(), least) or 1.0))
+    change = of_picks - of_reference
+    return float(0.5 * max(abs(change.sum()), np.linalg.norm(change)) / (max(of_reference.sum(), least) or 1.0))
 
 
 def amplitudes(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.ndarray:

@@ -16,10 +16,8 @@ from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.models.interface import harmonics, state_width
 
-SEARCH, REFINE = (
-    3,
-    24,
-)  # rounds of the power iteration: to detect a body four times faster; to converge to its rate
+# rounds of the power iteration: to detect a body four times faster; to converge to its rate
+SEARCH, REFINE = 3, 24
 SMALL = 1e-3  # of the approach at rest: a displacement in which the contacts are straight
 
 

@@ -206,7 +206,7 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
     own |= _check_features(checks_step, _kept(setup, raw), standard if checks_step.chaotic else unknown)
     own |= _start_features(start_errors(setup, raw, standard if by_chance else unknown))
     if case.step_check == "strict" and not (checks_step.chaotic or has_free_cage(case)):
-        _refuse_unsettled(case, max(own["error.start"], own["error.start.rms"]))
+        _refuse_start_error(case, max(own["error.start"], own["error.start.rms"]))
     others, reasons = of_extensions(case, instants, series)
     refuse_undeclared(own | others)
     return Record(
@@ -219,7 +219,7 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
     )
 
 
-def _refuse_unsettled(case: Case, error: float) -> None:
+def _refuse_start_error(case: Case, error: float) -> None:
     """Raise SimulationError if the start of a run changes its record by more than a strict check allows."""
     if error > step_check.ACCURACY:
         raise SimulationError(

@@ -167,10 +167,8 @@ def other_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, 
         for name, value in zip(LINES, values, strict=True):
             if name in OTHER_LINES:
                 A = value if resolved[name] else complex("nan")
-                columns[f"{quantity}@{name}"], columns[f"{quantity}@{name}.phase"] = (
-                    float(abs(A)),
-                    float(np.angle(A)),
-                )
+                columns[f"{quantity}@{name}"] = float(abs(A))
+                columns[f"{quantity}@{name}.phase"] = float(np.angle(A))
     return columns
 
 

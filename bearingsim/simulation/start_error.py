@@ -127,9 +127,10 @@ def _of_parts(case: Case, passes: Passes, rate: float, standard: StandardErrors)
 
 
 def error_of_largest(forces: np.ndarray, rollers: int, quarter: int) -> float:
-    """Estimate the relative standard error of the largest force (n,) of a record of chance.
+    """Estimate the relative standard error of the largest force of a record that scatters by chance.
 
-    rollers: passes in a turn of the cage; quarter: passes in a quarter of the record.
+    forces: (n,) largest outer force (N) of each ball pass; rollers: passes in a turn of the cage; quarter: passes
+    in a quarter of the record, at most n / PARTS.
 
     The maximum of a sample with an exponential tail has the standard deviation of its parts' maxima (Gumbel);
     that of a bounded tail has a smaller one. The parts are rollers: each keeps its place in its pocket for tens of

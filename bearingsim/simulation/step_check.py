@@ -50,7 +50,7 @@ CLOSE_TO_ORBIT = Closeness(1e-5, 1e-5, times=1)
 """Closeness of the finer run to a periodic motion; smaller changes count as none."""
 MOST_FINER_PASSES = 4, 16  # times those of the run, and some more: limit of the finer run
 FEW_PASSES = 120  # passes of the finer run up to which it may cost more than the run
-MAX_COST_RATIO = 4.0  # times the CPU time that half the step and a tenth of the tolerance may take
+MAX_COST_RATIO = 4.0  # times the CPU time of a run that its finer run may take
 
 
 @dataclass(frozen=True)

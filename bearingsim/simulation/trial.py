@@ -2,8 +2,8 @@
 
 A line's amplitude is the mean of a quantity under a window, and so is an RMS's square. Both are read over the
 whole trial, and over every two successive turns of the slowest pit (Hann's window over two turns removes the
-period of a turn). If the motion is chaotic, the difference of two
-models scatters between those.
+period of a turn). The difference of two models scatters between those if the motion is chaotic, and hardly at all
+if it is not.
 """
 
 from collections.abc import Iterable, Mapping, Sequence

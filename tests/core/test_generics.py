@@ -100,7 +100,7 @@ IN_PLACE_OF: dict[type, type] = {
 """Types that stand for nothing, and one of the family that each belongs to: some need no implementation at all."""
 
 EXCEPTIONS: list[tuple[tuple[Any, ...], Any, str]] = [
-    ((response_groups,), {Traced}, "its groups are made with its table, from paths: `pits/traced.py`"),
+    ((response_groups,), {Traced}, "its groups are made with its table, from paths: `defects/traced.py`"),
     ((section_of,), {Elliptical, Eased, Mirrored, Placed, Merged, Spall, Scanned}, "their paths are traced"),
     ((roller_at_defect,), {Impulse}, "it has no pits"),
     (
