@@ -129,7 +129,7 @@ speed-accuracy: install-dev
 faults: install-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/faults.py $(ONLY)
 
-# sizes of files and functions by room, and circles of imports: a report, no test
+# sizes of files and functions by package, and import cycles: a report, no test
 house: install-dev
 	$(BIN)/python benchmarks/house.py
 

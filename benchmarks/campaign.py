@@ -21,7 +21,7 @@ def table(
     measure: Callable[[Fields], NamedTuple],
     fixed: Iterable[Fields] = (),
 ) -> pd.DataFrame:
-    """Measure ``cases`` random scenes after the fixed ones; print each row, and write the table to ``--csv``.
+    """Measure ``cases`` scenes, the fixed ones first, the rest by chance; print and store each row in ``--csv``.
 
     A scene that fails is left out, and another is drawn for it. ``--cases`` and ``--seed`` (default 1) change
     the number and the scenes.

@@ -40,6 +40,11 @@ def modules(room: str) -> list[Path]:
     return sorted(package.glob("*.py") if room == TOP else (package / room).rglob("*.py"))
 
 
+def test_vague_names_are_recognised() -> None:
+    source = "found = 1\nfor one in x: pass\ndef f(given): pass\ntry: pass\nexcept E as said: pass\n"
+    assert len(list(vague_names(ast.parse(source)))) == 4
+
+
 def is_property(function: ast.FunctionDef) -> bool:
     """Check if a method is read like a field."""
     names = {ast.unparse(decorator).split("(")[0].split(".")[-1] for decorator in function.decorator_list}

@@ -78,7 +78,7 @@ DELTA_O, V_O, Q_O, DELTA_I, V_I, Q_I = rows(_FIRST + 5 * ROW, "m, m/s, N", "all"
 SLIP_O, SLIP_I, Q_P, DEFECT_FORCE_O, DEFECT_FORCE_I = rows(
     _FIRST + 11 * ROW, "m/s, m/s, N, N, N", "all", "evaluation"
 )
-# largest Q_O; part of the time over the step limit, and its largest value; largest Q_I and |Q_P|
+# largest Q_O; time without a break over the step limit, and its largest value; largest Q_I and |Q_P|
 Q_O_MAX, OVERRUN, OVERRUN_MAX, Q_I_MAX, Q_P_MAX = rows(_FIRST + 16 * ROW, "N, s, s, N, N", "all", "run")
 
 # WORK: rows of one evaluation of the model
@@ -186,7 +186,7 @@ ARROW_SIZE = CORNER_BLOCK + -(-MAX_SHARED * (MAX_SHARED + 2) // ROW) * ROW
 POSITION_JACOBIAN, VELOCITY_JACOBIAN, SYSTEM = declare(
     LOADED_ROLLERS + 11 * ROW,
     "1/s^2, 1/s, 1",
-    "linearise differences rollers",
+    "linearise differences ring rollers",
     "step",
     size=ARROW_SIZE,
     step=ARROW_SIZE,

@@ -92,7 +92,7 @@ def low_pass(fine, taps, out, begin, end):
 
 @jit
 def interpolate(fine, begin_fine, ratio, kernel, weights, out, begin, end):
-    """Interpolate values out[:, n] at places first + n ratio of ``fine`` (C, m), begin <= n < end.
+    """Interpolate values out[:, n] at places begin_fine + n ratio of ``fine`` (C, m), begin <= n < end.
 
     fine: has nothing above 0.15 of its rate; weights: (2 INTERPOLATION_REACH,) to work with. They are normalised,
     so a constant stays what it is.
@@ -112,7 +112,7 @@ def interpolate(fine, begin_fine, ratio, kernel, weights, out, begin, end):
 
 @jit
 def pick(raw, begin_fine, ratio, out, begin, end):
-    """Pick raw values between steps: out[:, n] at column first + n ratio of ``raw`` (C, m), begin <= n < end.
+    """Pick raw values between steps: out[:, n] at column begin_fine + n ratio of ``raw`` (C, m), begin <= n < end.
 
     Linear in between. ``out`` is the whole record: a slice of it would compile a second copy where it covers all.
     """

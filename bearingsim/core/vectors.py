@@ -32,7 +32,7 @@ FUSED: Any = ("contract",)  # a product may be fused with the addition to it, as
 def weighted_rows(
     builder: Any, y: Any, rows: list[Any], table: Any, shape: tuple[Any, Any], lane: Any
 ) -> list[Any]:
-    """Return for each of ``rows`` sum_i y[row + i] table[i, first:first + 8] as a vector.
+    """Return for each of ``rows`` sum_i y[row + i] table[i, lane:lane + 8] as a vector.
 
     y, table: pointers; all the rest integers.
     """
@@ -64,7 +64,7 @@ def put(builder: Any, y: Any, place: Any, vector: Any) -> None:
 
 
 def sum_harmonics(tables: np.ndarray, rows_c: tuple, rows_s: tuple, y: np.ndarray, lane: int, to: tuple) -> None:
-    """Set y[to + k] = sum_i y[row_c + i] tables[0, i, first + k] + y[row_s + i] tables[1, i, first + k].
+    """Set y[to + k] = sum_i y[row_c + i] tables[0, i, lane + k] + y[row_s + i] tables[1, i, lane + k].
 
     For k from 0 to 7, and for each row_c of ``rows_c``, row_s of ``rows_s``, ``to``: tuples of as many integers.
     tables: (2, n, m), in C order: cosines and sines.
@@ -78,7 +78,7 @@ def sum_harmonics(tables: np.ndarray, rows_c: tuple, rows_s: tuple, y: np.ndarra
 
 
 def sum_rollers(tables: np.ndarray, row: int, y: np.ndarray, lane: int, to: tuple) -> None:
-    """Set y[to[0] + k] = sum_j y[row + j] tables[0, j, first + k], and the same of to[1] and tables[1]."""
+    """Set y[to[0] + k] = sum_j y[row + j] tables[0, j, lane + k], and the same of to[1] and tables[1]."""
     n, lanes = tables.shape[1], slice(lane, lane + VECTOR_WIDTH)
     for table, place in zip(tables, to, strict=True):
         y[place : place + VECTOR_WIDTH] = y[row : row + n] @ table[:, lanes]

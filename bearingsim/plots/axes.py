@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
 
 
-ROW_IN = 2.7
+ROW_IN = 2.7  # height (inches) of a row of panels
 HEADROOM = 1.05  # upper limit of an axis from zero, times the largest value
 LABEL_LETTERS = 34  # of an axis label, in a line
 CAPTION_LINES = 4  # of a caption that fit below any figure
@@ -30,6 +30,7 @@ CAPTION_LINE_IN = 0.13  # height (inches) of each further line of a caption
 CHARACTER_IN = 0.066  # width of a letter of the legend
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
 RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec": "0.45", "mew": 1.0}
+"""Ring around a point that is one draw of a chaotic motion."""
 BAND_ALPHA = 0.18
 EVEN = 3.0  # below this ratio of limits a log axis gets linear ticks
 TICKS = ((6.0, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)), (200.0, (1.0, 2.0, 5.0)))

@@ -25,10 +25,10 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
     warned = [text for text in (*of_damping, *_assumptions(plan)) if text.startswith(damping.WARNING)]
     drawn = list(dict.fromkeys(name for figure in plan["figures"] for name in figure["y"]))
     within = plan["accuracy"]["within"] if plan.get("accuracy") else inf
-    flagged = chaos(own, drawn, min(store.NOTABLE, within / 2.0))
+    flagged = chaos(own, drawn, min(NOTABLE, within / 2.0))
     return Findings(
         withdrawn=tuple(withdrawals(plan, frame)),
-        held=(*(held(plan, frame) if plan.get("accuracy") else _step_errors(own)), *moved(plan, frame)),
+        held=(*(held(plan, frame) if plan.get("accuracy") else _largest_step_errors(own)), *moved(plan, frame)),
         warnings=(
             *warned,
             *flagged,
@@ -36,7 +36,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
             *unsettled(own),
             *without_value(info),
         ),
-        assumed=tuple(_assumed(plan, own)),
+        assumed=tuple(_assumption_names(plan, own)),
         details=(
             *promises(plan, frame),
             *repetitions(info),
@@ -46,7 +46,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
     )
 
 
-def _step_errors(own: "pd.DataFrame") -> Iterator[str]:
+def _largest_step_errors(own: "pd.DataFrame") -> Iterator[str]:
     """Yield the largest changes that a shorter step makes, over the jobs whose step was checked."""
     names = {"line": "the line", "rms": "RMS", "force": "the largest force"}
     errors = {text: own[f"features/step_error.{name}"].max() for name, text in names.items() if _has(own, name)}
@@ -59,7 +59,7 @@ def _has(own: "pd.DataFrame", name: str) -> bool:
     return f"features/step_error.{name}" in own and bool(own[f"features/step_error.{name}"].notna().any())
 
 
-def _assumed(plan: Mapping[str, Any], own: "pd.DataFrame") -> Iterator[str]:
+def _assumption_names(plan: Mapping[str, Any], own: "pd.DataFrame") -> Iterator[str]:
     """Yield the names of uncertain quantities that have a single value in the study."""
     varied = {variation["what"] for variation in plan.get("variations", ())}
     damped = "info/damping_time_s" in own and bool(own["info/damping_time_s"].notna().any())

@@ -31,8 +31,8 @@ from bearingsim.runner.progress import progress as shown_progress
 from bearingsim.runner.select import NoChoices, Stopped, selected
 from bearingsim.runner.stopping import ending, flag_for_workers
 from bearingsim.runner.summary import Interrupted, RunSummary
-from bearingsim.runner.tally import Plan, Tally, before_jobs, plan_of
-from bearingsim.runner.work import BEARINGSIM, Engine, OtherRuns, Outcome, Work, elsewhere, load
+from bearingsim.runner.tally import Plan, Tally, before_jobs, notes_on_others, plan_of
+from bearingsim.runner.work import BEARINGSIM, Engine, OtherRuns, Outcome, Work, load
 from bearingsim.text.patience import Patience, patient
 from bearingsim.text.terminal import say
 
@@ -126,7 +126,7 @@ def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, 
     status = frame["status"].loc[[job.id for job in ours]]
     if tally.full and (status == "missing").any():
         notes.insert(0, ended_early(tally.failed, wanted.max_failures))
-    all_notes = (*_notes(left_out, plan.held.damaged), *elsewhere(root, written, tally.elsewhere), *notes)
+    all_notes = (*_notes(left_out, plan.held.damaged), *notes_on_others(root, written, tally.elsewhere), *notes)
     summary = tally.summary(
         study.name, status, plan.resumed, seconds, interrupted, all_notes, findings(written, frame)
     )

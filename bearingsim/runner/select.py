@@ -24,8 +24,6 @@ from bearingsim.store.columns import Value
 from bearingsim.text.patience import patient
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from bearingsim.selection import Choice, Choices, Trialled
     from bearingsim.simulation.simulate import Record
     from bearingsim.simulation.trial import Trial
@@ -155,7 +153,7 @@ def _batches(todo: Sequence["Trialled"], workers: int) -> list[tuple["Trialled",
 
 
 def _compute(
-    root: Path, batch: tuple["Trialled", ...], engine: Engine, provenance: "Mapping[str, Value]"
+    root: Path, batch: tuple["Trialled", ...], engine: Engine, provenance: Mapping[str, Value]
 ) -> tuple[list[str], list[str]]:
     """Compute the trials of a batch; return the ids done and failed.
 

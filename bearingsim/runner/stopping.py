@@ -1,6 +1,7 @@
 """Early end of a run: at the first Ctrl-C, SIGTERM or SIGHUP the running jobs finish and are sealed.
 
 A second signal ends the process at once. A run that reaches its bounds ends like one that gets a first signal.
+The event that passes a request on to workers needs shared memory; errors of that are worded here.
 """
 
 import errno

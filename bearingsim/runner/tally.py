@@ -1,11 +1,11 @@
 """Totals of a run: jobs done before it, outcomes as they arrive, and the summary."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
 from bearingsim.runner.findings import findings
@@ -172,3 +172,18 @@ def finished(path: Path, out: Path | None, overrides: Mapping[str, str], quick: 
         notes=tuple(plan["notes"]),
         findings=findings(plan, frame),
     )
+
+
+def notes_on_others(root: Path, plan: Mapping[str, Any], count: int) -> Iterator[str]:
+    """Yield what other runs in the folder did meanwhile; plan: of this run; count: its jobs that they computed."""
+    if count:
+        jobs = f"{count} jobs were" if count > 1 else "1 job was"
+        yield f"{jobs} computed by another run in this folder meanwhile"
+    now = store.planned_jobs(root)
+    ours = {entry["job"] for entry in plan["jobs"]}
+    if now != ours:
+        lacking = f"lacks {len(ours - now)} of this run's {len(ours)} jobs" if ours - now else "has more jobs"
+        yield (
+            f"another run has replaced the plan of this folder meanwhile: its table {lacking}"
+            " (all results are kept: give this command again for the table of its plan)"
+        )

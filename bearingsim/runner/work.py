@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -60,7 +60,8 @@ LOOK_S = 0.5
 class OtherRuns:
     """Jobs that other runs have sealed in a folder since this one began.
 
-    judged: names of the units that were judged then. Of its own units a run begins no job that it has sealed.
+    judged: names of the units in the folder when the jobs were planned. A unit that this run seals later may be
+    read too: it begins none of those jobs again.
     """
 
     root: Path
@@ -227,18 +228,3 @@ def _jobs(path: Path) -> list[str]:
         return store.jobs_named(path)
     except store.DamagedUnit:
         return []
-
-
-def elsewhere(root: Path, plan: Mapping[str, Any], elsewhere: int) -> Iterator[str]:
-    """Yield what other runs in the folder did meanwhile; plan: of this run; elsewhere: number of their jobs."""
-    if elsewhere:
-        jobs = f"{elsewhere} jobs were" if elsewhere > 1 else "1 job was"
-        yield f"{jobs} computed by another run in this folder meanwhile"
-    now = store.planned_jobs(root)
-    ours = {entry["job"] for entry in plan["jobs"]}
-    if now != ours:
-        lacking = f"lacks {len(ours - now)} of this run's {len(ours)} jobs" if ours - now else "has more jobs"
-        yield (
-            f"another run has replaced the plan of this folder meanwhile: its table {lacking}"
-            " (all results are kept: give this command again for the table of its plan)"
-        )

@@ -167,7 +167,7 @@ class Study:
 
     @cached_property
     def assumptions(self) -> tuple[str, ...]:
-        """Assumptions that the study leaves open, and values out of a law's range, in words."""
+        """Assumptions made where the study says nothing, and values outside a law's range, in words."""
         from bearingsim.study.ranges import beyond, unheld  # imports the core, which takes a second
 
         drawn = [name for figure in self.figures for name in figure.y]

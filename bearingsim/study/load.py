@@ -20,7 +20,7 @@ from bearingsim.text import files_read
 from bearingsim.text.yamlfile import Node, Problem, StudyError, argument_mark, parse, problem, read_text
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", re.ASCII)
-PATHS = ("x", "by", "panels")
+PATH_KEYS = ("x", "by", "panels")
 """Keys of a figure whose values are paths of the study."""
 
 
@@ -184,7 +184,9 @@ def _renamed(node: Node, is_path: bool = False) -> Node:
         new = {key: _new_path(key) for key in node.value}
         # The case refuses a file that has both words.
         kept = {key: key if word in node.value else word for key, word in new.items()}
-        return replace(node, value={kept[key]: _renamed(inner, key in PATHS) for key, inner in node.value.items()})
+        return replace(
+            node, value={kept[key]: _renamed(inner, key in PATH_KEYS) for key, inner in node.value.items()}
+        )
     if isinstance(node.value, tuple):
         return replace(node, value=tuple(_renamed(inner, is_path) for inner in node.value))
     return replace(node, value=_new_path(node.value)) if is_path else node

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from bearingsim import store
-from bearingsim.runner import RunSummary, run, work
+from bearingsim.runner import RunSummary, run, tally, work
 from bearingsim.store import journal, marker, own_files, sealed
 from tests.scenes import fake_studies
 from tests.scenes.fake_studies import ENGINE, FakeStudy, case_id
@@ -80,7 +80,7 @@ def test_a_plan_that_is_gone_at_the_end_is_told(tmp_path: Path) -> None:
     compute(MM, tmp_path)
     plan = store.read_plan(tmp_path)
     (tmp_path / "plan.json").unlink()
-    assert "lacks 5 of this run's 5 jobs" in "".join(work.elsewhere(tmp_path, plan, 0))
+    assert "lacks 5 of this run's 5 jobs" in "".join(tally.notes_on_others(tmp_path, plan, 0))
 
 
 def test_what_another_run_has_just_set_aside_is_no_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

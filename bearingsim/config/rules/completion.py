@@ -1,8 +1,8 @@
-"""Completion of a case: values that it leaves open and that follow from the rest."""
+"""Completion of a case: values that it leaves open and that follow from the rest, and the slices of its roller."""
 
 import math
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from bearingsim import catalogue
 from bearingsim.config.case_fields import CaseFields
@@ -13,10 +13,6 @@ from bearingsim.config.sections.contact import Contact
 from bearingsim.config.sections.defect import EDGE_RADIUS, Defect, Edge
 from bearingsim.config.sections.machine import Rig
 from bearingsim.config.sections.ring import MAX_HARMONICS, RingLoad
-
-if TYPE_CHECKING:
-    from bearingsim.config.case_fields import CaseFields
-    from bearingsim.config.sections.defect import Defect
 
 
 def complete(case: CaseFields) -> None:
@@ -103,12 +99,12 @@ def _fill(case: CaseFields, name: str, value: object) -> None:
     object.__setattr__(case, name, value)
 
 
-def reach(defect: "Defect") -> tuple[float, float]:
+def reach(defect: Defect) -> tuple[float, float]:
     """Return the extent of a defect along the roller, m from its middle."""
     return defect.offset - defect.length / 2.0, defect.offset + defect.length / 2.0
 
 
-def slice_ends(case: "CaseFields") -> Any:
+def slice_ends(case: CaseFields) -> Any:
     """Return the ends (n + 1,) of the slices of the case's roller, m from its middle. ValueError if too many."""
     pits = tuple(map(reach, case.defects))
     return _slice_ends(float(case.bearing.roller_length or 0.0), pits, case.contact.slices)
@@ -123,7 +119,7 @@ def _slice_ends(length: float, pits: tuple[tuple[float, float], ...], count: int
     return edges
 
 
-def slice_count(case: "CaseFields") -> int | None:
+def slice_count(case: CaseFields) -> int | None:
     """Count the slices of the case's roller; None if its model has none, or for too many (then refused)."""
     if not catalogue.MODELS[case.model].sliced or case.bearing.roller_length is None:
         return None
@@ -133,7 +129,7 @@ def slice_count(case: "CaseFields") -> int | None:
         return None
 
 
-def by_slices(channel: str, case: "CaseFields") -> tuple[str, ...]:
+def by_slices(channel: str, case: CaseFields) -> tuple[str, ...]:
     """Expand a line load along the whole roller to one channel per slice, if the model has slices."""
     whole, count = line_load_of(channel), slice_count(case)
     if whole is None or count is None:

@@ -270,7 +270,7 @@ ALIKE: dict[str, Alike] = {
     "model": Alike(lambda case: catalogue.MODELS[case.model].repeats, "the model does not say that they are"),
     "cage": Alike(lambda case: case.cage is None or case.cage.motion == "kinematic", "the cage is free"),
 }
-"""By the fields of a case; what all others say is the same in each pass."""
+"""Conditions for equal ball passes, by field of a case; simulation/repetition.py adds those of the method."""
 
 
 def _until(case: "CaseFields") -> Iterator[Conflict]:

@@ -6,9 +6,8 @@ roller over the profile p(t) of the defect,
     h(s) = min over t of [ p(t) + (t - s)^2 / (2 R) ],
 
 s being the distance along rolling from the defect's middle, and 1/R the curvature of roller and race relative to
-each
-other: R = R_w R_o / (R_o - R_w) on the outer race, R_w R_i / (R_i + R_w) on the inner. For these three shapes the
-minimum has one closed form. With x = max(b - |s|, 0), the distance from the rim, split at x_e into
+each other: R = R_w R_o / (R_o - R_w) on the outer race, R_w R_i / (R_i + R_w) on the inner. For these three shapes
+the minimum has one closed form. With x = max(b - |s|, 0), the distance from the rim, split at x_e into
 x_1 = min(x, x_e) and x_2 = x - x_1,
 
     h = min(d, x_1^2 / (2 R) + x_1 x_2 / R - kappa x_2^2 / 2)

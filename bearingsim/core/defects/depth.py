@@ -289,12 +289,12 @@ def _extent_merged(merged):
 def _cuts_merged(merged):
     parts = [cut for defect in merged.defects for cut in cuts(defect)]
     ends = sorted({end for a, b, _ in parts for end in (a, b)})
-    bowls = []
+    stretches = []
     for a, b in pairwise(ends):
         over = [kind for low, high, kind in parts if low < (a + b) / 2.0 < high]
         if over:
-            bowls.append((a, b, max(over)))
-    return bowls
+            stretches.append((a, b, max(over)))
+    return stretches
 
 
 @section.register(Merged)
@@ -312,7 +312,7 @@ def _extent_scanned(scan):
 
 
 def _span(places: np.ndarray, there: np.ndarray) -> tuple[float, float]:
-    """Return the extent from the last place before to the first after those in the profile."""
+    """Return the extent from the last place before to the first after the places marked in ``there``."""
     k = np.flatnonzero(there)
     return float(places[max(k[0] - 1, 0)]), float(places[min(k[-1] + 1, len(places) - 1)])
 

@@ -97,7 +97,10 @@ def part_curvature(part, s, R):
 
 @jit
 def excess(left, right, s, R):
-    """Return h (m) over the left of two parts less h over the right, and its slope; h never falls."""
+    """Return h (m) over the left of two parts less h over the right, and its slope.
+
+    This excess never falls as s grows.
+    """
     h_1, slope_1 = drop_over_part(left, s, R)
     h_2, slope_2 = drop_over_part(right, s, R)
     return h_1 - h_2, slope_1 - slope_2
@@ -179,7 +182,7 @@ def _row(part: np.ndarray, s: float, R: float) -> tuple[float, float, float, flo
 
 
 def path_drop(path: Path, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return h (n,) m and its slope (n,) at ``s`` (n,) m: slow, but exact everywhere at once."""
+    """Return h (n,) m and its slope (n,) at ``s`` (n,) m; ``drop_at`` is the compiled form for one s."""
     if len(path.pieces) == 0:
         return np.zeros(len(s)), np.zeros(len(s))
     k = np.maximum(np.searchsorted(path.pieces[:, S], s) - 1, 0)

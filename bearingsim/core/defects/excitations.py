@@ -6,9 +6,9 @@ from the defect's middle a group of weight w carries
     w share elastic(delta - h(s))      (delta: approach of the contact to the undamaged race)
 
 and its approach grows more slowly by h'(s) ds/dt. An excitation is a type: it says what share and h are
-(``defect_response``) and what the columns of its groups mean (``response_groups``), except for W, the weight, and
-B, the half width (m) beyond which nothing is felt. The slope is nowhere more than min(B, X_E, sqrt(2 R DEPTH))/R:
-estimates of impact speed use that.
+(``defect_response``) and what the columns of its groups mean (``response_groups``), except for GROUP_WEIGHT and
+GROUP_HALF_WIDTH, the half width (m) beyond which the defect does not act. The slope is nowhere more than
+min(GROUP_HALF_WIDTH, X_E, sqrt(2 R DEPTH))/R: estimates of impact speed use that.
 
 Several of the published forms take the race as flat and let a ball sink by R_w - sqrt(R_w^2 - w^2/4). Here all use
 the radius R relative to the race, as the roller path does: for an NF308's outer race that is 15 % less, and the

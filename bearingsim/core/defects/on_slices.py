@@ -45,7 +45,7 @@ def roller_near_defect(model, d, t, y):
     """Return the roller nearest to pair ``d``, and the distance (m) of its angle in its pocket from the defect's
     middle.
 
-    What the angle of a slice, times the radius, adds to is that of each slice.
+    The distance of a slice is this plus the radius times the slice's angle (``slice_polar_position``).
     """
     b, head = model.bearing, model.defects.head[d]
     time, _, _ = kinematic_time(model.motion, t)

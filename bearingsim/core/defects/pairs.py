@@ -30,9 +30,8 @@ class RollerDefectPair(NamedTuple):
     the load line (on the inner race at t = 0), or from the roller's outermost point at t = 0; radius: of the
     surface that carries it (m); R: reduced radius of roller and race (m); groups: rows (w, b, x_e, kappa, depth);
     paths: of a traced defect, one for each group (``defects/traced.py``); cusp: place (m) of the sharpest
-    cusp;
-    span: the shortest way (m) over the defect or a part of it, 0 if from rim to rim; jumps: places (m) where the
-    force or its damping part jumps (``defects/jumps.py``).
+    cusp; span: the shortest way (m) over the defect or a part of it, 0 if from rim to rim; jumps: places (m) where
+    the force or its damping part jumps (``defects/jumps.py``).
     """
 
     side: int

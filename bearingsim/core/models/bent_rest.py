@@ -49,7 +49,8 @@ FROM, WAY, FORCE = declare(
 )
 # derivative of a contact's approach by each unknown, over PULL_C and PULL_S, which FORCE has taken up
 (PHI,) = declare(lay.PULL_C, "1", "bent-search", "start", size=2 * lay.ROW, step=0)
-MATRIX = lay.POSITION_JACOBIAN  # N/m, row by row; implicit methods have no bent ring
+# row by row; implicit methods have no bent ring
+(MATRIX,) = declare(lay.POSITION_JACOBIAN, "N/m", "bent bent-search", "start", size=lay.ARROW_SIZE, step=0)
 LONGEST_STEP = 1e-4  # m
 # of a contact's stiffness: added so that the step stays finite where a ring hangs on one roller
 UNSUPPORTED = 1e-8

@@ -30,7 +30,7 @@ from bearingsim.core.parts.bending import Bending, NoSprings, Stiff, bend, bend_
 (K_SERIES,) = lay.rows(lay.WORK, "N/m", "rest bent", "start")  # stiffness of a roller's two contacts in series
 # of the outer contact, and a row on of the inner: the roller-defect pair in which it stands (-1: none), and its
 # distance from the defect's middle
-PAIR, _, DISTANCE, _ = lay.rows(lay.WORK + lay.ROW, "1, 1, m, m", "rest bent", "start")
+PAIR, _, DISTANCE, _ = lay.rows(lay.WORK + lay.ROW, "1, 1, m, m", "rest bent ring", "evaluation")
 RESIDUAL = 1e-10  # of the load: residual of the search, well under the 1e-8 that a start may have
 MAX_STEPS = 200
 STEPS_A_LOOK = 16  # steps between two looks at the clock, and at the rounding

@@ -7,8 +7,7 @@
 
 (A defect of a roller counts in h at each of its contacts, sliding past at R_w omega_b.) The position of a roller
 is kept as its displacement q from the middle of the clearance, r = d_m/2 + q: 0.03 m would cost 2 of 16 digits.
-Left
-out: friction, tangential motion, tilt, the bending of the rings (that of the outer one may be kept:
+Left out: friction, tangential motion, tilt, the bending of the rings (that of the outer one may be kept:
 ``parts/bending.py``, which then takes w(theta_j) off delta_o and its rate off v_o).
 """
 

@@ -179,7 +179,7 @@ def moments(model, y, j):
 
 @jit
 def softened(model, s):
-    """Return the moments with the stiffness that is added to every roller's."""
+    """Return the sums of k, k zeta, k zeta^2 (N/m, N, N m) of the stiffness that is added to every roller's."""
     moment, moment_2, count = 0.0, 0.0, len(model.slices.table)
     for k in range(count):
         zeta = model.slices.table[k, ZETA]

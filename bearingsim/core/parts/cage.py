@@ -143,8 +143,10 @@ def _land_contact_rollers(guide, omega_cage, omega_i, y):
 
 @land_contact.register(RingGuided)
 def _land_contact_ring(guide, omega_cage, omega_i, y):
-    """Bring cage and ring in contact where the cage is off the ring's centre by the play; the point moves with
-    the offset."""
+    """Compute the contact of cage and ring, where the cage is off the ring's centre by more than the play.
+
+    The point of contact moves with the offset.
+    """
     o, i = guide.outer, 1.0 - guide.outer
     x = y[lay.POSITION + lay.X_C] - o * y[lay.POSITION + lay.X] - i * y[lay.POSITION + lay.X_I]
     z = y[lay.POSITION + lay.Y_C] - o * y[lay.POSITION + lay.Y] - i * y[lay.POSITION + lay.Y_I]

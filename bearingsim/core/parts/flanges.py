@@ -92,7 +92,7 @@ def any_near_flange(side, flanges, model, ring, y, n):
 
 @jit
 def side_flanges(side, flanges, minus, plus, model, ring, y, n):
-    """Return the flanges of one ring."""
+    """Add the forces of the flanges of one ring."""
     if minus > 0.0:
         flange_force(side, flanges, model, ring, -1.0, y, n)
     if plus > 0.0:

@@ -96,7 +96,7 @@ def spring_per_mass(part: Any) -> float:
 
 @generic(absent=0.0)
 def damper_per_mass(part: Any) -> float:
-    """Return the damping over mass (1/s) of its damper."""
+    """Return the damping over mass (1/s) of the damper of a shaft or a bracket."""
 
 
 @spring_per_mass.register(ElasticShaft)

@@ -1,4 +1,4 @@
-"""Imported before the core: a cache apart from the user's, for what is compiled for types of a benchmark's own.
+"""Imported before the core: a cache apart from the user's, for what is compiled for types of a script's own.
 
 Whoever reads compiled code must be able to import all types that it was compiled for.
 """

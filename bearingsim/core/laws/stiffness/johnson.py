@@ -26,7 +26,10 @@ from bearingsim.core.laws.stiffness.series import series_share, series_share_by_
 
 
 def exact(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return x and dx/dy at each ``y``: Newton on w - ln w = -1 - ln y, where w = y/x = -(ln x + 1) > 1."""
+    """Return x (n,) and dx/dy (n,), dimensionless, at each ``y`` (n,).
+
+    By Newton's method on w - ln w = -1 - ln y, where w = y/x = -(ln x + 1) > 1.
+    """
     right = -1.0 - np.log(y)
     w = right + np.log(right)
     for _ in range(8):
@@ -66,7 +69,7 @@ class Johnson(NamedTuple):
     add Q' ln 2/(pi E*), some 5 %.
 
     Plane strain: no end effects. The bracket must exceed 1, which it does for delta < 0.5 dR; the tabulated curve
-    (``johnson_curve.py``) is within 1e-9 of the formula for 6e-11 dR < delta < 0.06 dR,
+    (``TABLE``) is within 1e-9 of the formula for 6e-11 dR < delta < 0.06 dR,
     beyond that extended smoothly.
     """
 
@@ -115,8 +118,9 @@ def _series_share(outer, inner, delta):
 
 @series_share_with_johnson.register(Johnson)
 def _share_alike(inner, outer, delta):
-    """Return a third for two in series: with P = force/length, delta = Q (1/P_o + 1/P_i) [ln(F/Q) - 1].
+    """Treat two contacts in series as a third of this law.
 
+    With P = force/length, delta = Q (1/P_o + 1/P_i) [ln(F/Q) - 1].
     ln F is the mean of ln F_o and ln F_i weighted by 1/P; then part = Q/P_i [ln(F_i/Q) - 1].
     """
     P_o, P_i = outer.force / outer.length, inner.force / inner.length
