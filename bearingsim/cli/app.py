@@ -16,7 +16,7 @@ from bearingsim.cli import streams
 from bearingsim.cli.group import Commands
 from bearingsim.cli.opening import job_meant, near, reading
 from bearingsim.cli.opening import opened as opened_results
-from bearingsim.errors import Signalled
+from bearingsim.interruption import interrupt
 from bearingsim.text.patience import patient
 from bearingsim.text.terminal import say
 
@@ -53,19 +53,15 @@ def main() -> None:
     streams.prepare()
     os.environ.pop("MPLBACKEND", None)  # set by notebooks; figures are files, and that backend may be missing
     blas_threads.take_one()
-    for name in ("SIGTERM", "SIGHUP"):
-        if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) == signal.SIG_DFL:
-            signal.signal(getattr(signal, name), _end)
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) is not signal.SIG_IGN:
+            signal.signal(getattr(signal, name), interrupt)
     try:
         app()
     finally:
         gc.freeze()  # exempts all objects from the last collection, which would take 0.5 s of CPU time
-        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        if signal.getsignal(signal.SIGINT) is interrupt:
             signal.signal(signal.SIGINT, signal.SIG_DFL)  # the interpreter is ending: no handler runs any more
-
-
-def _end(number: int, frame: object) -> None:
-    raise Signalled(number)
 
 
 def _version(requested: bool) -> None:

@@ -21,6 +21,7 @@ from distributed.comm.addressing import parse_address, parse_host_port
 from distributed.security import Security
 
 from bearingsim.errors import UserError
+from bearingsim.interruption import raise_lost
 
 if TYPE_CHECKING:
     from distributed import Scheduler
@@ -144,6 +145,7 @@ def client_of(address: str) -> Iterator[Client]:
 
 
 def _joined(address: str) -> Client:
+    raise_lost()  # lost while distributed was imported, perhaps: this wait is the first long one
     end = time.monotonic() + JOINING_S
     try:
         within(JOINING_S, partial(refuse_strangers, address, GREETING_S))

@@ -13,6 +13,7 @@ from types import FrameType
 from typing import Any
 
 from bearingsim.errors import Signalled, UserError
+from bearingsim.interruption import raise_lost
 from bearingsim.text.terminal import say
 
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
@@ -60,6 +61,7 @@ def heeding() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
+    raise_lost()
     with _handling(_ask):
         try:
             yield
