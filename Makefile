@@ -21,7 +21,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start largest-force flags nodes friction compiler-gains house $(CAMPAIGNS)
+.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start largest-force flags nodes friction compiler-gains house mutants $(CAMPAIGNS)
 
 help:
 	@sed -n '1,8s/^# //p' Makefile
@@ -128,6 +128,10 @@ speed-accuracy: install-dev
 # is anything lost when a disk is full, a bit flips, a process ends? As root also on small disks
 faults: install-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/faults.py $(ONLY)
+
+# 40 changes of the program, drawn by seed: do tests notice? Writes docs/data/mutants.csv. Up to an hour
+mutants: install-dev
+	$(BIN)/python -m benchmarks.mutants --csv docs/data/mutants.csv $(ARGS)
 
 # sizes of files and functions by package, and import cycles: a report, no test
 house: install-dev

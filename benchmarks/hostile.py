@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 from typer.testing import CliRunner
 
-from benchmarks import malformed, mutants
+from benchmarks import altered_studies, malformed
 
 MOST_CPU, MOST_MEMORY = 2.0, 300e6
 """s and bytes of a file that is refused."""
@@ -130,7 +130,7 @@ def main() -> int:
     folder = asked.out.resolve() / "files"
     folder.mkdir(parents=True)
     files = [("malformed", *one) for one in malformed.malformed(folder)]
-    files += [("mutants", *one) for one in mutants.mutants(folder, asked.mutants, asked.seed)]
+    files += [("mutants", *one) for one in altered_studies.mutants(folder, asked.mutants, asked.seed)]
     random = Random(asked.seed)
     rows, misses = [], 0
     in_here("check", str(HOME / "studies" / "slip.yaml"))  # what is imported once counts for none

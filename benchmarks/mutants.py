@@ -1,134 +1,245 @@
-"""Seeded changes of study files, letter by letter, line by line, value by value: most are no study any more."""
+"""Test the tests: is a change of the program noticed by the tests of its own or a neighbouring package?
 
+    python -m benchmarks.mutants [--seed 1] [--count 40] [--only 3,17] [--csv docs/data/mutants.csv]
+
+Each mutant is one change of a module's syntax tree, drawn from ``--seed``, in a copy of the source tree (in
+results/mutants, at a fixed path: numba's cache depends on it, and stays warm). It counts as killed if a test
+fails within ``LIMIT_S``; test files that name the module run first. At the end all tests that failed must pass
+without a mutant.
+
+mutmut switches between mutants inside the functions that it rewrites, so it leaves out constants of a module and
+decorated functions, and draws no sample; cosmic-ray changes files in place, runs one command for all modules,
+deletes no statements, and needs a filter for the sample. Both would need the copy, the order of the tests and the
+limit besides, which are most of this file.
+"""
+
+import argparse
+import ast
+import os
+import random
 import re
-from collections.abc import Iterator
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterable, Iterator
+from copy import deepcopy
+from itertools import chain, islice
+from math import inf
 from pathlib import Path
-from random import Random
+from typing import Any, NamedTuple
 
-from benchmarks.malformed import with_
+import pandas as pd
 
 HOME = Path(__file__).resolve().parents[1]
-UNITS = ["N", "kN", "mm", "um", "m", "rpm", "Hz", "kHz", "s", "ms", "us", "deg", "rad", "N/m", "kg", "%", "GPa"]
-SYNTAX = (
-    *(
-        "[",
-        "]",
-        "{",
-        "}",
-        "&a ",
-        "*a",
-        "!",
-        "!!int ",
-        "|",
-        ">",
-        "'",
-        '"',
-        "%",
-        "@",
-        "`",
-        ": ",
-        "- ",
-        "#",
-        "?",
-        ",",
-    ),
-    *("<<: ", "\t", "\n", "---\n", "...", "~", "\\", "=", "\u00b5", "\u2028", "\ufeff"),
-)
-NUMBER = re.compile(rb"-?\d+\.?\d*(e-?\d+)?")
-VALUE = re.compile(rb"(?<=: )[^\n#,{}\[\]]+")
-UNIT = re.compile(rb"(?<=\d )(N s/m|N/m|[A-Za-z%]+)")
+COPY = HOME / "results" / "mutants"
+LIMIT_S = 150.0
+"""Longest wall time, in s, of the tests of a mutant."""
+MODULES = {
+    "selection/decide.py": ("selection", "study"),
+    "simulation/choice.py": ("simulation", "cli"),
+    "simulation/repetition.py": ("simulation", "store"),
+    "simulation/integration.py": ("simulation", "store"),
+    "store/table.py": ("store", "cli"),
+    "study/plan.py": ("study", "cli"),
+    "cli/plan.py": ("cli", "study"),
+}
+"""Folders of the tests of each module: of its own package, then of a neighbouring one."""
+
+OPPOSITE: dict[type, type] = {
+    ast.Lt: ast.GtE,
+    ast.GtE: ast.Lt,
+    ast.Gt: ast.LtE,
+    ast.LtE: ast.Gt,
+    ast.Eq: ast.NotEq,
+    ast.NotEq: ast.Eq,
+    ast.Is: ast.IsNot,
+    ast.IsNot: ast.Is,
+    ast.In: ast.NotIn,
+    ast.NotIn: ast.In,
+}
+BOUNDARY: dict[type, type] = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt}
+ARITHMETIC: dict[type, type] = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 
 
-def flip(text: bytes, random: Random) -> bytes:
-    """Some bits are turned."""
-    found = bytearray(text)
-    for _ in range(random.choice((1, 1, 2, 8))):
-        found[random.randrange(len(found))] ^= 1 << random.randrange(8)
-    return bytes(found)
+class Mutant(NamedTuple):
+    """Change of the node at place ``node`` of a walk through the tree of ``module``."""
+
+    module: str
+    node: int
+    kind: str
+    new: ast.AST
 
 
-def cut(text: bytes, random: Random) -> bytes:
-    """Some bytes are gone."""
-    start = random.randrange(len(text))
-    return text[:start] + text[start + random.choice((1, 1, 3, 30, len(text))) :]
+class Outcome(NamedTuple):
+    """Row of the table: the change, the first test that failed ("" if none), and the wall time of all (s)."""
+
+    number: int
+    module: str
+    line: int
+    kind: str
+    before: str
+    after: str
+    killed_by: str
+    seconds: float
 
 
-def line(text: bytes, random: Random) -> bytes:
-    """A line is there twice, or missing, or elsewhere."""
-    lines = text.splitlines(keepends=True)
-    one = random.choice(lines)
-    if random.random() < 0.5:
-        lines.remove(one)
-    if random.random() < 0.7:
-        lines.insert(random.randrange(len(lines) + 1), one)
-    return b"".join(lines)
+def changes(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
+    """Yield the changes of a node: a word for the kind, and the new node."""
+    match node:
+        case ast.Compare(left=left, ops=[operator], comparators=comparators):
+            yield "comparison flipped", ast.Compare(left, [OPPOSITE[type(operator)]()], comparators)
+            if type(operator) in BOUNDARY:
+                yield "boundary", ast.Compare(left, [BOUNDARY[type(operator)]()], comparators)
+        case ast.Constant(value=bool(value)):
+            yield "constant", ast.Constant(not value)
+        case ast.Constant(value=int(value)):
+            yield "constant", ast.Constant(value + 1)
+        case ast.Constant(value=float(value)):
+            yield "constant", ast.Constant(2.0 * value or 1.0)
+        case ast.BoolOp(op=operator, values=values):
+            yield "and/or", ast.BoolOp(ast.Or() if isinstance(operator, ast.And) else ast.And(), values)
+        case ast.BinOp(left=left, op=operator, right=right) if type(operator) in ARITHMETIC:
+            yield "arithmetic", ast.BinOp(left, ARITHMETIC[type(operator)](), right)
+        case ast.Return(value=ast.expr()):
+            yield "return value", ast.Return(ast.Constant(None))
+        case ast.If() | ast.IfExp() | ast.While():
+            altered = deepcopy(node)
+            altered.test = ast.UnaryOp(ast.Not(), altered.test)
+            yield "condition negated", altered
+        case ast.Expr(value=ast.Call()) | ast.AugAssign() | ast.Raise() | ast.Continue() | ast.Break():
+            yield "statement deleted", ast.Pass()
+        case ast.Assign(targets=[target], value=value) if is_bound_before(target, value):
+            yield "statement deleted", ast.Pass()
 
 
-def swapped(pattern: re.Pattern[bytes], text: bytes, random: Random, other: bytes | None = None) -> bytes:
-    """What a pattern finds at one place, put at another; or ``other`` put there."""
-    found = list(pattern.finditer(text))
-    if not found:
-        return flip(text, random)
-    there = random.choice(found)
-    new = random.choice(found)[0] if other is None else other
-    return text[: there.start()] + new + text[there.end() :]
+def is_bound_before(target: ast.expr, value: ast.expr) -> bool:
+    """Check if a target has a value before its assignment, without which the module would not even run."""
+    if isinstance(target, ast.Name):
+        return any(isinstance(name, ast.Name) and name.id == target.id for name in ast.walk(value))
+    return isinstance(target, ast.Attribute | ast.Subscript)
 
 
-def value(text: bytes, random: Random) -> bytes:
-    """A value stands where another was."""
-    return swapped(VALUE, text, random)
+def nodes(tree: ast.AST) -> Iterator[ast.AST]:
+    """Yield the nodes of a tree that are executed in a run: no annotations, decorators or imports for types."""
+    yield tree
+    for name, value in ast.iter_fields(tree):
+        if name in ("annotation", "returns", "decorator_list"):
+            continue
+        for child in value if isinstance(value, list) else [value]:
+            is_for_types = isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING"
+            if isinstance(child, ast.AST) and not is_for_types:
+                yield from nodes(child)
 
 
-def unit(text: bytes, random: Random) -> bytes:
-    """A value has another unit."""
-    return swapped(UNIT, text, random, random.choice(UNITS).encode())
+def drawn(seed: int, count: int) -> list[Mutant]:
+    """Draw mutants, from the modules in turn."""
+    chance, of_modules = random.Random(seed), []
+    for module in MODULES:
+        numbered = enumerate(nodes(parsed(module)))
+        mutants = [Mutant(module, n, *change) for n, node in numbered for change in changes(node)]
+        chance.shuffle(mutants)
+        of_modules.append(mutants)
+    return list(islice(chain.from_iterable(zip(*of_modules, strict=False)), count))
 
 
-def number(text: bytes, random: Random) -> bytes:
-    """A number is another, or none."""
-    odd = ("0", "-1", "1e9", "1e-9", "1e300", "1e400", "nan", "inf", "9" * 300, "", "1,5", "0x1", "1e", ".", "007")
-    return swapped(NUMBER, text, random, random.choice(odd).encode())
+def parsed(module: str) -> ast.Module:
+    """Parse a module of the package."""
+    return ast.parse((HOME / "bearingsim" / module).read_text())
 
 
-def syntax(text: bytes, random: Random) -> bytes:
-    """Marks of YAML are put in."""
-    for _ in range(random.choice((1, 1, 2, 5))):
-        start = random.randrange(len(text))
-        text = text[:start] + random.choice(SYNTAX).encode() * random.choice((1, 1, 1, 40)) + text[start:]
-    return text
+def files(module: str) -> tuple[list[str], list[str], list[str]]:
+    """List the test files that name a module, the others of its package, and those of its neighbour."""
+    own, neighbour = (sorted((COPY / "tests" / name).glob("test_*.py")) for name in MODULES[module])
+    word = re.compile(rf"\b{Path(module).stem}\b")
+    of_its_name = f"test_{Path(module).name}"
+    own.sort(key=lambda path: path.name != of_its_name)
+    naming = [str(path) for path in own if word.search(path.read_text())]
+    return naming, [str(path) for path in own if str(path) not in naming], [str(path) for path in neighbour]
 
 
-def twice(text: bytes, random: Random) -> bytes:
-    """A part of the file is repeated."""
-    start = random.randrange(len(text))
-    part = text[start : start + random.randrange(1, 200)]
-    return text[:start] + part * random.choice((2, 2, 20)) + text[start:]
+def stages(module: str) -> Iterator[list[str]]:
+    """Yield the arguments of pytest in turn."""
+    return ([*paths, "-m", mark] for paths in files(module) if paths for mark in ("not slow", "slow"))
 
 
-CHANGES = (flip, cut, line, value, unit, number, syntax, twice)
-KINDS = {"bearings": "bearing", "rigs": "rig"}
-"""How a study names a file of `configs/`."""
+def failing(stages: Iterable[list[str]], limit_s: float = inf) -> str:
+    """Run pytest in the copy with the arguments of each stage; return the first test that fails, "" if none does.
+
+    Tests that have not ended after ``limit_s`` of wall time in all have not failed.
+    """
+    ends, environment = time.monotonic() + limit_s, os.environ | {"CI": "1", "PYTHONDONTWRITEBYTECODE": "1"}
+    for arguments in stages:
+        command = [sys.executable, "-m", "pytest", "-x", "-q", "-rfE", "-p", "no:cacheprovider", *arguments]
+        pipes: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+        tests = subprocess.Popen(command, cwd=COPY, env=environment, start_new_session=True, **pipes)
+        try:
+            said, _ = tests.communicate(timeout=None if ends == inf else max(ends - time.monotonic(), 0.0))
+        except subprocess.TimeoutExpired:
+            os.killpg(tests.pid, signal.SIGKILL)
+            tests.communicate()
+            return ""
+        if tests.returncode not in (0, 5):  # 5: no test has this mark
+            test = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", said, re.MULTILINE)
+            return test[1] if test else said.strip().splitlines()[-1]
+    return ""
 
 
-def mutants(folder: Path, count: int, seed: int) -> Iterator[tuple[str, Path]]:
-    """Seeded mutants of the shipped files, and what was changed; a config's is named by a study of its own."""
-    random = Random(seed)
-    files = sorted([*HOME.glob("studies/*.yaml"), *HOME.glob("configs/*/*.yaml")])
-    for n in range(count):
-        source, change = random.choice(files), CHANGES[n % len(CHANGES)]
-        text = change(source.read_bytes(), random)
-        path = folder / f"mutant-{n}.yaml"
-        path.write_bytes(text)
-        kind = source.parent.name
-        if kind != "studies":
-            says = with_(f"{KINDS[kind]}: {path}") if kind in KINDS else of_material(path)
-            path = folder / f"names-mutant-{n}.yaml"
-            path.write_text(says)
-        yield f"{change.__name__} {kind} {source.stem}", path
+def tested(number: int, mutant: Mutant) -> Outcome:
+    """Write a mutant into the copy, and test it."""
+    module, tree = COPY / "bearingsim" / mutant.module, parsed(mutant.module)
+    old = list(nodes(tree))[mutant.node]
+
+    class Change(ast.NodeTransformer):
+        def visit(self, node: ast.AST) -> ast.AST:
+            return mutant.new if node is old else self.generic_visit(node)
+
+    source = module.read_bytes()
+    module.write_text(ast.unparse(ast.fix_missing_locations(Change().visit(tree))))
+    began = time.monotonic()
+    try:
+        test = failing(stages(mutant.module), LIMIT_S)
+    finally:
+        module.write_bytes(source)
+    seconds = round(time.monotonic() - began, 1)
+    before, after = (" ".join(ast.unparse(node).split())[:100] for node in (old, mutant.new))
+    return Outcome(number, mutant.module, getattr(old, "lineno", 0), mutant.kind, before, after, test, seconds)
 
 
-def of_material(path: Path) -> str:
-    """A study whose bearing is of another material."""
-    bearing = (HOME / "configs" / "bearings" / "nf308.yaml").read_text().replace("steel", str(path))
-    indented = "".join(f"  {text}\n" for text in bearing.splitlines() if not text.startswith("#"))
-    return with_("bearing:") + indented
+def copy() -> None:
+    """Copy the tree anew, with the times of its files, by which numba knows them."""
+    shutil.rmtree(COPY, ignore_errors=True)
+    left_out = shutil.ignore_patterns(".*", "results", "__pycache__")
+    shutil.copytree(HOME, COPY, ignore=left_out)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--count", type=int, default=40)
+    parser.add_argument("--only", type=lambda text: set(map(int, text.split(","))), help="numbers of mutants")
+    parser.add_argument("--csv", type=Path)
+    options = parser.parse_args()
+    copy()
+    chosen = [
+        (number, mutant)
+        for number, mutant in enumerate(drawn(options.seed, options.count), 1)
+        if not options.only or number in options.only
+    ]
+    rows = []
+    for number, mutant in chosen:
+        rows.append(tested(number, mutant))
+        print(*rows[-1], sep="  ", flush=True)
+    killers = sorted({row.killed_by for row in rows if row.killed_by})
+    print(f"{sum(bool(row.killed_by) for row in rows)} of {len(rows)} mutants are killed")
+    if options.csv:
+        pd.DataFrame(rows).to_csv(options.csv, index=False, lineterminator="\n")
+    if killers and (test := failing([killers])):
+        print(f"{test} fails without a mutant, too")
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

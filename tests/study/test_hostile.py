@@ -10,7 +10,7 @@ import pytest
 from bearingsim.study import StudyError, diagnose, load_study, plan
 from bearingsim.text import yamlfile
 from bearingsim.text.yamlfile import LONGEST_ECHO, LONGEST_LINE, MAX_LETTERS, MAX_TOLD
-from benchmarks import check_limits, crossed_blocks, hostile, malformed, mutants
+from benchmarks import altered_studies, check_limits, crossed_blocks, hostile, malformed
 from tests.conftest import Write
 
 SLOWLY = hostile.Limits(cpu=60.0, memory=inf)  # of a slow machine: here it counts that there is an end
@@ -50,7 +50,7 @@ def test_a_bomb_and_a_device_end_in_a_process_of_their_own(tmp_path: Path) -> No
 def test_mutants_load_or_are_refused(tmp_path: Path, seed: int) -> None:
     """Nothing else comes of them: neither another error, nor a message without a place."""
     refused = 0
-    for _, path in mutants.mutants(tmp_path, 80, seed):
+    for _, path in altered_studies.mutants(tmp_path, 80, seed):
         with suppress(StudyError):
             load_study(path)
             continue
@@ -61,7 +61,7 @@ def test_mutants_load_or_are_refused(tmp_path: Path, seed: int) -> None:
 
 def test_mutants_are_those_of_their_seed(tmp_path: Path) -> None:
     def texts(seed: int) -> list[bytes]:
-        return [path.read_bytes() for _, path in mutants.mutants(tmp_path, 20, seed)]
+        return [path.read_bytes() for _, path in altered_studies.mutants(tmp_path, 20, seed)]
 
     assert texts(3) == texts(3) != texts(4)
 
