@@ -39,6 +39,7 @@ def test_a_case_that_repeats_itself_is_computed_to_the_end() -> None:
         for name, value in whole.features.items()
     ]
     assert all(same)
+    assert record.series.keys() == whole.series.keys() != set()
     assert all((record.series[name] == series).all() for name, series in whole.series.items())
     assert abs(found.lines["velocity@BPFO"][0]) == pytest.approx(whole.features["velocity@BPFO"], rel=1e-3)
     assert found.forces.max() == pytest.approx(whole.features["outer_force.max"], rel=1e-6)
