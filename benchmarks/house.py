@@ -1,4 +1,4 @@
-"""Report of the source by room: sizes of files and functions, circles of imports (``make house``). No test.
+"""Report of the source by package: sizes of files and functions, circles of imports (``make house``). No test.
 
     python benchmarks/house.py              # of this tree
     python benchmarks/house.py ../older     # of another checkout
@@ -23,8 +23,8 @@ PACKAGE = "bearingsim"
 OTHERS = ("benchmarks", "tests", "docs")
 
 
-def room(path: Path) -> str:
-    """Return the room of a source file: the folder in the package, of the core one level deeper."""
+def package_of(path: Path) -> str:
+    """Return the package of a source file by its folder; of the core, the subpackage."""
     folders = path.parent.parts
     if folders[0] != PACKAGE:
         return folders[0]
@@ -91,19 +91,19 @@ def circles(imports: dict[str, set[str]]) -> list[list[str]]:
 
 def report(root: Path) -> Iterator[str]:
     """Yield the lines of the report on a checkout."""
-    rooms: dict[str, Counter[str]] = defaultdict(Counter)
+    packages: dict[str, Counter[str]] = defaultdict(Counter)
     trees, long = {}, []
     for path in sorted(path for top in (PACKAGE, *OTHERS) for path in (root / top).rglob("*.py")):
         place, source = path.relative_to(root), path.read_text(encoding="utf-8")
         tree = ast.parse(source)
-        rooms[room(place)] += count(source, tree)
+        packages[package_of(place)] += count(source, tree)
         long += [f"{place}: {name} {length}" for name, length in functions(tree) if length > LONG]
         if place.parts[0] == PACKAGE and place != Path(PACKAGE, "__init__.py"):
             trees[".".join(place.with_suffix("").parts).removesuffix(".__init__")] = tree
     loops = circles({name: imported(tree, trees) for name, tree in trees.items()})
-    rooms[PACKAGE] = sum((rooms[name] for name in rooms if name not in OTHERS), Counter())
-    yield f"{'room':18}" + "".join(f"{name:>10}" for name in COUNTED) + f"{'blank+import':>14}"
-    for name, sizes in rooms.items():
+    packages[PACKAGE] = sum((packages[name] for name in packages if name not in OTHERS), Counter())
+    yield f"{'package':18}" + "".join(f"{name:>10}" for name in COUNTED) + f"{'blank+import':>14}"
+    for name, sizes in packages.items():
         share = 100.0 * (sizes["blank"] + sizes["import"]) / (sizes["lines"] or 1)
         yield f"{name:18}" + "".join(f"{sizes[column]:>10}" for column in COUNTED) + f"{share:>12.1f} %"
     yield f"\nfunctions over {LONG} lines: {len(long)}\n" + "".join(f"  {line}\n" for line in long)
