@@ -32,7 +32,7 @@ class Model:
         return "forces" in self.abilities
 
     @property
-    def takes_pits(self) -> bool:
+    def takes_defects(self) -> bool:
         """True if the rollers roll over defects; otherwise a defect is a series of impulses in time."""
         return "shapes" in self.abilities
 

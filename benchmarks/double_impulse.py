@@ -1,4 +1,5 @@
-"""Where a rolling element is when it enters a wide pit and when it strikes the far edge: docs/double_impulse.md.
+"""Where a rolling element is when it enters a wide defect and when it strikes the far edge:
+docs/double_impulse.md.
 
     python benchmarks/double_impulse.py [--csv FILE]
 
@@ -27,7 +28,7 @@ DEPTHS = (20e-6, 30e-6, 50e-6)  # m; that of the measured bearings is not known
 SPEEDS = (600, 900, 1200)  # rpm
 LIFTED = 0.5  # of the force on the sound race: under it the element has entered
 STRUCK = 0.1  # of that force: over it the far edge has been struck, the floor not
-EARLY = 1.1  # times the expected distance from the pit's end, from where a strike is looked for
+EARLY = 1.1  # times the expected distance from the defect's end, from where a strike is looked for
 PASSES = 52  # of the record whose spacing is read from the ring
 COLUMNS = (
     "bearing",

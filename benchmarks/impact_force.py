@@ -2,10 +2,10 @@
 
     python benchmarks/impact_force.py [--csv FILE] [--scenes N]
 
-Bearings of the library, pits of all simple shapes on the outer and the inner race, 600 to 3000 rpm, seeded. A
+Bearings of the library, defects of all simple shapes on the outer and the inner race, 600 to 3000 rpm, seeded. A
 third each is damped by chi = 50 s/m, by c/k of 2.5 us and of 25 us; every other scene is loaded by 5 to 30 % of
-C0, the rest by 100 to 600 N. `rollers`, 0.3 s of record after 0.05 s, the step as it is chosen. Most pits are too
-short or too shallow for an element to strike: those in which one does are told apart. About 2 CPU minutes.
+C0, the rest by 100 to 600 N. `rollers`, 0.3 s of record after 0.05 s, the step as it is chosen. Most defects are
+too short or too shallow for an element to strike: those in which one does are told apart. About 2 CPU minutes.
 """
 
 import argparse
@@ -73,14 +73,14 @@ def scene(number: int, **changes: Any) -> Case:
     track = b.roller_length or 0.4 * b.roller_diameter
     size = between(0.3e-3, 0.2 * b.roller_diameter)
     whole = shape in ("rectangular", "triangular") and draw.random() < 0.5
-    pit: dict[str, Any] = {
+    defect: dict[str, Any] = {
         "shape": shape,
         "race": draw.choice(("outer", "outer", "inner")),
         "width": size,
         "length": size if shape == "circular" else track if whole else between(0.1, 1.0) * track,
         "depth": between(5e-6, 200e-6),
     }
-    given = base | {"load": load, "defect": pit, "clearance": draw.uniform(0.0, 20e-6)}
+    given = base | {"load": load, "defect": defect, "clearance": draw.uniform(0.0, 20e-6)}
     given |= {"contact": {"damping": DAMPINGS[number // 2 % 3]}}
     given |= {"step_check": False, "settle": "50 ms", "duration": "0.3 s"}
     return Case.model_validate(given | changes)
@@ -96,12 +96,12 @@ def row(number: int) -> dict[str, Any]:
     """What the table says of a scene."""
     case = scene(number)
     foretold, largest = forces(case)
-    pit, damping = case.defects[0], case.contact.damping
+    defect, damping = case.defects[0], case.contact.damping
     values = (
-        number, case.bearing.name, getattr(damping, "chi", 0.0), 1e6 * getattr(damping, "beta", 0.0), pit.shape,
-        pit.race, 1e3 * pit.width, 1e6 * pit.depth, 1e3 * pit.length, case.speed * 30.0 / pi, case.load,
-        case.load / static_rating(case), 1e6 * case.clearance, choice.limits(case).rest_load, foretold, largest,
-        foretold / largest,
+        number, case.bearing.name, getattr(damping, "chi", 0.0), 1e6 * getattr(damping, "beta", 0.0), defect.shape,
+        defect.race, 1e3 * defect.width, 1e6 * defect.depth, 1e3 * defect.length, case.speed * 30.0 / pi,
+        case.load, case.load / static_rating(case), 1e6 * case.clearance, choice.limits(case).rest_load, foretold,
+        largest, foretold / largest,
     )  # fmt: skip
     return dict(zip(COLUMNS, values, strict=True))
 

@@ -54,7 +54,7 @@ KINDS = {
 
 
 def draw(number: int, seed: int) -> dict[str, Any]:
-    """A scene as a study's YAML: each sixth has a pit off the middle, each sixth a ring that bends."""
+    """A scene as a study's YAML: each sixth has a defect off the middle, each sixth a ring that bends."""
     rng = np.random.default_rng([seed, number])
     race = str(rng.choice(["outer", "outer", "inner", "roller"]))
     shape = str(rng.choice(["rectangular", "triangular", "circular", "elliptical", "spall"]))
@@ -91,7 +91,7 @@ def draw(number: int, seed: int) -> dict[str, Any]:
 
 
 def is_off_the_middle(number: int) -> bool:
-    """Whether a scene's pit lies off the roller's middle, so that its rollers tilt."""
+    """Whether a scene's defect lies off the roller's middle, so that its rollers tilt."""
     return number % 6 == 4
 
 

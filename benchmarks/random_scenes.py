@@ -2,9 +2,9 @@
 
     python benchmarks/random_scenes.py [--scenes 300] [--seed 5] [--jobs 2] [--csv FILE]
 
-Scenes are drawn over wide ranges (``draw``): load, clearance, speed, stiffness, damping, pits, models. Each is run
-with ``step_check: strict``, for so long that the fault's line can be read (0.15 s at least), and a job may take
-20 s of CPU time. One that is refused as chaotic and too short is run for the duration it was told, if that is
+Scenes are drawn over wide ranges (``draw``): load, clearance, speed, stiffness, damping, defects, models. Each is
+run with ``step_check: strict``, for so long that the fault's line can be read (0.15 s at least), and a job may
+take 20 s of CPU time. One that is refused as chaotic and too short is run for the duration it was told, if that is
 affordable. Then it is run again with the method that was chosen, half the step and a tenth of the tolerance; line
 and the RMS are compared. Outcomes:
 
@@ -52,7 +52,7 @@ PASSES = 4.0  # at the kinematic speed of the cage
 STEEL = 8.06e4 * 12.0 ** (8.0 / 9.0)  # N/mm^(10/9): Palmgren's line contact of the NF308's rollers
 LAWS = ("chi", "kraemer", "general")
 SCENE = ["scene", "model", "load_N", "clearance_um", "speed_rpm", "law", "stiffness", "damping", "m3"]
-PIT = ["race", "shape", "width_mm", "depth_um"]
+DEFECT = ["race", "shape", "width_mm", "depth_um"]
 FOUND = [
     "outcome",
     "method",
@@ -96,8 +96,8 @@ def draw(number: int, seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
     race = str(rng.choice(["none", "outer", "inner", "roller"], p=[0.1, 0.5, 0.2, 0.2]))
     told |= {"race": race, "shape": str(rng.choice(["rectangular", "triangular", "circular"], p=[0.6, 0.2, 0.2]))}
     told |= {"width_mm": log(0.1, 4.0), "depth_um": log(0.1, 1000.0)}
-    pit = {"race": race, "shape": told["shape"], "length": 12e-3}
-    pit |= {"width": 1e-3 * told["width_mm"], "depth": 1e-6 * told["depth_um"]}
+    defect = {"race": race, "shape": told["shape"], "length": 12e-3}
+    defect |= {"width": 1e-3 * told["width_mm"], "depth": 1e-6 * told["depth_um"]}
     fields = {
         "bearing": "nf308",
         "model": model,
@@ -105,7 +105,7 @@ def draw(number: int, seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
         "clearance": 1e-6 * told["clearance_um"],
         "speed": told["speed_rpm"] * pi / 30.0,
         "contact": {"stiffness": stiffness, "damping": damping},
-        "defects": [] if race == "none" else [pit],
+        "defects": [] if race == "none" else [defect],
     }
     return told, fields
 
@@ -208,7 +208,7 @@ def main() -> None:
     counts: Counter[str] = Counter()
     only_chaotic = 0
     with open(options.csv or os.devnull, "w", newline="") as target:
-        table = csv.DictWriter(target, SCENE + PIT + FOUND, lineterminator="\n")
+        table = csv.DictWriter(target, SCENE + DEFECT + FOUND, lineterminator="\n")
         table.writeheader()
         pool = Parallel(options.jobs, return_as="generator_unordered")
         for row in pool(delayed(judge)(n, options.seed) for n in numbers):

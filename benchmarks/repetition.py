@@ -2,8 +2,8 @@
 
     python benchmarks/repetition.py [--seed 1] [--ring 40] [--rollers 40] [--planar 20] [--spatial 20] [--jobs 2]
 
-Random scenes that may repeat (healthy or pits of the outer race, kinematic cage) are computed until they do, and
-in full, 60 ball passes at least. Told of each model:
+Random scenes that may repeat (healthy or defects of the outer race, kinematic cage) are computed until they do,
+and in full, 60 ball passes at least. Told of each model:
 
 stopped   of the scenes whose full run repeats (to 1e-8 through its last ten passes): how many were stopped early
 wrong     stopped, though the full run does not repeat, or with a feature further off than 1e-6: of itself, or of a
@@ -40,7 +40,7 @@ def draw(model: str, number: int, seed: int) -> Case:
     ball = model in ("ring", "rollers") and rng.random() < 0.15
     laws = [{"law": "kraemer", "beta": log(1e-6, 3e-5)}, {"law": "hunt-crossley", "chi": log(2.0, 80.0)}]
 
-    def pit(low: float, high: float) -> dict[str, Any]:
+    def defect(low: float, high: float) -> dict[str, Any]:
         long = rng.random() < 0.5
         length = (3e-3 if ball else 12e-3) if long else (2e-3 if ball else 4e-3)
         found = {"shape": str(rng.choice(["rectangular", "triangular", "circular"])), "length": length}
@@ -48,7 +48,7 @@ def draw(model: str, number: int, seed: int) -> Case:
         return found | {"angle": float(rng.uniform(low, high)) * pi / 180.0}
 
     many = rng.random()
-    pits = [pit(0.0, 60.0)] * (many > 0.1) + [pit(-60.0, 0.0)] * (many > 0.85)
+    defects = [defect(0.0, 60.0)] * (many > 0.1) + [defect(-60.0, 0.0)] * (many > 0.85)
     fields = {
         "bearing": "6205" if ball else "nf308",
         "model": model,
@@ -57,7 +57,7 @@ def draw(model: str, number: int, seed: int) -> Case:
         "load": log(10.0, 1000.0),
         "clearance": 1e-6 * float(rng.uniform(-5.0, 30.0)),
         "contact": {"damping": laws[int(rng.random() < 0.5)]},
-        "defects": pits,
+        "defects": defects,
         "step_check": False,
         "record": [],
     } | ({"cage": {"motion": "kinematic"}} if model in ("planar", "spatial") else {})

@@ -1,8 +1,8 @@
-"""Depth maps: the example scan, the accuracy of paths over any pit, and what tables cost.
+"""Depth maps: the example scan, the accuracy of paths over any defect, and what tables cost.
 
 python benchmarks/shapes.py scan studies/scans/spall.csv    write the example scan
-python benchmarks/shapes.py accuracy [--pits 200]           largest error of h, in parts of its maximum
-python benchmarks/shapes.py cost                            ns to look h up; ms to build a pit
+python benchmarks/shapes.py accuracy [--defects 200]           largest error of h, in parts of its maximum
+python benchmarks/shapes.py cost                            ns to look h up; ms to build a defect
 """
 
 import argparse
@@ -52,8 +52,8 @@ def example() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """
     draw = np.random.default_rng(20260)
     s, z = np.arange(-1.5, 1.501, 0.025), np.arange(-4.0, 4.001, 0.1)
-    pit = Spall(6e-3, 2e-3, 50e-6, 1.0, 3)
-    depth = np.array([1e6 * depth_at(section(pit, 1e-3 * place), 1e-3 * s) for place in z])
+    defect = Spall(6e-3, 2e-3, 50e-6, 1.0, 3)
+    depth = np.array([1e6 * depth_at(section(defect, 1e-3 * place), 1e-3 * s) for place in z])
     hollow = depth > 0.0
     rough = _smoothed(draw.normal(size=depth.shape), 1) * 3.0
     depth += np.where(hollow, np.maximum(rough, -depth), -1.2 * _smoothed(hollow.astype(float), 2) * ~hollow)
@@ -92,7 +92,7 @@ def write_scan(path: str) -> None:
 # Accuracy
 
 
-def random_pit(draw: np.random.Generator) -> Any:
+def random_defect(draw: np.random.Generator) -> Any:
     """A shape, perhaps with eased edges, perhaps merged with one or two others."""
     parts = [_random_part(draw) for _ in range(int(draw.integers(1, 4)))]
     if len(parts) == 1:
@@ -103,14 +103,14 @@ def random_pit(draw: np.random.Generator) -> Any:
 def _random_part(draw: np.random.Generator) -> Any:
     sizes = draw.uniform(1e-3, 12e-3), 10 ** draw.uniform(-4.3, log10(4e-3)), 10 ** draw.uniform(-7, -4)
     kind = int(draw.integers(5))
-    pit: Any = Spall(*sizes, draw.uniform(), int(draw.integers(1000))) if kind == 4 else SHAPES[kind](*sizes)
+    defect: Any = Spall(*sizes, draw.uniform(), int(draw.integers(1000))) if kind == 4 else SHAPES[kind](*sizes)
     edge = int(draw.integers(3))
     if edge == 0:
-        return pit
+        return defect
     return (
-        Eased(pit, 10 ** draw.uniform(-5.7, -4), 0.0)
+        Eased(defect, 10 ** draw.uniform(-5.7, -4), 0.0)
         if edge == 1
-        else Eased(pit, 0.0, 10 ** draw.uniform(-5.3, -4))
+        else Eased(defect, 0.0, 10 ** draw.uniform(-5.3, -4))
     )
 
 
@@ -132,9 +132,9 @@ def brute(profile: Any, s: np.ndarray) -> np.ndarray:
     return np.array([np.min(p + (t - x) ** 2 / (2.0 * R)) for x in s])
 
 
-def error(pit: Any, z: float) -> float:
+def error(defect: Any, z: float) -> float:
     """Largest error of h over one section, in parts of its largest value; 0 where there is none."""
-    profile = section(pit, z)
+    profile = section(defect, z)
     if len(profile.pieces) == 0:
         return 0.0
     low, high = profile.pieces[0, 0], profile.pieces[-1, 1]
@@ -146,7 +146,7 @@ def error(pit: Any, z: float) -> float:
 def print_accuracy(count: int) -> None:
     """Largest and median errors."""
     draw = np.random.default_rng(4)
-    errors = [error(random_pit(draw), draw.uniform(-3e-3, 3e-3)) for _ in range(count)]
+    errors = [error(random_defect(draw), draw.uniform(-3e-3, 3e-3)) for _ in range(count)]
     rough = [error(rough_scan(seed), z) for seed in range(5) for z in (-2e-3, -1e-3, 0.0, 1e-3, 2e-3)]
     felt_ = [one for one in errors if one > 0.0]
     print(f"{count} random pits: largest {max(felt_):.1e}, median {np.median(felt_):.1e}")
@@ -167,7 +167,7 @@ def evaluated(excitation, group, places, radius):
 
 
 def nanoseconds(excitation: Any, group: np.ndarray, in_order: bool) -> float:
-    """Time of one evaluation (ns), at places across the pit."""
+    """Time of one evaluation (ns), at places across the defect."""
     places = np.linspace(-1.0, 1.0, 100_000) * group[GROUP_HALF_WIDTH]
     if not in_order:
         np.random.default_rng(0).shuffle(places)
@@ -181,7 +181,7 @@ def nanoseconds(excitation: Any, group: np.ndarray, in_order: bool) -> float:
 
 
 def print_cost() -> None:
-    """A table: groups of a whole pit, pieces of its middle path, ms to build, ns to evaluate one group."""
+    """A table: groups of a whole defect, pieces of its middle path, ms to build, ns to evaluate one group."""
     closed = {
         "rectangular": box(1e-3, 5e-6),
         "triangular": groove(1e-3, 5e-6, R),
@@ -195,9 +195,9 @@ def print_cost() -> None:
     print("table                 groups, pieces, ms to build, ns in order, at random")
     kinds = {kind.__name__.lower(): kind(6e-3, 1e-3, 5e-6) for kind in SHAPES}
     more = {"rounded": Eased(kinds["elliptical"], 2e-5, 0.0), "spall": Spall(6e-3, 2e-3, 5e-5, 1.0, 3)}
-    for name, pit in (kinds | more | {"rough scan": rough_scan(1)}).items():
+    for name, defect in (kinds | more | {"rough scan": rough_scan(1)}).items():
         began = time.perf_counter()
-        rows, paths = grouped(pit, R, cut_along_roller(pit, L_W, 24))
+        rows, paths = grouped(defect, R, cut_along_roller(defect, L_W, 24))
         spent = 1e3 * (time.perf_counter() - began)
         found = traced_defects([RollerDefectPair(0, -1, 0.0, 0.0385, R, rows, paths)])
         k = max(range(len(rows)), key=lambda i: len(paths[i].pieces))
@@ -216,7 +216,7 @@ def main() -> None:
     if given.what == "scan":
         write_scan(given.path)
     elif given.what == "accuracy":
-        print_accuracy(given.pits)
+        print_accuracy(given.defects)
     else:
         print_cost()
 

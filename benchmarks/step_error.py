@@ -31,7 +31,7 @@ SHORTEST, LONGEST, PASSES = 0.1, 0.5, 12.0  # s of a record, and ball passes
 
 
 def draw(number: int, seed: int) -> Case:
-    """A scene: model, bearing, load, clearance, speed, damping, and mostly a pit of any race."""
+    """A scene: model, bearing, load, clearance, speed, damping, and mostly a defect of any race."""
     rng = np.random.default_rng([seed, number])
 
     def log(low: float, high: float) -> float:
@@ -43,16 +43,19 @@ def draw(number: int, seed: int) -> Case:
     law = laws[int(rng.choice(3, p=[0.4, 0.3, 0.3]))]
     race = str(rng.choice(["outer", "inner", "roller"], p=[0.6, 0.3, 0.1]))
     length = 2e-3 if ball else 12e-3 if rng.random() < 0.5 else 4e-3
-    pit: dict[str, Any] = {"shape": str(rng.choice(["rectangular", "triangular", "circular"])), "length": length}
-    pit |= {"width": 1e-3 * log(0.15, 3.0), "depth": 1e-6 * log(1.0, 50.0), "race": race}
-    pit |= {"roller": 1} if race == "roller" else {"angle": float(rng.uniform(0.0, 60.0)) * pi / 180.0}
+    defect: dict[str, Any] = {
+        "shape": str(rng.choice(["rectangular", "triangular", "circular"])),
+        "length": length,
+    }
+    defect |= {"width": 1e-3 * log(0.15, 3.0), "depth": 1e-6 * log(1.0, 50.0), "race": race}
+    defect |= {"roller": 1} if race == "roller" else {"angle": float(rng.uniform(0.0, 60.0)) * pi / 180.0}
     fields: dict[str, Any] = {
         "bearing": "6205" if ball else "nf308",
         "model": model,
         "speed": log(300.0, 6000.0) * pi / 30.0,
         "load": log(30.0, 2000.0),
         "clearance": 1e-6 * float(rng.uniform(-5.0, 20.0)),
-        "defects": [pit] if rng.random() > 0.1 else [],
+        "defects": [defect] if rng.random() > 0.1 else [],
         "record": [],
         "duration": SHORTEST,
     }

@@ -20,23 +20,23 @@ from bearingsim.simulation.simulate import SimulationError, simulate
 FRACTIONS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
 FEATURES = ("velocity@BPFO", "velocity.rms", "outer_force.max")
 BASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "duration": "0.2 s", "settle": "30 ms"}
-PIT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
+DEFECT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 SCENES: dict[str, dict] = {
     "healthy": {},
-    "0.2 mm slot": {"defect": PIT | {"width": "0.2 mm"}},
-    "0.8 mm slot": {"defect": PIT},
-    "2 mm slot": {"defect": PIT | {"width": "2 mm"}},
-    "0.8 mm slot, 300 N": {"defect": PIT, "load": "300 N"},
-    "0.8 mm slot, 40 deg": {"defect": PIT | {"angle": "40 deg"}},
-    "0.8 mm slot, 1 um deep": {"defect": PIT | {"depth": "1 um"}},
-    "0.8 mm slot, 10 um clearance": {"defect": PIT, "clearance": "10 um"},
-    "0.8 mm slot, 25 um clearance": {"defect": PIT, "clearance": "25 um"},
-    "0.8 mm slot, 6000 rpm": {"defect": PIT, "speed": "6000 rpm"},
-    "0.8 mm bowl": {"defect": PIT | {"shape": "circular"}},
-    "0.8 mm groove, 5 um": {"defect": PIT | {"shape": "triangular", "depth": "5 um"}},
-    "0.8 mm slot, chi 5 s/m": {"defect": PIT, "contact": {"damping": {"chi": "5 s/m"}}},
-    "0.8 mm slot, chi 50 s/m": {"defect": PIT, "contact": {"damping": {"chi": "50 s/m"}}},
-    "0.8 mm slot, beta 10 us": {"defect": PIT, "contact": {"damping": {"beta": "10 us"}}},
+    "0.2 mm slot": {"defect": DEFECT | {"width": "0.2 mm"}},
+    "0.8 mm slot": {"defect": DEFECT},
+    "2 mm slot": {"defect": DEFECT | {"width": "2 mm"}},
+    "0.8 mm slot, 300 N": {"defect": DEFECT, "load": "300 N"},
+    "0.8 mm slot, 40 deg": {"defect": DEFECT | {"angle": "40 deg"}},
+    "0.8 mm slot, 1 um deep": {"defect": DEFECT | {"depth": "1 um"}},
+    "0.8 mm slot, 10 um clearance": {"defect": DEFECT, "clearance": "10 um"},
+    "0.8 mm slot, 25 um clearance": {"defect": DEFECT, "clearance": "25 um"},
+    "0.8 mm slot, 6000 rpm": {"defect": DEFECT, "speed": "6000 rpm"},
+    "0.8 mm bowl": {"defect": DEFECT | {"shape": "circular"}},
+    "0.8 mm groove, 5 um": {"defect": DEFECT | {"shape": "triangular", "depth": "5 um"}},
+    "0.8 mm slot, chi 5 s/m": {"defect": DEFECT, "contact": {"damping": {"chi": "5 s/m"}}},
+    "0.8 mm slot, chi 50 s/m": {"defect": DEFECT, "contact": {"damping": {"chi": "50 s/m"}}},
+    "0.8 mm slot, beta 10 us": {"defect": DEFECT, "contact": {"damping": {"beta": "10 us"}}},
 }
 
 

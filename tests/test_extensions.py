@@ -24,9 +24,9 @@ settle: 10 ms
 clearance: 0 um
 step_check: false
 """
-PIT = "defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 50 um}\n"
+DEFECT = "defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 50 um}\n"
 QUADRATIC = "stiffness: {law: quadratic, coefficient: 1e7}"
-DASHPOTS = f"contact: {{{QUADRATIC}, damping: {{law: viscous, c: 200 N s/m}}}}\n{PIT}"
+DASHPOTS = f"contact: {{{QUADRATIC}, damping: {{law: viscous, c: 200 N s/m}}}}\n{DEFECT}"
 WIDE = DASHPOTS.replace("0.8 mm, depth: 50 um", "2 mm, depth: 20 um")  # a roller touches its floor
 UNFINISHED = f"contact: {{{QUADRATIC}, damping: unfinished}}\n"
 STATIC = "model: static\n"
@@ -46,7 +46,7 @@ WRONG = {
     "unfinished": UNFINISHED,
     "unfinished, implicit": f"{UNFINISHED}method: rodas",
 }
-OWN = {"own": f"{STATIC}{PIT}"}
+OWN = {"own": f"{STATIC}{DEFECT}"}
 """A study of the program's own."""
 TYPE = """\
 import json, sys
@@ -147,7 +147,7 @@ def test_a_study_runs_with_a_method_and_a_model(site: Path, said: Said) -> None:
 
 
 def test_a_study_runs_with_a_shape(site: Path, said: Said) -> None:
-    """Its pit is neither the program's own nor none at all."""
+    """Its defect is neither the program's own nor none at all."""
     wedge, rectangular, healthy = table(site, said, "shape")["velocity.rms"]
     assert wedge != pytest.approx(rectangular, rel=0.01)
     assert wedge > 2.0 * healthy

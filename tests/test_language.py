@@ -1,6 +1,7 @@
 """Language of the code: docstrings of functions begin with a verb, others with a noun; names describe content."""
 
 import ast
+import re
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -107,6 +108,15 @@ def vague_names(tree: ast.Module) -> Iterator[str]:
                     yield f"{node.lineno} {name}"
 
 
+def pits(tree: ast.Module) -> Iterator[str]:
+    """List names that call a defect a pit."""
+    for node in ast.walk(tree):
+        match node:
+            case ast.Name(id=name) | ast.arg(arg=name) | ast.Attribute(attr=name) | ast.FunctionDef(name=name):
+                if re.search(r"(?i)(?<![a-z])pits?(?![a-z])", name):
+                    yield f"{node.lineno} {name}"
+
+
 def places(room: str, faults_in: Callable[[ast.Module], Iterator[str]]) -> list[str]:
     """Return the faults of a package, with file and line."""
     return [
@@ -130,6 +140,17 @@ def test_docstrings_of_modules_classes_and_constants_begin_with_a_noun(room: str
 @pytest.mark.parametrize("room", ROOMS)
 def test_names_describe_their_content(room: str) -> None:
     assert places(room, vague_names) == []
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_defect_is_called_defect(room: str) -> None:
+    assert modules(room)
+    assert [path for path in modules(room) if re.search(r"(?<![A-Za-z])[Pp]its?(?![A-Za-z])", path.stem)] == []
+    assert places(room, pits) == []
+
+
+def test_pits_are_recognised() -> None:
+    assert list(pits(ast.parse("split = pitch = one_pit = PITS = x.pit"))) == ["1 one_pit", "1 PITS", "1 pit"]
 
 
 def test_openings_that_are_no_imperative_are_recognised() -> None:

@@ -19,7 +19,7 @@ OTHER_MEANINGS = {
     ("config/sections/free.py", "rollers"): "a guide of the cage",
     ("config/sections/machine.py", "rollers"): "a field of the bearing",
     ("config/rules/conflicts.py", "rollers"): "a field of the bearing",
-    ("config/rules/pits.py", "rollers"): "a field of the bearing",
+    ("config/rules/defects.py", "rollers"): "a field of the bearing",
     ("config/rules/completion.py", "ring"): "a field of the rig",
     ("config/rules/flexible_ring.py", "ring"): "a field of the rig",
     ("config/rules/hierarchy.py", "ring"): "a field of the rig",

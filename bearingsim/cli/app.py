@@ -400,8 +400,9 @@ def stability(
     method: Annotated[
         list[str] | None, typer.Option(metavar="METHOD", help="default: all, SciPy's too; repeatable")
     ] = None,
-    pit: Annotated[
-        list[str] | None, typer.Option(metavar="PIT", help="`0.2 mm slot` and others; default: all; repeatable")
+    defect: Annotated[
+        list[str] | None,
+        typer.Option("--pit", metavar="PIT", help="`0.2 mm slot` and others; default: all; repeatable"),
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="a small grid of some methods, in some minutes")] = False,
     out: Annotated[
@@ -412,7 +413,7 @@ def stability(
     """Map where each method fails: step x stiffness x damping x pit. Writes a CSV, draws maps."""
     from bearingsim.cli import stability as mapping
 
-    mapping.show(model, method, pit, quick, out, jobs or 1)
+    mapping.show(model, method, defect, quick, out, jobs or 1)
 
 
 @app.command()

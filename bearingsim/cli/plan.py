@@ -30,7 +30,7 @@ class Priced:
     """A job with the method and the step (s) chosen for it, the limits of that step (s), and its price.
 
     friction_scale: the largest friction on the most loaded roller at rest (N), and the decay time (s) of its slip;
-    nan and inf without friction. sinking: largest depth (m) of a roller in a pit, nan without pits.
+    nan and inf without friction. sinking: largest depth (m) of a roller in a defect, nan without defects.
     """
 
     job: "Job"

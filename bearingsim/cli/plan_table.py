@@ -33,13 +33,13 @@ LINES: tuple[Line, ...] = (
     ("largest force at rest (N)", lambda p: p.limits.rest_load),
     ("its pressure (GPa)", lambda p: 1e-9 * pressure(p.job.case)),
 )
-PITS: tuple[Line, ...] = (
+DEFECTS: tuple[Line, ...] = (
     ("impact force, about (N)", lambda p: p.limits.impact_force),
     ("crossing of the pit (us)", lambda p: 1e6 * p.limits.crossing),
     ("samples in a crossing", lambda p: p.limits.crossing * p.job.case.sampling),
     ("an element sinks by (um)", lambda p: 1e6 * p.sinking),
 )
-"""Rows of studies with pits."""
+"""Rows of studies with defects."""
 LIMITS: tuple[Line, ...] = (
     ("step limit at rest (us)", lambda p: 1e6 * p.limits.at_rest),
     ("step limit at impact (us)", lambda p: 1e6 * p.limits.at_impact),
@@ -106,16 +106,16 @@ def takes_own_steps(priced: Priced) -> bool:
 
 
 def _lines(plan: Plan, verbose: bool) -> tuple[Line, ...]:
-    """Return the rows of the table: frequencies, forces, pits, cost; verbose: also steps, limits, friction."""
-    pits = PITS if any(priced.job.case.defects for priced in plan.everything) else ()
+    """Return the rows of the table: frequencies, forces, defects, cost; verbose: also steps, limits, friction."""
+    defects = DEFECTS if any(priced.job.case.defects for priced in plan.everything) else ()
     if not verbose:
-        return (*LINES, *pits, COST)
+        return (*LINES, *defects, COST)
     rubs = any(math.isfinite(priced.friction_scale[1]) for priced in plan.everything)
     proves = any(priced.job.case.checks_step for priced in plan.everything)
     own = [takes_own_steps(priced) for priced in plan.everything]
     steps = (*((CHOSEN,) if not all(own) else ()), *((RECORDED,) if any(own) else ()))
     of_methods = (*steps, *LIMITS, *(FRICTION if rubs else ()))
-    return (*LINES, *pits, *of_methods, COST, *((PROOF,) if proves else ()), MEMORY)
+    return (*LINES, *defects, *of_methods, COST, *((PROOF,) if proves else ()), MEMORY)
 
 
 def _counts(plan: Plan) -> str:

@@ -25,12 +25,12 @@ def remarks(plan: Plan, verbose: bool) -> Iterator[str]:
     yield from unsettled(plan)
 
 
-HANGS = 0.999  # of a pit's depth: a roller that sinks less does not reach the floor
+HANGS = 0.999  # of a defect's depth: a roller that sinks less does not reach the floor
 CLEARS_WALLS = 0.5  # of the depth of a V: below it the walls (slope 2 depth/width) are steeper than the roller
 
 
 def hanging(plan: Plan) -> Iterator[str]:
-    """Yield a remark if rollers rest on the rims of all pits, so that depth has no influence."""
+    """Yield a remark if rollers rest on the rims of all defects, so that depth has no influence."""
     damaged = [
         priced for priced in plan.cases if priced.job.case.defects and priced.job.case.excitation == "envelope"
     ]

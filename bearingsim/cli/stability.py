@@ -26,7 +26,7 @@ def chosen(
 def show(
     models: Sequence[str] | None,
     methods: Sequence[str] | None,
-    pits: Sequence[str] | None,
+    defects: Sequence[str] | None,
     quick: bool,
     folder: Path | None,
     jobs: int,
@@ -35,12 +35,12 @@ def show(
     from bearingsim.cli.screen import print_table
     from bearingsim.plots import stability as maps
     from bearingsim.stability import judge, mapping, matrix
-    from bearingsim.stability.scene import PITS
+    from bearingsim.stability.scene import DEFECTS
 
     grid = matrix.QUICK if quick else matrix.FULL
     usual = matrix.QUICK_METHODS if quick else matrix.methods_known()
     every_method = matrix.methods_known()
-    grid = grid._replace(pits=tuple(chosen("--pit", pits, tuple(PITS), grid.pits)))
+    grid = grid._replace(defects=tuple(chosen("--pit", defects, tuple(DEFECTS), grid.defects)))
     of_models = chosen("--model", models, matrix.models_known(), matrix.QUICK_MODELS if quick else matrix.USUAL)
     by_methods = chosen("--method", methods, every_method, [name for name in usual if name in every_method])
     target = folder or Path("results") / ("stability-quick" if quick else "stability")

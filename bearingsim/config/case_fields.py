@@ -42,7 +42,7 @@ else:
     MethodName = Literal[(catalogue.AUTO, *catalogue.METHODS)]
 
 
-MAX_PITS = 100
+MAX_DEFECTS = 100
 """Each is compared with all others, and with chains of them that overlap: that many in half a second."""
 
 MOST_BANDS = 100
@@ -88,7 +88,7 @@ class CaseFields(Section):
     load_across: SignedForce = 0.0
     gravity: Switch = False
     clearance: Clearance = 0.0
-    defects: Annotated[tuple[Defect, ...], Field(max_length=MAX_PITS), BeforeValidator(_one_or_many)] = ()
+    defects: Annotated[tuple[Defect, ...], Field(max_length=MAX_DEFECTS), BeforeValidator(_one_or_many)] = ()
     excitation: Annotated[Excitation, one_of(*get_args(Excitation))] = "envelope"
     contact: Contact = Contact()
     friction: free.Friction | None = None

@@ -60,7 +60,7 @@ LINES: dict[str, Line] = {
     "FTF": Line(cage=1),
     "fr": Line(shaft=1),
 }
-"""Lines that are read: a pit of the inner race stands at BPFI with sidebands of the shaft, a roller's at 2 BSF
+"""Lines that are read: a defect of the inner race stands at BPFI with sidebands of the shaft, a roller's at 2 BSF
 with sidebands of the cage, an unbalance at fr."""
 FAULT_LINES = {"outer": "BPFO", "inner": "BPFI", "roller": "2BSF"}
 """The line of a defect, by what carries it."""

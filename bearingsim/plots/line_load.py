@@ -1,4 +1,4 @@
-"""Load along a roller: over time and place while it passes a pit, and its distribution at a few instants."""
+"""Load along a roller: over time and place while it passes a defect, and its distribution at a few instants."""
 
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 ROW_IN, LEAN_IN, PICTURE_IN, PROFILE_IN = 2.5, 1.3, 4.2, 2.6
 SCALE = "YlOrRd"
 UNLOADED = 0.02  # of the largest line load: smaller ones are drawn as zero
-WITHOUT_PIT = 8.0  # ball passes shown of a roller that passes no defect
+WITHOUT_DEFECT = 8.0  # ball passes shown of a roller that passes no defect
 FEW = 10.0  # samples over a defect: the caption states lower numbers
 LABEL_LETTERS = 30
 MIN_SAMPLES = 4
@@ -146,7 +146,7 @@ def _window(case: "Case", record: Job, passage: Passage | None, span: float | No
     """Return start and end (s) of the time shown."""
     if passage is None:
         rate = case.bearing.ball_pass_frequency(case.speed)
-        return 0.0, span or min(WITHOUT_PIT / rate, float(record.parameters["duration"]))
+        return 0.0, span or min(WITHOUT_DEFECT / rate, float(record.parameters["duration"]))
     start, stop = passage.window
     if span is None:
         return start, stop
@@ -163,7 +163,7 @@ def instants(load: LoadAlong) -> dict[str, int]:
     whole = _whole(load)
     if load.passage is None:
         return {"largest load": int(np.argmax(whole)), "least load": int(np.argmin(whole))}
-    low, high = load.passage.pit.z
+    low, high = load.passage.defect.z
     middles = (load.ends[1:] + load.ends[:-1]) / 2.0
     inside = np.maximum(_share(load)[(middles > low) & (middles < high)].sum(axis=0), 0.0)
     least = np.flatnonzero(inside <= inside.min() + UNLOADED * inside.max())
@@ -206,7 +206,7 @@ def _draw_picture(ax: "Axes", load: LoadAlong, factor: float, label: str) -> Non
     edges = 1e3 * np.append(load.time - step / 2.0, load.time[-1] + step / 2.0)
     seen = np.ma.masked_less(factor * load.load, UNLOADED * factor * float(load.load.max()))
     made = ax.pcolormesh(edges, 1e3 * load.ends, seen, cmap=SCALE, vmin=0.0, rasterized=True)
-    for end in load.passage.pit.z if load.passage is not None else ():
+    for end in load.passage.defect.z if load.passage is not None else ():
         ax.axhline(1e3 * end, color="0.2", lw=0.8, ls=(0, (1, 2)))
     ax.grid(visible=False)
     ax.set_xlabel("Time (ms)")

@@ -19,16 +19,17 @@ if TYPE_CHECKING:
 ACROSS, ALONG = 401, 241  # grid points of a depth map along rolling and along the roller
 FINER = 4  # times as many points in a section
 ALIKE = 0.98  # of the largest depth: a middle at least so deep counts as the deepest section
-MARGIN = 0.3  # of the pit's width, shown on either side of it
+MARGIN = 0.3  # of the defect's width, shown on either side of it
 
 Reals = NDArray[np.float64]
 
 
-class Pit(NamedTuple):
-    """One pit. Lengths in m; s along rolling from its middle, z along the roller from the roller's middle.
+class Defect(NamedTuple):
+    """One defect. Lengths in m; s along rolling from its middle, z along the roller from the roller's middle.
 
-    race: what carries it; R: radius of the roller relative to the race it is met on (of a roller's pit the outer
-    one); angle: rad, as in the case; map: its depth (``defects/depth.py``); s, z: from where to where it reaches.
+    race: what carries it; R: radius of the roller relative to the race it is met on (of a roller's defect the
+    outer one); angle: rad, as in the case; map: its depth (``defects/depth.py``); s, z: from where to where it
+    reaches.
     """
 
     race: str
@@ -70,26 +71,26 @@ class Section(NamedTuple):
     h: Reals
 
 
-def cut(pit: Pit, z: float) -> Section:
+def cut(defect: Defect, z: float) -> Section:
     """Compute the section of a defect at z (m) along the roller."""
     from bearingsim.core.defects.depth import section
     from bearingsim.core.defects.envelope import path_drop, path_over
     from bearingsim.core.defects.profile import depth_at
 
-    s, profile = pit.places(FINER * (ACROSS - 1) + 1), section(pit.map, z)
-    return Section(z, s, depth_at(profile, s), path_drop(path_over(profile, pit.R), s)[0])
+    s, profile = defect.places(FINER * (ACROSS - 1) + 1), section(defect.map, z)
+    return Section(z, s, depth_at(profile, s), path_drop(path_over(profile, defect.R), s)[0])
 
 
-def distinct_sections(pit: Pit) -> list[float]:
+def distinct_sections(defect: Defect) -> list[float]:
     """List the positions z (m) of the sections to draw: the deepest, and the middle if it differs."""
-    deepest = pit.depth_map.max(axis=1)
+    deepest = defect.depth_map.max(axis=1)
     lowest, middle = int(np.argmax(deepest)), ALONG // 2
     if deepest[middle] >= ALIKE * deepest[lowest]:
-        return [float(pit.axial_positions[middle])]
-    return [float(pit.axial_positions[k]) for k in ((lowest, middle) if deepest[middle] > 0.0 else (lowest,))]
+        return [float(defect.axial_positions[middle])]
+    return [float(defect.axial_positions[k]) for k in ((lowest, middle) if deepest[middle] > 0.0 else (lowest,))]
 
 
-def pits_of(case: "Case") -> Iterator[Pit]:
+def defects_of(case: "Case") -> Iterator[Defect]:
     """Yield the defects of a case in its order; overlapping ones count as one."""
     from bearingsim.assemble import defects
     from bearingsim.core.defects.depth import Placed, extent
@@ -98,7 +99,7 @@ def pits_of(case: "Case") -> Iterator[Pit]:
         race, R = cluster.leader.race, defects.reduced_radius(case, 1 if cluster.leader.race == "inner" else 0)
         made = cluster.defect or Placed(defects.depth_map(cluster.leader), 0.0, cluster.leader.offset)
         low, high, left, right = extent(made)
-        yield Pit(race, R, cluster.angle, made, (low, high), (left, right))
+        yield Defect(race, R, cluster.angle, made, (low, high), (left, right))
 
 
 def ends_of_slices(case: "Case") -> Reals:
@@ -114,7 +115,7 @@ LEAST = 6e-4  # m, least width of a defect in a window: covers the play of a rol
 
 
 class RollerPath(NamedTuple):
-    """The path that a roller (from 1) took over a pit: place s and depth below the sound race (m), (n,) each.
+    """The path that a roller (from 1) took over a defect: place s and depth below the sound race (m), (n,) each.
 
     lean: of the roller's axis, outwards (rad; (n,)), by which another section than its middle lies deeper.
     """
@@ -130,21 +131,21 @@ class RollerPath(NamedTuple):
 
 
 class Passage(NamedTuple):
-    """A roller over a pit: the pit, the time (s) over its middle, and the speed (m/s) along rolling."""
+    """A roller over a defect: the defect, the time (s) over its middle, and the speed (m/s) along rolling."""
 
-    pit: Pit
+    defect: Defect
     time: float
     speed: float
 
     @property
     def window(self) -> tuple[float, float]:
         """Beginning and end (s) of what is worth showing."""
-        width = max(self.pit.s[1] - self.pit.s[0], LEAST)
+        width = max(self.defect.s[1] - self.defect.s[0], LEAST)
         return self.time - BEFORE * width / self.speed, self.time + AFTER * width / self.speed
 
     def samples(self, rate: float) -> float:
         """Compute the number of samples, at ``rate`` (Hz), during the crossing of the defect."""
-        return rate * (self.pit.s[1] - self.pit.s[0]) / self.speed
+        return rate * (self.defect.s[1] - self.defect.s[0]) / self.speed
 
 
 def first_passage(job: Job, case: "Case", number: int, race: str) -> Passage | None:
@@ -152,30 +153,30 @@ def first_passage(job: Job, case: "Case", number: int, race: str) -> Passage | N
 
     Returns None if no race has a defect, or none is passed within the record. Raises PlotError under a ramp.
     """
-    pits = [pit for pit in pits_of(case) if pit.race != "roller"]
-    ordered = sorted(pits, key=lambda pit: pit.race != race)
-    passages = (_passage(job, case, number, pit) for pit in ordered)
+    defects = [defect for defect in defects_of(case) if defect.race != "roller"]
+    ordered = sorted(defects, key=lambda defect: defect.race != race)
+    passages = (_passage(job, case, number, defect) for defect in ordered)
     return next((passage for passage in passages if passage is not None), None)
 
 
-def _passage(job: Job, case: "Case", number: int, pit: Pit) -> Passage | None:
+def _passage(job: Job, case: "Case", number: int, defect: Defect) -> Passage | None:
     """Find the first passage over one defect whose window lies in the record."""
     time = job.series.time
-    ahead = roller_angle(job, number) - pit.angle
+    ahead = roller_angle(job, number) - defect.angle
     radius = (case.bearing.pitch_diameter + case.bearing.roller_diameter) / 2.0
-    if pit.race == "inner":
+    if defect.race == "inner":
         ahead = case.speed * (settled(case).settle_s + time) - ahead
         radius -= case.bearing.roller_diameter
     turns = ahead / (2.0 * pi)
     speed = float((ahead[-1] - ahead[0]) / (time[-1] - time[0]) * radius)
     for turn in range(int(np.ceil(turns[0])), int(np.floor(turns[-1])) + 1):
-        passage = Passage(pit, float(np.interp(turn, turns, time)), speed)
+        passage = Passage(defect, float(np.interp(turn, turns, time)), speed)
         if passage.window[0] >= time[0] and passage.window[1] <= time[-1]:
             return passage
     return None
 
 
-def roller_path(job: Job, case: "Case", pit: Pit) -> RollerPath | None:
+def roller_path(job: Job, case: "Case", defect: Defect) -> RollerPath | None:
     """Compute the path of the first roller whose radial position was recorded.
 
     Returns None without such a record, or if the roller does not pass the defect. The depth of the lowest point is
@@ -184,12 +185,12 @@ def roller_path(job: Job, case: "Case", pit: Pit) -> RollerPath | None:
     """
     series = {name: np.asarray(values, np.float64) for name, values in job.series.channels.items()}
     names = [name for name in job.recorded if (roller_of(name) or (0, ""))[1] == "radial"]
-    ring = "inner" if pit.race == "inner" else "ring"
+    ring = "inner" if defect.race == "inner" else "ring"
     held = ring == "inner" and case.shaft is None
-    if not names or pit.race == "roller" or not (held or f"{ring}.displacement.x" in series):
+    if not names or defect.race == "roller" or not (held or f"{ring}.displacement.x" in series):
         return None
     number, _ = roller_of(names[0]) or (1, "")
-    passage = _passage(job, case, number, pit)
+    passage = _passage(job, case, number, defect)
     if passage is None:
         return None
     angle = roller_angle(job, number)
@@ -201,5 +202,5 @@ def roller_path(job: Job, case: "Case", pit: Pit) -> RollerPath | None:
     lean = series[tilt] if tilt else np.zeros(len(s))
     if ring == "inner":  # which is faster than the rollers: they move towards -s
         s, depth, lean = -s[::-1], depth[::-1], -lean[::-1]
-    shown = (s >= pit.places()[0]) & (s <= pit.places()[-1])
+    shown = (s >= defect.places()[0]) & (s <= defect.places()[-1])
     return RollerPath(number, s[shown], depth[shown], lean[shown])

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
-PIT, LOAD, RING, DESIGN = "pit", "load", "ring", "design"
-OF_JOBS = ("series", "spectrum", "envelope", "roller", LOAD, PIT, RING)
+DEFECT, LOAD, RING, DESIGN = "pit", "load", "ring", "design"
+OF_JOBS = ("series", "spectrum", "envelope", "roller", LOAD, DEFECT, RING)
 KINDS = ("sweep", "phase", DESIGN, *OF_JOBS)
 ALL = "all"
 UNUSED_OPTIONS = {
@@ -25,7 +25,7 @@ UNUSED_OPTIONS = {
     DESIGN: ("x", "panels", "span"),
     **dict.fromkeys(OF_JOBS, ("x", "by", "panels", "span")),
     **dict.fromkeys(("series", LOAD), ("x", "by", "panels")),
-    **dict.fromkeys((PIT, RING), ("x", "y", "by", "panels", "span")),
+    **dict.fromkeys((DEFECT, RING), ("x", "y", "by", "panels", "span")),
 }
 """Options that a kind of figure does not accept."""
 MAX_NAMED = 4  # jobs in the name of a file
@@ -257,8 +257,8 @@ def _of_jobs(
     chosen = named or (series.done_jobs(rows) if jobs else series.some_jobs(rows))
     if not chosen:
         raise PlotError("none of these jobs is done: there is nothing to draw")
-    if kind == PIT:
-        return _of_pits(results, chosen)
+    if kind == DEFECT:
+        return _of_defects(results, chosen)
     if kind == RING:
         return _of_rings(results, chosen)
     options = {"span": changes["span"]} if changes.get("span") else {}
@@ -267,16 +267,16 @@ def _of_jobs(
     return [(name, draw(results, chosen, y, **options))]
 
 
-def _of_pits(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas"]]:
+def _of_defects(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas"]]:
     """Draw a figure for each distinct defect of some jobs."""
-    from bearingsim.plots import pit
+    from bearingsim.plots import defect
 
     return [
         (
-            slug([PIT, sheet.jobs[0][:8], *([str(sheet.number)] if sheet.of > 1 else [])]),
-            pit.draw_pit(results, sheet),
+            slug([DEFECT, sheet.jobs[0][:8], *([str(sheet.number)] if sheet.of > 1 else [])]),
+            defect.draw_defect(results, sheet),
         )
-        for sheet in pit.sheets(results, jobs)
+        for sheet in defect.sheets(results, jobs)
     ]
 
 

@@ -1,4 +1,4 @@
-"""The outer ring at rest over a ball pass: displacements enlarged, rollers, load, springs, pits, sensor."""
+"""The outer ring at rest over a ball pass: displacements enlarged, rollers, load, springs, defects, sensor."""
 
 from collections.abc import Iterator
 from math import cos, pi, sin
@@ -16,7 +16,7 @@ from matplotlib.patches import Circle
 from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.axes import finish, letter
 from bearingsim.plots.caption import fixed_values
-from bearingsim.plots.pit import round_below
+from bearingsim.plots.defect import round_below
 from bearingsim.plots.ring_shape import Instant, Mark, Push, Reals, RingShape, ring_shape
 from bearingsim.plots.style import COLOURS, COLUMN_IN
 
@@ -27,14 +27,14 @@ if TYPE_CHECKING:
 
 ROOM = 0.1  # of the outer radius: largest displacement as drawn
 SPRING, ARROW, MARGIN = 0.16, 0.2, 0.16  # of the outer radius: spring, force arrow, margin
-LEAST_PIT = 0.035  # rad, least half angle of a defect as drawn
+LEAST_DEFECT = 0.035  # rad, least half angle of a defect as drawn
 INSIDE = 0.04  # of the outer radius: distance of the sensor inside the carrier
 COILS = 3
 FEW = 12  # springs up to this number are drawn with coils
 AROUND = np.linspace(-pi, pi, 721)
 SCALE = "YlGnBu"
 STEEL, EDGE, SOUND, INNER, LIFTED = "0.84", "0.15", "0.5", "0.95", "0.75"
-PIT, SPRINGS, SENSOR = COLOURS[1], COLOURS[2], COLOURS[3]
+DEFECT, SPRINGS, SENSOR = COLOURS[1], COLOURS[2], COLOURS[3]
 PARTS_SAID = {0.25: "¼ of a ball pass later", 0.5: "½ later", 0.75: "¾ later"}
 
 
@@ -154,7 +154,9 @@ def draw_instant(ax: "Axes", seen: View, instant: Instant) -> None:
     for j in range(len(instant.angles)):
         draw_roller(ax, seen, instant, j)
     for mark in instant.marks:
-        ax.plot(*pit_line(seen, instant, mark), color=PIT, lw=3.0, solid_capstyle="butt", zorder=6, gid="pit")
+        ax.plot(
+            *defect_line(seen, instant, mark), color=DEFECT, lw=3.0, solid_capstyle="butt", zorder=6, gid="pit"
+        )
     draw_springs(ax, seen, instant)
     for push in seen.shape.pushes:
         draw_push(ax, seen, instant, push)
@@ -205,13 +207,13 @@ def draw_roller(ax: "Axes", seen: View, instant: Instant, j: int) -> None:
                         gid=f"roller {j + 1}"))  # fmt: skip
 
 
-def pit_line(seen: View, instant: Instant, mark: Mark) -> tuple[Reals, Reals]:
+def defect_line(seen: View, instant: Instant, mark: Mark) -> tuple[Reals, Reals]:
     """Return the line that marks a defect on a race or a roller."""
-    half = max(mark.half, LEAST_PIT)
+    half = max(mark.half, LEAST_DEFECT)
     if mark.on == "roller":
         right, up = seen.of_roller(instant, mark.roller)
         radius = 1e3 * seen.shape.roller
-        wide = max(mark.half, LEAST_PIT * seen.race / radius)
+        wide = max(mark.half, LEAST_DEFECT * seen.race / radius)
         there = point(np.linspace(mark.angle - wide, mark.angle + wide, 21), radius)
         return right + there[0], up + there[1]
     angles = np.linspace(mark.angle - half, mark.angle + half, 21)
@@ -282,7 +284,7 @@ def _legend(seen: View) -> Iterator[Line2D]:
     yield Line2D([], [], color=SOUND, lw=0.7, ls=(0, (6, 3)), label="undeformed ring")
     yield Line2D([], [], mfc="white", label="roller without load", **round_mark)
     if any(instant.marks for instant in seen.shape.instants):
-        yield Line2D([], [], color=PIT, lw=3.0, label="pit")
+        yield Line2D([], [], color=DEFECT, lw=3.0, label="pit")
     yield Line2D([], [], ls="", marker="s", color=SENSOR, mec="white", ms=6.0, label="sensor")
     if len(seen.shape.spring_angles):
         behind = "housing" if seen.shape.by == "housing" else "carrier"

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from bearingsim.config import Case
 
 PARTS = (0.0, 0.25, 0.5, 0.75)
-"""Of a ball pass, from the moment at which a roller stands over the first pit of the outer race, or else at the
+"""Of a ball pass, from the moment at which a roller stands over the first defect of the outer race, or else at the
 load line: when the ring is shown."""
 LEFT_OVER = 1e-6  # of the load: more force than this is no equilibrium
 
@@ -45,9 +45,9 @@ class Instant(NamedTuple):
 
     part: of the ball pass; x, y: place of the ring; n, a, b: (N,) numbers of its harmonics, amplitudes of cosine
     and sine, none of a rigid ring; angles, outwards, forces: (Z,) of the rollers their place, how far they stand
-    outwards of the pitch circle (without what one sinks into a pit of the outer race), the force on the outer
+    outwards of the pitch circle (without what one sinks into a defect of the outer race), the force on the outer
     race; loaded: (Z,) whether a roller presses both races; springs: (P,) what they press; carrier: place of what
-    is behind the springs; marks: of the pits.
+    is behind the springs; marks: of the defects.
     """
 
     part: float
@@ -262,5 +262,5 @@ def _marks(model: Any, t: float, angles: Reals) -> Iterator[Mark]:
             yield Mark("outer", angle, half)
         elif on == ON_INNER:
             yield Mark("inner", angle + bearing.omega_i * t, half)
-        elif row[SIDE] == OUTER:  # a roller's pit stands once more, for the other race
+        elif row[SIDE] == OUTER:  # a roller's defect stands once more, for the other race
             yield Mark("roller", float(angles[int(on)]) + angle - bearing.omega_b * t, half, int(on))

@@ -194,12 +194,12 @@ def draw_roller(results: "Results", jobs: Sequence[str], y: Sequence[str] = ()) 
         for ax in row:
             ax.set_xlim(-180.0, 180.0)
             ax.set_xticks(range(-180, 181, 90))
-            for angle in _outer_pits(job.parameters):
+            for angle in _outer_defects(job.parameters):
                 ax.axvline(np.degrees(angle), color=MARK_COLOURS["outer"], lw=0.7, alpha=0.6, zorder=0.9)
     return canvas
 
 
-def _outer_pits(parameters: Mapping[Any, Any]) -> list[float]:
+def _outer_defects(parameters: Mapping[Any, Any]) -> list[float]:
     """List the angles (rad) of the stationary defects."""
     heads = [str(name).removesuffix(".race") for name in parameters if str(name).endswith(".race")]
     return [parameters[f"{head}.angle"] for head in heads if parameters[f"{head}.race"] == "outer"]

@@ -65,23 +65,25 @@ def draw_all(path: Path) -> list[Path]:
 
     table = pd.read_csv(path)
     maps = table[["model", "pit"]].drop_duplicates().itertuples(index=False)
-    return [file for model, pit in maps for file in draw(table, model, pit, path.parent / _name(model, pit))]
+    return [
+        file for model, defect in maps for file in draw(table, model, defect, path.parent / _name(model, defect))
+    ]
 
 
-def _name(model: str, pit: str) -> str:
-    return f"stability-{model}-{pit.replace(' ', '-')}"
+def _name(model: str, defect: str) -> str:
+    return f"stability-{model}-{defect.replace(' ', '-')}"
 
 
-def draw(table: "pd.DataFrame", model: str, pit: str, path: Path) -> list[Path]:
+def draw(table: "pd.DataFrame", model: str, defect: str, path: Path) -> list[Path]:
     """Draw the map of one model and defect: methods with a step, then those with a tolerance; return the files."""
-    chosen = table[(table["model"] == model) & (table["pit"] == pit)]
+    chosen = table[(table["model"] == model) & (table["pit"] == defect)]
     made = []
     for axis, ending in (("step", "steps"), ("tolerance", "tolerances")):
         rows = chosen[chosen[axis].notna()]
         if len(rows):
             file = path.with_name(f"{path.name}-{ending}.png")
             with drawing(PLAIN):
-                figure(rows, axis, f"{model}, {pit}").savefig(file)
+                figure(rows, axis, f"{model}, {defect}").savefig(file)
             made.append(file)
     return made
 

@@ -1,7 +1,7 @@
 """Differences between two trials in the features of a study, with their confidence limits.
 
 A line's amplitude, and the square of an RMS, are means under a window. Their difference d between two models is
-one, too. How it scatters is seen between pairs of turns of the slowest pit: a motion that is no chaos has none.
+one, too. How it scatters is seen between pairs of turns of the slowest defect: a motion that is no chaos has none.
 
     error = |d| + t s,   s^2 = 2/N var(d_w)
 

@@ -7,7 +7,7 @@ from functools import lru_cache
 from bearingsim.config import Case
 from bearingsim.selection.candidates import recut, reference, with_friction
 from bearingsim.simulation.settling import cage_turn
-from bearingsim.simulation.trial import Against, Trial, passes_to_try, pit_turn, tells_friction
+from bearingsim.simulation.trial import Against, Trial, defect_turn, passes_to_try, tells_friction
 from bearingsim.study import Study, healthy_twin
 from bearingsim.study.goal import HEALTHY
 from bearingsim.study.jobs import identity
@@ -36,8 +36,8 @@ def trials_of(study: Study, number: int, case: Case) -> list[Trialled]:
     """List those by which a candidate for a case is judged: its own, and its healthy twin's if asked."""
     own = study.swept_cases[number][0]
     loose = with_friction(own) is not None
-    turn = max(pit_turn(own), cage_turn(own)) if loose else pit_turn(own)
-    read = asked_of(study), passes_to_try(own, loose), turn  # the twin's as its case's: it has no pits
+    turn = max(defect_turn(own), cage_turn(own)) if loose else defect_turn(own)
+    read = asked_of(study), passes_to_try(own, loose), turn  # the twin's as its case's: it has no defects
     cases = [variant for variant in (case, twin_asked(study, case)) if variant is not None]
     return [Trialled(_named(variant, *read), variant, *read) for variant in cases]
 
@@ -52,7 +52,7 @@ def asked_of(study: Study) -> tuple[str, ...]:
 def _named(case: Case, features: tuple[str, ...], passes: int, turn: float) -> str:
     """Return the id of a trial."""
     settings = {"trial": passes, "asked": list(features)}
-    return identity(case, settings if turn == pit_turn(case) else settings | {"turn": float(f"{turn:.12g}")})
+    return identity(case, settings if turn == defect_turn(case) else settings | {"turn": float(f"{turn:.12g}")})
 
 
 def twin_asked(study: Study, case: Case) -> Case | None:

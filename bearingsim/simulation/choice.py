@@ -176,7 +176,7 @@ def _cost(case: Case) -> Cost:
 
 
 RECORDED_PER_CROSSING, RECORDED_PER_PERIOD = 25, 4
-"""Recorded instants of an adaptive method over a pit, and in a period of contacts that ring."""
+"""Recorded instants of an adaptive method over a defect, and in a period of contacts that ring."""
 
 
 def automatic_step(case: Case, limits: Limits) -> float:

@@ -88,7 +88,7 @@ def integrate(
     kept = Recording(case, cut, setup.model.bearing.Z, y)
     search, period, difference = _search(setup, kept.places, close), 0, nan
     passes, look_at = 0, accuracy.MIN_PASSES
-    began_at = _pit_passages(setup, 0.0, y)
+    began_at = _defect_passages(setup, 0.0, y)
     for p, window in enumerate(_ball_passes(setup, kept.samples, y, kept.places, pace)):
         kept.keep(p, window, y)
         passes = p + 1
@@ -201,9 +201,9 @@ def _ball_passes(
 
 
 def _check_end(setup: Setup, began_at: list[float], y: np.ndarray, passes: int) -> None:
-    """Raise ``MethodFailure`` if the motion is not finite at the end of a run, or pits were stepped over."""
+    """Raise ``MethodFailure`` if the motion is not finite at the end of a run, or defects were stepped over."""
     end = passes * setup.cut.steps_per_pass * setup.cut.step
-    if not np.isfinite(_pit_passages(setup, end, y)).all():
+    if not np.isfinite(_defect_passages(setup, end, y)).all():
         raise stopped(setup, outcomes.NOT_FINITE, outcomes.NO_BODY, end)
     unseen = missed_crossings(setup.model, end, began_at, y) if began_at else 0
     if unseen > 0:
@@ -290,8 +290,8 @@ def difference_weights(reach: int) -> tuple[tuple[float, ...], tuple[float, ...]
     return tuple(s / k for k, s in enumerate(share, 1)), tuple(2.0 * s / k**2 for k, s in enumerate(share, 1))
 
 
-def _pit_passages(setup: Setup, t: float, y: np.ndarray) -> list[float]:
-    """Return the passages of each pit at time ``t`` (s); none of a model without contact forces or memory."""
+def _defect_passages(setup: Setup, t: float, y: np.ndarray) -> list[float]:
+    """Return the passages of each defect at time ``t`` (s); none of a model without contact forces or memory."""
     if not MODELS[setup.case.model].loaded or MODELS[setup.case.model].memoryless:
         return []
     return [passages(setup.model, d, t, y) for d in range(len(setup.model.defects.head))]

@@ -2,7 +2,7 @@
 
 An explicit method is stable up to a step that stiffness and damping set. Damping often sets it, and grows with
 the load, so the limit is taken twice: at rest, and at an estimate of the roller's impact on the far edge of the
-steepest pit. Loads, speeds and defects bound the approach and energy of a run that can be trusted.
+steepest defect. Loads, speeds and defects bound the approach and energy of a run that can be trusted.
 """
 
 from collections.abc import Iterator
@@ -112,7 +112,7 @@ def _without_method(case: Case) -> tuple[Limits, Slopes]:
         approach_bound=inf,
         energy_bound=inf,
     )
-    return _with_pits(case, limits, K, C) if MODELS[case.model].loaded else (limits, Slopes(K, C, K, C))
+    return _with_defects(case, limits, K, C) if MODELS[case.model].loaded else (limits, Slopes(K, C, K, C))
 
 
 def damping_ratio_at_rest(case: Case) -> float:
@@ -124,7 +124,7 @@ def damping_ratio_at_rest(case: Case) -> float:
     return C / (2.0 * sqrt(K)) if K > 0.0 else 0.0
 
 
-def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limits, Slopes]:
+def _with_defects(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limits, Slopes]:
     """Return the limits with the impacts at defects."""
     model = assemble.model(case)
     speed = closing_speed(model)
@@ -150,7 +150,7 @@ def _with_pits(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limits,
 def impact_force(model: Any, load: float) -> float:
     """Estimate the largest contact force (N) of a roller that passes the defects under ``load`` (N).
 
-    ``core/defects/passage.py`` states what is left out. Rollers without mass follow a pit without an impact.
+    ``core/defects/passage.py`` states what is left out. Rollers without mass follow a defect without an impact.
     """
     b = model.bearing
     if b.m_r == 0.0:
@@ -172,10 +172,10 @@ Measured: docs/step-check.md. They are large because light damping lets a motion
 def bounds(case: Case, model: Any, healthy: Limits) -> tuple[float, float]:
     """Return bounds of a contact's approach (m) and of the energy (J) of radial motion.
 
-    Approach: the whole load on one roller, the fall through clearance and pit, and the stopping distance from the
-    closing speed in a contact of the frequency at rest. Energy: the load (and the centrifugal one of the rollers)
-    over that fall, the energy stored at rest, every body at the closing speed, and the speed at which an unbalance
-    drives the inner ring against the shaft's damping.
+    Approach: the whole load on one roller, the fall through clearance and defect, and the stopping distance from
+    the closing speed in a contact of the frequency at rest. Energy: the load (and the centrifugal one of the
+    rollers) over that fall, the energy stored at rest, every body at the closing speed, and the speed at which an
+    unbalance drives the inner ring against the shaft's damping.
     """
     b, v = model.bearing, closing_speed(model)
     load = hypot(case.load, case.load_across) + healthy.rest_load
@@ -252,18 +252,18 @@ def at_rest_in_a_pass(model: Any) -> Iterator[tuple[float, np.ndarray, float, fl
 
 
 def step_impact(model: Any, law: Any, load: float) -> tuple[float, float, float]:
-    """Return ``impact`` of a roller under ``load`` (N) whose race returns in a step as the pit ends.
+    """Return ``impact`` of a roller under ``load`` (N) whose race returns in a step as the defect ends.
 
     Zeros for excitations without such a step. The roller has fallen in free flight, driven by the energy of its
-    inner contact (at most load times approach), but no deeper than the pit; that depth is its approach.
+    inner contact (at most load times approach), but no deeper than the defect; that depth is its approach.
     """
-    b, pits = model.bearing, model.defects
-    if b.m_r == 0.0 or len(pits.head) == 0 or not isinstance(pits.excitation, STEP_EXCITATIONS):
+    b, defects = model.bearing, model.defects
+    if b.m_r == 0.0 or len(defects.head) == 0 or not isinstance(defects.excitation, STEP_EXCITATIONS):
         return 0.0, 0.0, 0.0
     flight = crossing_time(model)
     outwards = b.omega_c**2 * 0.5 * (b.R_o + b.R_i)
     fall = sqrt(load * approach(law, load) / b.m_r) * flight + 0.5 * outwards * flight * flight
-    deep = min(fall, float(pits.groups[:, :, DEPTH].max()))
+    deep = min(fall, float(defects.groups[:, :, DEPTH].max()))
     K, C = stiffness_bound(law, deep, 0.0), damping_bound(law, deep, 0.0)
     return float(normal_force(law, deep, 0.0)), float(K) / b.m_r, float(C) / b.m_r
 

@@ -11,8 +11,8 @@ LIGHT_DAMPING = 0.2  # damping ratio of a loaded roller under which a run forget
 SETTLES = 0.05  # s: longest settling of a pilot
 MIN_PASSES, MIN_DURATION = 4, 5e-3  # ball passes, and s, that count
 PILOT_PART = 1 / 16  # of a run that a pilot takes: with its half step a fifth of the run's CPU time
-TURNS = 2.0  # of a pit through the load zone, since passages differ
-DURATION_MARGIN = 1.5  # times the pilot that sees the pits turn: length of a run that allows it
+TURNS = 2.0  # of a defect through the load zone, since passages differ
+DURATION_MARGIN = 1.5  # times the pilot that sees the defects turn: length of a run that allows it
 LONGER_PILOT = 2.0  # times the length of a pilot that was too short
 ROUNDING = 1e-9  # of a ball pass
 
@@ -29,7 +29,7 @@ def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
     whole = case.settle_s + case.duration
     settles = case.settle_s if case.step_check == "strict" else SETTLES * is_lightly_damped(case)
     forgotten = max(UNCOUNTED_PASSES / rate, min(settles, case.settle_s))
-    wanted = times * max(MIN_PASSES / rate, MIN_DURATION, compared_part(case) * whole, turns_of_pits(case))
+    wanted = times * max(MIN_PASSES / rate, MIN_DURATION, compared_part(case) * whole, turns_of_defects(case))
     counted = max(1, min(ceil(wanted * rate - ROUNDING), int((whole - forgotten) * rate + ROUNDING)))
     settle = min(forgotten, max(0.0, whole - counted / rate))
     short = {"settle": settle, "duration": (counted + 0.5) / rate}
@@ -46,17 +46,17 @@ def compared_part(case: Case) -> float:
     return 1.0 if case.step_check == "strict" else PILOT_PART
 
 
-def sees_pit_turns(case: Case, passes: int) -> bool:
-    """Check if every pit turns through the load zone ``TURNS`` times within ``passes`` ball passes."""
+def sees_defect_turns(case: Case, passes: int) -> bool:
+    """Check if every defect turns through the load zone ``TURNS`` times within ``passes`` ball passes."""
     rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
-    return passes >= turns_of_pits(case) * rate - ROUNDING
+    return passes >= turns_of_defects(case) * rate - ROUNDING
 
 
 def longer_duration(case: Case) -> float:
-    """Return the duration (s) of a run whose pilot sees the pits turn; twice this one's if it does."""
+    """Return the duration (s) of a run whose pilot sees the defects turn; twice this one's if it does."""
     short, passes = pilot(case)
-    if not sees_pit_turns(case, passes):
-        return DURATION_MARGIN * turns_of_pits(case)
+    if not sees_defect_turns(case, passes):
+        return DURATION_MARGIN * turns_of_defects(case)
     return LONGER_PILOT * (short.settle_s + short.duration) / compared_part(case)
 
 
@@ -69,14 +69,14 @@ def check_cost(case: Case) -> float:
     return (1.0 + sqrt(5.0)) * (short.settle_s + short.duration) / (case.settle_s + case.duration)
 
 
-def turns_of_pits(case: Case) -> float:
-    """Return the time (s) of ``TURNS`` turns of the slowest pit through the load zone; 0 if none turns."""
-    return TURNS * max((float(PIT_TURN[defect.race](case)) for defect in case.defects), default=0.0)
+def turns_of_defects(case: Case) -> float:
+    """Return the time (s) of ``TURNS`` turns of the slowest defect through the load zone; 0 if none turns."""
+    return TURNS * max((float(DEFECT_TURN[defect.race](case)) for defect in case.defects), default=0.0)
 
 
-PIT_TURN = {
+DEFECT_TURN = {
     "outer": lambda case: 0.0,
     "inner": lambda case: 2.0 * pi / at_full_speed(case).speed,
     "roller": lambda case: case.bearing.rollers / case.bearing.ball_pass_frequency(at_full_speed(case).speed),
 }
-"""Time (s) in which a pit of each race turns through the load zone once."""
+"""Time (s) in which a defect of each race turns through the load zone once."""

@@ -257,8 +257,8 @@ def take_peaks(y: np.ndarray) -> list[float]:
 def extend_back(case: Case, raw: RawRecord) -> None:
     """Fill in the samples before t = 0 with those one revolution of the cage later.
 
-    With pits that turn these differ, and only the ring's motion is extended, by its first pass: filters reach that
-    far, no feature does.
+    With defects that turn these differ, and only the ring's motion is extended, by its first pass: filters reach
+    that far, no feature does.
     """
     fine, zero, turn = raw.fine, raw.zero, raw.Z * raw.M
     if raw.repetition.period > 0:

@@ -96,9 +96,9 @@ def try_out(
 ) -> tuple[Trial, Record | None]:
     """Return the first ball passes of a case, for its model to be compared with others (``trial.py``).
 
-    requested: features; passes: how many are compared; turn: of the slowest pit (s), by which they are cut (0 if
-    none turns), its own or of the case whose healthy twin this is. If the motion becomes periodic within them, the
-    whole record is returned as well, unless its step is not to be checked. Raises like ``simulate``.
+    requested: features; passes: how many are compared; turn: of the slowest defect (s), by which they are cut (0
+    if none turns), its own or of the case whose healthy twin this is. If the motion becomes periodic within them,
+    the whole record is returned as well, unless its step is not to be checked. Raises like ``simulate``.
     """
     began = cpu_time.now()
     return _in_turn(case, lambda attempt: _try_out(attempt, requested, passes, turn, began, against))

@@ -21,7 +21,7 @@ from bearingsim.simulation.recording import RawRecord, Windows, windows
 from bearingsim.simulation.run_setup import Setup
 from bearingsim.simulation.settling import slowest_decay
 from bearingsim.simulation.spectral_lines import angles_of_record, sensed
-from bearingsim.simulation.trial import pit_turn
+from bearingsim.simulation.trial import defect_turn
 
 PARTS = 4  # of a record: the ratio of their successive changes extrapolates the decay
 ALIKE = 12  # ball passes: a multiple of all periods observed
@@ -109,7 +109,7 @@ def _of_parts(case: Case, passes: Passes, rate: float, standard: StandardErrors)
     largest force by 1/(1 - r), with r what remains of a decay after a half: as seen from part to part, at most
     that of the slowest mode at rest if it decays ``SLOWER`` times as slowly.
     """
-    turn = max(1.0, pit_turn(case) * rate or ALIKE)  # in passes
+    turn = max(1.0, defect_turn(case) * rate or ALIKE)  # in passes
     length = len(passes.powers) // PARTS
     length = int(int(length // turn) * turn) or length
     parts = np.repeat(np.eye(PARTS), length, axis=1)

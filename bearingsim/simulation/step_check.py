@@ -2,9 +2,9 @@
 
 Of a periodic motion one period is compared. Of any other, a pilot of some ball passes is stepped twice from the
 same start: at the step of the run, and at 1/sqrt(5) of it (with a tenth of the tolerance). The changes of the
-defect's line and the RMS measure the error of the run. The factor is not 2, because the place of a pit's cusp
+defect's line and the RMS measure the error of the run. The factor is not 2, because the place of a defect's cusp
 within a step sets size and sign of an error of first order, and with exactly half the step the cusp of a second
-pit would fall in the same place, its error unseen.
+defect would fall in the same place, its error unseen.
 
 If the two pilots diverge, a third one, its ring displaced by 1e-10 at the start, shows the reason: if it diverges
 from the first as fast, the motion is chaotic, no step can reproduce a line, and the RMS alone counts. Otherwise
@@ -24,7 +24,7 @@ from bearingsim.core import layout as lay
 from bearingsim.simulation import choice, time_grid
 from bearingsim.simulation.comparison import Compared, compare, of_orbit, of_pilot
 from bearingsim.simulation.integration import integrate
-from bearingsim.simulation.pilot import longer_duration, pilot, sees_pit_turns
+from bearingsim.simulation.pilot import longer_duration, pilot, sees_defect_turns
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.repetition import Closeness, turned_state
 from bearingsim.simulation.run_setup import MethodFailure, Setup, TooChaotic, set_up
@@ -219,7 +219,7 @@ def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[S
         (scatter(series, passes) for series in zip(coarse_run[:2], fine_run[:2], third[:2], strict=True)),
         key=np.prod,
     )
-    is_measurable = sees_pit_turns(case, passes) and np.linalg.norm(beside) > NO_LESS * np.linalg.norm(apart)
+    is_measurable = sees_defect_turns(case, passes) and np.linalg.norm(beside) > NO_LESS * np.linalg.norm(apart)
     whole = max(1.0, case.duration * coarse.cut.rate)
     worth = sure * noise / sqrt(whole) if is_measurable else inf
     return replace(check, chaotic=True, noise=noise / sqrt(passes), scatter=worth), False
@@ -267,7 +267,7 @@ def with_finer_tolerance(case: Case) -> Case:
 
 
 def ahead(setup: Setup, other: Setup) -> float:
-    """Return the time (s) by which a setup's rollers are ahead of another's, both aligned with their first pit."""
+    """Return the lead (s) of a setup's rollers over another's, both aligned with their first defect."""
     return float((setup.model.bearing.theta_0 - other.model.bearing.theta_0) / other.model.bearing.omega_c)
 
 

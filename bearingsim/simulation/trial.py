@@ -1,7 +1,7 @@
 """Trial: the first ball passes of a run, by which models are compared in the requested features.
 
 A line's amplitude is the mean of a quantity under a window, and so is an RMS's square. Both are read over the
-whole trial, and over every two successive turns of the slowest pit (Hann's window over two turns removes the
+whole trial, and over every two successive turns of the slowest defect (Hann's window over two turns removes the
 period of a turn). The difference of two models scatters between those if the motion is chaotic, and hardly at all
 if it is not.
 """
@@ -20,14 +20,14 @@ from bearingsim.config.names import LINES, Line, of_band
 from bearingsim.simulation import recording, spectral_lines
 from bearingsim.simulation.comparison import FORCE, low_passed
 from bearingsim.simulation.features import band_of
-from bearingsim.simulation.pilot import PILOT_PART, PIT_TURN, ROUNDING
+from bearingsim.simulation.pilot import DEFECT_TURN, PILOT_PART, ROUNDING
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.run_setup import Setup
 from bearingsim.simulation.settling import cage_turn
 from bearingsim.simulation.spectral_lines import SampleAngles
 
 MIN_PASSES, TURNS = 16, 4
-"""Smallest numbers of ball passes, and of turns of every pit through the load zone, that are compared."""
+"""Smallest numbers of ball passes, and of turns of every defect through the load zone, that are compared."""
 MOST_PART = 0.5
 """Largest part of a record that is compared: more would cost as much as the run that it may save."""
 CAGE_TURNS = 5
@@ -48,9 +48,9 @@ LEAST_OVERLAP_EIGENVALUE = 0.1
 class Trial:
     """The first passes of a run after it has settled.
 
-    passes: how many count; turns: of the slowest pit in them, of ball passes if none turns; repeats: whether the
-    motion is periodic; lines: (1 + W,) complex amplitudes (SI) of each requested line over the whole, and over W
-    pairs of turns, by name, NaN of a line that the whole does not resolve; powers: (1 + W,) mean squares of a
+    passes: how many count; turns: of the slowest defect in them, of ball passes if none turns; repeats: whether
+    the motion is periodic; lines: (1 + W,) complex amplitudes (SI) of each requested line over the whole, and over
+    W pairs of turns, by name, NaN of a line that the whole does not resolve; powers: (1 + W,) mean squares of a
     requested RMS (SI), likewise; forces: (passes,) the largest of an outer contact (N); method: its name, empty if
     the model has none; step: its step (s), or its tolerance if it is adaptive.
     """
@@ -98,7 +98,7 @@ def passes_to_try(case: Case, loose: bool = False) -> int:
     loose: whether the reference has a free cage, which needs turns of the cage even if the record holds fewer.
     """
     rate = case.bearing.ball_pass_frequency(case.speed)
-    wanted = max(MIN_PASSES, ceil(TURNS * pit_turn(case) * rate), ceil(PILOT_PART * case.duration * rate))
+    wanted = max(MIN_PASSES, ceil(TURNS * defect_turn(case) * rate), ceil(PILOT_PART * case.duration * rate))
     return max(min(wanted, most_passes(case)), loose * CAGE_TURNS * case.bearing.rollers)
 
 
@@ -119,9 +119,9 @@ def long_enough(case: Case) -> Case:
     )
 
 
-def pit_turn(case: Case) -> float:
-    """Return the time (s) in which the slowest pit turns through the load zone once; 0 if none turns."""
-    return max((float(PIT_TURN[defect.race](case)) for defect in case.defects), default=0.0)
+def defect_turn(case: Case) -> float:
+    """Return the time (s) in which the slowest defect turns through the load zone once; 0 if none turns."""
+    return max((float(DEFECT_TURN[defect.race](case)) for defect in case.defects), default=0.0)
 
 
 def last_pass(setup: Setup, passes: int) -> int:
@@ -132,7 +132,7 @@ def last_pass(setup: Setup, passes: int) -> int:
 
 
 def of_passes(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: int, turn: float) -> Trial:
-    """Return the trial of the first ``passes`` of a run after settling; turn: of the slowest pit (s), or 0.
+    """Return the trial of the first ``passes`` of a run after settling; turn: of the slowest defect (s), or 0.
 
     If the motion is not periodic, of at most ``most_passes``.
     """
@@ -211,7 +211,7 @@ def angles_near(case: Case, turning: SampleAngles, name: str, span: slice) -> np
 
 
 def excited(case: Case) -> list[str]:
-    """Return the lines at which a case vibrates: those of its pits, and of the rollers that pass."""
+    """Return the lines at which a case vibrates: those of its defects, and of the rollers that pass."""
     races = {defect.race for defect in case.defects}
 
     def is_there(line: Line) -> bool:

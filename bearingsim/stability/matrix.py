@@ -22,8 +22,8 @@ from bearingsim.stability import judge
 from bearingsim.stability.judge import REFUSED, Reference, Verdict, agreeing_solutions
 from bearingsim.stability.references import SCIPY, solve
 from bearingsim.stability.scene import (
+    DEFECTS,
     NAMED,
-    PITS,
     PRINTED,
     SAMPLE_INTERVAL,
     SPAN,
@@ -45,7 +45,7 @@ class Grid(NamedTuple):
 
     k: tuple[float, ...]
     damping: tuple[tuple[float, float], ...]
-    pits: tuple[str, ...]
+    defects: tuple[str, ...]
     steps: tuple[float, ...]
     tolerances: tuple[float, ...]
     scipys: tuple[float, ...]
@@ -56,7 +56,7 @@ class Grid(NamedTuple):
 FULL = Grid(
     k=(STEEL, 1e7, PRINTED),
     damping=((0.0, 1e-1), (0.0, 1e1), (0.0, 1e3), (0.0, 1e6), (1.0, 1e2), (1.0, 1e4), (1.0, 1e6), (2.0, 1e6)),
-    pits=tuple(PITS),
+    defects=tuple(DEFECTS),
     steps=(20e-6, 10e-6, 5e-6, 2e-6, 1e-6, 0.5e-6, 0.2e-6, 0.1e-6, 0.05e-6, 0.02e-6),
     tolerances=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7),
     scipys=(1e-2, 1e-4, 1e-6),
@@ -66,7 +66,7 @@ FULL = Grid(
 QUICK = Grid(
     k=(STEEL, PRINTED),
     damping=((0.0, 1e-1), (0.0, 1e6), (1.0, 1e4), (1.0, 1e6)),
-    pits=(HEALTHY, "0.2 mm slot"),
+    defects=(HEALTHY, "0.2 mm slot"),
     steps=(10e-6, 5e-6, 2e-6, 1e-6, 0.2e-6),
     tolerances=(1e-2, 1e-4, 1e-6),
     scipys=(1e-2, 1e-4),
@@ -131,12 +131,12 @@ def cells(method: str, grid: Grid) -> tuple[float, ...]:
 
 def count(models: Sequence[str], methods: Sequence[str], grid: Grid) -> int:
     """Count the cells of a whole map."""
-    return len(materials(models, grid)) * len(grid.pits) * sum(len(cells(method, grid)) for method in methods)
+    return len(materials(models, grid)) * len(grid.defects) * sum(len(cells(method, grid)) for method in methods)
 
 
-def set_up(material: Material, pit: str) -> PreparedScene:
+def set_up(material: Material, defect: str) -> PreparedScene:
     """Make a scene ready."""
-    case = case_of(Scene(material.model, pit, material.k, material.c, material.m3))
+    case = case_of(Scene(material.model, defect, material.k, material.c, material.m3))
     model = assemble.model(case)
     _, K, C = limits.loads_at_rest(assemble.healthy(case))
     return PreparedScene(case, model, assemble.start(case, model)[0], K, C)
@@ -192,26 +192,26 @@ def judges(methods: Sequence[str]) -> tuple[str, ...]:
 def warm(model: str, method: str, grid: Grid) -> None:
     """Compile (or load) what the cells of a model and a method need."""
     exponents = dict(grid.damping)  # each has its own compiled code
-    kinds = {PITS[pit].get("excitation", "envelope"): pit for pit in grid.pits}
-    for (m3, c), pit in product(exponents.items(), kinds.values()):
-        run(set_up(Material(model, grid.k[0], m3, c), pit), method, cells(method, grid)[0], 0.0)
+    kinds = {DEFECTS[defect].get("excitation", "envelope"): defect for defect in grid.defects}
+    for (m3, c), defect in product(exponents.items(), kinds.values()):
+        run(set_up(Material(model, grid.k[0], m3, c), defect), method, cells(method, grid)[0], 0.0)
 
 
 def map_of(material: Material, methods: Sequence[str], grid: Grid) -> Iterator[dict[str, Any]]:
     """Yield the rows of a material: every defect, method and setting."""
     sound: Reference | None = None
-    for pit in (HEALTHY, *(pit for pit in grid.pits if pit != HEALTHY)):
-        bench = set_up(material, pit)
+    for defect in (HEALTHY, *(defect for defect in grid.defects if defect != HEALTHY)):
+        bench = set_up(material, defect)
         exact = reference(bench, grid.patience)
-        sound = exact if pit == HEALTHY else sound
-        if pit in grid.pits:
+        sound = exact if defect == HEALTHY else sound
+        if defect in grid.defects:
             for method in methods:
-                yield from row_by_row(material, pit, bench, method, grid, exact, sound)
+                yield from row_by_row(material, defect, bench, method, grid, exact, sound)
 
 
 def row_by_row(
     material: Material,
-    pit: str,
+    defect: str,
     bench: PreparedScene,
     method: str,
     grid: Grid,
@@ -234,7 +234,7 @@ def row_by_row(
         yield {
             "model": material.model,
             "method": method,
-            "pit": pit,
+            "pit": defect,
             "stiffness": NAMED.get(material.k, ""),
             "k": material.k,
             "m3": material.m3,

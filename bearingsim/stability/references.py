@@ -1,7 +1,7 @@
 """SciPy's integrators on the compiled models, as independent references.
 
 A model's state becomes a vector x = (positions, velocities) of what can move; its slopes are the compiled
-accelerations. Nothing is told to the solver of pits or touch-down; what it takes for success is read, and a run
+accelerations. Nothing is told to the solver of defects or touch-down; what it takes for success is read, and a run
 that ends early is no reference.
 """
 
@@ -90,7 +90,7 @@ def solve(solver: str, model: Any, y: np.ndarray, tolerances: Tolerances, limit:
     """Run one of ``SCIPY`` from the buffer's state at t = 0 through the scene, for ``limit`` CPU seconds at most.
 
     asked: as the own methods have it; a solver sees positions and velocities with the same rtol. What a solver
-    calls success is read; it says nothing of pits that were stepped over.
+    calls success is read; it says nothing of defects that were stepped over.
     """
     f = StateRate(model, y, limit)
     lever = f.y[LENGTH_SCALE + f.places]

@@ -1,6 +1,6 @@
-"""Scenes of the stability map: a loaded roller crosses three pits, with any stiffness and any damping.
+"""Scenes of the stability map: a loaded roller crosses three defects, with any stiffness and any damping.
 
-The NF308 at 1800 rpm under 150 N, for 2.2 ms from rest. The pits lie 0.6 ms apart on the outer race, about the
+The NF308 at 1800 rpm under 150 N, for 2.2 ms from rest. The defects lie 0.6 ms apart on the outer race, about the
 load line, so that one roller crosses all of them near its largest load; the first 0.5 ms are calm, and a method
 that chooses its steps has made them long by then. One law for all, k delta^(10/9) + c v delta^m3.
 """
@@ -27,20 +27,23 @@ NAMED = {STEEL: "steel", PRINTED: "printed"}
 """Named stiffnesses."""
 
 SLOT = {"race": "outer", "shape": "rectangular", "length": "12 mm", "depth": "0.05 mm"}
-PITS: dict[str, dict[str, Any]] = {
+DEFECTS: dict[str, dict[str, Any]] = {
     "healthy": {},
     "0.2 mm slot": {"width": "0.2 mm"},
     "0.8 mm slot": {"width": "0.8 mm"},
     "0.2 mm pulse": {"width": "0.2 mm", "excitation": "rectangular-pulse"},
 }
-"""Pits by their name: from none to one whose ends are steps."""
+"""Defects by their name: from none to one whose ends are steps."""
 
 
 class Scene(NamedTuple):
-    """model: its name; pit: in ``PITS``; k (N/mm^(10/9)) and c (N s/mm^(1 + m3)) as multibody tools print them."""
+    """Bearing, defects and contact of a run.
+
+    model: name; defect: key of ``DEFECTS``; k (N/mm^(10/9)) and c (N s/mm^(1 + m3)): in units of multibody tools.
+    """
 
     model: str
-    pit: str
+    defect: str
     k: float
     c: float
     m3: float
@@ -50,19 +53,19 @@ def case_of(scene: Scene) -> Case:
     """Build the case of a scene, without method and step."""
     law = {"law": "general", "coefficient": scene.c, "indentation_exponent": scene.m3}
     stiffness = {"law": "constant", "coefficient": scene.k, "exponent": EXPONENT}
-    return crossing(scene.model, scene.pit, {"stiffness": stiffness, "damping": law})
+    return crossing(scene.model, scene.defect, {"stiffness": stiffness, "damping": law})
 
 
-def crossing(model: str, pit: str, contact: dict[str, Any], late: float = 0.0) -> Case:
+def crossing(model: str, defect: str, contact: dict[str, Any], late: float = 0.0) -> Case:
     """Build the case of a loaded roller crossing three defects, ``late`` s later than at ``MIDDLES``."""
     base = {"bearing": "nf308", "speed": "1800 rpm", "load": LOAD, "model": model, "contact": contact}
     omega_c = assemble.geometry.bearing(Case.model_validate(base)).omega_c
-    shape = dict(PITS[pit])
+    shape = dict(DEFECTS[defect])
     excitation = shape.pop("excitation", "envelope")
     middle = MIDDLES[len(MIDDLES) // 2]
-    pits = [SLOT | shape | {"angle": f"{degrees(omega_c * (t - middle))} deg"} for t in MIDDLES if shape]
+    defects = [SLOT | shape | {"angle": f"{degrees(omega_c * (t - middle))} deg"} for t in MIDDLES if shape]
     start = f"{degrees(-omega_c * (middle + late))} deg"
-    return Case.model_validate(base | {"defects": pits, "excitation": excitation, "start_angle": start})
+    return Case.model_validate(base | {"defects": defects, "excitation": excitation, "start_angle": start})
 
 
 SAMPLES = round(SPAN / SAMPLE_INTERVAL)

@@ -256,7 +256,7 @@ def _baseline(case: Case, swept: dict[str, float | str]) -> Job | None:
 
 def healthy_twin(case: Case) -> Case | None:
     """Return the case without its defects; None if it has none, or for a model of impulses only."""
-    if not case.defects or not MODELS[case.model].takes_pits:
+    if not case.defects or not MODELS[case.model].takes_defects:
         return None
     plain: dict[str, Any] = {
         name: Case.model_fields[name].default for name in _of_defects(case) & Case.model_fields.keys()

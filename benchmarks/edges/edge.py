@@ -10,7 +10,7 @@ from bearingsim.core.defects.closed_forms import groups_of
 from bearingsim.core.defects.depth import Rectangular
 from bearingsim.core.defects.edge_contact import EdgeContact
 from bearingsim.core.defects.excitations import defect_response, response_groups
-from benchmarks.edges.pitted import finite_elements, half_planes, on_race, pitted, race_of
+from benchmarks.edges.damaged import damaged, finite_elements, half_planes, on_race, race_of
 from benchmarks.edges.pressed import Body, Pressed, press, press_to
 from benchmarks.edges.race import Grading, Slot, depth_at, envelope
 from benchmarks.edges.steel import Pair
@@ -64,14 +64,14 @@ def described(pair: Pair, slot: Slot, s: float, found: Pressed) -> Crossing:
 
 
 def bodies(pair: Pair, slot: Slot, grading: Grading | None = None, cut_out: bool = True) -> Body:
-    """Roller and pitted race: the pit cut out of finite elements, or only a gap between half-planes."""
-    made = pitted(slot, grading or Grading())
+    """Roller and damaged race: the defect cut out of finite elements, or only a gap between half-planes."""
+    made = damaged(slot, grading or Grading())
     return finite_elements(made, pair) if cut_out else half_planes(made, pair)
 
 
 def stressed(pair: Pair, slot: Slot, force: float, places: Iterable[float]) -> list[tuple[Crossing, float]]:
     """Each contact at ``places`` (m behind the rim) with the largest von Mises stress (Pa) in the race."""
-    made = pitted(slot, Grading())
+    made = damaged(slot, Grading())
     below = race_of(made, pair)
     body, found = on_race(made, pair, below), []
     for s in places:
@@ -84,8 +84,8 @@ def corrected(pair: Pair, slot: Slot, reference: float, s: float) -> tuple[float
     """Share and h (m) of ``EdgeContact`` with the reference load ``reference`` (N/m)."""
     excitation = EdgeContact(reference / (np.pi * pair.E_star), pair.D, slot.rho)
     width = WIDE if slot.width == inf else slot.width
-    pit = Rectangular(1.0, width, slot.depth)
-    (row,) = response_groups(excitation, pit, groups_of(pit, 1.0, pair.R, 1), pair.R)
+    defect = Rectangular(1.0, width, slot.depth)
+    (row,) = response_groups(excitation, defect, groups_of(defect, 1.0, pair.R, 1), pair.R)
     share, h, _ = defect_response(excitation, np.array(row), s - width / 2.0, pair.R)
     return share, h
 

@@ -1,4 +1,4 @@
-"""The race with its pit as finite elements in plane strain, condensed to the nodes that a roller may press.
+"""The race with its defect as finite elements in plane strain, condensed to the nodes that a roller may press.
 
 Quadratic triangles (scikit-fem). Pressure is linear between the surface's nodes and acts downwards. On the block's
 far sides the displacement is Flamant's under the same force: the block goes on as a half-plane, with the datum of

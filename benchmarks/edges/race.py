@@ -1,7 +1,7 @@
 """The surface of a race with a slot in it, and nodes on it that are fine where a roller may press.
 
-Lengths in m; t along rolling, y upwards, the race below y = 0. The pit opens at t = 0, where the rounding of its
-edge (radius rho) begins, and is ``width`` wide to where the other one ends. Walls are upright, the floor flat.
+Lengths in m; t along rolling, y upwards, the race below y = 0. The defect opens at t = 0, where the rounding of
+its edge (radius rho) begins, and is ``width`` wide to where the other one ends. Walls are upright, the floor flat.
 """
 
 from math import acos, inf, sin, sqrt

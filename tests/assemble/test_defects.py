@@ -35,13 +35,13 @@ BOWL = SHORT | {"shape": "circular"}
 R_O = 0.0385
 
 
-def sunk(pits, s, d=0):
+def sunk(defects, s, d=0):
     """Mean sinking (m) of a roller at ``s`` (m) from the middle of one meeting."""
-    return mean_roller_drop(pits, d, s)
+    return mean_roller_drop(defects, d, s)
 
 
 @pytest.mark.parametrize("shape", ["rectangular", "triangular", "circular"])
-def test_a_pit_off_the_middle_is_felt_as_in_the_middle_while_it_is_on_the_roller(shape):
+def test_a_defect_off_the_middle_is_felt_as_in_the_middle_while_it_is_on_the_roller(shape):
     centred, off = (
         packed_defects(case(defect=SHORT | {"shape": shape, "offset": at})) for at in ("0 mm", "-4.5 mm")
     )
@@ -102,7 +102,7 @@ def test_two_slots_side_by_side_are_one():
     assert found.head[0, CUSP] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_a_merged_pit_is_the_same_wherever_it_is_counted_from():
+def test_a_merged_defect_is_the_same_wherever_it_is_counted_from():
     """Across the load line's far side, in either order, on either race and on a roller."""
     for on in ({}, {"race": "inner"}, {"race": "roller"}):
         for angles in ((179.8, -179.9), (10.0, 10.3)):
@@ -118,19 +118,19 @@ def test_side_by_side_along_the_roller_is_one_meeting_too():
     """A roller meets both at once, with two lengths of it."""
     pair = [SHORT | {"offset": "-3 mm"}, SHORT | {"offset": "3 mm", "depth": "0.2 um"}]
     found = packed_defects(case(defects=pair))
-    alone = [packed_defects(case(defect=pit)) for pit in pair]
+    alone = [packed_defects(case(defect=defect)) for defect in pair]
     assert len(found.head) == 1
     for s in (0.0, 2e-4, -3.9e-4):
         assert sunk(found, s) == pytest.approx(sum(sunk(one, s) for one in alone), rel=1e-9)
 
 
-def test_pits_apart_stay_apart_with_their_closed_forms():
+def test_defects_apart_stay_apart_with_their_closed_forms():
     found = packed_defects(case(defects=[SLOT, SLOT | {"angle": "1.3 deg"}, SLOT | {"race": "inner"}]))
     assert len(found.head) == 3
     assert isinstance(found.excitation, Envelope)
 
 
-def test_a_merged_pits_shortest_part_says_how_long_a_crossing_takes():
+def test_a_merged_defects_shortest_part_says_how_long_a_crossing_takes():
     pair = [SLOT, SLOT | {"width": "0.2 mm", "angle": f"{np.degrees(4.5e-4 / R_O)} deg"}]
     found = packed_defects(case(defects=pair))
     assert 2 * found.head[0, HALF_WIDTH] == pytest.approx(9.5e-4, rel=1e-9)
@@ -138,7 +138,7 @@ def test_a_merged_pits_shortest_part_says_how_long_a_crossing_takes():
 
 
 def test_too_much_for_one_roller_is_refused():
-    """Ten slots of 1.8 mm in a chain: refused by the case; by the pits if it is only what the edges add."""
+    """Ten slots of 1.8 mm in a chain: refused by the case; by the defects if it is only what the edges add."""
     edged = SLOT | {"width": "9.2 mm", "edge": {"radius": "0.2 mm"}}
     pair = [edged, edged | {"angle": f"{np.degrees(9.5e-3 / R_O)} deg"}]
     with pytest.raises(Refused, match="mm between two contacts; make them narrower, or the edge's radius smaller"):
@@ -146,9 +146,9 @@ def test_too_much_for_one_roller_is_refused():
 
 
 def test_what_a_ball_does_not_reach_is_refused_with_advice():
-    pit = {"shape": "rectangular", "length": "0.5 mm", "width": "0.8 mm", "depth": "50 um", "offset": "2 mm"}
+    defect = {"shape": "rectangular", "length": "0.5 mm", "width": "0.8 mm", "depth": "50 um", "offset": "2 mm"}
     with pytest.raises(SimulationError, match=r"of no depth; the contact reaches 0\.\d+ mm from the middle: take"):
-        simulate(case(bearing="6205", defect=pit))
+        simulate(case(bearing="6205", defect=defect))
 
 
 # Traced
@@ -156,11 +156,11 @@ def test_what_a_ball_does_not_reach_is_refused_with_advice():
 
 @pytest.mark.parametrize("shape", ["rectangular", "triangular", "circular"])
 @pytest.mark.parametrize("depth", ["50 um", "2 um"])
-def test_a_traced_pit_is_its_closed_form(shape, depth):
-    """A spall far away makes a case trace all of its pits."""
-    pit = SHORT | {"shape": shape, "depth": depth}
+def test_a_traced_defect_is_its_closed_form(shape, depth):
+    """A spall far away makes a case trace all of its defects."""
+    defect = SHORT | {"shape": shape, "depth": depth}
     far = SHORT | {"shape": "spall", "angle": "90 deg"}
-    found, expected = packed_defects(case(defects=[pit, far])), packed_defects(case(defect=pit))
+    found, expected = packed_defects(case(defects=[defect, far])), packed_defects(case(defect=defect))
     assert isinstance(found.excitation, Traced)
     s = np.linspace(-5e-4, 5e-4, 101)
     assert [sunk(found, x) for x in s] == pytest.approx([sunk(expected, x) for x in s], rel=1e-9, abs=1e-18)
@@ -170,8 +170,8 @@ def test_rollers_over_a_traced_slot_move_as_over_its_closed_form():
     """One ball pass; forces, that jump at the cusp, to 1e-6 of the largest."""
     model = assemble.aligned_with_cusp(assemble.model(case(defect=SLOT)), 6289, 0.5)
     (slot,) = roller_defect_pairs(case(defect=SLOT))
-    pit = Rectangular(12e-3, 8e-4, 5e-5)
-    rows, paths = grouped(pit, slot.R, cut_along_roller(pit, 12e-3, 6))
+    defect = Rectangular(12e-3, 8e-4, 5e-5)
+    rows, paths = grouped(defect, slot.R, cut_along_roller(defect, 12e-3, 6))
     by_table = model._replace(defects=traced_defects([slot._replace(groups=rows, paths=paths)]))
     expected, found = (drive(one, Verlet(1e-6), 6289, at_rest(one)) for one in (model, by_table))
     scale = np.abs(expected).max(axis=1, keepdims=True) + 1e-12
@@ -188,7 +188,7 @@ def test_shapes_of_the_same_sizes_are_told_apart():
     assert len({path.pieces.tobytes() for path in (box, groove, bowl)}) == 3
 
 
-def test_pits_are_kept_in_step_by_their_cusp():
+def test_defects_are_kept_in_step_by_their_cusp():
     """The cusp of a slot with a low step on one side is off its middle."""
     pair = [SLOT, SLOT | {"depth": "0.5 um", "angle": f"{np.degrees(7.9e-4 / R_O)} deg"}]
     model = assemble.model(case(defects=pair))
@@ -201,14 +201,14 @@ def test_pits_are_kept_in_step_by_their_cusp():
 
 
 @pytest.mark.parametrize("shape", ["elliptical", "spall"])
-def test_a_contact_over_a_pit_gives_back_the_work_it_takes(shape):
+def test_a_contact_over_a_defect_gives_back_the_work_it_takes(shape):
     """Without damping the force along rolling, sum Q dh/ds, adds up to nothing at a held approach."""
-    pits = packed_defects(
+    defects = packed_defects(
         case(defect=SHORT | {"shape": shape, "width": "1 mm", "depth": "3 um", "edge": {"radius": "20 um"}})
     )
     contact = HuntCrossley(palmgren(12e-3), 0.0)
     s = np.linspace(-6e-4, 6e-4, 10001)
-    sideways = np.array([force_over_defect(contact, pits, 0, x, 0.0, 4e-7, 0.0)[1] for x in s])
+    sideways = np.array([force_over_defect(contact, defects, 0, x, 0.0, 4e-7, 0.0)[1] for x in s])
     assert np.abs(sideways).max() > 0.01
     assert abs(sideways.sum()) < 2e-3 * np.abs(sideways).sum()
 
@@ -246,8 +246,8 @@ def test_other_excitations_in_slices():
 def test_slices_add_up_to_the_groups():
     zetas = (np.arange(2400) + 0.5) / 2400 * 12e-3 - 6e-3
     for more in ({"shape": "elliptical"}, {"shape": "circular", "edge": {"radius": "20 um"}}):
-        pit = case(defect=SHORT | more)
-        whole, slices = packed_defects(pit), packed_defects(pit, zetas)
+        defect = case(defect=SHORT | more)
+        whole, slices = packed_defects(defect), packed_defects(defect, zetas)
         for s in (0.0, 2e-4):
             mean = np.mean(
                 [

@@ -50,7 +50,7 @@ def test_the_line_hardly_changes_and_the_peak_force_falls() -> None:
 
 @pytest.mark.slow
 def test_an_implicit_method_steps_it() -> None:
-    """A heavy dashpot asks for one; that the force is differentiated along the pit: test_planar_derivatives."""
+    """A heavy dashpot asks for one; that the force is differentiated along the defect: test_planar_derivatives."""
     dashpot = {"law": "general", "coefficient": 1e6, "indentation_exponent": 1.0}
     short = {"duration": "7 ms", "settle": "1 ms", "defect": SLOT}
     found = simulate(case(contact={"damping": dashpot}, **short))

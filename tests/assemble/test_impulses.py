@@ -35,7 +35,7 @@ def test_twice_the_damping_time_damps_twice() -> None:
 # Balls
 
 
-def places_at_rest(case: Case, pit: bool, k_b: float, anchor: np.ndarray, part: np.ndarray) -> np.ndarray:
+def places_at_rest(case: Case, defect: bool, k_b: float, anchor: np.ndarray, part: np.ndarray) -> np.ndarray:
     """Ring (2, n) m at parts of a ball pass: Hertz's contacts in series and a bracket, by Newton's method."""
     b, d, R_w = case.bearing, case.defects[0], case.bearing.roller_diameter / 2.0
     k_o, k_i = (contacts.stiffness(case, on_outer).k for on_outer in (True, False))
@@ -44,7 +44,7 @@ def places_at_rest(case: Case, pit: bool, k_b: float, anchor: np.ndarray, part: 
     theta = 2.0 * np.pi * (part[:, None] + np.arange(b.rollers)) / b.rollers
     s = (np.remainder(theta - d.angle + np.pi, 2.0 * np.pi) - np.pi) * R_o
     rim = np.maximum(d.width / 2.0 - np.abs(s), 0.0)
-    h = np.minimum(rim**2 / 2.0 * (1.0 / R_w - 1.0 / R_o), d.depth) * pit
+    h = np.minimum(rim**2 / 2.0 * (1.0 / R_w - 1.0 / R_o), d.depth) * defect
     e = np.stack([np.cos(theta), np.sin(theta)])
     u = np.tile(np.array([[-5e-6], [0.0]]), len(part))
     for _ in range(40):
@@ -60,16 +60,16 @@ def line_at_rest(case: Case) -> np.ndarray:
     """BPFO displacement line (2,) m of a slowly turning bearing, less the healthy one."""
     part, k_b = (np.arange(2000) + 0.5) / 2000, case.rig.bracket_stiffness
     anchor = places_at_rest(case, False, 0.0, np.zeros((2, 1)), part).mean(axis=1, keepdims=True)
-    struck, healthy = (places_at_rest(case, pit, k_b, anchor, part) for pit in (True, False))
+    struck, healthy = (places_at_rest(case, defect, k_b, anchor, part) for defect in (True, False))
     return np.abs(2.0 * np.mean((struck - healthy) * np.exp(-2j * np.pi * part), axis=1))
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.5])
 @pytest.mark.parametrize(("bearing", "width"), [("6205", 0.3e-3), ("6205", 0.8e-3), ("6309", 0.8e-3)])
 def test_the_line_of_balls_is_that_of_a_bearing_at_rest(bearing: str, width: float, angle: float) -> None:
-    """A pit across the balls' path: within 8 % along the load, 10 % of that across."""
-    pit = SLOT | {"length": "7 mm", "width": width, "angle": angle}
-    case = impulse(bearing=bearing, load="500 N", speed="60 rpm", duration="2 s", defect=pit)
+    """A defect across the balls' path: within 8 % along the load, 10 % of that across."""
+    defect = SLOT | {"length": "7 mm", "width": width, "angle": angle}
+    case = impulse(bearing=bearing, load="500 N", speed="60 rpm", duration="2 s", defect=defect)
     model, omega = assemble.model(case), 2.0 * np.pi * case.bearing.ball_pass_frequency(case.speed)
     of_train = [
         omega / np.pi * abs(J[0] / (K - model.m * omega**2 + 1j * omega * C))

@@ -349,7 +349,7 @@ def test_the_mass_of_a_rolling_element() -> None:
     assert ball.inner_spacing == pytest.approx(math.pi * 0.053 / 13)
 
 
-def test_a_balls_pit_may_be_longer_than_its_contact() -> None:
+def test_a_balls_defect_may_be_longer_than_its_contact() -> None:
     assert case(bearing="6205", defect=SLOT | {"length": "15 mm"}).defects[0].length == 0.015
     assert "longer than the bearing (15 mm)" in messages(bearing="6205", defect=SLOT | {"length": "15.1 mm"})[0]
     too_long = ON_ROLLER | {"length": "8 mm"}

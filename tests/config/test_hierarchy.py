@@ -11,7 +11,7 @@ from bearingsim.config import CHANNELS, Case
 from bearingsim.config.rules.hierarchy import least, needs, reasons, reference
 from bearingsim.config.sections.free import Cage, Frictionless
 
-PIT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
+DEFECT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
 SPRUNG = {"axial_stiffness": "1e7 N/m", "tilting_stiffness": "1e4 N m/rad"}
 
 
@@ -28,40 +28,40 @@ def refusals(**fields: Any) -> list[tuple[str, str | None]]:
 
 LINEAR = {"stiffness": {"law": "constant", "coefficient": 1e6, "exponent": 1.0}}
 JUMPING = {"law": "general", "coefficient": 1e3, "indentation_exponent": 0.0}
-IMPULSES = {"defect": PIT, "excitation": "impulse-train"}
+IMPULSES = {"defect": DEFECT, "excitation": "impulse-train"}
 
 LEAST: list[tuple[dict[str, Any], str, str]] = [
     (IMPULSES, "impulse", "`impulse-train` is forces in time"),
     (IMPULSES | {"record": ["ring.acceleration"]}, "impulse", "forces in time"),
     (IMPULSES | {"excitation": "random-impulses", "seed": 3}, "impulse", "forces in time"),
     ({}, "static", "a healthy bearing vibrates by its varying compliance"),
-    ({"defect": PIT}, "static", "`envelope` moves the rollers"),
-    ({"defect": PIT | {"race": "inner"}}, "static", "`envelope` moves the rollers"),
-    ({"defect": PIT | {"race": "roller"}}, "static", "`envelope` moves the rollers"),
-    ({"defect": PIT, "excitation": "half-sine-pulse"}, "static", "`half-sine-pulse` moves the rollers"),
+    ({"defect": DEFECT}, "static", "`envelope` moves the rollers"),
+    ({"defect": DEFECT | {"race": "inner"}}, "static", "`envelope` moves the rollers"),
+    ({"defect": DEFECT | {"race": "roller"}}, "static", "`envelope` moves the rollers"),
+    ({"defect": DEFECT, "excitation": "half-sine-pulse"}, "static", "`half-sine-pulse` moves the rollers"),
     ({"record": ["roller.2.inner_force"]}, "static", "a contact force is recorded"),
     ({"load_across": "10 N"}, "static", "`load_across` turns the load"),
     ({"friction": "none", "drag": "none"}, "static", "a healthy bearing"),
     ({"record": ["ring.acceleration"]}, "ring", "masses decide the acceleration"),
     ({"contact": {"damping": {"chi": "5 s/m"}}}, "ring", "`contact.damping` acts on motion"),
     ({"contact": {"damping": JUMPING}}, "ring", "`contact.damping` acts on motion"),
-    ({"defect": PIT, "contact": {"damping": JUMPING}}, "rollers", "such damping needs the mass of rollers"),
+    ({"defect": DEFECT, "contact": {"damping": JUMPING}}, "rollers", "such damping needs the mass of rollers"),
     (
-        {"defect": PIT, "contact": {"damping": "kraemer"} | LINEAR},
+        {"defect": DEFECT, "contact": {"damping": "kraemer"} | LINEAR},
         "rollers",
         "such damping needs the mass of rollers",
     ),
-    ({"defect": PIT, "contact": {"damping": "kraemer"}}, "ring", "`contact.damping` acts on motion"),
-    ({"defect": PIT, "contact": {"damping": JUMPING | {"coefficient": 0.0}}}, "ring", "`contact.damping` acts"),
+    ({"defect": DEFECT, "contact": {"damping": "kraemer"}}, "ring", "`contact.damping` acts on motion"),
+    ({"defect": DEFECT, "contact": {"damping": JUMPING | {"coefficient": 0.0}}}, "ring", "`contact.damping` acts"),
     (
         {"contact": {"damping": JUMPING | {"indentation_exponent": 1.0}}},
         "ring",
         "`contact.damping` acts on motion",
     ),
-    ({"defect": PIT, "excitation": "pressure-share"}, "ring", "`pressure-share` changes the force at the pit"),
-    ({"defect": PIT, "excitation": "soft-edge"}, "ring", "`soft-edge` changes the force at the pit"),
-    ({"defect": PIT, "record": ["roller.outer_force"]}, "rollers", "a roller's mass decides its impact"),
-    ({"defect": PIT, "record": ["ring.acceleration"]}, "rollers", "a roller's mass decides its impact"),
+    ({"defect": DEFECT, "excitation": "pressure-share"}, "ring", "`pressure-share` changes the force at the pit"),
+    ({"defect": DEFECT, "excitation": "soft-edge"}, "ring", "`soft-edge` changes the force at the pit"),
+    ({"defect": DEFECT, "record": ["roller.outer_force"]}, "rollers", "a roller's mass decides its impact"),
+    ({"defect": DEFECT, "record": ["ring.acceleration"]}, "rollers", "a roller's mass decides its impact"),
     ({"speed": "9000 rpm"}, "rollers", "centrifugal force 109 % of load"),
     ({"ramp": {"to": "3000 rpm", "time": "1 s"}}, "planar", "a `ramp` changes the speed under way"),
     ({"gravity": True}, "planar", "`gravity` pulls at rollers"),
@@ -75,7 +75,7 @@ LEAST: list[tuple[dict[str, Any], str, str]] = [
         "planar",
         "lets the outer ring rotate",
     ),
-    ({"defect": PIT | {"offset": "2 mm"}}, "spatial", "an `offset` tilts the roller"),
+    ({"defect": DEFECT | {"offset": "2 mm"}}, "spatial", "an `offset` tilts the roller"),
     ({"misalignment": {"inner": "0.5 mrad"}}, "spatial", "loads the rollers unevenly"),
     ({"rig": SPRUNG}, "spatial", "lets the outer ring lean"),
     ({"shaft": {"stiffness": "1e8 N/m", "mass": "1 kg"} | SPRUNG}, "spatial", "lets the inner ring lean"),
@@ -141,8 +141,16 @@ def test_what_only_planar_can_is_refused_elsewhere(fields: dict[str, Any], model
     ("fields", "messages", "hint"),
     [
         (IMPULSES | {"model": "ring"}, ["`impulse-train` is forces in time"], "`model: impulse`"),
-        ({"defect": PIT, "model": "impulse", "excitation": "envelope"}, ["`envelope` moves"], "`model: static`"),
-        ({"model": "static", "defect": PIT, "excitation": "soft-edge"}, ["`soft-edge` changes"], "`model: ring`"),
+        (
+            {"defect": DEFECT, "model": "impulse", "excitation": "envelope"},
+            ["`envelope` moves"],
+            "`model: static`",
+        ),
+        (
+            {"model": "static", "defect": DEFECT, "excitation": "soft-edge"},
+            ["`soft-edge` changes"],
+            "`model: ring`",
+        ),
         (
             IMPULSES | {"model": "impulse", "record": ["roller.outer_force"]},
             ["a contact force is recorded"],
@@ -171,7 +179,7 @@ def test_a_model_that_cannot_is_refused_with_the_least_that_can(
 
 
 def test_what_is_a_matter_of_quality_is_not_refused() -> None:
-    found = case(model="static", defect=PIT, record=["ring.acceleration", "roller.outer_force"])
+    found = case(model="static", defect=DEFECT, record=["ring.acceleration", "roller.outer_force"])
     assert found.model == "static"
     assert least(found) == "rollers"
     assert case(model="ring", speed="9000 rpm").model == "ring"
@@ -212,15 +220,15 @@ def test_channels_that_would_stay_zero_are_refused(name: str) -> None:
 def test_impulses_that_came_with_the_model_are_not_asked_for() -> None:
     """So the message can name the model that gives the forces."""
     with pytest.raises(ValidationError, match="contact force"):
-        case(model="impulse", record=["roller.outer_force"], defect=PIT)
-    assert "impulses" not in {need.what for need in needs(case(model="impulse", defect=PIT))}
-    asked = case(model="impulse", excitation="impulse-train", defect=PIT)
+        case(model="impulse", record=["roller.outer_force"], defect=DEFECT)
+    assert "impulses" not in {need.what for need in needs(case(model="impulse", defect=DEFECT))}
+    asked = case(model="impulse", excitation="impulse-train", defect=DEFECT)
     assert "impulses" in {need.what for need in needs(asked)}
 
 
 def test_balls_are_refused_by_the_spatial_model_alone() -> None:
     for name in MODELS:
-        fields = {"bearing": "6205", "model": name, "defect": PIT | {"length": "1 mm"}}
+        fields = {"bearing": "6205", "model": name, "defect": DEFECT | {"length": "1 mm"}}
         if name != "spatial":
             assert case(**fields).model == name
             continue

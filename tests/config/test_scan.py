@@ -171,7 +171,7 @@ def test_too_many_spikes_are_refused(tmp_path: Path) -> None:
         ("depth [um] | z [mm] | s [mm]", []),
     ],
 )
-def test_a_pit_too_small_or_steep_to_be_one_is_doubted(tmp_path: Path, head: str, parts: list[str]) -> None:
+def test_a_defect_too_small_or_steep_to_be_one_is_doubted(tmp_path: Path, head: str, parts: list[str]) -> None:
     found = read_scan(gridded(tmp_path / "a.csv", bowl(), head)).notes
     assert list(found) == [f"the pit is {part}: is the unit right?" for part in parts]
 
@@ -232,7 +232,7 @@ def test_damage_that_goes_on_along_the_roller(tmp_path: Path) -> None:
         (-bowl(), "is it a `height`?"),
     ],
 )
-def test_a_scan_without_undamaged_surroundings_or_pit_is_refused(
+def test_a_scan_without_undamaged_surroundings_or_defect_is_refused(
     tmp_path: Path, depth: np.ndarray, part: str
 ) -> None:
     s = S[: depth.shape[1]]

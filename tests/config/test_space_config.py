@@ -18,7 +18,7 @@ from bearingsim.simulation import limits
 from bearingsim.study.jobs import _baseline, case_id
 from tests.scenes.nf308 import CHI
 
-PIT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
+DEFECT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
 SPRUNG = {"axial_stiffness": "1e7 N/m", "tilting_stiffness": "1e4 N m/rad"}
 SHAFT = {"stiffness": "1e8 N/m", "mass": "1 kg"}
 
@@ -42,8 +42,8 @@ def refusal(**fields: Any) -> tuple[str, str]:
 
 
 @pytest.mark.parametrize(("length", "offset"), [(12.0, 0.0), (3.0, 0.0), (3.0, 4.5), (0.37, -2.11)])
-def test_slices_end_where_the_pit_does_and_fill_the_roller(length: float, offset: float) -> None:
-    found = case(defect=PIT | {"length": length * 1e-3, "offset": offset * 1e-3})
+def test_slices_end_where_the_defect_does_and_fill_the_roller(length: float, offset: float) -> None:
+    found = case(defect=DEFECT | {"length": length * 1e-3, "offset": offset * 1e-3})
     ends, table = slice_ends(found), space.slices(found).table
     for side in (-0.5, 0.5):
         assert np.abs(ends - (offset + side * length) * 1e-3).min() < 1e-11
@@ -55,7 +55,7 @@ def test_slices_end_where_the_pit_does_and_fill_the_roller(length: float, offset
     assert 24 <= len(table) <= 28
 
 
-def test_slices_lie_denser_in_a_pit() -> None:
+def test_slices_lie_denser_in_a_defect() -> None:
     ends = slice_edges(12e-3, [(-1.5e-3, 1.5e-3)], 24)
     inside = np.diff(ends[(ends > -1.6e-3) & (ends < 1.6e-3)])
     outside = np.diff(ends[ends < -1.4e-3])
@@ -63,9 +63,9 @@ def test_slices_lie_denser_in_a_pit() -> None:
 
 
 def test_too_many_slices_are_refused() -> None:
-    pits = [(-6e-3 + n * 1e-4, -6e-3 + n * 1e-4 + 5e-5) for n in range(40)]
+    defects = [(-6e-3 + n * 1e-4, -6e-3 + n * 1e-4 + 5e-5) for n in range(40)]
     with pytest.raises(ValueError, match=f"at most {MAX_SLICES}"):
-        slice_edges(12e-3, pits, 24)
+        slice_edges(12e-3, defects, 24)
 
 
 def test_profiles() -> None:
@@ -157,15 +157,15 @@ def test_balls_and_shared_pressure_have_no_slices() -> None:
         case(bearing="6205", record=["roller.outer_line_load"])
     (only,) = caught.value.errors()[0]["ctx"]["conflicts"]
     assert "balls, which have no axis to tilt" in only.message
-    assert "not of its slices" in refusal(defect=PIT, excitation="pressure-share")[0]
+    assert "not of its slices" in refusal(defect=DEFECT, excitation="pressure-share")[0]
 
 
 def test_too_many_slices_are_told_with_everything_else() -> None:
-    pits = [
-        PIT | {"length": "0.1 mm", "angle": f"{12 * n} deg", "offset": f"{0.35 * n - 5} mm"} for n in range(30)
+    defects = [
+        DEFECT | {"length": "0.1 mm", "angle": f"{12 * n} deg", "offset": f"{0.35 * n - 5} mm"} for n in range(30)
     ]
     with pytest.raises(ValidationError) as caught:
-        case(defects=pits, contact={"slices": 48}, record=["roller.1.outer_line_load.3", "roller.14.tilt"])
+        case(defects=defects, contact={"slices": 48}, record=["roller.1.outer_line_load.3", "roller.14.tilt"])
     found = [conflict.message for conflict in caught.value.errors()[0]["ctx"]["conflicts"]]
     assert found == [
         "the pits cut the roller into more than 64 slices",
@@ -175,7 +175,7 @@ def test_too_many_slices_are_told_with_everything_else() -> None:
 
 def test_the_twin_of_a_job_with_line_loads_keeps_to_its_own_slices() -> None:
     record = ["ring.velocity", "roller.1.outer_line_load"]
-    aside = case(defect=PIT | {"length": "2.9 mm", "offset": "1.1 mm"}, record=record)
+    aside = case(defect=DEFECT | {"length": "2.9 mm", "offset": "1.1 mm"}, record=record)
     twin = _baseline(aside, {})
     assert twin is not None
     assert slice_count(aside) == 25
@@ -209,8 +209,8 @@ def test_loads_at_rest_know_that_a_ring_leans() -> None:
 def test_what_is_the_same_has_one_id() -> None:
     assert case_id(case(misalignment={})) == case_id(case())
     assert case_id(case(contact={"length_nodes": 6})) == case_id(case())
-    given = {"excitation": "elastic-edge", "defect": PIT | {"edge": {"radius": "20 um"}}}
-    assert case_id(case(**given)) == case_id(case(excitation="elastic-edge", defect=PIT))
+    given = {"excitation": "elastic-edge", "defect": DEFECT | {"edge": {"radius": "20 um"}}}
+    assert case_id(case(**given)) == case_id(case(excitation="elastic-edge", defect=DEFECT))
 
 
 def test_what_only_space_knows_names_no_result_of_another_model() -> None:

@@ -18,7 +18,7 @@ from benchmarks.edges.pressed import press
 from benchmarks.edges.race import Grading as Graded
 from benchmarks.edges.race import Slot, graded
 from benchmarks.edges.steel import Pair
-from tests.scenes.pit_maps import SHAPES
+from tests.scenes.defect_maps import SHAPES
 
 PAIR, L_W = Pair(), 0.012
 R, FORCE = PAIR.R, 47.0 / L_W
@@ -80,7 +80,7 @@ def test_a_flat_wall(shape, width, depth):
         assert h + share**-0.9 * PAIR.approach(FORCE) == pytest.approx(found, rel=0.025)
 
 
-def test_half_planes_are_followed_over_a_shallow_pit():
+def test_half_planes_are_followed_over_a_shallow_defect():
     slot = Slot(0.2e-3, 1e-6, 1e-5)
     body = bodies(PAIR, slot, cut_out=False)
     for s in np.linspace(-2.0, 5.0, 15) * HALF:
@@ -122,7 +122,7 @@ def test_the_approach_at_the_reference_load_is_continuous(width, depth, place):
     assert abs(change) <= 0.35 * step + 1e-14 + 1e-3 * full * (abs(s) > 0.99 * row[GROUP_HALF_WIDTH])
 
 
-def test_a_pit_shorter_than_the_roller():
+def test_a_defect_shorter_than_the_roller():
     rows = rows_of("rectangular", 0.8e-3, 5e-5, length=0.003)
     assert [row[GROUP_WEIGHT] for row in rows] == pytest.approx([0.75, 0.25])
     assert defect_response(EDGES, rows[0], 0.0, R) == (1.0, 0.0, 0.0)

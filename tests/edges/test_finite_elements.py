@@ -9,10 +9,10 @@ import pytest
 pytest.importorskip("skfem")
 
 from bearingsim.core.laws.hertz import line_pressure
+from benchmarks.edges.damaged import damaged, finite_elements, half_planes, meshed, on_race, race_of, smooth
 from benchmarks.edges.edge import bodies, corrected_ratio, crossed, stressed
 from benchmarks.edges.finite_elements import Race, flamant
 from benchmarks.edges.mesh import quality
-from benchmarks.edges.pitted import finite_elements, half_planes, meshed, on_race, pitted, race_of, smooth
 from benchmarks.edges.pressed import Body, press
 from benchmarks.edges.race import Grading, Slot
 from benchmarks.edges.steel import Pair, Steel
@@ -75,7 +75,7 @@ def test_flamant_s_surface():
 @pytest.mark.parametrize("slot", SLOTS)
 def test_meshes_are_sound(slot):
     """No flat triangle, every side of the surface there, no area lost."""
-    made = pitted(slot, Grading())
+    made = damaged(slot, Grading())
     mesh = meshed(made)
     assert quality(mesh).min() > 0.3
     x, y = made.points.T
@@ -94,7 +94,7 @@ def test_the_edge_is_converged(rho):
     """
     slot = Slot(inf, 5e-5, rho)
     fine = bodies(PAIR, slot)
-    larger = finite_elements(pitted(slot, COARSE, 4e-3), PAIR)
+    larger = finite_elements(damaged(slot, COARSE, 4e-3), PAIR)
     for s in (-B, 0.0, 3.0 * B):
         one, two, three = (
             crossed(PAIR, slot, body, REFERENCE, s).approach for body in (elastic(slot), fine, larger)
@@ -111,7 +111,7 @@ def test_the_left_half_is_like_the_right():
 
 
 def test_missing_material_makes_the_edge_softer():
-    """Half-planes are the lower bound, and right for a pit that is shallow against b and the edge's radius."""
+    """Half-planes are the lower bound, and right for a defect that is shallow against b and the edge's radius."""
     for depth, low, high in ((1e-6, -1e-3, 3e-3), (5e-5, 0.05, 0.2)):
         slot = Slot(inf, depth, 1e-5)
         half = bodies(PAIR, slot, COARSE, cut_out=False)

@@ -197,6 +197,6 @@ def run(found: Equations, passes=12, steps=12582) -> Record:
     return Record(seen)
 
 
-def less_healthy(pitted: Record, healthy: Record):
+def less_healthy(damaged: Record, healthy: Record):
     """|line - that of the healthy bearing| at BPFO in m/s, of the last pass."""
-    return abs(pitted.lines()[-1] - healthy.lines()[-1])
+    return abs(damaged.lines()[-1] - healthy.lines()[-1])

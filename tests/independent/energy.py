@@ -1,7 +1,7 @@
 """Rest of a bearing in space by its energy alone: rings are circles about leaning axes, rollers points with axes.
 
 Of the model only its data are used. The state x holds the ring's place (2,) and q (Z,) in um, then the tilts (Z,)
-in 1e-3 rad; so ``slopes`` are forces in N and moments in N mm. The pit stays where it is under its
+in 1e-3 rad; so ``slopes`` are forces in N and moments in N mm. The defect stays where it is under its
 roller: the model too leaves out the force along the race that its slope would give.
 """
 
@@ -30,12 +30,12 @@ def angles(model):
 
 
 def sinking(model):
-    """Sinking (Z, slices) of each slice at the outer race's pit, if there is one."""
-    pits, h = model.defects, np.zeros((model.bearing.Z, len(model.slices.table)))
-    if len(pits.head):
-        away = pits.head[0, RADIUS] * np.angle(np.exp(1j * (angles(model) - pits.head[0, 2])))
+    """Sinking (Z, slices) of each slice at the outer race's defect, if there is one."""
+    defects, h = model.defects, np.zeros((model.bearing.Z, len(model.slices.table)))
+    if len(defects.head):
+        away = defects.head[0, RADIUS] * np.angle(np.exp(1j * (angles(model) - defects.head[0, 2])))
         for row, s in zip(h, away, strict=True):
-            row[:] = [roller_drop(group, s, pits.head[0, 4])[0] for group in pits.groups[0]]
+            row[:] = [roller_drop(group, s, defects.head[0, 4])[0] for group in defects.groups[0]]
     return h
 
 

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tests.independent.planar import OUTER, Coulomb, HuntCrossley, Pit, Scene, anchor_of, start
+from tests.independent.planar import OUTER, Coulomb, Defect, HuntCrossley, Scene, anchor_of, start
 
 KEPT = Path(__file__).parents[1] / "data" / "exudyn_planar.npz"
 HEAVY = 1e12  # kg, kg m^2
@@ -25,7 +25,7 @@ POINT = 1e-12  # m, the radius of an edge
 SLOWEST_IMPACT = 3.0  # m/s, faster than any here, so that EXUDYN always takes this one
 
 HEALTHY = Scene(friction=Coulomb(0.3, 0.02), friction_tilts=True, clamp=False)
-SPALL = replace(HEALTHY, damping=HuntCrossley(30.0), pits=(Pit(OUTER, 2e-3, 0.5e-3),))
+SPALL = replace(HEALTHY, damping=HuntCrossley(30.0), defects=(Defect(OUTER, 2e-3, 0.5e-3),))
 SCENES = {"healthy": (HEALTHY, 1e-6), "spall": (SPALL, 0.25e-6)}  # scene, step (s)
 DURATION = 0.02
 SAMPLING = 2e-5
@@ -106,8 +106,8 @@ def assembled(scene) -> Bearing:
 
     rims = [
         fixed(ring_body, (scene.R_o * np.cos(a), scene.R_o * np.sin(a), 0.0))
-        for pit in scene.pits
-        for a in (pit.angle - pit.width / 2 / scene.R_o, pit.angle + pit.width / 2 / scene.R_o)
+        for defect in scene.defects
+        for a in (defect.angle - defect.width / 2 / scene.R_o, defect.angle + defect.width / 2 / scene.R_o)
     ]
     inner, races, edges = [], [], []
     for c, velocity in zip(x.rollers, v.rollers, strict=True):
@@ -140,13 +140,16 @@ def damped(bearing, scene):
 
 def bridged(bearing, scene):
     """What EXUDYN calls before each step: over a slot the roller is borne by the edges, elsewhere by the race."""
-    (pit,) = scene.pits
+    (defect,) = scene.defects
     inside = np.zeros(scene.Z, bool)
 
     def before_step(system, t):
         y = system.systemData.GetODE2CoordinatesTotal()
         centres = y[0::3] + 1j * y[1::3]  # ring, inner ring, rollers
-        now = np.abs(np.angle((centres[2:] - centres[0]) * np.exp(-1j * pit.angle))) < pit.width / 2 / scene.R_o
+        now = (
+            np.abs(np.angle((centres[2:] - centres[0]) * np.exp(-1j * defect.angle)))
+            < defect.width / 2 / scene.R_o
+        )
         for j in np.flatnonzero(now != inside):
             system.SetObjectParameter(bearing.races[j], "activeConnector", not now[j])
             for edge in bearing.edges[j]:
@@ -188,7 +191,7 @@ def prepared(scene, step, duration=DURATION, sampling=SAMPLING) -> Run:
             nodeNumber=bearing.ring, storeInternal=True, outputVariableType=exu.OutputVariableType.Position
         )
     )
-    if scene.pits:
+    if scene.defects:
         system.SetPreStepUserFunction(bridged(bearing, scene))
     system.Assemble()
     damped(bearing, scene)

@@ -2,15 +2,15 @@
 
 Every body has absolute Cartesian coordinates: outer ring (x, y, rotation), Z rollers (x, y, rotation), cage (x, y,
 rotation); the inner ring turns as prescribed about the origin. Contact forces are gradients of the approach, the
-pit's envelope is a brute-force minimum over contact points, the static start comes from SciPy's root finders, time
-from SciPy's DOP853. Works and losses are integrated beside the motion.
+defect's envelope is a brute-force minimum over contact points, the static start comes from SciPy's root finders,
+time from SciPy's DOP853. Works and losses are integrated beside the motion.
 
 SI throughout. A vector of the plane is a complex number: x + iy, turned by +90 deg is i times it. n points from a
 race's centre to the roller's centre at rho n, tau = i n. The side is +1 at the outer and -1 at the inner race:
 
     delta = R_w + side (rho - R) - h          contact point at the roller's centre + side (R_w - delta/2) n
 
-Not here: short pits, tilt, a film, a moving inner ring, a guided cage.
+Not here: short defects, tilt, a film, a moving inner ring, a guided cage.
 
 ``python -m tests.independent.planar`` writes tests/data/reference_planar.npz:
 the SCENES over 20 ms, for comparison.
@@ -30,7 +30,7 @@ OUTER, INNER = 1, -1
 STEEL = 7850.0
 
 
-class Pit(NamedTuple):
+class Defect(NamedTuple):
     """A box over the full length. ``on``: OUTER, INNER or the roller's number from 0 as ``("roller", j)``.
 
     The angle is measured from the load line at t = 0, for a roller from its outward radial direction at t = 0.
@@ -138,8 +138,10 @@ class Scene:
     damping: Any = LUBRICATED
     clamp: bool = True
     friction: Callable = frictionless
-    friction_tilts: bool = False  # it acts where the edge of a pit touches, and across that; else under the centre
-    pits: tuple = ()
+    friction_tilts: bool = (
+        False  # it acts where the edge of a defect touches, and across that; else under the centre
+    )
+    defects: tuple = ()
     cage_mass: float = 0.05
     cage_moves: bool = False  # its centre
     pocket_clearance: float = 0.2e-3
@@ -173,9 +175,9 @@ class Scene:
 
 def sunk(s, width, depth, reduced):
     """h(s) = min over t of p(t) + (t - s)^2/(2 R), and dh/ds = (s - t*)/R at the minimiser (envelope theorem)."""
-    pit = np.linspace(-width / 2, width / 2, 2001)
-    t = np.concatenate([pit, pit[[0, -1]], [s]])
-    profile = np.concatenate([np.full(pit.size, depth), [0.0, 0.0], [0.0 if abs(s) >= width / 2 else depth]])
+    defect = np.linspace(-width / 2, width / 2, 2001)
+    t = np.concatenate([defect, defect[[0, -1]], [s]])
+    profile = np.concatenate([np.full(defect.size, depth), [0.0, 0.0], [0.0 if abs(s) >= width / 2 else depth]])
     gap = profile + (t - s) ** 2 / (2 * reduced)
     best = np.argmin(gap)
     return gap[best], (s - t[best]) / reduced
@@ -194,31 +196,31 @@ def cross(a, b):
 
 
 class Sinking(NamedTuple):
-    """What the pits do at one race: all (Z,). ``to_place`` is dh/dbeta, beta the roller's angle about the race."""
+    """Effect of defects at one race, all (Z,). ``to_place``: dh/dbeta, beta the roller's angle about the race."""
 
     depth: np.ndarray
     rate: np.ndarray
     to_place: np.ndarray
-    race_torque: np.ndarray  # dh/d(race angle) and dh/d(roller angle): what turns by the pit
+    race_torque: np.ndarray  # dh/d(race angle) and dh/d(roller angle): what turns by the defect
     roller_torque: np.ndarray
 
 
 def sinking(scene, side, beta, beta_rate, race, roller):
-    """``race`` and ``roller``: (angle, speed) of the bodies that may carry a pit."""
+    """``race`` and ``roller``: (angle, speed) of the bodies that may carry a defect."""
     found = Sinking(*np.zeros((5, scene.Z)))
-    for pit in scene.pits:
-        on_race = pit.on == side
-        if not on_race and not isinstance(pit.on, tuple):
+    for defect in scene.defects:
+        on_race = defect.on == side
+        if not on_race and not isinstance(defect.on, tuple):
             continue
         R_s = scene.radius(side) if on_race else scene.R_w
         carrier, speed = race if on_race else roller
         facing = 0.0 if on_race or side == OUTER else np.pi  # the inner race is met half a turn later
-        s = R_s * wrapped(beta + facing - carrier - pit.angle)
-        near = np.abs(s) < pit.width / 2
+        s = R_s * wrapped(beta + facing - carrier - defect.angle)
+        near = np.abs(s) < defect.width / 2
         if not on_race:
-            near &= np.arange(scene.Z) == pit.on[1]
+            near &= np.arange(scene.Z) == defect.on[1]
         for j in np.flatnonzero(near):
-            h, slope = sunk(s[j], pit.width, pit.depth, scene.reduced(side))
+            h, slope = sunk(s[j], defect.width, defect.depth, scene.reduced(side))
             found.depth[j] += h
             found.rate[j] += slope * R_s * (beta_rate - speed)[j]
             found.to_place[j] += slope * R_s
@@ -250,21 +252,21 @@ def race_contact(scene, side, centre, velocity, race, c, v, roller):
     n = apart / rho
     tau = 1j * n
     beta_rate = dot(relative, tau) / rho
-    pits = sinking(scene, side, np.angle(apart), beta_rate, race, roller)
-    delta = scene.R_w + side * (rho - scene.radius(side)) - pits.depth
-    rate = side * dot(relative, n) - pits.rate
+    defects = sinking(scene, side, np.angle(apart), beta_rate, race, roller)
+    delta = scene.R_w + side * (rho - scene.radius(side)) - defects.depth
+    rate = side * dot(relative, n) - defects.rate
     elastic = scene.elastic.force(delta)
     Q = elastic + np.where(delta > 0.0, scene.damping(elastic, rate), 0.0)
     Q = np.maximum(Q, 0.0) if scene.clamp else Q
-    gradient = side * n - pits.to_place / rho * tau  # of delta, by the roller's place
+    gradient = side * n - defects.to_place / rho * tau  # of delta, by the roller's place
     arm = (scene.R_w - delta / 2) * (gradient / np.abs(gradient) if scene.friction_tilts else side * n)
     along = 1j * side * arm / np.abs(arm)
     slip = dot(relative + 1j * roller[1] * arm - 1j * race[1] * (apart + arm), along)
     rub = -scene.friction(slip) * Q
     return Contact(
         force=-Q * gradient + rub * along,
-        torque=rub * cross(arm, along) + Q * pits.roller_torque,
-        race_torque=-rub * cross(apart + arm, along) + Q * pits.race_torque,
+        torque=rub * cross(arm, along) + Q * defects.roller_torque,
+        race_torque=-rub * cross(apart + arm, along) + Q * defects.race_torque,
         Q=Q,
         slip=slip,
         stored=np.sum(scene.elastic.energy(delta)),
@@ -422,7 +424,7 @@ def squeezed(scene, side, centre, angle, r, j):
     apart = r * e_r - centre
     rho = abs(apart)
     sunk_by = 0.0
-    if scene.pits:
+    if scene.defects:
         everywhere, still = np.full(scene.Z, np.angle(apart)), np.zeros(scene.Z)
         sunk_by = sinking(scene, side, everywhere, still, (still, still), (scene.angles, still)).depth[j]
     return scene.R_w + side * (rho - scene.radius(side)) - sunk_by, dot(apart, e_r) / rho
@@ -468,7 +470,7 @@ def healthy_place(scene, phases=16):
 
 
 def anchor_of(scene):
-    return healthy_place(replace(scene, pits=(), friction=frictionless, eps=(), damping=None))
+    return healthy_place(replace(scene, defects=(), friction=frictionless, eps=(), damping=None))
 
 
 def start(scene, anchor):
@@ -510,8 +512,8 @@ class Motion(NamedTuple):
 
 
 def longest_step(scene):
-    """An eighth of the time in which a roller crosses the narrowest pit: none is stepped over."""
-    narrowest = min((pit.width for pit in scene.pits), default=np.inf)
+    """An eighth of the time in which a roller crosses the narrowest defect: none is stepped over."""
+    narrowest = min((defect.width for defect in scene.defects), default=np.inf)
     return narrowest / (8 * (scene.speed - scene.orbit) * scene.R_i)
 
 
@@ -573,10 +575,10 @@ RUBBING: dict[str, Any] = {
 SCENES = {
     "healthy": Scene(),
     "friction": Scene(**RUBBING),
-    "slot": Scene(pits=(Pit(OUTER, 2e-3, 0.5e-3),)),
-    "slot-friction": Scene(**RUBBING, pits=(Pit(OUTER, 2e-3, 0.5e-3),)),
-    "inner-pit": Scene(**RUBBING, pits=(Pit(INNER, 0.8e-3, 0.05e-3),)),
-    "roller-pit": Scene(**RUBBING, pits=(Pit(("roller", 0), 0.8e-3, 0.05e-3, np.pi / 2),)),
+    "slot": Scene(defects=(Defect(OUTER, 2e-3, 0.5e-3),)),
+    "slot-friction": Scene(**RUBBING, defects=(Defect(OUTER, 2e-3, 0.5e-3),)),
+    "inner-pit": Scene(**RUBBING, defects=(Defect(INNER, 0.8e-3, 0.05e-3),)),
+    "roller-pit": Scene(**RUBBING, defects=(Defect(("roller", 0), 0.8e-3, 0.05e-3, np.pi / 2),)),
     "drag": Scene(**RUBBING, roller_drag=86.0 * 0.012**2 / 2, cage_drag=2e-4),
 }
 

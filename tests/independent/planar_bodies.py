@@ -1,7 +1,8 @@
 """The bodies of `planar` as vectors, for balances: written from mechanics, not from the model.
 
 Points and vectors of the plane are complex numbers: x along e_0, y along e_90. Arrays are (Z, n) for rollers and
-(n,) for what there is one of, n being instants. Contacts of Hunt and Crossley around power laws, rectangular pits.
+(n,) for what there is one of, n being instants. Contacts of Hunt and Crossley around power laws, rectangular
+defects.
 """
 
 from typing import Any, NamedTuple
@@ -135,7 +136,7 @@ class Flow(NamedTuple):
 class Press(NamedTuple):
     """Contacts (Z, n): force (N), energy stored (J), power lost (W), approach (m), torque on the race (N m).
 
-    ``moment``: sum of force times dh/ds times the radius of the surface that carries the pit (N m).
+    ``moment``: sum of force times dh/ds times the radius of the surface that carries the defect (N m).
     """
 
     force: Any
@@ -149,7 +150,7 @@ class Press(NamedTuple):
 def press(law, delta, rate, aside, steep=0.0) -> Press:
     """Contacts with the approach ``delta`` (m), growing at ``rate`` (m/s).
 
-    ``aside``: arm on the race (m); ``steep``: dh/ds times the radius of what carries the pit (m).
+    ``aside``: arm on the race (m); ``steep``: dh/ds times the radius of what carries the defect (m).
     """
     Q, Q_e, stored = force(law, delta, rate)
     return Press(Q, stored, (Q - Q_e) * rate, np.maximum(delta, 0), Q * aside, Q * steep)
@@ -167,7 +168,7 @@ def race(s: Scene, outer: bool) -> Flow:
     for head, groups in zip(model.defects.head, model.defects.groups, strict=True):
         if head[SIDE] == (0 if outer else 1):
             x, x_rate = passing(s, head, ring, n, sign, dot(1j * n, speed) / rho)
-            over = over_pit(law, delta, closing, head, groups, x, x_rate)
+            over = over_defect(law, delta, closing, head, groups, x, x_rate)
             found = Press(*np.where(np.abs(x) < head[HALF_WIDTH], over, found))
     normal = n - sign * found.moment / (rho * np.maximum(found.force, 1e-300)) * 1j * n
     normal /= np.abs(normal)
@@ -181,25 +182,25 @@ def race(s: Scene, outer: bool) -> Flow:
 
 
 def passing(s: Scene, head, ring: Body, n, sign, sweep):
-    """Distance (m) of rollers from a pit's middle, infinite if it is not theirs, and its rate (m/s)."""
+    """Distance (m) of rollers from a defect's middle, infinite if it is not theirs, and its rate (m/s)."""
     if head[CARRIER] < 0:
         x = head[RADIUS] * angle_between(ring.angle + head[ANGLE], n)
         return x, head[RADIUS] * (sweep - ring.turns)
     b, own = s.model.bearing, np.full((s.model.bearing.Z, 1), np.inf)
     own[int(head[CARRIER])] = 0.0
-    pit = s.rollers.angle + pockets(b, b.theta_0) + head[ANGLE]
-    return own + head[RADIUS] * angle_between(pit, sign * n), head[RADIUS] * (sweep - s.rollers.turns)
+    defect = s.rollers.angle + pockets(b, b.theta_0) + head[ANGLE]
+    return own + head[RADIUS] * angle_between(defect, sign * n), head[RADIUS] * (sweep - s.rollers.turns)
 
 
-def over_pit(law, delta, closing, head, groups, x, x_rate) -> Press:
-    """Contacts at ``x`` (m) from the middle of a rectangular pit: all its groups together."""
+def over_defect(law, delta, closing, head, groups, x, x_rate) -> Press:
+    """Contacts at ``x`` (m) from the middle of a rectangular defect: all its groups together."""
     total = Press(*np.zeros((6, *delta.shape)))
     for group in groups[: int(head[GROUP_COUNT])]:
         rim = np.maximum(group[GROUP_HALF_WIDTH] - np.abs(x), 0)
         on_floor = rim**2 / (2 * head[REDUCED_RADIUS]) >= group[DEPTH]
         h = np.where(on_floor, group[DEPTH], rim**2 / (2 * head[REDUCED_RADIUS]))
         slope = np.where(on_floor, 0, -np.sign(x) * rim / head[REDUCED_RADIUS])
-        # a roller's own pit turns the roller, not the race
+        # a roller's own defect turns the roller, not the race
         aside = -slope * head[RADIUS] if head[CARRIER] < 0 else 0.0
         part = press(law, delta - h, closing - slope * x_rate, aside, slope * head[RADIUS])
         total = Press(*(so_far + group[GROUP_WEIGHT] * more for so_far, more in zip(total, part, strict=True)))

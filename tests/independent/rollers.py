@@ -1,6 +1,6 @@
 """An independent solution of `rollers`, from the equations of docs/model.md, sharing no code with the package.
 
-Absolute roller radii, the pit's envelope by brute-force minimisation over a grid of contact points, the static
+Absolute roller radii, the defect's envelope by brute-force minimisation over a grid of contact points, the static
 start by SciPy's root finder, time by SciPy's DOP853 at tight tolerance and small steps. NF308, 1800 rpm, 150 N,
 clearance 0, one full-length box: on the outer race, on the inner race (it turns with it), or on the first roller.
 The contacts run along both races and the rollers at one speed, since nothing slips.
@@ -28,9 +28,9 @@ def elastic(delta):
 
 def sunk(s, width, depth, reduced):
     """h(s) = min over t of p(t) + (t - s)^2/(2 reduced), and dh/ds at the minimiser (envelope theorem)."""
-    pit = np.linspace(-width / 2, width / 2, 2001)
-    t = np.concatenate([pit, pit[[0, -1]], [s]])
-    inside = np.concatenate([np.full(pit.size, depth), [0.0, 0.0], [0.0 if abs(s) >= width / 2 else depth]])
+    defect = np.linspace(-width / 2, width / 2, 2001)
+    t = np.concatenate([defect, defect[[0, -1]], [s]])
+    inside = np.concatenate([np.full(defect.size, depth), [0.0, 0.0], [0.0 if abs(s) >= width / 2 else depth]])
     gap = inside + (t - s) ** 2 / (2 * reduced)
     best = np.argmin(gap)
     return gap[best], (s - t[best]) / reduced
@@ -51,10 +51,10 @@ def around(angle):
 
 
 def places(race, angle, t):
-    """Arcs (m) of the contacts from the pit's middle, (Z,) outer and inner, and the speed (m/s) they grow at.
+    """Arcs (m) of the contacts from the defect's middle, (Z,) outer and inner, and the speed (m/s) they grow at.
 
-    A contact that cannot meet the pit is a metre away. At t = 0 the pit is at ``angle`` from the load line, or
-    from the outermost point of the first roller, which turns backwards in the cage.
+    A contact that cannot meet the defect is a metre away. At t = 0 the defect is at ``angle`` from the load line,
+    or from the outermost point of the first roller, which turns backwards in the cage.
     """
     nowhere, theta, speed = np.ones(Z), THETA + OMEGA_C * t, R_O * OMEGA_C
     if race == "outer":
@@ -67,7 +67,7 @@ def places(race, angle, t):
 
 
 def rest(angles, stiffness, anchor):
-    """Ring place and roller radii at rest, on a bracket spring of ``stiffness`` at ``anchor``; no pit."""
+    """Ring place and roller radii at rest, on a bracket spring of ``stiffness`` at ``anchor``; no defect."""
 
     def net(microns):
         u = 1e-6 * microns
@@ -93,7 +93,7 @@ def sinking(arcs, along, width, depth, reduced):
 
 
 def simulate(width, depth, times, race="outer", angle=0.0, max_step=1e-6, rtol=1e-9):
-    """Velocity of the ring (2, n) in m/s at ``times`` (s), with a pit as ``places`` has it."""
+    """Velocity of the ring (2, n) in m/s at ``times`` (s), with a defect as ``places`` has it."""
     pass_angle = 2 * np.pi / Z
     phases = [THETA + pass_angle * (n + 0.5) / 16 for n in range(16)]
     anchor = np.mean([rest(angles, 0.0, np.zeros(2))[0] for angles in phases], axis=0)

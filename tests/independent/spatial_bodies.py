@@ -1,7 +1,7 @@
 """The bodies of `spatial` as vectors in space, for balances: written from mechanics, not from the model.
 
 Vectors are arrays (..., 3) along e_0, e_90, e_z; the first axis of all is the instant (n), then the roller (Z) and
-the slice (K) where there are such. Contacts of Hunt and Crossley around power laws, rectangular pits.
+the slice (K) where there are such. Contacts of Hunt and Crossley around power laws, rectangular defects.
 """
 
 from typing import Any, NamedTuple
@@ -208,13 +208,13 @@ def race(s: Scene, outer: bool) -> Flow:
 
 
 def passing(s, head, ring, rollers, outwards, sweep):
-    """Distance (m) of slices from a pit's middle, infinite if it is not theirs, and its rate (m/s)."""
+    """Distance (m) of slices from a defect's middle, infinite if it is not theirs, and its rate (m/s)."""
     if head[CARRIER] < 0:
         about = ring.angle_of(outwards if head[CARRIER] != ON_INNER else -outwards)
         return head[RADIUS] * wrapped(about - head[ANGLE]), head[RADIUS] * sweep
     Z = s.model.bearing.Z
     theirs = np.where(np.arange(Z) == int(head[CARRIER]), 0.0, np.inf)[:, None]
-    # a roller's pit is at ``angle`` from its outermost point at t = 0
+    # a roller's defect is at ``angle`` from its outermost point at t = 0
     start = s.model.bearing.theta_0 + 2 * np.pi * int(head[CARRIER]) / Z
     x = theirs + head[RADIUS] * wrapped(rollers.angle_of(outwards) - start - head[ANGLE])
     return x, head[RADIUS] * (sweep + dot(ring.rotation() - rollers.rotation(), ring.axis))
@@ -226,7 +226,7 @@ def wrapped(angle):
 
 
 def box(head, groups, x):
-    """Sinking (m) and its slope at ``x`` (m) from the middle of a rectangular pit that some slices meet."""
+    """Sinking (m) and its slope at ``x`` (m) from the middle of a rectangular defect that some slices meet."""
     rim = np.maximum(groups[:, GROUP_HALF_WIDTH] - np.abs(x), 0)
     h = np.minimum(rim**2 / (2 * head[REDUCED_RADIUS]), groups[:, DEPTH])
     floor = rim**2 / (2 * head[REDUCED_RADIUS]) >= groups[:, DEPTH]

@@ -112,6 +112,6 @@ def test_lines_under_a_point_load():
 
     Half the step, or two more passes, change them by less than 0.1 %.
     """
-    pitted, healthy = (run(equations(Scene(last=8, width=width)), 3, COARSE) for width in (0.8e-3, 0.0))
-    assert 1e6 * less_healthy(pitted, healthy) == pytest.approx(94.05, rel=5e-3)
+    damaged, healthy = (run(equations(Scene(last=8, width=width)), 3, COARSE) for width in (0.8e-3, 0.0))
+    assert 1e6 * less_healthy(damaged, healthy) == pytest.approx(94.05, rel=5e-3)
     assert 1e6 * abs(healthy.lines()[-1]) == pytest.approx(11.70, rel=5e-3)

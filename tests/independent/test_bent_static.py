@@ -48,8 +48,8 @@ def velocity_line(angle):
 @pytest.mark.parametrize("angle", [0, 20, 40, None])
 def test_a_stiff_ring_is_the_package_static(angle):
     """Amplitude and phase within 1e-3 of the line over a slot at 0 deg."""
-    pit = {"width": 0.0} if angle is None else {"angle": np.radians(angle)}
-    assert abs(line(path(Scene(last=0, **pit))) - velocity_line(angle)) < 1e-8
+    defect = {"width": 0.0} if angle is None else {"angle": np.radians(angle)}
+    assert abs(line(path(Scene(last=0, **defect))) - velocity_line(angle)) < 1e-8
 
 
 @pytest.mark.parametrize("outside", [POINT, thrust(-45, 45), thrust(-60, 0, 60), points(-60, 0, 60), seat(1e11)])

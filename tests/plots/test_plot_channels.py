@@ -150,7 +150,7 @@ def test_what_a_roller_meets_on_its_way_round(planar):
     assert np.isnan(x).sum() == math.floor(turns + (x[0] + 180.0) / 360.0)  # broken where a turn ends
     assert np.nanmax(np.abs(x)) <= 180.0
     assert np.nanmax(y) == np.nanmin(y) == pytest.approx(10.0)
-    assert axes[0].lines[1].get_xdata()[0] == 0.0  # the pit, at the most loaded position
+    assert axes[0].lines[1].get_xdata()[0] == 0.0  # the defect, at the most loaded position
 
 
 def job_of(known=(), **channels):

@@ -38,7 +38,7 @@ START = -0.6  # rad: where the cage is as the record starts
 
 
 def loads(case, channel):
-    """4 N/mm on the sound race, none over the pit of 0.8 mm at 20 deg; just after it, 9 N/mm along the whole."""
+    """4 N/mm on the sound race, none over the defect of 0.8 mm at 20 deg; just after it, 9 N/mm everywhere."""
     time = np.arange(round(case.duration * case.sampling)) / case.sampling
     ends = slice_ends(case)
     middles = (ends[1:] + ends[:-1]) / 2.0
@@ -68,7 +68,7 @@ def loaded(results, monkeypatch):
 
 
 def middle():
-    """When the second roller is over the pit, s."""
+    """When the second roller is over the defect, s."""
     return (math.radians(20.0) - START - 2.0 * math.pi / 13 + 2.0 * math.pi) % (2.0 * math.pi) / OMEGA_C
 
 
@@ -104,7 +104,7 @@ def test_lifted_slices_are_white(loaded):
     assert edges[1:][rows].max() == pytest.approx(3.5)
 
 
-def test_the_instants_are_before_over_and_after_the_pit(loaded):
+def test_the_instants_are_before_over_and_after_the_defect(loaded):
     opened = loaded()
     _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
     [entries] = [
@@ -150,7 +150,7 @@ def test_a_span_of_ones_own(loaded):
     assert low < 1e3 * middle() < high
 
 
-def test_without_a_pit_the_largest_and_the_least_load_are_drawn(loaded):
+def test_without_a_defect_the_largest_and_the_least_load_are_drawn(loaded):
     text = "".join(f"{line}\n" for line in STUDY.splitlines() if not line.startswith("defect:"))
     opened = loaded(text=text)
     _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
@@ -164,7 +164,7 @@ def test_without_a_pit_the_largest_and_the_least_load_are_drawn(loaded):
 
 
 def test_a_scan_that_is_gone_is_read_from_the_results(loaded, tmp_path):
-    """Where the pit ends along the roller is dotted: that takes the scan."""
+    """Where the defect ends along the roller is dotted: that takes the scan."""
     text = "".join(line + "\n" for line in STUDY.splitlines() if not line.startswith("defect"))
     scan = gridded(tmp_path / "a.csv", 0.5 * bowl())
     opened = loaded(text=text + "defect: {shape: scan, file: a.csv, angle: 0 deg}\n")
@@ -173,17 +173,17 @@ def test_a_scan_that_is_gone_is_read_from_the_results(loaded, tmp_path):
     assert [line.get_ydata()[0] for line in canvas.axes[0].lines[:2]] == pytest.approx([-3.0, 3.0])
 
 
-def test_a_pit_of_the_inner_race_is_met_as_it_turns(loaded):
+def test_a_defect_of_the_inner_race_is_met_as_it_turns(loaded):
     text = STUDY.replace("angle: 20 deg", "angle: -150 deg, race: inner").replace("outer_line", "inner_line")
     opened = loaded(text=text)
     _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
-    start = math.radians(-150.0) + 60.0 * math.pi * 0.01 - START - 2.0 * math.pi / 13  # pit ahead of roller
+    start = math.radians(-150.0) + 60.0 * math.pi * 0.01 - START - 2.0 * math.pi / 13  # defect ahead of roller
     ahead = -start % (2.0 * math.pi)
     when, speed = ahead / (60.0 * math.pi - OMEGA_C), (60.0 * math.pi - OMEGA_C) * 0.0265
     assert canvas.axes[0].get_xlim()[0] == pytest.approx(1e3 * when - 1.5 * 0.8 / speed, abs=0.03)
 
 
-def test_the_pit_of_the_same_race_comes_first(loaded):
+def test_the_defect_of_the_same_race_comes_first(loaded):
     """Both could be passed within the record: the inner race's at 5.5 ms, the outer race's at 6.1 ms."""
     inner = "{race: inner, shape: rectangular, length: 3 mm, width: 0.8 mm, depth: 0.05 mm, angle: -150 deg}"
     text = STUDY.replace("defect: {", f"defects: [{inner}, {{").replace("20 deg}", "20 deg}]")
@@ -192,7 +192,7 @@ def test_the_pit_of_the_same_race_comes_first(loaded):
     assert low == pytest.approx(1e3 * middle() - 1.5 * 0.8 / (OMEGA_C * R_O), abs=0.03)
 
 
-def test_a_roller_that_passes_no_pit_is_told(loaded):
+def test_a_roller_that_passes_no_defect_is_told(loaded):
     opened = loaded(text=STUDY.replace("angle: 20 deg", "angle: -90 deg"))
     _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
     assert "passes no pit of a race within the record" in canvas.get_supxlabel().replace("\u00a0", " ")
@@ -235,11 +235,11 @@ def test_what_was_not_recorded_is_told(results, monkeypatch, recorded, options, 
         drawn(results(STUDY.replace("roller.2.outer_line_load", recorded)), kind="load", **options)
 
 
-def test_instants_do_not_need_the_whole_pit_to_be_lifted():
-    """Half of the load left over the pit, least in the middle of the stretch."""
+def test_instants_do_not_need_the_whole_defect_to_be_lifted():
+    """Half of the load left over the defect, least in the middle of the stretch."""
     load = np.full((2, 9), 4.0)
     load[1, 3:6] = 2.0
-    passage: Any = SimpleNamespace(pit=SimpleNamespace(z=(0.0, 1.0)))
+    passage: Any = SimpleNamespace(defect=SimpleNamespace(z=(0.0, 1.0)))
     one = LoadAlong("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), passage, {})
     assert instants(one) == {"before": 0, "over the pit": 4, "largest after": 6, "after": 8}
 

@@ -1,4 +1,4 @@
-"""The path that a roller took over a pit, from what was recorded of roller and ring."""
+"""The path that a roller took over a defect, from what was recorded of roller and ring."""
 
 import math
 from types import SimpleNamespace
@@ -8,7 +8,7 @@ import pytest
 
 from bearingsim.config import dataset_names
 from bearingsim.core.geometry.kinematics import cage_speed
-from bearingsim.plots.passage import cut, first_passage, pits_of, roller_path
+from bearingsim.plots.passage import cut, defects_of, first_passage, roller_path
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.recorded import Job
 from bearingsim.simulation.simulate import simulate
@@ -34,9 +34,9 @@ def job_of(given, **channels):
 def test_the_path_is_what_the_roller_moves_beyond_play_and_ring():
     """The ring 3 um down the load line and 4 um across; the roller 20 um outwards; clearance 8 um."""
     given = case(defect=SLOT | {"angle": "20 deg"}, clearance="8 um", model="rollers", record=RECORD)
-    [pit] = pits_of(given)
+    [defect] = defects_of(given)
     job = job_of(given, **{"roller.2.radial": 20e-6, "ring.displacement.x": 3e-6, "ring.displacement.y": 4e-6})
-    found = roller_path(job, given, pit)
+    found = roller_path(job, given, defect)
     angle = math.radians(20.0) + found.s / 0.0385
     expected = 20e-6 - 2e-6 - (3e-6 * np.cos(angle) + 4e-6 * np.sin(angle))
     assert found.number == 2
@@ -48,9 +48,9 @@ def test_the_path_is_what_the_roller_moves_beyond_play_and_ring():
 
 def test_a_leaning_roller_is_deeper_at_one_end():
     given = case(defect=SLOT | {"angle": "20 deg"}, model="spatial", record=[*RECORD, "roller.2.tilt"])
-    [pit] = pits_of(given)
+    [defect] = defects_of(given)
     still = dict.fromkeys(dataset_names("ring.displacement"), 0.0)
-    found = roller_path(job_of(given, **{"roller.2.radial": 0.0, "roller.2.tilt": 1e-3, **still}), given, pit)
+    found = roller_path(job_of(given, **{"roller.2.radial": 0.0, "roller.2.tilt": 1e-3, **still}), given, defect)
     assert set(found.lean) == {1e-3}
     assert found.depth_at(3e-3) == pytest.approx(found.depth + 3e-6)
 
@@ -59,9 +59,9 @@ def test_on_the_inner_race_inwards_is_deep_and_rollers_come_from_ahead():
     """The race is faster than they are: what deepens as the roller goes on deepens towards -s."""
     record = [RECORD[0], "roller.2.tilt"]
     given = case(defect=SLOT | {"race": "inner", "angle": "-110 deg"}, model="spatial", record=record)
-    [pit] = pits_of(given)
+    [defect] = defects_of(given)
     ramps = {"roller.2.radial": lambda angle: -5e-6 - 2e-5 * angle, "roller.2.tilt": lambda angle: 1e-3 * angle}
-    found = roller_path(job_of(given, **ramps), given, pit)
+    found = roller_path(job_of(given, **ramps), given, defect)
     start = -0.6 + 2.0 * math.pi / 13
     faster = given.speed - OMEGA_C
     met = math.radians(110.0) + start - given.speed * given.settle_s  # what the ring must still turn further
@@ -78,9 +78,9 @@ def test_on_the_inner_race_inwards_is_deep_and_rollers_come_from_ahead():
 )
 def test_without_a_record_or_a_passage_there_is_no_path(missing):
     given = case(**{"defect": SLOT | {"angle": "20 deg"}, "model": "rollers", "record": RECORD} | missing)
-    [pit] = pits_of(given)
+    [defect] = defects_of(given)
     names = {name: 0.0 for channel in given.record for name in dataset_names(channel)}
-    assert roller_path(job_of(given, **names), given, pit) is None
+    assert roller_path(job_of(given, **names), given, defect) is None
 
 
 def test_a_roller_presses_where_its_path_is_below_the_round_roller_s():
@@ -90,9 +90,9 @@ def test_a_roller_presses_where_its_path_is_below_the_round_roller_s():
     given = case(defect=SLOT, model="rollers", start_angle="-60 deg", record=kept, **times)
     made = simulate(given)
     job = Job(flat_parameters(given), made.info, Series(made.time, made.series, {}))
-    [pit] = pits_of(given)
-    found, passage = roller_path(job, given, pit), first_passage(job, given, 1, "outer")
-    over = cut(pit, 0.0)
+    [defect] = defects_of(given)
+    found, passage = roller_path(job, given, defect), first_passage(job, given, 1, "outer")
+    over = cut(defect, 0.0)
     sinks = np.interp(found.s, over.s, over.h)
     force = np.interp(passage.time + found.s / passage.speed, made.time, made.series["roller.1.outer_force"])
     pressed, lifted = found.depth > sinks + 5e-8, found.depth < sinks - 5e-8

@@ -30,13 +30,13 @@ AROUND = np.radians(np.arange(-180.0, 180.0, 7.0))
 
 
 def case(rig=None, **given):
-    pit = {} if "defects" in given else {"defect": SLOT}
+    defect = {} if "defects" in given else {"defect": SLOT}
     base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "rollers"}
-    return Case.model_validate(base | pit | given | ({"rig": rig} if rig else {}))
+    return Case.model_validate(base | defect | given | ({"rig": rig} if rig else {}))
 
 
 def settled(made, part):
-    """The buffer of a case at rest: a roller over a pit at 0 deg, and ``part`` of a ball pass later."""
+    """The buffer of a case at rest: a roller over a defect at 0 deg, and ``part`` of a ball pass later."""
     model = assemble.model(made)
     y, b = assemble.empty_buffer(model), model.bearing
     assemble.find_equilibrium(model, (part * 2.0 * math.pi / b.Z - b.theta_0) / b.omega_c, y, from_scratch=True)
@@ -60,7 +60,7 @@ def test_the_shape_is_the_sum_of_the_harmonics_at_rest(rig, number):
     assert one.forces @ np.cos(one.angles) == pytest.approx(150.0, rel=0.05)  # less what the bracket takes
 
 
-def test_the_ring_bends_inwards_under_its_load_and_a_roller_over_the_pit_carries_nothing():
+def test_the_ring_bends_inwards_under_its_load_and_a_roller_over_the_defect_carries_nothing():
     over, beside, *_ = ring_shape(case(BENDS)).instants
     here = int(np.argmin(np.abs(over.angles)))
     assert over.angles[here] == pytest.approx(0.0, abs=1e-9)
@@ -68,7 +68,7 @@ def test_the_ring_bends_inwards_under_its_load_and_a_roller_over_the_pit_carries
     assert over.bent(np.zeros(1)) < 2.0 * beside.bent(np.zeros(1)) < -1e-7
     turned = (beside.angles - over.angles + math.pi) % (2.0 * math.pi) - math.pi
     assert turned == pytest.approx(np.full(13, 2.0 * math.pi / 13 / 4))
-    assert np.abs(over.outwards).max() < 3e-6  # what it sinks into the pit, 10 um, is left out
+    assert np.abs(over.outwards).max() < 3e-6  # what it sinks into the defect, 10 um, is left out
 
 
 def line(ax, gid):
@@ -126,10 +126,10 @@ def test_rollers_have_the_shade_of_their_force_and_touch_the_race_as_it_is_drawn
             assert outer == pytest.approx(bent, abs=0.1)
 
 
-def test_pits_are_marked_in_their_place():
-    pits = [SLOT | {"angle": "20 deg"}, SLOT | {"race": "inner", "angle": "30 deg"},
+def test_defects_are_marked_in_their_place():
+    defects = [SLOT | {"angle": "20 deg"}, SLOT | {"race": "inner", "angle": "30 deg"},
             SLOT | {"race": "roller", "roller": 2}]  # fmt: skip
-    made = case(defects=pits)
+    made = case(defects=defects)
     shape = ring_shape(made)
     model = assemble.model(made)
     b, at = model.bearing, math.radians(20.0)

@@ -10,7 +10,7 @@ from bearingsim.study import Study, load_study
 from tests.scenes.study_text import BASE, Write
 from tests.scenes.trials import ENGINE
 
-OVER_PITS = "{defect.width: [0.2 mm, 2 mm], defect.angle: [0 deg, 60 deg]}"
+OVER_DEFECTS = "{defect.width: [0.2 mm, 2 mm], defect.angle: [0 deg, 60 deg]}"
 OVER_LOADS = "{defect.width: [0.2 mm, 2 mm], load: {log: [50 N, 500 N]}}"
 
 
@@ -25,9 +25,9 @@ def compute(study: Study, out: Path) -> RunSummary:
 @pytest.mark.parametrize(
     ("kind", "over", "before", "new"),
     [
-        ("sobol", OVER_PITS, 64 + 1, 192),  # all with one healthy twin
+        ("sobol", OVER_DEFECTS, 64 + 1, 192),  # all with one healthy twin
         ("sobol", OVER_LOADS, 64 + 64, 192 + 192),  # each with its own
-        ("lhs", OVER_PITS, 64 + 1, 256),
+        ("lhs", OVER_DEFECTS, 64 + 1, 256),
     ],
 )
 def test_from_64_to_256_points(write: Write, tmp_path: Path, kind: str, over: str, before: int, new: int) -> None:
@@ -44,5 +44,5 @@ def test_from_64_to_256_points(write: Write, tmp_path: Path, kind: str, over: st
 
 
 def test_a_latin_hypercube_says_that_it_is_not_extended(write: Write, tmp_path: Path) -> None:
-    notes = compute(study_of(write, "lhs", 4, OVER_PITS), tmp_path / "out").notes
+    notes = compute(study_of(write, "lhs", 4, OVER_DEFECTS), tmp_path / "out").notes
     assert "lhs: another `n` gives other points, and all jobs anew; `sobol` keeps its points" in notes

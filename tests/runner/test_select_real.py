@@ -41,7 +41,7 @@ sweep:
 figures:
   - {y: [velocity.rms, velocity@BPFI-healthy], x: defect.width, by: [clearance, defect.race]}
 """
-"""A motion with a pit in the outer race repeats itself; with one in the inner race two models are taken."""
+"""A motion with a defect in the outer race repeats itself; with one in the inner race two models are taken."""
 TIMES = ["info/cpu_s", "info/integrator_cpu_s", "unit", "stamp"]
 
 DIES = """\

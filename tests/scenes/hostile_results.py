@@ -68,7 +68,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "run": ("run", "study.yaml", "--jobs", "1", "--out", "ROOT"),
     "show again": ("show", "ROOT"),
 }
-PIT = {"plot pit": ("plot", "ROOT", "--kind", "pit")}
+DEFECT = {"plot pit": ("plot", "ROOT", "--kind", "pit")}
 """The command that reads scans; where one can be read, it compiles code."""
 
 
@@ -355,7 +355,7 @@ def attacked(name: str, work: Path) -> None:
     _use_engine()
     opened = _watch(outside)
     seen: list[dict[str, Any]] = []
-    for command, told in ((PIT if "scan" in name else {}) | COMMANDS).items():
+    for command, told in ((DEFECT if "scan" in name else {}) | COMMANDS).items():
         started = time.process_time()
         said = CliRunner().invoke(app, [{"ROOT": str(root), "JOB": job}.get(word, word) for word in told])
         error = said.exception if not isinstance(said.exception, SystemExit) else None

@@ -90,22 +90,22 @@ def friction(given: Any) -> Any:
     return StaticDynamic(mu_s, mu_d, 0.02, 0.1)
 
 
-def meetings(scene: planar.Scene, pit: planar.Pit) -> list[RollerDefectPair]:
+def meetings(scene: planar.Scene, defect: planar.Defect) -> list[RollerDefectPair]:
     """A box over the full length, as each contact meets it."""
     rings: dict[Any, tuple[int, float, tuple[int, ...]]] = {
         planar.OUTER: (ON_OUTER, scene.R_o, (OUTER,)),
         planar.INNER: (ON_INNER, scene.R_i, (INNER,)),
     }
-    on, radius, sides = rings.get(pit.on) or (pit.on[1], scene.R_w, (OUTER, INNER))
+    on, radius, sides = rings.get(defect.on) or (defect.on[1], scene.R_w, (OUTER, INNER))
     reduced = {OUTER: scene.reduced(planar.OUTER), INNER: scene.reduced(planar.INNER)}
     return [
         RollerDefectPair(
             side,
             on,
-            pit.angle,
+            defect.angle,
             radius,
             reduced[side],
-            groups_of(Rectangular(scene.L_w, pit.width, pit.depth), scene.L_w, reduced[side], 1),
+            groups_of(Rectangular(scene.L_w, defect.width, defect.depth), scene.L_w, reduced[side], 1),
         )
         for side in sides
     ]
@@ -147,7 +147,7 @@ def carried(scene: planar.Scene) -> Planar:
         support=Support(load.real, load.imag, scene.k_b, scene.c_b, rest.x, rest.y),
         outer=law,
         inner=law,
-        defects=pack_defects([one for pit in scene.pits for one in meetings(scene, pit)], Envelope()),
+        defects=pack_defects([one for defect in scene.defects for one in meetings(scene, defect)], Envelope()),
         motion=Steady(),
         friction=friction(scene.friction),
         cage=free,

@@ -43,18 +43,18 @@ def uneven(n: int, seed: int = 0, L_w: float = L_W) -> Slices:
     return slices(np.concatenate([[-L_w / 2], inner, [L_w / 2]]), flat)
 
 
-def felt_by_slices(pits: Any, table: np.ndarray, reach: Any = None) -> Any:
-    """Pits of one section, met by every slice whose middle lies between the ends ``reach`` (m) of its meeting."""
-    head, n = pits.head.copy(), len(table)
-    groups = np.zeros((len(head), n, pits.groups.shape[2]))
+def felt_by_slices(defects: Any, table: np.ndarray, reach: Any = None) -> Any:
+    """Defects of one section, met by every slice whose middle lies between the ends ``reach`` (m)."""
+    head, n = defects.head.copy(), len(table)
+    groups = np.zeros((len(head), n, defects.groups.shape[2]))
     for d in range(len(head)):
         ends = (-1.0, 1.0) if reach is None else reach[d]
         over = np.array([ends[0] < zeta < ends[1] for zeta in table[:, 0]])
-        whole = pits.groups[d, np.argmax(pits.groups[d, :, GROUP_HALF_WIDTH])]
+        whole = defects.groups[d, np.argmax(defects.groups[d, :, GROUP_HALF_WIDTH])]
         groups[d, over] = whole
         groups[d, :, GROUP_WEIGHT] = over
         head[d, GROUP_COUNT], head[d, HALF_WIDTH] = n, whole[GROUP_HALF_WIDTH]
-    return pits._replace(head=head, groups=groups)
+    return defects._replace(head=head, groups=groups)
 
 
 def in_space(model: Any, cut: Slices, reach: Any = None, **given: Any) -> Spatial:

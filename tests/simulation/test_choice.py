@@ -129,7 +129,7 @@ def test_limits_do_not_depend_on_what_is_recorded_or_for_how_long() -> None:
     assert limits(case(defect=SLOT, load="151 N")) != limits(base)
 
 
-def test_crossing_is_the_time_over_the_narrowest_pit() -> None:
+def test_crossing_is_the_time_over_the_narrowest_defect() -> None:
     found = limits(case(defects=[SLOT | {"angle": "30 deg"}, NARROW]))
     cage = 2 * pi * 30 * (1 - 12 / 65) / 2
     assert found.crossing == pytest.approx(0.2e-3 / (0.0385 * cage), rel=1e-12)
@@ -151,14 +151,14 @@ def test_closing_speed_is_the_steepest_slope_times_the_speed_along_the_race(defe
 
 
 @pytest.mark.parametrize("race", ["inner", "roller"])
-def test_pits_that_turn_are_crossed_at_the_same_speed_and_met_on_the_tighter_race(race: str) -> None:
+def test_defects_that_turn_are_crossed_at_the_same_speed_and_met_on_the_tighter_race(race: str) -> None:
     """Rolling: 2.959 m/s everywhere. On the inner race 1/R is 1/6 + 1/26.5 per mm: the edge is steeper there."""
     found, speed = limits(case(defect=SLOT | {"race": race})), 0.0385 * 2 * pi * 30 * (1 - 12 / 65) / 2
     assert found.crossing == pytest.approx(0.8e-3 / speed, rel=1e-12)
     assert found.closing_speed == pytest.approx(0.4e-3 * (1 / 6e-3 + 1 / 26.5e-3) * speed, rel=1e-12)
 
 
-def test_only_a_pit_that_stands_is_put_in_step() -> None:
+def test_only_a_defect_that_stands_is_put_in_step() -> None:
     models = [assemble.model(case(defect=SLOT | {"race": race})) for race in ("outer", "inner", "roller")]
     moved = [
         assemble.aligned_with_cusp(model, 12345, 0.3).bearing.theta_0 != model.bearing.theta_0 for model in models
@@ -226,7 +226,7 @@ def test_a_step_is_refused_exactly_above_the_limit(method: str, defects: tuple) 
         requested_step(case(**given, step=0.901 * found.at_impact))
 
 
-def test_a_pit_must_not_be_passed_in_too_few_steps() -> None:
+def test_a_defect_must_not_be_passed_in_too_few_steps() -> None:
     crossing = limits(case(model="static", defect=NARROW)).crossing
     with pytest.raises(Refused, match="too few steps"):
         requested_step(case(model="static", defect=NARROW, step=crossing / 7))
@@ -283,7 +283,7 @@ def test_estimate_counts_steps_and_bytes() -> None:
     assert time_grid.estimate(case(record=[])).bytes == 0
 
 
-def test_static_computes_one_pass_unless_a_pit_turns() -> None:
+def test_static_computes_one_pass_unless_a_defect_turns() -> None:
     outer, inner = (case(model="static", defect=SLOT | {"race": race}) for race in ("outer", "inner"))
     assert time_grid.estimate(outer).steps == grid(outer).steps_per_pass
     assert time_grid.estimate(inner).steps == grid(inner).passes * grid(inner).steps_per_pass

@@ -1,4 +1,4 @@
-"""A rolling element over a wide pit: entry, and the strike on the far edge, in time as on real bearings.
+"""A rolling element over a wide defect: entry, and the strike on the far edge, in time as on real bearings.
 
 Measured (HIT, 6205, outer-race arcs; Wang et al. 2022): spacing times speed is constant within 4 % over 600 to
 1200 rpm, the spacing grows with the arc and is shorter than its crossing; for 8 deg it is 4.65 ms at 600 rpm and
@@ -18,8 +18,8 @@ from tests.scenes.nf308 import CHI
 
 scene = partial(double_impulse.scene, step_check=False, contact={"damping": CHI})
 ARC_5, ARC_8 = radians(5.0) * OUTER_6205, radians(8.0) * OUTER_6205
-PITS = [("6205", ARC_5, 50e-6, 600), ("6205", ARC_8, 50e-6, 600), ("6205", ARC_8, 30e-6, 600)]
-PITS += [("nf308", width, 30e-6, 900) for width in (2e-3, 4e-3, 6e-3)]
+DEFECTS = [("6205", ARC_5, 50e-6, 600), ("6205", ARC_8, 50e-6, 600), ("6205", ARC_8, 30e-6, 600)]
+DEFECTS += [("nf308", width, 30e-6, 900) for width in (2e-3, 4e-3, 6e-3)]
 
 
 @lru_cache
@@ -27,7 +27,7 @@ def reading(bearing: str, width: float, depth: float, rpm: float):
     return read(scene(bearing, rpm, width, depth))
 
 
-@pytest.mark.parametrize(("bearing", "width", "depth", "rpm"), PITS)
+@pytest.mark.parametrize(("bearing", "width", "depth", "rpm"), DEFECTS)
 def test_the_spacing_turns_with_the_shaft(bearing, width, depth, rpm):
     """Spacing times speed within 4 % over a factor of 2; entry to strike is shorter than the crossing."""
     slow, fast = (reading(bearing, width, depth, times * rpm) for times in (1, 2))
@@ -35,10 +35,10 @@ def test_the_spacing_turns_with_the_shaft(bearing, width, depth, rpm):
     assert slow.spacing < 0.95 * slow.crossing
 
 
-@pytest.mark.parametrize(("bearing", "width", "depth", "rpm"), PITS)
+@pytest.mark.parametrize(("bearing", "width", "depth", "rpm"), DEFECTS)
 @pytest.mark.parametrize("times", [1, 2])
 def test_the_far_edge_is_struck_where_geometry_puts_it(bearing, width, depth, rpm, times):
-    """sqrt(2 R_eff d) before the end of a pit wide enough for the floor to be reached first."""
+    """sqrt(2 R_eff d) before the end of a defect wide enough for the floor to be reached first."""
     x = reach(scene(bearing, rpm, width, depth))
     assert width > 2.0 * x
     assert width - reading(bearing, width, depth, times * rpm).strike == pytest.approx(x, rel=0.1)
@@ -79,7 +79,7 @@ def test_free_rollers_strike_at_the_same_place():
     assert np.mean(strikes) == pytest.approx(reading("nf308", 4e-3, 30e-6, 900).strike, rel=0.01)
 
 
-def test_a_pit_longer_than_the_contact_does_not_press_harder():
+def test_a_defect_longer_than_the_contact_does_not_press_harder():
     """A ball at the rim of a slot that is longer than its contact: the force passes the rim without a jump."""
     case = scene("6205", 600, ARC_8, 50e-6, passes=3)
     record = simulate(case)

@@ -33,7 +33,7 @@ def picked(name: str, hertz: float) -> PickedLine | None:
 @pytest.mark.parametrize(
     ("name", "line", "sideband"), [("inner", BPFI, SHAFT), ("roller", TWICE_BSF, FTF)], ids=["inner", "roller"]
 )
-def test_a_turning_pit_has_its_line_and_sidebands(name: str, line: float, sideband: float) -> None:
+def test_a_turning_defect_has_its_line_and_sidebands(name: str, line: float, sideband: float) -> None:
     """BPFI with sidebands of the shaft, 2 BSF with sidebands of the cage: far above what is around them."""
     for hertz in (line, line - sideband, line + sideband):
         found = picked(name, hertz)
@@ -42,7 +42,7 @@ def test_a_turning_pit_has_its_line_and_sidebands(name: str, line: float, sideba
         assert found.prominence > 10.0
 
 
-def test_a_pit_on_a_roller_has_no_line_at_the_outer_race_frequency() -> None:
+def test_a_defect_on_a_roller_has_no_line_at_the_outer_race_frequency() -> None:
     """2 BSF is 1.3 % below BPFO: its shoulder is not taken for a line. What is there is variable compliance."""
     found, line = picked("roller", BPFO), picked("roller", TWICE_BSF)
     assert line is not None

@@ -62,8 +62,8 @@ def test_on_a_ramp_an_acceleration_is_the_derivative_at_each_speed():
     assert record.features["acceleration@fr"] == pytest.approx(direct, rel=0.03)
 
 
-def test_a_pit_is_felt_whatever_a_slipped_roller_carries():
-    """The roller over an outer pit carries one itself, which slip has turned 1 rad away: only the race's acts."""
+def test_a_defect_is_felt_whatever_a_slipped_roller_carries():
+    """The roller over an outer defect has one itself, turned 1 rad away by slip: only the race's acts."""
     outer, own = SLOT, SLOT | {"race": "roller", "width": "1.2 mm"}
     forces = []
     for defects in ([outer], [outer, own]):

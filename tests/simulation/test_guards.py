@@ -102,7 +102,7 @@ def test_what_blows_up_in_the_last_steps_fails_the_run() -> None:
     """The watch looks every some steps; what it has not seen must not end in an error of Python's."""
     ended = np.array([np.nan])
     with (
-        mock.patch.object(INTEGRATION, "_pit_passages", side_effect=[np.zeros(1), ended]),
+        mock.patch.object(INTEGRATION, "_defect_passages", side_effect=[np.zeros(1), ended]),
         pytest.raises(SimulationError, match="no longer finite"),
     ):
         simulate(case(**VERLET))
@@ -162,7 +162,7 @@ def test_who_is_stuck_on_rollers_without_mass_is_told_of_some_with(outcome, mode
 
 
 def test_bounds_hold_what_a_hard_case_reaches_and_no_more() -> None:
-    """60 um of clearance and a pit of 2 mm at little damping: under a tenth of either bound."""
+    """60 um of clearance and a defect of 2 mm at little damping: under a tenth of either bound."""
     hard = case(
         model="rollers",
         clearance="60 um",
@@ -294,7 +294,7 @@ def test_what_was_wrong_is_said_before_what_shorter_steps_would_cost() -> None:
     assert (caught.value.reason, caught.value.advice, caught.value.time) == ("too many steps", "do that", None)
 
 
-def test_only_steps_of_fixed_length_are_put_in_step_with_a_pit() -> None:
+def test_only_steps_of_fixed_length_are_put_in_step_with_a_defect() -> None:
     fixed, adaptive = (
         set_up(choice.resolved(case(defect=SLOT, method=name))).model for name in ("verlet", "dop853")
     )

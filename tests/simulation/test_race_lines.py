@@ -1,4 +1,4 @@
-"""The lines of a pit that turns: at BPFI with sidebands of the shaft, at 2 BSF with sidebands of the cage."""
+"""The lines of a defect that turns: at BPFI with sidebands of the shaft, at 2 BSF with sidebands of the cage."""
 
 from functools import lru_cache
 from math import pi
@@ -49,7 +49,7 @@ def standing(model):
 
 
 @pytest.mark.parametrize("model", ["static", "ring"])
-def test_a_turning_pits_lines_are_those_of_a_standing_one_all_round(model):
+def test_a_turning_defects_lines_are_those_of_a_standing_one_all_round(model):
     """A slot of the outer race at phi moves the ring by g(phi) at BPFO; one that turns is met f times a second, at
     angles that turn with it. So its line at f is the mean of g all round, its sidebands the mean of g cos(phi),
     both times f/BPFO: on the inner race at BPFI with the shaft, on a roller (each race once a turn) at 2 BSF with
@@ -74,7 +74,7 @@ PINNED = {  # um/s, `rollers`, 0.8 mm slot, 150 N, 1 s; less than `ring`'s 5.189
 
 
 def test_lines_of_one_second():
-    """Each pit's own lines are there, the other's are not, nor in a healthy bearing."""
+    """Each defect's own lines are there, the other's are not, nor in a healthy bearing."""
     for race, expected in PINNED.items():
         found = simulate(case(duration="1 s", defect=SLOT | {"race": race})).features
         for name, value in expected.items():
@@ -103,7 +103,7 @@ def test_a_healthy_bearing_has_nothing_there():
         (ON_A_ROLLER, {"roller": 4}, {"2BSF": 0.0, "2BSF+FTF": 6 * pi / 13, "2BSF-FTF": -6 * pi / 13}),
     ],
 )
-def test_phases_tell_where_a_pit_was_at_the_start(carried, more, turned):
+def test_phases_tell_where_a_defect_was_at_the_start(carried, more, turned):
     """``a`` further on, the inner race's slot is met earlier by Z a of its line, a roller's later by 2 a.
 
     The sidebands add where in the load zone that is: with the shaft's turn, and the cage's to roller 4.
@@ -151,7 +151,7 @@ def test_slow_rotation_is_static(carried, names, duration):
     assert np.abs(ring / static - 1.0).max() < 1e-3
 
 
-def test_small_pits_of_all_elements_add_up():
+def test_small_defects_of_all_elements_add_up():
     """0.05 um deep, one on each race and one on the third roller: less the healthy line the sum of each alone."""
     names = ("BPFO", "2BPFO", *OF_THE_INNER_RACE, *OF_A_ROLLER[1:])
     shallow = SLOT | {"depth": "0.05 um"}

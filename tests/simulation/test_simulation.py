@@ -404,7 +404,7 @@ def test_exponents_with_code_of_their_own_are_kinds_of_their_own() -> None:
     assert spied.call_count == 8  # any other exponent is a number
 
 
-# The jump of the damping force at a narrow pit's cusp
+# The jump of the damping force at a narrow defect's cusp
 
 
 NARROW = [  # at high speed the jump decays within a step: these were 5 and 3 % off when it fell anywhere in a step
@@ -415,8 +415,8 @@ NARROW = [  # at high speed the jump decays within a step: these were 5 and 3 % 
 
 @pytest.mark.parametrize(("method", "fields"), NARROW)
 @pytest.mark.parametrize("angle", ["0 deg", "3.3 deg"])
-def test_the_cusp_of_a_narrow_pit_costs_no_first_order_error(method: str, fields: dict, angle: str) -> None:
-    """Half the step changes the line by less than 0.5 %, wherever the pit lies, at 50 steps a crossing."""
+def test_the_cusp_of_a_narrow_defect_costs_no_first_order_error(method: str, fields: dict, angle: str) -> None:
+    """Half the step changes the line by less than 0.5 %, wherever the defect lies, at 50 steps a crossing."""
     given = case(model="rollers", method=method, duration="30 ms", settle="20 ms", **fields)
     given = given.model_copy(update={"defects": (given.defects[0].model_copy(update={"angle": radians(angle)}),)})
     step = choice.limits(given).crossing / 50

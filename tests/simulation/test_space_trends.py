@@ -13,7 +13,7 @@ from bearingsim.simulation.simulate import Record, simulate
 SLOT = {"shape": "rectangular", "width": "0.8 mm", "depth": "50 um"}
 SHORT: dict[str, Any] = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "step_check": False}
 SHORT |= {"duration": "20 ms", "settle": "12 ms", "contact": {"slices": 8}}
-LEAN = ["roller.10.tilt", "roller.10.outer_line_load", "roller.10.outer_force"]  # it crosses the pit at 22 ms
+LEAN = ["roller.10.tilt", "roller.10.outer_line_load", "roller.10.outer_force"]  # it crosses the defect at 22 ms
 
 
 @lru_cache
@@ -22,16 +22,16 @@ def run(model: str, length: float, offset: float = 0.0) -> Record:
 
 
 def case(model: str, length: float, offset: float) -> Case:
-    pit: dict[str, Any] = SLOT | {"length": length * 1e-3, "offset": offset * 1e-3}
+    defect: dict[str, Any] = SLOT | {"length": length * 1e-3, "offset": offset * 1e-3}
     record = LEAN if model == "spatial" else []
-    return Case.model_validate(SHORT | {"model": model, "defect": pit, "record": record})
+    return Case.model_validate(SHORT | {"model": model, "defect": defect, "record": record})
 
 
 def line(model: str, length: float, offset: float = 0.0) -> float:
     return run(model, length, offset).features["velocity@BPFO"]
 
 
-def test_the_line_rises_with_the_pits_length_in_rollers_and_in_spatial_alike() -> None:
+def test_the_line_rises_with_the_defects_length_in_rollers_and_in_spatial_alike() -> None:
     lengths = (3.0, 6.0, 9.0, 12.0)
     flat, sliced = ([line(model, length) for length in lengths] for model in ("rollers", "spatial"))
     assert np.all(np.diff(flat) > 0.0)
@@ -44,13 +44,13 @@ def test_where_nothing_leans_spatial_is_planar() -> None:
     assert np.abs(run("spatial", 12.0).series["roller.10.tilt"]).max() < 1e-12
 
 
-def test_a_pit_off_the_middle_tilts_the_roller_and_raises_the_line() -> None:
+def test_a_defect_off_the_middle_tilts_the_roller_and_raises_the_line() -> None:
     centred, aside = line("spatial", 3.0), line("spatial", 3.0, 4.0)
     assert line("rollers", 3.0, 4.0) == line("rollers", 3.0)  # knows no tilt
     assert aside > 1.03 * centred
     tilt = run("spatial", 3.0, 4.0).series["roller.10.tilt"]
     mirrored = run("spatial", 3.0, -4.0).series["roller.10.tilt"]
-    assert tilt.max() > 3e-6  # its +z end falls outwards, into the pit
+    assert tilt.max() > 3e-6  # its +z end falls outwards, into the defect
     assert abs(tilt.min()) < tilt.max()
     assert mirrored.min() == pytest.approx(-tilt.max(), rel=0.02)
     assert line("spatial", 3.0, -4.0) == pytest.approx(aside, rel=1e-3)

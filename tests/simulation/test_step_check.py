@@ -200,9 +200,11 @@ def test_changes_of_raw_values_that_cancel_by_luck_are_not_taken_for_small() -> 
 def test_the_error_of_raw_values_is_their_own(width: str, load: str, speed: str) -> None:
     """That of the low-passed velocity, or of fine samples, is up to a twelfth of it."""
     damping = {"law": "hunt-crossley", "chi": "50 s/m"}
-    pit = {"shape": "circular", "length": "12 mm", "width": width, "depth": "0.05 mm"}
+    defect = {"shape": "circular", "length": "12 mm", "width": width, "depth": "0.05 mm"}
     laws = {"contact": {"damping": damping}, "antialias": False, "settle": "auto"}
-    given = case(model="rollers", load=load, speed=speed, defect=pit, clearance="0 um", duration="0.3 s", **laws)
+    given = case(
+        model="rollers", load=load, speed=speed, defect=defect, clearance="0 um", duration="0.3 s", **laws
+    )
     run = simulate(given)
     finer = {"step": float(run.info["step_s"]) / 8.0, "step_check": False, "method": run.info["method"]}
     right = simulate(given.model_copy(update=finer)).features["acceleration.rms"]
@@ -214,8 +216,8 @@ def test_the_error_of_raw_values_is_their_own(width: str, load: str, speed: str)
 @pytest.mark.parametrize("clearance", ["0 um", "10 um"])
 def test_a_period_tells_of_the_step_what_a_pilot_does(model: str, clearance: str) -> None:
     """And what halving the step changes of the record."""
-    pit = SLOT | {"depth": "5 um", "angle": "20 deg"}
-    given = case(model=model, defect=pit, clearance=clearance, settle=0.05, record=["ring.acceleration"])
+    defect = SLOT | {"depth": "5 um", "angle": "20 deg"}
+    given = case(model=model, defect=defect, clearance=clearance, settle=0.05, record=["ring.acceleration"])
     setup = set_up(choice.resolved(given))
     raw = integrate(setup)
     assert raw.repetition.period == 1
@@ -237,9 +239,9 @@ def test_a_long_finer_run_costs_no_more_than_the_run(computed: int, finer: int) 
 @pytest.mark.parametrize("roller", [1, 7])
 def test_each_roller_is_compared_in_its_own_place(roller: int) -> None:
     """Two runs that end after different numbers of passes have it in different places."""
-    pit = SLOT | {"depth": "5 um", "angle": "20 deg"}
+    defect = SLOT | {"depth": "5 um", "angle": "20 deg"}
     record = [f"roller.{roller}.outer_force"]
-    given = case(model="rollers", defect=pit, clearance="10 um", record=record, duration=13 / RATE)
+    given = case(model="rollers", defect=defect, clearance="10 um", record=record, duration=13 / RATE)
     found = simulate(given)
     finer = {"step": float(found.info["step_s"]) / 5**0.5, "step_check": False}
     other = simulate(given.model_copy(update=finer))
@@ -324,7 +326,7 @@ def test_the_line_of_a_healthy_bearing_is_measured_by_its_rms() -> None:
     assert found.line < 1e-3
 
 
-def test_a_pilot_is_short_but_sees_pits_turn_through_the_load_zone() -> None:
+def test_a_pilot_is_short_but_sees_defects_turn_through_the_load_zone() -> None:
     long = {"duration": "4 s", "settle": "0.1 s"}
     whole = 4.1 * RATE
     for race, turn in (("outer", 0.0), ("inner", RATE / 30.0), ("roller", 13.0)):
@@ -435,9 +437,9 @@ def test_a_tolerance_that_is_given_is_proven_by_a_tenth_of_it() -> None:
     assert assemble.method(step_check.with_finer_tolerance(given), 1e-6).rtol == pytest.approx(1e-4)
 
 
-def test_a_second_pit_out_of_step_is_seen_by_the_proof() -> None:
-    """Whole numbers of steps to one would leave both pits where they are in a step, and the error unseen."""
-    pits = [
+def test_a_second_defect_out_of_step_is_seen_by_the_proof() -> None:
+    """Whole numbers of steps to one would leave both defects where they are in a step, and the error unseen."""
+    defects = [
         {
             "race": "outer",
             "shape": "rectangular",
@@ -449,7 +451,7 @@ def test_a_second_pit_out_of_step_is_seen_by_the_proof() -> None:
         for width, angle in (("0.3 mm", "3.0 rad"), ("0.12 mm", "0.01001 rad"))
     ]
     fields = {"speed": "12000 rpm", "load": "300 N", "duration": "20 ms", "settle": "6 ms"}
-    given = case(model="rollers", defects=pits, method="verlet", **fields)
+    given = case(model="rollers", defects=defects, method="verlet", **fields)
     said = step_check.check_step(set_up(given, 1.0))
     fast = given.model_copy(update={"step_check": False})
     true = simulate(fast.model_copy(update={"method": "dop853", "tolerance": 1e-6}))

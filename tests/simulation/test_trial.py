@@ -11,10 +11,10 @@ from bearingsim.simulation.trial import (
     MIN_PASSES,
     TURNS,
     amplitudes,
+    defect_turn,
     mean_square,
     most_passes,
     passes_to_try,
-    pit_turn,
     spans_of,
 )
 from bearingsim.study import healthy_twin
@@ -57,12 +57,12 @@ def test_one_that_does_not_is_seen_in_its_first_passes(said: dict[str, bool]) ->
     assert found.forces.max() <= whole["outer_force.max"]
 
 
-def test_a_healthy_twin_is_cut_as_the_case_whose_pit_turns() -> None:
-    pitted = case(defects=[SLOT | {"race": "inner"}], duration="0.25 s")
-    passes, turn = passes_to_try(pitted), pit_turn(pitted)
-    healthy = healthy_twin(pitted)
+def test_a_healthy_twin_is_cut_as_the_case_whose_defect_turns() -> None:
+    damaged = case(defects=[SLOT | {"race": "inner"}], duration="0.25 s")
+    passes, turn = passes_to_try(damaged), defect_turn(damaged)
+    healthy = healthy_twin(damaged)
     assert healthy is not None
-    own, twin = (try_out(one, ("velocity@BPFI",), passes, turn)[0] for one in (pitted, healthy))
+    own, twin = (try_out(one, ("velocity@BPFI",), passes, turn)[0] for one in (damaged, healthy))
     assert own.turns == twin.turns
     assert abs(own.lines["velocity@BPFI"]).shape == abs(twin.lines["velocity@BPFI"]).shape
     assert abs(twin.lines["velocity@BPFI"][0]) < 0.01 * abs(own.lines["velocity@BPFI"][0])
@@ -100,12 +100,12 @@ def test_enough_passes_are_tried_and_never_most_of_a_record(race: str, duration:
     assert passes_to_try(one) == pytest.approx(passes, abs=1)
     assert passes_to_try(one) <= max(1.0, 0.5 * one.duration * rate)
     if one.duration >= 1.0:
-        assert passes_to_try(one) >= max(MIN_PASSES, TURNS * pit_turn(one) * rate)
+        assert passes_to_try(one) >= max(MIN_PASSES, TURNS * defect_turn(one) * rate)
 
 
 # Lines of series that are known
 
-PER_PASS, PER_TURN = 64, 5.4  # samples in a ball pass; ball passes in a turn of the pit
+PER_PASS, PER_TURN = 64, 5.4  # samples in a ball pass; ball passes in a turn of the defect
 CYCLES = 1.7  # of the line in a ball pass
 
 
@@ -120,8 +120,8 @@ def turning(spans: list[slice], *cycles: float) -> np.ndarray:
     return 2.0 * np.pi * np.multiply.outer(cycles, at)
 
 
-def test_what_turns_with_a_pit_is_no_scatter() -> None:
-    """A line that a pit's turn modulates, though no whole number of ball passes is a turn."""
+def test_what_turns_with_a_defect_is_no_scatter() -> None:
+    """A line that a defect's turn modulates, though no whole number of ball passes is a turn."""
     spans = spans_of(22, PER_TURN, PER_PASS)
     series = tones(spans, (CYCLES, 1.0), *((CYCLES + k / PER_TURN, 0.4) for k in (-2, -1, 1, 2)))
     found = amplitudes(series, turning(spans, CYCLES), spans)

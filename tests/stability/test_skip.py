@@ -1,4 +1,4 @@
-"""No method of the automatic set steps over a pit, wherever in a step it comes; tighter is no worse."""
+"""No method of the automatic set steps over a defect, wherever in a step it comes; tighter is no worse."""
 
 from itertools import pairwise
 from unittest import mock
@@ -20,9 +20,9 @@ ADAPTIVE = [name for name in AUTOMATIC if METHODS[name].adaptive]
 POSITIONS = 50
 
 
-def bench(pit, late=0.0):
+def bench(defect, late=0.0):
     """The scene of the map with the default contact, the roller ``late`` s later."""
-    case = crossing("rollers", pit, {}, late)
+    case = crossing("rollers", defect, {}, late)
     model = assemble.model(case)
     return matrix.PreparedScene(
         case, model, assemble.start(case, model)[0], *limits.loads_at_rest(assemble.healthy(case))[1:]
@@ -45,7 +45,7 @@ def setting(scene, name):
 
 
 def length(scene, name):
-    """About how long (s) the method's steps are before the first pit: the longest it can be caught with."""
+    """About how long (s) the method's steps are before the first defect: the longest it can be caught with."""
     if not METHODS[name].adaptive:
         return setting(scene, name)
     tolerance = METHODS[name].tolerance
@@ -77,7 +77,7 @@ def test_every_crossing_is_seen_wherever_in_a_step_it_comes(name, sound):
         assert judge.crossings_seen(made, reference(scene), sound, crossings(scene.model)) == len(MIDDLES)
 
 
-def test_a_solver_that_knows_of_no_pit_steps_over_it(sound):
+def test_a_solver_that_knows_of_no_defect_steps_over_it(sound):
     """What the test above can catch: SciPy's Radau at 1e-2 reports success."""
     scene = bench("0.2 mm slot")
     made = matrix.run(scene, "scipy-radau", 1e-2, np.inf)

@@ -51,10 +51,10 @@ def test_a_run_is_ok_within_a_hundredth():
     assert verdict(1.02 * answer()).error == pytest.approx(0.02)
 
 
-def test_a_pit_is_skipped_if_the_ring_does_not_answer_it():
+def test_a_defect_is_skipped_if_the_ring_does_not_answer_it():
     found = verdict(answer(0.0))
     assert (found.outcome, found.seen) == ("skipped", 0)
-    assert verdict(answer(0.0), strides=False).outcome == "inaccurate"  # its steps are too short to skip a pit
+    assert verdict(answer(0.0), strides=False).outcome == "inaccurate"  # its steps are too short to skip a defect
 
 
 def test_contacts_that_open_more_often_than_the_references_chatter():
@@ -137,7 +137,7 @@ def test_a_small_map_has_a_row_for_each_cell(small):
     assert "ready, 1 of 4: ring, " in told
 
 
-def test_each_exponent_and_kind_of_pit_is_made_ready(monkeypatch):
+def test_each_exponent_and_kind_of_defect_is_made_ready(monkeypatch):
     """No run is made here, nor the rest before it: only what would be run counts."""
     ready = []
     monkeypatch.setattr("bearingsim.stability.matrix.assemble.start", lambda case, model: (None, None))

@@ -230,7 +230,7 @@ def test_supports_cannot_be_tried_by_models_that_know_none(write: Write, rig: st
 
 
 def test_what_no_model_knows_in_full_has_no_reference(write: Write) -> None:
-    """A pit off the roller's middle tilts rollers, a ring that bends is known to others."""
+    """A defect off the roller's middle tilts rollers, a ring that bends is known to others."""
     offset = BASE.replace("depth: 50 um", "depth: 50 um, offset: 1 mm")
     (found,) = problems(write(f"{offset}{MODELS}rig: {{ring: {{bends: true}}}}\n"))
     assert found.message.startswith("accuracy: no model has all that this asks for: an `offset` tilts the roller")

@@ -70,11 +70,11 @@ def test_a_section_that_is_swept_gives_its_values(write: Write) -> None:
 
 
 def test_several_defects_are_told_apart(write: Write) -> None:
-    pit = "{shape: circular, length: 3 mm, width: %s mm, depth: 50 um, angle: %s deg}"
-    text = BASE.split("defect:")[0] + f"defects:\n  - {pit % ('0.8', 0)}\n  - {pit % ('0.6', 40)}\n"
+    defect = "{shape: circular, length: 3 mm, width: %s mm, depth: 50 um, angle: %s deg}"
+    text = BASE.split("defect:")[0] + f"defects:\n  - {defect % ('0.8', 0)}\n  - {defect % ('0.6', 40)}\n"
     text += "sweep:\n  defects.1.width: [1 mm, 2 mm]\n  derived: {defects.2.width: defects.1.width / 2}\n"
     cases = load_study(write(text)).cases()
-    assert [[pit.width for pit in case.defects] for case in cases] == [[0.001, 0.0005], [0.002, 0.001]]
+    assert [[defect.width for defect in case.defects] for case in cases] == [[0.001, 0.0005], [0.002, 0.001]]
     refused = problems(
         write(text.replace("derived: {defects.2.width: defects.1", "derived: {defects.2.width: defects.3"))
     )
@@ -132,7 +132,7 @@ def test_a_condition_reads_derived_values(write: Write) -> None:
 
 
 def test_what_is_left_out_need_not_be_possible(write: Write) -> None:
-    """A pit longer than the roller is refused, unless no case has it."""
+    """A defect longer than the roller is refused, unless no case has it."""
     said = "defect.length: [3 mm, 20 mm]"
     assert "longer than the roller" in problems(write(sweep(said)))[0].message
     kept = load_study(write(sweep(said + "\n  where: [defect.length <= bearing.roller_length]"))).cases()

@@ -192,19 +192,19 @@ def test_what_the_planar_model_takes_shapes_the_id(change: dict[str, Any]) -> No
     assert case_id(one(**PLANAR | change)) != case_id(one(**PLANAR))
 
 
-def test_what_carries_a_pit_and_how_it_is_felt_shape_the_id() -> None:
-    pit = {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-4}
+def test_what_carries_a_defect_and_how_it_is_felt_shape_the_id() -> None:
+    defect = {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-4}
     roller: dict[str, Any] = {"race": "roller"}
     races = [{"race": "outer"}, {"race": "inner"}, roller, roller | {"roller": 2}]
-    ids = {case_id(one(defect=pit | race)) for race in races}
-    ids |= {case_id(one(defect=pit, excitation=word)) for word in ("half-sine-pulse", "soft-edge")}
-    impulses = {"defect": pit, "model": "impulse"}
+    ids = {case_id(one(defect=defect | race)) for race in races}
+    ids |= {case_id(one(defect=defect, excitation=word)) for word in ("half-sine-pulse", "soft-edge")}
+    impulses = {"defect": defect, "model": "impulse"}
     ids |= {case_id(one(**impulses)), case_id(one(**impulses, excitation="random-impulses"))}
     ids |= {case_id(one(**impulses, excitation="random-impulses", seed=1))}
     assert len(ids) == 9
     assert case_id(one(**impulses, seed=1)) == case_id(one(**impulses))
-    assert case_id(one(defect=pit | {"race": "roller"})) == case_id(
-        one(defect=pit | {"race": "roller", "roller": 1})
+    assert case_id(one(defect=defect | {"race": "roller"})) == case_id(
+        one(defect=defect | {"race": "roller", "roller": 1})
     )
 
 
@@ -225,11 +225,11 @@ def test_a_field_that_is_new_renames_no_result(monkeypatch: pytest.MonkeyPatch) 
     Its damping was chi = 50 s/m by default, and beta = 10 us that of a bare `kraemer`; it settled for 50 ms.
     """
     monkeypatch.setattr("bearingsim.core.MODEL_VERSION", 1)
-    pit = {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-3}
+    defect = {"shape": "circular", "length": 1e-3, "width": 1e-3, "depth": 1e-3}
     assert case_id(one(method="verlet", **OF_OLD)) == "974269e6f84a60ad"
     assert case_id(one(model="static", **OF_OLD)) == "2510496c4be94656"
-    assert case_id(one(method="verlet", defect=pit, **OF_OLD)) == "4a0348f94d255097"
-    several = {"method": "verlet", "model": "ring", "defects": [pit, pit | {"angle": 1.0}]}
+    assert case_id(one(method="verlet", defect=defect, **OF_OLD)) == "4a0348f94d255097"
+    several = {"method": "verlet", "model": "ring", "defects": [defect, defect | {"angle": 1.0}]}
     assert case_id(one(**several, **OF_OLD)) == "7f2b9e8f07decf70"
     kraemer = {"stiffness": "iso16281", "damping": {"beta": "10 us"}}
     assert case_id(one(method="verlet", contact=kraemer, settle="50 ms")) == "00aa2375f74ec272"

@@ -145,8 +145,8 @@ def test_a_healthy_bearing_has_no_twin(write: Write) -> None:
 
 def test_a_healthy_case_is_no_twin(write: Write) -> None:
     """A case of the study stays one, though others are compared with it."""
-    pits = "[{shape: circular, length: 3 mm, width: 1 mm, depth: 1 um}]"
-    text = BASE.replace("defect:", "# defect:") + f"sweep: {{defects: [[], {pits}]}}\n"
+    defects = "[{shape: circular, length: 3 mm, width: 1 mm, depth: 1 um}]"
+    text = BASE.replace("defect:", "# defect:") + f"sweep: {{defects: [[], {defects}]}}\n"
     healthy, damaged = load_study(write(text)).jobs()
     assert (damaged.healthy, healthy.is_baseline) == (healthy.id, False)
 

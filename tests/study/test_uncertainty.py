@@ -382,7 +382,7 @@ def test_a_job_that_failed_itself_has_no_error() -> None:
     assert "error.damping" not in errors(plan, frame)
 
 
-def test_the_line_is_that_of_what_carries_the_pit() -> None:
+def test_the_line_is_that_of_what_carries_the_defect() -> None:
     columns = CHAOTIC | {"velocity@BPFI": [1.0, 2.0, 3.0], "chaotic": [0.0] * 3}
     plan, frame = made_up(**columns)
     frame["parameters/defects.1.race"] = "inner"

@@ -20,7 +20,7 @@ def complete(case: CaseFields) -> None:
     if case.model == catalogue.REFERENCE:
         _fill_reference(case)
     model = catalogue.MODELS[case.model]
-    if not model.takes_pits and "excitation" not in case.model_fields_set:
+    if not model.takes_defects and "excitation" not in case.model_fields_set:
         _fill(case, "excitation", "impulse-train")
     if case.method is None and not model.own_method:
         _fill(case, "method", catalogue.AUTO)
@@ -106,15 +106,15 @@ def reach(defect: Defect) -> tuple[float, float]:
 
 def slice_ends(case: CaseFields) -> Any:
     """Return the ends (n + 1,) of the slices of the case's roller, m from its middle. ValueError if too many."""
-    pits = tuple(map(reach, case.defects))
-    return _slice_ends(float(case.bearing.roller_length or 0.0), pits, case.contact.slices)
+    defects = tuple(map(reach, case.defects))
+    return _slice_ends(float(case.bearing.roller_length or 0.0), defects, case.contact.slices)
 
 
 @lru_cache(maxsize=1 << 12)
-def _slice_ends(length: float, pits: tuple[tuple[float, float], ...], count: int) -> Any:
+def _slice_ends(length: float, defects: tuple[tuple[float, float], ...], count: int) -> Any:
     from bearingsim.core.geometry.slices import slice_edges  # numpy, which only who computes needs
 
-    edges = slice_edges(length, pits, count)
+    edges = slice_edges(length, defects, count)
     edges.flags.writeable = False  # many cases share it
     return edges
 

@@ -11,8 +11,8 @@ from bearingsim.config.fields import Conflict, Path
 from bearingsim.config.names import of_band
 from bearingsim.config.rules import hierarchy
 from bearingsim.config.rules.completion import slice_count
+from bearingsim.config.rules.defects import defect_conflicts
 from bearingsim.config.rules.flexible_ring import flexible_ring_conflicts
-from bearingsim.config.rules.pits import pit_conflicts
 from bearingsim.config.sections.defect import IMPULSE_EXCITATIONS
 from bearingsim.config.sections.free import Frictionless
 from bearingsim.text.units import show
@@ -35,7 +35,7 @@ HELD_BY_CAGE = ("cage.slip", "cage.axial", "cage.lean", "roller.cage_force", "ro
 
 def conflicts(case: "CaseFields") -> Iterator[Conflict]:
     """Yield all conflicts within a case."""
-    yield from pit_conflicts(case)
+    yield from defect_conflicts(case)
     yield from _model(case)
     yield from _contact(case)
     yield from _free_motion(case)
@@ -236,7 +236,11 @@ def _sizes(case: "CaseFields") -> Iterator[Conflict]:
         shown, needed = show(case.duration, "ms"), show(ball_pass, "ms")
         timing: tuple[Path, ...] = (("duration",), ("speed",), ("bearing",))
         yield Conflict("duration", timing, f"{shown} is shorter than one ball pass ({needed})")
-    if case.excitation in IMPULSE_EXCITATIONS and not catalogue.MODELS[case.model].takes_pits and not case.defects:
+    if (
+        case.excitation in IMPULSE_EXCITATIONS
+        and not catalogue.MODELS[case.model].takes_defects
+        and not case.defects
+    ):
         paths: tuple[Path, ...] = (("model",), ("excitation",))
         yield Conflict("silent", paths, "without a defect there are no impulses", "give a `defect`")
 

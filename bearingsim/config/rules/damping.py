@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 PLAUSIBLE = (0.3e-6, 25e-6)
 """Least and largest c/k (s) that measurement and theory make likely, of a lubricated contact."""
 PART_OF_CROSSING = 0.1
-"""Of the time in which a pit is crossed: what c/k stays under, if the roller is to follow the pit."""
+"""Largest c/k, as a share of the crossing time of a defect, at which the roller can follow the defect."""
 WARNING = "warning: "
 """Opening of a warning."""
 SLACK = 1.0 + 1e-6
@@ -19,7 +19,7 @@ SLACK = 1.0 + 1e-6
 
 
 class Damped(NamedTuple):
-    """A job's damping: c/k (s), damping ratio, and the time (s) in which its shortest pit is crossed, or inf."""
+    """Damping of a job: c/k (s), damping ratio, and shortest time (s) in which a defect is crossed, or inf."""
 
     time: float
     ratio: float
@@ -27,7 +27,7 @@ class Damped(NamedTuple):
 
     @property
     def too_heavy(self) -> bool:
-        """True if the roller cannot follow the pit."""
+        """True if the roller cannot follow the defect."""
         return self.time > SLACK * PLAUSIBLE[1] or self.time > PART_OF_CROSSING * self.crossing
 
     @property
@@ -40,8 +40,8 @@ def sentences(jobs: Sequence[Damped]) -> Iterator[str]:
     """Yield the range of the damping of some jobs beside the plausible one, then warnings."""
     if not jobs:
         return
-    pits = [job.crossing for job in jobs if isfinite(job.crossing)]
-    crossing = f"; shortest crossing of a defect {1e6 * min(pits):.3g} us" if pits else ""
+    defects = [job.crossing for job in jobs if isfinite(job.crossing)]
+    crossing = f"; shortest crossing of a defect {1e6 * min(defects):.3g} us" if defects else ""
     times, ratios = _range([1e6 * job.time for job in jobs]), _range([job.ratio for job in jobs])
     low, high = (f"{1e6 * end:g}" for end in PLAUSIBLE)
     yield f"damping: c/k {times} us (plausible: {low} to {high}), ratio {ratios}{crossing}"

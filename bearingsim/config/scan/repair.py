@@ -23,7 +23,7 @@ MAX_ROUGHNESS = 0.1  # of the depth: most that three standard deviations of the 
 DAMAGED_SHARE = 0.2  # share of a side's cells off the surroundings from which the damage reaches it
 SPECK = 5  # cells: what is smaller is noise
 NOISE = 3.0  # standard deviations of the surroundings
-NARROW, SHALLOW = 20e-6, 0.1e-6  # width and depth (m) of a pit below which its unit is doubted
+NARROW, SHALLOW = 20e-6, 0.1e-6  # width and depth (m) of a defect below which its unit is doubted
 
 CACHED_SCANS = 256
 """Scans that a process keeps: more than a sweep has, which goes through them again and again, and reading takes
@@ -32,8 +32,8 @@ long. Usual ones have 50 to 150 kB, 40 MB in all; whatever is made of a scan sha
 
 
 class Scan(NamedTuple):
-    """A pit as measured: depth (n_z, n_s) at s (n_s,) and z (n_z,) from its middle, all m; sizes: length, width,
-    depth (m); digest: of the file's content; notes: what was repaired and assumed.
+    """A defect as measured: depth (n_z, n_s) at s (n_s,) and z (n_z,) from its middle, all m; sizes: length,
+    width, depth (m); digest: of the file's content; notes: what was repaired and assumed.
     """
 
     s: np.ndarray
@@ -76,14 +76,14 @@ def _doubts(width: float, depth: float) -> Iterator[str]:
         yield f"the pit is only {_um(depth)} deep: is the unit right?"
 
 
-class Pitted(Protocol):
+class Damaged(Protocol):
     """A case, as far as its defects."""
 
     @property
     def defects(self) -> Sequence[Any]: ...
 
 
-def notes(cases: Iterable[Pitted]) -> list[str]:
+def notes(cases: Iterable[Damaged]) -> list[str]:
     """List the repairs and assumptions in the scans of some cases, without duplicates. Raises ScanError."""
     files = dict.fromkeys(d.file for case in cases for d in case.defects if d.file is not None)
     return list(dict.fromkeys(f"{Path(file).name}: {note}" for file in files for note in read_scan(file).notes))
@@ -177,18 +177,18 @@ def _levelled(grid: Grid) -> Grid:
     border[[0, -1], :] = border[:, [0, -1]] = True
     surface, deviation, remarks = _surroundings(grid, border)
     depth = grid.depth - surface
-    pit, burr = float(depth.max()), -float(depth.min())
-    if max(pit, burr) <= max(NOISE * deviation, 1e-12):
+    defect, burr = float(depth.max()), -float(depth.min())
+    if max(defect, burr) <= max(NOISE * deviation, 1e-12):
         raise ScanError(f"no pit stands out from the noise of the surroundings ({_um(deviation)})")
-    if burr > pit:
-        message = f"it stands {_um(burr)} out of the race and goes {_um(max(pit, 0.0))} into it"
+    if burr > defect:
+        message = f"it stands {_um(burr)} out of the race and goes {_um(max(defect, 0.0))} into it"
         raise ScanError(message, "is it a `height`? name it so")
-    if NOISE * deviation > MAX_ROUGHNESS * pit:
+    if NOISE * deviation > MAX_ROUGHNESS * defect:
         message = (
             f"there is no even border: the outermost cells deviate by {_um(deviation)} (one standard deviation)"
         )
         raise ScanError(message, "take in undamaged race all around, or take its form off first")
-    level = max(NOISE * deviation, 1e-9 * pit)
+    level = max(NOISE * deviation, 1e-9 * defect)
     rough = np.abs(depth) > level
     remarks += _reached(grid, rough)
     regions = _regions(rough)
@@ -243,12 +243,12 @@ def _reached(grid: Grid, rough: np.ndarray) -> list[str]:
     if share["s"] > DAMAGED_SHARE:
         message = f"there is no undamaged border: {share['s']:.0%} of a side along z lie off the surroundings"
         raise ScanError(message, "take in undamaged race before and behind the pit")
-    if share["z"] > DAMAGED_SHARE or (share["z"] > 0.0 and _is_one_pit(rough)):
+    if share["z"] > DAMAGED_SHARE or (share["z"] > 0.0 and _is_one_defect(rough)):
         return ["the damage reaches the scan's end along z: taken to end there"]
     return []
 
 
-def _is_one_pit(rough: np.ndarray) -> bool:
+def _is_one_defect(rough: np.ndarray) -> bool:
     """Check if the largest damage touches the first or last row."""
     regions = _regions(rough)
     largest = int(np.argmax(np.bincount(regions.ravel())[1:])) + 1

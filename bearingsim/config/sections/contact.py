@@ -242,8 +242,8 @@ class Contact(Section):
     """Contact of rolling elements and races.
 
     `stiffness` is a word or a `Constant`; in a case it is never None: `palmgren` for rollers, `point` for balls.
-    `length_nodes` cut a pit whose width varies along the roller; `slices` cut the roller of the spatial model, and
-    are more where pits need it.
+    `length_nodes` cut a defect whose width varies along the roller; `slices` cut the roller of the spatial model,
+    and are more where defects need it.
     """
 
     stiffness: Stiffness | None = None

@@ -1,4 +1,4 @@
-"""A pit, and how it is let act on the rollers."""
+"""A defect, and how it is let act on the rollers."""
 
 from math import isclose
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
@@ -40,10 +40,10 @@ IMPULSE_EXCITATIONS: tuple[Excitation, ...] = ("impulse-train", "random-impulses
 """Excitations that are forces in time, not shapes in space: the impulse model's."""
 
 STIFFNESS_EXCITATIONS: tuple[Excitation, ...] = ("pressure-share", "soft-edge", "elastic-edge")
-"""Excitations that change the contact's force at the pit, not only its place."""
+"""Excitations that change the contact's force at the defect, not only its place."""
 
 PATH_EXCITATIONS: tuple[Excitation, ...] = ("envelope", *IMPULSE_EXCITATIONS)
-"""Excitations that know the path of a roller over any pit; the others have forms for a few shapes only."""
+"""Excitations that know the path of a roller over any defect; the others have forms for a few shapes only."""
 
 SIMPLE_SHAPES = tuple(shape.name for shape in catalogue.SHAPES.values() if shape.simple)
 """Shapes for which every excitation has a form."""
@@ -62,7 +62,7 @@ _OF_SHAPE = {"grown": "spall", "seed": "spall", "file": "scan", "digest": "scan"
 
 
 class Edge(Section):
-    """Edges of a pit along rolling: rounded with `radius`, or walls no steeper than over the length `ramp` (m).
+    """Edges of a defect along rolling: rounded with `radius`, or walls no steeper than over the length `ramp` (m).
 
     One of the two keys.
     """
@@ -78,11 +78,11 @@ class Edge(Section):
 
 
 class Defect(Section):
-    """A pit: lengths in m (`length` along the axis, `width` along rolling), angle in rad.
+    """A defect: lengths in m (`length` along the axis, `width` along rolling), angle in rad.
 
     `race` is the element that carries it; `roller` counts from 1 and is 1 if not given. The angle is taken from
     the load line (outer race; inner race at t = 0, turning with the ring) or, on a roller, from the outward
-    radial direction at t = 0. `offset` is how far the pit's middle lies off the roller's,
+    radial direction at t = 0. `offset` is how far the defect's middle lies off the roller's,
     towards +z (m).
 
     A `spall` has the given sizes when it is `grown` to 1; `seed` is which spall it is. A `scan` is read from

@@ -26,7 +26,7 @@ from bearingsim.core.defects.edge_contact import (
 from bearingsim.core.defects.excitations import defect_response, defect_response_gradient, response_groups
 from bearingsim.core.defects.pairs import GROUP_HALF_WIDTH, outer_reduced_radius
 from bearingsim.core.jit import jit
-from tests.scenes.pit_maps import SHAPES
+from tests.scenes.defect_maps import SHAPES
 
 R_W, R_O, L_W = 0.006, 0.0385, 0.012
 R = outer_reduced_radius(R_W, R_O)
@@ -42,8 +42,8 @@ walls = st.sampled_from([0.0, 1e-6, 1e-5, 1e-4])
 
 
 def rows_of(shape, width, depth):
-    pit = SHAPES[shape](L_W, width, depth)
-    return [np.array(row) for row in response_groups(EDGES, pit, groups_of(pit, L_W, R, 6), R)]
+    defect = SHAPES[shape](L_W, width, depth)
+    return [np.array(row) for row in response_groups(EDGES, defect, groups_of(defect, L_W, R, 6), R)]
 
 
 def slope(f, x, h):

@@ -1,4 +1,4 @@
-"""The roller's path over any pit, against its definition; tables against closed forms."""
+"""The roller's path over any defect, against its definition; tables against closed forms."""
 
 from math import inf, nan
 
@@ -26,14 +26,14 @@ from bearingsim.core.defects.pairs import GROUP_HALF_WIDTH, GROUP_WEIGHT, KAPPA,
 from bearingsim.core.defects.profile import RACE, depth_at
 from bearingsim.core.defects.spall import Spall
 from bearingsim.core.defects.traced import cut_along_roller, grouped, sharpest_cusp, sliced, traced_defects
-from tests.scenes.pit_maps import (
+from tests.scenes.defect_maps import (
     R_OUTER,
     brute,
     depths,
     radii,
     rough_scan,
     shapes,
-    smooth_pits,
+    smooth_defects,
     spalls,
     widths,
 )
@@ -46,10 +46,10 @@ CLOSED = {
 }
 
 
-def at_height(pit, part):
-    """The section at a part of the pit's half length; skips places where there is none."""
-    _, _, low, high = extent(pit)
-    profile = section(pit, (low + high) / 2 + part * (high - low) / 2)
+def at_height(defect, part):
+    """The section at a part of the defect's half length; skips places where there is none."""
+    _, _, low, high = extent(defect)
+    profile = section(defect, (low + high) / 2 + part * (high - low) / 2)
     assume(len(profile.pieces))
     return profile
 
@@ -61,9 +61,9 @@ def span(profile, n=301, beyond=0.1):
 
 
 @settings(max_examples=200, deadline=None)
-@given(pit=smooth_pits, part=heights, R=radii)
-def test_the_path_is_the_minimum_over_contact_points(pit, part, R):
-    profile = at_height(pit, part)
+@given(defect=smooth_defects, part=heights, R=radii)
+def test_the_path_is_the_minimum_over_contact_points(defect, part, R):
+    profile = at_height(defect, part)
     s = span(profile)
     expected = brute(profile, s, R)
     assert path_drop(path_over(profile, R), s)[0] == pytest.approx(expected, abs=1e-3 * expected.max())
@@ -83,9 +83,9 @@ def test_rough_scans_too(seed, burr):
 
 
 @settings(max_examples=200, deadline=None)
-@given(pit=smooth_pits, part=heights, R=radii)
-def test_without_a_burr_the_roller_stays_between_race_and_pit(pit, part, R):
-    profile = at_height(pit, part)
+@given(defect=smooth_defects, part=heights, R=radii)
+def test_without_a_burr_the_roller_stays_between_race_and_defect(defect, part, R):
+    profile = at_height(defect, part)
     s, path = span(profile), path_over(profile, R)
     h, _ = path_drop(path, s)
     largest = depth_at(profile, span(profile, 2001)).max()
@@ -97,31 +97,32 @@ def test_without_a_burr_the_roller_stays_between_race_and_pit(pit, part, R):
 
 
 @settings(max_examples=100, deadline=None)
-@given(pit=shapes | spalls, part=heights, R=radii, more=st.floats(1.01, 2.0))
-def test_a_deeper_or_wider_pit_is_felt_more(pit, part, R, more):
-    low, high = extent(pit)[2:]
+@given(defect=shapes | spalls, part=heights, R=radii, more=st.floats(1.01, 2.0))
+def test_a_deeper_or_wider_defect_is_felt_more(defect, part, R, more):
+    low, high = extent(defect)[2:]
     z = (low + high) / 2 + part * (high - low) / 2
-    wider, deeper = pit._replace(width=more * pit.width), pit._replace(depth=more * pit.depth)
-    s = span(at_height(pit, part))
-    h = path_drop(path_over(section(pit, z), R), s)[0]
+    wider, deeper = defect._replace(width=more * defect.width), defect._replace(depth=more * defect.depth)
+    s = span(at_height(defect, part))
+    h = path_drop(path_over(section(defect, z), R), s)[0]
     tolerance = 2e-5 * h.max() + 1e-15  # an ellipse is drawn by parabolas
     assert np.all(path_drop(path_over(section(deeper, z), R), s)[0] >= h - tolerance)
-    if not isinstance(pit, Spall):  # a wider spall is another one: its bowls move apart
+    if not isinstance(defect, Spall):  # a wider spall is another one: its bowls move apart
         assert np.all(path_drop(path_over(section(wider, z), R), s)[0] >= h - tolerance)
 
 
 @settings(max_examples=100, deadline=None)
-@given(pit=spalls, part=heights, R=radii, more=st.floats(0.0, 1.0))
-def test_a_spall_grows(pit, part, R, more):
+@given(defect=spalls, part=heights, R=radii, more=st.floats(0.0, 1.0))
+def test_a_spall_grows(defect, part, R, more):
     """More grown is nowhere shallower, and stays within its length, width and depth."""
-    later = pit._replace(grown=pit.grown + more * (1.0 - pit.grown))
-    z = part * pit.length / 2
-    s = np.linspace(-0.6, 0.6, 201) * pit.width
-    early, late = depth_at(section(pit, z), s), depth_at(section(later, z), s)
-    assert np.all(late >= early - 1e-9 * pit.depth)
-    assert late.max() <= pit.depth * (1 + 1e-9)
+    later = defect._replace(grown=defect.grown + more * (1.0 - defect.grown))
+    z = part * defect.length / 2
+    s = np.linspace(-0.6, 0.6, 201) * defect.width
+    early, late = depth_at(section(defect, z), s), depth_at(section(later, z), s)
+    assert np.all(late >= early - 1e-9 * defect.depth)
+    assert late.max() <= defect.depth * (1 + 1e-9)
     assert np.all(
-        np.abs(extent(later)) <= np.array([pit.width, pit.width, pit.length, pit.length]) / 2 * (1 + 1e-9)
+        np.abs(extent(later))
+        <= np.array([defect.width, defect.width, defect.length, defect.length]) / 2 * (1 + 1e-9)
     )
 
 
@@ -140,9 +141,9 @@ def test_a_full_grown_spall_fills_its_box():
 
 
 @settings(max_examples=100, deadline=None)
-@given(pit=smooth_pits, part=heights, R=radii, place=st.floats(0.01, 0.99))
-def test_the_slope_is_the_derivative(pit, part, R, place):
-    path = path_over(at_height(pit, part), R)
+@given(defect=smooth_defects, part=heights, R=radii, place=st.floats(0.01, 0.99))
+def test_the_slope_is_the_derivative(defect, part, R, place):
+    path = path_over(at_height(defect, part), R)
     assume(len(path.pieces))
     ends = np.append(path.pieces[:, 0], path.end)
     k = int(place * len(path.pieces))
@@ -155,9 +156,9 @@ def test_the_slope_is_the_derivative(pit, part, R, place):
 
 
 @settings(max_examples=100, deadline=None)
-@given(pit=smooth_pits, part=heights, R=radii)
-def test_the_path_has_no_steps_and_its_kinks_are_cusps(pit, part, R):
-    path = path_over(at_height(pit, part), R)
+@given(defect=smooth_defects, part=heights, R=radii)
+def test_the_path_has_no_steps_and_its_kinks_are_cusps(defect, part, R):
+    path = path_over(at_height(defect, part), R)
     assume(len(path.pieces))
     start, h, slope, half = path.pieces.T
     x = np.append(start[1:], path.end) - start
@@ -168,7 +169,7 @@ def test_the_path_has_no_steps_and_its_kinks_are_cusps(pit, part, R):
 
 
 @pytest.mark.parametrize("s", [nan, inf, -inf, 1e300])
-def test_what_is_nowhere_is_over_no_pit(s):
+def test_what_is_nowhere_is_over_no_defect(s):
     """Of a motion that has blown up: an index from NaN would be anywhere in memory."""
     table, (at,) = packed([path_over(section(Elliptical(1.0, 1e-3, 1e-5), 0.0), 5e-3)])
     assert drop_at(table, at, s) == (0.0, 0.0)
@@ -203,9 +204,9 @@ def test_bends_of_tables_are_those_of_the_closed_forms(shape, width, depth, R):
 
 
 @settings(max_examples=50, deadline=None)
-@given(pit=smooth_pits, R=radii)
-def test_tables_are_the_paths_and_columns_their_bounds(pit, R):
-    groups, paths = grouped(pit, R, cut_along_roller(pit, 12e-3, 4))
+@given(defect=smooth_defects, R=radii)
+def test_tables_are_the_paths_and_columns_their_bounds(defect, R):
+    groups, paths = grouped(defect, R, cut_along_roller(defect, 12e-3, 4))
     found = traced_defects([RollerDefectPair(0, -1, 0.0, 0.0385, R, groups, paths)])
     assert sum(row[GROUP_WEIGHT] for row in groups) == pytest.approx(1.0, rel=1e-9)
     for row, path in zip(found.groups[0], paths, strict=True):
@@ -223,7 +224,7 @@ def test_tables_are_the_paths_and_columns_their_bounds(pit, R):
         assert row[KAPPA] < len(found.excitation.table)
 
 
-def test_a_burr_is_felt_before_the_pit():
+def test_a_burr_is_felt_before_the_defect():
     """A rim raised by 2 um lifts a roller that stands sqrt(2 R 2 um) = 0.169 mm before it."""
     low = path_over(section(rough_scan(1, 0.0), 0.0), R_OUTER).pieces[0, 0]
     path = path_over(section(rough_scan(1, 2e-6), 0.0), R_OUTER)
@@ -231,7 +232,7 @@ def test_a_burr_is_felt_before_the_pit():
     assert path.pieces[0, 2] < 0.0 < path.pieces[0, 3]
 
 
-def test_two_pits_are_one_where_they_overlap_and_themselves_elsewhere():
+def test_two_defects_are_one_where_they_overlap_and_themselves_elsewhere():
     left = Placed(Rectangular(12e-3, 0.4e-3, 5e-6), -0.15e-3, 0.0)
     right = Placed(Triangular(12e-3, 0.4e-3, 2e-5), 0.15e-3, 0.0)
     s = np.linspace(-0.5e-3, 0.5e-3, 1001)
@@ -244,7 +245,7 @@ def test_two_pits_are_one_where_they_overlap_and_themselves_elsewhere():
     assert h == pytest.approx(path_drop(path_over(section(left, 0.0), R_OUTER), s - 0.15e-3)[0], abs=1e-18)
 
 
-def test_a_burr_stays_where_another_pit_does_not_reach():
+def test_a_burr_stays_where_another_defect_does_not_reach():
     scan = rough_scan(2, 3e-6)
     far = Merged((scan, Placed(Rectangular(8e-3, 4e-4, 5e-5), 4e-3, 0.0)))
     s = np.linspace(-2e-3, 2e-3, 101)
@@ -264,7 +265,7 @@ def test_the_ridge_between_two_hollows_carries_the_roller(apart):
     assert path_drop(path, np.zeros(1))[0] == pytest.approx(ridge, rel=1e-9)
 
 
-def test_the_edge_from_a_hollow_into_a_deeper_pit_carries_the_roller():
+def test_the_edge_from_a_hollow_into_a_deeper_defect_carries_the_roller():
     """A bowl 2 um deep that a slot cuts off, 1.5 um deep there."""
     bowl_, slot = Circular(12e-3, 2e-4, 2e-6), Placed(Rectangular(12e-3, 8e-4, 5e-5), 4.5e-4, 0.0)
     s = np.linspace(-2e-4, 9e-4, 301)
@@ -275,7 +276,7 @@ def test_the_edge_from_a_hollow_into_a_deeper_pit_carries_the_roller():
         assert on_edge == pytest.approx(1.5e-6 + (1.5e-4) ** 2 / (2 * R_OUTER), rel=1e-6)
 
 
-def test_a_merged_wide_pit_lets_a_roller_deeper_than_its_halves():
+def test_a_merged_wide_defect_lets_a_roller_deeper_than_its_halves():
     """Two slots of 0.4 mm side by side are one of 0.8 mm: four times the sag of one."""
     halves = Merged(
         (Placed(Rectangular(1, 4e-4, 5e-5), -2e-4, 0.0), Placed(Rectangular(1, 4e-4, 5e-5), 2e-4, 0.0))
@@ -314,41 +315,43 @@ def test_a_groove_flatter_than_the_ramp_keeps_its_edges():
 
 
 @settings(max_examples=100, deadline=None)
-@given(pit=shapes, part=heights, radius=st.floats(1e-6, 1e-4), ramp=st.floats(1e-6, 1e-4))
-def test_easing_an_edge_takes_material_off(pit, part, radius, ramp):
-    sharp = at_height(pit, part)
-    z = part * pit.length / 2
+@given(defect=shapes, part=heights, radius=st.floats(1e-6, 1e-4), ramp=st.floats(1e-6, 1e-4))
+def test_easing_an_edge_takes_material_off(defect, part, radius, ramp):
+    sharp = at_height(defect, part)
+    z = part * defect.length / 2
     t = np.linspace(sharp.pieces[0, 0] - 1e-4, sharp.pieces[-1, 1] + 1e-4, 501)
-    for eased in (Eased(pit, radius, 0.0), Eased(pit, 0.0, ramp)):
+    for eased in (Eased(defect, radius, 0.0), Eased(defect, 0.0, ramp)):
         found = depth_at(section(eased, z), t)
         assert np.all(found >= depth_at(sharp, t) - 1e-12)
-        assert found.max() <= depth_at(sharp, t).max() + 1e-6 * pit.depth
+        assert found.max() <= depth_at(sharp, t).max() + 1e-6 * defect.depth
 
 
 @settings(max_examples=100, deadline=None)
-@given(pit=shapes, part=heights)
-def test_an_ellipsoid_is_drawn_within_a_thousandth(pit, part):
-    profile = at_height(pit, part)
-    s = np.linspace(-0.5, 0.5, 201) * pit.width
-    rest = np.maximum(1 - (2 * s / pit.width) ** 2 - part**2, 0.0)
-    if isinstance(pit, Elliptical):
-        assert depth_at(profile, s) == pytest.approx(pit.depth * np.sqrt(rest), abs=0.06 * pit.depth)
-        inner = np.abs(s) < 0.49 * pit.width * np.sqrt(1 - part**2)
-        assert depth_at(profile, s)[inner] == pytest.approx(pit.depth * np.sqrt(rest)[inner], abs=1e-3 * pit.depth)
+@given(defect=shapes, part=heights)
+def test_an_ellipsoid_is_drawn_within_a_thousandth(defect, part):
+    profile = at_height(defect, part)
+    s = np.linspace(-0.5, 0.5, 201) * defect.width
+    rest = np.maximum(1 - (2 * s / defect.width) ** 2 - part**2, 0.0)
+    if isinstance(defect, Elliptical):
+        assert depth_at(profile, s) == pytest.approx(defect.depth * np.sqrt(rest), abs=0.06 * defect.depth)
+        inner = np.abs(s) < 0.49 * defect.width * np.sqrt(1 - part**2)
+        assert depth_at(profile, s)[inner] == pytest.approx(
+            defect.depth * np.sqrt(rest)[inner], abs=1e-3 * defect.depth
+        )
 
 
-def test_outside_a_pit_there_is_the_race():
-    for pit in (
+def test_outside_a_defect_there_is_the_race():
+    for defect in (
         Rectangular(6e-3, 1e-3, 1e-5),
         Circular(6e-3, 1e-3, 1e-5),
         Elliptical(6e-3, 1e-3, 1e-5),
         rough_scan(0),
     ):
-        assert len(section(pit, 5e-3).pieces) == 0
+        assert len(section(defect, 5e-3).pieces) == 0
     assert len(path_over(RACE, R_OUTER).pieces) == 0
 
 
-def test_slices_across_a_pit():
+def test_slices_across_a_defect():
     """One for a box, off the middle or not; of one that hangs over the roller's end what is on it."""
     assert cut_along_roller(Rectangular(3e-3, 1e-3, 1e-5), 12e-3, 6) == [pytest.approx((0.25, 0.0))]
     assert cut_along_roller(Placed(Rectangular(3e-3, 1e-3, 1e-5), 0.0, 5e-3), 12e-3, 6) == [
@@ -359,11 +362,11 @@ def test_slices_across_a_pit():
     )
     weights = [weight for weight, _ in cut_along_roller(two, 12e-3, 6)]
     assert weights == pytest.approx([2 / 12, 2 / 12, 2 / 12])
-    for pit in (Circular(6e-3, 1e-3, 1e-5), Elliptical(6e-3, 1e-3, 1e-5), Spall(6e-3, 1e-3, 1e-5, 1.0, 0)):
-        assert sum(weight for weight, _ in cut_along_roller(pit, 12e-3, 6)) == pytest.approx(0.5)
+    for defect in (Circular(6e-3, 1e-3, 1e-5), Elliptical(6e-3, 1e-3, 1e-5), Spall(6e-3, 1e-3, 1e-5, 1.0, 0)):
+        assert sum(weight for weight, _ in cut_along_roller(defect, 12e-3, 6)) == pytest.approx(0.5)
 
 
-def test_a_round_pits_halves_are_felt_alike():
+def test_a_round_defects_halves_are_felt_alike():
     groups, paths = grouped(
         Elliptical(6e-3, 1e-3, 1e-5), R_OUTER, cut_along_roller(Elliptical(6e-3, 1e-3, 1e-5), 12e-3, 6)
     )
@@ -373,12 +376,12 @@ def test_a_round_pits_halves_are_felt_alike():
 
 def test_paths_that_end_apart_are_two_groups(monkeypatch):
     """Of the same pieces, but one of them ends earlier."""
-    pieces, pit = np.array([[-5e-4, 0.0, 0.0, 1.0]]), Rectangular(6e-3, 1e-3, 1e-5)
+    pieces, defect = np.array([[-5e-4, 0.0, 0.0, 1.0]]), Rectangular(6e-3, 1e-3, 1e-5)
     slices = cut_along_roller(Elliptical(6e-3, 1e-3, 1e-5), 12e-3, 4)
     ends = [4e-4 if k == 1 else 5e-4 for k in range(len(slices))]
     felt_there = tuple(((5e-4, 5e-4, 0.0, 1e-6), Path(pieces, end)) for end in ends)
     monkeypatch.setattr(traced, "paths_over", lambda *_: felt_there)
-    groups, paths = grouped(pit, R_OUTER, slices)
+    groups, paths = grouped(defect, R_OUTER, slices)
     assert [path.end for path in paths[1:]] == [5e-4, 4e-4]
     assert groups[2][GROUP_WEIGHT] == pytest.approx(slices[1][0])
 
@@ -390,7 +393,7 @@ def test_a_slice_for_every_place_of_a_roller():
     assert [row[GROUP_WEIGHT] for row in groups] == [1.0, 1.0, 1.0]
 
 
-def test_the_sharpest_cusp_of_an_uneven_pit():
+def test_the_sharpest_cusp_of_an_uneven_defect():
     """Between a floor and a wall higher on the right the roller swings over off the middle."""
     uneven = Merged(
         (Placed(Rectangular(12e-3, 4e-4, 5e-5), 0.0, 0.0), Placed(Rectangular(12e-3, 4e-4, 2e-7), 4e-4, 0.0))

@@ -1,4 +1,4 @@
-"""What a roller feels of a pit: each excitation against its closed form, and against the others."""
+"""What a roller feels of a defect: each excitation against its closed form, and against the others."""
 
 from math import pi, sqrt
 
@@ -27,7 +27,7 @@ from bearingsim.core.defects.pairs import DEPTH, GROUP, GROUP_HALF_WIDTH, GROUP_
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.stiffness.interface import elastic
 from bearingsim.core.laws.stiffness.power_laws import palmgren
-from tests.scenes.pit_maps import SHAPES
+from tests.scenes.defect_maps import SHAPES
 
 R_W, R_O, L_W = 0.006, 0.0385, 0.012
 R = outer_reduced_radius(R_W, R_O)
@@ -49,9 +49,9 @@ def rows_of(excitation, shape="rectangular", width=WIDE, depth=DEEP, length=L_W)
     return [np.array(row) for row in response_groups(excitation, SHAPES[shape](length, width, depth), envelope, R)]
 
 
-def slot(excitation, s, **pit):
-    """Share, h and slope of a pit that is one group."""
-    (row,) = rows_of(excitation, **pit)
+def slot(excitation, s, **defect):
+    """Share, h and slope of a defect that is one group."""
+    (row,) = rows_of(excitation, **defect)
     return defect_response(excitation, row, s, R)
 
 
@@ -61,14 +61,14 @@ def pull(excitation, rows, s, delta, law):
     return sum(w * share * elastic(law, max(delta - h, 0.0)) for w, share, h, _ in parts)
 
 
-def area(excitation, **pit):
+def area(excitation, **defect):
     """Integral of h over a slot, m^2."""
     s = (np.arange(20000) + 0.5) / 20000 * 1.2e-3 - 0.6e-3
-    return sum(slot(excitation, x, **pit)[1] for x in s) * (s[1] - s[0])
+    return sum(slot(excitation, x, **defect)[1] for x in s) * (s[1] - s[0])
 
 
 @given(excitation=excitations, shape=shapes, width=widths, depth=depths, length=lengths, place=places)
-def test_what_is_felt_stays_within_the_pit(excitation, shape, width, depth, length, place):
+def test_what_is_felt_stays_within_the_defect(excitation, shape, width, depth, length, place):
     rows = rows_of(excitation, shape, width, depth, length)
     s = place * width
     for row in rows:
@@ -171,7 +171,7 @@ def test_piecewise_pulse_of_a_narrow_slot_is_a_half_sine(width, depth, place):
 
 
 @given(shape=st.sampled_from(["triangular", "circular"]), width=widths, depth=depths, place=places)
-def test_piecewise_pulse_of_a_pit_without_a_floor_is_a_half_sine(shape, width, depth, place):
+def test_piecewise_pulse_of_a_defect_without_a_floor_is_a_half_sine(shape, width, depth, place):
     for row, other in zip(
         rows_of(PiecewisePulse(), shape, width, depth), rows_of(HalfSinePulse(), shape, width, depth), strict=True
     ):
@@ -182,7 +182,7 @@ def test_piecewise_pulse_of_a_pit_without_a_floor_is_a_half_sine(shape, width, d
 
 @given(shape=shapes, width=widths, depth=depths, place=st.floats(-0.49, 0.49))
 def test_clearance_increase_knows_no_roller(shape, width, depth, place):
-    """Near its middle a bowl's section is the pit's; box and V have one section."""
+    """Near its middle a bowl's section is the defect's; box and V have one section."""
     share, h, slope = defect_response(
         ClearanceIncrease(), rows_of(ClearanceIncrease(), shape, width, depth)[0], place * width, R
     )
@@ -191,7 +191,7 @@ def test_clearance_increase_knows_no_roller(shape, width, depth, place):
 
 
 @given(width=st.floats(2e-6, 1e-3), s=st.floats(-1e-4, 1e-4), b=st.floats(2e-6, 1e-4))
-def test_pressure_share_is_the_integral_over_the_pit(width, s, b):
+def test_pressure_share_is_the_integral_over_the_defect(width, s, b):
     excitation = PressureShare(b)
     kept, lost = rows_of(excitation, width=width)
     low, high = max(-width / 2 - s, -b), min(width / 2 - s, b)
@@ -210,7 +210,7 @@ def test_pressure_share_loses_force_until_the_approach_exceeds_the_depth():
         assert pull(excitation, rows, 0.0, delta, law) == pytest.approx(left * elastic(law, delta), rel=1e-12)
 
 
-def test_a_pit_as_long_as_half_the_roller_loses_half_of_that():
+def test_a_defect_as_long_as_half_the_roller_loses_half_of_that():
     excitation, law = PressureShare(HALF_CONTACT), palmgren(L_W)
     rows = rows_of(excitation, length=L_W / 2)
     assert pull(excitation, rows, 0.0, 1e-6, law) == pytest.approx(0.5 * elastic(law, 1e-6), rel=1e-12)

@@ -37,7 +37,7 @@ def test_rims_of_an_envelope_are_smooth_and_those_of_a_pulse_are_not():
     assert len(jumps(defect=WIDE | {"shape": "circular", "length": "9 mm", "depth": "5 um"})) == 0
 
 
-def test_a_traced_pit_has_the_cusps_of_its_path():
+def test_a_traced_defect_has_the_cusps_of_its_path():
     """An ellipse as narrow as a slot, and a rough spall: the sharpest, no more than there is room for."""
     assert jumps(defect=SLOT | {"shape": "elliptical", "length": "9 mm"}) == pytest.approx([0.0], abs=1e-6)
     rough = jumps(defect=SLOT | {"shape": "spall", "width": "2 mm", "grown": 0.5})
@@ -73,7 +73,7 @@ def test_with_a_kinematic_cage_the_next_jump_is_known(race):
     assert max(seen) < 1e-11
 
 
-def test_without_pits_nothing_jumps():
+def test_without_defects_nothing_jumps():
     """And the next jump is never."""
     model = assemble.model(case())
     assert asked(model, 0.0, at_rest(model)) == inf

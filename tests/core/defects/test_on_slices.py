@@ -1,4 +1,4 @@
-"""Of two pits under one slice: which is felt, whatever their order."""
+"""Of two defects under one slice: which is felt, whatever their order."""
 
 from itertools import permutations
 
@@ -16,7 +16,7 @@ from bearingsim.core.defects.traced import traced_defects
 from tests.scenes.nf308 import case
 from tests.scenes.spatial_bearing import empty, even, in_space
 
-B = 1e-4  # m: half of every pit
+B = 1e-4  # m: half of every defect
 AT = 0.3 * B  # m: where the roller stands
 
 
@@ -28,7 +28,7 @@ def level(h):
 
 
 def standing_over(depths):
-    """A bearing whose first roller stands over pits of these depths (m) at once, and its buffer."""
+    """A bearing whose first roller stands over defects of these depths (m) at once, and its buffer."""
     model = in_space(assemble.model(case(model="planar")), even(2))
     model = model._replace(bearing=model.bearing._replace(theta_0=AT / 0.0385))
     y = empty(model)

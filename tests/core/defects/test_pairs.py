@@ -1,4 +1,4 @@
-"""The roller's envelope over a pit, against its definition."""
+"""The roller's envelope over a defect, against its definition."""
 
 from math import nan, pi
 
@@ -11,8 +11,8 @@ from bearingsim import assemble
 from bearingsim.core.defects.closed_forms import bowl, box, groove, groups_of, roller_drop
 from bearingsim.core.defects.depth import Circular
 from bearingsim.core.defects.pairs import ANGLE, GROUP, RADIUS, nearest_roller, outer_reduced_radius
+from tests.scenes.defect_maps import SHAPES
 from tests.scenes.nf308 import SLOT, case
-from tests.scenes.pit_maps import SHAPES
 
 R_W, R_O = 0.006, 0.0385
 R = outer_reduced_radius(R_W, R_O)
@@ -65,7 +65,7 @@ def test_slope_is_the_derivative_of_the_envelope(shape, width, depth, place):
 
 
 @given(shape=shapes, width=widths, depth=depths, place=places)
-def test_envelope_stays_within_the_pit_and_grows_with_it(shape, width, depth, place):
+def test_envelope_stays_within_the_defect_and_grows_with_it(shape, width, depth, place):
     s = place * width
     h = envelope(shape, width, depth, s)[0]
     assert 0.0 <= h <= depth * (1 + 1e-12)
@@ -112,17 +112,17 @@ def test_a_bowls_mean_depth_converges_with_the_nodes():
 @example(theta_c=nan, angle=0.0, Z=13)
 def test_a_roller_is_found_even_where_motion_has_blown_up(theta_c, angle, Z):
     """A step or two may follow before the watch looks, and the number indexes memory."""
-    pits = assemble.defects.packed_defects(case(defect=SLOT))
-    pits.head[0, ANGLE] = angle
-    assert 0 <= nearest_roller(pits, 0, theta_c, 0.0, 0.0, Z)[0] < Z
+    defects = assemble.defects.packed_defects(case(defect=SLOT))
+    defects.head[0, ANGLE] = angle
+    assert 0 <= nearest_roller(defects, 0, theta_c, 0.0, 0.0, Z)[0] < Z
 
 
 @given(theta_c=st.floats(-20.0, 20.0), angle=st.floats(-4.0, 4.0), Z=st.integers(3, 64))
 def test_the_nearest_roller_is_found_at_any_angle(theta_c, angle, Z):
-    pits = assemble.defects.packed_defects(case(defect=SLOT))
-    pits.head[0, ANGLE] = angle
-    R_o = pits.head[0, RADIUS]
-    j, s = nearest_roller(pits, 0, theta_c, 0.0, 0.0, Z)
+    defects = assemble.defects.packed_defects(case(defect=SLOT))
+    defects.head[0, ANGLE] = angle
+    R_o = defects.head[0, RADIUS]
+    j, s = nearest_roller(defects, 0, theta_c, 0.0, 0.0, Z)
     distances = np.remainder(theta_c + 2 * pi * np.arange(Z) / Z - angle + pi, 2 * pi) - pi
     assert 0 <= j < Z
     assert abs(s) / R_o <= np.abs(distances).min() + 1e-9

@@ -18,8 +18,8 @@ from bearingsim.core.parameters import kinematic_angles
 from tests.scenes.differences import cells, derivatives, differences
 from tests.scenes.nf308 import case
 
-PIT = {"shape": "rectangular", "length": "6 mm", "width": "0.8 mm", "depth": "0.05 mm", "angle": "20 deg"}
-BOWL = PIT | {"shape": "circular", "width": "3 mm", "depth": "0.02 mm"}
+DEFECT = {"shape": "rectangular", "length": "6 mm", "width": "0.8 mm", "depth": "0.05 mm", "angle": "20 deg"}
+BOWL = DEFECT | {"shape": "circular", "width": "3 mm", "depth": "0.02 mm"}
 LAWS = {
     "hunt-crossley": lambda k: HuntCrossley(TenNinths(k), 20.0),
     "kraemer": lambda k: Kraemer(ThreeHalves(20.0 * k), 2e-6),
@@ -46,8 +46,8 @@ def thrown(model: Any, rng: np.random.Generator) -> np.ndarray:
     return y
 
 
-def over_a_pit(model: Any, rng: np.random.Generator) -> float:
-    """A time (s) at which a roller is somewhere over the first pit."""
+def over_a_defect(model: Any, rng: np.random.Generator) -> float:
+    """A time (s) at which a roller is somewhere over the first defect."""
     y = assemble.empty_buffer(model)
     while True:
         t = float(rng.uniform(0.0, 0.1))
@@ -71,7 +71,7 @@ def worst(model: Any, t: float, y: np.ndarray) -> float:
 @pytest.mark.parametrize("name", ["ring", "rollers"])
 @pytest.mark.parametrize(
     "defects",
-    [(), (PIT,), (BOWL | {"race": "inner"},), (PIT, BOWL | {"race": "inner"}, PIT | {"race": "roller"})],
+    [(), (DEFECT,), (BOWL | {"race": "inner"},), (DEFECT, BOWL | {"race": "inner"}, DEFECT | {"race": "roller"})],
     ids=["healthy", "outer", "inner", "all"],
 )
 def test_derivatives_are_those_of_the_accelerations(name, law, defects):
@@ -80,15 +80,15 @@ def test_derivatives_are_those_of_the_accelerations(name, law, defects):
     rng = np.random.default_rng(11)
     errors = []
     for _ in range(40):
-        t = over_a_pit(model, rng) if defects else float(rng.uniform(0.0, 0.1))
+        t = over_a_defect(model, rng) if defects else float(rng.uniform(0.0, 0.1))
         errors.append(worst(model, t, thrown(model, rng)))
     assert np.quantile(errors, 0.9) < 1e-6
 
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("name", ["ring", "rollers"])
-def test_over_two_pits_at_once(name, law):
-    """Roller 1 stands over a pit of each race: in series, each changes how fast the other contact closes."""
+def test_over_two_defects_at_once(name, law):
+    """Roller 1 stands over a defect of each race: in series, each changes how fast the other contact closes."""
     model, t = model_of(name, law, BOWL, BOWL | {"race": "inner"}), 0.01
     rng, head = np.random.default_rng(3), model.defects.head
     theta_c, theta_i, _ = kinematic_angles(model.bearing, t)

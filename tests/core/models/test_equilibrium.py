@@ -199,7 +199,7 @@ def test_the_ring_at_6000_rpm_is_where_an_independent_solution_has_it():
 @pytest.mark.parametrize("speed", [600, 6000])
 @pytest.mark.parametrize("defects", [[], [SLOT | {"angle": 0.24}], [SLOT | {"race": "inner", "angle": 0.24}]])
 def test_static_is_the_rest_of_rollers(speed, defects):
-    """At the same cage angle, with and without a pit under the first roller: places and forces to 1e-9."""
+    """At the same cage angle, with and without a defect under the first roller: places and forces to 1e-9."""
     of_static, of_rollers = (resting(speed, model, defects=defects)[1:] for model in ("static", "rollers"))
     for one, other in zip(of_static[1:], of_rollers[1:], strict=True):
         assert one == pytest.approx(other, rel=1e-9, abs=1e-9)
@@ -217,9 +217,9 @@ BOTH_LAWS = {
 
 @pytest.mark.parametrize("named", BOTH_LAWS)
 def test_a_rollers_balance_is_that_of_a_bisection(named):
-    """To 1e-8 N: clearance of either sign, loaded and hanging free, over pits under no, one or both contacts.
+    """To 1e-8 N: clearance of either sign, loaded and hanging free, over defects under no, one or both contacts.
 
-    Pits so deep that no contact touches, rollers that weigh nothing, little, and much.
+    Defects so deep that no contact touches, rollers that weigh nothing, little, and much.
     """
     random, (outer, inner) = np.random.default_rng(1), BOTH_LAWS[named]
     usual = assemble.model(case(model="static"))

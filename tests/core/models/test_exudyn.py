@@ -74,15 +74,15 @@ class TestReference:
         roller_drag=6e-3,
         cage_drag=2e-4,
         eps=tuple(4e-3 * (-1.0) ** j for j in range(13)),
-        pits=(
-            planar.Pit(planar.OUTER, 0.5e-3, 0.05e-3, np.pi / 13),
-            planar.Pit(planar.INNER, 0.5e-3, 0.05e-3, -np.pi / 13),
-            planar.Pit(("roller", 2), 0.5e-3, 0.05e-3, 0.01),
+        defects=(
+            planar.Defect(planar.OUTER, 0.5e-3, 0.05e-3, np.pi / 13),
+            planar.Defect(planar.INNER, 0.5e-3, 0.05e-3, -np.pi / 13),
+            planar.Defect(("roller", 2), 0.5e-3, 0.05e-3, 0.01),
         ),
     )
 
     def shaken(self):
-        """A state in which every contact, pit and pocket acts."""
+        """A state in which every contact, defect and pocket acts."""
         rng = np.random.default_rng(3)
         anchor = -0.35e-6
         x, v = planar.start(self.FREE, anchor)
@@ -99,7 +99,7 @@ class TestReference:
         assert left / scale == pytest.approx(np.zeros(3), abs=1e-14)
 
     @pytest.mark.slow
-    def test_energy_closes_over_pits_of_all_three_bodies(self):
+    def test_energy_closes_over_defects_of_all_three_bodies(self):
         scene = replace(self.FREE, theta_0=np.pi / 13 - 0.02)
         m = planar.simulate(scene, np.linspace(0.0, 5e-4, 26), rtol=1e-4)
         assert m.works["contact"][-1] > 1e-6

@@ -40,8 +40,8 @@ from bearingsim.core.methods.impulses import Impulses
 from bearingsim.core.methods.interface import step
 from bearingsim.core.models.equilibrium import find_rest, rest_from_scratch, ring_stiffness
 from bearingsim.core.models.impulse import Impulse, free_motion
+from tests.scenes.defect_maps import SHAPES
 from tests.scenes.nf308 import case
-from tests.scenes.pit_maps import SHAPES
 
 BEARING = assemble.geometry.bearing(case())
 L_W, DEEP = 0.012, 5e-5
@@ -53,8 +53,8 @@ STRUCK = np.array([0.0101e-3, 0.33e-3, 0.3305e-3, 1.2e-3])
 PUSHES = np.array([-1e-3, 2e-3, 0.5e-3, -3e-3])
 
 
-def pit(race="outer", angle=0.0, width=0.8e-3, depth=DEEP, length=L_W, shape="rectangular"):
-    """A pit as one contact meets it; a roller's, against the outer race."""
+def defect(race="outer", angle=0.0, width=0.8e-3, depth=DEEP, length=L_W, shape="rectangular"):
+    """A defect as one contact meets it; a roller's, against the outer race."""
     on, side, radius = {
         "outer": (ON_OUTER, OUTER, BEARING.R_o),
         "inner": (ON_INNER, INNER, BEARING.R_i),
@@ -196,14 +196,14 @@ def test_no_impulses_no_motion():
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.5, -1.0])
-def test_line_of_a_pit_on_the_outer_race(angle):
+def test_line_of_a_defect_on_the_outer_race(angle):
     """2 J BPFO |mobility| along the load and across it: an impulse train has all its lines equal."""
     steps = 1258
     h, C = PASS / steps, 0.3 * CRITICAL
-    found = train(BEARING, ZONE, [pit(angle=angle)], 0.0, 45 * PASS)
+    found = train(BEARING, ZONE, [defect(angle=angle)], 0.0, 45 * PASS)
     model = ring(found.times, found.J_x, found.J_y, C)
     v = drive(model, h, 40 * steps)[2:4, 20 * steps :]
-    J = impulse_strengths(BEARING, ZONE, pit(angle=angle), np.array([angle]))[0]
+    J = impulse_strengths(BEARING, ZONE, defect(angle=angle), np.array([angle]))[0]
     for harmonic in (1, 2, 5):
         f = harmonic / PASS
         lines = np.abs(line(v, f, h))
@@ -215,7 +215,7 @@ def test_line_of_a_pit_on_the_outer_race(angle):
 
 
 @pytest.mark.parametrize("epsilon", [0.5, 2.0])
-def test_sidebands_of_a_pit_on_the_inner_race(epsilon):
+def test_sidebands_of_a_defect_on_the_inner_race(epsilon):
     """BPFI + k f_i as the Fourier coefficients of -J(phi) cos phi and -J(phi) sin phi say (McFadden and Smith)."""
     zone = ZONE._replace(epsilon=epsilon)
     shaft = BEARING.omega_i / (2 * pi)
@@ -223,10 +223,10 @@ def test_sidebands_of_a_pit_on_the_inner_race(epsilon):
     assert 10 * rate / shaft == pytest.approx(77.0, abs=1e-9)  # ten turns of the shaft close the pattern
     steps, C = 66000, 0.3 * CRITICAL
     h = 10 / shaft / steps
-    found = train(BEARING, zone, [pit("inner")], -0.02, 2 * 10 / shaft + 10 * h)
+    found = train(BEARING, zone, [defect("inner")], -0.02, 2 * 10 / shaft + 10 * h)
     v = drive(ring(found.times, found.J_x, found.J_y, C), h, 2 * steps)[2:4, steps:]
     phi = 2 * pi * np.arange(4096) / 4096
-    J = impulse_strengths(BEARING, zone, pit("inner"), phi)
+    J = impulse_strengths(BEARING, zone, defect("inner"), phi)
     strongest = 2 * rate * J.max() * abs(mobility(rate, K, C))
     for k in range(-3, 4):
         f = rate + k * shaft
@@ -243,9 +243,9 @@ def test_sidebands_of_a_pit_on_the_inner_race(epsilon):
     start=st.floats(-0.1, 0.1),
     length=st.floats(0.0, 0.2),
 )
-def test_impulses_come_when_a_roller_is_over_the_pit(race, angle, start, length):
+def test_impulses_come_when_a_roller_is_over_the_defect(race, angle, start, length):
     """Against the geometry that the other models use."""
-    one = pit(race, angle)
+    one = defect(race, angle)
     times, phi = defect_passages(BEARING, one, start, start + length)
     packed = pack_defects([one], Envelope())
     for t, at in zip(times, phi, strict=True):
@@ -261,8 +261,8 @@ def test_impulses_come_when_a_roller_is_over_the_pit(race, angle, start, length)
     assert abs(len(times) - rate / (2 * pi) * length) <= 1.0
 
 
-def test_several_pits_superpose():
-    one, other = pit("inner"), pit("outer", 0.3)
+def test_several_defects_superpose():
+    one, other = defect("inner"), defect("outer", 0.3)
     parts = [train(BEARING, ZONE, [each], 0.0, 0.1) for each in (one, other)]
     both = train(BEARING, ZONE, [one, other], 0.0, 0.1)
     assert np.all(np.diff(both.times) >= 0.0)
@@ -284,21 +284,21 @@ def test_load_zone():
     assert load(narrow, np.array([0.4]))[0] == 47.0
 
 
-def test_a_wide_deep_pit_sheds_the_load_while_it_is_crossed():
+def test_a_wide_deep_defect_sheds_the_load_while_it_is_crossed():
     """J = q w/v: 0.8 mm, 47 N, 2.96 m/s give 12.7 mN s, less 11 % for the ways in and out; at 4 mm 2 %."""
     v = BEARING.R_o * BEARING.omega_c
     assert 47.0 * 0.8e-3 / v == pytest.approx(12.7e-3, abs=0.05e-3)
     for width, part in ((0.8e-3, 0.888), (4e-3, 0.978)):
-        J = impulse_strengths(BEARING, ZONE, pit(width=width), np.zeros(1))[0]
+        J = impulse_strengths(BEARING, ZONE, defect(width=width), np.zeros(1))[0]
         assert J / (47.0 * width / v) == pytest.approx(part, rel=2e-3)
-        half = impulse_strengths(BEARING, ZONE, pit(width=width, length=L_W / 2), np.zeros(1))[0]
+        half = impulse_strengths(BEARING, ZONE, defect(width=width, length=L_W / 2), np.zeros(1))[0]
         assert half == pytest.approx(J / 2, rel=1e-9)
 
 
-def test_every_contact_runs_over_its_pit_at_the_same_speed():
+def test_every_contact_runs_over_its_defect_at_the_same_speed():
     """Rolling without slip (and no clearance): 2.959 m/s at 1800 rpm."""
     for race in ("outer", "inner", "roller", "roller, inside"):
-        assert crossing_speed(BEARING, pit(race)) == pytest.approx(2.9587, abs=1e-4)
+        assert crossing_speed(BEARING, defect(race)) == pytest.approx(2.9587, abs=1e-4)
 
 
 @pytest.mark.parametrize("stiffness", [np.inf, 5e8])
@@ -312,7 +312,7 @@ def test_every_contact_runs_over_its_pit_at_the_same_speed():
 def test_what_is_shed_against_a_solution_place_by_place(given, phi, race, stiffness):
     """The force P q that leaves the ring in balance with the roller's real force, by bisection and quadrature."""
     zone = ZONE._replace(K_x=stiffness, K_y=stiffness)
-    one = pit(race, **given)
+    one = defect(race, **given)
     delta, q = zone.delta_0 * cos(phi), zone.q_0 * cos(phi) ** (10 / 9)
     k = 10 / 9 * q / delta
 
@@ -343,11 +343,11 @@ def sunk(row, s, R):
 def test_the_ring_is_pushed_towards_what_no_longer_holds_it():
     """The load pushes the ring along -e_0 against the roller there: without that roller it goes on."""
     for angle in (0.0, 0.6, -0.6):
-        found = train(BEARING, ZONE, [pit(angle=angle)], 0.0, 0.02)
-        J = impulse_strengths(BEARING, ZONE, pit(angle=angle), np.array([angle]))[0]
+        found = train(BEARING, ZONE, [defect(angle=angle)], 0.0, 0.02)
+        J = impulse_strengths(BEARING, ZONE, defect(angle=angle), np.array([angle]))[0]
         assert found.J_x == pytest.approx(np.full(len(found.times), -J * cos(angle)), rel=1e-12)
         assert found.J_y == pytest.approx(np.full(len(found.times), -J * sin(angle)), rel=1e-12)
-    found = train(BEARING, ZONE, [pit(angle=pi)], 0.0, 0.02)
+    found = train(BEARING, ZONE, [defect(angle=pi)], 0.0, 0.02)
     assert not found.J_x.any()
     assert len(found.times) > 0
 
@@ -371,7 +371,7 @@ def healthy_and_struck(one):
 @pytest.mark.parametrize("angle", [0.0, 0.35, 0.7])
 def test_the_line_is_that_of_static(width, depth, angle):
     """Zero clearance, 150 N: 4.08 F/Z on the most loaded roller. Within 5 % along the load, 10 % of it across."""
-    one = pit(angle=angle, width=width, depth=depth)
+    one = defect(angle=angle, width=width, depth=depth)
     expected, (K_x, K_xy, K_y) = healthy_and_struck(one)
     assert abs(K_xy) < 1e-3 * K_x
     q_0 = 4.08 * 150.0 / BEARING.Z
@@ -385,7 +385,7 @@ def test_the_line_is_that_of_static(width, depth, angle):
 
 def test_random_impulses_are_the_seeds():
     def drawn(seed, end=0.5):
-        return random_train(BEARING, ZONE, [pit(), pit("inner", 1.0)], 0.0, end, np.random.default_rng(seed))
+        return random_train(BEARING, ZONE, [defect(), defect("inner", 1.0)], 0.0, end, np.random.default_rng(seed))
 
     for row, other in zip(drawn(7), drawn(7), strict=True):
         np.testing.assert_array_equal(row, other)
@@ -399,7 +399,7 @@ def test_random_impulses_are_the_seeds():
 def test_random_impulses_share_out_each_crossing():
     """16 asperities of 0.05 mm in 0.8 mm: mean J, standard deviation J/4, all within the crossing."""
     end = 4000.5 * PASS
-    one = pit()
+    one = defect()
     found = random_train(BEARING, ZONE, [one], 0.0, end, np.random.default_rng(1))
     J = impulse_strengths(BEARING, ZONE, one, np.zeros(1))[0]
     times, _ = defect_passages(BEARING, one, 0.0, end)
@@ -417,7 +417,7 @@ def test_random_impulses_share_out_each_crossing():
 def test_random_impulses_keep_the_mean_line():
     """E[line] is the even train's; the scatter of one crossing is averaged over the passes."""
     end, count = 1000 * PASS, 1000
-    one, f = pit(), 1 / PASS
+    one, f = defect(), 1 / PASS
     even = train(BEARING, ZONE, [one], 0.0, end)
     rough = random_train(BEARING, ZONE, [one], 0.0, end, np.random.default_rng(2))
     lines = [np.sum(part.J_x * np.exp(-2j * pi * f * part.times)) for part in (even, rough)]

@@ -120,7 +120,7 @@ def test_a_free_roller_flies_straight():
 
 
 def test_moving_approach_rate_is_the_approachs_derivative():
-    """v_o of the model equals the change of delta_o in time, the pit's slope under the roller included."""
+    """v_o of the model equals the change of delta_o in time, the defect's slope under the roller included."""
     model = assemble.model(case(defect=SLOT | {"width": "2 mm"}, start_angle=0.015))
     y = random_state(model, 1)
     found, h = [], 1e-9
@@ -138,7 +138,7 @@ def test_moving_approach_rate_is_the_approachs_derivative():
 
 
 def ring_over(defect):
-    """A ring at a random state with its first roller over a pit, and that roller's Delta, its rate, h and h'."""
+    """Random state with the first roller over a defect, and that roller's Delta, its rate, h and h'."""
     model = assemble.model(case(model="ring", defect=defect, start_angle=0.003))
     y = at_rest(model)
     y[lay.VELOCITY : lay.VELOCITY + 2] = 0.02, -0.01
@@ -180,8 +180,8 @@ def test_a_bowl_has_groups_enough(model, width):
         assert usual[name] == pytest.approx(many[name], rel=0.01)
 
 
-def test_two_pits_are_felt_by_two_rollers():
-    """A second pit one pitch further is met at the same time: the line is at least 1.2 times as strong."""
+def test_two_defects_are_felt_by_two_rollers():
+    """A second defect one pitch further is met at the same time: the line is at least 1.2 times as strong."""
     one = simulate(case(model="static", defect=SLOT | {"width": "0.3 mm"}, duration="20 ms", settle="0 ms"))
     pitch = 2 * pi / 13
     two = simulate(

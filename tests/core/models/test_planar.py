@@ -40,7 +40,7 @@ LADDER = [
 def test_an_idle_planar_is_rollers(given, anywhere, rms):
     """Velocity along the load: at every instant, relative to its range, and its RMS.
 
-    What is left is that the exact approach turns the force by u/r, and that a pit's edge also pushes the ring
+    What is left is that the exact approach turns the force by u/r, and that a defect's edge also pushes the ring
     sideways: across the load line that is as much as all else.
     """
     below, above = pair(**given)

@@ -65,8 +65,8 @@ def random_state(model, seed):
     return y
 
 
-def lead_onto_pits(model, y, t, outwards):
-    """Turn the pits under rollers 4, 8 and 5, and press these on them; the last outwards or inwards."""
+def lead_onto_defects(model, y, t, outwards):
+    """Turn the defects under rollers 4, 8 and 5, and press these on them; the last outwards or inwards."""
     for j, q in ((3, 1e-5), (7, -1e-5), (4, 1e-5 if outwards else -1e-5)):
         y[lay.RADIAL + j] = q
     found = now(model, y, t)
@@ -88,7 +88,7 @@ def shaken(way, seed, **given):
     """A model, and a buffer at a random state with everything in contact and accelerations filled in."""
     model = assemble.model(case(**EVERYTHING, **WAYS[way], **given))
     y = random_state(model, seed)
-    lead_onto_pits(model, y, WHERE, outwards=seed % 2 == 0)
+    lead_onto_defects(model, y, WHERE, outwards=seed % 2 == 0)
     start_at_rest(model, WHERE, y)
     return model, y
 
@@ -110,7 +110,7 @@ def rate(values, h):
 
 @pytest.mark.parametrize("way", WAYS)
 def test_in_the_states_below_everything_acts(way):
-    """Each pit, the cage's guide, and pockets on both sides."""
+    """Each defect, the cage's guide, and pockets on both sides."""
     for seed in range(4):
         model, y = shaken(way, seed)
         assert abs(y[lay.DEFECT_FORCE_O + 3]) > 0.5

@@ -42,9 +42,9 @@ def agree(model, y):
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("seed", range(6))
 def test_derivatives_are_those_of_the_accelerations(way, seed):
-    """Contacts open and closed, pits of races and of a roller, traction, every guide, drag, shaft, bracket.
+    """Contacts open and closed, defects of races and of a roller, traction, every guide, drag, shaft, bracket.
 
-    On rollers the pits' edges are elastic: share and sinking of a pit both change along it.
+    On rollers the defects' edges are elastic: share and sinking of a defect both change along it.
     """
     model, y = shaken(way, seed, **EDGES[way])
     agree(model._replace(lag=0.0), y)

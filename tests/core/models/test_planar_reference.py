@@ -26,7 +26,7 @@ def differences(name: str, begin: float = 0.0) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("name", ["slot-friction", "inner-pit", "roller-pit"])
-def test_every_instant_over_a_pit_is_as_in_the_independent_solution(name: str) -> None:
+def test_every_instant_over_a_defect_is_as_in_the_independent_solution(name: str) -> None:
     """0.01 % of each range (measured 0.003 %; at the cusp friction changes its direction), the cage to 1e-7."""
     off = differences(name)
     assert max(off[key] for key in RING) < 1e-4

@@ -1,4 +1,4 @@
-"""Pits of the inner race and of a roller: where they are met, how fast they close, and what balances over them."""
+"""Defects of the inner race and of a roller: their positions, closing speeds and equilibria."""
 
 from math import cos, pi, sin
 
@@ -41,10 +41,10 @@ MODEL = assemble.model(case())
 BEARING = MODEL.bearing
 R_OUTER, R_INNER = 1e-3 / (1 / 6 - 1 / 38.5), 1e-3 / (1 / 6 + 1 / 26.5)  # m, of roller and race
 ANGLES = st.floats(-20.0, 20.0)
-PLACES_OF_A_PIT = ({}, {"race": "inner"}, {"race": "roller", "roller": 1})
+PLACES_OF_A_DEFECT = ({}, {"race": "inner"}, {"race": "roller", "roller": 1})
 
 
-def one_pit(side, on, angle, radius=0.01, R=0.005, depth=5e-5):
+def one_defect(side, on, angle, radius=0.01, R=0.005, depth=5e-5):
     """A single full-length slot of 0.8 mm."""
     return pack_defects(
         [RollerDefectPair(side, on, angle, radius, R, [(1.0, 0.4e-3, 1.0, 0.0, depth)])], Envelope()
@@ -55,7 +55,7 @@ def wrapped(angle):
     return np.angle(np.exp(1j * np.asarray(angle)))
 
 
-# Where a pit is met, and how fast it slides past
+# Where a defect is met, and how fast it slides past
 
 
 @given(
@@ -65,9 +65,9 @@ def wrapped(angle):
     Z=st.integers(3, 64),
     on=st.sampled_from([ON_OUTER, ON_INNER]),
 )
-def test_the_roller_nearest_to_a_races_pit_is_met(theta_c, theta_i, angle, Z, on):
-    """Over all rollers: the arc from the pit (turning with the ring, if on the inner race) to each contact."""
-    j, s = nearest_roller(one_pit(int(on == ON_INNER), on, angle), 0, theta_c, theta_i, 0.3, Z)
+def test_the_roller_nearest_to_a_races_defect_is_met(theta_c, theta_i, angle, Z, on):
+    """Over all rollers: the arc from the defect (turning with the ring, if on the inner race) to each contact."""
+    j, s = nearest_roller(one_defect(int(on == ON_INNER), on, angle), 0, theta_c, theta_i, 0.3, Z)
     place = angle + (theta_i if on == ON_INNER else 0.0)
     arcs = 0.01 * wrapped(theta_c + 2 * pi * np.arange(Z) / Z - place)
     assert 0 <= j < Z
@@ -76,9 +76,9 @@ def test_the_roller_nearest_to_a_races_pit_is_met(theta_c, theta_i, angle, Z, on
 
 
 @given(roll=ANGLES, angle=ANGLES, side=st.sampled_from([OUTER, INNER]), on=st.integers(0, 12))
-def test_a_rollers_pit_is_met_where_it_faces_the_race(roll, angle, side, on):
-    """The pit stands at ``angle - roll`` from the outermost point; the races touch at 0 and at half a turn."""
-    j, s = nearest_roller(one_pit(side, on, angle), 0, 0.7, 0.2, roll, 13)
+def test_a_rollers_defect_is_met_where_it_faces_the_race(roll, angle, side, on):
+    """The defect stands at ``angle - roll`` from the outermost point; the races touch at 0 and at half a turn."""
+    j, s = nearest_roller(one_defect(side, on, angle), 0, 0.7, 0.2, roll, 13)
     stands = np.exp(1j * (angle - roll))
     faces = 1.0 if side == OUTER else -1.0
     assert j == on
@@ -89,7 +89,7 @@ def test_a_rollers_pit_is_met_where_it_faces_the_race(roll, angle, side, on):
 @given(t=st.floats(0.0, 1.0), angle=ANGLES, where=st.sampled_from([(0, -1), (1, -2), (0, 4), (1, 4)]))
 def test_sliding_is_the_derivative_of_the_distance(t, angle, where):
     side, on = where
-    one, dt = one_pit(side, on, angle), 1e-7
+    one, dt = one_defect(side, on, angle), 1e-7
     here, after = (nearest_roller(one, 0, *kinematic_angles(BEARING, t + n * dt), 13) for n in (0, 1))
     assume(here[0] == after[0] and abs(after[1] - here[1]) < 1e-4)  # no other roller, no other turn
     assert (after[1] - here[1]) / dt == pytest.approx(passing_speed(one, 0, BEARING), rel=1e-5)
@@ -97,7 +97,7 @@ def test_sliding_is_the_derivative_of_the_distance(t, angle, where):
 
 def test_nothing_slips():
     """The contact runs at 2.959 m/s along outer race, inner race (backwards) and roller alike."""
-    outer, inner, roller = (assemble.model(case(defect=SLOT | on)) for on in PLACES_OF_A_PIT)
+    outer, inner, roller = (assemble.model(case(defect=SLOT | on)) for on in PLACES_OF_A_DEFECT)
     assert passing_speed(outer.defects, 0, BEARING) == pytest.approx(2.959, abs=5e-4)
     assert passing_speed(inner.defects, 0, BEARING) == pytest.approx(
         -passing_speed(outer.defects, 0, BEARING), rel=1e-12
@@ -109,8 +109,8 @@ def test_nothing_slips():
 
 
 def test_each_contact_has_its_own_curvature():
-    """1/R is 1/6 - 1/38.5 on the outer race and 1/6 + 1/26.5 on the inner, per mm; a roller's pit meets both."""
-    outer, inner, roller = (assemble.model(case(defect=SLOT | on)).defects.head for on in PLACES_OF_A_PIT)
+    """1/R: 1/6 - 1/38.5 on the outer race and 1/6 + 1/26.5 on the inner, per mm; a roller's defect meets both."""
+    outer, inner, roller = (assemble.model(case(defect=SLOT | on)).defects.head for on in PLACES_OF_A_DEFECT)
     assert outer[:, [SIDE, REDUCED_RADIUS, RADIUS]] == pytest.approx(np.array([[0, R_OUTER, 38.5e-3]]))
     assert inner[:, [SIDE, REDUCED_RADIUS, RADIUS]] == pytest.approx(np.array([[1, R_INNER, 26.5e-3]]))
     assert roller[:, [SIDE, REDUCED_RADIUS, RADIUS]] == pytest.approx(
@@ -122,7 +122,7 @@ def test_each_contact_has_its_own_curvature():
 
 
 def beside(carried, off, **given):
-    """A model whose first roller is off the middle of a pit by ``off`` (m) at one contact, and which (0, 1)."""
+    """A model whose first roller is off the middle of a defect by ``off`` (m) at one contact, and which (0, 1)."""
     side = OUTER if carried.get("race", "outer") == "outer" else INNER
     defect = SLOT | {"width": "2 mm"} | carried
     if carried.get("race") == "roller":
@@ -164,7 +164,7 @@ def test_the_closing_rate_is_the_derivative_of_the_approach(carried, off):
     assert expected > 1000.0
 
 
-# Two pits at one contact
+# Two defects at one contact
 
 
 @given(
@@ -174,8 +174,8 @@ def test_the_closing_rate_is_the_derivative_of_the_approach(carried, off):
     side=st.sampled_from([OUTER, INNER]),
     swapped=st.booleans(),
 )
-def test_of_two_pits_the_deeper_one_is_felt(theta, off, depths, side, swapped):
-    """A race's pit at the load line and one of the first roller, ``off`` its own middle, each sunk by hand."""
+def test_of_two_defects_the_deeper_one_is_felt(theta, off, depths, side, swapped):
+    """A race's defect at the load line and one of the first roller, ``off`` its own middle, each sunk by hand."""
     R = R_OUTER if side == OUTER else R_INNER
     half = 0.4e-3
     of_race = RollerDefectPair(
@@ -192,8 +192,8 @@ def test_of_two_pits_the_deeper_one_is_felt(theta, off, depths, side, swapped):
     assert felt == [sunk[0] > sunk[1], sunk[1] > sunk[0]]
 
 
-def test_two_equal_pits_are_felt_once():
-    """A race's pit and a roller's in the same place, facing each other: the force of one alone, in every model."""
+def test_two_equal_defects_are_felt_once():
+    """A race's defect and a roller's, facing each other: the force of one alone, in every model."""
     for name in ("rollers", "ring", "static"):
         given = {"start_angle": 0.003, "model": name}
         defects = [SLOT, SLOT | {"race": "roller", "angle": -0.003 * 38.5 / 6}]
@@ -246,7 +246,7 @@ def test_two_unequal_contacts_in_series_share_the_approach():
     assert y[lay.Q_O : lay.Q_O + 13] == pytest.approx(y[lay.Q_I : lay.Q_I + 13], rel=1e-9, abs=1e-9)
 
 
-@pytest.mark.parametrize("carried", PLACES_OF_A_PIT)
+@pytest.mark.parametrize("carried", PLACES_OF_A_DEFECT)
 def test_a_ring_on_unequal_contacts_is_one_of_light_rollers(carried):
     """`rollers` of 3 % of their mass over a slot, contacts of k and 1.3 k: mean place 0.5 %, RMS velocity 5 %.
 
@@ -266,7 +266,7 @@ def test_a_ring_on_unequal_contacts_is_one_of_light_rollers(carried):
 
 @pytest.mark.parametrize("name", ["static", "ring"])
 @pytest.mark.parametrize("races", [("inner",), ("outer", "inner")])
-def test_a_roller_between_pits_of_unequal_races(races, name):
+def test_a_roller_between_defects_of_unequal_races(races, name):
     """At rest, by hand: slots of 0.1 mm over half of the roller let it sink by h into one race, or into both.
 
     half E_o(d_o) + half E_o(d_o - h_o) = half E_i(d_i) + half E_i(d_i - h_i) + m_r omega_c^2 r,
@@ -315,7 +315,7 @@ def test_iso16281_with_two_rollers_at_one_place():
 @pytest.mark.parametrize("turned", [pi / 4, pi / 2 - 0.1, -pi / 3])
 @pytest.mark.parametrize("name", ["ring", "rollers"])
 def test_a_load_from_another_side_turns_the_whole_motion(name, turned):
-    """Load, rollers, pit and bracket turned by an angle: the same motion, turned."""
+    """Load, rollers, defect and bracket turned by an angle: the same motion, turned."""
     usual = assemble.model(case(model=name, defect=SLOT | {"angle": 0.1}))
     s, b = usual.support, usual.bearing
     x_0, y_0 = cos(turned) * s.x_0 - sin(turned) * s.y_0, sin(turned) * s.x_0 + cos(turned) * s.y_0
@@ -331,9 +331,9 @@ def test_a_load_from_another_side_turns_the_whole_motion(name, turned):
         assert np.abs(pair - along * np.exp(1j * turned)).max() < 1e-6 * np.abs(along).max()
 
 
-@pytest.mark.parametrize("carried", PLACES_OF_A_PIT)
-def test_static_repeats_itself_only_with_pits_that_stand(carried):
-    """A turning pit is elsewhere in the next ball pass: then all passes are computed, and they differ."""
+@pytest.mark.parametrize("carried", PLACES_OF_A_DEFECT)
+def test_static_repeats_itself_only_with_defects_that_stand(carried):
+    """A turning defect is elsewhere in the next ball pass: then all passes are computed, and they differ."""
     given = case(model="static", defect=SLOT | carried, duration="40 ms", settle="0 s", record=["ring.velocity"])
     stands = carried == {}
     cut, found = time_grid.grid(given), simulate(given)

@@ -16,7 +16,7 @@ from bearingsim.core.parameters import lanes
 from bearingsim.core.parts import cage_in_space, flanges, races_in_space
 from bearingsim.core.parts.flanges import NoFlanges
 from bearingsim.core.parts.mounts import ElasticMount, RigidMount
-from tests.core.models.test_planar_balance import EVERYTHING, WAYS, WHERE, lead_onto_pits, random_state
+from tests.core.models.test_planar_balance import EVERYTHING, WAYS, WHERE, lead_onto_defects, random_state
 from tests.independent.planar_bodies import places
 from tests.scenes.lanes import compiled, keeps_lanes, needs_vectors
 from tests.scenes.nf308 import SLOT, case, recorded
@@ -41,11 +41,11 @@ def same_state(model, cut, y, **given):
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("cut", CUTS, ids=["1 slice", "6 slices", "7 uneven slices"])
 def test_with_nothing_out_of_the_plane_it_is_planar(way, cut):
-    """Random states, a pit across each body, with and without lag: every acceleration to 1e-9 of the largest."""
+    """Random states, defects across each body, with and without lag: accelerations to 1e-9 of the largest."""
     for seed in range(4):
         model = assemble.model(case(**ON_ALL, **WAYS[way]))._replace(lag=1e-6 * (seed // 2))
         y = random_state(model, seed)
-        lead_onto_pits(model, y, WHERE, outwards=seed % 2 == 0)
+        lead_onto_defects(model, y, WHERE, outwards=seed % 2 == 0)
         start_at_rest(model, WHERE, y)
         space, x = same_state(model, cut, y, mount_o=SPRUNG, mount_i=SPRUNG)
         start_at_rest(space, WHERE, x)

@@ -25,9 +25,9 @@ from tests.independent import spatial_bodies as bodies
 from tests.scenes.nf308 import SLOT, case
 from tests.scenes.spatial_bearing import L_W, empty, in_space
 
-PIT = SLOT | {"width": "0.3 mm"}
+DEFECT = SLOT | {"width": "0.3 mm"}
 REACH = ((-0.1e-3, 5e-3), (-6e-3, 1e-3), (1e-3, 4e-3), (1e-3, 4e-3))
-"""From where to where (m) along the roller each meeting's pit reaches."""
+"""From where to where (m) along the roller each meeting's defect reaches."""
 FLANGES = Flanges(
     inner_minus=1.0,
     inner_plus=1.0,
@@ -46,8 +46,8 @@ WAYS = {
 
 def model_of(way):
     """A model in which all that can act does."""
-    pits = [PIT, PIT | {"race": "inner"}, PIT | {"race": "roller", "roller": 5}]
-    model = assemble.model(case(**EVERYTHING | {"defects": pits}, **WAYS[way]))
+    defects = [DEFECT, DEFECT | {"race": "inner"}, DEFECT | {"race": "roller", "roller": 5}]
+    model = assemble.model(case(**EVERYTHING | {"defects": defects}, **WAYS[way]))
     cut = slices(slice_edges(L_W, REACH, 9), lambda z: 2e-6 * (2 * z / L_W) ** 2)
     inertia = model.bracket.inertia
     return in_space(
@@ -86,8 +86,8 @@ def planar_state_of(model, seed):
     return y
 
 
-def lead_onto_pits(model, y, outwards, own):
-    """Turn pits under rollers 4 and 8 and press these on them; that of roller 5 out, in, or away (not ``own``)."""
+def lead_onto_defects(model, y, outwards, own):
+    """Turn defects under rollers 4 and 8 and press these on them; roller 5's out, in, or away (not ``own``)."""
     for j, q in ((3, 1e-5), (7, -1e-5), (4, 1e-5 if outwards else -1e-5)):
         y[lay.RADIAL + j] = q
     s = now(model, y)
@@ -109,7 +109,7 @@ def shaken(way, seed, lean, own):
     """A model, and a buffer at a random state with everything in contact and accelerations filled in."""
     model = model_of(way)
     y = random_state(model, seed, lean)
-    lead_onto_pits(model, y, seed % 2 == 0, own)
+    lead_onto_defects(model, y, seed % 2 == 0, own)
     start_at_rest(model, WHERE, y)
     return model, y
 
@@ -125,7 +125,7 @@ def leaving(model, y, h=2e-8):
 
 
 STATES = [(1e-5, True), (2e-3, False)]
-"""How far axes lean (rad), and whether a roller stands on its own pit: where that lies is exact to first order."""
+"""Tilt of the axes (rad), and if a roller stands on its own defect, whose position is exact to first order."""
 
 
 def driven(model, y):
@@ -139,7 +139,7 @@ def driven(model, y):
 
 @pytest.mark.parametrize("way", WAYS)
 def test_in_the_states_below_everything_acts(way):
-    """Each pit, over a part of the rollers; pockets, flanges; slices at both ends of a roller part unloaded."""
+    """Each defect, over a part of the rollers; pockets, flanges; slices at both ends of a roller part unloaded."""
     for seed in range(4):
         _, y = shaken(way, seed, *STATES[0])
         assert (

@@ -42,7 +42,7 @@ def compared(model, t, y):
 @pytest.mark.parametrize(("lean", "own"), STATES)
 @pytest.mark.parametrize("seed", range(3))
 def test_derivatives_are_those_of_the_accelerations(way, lean, own, seed):
-    """Pits, flanges, pockets, rings on springs, traction; all lengths in metres at the arms of the turns.
+    """Defects, flanges, pockets, rings on springs, traction; all lengths in metres at the arms of the turns.
 
     To 1e-5 of the whole, and every row that is not small to 1e-4: differences go forward.
     """

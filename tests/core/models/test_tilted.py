@@ -1,4 +1,4 @@
-"""Rollers that tilt and skew: between plates, in a misaligned ring, over a pit off their middle, at a flange."""
+"""Tilt and skew of rollers: between plates, in a misaligned ring, over an off-centre defect, at a flange."""
 
 from math import pi
 
@@ -80,7 +80,7 @@ def test_a_roller_tilted_between_plates(tilt):
         assert orders(errors[:, 1]) == pytest.approx(2.0, abs=0.05)
 
 
-# misaligned, profiled, pitted: at rest
+# misaligned, profiled, damaged: at rest
 
 MISALIGNED = RigidMount(4e-4, -3e-4)
 
@@ -153,8 +153,8 @@ def test_a_straight_bearing_rests_as_in_the_plane():
     assert np.abs(y[lay.TILT : lay.TILT + 13]).max() < 1e-10
 
 
-def test_an_off_centre_pit_tilts_a_roller():
-    """A 3 mm pit off the middle under the most loaded roller: its tilt of an independent minimum."""
+def test_an_off_centre_defect_tilts_a_roller():
+    """A 3 mm defect off the middle under the most loaded roller: its tilt of an independent minimum."""
     reach = (1e-3, 4e-3)
     given = case(model="planar", defect=SLOT | {"width": "0.1 mm"}, start_angle=1e-9)
     model = in_space(assemble.model(given), slices(slice_edges(L_W, [reach], 12), flat), (reach,))
@@ -163,7 +163,7 @@ def test_an_off_centre_pit_tilts_a_roller():
     theirs, unbalanced = rest(model, found_by_model(y, 13) * 0.9)
     assert unbalanced < CONVERGED
     assert y[lay.TILT] == pytest.approx(1e-3 * theirs[15], rel=1e-5)
-    assert y[lay.TILT] > 3e-6  # the end over the pit sinks outwards
+    assert y[lay.TILT] > 3e-6  # the end over the defect sinks outwards
     assert np.abs(y[lay.TILT + 1 : lay.TILT + 13]).max() < 1e-9
     loads = along(y, len(model.slices.table))[:, 0] / model.slices.table[:, 1]
     assert loads[0] > loads[np.searchsorted(model.slices.table[:, 0], 2.5e-3)]

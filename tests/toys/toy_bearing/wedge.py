@@ -1,4 +1,4 @@
-"""A pit that grows deeper along rolling and ends in a wall."""
+"""A defect that grows deeper along rolling and ends in a wall."""
 
 from typing import NamedTuple
 
@@ -17,18 +17,18 @@ class Wedge(NamedTuple):
 
 
 @section.register(Wedge)
-def _section(pit, z):
-    if abs(z) >= pit.length / 2.0:
+def _section(defect, z):
+    if abs(z) >= defect.length / 2.0:
         return RACE
-    b = pit.width / 2.0
-    return polygon(np.array([-b, 0.9 * b, b]), np.array([0.0, pit.depth, 0.0]))
+    b = defect.width / 2.0
+    return polygon(np.array([-b, 0.9 * b, b]), np.array([0.0, defect.depth, 0.0]))
 
 
 @extent.register(Wedge)
-def _extent(pit):
-    return -pit.width / 2.0, pit.width / 2.0, -pit.length / 2.0, pit.length / 2.0
+def _extent(defect):
+    return -defect.width / 2.0, defect.width / 2.0, -defect.length / 2.0, defect.length / 2.0
 
 
 @cuts.register(Wedge)
-def _cuts(pit):
-    return [(-pit.length / 2.0, pit.length / 2.0, EVEN)]
+def _cuts(defect):
+    return [(-defect.length / 2.0, defect.length / 2.0, EVEN)]

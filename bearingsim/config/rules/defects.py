@@ -1,4 +1,4 @@
-"""Pits that do not fit on the element that carries them, beside each other, or the excitation."""
+"""Defects that do not fit on the element that carries them, beside each other, or the excitation."""
 
 import math
 from collections.abc import Iterator
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 
 class Surface(NamedTuple):
-    """Surface with pits: its radius, the largest width of a pit and its limit, the largest depth, the place where
-    a deeper pit comes out, and the length of the bearing that decides it (all m).
+    """Surface with defects: its radius, the largest width of a defect and its limit, the largest depth, the place
+    where a deeper defect comes out, and the length of the bearing that decides it (all m).
     """
 
     radius: float
@@ -46,7 +46,7 @@ def surface(bearing: "Bearing", race: str) -> Surface:
     )
 
 
-def pit_conflicts(case: "CaseFields") -> Iterator[Conflict]:
+def defect_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     """Yield all conflicts of a case's defects."""
     for number, defect in enumerate(case.defects):
         place = ("defects", number)

@@ -1,4 +1,4 @@
-"""Pits to scale: the depth map with the roller's length over it, and sections with the roller's path."""
+"""Defects to scale: the depth map with the roller's length over it, and sections with the roller's path."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
@@ -13,14 +13,14 @@ from bearingsim.plots.axes import finish, letter
 from bearingsim.plots.caption import fixed_values
 from bearingsim.plots.passage import (
     MARGIN,
-    Pit,
+    Defect,
     Reals,
     RollerPath,
     Section,
     cut,
+    defects_of,
     distinct_sections,
     ends_of_slices,
-    pits_of,
     roller_path,
 )
 from bearingsim.plots.style import COLOURS
@@ -34,11 +34,11 @@ MAP_IN, SECTION_IN = 4.2, 4.4  # height of the map, width of a section
 LOWEST_IN, HIGHEST_IN = 0.7, 1.9  # of a section
 NARROWEST, WIDEST_IN = 0.3, 5.0  # width of the map: at least over its length, at most in inches
 LEFT, BAR, EDGE, ABOVE, BELOW, LINE = 0.65, 1.5, 0.2, 0.3, 0.55, 0.14  # inches between and around axes
-BEYOND = 0.04  # of the length shown, beyond roller and pit
+BEYOND = 0.04  # of the length shown, beyond roller and defect
 HEADROOM = 0.45  # above the race, of the depth shown
-SHALLOW = 0.3  # of the pit's depth: a path that stays above this is shown once more
+SHALLOW = 0.3  # of the defect's depth: a path that stays above this is shown once more
 CLOSER = 1.6  # of the path's depth, shown then
-ROLLERS = (-0.62, -0.25, 0.0, 0.25, 0.62)  # where rollers are drawn, in widths of the pit
+ROLLERS = (-0.62, -0.25, 0.0, 0.25, 0.62)  # where rollers are drawn, in widths of the defect
 SCALE = "YlGnBu"
 RACE, PATH, ROLLER, TAKEN_PATH = "0.15", COLOURS[1], "0.55", COLOURS[0]
 STEPS = (1.0, 2.0, 5.0)
@@ -47,7 +47,7 @@ STEPS = (1.0, 2.0, 5.0)
 class Sheet(NamedTuple):
     """Figure to draw: a defect, its number (from 1) among those of its case, its jobs, the roller."""
 
-    pit: Pit
+    defect: Defect
     number: int
     of: int
     jobs: list[str]
@@ -79,27 +79,27 @@ def _of_job(results: "Results", job: str, parameters: Mapping[Any, Any]) -> Iter
     from bearingsim.assemble.defects import contact_length
 
     case = recorded.case_of(results, job, parameters)
-    made = list(pits_of(case))
-    for number, pit in enumerate(made, 1):
-        length = contact_length(case, side=1 if pit.race == "inner" else 0)
-        yield Sheet(pit, number, len(made), [job], length, ends_of_slices(case))
+    made = list(defects_of(case))
+    for number, defect in enumerate(made, 1):
+        length = contact_length(case, side=1 if defect.race == "inner" else 0)
+        yield Sheet(defect, number, len(made), [job], length, ends_of_slices(case))
 
 
 def _key(sheet: Sheet) -> tuple[Any, ...]:
     """Return a hashable key, equal for sheets with the same picture."""
-    pit, drawn = sheet.pit, (sheet.pit.depth_map, sheet.slice_ends)
-    numbers = np.round([pit.R, *pit.s, *pit.z, sheet.roller_length], 9)
-    return pit.race, *numbers, *(np.round(part, 12).tobytes() for part in drawn)
+    defect, drawn = sheet.defect, (sheet.defect.depth_map, sheet.slice_ends)
+    numbers = np.round([defect.R, *defect.s, *defect.z, sheet.roller_length], 9)
+    return defect.race, *numbers, *(np.round(part, 12).tobytes() for part in drawn)
 
 
-def draw_pit(results: "Results", sheet: Sheet) -> Canvas:
+def draw_defect(results: "Results", sheet: Sheet) -> Canvas:
     """Draw one defect: its map, and the sections through its deepest point and its middle, with the roller's path.
 
     Lengths are to scale; the heights of a section are exaggerated by a round number, printed in its title. A path
     much shallower than the defect is drawn once more, magnified.
     """
     taken = _roller_path(results, sheet)
-    panels = list(_panels(sheet.pit, taken[1] if taken else None))
+    panels = list(_panels(sheet.defect, taken[1] if taken else None))
     wide, tall = _map_inches(sheet)
     right = LEFT + wide + BAR
     canvas = Canvas(figsize=(right + SECTION_IN + EDGE, 1.0))
@@ -113,7 +113,7 @@ def draw_pit(results: "Results", sheet: Sheet) -> Canvas:
     for number, panel in enumerate(panels, 1):
         top -= ABOVE + panel.inches
         ax = _place(canvas, right, top, SECTION_IN, panel.inches)
-        _draw_section(ax, panel, sheet.pit.R, number)
+        _draw_section(ax, panel, sheet.defect.R, number)
         if taken is not None:
             _draw_roller_path(ax, panel, taken[1])
         top -= BELOW
@@ -142,10 +142,10 @@ def _name_curves(ax: "Axes", left: float, top: float) -> None:
 def _shown(sheet: Sheet) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return the limits (m) of the map along rolling and along the roller, around roller and defect."""
     half = sheet.roller_length / 2.0
-    low, high = min(-half, sheet.pit.z[0]), max(half, sheet.pit.z[1])
+    low, high = min(-half, sheet.defect.z[0]), max(half, sheet.defect.z[1])
     more = BEYOND * (high - low)
-    wide = max(np.ptp(sheet.pit.places()), NARROWEST * (high - low)) / 2.0
-    middle = (sheet.pit.s[0] + sheet.pit.s[1]) / 2.0
+    wide = max(np.ptp(sheet.defect.places()), NARROWEST * (high - low)) / 2.0
+    middle = (sheet.defect.s[0] + sheet.defect.s[1]) / 2.0
     return (middle - wide, middle + wide), (low - more, high + more)
 
 
@@ -158,9 +158,10 @@ def _map_inches(sheet: Sheet) -> tuple[float, float]:
 
 def _draw_map(ax: "Axes", sheet: Sheet, panels: "Sequence[Panel]") -> None:
     """Draw depth over s and z, with the roller's length, the ends of its slices and the lines of the sections."""
-    pit, half = sheet.pit, 500.0 * sheet.roller_length
-    depths = 1e6 * np.ma.masked_equal(pit.depth_map, 0.0)
-    made = ax.pcolormesh(1e3 * pit.places(), 1e3 * pit.axial_positions, depths, cmap=SCALE, shading="nearest",
+    defect, half = sheet.defect, 500.0 * sheet.roller_length
+    depths = 1e6 * np.ma.masked_equal(defect.depth_map, 0.0)
+    s_mm, z_mm = 1e3 * defect.places(), 1e3 * defect.axial_positions
+    made = ax.pcolormesh(s_mm, z_mm, depths, cmap=SCALE, shading="nearest",
                          vmin=min(0.0, float(depths.min())), rasterized=True, zorder=2)  # fmt: skip
     s, z = _shown(sheet)
     ax.set_xlim(1e3 * s[0], 1e3 * s[1])
@@ -208,14 +209,14 @@ class Panel(NamedTuple):
     closer: bool
 
 
-def _panels(pit: Pit, taken: RollerPath | None) -> Iterator[Panel]:
+def _panels(defect: Defect, taken: RollerPath | None) -> Iterator[Panel]:
     """Yield the panels of the sections; the deepest also magnified if paths stay far above its floor or each
     other.
     """
-    for number, place in enumerate(distinct_sections(pit)):
-        made, name = cut(pit, place), "AB"[number]
+    for number, place in enumerate(distinct_sections(defect)):
+        made, name = cut(defect, place), "AB"[number]
         deepest, path = (float(np.max(values)) for values in (made.p, made.h))
-        depths = [deepest or float(pit.depth_map.max())]
+        depths = [deepest or float(defect.depth_map.max())]
         closer = [path, *([float(np.max(taken.depth_at(place)))] if taken else [])]
         depths += [CLOSER * low for far, low in pairwise([deepest, *closer]) if 0.0 < low < SHALLOW * far]
         shown = depths if number == 0 else depths[:1]
@@ -279,7 +280,7 @@ def _draw_roller_path(ax: "Axes", panel: Panel, taken: RollerPath) -> None:
 
 
 def _title(sheet: Sheet) -> str | None:
-    where = {"outer": "the outer race", "inner": "the inner race", "roller": "a roller"}[sheet.pit.race]
+    where = {"outer": "the outer race", "inner": "the inner race", "roller": "a roller"}[sheet.defect.race]
     return f"pit {sheet.number} of {sheet.of}, on {where}" if sheet.of > 1 else None
 
 
@@ -287,7 +288,7 @@ def _roller_path(results: "Results", sheet: Sheet) -> tuple[str, RollerPath] | N
     """Find the first job with a recorded path over the defect; return its id and the path."""
     for job in sheet.jobs:
         [record] = recorded.all_jobs(results, [job]).values()
-        path = roller_path(record, recorded.case_of(results, job, record.parameters), sheet.pit)
+        path = roller_path(record, recorded.case_of(results, job, record.parameters), sheet.defect)
         if path is not None:
             return job, path
     return None
@@ -295,7 +296,7 @@ def _roller_path(results: "Results", sheet: Sheet) -> tuple[str, RollerPath] | N
 
 def _caption(results: "Results", sheet: Sheet, taken: tuple[str, RollerPath] | None) -> list[str]:
     rows = select.case_rows(results)
-    R = labels.number_text(round(1e3 * sheet.pit.R, 2))
+    R = labels.number_text(round(1e3 * sheet.defect.R, 2))
     texts = [f"race unrolled: the roller has the radius {R} mm that it has relative to the race"]
     if taken is not None:
         swept = next(entry["swept"] for entry in results.plan["jobs"] if entry["job"] == taken[0])

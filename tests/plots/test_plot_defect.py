@@ -1,4 +1,4 @@
-"""Pits drawn to scale: the map, the sections, the roller over them."""
+"""Defects drawn to scale: the map, the sections, the roller over them."""
 
 import math
 import shutil
@@ -10,8 +10,8 @@ from bearingsim import store
 from bearingsim.core.defects.closed_forms import bowl, box, groove, roller_drop
 from bearingsim.core.defects.depth import Circular, Merged, Placed
 from bearingsim.plots import PlotError, plot
-from bearingsim.plots.passage import cut, distinct_sections, pits_of
-from bearingsim.plots.pit import SECTION_IN, exaggeration
+from bearingsim.plots.defect import SECTION_IN, exaggeration
+from bearingsim.plots.passage import cut, defects_of, distinct_sections
 from bearingsim.plots.plot import drawn as figures
 from bearingsim.store import case_of, flat_parameters
 from bearingsim.study import load_study
@@ -24,13 +24,13 @@ BOWL = {"shape": "circular", "length": "3 mm", "width": "0.8 mm", "depth": "50 u
 R = 6.0 * 38.5 / 32.5 * 1e-3  # m: an NF308's roller relative to its outer race
 
 
-def pit(**changed):
-    [made] = pits_of(case(defect=BOWL | changed))
+def defect(**changed):
+    [made] = defects_of(case(defect=BOWL | changed))
     return made
 
 
 def group(shape, depth, z):
-    """The model's own group of the section z (m) of the pit of ``pit``, ``depth`` (m) deep."""
+    """The model's own group of the section z (m) of a ``defect`` ``depth`` (m) deep."""
     if shape == "circular":
         return bowl(0.8e-3, depth, R, 2.0 * z / 3e-3)
     return box(0.8e-3, depth) if shape == "rectangular" else groove(0.8e-3, depth, R)
@@ -40,7 +40,7 @@ def group(shape, depth, z):
 @pytest.mark.parametrize("z", [0.0, 0.9e-3])
 @pytest.mark.parametrize("depth", [50e-6, 2e-6])
 def test_the_path_drawn_is_the_one_the_model_feels(shape, z, depth):
-    made = pit(shape=shape, depth=depth)
+    made = defect(shape=shape, depth=depth)
     assert pytest.approx(R) == made.R
     drawn, row = cut(made, z), np.array([1.0, *group(shape, depth, z)])
     felt = [roller_drop(row, float(s), R)[0] for s in drawn.s]
@@ -48,8 +48,8 @@ def test_the_path_drawn_is_the_one_the_model_feels(shape, z, depth):
     assert np.all(drawn.h <= drawn.p + 1e-12)
 
 
-def test_a_pit_stands_about_its_own_middle():
-    made = pit(offset="2 mm")
+def test_a_defect_stands_about_its_own_middle():
+    made = defect(offset="2 mm")
     assert made.z == pytest.approx((0.5e-3, 3.5e-3))
     assert cut(made, 2e-3).p.max() == pytest.approx(50e-6)
     assert cut(made, 2e-3 + 0.75e-3).p.max() == pytest.approx(0.75 * 50e-6)
@@ -57,7 +57,7 @@ def test_a_pit_stands_about_its_own_middle():
 
 
 def test_the_deepest_section_is_drawn_and_the_middle_if_it_is_another():
-    made = pit()
+    made = defect()
     assert distinct_sections(made) == pytest.approx([0.0], abs=1e-12)
     beside = Placed(Circular(1e-3, 0.5e-3, 60e-6), 0.0, 1e-3)
     assert distinct_sections(made._replace(map=Merged((made.map, beside)))) == pytest.approx([1e-3, 0.0], abs=1e-5)
@@ -103,25 +103,25 @@ def test_the_roller_stands_on_its_path_with_its_own_curvature(results):
     assert max(np.asarray(line.get_ydata())[0] for line in dots) == pytest.approx(deepest, rel=1e-2)
 
 
-def test_one_figure_for_each_different_pit(results):
-    """Twelve cases, three lengths: load and model do not change the pit."""
+def test_one_figure_for_each_different_defect(results):
+    """Twelve cases, three lengths: load and model do not change the defect."""
     sheets = figures(results(STUDY), kind="pit", jobs=["all"])
     assert len(sheets) == 3
     caption = sheets[1][1].get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
     assert "length 6 mm" in caption
-    assert "load" not in caption  # it differs among the cases of this pit
+    assert "load" not in caption  # it differs among the cases of this defect
     assert "radius 7.11 mm" in caption
     assert [name.startswith("pit-") for name, _ in sheets] == [True] * 3
 
 
-def test_pits_that_differ_in_depth_alone_are_different(results):
+def test_defects_that_differ_in_depth_alone_are_different(results):
     text = STUDY.replace("defect.length: [3 mm, 6 mm, 9 mm]", "defect.depth: [20 um, 50 um]")
     sheets = figures(results(text), kind="pit", jobs=["all"])
     deepest = [canvas.axes[0].child_axes[0].get_ylim()[0] for _, canvas in sheets]
     assert deepest == pytest.approx([20.0, 50.0])
 
 
-def test_pits_of_one_case_are_told_apart(results):
+def test_defects_of_one_case_are_told_apart(results):
     two = "defects: [{race: inner, shape: circular, length: 3 mm, width: 0.8 mm, depth: 50 um, offset: 2 mm},\n" \
         "  {shape: triangular, length: 3 mm, width: 0.8 mm, depth: 50 um}]\n"  # fmt: skip
     text = "".join(two if line.startswith("defect:") else f"{line}\n" for line in STUDY.splitlines())
@@ -144,7 +144,7 @@ def test_slices_of_the_spatial_model_lie_over_the_map(results):
     assert len(ends) >= 7
 
 
-def test_what_has_no_pit_is_refused(results):
+def test_what_has_no_defect_is_refused(results):
     text = "".join(f"{line}\n" for line in STUDY.splitlines() if "defect" not in line)
     opened = results(text.replace("  defect.length", "  seed").replace("3 mm, 6 mm, 9 mm", "1, 2"))
     with pytest.raises(PlotError, match="no defect: there is no pit to draw"):
@@ -154,7 +154,7 @@ def test_what_has_no_pit_is_refused(results):
 
 
 @pytest.mark.parametrize(("status", "reason"), [("failed", "the ring left"), ("missing", "not computed yet")])
-def test_the_pit_of_a_job_that_is_not_done_is_refused(results, status, reason):
+def test_the_defect_of_a_job_that_is_not_done_is_refused(results, status, reason):
     opened = results(lost={0: status})
     with pytest.raises(store.ResultsError, match=f"has no series: {reason}"):
         figures(opened, kind="pit", jobs=opened.jobs[:1])
@@ -162,7 +162,7 @@ def test_the_pit_of_a_job_that_is_not_done_is_refused(results, status, reason):
         figures(opened, kind="pit", jobs=["nobody"])
 
 
-def test_a_wide_pit_is_written(results):
+def test_a_wide_defect_is_written(results):
     opened = results(STUDY.replace("width: 0.8 mm", "width: 9 mm"))
     assert plot(opened, kind="pit", jobs=opened.jobs[:1])[0].stat().st_size > 10_000
 
@@ -193,18 +193,18 @@ def test_a_case_can_be_made_again_from_what_is_stored(tmp_path, text):
 
 
 def test_any_shape_is_stored_and_drawn(results, tmp_path):
-    """A spall, a rounded edge, and two pits that a roller feels as one, from results on disk."""
+    """A spall, a rounded edge, and two defects that a roller feels as one, from results on disk."""
     grid = [(s, z, 30.0 * max(1.0 - (s / 0.9) ** 2 - (z / 1.6) ** 2, 0.0)) for z in np.linspace(-2.0, 2.0, 21)
             for s in np.linspace(-1.2, 1.2, 25)]  # fmt: skip
     scan = tmp_path / "scan.csv"
     scan.write_text("s [mm],z [mm],depth [um]\n" + "".join(f"{s:.3f},{z:.3f},{p:.3f}\n" for s, z, p in grid))
-    pits = [
+    defects = [
         "{shape: elliptical, length: 3 mm, width: 0.8 mm, depth: 50 um, offset: 2 mm, edge: {radius: 20 um}}",
         "{shape: rectangular, length: 3 mm, width: 0.8 mm, depth: 20 um, offset: -1 mm, angle: 0.5 deg}",
         "{shape: spall, length: 5 mm, width: 4 mm, depth: 50 um, grown: 60 %, seed: 4, angle: 90 deg}",
         f"{{race: inner, shape: scan, file: {scan}, angle: 30 deg}}",
     ]
-    text = "".join(f"defects: [{', '.join(pits)}]\n" if line.startswith("defect:") else f"{line}\n" for line in
+    text = "".join(f"defects: [{', '.join(defects)}]\n" if line.startswith("defect:") else f"{line}\n" for line in
                    STUDY.splitlines() if not line.startswith("  defect.length"))  # fmt: skip
     opened = results(text)
     sheets = figures(opened, kind="pit", jobs=opened.jobs[:1])

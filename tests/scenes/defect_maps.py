@@ -1,4 +1,4 @@
-"""Pits of every kind for the tests, and what a roller feels of them by brute force."""
+"""Defects of every kind for the tests, and what a roller feels of them by brute force."""
 
 import numpy as np
 from hypothesis import strategies as st
@@ -25,13 +25,13 @@ lengths, widths, depths = st.floats(1e-3, 12e-3), st.floats(5e-5, 4e-3), st.floa
 shapes = st.builds(lambda kind, *sizes: kind(*sizes), st.sampled_from(SMOOTH), lengths, widths, depths)
 spalls = st.builds(Spall, lengths, widths, depths, st.floats(0.0, 1.0), st.integers(0, 1000))
 plain = shapes | spalls
-eased = st.builds(lambda pit, r: Eased(pit, r, 0.0), plain, st.floats(2e-6, 1e-4)) | st.builds(
-    lambda pit, ramp: Eased(pit, 0.0, ramp), plain, st.floats(5e-6, 2e-4)
+eased = st.builds(lambda defect, r: Eased(defect, r, 0.0), plain, st.floats(2e-6, 1e-4)) | st.builds(
+    lambda defect, ramp: Eased(defect, 0.0, ramp), plain, st.floats(5e-6, 2e-4)
 )
 placed = st.builds(Placed, plain | eased, st.floats(-2e-3, 2e-3), st.floats(-2e-3, 2e-3))
-merged = st.builds(lambda pits: Merged(tuple(pits)), st.lists(placed, min_size=2, max_size=4))
-smooth_pits = shapes | spalls | eased | merged
-"""Pits without a burr."""
+merged = st.builds(lambda defects: Merged(tuple(defects)), st.lists(placed, min_size=2, max_size=4))
+smooth_defects = shapes | spalls | eased | merged
+"""Defects without a burr."""
 
 
 def rough_scan(seed, burr=0.0):

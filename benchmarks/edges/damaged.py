@@ -1,7 +1,7 @@
 """The surface of a race with a slot, and the pair of bodies that it makes with a roller.
 
-Two ways: both bodies as half-planes, the pit only a gap in the race, whose material still holds; or the race in
-finite elements, the pit cut out.
+Two ways: both bodies as half-planes, the defect only a gap in the race, whose material still holds; or the race in
+finite elements, the defect cut out.
 """
 
 from math import inf, isinf
@@ -23,7 +23,7 @@ FAR = 2e-3  # m: from the rim to the sides and bottom of the block of finite ele
 
 class Surface(NamedTuple):
     """points: (n, 2) m, from left to right; carries: indices of the nodes that may be pressed; breaks: where
-    in ``carries`` the pit lies (at most one)."""
+    in ``carries`` the defect lies (at most one)."""
 
     points: np.ndarray
     carries: np.ndarray
@@ -31,13 +31,13 @@ class Surface(NamedTuple):
 
 
 def smooth(grading: Grading, far: float = FAR) -> Surface:
-    """A race without a pit, its nodes densest at t = 0."""
+    """A race without a defect, its nodes densest at t = 0."""
     half = graded(far, grading)
     t = np.append(-half[::-1], half[1:])
     return Surface(np.column_stack([t, np.zeros(len(t))]), np.flatnonzero(np.abs(t) <= grading.reach), ())
 
 
-def pitted(slot: Slot, grading: Grading, far: float = FAR) -> Surface:
+def damaged(slot: Slot, grading: Grading, far: float = FAR) -> Surface:
     """A race with a slot: from -``far`` to ``far`` (one edge) or to ``width`` + ``far`` (two)."""
     left = rim(slot, grading, far)
     if isinf(slot.width):
