@@ -113,10 +113,16 @@ def line_change(parts: np.ndarray, reference: np.ndarray) -> float:
     return float(max(abs(difference.sum()), np.linalg.norm(difference)))
 
 
-def of_orbit(setup: Setup, raw: RawRecord) -> Compared:
+def steady_from(setup: Setup, raw: RawRecord) -> float:
+    """Return the time (s) from which on a periodic motion is steady."""
+    return (raw.repetition.computed - raw.repetition.period) / setup.cut.rate
+
+
+def of_orbit(setup: Setup, raw: RawRecord, steady: float) -> Compared:
     """Return the compared signals of a periodic motion: a period, and of rollers a turn of the cage.
 
-    Raw rows are compared over the record, because the instants meet a period's parts by chance.
+    Raw rows are compared over the record from ``steady`` (s) on, because the instants meet a period's parts by
+    chance.
     """
     case, cut, model = setup.case, setup.cut, setup.model
     M, period = cut.fine_per_pass, raw.repetition.period
@@ -127,7 +133,8 @@ def of_orbit(setup: Setup, raw: RawRecord) -> Compared:
     length = raw.Z * M if np.any(lay.lane_of(raw.places) >= 0) else period * M
     low = raw.through(taps).read(start, length) if case.antialias else None
     lines = signals.lines_by_pass(fine, M, [1], start, case.bearing.rollers * model.bearing.theta_0)
-    return _compared(case, raw, fine, low, raw.picked, lines.mean(axis=1, keepdims=True), raw.peaks[-period:])
+    picked = raw.picked[:, max(0, ceil((steady - case.settle_s) * case.sampling)) :]
+    return _compared(case, raw, fine, low, picked, lines.mean(axis=1, keepdims=True), raw.peaks[-period:])
 
 
 def _compared(

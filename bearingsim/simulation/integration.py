@@ -77,8 +77,8 @@ def integrate(
 ) -> RawRecord:
     """Step through the ball passes and record fine samples (and raw values if the case needs them).
 
-    Ends after all of them, or when the motion is periodic within ``close``, or when line and RMS are accurate
-    enough. nudge: share of its displacement by which the ring is moved at the start; start: positions and
+    Ends after all of them, or after whole periods of a motion that is periodic within ``close`` (so that a run
+    which starts from there is in phase with it), or when line and RMS are accurate enough. nudge: share of its displacement by which the ring is moved at the start; start: positions and
     velocities there (2, 6, ROW), if not those at rest; patience: ball passes after which a motion that is not
     periodic raises ``NotRepeating``, 0 for never; most: largest number of ball passes; look: inspection that may
     end the run.
@@ -92,9 +92,9 @@ def integrate(
     for p, window in enumerate(_ball_passes(setup, kept.samples, y, kept.places, pace)):
         kept.keep(p, window, y)
         passes = p + 1
-        if search is not None:
+        if search is not None and period == 0:
             period, difference = search.after_pass(window, y, kept.peaks[p])
-        if period > 0 or passes == most:
+        if (period > 0 and passes % period == 0) or passes == most:
             break
         looks = look is not None and passes == look.passes
         if look is not None and looks and look.ends(kept.raw(Repetition(passes, 0, nan), y, pace.cpu_s)):

@@ -263,8 +263,8 @@ def memory(case: Case, of: Size) -> float:
     if not may_repeat(case):
         return FLOAT * max(recording + most, check) + SMALL
     stepped = window + _held(case, window, of.rows)
-    if of.checked > 0.0:  # a period is computed again, in finer steps
-        stepped = FINER * stepped + picked
+    if of.checked > 0.0:  # a period is computed again, in finer steps, and recorded too
+        stepped = FINER * stepped + recording
     return FLOAT * (recording + max(most, stepped, check)) + SMALL
 
 
@@ -274,6 +274,9 @@ def _bands(case: Case) -> int:
 
 
 def _held(case: Case, window: float, rows: int) -> float:
-    """Count values of the ball passes that are held to compare the next with, and to pick contact forces from."""
+    """Count values of the ball passes that are held to compare the next with, and to pick contact forces from.
+
+    One more is held while the next replaces the oldest.
+    """
     compared = min(MOST_HELD / FLOAT, (1 + LONGEST_PERIOD) * window * (1.0 - NOT_COMPARED / rows))
-    return compared + (LONGEST_PERIOD * window if channels.picks(case) else 0.0)
+    return compared + window + (LONGEST_PERIOD * window if channels.picks(case) else 0.0)

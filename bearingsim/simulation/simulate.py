@@ -154,6 +154,7 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
         raw = integrate(until_periodic, patience=patience)
         checks_step = step_check.checked_step(until_periodic, raw)
         if not case.periodic and raw.repetition.period > 0:
+            del raw  # whose record may be as large as the next
             raw = integrate(setup)  # at the step that has been checked on its period
     else:
         checks_step = step_check.checked_step(setup)

@@ -21,8 +21,8 @@ from scipy.special import stdtrit
 from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
-from bearingsim.simulation import choice, time_grid
-from bearingsim.simulation.comparison import Compared, compare, of_orbit, of_pilot
+from bearingsim.simulation import channels, choice, time_grid
+from bearingsim.simulation.comparison import Compared, compare, of_orbit, of_pilot, steady_from
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.pilot import longer_duration, pilot, sees_defect_turns
 from bearingsim.simulation.recording import RawRecord
@@ -170,7 +170,8 @@ def check_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
 def check_on_orbit(coarse: Setup, raw: RawRecord) -> StepCheck | None:
     """Return the step check of a periodic motion: one period of it against one at a shorter step.
 
-    The finer run starts where the other ended, so it soon becomes periodic too; None if it does not.
+    The finer run starts where the other ended, so it soon becomes periodic too. None if it does not, or if raw
+    values are recorded and the record ends before both are steady.
     """
     cut = coarse.cut
     whole = coarse.case.model_copy(update={"until": None})
@@ -178,7 +179,11 @@ def check_on_orbit(coarse: Setup, raw: RawRecord) -> StepCheck | None:
     other = integrate(fine, start=by_place(coarse, raw), close=CLOSE_TO_ORBIT, most=most_finer_passes(raw))
     if other.repetition.period == 0:
         return None
-    return StepCheck(*compare(*(of_orbit(setup, run) for setup, run in ((coarse, raw), (fine, other)))))
+    runs = (coarse, raw), (fine, other)
+    steady = max(steady_from(setup, run) for setup, run in runs)
+    if channels.picks(coarse.case) and steady >= length(coarse.case):
+        return None
+    return StepCheck(*compare(*(of_orbit(setup, run, steady) for setup, run in runs)))
 
 
 def most_finer_passes(raw: RawRecord) -> int:

@@ -146,7 +146,8 @@ def estimate(case: Case) -> Estimate:
     cut = grid(case)
     costs = cost(case, cut.step, cut.passes)
     expected, most = _sizes(case, cut, costs)
-    _refuse_too_large(case, most, cut)
+    memory_expected, most_memory = _memory(case, cut, costs)
+    _refuse_too_large(most_memory)
     plain = expected._replace(checked=0.0)
     seconds, unchecked, longest = (pricing.counts(case, size).seconds for size in (expected, plain, most))
     return Estimate(
@@ -155,19 +156,22 @@ def estimate(case: Case) -> Estimate:
         steps=costs.passes * cut.steps_per_pass,
         check_seconds=costs.proof + seconds - unchecked,
         most_seconds=price("job") + costs.at_most + longest,
-        memory=_memory(case, expected, cut),
-        most_memory=_memory(case, most, cut),
+        memory=memory_expected,
+        most_memory=most_memory,
     )
 
 
-def _memory(case: Case, size: Size, cut: Grid) -> float:
-    """Return the largest memory (bytes) of a run and of the period on which its step is checked before."""
-    in_full = pricing.memory(case, size)
-    if case.periodic or not period_is_sought(case):
-        return in_full
-    periodic = case.model_copy(update={"periodic": True})
-    of_period = _sizes(periodic, cut, cost(periodic, cut.step, cut.passes))[0]
-    return max(in_full, pricing.memory(periodic, of_period))
+def _memory(case: Case, cut: Grid, costs: Cost) -> tuple[float, float]:
+    """Return the largest memory (bytes) of a case, as expected, and if its response is not periodic.
+
+    A run in full whose step is checked on a period takes that of the search for the period before.
+    """
+    in_full = [pricing.memory(case, size) for size in _sizes(case, cut, costs)]
+    if not case.periodic and period_is_sought(case):
+        periodic = case.model_copy(update={"periodic": True})
+        searches = _sizes(periodic, cut, cost(periodic, cut.step, cut.passes))
+        in_full = [max(run, pricing.memory(periodic, size)) for run, size in zip(in_full, searches, strict=True)]
+    return in_full[0], in_full[1]
 
 
 def _sizes(case: Case, cut: Grid, costs: Cost) -> tuple[Size, Size]:
@@ -180,11 +184,11 @@ def _sizes(case: Case, cut: Grid, costs: Cost) -> tuple[Size, Size]:
 
 def refuse_too_large(case: Case, cut: Grid) -> None:
     """Raise ``Refused`` if a case, its method named, may take more memory than there is."""
-    _refuse_too_large(case, _sizes(case, cut, cost(case, cut.step, cut.passes))[1], cut)
+    _refuse_too_large(_memory(case, cut, cost(case, cut.step, cut.passes))[1])
 
 
-def _refuse_too_large(case: Case, size: Size, cut: Grid) -> None:
-    needed, there = PROGRAM + _memory(case, size, cut), memory.limit()
+def _refuse_too_large(most_memory: float) -> None:
+    needed, there = PROGRAM + most_memory, memory.limit()
     if needed > there:
         raise Refused(
             f"it may take {needed / 1e9:.2g} GB of memory, and there are {there / 1e9:.2g} GB",

@@ -151,6 +151,39 @@ def test_memory_is_that_which_is_taken(more: dict[str, Any]) -> None:
     assert 0.6 * priced < peak < priced
 
 
+def test_memory_of_a_long_search_for_a_period_is_priced() -> None:
+    """Of a run in full whose period, on which its step is checked, is found after 101 of 160 ball passes."""
+    slow = REPEATS | {"rig": {"ring_mass": "20 kg"}, "settle": "0 s", "periodic": False}
+    given = case(**slow)
+    simulate(given.model_copy(update={"duration": 0.05}))  # compiled
+    tracemalloc.start()
+    try:
+        simulate(given)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    priced = time_grid.estimate(given)
+    assert priced.memory < 0.95 * priced.most_memory
+    assert 0.6 * priced.most_memory < peak < priced.most_memory
+
+
+def test_the_search_for_a_period_leaves_no_record_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before a run in full, which takes as much memory."""
+    module, left = import_module("bearingsim.simulation.simulate"), []
+    integrate = module.integrate
+
+    def watched(setup: Any, **more: Any) -> Any:
+        if not setup.case.periodic:
+            assert left[0]() is None
+        raw = integrate(setup, **more)
+        left.append(ref(raw.fine))
+        return raw
+
+    monkeypatch.setattr(module, "integrate", watched)
+    simulate(case(model="ring", method="verlet", duration="0.2 s", periodic=False))
+    assert len(left) == 2
+
+
 def test_lines_of_blocks_are_those_of_the_whole_series() -> None:
     n = 5000
     t = np.arange(n) / n

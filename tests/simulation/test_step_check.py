@@ -228,6 +228,40 @@ def test_a_period_tells_of_the_step_what_a_pilot_does(model: str, clearance: str
     assert not on_orbit.chaotic
 
 
+SLOW = {"rig": {"ring_mass": "20 kg"}, "settle": "0 s", "duration": "0.6 s", "method": "verlet"}
+
+
+@pytest.mark.parametrize("more", [{"antialias": False}, {"record": ["roller.1.outer_force"]}])
+def test_raw_values_of_a_period_are_compared_once_both_runs_are_steady(more: dict[str, Any]) -> None:
+    """For 0.37 s the run settles, which its finer twin, started at its end, need not: RMS 1 % apart."""
+    setup = set_up(choice.resolved(case(model="rollers", defect=SLOT, **SLOW, **more)))
+    raw = integrate(setup)
+    assert raw.repetition.period == 1
+    assert raw.repetition.computed > 50
+    check = step_check.check_on_orbit(setup, raw)
+    assert check is not None
+    assert check.rms < 1e-3
+    assert check.record < 2e-3
+
+
+def test_raw_values_that_end_before_a_run_is_steady_are_checked_on_a_pilot() -> None:
+    given = choice.resolved(case(model="rollers", defect=SLOT, **SLOW, record=["roller.1.outer_force"]))
+    setup = set_up(given)
+    raw = integrate(setup)
+    for ends, is_checked in ((0.36, False), (0.38, True)):
+        with mock.patch.object(step_check, "length", return_value=ends):
+            assert (step_check.check_on_orbit(setup, raw) is not None) == is_checked
+
+
+def test_a_run_ends_in_phase_with_its_period() -> None:
+    """So that a finer run which starts there meets the record's instants in the same pass of the period."""
+    setup = set_up(choice.resolved(rollers()))
+    for period, ends in ((1, 5), (2, 6), (3, 6), (4, 8)):
+        periods = [(0, math.nan)] * 4 + [(period, 0.0)]
+        with mock.patch("bearingsim.simulation.integration.Search.after_pass", side_effect=periods):
+            assert integrate(setup).repetition == (ends, period, 0.0)
+
+
 @pytest.mark.parametrize(("computed", "finer"), [(4, 32), (60, 120), (1342, 600)])
 def test_a_long_finer_run_costs_no_more_than_the_run(computed: int, finer: int) -> None:
     """Its steps are shorter by sqrt(5)."""
