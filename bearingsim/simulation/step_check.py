@@ -49,7 +49,12 @@ SECOND_PILOT = 4.0  # times as long is a second pilot, if the first two diverge 
 CLOSE_TO_ORBIT = Closeness(1e-5, 1e-5, times=1)
 """Closeness of the finer run to a periodic motion; smaller changes count as none."""
 MOST_FINER_PASSES = 4, 16  # times those of the run, and some more: limit of the finer run
-FEW_PASSES = 120  # passes of the finer run up to which it may cost more than the run
+FEW_PASSES = 120
+"""Passes of the finer run up to which it may cost more than the run.
+
+Measured: at most 14 in 285 random scenes of period one, 40 in 190 with rings of 5 to 100 kg. Of 14 of these with a
+longer period, 11 took up to 110, three over 190.
+"""
 MAX_COST_RATIO = 4.0  # times the CPU time of a run that its finer run may take
 
 
