@@ -78,10 +78,10 @@ def integrate(
     """Step through the ball passes and record fine samples (and raw values if the case needs them).
 
     Ends after all of them, or after whole periods of a motion that is periodic within ``close`` (so that a run
-    which starts from there is in phase with it), or when line and RMS are accurate enough. nudge: share of its displacement by which the ring is moved at the start; start: positions and
-    velocities there (2, 6, ROW), if not those at rest; patience: ball passes after which a motion that is not
-    periodic raises ``NotRepeating``, 0 for never; most: largest number of ball passes; look: inspection that may
-    end the run.
+    which starts from there is in phase with it), or when line and RMS are accurate enough. nudge: share of its
+    displacement by which the ring is moved at the start; start: positions and velocities there (2, 6, ROW), if not
+    those at rest; patience: ball passes after which a motion that is not periodic raises ``NotRepeating``, 0 for
+    never; most: largest number of ball passes; look: inspection that may end the run.
     """
     case, cut, pace = setup.case, setup.cut, Pace()
     y = _start(setup, nudge, _steady_start(setup, pace, start, close, most))
