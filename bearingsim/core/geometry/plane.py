@@ -3,10 +3,11 @@
 With rho = |c_j - u| the distance of a roller from a ring's centre, n from there to the roller, tau across it.
 """
 
-from math import cos, sin, sqrt
+from math import sqrt
 from typing import NamedTuple
 
 from bearingsim.core import layout as lay
+from bearingsim.core.geometry.circle import cos_sin
 from bearingsim.core.geometry.sides import contact_rows, normal_rows, sign
 from bearingsim.core.jit import inlined, jit
 
@@ -49,7 +50,7 @@ def roller_directions(theta_c, y, n):
 
     Equation (P1) of docs/planar.md.
     """
-    C, S = cos(theta_c), sin(theta_c)
+    C, S = cos_sin(theta_c)
     for j in range(n):
         roller_direction(C, S, y, j)
 

@@ -48,6 +48,7 @@ E_5_V, E_5_Q = weights(FIFTH[:STAGES]), weights((FIFTH @ a)[:STAGES])
 E_3_V, E_3_Q = weights(THIRD[:STAGES]), weights((THIRD @ a)[:STAGES])
 EXTENSION_V = continuous_extension(a[STAGES], STAGES, full(EXTENSION_ROWS, len(EXTENSION_ROWS), DENSE_STAGES))
 EXTENSION_Q = EXTENSION_V @ a
+F_Q, F_V = tuple(map(weights, EXTENSION_Q)), tuple(map(weights, EXTENSION_V))
 
 
 class Dop853(NamedTuple):
@@ -85,7 +86,7 @@ def more_stages(method, model, y):
 
 @interpolate.register(Dop853)
 def _interpolate(method, part, h, y, n):
-    dense_state(EXTENSION_Q, EXTENSION_V, part, h, y, n)
+    dense_state(F_Q, F_V, part, h, y, n)
 
 
 register_adaptive(Dop853, float(ORDER), more_stages)

@@ -47,6 +47,7 @@ MIDDLE = np.array(
 )
 EXTENSION_V = continuous_extension(b, STAGES - 1, MIDDLE[None, :])
 EXTENSION_Q = EXTENSION_V @ a
+F_Q, F_V = tuple(map(weights, EXTENSION_Q)), tuple(map(weights, EXTENSION_V))
 
 
 class DormandPrince(NamedTuple):
@@ -70,7 +71,7 @@ def _attempt(method, model, t, h, y):
 
 @interpolate.register(DormandPrince)
 def _interpolate(method, part, h, y, n):
-    dense_state(EXTENSION_Q, EXTENSION_V, part, h, y, n)
+    dense_state(F_Q, F_V, part, h, y, n)
 
 
 register_adaptive(DormandPrince, float(ORDER))

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import literal_unroll
+from numba.cpython.unsafe.tuple import tuple_setitem
 
 from bearingsim.core import layout as lay
 from bearingsim.core.jit import inlined, jit
@@ -54,35 +55,6 @@ def weights(values: np.ndarray) -> tuple[float, ...]:
 def runge_kutta(a: np.ndarray, b: np.ndarray) -> Tableau:
     """Return the table of a Runge-Kutta method."""
     return Tableau(a.sum(axis=1), a, a @ a, b, b @ a)
-
-
-@jit
-def add_accelerations(weights_q, weights_v, count, h, q, v, y, n):
-    """Add h^2 sum_j weights_q[j] f_j to the block at ``q``, and h sum_j weights_v[j] f_j to that at ``v``.
-
-    By fours: a lane's sum is then read and written a quarter as often.
-    """
-    fours, h_2 = count // 4, h * h
-    for m in range(fours):
-        j, block = 4 * m, METHOD_STATES + 4 * m * lay.STATE
-        Q_0 = h_2 * weights_q[j]
-        Q_1 = h_2 * weights_q[j + 1]
-        Q_2 = h_2 * weights_q[j + 2]
-        Q_3 = h_2 * weights_q[j + 3]
-        V_0, V_1, V_2, V_3 = h * weights_v[j], h * weights_v[j + 1], h * weights_v[j + 2], h * weights_v[j + 3]
-        for k in range(n):
-            f_0 = y[block + k]
-            f_1 = y[block + lay.STATE + k]
-            f_2 = y[block + 2 * lay.STATE + k]
-            f_3 = y[block + 3 * lay.STATE + k]
-            y[q + k] += (Q_0 * f_0 + Q_1 * f_1) + (Q_2 * f_2 + Q_3 * f_3)
-            y[v + k] += (V_0 * f_0 + V_1 * f_1) + (V_2 * f_2 + V_3 * f_3)
-    for m in range(count - 4 * fours):
-        j = 4 * fours + m
-        Q_0, V_0, block = h_2 * weights_q[j], h * weights_v[j], METHOD_STATES + j * lay.STATE
-        for k in range(n):
-            y[q + k] += Q_0 * y[block + k]
-            y[v + k] += V_0 * y[block + k]
 
 
 @inlined
@@ -148,22 +120,22 @@ def continuous_extension(b: np.ndarray, last: int, higher: np.ndarray) -> np.nda
     return np.array([b, at_start - b, 2.0 * b - at_start - at_end, *higher])
 
 
-@jit
+@inlined
+def weights_at(F, part):
+    """Return the weights of a continuous extension at ``part`` (0 to 1) of the step; F: its rows, tuples."""
+    at_part = F[0]
+    for j in range(len(at_part)):
+        weight = 0.0
+        for i in range(len(F) - 1, -1, -1):
+            weight = (weight + F[i][j]) * (part if i % 2 == 0 else 1.0 - part)
+        at_part = tuple_setitem(at_part, j, weight)
+    return at_part
+
+
+@inlined
 def dense_state(F_q, F_v, part, h, y, n):
     """Set the state at ``part`` (0 to 1) of the step of ``h`` (s) from START, by a continuous extension."""
-    rows, stages = F_v.shape
-    weights_q, weights_v = y[ERROR_Q : ERROR_Q + stages], y[ERROR_V : ERROR_V + stages]
-    for j in range(stages):
-        weights_q[j], weights_v[j] = 0.0, 0.0
-    for i in range(rows - 1, -1, -1):
-        factor = part if i % 2 == 0 else 1.0 - part
-        for j in range(stages):
-            weights_q[j] = (weights_q[j] + F_q[i, j]) * factor
-            weights_v[j] = (weights_v[j] + F_v[i, j]) * factor
-    for k in range(n):
-        y[lay.POSITION + k] = y[START_Q + k] + part * h * y[START_V + k]
-        y[lay.VELOCITY + k] = y[START_V + k]
-    add_accelerations(weights_q, weights_v, stages, h, lay.POSITION, lay.VELOCITY, y, n)
+    stage_state(part, weights_at(F_q, part), weights_at(F_v, part), h, y, n)
 
 
 def cusp_of(tableau: Tableau) -> float:

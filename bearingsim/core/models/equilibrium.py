@@ -9,7 +9,7 @@ which is minus the gradient of a convex energy, so the method cannot wander off.
 rests on the outer race. ``static`` takes one such equilibrium per step; every model with contacts starts from it.
 """
 
-from math import cos, hypot, inf, pi, sin
+from math import hypot, inf, pi
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +19,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.clock import is_over
 from bearingsim.core.defects.on_roller import elastic_over_defect, is_masked, roller_at_defect
 from bearingsim.core.defects.pairs import HALF_WIDTH, INNER, OUTER, SIDE
+from bearingsim.core.geometry.circle import cos_sin
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.laws.damping.interface import damping_bound, in_series
 from bearingsim.core.laws.stiffness.interface import tangent
@@ -127,7 +128,7 @@ def balance_rollers(model, t, y):
     bearing, defects = model.bearing, model.defects
     locate_defects(model, t, y)
     theta_c, _, _ = kinematic_angles(bearing, t)
-    C, S = cos(theta_c), sin(theta_c)
+    C, S = cos_sin(theta_c)
     bend_race(model.bending, C, S, bearing.omega_c, y, lanes(bearing))
     for j in range(bearing.Z):
         c = C * y[lay.COS_0 + j] - S * y[lay.SIN_0 + j]

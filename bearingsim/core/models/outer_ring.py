@@ -3,10 +3,10 @@
 m_o u'' = -F e_0 - F_across e_90 - k_b (u - u_0) - c_b u' + sum_j Q_o,j e_r(theta_j)
 """
 
-from math import cos, sin
 from typing import NamedTuple
 
 from bearingsim.core import layout as lay
+from bearingsim.core.geometry.circle import cos_sin
 from bearingsim.core.jit import add, inlined, jit
 from bearingsim.core.parameters import kinematic_angles, lanes
 from bearingsim.core.sums import sum_loads
@@ -37,7 +37,8 @@ def turning(model, t, y):
     u_x, u_y = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
     w_x, w_y = y[lay.VELOCITY + lay.X] + omega_c * u_y, y[lay.VELOCITY + lay.Y] - omega_c * u_x
     held_x, held_y = dynamic_force(model.support, 0.0, 0.0, y)
-    return Turning(cos(theta_c), sin(theta_c), u_x, u_y, w_x, w_y, held_x, held_y)
+    C, S = cos_sin(theta_c)
+    return Turning(C, S, u_x, u_y, w_x, w_y, held_x, held_y)
 
 
 @inlined

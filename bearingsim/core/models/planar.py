@@ -15,7 +15,7 @@ kinematic values, so no digits are lost.
 Left out: tilt, skew and axial motion of rollers, the bending of rings and cage, oil films as springs.
 """
 
-from math import cos, sin, sqrt
+from math import sqrt
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
@@ -31,6 +31,7 @@ from bearingsim.core.defects.pairs import (
     Defects,
     nearest_roller,
 )
+from bearingsim.core.geometry.circle import cos_sin
 from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.geometry.plane import Centre, approach, centre_at, roller_direction, small_angle
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, contact_rows, normal_rows, sign
@@ -154,11 +155,12 @@ def _shared(model, t, y):
     b = model.bearing
     time, rate, growth = kinematic_time(model.motion, t)
     theta_c = b.theta_0 + b.omega_c * time + y[lay.POSITION + lay.PHI_C]
+    C, S = cos_sin(theta_c)
     return Plane(
         time=time,
         growth=growth,
-        C=cos(theta_c),
-        S=sin(theta_c),
+        C=C,
+        S=S,
         omega_cage=b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C],
         omega_i=b.omega_i * rate,
         spin=(b.omega_c - b.omega_b) * rate,
