@@ -1,10 +1,10 @@
 """Test the tests: is a change of the program noticed by the tests of its own or a neighbouring package?
 
-    python -m benchmarks.mutants [--seed 1] [--count 40] [--only 3,17] [--csv docs/data/mutants.csv]
+    python -m benchmarks.mutants [--seed 1] [--count 40] [--only 3,17] [--limit 150] [--csv docs/data/mutants.csv]
 
 Each mutant is one change of a module's syntax tree, drawn from ``--seed``, in a copy of the source tree (in
 results/mutants, at a fixed path: numba's cache depends on it, and stays warm). It counts as killed if a test
-fails within ``LIMIT_S``; test files that name the module run first. At the end all tests that failed must pass
+fails within the limit; test files that name the module run first. At the end all tests that failed must pass
 without a mutant.
 
 mutmut switches between mutants inside the functions that it rewrites, so it leaves out constants of a module and
@@ -18,6 +18,7 @@ import ast
 import os
 import random
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -35,7 +36,7 @@ import pandas as pd
 HOME = Path(__file__).resolve().parents[1]
 COPY = HOME / "results" / "mutants"
 LIMIT_S = 150.0
-"""Longest wall time, in s, of the tests of a mutant."""
+"""Longest wall time, in s, of the tests of a mutant on a machine that does nothing else."""
 MODULES = {
     "selection/decide.py": ("selection", "study"),
     "simulation/choice.py": ("simulation", "cli"),
@@ -73,7 +74,7 @@ class Mutant(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """Row of the table: the change, the first test that failed ("" if none), and the wall time of all (s)."""
+    """Row of the table: the change, the first test that failed ("" if none), and the CPU time of all (s)."""
 
     number: int
     module: str
@@ -82,7 +83,7 @@ class Outcome(NamedTuple):
     before: str
     after: str
     killed_by: str
-    seconds: float
+    cpu_s: float
 
 
 def changes(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
@@ -150,13 +151,12 @@ def parsed(module: str) -> ast.Module:
 
 
 def files(module: str) -> tuple[list[str], list[str], list[str]]:
-    """List the test files that name a module, the others of its package, and those of its neighbour."""
+    """List test files: those that name a module, most often first, the rest of its package, its neighbour's."""
     own, neighbour = (sorted((COPY / "tests" / name).glob("test_*.py")) for name in MODULES[module])
     word = re.compile(rf"\b{Path(module).stem}\b")
-    of_its_name = f"test_{Path(module).name}"
-    own.sort(key=lambda path: path.name != of_its_name)
-    naming = [str(path) for path in own if word.search(path.read_text())]
-    return naming, [str(path) for path in own if str(path) not in naming], [str(path) for path in neighbour]
+    times = {str(path): len(word.findall(path.read_text())) for path in own}
+    naming = sorted(filter(times.get, times), key=times.__getitem__, reverse=True)
+    return naming, [path for path in times if times[path] == 0], [str(path) for path in neighbour]
 
 
 def stages(module: str) -> Iterator[list[str]]:
@@ -186,7 +186,13 @@ def failing(stages: Iterable[list[str]], limit_s: float = inf) -> str:
     return ""
 
 
-def tested(number: int, mutant: Mutant) -> Outcome:
+def cpu_of_children() -> float:
+    """Return the CPU time (s) of processes that this one started and that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def tested(number: int, mutant: Mutant, limit_s: float) -> Outcome:
     """Write a mutant into the copy, and test it."""
     module, tree = COPY / "bearingsim" / mutant.module, parsed(mutant.module)
     old = list(nodes(tree))[mutant.node]
@@ -197,12 +203,12 @@ def tested(number: int, mutant: Mutant) -> Outcome:
 
     source = module.read_bytes()
     module.write_text(ast.unparse(ast.fix_missing_locations(Change().visit(tree))))
-    began = time.monotonic()
+    began = cpu_of_children()
     try:
-        test = failing(stages(mutant.module), LIMIT_S)
+        test = failing(stages(mutant.module), limit_s)
     finally:
         module.write_bytes(source)
-    seconds = round(time.monotonic() - began, 1)
+    seconds = round(cpu_of_children() - began, 1)
     before, after = (" ".join(ast.unparse(node).split())[:100] for node in (old, mutant.new))
     return Outcome(number, mutant.module, getattr(old, "lineno", 0), mutant.kind, before, after, test, seconds)
 
@@ -219,7 +225,8 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=40)
     parser.add_argument("--only", type=lambda text: set(map(int, text.split(","))), help="numbers of mutants")
-    parser.add_argument("--csv", type=Path)
+    parser.add_argument("--limit", type=float, default=LIMIT_S, help="s, longer if other programs run")
+    parser.add_argument("--csv", type=Path, help="with --only its rows are replaced")
     options = parser.parse_args()
     copy()
     chosen = [
@@ -229,12 +236,16 @@ def main() -> int:
     ]
     rows = []
     for number, mutant in chosen:
-        rows.append(tested(number, mutant))
+        rows.append(tested(number, mutant, options.limit))
         print(*rows[-1], sep="  ", flush=True)
     killers = sorted({row.killed_by for row in rows if row.killed_by})
     print(f"{sum(bool(row.killed_by) for row in rows)} of {len(rows)} mutants are killed")
     if options.csv:
-        pd.DataFrame(rows).to_csv(options.csv, index=False, lineterminator="\n")
+        table = pd.DataFrame(rows)
+        if options.only and options.csv.exists():
+            before = pd.read_csv(options.csv, keep_default_na=False)
+            table = pd.concat([before[~before["number"].isin(table["number"])], table]).sort_values("number")
+        table.to_csv(options.csv, index=False, lineterminator="\n")
     if killers and (test := failing([killers])):
         print(f"{test} fails without a mutant, too")
         return 1

@@ -320,6 +320,15 @@ def test_a_tolerance_is_kept_by_the_method_that_is_chosen() -> None:
     assert "tolerance" in found.why
 
 
+def test_another_method_than_verlet_is_taken_for_the_steps_that_it_saves() -> None:
+    stiff = case(model="rollers", defect=SLOT, duration="0.1 s", contact={"damping": {"chi": "2000 s/m"}})
+    taken, longest = choice.choice(stiff), limits(choice.with_method(stiff, "verlet")).at_impact
+    assert taken.method == "rodas"
+    saved = taken.prices["verlet"] / taken.prices["rodas"]
+    told = f"explicit steps are limited to {1e6 * longest:.2g} us: about {saved:.2g} times the CPU time"
+    assert (taken.why, saved > 1.0, 1e-8 < longest < 1e-7) == (told, True, True)
+
+
 @pytest.mark.parametrize("model", ["static", "impulse"])
 def test_a_model_without_a_method_has_no_other(model: str) -> None:
     assert choice.alternatives(case(model=model, defect=SLOT)) == []

@@ -1,6 +1,7 @@
 """Motion that repeats itself: what may, when it is found to, and what is made of it."""
 
 import importlib
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -11,8 +12,8 @@ from bearingsim import simulate
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
-from bearingsim.simulation import channels, choice
-from bearingsim.simulation.repetition import OF_A_RECORD, Repetition, Search, may_repeat, turned
+from bearingsim.simulation import channels, choice, repetition
+from bearingsim.simulation.repetition import OF_A_RECORD, Repetition, Search, may_repeat, to_come, turned
 from tests.scenes.short_cases import FORCES, RING, SLOT, case
 
 KINEMATIC = {"cage": {"motion": "kinematic"}}
@@ -232,3 +233,30 @@ def test_what_is_forgotten_by_the_end_of_a_pass_is_seen() -> None:
         return waves(p) + 1e-5 * np.random.default_rng(p).normal(size=STEPS) * (np.arange(STEPS) < 30)
 
     assert period_of(chatters) == (0, 40)
+
+
+def test_what_is_to_come_is_the_sum_of_a_geometric_series() -> None:
+    assert to_come(3.0, 0.9) == pytest.approx(3.0 * sum(0.9**n for n in range(1, 400)))
+    assert to_come(3.0, 0.1) == 3.0  # at least the last one
+    assert to_come(3.0, 1.0) == to_come(3.0, 1.5) == math.inf
+
+
+@pytest.mark.parametrize("passes", [0, 1, 2, 3])
+def test_recordings_are_held_up_to_a_size(passes: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of doubles: periods are sought as far as the passes before are held; none is found without any."""
+    setup = RUN_SETUP.set_up(resolved(model="ring"))
+    places = channels.recorded(setup.case)
+    monkeypatch.setattr(repetition, "MOST_HELD", (passes + 0.95) * 8 * len(places) * STEPS)
+    search = Search(places, STEPS, setup.model, False, OF_A_RECORD)
+    assert list(search.periods) == list(range(1, passes + 1))
+
+
+def test_a_motion_without_memory_is_periodic_from_its_first_pass() -> None:
+    setup = RUN_SETUP.set_up(resolved(model="static"))
+    search = Search(channels.recorded(setup.case), STEPS, setup.model, True, OF_A_RECORD)
+    assert search.after_pass(waves(0), lay.buffer(13, 0.0), np.ones(5)) == (1, 0.0)
+
+
+def test_a_difference_at_its_limit_counts_as_none() -> None:
+    assert repetition._settled([OF_A_RECORD.anyhow], OF_A_RECORD, 0.0)
+    assert not repetition._settled([1.01 * OF_A_RECORD.anyhow], OF_A_RECORD, 0.0)

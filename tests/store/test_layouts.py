@@ -19,7 +19,7 @@ from bearingsim.store.regular import Unreadable
 from bearingsim.store.sealed import read_json, write_json
 from tests.scenes.fake_studies import ENGINE, FakeStudy
 from tests.scenes.study_text import Write
-from tests.scenes.trials import near
+from tests.scenes.trials import TEXT, near
 
 OTHER = "0123456789abcdef"
 FIGURE = {
@@ -72,6 +72,11 @@ def test_the_plan_of_an_accuracy_names_the_models_that_were_chosen(write: Write)
     assert accuracy["curves"][0]["jobs"] == list(accuracy["jobs"])
     assert {audit["of"] for audit in accuracy["audits"]} <= set(accuracy["jobs"])
     assert store.plan_of(study, [])["accuracy"] is None
+
+
+@pytest.mark.parametrize(("said", "nothing"), [("", False), ("uncertainty: none\n", True)])
+def test_a_plan_tells_nothing_uncertain_from_nothing_said(write: Write, said: str, nothing: bool) -> None:
+    assert store.plan_of(near(write, TEXT + said), [])["nothing_uncertain"] is nothing
 
 
 @pytest.mark.parametrize(

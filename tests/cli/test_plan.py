@@ -1,0 +1,29 @@
+"""What a plan says of friction, and which jobs of many it prices."""
+
+from math import inf, isnan
+
+import pytest
+
+from bearingsim import assemble
+from bearingsim.cli.plan import friction_scale
+from tests.scenes.short_cases import case
+
+FORCE = 50.0  # N
+
+
+@pytest.mark.parametrize("steep", [60.0, 0.3])
+def test_slip_decays_by_the_steepest_friction(steep: float) -> None:
+    """The slip of a solid roller of mass m decays in m/(4 mu' Q), mu' being the slope of friction on each side."""
+    friction = {"static": 0.3, "dynamic": 0.3, "static_speed": 1.5 * 0.3 / steep, "dynamic_speed": 3.0 / steep}
+    rubbing = case(model="planar", friction=friction)
+    mass = assemble.model(rubbing).bearing.m_r
+    largest, settled = friction_scale(rubbing, FORCE)
+    assert largest == pytest.approx(0.3 * FORCE, rel=0.01)
+    assert settled == pytest.approx(mass / (4.0 * steep * FORCE), rel=1e-3)
+
+
+def test_what_does_not_rub_keeps_its_slip() -> None:
+    assert friction_scale(case(model="planar", friction="none"), FORCE) == (0.0, inf)
+    force, settled = friction_scale(case(model="ring"), FORCE)
+    assert isnan(force)
+    assert settled == inf
