@@ -155,7 +155,8 @@ def files(module: str) -> tuple[list[str], list[str], list[str]]:
     own, neighbour = (sorted((COPY / "tests" / name).glob("test_*.py")) for name in MODULES[module])
     word = re.compile(rf"\b{Path(module).stem}\b")
     times = {str(path): len(word.findall(path.read_text())) for path in own}
-    naming = sorted(filter(times.get, times), key=times.__getitem__, reverse=True)
+    of_its_name = str(COPY / "tests" / MODULES[module][0] / f"test_{Path(module).name}")
+    naming = sorted(filter(times.get, times), key=lambda path: (path != of_its_name, -times[path]))
     return naming, [path for path in times if times[path] == 0], [str(path) for path in neighbour]
 
 

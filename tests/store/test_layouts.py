@@ -1,7 +1,6 @@
 """The JSON files of a results folder hold ids, names, numbers and texts, each in its place, or are refused."""
 
 import copy
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,17 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bearingsim import selection, store
+from bearingsim import store
 from bearingsim.runner import run
-from bearingsim.selection import Choice
-from bearingsim.selection.choices import key
 from bearingsim.simulation.trial import Trial
 from bearingsim.store import layouts
 from bearingsim.store.regular import Unreadable
 from bearingsim.store.sealed import read_json, write_json
 from tests.scenes.fake_studies import ENGINE, FakeStudy
-from tests.scenes.study_text import Write
-from tests.scenes.trials import TEXT, near
 
 OTHER = "0123456789abcdef"
 FIGURE = {
@@ -58,25 +53,6 @@ def test_what_a_study_expands_to_is_a_plan(plan: dict[str, Any]) -> None:
     layouts.check_plan(plan | {"figures": [FIGURE], "of another version": [1]})
     ids = [entry["job"] for entry in plan["jobs"]]
     layouts.check_plan(plan | {"design": DESIGN | {"ids": ids[:2]}})
-
-
-def test_the_plan_of_an_accuracy_names_the_models_that_were_chosen(write: Write) -> None:
-    study = near(write)
-    choices = {key(study, case): Choice("static", "static", "near enough", {}) for case in study.cases()}
-    chosen = selection.chosen(study, choices)
-    plan = json.loads(json.dumps(store.plan_of(chosen, chosen.jobs())))
-    layouts.check_plan(plan)
-    accuracy = plan["accuracy"]
-    assert accuracy["within"] == 0.05
-    assert [choice["model"] for choice in accuracy["jobs"].values()] == 3 * ["static"]
-    assert accuracy["curves"][0]["jobs"] == list(accuracy["jobs"])
-    assert {audit["of"] for audit in accuracy["audits"]} <= set(accuracy["jobs"])
-    assert store.plan_of(study, [])["accuracy"] is None
-
-
-@pytest.mark.parametrize(("said", "nothing"), [("", False), ("uncertainty: none\n", True)])
-def test_a_plan_tells_nothing_uncertain_from_nothing_said(write: Write, said: str, nothing: bool) -> None:
-    assert store.plan_of(near(write, TEXT + said), [])["nothing_uncertain"] is nothing
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,31 @@
+"""What a plan tells of its study, and the table that is made of it."""
+
+import json
+
+import pytest
+
+from bearingsim import selection, store
+from bearingsim.selection import Choice
+from bearingsim.selection.choices import key
+from bearingsim.store import layouts
+from tests.scenes.study_text import Write
+from tests.scenes.trials import TEXT, near
+
+
+def test_the_plan_of_an_accuracy_names_the_models_that_were_chosen(write: Write) -> None:
+    study = near(write)
+    choices = {key(study, case): Choice("static", "static", "near enough", {}) for case in study.cases()}
+    chosen = selection.chosen(study, choices)
+    plan = json.loads(json.dumps(store.plan_of(chosen, chosen.jobs())))
+    layouts.check_plan(plan)
+    accuracy = plan["accuracy"]
+    assert accuracy["within"] == 0.05
+    assert [choice["model"] for choice in accuracy["jobs"].values()] == 3 * ["static"]
+    assert accuracy["curves"][0]["jobs"] == list(accuracy["jobs"])
+    assert {audit["of"] for audit in accuracy["audits"]} <= set(accuracy["jobs"])
+    assert store.plan_of(study, [])["accuracy"] is None
+
+
+@pytest.mark.parametrize(("said", "nothing"), [("", False), ("uncertainty: none\n", True)])
+def test_a_plan_tells_nothing_uncertain_from_nothing_said(write: Write, said: str, nothing: bool) -> None:
+    assert store.plan_of(near(write, TEXT + said), [])["nothing_uncertain"] is nothing
