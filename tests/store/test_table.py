@@ -1,6 +1,8 @@
 """What a plan tells of its study, and the table that is made of it."""
 
 import json
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -8,6 +10,9 @@ from bearingsim import selection, store
 from bearingsim.selection import Choice
 from bearingsim.selection.choices import key
 from bearingsim.store import layouts
+from bearingsim.store.regular import Unreadable
+from bearingsim.store.sealed import write_json
+from tests.scenes.fake_studies import FakeStudy
 from tests.scenes.study_text import Write
 from tests.scenes.trials import TEXT, near
 
@@ -29,3 +34,12 @@ def test_the_plan_of_an_accuracy_names_the_models_that_were_chosen(write: Write)
 @pytest.mark.parametrize(("said", "nothing"), [("", False), ("uncertainty: none\n", True)])
 def test_a_plan_tells_nothing_uncertain_from_nothing_said(write: Write, said: str, nothing: bool) -> None:
     assert store.plan_of(near(write, TEXT + said), [])["nothing_uncertain"] is nothing
+
+
+def test_a_damaged_plan_is_not_read(tmp_path: Path) -> None:
+    study: Any = FakeStudy()
+    plan = store.write_plan(tmp_path, study, study.jobs())
+    assert store.read_plan(tmp_path)["study"] == "fake"
+    write_json(tmp_path / "plan.json", plan | {"jobs": {}})
+    with pytest.raises(Unreadable, match="^jobs"):
+        store.read_plan(tmp_path)
