@@ -241,12 +241,13 @@ def test_what_is_to_come_is_the_sum_of_a_geometric_series() -> None:
     assert to_come(3.0, 1.0) == to_come(3.0, 1.5) == math.inf
 
 
+@pytest.mark.parametrize("part", [0.0, 0.95])
 @pytest.mark.parametrize("passes", [0, 1, 2, 3])
-def test_recordings_are_held_up_to_a_size(passes: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_recordings_are_held_up_to_a_size(passes: int, part: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of doubles: periods are sought as far as the passes before are held; none is found without any."""
     setup = RUN_SETUP.set_up(resolved(model="ring"))
     places = channels.recorded(setup.case)
-    monkeypatch.setattr(repetition, "MOST_HELD", (passes + 0.95) * 8 * len(places) * STEPS)
+    monkeypatch.setattr(repetition, "MOST_HELD", (passes + part) * 8 * len(places) * STEPS)
     search = Search(places, STEPS, setup.model, False, OF_A_RECORD)
     assert list(search.periods) == list(range(1, passes + 1))
 

@@ -41,5 +41,5 @@ def test_a_damaged_plan_is_not_read(tmp_path: Path) -> None:
     plan = store.write_plan(tmp_path, study, study.jobs())
     assert store.read_plan(tmp_path)["study"] == "fake"
     write_json(tmp_path / "plan.json", plan | {"jobs": {}})
-    with pytest.raises(Unreadable, match="^jobs"):
+    with pytest.raises(Unreadable, match=r"^jobs"):
         store.read_plan(tmp_path)
