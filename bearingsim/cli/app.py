@@ -34,18 +34,18 @@ app = typer.Typer(
 )
 
 SILENCE_S = 1.0  # s without output, after which the step in progress is named
-FRESH_SHARD = "would throw away the other shards' results: remove the folder first"
+FRESH_SHARD = "would delete the results of other shards: remove the folder yourself, then run each shard"
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY", help="study file (YAML)", show_default=False)]
 Results = Annotated[
     Path | None, typer.Argument(metavar="RESULTS", help="results folder; default: the newest in ./results")
 ]
 Set = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="another value, or list of values, for a path; repeatable"),
+    typer.Option("--set", metavar="PATH=VALUE", help="replace a value, or sweep a list of values; repeatable"),
 ]
-Quick = Annotated[bool, typer.Option("--quick", help="the study's own reduced grid")]
-Json = Annotated[bool, typer.Option("--json", help="for a script to read")]
-Jobs = Annotated[int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help="worker processes; 1: no pool")]
+Quick = Annotated[bool, typer.Option("--quick", help="run the reduced grid (`quick:` of the study)")]
+Json = Annotated[bool, typer.Option("--json", help="print JSON, for scripts")]
+Jobs = Annotated[int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help="number of worker processes")]
 
 
 def main() -> None:
@@ -72,7 +72,9 @@ def _version(requested: bool) -> None:
 
 @app.callback()
 def common(
-    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="detail, and tracebacks of errors")] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="print details, and tracebacks of errors")
+    ] = False,
     version: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="print the version and exit")
     ] = False,
@@ -84,13 +86,13 @@ def common(
 def new(
     path: Annotated[Path, typer.Argument(metavar="PATH", help="file to write")] = Path("study.yaml"),
 ) -> None:
-    """Write a commented study file to start from, and beside it its schema for editors."""
+    """Write a commented study file to start from, and a schema for editors in the same folder."""
     from bearingsim.cli.new import write_schema, write_study
 
     write_study(path)
     for line in write_schema(path.parent):
         say(line, err=True)
-    say(f"{path} written: next `bearingsim check {path}`")
+    say(f"{path} written; next: bearingsim check {path}")
 
 
 @app.command()
@@ -101,17 +103,17 @@ def check(
     quick: Quick = False,
     jobs: Jobs = None,
     pilots: Annotated[
-        bool, typer.Option("--pilots", help="of a study with `accuracy`: try the models, and choose")
+        bool, typer.Option("--pilots", help="run short trials and choose the models (needs `accuracy`)")
     ] = False,
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="results folder that keeps the choice (as of `run`)")
+        Path | None, typer.Option(metavar="DIR", help="results folder in which the choice is stored, as for `run`")
     ] = None,
     schema: Annotated[
-        bool, typer.Option("--schema", help="print the JSON schema of study files, for editors")
+        bool, typer.Option("--schema", help="print the JSON schema of study files, for editors, and exit")
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Validate a study and print its plan: jobs, steps, time and disk. Runs nothing but pilots, if asked to."""
+    """Validate a study and estimate its jobs, CPU time and disk space. No job is computed."""
     if schema:
         from bearingsim.study import schema_text
 
@@ -123,7 +125,7 @@ def check(
 
     loaded = _loaded(study, set_, quick)
     if pilots and loaded.goal is None:
-        raise typer.BadParameter("the study names no `accuracy`: nothing is to be chosen", param_hint="--pilots")
+        raise typer.BadParameter("the study has no `accuracy`, so no model is chosen", param_hint="--pilots")
     if loaded.goal is not None:
         from bearingsim import runner
 
@@ -148,29 +150,30 @@ def run(
     out: Annotated[
         Path | None,
         typer.Option(
-            metavar="DIR", help="results folder (default: results/<study>, of --quick results/<study>-quick)"
+            metavar="DIR", help="results folder (default: results/<study>, with --quick results/<study>-quick)"
         ),
     ] = None,
-    fresh: Annotated[bool, typer.Option("--fresh", help="throw stored results away first")] = False,
-    retry_failed: Annotated[bool, typer.Option("--retry-failed", help="try failed jobs again")] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="delete stored results first")] = False,
+    retry_failed: Annotated[bool, typer.Option("--retry-failed", help="run failed jobs again")] = False,
     set_: Set = None,
-    shard: Annotated[str, typer.Option(metavar="K/N", help="share K of N of the jobs")] = "1/1",
+    shard: Annotated[str, typer.Option(metavar="K/N", help="compute part K of N of the jobs")] = "1/1",
     quick: Quick = False,
-    verify: Annotated[bool, typer.Option("--verify", help="read stored results against their checksums")] = False,
+    verify: Annotated[bool, typer.Option("--verify", help="check stored results against their checksums")] = False,
     scheduler: Annotated[
         str | None,
-        typer.Option(metavar="ADDRESS", help="let the workers of the dask scheduler at tcp://HOST:PORT compute"),
+        typer.Option(metavar="ADDRESS", help="compute on the workers of a dask scheduler, tcp://HOST:PORT"),
     ] = None,
-    fail_fast: Annotated[bool, typer.Option("--fail-fast", help="end at the first job that fails")] = False,
-    max_failures: Annotated[
-        int | None, typer.Option(min=1, metavar="N", help="end when N jobs have failed")
-    ] = None,
+    fail_fast: Annotated[bool, typer.Option("--fail-fast", help="stop at the first failed job")] = False,
+    max_failures: Annotated[int | None, typer.Option(min=1, metavar="N", help="stop after N failed jobs")] = None,
     max_cpu: Annotated[
         str | None,
-        typer.Option(metavar="TIME", help="CPU time that a job may take, such as `10 min`; longer ones stay out"),
+        typer.Option(metavar="TIME", help="limit of CPU time per job, such as `10 min`; longer jobs are skipped"),
     ] = None,
 ) -> None:
-    """Compute what is not done yet, and store it. Exit code 1: some failed or are left, the rest is stored."""
+    """Compute and store the jobs of a study that are not done yet.
+
+    Exit code 1 if any job failed or was skipped; finished jobs are kept.
+    """
     share = _share(shard)
     failures, cpu = _most_failures(fail_fast, max_failures), _time("--max-cpu", max_cpu) if max_cpu else inf
     if fresh and share != (1, 1):
@@ -205,28 +208,35 @@ def run(
 def plot(
     results: Results = None,
     kind: Annotated[
-        str, typer.Option(help="sweep, phase, design; of jobs series, spectrum, envelope, roller, load, pit, ring")
+        str,
+        typer.Option(
+            help="of the study: sweep, phase, design; of single jobs: series, spectrum, envelope (spectrum), "
+            "roller, load, pit, ring"
+        ),
     ] = "sweep",
-    x: Annotated[str | None, typer.Option(metavar="PATH", help="swept path on the x axis")] = None,
-    by: Annotated[list[str] | None, typer.Option(metavar="PATH", help="a curve per value; repeatable")] = None,
+    x: Annotated[str | None, typer.Option(metavar="PATH", help="swept parameter on the x axis")] = None,
+    by: Annotated[
+        list[str] | None, typer.Option(metavar="PATH", help="one curve per value of this parameter; repeatable")
+    ] = None,
     y: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="feature, or channel of a job: a column of axes each; repeatable"),
+        typer.Option(metavar="NAME", help="feature, or channel of a job; one column of axes each; repeatable"),
     ] = None,
     panels: Annotated[
-        list[str] | None, typer.Option(metavar="PATH", help="a row of axes per value; repeatable")
+        list[str] | None,
+        typer.Option(metavar="PATH", help="one row of axes per value of this parameter; repeatable"),
     ] = None,
     where: Annotated[
-        list[str] | None, typer.Option(metavar="PATH=VALUE", help="only these cases; repeatable")
+        list[str] | None, typer.Option(metavar="PATH=VALUE", help="plot only cases with this value; repeatable")
     ] = None,
-    job: Annotated[
-        list[str] | None, typer.Option(metavar="JOB", help="job of a series or spectrum, or `all`; repeatable")
+    job: Annotated[list[str] | None, typer.Option(metavar="JOB", help="job to plot, or `all`; repeatable")] = None,
+    span: Annotated[
+        str | None, typer.Option(metavar="TIME", help="length of the time axis, such as `20 ms`")
     ] = None,
-    span: Annotated[str | None, typer.Option(metavar="TIME", help="so much of a series or load: `20 ms`")] = None,
     file_format: Annotated[str, typer.Option("--format", help="png, svg or pdf")] = "png",
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="folder (default: RESULTS/figures)")] = None,
 ) -> None:
-    """Draw figures: those the study names, or one for each swept parameter."""
+    """Draw the figures that the study defines, or one for each swept parameter."""
     from bearingsim import plots
     from bearingsim.plots.plot import ALL, FORMATS
 
@@ -254,16 +264,14 @@ def plot(
 @reading
 def show(
     results: Results = None,
-    failed: Annotated[bool, typer.Option("--failed", help="only failed jobs, with reason and advice")] = False,
+    failed: Annotated[bool, typer.Option("--failed", help="list failed jobs, with reason and advice")] = False,
     assumptions: Annotated[
-        bool, typer.Option("--assumptions", help="what was assumed, and not varied, in sentences")
+        bool, typer.Option("--assumptions", help="list the assumptions that the study does not vary")
     ] = False,
-    columns: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="column of the table; repeatable")
-    ] = None,
+    columns: Annotated[list[str] | None, typer.Option(metavar="NAME", help="column to print; repeatable")] = None,
     as_json: Json = False,
 ) -> None:
-    """Print the table of jobs: what was swept, status, features."""
+    """Print a table of the jobs with swept parameters, status and features."""
     from bearingsim.cli import tables
 
     opened = opened_results(results)
@@ -281,15 +289,15 @@ def sensitivity(
     results: Results = None,
     of: Annotated[
         list[str] | None,
-        typer.Option("--of", metavar="FEATURE", help="default: the fault's line; repeatable"),
+        typer.Option("--of", metavar="FEATURE", help="default: amplitude at the defect frequency; repeatable"),
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="FIGURE", help="file of the figure (.png, .svg, .pdf; default: in RESULTS/figures)"),
+        typer.Option(metavar="FIGURE", help="figure file (.png, .svg, .pdf; default: in RESULTS/figures)"),
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Tell which parameters decide a feature: Sobol' indices or Morris' effects of a design, with intervals."""
+    """Rank parameters by their influence on a feature: Sobol' indices or Morris effects, with intervals."""
     from bearingsim.cli import sensitivity as deciding
 
     deciding.show(opened_results(results), of or [], as_json, out)
@@ -301,20 +309,20 @@ def export(
     results: Results = None,
     features: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="write the table of features (.csv, .parquet; -: csv to stdout)"),
+        typer.Option(metavar="FILE", help="file for the table of features (.csv, .parquet; -: csv to stdout)"),
     ] = None,
     series: Annotated[
-        list[str] | None, typer.Option(metavar="JOB", help="write the series of a job; repeatable")
+        list[str] | None, typer.Option(metavar="JOB", help="job whose time series are written; repeatable")
     ] = None,
     out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="file of the series (.csv, .mat; -: csv to stdout)")
+        Path | None, typer.Option(metavar="FILE", help="file for the time series (.csv, .mat; -: csv to stdout)")
     ] = None,
     file_format: Annotated[
-        str | None, typer.Option("--format", help="csv, parquet or mat, where no file is named")
+        str | None, typer.Option("--format", help="csv, parquet or mat, if no file is named")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="replace files that are there")] = False,
+    force: Annotated[bool, typer.Option("--force", help="overwrite existing files")] = False,
 ) -> None:
-    """Write features to csv or parquet, or the series of chosen jobs to csv or mat."""
+    """Write features to csv or parquet, or the time series of chosen jobs to csv or mat."""
     from bearingsim.cli import exporting
 
     opened = opened_results(results)
@@ -335,9 +343,9 @@ def merge(
     folders: Annotated[
         list[Path], typer.Argument(metavar="DIR...", help="results folders of one study", show_default=False)
     ],
-    out: Annotated[Path, typer.Option(metavar="DIR", help="folder for all of them", show_default=False)],
+    out: Annotated[Path, typer.Option(metavar="DIR", help="folder to create", show_default=False)],
 ) -> None:
-    """Make one results folder of several: those of shards, or of other machines. They stay as they are."""
+    """Merge results folders of one study, from shards or other machines, into a new one."""
     from bearingsim import store
 
     say(str(store.merge(folders, out)))
@@ -349,10 +357,10 @@ def prune(
     ctx: typer.Context,
     results: Results = None,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run/--no-dry-run", help="only say what would be removed, or remove it")
+        bool, typer.Option("--dry-run/--no-dry-run", help="list what would be removed, or remove it")
     ] = True,
 ) -> None:
-    """Remove what the plan no longer names: units, failures, trials, scans, damaged and temporary files."""
+    """Remove results that are no longer in the plan, and damaged and temporary files."""
     from bearingsim import store
 
     root = opened_results(results).path
@@ -362,26 +370,28 @@ def prune(
             say(near(path))
     say(str(superfluous))
     if superfluous.paths:
-        later = f"nothing is removed yet: `bearingsim prune {near(root)} --no-dry-run` does it"
+        later = f"nothing is removed yet; to remove: bearingsim prune {near(root)} --no-dry-run"
         say(later if dry_run else "removed")
 
 
 @app.command()
 def freq(
-    bearing: Annotated[str, typer.Argument(metavar="BEARING", help="a name in configs/bearings, or a path")],
+    bearing: Annotated[
+        str, typer.Argument(metavar="BEARING", help="name in configs/bearings, or path of a bearing file")
+    ],
     speed: Annotated[str, typer.Option(help="speed of the inner ring")] = "1800 rpm",
     outer_speed: Annotated[
         str | None,
-        typer.Option(help="of the outer ring, negative: against the inner one; default: it stands"),
+        typer.Option(help="speed of the outer ring, negative if opposite to the inner one; default: 0"),
     ] = None,
     contact_angle: Annotated[
-        str | None, typer.Option(help="such as `15 deg`; default: that of the bearing's file, or 0")
+        str | None, typer.Option(help="contact angle, such as `15 deg`; default: from the bearing file, else 0")
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Print the characteristic frequencies of a bearing, and their harmonics.
+    """Print the characteristic frequencies of a bearing and their harmonics.
 
-    Of a bearing's file `rollers`, `roller_diameter` and `pitch_diameter` suffice, and `element: ball` for balls.
+    A bearing file needs only `rollers`, `roller_diameter` and `pitch_diameter` (and `element: ball` for balls).
     """
     from bearingsim.cli import frequencies
 
@@ -395,22 +405,25 @@ def freq(
 @app.command()
 def stability(
     model: Annotated[
-        list[str] | None, typer.Option(metavar="MODEL", help="default: ring and rollers; repeatable")
+        list[str] | None, typer.Option(metavar="MODEL", help="model to map; default: ring and rollers; repeatable")
     ] = None,
     method: Annotated[
-        list[str] | None, typer.Option(metavar="METHOD", help="default: all, SciPy's too; repeatable")
+        list[str] | None,
+        typer.Option(metavar="METHOD", help="integrator; default: all, including SciPy's; repeatable"),
     ] = None,
     defect: Annotated[
         list[str] | None,
-        typer.Option("--pit", metavar="PIT", help="`0.2 mm slot` and others; default: all; repeatable"),
+        typer.Option("--pit", metavar="DEFECT", help="defect, such as `0.2 mm slot`; default: all; repeatable"),
     ] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="a small grid of some methods, in some minutes")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="map a small grid of a few methods (some minutes)")
+    ] = False,
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="folder (default: results/stability, or -quick)")
     ] = None,
     jobs: Jobs = 1,
 ) -> None:
-    """Map where each method fails: step x stiffness x damping x pit. Writes a CSV, draws maps."""
+    """Map where each integrator fails, over step, stiffness, damping and defect, as a CSV file and figures."""
     from bearingsim.cli import stability as mapping
 
     mapping.show(model, method, defect, quick, out, jobs or 1)
@@ -420,18 +433,16 @@ def stability(
 def bench(
     study: Annotated[
         Path | None,
-        typer.Argument(metavar="STUDY", help="its first cases are the scenes; default: the program's own scenes"),
+        typer.Argument(metavar="STUDY", help="study whose first cases are compared; default: the built-in scenes"),
     ] = None,
-    scene: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="a scene of the program's own; repeatable")
-    ] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="few scenes and settings, short records")] = False,
+    scene: Annotated[list[str] | None, typer.Option(metavar="NAME", help="built-in scene; repeatable")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="use few scenes and settings, and short records")] = False,
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="folder (default: results/bench-chart, or -quick)")
     ] = None,
     jobs: Jobs = 1,
 ) -> None:
-    """Chart speed against accuracy: models x methods x steps or tolerances. Computes what is not there yet."""
+    """Chart speed against accuracy of models and integrators over their steps or tolerances."""
     from bearingsim.cli import bench as charting
 
     charting.show(study, scene or [], quick, out, jobs or 1)
@@ -449,7 +460,7 @@ def _loaded(path: Path, assignments: list[str] | None, quick: bool) -> "Study":
         overrides = dict(map(_assignment, assignments or []))
         study = load_study(path, overrides, quick, lambda count: patience.begin(f"reading {grouped(count)} cases"))
     if quick and not study.quick:
-        say(f"{path} has no `quick:` section: this is the whole study", err=True)
+        say(f"{path} has no `quick:` section, so this is the whole study", err=True)
     return study
 
 
@@ -479,7 +490,9 @@ def _time(option: str, text: str) -> float:
 
 def _most_failures(fail_fast: bool, max_failures: int | None) -> float:
     if fail_fast and max_failures:
-        raise typer.BadParameter("ends at the first failure: leave out `--max-failures`", param_hint="--fail-fast")
+        raise typer.BadParameter(
+            "already stops at the first failure; omit `--max-failures`", param_hint="--fail-fast"
+        )
     return 1 if fail_fast else max_failures or inf
 
 
