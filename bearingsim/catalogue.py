@@ -82,11 +82,11 @@ def register(*entries: Entry) -> None:
             raise ValueError(f"expected a Model, Method, Law, Shape or Feature, got `{entry!r}`")
         table = _table_of(entry)
         if entry.name in (REFERENCE, AUTO):
-            raise ValueError(f"`{entry.name}` leaves the choice to the program: take another name")
+            raise ValueError(f"`{entry.name}` is reserved for automatic choice; use another name")
         if isinstance(entry, Law) and not entry.section and entry.what != "stiffness":
             raise ValueError(f"the {entry.what} law `{entry.name}` needs a section")
         if entry.name in table:
-            raise ValueError(f"`{entry.name}` is registered already: take another name")
+            raise ValueError(f"`{entry.name}` is already registered; use another name")
         table[entry.name] = entry
 
 

@@ -77,7 +77,7 @@ def check() -> None:
     if now() > last:
         raise OutOfCpuTime(
             f"it took over {seconds:.4g} s of CPU time, and was stopped (`--max-cpu`)",
-            "take a shorter `duration`, or a larger `--max-cpu` with `--retry-failed`",
+            "use a shorter `duration`, or a larger `--max-cpu` with `--retry-failed`",
         )
 
 

@@ -71,4 +71,4 @@ def refuse_broken() -> None:
     if BROKEN:
         names = ",".join(sorted(skipped() | BROKEN.keys()))
         sentences = "\n".join(BROKEN.values())
-        raise BrokenExtension(f"{sentences}; mend it, or set {SKIP}={names} to compute without it")
+        raise BrokenExtension(f"{sentences}; fix it, or set {SKIP}={names} to compute without it")

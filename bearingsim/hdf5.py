@@ -77,7 +77,7 @@ class Hdf5:
     def afford(self, what: str, size: float) -> None:
         """Raise Unsafe if ``size`` bytes exceed the limit of one read. what: names the data in the message."""
         if size > self.most:
-            sizes = f"{size / 1e6:.3g} MB, over the {self.most / 1e6:.3g} MB that are plausible for this file"
+            sizes = f"{size / 1e6:.3g} MB, above the {self.most / 1e6:.3g} MB that are plausible for this file"
             raise Unsafe(f"{what} would take {sizes}")
 
     def has_attribute(self, name: str, of: str = "") -> bool:

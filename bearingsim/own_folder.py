@@ -67,7 +67,7 @@ def _check(folder: Path) -> None:
 def _check_one(level: Path, sticky_will_do: bool) -> None:
     status = level.lstat()
     if not _is_trusted(status.st_uid):
-        raise Distrusted(f"{level} belongs to another user")
+        raise Distrusted(f"{level} is owned by another user")
     if _others_write(status) and not (sticky_will_do and status.st_mode & stat.S_ISVTX):
         raise Distrusted(f"others can write in {level} (`chmod go-w` closes it)")
 

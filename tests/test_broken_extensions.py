@@ -26,7 +26,7 @@ BROKEN = {
     "no entry": ("from bearingsim.catalogue import register\nregister(3)", "ValueError: expected a Model,"),
     "a name that is taken": (
         "from bearingsim.catalogue import Method, register\nregister(Method('verlet', 'flawed'))",
-        "ValueError: `verlet` is registered already",
+        "ValueError: `verlet` is already registered",
     ),
     "no such object": ("", "AttributeError: module 'flawed' has no attribute 'thing'"),
 }
@@ -100,7 +100,7 @@ def test_nothing_is_computed_without_a_broken_extension(write, monkeypatch) -> N
     monkeypatch.setenv(extensions.SKIP, "other")
     extensions.leave_out("mine", "it is broken")
     extensions.leave_out("mine", "in two ways")
-    told = "^it is broken; mend it, or set BEARINGSIM_SKIP_EXTENSIONS=mine,other to compute without it$"
+    told = "^it is broken; fix it, or set BEARINGSIM_SKIP_EXTENSIONS=mine,other to compute without it$"
     with pytest.raises(extensions.BrokenExtension, match=told):
         load_study(write("study: own\n"))
     with pytest.raises(extensions.BrokenExtension, match=told):

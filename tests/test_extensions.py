@@ -245,7 +245,7 @@ def test_what_needs_no_extension_goes_on_without_it(broken: Path) -> None:
         assert (code, stderr) == (0, f"{REASON} (left out)\n" if words != ("--help",) else ""), words
         assert stdout, words
     for words in COMPUTING:
-        way_out = "mend it, or set BEARINGSIM_SKIP_EXTENSIONS=toys to compute without it"
+        way_out = "fix it, or set BEARINGSIM_SKIP_EXTENSIONS=toys to compute without it"
         assert answers[words] == (2, "", f"{REASON}; {way_out}\n"), words
 
 

@@ -78,7 +78,7 @@ def test_a_job_that_cannot_fit_is_refused_before_it_runs(monkeypatch: pytest.Mon
     )
     (text,) = plan_of(study, 1).refused
     assert "GB of memory" in text
-    assert "take a shorter `duration`" in text
+    assert "use a shorter `duration`" in text
 
 
 def test_memory_grows_with_what_is_computed_of_a_record_and_with_its_series() -> None:

@@ -139,7 +139,7 @@ def _made(parameters: Any) -> list[str]:
     unknown = [name for name in made if name not in PARAMETER_BUILDERS]
     if unknown:
         raise UserError(
-            f"{parameters.__name__} needs `{unknown[0]}`, which no builder makes: {', '.join(PARAMETER_BUILDERS)}"
+            f"{parameters.__name__} needs `{unknown[0]}`, but there is no builder: {', '.join(PARAMETER_BUILDERS)}"
         )
     return made
 

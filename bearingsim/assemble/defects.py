@@ -277,10 +277,10 @@ def closed_form_jumps(excitation: Any, groups: tuple[tuple[float, ...], ...], R:
 def _checked_pair(case: Case, d: config.Defect, pair: RollerDefectPair) -> RollerDefectPair:
     """Return the pair. Raises Refused if the defect has no effect, or acts on two rollers at a time."""
     if pair.half_width == 0.0:
-        reason = f"nothing is felt of the {d.shape} defect: it is beyond the contact, or of no depth"
+        reason = f"the {d.shape} defect has no effect because it lies outside the contact, or has no depth"
         reach = f"{500.0 * contact_length(case, pair.side):.4g} mm"
         raise Refused(
-            reason, f"the contact reaches {reach} from the middle: take a smaller `offset`, or a larger defect"
+            reason, f"the contact ends {reach} from the middle; use a smaller `offset` or a larger defect"
         )
     spacing = 2.0 * pi * pair.radius / (1 if d.race == "roller" else case.bearing.rollers)
     if 2.0 * pair.half_width > spacing:

@@ -61,7 +61,7 @@ def _missing(what: str, kind: type, called: tuple[tuple[Any, ...], ...], implici
     always, solved_with = called
     for function in (*always, *(solved_with if implicit else ())):
         if not function.serves(kind):
-            yield f"the {what} has no `{function.__name__}`"
+            yield f"the {what} lacks `{function.__name__}`"
 
 
 def refuse_features() -> None:
@@ -70,4 +70,6 @@ def refuse_features() -> None:
         if not callable(code(feature.compute)):
             raise UserError(f"feature `{feature.name}`: `{feature.compute}` is no function")
         if feature.name not in DECLARED:
-            raise UserError(f"feature `{feature.name}` is not declared: register it where its entry point leads")
+            raise UserError(
+                f"feature `{feature.name}` is not declared; register it in the module of its entry point"
+            )

@@ -64,7 +64,7 @@ def own(names: Sequence[str], quick: bool) -> list[Scene]:
     for name in names:
         if name not in ORDER:
             near = suggestion(name, ORDER) or f"known: {', '.join(ORDER)}"
-            raise UserError(f"there is no scene `{name}`; {near}")
+            raise UserError(f"unknown scene `{name}`; {near}")
     return [scene for name in dict.fromkeys(names) for scene in of_file(FOLDER / f"{name}.yaml", quick)]
 
 
@@ -73,7 +73,7 @@ def of_file(path: Path, quick: bool) -> list[Scene]:
     study = load_study(path, quick=quick)
     judged = _all_by(study, path, {"model": REFERENCE}, quick)
     if any(case.ramp is not None for case in judged if case is not None):
-        raise UserError(f"{path}: a speed that changes has no line to compare: leave `ramp` out")
+        raise UserError(f"{path}: no spectral line can be compared while the speed changes; omit `ramp`")
     return [
         Scene(
             *_named(study, n), (Variant(_label(shown), shown.model, shown), *_lower(study, path, n, case, quick))

@@ -106,7 +106,7 @@ def _rows(run: Run, solver: outside.Solver | None) -> list[Row]:
 def _compile(todo: Sequence[Run], jobs: int) -> None:
     """Compile before timing, each model in one process."""
     groups = kinds(todo)
-    say(f"getting ready: {len(groups)} models, {len(todo)} runs to do", err=True)
+    say(f"compiling {len(groups)} models for {len(todo)} runs", err=True)
     for done, model in enumerate(spread(_ready, [(group, dict(outside.SOLVERS)) for group in groups], jobs), 1):
         say(f"ready, {done} of {len(groups)}: {model}", err=True)
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def show(study: Path | None, scenes: Sequence[str], quick: bool, folder: Path | None, jobs: int) -> None:
     """Compute, draw and print the chart of speed against accuracy."""
     if study is not None and scenes:
-        raise typer.BadParameter("name a study or scenes of the program, not both", param_hint="--scene")
+        raise typer.BadParameter("name a study or built-in scenes, not both", param_hint="--scene")
     usual = "bench-chart-quick" if quick else "bench-chart"
     target = folder or Path("results") / (f"bench-{study.stem}" if study is not None else usual)
     for file in chart(study, scenes, quick, target, jobs):

@@ -58,9 +58,9 @@ def show(summary: "RunSummary", verbose: bool) -> None:
     assumed = summary.findings.assumed
     if assumed:
         say(f"{len(assumed)} assumption{'s' * (len(assumed) != 1)} not varied: {', '.join(assumed)}")
-        say(f"  levels depend on them: bearingsim show {near(summary.folder)} --assumptions")
+        say(f"  amplitudes depend on them: bearingsim show {near(summary.folder)} --assumptions")
     if quick:
-        say("this was the reduced grid: the whole study runs without --quick")
+        say("this was the reduced grid; run without --quick for the whole study")
     if verbose:
         for text in summary.details:
             say(text)

@@ -45,7 +45,7 @@ def series(
     recorded = {job: results.series(job) for job in jobs}
     empty = [job for job, signals in recorded.items() if not signals.channels]
     if empty:
-        raise UserError(f"job {empty[0]} has no series: the study says `record: []`")
+        raise UserError(f"job {empty[0]} has no series because the study has `record: []`")
     _write(target, _csv(recorded) if suffix == "csv" else _mat(recorded, results.parameters()))
     return target
 
@@ -57,16 +57,16 @@ STDOUT = Path("-")
 def check(features: Path | None, jobs: Sequence[str], out: Path | None, file_format: str | None) -> None:
     """Refuse a file of series without a job, two tables on one stdout, and any format but csv there."""
     if out is not None and not jobs:
-        raise UserError("`--out` is the file of series: name a job with `--series`, or say `--features FILE`")
+        raise UserError("`--out` is for time series; name a job by `--series`, or use `--features FILE`")
     if features == out == STDOUT:
-        raise UserError("--features - and --out -: one of them can go to stdout, name a file for the other")
+        raise UserError("--features - and --out -: only one can go to stdout; name a file for the other")
     if STDOUT in (features, out) and file_format not in (None, "csv"):
-        raise UserError(f"stdout gets csv, not {file_format}: leave `--format` out, or name a file")
+        raise UserError(f"only csv can go to stdout, not {file_format}; omit `--format`, or name a file")
 
 
 def _refuse_existing(target: Path, force: bool) -> None:
     if not force and target != STDOUT and (target.exists() or target.is_symlink()):
-        raise UserError(f"{target} exists already: name another file, or say --force to replace it")
+        raise UserError(f"{target} exists; name another file, or use --force to overwrite it")
 
 
 def _write(target: Path, content: bytes) -> None:
@@ -115,7 +115,7 @@ def _csv(recorded: "dict[str, Series]") -> bytes:
 
     reference = next(iter(recorded.values()))
     if not all(np.array_equal(signals.time, reference.time) for signals in recorded.values()):
-        raise UserError("the jobs have different time axes: write them to .mat, or one by one")
+        raise UserError("the jobs have different time axes; export them to .mat, or one at a time")
     columns: dict[str, Any] = {"time [s]": reference.time}
     for job, signals in recorded.items():
         prefix = f"{job}/" if len(recorded) > 1 else ""

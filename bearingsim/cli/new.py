@@ -12,7 +12,7 @@ def write_study(path: Path) -> None:
     try:
         _write(path, NEW_STUDY)
     except FileExistsError:
-        raise UserError(f"{path} exists already: give another path, or remove it") from None
+        raise UserError(f"{path} exists; name another file, or remove it") from None
 
 
 def write_schema(folder: Path) -> Iterator[str]:
@@ -22,10 +22,7 @@ def write_schema(folder: Path) -> Iterator[str]:
         _write(path, text)
     except FileExistsError:
         if not _holds(path, text):
-            yield (
-                f"{path} is another file, or another version's schema, and stays: `bearingsim check --schema`"
-                " prints this version's"
-            )
+            yield (f"{path} is not this version's schema and is kept; `bearingsim check --schema` prints it")
 
 
 def _write(path: Path, text: str) -> None:

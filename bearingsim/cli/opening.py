@@ -29,7 +29,7 @@ def reading(command: Command) -> Command:
             raise
         except UNUSABLE as error:
             problem = f"these results cannot be used ({type(error).__name__}: {str(error)[:LONGEST]})"
-            causes = "they are damaged or of another version, or this is an error of the program (-v shows where)"
+            causes = "they are damaged or of another version, or this is a bug (-v shows where)"
             raise UserError(f"{problem}: {causes}").with_traceback(error.__traceback__) from error
 
     return read
@@ -49,7 +49,7 @@ def opened(folder: Path | None) -> "Results":
             return open_results(root)
         except (ResultsError, LinkWithin) as error:
             say(f"{error} (left out)", err=True)
-    raise UserError("there are no results in ./results: name a folder, or run a study first")
+    raise UserError("no results in ./results; name a folder, or run a study first")
 
 
 def _newest_first() -> list[Path]:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 Line = tuple[str, Callable[[Priced], float]]
 CHOSEN: Line = ("step chosen (us)", lambda p: math.inf if takes_own_steps(p) else 1e6 * p.step)
-RECORDED: Line = ("own steps, recorded every (us)", lambda p: 1e6 * p.step if takes_own_steps(p) else math.inf)
+RECORDED: Line = ("adaptive, recorded every (us)", lambda p: 1e6 * p.step if takes_own_steps(p) else math.inf)
 
 
 def line_frequency(name: str, share: float = 1.0) -> Callable[[Priced], float]:
@@ -31,13 +31,13 @@ LINES: tuple[Line, ...] = (
     ("BSF (Hz)", line_frequency("2BSF", 0.5)),
     ("FTF (Hz)", line_frequency("FTF")),
     ("largest force at rest (N)", lambda p: p.limits.rest_load),
-    ("its pressure (GPa)", lambda p: 1e-9 * pressure(p.job.case)),
+    ("contact pressure (GPa)", lambda p: 1e-9 * pressure(p.job.case)),
 )
 DEFECTS: tuple[Line, ...] = (
-    ("impact force, about (N)", lambda p: p.limits.impact_force),
-    ("crossing of the pit (us)", lambda p: 1e6 * p.limits.crossing),
-    ("samples in a crossing", lambda p: p.limits.crossing * p.job.case.sampling),
-    ("an element sinks by (um)", lambda p: 1e6 * p.sinking),
+    ("impact force, estimated (N)", lambda p: p.limits.impact_force),
+    ("crossing of the defect (us)", lambda p: 1e6 * p.limits.crossing),
+    ("samples per crossing", lambda p: p.limits.crossing * p.job.case.sampling),
+    ("element drops by (um)", lambda p: 1e6 * p.sinking),
 )
 """Rows of studies with defects."""
 LIMITS: tuple[Line, ...] = (
@@ -49,12 +49,12 @@ LIMITS: tuple[Line, ...] = (
     ("closing speed (mm/s)", lambda p: 1e3 * p.limits.closing_speed),
 )
 """Step limits, and the contact properties that they follow from."""
-COST: Line = ("CPU time of a job (s)", lambda p: p.estimate.cpu_seconds)
-MEMORY: Line = ("memory of a job, at most (MB)", lambda p: 1e-6 * p.estimate.most_memory)
-PROOF: Line = ("of it to prove its step (s)", lambda p: p.estimate.check_seconds)
+COST: Line = ("CPU time per job (s)", lambda p: p.estimate.cpu_seconds)
+MEMORY: Line = ("memory per job, at most (MB)", lambda p: 1e-6 * p.estimate.most_memory)
+PROOF: Line = ("of it for the step check (s)", lambda p: p.estimate.check_seconds)
 FRICTION: tuple[Line, ...] = (
-    ("friction at rest, at most (N)", lambda p: p.friction_scale[0]),
-    ("slip at rest settles in (us)", lambda p: 1e6 * p.friction_scale[1]),
+    ("largest friction at rest (N)", lambda p: p.friction_scale[0]),
+    ("slip time constant at rest (us)", lambda p: 1e6 * p.friction_scale[1]),
 )
 """Rows of studies with friction. It lags by one step, so it sets no limit; a step below the time resolves it."""
 

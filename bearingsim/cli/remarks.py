@@ -44,9 +44,9 @@ def hanging(plan: Plan) -> Iterator[str]:
         reached, floors = (
             span(1e6 * d for d in part) for part in ([priced.sinking for priced in damaged], depths)
         )
-        same = "; rectangle and triangle are the same" if prisms else ""
+        same = "; rectangle and triangle give equal results" if prisms else ""
         element = damaged[0].job.case.bearing.element
-        yield f"{element}s sink {reached} um and do not reach the floor, {floors} um{same}"
+        yield f"{element}s drop {reached} um and do not reach the floor at {floors} um{same}"
 
 
 def choices(plan: Plan) -> list[str]:
@@ -56,7 +56,7 @@ def choices(plan: Plan) -> list[str]:
         return []
     if selection is None:
         models = ", ".join(f"`{name}`" for name in dict.fromkeys(priced.job.case.model for priced in plan.cases))
-        return [f"model: chosen as the run begins, or by `check --pilots`; priced as the reference, {models}"]
+        return [f"model not chosen yet (`check --pilots` does it); estimate for the reference, {models}"]
     why: dict[str, list[str]] = {}
     for chosen in selection.jobs.values():
         why.setdefault(chosen.model, []).append(chosen.why)
@@ -80,8 +80,8 @@ def methods(plan: Plan) -> list[str]:
         whole = all(
             priced.job.case.step_check == "strict" for priced in plan.everything if priced.job.case.checks_step
         )
-        where = "the whole run" if whole else "a period, or on the run's beginning"
-        texts.append(f"time step: checked on {where}; half of it may change line and RMS by 0.5 %")
+        where = "the whole run" if whole else "one period or the start of the run"
+        texts.append(f"time step: checked on {where}; a 2.24 times shorter one must agree within 0.5 %")
     return texts
 
 
@@ -95,7 +95,7 @@ def repeating(plan: Plan) -> Iterator[str]:
             priced.estimate.most_seconds - priced.estimate.cpu_seconds for priced in periodic
         )
         count = f"{len(periodic)} of {len(plan.everything)}"
-        yield f"{count} responses may be periodic; if none is: {duration(most)} of CPU time"
+        yield f"{count} responses may be periodic; CPU time if none is: {duration(most)}"
 
 
 def damping(plan: Plan) -> Iterator[str]:
@@ -150,8 +150,8 @@ def unsettled(plan: Plan) -> Iterator[str]:
     slow = [case for case in cases if remembers_start(case)]
     if slow:
         jobs = f" ({len(slow)} of {len(cases)} jobs)" if len(slow) < len(cases) else ""
-        left = f"{span(1e2 * remembered(case) for case in slow)} % of the start is left"
+        left = f"{span(1e2 * remembered(case) for case in slow)} % of the initial transient is left"
         times = [needed(case) for case in slow]
         advice = f"needs {span(times)} s" if max(times) < math.inf else "is never damped"
         longer = "`settle: auto`" if max(times) <= MOST else "more damping"
-        yield f"{left} as the record begins: the slowest mode {advice}; take {longer}{jobs}"
+        yield f"{left} when the record begins; the slowest mode {advice}; use {longer}{jobs}"

@@ -127,8 +127,7 @@ def _remarks(blocks: "Blocks") -> list[str]:
         texts.append(f"{blocks.losses()}; indices are those of the rest")
     if blocks.chaotic:
         texts.append(
-            f"{blocks.chaotic} of {blocks.jobs} jobs are chaotic: how far one draw differs from another counts"
-            " as parameters that act together"
+            f"{blocks.chaotic} of {blocks.jobs} jobs are chaotic, and their scatter counts as interaction"
         )
     return texts
 

@@ -46,7 +46,7 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     kept = all_columns if columns else _fitting(all_columns, [name in features for name in ["job", *chosen]])
     print_table([head for head, _ in kept], list(zip(*(cells for _, cells in kept), strict=True)))
     if len(shown) < len(rows):
-        say(f"and {len(rows) - len(shown)} jobs more: results.csv has them, and `--json`")
+        say(f"and {len(rows) - len(shown)} more jobs in results.csv (or use `--json`)")
     say(_counts(table) + _varied(results))
     for text in withdrawals(results.plan, job_frame(results.path)):
         say(text)
@@ -75,10 +75,10 @@ def show_assumptions(results: "Results") -> None:
     texts = [*assumed(results.plan, frame), *damping.of_jobs(results.info())]
     unvaried = [name for name in findings(results.plan, frame).assumed if name in UNVARIED]
     texts += [
-        f"{name} has one value in each case: `uncertainty: {{{name}: [{UNVARIED[name]}]}}` varies it"
+        f"{name} has one value per case; to vary it: `uncertainty: {{{name}: [{UNVARIED[name]}]}}` varies it"
         for name in unvaried
     ]
-    for text in texts or ["nothing is assumed that this program would vary"]:
+    for text in texts or ["every uncertain parameter is varied"]:
         say(text)
 
 
@@ -191,6 +191,6 @@ def show_failures(folder: Path, tracebacks: bool = False) -> None:
         if tracebacks:
             say(failure.traceback)
     if len(failures) > MOST_ROWS:
-        say(f"and {len(failures) - MOST_ROWS} jobs more: failed/ has them, a file each")
+        say(f"and {len(failures) - MOST_ROWS} more jobs, one file each in failed/")
     commands = dict.fromkeys(failure.command for failure in failures.values() if failure.command)
     say("\n".join(f"again: {command}" for command in commands) if failures else "no job failed")

@@ -32,12 +32,12 @@ class Case(CaseFields):
             return data
         for old, new in OLD_WORDS.items():
             if old in data and new in data:
-                refuse("twice", f"`{old}` is the old word for `{new}`", "say one of them", at=old)
+                refuse("twice", f"`{old}` is now called `{new}`", "say one of them", at=old)
         data = {OLD_WORDS.get(key, key): value for key, value in data.items()}
         if "defect" not in data:
             return data
         if "defects" in data:
-            refuse("defects", "say `defect` (one mapping) or `defects` (a list), not both", at="defect")
+            refuse("defects", "use `defect` (one mapping) or `defects` (a list), not both", at="defect")
         return {key: value for key, value in data.items() if key != "defect"} | {"defects": [data["defect"]]}
 
     @model_validator(mode="after")

@@ -63,7 +63,7 @@ class Quantity:
         value = _number(raw, self.dimension)
         too_small = self.above == 0.0 and 0.0 < abs(value) < SMALLEST  # of others it is as good as none
         if too_small or abs(value) > LARGEST:
-            hint = f"nothing is so {'large' if abs(value) > 1.0 else 'small'}"
+            hint = f"no plausible value is so {'large' if abs(value) > 1.0 else 'small'}"
             refuse("bound", f"expected {EXPECTED[self.dimension]}, got {described(raw)}", hint)
         if value <= self.above or value < self.least or value > self.most:
             what, example = EXPECTED[self.dimension].split(" such as ")
@@ -88,7 +88,7 @@ class Quantity:
 
 
 class QuantityOrAuto(Quantity):
-    """Mark of a field that may also say `auto`."""
+    """Mark of a field that may also use `auto`."""
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
         return or_words(super().__get_pydantic_json_schema__(schema, handler), "auto")

@@ -162,7 +162,7 @@ def _line_features(quantity: str, unit: str) -> dict[str, Feature]:
         features[f"{quantity}@{line}.phase"] = Feature("rad", f"{quantity} phase at {line}")
         if made_of.outer:
             features[f"{quantity}@{line}-scatter"] = Feature(unit, f"standard error of {quantity} at {line}")
-        features[f"{quantity}@{line}-healthy"] = Feature(unit, f"{quantity} at {line}, change against healthy")
+        features[f"{quantity}@{line}-healthy"] = Feature(unit, f"{quantity} at {line}, change from healthy")
     return features
 
 
@@ -187,13 +187,17 @@ def _of_extensions(own: Mapping[str, Feature]) -> dict[str, Feature]:
 
 UNKNOWNS = ("damping", "clearance", "bracket", "support")
 """Parameters that `uncertainty` can vary."""
-ERRORS = {"": "the fault's line", ".rms": "the velocity's RMS", ".force": "the largest force on the outer race"}
+ERRORS = {
+    "": "the amplitude at the defect frequency",
+    ".rms": "the velocity's RMS",
+    ".force": "the largest force on the outer race",
+}
 """Features with `error.*` columns, by the suffix of the column."""
 
 
 def _errors() -> dict[str, Feature]:
     return {
-        f"error.{what}{ending}": Feature("", f"range of {of} over what is not known of the {what}, over its value")
+        f"error.{what}{ending}": Feature("", f"relative range of {of} over the uncertain {what}")
         for what in UNKNOWNS
         for ending, of in ERRORS.items()
     }
@@ -212,16 +216,18 @@ def _features() -> dict[str, Feature]:
         "load_zone.extent": Feature("rad", "mean extent of the load zone"),
         "cage.slip.mean": Feature("", "mean slip of the cage"),
         "cage.slip.std": Feature("", "standard deviation of the cage's slip"),
-        "step_error.line": Feature("", "bound of the step's relative error of the fault's line"),
-        "step_error.rms": Feature("", "bound of the step's relative error of the RMS"),
-        "step_error.force": Feature("", "bound of the step's relative error of the largest outer force"),
-        "step_error.record": Feature("", "the same of what is recorded, of the quantity that changes most"),
-        "chaotic": Feature("", "whether the motion is chaotic (1) or not (0)"),
-        "rms_scatter": Feature("", "by how much chaos alone lets the RMS of such a record change"),
+        "step_error.line": Feature(
+            "", "bound of the relative step error of the amplitude at the defect frequency"
+        ),
+        "step_error.rms": Feature("", "bound of the relative step error of the RMS"),
+        "step_error.force": Feature("", "bound of the relative step error of the largest outer force"),
+        "step_error.record": Feature("", "bound of the step's relative error of the RMS of any recorded channel"),
+        "chaotic": Feature("", "1 if the motion is chaotic, else 0"),
+        "rms_scatter": Feature("", "relative scatter of the RMS of such a record due to chaos"),
         "standard_error.line": Feature("", "relative standard error of the velocity at BPFO, of a chaotic motion"),
         "standard_error.rms": Feature("", "relative standard error of the velocity's RMS, of a chaotic motion"),
         **{
-            f"error.start{ending}": Feature("", f"relative error of {of} because the run has not settled")
+            f"error.start{ending}": Feature("", f"relative error of {of} due to the initial transient")
             for ending, of in ERRORS.items()
         },
         **_errors(),
@@ -250,7 +256,7 @@ class _Features(dict[str, Feature]):
         if feature.line:
             unit, text = "m^2/s^4", f"squared envelope at {feature.line}"
         where = f", {feature.band.text}" if feature.band else ""
-        return Feature(unit, f"{text}{where}{', change against healthy' if feature.healthy else ''}")
+        return Feature(unit, f"{text}{where}{', change from healthy' if feature.healthy else ''}")
 
     def __contains__(self, name: object) -> bool:
         return super().__contains__(name) or of_band(str(name)) is not None

@@ -10,13 +10,13 @@ from bearingsim.text.units import suggestion
 _GROUPS: dict[tuple[str, ...], str] = {
     # what is not modelled, and what is nearest
     ("contact_angle", "angular_contact", "pressure_angle"): (
-        "every model is of a radial bearing, contact angle 0; only `bearingsim freq` takes a contact angle"
+        "all models have contact angle 0; only `bearingsim freq` uses a contact angle"
     ),
     ("axial_load", "load_axial", "thrust", "thrust_load", "axial_force"): (
         "no model has an axial load: `load` and `load_across` are radial"
     ),
     ("moment", "moment_load", "tilting_moment", "load_moment"): (
-        "no model has a moment load; `misalignment: {inner: 0.5 mrad}` leans a ring (`model: spatial`)"
+        "no model has a moment load; `misalignment: {inner: 0.5 mrad}` tilts a ring (`model: spatial`)"
     ),
     ("rows", "row", "number_of_rows", "double_row", "multi_row"): "every bearing has a single row of elements",
     ("tapered", "conical", "taper", "spherical", "barrel", "toroidal"): (
@@ -25,31 +25,36 @@ _GROUPS: dict[tuple[str, ...], str] = {
     ("outer_speed", "outer_ring_speed", "speed_outer"): (
         "only the inner ring turns, at `speed`; `bearingsim freq --outer-speed` gives frequencies of both"
     ),
-    ("torque", "driving_torque", "motor", "power"): "the speed is given, not the torque: `speed`, or a `ramp`",
+    (
+        "torque",
+        "driving_torque",
+        "motor",
+        "power",
+    ): "the speed is prescribed, not the torque: `speed`, or a `ramp`",
     ("grease", "lubricant", "lubrication", "greased"): (
         "no model has grease: oil acts as `drag` (`model: planar`) and in the damping law `film`"
     ),
     ("lubricant_temperature", "oil_temperature", "grease_temperature"): (
-        "say `contact: {damping: {law: film, oil: VG 68, temperature: 55 C}}`"
+        "use `contact: {damping: {law: film, oil: VG 68, temperature: 55 C}}`"
     ),
     ("film_thickness", "ehl", "oil_film", "lambda_ratio"): (
         "the film's thickness is computed: `contact: {damping: {law: film, oil: VG 68, temperature: 55 C}}`"
     ),
     ("heat", "thermal", "thermal_expansion", "ambient_temperature", "warmth"): (
-        "heat is not modelled: `clearance` is that in operation, at the temperature there"
+        "heat is not modelled; `clearance` is the value at operating temperature"
     ),
     ("interference", "shaft_fit", "shrink_fit", "press_fit", "housing_fit"): (
-        "the effect of fits is not modelled: `clearance` is that in operation, after mounting"
+        "fits are not modelled; `clearance` is the value after mounting"
     ),
     ("waviness", "roughness", "surface_roughness", "surface_finish", "out_of_roundness", "form_error"): (
-        "races and elements are smooth and round but for `defects`"
+        "races and elements are smooth and round except for `defects`"
     ),
     ("wear", "contamination", "debris", "particles", "current", "corrosion"): (
-        "no cause of damage is modelled: `defects` are there from the beginning and do not grow"
+        "damage does not grow: `defects` are constant during a run"
     ),
     ("crack", "cracks"): "cracks are not modelled: a `defect` is missing material on a race or an element",
     ("noise", "snr", "measurement_noise", "noise_level"): (
-        "no noise is added to a record: add it to `results.series(job)` in Python"
+        "records contain no noise; add it to `results.series(job)` in Python"
     ),
     ("cage_material", "cage_stiffness", "flexible_cage"): (
         "the cage is a rigid body: `cage: {mass: 50 g, pocket_stiffness: 1e7 N/m}` (`model: planar`)"
@@ -57,7 +62,7 @@ _GROUPS: dict[tuple[str, ...], str] = {
     ("rotor", "flexible_shaft", "shaft_length", "shaft_diameter", "shaft_stiffness"): (
         "a shaft is a rigid mass on a spring: `shaft: {stiffness: 1e8 N/m, mass: 1 kg}` (`model: planar`)"
     ),
-    ("gear", "gears", "belt", "coupling", "blade"): "nothing but the bearing, its rig and shaft is modelled",
+    ("gear", "gears", "belt", "coupling", "blade"): "only the bearing, its rig and shaft are modelled",
     ("life", "l10", "fatigue", "rating", "load_rating"): (
         "fatigue life is not computed; `check` warns of a load above the static rating"
     ),
@@ -78,32 +83,32 @@ _GROUPS: dict[tuple[str, ...], str] = {
     ("load_zone", "load_distribution"): "the load zone is a result: `record: [load_zone.rollers]`",
     # what has another name
     ("preload", "pretension", "radial_preload"): "a preload is a negative clearance: `clearance: -5 um`",
-    ("clearance_class", "internal_clearance", "radial_clearance", "play"): "say `clearance: C3`, or a length",
-    ("rpm", "shaft_speed", "inner_speed", "rotational_speed", "rotation_speed", "omega"): "say `speed: 1800 rpm`",
+    ("clearance_class", "internal_clearance", "radial_clearance", "play"): "use `clearance: C3`, or a length",
+    ("rpm", "shaft_speed", "inner_speed", "rotational_speed", "rotation_speed", "omega"): "use `speed: 1800 rpm`",
     ("rpm_profile", "speed_profile", "run_up", "runup", "run_down", "coast_down", "speed_ramp"): (
         "the speed can change once, linearly: `ramp: {to: 3000 rpm, time: 1 s}` (`model: planar`)"
     ),
-    ("radial_load", "load_radial", "force"): "say `load: 150 N`",
+    ("radial_load", "load_radial", "force"): "use `load: 150 N`",
     ("crown", "crowning", "crowned", "profile", "crown_drop"): (
         "a roller's profile belongs to its bearing, as `roller_profile: {shape: crowned, drop: 5 um}`"
     ),
     ("housing", "pedestal", "support"): (
-        "say `rig: {bracket_stiffness: 1e7 N/m}`, or let the outer ring bend in a housing (docs/ring.md)"
+        "use `rig: {bracket_stiffness: 1e7 N/m}`, or let the outer ring bend in a housing (docs/ring.md)"
     ),
-    ("flexible_ring", "elastic_ring", "ring_flexibility", "outer_ring"): "say `rig: {ring: {bends: true}}`",
+    ("flexible_ring", "elastic_ring", "ring_flexibility", "outer_ring"): "use `rig: {ring: {bends: true}}`",
     ("imbalance", "eccentricity", "mass_imbalance"): (
-        "say `unbalance: {mass_radius: 100 g mm}` with a `shaft` (`model: planar`)"
+        "use `unbalance: {mass_radius: 100 g mm}` with a `shaft` (`model: planar`)"
     ),
     ("pit", "spall", "dent", "fault", "damage", "flaw", "slot"): (
-        "say `defect: {shape: rectangular, length: 3 mm, width: 0.8 mm, depth: 50 um}`"
+        "use `defect: {shape: rectangular, length: 3 mm, width: 0.8 mm, depth: 50 um}`"
     ),
     ("balls", "ball_count", "number_of_balls", "number_of_rollers", "n_balls", "roller_count", "z"): (
-        "a bearing's number of elements is `rollers`, of balls too"
+        "the number of elements is `rollers`, also for balls"
     ),
     ("ball_diameter", "element_diameter", "rolling_element_diameter", "d_w", "dw"): (
-        "the diameter of a bearing's elements is `roller_diameter`, of balls too"
+        "the element diameter is `roller_diameter`, also for balls"
     ),
-    ("d_m", "dm", "pitch_circle", "pcd"): "the diameter of the circle of centres is `pitch_diameter`",
+    ("d_m", "dm", "pitch_circle", "pcd"): "the pitch circle diameter is `pitch_diameter`",
     ("inner_diameter", "inside_diameter", "bore_diameter"): "a bearing's inner diameter is `bore`",
     ("outer_diameter", "od"): "a bearing's outer diameter is `outside_diameter`",
     ("groove_radius", "osculation", "conformity", "curvature_ratio"): (
@@ -116,22 +121,22 @@ _GROUPS: dict[tuple[str, ...], str] = {
         "a bearing's `material` has `young_modulus`, a pressure such as 207 GPa"
     ),
     ("friction_coefficient", "mu", "coefficient_of_friction"): (
-        "say `friction: {static: 0.3, dynamic: 0.15}` (`model: planar`)"
+        "use `friction: {static: 0.3, dynamic: 0.15}` (`model: planar`)"
     ),
-    ("sample_rate", "sampling_rate", "sampling_frequency", "fs"): "say `sampling: 10240 Hz`",
+    ("sample_rate", "sampling_rate", "sampling_frequency", "fs"): "use `sampling: 10240 Hz`",
     (
         "dt",
         "time_step",
         "timestep",
-    ): "say `step: 0.5 us`, or `auto`; the step of a record follows from `sampling`",
-    ("end_time", "t_end", "record_length", "simulation_time"): "say `duration: 1 s`",
-    ("solver", "integrator"): "say `method: auto`, or the name of a method",
-    ("rtol", "atol", "reltol", "abstol"): "say `tolerance: 1e-4`, with an adaptive `method`",
+    ): "use `step: 0.5 us`, or `auto`; the step of a record follows from `sampling`",
+    ("end_time", "t_end", "record_length", "simulation_time"): "use `duration: 1 s`",
+    ("solver", "integrator"): "use `method: auto`, or the name of a method",
+    ("rtol", "atol", "reltol", "abstol"): "use `tolerance: 1e-4`, with an adaptive `method`",
     (
         "filter",
         "lowpass",
         "cutoff",
-    ): "a record is low-passed for its `sampling`, unless with `antialias: false`",
+    ): "records are low-pass filtered for their `sampling` unless `antialias: false`",
 }
 
 SENTENCES = {word: sentence for words, sentence in _GROUPS.items() for word in words}

@@ -76,10 +76,10 @@ def cache_folder() -> Path | None:
                 continue
             if os.access(folder, os.W_OK):
                 if why:
-                    report(f"compiled code is kept in {folder.parent}: {why}")
+                    report(f"compiled code is cached in {folder.parent}: {why}")
                     os.environ["BEARINGSIM_CACHE"] = str(folder.parent.parent)
                 return folder
-    report(f"compiled code is not kept, so each process compiles anew: {why or 'no folder can be written'}")
+    report(f"compiled code is not cached, so every process compiles again: {why or 'no folder can be written'}")
     return None
 
 

@@ -168,7 +168,7 @@ def legend_entries(
     marks = {model: MODEL_MARK | {"marker": mark} for model, mark in models_of(rows).items()}
     entries += [Line2D([], [], label=model, **mark) for model, mark in marks.items() if len(marks) > 1]
     drawn = [is_one_draw(rows, name).any() for name in figure.y if name in rows]
-    return entries + [Line2D([], [], **RING, label="chaotic: one draw of many")] * any(drawn)
+    return entries + [Line2D([], [], **RING, label="chaotic, uncertain")] * any(drawn)
 
 
 def _entry(text: str, look: CurveStyle) -> Line2D:

@@ -71,7 +71,7 @@ def sheets(results: "Results", jobs: Sequence[str]) -> list[Sheet]:
             if earlier is not sheet:
                 earlier.jobs.append(str(job))
     if not distinct:
-        raise labels.PlotError("these cases have no defect: there is no pit to draw")
+        raise labels.PlotError("these cases have no defect to draw")
     return list(distinct.values())
 
 
@@ -247,7 +247,7 @@ def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
     s, width = 1e3 * made.s, np.ptp(made.s)
     ax.fill_between(s, 1e6 * made.p, 1e6 * panel.floor, color="0.88", lw=0.0, zorder=1)
     ax.plot(s, 1e6 * made.p, color=RACE, lw=1.1, label="pit", zorder=3)
-    ax.plot(s, 1e6 * made.h, color=PATH, lw=1.5, label="path of a round roller", zorder=4)
+    ax.plot(s, 1e6 * made.h, color=PATH, lw=1.5, label="path of a rigid round roller", zorder=4)
     inner = width / (1.0 + 2.0 * MARGIN)
     for place, name in zip(ROLLERS, ["roller", *[None] * (len(ROLLERS) - 1)], strict=True):
         center = float(np.mean(made.s)) + place * inner
@@ -281,7 +281,7 @@ def _draw_roller_path(ax: "Axes", panel: Panel, taken: RollerPath) -> None:
 
 def _title(sheet: Sheet) -> str | None:
     where = {"outer": "the outer race", "inner": "the inner race", "roller": "a roller"}[sheet.defect.race]
-    return f"pit {sheet.number} of {sheet.of}, on {where}" if sheet.of > 1 else None
+    return f"defect {sheet.number} of {sheet.of}, on {where}" if sheet.of > 1 else None
 
 
 def _roller_path(results: "Results", sheet: Sheet) -> tuple[str, RollerPath] | None:
@@ -297,9 +297,9 @@ def _roller_path(results: "Results", sheet: Sheet) -> tuple[str, RollerPath] | N
 def _caption(results: "Results", sheet: Sheet, taken: tuple[str, RollerPath] | None) -> list[str]:
     rows = select.case_rows(results)
     R = labels.number_text(round(1e3 * sheet.defect.R, 2))
-    texts = [f"race unrolled: the roller has the radius {R} mm that it has relative to the race"]
+    texts = [f"raceway drawn flat, roller with its effective radius {R} mm"]
     if taken is not None:
         swept = next(entry["swept"] for entry in results.plan["jobs"] if entry["job"] == taken[0])
         case = labels.described(swept, results.plan["units"])
-        texts.append(f"path taken by roller {taken[1].number} at {case or 'this case'}")
+        texts.append(f"path of roller {taken[1].number} at {case or 'this case'}")
     return [*texts, *fixed_values(results, rows[rows["job"].isin(sheet.jobs)], set())]

@@ -114,7 +114,7 @@ def feature_text(name: str) -> str:
 
     line = name.removesuffix("-healthy.phase")
     if line != name:
-        text = f"phase of {line.replace('@', ' at ')}, change against healthy"
+        text = f"phase of {line.replace('@', ' at ')}, change from healthy"
     elif name == COST:
         text = COST_TEXT
     else:

@@ -80,7 +80,7 @@ def _notes(records: Mapping[str, Job], rows: Sequence[tuple[str, LoadAlong]]) ->
     counts = [passage.samples(records[job].parameters["sampling"]) for job, passage in crossed]
     few = [f"only {min(counts):.1f} samples over the pit"] if min(counts, default=FEW) < FEW else []
     missed = any(load.passage is None and lines.races(records[job].parameters) for job, load in rows)
-    return [*few, *(["a roller passes no pit of a race within the record"] if missed else [])]
+    return [*few, *(["no roller passes a race defect within the record"] if missed else [])]
 
 
 # What is drawn
@@ -101,7 +101,7 @@ def _loads(
         shown = (time >= start) & (time <= stop)
         if np.count_nonzero(shown) < MIN_SAMPLES:
             raise labels.PlotError(
-                f"job {job} has {np.count_nonzero(shown)} samples in that time: raise `sampling`"
+                f"job {job} has {np.count_nonzero(shown)} samples in that time; raise `sampling`"
             )
         leans = {name: values[shown] for name, values in _leans(record, number)}
         yield LoadAlong(channel, time[shown], load[:, shown], ends, passage, leans)
@@ -137,7 +137,7 @@ def _rows(job: str, record: Job, channel: str, count: int) -> Reals:
         raise labels.PlotError(f"job {job} has recorded no `{channel}`: {advice}")
     if missing:
         raise labels.PlotError(
-            f"job {job} has recorded {count - missing} of {count} slices: add `{channel}`, which means all of them"
+            f"job {job} has recorded {count - missing} of {count} slices; add `{channel}` to record all"
         )
     return np.stack([np.asarray(record.series.channels[name], np.float64) for name in names])
 

@@ -89,7 +89,7 @@ def _check_done(results: "Results") -> None:
         return
     failures = list(results.failures().values())
     failed = f": {len(failures)} failed, one for this: {failures[0].reason}" if failures else ""
-    raise PlotError(f"no job is done, there is nothing to draw{failed}")
+    raise PlotError(f"no job is done, so there is nothing to draw{failed}")
 
 
 def written(canvas: "Canvas", path: Path, results: "Results") -> Path:
@@ -106,7 +106,7 @@ def written(canvas: "Canvas", path: Path, results: "Results") -> Path:
     drawing, kind = BytesIO(), path.suffix.removeprefix(".").lower()
     canvas.savefig(drawing, format=kind, metadata=MADE_BY[kind])
     if path.parent.resolve() != results.path.resolve() / FIGURES and not _is_replaceable(path):
-        raise PlotError(f"{path} is no figure of this program: name another place by --out, or move it away")
+        raise PlotError(f"{path} is not a figure of this program; use another --out, or move the file")
     write_bytes(path, drawing.getvalue())
     return path
 
@@ -252,11 +252,11 @@ def _of_jobs(
     where, y = changes.get("where") or {}, tuple(changes.get("y") or ())
     named = [] if list(jobs) == [ALL] else list(jobs)
     if named and where:
-        raise PlotError("jobs that are named take no where: say `--job` or `--where`")
+        raise PlotError("named jobs cannot be filtered; use either `--job` or `--where`")
     rows = select.matching(select.case_rows(results), where, results.plan["units"])
     chosen = named or (series.done_jobs(rows) if jobs else series.some_jobs(rows))
     if not chosen:
-        raise PlotError("none of these jobs is done: there is nothing to draw")
+        raise PlotError("none of these jobs is done")
     if kind == DEFECT:
         return _of_defects(results, chosen)
     if kind == RING:

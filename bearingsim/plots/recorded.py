@@ -79,7 +79,7 @@ def channels_for(jobs: dict[str, Job], requested: Sequence[str], prefix: str = "
     wanted = list(requested) or [next((channel for channel in PREFERRED if channel in recorded), recorded[0])]
     along = next((channel for channel in wanted if roller_of(channel) and channel.endswith(LINE_LOADS)), None)
     if along:
-        raise PlotError(f"`{along}` is a load along a roller, with a value in each slice: draw its `--kind load`")
+        raise PlotError(f"`{along}` is a line load with one value per slice; use `--kind load`")
     for channel in wanted:
         for job, record in jobs.items():
             _check(job, channel, record.recorded)

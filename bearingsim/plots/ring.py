@@ -288,5 +288,5 @@ def _legend(seen: View) -> Iterator[Line2D]:
     yield Line2D([], [], ls="", marker="s", color=SENSOR, mec="white", ms=6.0, label="sensor")
     if len(seen.shape.spring_angles):
         behind = "housing" if seen.shape.by == "housing" else "carrier"
-        yield Line2D([], [], color=SPRINGS, lw=1.1, label=f"{behind}, springs that press")
-        yield Line2D([], [], color=LIFTED, lw=0.9, label="springs that do not")
+        yield Line2D([], [], color=SPRINGS, lw=1.1, label=f"{behind}, springs in contact")
+        yield Line2D([], [], color=LIFTED, lw=0.9, label="springs out of contact")

@@ -118,7 +118,7 @@ def ring_shape(case: "Case", parts: tuple[float, ...] = PARTS) -> RingShape:
     from bearingsim.core.models.equilibrium import NoEquilibrium
 
     if not MODELS[case.model].loaded:
-        raise PlotError(f"the model `{case.model}` knows no rollers under load: there is no ring at rest to draw")
+        raise PlotError(f"the model `{case.model}` has no loaded rollers, so there is no ring at rest to draw")
     try:
         model = assemble.model(case)
         instants = tuple(_instants(case, model, parts))

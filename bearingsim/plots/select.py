@@ -91,7 +91,7 @@ def automatic(results: "Results", rows: "pd.DataFrame") -> list[Figure]:
     paths = varied(rows, list(units))
     numbers = [path for path in paths if is_numeric(values(rows, path))]
     if not paths:
-        raise PlotError("the study sweeps nothing: there is no parameter to plot against (try `--kind spectrum`)")
+        raise PlotError("the study sweeps no parameter to plot against (try `--kind spectrum`)")
     return [arranged(results, x, rows) for x in numbers or paths[:1]]
 
 
@@ -258,7 +258,7 @@ def phases(features: Sequence[str]) -> tuple[str, ...]:
 def _check(word: str, valid: Any, what: str) -> None:
     if word not in valid:
         near = "" if word in FEATURES else suggestion(word, list(valid))  # another line is not the one asked for
-        near = f"say `features: [{word.removesuffix('-healthy')}]` and run again" if of_band(word) else near
+        near = f"use `features: [{word.removesuffix('-healthy')}]` and run again" if of_band(word) else near
         advice = near or f"there are: {', '.join(valid) or 'none'}"
         raise PlotError(f"no {what} `{word}` in these results ({advice})")
 

@@ -114,7 +114,7 @@ def roller_angle(job: Job, number: int) -> np.ndarray:
     recorded. Raises PlotError for a speed that changes.
     """
     if _has_ramp(job):
-        raise labels.PlotError("under a ramp the rollers' angles are not known: draw the series instead")
+        raise labels.PlotError("roller angles are not available during a ramp; use `--kind series`")
     series, parameters = job.series, job.parameters
     omega_c = 2.0 * pi * lines.frequency(Line(cage=1), parameters)
     speed = omega_c * (1.0 - np.asarray(series.channels.get("cage.slip", np.zeros(len(series.time))), np.float64))
@@ -187,7 +187,7 @@ def draw_roller(results: "Results", jobs: Sequence[str], y: Sequence[str] = ()) 
         channels = [name for name in names if (roller_of(name) or (0, ""))[0] == number]
     for name in channels:
         if roller_of(name) is None:
-            raise labels.PlotError(f"`{name}` is of no roller: draw its series instead")
+            raise labels.PlotError(f"`{name}` is not a roller channel; use `--kind series`")
     view = View(_round, "Angle of the roller (°)", str, baselines=False)
     canvas, axes = grid(results, records, channels, view)
     for row, job in zip(axes, records.values(), strict=True):

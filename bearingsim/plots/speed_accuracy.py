@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 LOOK = RC | {"font.size": 8.0, "axes.labelsize": 8.0, "xtick.labelsize": 7.5, "ytick.labelsize": 7.5}
 SIZE_IN, DPI, SHADES = (7.4, 8.4), 100, 64
 RAIL = 1.075  # of the height of a panel
-HEADS = {NUMERICAL: "numerical error: against the same model", TOTAL: "total error: against the reference"}
+HEADS = {NUMERICAL: "numerical error (same model)", TOTAL: "total error (from the reference)"}
 SIDES = {
     "line": "fault's line",
     "rms": "RMS of the velocity",
@@ -62,7 +62,7 @@ def figure(rows: Sequence[Row], title: str) -> Canvas:
     for i, quantity in enumerate(QUANTITIES):
         for j, kind in enumerate((NUMERICAL, TOTAL)):
             _panel(panels[i][j], rows, kind, quantity, colours, marks)
-        panels[i][0].set_ylabel(f"{SIDES[quantity]}\nCPU s for a simulated second")
+        panels[i][0].set_ylabel(f"{SIDES[quantity]}\nCPU time per second of signal (s)")
     for ax, kind in zip(panels[0], HEADS, strict=True):
         ax.set_title(HEADS[kind], fontsize=8.5, pad=24)
     _rail(panels[0][0], rows, colours)
@@ -100,7 +100,7 @@ def _verdicts(rows: Sequence[Row]) -> str:
         elif cheapest.point is not None:
             what = f"{cheapest.point['variant']} ({by(cheapest.point)})"
         else:
-            what = f"not to be told ({cheapest.unknown})" if cheapest.unknown else "none that was run"
+            what = f"undecided ({cheapest.unknown})" if cheapest.unknown else "none that was run"
         lines.append(f"line, RMS and force all within {percent(within)}: cheapest is {what}")
     return "\n".join(lines)
 

@@ -48,7 +48,7 @@ MEANING = {
     "stalled": "stalled, gave up",
     "too slow": "too slow",
     "skipped": "skipped a pit",
-    "within chaos": "within chaos (no one path)",
+    "within chaos": "chaotic (path not unique)",
 }
 
 
@@ -188,5 +188,5 @@ def _legend(rows: "pd.DataFrame", limit: bool) -> list[Any]:
         entries.append(Entry((line,), "limit by theory, at rest"))
     if (rows["measure"] == "RMS").any():
         back = Line2D([], [], marker="s", ms=9, ls="none", mfc="0.6", mec="0.7")
-        entries.append(Entry((back, Line2D([], [], color="white", lw=1.2)), "white bar: chaotic, judged by RMS"))
+        entries.append(Entry((back, Line2D([], [], color="white", lw=1.2)), "white bar: chaotic, assessed by RMS"))
     return entries

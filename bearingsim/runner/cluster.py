@@ -250,7 +250,7 @@ class Cluster:
             return str(error.last_worker.address)
         if isinstance(error, (ImportError, AttributeError)) and not isinstance(error, UserError):
             raise OtherInstallation(
-                f"a worker cannot load a unit ({error}): is the same bearingsim there?"
+                f"a worker cannot load a unit ({error}); install the same bearingsim there"
             ) from error
         raise error
 
@@ -261,7 +261,7 @@ class Cluster:
             store.log(death.work.root, "worker died", worker=death.address, suspects=suspects)
         self.deaths += len({death.address for death in killed})
         if self.deaths >= RESTARTS_WITHOUT_PROGRESS * self.workers:
-            raise WorkersDie(f"{self.deaths} workers died at work, with nothing finished between: {ADVICE}")
+            raise WorkersDie(f"{self.deaths} workers died without finishing a job: {ADVICE}")
 
     def _look(self) -> bool:
         """Update the number of workers every LOOK_S, and report if it drops to zero; return True after an update.
@@ -272,9 +272,7 @@ class Cluster:
             return False
         self.count, self.looked = len(within(ANSWER_S, self.client.nthreads)), time.monotonic()
         if not self.count and not self.alone:
-            text = (
-                f"no worker is at {self.address}: waiting (`dask worker {self.address} --nthreads 1` starts one)"
-            )
+            text = f"waiting for workers at {self.address} (`dask worker {self.address} --nthreads 1` starts one)"
             say(text, err=True)
         self.alone = not self.count
         while self.lost:
@@ -289,8 +287,8 @@ class Cluster:
         try:
             answers = within(WORKERS_S, partial(self.client.run, function, *arguments, on_error="return"))
         except TimeoutError:
-            silent = f"of {self.count} workers some do not answer within {WORKERS_S:.0f} s"
-            raise WorkerFailed(f"{silent}: end those whose logs stand still") from None
+            silent = f"of {self.count} workers some do not respond within {WORKERS_S:.0f} s"
+            raise WorkerFailed(f"{silent}; stop those with stalled logs") from None
         for address, answer in answers.items():
             if isinstance(answer, Exception) and not isinstance(answer, OSError):  # an OSError is a lost worker
                 raise OtherInstallation(f"worker {address} cannot load bearingsim: {answer}")
@@ -306,9 +304,9 @@ class Cluster:
             if isinstance(error, UserError) or not lost:
                 raise
             silent = isinstance(error, TimeoutError)
-            lost = f"the scheduler at {self.address} " + ("does not answer" if silent else "is gone")
-            kept = "what has come back is stored, what was under way is not"
-            advice = "start it and its workers, and give the command again"
+            lost = f"the scheduler at {self.address} " + ("does not respond" if silent else "is gone")
+            kept = "finished units are stored, running ones are lost"
+            advice = "restart it and its workers, then run the command again"
             raise SchedulerGone(f"{lost}: {kept}; {advice}") from error
 
 
@@ -327,7 +325,7 @@ def _refuse_others(work: Work, delivery: Delivery) -> None:
     """Raise WorkerFailed if a delivery contains jobs that were not sent."""
     outcome = delivery.outcome
     if not {*outcome.done, *(failure.job for failure in outcome.failed)} <= {job.id for job in work.jobs}:
-        raise WorkerFailed(f"unit {work.unit} came back from its worker with jobs that were not sent")
+        raise WorkerFailed(f"unit {work.unit} returned from its worker with jobs that were not sent")
 
 
 def _short(work: Work) -> Work:

@@ -136,7 +136,7 @@ def needed() -> dict[str, str]:
     several = " and ".join(f"{name}={count}" for name, count in blas_threads.several().items())
     if several:
         raise OtherInstallation(
-            f"{several} is set here, and workers take one thread (with more, sums are rounded otherwise): unset it"
+            f"{several} is set, but workers use one thread to keep results reproducible; unset it"
         )
     return installation() | {"threads of linear algebra": "1"}
 
@@ -158,15 +158,13 @@ def refuse_installation(address: str, present: Mapping[str, str], required: Mapp
         if present.get(name) != required.get(name)
     )
     if other:
-        raise OtherInstallation(
-            f"worker {address}: {other} (a worker has all as it is where `bearingsim run` is given)"
-        )
+        raise OtherInstallation(f"worker {address}: {other} (workers need the same packages as `bearingsim run`)")
 
 
 def refuse_threads(address: str, threads: int) -> None:
     """Raise OtherInstallation if a worker would compute several units in one process."""
     if threads != 1:
         raise OtherInstallation(
-            f"worker {address} has {threads} threads, and a job takes a process: start it by"
+            f"worker {address} has {threads} threads, but each job needs a process; start it by"
             f" `dask worker --nthreads 1 --nworkers {threads}`"
         )

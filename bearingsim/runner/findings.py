@@ -48,11 +48,11 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
 
 def _largest_step_errors(own: "pd.DataFrame") -> Iterator[str]:
     """Yield the largest changes that a shorter step makes, over the jobs whose step was checked."""
-    names = {"line": "the line", "rms": "RMS", "force": "the largest force"}
+    names = {"line": "line amplitude", "rms": "RMS", "force": "largest force"}
     errors = {text: own[f"features/step_error.{name}"].max() for name, text in names.items() if _has(own, name)}
     if errors:
         each = ", ".join(f"{text} {100.0 * error:.2g} %" for text, error in errors.items())
-        yield f"numerical errors, at most: {each}"
+        yield f"largest step errors: {each}"
 
 
 def _has(own: "pd.DataFrame", name: str) -> bool:
@@ -98,7 +98,6 @@ def without_value(info: "pd.DataFrame") -> Iterator[str]:
 
 
 LINE_AND_RMS = ("velocity@BPFO", "velocity.rms")
-FEW = 2  # features named in a line; the rest are counted
 
 
 def chaos(frame: "pd.DataFrame", drawn: Sequence[str] = (), notable: float = NOTABLE) -> Iterator[str]:
@@ -120,22 +119,23 @@ def chaos(frame: "pd.DataFrame", drawn: Sequence[str] = (), notable: float = NOT
     bounded = standard.mask(unknown, 0.0)
     if (bounded.to_numpy() > 0.0).any():
         worst = float(bounded.to_numpy().max())
-        longer = f"{ceil((worst / notable) ** 2)} times the `duration` for {100.0 * notable:.2g} %"
-        yield f"{_of_jobs(bounded > 0.0)} chaotic, known to {100.0 * worst:.2g} %; {longer}"
+        factor = ceil((worst / notable) ** 2)
+        longer = f"{100.0 * notable:.2g} % needs {factor} times the `duration`"
+        yield f"{_of_jobs(bounded > 0.0)} has standard error {100.0 * worst:.2g} %; {longer}"
     if unknown.to_numpy().any():
-        yield f"{_of_jobs(unknown)} chaotic, standard error unknown; a longer `duration` may tell"
+        yield f"{_of_jobs(unknown)} has unknown standard error; try a longer `duration`"
 
 
 def _of_jobs(flags: "pd.DataFrame") -> str:
-    """Format features with their number of jobs, as `velocity.rms in 2 of 8 jobs:`; flags: jobs by features."""
+    """Format jobs and a feature, as `2 of 8 jobs chaotic: velocity.rms`; flags: jobs by features."""
     names = [str(name) for name in flags if flags[name].any()]
-    more = f" and {len(names) - FEW} more" if len(names) > FEW else ""
-    return f"{', '.join(names[:FEW])}{more} in {flags.any(axis=1).sum()} of {len(flags)} jobs:"
+    more = f" (and {len(names) - 1} more)" if len(names) > 1 else ""
+    return f"{flags.any(axis=1).sum()} of {len(flags)} jobs chaotic: {names[0]}{more}"
 
 
 LESS_SURE = {
     "step_error.force": "the largest force",
-    "step_error.record": "RMS of what else is recorded",
+    "step_error.record": "the RMS of another recorded channel",
 }
 
 
@@ -150,7 +150,7 @@ def step_errors(frame: "pd.DataFrame") -> Iterator[str]:
         error = values[(frame["features/chaotic"] == 0.0) & (values > ACCURACY)]
         if len(error):
             jobs = f"{len(error)} job{'s' * (len(error) > 1)}"
-            yield f"{jobs}: {what} may be off by up to {100.0 * error.max():.2g} % (`{name}`)"
+            yield f"{jobs}: {what} has a step error of up to {100.0 * error.max():.2g} % (`{name}`)"
 
 
 def unsettled(frame: "pd.DataFrame") -> Iterator[str]:
@@ -166,8 +166,8 @@ def unsettled(frame: "pd.DataFrame") -> Iterator[str]:
     if len(errors):
         jobs = f"{len(errors)} jobs have" if len(errors) > 1 else "1 job has"
         yield (
-            f"{jobs} not settled: line or RMS is off by up to {100.0 * errors.max():.2g} % (`error.start`);"
-            " take `settle: auto`, or a longer one"
+            f"{jobs} not settled, with an error of up to {100.0 * errors.max():.2g} % (`error.start`);"
+            " use `settle: auto` or a longer one"
         )
 
 
@@ -191,7 +191,7 @@ def repetitions(info: "pd.DataFrame") -> Iterator[str]:
     if len(others):
         yield (
             f"{len(others)} of {len(checked)} responses are not periodic: successive passes differ by"
-            f" {_span(100.0 * others['last_difference'], '{:.2g}')} % of the range (`last_difference`)"
+            f" {_span(100.0 * others['last_difference'], '{:.2g}')} % of peak-to-peak (`last_difference`)"
         )
 
 
@@ -200,7 +200,8 @@ def _span(values: "pd.Series[float]", form: str) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-BRIEFLY = {"": "the line", ".rms": "the RMS", ".force": "the largest force"}
+BRIEFLY = {"": "line amplitude", ".rms": "RMS", ".force": "largest force"}
+"""Features with `error.*` columns, by suffix; the first is the amplitude at the frequency of the defect."""
 
 
 def moved(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
@@ -216,9 +217,10 @@ def moved(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
         yield from _lacking(plan, frame, what)
         ranges = ", ".join(f"{text} by {_percent(column.max())}" for text, column in by_feature.items())
         if ranges:
-            jobs = max(len(column) for column in by_feature.values())
-            most = f" (at most, of {jobs} jobs)" if jobs > 1 else ""
-            yield f"{UNKNOWNS[what].tried_text(what, tried)} moves {ranges}{most}{_chaotic(plan, frame, what)}"
+            most = "by up to" if max(len(column) for column in by_feature.values()) > 1 else "by"
+            values_text = "" if UNKNOWNS[what].choices else f" {UNKNOWNS[what].range_text(tried)}"
+            yield f"{what}{values_text} changes {ranges.replace('by', most, 1)}"
+            yield from _chaotic(plan, frame, what)
 
 
 def assumed(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
@@ -243,19 +245,17 @@ def _lacking(plan: Mapping[str, Any], frame: "pd.DataFrame", what: str) -> Itera
     jobs = _variations(plan, what)
     count = int((frame["status"].reindex(jobs) != "done").sum()) if "status" in frame else 0
     if count:
-        yield f"{count} of {len(jobs)} variations of the {what} have no result, and their jobs no range"
+        yield f"{count} of {len(jobs)} variations of the {what} have no result; their jobs have no error band"
 
 
-def _chaotic(plan: Mapping[str, Any], frame: "pd.DataFrame", what: str) -> str:
-    """Return a remark on the number of chaotic variations, or "" without any."""
+def _chaotic(plan: Mapping[str, Any], frame: "pd.DataFrame", what: str) -> Iterator[str]:
+    """Yield a remark on the number of chaotic variations, if any."""
     jobs = _variations(plan, what)
     if "features/chaotic" not in frame:
-        return ""
+        return
     count = int((frame["features/chaotic"][frame.index.isin(jobs)] == 1.0).sum())
-    return (
-        f"; {count} of {len(jobs)} variations moved chaotically: the standard error of line and RMS counts"
-        * bool(count)
-    )
+    if count:
+        yield f"{count} of {len(jobs)} {what} variations are chaotic; the change includes their standard error"
 
 
 def _unexamined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:

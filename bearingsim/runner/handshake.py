@@ -90,7 +90,7 @@ def refuse_strangers(address: str, seconds: float) -> None:
         (size,) = struct.unpack("Q", _received(peer, 8, end))
         greeting = _received(peer, size, end) if size <= LARGEST else b""
         if WORD not in greeting:
-            raise NotDask("it sends something else")
+            raise NotDask("it uses another protocol")
         peer.sendall(struct.pack("Q", size) + greeting)  # the scheduler's own greeting, so that it logs no error
 
 
@@ -112,7 +112,7 @@ def _received(peer: socket.socket, count: int, end: float) -> bytes:
         try:
             more = peer.recv(count - len(content))
         except TimeoutError:
-            raise NotDask("it says nothing, as a web server does, or a scheduler that hangs") from None
+            raise NotDask("no greeting: a web server, or a hung scheduler") from None
         if not more:
             raise NotDask("it closes the connection")
         content += more
@@ -151,11 +151,11 @@ def _joined(address: str) -> Client:
         within(JOINING_S, partial(refuse_strangers, address, GREETING_S))
         return within(end - time.monotonic(), partial(_registered, address))
     except NotDask as error:
-        advice = "take the address that `dask scheduler` prints, tcp:// or tls://, not its dashboard's (port 8787)"
+        advice = "use the tcp:// or tls:// address that `dask scheduler` prints, not its dashboard (port 8787)"
         raise SchedulerGone(f"what listens at {address} is not a dask scheduler ({error}): {advice}") from None
     except Exception as error:  # distributed raises many types for a peer that dies or is a worker
-        advice = "`dask scheduler` starts one, and tells its address"
-        raise SchedulerGone(f"no scheduler answers at {address} ({error}): {advice}") from None
+        advice = "`dask scheduler` starts one and prints its address"
+        raise SchedulerGone(f"no scheduler responds at {address} ({error}): {advice}") from None
 
 
 def _registered(address: str) -> Client:

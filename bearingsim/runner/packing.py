@@ -39,7 +39,7 @@ def shard_of(jobs: Sequence["Job"], shard: tuple[int, int]) -> list["Job"]:
     """
     k, n = shard
     if not 1 <= k <= n:
-        raise ValueError(f"there is no shard {k}/{n}: count from 1/{n} to {n}/{n}")
+        raise ValueError(f"no shard {k}/{n}: shards run from 1/{n} to {n}/{n}")
     ours = {job.id for job in sorted(jobs, key=lambda job: job.id)[k - 1 :: n]}
     return [job for job in jobs if job.id in ours]
 
@@ -133,7 +133,7 @@ def affordable(jobs: Sequence["Job"], costs: Sequence[Cost], max_cpu: float, sho
         count = f"{len(longer)} jobs are" if len(longer) > 1 else "1 job is"
         bound, longest = duration(max_cpu), max(longer)
         most = f"{'up to ' * (len(longer) > 1)}{duration(longest)} of CPU time, " if isfinite(longest) else ""
-        notes.append(f"{count} left out: estimated to take {most}over {bound} (`--max-cpu`)")
+        notes.append(f"{count} skipped: estimated at {most}over {bound} (`--max-cpu`)")
         if shown is not False:
             say(" ".join(notes), err=True)
     return Affordable([job for job, _ in kept], [cost for _, cost in kept], notes)
@@ -143,7 +143,7 @@ def ended_early(failed: int, max_failures: float) -> str:
     """Return a note on a run that the number of failed jobs has ended."""
     jobs = f"{failed} jobs" if failed > 1 else "1 job"
     allowed = "`--fail-fast`" if max_failures == 1 else f"`--max-failures {max_failures:g}`"
-    return f"ended early: {jobs} failed ({allowed}); run the same command to go on without what failed"
+    return f"stopped early: {jobs} failed ({allowed}); run the same command to continue without them"
 
 
 def costs(estimate: Callable[[Any], Any], jobs: Sequence["Job"], max_cpu: float) -> list[Cost]:

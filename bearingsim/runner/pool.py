@@ -39,7 +39,7 @@ class Deaths:
         cause = _exit_codes(death)
         log(self.root, "worker died", exit=cause, suspects=sorted(suspects))
         if self.count == RESTARTS_WITHOUT_PROGRESS:
-            often = f"{RESTARTS_WITHOUT_PROGRESS} times, with nothing finished between"
+            often = f"{RESTARTS_WITHOUT_PROGRESS} times without finishing a job"
             raise WorkersDie(f"worker processes died {self.doing} {often} ({cause}): {ADVICE}") from death
 
     def end(self) -> None:

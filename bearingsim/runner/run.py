@@ -72,7 +72,7 @@ class Options:
         refuse_bounds(self.max_failures, self.max_cpu)
         shard_of([], self.shard)
         if self.fresh and self.shard != (1, 1):
-            raise ValueError("a fresh start would throw away the other shards' results: remove the folder first")
+            raise ValueError("a fresh start would delete the results of other shards: remove the folder first")
 
 
 class _Setting(NamedTuple):
@@ -186,11 +186,11 @@ def _notes(left_out: int, damaged: Sequence[str]) -> Iterator[str]:
     """Yield notes on earlier results in the folder: jobs outside the plan, damaged files."""
     if left_out:
         jobs = f"{left_out} job{'s' * (left_out > 1)}"
-        stay = "results stay in units/ (a run of the earlier plan brings them back)"
-        yield f"out of the table, for not being in this plan: {jobs} of the earlier one; {stay}"
+        verb = "is" if left_out == 1 else "are"
+        yield f"{jobs} of an earlier plan {verb} not in the table; the results stay in units/"
     if damaged:
         files = f"1 damaged file ({damaged[0]})" if len(damaged) == 1 else f"{len(damaged)} damaged files"
-        yield f"{files} found and set aside as .damaged: what they held is computed again"
+        yield f"{files} renamed to .damaged; the results are computed again"
 
 
 def _workers(requested: int | None) -> int:

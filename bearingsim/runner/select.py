@@ -45,7 +45,7 @@ class Stopped(KeyboardInterrupt):
     ``number``: of the signal."""
 
     def __init__(self, root: Path, kept: int, number: int) -> None:
-        self.what = f"models were being tried, before the first job: {kept} trial{'s' * (kept != 1)} kept"
+        self.what = f"models were being compared, before the first job: {kept} trial{'s' * (kept != 1)} kept"
         self.number = number
         super().__init__(f"interrupted: {self.what} in {root}; run the same command to continue")
 
@@ -97,7 +97,7 @@ def _decided(
             trials |= _tried(root, wanted, workers, engine, study, shown)
     except KeyboardInterrupt as stop:
         store.sweep(root)
-        store.log(root, "interrupted while models were tried")
+        store.log(root, "interrupted while models were compared")
         number = getattr(stop, "number", signal.SIGINT)
         raise Stopped(root, len(store.read_trials(root)), number) from None
     return choosing.decide(trials)
@@ -220,14 +220,14 @@ def kept(study: "Study", keys: Sequence[str], choices: "Choices", plans: Mapping
         if before > 1
         else f"1 of {len(keys)} cases keeps the model"
     )
-    yield f"{cases} that was chosen for an earlier plan, by its curves (without choices.json all are chosen anew)"
+    yield f"{cases} chosen for an earlier plan (remove choices.json to choose all again)"
     curves = [[keys[n] for n in curve.cases] for curve in selection.curves(study)]
     apart = [names for names in curves if _differ(names, choices, plans)]
     if apart:
         models = dict.fromkeys(_model_text(choices[name]) for names in apart for name in names)
         yield (
-            f"on {len(apart)} of {len(curves)} curves other models were chosen then than now: {', '.join(models)};"
-            " a step between them may come from that"
+            f"the choice of the model changes along {len(apart)} of {len(curves)} curves, which may cause a step:"
+            f" {', '.join(models)}"
         )
 
 

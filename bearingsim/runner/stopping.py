@@ -123,14 +123,14 @@ def _ask(number: int, frame: FrameType | None) -> None:
         _flag.set()
     for other in SIGNALS:
         signal.signal(other, signal.SIG_DFL)
-    say("stopping when the jobs in hand are done (once more: at once)", err=True)
+    say("finishing the running jobs (press again to stop at once)", err=True)
 
 
 WRONG = {
-    errno.ENOSPC: "is full: make room there",
+    errno.ENOSPC: "is full: free some space",
     errno.EROFS: "is read-only: make it writable",
-    errno.EACCES: "is closed to this user: make it writable",
-    errno.EPERM: "is closed to this user: make it writable",
+    errno.EACCES: "is not writable for this user: change its permissions",
+    errno.EPERM: "is not writable for this user: change its permissions",
     errno.ENOENT: "is missing: mount it",
     errno.ENOSYS: "is missing: mount it",
 }

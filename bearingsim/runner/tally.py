@@ -178,12 +178,12 @@ def notes_on_others(root: Path, plan: Mapping[str, Any], count: int) -> Iterator
     """Yield what other runs in the folder did meanwhile; plan: of this run; count: its jobs that they computed."""
     if count:
         jobs = f"{count} jobs were" if count > 1 else "1 job was"
-        yield f"{jobs} computed by another run in this folder meanwhile"
+        yield f"{jobs} computed by another run in this folder"
     now = store.planned_jobs(root)
     ours = {entry["job"] for entry in plan["jobs"]}
     if now != ours:
         lacking = f"lacks {len(ours - now)} of this run's {len(ours)} jobs" if ours - now else "has more jobs"
         yield (
-            f"another run has replaced the plan of this folder meanwhile: its table {lacking}"
-            " (all results are kept: give this command again for the table of its plan)"
+            f"another run has replaced the plan of this folder; its table {lacking}"
+            " (results are kept, run this command again for its own table)"
         )

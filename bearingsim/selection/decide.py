@@ -34,7 +34,7 @@ MIXED = 1.0 / 3.0
 TIE = 0.9
 """Of what a higher model costs, what a lower one must save to be taken."""
 
-NOTHING_CHEAPER = "nothing that can do this costs less"
+NOTHING_CHEAPER = "no cheaper model can compute this"
 
 
 class Decision(NamedTuple):
@@ -88,7 +88,7 @@ class Choosing:
         choices = {n: Choice(REFERENCE, cases[n].model, NOTHING_CHEAPER, {}) for n in self.numbers}
         settled = [n for n in self.tried if repeats(self.study, n, trials)]
         for n in settled:
-            why = "the reference repeats itself: its trial is the answer"
+            why = "the reference is periodic, so its trial is the result"
             choices[n] = Choice(
                 REFERENCE, cases[n].model, why if evidence.of_reference[n] else "the reference fails", {}
             )
@@ -162,7 +162,7 @@ class Choosing:
             return Choice(last, own.model, self._why_none(n, evidence), {})
         case = self.able[name][n]
         errors = evidence.errors(n, case)
-        why = f"{100.0 * max(errors.values()):.2g} % from {own.model}, at {case.model}'s price"
+        why = f"{100.0 * max(errors.values()):.2g} % from {own.model}, at the cost of {case.model}"
         return Choice(name, case.model, why, errors)
 
     def _why_none(self, n: int, evidence: Evidence) -> str:
@@ -173,8 +173,8 @@ class Choosing:
         if not own:
             return NOTHING_CHEAPER
         if min(own) == inf:
-            return "what costs less could not be told from it in so few ball passes"
-        nearest = f"the nearest of those that cost less is {100.0 * min(own):.2g} % off"
+            return "cheaper models could not be distinguished from it in so few ball passes"
+        nearest = f"the nearest cheaper model is {100.0 * min(own):.2g} % off"
         over = f"over {100.0 * most:.2g} %"
         return f"{nearest}: {over}" if min(own) > most else f"{nearest} here, but {over} elsewhere on a curve"
 

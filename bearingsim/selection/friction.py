@@ -23,9 +23,9 @@ from bearingsim.simulation.trial import CAGE_TURNS, LARGEST_FORCE, Against, long
 CLEARLY = 2.0
 """Times what friction may change: a trial that has changed by more after two turns of the cage ends there."""
 
-TOO_SHORT = f"the record holds fewer than {CAGE_TURNS} turns of the cage, which tell what friction does"
+TOO_SHORT = f"the record holds fewer than {CAGE_TURNS} turns of the cage, too few to assess friction"
 NOT_REPEATING = (
-    f"without friction it does not repeat itself, and half the record holds under {CAGE_TURNS} turns of the cage"
+    f"without friction it is not periodic, and half the record covers under {CAGE_TURNS} turns of the cage"
 )
 
 
@@ -99,7 +99,7 @@ class Friction:
         return {name: largest([change[name] for change in changes]) for name in names}
 
     def inferred(self, n: int) -> bool:
-        """Return whether what friction does to a case is taken from others on its curves."""
+        """Return whether the effect of friction to a case is taken from others on its curves."""
         return bool(self.errors(n)) and n not in self._at_extremes
 
     @cached_property
@@ -118,7 +118,7 @@ class Friction:
 
     def _why(self, off: float, name: str) -> str:
         if off == inf:
-            return f"friction changes {name} too much, or by what so few turns of the cage do not tell"
+            return f"friction changes {name} too much, or the record has too few cage turns to tell"
         return (
-            f"friction changes {name} by up to {100.0 * off:.2g} % on its curve: over {100.0 * self.limit:.2g} %"
+            f"friction changes {name} by up to {100.0 * off:.2g} % on its curve, over {100.0 * self.limit:.2g} %"
         )

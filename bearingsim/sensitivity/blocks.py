@@ -25,7 +25,7 @@ LEAST_BLOCKS = 4
 READ_BY = ("saltelli", "morris")
 TO_WRITE = (
     "`sweep: {saltelli: {n: 128, seed: 1, over: {defect.width: {uniform: [0.2 mm, 0.8 mm]}, ...}}}`,"
-    " or `morris` in its place for a first look in fewer jobs"
+    " or `morris` for a first look with fewer jobs"
 )
 
 
@@ -70,11 +70,11 @@ def design_of(results: "Results") -> Mapping[str, Any]:
     """Return the design of a study. Raises SensitivityError for a design without sensitivity analysis."""
     design = results.plan.get("design")
     if design is None:
-        raise SensitivityError(f"{results.path}: the study has no design. For indices write {TO_WRITE}")
+        raise SensitivityError(f"{results.path}: the study has no design; for indices use {TO_WRITE}")
     if design["kind"] not in READ_BY:
         raise SensitivityError(
-            f"{results.path}: no indices follow from the design `{design['kind']}`: `bearingsim plot` draws"
-            f" features against each of its parameters. For indices write {TO_WRITE}"
+            f"{results.path}: the design `{design['kind']}` gives no indices, only figures (`bearingsim plot`);"
+            f" for indices use {TO_WRITE}"
         )
     return dict(design)
 
@@ -96,9 +96,9 @@ def of_results(results: "Results", feature: str) -> Blocks:
     lost = int(failed.sum() + valueless.sum())
     if lost > FAILED_AT_MOST * len(jobs):
         raise SensitivityError(
-            f"{lost} of {len(jobs)} jobs have no `{feature}` ({int(failed.sum())} failed). Over"
-            f" {100 * FAILED_AT_MOST:.0f} %, the rest does not stand for the whole. `bearingsim show --failed` has"
-            " the reasons; mend them, or leave the place where they fail out of the ranges"
+            f"{lost} of {len(jobs)} jobs have no `{feature}` ({int(failed.sum())} failed), more than"
+            f" {100 * FAILED_AT_MOST:.0f} %. `bearingsim show --failed` lists the reasons; fix them, or exclude"
+            " that region from the ranges"
         )
     paths = tuple(design["paths"])
     size = designs.block(design["kind"], len(paths))
@@ -124,7 +124,7 @@ def of_results(results: "Results", feature: str) -> Blocks:
 def _check_feature(feature: str, table: "pd.DataFrame") -> None:
     features = [name for name in map(str, table) if name in FEATURES and not name.endswith(".phase")]
     if feature not in features:
-        why = " (a phase has no variance: it turns round)" if feature.endswith(".phase") else ""
+        why = " (a phase is periodic, so it has no variance)" if feature.endswith(".phase") else ""
         near = "" if feature in FEATURES else suggestion(feature, features)
         advice = near or f"there are: {', '.join(features) or 'none'}"
         raise SensitivityError(f"no feature `{feature}` in these results{why} ({advice})")
@@ -143,4 +143,4 @@ def _check_enough(kept: Blocks) -> None:
         losses = kept.losses() or f"the design has n: {kept.planned}"
         raise SensitivityError(f"too few blocks for an interval ({losses}): raise `n`")
     if np.ptp(kept.values) == 0.0:
-        raise SensitivityError(f"`{kept.feature}` is the same in all jobs: there is nothing to share out")
+        raise SensitivityError(f"`{kept.feature}` is the same in all jobs, so it has no variance")

@@ -28,7 +28,7 @@ def of_effects(effects: Effects, feature: str, paths: Sequence[str], unit: str =
     weak = _weak(negligible(effects.magnitude, effects.magnitude.low[strongest[0]]), paths, "that")
     slope = np.maximum(np.abs(effects.mean.low), np.abs(effects.mean.high))
     bent = [f"`{paths[place]}`" for place in strongest if effects.spread.low[place] > slope[place]]
-    nonlinear = [f"What {_listed(bent)} does depends on the others, or is no straight line: sigma is over mu."]
+    nonlinear = [f"The effect of {_listed(bent)} is nonlinear or depends on other parameters (sigma exceeds mu)."]
     return " ".join([_deciding(texts, feature, len(paths)), *weak, *nonlinear * bool(bent)])
 
 
@@ -47,25 +47,26 @@ def _deciding(texts: Sequence[str], feature: str, many: int) -> str:
     """Describe the most influential of ``many`` parameters; texts: one for each of them."""
     if 1 < len(texts) == many:
         listed = "; ".join(texts)
-        return f"Which parameter decides {feature} most is not to be told: all intervals overlap: {listed}."
+        return f"No parameter clearly dominates {feature}, because all intervals overlap: {listed}."
     if len(texts) == 1:
-        return f"One parameter decides {feature} most, its interval clear of all others: {texts[0]}."
+        return f"One parameter clearly dominates {feature}: {texts[0]}."
     listed = "; ".join(texts)
-    return f"{len(texts)} parameters decide {feature} most, in an order that their intervals leave open: {listed}."
+    return f"{len(texts)} parameters dominate {feature}, with overlapping intervals: {listed}."
 
 
 def _weak(places: Sequence[int], paths: Sequence[str], whole: str) -> Iterator[str]:
     if places:
         named = _listed([f"`{paths[place]}`" for place in places])
-        yield f"{named} hardly matter{'s' * (len(places) == 1)}: surely under {100 * LITTLE:.0f} % of {whole}."
+        verb = "is" if len(places) == 1 else "are"
+        yield f"{named} {verb} negligible, below {100 * LITTLE:.0f} % of {whole}."
 
 
 def _together(rest: Estimate) -> str:
     """Describe the remainder of the sum of the first indices."""
     share = f"1 - sum of first indices = {_interval(rest, 0)}"
     if rest.low > 0.0:
-        return f"Parameters act together ({share}): moving one at a time would not show all."
-    return f"Whether parameters act together cannot be told ({share})."
+        return f"Parameters interact ({share}), so varying one at a time is not enough."
+    return f"Interactions of parameters are not significant ({share})."
 
 
 def _interval(estimate: Estimate, place: int) -> str:

@@ -106,17 +106,17 @@ def monitor_of(cut: time_grid.Grid, limits: Limits) -> Monitor:
 
 
 WHY = {
-    outcomes.STEP_LIMIT_EXCEEDED: "{body} stayed over the step limit for longer than an impact",
-    outcomes.NOT_FINITE: "the ring's motion is no longer finite",
-    outcomes.TOO_DEEP: "{body} is pressed over {approach_bound:.3g} um into a race, {APPROACH_MARGIN:.0f} times"
-    " what load, closing speed and pits explain",
-    outcomes.TOO_MUCH_ENERGY: "ring and rollers move with over {energy_bound:.3g} J, {ENERGY_MARGIN:.0f} times"
-    " what load, closing speed and pits explain",
-    outcomes.STEP_TOO_SMALL: "the step that {method} wants is too short to go on",
-    outcomes.NEWTON_FAILED: "no solution of {method}'s step was found for {body}",
-    outcomes.TOO_MANY_STEPS: "{method} takes too many steps of its own between two recorded instants",
-    outcomes.SKIPPED: "{count} crossings of pits were stepped over",
-    outcomes.TOO_SLOW: "{method} has taken {hours:.2g} h of CPU time",
+    outcomes.STEP_LIMIT_EXCEEDED: "{body} exceeded the step limit for longer than an impact lasts",
+    outcomes.NOT_FINITE: "the motion of the ring diverged (not finite)",
+    outcomes.TOO_DEEP: "contact deformation of {body} exceeds {approach_bound:.3g} um, {APPROACH_MARGIN:.0f} times"
+    " what load, closing speed and defects explain",
+    outcomes.TOO_MUCH_ENERGY: "kinetic energy exceeds {energy_bound:.3g} J, {ENERGY_MARGIN:.0f} times"
+    " what load, closing speed and defects explain",
+    outcomes.STEP_TOO_SMALL: "the step of {method} became too short",
+    outcomes.NEWTON_FAILED: "the Newton iteration of {method} did not converge for {body}",
+    outcomes.TOO_MANY_STEPS: "{method} takes too many steps between two samples",
+    outcomes.SKIPPED: "steps are too long for {count} crossings of defects",
+    outcomes.TOO_SLOW: "{method} used {hours:.2g} h of CPU time",
 }
 """Reasons why a run was stopped, by its outcome."""
 
@@ -149,13 +149,13 @@ def advice(setup: Setup, outcome: int) -> str:
     """Return advice on a step, tolerance or model that may succeed."""
     adaptive = assemble.adaptive(setup.case)
     if outcome == outcomes.TOO_SLOW:
-        return "take a shorter `duration`" + ("" if adaptive else ", or give a `step` of your own")
+        return "use a shorter `duration`" + ("" if adaptive else ", or give a `step` of your own")
     if needs_roller_mass(setup, outcome):
-        return f"say `model: {lowest('roller inertia')}`: {hierarchy.NEEDS_ROLLER_MASS}"
+        return f"use `model: {lowest('roller inertia')}`: {hierarchy.NEEDS_ROLLER_MASS}"
     if not adaptive:
-        return f"take a step under {1e6 * setup.cut.step / 2:.2g} us"
+        return f"use a step under {1e6 * setup.cut.step / 2:.2g} us"
     loose = outcome in (outcomes.STEP_TOO_SMALL, outcomes.TOO_MANY_STEPS)
-    return f"take a {'looser' if loose else 'tighter'} `tolerance` than {setup.method.rtol:.2g}"
+    return f"use a {'looser' if loose else 'tighter'} `tolerance` than {setup.method.rtol:.2g}"
 
 
 def name_of(model: Any, body: int) -> str:

@@ -69,10 +69,10 @@ def refuse_unsettled(case: Case) -> None:
     """Raise ``Refused`` for a case with a strict step check that remembers its start; its `settle` is a time."""
     if case.step_check == "strict" and remembers_start(case):
         time = needed(case)
-        longer = f"take a `settle` of {time:.2g} s" if time <= MOST else "take more damping"
+        longer = f"use a `settle` of {time:.2g} s" if time <= MOST else "take more damping"
         raise Refused(
             f"{remembered(case):.1%} of the start is left after `settle`, {case.settle_s:.2g} s",
-            f"{longer}, or say `step_check: true`",
+            f"{longer}, or use `step_check: true`",
         )
 
 

@@ -225,7 +225,7 @@ def _refuse_start_error(case: Case, error: float) -> None:
     if error > step_check.ACCURACY:
         raise SimulationError(
             f"after {case.settle_s:.2g} s the run has not settled: line or RMS is off by {error:.1%}",
-            "take `settle: auto` or a longer one, or say `step_check: true`",
+            "take `settle: auto` or a longer one, or use `step_check: true`",
         )
 
 

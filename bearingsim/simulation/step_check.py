@@ -126,13 +126,13 @@ def checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
         if setup.case.step_check == "strict":
             _refuse_short_record(setup, check)
         return check
-    refinement = "half the step" + " and a tenth of the tolerance" * assemble.adaptive(setup.case)
+    refinement = "a shorter step" + " and a tenth of the tolerance" * assemble.adaptive(setup.case)
     what = max(check.changes, key=check.changes.__getitem__)
     chaotic = ", and the motion is chaotic" if check.chaotic else ""
     changes = f"{refinement} changes the {what} by {100.0 * check.error:.2g} %{chaotic}"
     raise MethodFailure(
-        f"{setup.case.method} does not hold {ACCURACY:.0%}: {changes}",
-        "take a longer `duration`" if check.chaotic else f"{_tighter_advice(setup)}, or say `step_check: false`",
+        f"{setup.case.method} is not within {ACCURACY:.0%}: {changes}",
+        "use a longer `duration`" if check.chaotic else f"{_tighter_advice(setup)}, or use `step_check: false`",
         part=setup.part if check.chaotic else setup.part * check.shorter,
     )
 
@@ -140,21 +140,21 @@ def checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
 def _tighter_advice(setup: Setup) -> str:
     """Return advice on a tighter tolerance or a shorter step."""
     if assemble.adaptive(setup.case):
-        return f"take a tighter `tolerance` than {setup.method.rtol:.2g}"
-    return "give a `step` of your own" if setup.case.step == "auto" else "take a shorter `step`"
+        return f"use a tighter `tolerance` than {setup.method.rtol:.2g}"
+    return "give a `step` of your own" if setup.case.step == "auto" else "use a shorter `step`"
 
 
 def _refuse_short_record(setup: Setup, checks_step: StepCheck) -> None:
     """Raise TooChaotic if a chaotic record is too short for an RMS within 1 %."""
     if checks_step.long_enough:
         return
-    needed, worth = longer_duration(setup.case), "of unknown worth"
+    needed, worth = longer_duration(setup.case), "is of unknown accuracy"
     if isfinite(checks_step.scatter):
         needed = setup.case.duration * (checks_step.scatter / ACCURACY) ** 2
-        worth = f"uncertain by {checks_step.scatter:.1%}"
+        worth = f"is uncertain by {checks_step.scatter:.1%}"
     raise TooChaotic(
-        f"the motion is chaotic, and the RMS of {setup.case.duration:.2g} s of it {worth}",
-        f"take a `duration` of {needed:.2g} s, or say `step_check: true`",
+        f"the motion is chaotic, and its RMS over {setup.case.duration:.2g} s {worth}",
+        f"use a `duration` of {needed:.2g} s, or use `step_check: true`",
         needed,
     )
 

@@ -74,7 +74,7 @@ def requested_step(case: Case) -> float:
         return automatic_step(case, limits)
     safe = min(SAFETY * limits.at_impact, limits.crossing / MIN_STEPS_PER_CROSSING)
     if case.step > safe:
-        advice = f"say `step: auto` ({1e6 * automatic_step(case, limits):.2g} us)"
+        advice = f"use `step: auto` ({1e6 * automatic_step(case, limits):.2g} us)"
         raise Refused(_refusal(case.step, limits), advice)
     return case.step
 
@@ -107,18 +107,18 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
     falls into the record, if a pass has too many steps, or if all take too long.
     """
     if samples(case) < 1:
-        raise Refused("no sample falls into the record", "take a higher `sampling` or a longer `duration`")
+        raise Refused("no sample falls into the record", "use a higher `sampling` or a longer `duration`")
     named, case = case.method != "auto", resolved(case)
-    other = ", or say `method: auto`" if named else ""
+    other = ", or use `method: auto`" if named else ""
     rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
     fine = max(MIN_FINE, ceil(max(FINE_PER_SAMPLE * case.sampling, highest(case) / LET_THROUGH) / rate))
     decimation = max(1, ceil(1.0 / (rate * fine * part * requested_step(case)) * (1.0 - 1e-12)))
     if fine * decimation > MAX_STEPS:
         raise Refused(
             f"a ball pass would take {fine * decimation:.2g} steps (at most {MAX_STEPS:.0e} are held in memory)",
-            f"lower `contact.damping`, which sets an explicit method's step{other or ', or take a higher speed'}"
+            f"lower `contact.damping`, which sets an explicit method's step{other or ', or use a higher speed'}"
             if case.step == "auto"
-            else "take a longer `step`, or say `step: auto`",
+            else "use a longer `step`, or use `step: auto`",
         )
     computed = 1.0 / rate if solved_once(case) else case.settle_s + case.duration
     seconds = computed * per_second(case, 1.0 / (rate * fine * decimation))
@@ -128,7 +128,7 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
         what, hours = case.method or f"`{case.model}`", seconds / 3600.0
         raise Refused(
             f"{what} would take about {hours:.2g} h of CPU time, over {most / 3600.0:.2g} h",
-            "take a shorter `duration`, lower `contact.damping`"
+            "use a shorter `duration`, lower `contact.damping`"
             + (other if adaptive else ", or give a `step` of your own"),
         )
     beyond = RESAMPLE_REACH / case.sampling + (DECIMATION_REACH + INTERPOLATION_REACH + 2) / (rate * fine)
@@ -192,5 +192,5 @@ def _refuse_too_large(most_memory: float) -> None:
     if needed > there:
         raise Refused(
             f"it may take {needed / 1e9:.2g} GB of memory, and there are {there / 1e9:.2g} GB",
-            "take a shorter `duration`, a lower `sampling`, or a shorter `record`",
+            "use a shorter `duration`, a lower `sampling`, or a shorter `record`",
         )

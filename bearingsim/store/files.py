@@ -22,7 +22,7 @@ from bearingsim.store.own_files import FOLDERS, LOCK, temporary_files
 from bearingsim.store.regular import Unreadable, open_regular
 from bearingsim.text.terminal import say
 
-ADVICE = "make room, or take another folder by --out, and give the command again: what is stored stays"
+ADVICE = "free some space or use another folder (--out), then run the command again; stored results are kept"
 PATIENCE_S = 5.0
 """s after which waiting for a lock is reported."""
 NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)
@@ -57,10 +57,10 @@ def what_is_full(path: Path, number: int) -> str:
     """Describe why there is no room for a file; number: of the system's error, one of NO_ROOM."""
     folder = _nearest(path.parent)
     if number == errno.EFBIG:
-        return f"no file may grow so large (`ulimit -f`), and so {folder} takes no {path.name}"
+        return f"{path.name} in {folder} exceeds the file size limit (`ulimit -f`)"
     left = f"{shutil.disk_usage(folder).free / 1e3:.0f} kB are left"
-    full = f"has no inodes left for more files, though {left}" if _inodes_are_out(folder) else f"is full ({left})"
-    return f"the disk {_mount(folder)} {full}, and so {folder} takes no {path.name}"
+    full = f"has no inodes left, although {left}" if _inodes_are_out(folder) else f"is full ({left})"
+    return f"the disk {_mount(folder)} {full}; {path.name} in {folder} cannot be written"
 
 
 def _inodes_are_out(folder: Path) -> bool:
@@ -84,8 +84,8 @@ def check_room(root: Path, wanted: float) -> None:
     """Raise DiskFull if the disk of ``root`` has less room than ``wanted`` bytes."""
     left = shutil.disk_usage(root).free
     if left < wanted:
-        sizes = f"{left / 1e6:.3g} MB are left of the {wanted / 1e6:.3g} MB that the results take at least"
-        raise DiskFull(f"the disk {_mount(root)} has no room for {root}: {sizes}: {ADVICE}")
+        sizes = f"{left / 1e6:.3g} MB are left of at least {wanted / 1e6:.3g} MB"
+        raise DiskFull(f"the disk {_mount(root)} is too full for {root}: {sizes}; {ADVICE}")
 
 
 def write_bytes(path: Path, content: bytes | BinaryIO) -> None:
@@ -153,7 +153,7 @@ def left_behind(path: Path) -> Iterator[bool]:
     flags = os.O_RDWR | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
     try:
         file = os.fdopen(os.open(path, flags), "r+b", buffering=0)
-    except OSError:  # it has just been removed, or belongs to another user
+    except OSError:  # it has just been removed, or is owned by another user
         file = None
     if file is None:
         yield False
@@ -224,8 +224,8 @@ def refuse_links(root: Path) -> None:
 def _refuse_link(path: Path) -> None:
     if path.is_symlink():
         raise LinkWithin(
-            f"{path} is a link, and leads out of the results folder: remove it, or put in its place what it"
-            " stands for (`cp -rL`)"
+            f"{path} is a link out of the results folder: remove it, or replace it by a copy of its target"
+            " (`cp -rL`)"
         )
 
 

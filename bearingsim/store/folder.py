@@ -79,7 +79,7 @@ def refuse_use(root: Path) -> None:
     for path in own_files.temporary_files(root):
         with left_behind(path) as left:
             if not left and path.exists():
-                advice = "wait for it, or choose another folder (on a disk without locks: remove this file)"
+                advice = "wait for it, or use another folder (on a disk without locks, remove this file)"
                 raise FolderInUse(f"another run is writing {path}: {advice}")
 
 
@@ -95,8 +95,8 @@ def claim_results(root: Path, study: str, quick: bool, fresh: bool = False) -> N
         claim(root, RESULTS, study, instead)
     elif before != study and not fresh:
         raise OtherStudy(
-            f"{root} holds results of the study `{before}` ({_held(root)}): name another folder, such as"
-            f" --out {instead}, or throw them away by `run --fresh`"
+            f"{root} holds results of the study `{before}` ({_held(root)}): use another folder, such as"
+            f" --out {instead}, or delete them by `run --fresh`"
         )
     elif owner(root) is None:  # of an earlier version; another study's is marked when it is thrown away
         mark(root, RESULTS, before)
@@ -112,8 +112,8 @@ def refuse_users_study(root: Path, study: "Study") -> None:
     if copy.is_file() and _is_of(before, copy) and not _is_of(study.path, copy):
         instead = _instead(root, study.name, bool(study.quick))
         raise NotOurs(
-            f"{copy} is the study file of the run before, and would be replaced: name another folder, such as"
-            f" --out {instead}, or move that file away"
+            f"{copy} is the study file of an earlier run and would be overwritten: use another folder, such as"
+            f" --out {instead}, or move the file"
         )
 
 
@@ -169,4 +169,4 @@ def discard(root: Path, study: str) -> str:
             return ""
         mark(root, RESULTS, study)
         (root / "plan.json").unlink(missing_ok=True)
-    return f"thrown away in {root}: the results of the study `{before}` ({held})"
+    return f"deleted in {root}: the results of the study `{before}` ({held})"

@@ -65,7 +65,7 @@ def _is_marked(folder: Path, kind: str, name: str, instead: str) -> bool:
     marked = owner(folder)
     if marked is not None and marked != (kind, name):
         raise OtherStudy(
-            f"{folder} holds {marked[0]} of `{marked[1]}`: name another folder, such as --out {instead}"
+            f"{folder} holds {marked[0]} of `{marked[1]}`: use another folder, such as --out {instead}"
         )
     return marked is not None
 
@@ -73,7 +73,7 @@ def _is_marked(folder: Path, kind: str, name: str, instead: str) -> bool:
 def _strangers(folder: Path, instead: str) -> list[str]:
     """List the files of a folder except those of a killed run. Raises NotOurs if it is a file."""
     if folder.exists() and not folder.is_dir():
-        raise NotOurs(f"{folder} is a file: name a folder, such as --out {instead}")
+        raise NotOurs(f"{folder} is a file: use a folder, such as --out {instead}")
     return strangers(folder) if folder.exists() else []
 
 
@@ -81,7 +81,7 @@ def _refuse_links_to_files(folder: Path) -> None:
     """Raise LinkWithin for links to files: a table written through a link would replace a file outside."""
     for path in sorted(folder.iterdir()):
         if path.is_symlink() and not path.is_dir():
-            raise LinkWithin(f"{path} is a link, and would lead out of the folder: remove it")
+            raise LinkWithin(f"{path} is a link out of the folder: remove it")
 
 
 def _refuse(folder: Path, names: Sequence[str], instead: str) -> None:
@@ -89,6 +89,6 @@ def _refuse(folder: Path, names: Sequence[str], instead: str) -> None:
     if names:
         more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
         raise NotOurs(
-            f"{folder} holds files of your own ({', '.join(names[:NAMED])}{more}), and nothing is written beside"
-            f" them: name a folder for the results, such as --out {instead}"
+            f"{folder} holds files of your own ({', '.join(names[:NAMED])}{more}):"
+            f" use a separate folder for the results, such as --out {instead}"
         )

@@ -99,7 +99,7 @@ def merge(folders: Sequence[Path], out: Path) -> Merged:
 
 def _refuse_among(folders: Sequence[Path], out: Path) -> None:
     if any(folder.resolve() == out.resolve() for folder in folders):
-        raise Unmergeable(f"{out} is one of the folders that are merged, and these stay as they are: name another")
+        raise Unmergeable(f"{out} is one of the merged folders; use another one")
 
 
 # Plans
@@ -114,7 +114,7 @@ def _refuse_other_plan(results: Results, other: Results) -> None:
             difference = _difference(name, results.plan, other.plan)
             raise Unmergeable(
                 f"{results.path} and {other.path} hold results of two plans: {difference}"
-                + (" (run one study file in both: what is done is kept)" if name != "study" else "")
+                + (" (run the same study file in both; finished jobs are kept)" if name != "study" else "")
             )
 
 
@@ -164,7 +164,7 @@ def _jobs(path: Path) -> list[str]:
     try:
         return check_unit(path)
     except DamagedUnit as damage:
-        advice = "run the study there again with --verify: what is damaged is computed again"
+        advice = "run the study there again with --verify to recompute damaged results"
         raise DamagedUnit(f"{path.parent}/{damage} ({advice})") from None
 
 
@@ -202,7 +202,7 @@ def _choices(folders: Sequence[Path]) -> tuple[dict[str, Any], dict[str, str]]:
         for name, choice in read_choices(folder).items():
             if choices.setdefault(name, choice) != choice:
                 paths = f"{origin[name] / 'choices.json'} and {folder / 'choices.json'}"
-                raise Unmergeable(f"other models were chosen for a case in {paths}: leave a folder out")
+                raise Unmergeable(f"{paths} chose different models for a case; omit one of the folders")
             origin.setdefault(name, folder)
         plans = read_plans(folder) | plans
     return choices, plans

@@ -69,23 +69,25 @@ def superfluous(root: Path) -> Superfluous:
         try:
             units.append(_unit(path, planned))
         except DamagedUnit as damage:
-            notes.append(f"{path.parent}/{damage}: it stays (a run with --verify computes its jobs again)")
+            notes.append(f"{path.parent}/{damage}: kept (a run with --verify recomputes its jobs)")
     scans = own_files.SCANS.of(root)
     done = set[str]().union(*(unit.planned for unit in units))
     if scans and done != planned:
         left = len(planned - done)
         jobs = f"{left} jobs that may need them are" if left > 1 else "1 job that may need them is"
-        notes.append(f"scans stay ({_files(len(scans))}): {jobs} not done")
+        notes.append(f"scans are kept ({_files(len(scans))}): {jobs} not done")
         scans = []
     named = set[str]().union(*(unit.scans for unit in units))
     temporary = own_files.temporary_files(root)
     by_kind = {
-        "units of jobs that the plan does not name": [unit.path for unit in units if not unit.planned],
-        "failures of such jobs": [path for path in own_files.FAILURES.of(root) if path.stem not in planned],
-        "damaged files that were set aside": [path for kind in own_files.DAMAGED for path in kind.of(root)],
-        "trials that nothing reads": _trials(results),
+        "units of jobs outside the plan": [unit.path for unit in units if not unit.planned],
+        "failures of jobs outside the plan": [
+            path for path in own_files.FAILURES.of(root) if path.stem not in planned
+        ],
+        "damaged files (.damaged)": [path for kind in own_files.DAMAGED for path in kind.of(root)],
+        "unused trials": _trials(results),
         "scans of no job": [path for path in scans if path.stem not in named],
-        "temporary files of processes that are gone": [path for path in temporary if _is_left(path)],
+        "temporary files of ended processes": [path for path in temporary if _is_left(path)],
     }
     sizes = {what: {path: path.lstat().st_size for path in sorted(paths)} for what, paths in by_kind.items()}
     return Superfluous({what: files for what, files in sizes.items() if files}, (*notes, *_whole(units)))
@@ -109,9 +111,9 @@ def _whole(units: Iterable[_Unit]) -> Iterator[str]:
     """Yield a line on units that also hold jobs outside the plan, if there are any."""
     mixed = [unit for unit in units if unit.planned and unit.planned != unit.jobs]
     if mixed:
-        stay = f"{len(mixed)} units stay" if len(mixed) > 1 else "1 unit stays"
+        stay = f"{len(mixed)} units are kept" if len(mixed) > 1 else "1 unit is kept"
         unnamed, jobs = sum(len(u.jobs - u.planned) for u in mixed), sum(len(u.jobs) for u in mixed)
-        yield f"{stay} whole, though the plan names only {jobs - unnamed} of {jobs} jobs there: a unit is one file"
+        yield f"{stay} whole, although the plan names only {jobs - unnamed} of {jobs} jobs there"
 
 
 def _is_left(path: Path) -> bool:

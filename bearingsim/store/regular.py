@@ -28,7 +28,7 @@ def open_regular(path: Path) -> BufferedReader:
     Raises Unreadable for a link, a special file, or one larger than memory; OSError.
     """
     if path.is_symlink():
-        raise Unreadable("it is a link: copy the folder with what its links stand for (`cp -rL`)")
+        raise Unreadable("it is a link; copy the folder with its link targets (`cp -rL`)")
     descriptor = os.open(path, _FLAGS)
     try:
         status = os.fstat(descriptor)

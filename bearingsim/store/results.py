@@ -167,7 +167,7 @@ def _stack(series: dict[str, Series]) -> dict[str, Any]:
         return {}
     reference = next(iter(series.values()))
     if not all(np.array_equal(signals.time, reference.time) for signals in series.values()):
-        raise ResultsError("the jobs have different time axes: name jobs of one duration and sampling")
+        raise ResultsError("the jobs have different time axes; select jobs of one duration and sampling")
     stacked = {
         name: (
             ("job", "time"),

@@ -50,7 +50,7 @@ def held_scans(root: Path) -> list[Path]:
     scans = SCANS.of(root)
     for path in scans:
         if not _holds(path, path.stem):
-            raise ScanError(f"`{path}` is not as it was written", "remove it, and run the study there again")
+            raise ScanError(f"`{path}` has been changed", "remove it, and run the study there again")
     return scans
 
 

@@ -101,9 +101,9 @@ def open_sealed(stream: BinaryIO) -> Hdf5:
     try:
         size, digest, seal = _read_through(stream)
         if not seal.startswith(HDF5_MARK):
-            raise Unreadable("its digest is missing")
+            raise Unreadable("its checksum is missing")
         if seal != _as_seal(digest):
-            raise Unreadable("its bytes are not those that were written")
+            raise Unreadable("its content does not match its checksum")
         file = Hdf5(stream, COST * size)
         _check_schema(file.attribute("schema"))
     except BaseException:
@@ -141,9 +141,9 @@ def read_json(path: Path) -> dict[str, Any]:
     text = read_regular(path).decode()
     body, mark, _ = text.rpartition(JSON_MARK)
     if not mark:
-        raise Unreadable("its digest is missing")
+        raise Unreadable("its checksum is missing")
     if text != body + _json_seal(body):
-        raise Unreadable("its text is not what was written")
+        raise Unreadable("its content does not match its checksum")
     if LEAST_BYTES * (text.count("[") + text.count("{")) > max(len(text), BLOCK):
         raise Unreadable("it holds more lists and mappings than any file of its size")
     entries = json.loads(text)

@@ -133,7 +133,7 @@ def _read(root: Path) -> dict[str, tuple[Choice, str]]:
         return {}
     except UNREADABLE as error:
         raise DamagedChoices(
-            f"{path} cannot be read ({error}): put it back, or remove it to decide again (results stay)"
+            f"{path} cannot be read ({error}): restore it, or remove it to choose again (results are kept)"
         ) from error
 
 

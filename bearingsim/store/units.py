@@ -281,5 +281,5 @@ def _advised(path: Path) -> Iterator[None]:
     try:
         yield
     except DamagedUnit as damage:
-        advice = "run the study again with --verify: what is damaged is computed again"
+        advice = "run the study again with --verify to recompute damaged results"
         raise DamagedUnit(f"{path.parent}/{damage} ({advice})") from None

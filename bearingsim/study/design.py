@@ -69,9 +69,9 @@ class Drawn:
     def notes(self) -> Iterator[str]:
         """Yield the limits of extending the design to a larger ``n``."""
         if self.kind not in EXTENDED:
-            yield f"{self.kind}: another `n` gives other points, and all jobs anew; `sobol` keeps its points"
+            yield f"{self.kind} cannot be extended with a larger `n`; `sobol` can"
         if self.kind in ("sobol", "saltelli") and self.n & (self.n - 1):
-            yield f"{self.kind}: points fill the space evenly where `n` is a power of two, and {self.n} is none"
+            yield f"{self.kind}: points are evenly spread only if `n` is a power of two, unlike {self.n}"
 
 
 def _described(kind: Kind, n: int, seed: int, paths: Sequence[str]) -> str:
@@ -156,6 +156,6 @@ def beside(kind: Kind, axes: Sequence[Axis], words: Words) -> Iterator[Problem]:
 
 
 NOT_IN_BLOCKS = {
-    "where": "leave it out: ranges and `derived` can keep parameters apart",
+    "where": "omit it; ranges and `derived` can restrict parameters",
     "repeat": "leave it out, or take `sobol`",
 }

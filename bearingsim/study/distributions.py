@@ -158,7 +158,7 @@ def _normal(path: str, node: Node) -> Range:
     if own != unit:
         low, high = number_in(lower, unit)[0], number_in(upper, unit)[0]
     if deviation > MOST_RANGES * (high - low):
-        message = f"a standard deviation over {MOST_RANGES} times the range is none that shows"
+        message = f"a standard deviation over {MOST_RANGES} times the range has no effect"
         raise Wrong(spread, message, "take `uniform`")
     a, b = (low - mean) / deviation, (high - mean) / deviation
     if a > MOST_DEVIATIONS or b < -MOST_DEVIATIONS:

@@ -36,7 +36,7 @@ def _listed_defects(tree: Node, problems: list[Problem]) -> Node:
     if single is None:
         return tree
     if "defects" in tree.mapping:
-        message = "say `defect` (one mapping) or `defects` (a list), not both"
+        message = "use `defect` (one mapping) or `defects` (a list), not both"
         problems.append(problem(single.key or single.mark, message))
     rest = {key: node for key, node in tree.mapping.items() if key != "defect"}
     listed = Node((single,), single.mark, single.key)

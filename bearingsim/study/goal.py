@@ -28,11 +28,11 @@ JUDGED = (
     "outer_force.max",
 )
 """Features of which an accuracy can be asked: lines, RMS, the largest force."""
-CHOSEN, STEPPED = "which chooses it", "which rests on the error of an automatic step"
+CHOSEN, STEPPED = "which chooses it", "which needs the error bound of an automatic step"
 NOT_BESIDE = {"model": CHOSEN, "method": CHOSEN, "step": STEPPED, "tolerance": STEPPED}
 """Keys that exclude `accuracy`, with the reason."""
-NOT_SWEPT = dict.fromkeys(("contact.slices", "rig.ring.harmonics"), "which tries other values of it")
-"""Keys that may have only one value beside `accuracy`, with the reason."""
+NOT_SWEPT = dict.fromkeys(("contact.slices", "rig.ring.harmonics"), "which varies it itself")
+"""Keys that may have only one value with `accuracy`, with the reason."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,9 @@ def parse_goal(section: Node | None, figures: Iterable[Figure], problems: list[P
     of = _features(entries.get("of"), problems) if "of" in entries else _drawn(figures)
     if not of and len(problems) == before:
         what = "say of what, as in `accuracy: {within: 2 %, of: [velocity.rms]}`, or name `figures`"
-        problems.append(problem(mark, "accuracy: no figure draws a line, an RMS or the largest force", what))
+        problems.append(
+            problem(mark, "accuracy: no figure shows a spectral line, an RMS or the largest force", what)
+        )
     return Goal(within, of) if len(problems) == before else None
 
 
@@ -82,7 +84,7 @@ def _share(node: Node, problems: list[Problem]) -> float:
         return 0.0
     if not FINEST <= share <= COARSEST:
         message = f"accuracy: expected {show(FINEST, '%')} to {show(COARSEST, '%')}, got `{node.text}`"
-        why = "the reference itself is not known better (docs/accuracy.md)" if share < FINEST else None
+        why = "the reference itself is not more accurate than that (docs/accuracy.md)" if share < FINEST else None
         problems.append(problem(node.mark, message, why))
     return share
 
@@ -93,7 +95,7 @@ def _features(node: Node | None, problems: list[Problem]) -> tuple[str, ...]:
     for item in items:
         if not is_judged(item.text):
             examples = "lines such as `velocity@BPFO`, an RMS such as `velocity.rms`, `outer_force.max`"
-            message = f"accuracy.of: no accuracy can be held of `{item.text}`"
+            message = f"accuracy.of: accuracy is not defined for `{item.text}`"
             problems.append(problem(item.mark, message, suggestion(item.text, JUDGED) or examples))
     return tuple(dict.fromkeys(item.text for item in items))
 
@@ -117,7 +119,10 @@ def check_goal(
     section = root.mapping["accuracy"]
     mark = section.key or section.mark
     for path, why in NOT_BESIDE.items():
-        message, advice = f"`{path}` beside `accuracy`, {why}", f"leave `{path}` out, or `accuracy`"
+        message, advice = (
+            f"`{path}` cannot be combined with `accuracy`, {why}",
+            f"leave `{path}` out, or `accuracy`",
+        )
         harmless = AUTO if why == STEPPED else None
         entries = [entry for entry in _entries(root, path, swept) if entry.value != harmless]
         problems += [problem(_place(entry), message, advice) for entry in entries]
@@ -125,17 +130,17 @@ def check_goal(
             problems.append(problem(mark, message, f"leave out --set {path}"))
     for path, why in NOT_SWEPT.items():
         if path in swept:
-            message = f"`{path}` is swept beside `accuracy`, {why}"
+            message = f"`{path}` cannot be swept with `accuracy`, {why}"
             problems.append(problem(_place(swept[path]), message, "give it one value"))
     if not all(case.step_check for case in cases):
-        message = "`step_check: false` beside `accuracy`: how far off the step is would not be known"
+        message = "`accuracy` needs `step_check`, which bounds the error of the step"
         place = next(map(_place, _entries(root, "step_check", swept)), mark)
         problems.append(problem(place, message, "leave it out"))
     for case in cases:
         unmet = hierarchy.unmet_wishes(case) if case.rig.ring is not None else []
         if unmet:
-            message = f"accuracy: no model has all that this asks for: {unmet[0].why}"
-            problems.append(problem(mark, message, "leave that out, or name a `model` in place of `accuracy`"))
+            message = f"accuracy: no model can compute all of this: {unmet[0].why}"
+            problems.append(problem(mark, message, "omit that, or use `model` instead of `accuracy`"))
             return
 
 

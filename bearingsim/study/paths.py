@@ -184,7 +184,7 @@ def _without_number(path: str) -> str:
 
 def _only_defect(text: str, defects: int) -> int:
     if defects > 1:
-        raise ValueError(f"which of the {defects} defects? (say `{text.replace('defect', 'defects.1', 1)}`)")
+        raise ValueError(f"which of the {defects} defects? (use `{text.replace('defect', 'defects.1', 1)}`)")
     if defects == 0 and text != "defect":
         raise ValueError(f"`{text}`: the study has no `defect`")
     return 0

@@ -103,7 +103,7 @@ class Plan:
         """Parse the axes of a `sweep:`."""
         paths = written_paths(sweep)
         if len(paths) > MAX_PATHS:
-            message = f"sweep: {len(paths)} paths; at most {MAX_PATHS} are possible"
+            message = f"sweep: {len(paths)} parameters; at most {MAX_PATHS} are possible"
             self.problems.append(problem(sweep.key or sweep.mark, message))
             return []
         self.named |= paths
@@ -296,8 +296,8 @@ class Plan:
             self.problems.append(self.relations.nothing_left())
         node = self.words.get("repeat")
         if node is not None and example is not None and not any(map(is_random, (example, *cases))):
-            message = "repeat: nothing is random in this study: another `seed` gives the same"
-            advice = "it is with `excitation: random-impulses`, or rollers loose in a free cage (`model: planar`)"
+            message = "repeat: nothing in this study depends on `seed`"
+            advice = "only `excitation: random-impulses` and rollers with play in a free cage (`model: planar`) do"
             self.problems.append(problem(node.key or node.mark, message, advice))
 
     def otherwise(self, values: Mapping[str, str]) -> list[Case | None]:

@@ -59,8 +59,8 @@ def unheld(cases: Sequence[Case]) -> Iterator[str]:
             able.setdefault((case.model, need.what), hierarchy.least(case))
     for (model, what), why in reasons.items():
         count = f" ({len(why)} of {len(cases)})" if len(why) < len(cases) else ""
-        advice = f"; take `{able[model, what]}`" if able[model, what] not in (None, model) else ""
-        yield f"{WARNING}`{model}`{count} leaves out {what}: {why[-1]}{advice}"
+        advice = f"; use `{able[model, what]}`" if able[model, what] not in (None, model) else ""
+        yield f"{WARNING}`{model}`{count} omits {what}: {why[-1]}{advice}"
 
 
 # Contact pressure, static rating
@@ -115,13 +115,13 @@ def static_rating(case: Case) -> float:
 def pressure_warning(case: Case) -> str:
     """Return the warning of a contact pressure above ``RATED_PRESSURE``."""
     limit = show(RATED_PRESSURE[case.bearing.element], "GPa")
-    return f"{pressure(case) / 1e9:.3g} GPa at rest: races keep dents over {limit} (ISO 76), here none"
+    return f"{pressure(case) / 1e9:.3g} GPa at rest, above {limit}, would dent the races (ISO 76); not modelled"
 
 
 def load_warning(case: Case) -> str:
     """Return the warning of a load above the static rating."""
     rating = f"{static_rating(case) / 1e3:.3g} kN"
-    return f"a load of {load(case) / 1e3:.4g} kN is over the static rating C0, about {rating} (ISO 76)"
+    return f"a load of {load(case) / 1e3:.4g} kN exceeds the static rating C0, about {rating} (ISO 76)"
 
 
 # Speed
@@ -136,7 +136,7 @@ def speed_warning(case: Case) -> str:
     """Return the warning of a speed above ``SPEED_FACTOR``."""
     factor = top_speed(case) * case.bearing.pitch_diameter / SPEED_FACTOR
     rpm = show(top_speed(case), "rpm")
-    return f"{rpm}, n d_m {factor:.2g}e6 mm/min, over 1e6: heat and growth of rings are not computed"
+    return f"{rpm} is n d_m = {factor:.2g}e6 mm/min, above 1e6; heat and ring growth are not modelled"
 
 
 # Sampling
@@ -190,7 +190,7 @@ def crossing_warning(case: Case) -> str:
     crossing = shortest_crossing(case)
     samples, wanted = crossing * case.sampling, FEWEST_SAMPLES / crossing
     end, advice = f"{FLAT * case.sampling / 1e3:.2g} kHz", f"`sampling: {show(_rounded(wanted), 'kHz')}`"
-    return f"RMS, peak, series end at {end} ({samples:.2g} samples a crossing); {advice} gives 8"
+    return f"the record ends at {end} ({samples:.2g} samples per crossing); {advice} gives 8"
 
 
 def _rounded(hertz: float) -> float:
@@ -202,4 +202,4 @@ def _rounded(hertz: float) -> float:
 def line_warning(case: Case, hertz: float, name: str) -> str:
     """Return the warning of a spectral line above half the sampling frequency; hertz: its frequency."""
     rate = show(case.sampling, "Hz", "frequency")
-    return f"RMS, peak and series lack {name}, {hertz:.4g} Hz: over half of `sampling: {rate}`"
+    return f"{name} ({hertz:.4g} Hz) is above half of `sampling: {rate}`, so the record lacks it"

@@ -216,6 +216,6 @@ def _in_order(derived: list[Derived], place: Place, problems: list[Problem]) -> 
         start = circle.index(min(circle, key=lambda value: list(by_place).index(value.place)))
         top, *others = circle[start:] + circle[:start]
         chain = ", which follows from ".join(f"`{value.path}`" for value in (*others, top))
-        message = f"derived: `{top.path}` follows from {chain}: none can be first"
+        message = f"derived: `{top.path}` depends on {chain}, which is circular"
         problems.append(problem(top.entry.key or top.entry.mark, message))
         return ()

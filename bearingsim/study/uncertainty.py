@@ -210,14 +210,14 @@ def check_possible(
 def _no_support(case: Case, named: bool) -> tuple[str, str] | None:
     """Return the reason why a case cannot have other supports, and the remedy; None if it can."""
     if not named:
-        why = "beside `accuracy`, whose models differ in what they know of a ring that bends"
-        return why, "leave `support` out, or name a `model` in place of `accuracy`"
+        why = "not possible with `accuracy`, because only some models have a flexible ring"
+        return why, "omit `support`, or use `model` instead of `accuracy`"
     able = [model.name for model in MODELS.values() if BENDING in model.abilities]
     if case.model not in able:
         words = " or ".join(f"`model: {name}`" for name in able)
-        return f"the {case.model} model knows no ring that bends", f"say {words}, or leave `support` out"
+        return f"the {case.model} model has no flexible ring", f"say {words}, or leave `support` out"
     if case.rig.ring is not None:
-        return "the rig says itself how its ring bends and is held", "leave `support` out, or say `bends: false`"
+        return "the rig already defines the support of its ring", "leave `support` out, or use `bends: false`"
     return None
 
 
@@ -262,9 +262,9 @@ def variations(case: Case, uncertain: Sequence[Uncertain]) -> list[tuple[str, fl
     ]
 
 
-RIGID = "rigid ring assumed (docs/ring.md: bending moves lines by factors)"
-NO_SLIP = "no slip assumed: cage and rollers roll (docs/accuracy.md: oil moves lines by percents, an RMS by more)"
-NO_OIL = "no oil drag assumed: friction is dry (docs/accuracy.md: oil moves lines by percents, an RMS by more)"
+RIGID = "rigid ring assumed; bending can change amplitudes several-fold (docs/ring.md)"
+NO_SLIP = "pure rolling assumed; slip and oil drag change amplitudes by some percent (docs/accuracy.md)"
+NO_OIL = "dry friction assumed; oil drag changes amplitudes by some percent, RMS by more (docs/accuracy.md)"
 _OF_RING = ("ring.", "displacement", "velocity", "acceleration")
 
 

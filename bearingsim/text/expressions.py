@@ -188,7 +188,7 @@ class Expression:
                 return self._kind_of_call(node, _FUNCTIONS[name], within)
             case ast.Call(func=ast.Name(id=name) as called) if name not in _FUNCTIONS:
                 raise self._wrong(called, f"no function `{name}`", suggestion(name, _FUNCTIONS) or _POSSIBLE)
-        raise self._wrong(node, "this cannot stand in a formula", _POSSIBLE)
+        raise self._wrong(node, "not allowed in a formula", _POSSIBLE)
 
     def _kind_of_name(self, node: ast.Name, of: Callable[[str], Kind]) -> Kind:
         if node.id in _CONSTANTS:
@@ -411,7 +411,7 @@ def read(node: Node) -> Expression:
     python = _NO_PYTHON.sub(replaced, text.strip())
     strange = next((column for column, letter in enumerate(python) if not letter.isascii()), None)
     if strange is not None:
-        message = f"a letter that is in no formula: {python[strange]!a}"
+        message = f"a character that is not allowed in formulas: {python[strange]!a}"
         raise ExpressionError(_mark_at(node, shift + strange), message)
     return Expression(node, _tree(node, python, shift), quantities, paths, shift)
 
@@ -423,7 +423,7 @@ def _tree(node: Node, python: str, shift: int) -> ast.expr:
             return ast.parse(python, mode="eval").body
     except SyntaxError as error:
         column = min(error.offset or len(python), len(python)) - 1  # no offset: it ends too early
-        hint = "a quantity is written as in `3 mm`; what has a comma stands in quotes"
+        hint = "a quantity is written as in `3 mm`; quote a formula with a comma"
         raise ExpressionError(_mark_at(node, shift + column), "this is no formula", hint) from None
     except (ValueError, MemoryError, RecursionError):
         raise ExpressionError(node.mark, "this is no formula") from None

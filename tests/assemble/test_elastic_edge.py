@@ -64,9 +64,9 @@ def test_an_implicit_method_steps_it() -> None:
     [
         ({"defect": SLOT | {"edge": {"ramp": "20 um"}}}, "rounded edges only"),
         ({"defect": SLOT | {"shape": "elliptical"}}, "`elastic-edge` has no form for an elliptical defect"),
-        ({"defects": [SLOT, SLOT | {"angle": "20 deg", "edge": {"radius": "5 um"}}]}, "one radius"),
-        ({"defect": SLOT | {"length": "2 mm"}, "bearing": "6205"}, "a line contact's, and balls have none"),
-        ({"defect": SLOT, "model": "static"}, "changes the force at the pit"),
+        ({"defects": [SLOT, SLOT | {"angle": "20 deg", "edge": {"radius": "5 um"}}]}, "the same edge radius"),
+        ({"defect": SLOT | {"length": "2 mm"}, "bearing": "6205"}, "which balls do not have"),
+        ({"defect": SLOT, "model": "static"}, "changes the contact force"),
     ],
 )
 def test_what_it_has_no_form_for_is_refused(fields: dict[str, Any], words: str) -> None:

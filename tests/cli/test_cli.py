@@ -113,7 +113,7 @@ def test_check_prints_the_plan(here):
     assert "8 jobs (4 cases, 4 healthy twins); sweeps load, model" in said
     rows = {line[: line.find("  ")].strip(): line.split() for line in said.splitlines() if "  " in line}
     assert rows["cases"][-2:] == ["2", "2"]
-    assert rows["crossing of the pit (us)"][-2:] == ["270", "270"]  # 0.8 mm at 2.959 m/s
+    assert rows["crossing of the defect (us)"][-2:] == ["270", "270"]  # 0.8 mm at 2.959 m/s
     assert rows["step limit at rest (us)"][5] == "-"  # the static model has none
     assert "2 workers" in said
     assert rows["damping c/k at rest (us)"][-2:] == ["2.5", "2.5"]
@@ -126,9 +126,9 @@ def test_check_says_what_an_engineer_asks_first(here):
     rows = {line[: line.find("  ")].strip(): line.split() for line in said.splitlines() if "  " in line}
     for name, hertz in {"BPFO": 159.0, "BPFI": 231.0, "BSF": 78.5, "FTF": 12.2308}.items():
         assert float(rows[f"{name} (Hz)"][-1]) == pytest.approx(hertz, rel=3e-3)
-    assert float(rows["samples in a crossing"][-1]) == pytest.approx(270e-6 * 10240, rel=0.01)
+    assert float(rows["samples per crossing"][-1]) == pytest.approx(270e-6 * 10240, rel=0.01)
     assert max(map(len, said.splitlines())) < 100
-    assert "rollers sink 11.3 um and do not reach the floor, 50 um; rectangle and triangle" in said
+    assert "rollers drop 11.3 um and do not reach the floor at 50 um; rectangle and triangle" in said
     assert "step limit" not in said
     assert "plausible" not in said
 
@@ -138,7 +138,7 @@ def test_a_triangle_is_as_a_rectangle_only_where_its_walls_are_steep(here, depth
     """A roller sinks 11.3 um between the rims, and touches the walls of a V less than twice as deep."""
     said, _ = type_("check", "small.yaml", "--set", f"defect.depth={depth}")
     assert "rollers sink 11.3 um" in said
-    assert ("rectangle and triangle are the same" in said) == same
+    assert ("rectangle and triangle give equal results" in said) == same
 
 
 def test_check_shows_the_design(here):
@@ -179,9 +179,9 @@ def test_check_says_what_friction_can_do(here):
     words = ["--set", "load=150 N", "--set", "model=[ring, planar]"]
     said, _ = type_("-v", "check", "small.yaml", *words)
     rows = {line[: line.find("  ")].strip(): line.split() for line in said.splitlines() if "  " in line}
-    assert rows["friction at rest, at most (N)"][-2:] == ["-", "14.9"]
-    assert rows["slip at rest settles in (us)"][-2:] == ["-", "2.39"]
-    assert "slip at rest" not in type_("-v", "check", "small.yaml")[0]
+    assert rows["largest friction at rest (N)"][-2:] == ["-", "14.9"]
+    assert rows["slip time constant at rest (us)"][-2:] == ["-", "2.39"]
+    assert "slip time constant at rest" not in type_("-v", "check", "small.yaml")[0]
 
 
 def test_check_for_a_script(here):
@@ -218,7 +218,7 @@ def test_a_step_over_the_limit_is_refused_once(here):
     [line] = told.splitlines()
     assert line.startswith("small.yaml: 4 jobs refused, the first at load 150 N")
     assert "of the method's limit" in line
-    assert "say `step: auto`" in line
+    assert "use `step: auto`" in line
 
 
 @pytest.mark.parametrize(("coefficient", "warned"), [(1e2, False), (1e6, True)])

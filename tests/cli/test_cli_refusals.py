@@ -27,7 +27,7 @@ def test_a_missing_folder_is_told(here, done):
 
 def test_a_file_is_no_results_folder(here):
     _, told = type_("run", "small.yaml", "--out", "small.yaml", code=2)
-    assert told == f"{here / 'small.yaml'} is a file: name a folder, such as --out results/small\n"
+    assert told == f"{here / 'small.yaml'} is a file: use a folder, such as --out results/small\n"
 
 
 @pytest.mark.parametrize(
@@ -44,7 +44,9 @@ def test_errors_of_the_system_are_sentences(number, message):
 
 def test_a_full_disk_is_named():
     told = sentence(OSError(errno.ENOSPC, "what the system says", "here/plan.json"))
-    assert re.match(r"the disk \S+ is full \(\d+ kB are left\), and so \S+ takes no plan\.json: make room", told)
+    assert re.match(
+        r"the disk \S+ is full \(\d+ kB are left\); plan\.json in \S+ cannot be written: free some space", told
+    )
 
 
 def test_a_message_stands_once_even_with_its_traceback(here):

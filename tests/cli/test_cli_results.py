@@ -64,7 +64,7 @@ def test_a_reader_that_stops_reading_is_no_error(done):
 
 @pytest.mark.parametrize("command", ["plot", "show", "export"])
 def test_without_results_there_is_a_message(here, command):
-    assert "there are no results" in type_(command, code=2)[1]
+    assert "no results in ./results" in type_(command, code=2)[1]
     assert "holds no results" in type_(command, here, code=2)[1]
 
 
@@ -143,9 +143,9 @@ def test_tables_go_to_stdout(done, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--features", "-", "--format", "parquet"], "stdout gets csv, not parquet"),
-        (["--features", "-", "--series", "JOB", "--out", "-"], "one of them can go to stdout"),
-        (["--out", "x.csv"], "`--out` is the file of series: name a job with `--series`"),
+        (["--features", "-", "--format", "parquet"], "only csv can go to stdout, not parquet"),
+        (["--features", "-", "--series", "JOB", "--out", "-"], "only one can go to stdout"),
+        (["--out", "x.csv"], "`--out` is for time series; name a job by `--series`"),
     ],
 )
 def test_what_stdout_cannot_hold_is_refused(done, words, message):

@@ -28,10 +28,8 @@ def test_it_prints_indices_a_verdict_and_the_figure(plane):
     assert lines[1].split() == ["parameter", "total", "95", "%", "first", "95", "%"]
     assert [line.split()[0] for line in lines[3:5]] == ["defect.width", "load"]
     assert float(lines[3].split()[1]) == pytest.approx(SHARES[0], abs=0.05)
-    assert lines[5].startswith(
-        f"One parameter decides {LINE} most, its interval clear of all others: `defect.width`"
-    )
-    assert "Whether parameters act together cannot be told" in lines[5]
+    assert lines[5].startswith(f"One parameter clearly dominates {LINE}: `defect.width`")
+    assert "Interactions of parameters are not significant" in lines[5]
     assert lines[6].endswith("figures/sensitivity-velocity-bpfo.png")
     assert len(lines) == 7
     assert (plane / "figures/sensitivity-velocity-bpfo.png").stat().st_size > 10_000
@@ -62,7 +60,7 @@ def test_json_has_indices_with_intervals_and_draws_nothing(tmp_path):
             assert one["low"] <= share <= one["high"]
             assert one["value"] == pytest.approx(share, abs=0.05)
     assert found["together"]["value"] == pytest.approx(0.0, abs=0.05)
-    assert found["says"].startswith("One parameter decides")
+    assert found["says"].startswith("One parameter clearly dominates")
     assert not (results / "figures").exists()
 
 
@@ -88,7 +86,10 @@ def test_blocks_of_failed_jobs_are_dropped_and_counted(tmp_path):
 
 def test_too_many_failures_are_refused(tmp_path):
     results = computed(tmp_path / "fake", deeds=dict.fromkeys(range(7), "raise"))
-    assert "7 of 64 jobs have no `velocity@BPFO` (7 failed). Over 10 %" in type_("sensitivity", results, code=2)[1]
+    assert (
+        "7 of 64 jobs have no `velocity@BPFO` (7 failed), more than 10 %"
+        in type_("sensitivity", results, code=2)[1]
+    )
 
 
 def test_jobs_that_lack_are_refused_with_the_command(plane, tmp_path):
@@ -113,7 +114,7 @@ def test_morris_effects_are_slopes(tmp_path):
     ("words", "message"),
     [
         (["--of", "velocity@BPF"], "no feature `velocity@BPF` in these results (did you mean `velocity@BPFO`?)"),
-        (["--of", f"{LINE}.phase"], "a phase has no variance"),
+        (["--of", f"{LINE}.phase"], "a phase is periodic"),
         (["--out", "who.gif"], "who.gif: expected a name that ends in .png, .svg or .pdf"),
         (["--out", "nowhere/who.png"], "there is no folder nowhere"),
     ],
@@ -124,10 +125,10 @@ def test_what_cannot_be_answered_is_refused(plane, words, message):
 
 def test_results_without_a_design_are_refused(done):
     told = type_("sensitivity", done, code=2)[1]
-    assert "the study has no design. For indices write `sweep: {saltelli: {n: 128, seed: 1, over:" in told
+    assert "the study has no design; for indices use `sweep: {saltelli: {n: 128, seed: 1, over:" in told
 
 
 @pytest.mark.parametrize("kind", ["lhs", "sobol"])
 def test_points_that_fill_the_space_are_to_be_drawn(kind, tmp_path):
     told = type_("sensitivity", computed(tmp_path / "fake", kind=kind), code=2)[1]
-    assert f"no indices follow from the design `{kind}`: `bearingsim plot` draws features" in told
+    assert f"the design `{kind}` gives no indices, only figures" in told

@@ -36,7 +36,7 @@ def test_a_reduced_grid_is_named_and_varies_nothing(here):
     Path("small.yaml").write_text(f"{text}uncertainty: {{damping: [1 us, 5 us]}}\n")
     lines = type_("run", "small.yaml", "--jobs", "1", "--quick")[0].splitlines()
     assert "4 assumptions not varied: damping, clearance, bracket, rigid ring" in lines
-    assert lines[-2] == "this was the reduced grid: the whole study runs without --quick"
+    assert lines[-2] == "this was the reduced grid; run without --quick for the whole study"
 
 
 def test_features_beyond_the_first_three_are_counted(here):
@@ -57,7 +57,7 @@ def test_all_else_is_said_when_asked_for(here):
     assert assumed[0].startswith("damping not varied: ")
     assert any(line.startswith("rigid ring assumed") for line in assumed)
     for name, values in {"clearance": "[0 um, 10 um]", "bracket": "[0.5, 2]"}.items():
-        said = f"{name} has one value in each case: `uncertainty: {{{name}: {values}}}` varies it"
+        said = f"{name} has one value per case; to vary it: `uncertainty: {{{name}: {values}}}` varies it"
         assert said in assumed
         text = Path("small.yaml").read_text() + f"uncertainty: {{{name}: {values}}}\n"
         Path("varied.yaml").write_text(text)

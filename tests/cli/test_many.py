@@ -85,6 +85,6 @@ def test_cases_share_the_healthy_twin(many):
 def test_a_long_table_is_cut(done, monkeypatch):
     monkeypatch.setattr(tables, "MOST_ROWS", 3)
     said, _ = type_("show", done)
-    assert "and 5 jobs more: results.csv has them, and `--json`" in said
+    assert "and 5 more jobs in results.csv (or use `--json`)" in said
     assert "8 jobs: 8 done" in said
     assert len(json.loads(type_("show", done, "--json")[0])) == 8

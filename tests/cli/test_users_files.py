@@ -175,7 +175,7 @@ def test_a_folder_of_the_user_stays_as_it_is(users, done, plane, words):
 
 def test_a_proposed_folder_is_named(users):
     told = type_("run", "small.yaml", "--out", ".", code=2)[1]
-    assert "name a folder for the results, such as --out results/small" in " ".join(told.split())
+    assert "use a separate folder for the results, such as --out results/small" in " ".join(told.split())
     told = type_("run", "small.yaml", "--out", ".", "--quick", code=2)[1]
     assert "such as --out results/small-quick" in " ".join(told.split())
     put(users / "results/small", ["mine.txt"])
@@ -226,7 +226,7 @@ def test_a_fresh_start_removes_results_and_says_whose(tmp_path, monkeypatch, don
     units = {path.stem for path in Path("ours").glob("units/*/*.h5")}
     told = " ".join(type_("run", "other.yaml", "--out", "ours", "--quick", "--jobs", "1", code=2)[1].split())
     assert f"ours holds results of the study `small` ({len(units)} units, 0 failures)" in told
-    assert "such as --out results/other-quick, or throw them away by `run --fresh`" in told
+    assert "such as --out results/other-quick, or delete them by `run --fresh`" in told
     assert {path.stem for path in Path("ours").glob("units/*/*.h5")} == units
     told = type_("run", "other.yaml", "--out", "ours", "--quick", "--jobs", "1", "--fresh")[1]
     assert f"the results of the study `small` ({len(units)} units, 0 failures)" in told
@@ -259,7 +259,7 @@ def test_a_study_file_that_was_run_where_its_results_are_is_never_written(tmp_pa
     assert Path("study.yaml").read_bytes() == mine
     Path("../other.yaml").write_text(STUDY.replace("study: small", "study: other"))
     told = type_("run", "../other.yaml", "--out", ".", "--jobs", "1", "--quick", "--fresh", code=2)[1]
-    assert "such as --out results/other-quick, or move that file away" in " ".join(told.split())
+    assert "such as --out results/other-quick, or move the file" in " ".join(told.split())
     assert Path("study.yaml").read_bytes() == mine
 
 
@@ -289,7 +289,7 @@ def test_a_figure_with_an_ending_in_capitals_is_drawn(plane, tmp_path):
 def test_force_replaces_an_export(done, tmp_path):
     table = tmp_path / "table.csv"
     table.write_text("mine")
-    assert "say --force to replace it" in " ".join(type_("export", done, "--features", table, code=2)[1].split())
+    assert "use --force to overwrite it" in " ".join(type_("export", done, "--features", table, code=2)[1].split())
     assert table.read_text() == "mine"
     type_("export", done, "--features", table, "--force")
     assert len(table.read_text().splitlines()) == 9

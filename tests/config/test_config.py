@@ -121,7 +121,7 @@ def test_damping_is_chosen_by_its_law() -> None:
         ({"defect": SLOT | {"race": "middle"}}, "expected `outer`, `inner` or `roller`"),
         ({"defect": SLOT | {"race": "roller", "roller": 14}}, "there is no roller 14: the bearing has 13"),
         ({"defect": SLOT | {"race": "roller", "roller": 0}}, "whole number from 1 to 64"),
-        ({"defect": SLOT | {"roller": 3}}, "a defect of the outer race is on no roller"),
+        ({"defect": SLOT | {"roller": 3}}, "a defect of the outer race has no `roller`"),
         ({"defect": INNER | {"width": "13 mm"}}, "wider than the roller spacing on the inner race (12.808 mm)"),
         ({"defect": INNER | {"depth": "6.6 mm"}}, "6.6 mm deep goes through the inner ring (6.5 mm)"),
         ({"defect": INNER | {"length": "13 mm"}}, "13 mm is longer than the roller (12 mm)"),
@@ -135,8 +135,8 @@ def test_damping_is_chosen_by_its_law() -> None:
         ({"record": ["roller.14.outer_force"]}, "there is no roller 14: the bearing has 13"),
         ({"record": ["roller.0.outer_force"]}, "expected `ring.displacement`"),
         ({"contact": {"stiffness": "hertz"}}, "expected `palmgren`, `iso16281`, `johnson`, `point` or `constant`"),
-        ({"contact": {"stiffness": "constant"}}, "the law `constant` needs numbers"),
-        ({"contact": {"stiffness": {"law": "johnson", "exponent": 1.1}}}, "the law `johnson` takes no numbers"),
+        ({"contact": {"stiffness": "constant"}}, "the law `constant` needs parameters"),
+        ({"contact": {"stiffness": {"law": "johnson", "exponent": 1.1}}}, "the law `johnson` has no parameters"),
         ({"contact": {"stiffness": {"coefficient": 1e5, "exponent": 0}}}, "a plain number above 0 and at most 10"),
         ({"contact": {"stiffness": "point"}}, "the law `point` is a ball's contact, not a roller's"),
         (
@@ -150,7 +150,7 @@ def test_damping_is_chosen_by_its_law() -> None:
         (PLANAR | {"cage": {"motion": "kinematic"}, "friction": "traction"}, "RMS 11-15 % low"),
         (
             PLANAR | {"cage": {"motion": "kinematic"}, "drag": {}},
-            "drag brakes nothing while the cage is kinematic",
+            "drag has no effect on a kinematic cage",
         ),
         (PLANAR | {"cage": {"motion": "kinematic", "guide": "rollers"}}, "a kinematic cage stays centred"),
         (PLANAR | {"cage": {"guide": "rings"}}, "expected `centred`, `rollers`, `inner-ring` or `outer-ring`"),
@@ -158,7 +158,7 @@ def test_damping_is_chosen_by_its_law() -> None:
         (PLANAR | {"drag": {"oil_viscosity": "0 Pa s"}}, "a dynamic viscosity above zero"),
         (PLANAR | {"drag": "some"}, "valid dictionary or instance of Drag"),
         (PLANAR | {"shaft": {"stiffness": "1e8 N/m"}}, "Field required"),
-        (PLANAR | {"unbalance": {"mass_radius": "100 g mm"}}, "moves nothing while the inner ring is rigid"),
+        (PLANAR | {"unbalance": {"mass_radius": "100 g mm"}}, "has no effect on a fixed inner ring"),
         (PLANAR | {"rig": {"torsion_damping": "1 N m s/rad"}}, "does not rotate without `torsion_stiffness`"),
         (PLANAR | {"ramp": {"to": "0 rpm", "time": "1 s"}}, "a rotation speed above zero"),
         ({"defect": SLOT, "defects": [SLOT]}, "not both"),
@@ -207,10 +207,10 @@ SPALL = SLOT | {"shape": "spall"}
     [
         (
             SLOT | {"offset": "7.5 mm"},
-            "7.5 mm off the middle is beyond the roller's end (6 mm): nothing of it is felt",
+            "7.5 mm off the middle lies beyond the roller's end (6 mm) and has no effect",
         ),
         (SLOT | {"offset": "-8 mm"}, "beyond the roller's end"),
-        (ON_ROLLER | {"offset": "5 mm"}, "a defect of 3 mm, 5 mm off the middle, hangs over the roller's end"),
+        (ON_ROLLER | {"offset": "5 mm"}, "a defect of 3 mm, 5 mm off the middle, extends beyond the roller's end"),
         (SLOT | {"edge": {"radius": "20 um", "ramp": "50 um"}}, "expected either `radius` or `ramp`"),
         (SLOT | {"edge": {}}, "expected either `radius` or `ramp`"),
         (SLOT | {"edge": {"radius": "0 um"}}, "a length above zero"),
@@ -233,7 +233,7 @@ def test_wrong_defects_are_refused(defect: dict[str, Any], part: str) -> None:
     [
         (SLOT | {"shape": "elliptical"}, "`soft-edge` has no form for an elliptical defect"),
         (SPALL, "`soft-edge` has no form for a spall"),
-        (SLOT | {"edge": {"radius": "20 um"}}, "`soft-edge` knows sharp edges only"),
+        (SLOT | {"edge": {"radius": "20 um"}}, "`soft-edge` is defined for sharp edges only"),
     ],
 )
 def test_excitations_with_forms_for_simple_shapes_only(defect: dict[str, Any], part: str) -> None:

@@ -82,22 +82,22 @@ TEMPERATURE = "expected a temperature such as `55 C`"
         (
             f"{OIL}, viscosity: 30 mPa s",
             "VG 68",
-            "damping.oil: `viscosity` says it already (leave one of them out)",
+            "damping.oil: `viscosity` is already given (omit one of them)",
         ),
         (
             "law: film, viscosity: 30 mPa s, temperature: 55 C",
             "55 C",
-            "damping.temperature: `viscosity` says it already (leave one of them out)",
+            "damping.temperature: `viscosity` is already given (omit one of them)",
         ),
         (
             "law: film",
             None,
-            "damping: `film` needs the oil (say `viscosity: 30 mPa s`, or `oil: VG 68, temperature: 55 C`)",
+            "damping: `film` needs the oil (use `viscosity: 30 mPa s`, or `oil: VG 68, temperature: 55 C`)",
         ),
         (
             "law: film, temperature: 55 C",
             None,
-            "damping: `film` needs the oil (say `viscosity: 30 mPa s`, or `oil: VG 68, temperature: 55 C`)",
+            "damping: `film` needs the oil (use `viscosity: 30 mPa s`, or `oil: VG 68, temperature: 55 C`)",
         ),
         (
             "law: film, oil: VG 68",
@@ -127,7 +127,7 @@ TEMPERATURE = "expected a temperature such as `55 C`"
         (
             "law: film, oil: VG 68, temperature: 400 C",
             "400 C",
-            "damping.temperature: the viscosity of oils is known from -20 C to 150 C, not at 400 C (say `viscosity`)",
+            "damping.temperature: the viscosity of oils is known from -20 C to 150 C, not at 400 C (use `viscosity`)",
         ),
         (
             "law: film, oil: VG 68, temperature: -300 C",

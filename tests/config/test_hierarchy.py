@@ -31,45 +31,49 @@ JUMPING = {"law": "general", "coefficient": 1e3, "indentation_exponent": 0.0}
 IMPULSES = {"defect": DEFECT, "excitation": "impulse-train"}
 
 LEAST: list[tuple[dict[str, Any], str, str]] = [
-    (IMPULSES, "impulse", "`impulse-train` is forces in time"),
-    (IMPULSES | {"record": ["ring.acceleration"]}, "impulse", "forces in time"),
-    (IMPULSES | {"excitation": "random-impulses", "seed": 3}, "impulse", "forces in time"),
-    ({}, "static", "a healthy bearing vibrates by its varying compliance"),
-    ({"defect": DEFECT}, "static", "`envelope` moves the rollers"),
-    ({"defect": DEFECT | {"race": "inner"}}, "static", "`envelope` moves the rollers"),
-    ({"defect": DEFECT | {"race": "roller"}}, "static", "`envelope` moves the rollers"),
-    ({"defect": DEFECT, "excitation": "half-sine-pulse"}, "static", "`half-sine-pulse` moves the rollers"),
+    (IMPULSES, "impulse", "`impulse-train` is a force history"),
+    (IMPULSES | {"record": ["ring.acceleration"]}, "impulse", "a force history"),
+    (IMPULSES | {"excitation": "random-impulses", "seed": 3}, "impulse", "a force history"),
+    ({}, "static", "a healthy bearing vibrates by varying compliance"),
+    ({"defect": DEFECT}, "static", "`envelope` needs elastic contacts"),
+    ({"defect": DEFECT | {"race": "inner"}}, "static", "`envelope` needs elastic contacts"),
+    ({"defect": DEFECT | {"race": "roller"}}, "static", "`envelope` needs elastic contacts"),
+    ({"defect": DEFECT, "excitation": "half-sine-pulse"}, "static", "`half-sine-pulse` needs elastic contacts"),
     ({"record": ["roller.2.inner_force"]}, "static", "a contact force is recorded"),
     ({"load_across": "10 N"}, "static", "`load_across` turns the load"),
     ({"friction": "none", "drag": "none"}, "static", "a healthy bearing"),
-    ({"record": ["ring.acceleration"]}, "ring", "masses decide the acceleration"),
-    ({"contact": {"damping": {"chi": "5 s/m"}}}, "ring", "`contact.damping` acts on motion"),
-    ({"contact": {"damping": JUMPING}}, "ring", "`contact.damping` acts on motion"),
-    ({"defect": DEFECT, "contact": {"damping": JUMPING}}, "rollers", "such damping needs the mass of rollers"),
+    ({"record": ["ring.acceleration"]}, "ring", "acceleration depends on the masses"),
+    ({"contact": {"damping": {"chi": "5 s/m"}}}, "ring", "`contact.damping` needs a moving ring"),
+    ({"contact": {"damping": JUMPING}}, "ring", "`contact.damping` needs a moving ring"),
+    ({"defect": DEFECT, "contact": {"damping": JUMPING}}, "rollers", "this damping law needs the mass of rollers"),
     (
         {"defect": DEFECT, "contact": {"damping": "kraemer"} | LINEAR},
         "rollers",
-        "such damping needs the mass of rollers",
+        "this damping law needs the mass of rollers",
     ),
-    ({"defect": DEFECT, "contact": {"damping": "kraemer"}}, "ring", "`contact.damping` acts on motion"),
-    ({"defect": DEFECT, "contact": {"damping": JUMPING | {"coefficient": 0.0}}}, "ring", "`contact.damping` acts"),
+    ({"defect": DEFECT, "contact": {"damping": "kraemer"}}, "ring", "`contact.damping` needs a moving ring"),
+    (
+        {"defect": DEFECT, "contact": {"damping": JUMPING | {"coefficient": 0.0}}},
+        "ring",
+        "`contact.damping` needs",
+    ),
     (
         {"contact": {"damping": JUMPING | {"indentation_exponent": 1.0}}},
         "ring",
-        "`contact.damping` acts on motion",
+        "`contact.damping` needs a moving ring",
     ),
-    ({"defect": DEFECT, "excitation": "pressure-share"}, "ring", "`pressure-share` changes the force at the pit"),
-    ({"defect": DEFECT, "excitation": "soft-edge"}, "ring", "`soft-edge` changes the force at the pit"),
-    ({"defect": DEFECT, "record": ["roller.outer_force"]}, "rollers", "a roller's mass decides its impact"),
-    ({"defect": DEFECT, "record": ["ring.acceleration"]}, "rollers", "a roller's mass decides its impact"),
+    ({"defect": DEFECT, "excitation": "pressure-share"}, "ring", "`pressure-share` changes the contact force"),
+    ({"defect": DEFECT, "excitation": "soft-edge"}, "ring", "`soft-edge` changes the contact force"),
+    ({"defect": DEFECT, "record": ["roller.outer_force"]}, "rollers", "the impact depends on a roller's mass"),
+    ({"defect": DEFECT, "record": ["ring.acceleration"]}, "rollers", "the impact depends on a roller's mass"),
     ({"speed": "9000 rpm"}, "rollers", "centrifugal force 109 % of load"),
-    ({"ramp": {"to": "3000 rpm", "time": "1 s"}}, "planar", "a `ramp` changes the speed under way"),
-    ({"gravity": True}, "planar", "`gravity` pulls at rollers"),
-    ({"friction": "static-dynamic"}, "planar", "`friction` acts where rollers can slip"),
-    ({"friction": "traction"}, "planar", "`friction` acts where rollers can slip"),
-    ({"cage": {"motion": "kinematic"}}, "planar", "`cage` says how the cage moves"),
-    ({"drag": {}}, "planar", "`drag` brakes"),
-    ({"shaft": {"stiffness": "1e8 N/m", "mass": "1 kg"}}, "planar", "a `shaft` lets the inner ring move"),
+    ({"ramp": {"to": "3000 rpm", "time": "1 s"}}, "planar", "a `ramp` changes the speed"),
+    ({"gravity": True}, "planar", "`gravity` needs rollers"),
+    ({"friction": "static-dynamic"}, "planar", "`friction` needs rollers that can slip"),
+    ({"friction": "traction"}, "planar", "`friction` needs rollers that can slip"),
+    ({"cage": {"motion": "kinematic"}}, "planar", "`cage` needs a cage that can move"),
+    ({"drag": {}}, "planar", "`drag` needs"),
+    ({"shaft": {"stiffness": "1e8 N/m", "mass": "1 kg"}}, "planar", "a `shaft` needs a moving inner ring"),
     (
         {"rig": {"torsion_stiffness": "1e4 N m/rad"}},
         "planar",
@@ -79,8 +83,8 @@ LEAST: list[tuple[dict[str, Any], str, str]] = [
     ({"misalignment": {"inner": "0.5 mrad"}}, "spatial", "loads the rollers unevenly"),
     ({"rig": SPRUNG}, "spatial", "lets the outer ring lean"),
     ({"shaft": {"stiffness": "1e8 N/m", "mass": "1 kg"} | SPRUNG}, "spatial", "lets the inner ring lean"),
-    ({"record": ["roller.2.tilt"]}, "spatial", "how a roller leans"),
-    ({"record": ["roller.outer_line_load"]}, "spatial", "how a roller leans"),
+    ({"record": ["roller.2.tilt"]}, "spatial", "tilt or line load of a roller"),
+    ({"record": ["roller.outer_line_load"]}, "spatial", "tilt or line load of a roller"),
 ]
 
 
@@ -134,16 +138,16 @@ def test_what_only_planar_can_is_refused_elsewhere(fields: dict[str, Any], model
         ((message, hint),) = refusals(**fields | {"model": lower})
         assert message.startswith(f"the {lower} model cannot do this: ")
         assert why in message
-        assert hint == "the least that can is `model: planar`"
+        assert hint == "the simplest one that can is `model: planar`"
 
 
 @pytest.mark.parametrize(
     ("fields", "messages", "hint"),
     [
-        (IMPULSES | {"model": "ring"}, ["`impulse-train` is forces in time"], "`model: impulse`"),
+        (IMPULSES | {"model": "ring"}, ["`impulse-train` is a force history"], "`model: impulse`"),
         (
             {"defect": DEFECT, "model": "impulse", "excitation": "envelope"},
-            ["`envelope` moves"],
+            ["`envelope` needs"],
             "`model: static`",
         ),
         (
@@ -154,17 +158,17 @@ def test_what_only_planar_can_is_refused_elsewhere(fields: dict[str, Any], model
         (
             IMPULSES | {"model": "impulse", "record": ["roller.outer_force"]},
             ["a contact force is recorded"],
-            "no model can do all that is asked for",
+            "no model can compute all of this",
         ),
         (
             IMPULSES | {"model": "impulse", "friction": "traction", "load_across": "1 N"},
-            ["`friction` acts", "`load_across` turns"],
-            "no model can do all that is asked for",
+            ["`friction` needs", "`load_across` turns"],
+            "no model can compute all of this",
         ),
         (
             IMPULSES | {"model": "reference", "gravity": True},
-            ["`impulse-train` is forces in time"],
-            "no model can do all",
+            ["`impulse-train` is a force history"],
+            "no model can compute all",
         ),
     ],
 )
@@ -233,5 +237,5 @@ def test_balls_are_refused_by_the_spatial_model_alone() -> None:
             assert case(**fields).model == name
             continue
         ((message, hint),) = refusals(**fields)
-        assert "its elements are balls, which have no axis to tilt" in message
-        assert hint == "the least that can is `model: static`"
+        assert "balls have no axis to tilt" in message
+        assert hint == "the simplest one that can is `model: static`"

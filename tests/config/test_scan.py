@@ -112,7 +112,7 @@ def test_an_axis_that_runs_downwards_is_turned(tmp_path: Path, write: Any, axis:
     turned = {"s": S[::-1]} if axis == "s" else {"z": Z[::-1]}
     depth = lopsided[:, ::-1] if axis == "s" else lopsided[::-1]
     found = read_scan(write(tmp_path / ("b.h5" if write is hdf5 else "b.csv"), depth, **turned))
-    assert f"{axis} runs downwards" in found.notes[0]
+    assert f"{axis} is decreasing" in found.notes[0]
     assert found.depth == pytest.approx(straight.depth)
     assert not any("downwards" in note for note in straight.notes)
 
@@ -131,7 +131,7 @@ def test_missing_cells_are_filled_from_their_neighbours(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("gone", "part"),
-    [(np.s_[10:14, 20:24], "16 missing cells lie together"), (np.s_[::3, ::3], "cells are missing (11.")],
+    [(np.s_[10:14, 20:24], "16 missing cells are adjacent"), (np.s_[::3, ::3], "cells are missing (11.")],
 )
 def test_too_many_missing_cells_are_refused(tmp_path: Path, gone: Any, part: str) -> None:
     depth = bowl()
@@ -165,15 +165,15 @@ def test_too_many_spikes_are_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("head", "parts"),
     [
-        ("depth [um] | z [um] | s [um]", ["only 2 um wide along s", "deeper (50 um) than it is wide (2 um)"]),
+        ("depth [um] | z [um] | s [um]", ["only 2 um wide along s", "deeper (50 um) than wide (2 um)"]),
         ("depth [nm] | z [mm] | s [mm]", ["only 0.05 um deep"]),
-        ("depth [mm] | z [mm] | s [mm]", ["deeper (5e+04 um) than it is wide (2e+03 um)"]),
+        ("depth [mm] | z [mm] | s [mm]", ["deeper (5e+04 um) than wide (2e+03 um)"]),
         ("depth [um] | z [mm] | s [mm]", []),
     ],
 )
 def test_a_defect_too_small_or_steep_to_be_one_is_doubted(tmp_path: Path, head: str, parts: list[str]) -> None:
     found = read_scan(gridded(tmp_path / "a.csv", bowl(), head)).notes
-    assert list(found) == [f"the pit is {part}: is the unit right?" for part in parts]
+    assert list(found) == [f"the defect is {part}; is the unit right?" for part in parts]
 
 
 def test_a_tilted_scan_is_levelled(tmp_path: Path) -> None:
@@ -203,7 +203,9 @@ def test_the_curvature_of_a_race_is_taken_off(tmp_path: Path) -> None:
 
 def test_the_middle_of_the_damage_is_its_place(tmp_path: Path) -> None:
     found = read_scan(gridded(tmp_path / "a.csv", bowl(), s=S + 40.0, z=Z - 7.0))
-    assert "the damage's middle, s = 40 mm, z = -7 mm, is the defect's place" in "\n".join(found.notes)
+    assert "the damage's middle, s = 40 mm, z = -7 mm, is placed at the defect's position" in "\n".join(
+        found.notes
+    )
     assert found.s[[0, -1]] == pytest.approx([-1e-3, 1e-3])
 
 
@@ -218,7 +220,7 @@ def test_uneven_places_are_taken_as_they_are(tmp_path: Path) -> None:
 
 def test_damage_that_goes_on_along_the_roller(tmp_path: Path) -> None:
     file = gridded(tmp_path / "a.csv", np.where(np.abs(S) < 0.4, 50.0, 0.0) * np.ones((len(Z), 1)))
-    assert "reaches the scan's end along z: taken to end there" in told(file)
+    assert "reaches the scan's end along z and is cut there" in told(file)
     assert read_scan(file).sizes[0] == pytest.approx(8e-3)
 
 
@@ -227,9 +229,9 @@ def test_damage_that_goes_on_along_the_roller(tmp_path: Path) -> None:
     [
         (bowl()[:, 20:], "there is no undamaged border"),
         (bowl()[:, 15:46], "there is no "),
-        (0.0 * bowl(), "no pit stands out"),
+        (0.0 * bowl(), "no defect exceeds the noise"),
         (bowl(noise=40.0), "no"),
-        (-bowl(), "is it a `height`?"),
+        (-bowl(), "name the column `height`"),
     ],
 )
 def test_a_scan_without_undamaged_surroundings_or_defect_is_refused(
@@ -253,13 +255,16 @@ def test_a_scan_without_undamaged_surroundings_or_defect_is_refused(
         ("s [mm],z [mm],depth [um]\n1,1,x\n", "line 2: expected a number, got `x`"),
         ("s [mm],z [mm],depth [um]\n1,1,inf\n", "line 2: `inf` is no depth"),
         ("s [mm],z [mm],depth [um]\n0,1,1,5,1\n", "line 2: 5 cells, the first line has 3"),
-        ("s [mm],z [mm],depth [um]\n", "there are no points in it"),
-        ("s [mm],z [mm],depth [um]\n1,1,1\n1,1,2\n2,1,1\n2,2,1\n1,2,2\n", "two points have the same place"),
-        ("s [mm],z [mm],depth [um]\n1,,1\n", "a point has no place"),
-        ("s [mm],z [mm],depth [um]\n1,5,1\n2,6,1\n3,7,1\n", "the points form no grid: 3 points at 3 values of s"),
+        ("s [mm],z [mm],depth [um]\n", "no points in this file"),
+        ("s [mm],z [mm],depth [um]\n1,1,1\n1,1,2\n2,1,1\n2,2,1\n1,2,2\n", "two points have the same coordinates"),
+        ("s [mm],z [mm],depth [um]\n1,,1\n", "a point has no coordinates"),
+        (
+            "s [mm],z [mm],depth [um]\n1,5,1\n2,6,1\n3,7,1\n",
+            "the points do not form a grid: 3 points at 3 values of s",
+        ),
         ("depth [um] | z [mm],1,2\n1,1,1\n", "expected columns"),
         ("z [mm] | depth [um] | s [mm],1,2\n1,1,1\n", "expected a first cell such as"),
-        ("depth [um] | z [mm] | s [mm],1,3,2\n1,1,1,1\n", "s does not run one way: value 3 is not beyond value 2"),
+        ("depth [um] | z [mm] | s [mm],1,3,2\n1,1,1,1\n", "s is not monotonic between values 2 and 3"),
         ("depth [um] | z [mm] | s [mm],1,2\n1,1,1\n2,1,1\n", "at least 5 each are needed"),
     ],
 )
@@ -290,7 +295,7 @@ def test_a_broken_hdf5_file_is_refused(tmp_path: Path) -> None:
     for content in (b"", bytes(range(256)) * 9, *(whole[: len(whole) * n // 9] for n in range(1, 9))):
         (tmp_path / "a.h5").write_bytes(content)
         assert refusal(tmp_path / "a.h5") == "`a.h5` is not an HDF5 file, or cut off"
-    assert "there are no points" in refusal(hdf5(tmp_path / "b.h5", np.empty((len(Z), 0)), s=np.empty(0)))
+    assert "no points in this file" in refusal(hdf5(tmp_path / "b.h5", np.empty((len(Z), 0)), s=np.empty(0)))
 
 
 def test_text_in_an_hdf5_file_is_refused_at_the_file(tmp_path: Path) -> None:
@@ -363,7 +368,7 @@ def test_a_case_takes_sizes_from_the_file(tmp_path: Path) -> None:
     ("fields", "unit", "part"),
     [
         ({"length": "3 mm"}, "um", "a scan's length comes from its file"),
-        ({"edge": {"radius": "20 um"}}, "um", "a scan has the edges it was measured with"),
+        ({"edge": {"radius": "20 um"}}, "um", "a scan already contains its edges"),
         ({"grown": "50 %"}, "um", "only a spall has `grown`"),
         ({}, "mm", "a defect 50 mm deep goes through the outer ring (6.5 mm)"),
         ({"offset": "9 mm"}, "um", "beyond the roller's end"),

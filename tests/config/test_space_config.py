@@ -106,7 +106,7 @@ def test_a_misaligned_ring_leans_where_the_case_says() -> None:
 
 def test_a_lean_in_degrees_that_was_meant_in_mrad_is_refused() -> None:
     message, hint = refusal(misalignment={"inner": "2 deg"})
-    assert message == "a lean of 2 deg is beyond 1.14592 deg"
+    assert message == "a tilt of 2 deg is beyond 1.14592 deg"
     assert "mrad" in hint
 
 
@@ -124,7 +124,7 @@ def test_sprung_rings_have_masses_and_inertias() -> None:
 def test_half_a_spring_is_refused(key: str) -> None:
     message, _ = refusal(rig={key: SPRUNG[key]})
     other = next(name for name in SPRUNG if name != key)
-    assert message == f"a ring that leans needs `{other}` too"
+    assert message == f"a ring that tilts also needs `{other}`"
 
 
 def test_a_line_load_is_a_channel_for_each_slice() -> None:
@@ -156,7 +156,7 @@ def test_balls_and_shared_pressure_have_no_slices() -> None:
     with pytest.raises(ValidationError) as caught:
         case(bearing="6205", record=["roller.outer_line_load"])
     (only,) = caught.value.errors()[0]["ctx"]["conflicts"]
-    assert "balls, which have no axis to tilt" in only.message
+    assert "balls have no axis to tilt" in only.message
     assert "not of its slices" in refusal(defect=DEFECT, excitation="pressure-share")[0]
 
 
@@ -168,7 +168,7 @@ def test_too_many_slices_are_told_with_everything_else() -> None:
         case(defects=defects, contact={"slices": 48}, record=["roller.1.outer_line_load.3", "roller.14.tilt"])
     found = [conflict.message for conflict in caught.value.errors()[0]["ctx"]["conflicts"]]
     assert found == [
-        "the pits cut the roller into more than 64 slices",
+        "the defects cut the roller into more than 64 slices",
         "there is no roller 14: the bearing has 13",
     ]
 

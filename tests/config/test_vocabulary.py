@@ -64,7 +64,7 @@ def test_a_profile_is_one_of_the_bearings_keys(write: Write) -> None:
 @pytest.mark.parametrize(
     ("lines", "message"),
     [
-        ("contact_angle: 15 deg", "unknown key `contact_angle` (every model is of a radial bearing"),
+        ("contact_angle: 15 deg", "unknown key `contact_angle` (all models have contact angle 0"),
         ("slip: 1 %", "unknown key `slip` (slip is a result, not an input"),
         ("rows: 2", "unknown key `rows` (every bearing has a single row of elements)"),
         ("outer_speed: 100 rpm", "unknown key `outer_speed` (only the inner ring turns, at `speed`"),
@@ -74,7 +74,7 @@ def test_a_profile_is_one_of_the_bearings_keys(write: Write) -> None:
             "speed: expected one speed such as `1800 rpm`, got a mapping",
         ),
         ("bearing: {element: tapered}", "expected `roller` or `ball`, got `tapered` (elements are cylindrical"),
-        ("sweep: {bearing.contact_angle: [1 deg]}", "no such path `bearing.contact_angle` (every model is of a"),
+        ("sweep: {bearing.contact_angle: [1 deg]}", "no such path `bearing.contact_angle` (all models have"),
         ("bracket_stiffness: 1e7 N/m", "unknown key `bracket_stiffness` (`bracket_stiffness` is a key of `rig`)"),
         ("temperature: 50 C", "unknown key `temperature` (`temperature` is a key of `contact.damping`)"),
         ("rig: {speed: 1 rpm}", "rig: unknown key `speed` (`speed` is a key of the study)"),
@@ -95,7 +95,9 @@ def test_another_quantity_is_not_suggested(write: Write, lines: str, message: st
 
 def test_a_bearing_with_a_contact_angle_is_told_what_takes_one(write: Write) -> None:
     path = write(BASE.replace("nf308", "{element: ball, contact_angle: 15 deg}"))
-    with pytest.raises(StudyError, match=r"bearing: unknown key `contact_angle` \(every model is of a radial"):
+    with pytest.raises(
+        StudyError, match=r"bearing: unknown key `contact_angle` \(all models have contact angle 0"
+    ):
         load_study(path)
 
 

@@ -126,7 +126,7 @@ def test_what_another_user_planted_is_not_run(
     assert not (shared / "run").exists()
     assert not Path(done.stdout.strip()).is_relative_to(shared)
     (line,) = done.stderr.splitlines()
-    assert line.startswith(f"bearingsim: compiled code is kept in {Path(done.stdout.strip()).parent}: ")
+    assert line.startswith(f"bearingsim: compiled code is cached in {Path(done.stdout.strip()).parent}: ")
     assert str(shared) in line
 
 

@@ -125,7 +125,7 @@ def test_a_roller_without_a_number_is_the_first_one():
         ),
         ({"kind": "series", "y": ["roller.x.y"]}, "has recorded no `roller.x.y`"),
         ({"kind": "spectrum", "y": ["ring.velocity"]}, "has recorded no `ring.velocity`"),
-        ({"kind": "roller", "y": ["cage.slip"]}, "`cage.slip` is of no roller"),
+        ({"kind": "roller", "y": ["cage.slip"]}, "`cage.slip` is not a roller channel"),
     ],
 )
 def test_what_was_not_recorded_is_told(planar, options, message):
@@ -171,7 +171,7 @@ def test_a_roller_turns_with_the_cage_as_far_as_that_is_known(channels, share):
 
 
 def test_under_a_ramp_no_angle_is_made_up():
-    with pytest.raises(PlotError, match="under a ramp"):
+    with pytest.raises(PlotError, match="during a ramp"):
         series.roller_angle(job_of({"ramp.to": 300.0}), 1)
 
 

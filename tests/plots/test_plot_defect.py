@@ -95,7 +95,7 @@ def test_the_roller_stands_on_its_path_with_its_own_curvature(results):
     arc = next(line for line in close.lines if line.get_label() == "roller")
     s, depth = 1e-3 * np.asarray(arc.get_xdata()), 1e-6 * np.asarray(arc.get_ydata())
     assert np.polyfit(s, depth, 2)[0] == pytest.approx(-1.0 / (2.0 * R), rel=1e-3)
-    path = next(line for line in close.lines if line.get_label() == "path of a round roller")
+    path = next(line for line in close.lines if line.get_label() == "path of a rigid round roller")
     deepest = np.max(path.get_ydata())
     assert deepest == pytest.approx(0.8**2 / (8.0 * 1e3 * R) * 1e3, rel=1e-3)
     dots = [line for line in close.lines if line.get_marker() == "o"]
@@ -147,7 +147,7 @@ def test_slices_of_the_spatial_model_lie_over_the_map(results):
 def test_what_has_no_defect_is_refused(results):
     text = "".join(f"{line}\n" for line in STUDY.splitlines() if "defect" not in line)
     opened = results(text.replace("  defect.length", "  seed").replace("3 mm, 6 mm, 9 mm", "1, 2"))
-    with pytest.raises(PlotError, match="no defect: there is no pit to draw"):
+    with pytest.raises(PlotError, match="have no defect to draw"):
         figures(opened, kind="pit")
     with pytest.raises(PlotError, match="a pit takes no y"):
         figures(opened, kind="pit", y=["velocity.rms"])

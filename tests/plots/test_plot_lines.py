@@ -74,10 +74,10 @@ def test_figures_of_their_own_plot_the_line_of_the_defect(of_race, race, line):
     _, canvas = drawn(opened)[0]
     labels = [ax.get_ylabel().replace("\n", " ") for ax in canvas.axes[:2]]
     assert labels[0].startswith(f"Velocity amplitude at {line}")
-    assert labels[1].startswith(f"Velocity at {line}, change against healthy")
+    assert labels[1].startswith(f"Velocity at {line}, change from healthy")
     _, canvas = drawn(opened, kind="phase")[0]
     labels = [ax.get_ylabel().replace("\n", " ") for ax in canvas.axes[:2]]
-    assert labels == [f"Velocity phase at {line} (°)", f"Phase of velocity at {line}, change against healthy (°)"]
+    assert labels == [f"Velocity phase at {line} (°)", f"Phase of velocity at {line}, change from healthy (°)"]
 
 
 def test_show_tells_the_line_of_the_defect(of_race):

@@ -195,7 +195,7 @@ def test_the_defect_of_the_same_race_comes_first(loaded):
 def test_a_roller_that_passes_no_defect_is_told(loaded):
     opened = loaded(text=STUDY.replace("angle: 20 deg", "angle: -90 deg"))
     _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
-    assert "passes no pit of a race within the record" in canvas.get_supxlabel().replace("\u00a0", " ")
+    assert "passes a race defect within the record" in canvas.get_supxlabel().replace("\u00a0", " ")
     assert canvas.axes[0].get_xlim()[1] == pytest.approx(30.0, abs=0.05)
 
 
@@ -220,7 +220,7 @@ def test_few_samples_are_told(loaded):
         ("cage.speed", {},
          "recorded no load along a roller: add `roller.outer_line_load` to `record`, with `model: spatial`"),
         ("roller.2.outer_line_load.3", {}, "recorded 1 of 1[23] slices: add `roller.2.outer_line_load`"),
-        ("roller.2.outer_line_load", {"span": 2e-5}, "samples in that time: raise `sampling`"),
+        ("roller.2.outer_line_load", {"span": 2e-5}, "samples in that time; raise `sampling`"),
         ("roller.2.outer_line_load", {"by": ["load"]}, "a load takes no by"),
     ],
 )  # fmt: skip

@@ -125,4 +125,4 @@ def test_the_path_taken_lies_over_the_sections(results, monkeypatch):
         "(d) section A, closer, heights ×100",
     ]
     caption = canvas.get_supxlabel().replace("\u00a0", " ").replace("\n", " ")
-    assert "path taken by roller 2 at length 3 mm, load 150 N, model rollers" in caption
+    assert "path of roller 2 at length 3 mm, load 150 N, model rollers" in caption

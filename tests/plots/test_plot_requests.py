@@ -33,7 +33,7 @@ def test_what_cannot_be_drawn_is_refused(results, options, message):
 
 def test_jobs_are_named_or_found_by_where(results):
     opened = results()
-    with pytest.raises(PlotError, match="named take no where"):
+    with pytest.raises(PlotError, match="named jobs cannot be filtered"):
         drawn(opened, kind="series", jobs=opened.jobs[:1], where={"load": "150 N"})
     _, canvas = only(drawn(opened, kind="spectrum", where={"load": "300 N", "model": "ring"}))
     titles = [ax.get_title(loc="left") for ax in canvas.axes]

@@ -190,7 +190,7 @@ def test_the_sensor_is_marked_at_its_angle(on, least, most):
 def test_a_figure_for_each_job(results):
     """One of a rigid ring, and one whose model knows no rollers: left out, with a warning."""
     opened = results(STUDY.replace("[static, ring]", "[static, impulse]").replace("[3 mm, 6 mm, 9 mm]", "[3 mm]"))
-    with pytest.warns(PlotWarning, match="left out: the model `impulse` knows no rollers under load"):
+    with pytest.warns(PlotWarning, match="left out: the model `impulse` has no loaded rollers"):
         sheets = drawn(opened, kind="ring", jobs=["all"])
     rests = done_jobs(case_rows(opened).query("model == 'static'"))
     assert [name for name, _ in sheets] == [f"ring-{job[:8]}" for job in rests]
@@ -214,7 +214,7 @@ def test_a_ring_that_bends_is_drawn_from_stored_results(results):
 
 def test_what_cannot_be_drawn_is_refused(results):
     opened = results(STUDY.replace("[static, ring]", "[impulse]"), lost={0: "failed"})
-    with pytest.raises(PlotError, match="`impulse` knows no rollers under load: there is no ring at rest to draw"):
+    with pytest.raises(PlotError, match="`impulse` has no loaded rollers, so there is no ring at rest to draw"):
         drawn(opened, kind="ring", jobs=opened.jobs[1:2])
     with pytest.raises(store.ResultsError, match="no job nobody"):
         drawn(opened, kind="ring", jobs=["nobody"])

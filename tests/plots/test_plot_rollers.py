@@ -87,7 +87,7 @@ def test_slices_are_not_drawn_one_by_one_unasked(leaning):
 
 @pytest.mark.parametrize("kind", ["series", "roller", "spectrum"])
 def test_a_whole_line_load_is_sent_to_its_own_kind(leaning, kind):
-    with pytest.raises(PlotError, match="draw its `--kind load`"):
+    with pytest.raises(PlotError, match="use `--kind load`"):
         drawn(leaning, kind=kind, jobs=leaning.jobs[:1], y=["roller.2.outer_line_load"])
 
 

@@ -171,13 +171,13 @@ def test_lost_jobs_are_marked_where_they_would_stand(results):
 )
 def test_where_no_job_is_done_the_reason_is_told(results, kind, status, reason):
     opened = results(STUDY, lost=dict.fromkeys(range(16), status))  # 12 cases, 4 healthy twins
-    with pytest.raises(PlotError, match=f"no job is done, there is nothing to draw{reason}"):
+    with pytest.raises(PlotError, match=f"no job is done, so there is nothing to draw{reason}"):
         drawn(opened, kind=kind)
 
 
 def test_what_moves_chaotically_is_ringed_and_the_legend_says_so(results):
     made = results()
-    assert "chaotic: one draw of many" not in text_of(only(drawn(made))[1])
+    assert "chaotic, uncertain" not in text_of(only(drawn(made))[1])
     table = made.table()
     table["chaotic"] = 0.0
     table["rms_scatter"] = 1.0
@@ -189,7 +189,7 @@ def test_what_moves_chaotically_is_ringed_and_the_legend_says_so(results):
     rings = [line for ax in canvas.axes for line in ax.lines if line.get_markersize() == axes.RING["ms"]]
     assert len(rings) == 4  # two features, two models
     assert {tuple(ring.get_xdata()) for ring in rings} == {(6.0,)}
-    assert text_of(canvas)[-1] == "chaotic: one draw of many"
+    assert text_of(canvas)[-1] == "chaotic, uncertain"
 
 
 @pytest.mark.parametrize(("total", "shown"), [(math.nan, 0.04), (0.04, 0.04), (0.2, 0.2)])  # 0.2: by an audit

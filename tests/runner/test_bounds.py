@@ -31,7 +31,7 @@ def test_the_first_failed_job_ends_the_run_and_what_was_done_before_is_sealed(tm
     summary = compute(study, tmp_path, max_failures=1)
     assert (summary.done, summary.failed, summary.missing, summary.exit_code) == (3, 1, 6, 1)
     assert status_of(tmp_path) == ["done"] * 3 + ["failed"] + ["missing"] * 6
-    assert "ended early: 1 job failed (`--fail-fast`)" in str(summary)
+    assert "stopped early: 1 job failed (`--fail-fast`)" in str(summary)
 
 
 def test_the_same_command_goes_on_without_what_failed(tmp_path: Path) -> None:
@@ -48,7 +48,7 @@ def test_a_run_ends_when_so_many_have_failed(tmp_path: Path) -> None:
     study = FakeStudy(WIDTHS, deeds={1: "raise", 3: "divide", 5: "raise"})
     summary = compute(study, tmp_path, max_failures=2)
     assert (summary.done, summary.failed, summary.missing) == (2, 2, 6)
-    assert "ended early: 2 jobs failed (`--max-failures 2`)" in str(summary)
+    assert "stopped early: 2 jobs failed (`--max-failures 2`)" in str(summary)
 
 
 def test_fewer_failures_end_nothing(tmp_path: Path) -> None:
@@ -90,7 +90,7 @@ def test_a_job_that_kills_its_worker_ends_the_run_before_the_next_suspect(tmp_pa
 def test_dear_jobs_are_told_of_beforehand_and_left(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     study: Any = FakeStudy(seconds=0.2)
     summary = run(study, tmp_path, jobs=1, engine=ENGINE, max_cpu=0.1)
-    told = "4 jobs are left out: estimated to take up to 0.2 s of CPU time, over 0.1 s (`--max-cpu`)"
+    told = "4 jobs are skipped: estimated at up to 0.2 s of CPU time, over 0.1 s (`--max-cpu`)"
     assert (summary.done, summary.failed, summary.missing, summary.exit_code) == (0, 0, 4, 1)
     assert told in summary.notes
     assert told in capsys.readouterr().err
@@ -130,7 +130,7 @@ def test_a_job_whose_estimate_takes_all_its_time_is_left_out(tmp_path: Path) -> 
     study: Any = FakeStudy([1e-3])
     summary = run(study, tmp_path, jobs=1, progress=False, engine=slow, max_cpu=0.05)
     assert (summary.failed, summary.missing, summary.exit_code) == (0, 2, 1)  # the case and its healthy twin
-    assert "2 jobs are left out: estimated to take over 0.05 s (`--max-cpu`)" in summary.notes
+    assert "2 jobs are skipped: estimated at over 0.05 s (`--max-cpu`)" in summary.notes
     assert time.thread_time() - began < 1.0
 
 
@@ -166,7 +166,7 @@ def test_bounds_by_which_no_run_could_begin_are_refused(tmp_path: Path, wrong: A
         (["--max-cpu", "5 mm"], "expected a time such as `50 ms`"),
         (["--max-cpu", "0 s"], "expected a time above zero"),
         (["--max-failures", "0"], "should be greater than or equal to 1"),
-        (["--fail-fast", "--max-failures", "3"], "leave out `--max-failures`"),
+        (["--fail-fast", "--max-failures", "3"], "omit `--max-failures`"),
     ],
 )
 def test_the_command_refuses_what_it_cannot_mean(here: Path, words: list[str], said: str) -> None:
@@ -177,5 +177,5 @@ def test_the_command_refuses_what_it_cannot_mean(here: Path, words: list[str], s
 def test_the_command_leaves_what_is_too_dear(here: Path) -> None:
     said, told = type_("run", "small.yaml", "--jobs", "1", "--max-cpu", "1 ns", code=1)
     assert "0 of 8 jobs done" in said
-    assert "8 jobs are left out: estimated to take" in told
+    assert "8 jobs are skipped: estimated at" in told
     assert "(`--max-cpu`)" in told

@@ -441,7 +441,7 @@ def test_a_wrong_address_is_told_before_models_are_tried(here: Path, monkeypatch
     text = Path("small.yaml").read_text().partition("figures:")[0].replace("  model: [static, ring]\n", "")
     Path("wanted.yaml").write_text(f"{text}accuracy: {{within: 5 %, of: [velocity.rms]}}\n")
     words = ("run", "wanted.yaml", "--scheduler", "tcp://127.0.0.1:9")
-    assert "no scheduler answers at tcp://127.0.0.1:9" in type_(*words, code=2)[1]
+    assert "no scheduler responds at tcp://127.0.0.1:9" in type_(*words, code=2)[1]
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "http://127.0.0.1:9", "tcp://127.0.0.1", "nonsense"])
@@ -452,14 +452,14 @@ def test_no_client_is_made_where_nobody_listens(monkeypatch: pytest.MonkeyPatch,
         raise AssertionError("a client is made")
 
     monkeypatch.setattr(handshake, "_Client", made)
-    with pytest.raises(handshake.SchedulerGone, match="no scheduler answers"), cluster.joined(address):
+    with pytest.raises(handshake.SchedulerGone, match="no scheduler responds"), cluster.joined(address):
         pass
 
 
 def test_nobody_there_and_nothing_installed(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(handshake, "JOINING_S", 0.5)
     words = ("run", "small.yaml", "--scheduler", "tcp://127.0.0.1:9")
-    assert "no scheduler answers at tcp://127.0.0.1:9" in type_(*words, code=2)[1]
+    assert "no scheduler responds at tcp://127.0.0.1:9" in type_(*words, code=2)[1]
     monkeypatch.delitem(sys.modules, "bearingsim.runner.cluster")
     monkeypatch.setitem(sys.modules, "distributed", None)
     assert "pip install 'bearingsim[cluster]'" in type_(*words, code=2)[1]

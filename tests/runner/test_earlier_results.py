@@ -46,7 +46,7 @@ def test_jobs_that_leave_the_table_are_told_and_come_back(tmp_path):
     wide, narrow = FakeStudy([1e-3, 2e-3, 3e-3]), FakeStudy([1e-3])
     assert "earlier plan" not in str(compute(wide, tmp_path))
     told = str(compute(narrow, tmp_path))
-    assert "out of the table, for not being in this plan: 2 jobs of the earlier one" in told
+    assert "2 jobs of an earlier plan are not in the table" in told
     back = compute(wide, tmp_path)
     assert (back.done, back.resumed) == (0, 4)
     assert "earlier plan" not in str(back)

@@ -45,4 +45,4 @@ def test_from_64_to_256_points(write: Write, tmp_path: Path, kind: str, over: st
 
 def test_a_latin_hypercube_says_that_it_is_not_extended(write: Write, tmp_path: Path) -> None:
     notes = compute(study_of(write, "lhs", 4, OVER_DEFECTS), tmp_path / "out").notes
-    assert "lhs: another `n` gives other points, and all jobs anew; `sobol` keeps its points" in notes
+    assert "lhs cannot be extended with a larger `n`; `sobol` can" in notes

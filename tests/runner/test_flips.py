@@ -91,7 +91,7 @@ def test_no_bit_of_the_choices_goes_unnoticed(tmp_path: Path) -> None:
     content = path.read_bytes()
     for bit in random.Random(2).sample(range(8 * len(content)), 200):
         flip(path, bit)
-        with pytest.raises(store.DamagedChoices, match=r"choices.json cannot be read .*: put it back"):
+        with pytest.raises(store.DamagedChoices, match=r"choices.json cannot be read .*: restore it"):
             store.read_choices(tmp_path)
         path.write_bytes(content)
     assert store.read_choices(tmp_path) == {"a" * 16: choice}
@@ -123,9 +123,9 @@ def test_a_damaged_series_is_refused_with_its_remedy(whole: Path, tmp_path: Path
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("{", "its digest is missing"),
-        ('{"schema": 2, "job": "x"}', "its digest is missing"),
-        ("{" + sealed._json_seal("{}"), "its text is not what was written"),
+        ("{", "its checksum is missing"),
+        ('{"schema": 2, "job": "x"}', "its checksum is missing"),
+        ("{" + sealed._json_seal("{}"), "its content does not match its checksum"),
         ("{" + sealed._json_seal("{"), "Expecting property name"),
     ],
 )

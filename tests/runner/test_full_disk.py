@@ -47,7 +47,7 @@ def test_no_room_ends_the_run_and_blames_no_job(tmp_path: Path, size: int) -> No
 
 
 def test_workers_meet_a_full_disk_too(tmp_path: Path) -> None:
-    with largest_file(8_000), pytest.raises(DiskFull, match="make room"):
+    with largest_file(8_000), pytest.raises(DiskFull, match="free some space"):
         compute(FakeStudy([1e-3 * (i + 1) for i in range(40)]), tmp_path, jobs=2)
     assert not list(tmp_path.glob("failed/*"))
 
@@ -60,7 +60,7 @@ def test_a_job_that_finds_no_room_is_not_blamed(tmp_path: Path) -> None:
 
 def test_room_is_looked_for_before_anything_is_computed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("bearingsim.store.files.shutil.disk_usage", lambda _: SimpleNamespace(free=500))
-    with pytest.raises(DiskFull, match=r"no room for .*0.0005 MB are left of the 0.00\d+ MB"):
+    with pytest.raises(DiskFull, match=r"too full for .*0.0005 MB are left of at least 0.00\d+ MB"):
         compute(FakeStudy(), tmp_path)
     assert not list(tmp_path.glob("units/*"))
 
@@ -88,7 +88,7 @@ def test_a_full_disk_is_named(tmp_path: Path) -> None:
 def test_three_deaths_with_nothing_finished_between_blame_no_job(tmp_path: Path) -> None:
     study = FakeStudy([1e-3 * (i + 1) for i in range(6)], deeds=dict.fromkeys(range(6), "exit"))
     study.deeds[3] = "kill"
-    with pytest.raises(WorkersDie, match=r"3 times, with nothing finished between \((EXIT\(3\)|SIGKILL)"):
+    with pytest.raises(WorkersDie, match=r"3 times without finishing a job \((EXIT\(3\)|SIGKILL)"):
         compute(study, tmp_path, jobs=2)
     assert not list(tmp_path.glob("failed/*"))
 

@@ -54,7 +54,7 @@ def test_ctrl_c_is_heard_while_an_answer_is_waited_for() -> None:
     [
         (peers.web_server(), f"{STRANGER}says nothing"),
         (peers.silent(), f"{STRANGER}says nothing"),
-        (peers.closed(), "no scheduler answers at"),
+        (peers.closed(), "no scheduler responds at"),
         *((peers.rubbish(random.Random(seed)), f"{STRANGER}sends something else)") for seed in (1, 2)),
         (peers.listening(lambda peer: peer.close()), f"{STRANGER}closes the connection)"),
     ],
@@ -72,7 +72,7 @@ def test_a_greeting_and_nothing_more_is_told() -> None:
     greeting = b"\x20" + bytes(7) + handshake.WORD.ljust(32)
     with (
         peers.listening(lambda peer: peer.sendall(greeting)) as address,
-        pytest.raises(SchedulerGone, match="no scheduler answers"),
+        pytest.raises(SchedulerGone, match="no scheduler responds"),
         client_of(address),
     ):
         pass
@@ -83,7 +83,7 @@ def test_a_greeting_of_any_size_is_not_waited_for(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(handshake, "GREETING_S", 60.0)
     with peers.listening(lambda peer: peer.sendall(b"HTTP/1.1")) as address:
         began = time.monotonic()
-        with pytest.raises(SchedulerGone, match="sends something else"), client_of(address):
+        with pytest.raises(SchedulerGone, match="uses another protocol"), client_of(address):
             pass
     assert time.monotonic() - began < 5.0
 

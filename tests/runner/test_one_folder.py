@@ -49,7 +49,7 @@ def test_a_run_beside_that_replaces_the_plan_loses_nothing(
     counts = Counter(computed)
     del counts[computed[0]]  # in hand of both
     assert {*counts.values()} == {1}
-    assert "another run has replaced the plan of this folder meanwhile" in str(summary)
+    assert "another run has replaced the plan of this folder" in str(summary)
     assert lacking in str(summary)
     shared = len({*other} & {*MM[1:]}) + 1  # and the healthy baseline
     assert f"{shared} job" in str(summary)
@@ -159,7 +159,7 @@ def test_the_same_run_beside_is_not_done_again(
     twice = {job for job, count in Counter(computed).items() if count > 1}
     assert twice == ({computed[0]} if moment == "simulate" else set())
     assert (summary.exit_code, summary.done, summary.missing) == (0, 5, 0)
-    assert "were computed by another run in this folder meanwhile" in str(summary)
+    assert "were computed by another run in this folder" in str(summary)
     assert "replaced" not in str(summary)
 
 

@@ -59,22 +59,22 @@ def assert_tidy(out: Path) -> None:
         (
             [0.02, 0.04, 0.0],
             [0.0, 0.0, 0.0],
-            ["velocity@BPFO in 2 of 3 jobs: chaotic, known to 4 %; 64 times the `duration` for 0.5 %"],
+            ["2 of 3 jobs chaotic: velocity@BPFO has standard error 4 %; 0.5 % needs 64 times the `duration`"],
         ),
         (
             [0.02],
             [0.05],
             [
-                "velocity@BPFO, velocity.rms in 1 of 1 jobs: chaotic, known to 5 %;"
-                " 100 times the `duration` for 0.5 %"
+                "1 of 1 jobs chaotic: velocity@BPFO (and 1 more) has standard error 5 %;"
+                " 0.5 % needs 100 times the `duration`"
             ],
         ),
         (
             [math.inf, 0.0],
             [0.01, 0.0],
             [
-                "velocity.rms in 1 of 2 jobs: chaotic, known to 1 %; 4 times the `duration` for 0.5 %",
-                "velocity@BPFO in 1 of 2 jobs: chaotic, standard error unknown; a longer `duration` may tell",
+                "1 of 2 jobs chaotic: velocity.rms has standard error 1 %; 0.5 % needs 4 times the `duration`",
+                "1 of 2 jobs chaotic: velocity@BPFO has unknown standard error; try a longer `duration`",
             ],
         ),
     ],
@@ -92,7 +92,8 @@ def test_chaotic_jobs_are_told_of_with_what_would_tell_more(
 
 
 @pytest.mark.parametrize(
-    ("errors", "said"), [([0.009, math.nan], []), ([0.02, 0.035], ["2 jobs: RMS of what else", "up to 3.5 %"])]
+    ("errors", "said"),
+    [([0.009, math.nan], []), ([0.02, 0.035], ["2 jobs: the RMS of another recorded channel", "up to 3.5 %"])],
 )
 def test_what_half_the_step_changes_of_a_record_is_told_of_jobs_that_are_not_chaotic(
     errors: list[float], said: list[str]

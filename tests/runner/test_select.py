@@ -207,10 +207,7 @@ def test_who_extends_a_study_is_told_what_is_kept(write: Write, tmp_path: Path) 
     compute(near(write), out)
     assert notes(out) == []
     summary = compute(study, out)
-    told = (
-        "3 of 4 cases keep the model that was chosen for an earlier plan, by its curves"
-        " (without choices.json all are chosen anew)"
-    )
+    told = "3 of 4 cases keep the model chosen for an earlier plan (remove choices.json to choose all again)"
     assert notes(out) == [told]
     assert told in str(summary).splitlines()
     assert told in type_("show", out)[0].splitlines()
@@ -252,8 +249,8 @@ def test_models_that_part_on_a_curve_because_it_was_extended_are_told(
     monkeypatch.setitem(trials.OFF, "rollers", 1.3)
     summary = compute(extended(write, f"{LOADS}, 600 N"), tmp_path / "out")
     told = (
-        "on 1 of 1 curves other models were chosen then than now: `rollers`, `planar` (reference);"
-        " a step between them may come from that"
+        "the choice of the model changes along 1 of 1 curves, which may cause a step:"
+        " `rollers`, `planar` (reference)"
     )
     assert notes(tmp_path / "out")[1:] == [told]
     assert told in str(summary).splitlines()
@@ -280,7 +277,7 @@ def test_an_interrupt_while_models_are_tried_keeps_what_was_tried(
     summary = stop.value.summary
     assert (summary.planned, summary.resumed, summary.done, summary.missing) == (6, 0, 0, 6)
     assert (summary.exit_code, summary.interrupted) == (130, signal.SIGINT)
-    assert "models were being tried, before the first job: 4 trials kept" in str(stop.value).splitlines()
+    assert "models were being compared, before the first job: 4 trials kept" in str(stop.value).splitlines()
     assert "run the same command to continue" in str(stop.value)
     assert len(store.read_trials(tmp_path / "out")) == 4
     assert not (tmp_path / "out/choices.json").exists()
@@ -333,7 +330,7 @@ def test_ctrl_c_while_models_are_tried(write: Write, tmp_path: Path, words: tupl
     said, told = process.communicate(timeout=30)
     assert process.returncode == 130, (said, told)
     assert "Traceback" not in told
-    assert "models were being tried, before the first job: " in told
+    assert "models were being compared, before the first job: " in told
     assert "run the same command to continue" in told
     assert ("0 of 12 jobs done" in told) == (words[0] == "run")
     assert not [path for path in out.rglob("*") if path.suffix in (".part", ".started")]
@@ -362,7 +359,7 @@ def test_damaged_choices_are_not_guessed(write: Write, tmp_path: Path, text: str
     out = tmp_path / "out"
     compute(near(write), out)
     (out / "choices.json").write_text(text, encoding="latin-1")
-    with pytest.raises(store.DamagedChoices, match=r"choices.json cannot be read .*: put it back, or remove it"):
+    with pytest.raises(store.DamagedChoices, match=r"choices.json cannot be read .*: restore it, or remove it"):
         compute(near(write), out)
 
 

@@ -189,14 +189,14 @@ def test_what_is_not_known_is_not_held(write: Write, dear: dict[str, float]) -> 
 
     study = near(write, text)
     assert taken(study, of) == ["reference"] * 3
-    assert "could not be told" in decided(study, of)[0].why
+    assert "could not be distinguished" in decided(study, of)[0].why
 
 
 @pytest.mark.parametrize(
     ("off", "said"),
     [
-        ({"rollers": 1.1}, "the nearest of those that cost less is 10 % off: over 4 %"),
-        ({"planar": 1.0}, "the nearest of those that cost less is 50 % off: over 4 %"),
+        ({"rollers": 1.1}, "the nearest cheaper model is 10 % off: over 4 %"),
+        ({"planar": 1.0}, "the nearest cheaper model is 50 % off: over 4 %"),
     ],
 )
 def test_it_is_told_why_nothing_cheaper_is_taken(
@@ -212,7 +212,7 @@ def test_a_case_whose_curve_keeps_it_from_a_cheaper_model_is_told_so(write: Writ
         return trial(one.case.load * (2.0 if high else 1.0), names=one.asked)
 
     found = decided(near(write), of)
-    assert found[0].why == "the nearest of those that cost less is 0 % off here, but over 4 % elsewhere on a curve"
+    assert found[0].why == "the nearest cheaper model is 0 % off here, but over 4 % elsewhere on a curve"
 
 
 # Discretisation
@@ -368,7 +368,7 @@ def test_what_changes_its_speed_is_left_to_the_reference(write: Write, dear: dic
     assert names(write, SPATIAL) == {of: [0, 1, 2] for of in candidates.SLICES}
     study = near(write, SPATIAL + "ramp: {to: 7000 rpm, time: 0.1 s}\n")
     assert selection.Choosing(study, range(3)).wanted({}) == []
-    assert [one.why for one in decided(study, by_model(FAR))] == ["nothing that can do this costs less"] * 3
+    assert [one.why for one in decided(study, by_model(FAR))] == ["no cheaper model can compute this"] * 3
 
 
 def test_candidates_of_a_case_do_not_depend_on_its_neighbours(write: Write, dear: dict[str, float]) -> None:

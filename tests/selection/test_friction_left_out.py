@@ -58,7 +58,7 @@ def test_friction_that_changes_much_is_computed(write: Write, repeats: bool) -> 
     of = by_friction(0.045, repeats=repeats)
     found = decided(study, of)
     assert [one.candidate for one in found] == [WITH_FRICTION] * 3
-    assert found[0].why == "friction changes velocity@BPFO by up to 4.5 % on its curve: over 4 %"
+    assert found[0].why == "friction changes velocity@BPFO by up to 4.5 % on its curve, over 4 %"
     assert [one.friction for one in found] == [{}] * 3
     done = selection.chosen(study, selection.Choosing(study, range(3)).decide(known(study, of)).choices)
     named = OPEN.replace("accuracy: 5 %", "model: planar")
@@ -149,7 +149,7 @@ def test_too_few_turns_of_what_does_not_repeat_itself_are_not_compared(write: Wr
 
     found = decided(near(write, OPEN), of)
     assert [one.candidate for one in found] == [WITH_FRICTION] * 3
-    assert found[0].why.startswith("without friction it does not repeat itself")
+    assert found[0].why.startswith("without friction it is not periodic")
 
 
 def test_trials_beside_a_free_cage_count_whole_turns_of_it(write: Write) -> None:

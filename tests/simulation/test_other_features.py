@@ -128,7 +128,7 @@ def test_a_feature_that_cannot_be_computed_is_refused_first(function, monkeypatc
     told = {
         "NO_FUNCTION": "^feature `mine`: `.*` is no function$",
         "not_there": f"^`.*:not_there` of the extension `{__name__}` does not load",
-        "mean": "^feature `mine` is not declared: register it where its entry point leads$",
+        "mean": "^feature `mine` is not declared; register it in the module of its entry point$",
     }
     with pytest.raises(UserError, match=told[function]):
         refuse_features()

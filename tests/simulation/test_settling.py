@@ -203,7 +203,7 @@ def test_an_automatic_step_is_the_same_periodic_or_in_full(rig: dict[str, Any]) 
 @pytest.mark.parametrize(
     ("settle", "rig", "advice"),
     [
-        ("50 ms", {"ring_mass": "60 kg"}, "take a `settle` of 0.48 s"),
+        ("50 ms", {"ring_mass": "60 kg"}, "use a `settle` of 0.48 s"),
         ("auto", {"ring_mass": "20000 kg", "bracket_damping": 0.0}, "take more damping"),
     ],
 )

@@ -59,9 +59,9 @@ def test_a_step_that_is_given_is_proven_and_refused_if_it_does_not_hold() -> Non
     """At 0.85 of its limit Verlet was 3 % off in a line, and nothing was said."""
     given = case(model="rollers", method="verlet", **FAST_SLOT)
     long = 0.85 * choice.limits(given).at_impact
-    with pytest.raises(SimulationError, match="verlet does not hold 1%") as caught:
+    with pytest.raises(SimulationError, match="verlet is not within 1%") as caught:
         simulate(given.model_copy(update={"step": long}))
-    assert "take a shorter `step`" in caught.value.advice
+    assert "use a shorter `step`" in caught.value.advice
     taken = simulate(given.model_copy(update={"step": long, "step_check": False}))
     assert math.isnan(taken.features["step_error.line"])
     assert (
@@ -97,8 +97,8 @@ def test_a_chaotic_record_that_is_too_short_for_its_rms_is_refused_where_strictn
     found = StepCheck(line=0.5, rms=0.003, chaotic=True, noise=0.02, scatter=0.02)
     with mock.patch.object(step_check, "check_step", return_value=found), pytest.raises(TooChaotic) as caught:
         simulate(case(step_check="strict"))
-    assert "the motion is chaotic, and the RMS of 0.08 s of it uncertain by 2.0%" in caught.value.reason
-    assert "take a `duration` of 0.32 s" in caught.value.advice
+    assert "the motion is chaotic, and its RMS over 0.08 s is uncertain by 2.0%" in caught.value.reason
+    assert "use a `duration` of 0.32 s" in caught.value.advice
     assert caught.value.duration == pytest.approx(0.32)
 
 
@@ -319,7 +319,7 @@ def test_a_step_that_is_never_proven_fails_the_job_with_a_reason() -> None:
     ):
         simulate(case(method="verlet"))
     assert tried.call_args_list[-1].args[0].part == STEP_PARTS[-1]
-    assert "verlet does not hold 1%: half the step changes the line of the fault by 20 %" in caught.value.reason
+    assert "verlet is not within 1%: a shorter step changes the line of the fault by 20 %" in caught.value.reason
     assert "step_check: false" in caught.value.advice
 
 

@@ -216,7 +216,7 @@ def test_what_was_there_counts_as_a_folder_that_is_merged(tmp_path: Path) -> Non
 def test_a_folder_is_not_merged_into_itself(tmp_path: Path) -> None:
     first = folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
     _, told = type_("merge", first, tmp_path / "a/../a", "--out", first, code=2)
-    assert "is one of the folders that are merged" in told
+    assert "is one of the merged folders" in told
 
 
 def test_folders_without_results_are_refused(tmp_path: Path) -> None:
@@ -282,12 +282,12 @@ def test_scans_trials_and_choices_come_along(tmp_path: Path) -> None:
     assert set(store.read_trials(out)) == {f"trial of {name}" for name in TRIALS[:2]}
     assert sorted(path.name for path in (out / "trials").iterdir()) == [f"{name}.json" for name in TRIALS[:2]]
     store.write_choices(second, {"two": Choice("planar", "planar", "near", {})})
-    with pytest.raises(store.Unmergeable, match="other models were chosen"):
+    with pytest.raises(store.Unmergeable, match="chose different models"):
         store.merge([first, second], tmp_path / "other")
     scan.write_bytes(b"1 2 4")
     shutil.rmtree(out)
     _, told = type_("merge", first, "--out", out, code=2)
-    assert f"{scan.name}` is not as it was written" in told
+    assert f"{scan.name}` has been changed" in told
     assert not out.exists()
 
 

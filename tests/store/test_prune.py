@@ -21,7 +21,7 @@ from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
 from tests.scenes.study_text import Write
 
 ID, OTHER = "0123456789abcdef", "1123456789abcdef"
-UNITS, FAILURES = "units of jobs that the plan does not name", "failures of such jobs"
+UNITS, FAILURES = "units of jobs outside the plan", "failures of jobs outside the plan"
 
 
 def compute(study: Any, out: Path) -> RunSummary:
@@ -61,7 +61,7 @@ def test_what_is_not_planned_is_told_and_nothing_changes(narrowed: Path) -> None
     assert found.bytes == sum(len(before[path]) for path in found.paths)
     assert f"in all 2 files, {found.bytes} bytes" in said
     assert "nothing is removed yet" in said
-    assert "1 unit stays whole, though the plan names only 1 of 2 jobs there" in said
+    assert "1 unit is kept whole, although the plan names only 1 of 2 jobs there" in said
     assert {path: path.read_bytes() for path in files_of(narrowed)} == before
 
 
@@ -91,8 +91,8 @@ def test_what_was_set_aside_and_what_the_dead_left_goes(tmp_path: Path) -> None:
     found = store.prune(tmp_path)
     assert found.bytes == 20
     assert {what: len(paths) for what, paths in found.files.items()} == {
-        "damaged files that were set aside": 2,
-        "temporary files of processes that are gone": 2,
+        "damaged files (.damaged)": 2,
+        "temporary files of ended processes": 2,
     }
     assert not [*tmp_path.rglob("*.damaged"), *tmp_path.rglob("*.part"), *tmp_path.rglob("*.started")]
 
@@ -103,7 +103,7 @@ def test_a_unit_that_cannot_be_read_stays(tmp_path: Path) -> None:
     path.write_bytes(path.read_bytes()[:-3])
     found = store.prune(tmp_path)
     assert not found.paths
-    assert f"{path.name}: its digest is missing: it stays" in str(found)
+    assert f"{path.name}: its checksum is missing: kept" in str(found)
     assert path.exists()
 
 
@@ -129,7 +129,7 @@ def test_scans_go_once_all_jobs_are_done_and_none_is_made_from_them(
     monkeypatch.setattr("bearingsim.store.units.flat_parameters", with_digest)
     compute(study, root)
     kept = [with_scan(root, b"1 2"), with_scan(root, orphan)]
-    assert "scans stay (2 files): 1 job that may need them is not done" in str(store.superfluous(root))
+    assert "scans are kept (2 files): 1 job that may need them is not done" in str(store.superfluous(root))
     assert not store.superfluous(root).paths
     flag.touch()
     run(study, root, jobs=1, progress=False, engine=ENGINE, retry_failed=True)

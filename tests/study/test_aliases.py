@@ -55,7 +55,7 @@ def test_results_that_swept_the_old_word_know_its_dimension() -> None:
 
 
 def test_both_words_at_once_are_refused(write: Write) -> None:
-    with pytest.raises(ValidationError, match="`prove` is the old word for `step_check`"):
+    with pytest.raises(ValidationError, match="`prove` is now called `step_check`"):
         Case.model_validate(
             {"bearing": "nf308", "speed": "1 Hz", "load": "1 N", "prove": True, "step_check": False}
         )

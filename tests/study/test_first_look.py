@@ -34,7 +34,7 @@ def made(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
         (MANY + "figures: [{y: velocity@BFPO, x: load}]", "no feature `velocity@BFPO`"),
         (MANY + "figures: [{y: tilt.max, x: load}]", "no model of the study has `tilt.max`"),
         (MANY + "uncertainty: {damping: [1 us, 2 mm]}", "expected a time"),
-        (MANY + "uncertainty: {support: unknown}\nmodel: planar", "the planar model knows no ring that bends"),
+        (MANY + "uncertainty: {support: unknown}\nmodel: planar", "the planar model has no flexible ring"),
         (MANY + "accuracy: {within: 90 %, of: velocity.rms}", "accuracy: expected 0.5 % to 50 %"),
         (MANY + "accuracy: {within: 2 %, of: velocity.rms}\nmethod: rk4", "`method` beside `accuracy`"),
         (MANY + "laod: 1 N", "unknown key `laod`"),
@@ -50,7 +50,7 @@ def made(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
         ),
         (f"sweep: {{clearance: [{', '.join(['0 um'] * 5000)}, 1 m, {', '.join(['1 um'] * 5000)}]}}", "is beyond"),
         ("sweep: {seed: {linspace: [1, 90000, 90000]}, repeat: 9}", "is swept twice"),
-        ("sweep: {repeat: 90000}", "nothing is random"),
+        ("sweep: {repeat: 90000}", "nothing in this study depends on `seed`"),
     ],
 )
 def test_what_costs_nothing_is_refused_first(write: Write, made: list[Any], lines: str, message: str) -> None:

@@ -69,9 +69,9 @@ def test_cases_have_the_model_that_others_are_judged_by(write: Write) -> None:
 @pytest.mark.parametrize(
     ("said", "caret", "message"),
     [
-        ("0.4 %", "0.4 %", "accuracy: expected 0.5 % to 50 %, got `0.4 %` (the reference itself is not known better (docs/accuracy.md))"),
+        ("0.4 %", "0.4 %", "accuracy: expected 0.5 % to 50 %, got `0.4 %` (the reference itself is not more accurate than that (docs/accuracy.md))"),
         ("60 %", "60 %", "accuracy: expected 0.5 % to 50 %, got `60 %`"),
-        ("-2 %", "-2 %", "accuracy: expected 0.5 % to 50 %, got `-2 %` (the reference itself is not known better (docs/accuracy.md))"),
+        ("-2 %", "-2 %", "accuracy: expected 0.5 % to 50 %, got `-2 %` (the reference itself is not more accurate than that (docs/accuracy.md))"),
         ("2 mm", "2 mm", None),
         ("close", "close", None),
         ("[2 %]", "[2 %]", None),
@@ -79,9 +79,9 @@ def test_cases_have_the_model_that_others_are_judged_by(write: Write) -> None:
         ("{of: [velocity.rms]}", "accuracy", "accuracy: `within` is missing (as in `{within: 2 %}`)"),
         ("{within: 2 %, off: [velocity.rms]}", "off", "accuracy: unknown key `off` (did you mean `of`?)"),
         ("{within: 2 %, for: [velocity.rms]}", "for", None),
-        ("{within: 2 %, of: [velocity@BPF0]}", "velocity@BPF0", "accuracy.of: no accuracy can be held of `velocity@BPF0` (did you mean `velocity@BPFO`?)"),
+        ("{within: 2 %, of: [velocity@BPF0]}", "velocity@BPF0", "accuracy.of: accuracy is not defined for `velocity@BPF0` (did you mean `velocity@BPFO`?)"),
         ("{within: 2 %, of: [velocity@BPFO.phase]}", "velocity@BPFO.phase", None),
-        ("{within: 2 %, of: seconds}", "seconds", "accuracy.of: no accuracy can be held of `seconds` (lines such as `velocity@BPFO`, an RMS such as `velocity.rms`, `outer_force.max`)"),
+        ("{within: 2 %, of: seconds}", "seconds", "accuracy.of: accuracy is not defined for `seconds` (lines such as `velocity@BPFO`, an RMS such as `velocity.rms`, `outer_force.max`)"),
         ("{within: 2 %, of: []}", "[]", None),
         ("0.5", "0.5", "accuracy: expected a share such as `1 %`, got `0.5` (the unit is missing) (as in `accuracy: 2 %`)"),
     ],
@@ -96,11 +96,11 @@ def test_what_is_wrong_is_told_at_its_place(write: Write, said: str, caret: str,
 
 def test_of_nothing_drawn_no_accuracy_can_be_held(write: Write) -> None:
     (found,) = problems(write(f"{BASE}accuracy: 2 %\n{SWEEP}figures: [{{y: seconds, x: load}}]\n"))
-    assert "no figure draws a line" in found.message
+    assert "no figure shows a spectral line" in found.message
     assert at(found).startswith("accuracy: 2 %")
 
 
-BESIDE = "`{}` beside `accuracy`, which chooses it (leave `{}` out, or `accuracy`)"
+BESIDE = "`{}` cannot be combined with `accuracy`, which chooses it (leave `{}` out, or `accuracy`)"
 
 
 @pytest.mark.parametrize(
@@ -115,7 +115,7 @@ BESIDE = "`{}` beside `accuracy`, which chooses it (leave `{}` out, or `accuracy
     ],
 )
 def test_what_accuracy_chooses_cannot_stand_beside_it(write: Write, text: str, key: str, caret: str) -> None:
-    (found,) = [one for one in problems(write(f"{BASE}{MODELS}{text}")) if "beside" in str(one)]
+    (found,) = [one for one in problems(write(f"{BASE}{MODELS}{text}")) if "cannot be combined" in str(one)]
     assert str(found).splitlines()[0].endswith(BESIDE.format(key, key))
     assert at(found).startswith(caret)
 
@@ -130,19 +130,21 @@ def test_what_accuracy_chooses_cannot_stand_beside_it(write: Write, text: str, k
     ],
 )
 def test_nor_can_it_be_swept(write: Write, sweep: str, caret: str) -> None:
-    (found,) = [one for one in problems(write(f"{BASE}accuracy: 2 %\n{sweep}{FIGURE}")) if "beside" in str(one)]
+    (found,) = [
+        one for one in problems(write(f"{BASE}accuracy: 2 %\n{sweep}{FIGURE}")) if "cannot be combined" in str(one)
+    ]
     assert at(found).startswith(caret)
 
 
 @pytest.mark.parametrize("key", ["model", "method"])
 def test_nor_can_it_be_set(write: Write, key: str) -> None:
     value = {"model": "ring", "method": "verlet"}[key]
-    (found,) = [one for one in problems(write(BASE + MODELS), {key: value}) if "beside" in str(one)]
+    (found,) = [one for one in problems(write(BASE + MODELS), {key: value}) if "cannot be combined" in str(one)]
     assert f"leave out --set {key}" in str(found)
 
 
-STEPPED = "`{}` beside `accuracy`, which rests on the error of an automatic step (leave `{}` out, or `accuracy`)"
-SWEPT = "`{}` is swept beside `accuracy`, which tries other values of it (give it one value)"
+STEPPED = "`{}` cannot be combined with `accuracy`, which needs the error bound of an automatic step (leave `{}` out, or `accuracy`)"
+SWEPT = "`{}` cannot be swept with `accuracy`, which varies it itself (give it one value)"
 BENDS = "rig: {ring: {bends: true}}\n"
 
 
@@ -176,7 +178,7 @@ def test_nor_what_the_choice_is_about(write: Write, text: str, path: str, caret:
 )
 def test_nor_can_that_be_swept(write: Write, sweep: str, caret: str) -> None:
     (found,) = problems(write(f"{BASE}accuracy: 2 %\n{sweep}{FIGURE}"))
-    assert "beside `accuracy`" in found.message
+    assert "`accuracy`" in found.message
     assert at(found).startswith(caret)
 
 
@@ -192,14 +194,14 @@ def test_nor_can_that_be_swept(write: Write, sweep: str, caret: str) -> None:
 )
 def test_nor_can_that_be_set(write: Write, path: str, value: str, caret: str) -> None:
     (found,) = problems(write(BASE + MODELS), {path: value})
-    assert "beside `accuracy`" in found.message
+    assert "`accuracy`" in found.message
     assert at(found).startswith(caret)
 
 
 @pytest.mark.parametrize("said", ["step_check: false", "quick: {step_check: false}"])
 def test_the_error_of_the_step_must_be_known(write: Write, said: str) -> None:
     (found,) = problems(write(f"{BASE}{MODELS}{said}\n"))
-    assert "how far off the step is would not be known (leave it out)" in str(found)
+    assert "`accuracy` needs `step_check`, which bounds the error of the step (leave it out)" in str(found)
     assert at(found).startswith("step_check: false")
 
 
@@ -224,8 +226,8 @@ def test_what_does_no_harm_may_be_said(write: Write, said: str) -> None:
 def test_supports_cannot_be_tried_by_models_that_know_none(write: Write, rig: str) -> None:
     """The advice must not lead to what is refused in its turn."""
     (found,) = problems(write(f"{BASE}{MODELS}{rig}uncertainty: {{support: unknown}}\n"))
-    assert found.message.startswith("uncertainty.support: beside `accuracy`")
-    assert found.hint == "leave `support` out, or name a `model` in place of `accuracy`"
+    assert found.message.startswith("uncertainty.support: not possible with `accuracy`")
+    assert found.hint == "omit `support`, or use `model` instead of `accuracy`"
     assert at(found).startswith("unknown}")
 
 
@@ -233,8 +235,8 @@ def test_what_no_model_knows_in_full_has_no_reference(write: Write) -> None:
     """A defect off the roller's middle tilts rollers, a ring that bends is known to others."""
     offset = BASE.replace("depth: 50 um", "depth: 50 um, offset: 1 mm")
     (found,) = problems(write(f"{offset}{MODELS}rig: {{ring: {{bends: true}}}}\n"))
-    assert found.message.startswith("accuracy: no model has all that this asks for: an `offset` tilts the roller")
-    assert found.hint == "leave that out, or name a `model` in place of `accuracy`"
+    assert found.message.startswith("accuracy: no model can compute all of this: an `offset` tilts the roller")
+    assert found.hint == "omit that, or use `model` instead of `accuracy`"
     load_study(write(offset + MODELS))  # without the ring: spatial
 
 

@@ -195,4 +195,4 @@ def test_a_base_completed_by_the_sweep_is_valid(
 
 def test_both_words_of_a_key_are_refused(write: Write) -> None:
     """The old one would be taken for the new one, and one value lost."""
-    assert "is the old word for" in told(write(malformed.BASE + "prove: true\nstep_check: false\n"))[0]
+    assert "is now called" in told(write(malformed.BASE + "prove: true\nstep_check: false\n"))[0]

@@ -67,15 +67,15 @@ def test_supports_are_shown_by_their_names() -> None:
         *(
             (
                 f"model: {model}",
-                f"the {model} model knows no ring that bends"
-                " (say `model: static` or `model: rollers`, or leave `support` out)",
+                f"the {model} model has no flexible ring"
+                " (use `model: static` or `model: rollers`, or leave `support` out)",
             )
             for model in ("impulse", "ring", "planar", "spatial")
         ),
-        ("sweep: {model: [static, ring]}", "the ring model knows no ring that bends"),
+        ("sweep: {model: [static, ring]}", "the ring model has no flexible ring"),
         (
             "rig: {ring: {bends: true}}",
-            "the rig says itself how its ring bends and is held (leave `support` out, or say `bends: false`)",
+            "the rig already defines the support of its ring (leave `support` out, or use `bends: false`)",
         ),
         ("load_across: 5 N", "`by: point` gives the ring forces along the load line alone"),
         ("method: rodas", "`rodas` solves with derivatives, which a ring that bends does not have"),
@@ -125,7 +125,7 @@ def test_a_run_says_how_far_the_support_moves_the_results(ran: tuple[Path, str])
     rms = table["error.support.rms"].dropna()
     assert len(rms) == 2
     assert (rms > 0.0).all()
-    assert f"{NAMES} moves the line by" in said
+    assert "support changes line amplitude by up to" in said
     assert f"`uncertainty`: {NAMES}, in each case" in told("check", folder / "unheld.yaml")
 
 

@@ -270,7 +270,7 @@ def test_what_stands_behind_a_decided_condition_is_not_worked_out() -> None:
         ("5 m^2", "this is no formula", "m^2"),
         ("1 +", "this is no formula", "+"),
         ("1) + (2", "this is no formula", ") + (2"),
-        ("2 × 3", "a letter that is in no formula: '\\xd7'", "× 3"),
+        ("2 × 3", "a character that is not allowed in formulas: '\\xd7'", "× 3"),
         ("", "expected a formula such as `defect.width / 4`", ""),
         ("1" + " " * MAX_LETTERS, f"more than {MAX_LETTERS} letters in a formula", "1"),
     ],

@@ -72,7 +72,7 @@ def _method(case: "CaseFields") -> Iterator[Conflict]:
 
 def _able(case: "CaseFields") -> str:
     least = hierarchy.least(case)
-    return f"the least that can is `model: {least}`" if least else "no model can do all that is asked for"
+    return f"the simplest one that can is `model: {least}`" if least else "no model can compute all of this"
 
 
 # Contact
@@ -82,7 +82,7 @@ def _contact(case: "CaseFields") -> Iterator[Conflict]:
     law, element = case.contact.elastic_law, case.bearing.element
     if catalogue.LAWS["stiffness"][law].element not in ("", element):
         paths: tuple[Path, ...] = (("contact", "stiffness"), ("bearing",))
-        shape, hint = ("a roller's", "say `point`") if element == "ball" else ("a ball's", "say `palmgren`")
+        shape, hint = ("a roller's", "use `point`") if element == "ball" else ("a ball's", "use `palmgren`")
         yield Conflict("contact", paths, f"the law `{law}` is {shape} contact, not a {element}'s", hint)
 
 
@@ -91,7 +91,7 @@ def _contact(case: "CaseFields") -> Iterator[Conflict]:
 
 def _free_motion(case: "CaseFields") -> Iterator[Conflict]:
     if case.unbalance is not None and case.shaft is None:
-        message = "an unbalance moves nothing while the inner ring is rigid"
+        message = "an unbalance has no effect on a fixed inner ring"
         yield Conflict("shaft", (("unbalance",),), message, "give `shaft: {stiffness: 1e8 N/m, mass: 1 kg}`")
     if case.rig.torsion_damping is not None and case.rig.torsion_stiffness is None:
         paths: tuple[Path, ...] = (("rig", "torsion_damping"), ("rig",))
@@ -105,13 +105,12 @@ def _kinematic_cage(case: "CaseFields") -> Iterator[Conflict]:
     motion: Path = ("cage", "motion")
     if case.friction is not None and not isinstance(case.friction, Frictionless):
         message = (
-            "a kinematic cage goes only with `friction: none`: rollers held at their places by it cannot give way,"
-            " and friction then damps too much (RMS 11-15 % low)"
+            "a kinematic cage needs `friction: none`: friction on its rollers damps too much (RMS 11-15 % low)"
         )
-        yield Conflict("kinematic", (("friction",), motion), message, "say `friction: none`, or `motion: free`")
+        yield Conflict("kinematic", (("friction",), motion), message, "use `friction: none`, or `motion: free`")
     if case.drag is not None:
-        message = "drag brakes nothing while the cage is kinematic"
-        yield Conflict("kinematic drag", (("drag",), motion), message, "say `drag: none`, or `motion: free`")
+        message = "drag has no effect on a kinematic cage"
+        yield Conflict("kinematic drag", (("drag",), motion), message, "use `drag: none`, or `motion: free`")
     if case.cage.guide != "centred":
         message = f"a kinematic cage stays centred, got `guide: {case.cage.guide}`"
         yield Conflict("kinematic guide", (("cage", "guide"), motion), message, "leave it out, or `motion: free`")
@@ -127,8 +126,8 @@ def _in_space(case: "CaseFields") -> Iterator[Conflict]:
     sliced = catalogue.MODELS[case.model].sliced and case.bearing.roller_length is not None
     if sliced and slice_count(case) is None:
         paths: tuple[Path, ...] = (("contact", "slices"), ("defects",))
-        message = "the pits cut the roller into more than 64 slices"
-        yield Conflict("slices", paths, message, "take fewer `contact.slices`, or fewer pits")
+        message = "the defects cut the roller into more than 64 slices"
+        yield Conflict("slices", paths, message, "use fewer `contact.slices` or fewer defects")
 
 
 def _half_sprung(name: str, section: "Rig | Shaft | None") -> Iterator[Conflict]:
@@ -140,14 +139,14 @@ def _half_sprung(name: str, section: "Rig | Shaft | None") -> Iterator[Conflict]
     if present and missing:
         paths: tuple[Path, ...] = ((name, present[0]), (name,))
         words = " and ".join(f"`{key}`" for key in missing)
-        yield Conflict("sprung", paths, f"a ring that leans needs {words} too", "give both stiffnesses")
+        yield Conflict("sprung", paths, f"a ring that tilts also needs {words}", "give both stiffnesses")
 
 
 def _lean(case: "CaseFields") -> Iterator[Conflict]:
     for ring in ("inner", "outer") if case.misalignment else ():
         lean = getattr(case.misalignment, ring)
         if abs(lean) > MAX_TILT:
-            message = f"a lean of {show(lean, 'deg')} is beyond {show(MAX_TILT, 'deg')}"
+            message = f"a tilt of {show(lean, 'deg')} is beyond {show(MAX_TILT, 'deg')}"
             yield Conflict("lean", (("misalignment", ring),), message, "is the unit right? Try mrad")
 
 
@@ -177,13 +176,13 @@ def _bands(case: "CaseFields") -> Iterator[Conflict]:
         if not low < high:
             yield Conflict("band", (place,), f"`{name}`: the band is empty", "give the lower frequency first")
         if high > HIGHEST:
-            message = f"`{name}`: the models know nothing over {show(HIGHEST, 'kHz')}"
+            message = f"`{name}`: the models are not valid above {show(HIGHEST, 'kHz')}"
             yield Conflict("band", (place,), message, "end the band there")
         finest = min(low or inf, high - low)
         if 0.0 < finest < FEWEST_PERIODS / case.duration:
             needed = show(FEWEST_PERIODS / finest, "s")
             message = f"`{name}`: a record of {show(case.duration, 's')} does not resolve {finest:g} Hz"
-            yield Conflict("band", (place, ("duration",)), message, f"take a `duration` of {needed} or more")
+            yield Conflict("band", (place, ("duration",)), message, f"use a `duration` of {needed} or more")
 
 
 def _slice_of(place: Path, name: str, case: "CaseFields") -> Iterator[Conflict]:
@@ -206,7 +205,7 @@ def _still(name: str, case: "CaseFields") -> tuple[str, str] | None:
         return "the inner ring is rigid", "give `shaft`"
     kinematic = case.cage is not None and case.cage.motion == "kinematic"
     if kinematic and plain(name) in HELD_BY_CAGE:
-        return "the cage is kinematic", "say `motion: free`"
+        return "the cage is kinematic", "use `motion: free`"
     if name in ("ring.axial", "ring.lean") and case.rig.tilting_stiffness is None:
         return "the bracket holds the ring", "give `rig.axial_stiffness` and `rig.tilting_stiffness`"
     if name in ("inner.axial", "inner.lean") and (case.shaft is None or case.shaft.tilting_stiffness is None):
@@ -230,7 +229,7 @@ def _sizes(case: "CaseFields") -> Iterator[Conflict]:
     if case.duration * case.sampling > MAX_SAMPLES:
         message = f"{case.duration * case.sampling:.2g} samples: a record has at most {MAX_SAMPLES:.0e}"
         many: tuple[Path, ...] = (("duration",), ("sampling",))
-        yield Conflict("samples", many, message, "take a shorter `duration`, or a lower `sampling`")
+        yield Conflict("samples", many, message, "use a shorter `duration`, or a lower `sampling`")
     ball_pass = 1.0 / case.bearing.ball_pass_frequency(case.speed)
     if case.duration < ball_pass:
         shown, needed = show(case.duration, "ms"), show(ball_pass, "ms")
@@ -282,15 +281,15 @@ def _until(case: "CaseFields") -> Iterator[Conflict]:
     if case.until is None:
         return
     if case.record:
-        message = "a record that ends as soon as it is accurate enough has no series"
-        yield Conflict("until", (("until",), ("record",)), message, "say `record: []`, or leave `until` out")
+        message = "`until` ends the record early, so no series can be stored"
+        yield Conflict("until", (("until",), ("record",)), message, "use `record: []`, or leave `until` out")
     if not case.antialias:
-        message = "`until` tells how well the RMS of the low-passed motion is known"
+        message = "`until` needs the low-passed signal"
         yield Conflict("until", (("until",), ("antialias",)), message, "leave `antialias: false` out")
     if case.step_check == "strict":
-        message = "`step_check: strict` is about the whole record, which `until` may end sooner"
+        message = "`step_check: strict` checks the whole record, which `until` may shorten"
         yield Conflict("until", (("until",), ("step_check",)), message, "say one of them")
     for name, alike in ALIKE.items():
         if not alike.holds(case):
-            message = f"`until` compares ball passes, which are not alike: {alike.why_not}"
+            message = f"`until` compares ball passes, which differ: {alike.why_not}"
             yield Conflict("until", (("until",), (name,)), message, "leave it out")

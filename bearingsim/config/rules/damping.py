@@ -50,11 +50,11 @@ def sentences(jobs: Sequence[Damped]) -> Iterator[str]:
         reasons = [f"{high} us"] * any(job.time > SLACK * PLAUSIBLE[1] for job in heavy)
         if any(job.time > PART_OF_CROSSING * job.crossing for job in heavy):
             reasons.append("a tenth of the crossing")
-        over = f"c/k {_range([1e6 * job.time for job in heavy])} us, over {' and '.join(reasons)}"
-        yield f"{WARNING}{over}: damping decides the result{_counted(heavy, jobs)}"
+        over = f"c/k {_range([1e6 * job.time for job in heavy])} us, above {' and '.join(reasons)}"
+        yield f"{WARNING}{over}, so damping dominates the result{_counted(heavy, jobs)}"
     if light:
-        under = f"c/k {_range([1e6 * job.time for job in light])} us, under {low} us like dry steel"
-        yield f"{WARNING}{under}: expect chaos{_counted(light, jobs)}"
+        under = f"c/k {_range([1e6 * job.time for job in light])} us, below {low} us as for dry steel"
+        yield f"{WARNING}{under}, so the motion may be chaotic{_counted(light, jobs)}"
 
 
 def of_jobs(info: Any) -> Iterator[str]:

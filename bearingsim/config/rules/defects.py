@@ -65,8 +65,8 @@ def defect_conflicts(case: "CaseFields") -> Iterator[Conflict]:
 def _roller_of(place: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
     paths: tuple[Path, ...] = ((*place, "roller"), (*place, "race"))
     if defect.roller is not None and defect.race != "roller":
-        message = f"a defect of the {defect.race} race is on no roller"
-        yield Conflict("roller", paths, message, "say `race: roller`, or leave it out")
+        message = f"a defect of the {defect.race} race has no `roller`"
+        yield Conflict("roller", paths, message, "use `race: roller`, or leave it out")
     elif defect.roller is not None and defect.roller > bearing.rollers:
         message = f"there is no roller {defect.roller}: the bearing has {bearing.rollers}"
         yield Conflict("roller", (paths[0], ("bearing", "rollers")), message, "they count from 1")
@@ -106,10 +106,12 @@ def _offset(place: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Confl
         return
     offset, end = show(defect.offset, "mm"), show(track / 2.0, "mm")
     if beyond:
-        message = f"a defect {offset} off the middle is beyond the {name}'s end ({end}): nothing of it is felt"
+        message = f"a defect {offset} off the middle lies beyond the {name}'s end ({end}) and has no effect"
         yield Conflict("offset", paths, message)
     else:
-        message = f"a defect of {show(defect.length, 'mm')}, {offset} off the middle, hangs over the {name}'s end"
+        message = (
+            f"a defect of {show(defect.length, 'mm')}, {offset} off the middle, extends beyond the {name}'s end"
+        )
         yield Conflict("offset", paths, message, f"the end is {end} from the middle")
 
 
@@ -142,7 +144,7 @@ def _form(place: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflic
     """Refuse shapes without a form for excitations other than the envelope."""
     if case.excitation in PATH_EXCITATIONS:
         return
-    hint = "say `excitation: envelope`, or take a rectangular, triangular or circular defect with sharp edges"
+    hint = "use `excitation: envelope`, or take a rectangular, triangular or circular defect with sharp edges"
     if defect.shape not in SIMPLE_SHAPES:
         article = "an" if defect.shape[0] in "aeiou" else "a"
         what = f"{article} {defect.shape}" + (" defect" if defect.shape == "elliptical" else "")
@@ -152,20 +154,20 @@ def _form(place: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflic
         yield from _elastic_edge(place, defect, case)
     elif defect.edge is not None:
         paths = (("excitation",), (*place, "edge"))
-        yield Conflict("form", paths, f"`{case.excitation}` knows sharp edges only", hint)
+        yield Conflict("form", paths, f"`{case.excitation}` is defined for sharp edges only", hint)
 
 
 def _elastic_edge(place: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflict]:
     """Refuse elastic edges unless they are rounded, equal for all defects, and in line contacts."""
     paths: tuple[Path, ...] = (("excitation",), (*place, "edge"))
     if case.bearing.element == "ball":
-        message = "`elastic-edge` is a line contact's, and balls have none"
-        yield Conflict("form", (("excitation",), ("bearing",)), message, "say `excitation: soft-edge`")
+        message = "`elastic-edge` is for line contacts, which balls do not have"
+        yield Conflict("form", (("excitation",), ("bearing",)), message, "use `excitation: soft-edge`")
     elif defect.edge is not None and defect.edge.radius is None:
-        message = "`elastic-edge` knows rounded edges only"
+        message = "`elastic-edge` is defined for rounded edges only"
         yield Conflict("form", paths, message, "as in `edge: {radius: 20 um}`, the default")
     elif defect.edge != case.defects[0].edge:
-        message = "`elastic-edge` takes one radius for the edges of all defects"
+        message = "`elastic-edge` needs the same edge radius for all defects"
         yield Conflict("form", paths, message, "give all the same")
 
 
@@ -182,8 +184,8 @@ def _overlap(earlier: int, later: int, case: "CaseFields") -> Iterator[Conflict]
     distance = _distance(a, b, case.bearing)
     if distance < (a.width + b.width) / 2.0:
         paths = tuple(("defects", i, key) for i in (later, earlier) for key in ("angle", "width"))
-        message = f"overlaps defect {earlier + 1}: their centres are {show(distance, 'mm')} apart"
-        hint = f"move one: only `excitation: envelope` merges pits, `{case.excitation}` does not"
+        message = f"overlaps defect {earlier + 1}: their centres are only {show(distance, 'mm')} apart"
+        hint = f"move one: only `excitation: envelope` merges defects, not `{case.excitation}`"
         yield Conflict("overlap", paths, message, hint)
 
 

@@ -39,22 +39,22 @@ def flexible_ring_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     if case.load_across != 0.0 and not rig.load.carried:
         paths: tuple[Path, ...] = (("load_across",), *BY)
         message = f"`by: {rig.load.by}` gives the ring forces along the load line alone"
-        yield Conflict("across", paths, message, "leave it out, or say `by: points` or `by: housing`")
+        yield Conflict("across", paths, message, "leave it out, or use `by: points` or `by: housing`")
     if not rig.sensor.on_ring and not rig.load.carried:
         paths = (("rig", "sensor", "on"), ("rig", "sensor"), *BY)
-        yield Conflict("sensor", paths, f"`by: {rig.load.by}` has no housing for a sensor", "say `by: housing`")
+        yield Conflict("sensor", paths, f"`by: {rig.load.by}` has no housing for a sensor", "use `by: housing`")
 
 
 def _of_rigid_ring(case: "CaseFields") -> Iterator[Conflict]:
-    bend = "say `ring: {bends: true}`"
+    bend = "use `ring: {bends: true}`"
     if case.rig.load is not None:
-        yield Conflict("rigid", (LOAD, *RING), "where the load enters is nothing to a rigid ring", bend)
+        yield Conflict("rigid", (LOAD, *RING), "the point of load has no effect on a rigid ring", bend)
     if not case.rig.sensor.on_ring:
         where: tuple[Path, ...] = (("rig", "sensor", "on"), ("rig", "sensor"), *RING)
         yield Conflict("rigid sensor", where, "a rigid ring has no housing around it", bend)
     if case.rig.bracket_stiffness == 0.0:
         paths: tuple[Path, ...] = (("rig", "bracket_stiffness"), *RING)
-        yield Conflict("bracket", paths, "a rigid ring needs a bracket", f"say `1e7 N/m`, or {bend[4:]}")
+        yield Conflict("bracket", paths, "a rigid ring needs a bracket", f"use `1e7 N/m`, or {bend[4:]}")
 
 
 def _section(case: "CaseFields", ring: "FlexibleRing") -> Iterator[Conflict]:
@@ -82,7 +82,7 @@ def _load(case: "CaseFields", load: "RingLoad") -> Iterator[Conflict]:
     elif load.by == "housing":
         yield from _housing(case, load)
     if load.mass is not None and load.mass < LIGHTEST:
-        message = f"a carrier of {show(load.mass, 'g')} swings so fast on its springs that the step would be tiny"
+        message = f"a carrier of {show(load.mass, 'g')} on its springs needs too short a step"
         yield Conflict("mass", ((*LOAD, "mass"), LOAD), message, "take 1 g or more, or leave it out: 1 kg")
 
 
@@ -102,11 +102,11 @@ def _points(case: "CaseFields", points: "tuple[SupportPoint, ...]") -> Iterator[
     stiff = sum(point.stiffness * max(math.cos(point.angle - load_line), 0.0) ** 2 for point in points)
     moved = math.hypot(case.load, case.load_across) / stiff if stiff > 0.0 else math.inf
     if len(points) > MAX_POINTS:
-        yield Conflict("points", paths, f"more than {MAX_POINTS} springs", "say `by: housing`")
+        yield Conflict("points", paths, f"more than {MAX_POINTS} springs", "use `by: housing`")
     elif _twice(angles):
         yield Conflict("points", paths, "two springs stand at the same angle", "give each angle once")
     elif not any(math.cos(angle - load_line) > BALANCED for angle in angles):
-        message = "no spring stands within 90 deg of the load line: nothing carries the load"
+        message = "no spring within 90 deg of the load line carries the load"
         yield Conflict("points", paths, message, f"give one at `angle: {show(load_line, 'deg')}`")
     elif not _hold(angles, load_line) and not _stands_on_one(case, angles, load_line):
         message = "springs that push only do not hold the carrier here"

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 STRIBECK = 4.08  # largest load of a roller over the mean: no clearance, line contact (balls: 4.37)
 NOTABLE_SHARE = 0.1  # share of the largest load at rest from which the rollers' centrifugal force counts
 
-NEEDS_ROLLER_MASS = "damping that acts in full as a contact closes needs the mass of a roller"
+NEEDS_ROLLER_MASS = "a damping force at first contact needs the mass of a roller"
 """Without, a ring that is thrown up closes contacts all round, ever smaller and faster (docs/stability.md)."""
 
 Path = tuple[str | int, ...]
@@ -108,14 +108,16 @@ def _of_defects(case: "CaseFields") -> Iterator[Need]:
     if case.excitation in IMPULSE_EXCITATIONS and "excitation" not in case.model_fields_set:
         return  # it came with the model
     if case.excitation in IMPULSE_EXCITATIONS:
-        yield Need("impulses", f"`{case.excitation}` is forces in time, which only `impulse` computes", excitation)
+        yield Need(
+            "impulses", f"`{case.excitation}` is a force history, which only `impulse` computes", excitation
+        )
     elif case.defects:
-        why = f"`{case.excitation}` moves the rollers on the bearing's elastic contacts"
+        why = f"`{case.excitation}` needs elastic contacts"
         yield Need("shapes", why, excitation)
     else:
-        yield Need("balance", "a healthy bearing vibrates by its varying compliance", (("defects",),))
+        yield Need("balance", "a healthy bearing vibrates by varying compliance", (("defects",),))
     if case.defects and case.excitation in STIFFNESS_EXCITATIONS:
-        why = f"`{case.excitation}` changes the force at the pit, which acts on the mass of a ring"
+        why = f"`{case.excitation}` changes the contact force, which needs the mass of a ring"
         yield Need("weakened contact", why, excitation)
     if case.defects and case.excitation == "pressure-share":
         why = "`pressure-share` splits the pressure of a whole roller, not of its slices"
@@ -127,12 +129,12 @@ def _of_defects(case: "CaseFields") -> Iterator[Need]:
 
 
 _SECTIONS: tuple[tuple[str, str, str], ...] = (
-    ("ramp", "ramp", "a `ramp` changes the speed under way"),
-    ("friction", "friction", "`friction` acts where rollers can slip"),
-    ("cage", "cage", "`cage` says how the cage moves"),
-    ("drag", "drag", "`drag` brakes rollers and cage that can slip"),
-    ("shaft", "shaft", "a `shaft` lets the inner ring move"),
-    ("unbalance", "shaft", "an `unbalance` moves the inner ring"),
+    ("ramp", "ramp", "a `ramp` changes the speed"),
+    ("friction", "friction", "`friction` needs rollers that can slip"),
+    ("cage", "cage", "`cage` needs a cage that can move"),
+    ("drag", "drag", "`drag` needs rollers and a cage that can slip"),
+    ("shaft", "shaft", "a `shaft` needs a moving inner ring"),
+    ("unbalance", "shaft", "an `unbalance` needs a moving inner ring"),
     ("misalignment", "leaning rings", "a `misalignment` loads the rollers unevenly along their length"),
 )
 
@@ -142,9 +144,9 @@ def _of_sections(case: "CaseFields") -> Iterator[Need]:
         if _is_said(case, name):
             yield Need(what, why, ((name,),))
     if case.gravity:
-        yield Need("gravity", "`gravity` pulls at rollers that move freely", (("gravity",),))
+        yield Need("gravity", "`gravity` needs rollers that can slip", (("gravity",),))
     if case.load_across != 0.0:
-        yield Need("a second load", "`load_across` turns the load the rollers share", (("load_across",),))
+        yield Need("a second load", "`load_across` turns the load direction", (("load_across",),))
     if case.rig.ring is not None:
         paths: tuple[Path, ...] = (("rig", "ring", "bends"), ("rig", "ring"), ("rig",))
         yield Need("bending ring", "`rig.ring` lets the outer ring bend", paths)
@@ -157,15 +159,15 @@ def _of_sections(case: "CaseFields") -> Iterator[Need]:
         if case.shaft is not None and getattr(case.shaft, name) is not None:
             yield Need("leaning rings", f"`shaft.{name}` lets the inner ring lean", (("shaft", name),))
     if "damping" in case.contact.model_fields_set:
-        yield Need("damping", "`contact.damping` acts on motion", (("contact", "damping"),), required=False)
+        yield Need("damping", "`contact.damping` needs a moving ring", (("contact", "damping"),), required=False)
 
 
 def _of_shapes_along(case: "CaseFields") -> Iterator[Need]:
     if case.bearing.roller_profile.shape != "straight":
-        why = "`roller_profile` shapes the load along the roller"
+        why = "`roller_profile` needs the load along the roller"
         yield Need("profile", why, (("bearing", "roller_profile"), ("bearing",)))
     if case.bearing.element == "ball":
-        yield Need("balls", "its elements are balls, which have no axis to tilt", (("bearing",),))
+        yield Need("balls", "balls have no axis to tilt", (("bearing",),))
 
 
 def _is_said(case: "CaseFields", name: str) -> bool:
@@ -175,10 +177,10 @@ def _is_said(case: "CaseFields", name: str) -> bool:
 
 
 _RECORDED = {
-    "ring.acceleration": ("acceleration", "masses decide the acceleration"),
-    "sensor.acceleration": ("acceleration", "masses decide the acceleration"),
-    "ring.rotation": ("ring rotation", "`ring.rotation` is the turning of the outer ring"),
-    "roller.radial": ("roller inertia", "where a roller is, apart from the races, is recorded"),
+    "ring.acceleration": ("acceleration", "acceleration depends on the masses"),
+    "sensor.acceleration": ("acceleration", "acceleration depends on the masses"),
+    "ring.rotation": ("ring rotation", "the rotation of the outer ring is recorded"),
+    "roller.radial": ("roller inertia", "the radial motion of a roller is recorded"),
     "roller.outer_force": ("forces", "a contact force is recorded"),
     "roller.inner_force": ("forces", "a contact force is recorded"),
     "roller.outer_slip": ("slip", "slip is recorded"),
@@ -198,11 +200,11 @@ _RECORDED = {
             "roller.flange_force",
             *(f"roller.{x}" for x in LINE_LOADS),
         ),
-        ("tilt", "how a roller leans and is loaded along its length is recorded"),
+        ("tilt", "tilt or line load of a roller is recorded"),
     ),
     **dict.fromkeys(
         ("ring.axial", "ring.lean", "inner.axial", "inner.lean", "cage.axial", "cage.lean"),
-        ("leaning rings", "the motion of a ring out of its plane is recorded"),
+        ("leaning rings", "the out-of-plane motion of a ring is recorded"),
     ),
 }
 
@@ -220,11 +222,14 @@ def _of_masses(case: "CaseFields") -> Iterator[Need]:
     shown = [plain(name) for name in case.record]
     sharp = any(name.startswith("roller.") or name.endswith(".acceleration") for name in shown)
     if case.defects and case.excitation not in IMPULSE_EXCITATIONS and sharp:
-        why = "a roller's mass decides its impact"
+        why = "the impact depends on a roller's mass"
         yield Need("roller inertia", why, (("record",),), required=False)
     if case.defects and case.excitation not in IMPULSE_EXCITATIONS and case.contact.jumps:
         yield Need(
-            "roller inertia", "such damping needs the mass of rollers", (("contact", "damping"),), required=False
+            "roller inertia",
+            "this damping law needs the mass of rollers",
+            (("contact", "damping"),),
+            required=False,
         )
     force = _centrifugal_force(case)
     load = STRIBECK * math.hypot(case.load, case.load_across) / case.bearing.rollers

@@ -114,7 +114,7 @@ def _csv(name: str, content: bytes) -> Grid:
         (n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"
     ]
     if len(numbered) < 2:
-        raise ScanError("there are no points in it")
+        raise ScanError("no points in this file")
     numbers, rows = [n for n, _ in numbered], list(csv.reader(line for _, line in numbered))
     _check_separator(rows[0][0])
     if "|" in rows[0][0]:
@@ -173,15 +173,15 @@ def _listed(rows: list[list[str]], numbers: list[int]) -> Grid:
     s, column = np.unique(values["s"], return_inverse=True)
     z, row = np.unique(values["z"], return_inverse=True)
     if np.isnan(s).any() or np.isnan(z).any():
-        raise ScanError("a point has no place", "`s` and `z` must be in every line")
+        raise ScanError("a point has no coordinates", "`s` and `z` must be in every line")
     if len(table) < MIN_FILLED * len(s) * len(z):
         counts = f"{len(table)} points at {len(s)} values of s and {len(z)} of z"
-        raise ScanError(f"the points form no grid: {counts}", "interpolate them onto one")
+        raise ScanError(f"the points do not form a grid: {counts}", "interpolate them onto one")
     if len(np.unique(row * len(s) + column)) < len(table):
-        raise ScanError("two points have the same place")
+        raise ScanError("two points have the same coordinates")
     depth = np.full((len(z), len(s)), np.nan)
     depth[row, column] = p
-    notes = [f"{name} runs downwards: put in order" for name in ("s", "z") if _falls(values[name])]
+    notes = [f"{name} is decreasing and was sorted" for name in ("s", "z") if _falls(values[name])]
     if rest:
         notes.append(f"columns not used: {', '.join(rest)}")
     return Grid(s, z, depth, tuple(notes))
@@ -266,7 +266,7 @@ def _ascending(s: np.ndarray, z: np.ndarray, depth: np.ndarray) -> Grid:
     for name, axis in (("s", s), ("z", z)):
         _check_axis(name, axis)
         if axis[0] > axis[-1]:
-            notes.append(f"{name} runs downwards: turned round")
+            notes.append(f"{name} is decreasing and was reversed")
     if s[0] > s[-1]:
         s, depth = s[::-1], depth[:, ::-1]
     if z[0] > z[-1]:
@@ -277,12 +277,12 @@ def _ascending(s: np.ndarray, z: np.ndarray, depth: np.ndarray) -> Grid:
 def _check_axis(name: str, axis: np.ndarray) -> None:
     steps = np.diff(axis)
     if len(axis) == 0:
-        raise ScanError("there are no points in it")
+        raise ScanError("no points in this file")
     if np.isnan(axis).any():
         raise ScanError(f"a value of {name} is missing")
     if not (np.all(steps > 0.0) or np.all(steps < 0.0)):
         k = int(np.flatnonzero(steps * np.sign(axis[-1] - axis[0]) <= 0.0)[0]) + 1
-        raise ScanError(f"{name} does not run one way: value {k + 1} is not beyond value {k}")
+        raise ScanError(f"{name} is not monotonic between values {k} and {k + 1}")
 
 
 FORMS: dict[str, Callable[[str, bytes], Grid]] = {".csv": _csv, ".txt": _csv, ".h5": _hdf5, ".hdf5": _hdf5}

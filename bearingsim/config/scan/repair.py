@@ -69,11 +69,11 @@ def _read(path: Path, modified: int, size: int) -> Scan:
 def _doubts(width: float, depth: float) -> Iterator[str]:
     """Yield the reasons to doubt the units of a file, from an unusual size of its defect."""
     if width < NARROW:
-        yield f"the pit is only {_um(width)} wide along s: is the unit right?"
+        yield f"the defect is only {_um(width)} wide along s; is the unit right?"
     if depth > width:
-        yield f"the pit is deeper ({_um(depth)}) than it is wide ({_um(width)}): is the unit right?"
+        yield f"the defect is deeper ({_um(depth)}) than wide ({_um(width)}); is the unit right?"
     if depth < SHALLOW:
-        yield f"the pit is only {_um(depth)} deep: is the unit right?"
+        yield f"the defect is only {_um(depth)} deep; is the unit right?"
 
 
 class Damaged(Protocol):
@@ -151,7 +151,7 @@ def _filled(grid: Grid) -> Grid:
         k = int(np.argmax(np.bincount(gaps.ravel())[1:])) + 1
         where = places(np.argwhere(gaps == k)[:1], grid)
         raise ScanError(
-            f"{largest} missing cells lie together (from {where})", f"at most {LARGEST_GAP} are filled"
+            f"{largest} missing cells are adjacent (from {where})", f"at most {LARGEST_GAP} are filled"
         )
     depth = grid.depth
     while np.isnan(depth).any():
@@ -179,15 +179,15 @@ def _levelled(grid: Grid) -> Grid:
     depth = grid.depth - surface
     defect, burr = float(depth.max()), -float(depth.min())
     if max(defect, burr) <= max(NOISE * deviation, 1e-12):
-        raise ScanError(f"no pit stands out from the noise of the surroundings ({_um(deviation)})")
+        raise ScanError(f"no defect exceeds the noise of the surrounding race ({_um(deviation)})")
     if burr > defect:
         message = f"it stands {_um(burr)} out of the race and goes {_um(max(defect, 0.0))} into it"
-        raise ScanError(message, "is it a `height`? name it so")
+        raise ScanError(message, "if the values are heights, name the column `height`")
     if NOISE * deviation > MAX_ROUGHNESS * defect:
         message = (
             f"there is no even border: the outermost cells deviate by {_um(deviation)} (one standard deviation)"
         )
-        raise ScanError(message, "take in undamaged race all around, or take its form off first")
+        raise ScanError(message, "include undamaged race on all sides, or remove the form first")
     level = max(NOISE * deviation, 1e-9 * defect)
     rough = np.abs(depth) > level
     remarks += _reached(grid, rough)
@@ -195,7 +195,7 @@ def _levelled(grid: Grid) -> Grid:
     size = np.bincount(regions.ravel())
     kept = rough & (size[regions] >= SPECK)
     if not kept.any():
-        raise ScanError(f"no pit stands out from the noise of the surroundings ({_um(deviation)})")
+        raise ScanError(f"no defect exceeds the noise of the surrounding race ({_um(deviation)})")
     if deviation > 0.0:
         remarks.append(f"surroundings even to {_um(deviation)}: what is within {_um(level)} of them is the race")
     specks = int(regions.max()) - len(np.unique(regions[kept]))
@@ -242,9 +242,9 @@ def _reached(grid: Grid, rough: np.ndarray) -> list[str]:
     share = {axis: cells.mean(axis=0).max() for axis, cells in sides.items()}
     if share["s"] > DAMAGED_SHARE:
         message = f"there is no undamaged border: {share['s']:.0%} of a side along z lie off the surroundings"
-        raise ScanError(message, "take in undamaged race before and behind the pit")
+        raise ScanError(message, "include undamaged race before and behind the defect")
     if share["z"] > DAMAGED_SHARE or (share["z"] > 0.0 and _is_one_defect(rough)):
-        return ["the damage reaches the scan's end along z: taken to end there"]
+        return ["the damage reaches the scan's end along z and is cut there"]
     return []
 
 
@@ -261,7 +261,7 @@ def _centred(grid: Grid) -> Grid:
     s, z = float(np.mean(along)), float(np.mean(across))
     columns = (grid.s >= along[0]) & (grid.s <= along[1])
     rows = (grid.z >= across[0]) & (grid.z <= across[1])
-    note = f"the damage's middle, s = {mm(s)}, z = {mm(z)}, is the defect's place"
+    note = f"the damage's middle, s = {mm(s)}, z = {mm(z)}, is placed at the defect's position"
     notes = (*grid.notes, note) if max(abs(s), abs(z)) > 1e-9 else grid.notes
     return Grid(grid.s[columns] - s, grid.z[rows] - z, grid.depth[np.ix_(rows, columns)], notes)
 

@@ -56,10 +56,7 @@ class HuntCrossley(Section):
     chi: InverseVelocity = 50.0
 
 
-NEARLY_JUMPS = (
-    "where contacts open and close, the largest force is partly the law's: damping by stiffness nearly jumps as"
-    " they close"
-)
+NEARLY_JUMPS = "the peak impact force depends on the damping law, whose force nearly jumps at first contact"
 
 
 class _ByStiffness(Section):
@@ -125,25 +122,27 @@ class Film(Section):
         if self.viscosity is not None:
             for name in ("oil", "temperature"):
                 if getattr(self, name) is not None:
-                    refuse("twice", "`viscosity` says it already", "leave one of them out", at=name)
+                    refuse("twice", "`viscosity` is already given", "omit one of them", at=name)
         elif self.oil is None:
-            hint = "say `viscosity: 30 mPa s`, or `oil: VG 68, temperature: 55 C`"
+            hint = "use `viscosity: 30 mPa s`, or `oil: VG 68, temperature: 55 C`"
             refuse("missing", "`film` needs the oil", hint)
         elif self.temperature is None:
             refuse("missing", "an oil needs its temperature, such as `temperature: 55 C`", at="oil")
         elif not COLDEST <= self.temperature - ZERO_CELSIUS <= HOTTEST:
             temperature, limits = f"{self.temperature - ZERO_CELSIUS:g} C", f"{COLDEST:g} C to {HOTTEST:g} C"
             message = f"the viscosity of oils is known from {limits}, not at {temperature}"
-            refuse("bound", message, "say `viscosity`", at="temperature")
+            refuse("bound", message, "use `viscosity`", at="temperature")
         return self
 
     def caveat(self, opens: bool) -> str:
         """Return a caveat on the results; ``opens``: contacts open and close again."""
         if self.at == "own":
-            return "`film` at the element's own frequency is an order of magnitude; flooded, isothermal contacts"
+            return (
+                "`film` at the element's natural frequency is an order-of-magnitude estimate (flooded, isothermal)"
+            )
         return (
-            "`film` is of slow motion, flooded and isothermal; at the element's own frequency it damps less, balls"
-            " up to a hundred times (`at: own`)"
+            "`film` holds for slow motion, flooded and isothermal; at the element's natural frequency it damps"
+            " less, for balls up to a hundred times (`at: own`)"
         )
 
     @property
@@ -213,12 +212,12 @@ def _stiffness(raw: Any) -> Any:
     if law in WORDS and isinstance(raw, dict):
         others = [key for key in raw if key != "law"]
         if others:
-            refuse("unknown", f"the law `{law}` takes no numbers", f"leave out {', '.join(others)}")
+            refuse("unknown", f"the law `{law}` has no parameters", f"leave out {', '.join(others)}")
         return law
     if isinstance(raw, str) and law not in WORDS:
         if law in STIFFNESS.words:
             return {"law": law}
-        refuse("missing", f"the law `{law}` needs numbers", "{law: constant, coefficient: 3e5, exponent: 1.1}")
+        refuse("missing", f"the law `{law}` needs parameters", "{law: constant, coefficient: 3e5, exponent: 1.1}")
     return raw
 
 

@@ -132,10 +132,10 @@ class Defect(Section):
         for name, shape in _OF_SHAPE.items():
             if getattr(self, name) is not None and self.shape != shape:
                 refuse(
-                    "foreign", f"only a {shape} has `{name}`", f"leave it out, or say `shape: {shape}`", at=name
+                    "foreign", f"only a {shape} has `{name}`", f"leave it out, or use `shape: {shape}`", at=name
                 )
         if self.shape == "scan" and self.edge is not None:
-            refuse("foreign", "a scan has the edges it was measured with", "leave it out", at="edge")
+            refuse("foreign", "a scan already contains its edges", "leave it out", at="edge")
         if self.shape == "spall":
             object.__setattr__(self, "grown", 1.0 if self.grown is None else self.grown)
             object.__setattr__(self, "seed", self.seed or 0)

@@ -103,12 +103,12 @@ class RingLoad(Mapped):
         for name in ("angles", "at", "stiffness", "fit", "mass"):
             if getattr(self, name) is not None and name not in KEYS[self.by]:
                 of = next(by for by, keys in KEYS.items() if name in keys)
-                refuse("load", f"`by: {self.by}` has none", f"leave it out, or say `by: {of}`", at=name)
+                refuse("load", f"`by: {self.by}` has none", f"leave it out, or use `by: {of}`", at=name)
         needed = KEYS[self.by][:1]
         if needed and not getattr(self, needed[0]):
             example = {"angles": "[-45 deg, 45 deg]", "at": "[{angle: 0 deg, stiffness: 1e8 N/m}]"}
             shown = example.get(needed[0], "1e10 N/m/m")
-            refuse("load", f"`by: {self.by}` needs `{needed[0]}`", f"say `{needed[0]}: {shown}`", at="by")
+            refuse("load", f"`by: {self.by}` needs `{needed[0]}`", f"use `{needed[0]}: {shown}`", at="by")
         return self
 
 

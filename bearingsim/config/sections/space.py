@@ -43,7 +43,7 @@ class Profile(Section):
             refuse("missing", "a crowned profile needs `drop`, a length such as `5 um`", at="drop")
         for name in ("drop", "straight_length"):
             if self.shape != "crowned" and getattr(self, name) is not None:
-                refuse("foreign", f"a {self.shape} profile has none", "leave it out, or say `crowned`", at=name)
+                refuse("foreign", f"a {self.shape} profile has none", "leave it out, or use `crowned`", at=name)
         return self
 
 

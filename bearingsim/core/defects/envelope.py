@@ -1,4 +1,4 @@
-"""The path of a round roller over any profile, exactly, and the tables it is looked up from.
+"""The path of a rigid round roller over any profile, exactly, and the tables it is looked up from.
 
 The roller's centre feels h(s) = min over t of p(t) + (t - s)^2/(2 R). With f(t) = R p(t) + t^2/2 that is
 (s^2/2 - f*(s))/R, f* being the convex conjugate of f: what the roller touches is the lower convex hull of f, and

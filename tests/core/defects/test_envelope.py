@@ -352,7 +352,7 @@ def test_outside_a_defect_there_is_the_race():
 
 
 def test_slices_across_a_defect():
-    """One for a box, off the middle or not; of one that hangs over the roller's end what is on it."""
+    """One for a box, off the middle or not; of one that extends beyond the roller's end what is on it."""
     assert cut_along_roller(Rectangular(3e-3, 1e-3, 1e-5), 12e-3, 6) == [pytest.approx((0.25, 0.0))]
     assert cut_along_roller(Placed(Rectangular(3e-3, 1e-3, 1e-5), 0.0, 5e-3), 12e-3, 6) == [
         pytest.approx((2.5 / 12, 4.75e-3))
