@@ -41,7 +41,7 @@ def test_the_same_command_goes_on_without_what_failed(tmp_path: Path) -> None:
     assert (summary.resumed, summary.done, summary.failed, summary.missing) == (3, 1, 2, 4)
     last = compute(study, tmp_path, max_failures=1)
     assert (last.resumed, last.done, last.failed, last.missing) == (4, 4, 2, 0)
-    assert "ended early" not in str(last)
+    assert "stopped early" not in str(last)
 
 
 def test_a_run_ends_when_so_many_have_failed(tmp_path: Path) -> None:
@@ -54,7 +54,7 @@ def test_a_run_ends_when_so_many_have_failed(tmp_path: Path) -> None:
 def test_fewer_failures_end_nothing(tmp_path: Path) -> None:
     summary = compute(FakeStudy(WIDTHS, deeds={1: "raise"}), tmp_path, max_failures=2)
     assert (summary.done, summary.failed, summary.missing) == (9, 1, 0)
-    assert "ended early" not in str(summary)
+    assert "stopped early" not in str(summary)
 
 
 def test_failures_of_all_units_count(tmp_path: Path) -> None:
@@ -84,7 +84,7 @@ def test_a_job_that_kills_its_worker_ends_the_run_before_the_next_suspect(tmp_pa
     summary = compute(study, tmp_path, 2, max_failures=1)
     assert summary.failed == 1
     assert summary.exit_code == 1
-    assert "ended early" in str(summary)
+    assert "stopped early" in str(summary)
 
 
 def test_dear_jobs_are_told_of_beforehand_and_left(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -475,7 +475,7 @@ def test_the_table_tells_what_friction_changes(write: Write, tmp_path: Path) -> 
     assert own["error.friction"].to_numpy() == pytest.approx([0.002 / 3.0, 0.002, 0.002], rel=1e-6)
     assert own["error"].to_numpy() == pytest.approx((own["error.model"] + own["error.friction"]).to_numpy())
     plan = store.read_plan(tmp_path / "out")
-    assert "no oil drag assumed" in " ".join(plan["assumptions"])
+    assert "dry friction assumed" in " ".join(plan["assumptions"])
     assert len(plan["accuracy"]["audits"]) == 3
 
 
