@@ -21,23 +21,23 @@ DOCS = Path(__file__).parents[2] / "docs"
 NEEDS = {
     "impulses": {"impulses"},
     "a healthy bearing's varying compliance": {"balance"},
-    "pits that move rollers": {"shapes"},
+    "defects that move rollers": {"shapes"},
     "contact forces, load zone": {"forces"},
     "a second load": {"a second load"},
-    "the contact's force at the pit": {"weakened contact", "shared pressure"},
+    "the contact's force at the defect": {"weakened contact", "shared pressure"},
     "damping": {"damping"},
     "the ring's acceleration": {"acceleration"},
     "inertia of the rollers": {"roller inertia"},
     "a ramp, gravity, friction, cage, drag, a shaft, an unbalance, rotation of the ring": {
         *("ramp", "gravity", "friction", "cage", "drag", "shaft", "ring rotation", "slip"),
     },
-    "an outer ring that bends": {"bending ring"},
+    "a flexible outer ring": {"bending ring"},
     "tilt": {"tilt"},
     "load along the roller, tilt of rings": {"leaning rings", "profile"},
     "balls": {"balls"},
 }
 """Abilities of each row of the table of needs."""
-PARTLY = {("spatial", "the contact's force at the pit"): ("but `pressure-share`", {"weakened contact"})}
+PARTLY = {("spatial", "the contact's force at the defect"): ("but `pressure-share`", {"weakened contact"})}
 """What a cell says of a model that has some abilities of its row, and which."""
 
 
