@@ -147,7 +147,7 @@ def test_too_much_for_one_roller_is_refused():
 
 def test_what_a_ball_does_not_reach_is_refused_with_advice():
     defect = {"shape": "rectangular", "length": "0.5 mm", "width": "0.8 mm", "depth": "50 um", "offset": "2 mm"}
-    with pytest.raises(SimulationError, match=r"of no depth; the contact reaches 0\.\d+ mm from the middle; use"):
+    with pytest.raises(SimulationError, match=r"has no depth; the contact ends 0\.\d+ mm from the middle; use"):
         simulate(case(bearing="6205", defect=defect))
 
 
