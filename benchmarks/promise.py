@@ -26,7 +26,7 @@ import numpy as np
 import yaml
 from joblib import Parallel, delayed
 
-from bearingsim import selection, simulation, store
+from bearingsim import selection, simulation
 from bearingsim.catalogue import METHODS, REFERENCE
 from bearingsim.config import Case
 from bearingsim.config.names import FAULT_LINES
@@ -179,7 +179,7 @@ def all_trials(study: Study, unit: str, out: Path) -> tuple[dict[str, float], Kn
         for other in candidates(study, [0]).values():
             for one in trials_of(study, 0, other[0]):
                 took[one.id], known[one.id] = tried(one)
-    store.write_trials(out, unit, known)
+    selection.write_trials(out, unit, known)
     return took, known
 
 
@@ -362,7 +362,7 @@ def main() -> None:
         with path.open("a") as file:
             file.write(json.dumps(row) + "\n")
     rows = [row for row in rows if row["seed"] == given.seed]
-    known = store.read_trials(given.out)
+    known = selection.read_trials(given.out)
     write_csv(given.out / "promise.csv", sorted(rows, key=lambda row: row["number"]), known)
     report(rows, known)
 

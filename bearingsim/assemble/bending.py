@@ -20,7 +20,6 @@ from math import cos, hypot, log, pi, sin, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import eigh
 
 from bearingsim.assemble import geometry
 from bearingsim.config import Case
@@ -70,6 +69,8 @@ def harmonic(section: Section, n: int) -> Harmonic:
     Equation (R4) of docs/ring.md: Winkler's integrals of a curved Timoshenko beam.
     """
     (k, k_shear), J = moduli(section), integrals(section)
+    from scipy.linalg import eigh
+
     K, M = beam_matrices(section, n)
     if n == 0:
         return Harmonic(0, 2.0 * pi * k * J[0], float(np.sqrt(K[0, 0] / M[0, 0])))

@@ -235,6 +235,8 @@ def _features() -> dict[str, Feature]:
 
 
 _OWN = _features()
+STEP_ACCURACY = 0.01
+"""Largest step error of a run's line, RMS and largest force; if the motion is chaotic, of its RMS alone."""
 NO_VALUE = "no_value."
 """Before the name of an extension's feature: the fact that says why a job has no number for it."""
 

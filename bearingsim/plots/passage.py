@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from bearingsim.config.names import roller_of
 from bearingsim.plots.recorded import Job, recorded_as
 from bearingsim.plots.series import roller_angle
-from bearingsim.simulation.settling import settled
 
 if TYPE_CHECKING:
     from bearingsim.config import Case
@@ -165,7 +164,7 @@ def _passage(job: Job, case: "Case", number: int, defect: Defect) -> Passage | N
     ahead = roller_angle(job, number) - defect.angle
     radius = (case.bearing.pitch_diameter + case.bearing.roller_diameter) / 2.0
     if defect.race == "inner":
-        ahead = case.speed * (settled(case).settle_s + time) - ahead
+        ahead = case.speed * (float(job.info["settle_s"]) + time) - ahead
         radius -= case.bearing.roller_diameter
     turns = ahead / (2.0 * pi)
     speed = float((ahead[-1] - ahead[0]) / (time[-1] - time[0]) * radius)

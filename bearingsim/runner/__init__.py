@@ -1,9 +1,33 @@
-"""Executing the jobs of a study: local pool, shards, quarantine of what kills its worker, progress."""
+"""Executing the jobs of a study: local pool, shards, quarantine of what kills its worker, progress.
 
-from bearingsim.runner.pool import WorkersDie
-from bearingsim.runner.run import run, with_models
-from bearingsim.runner.summary import FailureGroup, Interrupted, RunSummary
-from bearingsim.runner.tally import finished
-from bearingsim.runner.work import Engine
+Names are imported when they are first used: a command that only reads results needs few of these modules.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from bearingsim.runner.pool import WorkersDie
+    from bearingsim.runner.running import run, with_models
+    from bearingsim.runner.summary import FailureGroup, Interrupted, RunSummary
+    from bearingsim.runner.tally import finished
+    from bearingsim.runner.work import Engine
 
 __all__ = ["Engine", "FailureGroup", "Interrupted", "RunSummary", "WorkersDie", "finished", "run", "with_models"]
+
+_HOME = {
+    "Engine": "work",
+    "FailureGroup": "summary",
+    "Interrupted": "summary",
+    "RunSummary": "summary",
+    "WorkersDie": "pool",
+    "finished": "tally",
+    "run": "running",
+    "with_models": "running",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -5,7 +5,7 @@ from math import ceil, inf
 from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
-from bearingsim.config.names import NO_VALUE
+from bearingsim.config.names import NO_VALUE, STEP_ACCURACY
 from bearingsim.config.rules import damping
 from bearingsim.runner.progress import duration
 from bearingsim.runner.promises import held, promises, withdrawals
@@ -141,13 +141,11 @@ LESS_SURE = {
 
 def step_errors(frame: "pd.DataFrame") -> Iterator[str]:
     """Yield step errors above the limit in quantities other than line and RMS."""
-    from bearingsim.simulation.step_check import ACCURACY  # imports the core, which takes a second
-
     for name, what in LESS_SURE.items():
         if f"features/{name}" not in frame:
             continue
         values = frame[f"features/{name}"]
-        error = values[(frame["features/chaotic"] == 0.0) & (values > ACCURACY)]
+        error = values[(frame["features/chaotic"] == 0.0) & (values > STEP_ACCURACY)]
         if len(error):
             jobs = f"{len(error)} job{'s' * (len(error) > 1)}"
             yield f"{jobs}: {what} has a step error of up to {100.0 * error.max():.2g} % (`{name}`)"
@@ -155,14 +153,12 @@ def step_errors(frame: "pd.DataFrame") -> Iterator[str]:
 
 def unsettled(frame: "pd.DataFrame") -> Iterator[str]:
     """Yield the jobs whose initial transient changes line or RMS by more than 1 %, except by chance."""
-    from bearingsim.simulation.step_check import ACCURACY
-
     columns = [name for name in ("features/error.start", "features/error.start.rms") if name in frame]
     if not columns:
         return
     by_chance = frame.filter(items=["features/standard_error.line", "features/cage.slip.mean"]).notna().any(axis=1)
     errors = frame.loc[~by_chance, columns].max(axis=1)
-    errors = errors[errors > ACCURACY]
+    errors = errors[errors > STEP_ACCURACY]
     if len(errors):
         jobs = f"{len(errors)} jobs have" if len(errors) > 1 else "1 job has"
         yield (

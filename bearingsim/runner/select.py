@@ -90,7 +90,7 @@ def _decided(
 ) -> selection.Decision:
     """Choose for the cases of these numbers after all trials that the choice needs. Raises Stopped."""
     choosing = selection.Choosing(study, missing)
-    trials: dict[str, Trial | None] = store.read_trials(root, selection.asked_of(study))
+    trials: dict[str, Trial | None] = selection.read_trials(root, selection.asked_of(study))
     try:
         while wanted := choosing.wanted(trials):
             trials |= dict.fromkeys((trial.id for trial in wanted), None)  # one that failed is not wanted again
@@ -99,7 +99,7 @@ def _decided(
         store.sweep(root)
         store.log(root, "interrupted while models were compared")
         number = getattr(stop, "number", signal.SIGINT)
-        raise Stopped(root, len(store.read_trials(root)), number) from None
+        raise Stopped(root, len(selection.read_trials(root)), number) from None
     return choosing.decide(trials)
 
 
@@ -129,12 +129,12 @@ def _tried(
             deaths.add(death)
         else:
             break
-    return store.read_trials(root, selection.asked_of(study))
+    return selection.read_trials(root, selection.asked_of(study))
 
 
 def _untried(root: Path, wanted: Sequence["Trialled"], study: "Study") -> "list[Trialled]":
     """Return the wanted trials that the folder lacks: another process may have added some."""
-    stored = store.read_trials(root, selection.asked_of(study))
+    stored = selection.read_trials(root, selection.asked_of(study))
     return [trial for trial in wanted if trial.id not in stored]
 
 
@@ -166,7 +166,7 @@ def _compute(
             _try(root, wanted, engine, trials, records)
     finally:
         store.write_units(root, records, provenance)
-        store.write_trials(root, store.unit_name(trials), trials)
+        selection.write_trials(root, store.unit_name(trials), trials)
     failed = [name for name, trial in trials.items() if trial is None]
     return [name for name in trials if name not in failed], failed
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
 from bearingsim.runner.findings import findings
-from bearingsim.runner.select import Stopped
 from bearingsim.runner.summary import Findings, RunSummary, grouped
 from bearingsim.runner.work import Outcome
 from bearingsim.study import outline
@@ -17,6 +16,7 @@ from bearingsim.study import outline
 if TYPE_CHECKING:
     import pandas as pd
 
+    from bearingsim.runner.select import Stopped
     from bearingsim.study import Job, Study
 
 
@@ -119,7 +119,7 @@ class Tally:
         completed.write(self.root)
 
 
-def before_jobs(study: "Study", root: Path, stop: Stopped, seconds: float) -> RunSummary:
+def before_jobs(study: "Study", root: Path, stop: "Stopped", seconds: float) -> RunSummary:
     """Summarise a run that was interrupted during the trials of models, some of which are results of jobs."""
     jobs = {job.id for job in study.jobs()}
     sealed = store.holdings(root).sealed

@@ -3,8 +3,8 @@
 Kept in ``choices.json`` from before the first job on. Who comes later reads them and does not decide again.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from random import Random
 
 from bearingsim.catalogue import REFERENCE
@@ -13,32 +13,11 @@ from bearingsim.errors import UserError
 from bearingsim.selection.candidates import WITH_FRICTION, computed_by, reference, with_friction
 from bearingsim.selection.curves import curves
 from bearingsim.selection.trials import twin_asked
+from bearingsim.store.choices import Choice, Choices
 from bearingsim.study import Job, Study
 from bearingsim.study.jobs import Audit, Chosen, Selection, case_id, identity
 
 AUDITED, FEWEST_AUDITED = 0.05, 3
-
-
-@dataclass(frozen=True)
-class Choice:
-    """Candidate that computes a case, or `reference`; the reason; its error by feature (share).
-
-    model: the name of the model that this comes to; nodes: the error of its discretisation, by feature (share),
-    None where it is unknown; friction: the same of the friction that it leaves out; inferred: whether that is from
-    other cases of its curve.
-    """
-
-    candidate: str
-    model: str
-    why: str
-    error: Mapping[str, float]
-    nodes: Mapping[str, float | None] = field(default_factory=dict)
-    friction: Mapping[str, float | None] = field(default_factory=dict)
-    inferred: bool = False
-
-
-Choices = dict[str, Choice]
-"""By ``key`` of a case."""
 
 
 def key(study: Study, case: Case) -> str:

@@ -19,12 +19,13 @@ from bearingsim.selection.candidates import (
     reference,
     with_friction,
 )
-from bearingsim.selection.choices import Choice, Choices, key
+from bearingsim.selection.choices import key
 from bearingsim.selection.curves import curves, groups
 from bearingsim.selection.evidence import Evidence
 from bearingsim.selection.friction import Friction
 from bearingsim.selection.nodes import Discretisation
 from bearingsim.selection.trials import Known, Trialled, first_trials, once, repeats, trials_of
+from bearingsim.store.choices import Choice, Choices
 from bearingsim.study import Study
 
 FOR_MODEL = 0.8

@@ -12,7 +12,6 @@ mean over N turns has 2/N of the variance of one over two turns.) Of the largest
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import stdtrit
 
 from bearingsim.config.names import of_band
 from bearingsim.simulation.trial import LARGEST_FORCE, Trial
@@ -51,6 +50,8 @@ def value(feature: str, trial: Trial, twin: Trial | None) -> Value:
 
 def error(own: Value, other: Value) -> float:
     """Bound the difference (SI) of two values at 97.5 %; infinite if too little is seen of its scatter."""
+    from scipy.special import stdtrit
+
     if len(own.parts) < 2 or len(own.parts) != len(other.parts):
         return float("inf")  # how they scatter is not seen
     apart, parts = abs(own.value - other.value), own.parts - other.parts

@@ -10,11 +10,11 @@ from functools import cached_property
 from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
 from bearingsim.selection.candidates import WITH_FRICTION, recut, reference
-from bearingsim.selection.choices import Choice
 from bearingsim.selection.curves import Curve, extremes
 from bearingsim.selection.evidence import Evidence, Recut, largest
 from bearingsim.selection.trials import Trialled, once, trials_of
 from bearingsim.simulation.trial import stepped_alike
+from bearingsim.store.choices import Choice
 
 
 class Discretisation:

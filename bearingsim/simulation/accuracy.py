@@ -3,8 +3,6 @@
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.fft import dct
-from scipy.special import stdtrit
 
 from bearingsim import signals
 from bearingsim.config import Case
@@ -91,6 +89,9 @@ def standard_error(values: np.ndarray, weights: np.ndarray | None = None) -> flo
     record (Lazarus, Lewis, Stock and Watson 2018, J. Bus. Econ. Stat. 36, 541: equal-weighted cosines), so that
     alternation does not count, slow change does. By Student's t three standard errors are as sure as three sigma.
     """
+    from scipy.fft import dct
+    from scipy.special import stdtrit
+
     passes, M = values.shape
     weights = np.ones(passes) if weights is None else weights
     lowest = dct((values - values.mean(axis=0)).ravel(), norm="ortho")[1 : COSINES + 1]

@@ -11,6 +11,7 @@ import numpy as np
 from bearingsim import assemble, cpu_time, extensions
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case, Section, dataset_names
+from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.core import layout as lay
 from bearingsim.errors import Refused
 from bearingsim.simulation import accuracy, channels, choice, recording, step_check, time_grid, trial
@@ -222,7 +223,7 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
 
 def _refuse_start_error(case: Case, error: float) -> None:
     """Raise SimulationError if the start of a run changes its record by more than a strict check allows."""
-    if error > step_check.ACCURACY:
+    if error > STEP_ACCURACY:
         raise SimulationError(
             f"after {case.settle_s:.2g} s the run has not settled: line or RMS is off by {error:.1%}",
             "take `settle: auto` or a longer one, or use `step_check: true`",

@@ -16,10 +16,10 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite, nan, sqrt
 
 import numpy as np
-from scipy.special import stdtrit
 
 from bearingsim import assemble
 from bearingsim.config import Case
+from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.core import layout as lay
 from bearingsim.simulation import channels, choice, time_grid
 from bearingsim.simulation.comparison import Compared, compare, of_orbit, of_pilot, steady_from
@@ -29,13 +29,11 @@ from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.repetition import Closeness, turned_state
 from bearingsim.simulation.run_setup import MethodFailure, Setup, TooChaotic, set_up
 
-ACCURACY = 0.01
-"""Largest step error of a run's line, RMS and largest force; if the motion is chaotic, of its RMS alone."""
 TIMES_CHANGE, LEAST_SHARE, RESOLVED = 2.5, 0.3, 1e-5
 """Factor from the change by the shorter step to a bound of the error (1.8 of first order, 1.25 of second);
 smallest share of the largest change that every change counts as; resolution. Calibrated on random scenes, and
 tested on others (docs/step-check.md)."""
-MAX_CHANGE = ACCURACY / TIMES_CHANGE
+MAX_CHANGE = STEP_ACCURACY / TIMES_CHANGE
 """Largest change by the shorter step that is accepted."""
 
 APART = 0.01  # of the RMS: two pilots whose velocities differ by less in every ball pass are not chaotic
@@ -104,7 +102,7 @@ class StepCheck:
     @property
     def long_enough(self) -> bool:
         """Acceptance of a chaotic record's length: its RMS is within 1 %."""
-        return bool(self.scatter <= ACCURACY)
+        return bool(self.scatter <= STEP_ACCURACY)
 
     def bound(self, change: float) -> float:
         """Bound the step's error of a quantity, from the ``change`` of it (docs/step-check.md)."""
@@ -131,7 +129,7 @@ def checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
     chaotic = ", and the motion is chaotic" if check.chaotic else ""
     changes = f"{refinement} changes the {what} by {100.0 * check.error:.2g} %{chaotic}"
     raise MethodFailure(
-        f"{setup.case.method} is not within {ACCURACY:.0%}: {changes}",
+        f"{setup.case.method} is not within {STEP_ACCURACY:.0%}: {changes}",
         "use a longer `duration`" if check.chaotic else f"{_tighter_advice(setup)}, or use `step_check: false`",
         part=setup.part if check.chaotic else setup.part * check.shorter,
     )
@@ -150,7 +148,7 @@ def _refuse_short_record(setup: Setup, checks_step: StepCheck) -> None:
         return
     needed, worth = longer_duration(setup.case), "is of unknown accuracy"
     if isfinite(checks_step.scatter):
-        needed = setup.case.duration * (checks_step.scatter / ACCURACY) ** 2
+        needed = setup.case.duration * (checks_step.scatter / STEP_ACCURACY) ** 2
         worth = f"is uncertain by {checks_step.scatter:.1%}"
     raise TooChaotic(
         f"the motion is chaotic, and its RMS over {setup.case.duration:.2g} s {worth}",
@@ -253,6 +251,8 @@ def scatter(series: Sequence[np.ndarray], passes: int) -> tuple[float, float]:
 
 def _scatter(series: Sequence[np.ndarray], blocks: int, size: int) -> tuple[float, float]:
     """Return ``scatter`` from ``blocks`` of ``size`` passes each."""
+    from scipy.special import stdtrit
+
     powers = np.array([by_pass(recording, blocks) ** 2 for recording in series])
     powers /= np.mean(powers) or 1.0
     between = np.sum((powers - np.roll(powers, 1, axis=0)) ** 2, axis=0)

@@ -4,6 +4,15 @@ Nothing under a final name is ever half-written, and nothing but the table has m
 can be killed at any moment and several runs may share a folder.
 """
 
+from bearingsim.store.choices import (
+    Choice,
+    Choices,
+    DamagedChoices,
+    add_choices,
+    read_choices,
+    read_plans,
+    write_choices,
+)
 from bearingsim.store.files import (
     DiskFull,
     LinkWithin,
@@ -36,15 +45,6 @@ from bearingsim.store.scans import keep_scans, kept_scans, with_short_paths
 from bearingsim.store.sealed import UNREADABLE
 from bearingsim.store.spread import NOTABLE, errors, is_one_draw, relative_error, spread
 from bearingsim.store.table import build_table, info, job_frame, own_frame, plan_of, read_plan, write_plan
-from bearingsim.store.trials import (
-    DamagedChoices,
-    add_choices,
-    read_choices,
-    read_plans,
-    read_trials,
-    write_choices,
-    write_trials,
-)
 from bearingsim.store.units import (
     DamagedUnit,
     Series,
@@ -64,6 +64,8 @@ __all__ = [
     "PARTS",
     "UNREADABLE",
     "Audited",
+    "Choice",
+    "Choices",
     "DamagedChoices",
     "DamagedUnit",
     "DiskFull",
@@ -116,7 +118,6 @@ __all__ = [
     "read_plan",
     "read_plans",
     "read_series",
-    "read_trials",
     "refuse_links",
     "refuse_users_study",
     "relative_error",
@@ -138,6 +139,5 @@ __all__ = [
     "write_choices",
     "write_plan",
     "write_text",
-    "write_trials",
     "write_units",
 ]

@@ -7,6 +7,7 @@ so that an interrupted merge can be repeated, and a repeated one changes nothing
 import json
 from collections import defaultdict
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -15,15 +16,16 @@ from typing import Any
 import numpy as np
 
 from bearingsim.errors import UserError
-from bearingsim.store.files import copy, refuse_links, sweep
+from bearingsim.store.choices import read_choices, read_plans, write_choices
+from bearingsim.store.files import copy, refuse_links, sweep, write_bytes
 from bearingsim.store.folder import claim_results
 from bearingsim.store.journal import Failure, clear_failure, log, read_failures
-from bearingsim.store.own_files import UNITS
-from bearingsim.store.regular import digest
+from bearingsim.store.own_files import TRIALS, UNITS
+from bearingsim.store.regular import digest, read_regular
 from bearingsim.store.results import Results, open_results
 from bearingsim.store.scans import copy_scans, held_scans
+from bearingsim.store.sealed import UNREADABLE, read_json
 from bearingsim.store.table import build_table
-from bearingsim.store.trials import copy_trials, read_choices, read_plans, write_choices
 from bearingsim.store.units import DamagedUnit, check_unit, computed, unit_path
 
 OF_A_RUN = {"file", "made_of", "notes"}
@@ -83,7 +85,7 @@ def merge(folders: Sequence[Path], out: Path) -> Merged:
         write_choices(out, choices, plans)
     copy_scans(scans, out)
     for folder in folders:
-        copy_trials(folder, out)
+        _copy_trials(folder, out)
     new = {path.stem: path for folder in reversed(folders) for path in units[folder]}  # the first folder's stays
     for path in units[out]:
         new.pop(path.stem, None)
@@ -190,7 +192,20 @@ def _apart(name: str, *contents: bytes | None) -> str:
     return f"`{name}` differs"
 
 
-# Choices and failures
+# Choices, trials and failures
+
+
+def _copy_trials(source: Path, root: Path) -> None:
+    """Copy the trials of another results folder, except existing and unreadable files.
+
+    A file of the same name is kept without comparison: its trials are of the same cases.
+    """
+    for path in TRIALS.of(source):
+        target = root / path.relative_to(source)
+        with suppress(*UNREADABLE):
+            read_json(path)
+            if not target.exists():
+                write_bytes(target, read_regular(path))
 
 
 def _choices(folders: Sequence[Path]) -> tuple[dict[str, Any], dict[str, str]]:

@@ -8,7 +8,7 @@ import pytest
 from tests.scenes.commands import type_
 
 provenance = import_module("bearingsim.store.provenance")
-running = import_module("bearingsim.runner.run")
+running = import_module("bearingsim.runner.running")
 NF308 = (Path(__file__).parents[2] / "configs" / "bearings" / "nf308.yaml").read_text(encoding="utf-8")
 STUDY = """\
 study: told

@@ -28,7 +28,9 @@ def job_of(given, **channels):
     angle = -0.6 + 2.0 * math.pi / 13 + OMEGA_C * time
     made = {name: np.broadcast_to(value(angle) if callable(value) else value, time.shape) for name, value in
             channels.items()}  # fmt: skip
-    return Job(flat_parameters(given), {"cage_angle_start_rad": -0.6}, Series(time, made, {}))
+    return Job(
+        flat_parameters(given), {"cage_angle_start_rad": -0.6, "settle_s": given.settle_s}, Series(time, made, {})
+    )
 
 
 def test_the_path_is_what_the_roller_moves_beyond_play_and_ring():

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bearingsim import store
+from bearingsim import selection, store
 from bearingsim.errors import DamageWarning
 from bearingsim.runner import RunSummary, run
 from bearingsim.selection import Choice
@@ -98,10 +98,10 @@ def test_no_bit_of_the_choices_goes_unnoticed(tmp_path: Path) -> None:
 
 
 def test_a_flipped_bit_of_a_trial_loses_the_trial_only(tmp_path: Path) -> None:
-    store.write_trials(tmp_path, "ab" * 8, {"one": None})
-    store.write_trials(tmp_path, "cd" * 8, {"two": None})
+    selection.write_trials(tmp_path, "ab" * 8, {"one": None})
+    selection.write_trials(tmp_path, "cd" * 8, {"two": None})
     flip(tmp_path / "trials" / f"{'ab' * 8}.json", 200)
-    assert store.read_trials(tmp_path) == {"two": None}
+    assert selection.read_trials(tmp_path) == {"two": None}
 
 
 def test_a_damaged_series_is_refused_with_its_remedy(whole: Path, tmp_path: Path) -> None:

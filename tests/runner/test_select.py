@@ -13,7 +13,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from bearingsim import store
+from bearingsim import selection, store
 from bearingsim.cli.plan import plan_of
 from bearingsim.cli.remarks import choices as choices_told
 from bearingsim.runner import Interrupted, RunSummary, run
@@ -279,7 +279,7 @@ def test_an_interrupt_while_models_are_tried_keeps_what_was_tried(
     assert (summary.exit_code, summary.interrupted) == (130, signal.SIGINT)
     assert "models were being compared, before the first job: 4 trials kept" in str(stop.value).splitlines()
     assert "run the same command to continue" in str(stop.value)
-    assert len(store.read_trials(tmp_path / "out")) == 4
+    assert len(selection.read_trials(tmp_path / "out")) == 4
     assert not (tmp_path / "out/choices.json").exists()
     left[0] = 0
     assert compute(near(write), tmp_path / "out").failed == 0
@@ -322,7 +322,7 @@ def test_ctrl_c_while_models_are_tried(write: Write, tmp_path: Path, words: tupl
         start_new_session=True,
     )
     end = time.monotonic() + 60.0
-    while len(store.read_trials(out)) < 3:
+    while len(selection.read_trials(out)) < 3:
         assert time.monotonic() < end
         assert process.poll() is None
         time.sleep(0.02)
@@ -414,7 +414,7 @@ def test_killed_while_models_are_tried_it_chooses_the_same(write: Write, tmp_pat
         )
         assert died.returncode == -signal.SIGKILL
         assert not (out / "choices.json").exists()
-        assert store.read_trials(out)
+        assert selection.read_trials(out)
     compute(near(write), out)
     assert choices(out) == choices(whole)
     assert not [*out.rglob("*.part")]
@@ -441,7 +441,7 @@ def test_a_reference_that_repeats_itself_is_not_computed_again(
     assert len(Choosing(study, range(3)).wanted({})) == 3
     summary = compute(study, out)
     assert (summary.planned, summary.resumed, summary.done) == (6, 0, 6)  # none by an earlier run
-    found = store.read_trials(out)
+    found = selection.read_trials(out)
     assert len(found) == 3
     assert Choosing(study, range(3)).wanted(found) == []
     assert [job.id for job in study.planned()][:3] == [case_id(case) for case in study.cases()]

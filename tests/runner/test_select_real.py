@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bearingsim import store
+from bearingsim import selection, store
 from bearingsim.runner import RunSummary, run, with_models
 from bearingsim.store.table import job_frame
 from bearingsim.study import Study, load_study
@@ -133,7 +133,7 @@ def test_a_run_killed_while_models_are_tried_comes_to_the_same(whole: Path, tmp_
     for lasts in (3, 9):
         killed(tmp_path, out, "try_out", lasts)
         assert not (out / "choices.json").exists()
-        assert store.read_trials(out)
+        assert selection.read_trials(out)
     compute(tmp_path, out)
     assert_same(whole, out)
 
@@ -155,7 +155,7 @@ def test_two_workers_that_are_killed_come_to_the_same(whole: Path, tmp_path: Pat
     code = "from bearingsim.runner import run; from bearingsim.study import load_study; import sys\n"
     code += "run(load_study(sys.argv[1]), sys.argv[2], jobs=2, progress=False)"
     moments: list[Callable[[], bool]] = [
-        lambda: len(store.read_trials(out)) > 3,
+        lambda: len(selection.read_trials(out)) > 3,
         lambda: (out / "plan.json").exists(),
     ]
     for moment in moments:

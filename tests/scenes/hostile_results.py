@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -102,7 +103,7 @@ def make(work: Path) -> None:
 
 
 def _use_engine() -> None:
-    sys.modules["bearingsim.runner.run"].BEARINGSIM = ENGINE  # type: ignore[attr-defined]
+    import_module("bearingsim.runner.running").BEARINGSIM = ENGINE  # type: ignore[attr-defined]
     run_of_cli = sys.modules["bearingsim.runner"].run
     sys.modules["bearingsim.runner"].run = partial(run_of_cli, engine=ENGINE)  # type: ignore[attr-defined]
 

@@ -1,10 +1,10 @@
 """Trials whose numbers are known, and an engine that gives them: for tests of how a model is chosen."""
 
 import os
-import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -131,6 +131,6 @@ def notes(cases: Sequence[Case]) -> list[str]:
 
 def main() -> None:
     """The program with this engine: what the tests start as another process, to interrupt it."""
-    sys.modules["bearingsim.runner.run"].BEARINGSIM = ENGINE  # type: ignore[attr-defined]
+    import_module("bearingsim.runner.running").BEARINGSIM = ENGINE  # type: ignore[attr-defined]
     runner.run = partial(runner.run, engine=ENGINE)
     cli.main()

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from bearingsim import assemble
+from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.simulation import choice, comparison, pilot, pricing, step_check, time_grid
 from bearingsim.simulation.accuracy import QUIET_LINE
 from bearingsim.simulation.choice import STEP_PARTS
@@ -299,11 +300,11 @@ def test_a_step_that_is_too_long_is_halved_until_it_is_proven() -> None:
     given = case(model="rollers", method="verlet", speed="12000 rpm", defect=SLOT | {"width": "0.15 mm"})
     long = choice.limits(given).crossing / 8.5
     first = proof_of(given, long, 1.0)
-    assert first.error > step_check.ACCURACY
+    assert first.error > STEP_ACCURACY
     with mock.patch.object(time_grid, "requested_step", return_value=long):
         found = simulate(given)
     assert found.info["step_part"] in STEP_PARTS[1:]
-    assert max(found.features["step_error.line"], found.features["step_error.rms"]) <= step_check.ACCURACY
+    assert max(found.features["step_error.line"], found.features["step_error.rms"]) <= STEP_ACCURACY
 
 
 def proof_of(given: Any, step: float, part: float) -> StepCheck:
@@ -452,7 +453,7 @@ def test_adaptive_methods_are_proven_by_a_tenth_of_the_tolerance() -> None:
 
 def test_a_quiet_line_is_held_to_1_percent_too() -> None:
     """A fault's line is a few hundredths of the RMS: only what is next to nothing is excused."""
-    assert QUIET_LINE * step_check.ACCURACY <= 1e-5
+    assert QUIET_LINE * STEP_ACCURACY <= 1e-5
 
 
 def test_a_pilot_of_a_ramp_runs_at_its_highest_speed() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bearingsim import store
+from bearingsim import selection, store
 from bearingsim.runner import run
 from bearingsim.simulation.trial import Trial
 from bearingsim.store import layouts
@@ -134,17 +134,17 @@ def test_a_trial_whose_parts_do_not_fit_counts_as_absent(tmp_path: Path, change:
     folder, asked = tmp_path / "trials", ["velocity@BPFO", "outer_force.max"]
     folder.mkdir()
     write_json(folder / f"{OTHER}.json", {"trials": {"one": TRIAL, "two": None}})
-    assert set(store.read_trials(tmp_path, asked)) == {"one", "two"}
+    assert set(selection.read_trials(tmp_path, asked)) == {"one", "two"}
     write_json(folder / f"{OTHER}.json", {"trials": {"one": TRIAL | change(TRIAL), "two": None}})
-    assert "one" not in store.read_trials(tmp_path, asked)
+    assert "one" not in selection.read_trials(tmp_path, asked)
 
 
 def test_trials_are_written_as_they_are_read(tmp_path: Path) -> None:
     lines = {"velocity@BPFO": np.array([1.0 + 2.0j])}
-    store.write_trials(
+    selection.write_trials(
         tmp_path, OTHER, {"one": Trial(3, 0, True, lines, {"velocity.rms": np.ones(1)}, np.ones(3))}
     )
-    assert store.read_trials(tmp_path, ["velocity@BPFO", "velocity.rms"])["one"] is not None
+    assert selection.read_trials(tmp_path, ["velocity@BPFO", "velocity.rms"])["one"] is not None
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bearingsim import store
+from bearingsim import selection, store
 from bearingsim.runner import run
 from bearingsim.selection import Choice
 from bearingsim.store.sealed import write_json
@@ -272,14 +272,14 @@ def test_scans_trials_and_choices_come_along(tmp_path: Path) -> None:
     store.write_choices(first, {name: chosen[name] for name in ("one", "two")}, {"one": "p"})
     store.write_choices(second, {name: chosen[name] for name in ("two", "three")}, {"three": "q"})
     for name, shard in ((TRIALS[0], first), (TRIALS[1], second)):
-        store.write_trials(shard, name, {f"trial of {name}": None})
+        selection.write_trials(shard, name, {f"trial of {name}": None})
     (second / f"trials/{TRIALS[2]}.json").write_text("{")
     out = tmp_path / "out"
     store.merge([first, second], out)
     assert (out / "scans" / scan.name).read_bytes() == b"1 2 3"
     assert store.read_choices(out) == chosen
     assert store.read_plans(out)["three"] == "q"
-    assert set(store.read_trials(out)) == {f"trial of {name}" for name in TRIALS[:2]}
+    assert set(selection.read_trials(out)) == {f"trial of {name}" for name in TRIALS[:2]}
     assert sorted(path.name for path in (out / "trials").iterdir()) == [f"{name}.json" for name in TRIALS[:2]]
     store.write_choices(second, {"two": Choice("planar", "planar", "near", {})})
     with pytest.raises(store.Unmergeable, match="chose different models"):

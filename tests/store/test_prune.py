@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 from filelock import FileLock
 
-from bearingsim import store
+from bearingsim import selection, store
 from bearingsim.config.scan.file import digest_of
 from bearingsim.runner import RunSummary, run, with_models
 from bearingsim.store.files import temporary
@@ -139,7 +139,7 @@ def test_scans_go_once_all_jobs_are_done_and_none_is_made_from_them(
 
 def test_trials_go_with_the_accuracy_that_asked_for_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     compute(FakeStudy(), tmp_path)
-    store.write_trials(tmp_path, ID, {"one": None})
+    selection.write_trials(tmp_path, ID, {"one": None})
     (tmp_path / f"trials/{OTHER}.json").write_text("{")
     assert [path.name for path in store.superfluous(tmp_path).paths] == [f"{ID}.json", f"{OTHER}.json"]
     monkeypatch.setattr(store.Results, "plan", store.read_plan(tmp_path) | {"accuracy": {"within": 0.05}})

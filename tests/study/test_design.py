@@ -15,7 +15,8 @@ from scipy import integrate, stats
 
 from bearingsim import designs, selection, store
 from bearingsim.designs import KINDS, Kind
-from bearingsim.selection.choices import Choice, key
+from bearingsim.selection.choices import key
+from bearingsim.store.choices import Choice
 from bearingsim.study import Design, Study, StudyError, case_id, distributions, load_study
 from bearingsim.study.design import EXAMPLE
 from bearingsim.study.paths import known_paths

@@ -1,0 +1,69 @@
+"""Trials of models in a results folder: ``trials/<unit>.json`` holds those of a unit of work, whole or absent."""
+
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bearingsim.simulation.trial import Trial
+from bearingsim.store import layouts, own_files
+from bearingsim.store.layouts import check
+from bearingsim.store.regular import Unreadable
+from bearingsim.store.sealed import UNREADABLE, read_json, write_json
+
+TRIALS = "trials"
+
+
+def write_trials(root: Path, unit: str, trials: Mapping[str, Trial | None]) -> None:
+    """Write the trials of a unit, by id; None for a failed trial."""
+    entries = {name: None if trial is None else _plain(trial) for name, trial in trials.items()}
+    write_json(root / TRIALS / f"{unit}.json", {TRIALS: entries}, indent=None)
+
+
+def read_trials(root: Path, features: Collection[str] = ()) -> dict[str, Trial | None]:
+    """Read the trials of a folder that contain the given ``features``, by id.
+
+    Unreadable files and trials without these features count as absent: they are made again.
+    """
+    by_id: dict[str, Trial | None] = {}
+    for path in own_files.TRIALS.of(root):
+        try:
+            entries = read_json(path)
+            entries = entries[TRIALS]
+            check(layouts.Trials, entries)
+            trials = {name: None if values is None else _trial(values) for name, values in entries.items()}
+        except UNREADABLE:
+            continue
+        by_id |= {name: trial for name, trial in trials.items() if trial is None or trial.tells(features)}
+    return by_id
+
+
+def _plain(trial: Trial) -> dict[str, Any]:
+    lines = {name: [[a.real, a.imag] for a in parts.tolist()] for name, parts in trial.lines.items()}
+    powers = {name: parts.tolist() for name, parts in trial.powers.items()}
+    entries = {
+        "passes": trial.passes,
+        "turns": trial.turns,
+        "repeats": trial.repeats,
+        "forces": trial.forces.tolist(),
+    }
+    return entries | {"lines": lines, "powers": powers, "method": trial.method, "step": trial.step}
+
+
+def _trial(entries: Mapping[str, Any]) -> Trial:
+    lines = {name: np.array([complex(*pair) for pair in parts]) for name, parts in entries["lines"].items()}
+    powers = {name: np.array(parts) for name, parts in entries["powers"].items()}
+    stepped = entries.get("method", ""), entries.get("step", 0.0)
+    trial = Trial(
+        entries["passes"],
+        entries["turns"],
+        entries["repeats"],
+        lines,
+        powers,
+        np.array(entries["forces"]),
+        *stepped,
+    )
+    if not trial.is_whole:
+        raise Unreadable("the parts of a trial do not fit each other")
+    return trial

@@ -1,0 +1,88 @@
+"""Choices of models, one for each case, in ``choices.json`` with the name of the plan for which each was made."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from bearingsim.errors import UserError
+from bearingsim.store import layouts
+from bearingsim.store.files import lock
+from bearingsim.store.layouts import check
+from bearingsim.store.sealed import UNREADABLE, read_json, write_json
+
+CHOICES, PLAN = "choices.json", "plan"
+
+
+class DamagedChoices(UserError):
+    """``choices.json`` cannot be read, so the models of earlier results are unknown."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Candidate that computes a case, or `reference`; the reason; its error by feature (share).
+
+    model: the name of the model that this comes to; nodes: the error of its discretisation, by feature (share),
+    None where it is unknown; friction: the same of the friction that it leaves out; inferred: whether that is from
+    other cases of its curve.
+    """
+
+    candidate: str
+    model: str
+    why: str
+    error: Mapping[str, float]
+    nodes: Mapping[str, float | None] = field(default_factory=dict)
+    friction: Mapping[str, float | None] = field(default_factory=dict)
+    inferred: bool = False
+
+
+Choices = dict[str, Choice]
+"""By ``selection.choices.key`` of a case."""
+
+
+def write_choices(root: Path, choices: Choices, plans: Mapping[str, str] | None = None) -> None:
+    """Write the choices; plans: name of the plan for which each choice was made."""
+    named = plans or {}
+    entries = {name: asdict(choice) | {PLAN: named.get(name, "")} for name, choice in sorted(choices.items())}
+    write_json(root / CHOICES, {"choices": entries})
+
+
+def add_choices(root: Path, new: Choices, plan: str) -> tuple[Choices, dict[str, str]]:
+    """Add new choices for a plan to those of a folder, which have precedence; return choices and plans by name.
+
+    Raises DamagedChoices.
+    """
+    with lock(root):
+        choices, plans = new | read_choices(root), dict.fromkeys(new, plan) | read_plans(root)
+        write_choices(root, choices, plans)
+    return choices, plans
+
+
+def read_choices(root: Path) -> Choices:
+    """Read the choices of a folder; none if it has no ``choices.json``. Raises DamagedChoices."""
+    return {name: choice for name, (choice, _) in _read(root).items()}
+
+
+def read_plans(root: Path) -> dict[str, str]:
+    """Read the name of the plan of each choice in a folder. Raises DamagedChoices."""
+    return {name: plan for name, (_, plan) in _read(root).items()}
+
+
+def _read(root: Path) -> dict[str, tuple[Choice, str]]:
+    path = root / CHOICES
+    try:
+        entries = read_json(path)
+        entries = entries.get("choices", entries)
+        check(layouts.Choices, entries)
+        return {name: _choice(choice) for name, choice in entries.items()}
+    except FileNotFoundError:
+        return {}
+    except UNREADABLE as error:
+        raise DamagedChoices(
+            f"{path} cannot be read ({error}): restore it, or remove it to choose again (results are kept)"
+        ) from error
+
+
+def _choice(entries: dict[str, Any]) -> tuple[Choice, str]:
+    plan = entries.pop(PLAN, "")
+    return Choice(**entries), str(plan)

@@ -1,0 +1,41 @@
+"""Commands that read results start without what computes them, which takes a second of CPU time to import."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+from tests.scenes.commands import STUDY, type_
+
+READING = [
+    ["show"],
+    ["show", "--assumptions"],
+    ["show", "--json"],
+    ["plot"],
+    ["plot", "--kind", "series", "--job", "all"],
+    ["plot", "--kind", "spectrum", "--job", "all"],
+    ["plot", "--kind", "envelope", "--job", "all"],
+    ["export", "--features", "features.csv"],
+    ["merge", "--out", "merged"],
+    ["prune"],
+]
+CODE = """
+import json, os, sys
+from contextlib import redirect_stdout
+from bearingsim.cli.app import app
+COMPUTING = {"numba", "scipy", "joblib", "bearingsim.simulation", "bearingsim.assemble", "bearingsim.core.jit"}
+for command, *options in json.loads(sys.argv[1]):
+    with redirect_stdout(open(os.devnull, "w")):
+        app([command, "small", *options], standalone_mode=False)
+    imported = COMPUTING & set(sys.modules)
+    assert not imported, f"{command} {options} imports {imported}"
+"""
+
+
+def test_commands_that_read_results_import_nothing_that_computes_them(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("small.yaml").write_text(STUDY)
+    type_("run", "small.yaml", "--quick", "--jobs", 1, "--out", "small")
+    words = [sys.executable, "-c", CODE, json.dumps(READING)]
+    ended = subprocess.run(words, capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stderr[-500:]
