@@ -5,7 +5,10 @@
     steps      a Verlet step over its contact forces; its cost against rollers and slices
     peers      CPU time at equal error: SciPy, CVODE, numbalsoda, EXUDYN
     study      where the CPU time of jobs goes; many jobs, two workers, long records
-    compiling  what a first use takes
+    friction   jobs with friction, and a study that names an accuracy
+    start-up   commands that compute nothing
+    compiling  what a first use of each model takes
+    first-run  the demo with an empty cache of compiled code
     prices     a proposal for bearingsim/simulation/prices.csv
 
 Writes bench.json, bench.md, bench.png and (with `prices`) prices.csv into the folder.
@@ -21,14 +24,28 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from benchmarks.speed import accuracy, chart, compiling, peers, prices, steps, study
+from benchmarks.speed import (
+    accuracy,
+    chart,
+    compiling,
+    first_run,
+    friction,
+    peers,
+    prices,
+    start_up,
+    steps,
+    study,
+)
 from benchmarks.speed.report import Section
 
 SECTIONS: dict[str, Callable[[Section], None]] = {
     "steps": steps.section,
     "peers": accuracy.section,
     "study": study.section,
+    "friction": friction.section,
+    "start-up": start_up.section,
     "compiling": compiling.section,
+    "first-run": first_run.section,
     "prices": prices.section,
 }
 
@@ -48,8 +65,9 @@ def main() -> None:
         began = time.perf_counter()
         found[name] = Section()
         SECTIONS[name](found[name])
+        write(found, asked.out)  # after each: what fails later loses nothing
         print(f"## {name} ({time.perf_counter() - began:.0f} s)", "", *found[name].lines(), sep="\n", flush=True)
-    write(found, asked.out)
+    print(f"Written: {', '.join(sorted(str(path) for path in asked.out.iterdir()))}")
 
 
 def write(found: dict[str, Section], out: Path) -> None:
@@ -69,8 +87,6 @@ def write(found: dict[str, Section], out: Path) -> None:
     if "prices" in found:
         rows = prices.proposal({key: value for part in found.values() for key, value in part.prices.items()})
         prices.write(rows, out / "prices.csv")
-        print(*(",".join(row.values()) for row in rows), sep="\n")
-    print(f"Written: {', '.join(sorted(str(path) for path in out.iterdir()))}")
 
 
 def machine() -> dict[str, Any]:

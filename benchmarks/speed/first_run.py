@@ -1,0 +1,36 @@
+"""The demo with an empty cache of compiled code and with a full one: CPU time and wall time of its commands."""
+
+import os
+import tempfile
+import time
+
+from benchmarks.speed.report import Section, Target
+from benchmarks.speed.start_up import cpu_seconds
+
+DEMO = (
+    ["run", "studies/fig14_length.yaml", "--quick", "--jobs", "2", "--out", "{}/fig14"],
+    ["plot", "{}/fig14"],
+    ["run", "studies/fig16_angle.yaml", "--quick", "--jobs", "2", "--out", "{}/fig16"],
+    ["plot", "{}/fig16"],
+)
+"""The commands of ``make demo``; {}: a folder for its results."""
+MOST_WALL, MOST_COMPILING = 35.0, 15.0  # s of wall time; CPU s of compiling, that of one model
+
+
+def section(found: Section) -> None:
+    """Run the demo twice in one cache."""
+    with tempfile.TemporaryDirectory() as cache:
+        (first, first_wall), (warm, warm_wall) = (demo(cache) for _ in range(2))
+    rows = [["empty", first, first_wall], ["full", warm, warm_wall]]
+    found.table("The demo, by its cache of compiled code", ["cache", "CPU s", "wall s"], rows)
+    found.targets.append(Target("wall s of the demo, empty cache", first_wall, at_most=MOST_WALL))
+    found.targets.append(Target("CPU s of the demo over a warm one", first - warm, at_most=MOST_COMPILING))
+
+
+def demo(cache: str) -> tuple[float, float]:
+    """Return CPU time and wall time (s) of the demo with a cache."""
+    began = time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        environment = os.environ | {"BEARINGSIM_CACHE": cache}
+        cpu = sum(cpu_seconds([word.format(folder) for word in words], ".", environment) for words in DEMO)
+    return cpu, time.perf_counter() - began

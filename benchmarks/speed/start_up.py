@@ -1,0 +1,83 @@
+"""CPU time of commands that compute nothing: best of several processes, each with all that it imports.
+
+    python -m benchmarks.speed.start_up --csv docs/data/start_up.csv
+
+The study has 8 jobs of `ring` with series. `check` is timed with compiled code in the cache.
+"""
+
+import argparse
+import csv
+import resource
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import bearingsim
+from benchmarks.speed.report import Section, Target
+
+STUDY = """\
+study: start
+bearing: nf308
+speed: 1800 rpm
+load: 150 N
+model: ring
+duration: 0.1 s
+defect: {race: outer, shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 50 um}
+sweep: {load: {linspace: [100 N, 200 N, 4]}}
+figures:
+  - {y: velocity@BPFO-healthy, x: load}
+"""
+COMMANDS = {
+    "bearingsim --help": ["--help"],
+    "bearingsim show": ["show", "results"],
+    "bearingsim plot, one figure": ["plot", "results"],
+    "bearingsim plot --kind envelope": ["plot", "results", "--kind", "envelope"],
+    "bearingsim export": ["export", "results", "--features", "features.csv", "--force"],
+    "bearingsim run, all done": ["run", "study.yaml", "--out", "results"],
+    "bearingsim check": ["check", "study.yaml"],
+}
+MOST = {"bearingsim show": 0.5, "bearingsim plot, one figure": 1.5, "bearingsim check": 1.0}
+"""CPU time (s) that a command may take."""
+ROUNDS = 5
+
+
+def section(found: Section) -> None:
+    """Time all commands."""
+    seconds = start_ups()
+    found.table("Start-up, CPU s of a process", ["command", "CPU s"], [[name, s] for name, s in seconds.items()])
+    found.targets += [Target(f"CPU s of `{name}`", seconds[name], at_most=most) for name, most in MOST.items()]
+
+
+def start_ups() -> dict[str, float]:
+    """Return the least CPU time (s) of each command; all take turns."""
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "study.yaml").write_text(STUDY)
+        study = bearingsim.load_study(Path(folder) / "study.yaml")
+        bearingsim.run(study, Path(folder) / "results", jobs=1, progress=False)
+        turns = [{name: cpu_seconds(words, folder) for name, words in COMMANDS.items()} for _ in range(ROUNDS)]
+    return {name: min(turn[name] for turn in turns) for name in COMMANDS}
+
+
+def cpu_seconds(words: list[str], folder: str, environment: Mapping[str, str] | None = None) -> float:
+    """Return the CPU time (s) of a command, with that of its workers; environment: its variables, or as here."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    command = [sys.executable, "-m", "bearingsim", *words]
+    subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def main() -> None:
+    """Write the table as CSV."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--csv", type=Path, required=True)
+    with parser.parse_args().csv.open("w", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(["command", "cpu_s", "at_most_s"])
+        table.writerows([name, f"{s:.2f}", MOST.get(name, "")] for name, s in start_ups().items())
+
+
+if __name__ == "__main__":
+    main()
