@@ -1,7 +1,7 @@
 """Amplitude and phase of lines whose angle is known: over whole ball passes, or under a window."""
 
 from collections.abc import Iterable, Sequence
-from math import pi
+from math import isqrt, pi
 
 import numpy as np
 
@@ -99,8 +99,9 @@ def lines_of_windows(
     again = w >= W - period
     times = np.where(again, (count - 1 - w) // max(1, period) + 1, 1)
     occurs = _turns(M * w, frequency) * _sum_of_turns(M * period * frequency, times[:, np.newaxis])
-    within = _turns(np.arange(M), frequency)
-    total = rest @ _turns(np.arange(count * M, N), frequency)
+    within = _consecutive_turns(max(M, rest.shape[-1]), frequency)
+    total = (rest @ within[: rest.shape[-1]]) * _turn(count * M * frequency)
+    within = within[:M]
     for some in np.array_split(w, 1 + W * M // BLOCK):  # products of real windows are complex: twice as large
         total += np.einsum("...wf,wf->...f", windows[..., some, :] @ within, occurs[some])
     hann = np.array([0.5, -0.25, -0.25]) / (0.5 * (N - 1))
@@ -140,6 +141,13 @@ def _turn(angle: np.ndarray) -> np.ndarray:
 def _turns(n: np.ndarray, frequency: np.ndarray) -> np.ndarray:
     """Compute exp(-i f n), (n, f)."""
     return _turn(np.multiply.outer(n, frequency))
+
+
+def _consecutive_turns(count: int, frequency: np.ndarray) -> np.ndarray:
+    """Compute exp(-i f n) for n = 0 ... ``count`` - 1, (count, f), as products of two: cosines cost more."""
+    few = isqrt(count) + 1
+    turns = _turns(few * np.arange(-(-count // few)), frequency)[:, np.newaxis] * _turns(np.arange(few), frequency)
+    return turns.reshape(-1, len(frequency))[:count]
 
 
 def _sum_of_turns(frequency: np.ndarray, N: np.ndarray) -> np.ndarray:
