@@ -73,7 +73,7 @@ def constant(case: Case, section: Any, on_outer: bool) -> Any:
     return power(section.coefficient * 1e3**section.exponent, section.exponent)
 
 
-FASTER = ((1.0, Linear), (power_laws.EXPONENT, power_laws.TenNinths), (1.5, ThreeHalves))
+FASTER = ((1.0, Linear), (power_laws.LINE_CONTACT_EXPONENT, power_laws.TenNinths), (1.5, ThreeHalves))
 """The exponents that have a law of their own, without ``pow``."""
 
 

@@ -51,6 +51,7 @@ from bearingsim.core.defects.traced import (
     span_of,
     traced_defects,
 )
+from bearingsim.core.laws import hertz
 from bearingsim.errors import Refused
 
 EXCITATIONS: dict[str, Any] = {
@@ -132,7 +133,7 @@ def half_width(case: Case) -> float:
         return point_contact(case, on_outer=True).semi_axes(load)[1]
     steel = case.bearing.material
     length, R = float(case.bearing.roller_length or 0.0), reduced_radius(case, OUTER)
-    return excitations.hertz_half_width(load, length, R, steel.young_modulus, steel.poisson_ratio)
+    return hertz.half_width(load, length, R, steel.young_modulus, steel.poisson_ratio)
 
 
 def contact_length(case: Case, side: int) -> float:

@@ -10,7 +10,7 @@ from bearingsim.assemble.rest import healthy_damping, healthy_rest
 from bearingsim.config import Case
 from bearingsim.core.defects.impulse_train import LoadZone, random_train, train
 from bearingsim.core.defects.pairs import RollerDefectPair
-from bearingsim.core.laws.stiffness.power_laws import EXPONENT
+from bearingsim.core.laws.stiffness.power_laws import LINE_CONTACT_EXPONENT
 from bearingsim.core.laws.stiffness.series import as_power
 from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.parameters import Support
@@ -69,4 +69,4 @@ def load_zone(case: Case, K_x: float, K_y: float) -> LoadZone:
 
 def _exponent(law: Any) -> float:
     """Return the exponent of a law; that of a line contact if the law is no power of the approach."""
-    return float(as_power(law)[1] or EXPONENT)
+    return float(as_power(law)[1] or LINE_CONTACT_EXPONENT)

@@ -240,9 +240,6 @@ def generic(
         default = absent if kind in ABSENT and absent is not REFUSED else otherwise
         return implementations.get(kind, default)
 
-    def serves(kind: type) -> bool:
-        return lookup(kind) is not REFUSED
-
     def implementation(kind: type) -> Callable:
         choice = lookup(kind)
         if choice is REFUSED:
@@ -269,7 +266,7 @@ def generic(
         setattr(dispatch, attribute, getattr(declaration, attribute))
     dispatch.register = register  # type: ignore[attr-defined]
     dispatch.types = implementations.keys()  # type: ignore[attr-defined]
-    dispatch.serves = serves  # type: ignore[attr-defined]
+    dispatch.serves = lambda kind: lookup(kind) is not REFUSED  # type: ignore[attr-defined]
     early: Literal["always", "never"] = "always" if inline == "early" else "never"
     overload(dispatch, jit_options=OPTIONS | {"forceinline": inline == "late"}, strict=False, inline=early)(choose)
     GENERICS.append(dispatch)

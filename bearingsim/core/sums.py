@@ -6,7 +6,7 @@ from bearingsim.core.jit import inlined
 
 @inlined
 def lane_sum(row, y, n):
-    """Sum of the ``n`` lanes (a multiple of VECTOR_WIDTH) of the buffer's ``row``.
+    """Return the sum of the ``n`` lanes (a multiple of VECTOR_WIDTH) of the buffer's ``row``.
 
     Lane j belongs to partial sum j mod 8; these are added by halves. The order is that of the source.
     """
@@ -25,7 +25,7 @@ def lane_sum(row, y, n):
 
 
 @inlined
-def sum_loads(begin, end, y, n):
-    """Fill the cells ``begin`` to ``end`` of the loads on rings and cage with what the rollers do to them."""
-    for cell in range(begin, end + 1):
+def sum_loads(first, last, y, n):
+    """Sum the rollers' loads on rings and cage: cells ``first`` to ``last``, both included."""
+    for cell in range(first, last + 1):
         y[cell] = lane_sum(lay.roller_load(cell), y, n)

@@ -51,9 +51,10 @@ class Options:
 
     fresh: throw stored results away first. retry_failed: try failed jobs again. shard: ``(k, n)`` computes share k
     of n. verify: read every stored byte against its checksum before trusting it. progress: False shows none.
-    max_failures: failed jobs after which no more are begun. max_cpu: CPU time (s) of a job: a job with a larger
-    estimate is left out, a job that exceeds it fails. scheduler: ``tcp://HOST:PORT`` of a dask scheduler, whose
-    workers compute the jobs; this process still chooses the models.
+    engine: import paths
+    of the functions that compute. max_failures: failed jobs after which no more are begun. max_cpu: CPU time (s)
+    of a job: a job with a larger estimate is left out, a job that exceeds it fails. scheduler: ``tcp://HOST:PORT``
+    of a dask scheduler, whose workers compute the jobs; this process still chooses the models.
 
     Raises ValueError for contradictory options.
     """
@@ -151,19 +152,21 @@ def _with_models(setting: _Setting, started: float) -> _Setting:
 def _compute(setting: _Setting, plan: Plan, tally: Tally, notes: list[str]) -> None:
     """Compute the jobs that are left, by the workers of a scheduler or by processes of this machine."""
     root, _, wanted, workers, joined = setting
-    estimate = load(wanted.engine.estimate)
+
+    def within_bound() -> Affordable:
+        prices = costs(load(wanted.engine.estimate), plan.todo, wanted.max_cpu)
+        return affordable(plan.todo, prices, wanted.max_cpu, wanted.progress)
+
     if joined is not None:
         with joined() as cluster:  # first: estimating what the jobs take may compile code
-            todo = affordable(
-                plan.todo, costs(estimate, plan.todo, wanted.max_cpu), wanted.max_cpu, wanted.progress
-            )
+            todo = within_bound()
             notes += todo.notes
             works = _works(setting, todo, cluster.assembled(), plan.held.units)
             _follow(works, cluster.outcomes(works), tally, wanted.progress)
         return
     with patient(wanted.progress) as patience:
         patience.begin("estimating what the jobs take")
-        todo = affordable(plan.todo, costs(estimate, plan.todo, wanted.max_cpu), wanted.max_cpu, wanted.progress)
+        todo = within_bound()
         notes += [*todo.notes, *fewer(todo.costs, workers)]
         workers = fitting(todo.costs, workers)
         works = _works(setting, todo, workers, plan.held.units)

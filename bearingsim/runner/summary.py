@@ -72,9 +72,9 @@ class RunSummary:
     done: int
     failures: tuple[FailureGroup, ...]
     seconds: float
-    start_cpu_s: float
-    cpu_s: float
-    integrator_cpu_s: float
+    start_cpu_s: float = 0.0
+    cpu_s: float = 0.0
+    integrator_cpu_s: float = 0.0
     interrupted: int = 0
     notes: tuple[str, ...] = ()
     findings: Findings | None = None

@@ -131,9 +131,6 @@ def before_jobs(study: "Study", root: Path, stop: "Stopped", seconds: float) -> 
         done=0,
         failures=(),
         seconds=seconds,
-        start_cpu_s=0.0,
-        cpu_s=0.0,
-        integrator_cpu_s=0.0,
         interrupted=stop.number,
         notes=(stop.what,),
     )
@@ -166,9 +163,6 @@ def finished(path: Path, out: Path | None, overrides: Mapping[str, str], quick: 
         done=0,
         failures=(),
         seconds=time.perf_counter() - started,
-        start_cpu_s=0.0,
-        cpu_s=0.0,
-        integrator_cpu_s=0.0,
         notes=tuple(plan["notes"]),
         findings=findings(plan, frame),
     )

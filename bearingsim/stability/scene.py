@@ -13,7 +13,7 @@ import numpy as np
 from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.core.defects.pairs import HALF_WIDTH, passing_speed
-from bearingsim.core.laws.stiffness.power_laws import EXPONENT, PALMGREN_N_MM
+from bearingsim.core.laws.stiffness.power_laws import LINE_CONTACT_EXPONENT, PALMGREN_N_MM
 
 SPAN = 2.2e-3  # s
 SAMPLE_INTERVAL = 1e-6  # s between compared samples
@@ -52,7 +52,7 @@ class Scene(NamedTuple):
 def case_of(scene: Scene) -> Case:
     """Build the case of a scene, without method and step."""
     law = {"law": "general", "coefficient": scene.c, "indentation_exponent": scene.m3}
-    stiffness = {"law": "constant", "coefficient": scene.k, "exponent": EXPONENT}
+    stiffness = {"law": "constant", "coefficient": scene.k, "exponent": LINE_CONTACT_EXPONENT}
     return crossing(scene.model, scene.defect, {"stiffness": stiffness, "damping": law})
 
 

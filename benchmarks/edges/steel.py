@@ -38,7 +38,7 @@ class Pair(NamedTuple):
 
     def half_width(self, force: float) -> float:
         """Hertz's half width b (m) on the race under ``force`` (N/m)."""
-        return half_width(force, self.R, self.E_star)
+        return half_width(force, 1.0, self.R, *self.steel)
 
     def approach(self, force: float) -> float:
         """Approach (m) of the contact on the race under ``force`` (N/m)."""

@@ -235,21 +235,12 @@ class PressureShare(NamedTuple):
         rho = P((w/2 - s)/b) - P((-w/2 - s)/b),    P(x) = 1/2 + (arcsin x + x sqrt(1 - x^2))/pi,   |x| <= 1
 
     and the contact is two groups: the share 1 - rho at h = 0, the share rho at h = depth. b is constant, that of
-    the largest healthy load (``hertz_half_width``). Left out: the pressure that moves to the dent's rims, and that
+    the largest healthy load (``hertz.half_width``). Left out: the pressure that moves to the dent's rims, and that
     b grows with the load. For dents narrower than the contact, 2 b: over a wider defect (and most are: b is some
     18 um at 47 N) the roller falls as a point would, onto the floor.
     """
 
     b: float
-
-
-def hertz_half_width(force: float, L_w: float, R: float, E: float, nu: float) -> float:
-    """Return the half width b (m) of a line contact of length ``L_w`` (m) under ``force`` (N), both bodies of E
-    (Pa), nu.
-
-    Hertz: b^2 = 4 F R/(pi L E*), 1/E* = 2 (1 - nu^2)/E (Johnson, Contact Mechanics 1985, eq. 4.43).
-    """
-    return sqrt(8.0 * force * R * (1.0 - nu * nu) / (pi * L_w * E))
 
 
 @jit

@@ -20,11 +20,11 @@ from bearingsim.core.defects.excitations import (
     SoftEdge,
     defect_response,
     defect_response_gradient,
-    hertz_half_width,
     response_groups,
 )
 from bearingsim.core.defects.pairs import DEPTH, GROUP, GROUP_HALF_WIDTH, GROUP_WEIGHT, X_E, outer_reduced_radius
 from bearingsim.core.jit import jit
+from bearingsim.core.laws.hertz import half_width
 from bearingsim.core.laws.stiffness.interface import elastic
 from bearingsim.core.laws.stiffness.power_laws import palmgren
 from tests.scenes.defect_maps import SHAPES
@@ -218,7 +218,7 @@ def test_a_defect_as_long_as_half_the_roller_loses_half_of_that():
 
 def test_half_width_of_a_steel_line_contact():
     """47 N on 12 mm, R = 7.108 mm: p_max = 2 F/(pi b L) = (F E*/(pi L R))^(1/2), with E* = 113.7 GPa."""
-    b = hertz_half_width(47.0, L_W, R, 207e9, 0.3)
+    b = half_width(47.0, L_W, R, 207e9, 0.3)
     assert b == pytest.approx(17.65e-6, abs=0.01e-6)
     E_star = 207e9 / (2 * (1 - 0.3**2))
     assert 2 * 47.0 / (pi * b * L_W) == pytest.approx(sqrt(47.0 * E_star / (pi * L_W * R)), rel=1e-12)

@@ -16,7 +16,8 @@ from bearingsim.core.laws.hertz import (
     line_pressure,
 )
 
-STEEL = effective_modulus(207e9, 0.3)
+E, NU = 207e9, 0.3
+STEEL = effective_modulus(E, NU)
 
 HARRIS = [  # F(rho), a*, b*, delta* from T. A. Harris, Rolling Bearing Analysis, dimensionless contact parameters
     (0.0, 1.0, 1.0, 1.0),
@@ -36,7 +37,9 @@ def test_roller_on_a_flat():
 def test_line_pressure_carries_the_load():
     """A half ellipse of pressure over the strip: Q' = pi b p/2."""
     Q, R = 3e4, 7.1e-3
-    assert 1.5707963 * half_width(Q, R, STEEL) * line_pressure(Q, R, STEEL) == pytest.approx(Q, rel=1e-7, abs=0.0)
+    assert 1.5707963 * half_width(Q, 1.0, R, E, NU) * line_pressure(Q, R, STEEL) == pytest.approx(
+        Q, rel=1e-7, abs=0.0
+    )
 
 
 @pytest.mark.parametrize(("F", "a", "b", "delta"), HARRIS)

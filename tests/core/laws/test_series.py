@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
 from bearingsim.core.laws.stiffness.johnson import johnson
-from bearingsim.core.laws.stiffness.power_laws import EXPONENT, PowerLaw
+from bearingsim.core.laws.stiffness.power_laws import LINE_CONTACT_EXPONENT, PowerLaw
 from bearingsim.core.laws.stiffness.series import as_power, series_share, series_share_by_newton
 from tests.scenes.lanes import ROW, compiled, keeps_lanes, needs_vectors, rows
 from tests.scenes.laws import LINE, STEEL, STIFFNESSES, every_stiffness
@@ -96,6 +96,6 @@ def test_shares_of_like_contacts_keep_the_vector_lanes(law):
 
 
 def test_a_law_says_itself_whether_it_is_a_power():
-    assert as_power(STEEL) == (STEEL.k, EXPONENT)
+    assert as_power(STEEL) == (STEEL.k, LINE_CONTACT_EXPONENT)
     assert as_power(PowerLaw(5e9, 1.2)) == (5e9, 1.2)
     assert as_power(LINE) == as_power(Hardening(3e8, 1e-5)) == (0.0, 0.0)

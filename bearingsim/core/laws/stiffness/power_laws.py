@@ -64,7 +64,8 @@ def _as_power_three_halves(law):
 
 PALMGREN_N_MM = 8.06e4  # N/mm^(10/9) per L^(8/9): 3.84e-5^(-10/9)
 ISO16281_BOTH_N_MM = 35948.0
-EXPONENT = 10.0 / 9.0
+LINE_CONTACT_EXPONENT = 10.0 / 9.0
+"""Exponent of the approach in Palmgren's and ISO/TS 16281's line contacts."""
 
 
 class TenNinths(NamedTuple):
@@ -79,14 +80,14 @@ class TenNinths(NamedTuple):
 
 def palmgren(L_w: float) -> TenNinths:
     """Return Palmgren's stiffness of a steel line contact of length ``L_w`` (m), k in N/m^(10/9)."""
-    return TenNinths(PALMGREN_N_MM * (1e3 * L_w) ** (8.0 / 9.0) * 1e3**EXPONENT)
+    return TenNinths(PALMGREN_N_MM * (1e3 * L_w) ** (8.0 / 9.0) * 1e3**LINE_CONTACT_EXPONENT)
 
 
 def iso16281(L_w: float) -> TenNinths:
     """Return ISO/TS 16281's stiffness of one of the two contacts of a roller of length ``L_w`` (m), k in
     N/m^(10/9)."""
-    both = ISO16281_BOTH_N_MM * (1e3 * L_w) ** (8.0 / 9.0) * 1e3**EXPONENT
-    return TenNinths(both * 2.0**EXPONENT)
+    both = ISO16281_BOTH_N_MM * (1e3 * L_w) ** (8.0 / 9.0) * 1e3**LINE_CONTACT_EXPONENT
+    return TenNinths(both * 2.0**LINE_CONTACT_EXPONENT)
 
 
 C_1, C_2, C_3, C_4, C_5 = 1 / 9, 5 / 81, 95 / 2187, 665 / 19683, 4921 / 177147
@@ -134,7 +135,7 @@ def _curvature_ten_ninths(law, delta):
 
 @as_power.register(TenNinths)
 def _as_power_ten_ninths(law):
-    return law.k, EXPONENT
+    return law.k, LINE_CONTACT_EXPONENT
 
 
 class PowerLaw(NamedTuple):
