@@ -19,10 +19,10 @@ def limit() -> float:
 
 def limit_in(root: Path) -> float:
     """Return the memory limit (bytes) stated by the files under ``root``."""
-    return min(_of_machine(root), *_of_groups(root), inf)
+    return min(_available_memory(root), *_group_limits(root), inf)
 
 
-def _of_machine(root: Path) -> float:
+def _available_memory(root: Path) -> float:
     for line in _lines(root / "proc/meminfo"):
         name, _, amount = line.partition(":")
         if name == "MemTotal":
@@ -30,7 +30,7 @@ def _of_machine(root: Path) -> float:
     return inf
 
 
-def _of_groups(root: Path) -> list[float]:
+def _group_limits(root: Path) -> list[float]:
     """Return the limits of this process's group and of its parents, as far as a container shows them."""
     limits = [inf]
     for line in _lines(root / "proc/self/cgroup"):

@@ -90,7 +90,7 @@ def test_a_feature_with_a_name_of_the_program_is_left_out(monkeypatch) -> None:
     install(monkeypatch, "features")
     taken = Feature("velocity.rms", "", "another", "features:rms")
     monkeypatch.setitem(catalogue.FEATURES, "velocity.rms", taken)
-    assert "velocity.rms" not in names._of_extensions(names.FEATURES)
+    assert "velocity.rms" not in names._extension_features(names.FEATURES)
     why = "the extension `mine` registers the feature `velocity.rms`, which the program has: rename it"
     assert {"mine": why} == extensions.BROKEN
 

@@ -115,14 +115,14 @@ def model(case: Case) -> Any:
     return _made_by_field(bearing_of(case))
 
 
-OF_A_RUN = {"method": EXPLICIT, "step": "auto", "tolerance": "auto", "step_check": True, "periodic": True}
-OF_A_RUN |= {"duration": 1.0, "settle": 0.0}
+RESET_OPTIONS = {"method": EXPLICIT, "step": "auto", "tolerance": "auto", "step_check": True, "periodic": True}
+RESET_OPTIONS |= {"duration": 1.0, "settle": 0.0}
 """Fields of method and duration, at arbitrary values."""
 
 
 def bearing_of(case: Case) -> Case:
     """Reset the fields that do not affect the bearing, so that all computations of it share its parameters."""
-    return case.model_copy(update=OF_A_RUN)
+    return case.model_copy(update=RESET_OPTIONS)
 
 
 @lru_cache(maxsize=64)
@@ -153,7 +153,7 @@ def bending_of_case(case: Case) -> Any:
     """Build the bending of the case's outer ring; the bracket holds its carrier, if there is one."""
     if case.rig.ring is None:
         return Stiff()
-    ring = bending.of_ring(case)
+    ring = bending.ring_parameters(case)
     if bending.has_carrier(case.rig):
         bracket = case.rig.bracket_stiffness, case.rig.bracket_damping, *bracket_anchor(case)
         ring = ring._replace(bracket=bracket)
@@ -164,28 +164,28 @@ def support(case: Case) -> Support:
     """Return load and bracket of the case's ring: zero if they act on a carrier."""
     if bending.has_carrier(case.rig):
         return Support(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    x_0, y_0 = anchor_in_space(_at_rest(case)) if space.unevenly_loaded(case) else bracket_anchor(case)
+    x_0, y_0 = anchor_in_space(_static_case(case)) if space.unevenly_loaded(case) else bracket_anchor(case)
     return Support(case.load, case.load_across, case.rig.bracket_stiffness, case.rig.bracket_damping, x_0, y_0)
 
 
 def healthy(case: Case) -> Case:
     """Reset the fields that do not affect the load at rest, so that many cases share one equilibrium."""
     same = {"defects": (), "record": (), "sampling": 1e4, "excitation": "envelope", "seed": 0}
-    return case.model_copy(update=OF_A_RUN | same)
+    return case.model_copy(update=RESET_OPTIONS | same)
 
 
-def _at_rest(case: Case) -> Case:
+def _static_case(case: Case) -> Case:
     """Reset the fields of the healthy case that matter only in motion, except those that select compiled code."""
     still = {
         "start_angle": 0.0,
         "antialias": True,
-        "rig": case.rig.model_copy(update=OF_A_BRACKET),
+        "rig": case.rig.model_copy(update=NO_BRACKET),
         "contact": case.contact.model_copy(update={"damping": NoDamping()}),
     }
     return healthy(case).model_copy(update=still)
 
 
-OF_A_BRACKET = {"bracket_stiffness": 0.0, "bracket_damping": 0.0, "sensor_angle": 0.0}
+NO_BRACKET = {"bracket_stiffness": 0.0, "bracket_damping": 0.0, "sensor_angle": 0.0}
 """Fields of a rig without effect on the equilibrium of a ring held by its load alone."""
 
 
@@ -282,5 +282,5 @@ def method(case: Case, h: float, part: float = 1.0) -> Any:
     own = part ** log2(10.0) * usual
     tolerance = own if case.tolerance == "auto" else case.tolerance
     slowest = model(case)
-    fastest = slowest if case.ramp is None else model(scales.at_full_speed(case))
+    fastest = slowest if case.ramp is None else model(scales.full_speed_case(case))
     return parameters(*scales.tolerances(case, slowest, fastest, h, tolerance))

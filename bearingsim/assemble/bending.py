@@ -119,7 +119,7 @@ class OfRing(NamedTuple):
     bracket: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
 
-def of_ring(case: Case) -> OfRing:
+def ring_parameters(case: Case) -> OfRing:
     """Collect the parameters of the case's flexible ring, without a bracket."""
     rig = case.rig
     assert rig.ring is not None
@@ -272,7 +272,7 @@ def fastest(ring_mass: float, rows: np.ndarray, springs: Any) -> tuple[float, fl
     return float(np.linalg.eigvalsh(K)[-1]), float(np.linalg.eigvalsh(C)[-1])
 
 
-def at_rest(bent: Any) -> Any:
+def undamped_bending(bent: Any) -> Any:
     """Return the bending of a ring at rest: its springs without damping."""
     if not (isinstance(bent, core.Bending) and isinstance(bent.springs, core.Springs)):
         return bent

@@ -17,7 +17,7 @@ from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.parts.bending import Stiff
 
 STIFF = Stiff()
-OF_A_STUDY = 1 << 14
+CACHED_RESTS = 1 << 14
 """Cached cases: a run passes over all jobs of a study several times."""
 
 
@@ -31,7 +31,7 @@ def static_model(model: Any) -> Static:
         groups = defects.groups.copy()
         groups[:, :, GROUP_WEIGHT] *= model.slices.table[:, WEIGHT] if len(groups) else 1.0
         defects = defects._replace(groups=groups)
-    shape = bending.at_rest(model.bending) if "bending" in model._fields else Stiff()
+    shape = bending.undamped_bending(model.bending) if "bending" in model._fields else Stiff()
     return static_bearing(model.bearing, model.support, model.outer, model.inner, defects, shape)
 
 
@@ -56,18 +56,18 @@ def largest_load(case: Case) -> float:
 def healthy_rest(case: Case) -> Rest:
     """Compute the equilibrium of the healthy, unsupported bearing, averaged over a ball pass."""
     laws = [Undamped(contacts.stiffness(case, on_outer)) for on_outer in (True, False)]
-    ring = None if case.rig.ring is None else bending.of_ring(case)
+    ring = None if case.rig.ring is None else bending.ring_parameters(case)
     return _rest(geometry.bearing(case), *laws, repr(laws), case.load, case.load_across, ring)
 
 
-@lru_cache(maxsize=OF_A_STUDY)
+@lru_cache(maxsize=CACHED_RESTS)
 def _rest(
     of_case: Bearing, outer: Any, inner: Any, named: str, F: float, F_across: float, ring: bending.OfRing | None
 ) -> Rest:
     """Compute ``healthy_rest``, cached; ``named`` distinguishes laws that are equal as tuples."""
     carried = ring is not None and ring.load_path.carried
     free = Support(*((0.0, 0.0) if carried else (F, F_across)), 0.0, 0.0, 0.0, 0.0)
-    bent = Stiff() if ring is None else bending.at_rest(bending.made(ring))
+    bent = Stiff() if ring is None else bending.undamped_bending(bending.made(ring))
     model = static_bearing(of_case, free, outer, inner, pack_defects([], Envelope()), bent)
     return mean_rest(model, lay.buffer(of_case.Z, of_case.m_r))
 

@@ -26,7 +26,7 @@ MIN_STEPS_PER_CROSSING = 8  # steps; with fewer a method may skip a defect
 DAMPER_TOLERANCE = 1e-3  # of the force: largest change of a damping force by an error in velocity
 
 
-def at_full_speed(case: Case) -> Case:
+def full_speed_case(case: Case) -> Case:
     """Return the case at the highest speed of its ramp, without the ramp."""
     if case.ramp is None:
         return case

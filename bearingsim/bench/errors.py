@@ -83,11 +83,11 @@ def with_errors(rows: Sequence[Row]) -> list[Row]:
     truths = {name: truth([row for row in rows if row["variant"] == name]) for name in variants}
     judged = truths[variants[0]] if variants else None
     results = [_with_error(row, truths[row["variant"]], judged) for row in rows if row["role"] != JUDGE]
-    of_model = {name: _of_model(own, judged) for name, own in truths.items()}
+    of_model = {name: _total_errors(own, judged) for name, own in truths.items()}
     return [row | _counted(row, results, of_model[row["variant"]]) for row in results]
 
 
-def _of_model(own: Truth | None, judged: Truth | None) -> dict[str, float]:
+def _total_errors(own: Truth | None, judged: Truth | None) -> dict[str, float]:
     """Compute the total errors of a model with a solution."""
     if own is None or judged is None:
         return dict.fromkeys(QUANTITIES, 0.0)

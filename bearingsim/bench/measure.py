@@ -34,8 +34,8 @@ def rows(run: Run) -> list[Row]:
         return [_failed(run, "refused", run.refused)]
     try:
         if run.method in outside.SOLVERS:
-            return [_by_other(run, run.case)]
-        return _job(run, run.case) if run.role == JOB else [_in_full(run, configured(run, run.case))]
+            return [_solve_outside(run, run.case)]
+        return _job(run, run.case) if run.role == JOB else [_compute_fully(run, configured(run, run.case))]
     except (Refused, SimulationError) as error:
         late = getattr(error, "time", None) is not None
         return [_failed(run, "stopped" if late else "refused", str(error))]
@@ -60,18 +60,18 @@ def _job(run: Run, case: Case) -> list[Row]:
     seconds = _cpu(case, record, "cpu_s")
     took = [_row(run, record, seconds / (settled(case).settle_s + case.duration))]
     if case.method is None:
-        full = _in_full(replace(run, role=AUTOMATIC), case.model_copy(update=IN_FULL))
+        full = _compute_fully(replace(run, role=AUTOMATIC), case.model_copy(update=IN_FULL))
         return [*took, full | {"key": run.key}]
     method = str(record.info["method"])
     same = {"method": method, "step": float(record.info["step_s"])}
     if METHODS[method].adaptive:
         same = {"method": method, "tolerance": float(record.info["tolerance"])}
     chosen = replace(run, role=AUTOMATIC, method=method)
-    full = _in_full(chosen, case.model_copy(update=IN_FULL | same))
+    full = _compute_fully(chosen, case.model_copy(update=IN_FULL | same))
     return [*took, full | {"key": run.key, "chaotic": took[0]["chaotic"]}]
 
 
-def _in_full(run: Run, case: Case) -> Row:
+def _compute_fully(run: Run, case: Case) -> Row:
     """Compute a case with a given step or tolerance."""
     warm([case])
     record = simulate(case)
@@ -101,7 +101,7 @@ def _row(run: Run, record: Record, cpu_per_s: float) -> Row:
     }
 
 
-def _by_other(run: Run, case: Case) -> Row:
+def _solve_outside(run: Run, case: Case) -> Row:
     """Compute a case with a solver of another package."""
     features, cpu, simulated = outside.solve(case, outside.SOLVERS[run.method], run.setting.tolerance)
     return _about(run) | {

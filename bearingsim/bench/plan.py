@@ -96,10 +96,10 @@ def _settings(entries: Mapping[str, Mapping[str, Sequence[float]]]) -> Settings:
 def runs(scene: Scene, quick: bool, others: Settings | None = None) -> Iterator[Run]:
     """Yield all runs of a scene. others: solvers of other packages, in addition to the plan's."""
     for variant in scene.variants:
-        yield from _of_variant(scene, variant, quick, others or {})
+        yield from _variant_runs(scene, variant, quick, others or {})
 
 
-def _of_variant(scene: Scene, variant: Variant, quick: bool, others: Settings) -> Iterator[Run]:
+def _variant_runs(scene: Scene, variant: Variant, quick: bool, others: Settings) -> Iterator[Run]:
     def run(role: str, method: str, setting: Setting) -> Run:
         about = scene.name, variant.name, variant.model
         return Run(*about, role, method, setting, scene.line, variant.case, variant.refused)

@@ -15,8 +15,8 @@ from bearingsim.bench.verdict import (
     WORDS,
     Verdict,
     automatic_rows,
-    by,
     chosen,
+    method_text,
     off_the_front,
     percent,
     seconds,
@@ -70,7 +70,7 @@ def _cell(best: Verdict) -> str:
     if best.job is not None:
         return f"{best.job['variant']}, {seconds(best.job['cpu_per_s'])}"
     if best.point is not None:
-        return f"{best.point['variant']} by {by(best.point)}, {seconds(best.point['cpu_per_s'])} in full"
+        return f"{best.point['variant']} by {method_text(best.point)}, {seconds(best.point['cpu_per_s'])} in full"
     return "not to be told" if best.unknown else "none"
 
 
@@ -145,7 +145,8 @@ def _method(part: Part) -> Iterator[str]:
             if off.times < NOTABLE:
                 yield f"{text}, is near the front: nothing as close costs less by over {NOTABLE} times."
             else:
-                yield f"{text}, is off the front: {by(off.cheapest)} is as close for {_cost(off.cheapest)}."
+                cheaper = method_text(off.cheapest)
+                yield f"{text}, is off the front: {cheaper} is as close for {_cost(off.cheapest)}."
 
 
 def _peers(part: Part) -> Iterator[str]:
@@ -160,8 +161,10 @@ def _peers(part: Part) -> Iterator[str]:
         best = min(close, key=lambda row: row["cpu_per_s"])
         own = [r for r in rows if r["variant"] == best["variant"] and r["role"] in (POINT, AUTOMATIC)]
         in_full = min((r for r in own if _both(r) <= WITHIN[-1]), key=lambda row: row["cpu_per_s"], default=None)
-        text = f"**Peers:** the cheapest within 1 % (numerical) of line and RMS is {by(best)}, {_cost(best)}"
-        yield f"{text}; of our methods " + (f"{by(in_full)}, {_cost(in_full)}." if in_full else "none.")
+        text = (
+            f"**Peers:** the cheapest within 1 % (numerical) of line and RMS is {method_text(best)}, {_cost(best)}"
+        )
+        yield f"{text}; of our methods " + (f"{method_text(in_full)}, {_cost(in_full)}." if in_full else "none.")
 
 
 def _cost(row: Row) -> str:

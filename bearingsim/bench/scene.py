@@ -65,10 +65,10 @@ def own(names: Sequence[str], quick: bool) -> list[Scene]:
         if name not in ORDER:
             near = suggestion(name, ORDER) or f"known: {', '.join(ORDER)}"
             raise UserError(f"unknown scene `{name}`; {near}")
-    return [scene for name in dict.fromkeys(names) for scene in of_file(FOLDER / f"{name}.yaml", quick)]
+    return [scene for name in dict.fromkeys(names) for scene in load_scenes(FOLDER / f"{name}.yaml", quick)]
 
 
-def of_file(path: Path, quick: bool) -> list[Scene]:
+def load_scenes(path: Path, quick: bool) -> list[Scene]:
     """Load the first cases of a study file, each a scene. Raises StudyError with all problems of the file."""
     study = load_study(path, quick=quick)
     judged = _all_by(study, path, {"model": REFERENCE}, quick)

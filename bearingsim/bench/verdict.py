@@ -82,7 +82,7 @@ def seconds(value: float) -> str:
     return f"{value:.2g} s" if value < 10.0 else f"{value:.0f} s"
 
 
-def by(row: Row) -> str:
+def method_text(row: Row) -> str:
     """Describe method and setting of a row."""
     return f"{row['method']}{setting(row)}" if row["method"] else "instant by instant"
 
@@ -137,11 +137,11 @@ def why(rows: Sequence[Row]) -> list[str]:
     sentences = []
     for within in WITHIN:
         best = verdict(rows, within)
-        sentences.append(f"**Within {percent(within)}:** {_of(best, rows, jobs)}")
+        sentences.append(f"**Within {percent(within)}:** {_verdict_text(best, rows, jobs)}")
     return sentences
 
 
-def _of(best: Verdict, rows: Sequence[Row], jobs: Sequence[Row]) -> str:
+def _verdict_text(best: Verdict, rows: Sequence[Row], jobs: Sequence[Row]) -> str:
     if best.unknown:
         return f"not to be told: {best.unknown}."
     if best.job is None and best.point is None:
@@ -152,7 +152,7 @@ def _of(best: Verdict, rows: Sequence[Row], jobs: Sequence[Row]) -> str:
     if best.job is None:
         assert best.point is not None
         return (
-            f"`{best.point['variant']}` by {by(best.point)} ({seconds(best.point['cpu_per_s'])} in full);"
+            f"`{best.point['variant']}` by {method_text(best.point)} ({seconds(best.point['cpu_per_s'])} in full);"
             " no automatic choice is so close."
         )
     text = f"`{best.job['variant']}`, {seconds(best.job['cpu_per_s'])} as a job. It is off by {_errors(best.job)}."
@@ -168,7 +168,7 @@ def _of(best: Verdict, rows: Sequence[Row], jobs: Sequence[Row]) -> str:
     if best.point is not None:
         text += (
             f" Where every second is computed in full, the cheapest is `{best.point['variant']}` by"
-            f" {by(best.point)}, {seconds(best.point['cpu_per_s'])}."
+            f" {method_text(best.point)}, {seconds(best.point['cpu_per_s'])}."
         )
     return text
 

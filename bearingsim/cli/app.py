@@ -395,7 +395,7 @@ def freq(
     """
     from bearingsim.cli import frequencies
 
-    values = frequencies.of_bearing(bearing, speed, outer_speed, contact_angle)
+    values = frequencies.bearing_frequencies(bearing, speed, outer_speed, contact_angle)
     if as_json:
         say(json.dumps(values, indent=1))
     else:

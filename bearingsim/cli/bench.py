@@ -41,7 +41,9 @@ def chart(
     from bearingsim.cli.screen import print_table
     from bearingsim.plots import speed_accuracy
 
-    scenes = scene.of_file(study, quick) if study is not None else scene.own(names or plan.scenes_of(quick), quick)
+    scenes = (
+        scene.load_scenes(study, quick) if study is not None else scene.own(names or plan.scenes_of(quick), quick)
+    )
     rows = table.compute(scenes, folder, quick, jobs, others, dict(left_out or {}))
     parts = [
         report.Part(

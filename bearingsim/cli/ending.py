@@ -126,12 +126,14 @@ def _frequency(results: "Results", name: str) -> str:
 def _band(results: "Results", name: str) -> str:
     """Return the band that `sampling` gives a feature, as `0-4.1 kHz`, or "" if it differs between jobs."""
     from bearingsim.config.bands import FLAT
-    from bearingsim.config.names import of_band
-    from bearingsim.study.ranges import OF_RECORD
+    from bearingsim.config.names import read_band
+    from bearingsim.study.ranges import RECORD_SUFFIXES
 
-    feature = of_band(name)
+    feature = read_band(name)
     samplings = results.parameters()[["sampling", "antialias"]].drop_duplicates().to_dict("records")
-    by_sampling = name.removesuffix("-healthy").endswith(OF_RECORD) or (feature is not None and not feature.band)
+    by_sampling = name.removesuffix("-healthy").endswith(RECORD_SUFFIXES) or (
+        feature is not None and not feature.band
+    )
     if not by_sampling or len(samplings) != 1 or samplings[0]["antialias"] != "true":
         return ""
     return f"0-{FLAT * samplings[0]['sampling'] / 1e3:.2g} kHz"

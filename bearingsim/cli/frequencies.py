@@ -13,7 +13,7 @@ NAMES = {
 }
 
 
-def of_bearing(
+def bearing_frequencies(
     name: str, speed: str, outer_speed: str | None = None, contact_angle: str | None = None
 ) -> dict[str, Any]:
     """Compute the characteristic frequencies of a bearing, as orders of its shaft's speed and with harmonics (Hz).

@@ -119,9 +119,9 @@ def caveat(priced: Priced) -> str:
 
 def varied(plan: Plan) -> Iterator[str]:
     """Yield the unknown quantities that the study varies, with their values and the number of cases."""
-    from bearingsim.study.uncertainty import UNKNOWNS, by_kind
+    from bearingsim.study.uncertainty import UNKNOWNS, group_by_kind
 
-    tried = by_kind((variation.what, variation.value) for variation in plan.study.variations())
+    tried = group_by_kind((variation.what, variation.value) for variation in plan.study.variations())
     for what, values in tried.items():
         jobs = {id(variation.case) for variation in plan.study.variations() if variation.what == what}
         cases, *_ = plan.counted

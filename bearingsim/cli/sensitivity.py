@@ -22,12 +22,12 @@ def show(results: "Results", features: Sequence[str], as_json: bool, out: Path |
     out: file of the figure; default: among the results' figures, none with JSON.
     """
     from bearingsim.plots import select
-    from bearingsim.sensitivity import analysed, design_of, of_results
+    from bearingsim.sensitivity import analysed, collect_blocks, design_of
 
     design_of(results)
     wanted = list(dict.fromkeys(features)) or list(select.default_y(results, results.table()))
     target = _target(results, wanted, out)
-    all_blocks = [of_results(results, feature) for feature in wanted]
+    all_blocks = [collect_blocks(results, feature) for feature in wanted]
     answers = [(blocks, analysed(blocks)) for blocks in all_blocks]
     if as_json:
         say(json.dumps({blocks.feature: _plain(blocks, analysis) for blocks, analysis in answers}, indent=1))
@@ -113,11 +113,11 @@ def _cells(estimate: "Estimate", place: int, digits: str, factor: float) -> tupl
 
 
 def _verdict(blocks: "Blocks", analysis: "Indices | Effects") -> str:
-    from bearingsim.sensitivity import Indices, of_effects, of_indices
+    from bearingsim.sensitivity import Indices, effects_text, indices_text
 
     if isinstance(analysis, Indices):
-        return of_indices(analysis, blocks.feature, blocks.paths)
-    return of_effects(analysis, blocks.feature, blocks.paths, *_unit(blocks))
+        return indices_text(analysis, blocks.feature, blocks.paths)
+    return effects_text(analysis, blocks.feature, blocks.paths, *_unit(blocks))
 
 
 def _remarks(blocks: "Blocks") -> list[str]:

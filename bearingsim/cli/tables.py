@@ -53,7 +53,7 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     info = results.info().reindex(table["job"])
     of_choices = (results.plan.get("accuracy") or {}).get("notes", ())
     assumed = results.plan.get("assumptions", ())
-    for text in (*of_choices, *repetitions(info), *assumed, *damping.of_jobs(info)):
+    for text in (*of_choices, *repetitions(info), *assumed, *damping.job_sentences(info)):
         say(text)
     if len(kept) < len(all_columns):
         heads = {_stacked(head) for head, _ in kept}
@@ -72,7 +72,7 @@ def show_assumptions(results: "Results") -> None:
     from bearingsim.store import job_frame
 
     frame = job_frame(results.path)
-    texts = [*assumed(results.plan, frame), *damping.of_jobs(results.info())]
+    texts = [*assumed(results.plan, frame), *damping.job_sentences(results.info())]
     unvaried = [name for name in findings(results.plan, frame).assumed if name in UNVARIED]
     texts += [
         f"{name} has one value per case; to vary it: `uncertainty: {{{name}: [{UNVARIED[name]}]}}` varies it"
@@ -87,14 +87,14 @@ def usual_features(results: "Results", table: "pd.DataFrame") -> list[str]:
 
     Line of the defect, cage slip of models with slip, change from healthy, bands, statistics, errors.
     """
-    from bearingsim.config.names import of_band
+    from bearingsim.config.names import read_band
     from bearingsim.plots import lines
 
     parameters = results.parameters()
     shown = [f"velocity@{line}" for line in lines.fitting(parameters)]
     slip = ["cage.slip.mean"] if lines.may_slip(parameters) else []
     moved = [name for name in map(str, table) if name.startswith("error.")]
-    banded = [name for name in map(str, table) if of_band(name) is not None]
+    banded = [name for name in map(str, table) if read_band(name) is not None]
     wanted = (*shown, *slip, *(f"{line}-healthy" for line in shown), *banded, *STATISTICS, *moved, *PROOF)
     present = [name for name in wanted if name in table and table[name].notna().any()]
     return [name for name in present if name != "chaotic" or (table[name] > 0.0).any()]

@@ -58,7 +58,7 @@ def _one_or_many(raw: Any) -> Any:
     return raw
 
 
-def _of_inner_ring(raw: Any) -> Any:
+def _single_speed(raw: Any) -> Any:
     if isinstance(raw, dict):
         refuse("quantity", "expected one speed such as `1800 rpm`, got a mapping", sentence("outer_speed"))
     return raw
@@ -82,7 +82,7 @@ class CaseFields(Section):
 
     bearing: Annotated[Bearing, named("bearings")]
     rig: Annotated[Rig, named("rigs")] = Field(default_factory=default_rig)
-    speed: Annotated[Rotation, BeforeValidator(_of_inner_ring)]
+    speed: Annotated[Rotation, BeforeValidator(_single_speed)]
     ramp: Annotated[free.Ramp | None, OR_NONE] = None
     load: Force
     load_across: SignedForce = 0.0

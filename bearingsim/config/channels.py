@@ -5,26 +5,26 @@ from typing import Any
 
 from bearingsim.config import bands
 from bearingsim.config.fields import Schema, or_words, raise_unknown_word, refuse
-from bearingsim.config.names import CHANNELS, FEATURES, LINE_LOADS, ROLLER, of_band
+from bearingsim.config.names import CHANNELS, FEATURES, LINE_LOADS, ROLLER, read_band
 
-_OF_ROLLER = re.compile(r"roller\.(?:([1-9]\d?)\.)?([a-z_]+)(?:\.([1-9]\d?))?", re.ASCII)
+_ROLLER_CHANNEL = re.compile(r"roller\.(?:([1-9]\d?)\.)?([a-z_]+)(?:\.([1-9]\d?))?", re.ASCII)
 
 
 def roller_number(channel: str) -> int | None:
     """Return the roller (from 1) of a channel, 1 for `roller.spin`; None for other channels."""
-    match = _OF_ROLLER.fullmatch(channel)
+    match = _ROLLER_CHANNEL.fullmatch(channel)
     return int(match[1] or 1) if match else None
 
 
 def slice_number(channel: str) -> int | None:
     """Return the slice (from 1) of a roller's channel; None for other channels."""
-    match = _OF_ROLLER.fullmatch(channel)
+    match = _ROLLER_CHANNEL.fullmatch(channel)
     return int(match[3]) if match and match[3] else None
 
 
 def plain(channel: str) -> str:
     """Remove the numbers of roller and slice: `roller.spin` for `roller.3.spin`."""
-    match = _OF_ROLLER.fullmatch(channel)
+    match = _ROLLER_CHANNEL.fullmatch(channel)
     return f"roller.{match[2]}" if match else channel
 
 
@@ -39,7 +39,7 @@ def is_contact_force(channel: str) -> bool:
 
 def line_load_of(channel: str) -> str | None:
     """Return the line load along a whole roller, with its number, for such a channel; None for another."""
-    match = _OF_ROLLER.fullmatch(channel)
+    match = _ROLLER_CHANNEL.fullmatch(channel)
     if not match or match[2] not in LINE_LOADS or match[3]:
         return None
     return f"roller.{match[1] or 1}.{match[2]}"
@@ -66,11 +66,11 @@ def feature_schema(own: Schema) -> Schema:
 
 def feature(raw: Any) -> Any:
     """Validate a name in `features`: of a band, since all others are always computed."""
-    if isinstance(raw, str) and raw in FEATURES and of_band(raw) is None:
+    if isinstance(raw, str) and raw in FEATURES and read_band(raw) is None:
         refuse(
             "feature", f"`{raw}` is computed of every case", f"name features of bands, such as {bands.EXAMPLES}"
         )
-    band_feature = of_band(raw) if isinstance(raw, str) else None
+    band_feature = read_band(raw) if isinstance(raw, str) else None
     if band_feature is None:
         refuse("feature", f"no feature `{raw}`", f"name a band, as in {bands.EXAMPLES}")
     if band_feature.healthy:

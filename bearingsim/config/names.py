@@ -85,14 +85,14 @@ ROLLER = {
 LINE_LOADS = ("outer_line_load", "inner_line_load")
 """Channels of a slice of a roller: `roller.3.outer_line_load.7`, the seventh slice from -z."""
 
-_OF_ROLLER = re.compile(r"roller\.(?:([1-9]\d?)\.)?([a-z_]+)(?:\.([1-9]\d?))?", re.ASCII)
+_ROLLER_CHANNEL = re.compile(r"roller\.(?:([1-9]\d?)\.)?([a-z_]+)(?:\.([1-9]\d?))?", re.ASCII)
 
 
 class _Channels(dict[str, Channel]):
     """Channels by name; one of a numbered roller is made when it is asked for."""
 
     def __missing__(self, name: str) -> Channel:
-        match = _OF_ROLLER.fullmatch(name)
+        match = _ROLLER_CHANNEL.fullmatch(name)
         if not match or match[2] not in ROLLER or (match[3] and match[2] not in LINE_LOADS):
             raise KeyError(name)
         return _numbered(match[2], match[1] or "1", match[3])
@@ -175,7 +175,7 @@ def _statistics(quantity: str, unit: str) -> dict[str, Feature]:
     }
 
 
-def _of_extensions(own: Mapping[str, Feature]) -> dict[str, Feature]:
+def _extension_features(own: Mapping[str, Feature]) -> dict[str, Feature]:
     for name in catalogue.FEATURES.keys() & own.keys():
         extension = extensions.owner(catalogue.FEATURES[name].compute)
         why = f"the extension `{extension}` registers the feature `{name}`, which the program has: rename it"
@@ -241,7 +241,7 @@ NO_VALUE = "no_value."
 """Before the name of an extension's feature: the fact that says why a job has no number for it."""
 
 
-def of_band(name: str) -> bands.BandFeature | None:
+def read_band(name: str) -> bands.BandFeature | None:
     """Return what the name of a band's RMS or of an envelope's line stands for; None of another name."""
     feature = bands.read(name)
     return None if feature is None or (feature.line and feature.line not in LINES) else feature
@@ -251,7 +251,7 @@ class _Features(dict[str, Feature]):
     """Features by name; one of a band is made when it is asked for."""
 
     def __missing__(self, name: str) -> Feature:
-        feature = of_band(name)
+        feature = read_band(name)
         if feature is None:
             raise KeyError(name)
         unit, text = QUANTITIES[feature.quantity], f"RMS {feature.quantity}"
@@ -261,8 +261,8 @@ class _Features(dict[str, Feature]):
         return Feature(unit, f"{text}{where}{', change from healthy' if feature.healthy else ''}")
 
     def __contains__(self, name: object) -> bool:
-        return super().__contains__(name) or of_band(str(name)) is not None
+        return super().__contains__(name) or read_band(str(name)) is not None
 
 
-FEATURES: Mapping[str, Feature] = _Features(_OWN | _of_extensions(_OWN))
+FEATURES: Mapping[str, Feature] = _Features(_OWN | _extension_features(_OWN))
 """Columns of the results table that are computed, along the sensor's direction."""

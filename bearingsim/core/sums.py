@@ -25,7 +25,7 @@ def lane_sum(row, y, n):
 
 
 @inlined
-def sum_loads(first, last, y, n):
-    """Sum the rollers' loads on rings and cage: cells ``first`` to ``last``, both included."""
-    for cell in range(first, last + 1):
+def sum_loads(first_cell, last_cell, y, n):
+    """Sum the rollers' loads on rings and cage: cells ``first_cell`` to ``last_cell``, both included."""
+    for cell in range(first_cell, last_cell + 1):
         y[cell] = lane_sum(lay.roller_load(cell), y, n)

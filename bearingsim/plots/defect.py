@@ -66,7 +66,7 @@ def sheets(results: "Results", jobs: Sequence[str]) -> list[Sheet]:
         if name not in done.index:
             results.series(name)  # raises the reason
     for job, parameters in done.loc[list(jobs)].iterrows():
-        for sheet in _of_job(results, str(job), parameters.to_dict()):
+        for sheet in _job_sheets(results, str(job), parameters.to_dict()):
             earlier = distinct.setdefault(_key(sheet), sheet)
             if earlier is not sheet:
                 earlier.jobs.append(str(job))
@@ -75,7 +75,7 @@ def sheets(results: "Results", jobs: Sequence[str]) -> list[Sheet]:
     return list(distinct.values())
 
 
-def _of_job(results: "Results", job: str, parameters: Mapping[Any, Any]) -> Iterator[Sheet]:
+def _job_sheets(results: "Results", job: str, parameters: Mapping[Any, Any]) -> Iterator[Sheet]:
     from bearingsim.assemble.defects import contact_length
 
     case = recorded.case_of(results, job, parameters)

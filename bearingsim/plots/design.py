@@ -111,7 +111,7 @@ def draw_paths(
     canvas = Canvas(figsize=(width, lines * ROW_IN * 0.9 + 0.55), layout=layout)
     axes = list(canvas.subplots(lines, columns, sharey=True, squeeze=False).flat)
     for number, (ax, path) in enumerate(zip(axes, paths, strict=False)):
-        log = (*figure.log, "x") if by_logarithm(list(rows[path])) else figure.log
+        log = (*figure.log, "x") if is_logarithmic(list(rows[path])) else figure.log
         _panel(ax, name, replace(figure, x=path, log=log), rows, rows, units)
         ax.set_xlabel(x_label(path, rows, units))
         letter(ax, number, len(paths), "")
@@ -123,7 +123,7 @@ def draw_paths(
     return canvas
 
 
-def by_logarithm(values: Sequence[float]) -> bool:
+def is_logarithmic(values: Sequence[float]) -> bool:
     """Check if values are spaced evenly in their logarithm.
 
     True if the median is nearer to the geometric than to the arithmetic mean of the extremes, and the range is

@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from bearingsim.study import Figure
 
 DEFECT, LOAD, RING, DESIGN = "pit", "load", "ring", "design"
-OF_JOBS = ("series", "spectrum", "envelope", "roller", LOAD, DEFECT, RING)
-KINDS = ("sweep", "phase", DESIGN, *OF_JOBS)
+JOB_KINDS = ("series", "spectrum", "envelope", "roller", LOAD, DEFECT, RING)
+KINDS = ("sweep", "phase", DESIGN, *JOB_KINDS)
 ALL = "all"
 UNUSED_OPTIONS = {
     **dict.fromkeys(("sweep", "phase"), ("span",)),
     DESIGN: ("x", "panels", "span"),
-    **dict.fromkeys(OF_JOBS, ("x", "by", "panels", "span")),
+    **dict.fromkeys(JOB_KINDS, ("x", "by", "panels", "span")),
     **dict.fromkeys(("series", LOAD), ("x", "by", "panels")),
     **dict.fromkeys((DEFECT, RING), ("x", "y", "by", "panels", "span")),
 }
@@ -76,11 +76,11 @@ def drawn(
     _check_changes(kind, {"x": x, **changes})
     if not jobs or list(jobs) == [ALL]:  # loading a named job raises its own error
         _check_done(results)
-    if kind in OF_JOBS:
-        return _of_jobs(results, kind, jobs, changes)
+    if kind in JOB_KINDS:
+        return _job_figures(results, kind, jobs, changes)
     if kind == DESIGN or (kind == "sweep" and _shows_design(results, x, changes)):
-        return _of_design(results, changes)
-    return _of_table(results, kind, x, changes)
+        return _design_figures(results, changes)
+    return _table_figures(results, kind, x, changes)
 
 
 def _check_done(results: "Results") -> None:
@@ -118,7 +118,7 @@ def _is_replaceable(path: Path) -> bool:
     return MARK in path.read_bytes()
 
 
-def _of_table(
+def _table_figures(
     results: "Results", kind: str, x: str | None, changes: Mapping[str, Any]
 ) -> list[tuple[str, "Canvas"]]:
     """Draw all figures of a sweep; warn of those that cannot be drawn, raise the first error if none can."""
@@ -149,7 +149,7 @@ def _shows_design(results: "Results", x: str | None, changes: Mapping[str, Any])
     return not named and bool(select.design_paths(results))
 
 
-def _of_design(results: "Results", changes: Mapping[str, Any]) -> list[tuple[str, "Canvas"]]:
+def _design_figures(results: "Results", changes: Mapping[str, Any]) -> list[tuple[str, "Canvas"]]:
     """Draw a figure per feature, with a panel for each parameter of the design that varies."""
     from bearingsim.plots import design, select
     from bearingsim.plots.caption import band_of_record, fixed_values, varying
@@ -244,7 +244,7 @@ def slug(words: Sequence[str]) -> str:
     return "-".join("".join(c if c.isalnum() else " " for c in " ".join(words).lower()).split())
 
 
-def _of_jobs(
+def _job_figures(
     results: "Results", kind: str, jobs: Sequence[str], changes: Mapping[str, Any]
 ) -> list[tuple[str, "Canvas"]]:
     from bearingsim.plots import line_load, select, series
@@ -258,16 +258,16 @@ def _of_jobs(
     if not chosen:
         raise PlotError("none of these jobs is done")
     if kind == DEFECT:
-        return _of_defects(results, chosen)
+        return _defect_figures(results, chosen)
     if kind == RING:
-        return _of_rings(results, chosen)
+        return _ring_figures(results, chosen)
     options = {"span": changes["span"]} if changes.get("span") else {}
     name = _name_of_jobs(kind, y, [ALL] if jobs and not named else chosen)
     draw = line_load.draw_load if kind == LOAD else series.DRAW[kind]
     return [(name, draw(results, chosen, y, **options))]
 
 
-def _of_defects(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas"]]:
+def _defect_figures(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas"]]:
     """Draw a figure for each distinct defect of some jobs."""
     from bearingsim.plots import defect
 
@@ -280,7 +280,7 @@ def _of_defects(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Can
     ]
 
 
-def _of_rings(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas"]]:
+def _ring_figures(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas"]]:
     """Draw a figure per job with a static equilibrium; raise the first error if none has one."""
     from bearingsim.plots import ring
 
@@ -301,7 +301,7 @@ def _check_changes(kind: str, changes: Mapping[str, Any]) -> None:
     """Raise PlotError for options that a kind of figure does not accept."""
     useless = [name for name in UNUSED_OPTIONS[kind] if changes.get(name)]
     if useless:
-        how = ": its jobs are chosen by `--job` or by `--where`" if kind in OF_JOBS else ""
+        how = ": its jobs are chosen by `--job` or by `--where`" if kind in JOB_KINDS else ""
         raise PlotError(f"a {kind} takes no {useless[0]}{how}")
 
 

@@ -124,7 +124,7 @@ def signals_of(job: Job, channel: str) -> Iterator[Signal]:
         yield Signal(time, values, name.removeprefix(whole).removeprefix("."))
 
 
-def over_time(job: Job, channel: str, signal: Signal) -> np.ndarray:
+def drawn_values(job: Job, channel: str, signal: Signal) -> np.ndarray:
     """Return the signal's values (n,) as drawn over time, filtered causally.
 
     The record's zero-phase low-pass rings before an impact, the causal one does not. Contact forces, and records

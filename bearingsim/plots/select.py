@@ -5,11 +5,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.config import FEATURES
-from bearingsim.config.names import of_band
+from bearingsim.config.names import read_band
 from bearingsim.plots.labels import COST, PlotError, described, unit_of, value_text
 from bearingsim.plots.lines import fitting, may_slip, races_of_all
 from bearingsim.study import Figure, dimension
-from bearingsim.study.uncertainty import UNKNOWNS, by_kind
+from bearingsim.study.uncertainty import UNKNOWNS, group_by_kind
 from bearingsim.text.units import UnitError, parse, suggestion
 
 if TYPE_CHECKING:
@@ -168,7 +168,7 @@ def spread_texts(results: "Results", rows: "pd.DataFrame") -> list[str]:
     if not any(str(column).startswith("least ") for column in rows):
         return []
     drawn = set(rows["job"])
-    tried = by_kind(
+    tried = group_by_kind(
         (variation["what"], variation["value"]) for variation in results.variations if variation["of"] in drawn
     )
     band = " and ".join(
@@ -258,7 +258,7 @@ def phases(features: Sequence[str]) -> tuple[str, ...]:
 def _check(word: str, valid: Any, what: str) -> None:
     if word not in valid:
         near = "" if word in FEATURES else suggestion(word, list(valid))  # another line is not the one asked for
-        near = f"use `features: [{word.removesuffix('-healthy')}]` and run again" if of_band(word) else near
+        near = f"use `features: [{word.removesuffix('-healthy')}]` and run again" if read_band(word) else near
         advice = near or f"there are: {', '.join(valid) or 'none'}"
         raise PlotError(f"no {what} `{word}` in these results ({advice})")
 

@@ -87,7 +87,7 @@ def _shown_spectrum(spectrum: Callable[[Signal, float], Curve], job: Job, _: str
 
 def _beginning(span: float | None, scale: float, job: Job, channel: str, signal: Signal) -> Curve:
     shown = signal.time <= (shown_time(job, channel) if span is None else span)
-    return signal.time[shown] / scale, recorded.over_time(job, channel, signal)[shown]
+    return signal.time[shown] / scale, recorded.drawn_values(job, channel, signal)[shown]
 
 
 def shown_time(job: Job, channel: str) -> float:
@@ -129,7 +129,7 @@ def _round(job: Job, channel: str, signal: Signal) -> Curve:
     number, _ = roller_of(channel) or (1, "")
     angle = np.degrees(roller_angle(job, number) + pi) % 360.0 - 180.0
     ends = np.flatnonzero(np.diff(angle) < 0.0) + 1
-    return np.insert(angle, ends, np.nan), np.insert(recorded.over_time(job, channel, signal), ends, np.nan)
+    return np.insert(angle, ends, np.nan), np.insert(recorded.drawn_values(job, channel, signal), ends, np.nan)
 
 
 # Drawing

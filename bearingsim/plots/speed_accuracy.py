@@ -20,7 +20,7 @@ from PIL import Image
 from bearingsim.bench.errors import NUMERICAL, TOTAL
 from bearingsim.bench.measure import QUANTITIES, Row
 from bearingsim.bench.plan import AUTOMATIC, JOB, PEER, POINT
-from bearingsim.bench.verdict import WITHIN, by, front, label, percent, seconds, verdict
+from bearingsim.bench.verdict import WITHIN, front, label, method_text, percent, seconds, verdict
 from bearingsim.catalogue import MODELS
 from bearingsim.plots.style import COLOURS, MARKERS, RC, drawing
 
@@ -98,7 +98,7 @@ def _verdicts(rows: Sequence[Row]) -> str:
             what = f"{cheapest.job['variant']} ({cheapest.job['method'] or 'no method'}, "
             what += f"{seconds(cheapest.job['cpu_per_s'])} as a job)"
         elif cheapest.point is not None:
-            what = f"{cheapest.point['variant']} ({by(cheapest.point)})"
+            what = f"{cheapest.point['variant']} ({method_text(cheapest.point)})"
         else:
             what = f"undecided ({cheapest.unknown})" if cheapest.unknown else "none that was run"
         lines.append(f"line, RMS and force all within {percent(within)}: cheapest is {what}")

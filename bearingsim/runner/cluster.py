@@ -37,7 +37,7 @@ from bearingsim.runner.delivery import (
     refuse_threads,
     stop,
 )
-from bearingsim.runner.handshake import SchedulerGone, client_of, within
+from bearingsim.runner.handshake import SchedulerGone, answer_in_time, client_of
 from bearingsim.runner.pool import RESTARTS_WITHOUT_PROGRESS, WorkersDie
 from bearingsim.runner.stopping import heeding, stop_requested
 from bearingsim.runner.work import Outcome, Work
@@ -95,7 +95,7 @@ class Cluster:
             while not self.count:
                 self._look()
                 time.sleep(WAITING_S)
-            for address, threads in within(ANSWER_S, self.client.nthreads).items():
+            for address, threads in answer_in_time(ANSWER_S, self.client.nthreads).items():
                 refuse_threads(address, threads)
             self._on_all(asyncio.to_thread, exec, LOADING, {})
             for address, versions in self._on_all(installation).items():
@@ -180,13 +180,13 @@ class Cluster:
     def _stop(self, flying: dict[Future, Work]) -> None:
         """Tell all workers to begin nothing more, and cancel the units that none has begun."""
         with suppress(TimeoutError):  # repeated at the next look
-            within(ANSWER_S, partial(self.client.run, stop, self.run, on_error="ignore"))
-        held = {key for keys in within(ANSWER_S, self.client.processing).values() for key in keys}
-        places = within(ANSWER_S, partial(self.client.who_has, list(flying)))
+            answer_in_time(ANSWER_S, partial(self.client.run, stop, self.run, on_error="ignore"))
+        held = {key for keys in answer_in_time(ANSWER_S, self.client.processing).values() for key in keys}
+        places = answer_in_time(ANSWER_S, partial(self.client.who_has, list(flying)))
         held |= {key for key, workers in places.items() if workers}  # finished meanwhile
         left = [future for future in flying if future.key not in held]
         if left:
-            within(ANSWER_S, partial(self.client.cancel, left))
+            answer_in_time(ANSWER_S, partial(self.client.cancel, left))
         for future in left:
             del flying[future]
 
@@ -237,7 +237,7 @@ class Cluster:
         wanted = {future.key: future for future in done}
         while wanted:
             gather = partial(self.client.sync, self.client.scheduler.gather, keys=list(wanted))
-            answer = within(WORKERS_S, gather)
+            answer = answer_in_time(WORKERS_S, gather)
             if answer["status"] == "OK":
                 return {wanted[key]: delivery for key, delivery in answer["data"].items()}
             self.lost += [wanted.pop(key) for key in answer["keys"]]
@@ -270,7 +270,7 @@ class Cluster:
         """
         if time.monotonic() - self.looked < LOOK_S:
             return False
-        self.count, self.looked = len(within(ANSWER_S, self.client.nthreads)), time.monotonic()
+        self.count, self.looked = len(answer_in_time(ANSWER_S, self.client.nthreads)), time.monotonic()
         if not self.count and not self.alone:
             text = f"waiting for workers at {self.address} (`dask worker {self.address} --nthreads 1` starts one)"
             say(text, err=True)
@@ -285,7 +285,7 @@ class Cluster:
         Raises OtherInstallation where the function fails, WorkerFailed for workers that do not answer.
         """
         try:
-            answers = within(WORKERS_S, partial(self.client.run, function, *arguments, on_error="return"))
+            answers = answer_in_time(WORKERS_S, partial(self.client.run, function, *arguments, on_error="return"))
         except TimeoutError:
             silent = f"of {self.count} workers some do not respond within {WORKERS_S:.0f} s"
             raise WorkerFailed(f"{silent}; stop those with stalled logs") from None

@@ -11,7 +11,15 @@ from bearingsim.runner.progress import duration
 from bearingsim.runner.promises import held, promises, withdrawals
 from bearingsim.runner.summary import Findings
 from bearingsim.store import NOTABLE, errors, is_one_draw, relative_error
-from bearingsim.study.uncertainty import NO_OIL, NO_SLIP, RIGID, UNKNOWNS, by_kind, sweeps_damping, unexamined
+from bearingsim.study.uncertainty import (
+    NO_OIL,
+    NO_SLIP,
+    RIGID,
+    UNKNOWNS,
+    group_by_kind,
+    sweeps_damping,
+    unexamined,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -21,7 +29,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
     """Collect the statements on the results of a plan; ``frame``: of ``store.job_frame``."""
     own = frame.loc[[entry["job"] for entry in plan["jobs"] if not entry["variation"]]]
     info = store.info(own)
-    of_damping = list(damping.of_jobs(info))
+    of_damping = list(damping.job_sentences(info))
     warned = [text for text in (*of_damping, *_assumptions(plan)) if text.startswith(damping.WARNING)]
     drawn = list(dict.fromkeys(name for figure in plan["figures"] for name in figure["y"]))
     within = plan["accuracy"]["within"] if plan.get("accuracy") else inf
@@ -121,12 +129,12 @@ def chaos(frame: "pd.DataFrame", drawn: Sequence[str] = (), notable: float = NOT
         worst = float(bounded.to_numpy().max())
         factor = ceil((worst / notable) ** 2)
         longer = f"{100.0 * notable:.2g} % needs {factor} times the `duration`"
-        yield f"{_of_jobs(bounded > 0.0)} has standard error {100.0 * worst:.2g} %; {longer}"
+        yield f"{_job_counts(bounded > 0.0)} has standard error {100.0 * worst:.2g} %; {longer}"
     if unknown.to_numpy().any():
-        yield f"{_of_jobs(unknown)} has unknown standard error; try a longer `duration`"
+        yield f"{_job_counts(unknown)} has unknown standard error; try a longer `duration`"
 
 
-def _of_jobs(flags: "pd.DataFrame") -> str:
+def _job_counts(flags: "pd.DataFrame") -> str:
     """Format jobs and a feature, as `2 of 8 jobs chaotic: velocity.rms`; flags: jobs by features."""
     names = [str(name) for name in flags if flags[name].any()]
     more = f" (and {len(names) - 1} more)" if len(names) > 1 else ""
@@ -206,7 +214,7 @@ def moved(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     plan: of ``store.read_plan``; frame: of ``store.build_table``.
     """
     changes = errors(plan, frame)
-    values = by_kind((variation["what"], variation["value"]) for variation in plan.get("variations", ()))
+    values = group_by_kind((variation["what"], variation["value"]) for variation in plan.get("variations", ()))
     for what, tried in values.items():
         columns = {text: f"error.{what}{ending}" for ending, text in BRIEFLY.items()}
         by_feature = {text: changes[name].dropna() for text, name in columns.items() if name in changes}

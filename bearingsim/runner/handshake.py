@@ -46,7 +46,7 @@ class NotDask(OSError):
     """Another program than dask listens at an address."""
 
 
-def within(seconds: float, question: Callable[[], Answer]) -> Answer:
+def answer_in_time(seconds: float, question: Callable[[], Answer]) -> Answer:
     """Return the answer to a question, or raise its error. Raises TimeoutError without an answer in time.
 
     The question runs in a thread of its own, so that Ctrl-C interrupts the wait; the thread is a daemon and ends
@@ -141,15 +141,15 @@ def client_of(address: str) -> Iterator[Client]:
             yield client
         finally:
             with suppress(TimeoutError):  # a lost scheduler does not answer
-                within(CLOSING_S, client.close)
+                answer_in_time(CLOSING_S, client.close)
 
 
 def _joined(address: str) -> Client:
     raise_lost()  # lost while distributed was imported, perhaps: this wait is the first long one
     end = time.monotonic() + JOINING_S
     try:
-        within(JOINING_S, partial(refuse_strangers, address, GREETING_S))
-        return within(end - time.monotonic(), partial(_registered, address))
+        answer_in_time(JOINING_S, partial(refuse_strangers, address, GREETING_S))
+        return answer_in_time(end - time.monotonic(), partial(_registered, address))
     except NotDask as error:
         advice = "use the tcp:// or tls:// address that `dask scheduler` prints, not its dashboard (port 8787)"
         raise SchedulerGone(f"what listens at {address} is not a dask scheduler ({error}): {advice}") from None

@@ -56,14 +56,14 @@ def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
     result between.
     """
     if workers == 1 or not works:
-        yield from _in_turn(works)
+        yield from _compute_serially(works)
         return
     waiting, suspected = list(works), list[Work]()
     deaths = Deaths(works[0].root, "at work")
     while waiting:
         returned: set[str] = set()
         try:
-            for outcome in _in_pool(waiting, workers):
+            for outcome in _compute_in_pool(waiting, workers):
                 returned.add(outcome.unit)
                 deaths.end()
                 yield outcome
@@ -78,7 +78,7 @@ def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
     yield from _one_by_one(suspected, deaths, workers)
 
 
-def _in_turn(works: Sequence[Work]) -> Iterator[Outcome]:
+def _compute_serially(works: Sequence[Work]) -> Iterator[Outcome]:
     """Compute units of work in this process, one after another; failures count over all units."""
     failed = 0
     arguments = ((replace(work, max_failures=work.max_failures - failed),) for work in works)  # lazily
@@ -92,7 +92,7 @@ def _one_by_one(works: Sequence[Work], deaths: Deaths, workers: int) -> Iterator
     blamed: list[Outcome] = []
     for work in takewhile(lambda _: not stop_requested(), works):
         try:
-            outcome = next(iter(list(_in_pool([work], workers))))
+            outcome = next(iter(list(_compute_in_pool([work], workers))))
         except BrokenProcessPool as death:
             take_suspects(work.root, [work.unit])
             deaths.add(death, _ids(work))
@@ -119,7 +119,7 @@ def _ids(work: Work) -> set[str]:
     return {job.id for job in work.jobs}
 
 
-def _in_pool(works: Sequence[Work], workers: int) -> Generator[Outcome, None, None]:
+def _compute_in_pool(works: Sequence[Work], workers: int) -> Generator[Outcome, None, None]:
     """Yield outcomes in the order of completion. Raises BrokenProcessPool when a worker dies, which ends all."""
     yield from spread(compute, [(work,) for work in works], max(2, min(workers, len(works))))
 
@@ -136,10 +136,10 @@ def spread(function: Callable, arguments: Iterable[tuple], workers: int) -> Gene
             for values in _until_stop(arguments):
                 yield function(*values)
         else:
-            yield from _by_workers(function, arguments, workers)
+            yield from _map_in_workers(function, arguments, workers)
 
 
-def _by_workers(function: Callable, arguments: Iterable[tuple], workers: int) -> Generator[Any, None, None]:
+def _map_in_workers(function: Callable, arguments: Iterable[tuple], workers: int) -> Generator[Any, None, None]:
     from joblib import Parallel, delayed, parallel_config
 
     identity = (os.getpid(), flag_for_workers())

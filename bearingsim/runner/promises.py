@@ -21,7 +21,7 @@ def promises(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     counts = ", ".join(f"`{model}` in {count}" for model, count in models.most_common())
     yield f"models for {_percent(accuracy)}: {counts} of {len(accuracy['jobs'])} cases"
     yield from accuracy["notes"]
-    audits = _by_job(plan, frame)
+    audits = _audits_by_job(plan, frame)
     if audits:
         kept = sum(not any(audit.fails(accuracy["within"]) for audit in of_job) for of_job in audits.values())
         worst = 100.0 * max(audit.off for of_job in audits.values() for audit in of_job)
@@ -73,7 +73,7 @@ def _percent(accuracy: Mapping[str, Any]) -> str:
     return f"{100.0 * accuracy['within']:.3g} %"
 
 
-def _by_job(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, list[store.Audited]]:
+def _audits_by_job(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, list[store.Audited]]:
     """Return what audits found, by the job that was audited."""
     audits: dict[str, list[store.Audited]] = {}
     for audit in store.audited(plan, frame):

@@ -90,7 +90,7 @@ class Tally:
         seconds: float,
         interrupted: int,
         notes: tuple[str, ...],
-        of_results: Findings,
+        statements: Findings,
     ) -> RunSummary:
         """Summarise the run; status: of each requested job, as in the table, so that both counts agree."""
         return RunSummary(
@@ -108,7 +108,7 @@ class Tally:
             integrator_cpu_s=self.integrator_cpu_s,
             interrupted=interrupted,
             notes=notes,
-            findings=of_results,
+            findings=statements,
         )
 
     def _add_failure(self, failure: store.Failure) -> None:

@@ -26,11 +26,11 @@ def curves(study: Study) -> list[Curve]:
         for figure in study.figures
         for feature in figure.y
         if feature in features
-        for cases in _of_figure(figure, swept, design)
+        for cases in _figure_curves(figure, swept, design)
     ]
 
 
-def _of_figure(
+def _figure_curves(
     figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]
 ) -> Iterator[tuple[int, ...]]:
     """Yield the cases of each curve of a figure: a curve for each combination of what it draws apart."""

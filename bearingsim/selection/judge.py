@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingsim.config.names import of_band
+from bearingsim.config.names import read_band
 from bearingsim.simulation.trial import LARGEST_FORCE, Trial
 from bearingsim.study.goal import HEALTHY
 
@@ -37,7 +37,7 @@ def value(feature: str, trial: Trial, twin: Trial | None) -> Value:
         return Value(float(trial.forces.max()), np.array([turn.max() for turn in turns]), 1.0)
     share = 2.0 / trial.turns
     line = feature.removesuffix(HEALTHY)
-    if of_band(line) is not None and feature != line and twin is not None:  # magnitudes are subtracted
+    if read_band(line) is not None and feature != line and twin is not None:  # magnitudes are subtracted
         own, healthy = value(line, trial, None), value(line, twin, None)
         return Value(own.value - healthy.value, own.parts - healthy.parts, share)
     if line in trial.powers:

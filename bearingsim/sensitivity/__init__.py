@@ -6,9 +6,9 @@ effects with their intervals, ``verdict`` puts them into words.
 
 import numpy as np
 
-from bearingsim.sensitivity.blocks import Blocks, SensitivityError, design_of, of_results
-from bearingsim.sensitivity.estimates import LEVEL, Effects, Estimate, Indices, of_blocks, of_trajectories
-from bearingsim.sensitivity.verdict import of_effects, of_indices
+from bearingsim.sensitivity.blocks import Blocks, SensitivityError, collect_blocks, design_of
+from bearingsim.sensitivity.estimates import LEVEL, Effects, Estimate, Indices, estimate_effects, estimate_indices
+from bearingsim.sensitivity.verdict import effects_text, indices_text
 
 __all__ = [
     "LEVEL",
@@ -18,10 +18,10 @@ __all__ = [
     "Indices",
     "SensitivityError",
     "analysed",
+    "collect_blocks",
     "design_of",
-    "of_effects",
-    "of_indices",
-    "of_results",
+    "effects_text",
+    "indices_text",
 ]
 
 
@@ -32,9 +32,9 @@ def analysed(blocks: Blocks) -> Indices | Effects:
     """
     answer: Indices | Effects
     if blocks.kind == "saltelli":
-        answer = of_blocks(blocks.values)
+        answer = estimate_indices(blocks.values)
     else:
-        answer = of_trajectories(blocks.points, blocks.values)
+        answer = estimate_effects(blocks.points, blocks.values)
     if not all(np.isfinite(ends).all() for estimate in answer for ends in estimate):
         raise SensitivityError(f"`{blocks.feature}` varies in too few blocks for an interval: raise `n`")
     return answer

@@ -79,7 +79,7 @@ def design_of(results: "Results") -> Mapping[str, Any]:
     return dict(design)
 
 
-def of_results(results: "Results", feature: str) -> Blocks:
+def collect_blocks(results: "Results", feature: str) -> Blocks:
     """Collect the blocks of a feature.
 
     Raises SensitivityError for results without a design, a feature that is missing or constant, jobs not yet

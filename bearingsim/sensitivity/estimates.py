@@ -96,7 +96,7 @@ def indices(blocks: Array) -> Array:
     return np.stack([alone, total])
 
 
-def of_blocks(blocks: Array) -> Indices:
+def estimate_indices(blocks: Array) -> Indices:
     """Compute the indices of blocks as in ``indices``, with intervals."""
     estimates = estimate(_all, blocks)
     d = blocks.shape[1] - 2
@@ -130,7 +130,7 @@ def elementary(points: Array, values: Array) -> Array:
     return np.asarray(np.take_along_axis(changes, moved, axis=1) / lengths)
 
 
-def of_trajectories(points: Array, values: Array) -> Effects:
+def estimate_effects(points: Array, values: Array) -> Effects:
     """Compute mu, mu* and sigma of trajectories as in ``elementary``, with intervals."""
     statistics = estimate(_statistics, elementary(points, values))
     return Effects(*(Estimate(*(ends[row] for ends in statistics)) for row in range(3)))

@@ -10,7 +10,7 @@ LITTLE = 0.05
 """Share of the variance or of the largest effect below which a parameter is negligible."""
 
 
-def of_indices(indices: Indices, feature: str, paths: Sequence[str]) -> str:
+def indices_text(indices: Indices, feature: str, paths: Sequence[str]) -> str:
     """Describe the influential parameters ``paths`` of a feature, by Sobol indices."""
     texts = [
         f"`{paths[place]}`, total index {_interval(indices.total, place)}, alone {_interval(indices.first, place)}"
@@ -20,7 +20,7 @@ def of_indices(indices: Indices, feature: str, paths: Sequence[str]) -> str:
     return " ".join([_deciding(texts, feature, len(paths)), *weak, _together(indices.together)])
 
 
-def of_effects(effects: Effects, feature: str, paths: Sequence[str], unit: str = "", factor: float = 1.0) -> str:
+def effects_text(effects: Effects, feature: str, paths: Sequence[str], unit: str = "", factor: float = 1.0) -> str:
     """Describe the influential parameters of a feature, by Morris effects; unit, factor (from SI): of the text."""
     sized = Estimate(*(factor * ends for ends in effects.magnitude))
     strongest = leaders(effects.magnitude)

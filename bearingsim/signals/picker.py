@@ -154,7 +154,7 @@ def _refined(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Refine line positions (k,) by Gauss-Newton; return them, complex amplitudes (k,) and the residual (n,)."""
     for _ in range(30):
-        shape, lines, left = _without(bins, values, places)
+        shape, lines, left = _remove_peaks(bins, values, places)
         distance = bins[:, np.newaxis] - places
         slope = (_line_shape(distance - 1e-4) - _line_shape(distance + 1e-4)) / 2e-4
         columns = np.hstack([shape, 1j * shape, slope * lines])
@@ -162,11 +162,11 @@ def _refined(
         places = places + np.clip(moves, -0.25, 0.25)
         if np.abs(moves).max() < 1e-8:
             break
-    _, lines, left = _without(bins, values, places)
+    _, lines, left = _remove_peaks(bins, values, places)
     return places, lines, left
 
 
-def _without(
+def _remove_peaks(
     bins: np.ndarray, values: np.ndarray, places: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Fit lines at positions; return shapes (n, k), amplitudes (k,) by least squares, and the residual (n,)."""

@@ -8,7 +8,7 @@ from bearingsim import signals
 from bearingsim.config import Case
 from bearingsim.core.sampling import sampling_kernel
 from bearingsim.simulation.recording import RawRecord, Windows, windows
-from bearingsim.simulation.spectral_lines import beside_other_lines, lines_of_passes, sensed
+from bearingsim.simulation.spectral_lines import has_other_lines, lines_of_passes, sensed
 from bearingsim.simulation.time_grid import Grid
 
 MIN_PASSES = 16
@@ -42,7 +42,7 @@ def standard_errors(case: Case, model: Any, cut: Grid, raw: RawRecord) -> Standa
     low = sensed(case, raw.through(taps), "velocity", of_record.start, n * M)
     power = np.mean(low.reshape(n, M) ** 2, axis=1, keepdims=True)
     least = QUIET_LINE * np.sqrt(power.mean())
-    error_of_line = _error_from_passes if beside_other_lines(case) else _error_from_samples
+    error_of_line = _error_from_passes if has_other_lines(case) else _error_from_samples
     return StandardErrors(
         error_of_line(case, model, cut, raw, of_record, least),
         float(0.5 * standard_error(power) / (power.mean() or 1.0)),

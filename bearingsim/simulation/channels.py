@@ -41,7 +41,7 @@ PLACES = {
     "cage.lean.y": lay.POSITION + lay.CAGE_TILT_Y,
     "load_zone.rollers": lay.LOADED_ROLLERS,
 }
-OF_ROLLER = {
+ROLLER_ROWS = {
     "radial": lay.RADIAL,
     "outer_force": lay.Q_O,
     "inner_force": lay.Q_I,
@@ -54,7 +54,7 @@ OF_ROLLER = {
     "axial": lay.AXIAL,
     "flange_force": lay.Q_F,
 }
-OF_SLICE = {"outer_line_load": lay.LOAD_O, "inner_line_load": lay.LOAD_I}
+SLICE_ROWS = {"outer_line_load": lay.LOAD_O, "inner_line_load": lay.LOAD_I}
 BASE = (*RING_MOTION, lay.LOADED_ROLLERS, CAGE_ANGLE, CAGE_SPEED)
 """Places that features are computed from, recorded or not: the first rows of every recording."""
 AT_SENSOR = (lay.SENSOR, lay.SENSOR_V, lay.SENSOR_A)
@@ -81,7 +81,7 @@ def place(name: str) -> int:
         return PLACES[name]
     roller, quantity = match
     kind, _, number = quantity.partition(".")
-    row = lay.slice_row(int(number) - 1, OF_SLICE[kind]) if number else OF_ROLLER[kind]
+    row = lay.slice_row(int(number) - 1, SLICE_ROWS[kind]) if number else ROLLER_ROWS[kind]
     return row + roller - 1
 
 

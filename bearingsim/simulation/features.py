@@ -15,7 +15,7 @@ from bearingsim.catalogue import FEATURES, MODELS, Feature, call
 from bearingsim.config import FEATURES as DECLARED
 from bearingsim.config import Case
 from bearingsim.config.bands import FLAT, Band, BandFeature
-from bearingsim.config.names import LINES, NO_VALUE, of_band
+from bearingsim.config.names import LINES, NO_VALUE, read_band
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import speed_factor
 from bearingsim.core.sampling import sampling_kernel
@@ -123,7 +123,7 @@ def cage_and_load_zone(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dic
 
 def band_features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """Return the band features of a case over the whole ball passes of its record; NaN if it holds none."""
-    requested = {name: feature for name in case.features if (feature := of_band(name)) is not None}
+    requested = {name: feature for name in case.features if (feature := read_band(name)) is not None}
     of_record = windows(case, cut, raw, reach=0)
     start, count = of_record.start, len(of_record.index) * of_record.M
     if not requested or not count:
@@ -179,7 +179,7 @@ class Recorded(dict[str, np.ndarray]):
         raise NotRecorded(name)
 
 
-def of_extensions(
+def extension_features(
     case: Case, time: np.ndarray, series: dict[str, np.ndarray]
 ) -> tuple[dict[str, float], dict[str, str]]:
     """Read the features of other packages from a record: ``time`` (n,) in s, ``series`` (n,) by name, in SI.
@@ -190,7 +190,7 @@ def of_extensions(
     values, reasons = dict[str, float](), dict[str, str]()
     for name, feature in FEATURES.items():
         try:
-            values[name] = _of_extension(feature, case, time, Recorded(series))
+            values[name] = _extension_value(feature, case, time, Recorded(series))
         except NotRecorded as error:
             values[name], reasons[NO_VALUE + name] = nan, f"`{error.args[0]}` is not recorded"
         else:
@@ -200,7 +200,7 @@ def of_extensions(
     return values, reasons
 
 
-def _of_extension(feature: Feature, case: Case, time: np.ndarray, series: Recorded) -> float:
+def _extension_value(feature: Feature, case: Case, time: np.ndarray, series: Recorded) -> float:
     try:
         value = call(feature.compute, case, time, series)
     except BrokenExtension as error:

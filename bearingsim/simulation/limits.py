@@ -14,14 +14,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingsim import assemble
-from bearingsim.assemble.rest import OF_A_STUDY, static_model
+from bearingsim.assemble.rest import CACHED_RESTS, static_model
 from bearingsim.assemble.scales import (
     approach,
-    at_full_speed,
     closing_speed,
     crossing_time,
     damping_ratio,
     damping_time,
+    full_speed_case,
     largest_roller_drop,
 )
 from bearingsim.catalogue import METHODS, MODELS, lowest
@@ -41,7 +41,7 @@ from bearingsim.simulation.fastest import SEARCH, Rates, fastest_rate, rates_at_
 
 LONGEST = 20e-6  # s: longest step of models without a limit
 FASTER = 2.0  # times the rate of the monitored bodies: a faster body bounds the step
-SAMPLES_OF_A_PASS = 16  # cage angles at which the load at rest is looked at
+PASS_SAMPLES = 16  # cage angles at which the load at rest is looked at
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Slopes(NamedTuple):
 def step_limits(case: Case) -> Limits:
     """Return the limits of the case's step, its method named. Raises ``Refused`` if nothing holds the ring."""
     try:
-        limits, slopes = _without_method(assemble.bearing_of(at_full_speed(case)))
+        limits, slopes = _without_method(assemble.bearing_of(full_speed_case(case)))
     except NoEquilibrium as error:
         raise Refused(str(error), "give the bearing a load that its rollers can carry") from error
     at_rest = step_limit(case.method, slopes.K_rest, slopes.C_rest)
@@ -90,7 +90,7 @@ def step_limits(case: Case) -> Limits:
     return replace(limits, at_rest=at_rest, at_impact=min(at_rest, at_impact))
 
 
-@lru_cache(maxsize=OF_A_STUDY)
+@lru_cache(maxsize=CACHED_RESTS)
 def _without_method(case: Case) -> tuple[Limits, Slopes]:
     """Return the limits without those of a method, and the slopes that those follow from."""
     rest_load, K, C = loads_at_rest(loaded_at_rest(case))
@@ -202,7 +202,7 @@ def loaded_at_rest(case: Case) -> Case:
     return same if MODELS[case.model].loaded else same.model_copy(update={"model": lowest("forces", "damping")})
 
 
-@lru_cache(maxsize=OF_A_STUDY)
+@lru_cache(maxsize=CACHED_RESTS)
 def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
     """Return the largest outer force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
     model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
@@ -213,7 +213,7 @@ def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
     return load, K, C
 
 
-@lru_cache(maxsize=OF_A_STUDY)
+@lru_cache(maxsize=CACHED_RESTS)
 def faster_than_monitored(healthy: Case) -> Rates:
     """Return the rates of a body much faster at rest than the monitored ones; zero if there is none."""
     load, *monitored = loads_at_rest(healthy)
@@ -227,7 +227,7 @@ def faster_than_monitored(healthy: Case) -> Rates:
     return rates_at_rest(model, t, y, deep)
 
 
-@lru_cache(maxsize=OF_A_STUDY)
+@lru_cache(maxsize=CACHED_RESTS)
 def contacts_alone(healthy: Case) -> tuple[float, float]:
     """Return stiffness and damping over mass as ``loads_at_rest``, without those of a ring that bends."""
     if healthy.rig.ring is None or not MODELS[healthy.model].has_inertia:
@@ -244,8 +244,8 @@ def contacts_alone(healthy: Case) -> tuple[float, float]:
 def at_rest_in_a_pass(model: Any) -> Iterator[tuple[float, np.ndarray, float, float]]:
     """Yield times (s) of a ball pass, with the buffer at rest, and a body's stiffness and damping over mass."""
     y, pass_time = assemble.empty_buffer(model), 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
-    for n in range(SAMPLES_OF_A_PASS):
-        t = (n + 0.5) / SAMPLES_OF_A_PASS * pass_time
+    for n in range(PASS_SAMPLES):
+        t = (n + 0.5) / PASS_SAMPLES * pass_time
         assemble.find_equilibrium(model, t, y, from_scratch=n == 0)
         K, C = start_at_rest(model, t, y)
         yield t, y, float(K), float(C)

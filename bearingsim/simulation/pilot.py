@@ -2,7 +2,7 @@
 
 from math import ceil, pi, sqrt
 
-from bearingsim.assemble.scales import at_full_speed
+from bearingsim.assemble.scales import full_speed_case
 from bearingsim.config import Case
 from bearingsim.simulation.limits import step_limits
 
@@ -24,7 +24,7 @@ def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
     A lightly damped case settles first, because its transient is long; with `step_check: strict` as long as the
     run.
     """
-    case = at_full_speed(case)
+    case = full_speed_case(case)
     rate = case.bearing.ball_pass_frequency(case.speed)
     whole = case.settle_s + case.duration
     settles = case.settle_s if case.step_check == "strict" else SETTLES * is_lightly_damped(case)
@@ -48,7 +48,7 @@ def compared_part(case: Case) -> float:
 
 def sees_defect_turns(case: Case, passes: int) -> bool:
     """Check if every defect turns through the load zone ``TURNS`` times within ``passes`` ball passes."""
-    rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
+    rate = case.bearing.ball_pass_frequency(full_speed_case(case).speed)
     return passes >= turns_of_defects(case) * rate - ROUNDING
 
 
@@ -76,7 +76,7 @@ def turns_of_defects(case: Case) -> float:
 
 DEFECT_TURN = {
     "outer": lambda case: 0.0,
-    "inner": lambda case: 2.0 * pi / at_full_speed(case).speed,
-    "roller": lambda case: case.bearing.rollers / case.bearing.ball_pass_frequency(at_full_speed(case).speed),
+    "inner": lambda case: 2.0 * pi / full_speed_case(case).speed,
+    "roller": lambda case: case.bearing.rollers / case.bearing.ball_pass_frequency(full_speed_case(case).speed),
 }
 """Time (s) in which a defect of each race turns through the load zone once."""

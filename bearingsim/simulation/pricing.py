@@ -13,12 +13,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bearingsim import assemble
-from bearingsim.assemble.bending import has_carrier, of_ring, places_of_springs
+from bearingsim.assemble.bending import has_carrier, places_of_springs, ring_parameters
 from bearingsim.assemble.contacts import powers
-from bearingsim.assemble.scales import at_full_speed
+from bearingsim.assemble.scales import full_speed_case
 from bearingsim.catalogue import EXPLICIT, METHODS, MODELS
 from bearingsim.config import CHANNELS, Case
-from bearingsim.config.names import of_band
+from bearingsim.config.names import read_band
 from bearingsim.config.rules.completion import slice_count
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
 from bearingsim.simulation import channels
@@ -58,7 +58,7 @@ def bending(case: Case) -> float:
     """Return the CPU time (s) of a ring which bends, and of the springs around it, in an evaluation."""
     if case.rig.ring is None:
         return 0.0
-    springs = len(places_of_springs(of_ring(case))[0]) if has_carrier(case.rig) else 0
+    springs = len(places_of_springs(ring_parameters(case))[0]) if has_carrier(case.rig) else 0
     return (price("harmonic", case.model) + price("spring") * springs) * float(case.rig.ring.harmonics)
 
 
@@ -122,7 +122,7 @@ def cost(case: Case, step: float, passes: int | None = None) -> Cost:
 
     passes: ball passes of the whole run, if not those of settling and duration.
     """
-    rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
+    rate = case.bearing.ball_pass_frequency(full_speed_case(case).speed)
     whole = passes or ceil((case.settle_s + case.duration) * rate)
     one_pass = per_second(case, step) / rate
     if solved_once(case):
@@ -215,7 +215,7 @@ class Size(NamedTuple):
 
 def size(case: Case, fine: int, decimation: int, computed: int, checked: float) -> Size:
     """Return the size of a case, its method named, with the ball passes ``computed`` and ``checked``."""
-    whole = case.duration * case.bearing.ball_pass_frequency(at_full_speed(case).speed) * fine
+    whole = case.duration * case.bearing.ball_pass_frequency(full_speed_case(case).speed) * fine
     places = channels.recorded(case)
     requested = len(channels.requested_rows(case, places))
     columns = sum(len(CHANNELS[name].components) for name in case.record)
@@ -270,7 +270,7 @@ def memory(case: Case, of: Size) -> float:
 
 def _bands(case: Case) -> int:
     """Count the features of bands, which are read from all fine samples of the record."""
-    return sum(of_band(name) is not None for name in case.features)
+    return sum(read_band(name) is not None for name in case.features)
 
 
 def _held(case: Case, window: float, rows: int) -> float:

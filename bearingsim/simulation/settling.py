@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from bearingsim import assemble
-from bearingsim.assemble.rest import OF_A_STUDY
-from bearingsim.assemble.scales import approach, at_full_speed
+from bearingsim.assemble.rest import CACHED_RESTS
+from bearingsim.assemble.scales import approach, full_speed_case
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
@@ -117,12 +117,12 @@ def modes(case: Case) -> tuple[complex, ...]:
     if MODELS[case.model].memoryless:
         return ()
     try:
-        return _modes(loaded_at_rest(assemble.bearing_of(at_full_speed(case))))
+        return _modes(loaded_at_rest(assemble.bearing_of(full_speed_case(case))))
     except NoEquilibrium as error:
         raise Refused(str(error), "give the bearing a load that its rollers can carry") from error
 
 
-@lru_cache(maxsize=OF_A_STUDY)
+@lru_cache(maxsize=CACHED_RESTS)
 def _modes(healthy: Case) -> tuple[complex, ...]:
     load, K, _ = loads_at_rest(healthy)
     model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)

@@ -17,7 +17,7 @@ from bearingsim.errors import Refused
 from bearingsim.simulation import accuracy, channels, choice, recording, step_check, time_grid, trial
 from bearingsim.simulation.accuracy import StandardErrors
 from bearingsim.simulation.channels import BASE, CAGE_ANGLE
-from bearingsim.simulation.features import band_features, features, of_extensions, refuse_undeclared
+from bearingsim.simulation.features import band_features, extension_features, features, refuse_undeclared
 from bearingsim.simulation.integration import Look, integrate
 from bearingsim.simulation.pricing import price
 from bearingsim.simulation.recording import RawRecord
@@ -89,7 +89,7 @@ def simulate(case: Case) -> Record:
     fails, shorter steps are tried, and then (with `method: auto`) other methods.
     """
     began = cpu_time.now()
-    return _in_turn(case, lambda attempt: _simulate(attempt, began))
+    return _first_sound_attempt(case, lambda attempt: _simulate(attempt, began))
 
 
 def try_out(
@@ -102,10 +102,10 @@ def try_out(
     the whole record is returned as well, unless its step is not to be checked. Raises like ``simulate``.
     """
     began = cpu_time.now()
-    return _in_turn(case, lambda attempt: _try_out(attempt, requested, passes, turn, began, against))
+    return _first_sound_attempt(case, lambda attempt: _try_out(attempt, requested, passes, turn, began, against))
 
 
-def _in_turn(case: Case, compute: Callable[[choice.Attempt], T]) -> T:
+def _first_sound_attempt(case: Case, compute: Callable[[choice.Attempt], T]) -> T:
     """Run the attempts at a case in turn; return the first result that passes its checks."""
     extensions.refuse_broken()
     failed: dict[str, SimulationError] = {}
@@ -178,7 +178,7 @@ def _try_out(
     raw = integrate(setup, most=trial.last_pass(setup, min(passes, trial.most_passes(whole))), look=look)
     if look is not None and raw.repetition.computed == look.passes:
         passes = trial.LOOK_TURNS * raw.Z
-    result = trial.of_passes(setup, raw, requested, passes, turn)
+    result = trial.read_trial(setup, raw, requested, passes, turn)
     if not result.repeats or setup.case.step_check in ("strict", False) or attempt.case.until is not None:
         return result, None
     return result, _record(setup, raw, step_check.checked_step(setup, raw), began)
@@ -189,7 +189,7 @@ def _look(setup: Setup, requested: Sequence[str], turn: float, against: Against)
     passes = trial.LOOK_TURNS * setup.model.bearing.Z
     return Look(
         trial.last_pass(setup, passes),
-        lambda raw: against.is_far(trial.of_passes(setup, raw, requested, passes, turn)),
+        lambda raw: against.is_far(trial.read_trial(setup, raw, requested, passes, turn)),
     )
 
 
@@ -209,7 +209,7 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
     own |= _start_features(start_errors(setup, raw, standard if by_chance else unknown))
     if case.step_check == "strict" and not (checks_step.chaotic or has_free_cage(case)):
         _refuse_start_error(case, max(own["error.start"], own["error.start.rms"]))
-    others, reasons = of_extensions(case, instants, series)
+    others, reasons = extension_features(case, instants, series)
     refuse_undeclared(own | others)
     return Record(
         time=instants,

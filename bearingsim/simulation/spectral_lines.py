@@ -45,7 +45,7 @@ class SampleAngles(NamedTuple):
         )
 
 
-def of_base(case: Case) -> np.ndarray:
+def feature_rows(case: Case) -> np.ndarray:
     """Return the rows of a recording that features are computed from."""
     return np.arange(len(base(case)))
 
@@ -90,7 +90,7 @@ def angles_of_record(case: Case, model: Any, cut: Grid, raw: RawRecord, start: i
 def ball_pass_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """Return amplitude, phase and scatter of the lines at the outer-race frequency and its multiples."""
     columns = {}
-    beside = beside_other_lines(case)
+    beside = has_other_lines(case)
     for quantity, lines in lines_of_passes(case, model, cut, raw).items():
         for harmonic, values in zip(HARMONICS, lines, strict=True):
             name = f"{quantity}@{line_name(harmonic)}"
@@ -98,7 +98,7 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[s
     return columns or dict.fromkeys(_ball_pass_names(), float("nan"))
 
 
-def beside_other_lines(case: Case) -> bool:
+def has_other_lines(case: Case) -> bool:
     """Check if a record holds lines, besides those of BPFO, of which a ball pass holds no whole period."""
     return has_free_cage(case) or any(defect.race != "outer" for defect in case.defects)
 

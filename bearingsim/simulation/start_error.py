@@ -72,7 +72,7 @@ def start_errors(setup: Setup, raw: RawRecord, standard: StandardErrors) -> Star
         last = np.zeros(of_record.distinct)
         last[-raw.repetition.period :] = 1.0
         return _changes(passes.mean(of_record.weights), passes.mean(last), passes)
-    return _of_parts(case, passes, cut.rate, standard)
+    return _decay_errors(case, passes, cut.rate, standard)
 
 
 def _passes(setup: Setup, raw: RawRecord, of_record: Windows) -> Passes:
@@ -102,7 +102,7 @@ def _changes(mean: Passes, other: Passes, passes: Passes) -> StartErrors:
     )
 
 
-def _of_parts(case: Case, passes: Passes, rate: float, standard: StandardErrors) -> StartErrors:
+def _decay_errors(case: Case, passes: Passes, rate: float, standard: StandardErrors) -> StartErrors:
     """Return errors from what decays from part to part of a record.
 
     The mean of the record is off by (1 + r)/(2 (1 - r)) of the change from its first half to its second, the

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from math import ceil, floor
 
 from bearingsim import assemble, memory
-from bearingsim.assemble.scales import MIN_STEPS_PER_CROSSING, at_full_speed
+from bearingsim.assemble.scales import MIN_STEPS_PER_CROSSING, full_speed_case
 from bearingsim.config import Case
-from bearingsim.config.names import of_band
+from bearingsim.config.names import read_band
 from bearingsim.core.sampling import DECIMATION_REACH, INTERPOLATION_REACH, RESAMPLE_REACH
 from bearingsim.errors import Refused
 from bearingsim.memory import PROGRAM
@@ -95,7 +95,7 @@ def samples(case: Case) -> int:
 
 def highest(case: Case) -> float:
     """Return the upper end (Hz) of the highest band that a case names; 0 if it names none."""
-    features = (of_band(name) for name in case.features)
+    features = (read_band(name) for name in case.features)
     return max((feature.band.high for feature in features if feature and feature.band), default=0.0)
 
 
@@ -110,7 +110,7 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
         raise Refused("no sample falls into the record", "use a higher `sampling` or a longer `duration`")
     named, case = case.method != "auto", resolved(case)
     other = ", or use `method: auto`" if named else ""
-    rate = case.bearing.ball_pass_frequency(at_full_speed(case).speed)
+    rate = case.bearing.ball_pass_frequency(full_speed_case(case).speed)
     fine = max(MIN_FINE, ceil(max(FINE_PER_SAMPLE * case.sampling, highest(case) / LET_THROUGH) / rate))
     decimation = max(1, ceil(1.0 / (rate * fine * part * requested_step(case)) * (1.0 - 1e-12)))
     if fine * decimation > MAX_STEPS:

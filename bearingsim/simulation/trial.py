@@ -16,7 +16,7 @@ import numpy as np
 from bearingsim import assemble, signals
 from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
-from bearingsim.config.names import LINES, Line, of_band
+from bearingsim.config.names import LINES, Line, read_band
 from bearingsim.simulation import recording, spectral_lines
 from bearingsim.simulation.comparison import FORCE, low_passed
 from bearingsim.simulation.features import band_of
@@ -131,7 +131,7 @@ def last_pass(setup: Setup, passes: int) -> int:
     return min(cut.passes, ceil(case.settle_s * cut.rate) + passes + beyond)
 
 
-def of_passes(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: int, turn: float) -> Trial:
+def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: int, turn: float) -> Trial:
     """Return the trial of the first ``passes`` of a run after settling; turn: of the slowest defect (s), or 0.
 
     If the motion is not periodic, of at most ``most_passes``.
@@ -139,7 +139,7 @@ def of_passes(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: in
     case, cut = setup.case, setup.cut
     passes = passes if raw.repetition.period > 0 else min(passes, most_passes(case))
     start, length = recording.first_sample(case, cut), passes * cut.fine_per_pass + 1
-    fine = raw.read(start, length, spectral_lines.of_base(case))
+    fine = raw.read(start, length, spectral_lines.feature_rows(case))
     rows = low_passed(setup, raw, start, length) if case.antialias else fine
     turning = spectral_lines.sample_angles(setup.model, cut, start, np.zeros(length))
     turn = max(1.0, turn * cut.rate)  # in ball passes
@@ -147,7 +147,7 @@ def of_passes(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: in
     lines, powers = {}, {}
     for name in requested:
         quantity, _, line = name.partition("@")
-        banded = of_band(name)
+        banded = read_band(name)
         if banded is not None:
             series = spectral_lines.along_sensor(case, fine, banded.quantity)
             band = band_of(case, banded)

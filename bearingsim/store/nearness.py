@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from math import inf, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from bearingsim.config.names import of_band
+from bearingsim.config.names import read_band
 from bearingsim.store.spread import scatters_unknown, standard_error
 from bearingsim.study.goal import HEALTHY
 from bearingsim.study.uncertainty import RIGID
@@ -101,7 +101,7 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
 
 def _step_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     """Return the relative step error of a feature; an envelope, a square, has twice that of the acceleration."""
-    banded = of_band(feature)
+    banded = read_band(feature)
     times = 2.0 if banded is not None and banded.line else 1.0
     of_acceleration = banded is not None and (banded.line or banded.quantity == "acceleration")
     kind = "record" if of_acceleration or feature.partition("@")[0] in OF_RECORD else _kind(feature)

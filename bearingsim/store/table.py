@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bearingsim.config.names import of_band
+from bearingsim.config.names import read_band
 from bearingsim.errors import DamageWarning
 from bearingsim.store import regular
 from bearingsim.store.columns import GROUPS, TEXT, read_columns, write_columns, write_jobs
@@ -254,7 +254,7 @@ def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
         twin = amplitude.reindex(frame["healthy"]).to_numpy()
         differences[f"{line}-healthy"] = np.abs(amplitude.to_numpy() - twin)
     for name in frame.columns:
-        if of_band(str(name).removeprefix("features/")) is not None:
+        if read_band(str(name).removeprefix("features/")) is not None:
             twin = frame[name].reindex(frame["healthy"]).to_numpy()
             differences[f"{name}-healthy"] = frame[name].to_numpy() - twin
     return pd.DataFrame(differences, index=frame.index)

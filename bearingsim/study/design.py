@@ -144,7 +144,7 @@ def _seed(entry: Node) -> int:
     return int(node.text)
 
 
-def beside(kind: Kind, axes: Sequence[Axis], words: Words) -> Iterator[Problem]:
+def breaking_axes(kind: Kind, axes: Sequence[Axis], words: Words) -> Iterator[Problem]:
     """Yield a problem for each further axis or key of a sweep that would break the blocks of a design."""
     why = f"beside `{kind}`, whose rows are compared in whole blocks"
     for axis in (axis for axis in axes if len(axis.rows) > 1):

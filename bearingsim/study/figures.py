@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from bearingsim.catalogue import MODELS
 from bearingsim.config import FEATURES
 from bearingsim.config.bands import EXAMPLES
-from bearingsim.config.names import of_band
+from bearingsim.config.names import read_band
 from bearingsim.config.vocabulary import sentence
 from bearingsim.text.units import suggestion
 from bearingsim.text.yamlfile import MAX_TOLD, Node, Problem, problem
@@ -41,12 +41,12 @@ class Figure:
     log: tuple[str, ...] = ()
 
 
-def of_bands(root: Node) -> dict[str, Node]:
+def band_features(root: Node) -> dict[str, Node]:
     """Return the features of bands named by figures and `accuracy` of a study, without `-healthy`."""
     features: dict[str, Node] = {}
     for node in _named(root):
         name = node.text.removesuffix(HEALTHY)
-        if of_band(name) is not None:
+        if read_band(name) is not None:
             features.setdefault(name, Node(name, node.mark))
     return features
 
@@ -140,7 +140,7 @@ def _check_keys(node: Node, problems: list[Problem]) -> None:
 def _check_words(key: str, node: Node, words: Collection[str], what: str, problems: list[Problem]) -> None:
     entry = node.mapping.get(key)
     for word in (entry.items or (entry,)) if entry else ():
-        if key != "y" or of_band(word.text) is None:
+        if key != "y" or read_band(word.text) is None:
             _check_word(f"figures.{key}", word.text, word, words, what, problems)
 
 

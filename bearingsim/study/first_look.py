@@ -8,7 +8,7 @@ from bearingsim.study.sweep import Axis
 from bearingsim.text.units import UnitError, parse
 from bearingsim.text.yamlfile import Node
 
-MOST_OF_AN_AXIS = 50
+MAX_AXIS_VALUES = 50
 """Rows sampled of an axis: with a hundred axes, the cases take a second or two."""
 
 
@@ -37,7 +37,7 @@ def sampled_rows(axis: Axis) -> list[int]:
     rows = {len(axis.rows) - 1: None}
     for column, path in enumerate(axis.paths):
         rows |= dict.fromkeys(_extremes_and_words(path, [row[column] for row in axis.rows]))
-    return sorted(row for row in [*rows][:MOST_OF_AN_AXIS] if row > 0)
+    return sorted(row for row in [*rows][:MAX_AXIS_VALUES] if row > 0)
 
 
 def _extremes_and_words(path: str, column: Sequence[Node]) -> list[int]:

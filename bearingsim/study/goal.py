@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from bearingsim.catalogue import AUTO, REFERENCE
 from bearingsim.config import Case
-from bearingsim.config.names import LINES, of_band
+from bearingsim.config.names import LINES, read_band
 from bearingsim.config.rules import hierarchy
 from bearingsim.study.figures import Figure
 from bearingsim.text.units import UnitError, parse, show, suggestion
@@ -50,7 +50,7 @@ class Goal:
 
 def is_judged(name: str) -> bool:
     """Return whether an accuracy can be asked of a feature: one of ``JUDGED``, or one of a band."""
-    return name in JUDGED or of_band(name) is not None
+    return name in JUDGED or read_band(name) is not None
 
 
 def parse_goal(section: Node | None, figures: Iterable[Figure], problems: list[Problem]) -> Goal | None:

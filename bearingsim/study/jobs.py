@@ -249,7 +249,7 @@ def _baseline(case: Case, swept: dict[str, float | str]) -> Job | None:
     healthy = healthy_twin(case)
     if healthy is None:
         return None
-    dropped = _of_defects(case)
+    dropped = _defect_keys(case)
     kept = {path: value for path, value in swept.items() if path.split(".")[0] not in dropped}
     return Job(healthy, kept, is_baseline=True)
 
@@ -259,12 +259,12 @@ def healthy_twin(case: Case) -> Case | None:
     if not case.defects or not MODELS[case.model].takes_defects:
         return None
     plain: dict[str, Any] = {
-        name: Case.model_fields[name].default for name in _of_defects(case) & Case.model_fields.keys()
+        name: Case.model_fields[name].default for name in _defect_keys(case) & Case.model_fields.keys()
     }
     plain["record"] = tuple(name for name in case.record if slice_number(name) is None)  # its slices differ
     return case.model_copy(update=plain)
 
 
-def _of_defects(case: Case) -> set[str]:
+def _defect_keys(case: Case) -> set[str]:
     """Return the keys that a healthy twin does not use."""
     return {"defect", "defects", "excitation"} | ({"seed"} if not MODELS[case.model].slips else set())

@@ -11,7 +11,7 @@ from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
 from bearingsim.config.case_fields import OLD_WORDS
 from bearingsim.config.fields import described
-from bearingsim.study.figures import Figure, check_known, of_bands, parse_figures
+from bearingsim.study.figures import Figure, band_features, check_known, parse_figures
 from bearingsim.study.goal import Goal, asks_for_reference, check_goal, parse_goal
 from bearingsim.study.jobs import Study
 from bearingsim.study.plan import Plan
@@ -168,7 +168,7 @@ def _opened(path: FilePath, overrides: Mapping[str, str]) -> _Opened:
             )
         notes, root = _notes_on(root, overrides), _renamed(root)
         renamed = {_new_path(path): value for path, value in _texts(overrides).items()}
-        computed = of_bands(root)
+        computed = band_features(root)
         whole, root = root, asks_for_reference(root) if "accuracy" in root.mapping else root
         # Both are checked, so that a problem in `quick` is reported now and not at its first use.
         modes = (False, True) if "quick" in root.mapping else (False,)

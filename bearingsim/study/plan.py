@@ -11,7 +11,7 @@ from bearingsim.catalogue import USUAL_MODEL
 from bearingsim.config import Case
 from bearingsim.config.fields import Path
 from bearingsim.designs import KINDS
-from bearingsim.study.design import IN_BLOCKS, Drawn, beside, drawn
+from bearingsim.study.design import IN_BLOCKS, Drawn, breaking_axes, drawn
 from bearingsim.study.diagnose import STUDY_KEYS, Problems, Sections, case_of, check_replaced, mark_of
 from bearingsim.study.expand import expanded
 from bearingsim.study.figures import with_features
@@ -31,7 +31,7 @@ from bearingsim.study.sweep import (
     written_paths,
 )
 from bearingsim.study.used import is_random
-from bearingsim.study.words import OF_COMMAND_LINE, WORDS, Words, entries_of, named_by, renewed, without
+from bearingsim.study.words import COMMAND_LINE_WORDS, WORDS, Words, entries_of, named_by, remove_path, renewed
 from bearingsim.text.units import UnitError, split
 from bearingsim.text.units import parse as quantity
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, argument_mark, parse_argument, problem
@@ -126,7 +126,7 @@ class Plan:
                 if any(axis.zipped for axis in new):
                     self.axes = [axis for axis in self.axes if not axis.zipped]
                 self.axes = dropped(self.axes, named_by(node.mapping))
-                self.words = reduce(without, (path for axis in new for path in axis.paths), self.words)
+                self.words = reduce(remove_path, (path for axis in new for path in axis.paths), self.words)
                 self.axes = reduce(replaced, new, self.axes)
             else:
                 self.fix(key, node, node.key or node.mark)
@@ -142,11 +142,11 @@ class Plan:
             return
         self.problems += flaws
         mark = argument_mark(typed, len("--set ") + 1)
-        if path in OF_COMMAND_LINE:
+        if path in COMMAND_LINE_WORDS:
             self.say(path, Node(value.value, value.mark, mark))
         elif is_sweep(value) and path not in _LIST_VALUED:
             axis = single_axis(path, Node(value.value, value.mark, mark), self.problems)
-            self.words = without(self.words, path)
+            self.words = remove_path(self.words, path)
             self.axes = replaced(self.axes, axis) if axis else self.axes
         else:
             self.fix(path, value, mark)
@@ -170,7 +170,7 @@ class Plan:
         self.base = put(self.base, place, value)
         self.expand()
         path = self.spelled(path)
-        self.words = without(self.words, path)
+        self.words = remove_path(self.words, path)
         if any(path in axis.paths for axis in self.axes):
             self.axes = replaced(self.axes, Axis((path,), ((value,),), (value,)))
 
@@ -191,7 +191,7 @@ class Plan:
         """Add the axes of the design, which changes slowest, and of `repeat`, which changes fastest."""
         kind = next((kind for kind in KINDS if kind in self.words), None)
         if kind in IN_BLOCKS:
-            self.problems += beside(kind, self.axes, self.words)
+            self.problems += breaking_axes(kind, self.axes, self.words)
         if "repeat" in self.words:
             self.axes += repeated(self.words["repeat"], self.problems)
         if kind is None:

@@ -26,13 +26,13 @@ Range = tuple[Callable[[Case], float], Callable[[Case], str]]
 
 FEWEST_SAMPLES = 8.0
 """Samples of the record per crossing of a defect: with fewer, series and statistics barely resolve the impact."""
-OF_RECORD = (".rms", ".peak", ".crest", ".kurtosis")
+RECORD_SUFFIXES = (".rms", ".peak", ".crest", ".kurtosis")
 """Suffixes of the features that are statistics of the record."""
 
 
 def beyond(cases: Sequence[Case], drawn: Sequence[str]) -> Iterator[str]:
     """Yield a warning for each exceeded limit: the worst case, and the count; drawn: features of the figures."""
-    of_record = any(name.removesuffix("-healthy").endswith(OF_RECORD) for name in drawn)
+    of_record = any(name.removesuffix("-healthy").endswith(RECORD_SUFFIXES) for name in drawn)
     lines = dict.fromkeys(name.partition("@")[2].partition("-healthy")[0].partition(".")[0] for name in drawn)
     sampled = partial(highest_line, drawn=[name for name in lines if name in LINES])
     ranges: tuple[Range, ...] = (

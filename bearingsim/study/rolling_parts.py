@@ -34,7 +34,7 @@ def load_rolling_parts(name: str) -> RollingParts:
         if key not in KEYS:
             hint = advice(key, KEYS) or f"known: {', '.join(KEYS)}"
             problems.append(problem(node.key or node.mark, f"bearing: unknown key `{key}`", hint))
-    tree = Node({"bearing": replace(_of_used_keys(document.root), mark=mark)}, mark)
+    tree = Node({"bearing": replace(_used_keys(document.root), mark=mark)}, mark)
     data: Any = plain(tree)
     try:
         parts = _Holder.model_validate(data).bearing
@@ -45,7 +45,7 @@ def load_rolling_parts(name: str) -> RollingParts:
     return parts
 
 
-def _of_used_keys(root: Node) -> Node:
+def _used_keys(root: Node) -> Node:
     if not isinstance(root.value, dict):
         return root
     return replace(

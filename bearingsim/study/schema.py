@@ -26,7 +26,7 @@ from bearingsim.study.uncertainty import NONE, UNKNOWN, UNKNOWNS, Unknown
 from bearingsim.text.units import UNITS
 
 _TEXT = {"type": ["string", "number", "boolean"]}
-OF_BAND: Schema = {"type": "string", "pattern": bands.PATTERN}
+BAND_NAME: Schema = {"type": "string", "pattern": bands.PATTERN}
 _NUMBERED = r"^defects\.[0-9]{1,4}"
 
 
@@ -48,10 +48,12 @@ def json_schema() -> Schema:
         return _one_of(_ref(names, *field) for field in fields_at()[OLD_WORDS.get(path, path)])
 
     shared = {
-        "Feature": {"anyOf": [{"enum": list(DRAWN)}, OF_BAND]},
+        "Feature": {"anyOf": [{"enum": list(DRAWN)}, BAND_NAME]},
         "Path": {"anyOf": [{"enum": _paths()}, {"type": "string", "pattern": _NUMBERED}]},
-        "Values": _by_path(_paths(), lambda path: _values(path, value_at(path))),
-        "Ranges": _by_path(filter(known_paths().get, known_paths()), lambda path: _shared(f"Range {_kind(path)}")),
+        "Values": _path_mapping(_paths(), lambda path: _values(path, value_at(path))),
+        "Ranges": _path_mapping(
+            filter(known_paths().get, known_paths()), lambda path: _shared(f"Range {_kind(path)}")
+        ),
         "Generated whole": _generated({"type": "number"}),
     }
     for dimension in UNITS:
@@ -74,7 +76,7 @@ def json_schema() -> Schema:
             "sweep": _sweep(required=["n", "over"]),
             "figures": {"type": "array", "items": _figure()},
             "uncertainty": {"anyOf": [{"const": NONE}, _closed({w: _tried(u) for w, u in UNKNOWNS.items()})]},
-            "quick": _by_path(_paths(), value_at, {"sweep": _sweep(required=[])}),
+            "quick": _path_mapping(_paths(), value_at, {"sweep": _sweep(required=[])}),
         },
         "required": ["study"],
         "additionalProperties": False,
@@ -137,7 +139,9 @@ def _shared(name: str) -> Schema:
     return {"$ref": f"#/$defs/{name.replace(' ', '-')}"}
 
 
-def _by_path(paths: Iterable[str], schema: Callable[[str], Schema], more: Mapping[str, Schema] = {}) -> Schema:
+def _path_mapping(
+    paths: Iterable[str], schema: Callable[[str], Schema], more: Mapping[str, Schema] = {}
+) -> Schema:
     """Return the schema of a mapping whose keys are paths, some with the number of a defect, and ``more`` keys."""
     schemas = {path: schema(path) for path in paths}
     of_defects = [path for path in schemas if path.split(".")[0] == "defect"]
@@ -197,7 +201,7 @@ def _sweep(required: list[str]) -> Schema:
         "where": _one_of([{"type": "string"}, {"type": "array", "items": {"type": "string"}}]),
         "repeat": whole_schema(1, MAX_VALUES),
     }
-    return _by_path(_paths(), lambda path: {"$ref": f"#/$defs/Values/properties/{path}"}, words)
+    return _path_mapping(_paths(), lambda path: {"$ref": f"#/$defs/Values/properties/{path}"}, words)
 
 
 def _figure() -> Schema:
@@ -227,7 +231,7 @@ def _accuracy() -> Schema:
         [
             share,
             _closed(
-                {"within": share, "of": _some({"anyOf": [{"enum": list(JUDGED)}, OF_BAND]})}, required=["within"]
+                {"within": share, "of": _some({"anyOf": [{"enum": list(JUDGED)}, BAND_NAME]})}, required=["within"]
             ),
         ]
     )

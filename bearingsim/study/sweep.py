@@ -60,7 +60,7 @@ def rows_of(axes: list[Axis]) -> Iterator[list[tuple[str, Node]]]:
 
 def dropped(axes: list[Axis], paths: Collection[str]) -> list[Axis]:
     """Remove some paths from the axes."""
-    return [kept for axis in axes for kept in _without(axis, paths)]
+    return [kept for axis in axes for kept in _remove_paths(axis, paths)]
 
 
 def single_axis(path: str, entry: Node, problems: list[Problem]) -> Axis | None:
@@ -82,11 +82,11 @@ def replaced(axes: list[Axis], new: Axis) -> list[Axis]:
         if clashes and not placed:
             axes_left.append(new)
             placed = True
-        axes_left += _without(axis, new.paths) if clashes else [axis]
+        axes_left += _remove_paths(axis, new.paths) if clashes else [axis]
     return axes_left if placed else [*axes_left, new]
 
 
-def _without(axis: Axis, paths: Collection[str]) -> list[Axis]:
+def _remove_paths(axis: Axis, paths: Collection[str]) -> list[Axis]:
     """Remove some paths, however spelled, from an axis; return no axis if no path is left."""
     gone = set(map(unspelled, paths))
     kept = [i for i, path in enumerate(axis.paths) if unspelled(path) not in gone]
@@ -183,7 +183,7 @@ def _count(node: Node) -> int:
     return int(node.text)
 
 
-def _between(
+def _interpolated(
     start: Node, stop: Node, count: Node, interpolate: Callable[[float, float, float], float]
 ) -> tuple[Node, ...]:
     """Return ``count`` values from start to stop, both included."""
@@ -235,8 +235,8 @@ def written(number: float, unit: str, source: Node) -> Node:
 
 
 GENERATORS: dict[str, Callable[[Node, Node, Node], tuple[Node, ...]]] = {
-    "linspace": partial(_between, interpolate=_linear),
-    "logspace": partial(_between, interpolate=_geometric),
+    "linspace": partial(_interpolated, interpolate=_linear),
+    "logspace": partial(_interpolated, interpolate=_geometric),
     "range": _range,
 }
 _EXAMPLES = {

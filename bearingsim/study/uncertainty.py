@@ -229,7 +229,7 @@ def sampled(cases: Sequence[Case], jobs: int) -> list[Case]:
     return Random(able[0].seed).sample(able, SAMPLED_JOBS)
 
 
-def by_kind(tried: Iterable[tuple[str, float]]) -> dict[str, list[float]]:
+def group_by_kind(tried: Iterable[tuple[str, float]]) -> dict[str, list[float]]:
     """Collect values (SI) by kind of uncertainty, from pairs of both."""
     values: dict[str, list[float]] = {}
     for what, value in tried:
@@ -265,14 +265,14 @@ def variations(case: Case, uncertain: Sequence[Uncertain]) -> list[tuple[str, fl
 RIGID = "rigid ring assumed; bending can change amplitudes several-fold (docs/ring.md)"
 NO_SLIP = "pure rolling assumed; slip and oil drag change amplitudes by some percent (docs/accuracy.md)"
 NO_OIL = "dry friction assumed; oil drag changes amplitudes by some percent, RMS by more (docs/accuracy.md)"
-_OF_RING = ("ring.", "displacement", "velocity", "acceleration")
+_RING_CHANNELS = ("ring.", "displacement", "velocity", "acceleration")
 
 
 def assumes_rigid_ring(cases: Iterable[Case], drawn: Iterable[str], uncertain: Sequence[Uncertain] | None) -> bool:
     """Return True if a study omits `ring`, although a figure (features: drawn) or record depends on it."""
     if any(parameter.what == "support" for parameter in uncertain or ()):
         return False
-    seen = any(name.startswith(_OF_RING) for name in drawn)
+    seen = any(name.startswith(_RING_CHANNELS) for name in drawn)
     silent = [case for case in cases if MODELS[case.model].loaded and "ring" not in case.rig.model_fields_set]
     return any(seen or any(name.startswith("ring.") for name in case.record) for case in silent)
 

@@ -50,7 +50,7 @@ IN_SPACE: dict[str, tuple[str, ...]] = {
 """Values that only the spatial model depends on."""
 
 
-ANGLE_OF_SENSOR = "sensor.angle"
+SENSOR_ANGLE = "sensor.angle"
 """Duplicate of `rig.sensor_angle`."""
 
 
@@ -85,13 +85,13 @@ def _unused(name: str, case: Case) -> tuple[str, ...]:
     paths = () if sliced else IN_SPACE.get(name, ())
     if (
         name == "bearing"
-        and not _by_material(case)
+        and not _uses_material(case)
         and case.bearing.element == "roller"
-        and not _by_pressure(case)
+        and not _uses_pressure(case)
     ):
         return (*paths, "material.young_modulus", "material.poisson_ratio")
     if name == "rig":
-        return ("sensor", "load") if case.rig.ring is None else (ANGLE_OF_SENSOR,)
+        return ("sensor", "load") if case.rig.ring is None else (SENSOR_ANGLE,)
     if name == "defects":
         return ("file",)  # the content affects results, not its location
     return (*paths, "length_nodes") if name == "contact" and sliced else paths
@@ -113,7 +113,7 @@ def _text_of_plain(value: Any) -> str:
 @lru_cache(maxsize=1 << 16)
 def _text_of_section(name: str, section: Section, unused: tuple[str, ...]) -> str:
     """Return the JSON text of a section, cached because many cases share one."""
-    values = _without(section.model_dump(), INACTIVE.get(name))
+    values = _remove_idle(section.model_dump(), INACTIVE.get(name))
     for path in unused:
         *sections, last = path.split(".")
         del reduce(getitem, sections, values)[last]
@@ -153,26 +153,26 @@ def extensions(case: Case) -> dict[str, str]:
     return {"extensions": catalogue.extension_digest()} if used else {}
 
 
-def _by_material(case: Case) -> bool:
+def _uses_material(case: Case) -> bool:
     """Return True if results depend on the elastic constants, by a contact law or a flexible ring."""
     damping = getattr(case.contact.damping, "law", "")
     used = catalogue.LAWS["stiffness"][case.contact.elastic_law], catalogue.LAWS["damping"][damping]
     return case.rig.ring is not None or any(law.material for law in used)
 
 
-def _by_pressure(case: Case) -> bool:
+def _uses_pressure(case: Case) -> bool:
     """Return True if the excitation by defects depends on the contact pressure, and so on the material."""
     return bool(case.defects) and case.excitation in ("pressure-share", "elastic-edge")
 
 
-def _without(value: Any, idle: Any) -> Any:
+def _remove_idle(value: Any, idle: Any) -> Any:
     """Remove the entries without effect from a mapping, or from each mapping of a list."""
     if isinstance(value, list | tuple):
-        return [_without(inner, idle) for inner in value]
+        return [_remove_idle(inner, idle) for inner in value]
     if not isinstance(value, dict) or not isinstance(idle, dict):
         return value
     return {
-        key: _without(inner, idle[key]) if isinstance(idle.get(key), dict) else inner
+        key: _remove_idle(inner, idle[key]) if isinstance(idle.get(key), dict) else inner
         for key, inner in value.items()
         if key not in idle or inner != idle[key]
     }

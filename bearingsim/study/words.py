@@ -8,7 +8,7 @@ from bearingsim.study.paths import unspelled
 from bearingsim.text.yamlfile import Node
 
 WORDS = (*KINDS, "derived", "where", "repeat")
-OF_COMMAND_LINE = ("repeat", *(f"{kind}.{word}" for kind in KINDS for word in ("n", "seed")))
+COMMAND_LINE_WORDS = ("repeat", *(f"{kind}.{word}" for kind in KINDS for word in ("n", "seed")))
 """Keys that `--set` can change."""
 
 Words = dict[str, Node]
@@ -29,7 +29,7 @@ def named_by(words: Mapping[str, Node]) -> set[str]:
     return {path for word, node in words.items() if word in WORDS for path in entries_of(word, node)}
 
 
-def without(words: Words, path: str) -> Words:
+def remove_path(words: Words, path: str) -> Words:
     """Remove a path, however spelled, from all keys; a key without paths is removed."""
     remaining: Words = {}
     for word, node in words.items():

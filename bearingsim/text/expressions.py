@@ -59,7 +59,7 @@ def kind_of(dimension: Dimension) -> Kind:
 _DIMENSIONS: dict[str, Dimension] = {word: dimension for dimension in UNITS for word in UNITS[dimension] if word}
 """Dimension of a unit; of `Hz` the last one, a frequency: speeds are in rpm or rad/s."""
 _KINDS = {dimension: kind_of(dimension) for dimension in UNITS}
-_OF_KIND = {kind: dimension for dimension, kind in _KINDS.items()}
+_KIND_DIMENSIONS = {kind: dimension for dimension, kind in _KINDS.items()}
 
 
 class ExpressionError(Exception):
@@ -455,8 +455,8 @@ def kind_text(kind: Kind) -> str:
         return "true or false"
     if kind == PLAIN:
         return "a plain number"
-    if kind in _OF_KIND:
-        return EXPECTED[_OF_KIND[kind]].split(" such as ")[0]
+    if kind in _KIND_DIMENSIONS:
+        return EXPECTED[_KIND_DIMENSIONS[kind]].split(" such as ")[0]
     powers = [(base, power) for base, power in zip(_BASES, kind, strict=True) if power]
     return "in " + " ".join(base if power == 1 else f"{base}^{power}" for base, power in powers)
 

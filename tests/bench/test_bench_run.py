@@ -52,7 +52,7 @@ def test_a_study_is_charted(here, write, small_plan):
 
 
 def test_a_solver_of_another_package_finds_what_ours_does(write):
-    one = scene.of_file(write(STUDY), quick=False)[0]
+    one = scene.load_scenes(write(STUDY), quick=False)[0]
     case = next(variant.case for variant in one.variants if variant.name == "rollers")
     assert case is not None
     found, cpu, simulated = outside.solve(case, outside.SOLVERS["scipy-dop853"], 1e-7)

@@ -98,7 +98,7 @@ def test_where_no_job_is_close_a_run_in_full_is_named():
     found = verdict.verdict(rows, 0.01)
     assert found.job is None
     assert found.point is not None
-    assert verdict.by(found.point) == "verlet at 0.25 times its first step"
+    assert verdict.method_text(found.point) == "verlet at 0.25 times its first step"
 
 
 def test_nothing_is_told_that_the_reference_does_not_know():
@@ -317,11 +317,11 @@ def test_a_ramp_is_refused(write):
         "study: up\nbearing: nf308\nspeed: 1800 rpm\nramp: {to: 3000 rpm, time: 1 s}\nload: 150 N\nmodel: planar\n"
     )
     with pytest.raises(UserError, match="omit `ramp`"):
-        scene.of_file(path, quick=False)
+        scene.load_scenes(path, quick=False)
 
 
 def test_the_first_cases_of_a_study_are_scenes(here):
-    found = scene.of_file(here / "small.yaml", quick=False)
+    found = scene.load_scenes(here / "small.yaml", quick=False)
     assert [one.name for one in found] == ["small-1", "small-2"]
     assert [one.reference.load for one in found] == [150.0, 300.0]
     assert [variant.name for variant in found[0].variants] == ["planar", "rollers", "ring", "static"]
@@ -332,7 +332,7 @@ def test_a_study_that_names_an_accuracy_has_the_same_ladder(write):
         "study: promised\nbearing: nf308\nspeed: 1800 rpm\nload: 150 N\n"
         "accuracy: {within: 2 %, of: [velocity.rms]}\n"
     )
-    assert [variant.name for variant in scene.of_file(path, quick=False)[0].variants] == [
+    assert [variant.name for variant in scene.load_scenes(path, quick=False)[0].variants] == [
         "planar",
         "rollers",
         "ring",

@@ -55,7 +55,7 @@ def test_rings_of_one_speed_pass_nothing(bearing):
 @given(inner=st.integers(-3000, 3000), outer=st.integers(-3000, 3000).filter(bool), degrees=st.floats(0.0, 90.0))
 def test_both_rings_turn(inner, outer, degrees):
     """Seen from either ring: speeds over the races, of which that of the elements is the mean."""
-    found = frequencies.of_bearing("6205", f"{inner} rpm", f"{outer} rpm", f"{degrees:.6f} deg")
+    found = frequencies.bearing_frequencies("6205", f"{inner} rpm", f"{outer} rpm", f"{degrees:.6f} deg")
     f_i, f_o, g = inner / 60.0, outer / 60.0, 7.94 / 39.04 * cos(radians(degrees))
     cage = (f_i * (1.0 - g) + f_o * (1.0 + g)) / 2.0
     spin = 39.04 / (2.0 * 7.94) * (f_i - f_o) * (1.0 - g * g)

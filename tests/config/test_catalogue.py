@@ -50,7 +50,7 @@ def test_a_bearing_is_read_and_says_where_its_numbers_come_from(name: str) -> No
 def test_characteristic_frequencies_are_the_printed_ones(
     name: str, orders: dict[str, float], tolerance: float
 ) -> None:
-    found = frequencies.of_bearing(name, "1800 rpm")["frequencies"]
+    found = frequencies.bearing_frequencies(name, "1800 rpm")["frequencies"]
     assert {key: found[key]["order"] for key in orders} == pytest.approx(orders, abs=tolerance)
 
 
@@ -85,7 +85,7 @@ def test_rollers_carry_the_printed_static_load(name: str, printed: float) -> Non
 
 def test_balls_are_named_as_such(capsys: pytest.CaptureFixture[str]) -> None:
     for name, word in (("6205", "balls over"), ("nu205", "rollers over")):
-        frequencies.show(name, "1800 rpm", frequencies.of_bearing(name, "1800 rpm"))
+        frequencies.show(name, "1800 rpm", frequencies.bearing_frequencies(name, "1800 rpm"))
         assert word in capsys.readouterr().out
 
 

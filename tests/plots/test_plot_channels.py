@@ -71,7 +71,7 @@ def test_over_time_nothing_rings_before_it_happens(channel: str, antialias: str,
     """A blow as the record's low-pass, which has no delay, leaves it: even about its instant."""
     blow = np.convolve(np.where(np.arange(4000) == 2004, 1.0, 0.0), sampling_kernel(10.0), "same")[::10]
     job = SimpleNamespace(parameters={"antialias": antialias})
-    values = recorded.over_time(job, channel, Signal(np.arange(400.0), blow))  # type: ignore[arg-type]
+    values = recorded.drawn_values(job, channel, Signal(np.arange(400.0), blow))  # type: ignore[arg-type]
     ahead = np.max(np.abs(values[:198])) / np.max(np.abs(values))
     assert (ahead < 2e-3) == delayed
     assert (values is blow) != delayed

@@ -137,10 +137,10 @@ def test_a_parameter_that_has_one_value_has_no_panel(results):
 
 def test_a_range_that_is_filled_by_its_logarithm_has_a_log_axis(results):
     even = np.linspace(1.0, 40.0, 64)
-    assert design.by_logarithm(list(np.geomspace(1.0, 40.0, 64)))
-    assert not design.by_logarithm(list(even))
-    assert not design.by_logarithm(list(even - 1.0))
-    assert not design.by_logarithm(list(np.geomspace(1.0, 3.0, 64)))
+    assert design.is_logarithmic(list(np.geomspace(1.0, 40.0, 64)))
+    assert not design.is_logarithmic(list(even))
+    assert not design.is_logarithmic(list(even - 1.0))
+    assert not design.is_logarithmic(list(np.geomspace(1.0, 3.0, 64)))
     text = SOBOL.replace("defect.length: [3 mm, 9 mm]", "contact.damping.beta: {log: [0.5 us, 10 us]}")
     _, canvas = only(drawn(results(text), kind="design", y=["velocity@BPFO"]))
     assert [ax.get_xscale() for ax in canvas.axes] == ["linear", "log", "linear"]

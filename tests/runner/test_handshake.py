@@ -12,7 +12,7 @@ import pytest
 pytest.importorskip("distributed", reason="needs the extra `cluster`")
 
 from bearingsim.runner import handshake
-from bearingsim.runner.handshake import SchedulerGone, client_of, within
+from bearingsim.runner.handshake import SchedulerGone, answer_in_time, client_of
 from benchmarks import handshakes, peers
 
 STRANGER = "is not a dask scheduler (it "
@@ -26,15 +26,15 @@ def soon(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_an_answer_in_time_is_given_and_so_is_an_error() -> None:
-    assert within(5.0, lambda: 3) == 3
+    assert answer_in_time(5.0, lambda: 3) == 3
     with pytest.raises(ZeroDivisionError):
-        within(5.0, lambda: 1 / 0)
+        answer_in_time(5.0, lambda: 1 / 0)
 
 
 def test_a_question_without_an_answer_is_given_up() -> None:
     answer = threading.Event()
     with pytest.raises(TimeoutError, match="no answer within"):
-        within(0.05, answer.wait)
+        answer_in_time(0.05, answer.wait)
     answer.set()
 
 
@@ -43,7 +43,7 @@ def test_ctrl_c_is_heard_while_an_answer_is_waited_for() -> None:
     threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
     began = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
-        within(30.0, answer.wait)
+        answer_in_time(30.0, answer.wait)
     answer.set()
     assert time.monotonic() - began < 2.0
 

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from bearingsim.designs import block, cube
-from bearingsim.sensitivity import SensitivityError, analysed, estimates, of_results
+from bearingsim.sensitivity import SensitivityError, analysed, collect_blocks, estimates
 from tests.scenes.closed_forms import ISHIGAMI
 
 LINE = "velocity@BPFO"
@@ -32,13 +32,13 @@ def results(kind="saltelli", n=8, failed=(), missing=(), without=(), of=ISHIGAMI
 
 def refused(*asked, of=LINE, **told):
     with pytest.raises(SensitivityError) as caught:
-        of_results(results(*asked, **told), of)
+        collect_blocks(results(*asked, **told), of)
     return str(caught.value)
 
 
 @pytest.mark.parametrize("kind", ["saltelli", "morris"])
 def test_values_stand_in_the_rows_of_the_design(kind):
-    found = of_results(results(kind), LINE)
+    found = collect_blocks(results(kind), LINE)
     assert found.values.shape == (8, block(kind, 3))
     assert found.values == pytest.approx(ISHIGAMI.of(found.points))
     assert (found.dropped, found.failed, found.valueless, found.jobs) == (0, 0, 0, found.values.size)
@@ -46,7 +46,7 @@ def test_values_stand_in_the_rows_of_the_design(kind):
 
 
 def test_a_job_without_a_value_spoils_its_block():
-    found = of_results(results(failed=[0, 1, 7], without=[39]), LINE)  # blocks 0, 1 and 7 of 8, 5 rows each
+    found = collect_blocks(results(failed=[0, 1, 7], without=[39]), LINE)  # blocks 0, 1 and 7 of 8, 5 rows each
     assert found.values == pytest.approx(ISHIGAMI.of(found.points))
     assert (len(found.values), found.dropped, found.planned, found.failed, found.valueless) == (5, 3, 8, 3, 1)
     assert found.losses() == "3 of 8 blocks dropped: of 40 jobs 3 failed and 1 have no `velocity@BPFO`"
@@ -55,7 +55,7 @@ def test_a_job_without_a_value_spoils_its_block():
 def test_three_per_cent_of_failures_leave_the_indices():
     n = 2**14
     failed = np.flatnonzero(np.random.default_rng(3).random(5 * n) < 0.03)
-    found = of_results(results(n=n, failed=failed), LINE)
+    found = collect_blocks(results(n=n, failed=failed), LINE)
     assert found.failed == len(failed)
     assert 0.12 < found.dropped / n < 0.16
     indices = estimates.indices(found.values)
@@ -63,7 +63,7 @@ def test_three_per_cent_of_failures_leave_the_indices():
 
 
 def test_over_a_tenth_of_failures_is_refused():
-    assert of_results(results(failed=range(4)), LINE).dropped == 1  # 4 of 40
+    assert collect_blocks(results(failed=range(4)), LINE).dropped == 1  # 4 of 40
     told = refused(failed=range(4), without=[4])
     assert told.startswith("5 of 40 jobs have no `velocity@BPFO` (4 failed), more than 10 %.")
     assert "`bearingsim show --failed`" in told
@@ -80,7 +80,7 @@ def test_what_is_not_computed_yet_is_refused_with_the_command():
 def test_a_job_that_stands_in_several_rows_counts_once():
     told = results("morris", n=8, failed=[0])
     told.plan["design"]["ids"][4] = "0000"  # the first rows of two trajectories
-    found = of_results(told, LINE)
+    found = collect_blocks(told, LINE)
     assert (found.dropped, found.failed, found.jobs) == (2, 1, 31)
 
 
@@ -95,7 +95,7 @@ def test_a_study_without_a_design_is_told_what_to_write():
     plain = results()
     plain.plan["design"] = None
     with pytest.raises(SensitivityError, match=r"mine: the study has no design; .*saltelli: \{n: 128, seed"):
-        of_results(plain, LINE)
+        collect_blocks(plain, LINE)
 
 
 def test_a_feature_is_one_that_the_results_have():
@@ -107,21 +107,21 @@ def test_a_feature_is_one_that_the_results_have():
 def test_what_does_not_vary_has_no_indices():
     constant = results(of=lambda points: np.ones(len(points)))
     with pytest.raises(SensitivityError, match="`velocity@BPFO` is the same in all jobs"):
-        of_results(constant, LINE)
+        collect_blocks(constant, LINE)
 
 
 def test_few_blocks_have_no_interval():
     assert refused(n=3) == "too few blocks for an interval (the design has n: 3): raise `n`"
-    assert len(of_results(results(n=4), LINE).values) == 4
+    assert len(collect_blocks(results(n=4), LINE).values) == 4
 
 
 def test_chaotic_jobs_are_counted():
-    assert of_results(results(chaotic=1.0), LINE).chaotic == 40
-    assert of_results(results(), LINE).chaotic == 0
+    assert collect_blocks(results(chaotic=1.0), LINE).chaotic == 40
+    assert collect_blocks(results(), LINE).chaotic == 0
 
 
 def test_what_varies_in_one_block_has_no_interval():
     """Draws without that block do not vary at all."""
-    of_one = of_results(results(of=lambda points: 1.0 * (np.arange(len(points)) == 1)), LINE)
+    of_one = collect_blocks(results(of=lambda points: 1.0 * (np.arange(len(points)) == 1)), LINE)
     with pytest.raises(SensitivityError, match="varies in too few blocks"):
         analysed(of_one)

@@ -60,7 +60,7 @@ def test_correlated_columns_of_a_small_design_make_no_first_index(seed):
     """Of six parameters at 128 blocks, those columns of A and B are correlated whatever the scramble."""
     f = pair(cube("saltelli", 128, 6, seed)).reshape(128, 8)
     assert abs(np.corrcoef(f[:, 0], f[:, 1])[0, 1]) > 0.3
-    found = estimates.of_blocks(f)
+    found = estimates.estimate_indices(f)
     assert np.abs(found.first.value).max() < 0.12
     assert np.all((found.first.low <= 0.0) & (found.first.high >= 0.0))
 
@@ -78,7 +78,7 @@ def test_a_large_mean_does_not_blur_the_first_indices():
 def test_what_acts_only_together_is_the_rest():
     d = 2
     f = np.prod(cube("saltelli", 4096, d, 1) - 0.5, axis=1).reshape(-1, d + 2)  # x y: nothing alone
-    found = estimates.of_blocks(f)
+    found = estimates.estimate_indices(f)
     assert found.together.value == pytest.approx([1.0], abs=0.05)
     assert found.together.low[0] > 0.9
     assert found.total.value == pytest.approx([1.0, 1.0], abs=0.05)
@@ -102,13 +102,13 @@ def test_intervals_hold_the_value_as_often_as_they_say(points, tries, least, mos
     weights, n, d = np.array([3.0, 2.0, 1.0]), 128, 3
     first, held = weights**2 / (weights**2).sum(), 0
     for seed in range(tries):
-        found = estimates.of_blocks((points(n, d, seed) @ weights).reshape(n, d + 2)).first
+        found = estimates.estimate_indices((points(n, d, seed) @ weights).reshape(n, d + 2)).first
         held += int(np.count_nonzero((found.low <= first) & (first <= found.high)))
     assert least <= held / (tries * d) <= most
 
 
 def test_intervals_are_the_same_each_time_and_shrink_with_the_design():
-    few, again, many = (estimates.of_blocks(blocks_of(ISHIGAMI, n)) for n in (128, 128, 2048))
+    few, again, many = (estimates.estimate_indices(blocks_of(ISHIGAMI, n)) for n in (128, 128, 2048))
     assert np.array_equal(few.total.low, again.total.low)
     narrower = (many.total.high - many.total.low) / (few.total.high - few.total.low)
     assert narrower == pytest.approx(0.25, abs=0.08)  # 16 times as many blocks
@@ -133,7 +133,7 @@ def test_morris_ranks_by_total_index(known, n):
 
 def test_effects_of_a_plane_are_its_slopes():
     points = cube("morris", 20, 3, 1).reshape(20, 4, 3)
-    found = estimates.of_trajectories(points, points @ np.array([3.0, -2.0, 0.0]))
+    found = estimates.estimate_effects(points, points @ np.array([3.0, -2.0, 0.0]))
     assert found.mean.value == pytest.approx([3.0, -2.0, 0.0])
     assert found.magnitude.value == pytest.approx([3.0, 2.0, 0.0])
     assert found.spread.value == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
@@ -142,7 +142,7 @@ def test_effects_of_a_plane_are_its_slopes():
 def test_what_depends_on_the_others_has_a_spread():
     points = cube("morris", 400, 2, 1).reshape(400, 3, 2)
     x, y = np.moveaxis(points, -1, 0)
-    found = estimates.of_trajectories(points, x * (y - 0.5))
+    found = estimates.estimate_effects(points, x * (y - 0.5))
     assert found.spread.low[0] > np.abs(found.mean.high[0])
     assert found.magnitude.low[0] > 0.2
     of_levels = np.sqrt((3**2 + 7**2) / 2) / 16  # y - 0.5 at four levels

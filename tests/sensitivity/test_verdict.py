@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bearingsim.sensitivity import Effects, Estimate, Indices
-from bearingsim.sensitivity.verdict import leaders, negligible, of_effects, of_indices
+from bearingsim.sensitivity.verdict import effects_text, indices_text, leaders, negligible
 
 PATHS = ("defect.width", "load", "clearance")
 
@@ -19,7 +19,7 @@ ALONE = known((0.5, 0.4, 0.6), (0.2, 0.1, 0.3), (0.0, -0.01, 0.02))
 
 def test_one_parameter_decides_where_its_interval_stands_clear():
     total = known((0.7, 0.6, 0.8), (0.3, 0.2, 0.59), (0.01, 0.0, 0.04))
-    assert of_indices(Indices(ALONE, total, known((0.3, 0.1, 0.5))), "velocity@BPFO", PATHS) == (
+    assert indices_text(Indices(ALONE, total, known((0.3, 0.1, 0.5))), "velocity@BPFO", PATHS) == (
         "One parameter clearly dominates velocity@BPFO: `defect.width`, total index"
         " 0.70 (0.60 to 0.80), alone 0.50 (0.40 to 0.60). `clearance` is negligible, below 5 % of the"
         " variance. Parameters interact (1 - sum of first indices = 0.30 (0.10 to 0.50)), so varying one at a time"
@@ -29,7 +29,7 @@ def test_one_parameter_decides_where_its_interval_stands_clear():
 
 def test_overlapping_intervals_leave_the_order_open():
     total = known((0.5, 0.4, 0.6), (0.6, 0.45, 0.7), (0.2, 0.1, 0.3))
-    told = of_indices(Indices(ALONE, total, known((0.3, -0.1, 0.5))), "velocity.rms", PATHS)
+    told = indices_text(Indices(ALONE, total, known((0.3, -0.1, 0.5))), "velocity.rms", PATHS)
     assert told.startswith("2 parameters dominate velocity.rms, with overlapping intervals: `load`")
     assert told.index("`load`") < told.index("`defect.width`")
     assert "negligible" not in told
@@ -52,7 +52,7 @@ def test_effects_are_said_in_the_unit_of_the_feature():
     size = known((3e-6, 2.5e-6, 3.5e-6), (1e-6, 0.9e-6, 1.1e-6), (1e-8, 0.0, 2e-8))
     mean = known((1e-6, 0.5e-6, 1.5e-6), (1e-6, 0.9e-6, 1.1e-6), (0.0, 0.0, 0.0))
     spread = known((2e-6, 1.6e-6, 2.5e-6), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    assert of_effects(Effects(mean, size, spread), "velocity@BPFO", PATHS, "um/s", 1e6) == (
+    assert effects_text(Effects(mean, size, spread), "velocity@BPFO", PATHS, "um/s", 1e6) == (
         "One parameter clearly dominates velocity@BPFO: `defect.width`, mu* 3.00"
         " (2.50 to 3.50) um/s. `clearance` is negligible, below 5 % of that. The effect of `defect.width` is"
         " nonlinear or depends on other parameters (sigma exceeds mu)."
@@ -63,10 +63,10 @@ def test_effects_are_said_in_the_unit_of_the_feature():
 def test_a_spread_within_the_mean_is_a_straight_line_whichever_way(sign):
     low, high = sorted((sign * 4.0, sign * 6.0))
     size, mean, spread = known((5.0, 4.0, 6.0)), known((sign * 5.0, low, high)), known((4.6, 4.5, 5.0))
-    assert "nonlinear" not in of_effects(Effects(mean, size, spread), "velocity@BPFO", PATHS)
+    assert "nonlinear" not in effects_text(Effects(mean, size, spread), "velocity@BPFO", PATHS)
 
 
 def test_where_all_intervals_overlap_nothing_decides():
     total = known((0.5, 0.2, 0.9), (0.4, 0.1, 0.8), (0.3, 0.1, 0.7))
-    told = of_indices(Indices(ALONE, total, known((0.3, -0.1, 0.5))), "velocity.rms", PATHS)
+    told = indices_text(Indices(ALONE, total, known((0.3, -0.1, 0.5))), "velocity.rms", PATHS)
     assert told.startswith("No parameter clearly dominates velocity.rms, because all intervals overlap:")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bearingsim.config.names import of_band
+from bearingsim.config.names import read_band
 from bearingsim.simulation import simulate
 from tests.scenes.nf308 import SLOT, case
 
@@ -50,7 +50,7 @@ OTHERS = ("velocity.rms@10-1000", "velocity.peak@10-1000Hz", "envelope@BPFX", "e
 
 @pytest.mark.parametrize("name", [*OTHERS, "velocity.rms@1-5kHz", "velocity.rms@10.0-1000Hz"])
 def test_other_names_are_no_bands(name):
-    assert of_band(name) is None
+    assert read_band(name) is None
 
 
 def test_a_line_that_the_band_is_too_narrow_for_is_none():

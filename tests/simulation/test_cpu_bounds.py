@@ -108,7 +108,7 @@ def test_a_feature_of_another_package_that_runs_out_of_time_is_no_fault_of_it() 
         mock.patch.dict(FEATURES, {"slow": Feature("slow", "", "slow", "its_own:slow")}, clear=True),
         mock.patch.object(catalogue, "code", return_value=slow),
     ):
-        ended = ended_in(lambda: features.of_extensions(case(), np.zeros(1), {}))
+        ended = ended_in(lambda: features.extension_features(case(), np.zeros(1), {}))
     assert ended[-2:] == ["slow", "check"]
 
 

@@ -15,7 +15,7 @@ from bearingsim.errors import UserError
 from bearingsim.extensions import BrokenExtension
 from bearingsim.runner.findings import without_value
 from bearingsim.runner.work import _failure
-from bearingsim.simulation.features import of_extensions, refuse_undeclared
+from bearingsim.simulation.features import extension_features, refuse_undeclared
 from bearingsim.study.used import extensions
 from tests.scenes.short_cases import case
 
@@ -70,7 +70,7 @@ def declared(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def read() -> tuple[dict[str, float], dict[str, str]]:
-    return of_extensions(case(), TIME, SERIES)
+    return extension_features(case(), TIME, SERIES)
 
 
 def test_a_number_is_a_value(monkeypatch) -> None:

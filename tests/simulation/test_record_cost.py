@@ -14,7 +14,7 @@ from bearingsim.signals import line_at, lines, lines_of_blocks, passes
 from bearingsim.simulation import features, pricing, simulate, spectral_lines, time_grid
 from bearingsim.simulation.choice import Attempt
 from bearingsim.simulation.run_setup import MethodFailure
-from bearingsim.simulation.simulate import _in_turn as in_turn
+from bearingsim.simulation.simulate import _first_sound_attempt as in_turn
 
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 FULL = {"periodic": False, "step_check": False}

@@ -32,7 +32,7 @@ def complete(case: CaseFields) -> None:
     if case.misalignment is not None and case.misalignment.inner == case.misalignment.outer == 0.0:
         _fill(case, "misalignment", None)
     _fill_free_motion(case)
-    _fill(case, "record", tuple(name for channel in case.record for name in by_slices(channel, case)))
+    _fill(case, "record", tuple(name for channel in case.record for name in slice_channels(channel, case)))
 
 
 def _fill_reference(case: CaseFields) -> None:
@@ -44,7 +44,7 @@ def _fill_reference(case: CaseFields) -> None:
 
 AROUND_A_ROLLER, IN_A_HOUSING = 7, 8
 """Harmonics: so many more than rollers see the bulge under each; so many suffice for what reaches a housing."""
-MASS_OF_CARRIER = 1.0  # kg: an assumption
+CARRIER_MASS = 1.0  # kg: an assumption
 
 
 def completed_rig(case: CaseFields) -> Rig:
@@ -58,7 +58,7 @@ def completed_rig(case: CaseFields) -> Rig:
         harmonics = min(MAX_HARMONICS, case.bearing.rollers + AROUND_A_ROLLER) if on_ring else IN_A_HOUSING
     dimensions = {name: getattr(ring.section, name) or usual for name, usual in case.bearing.ring_section.items()}
     bent = {"harmonics": harmonics, "section": ring.section.model_copy(update=dimensions)}
-    held = {"mass": load.mass or MASS_OF_CARRIER} if load.carried else {}
+    held = {"mass": load.mass or CARRIER_MASS} if load.carried else {}
     held |= {"fit": load.fit or 0.0} if load.by == "housing" else {}
     return case.rig.model_copy(update={"ring": ring.model_copy(update=bent), "load": load.model_copy(update=held)})
 
@@ -129,7 +129,7 @@ def slice_count(case: CaseFields) -> int | None:
         return None
 
 
-def by_slices(channel: str, case: CaseFields) -> tuple[str, ...]:
+def slice_channels(channel: str, case: CaseFields) -> tuple[str, ...]:
     """Expand a line load along the whole roller to one channel per slice, if the model has slices."""
     whole, count = line_load_of(channel), slice_count(case)
     if whole is None or count is None:

@@ -8,7 +8,7 @@ from bearingsim import catalogue
 from bearingsim.config.bands import FEWEST_PERIODS, HIGHEST
 from bearingsim.config.channels import plain, roller_number, slice_number
 from bearingsim.config.fields import Conflict, Path
-from bearingsim.config.names import of_band
+from bearingsim.config.names import read_band
 from bearingsim.config.rules import hierarchy
 from bearingsim.config.rules.completion import slice_count
 from bearingsim.config.rules.defects import defect_conflicts
@@ -168,7 +168,7 @@ def _record(case: "CaseFields") -> Iterator[Conflict]:
 
 def _bands(case: "CaseFields") -> Iterator[Conflict]:
     for index, name in enumerate(case.features):
-        feature = of_band(name)
+        feature = read_band(name)
         if feature is None or feature.band is None:
             continue
         place: Path = ("features", index)

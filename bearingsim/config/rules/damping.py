@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 PLAUSIBLE = (0.3e-6, 25e-6)
 """Least and largest c/k (s) that measurement and theory make likely, of a lubricated contact."""
-PART_OF_CROSSING = 0.1
+CROSSING_SHARE = 0.1
 """Largest c/k, as a share of the crossing time of a defect, at which the roller can follow the defect."""
 WARNING = "warning: "
 """Opening of a warning."""
@@ -28,7 +28,7 @@ class Damped(NamedTuple):
     @property
     def too_heavy(self) -> bool:
         """True if the roller cannot follow the defect."""
-        return self.time > SLACK * PLAUSIBLE[1] or self.time > PART_OF_CROSSING * self.crossing
+        return self.time > SLACK * PLAUSIBLE[1] or self.time > CROSSING_SHARE * self.crossing
 
     @property
     def too_light(self) -> bool:
@@ -48,7 +48,7 @@ def sentences(jobs: Sequence[Damped]) -> Iterator[str]:
     heavy, light = [job for job in jobs if job.too_heavy], [job for job in jobs if job.too_light]
     if heavy:
         reasons = [f"{high} us"] * any(job.time > SLACK * PLAUSIBLE[1] for job in heavy)
-        if any(job.time > PART_OF_CROSSING * job.crossing for job in heavy):
+        if any(job.time > CROSSING_SHARE * job.crossing for job in heavy):
             reasons.append("a tenth of the crossing")
         over = f"c/k {_range([1e6 * job.time for job in heavy])} us, above {' and '.join(reasons)}"
         yield f"{WARNING}{over}, so damping dominates the result{_counted(heavy, jobs)}"
@@ -57,7 +57,7 @@ def sentences(jobs: Sequence[Damped]) -> Iterator[str]:
         yield f"{WARNING}{under}, so the motion may be chaotic{_counted(light, jobs)}"
 
 
-def of_jobs(info: Any) -> Iterator[str]:
+def job_sentences(info: Any) -> Iterator[str]:
     """Apply ``sentences`` to finished jobs; info: a frame of the solver's attributes (``Results.info``)."""
     columns = ["damping_time_s", "damping_ratio", "crossing_s"]
     if all(name in info for name in columns):

@@ -30,7 +30,7 @@ def flexible_ring_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     """Yield all conflicts of the ring, its load and its sensor."""
     rig = case.rig
     if rig.ring is None:
-        yield from _of_rigid_ring(case)
+        yield from _rigid_ring_conflicts(case)
         return
     assert rig.load is not None
     yield from _section(case, rig.ring)
@@ -45,7 +45,7 @@ def flexible_ring_conflicts(case: "CaseFields") -> Iterator[Conflict]:
         yield Conflict("sensor", paths, f"`by: {rig.load.by}` has no housing for a sensor", "use `by: housing`")
 
 
-def _of_rigid_ring(case: "CaseFields") -> Iterator[Conflict]:
+def _rigid_ring_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     bend = "use `ring: {bends: true}`"
     if case.rig.load is not None:
         yield Conflict("rigid", (LOAD, *RING), "the point of load has no effect on a rigid ring", bend)

@@ -39,7 +39,7 @@ class Need(NamedTuple):
 
 def needs(case: "CaseFields") -> list[Need]:
     """List all abilities that a case needs of its model."""
-    checks = [_of_defects, _of_sections, _of_shapes_along, _of_record, _of_masses]
+    checks = [_defect_needs, _section_needs, _shape_needs, _record_needs, _mass_needs]
     return [need for of in checks for need in of(case)]
 
 
@@ -103,7 +103,7 @@ def reasons(case: "CaseFields") -> list[str]:
 # What asks for what
 
 
-def _of_defects(case: "CaseFields") -> Iterator[Need]:
+def _defect_needs(case: "CaseFields") -> Iterator[Need]:
     excitation: tuple[Path, ...] = (("excitation",),)
     if case.excitation in IMPULSE_EXCITATIONS and "excitation" not in case.model_fields_set:
         return  # it came with the model
@@ -139,7 +139,7 @@ _SECTIONS: tuple[tuple[str, str, str], ...] = (
 )
 
 
-def _of_sections(case: "CaseFields") -> Iterator[Need]:
+def _section_needs(case: "CaseFields") -> Iterator[Need]:
     for name, what, why in _SECTIONS:
         if _is_said(case, name):
             yield Need(what, why, ((name,),))
@@ -162,7 +162,7 @@ def _of_sections(case: "CaseFields") -> Iterator[Need]:
         yield Need("damping", "`contact.damping` needs a moving ring", (("contact", "damping"),), required=False)
 
 
-def _of_shapes_along(case: "CaseFields") -> Iterator[Need]:
+def _shape_needs(case: "CaseFields") -> Iterator[Need]:
     if case.bearing.roller_profile.shape != "straight":
         why = "`roller_profile` needs the load along the roller"
         yield Need("profile", why, (("bearing", "roller_profile"), ("bearing",)))
@@ -209,7 +209,7 @@ _RECORDED = {
 }
 
 
-def _of_record(case: "CaseFields") -> Iterator[Need]:
+def _record_needs(case: "CaseFields") -> Iterator[Need]:
     for index, name in enumerate(case.record):
         entry = _RECORDED.get(plain(name))
         if entry:
@@ -217,7 +217,7 @@ def _of_record(case: "CaseFields") -> Iterator[Need]:
             yield Need(what, why, (("record", index),), required=what != "acceleration")
 
 
-def _of_masses(case: "CaseFields") -> Iterator[Need]:
+def _mass_needs(case: "CaseFields") -> Iterator[Need]:
     """Yield the need for roller inertia: rollers thrown into a defect, or outwards by their orbit."""
     shown = [plain(name) for name in case.record]
     sharp = any(name.startswith("roller.") or name.endswith(".acceleration") for name in shown)

@@ -18,7 +18,7 @@ MIN_PLACES = 5  # places along either axis
 MAX_MISSING, LARGEST_GAP = 0.05, 9  # share of cells; cells of one gap
 MAX_SPIKES, LARGEST_SPIKE = 0.01, 2  # share of cells; cells of one spike
 SPIKE, AROUND = 8.0, 7  # standard deviations of the roughness within so many cells along either axis
-SPIKE_OF_RANGE = 0.2  # of the depth range: a spike stands out at least so far; what does less harm is left
+SPIKE_HEIGHT = 0.2  # of the depth range: a spike stands out at least so far; what does less harm is left
 MAX_ROUGHNESS = 0.1  # of the depth: most that three standard deviations of the surroundings may be
 DAMAGED_SHARE = 0.2  # share of a side's cells off the surroundings from which the damage reaches it
 SPECK = 5  # cells: what is smaller is noise
@@ -99,7 +99,7 @@ def _without_spikes(grid: Grid) -> Grid:
     middle = np.nanmedian(np.concatenate([around, filled[None]]), axis=0)
     off = grid.depth - middle
     low, high = np.nanpercentile(grid.depth, [1.0, 99.0])
-    least = np.maximum(SPIKE * _roughness(off), SPIKE_OF_RANGE * float(high - low))
+    least = np.maximum(SPIKE * _roughness(off), SPIKE_HEIGHT * float(high - low))
     alike = np.sum(np.abs(around - grid.depth) < least, axis=0)
     groups = _regions(np.abs(off) > least)
     small = np.bincount(groups.ravel())[groups] <= LARGEST_SPIKE

@@ -58,7 +58,7 @@ EDGE_RADIUS = 20e-6
 
 SIZES = ("length", "width", "depth")
 SAME_SIZE = 1e-6  # relative: machines differ in the last digits of what levelling a scan leaves
-_OF_SHAPE = {"grown": "spall", "seed": "spall", "file": "scan", "digest": "scan"}
+_SHAPE_FIELDS = {"grown": "spall", "seed": "spall", "file": "scan", "digest": "scan"}
 
 
 class Edge(Section):
@@ -129,7 +129,7 @@ class Defect(Section):
 
     @model_validator(mode="after")
     def _of_its_shape(self) -> "Defect":
-        for name, shape in _OF_SHAPE.items():
+        for name, shape in _SHAPE_FIELDS.items():
             if getattr(self, name) is not None and self.shape != shape:
                 refuse(
                     "foreign", f"only a {shape} has `{name}`", f"leave it out, or use `shape: {shape}`", at=name
@@ -142,7 +142,7 @@ class Defect(Section):
         return self
 
 
-_MAY_BE_NONE = (*SIZES, *_OF_SHAPE, "edge")
+_MAY_BE_NONE = (*SIZES, *_SHAPE_FIELDS, "edge")
 
 
 def _with_scan(fields: dict[str, Any]) -> dict[str, Any]:

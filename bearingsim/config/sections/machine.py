@@ -35,7 +35,7 @@ from bearingsim.text.units import show
 Element = Literal["roller", "ball"]
 
 _GROOVES = ("inner_groove_radius", "outer_groove_radius")
-_OF_ELEMENT = {"roller_length": "roller"} | dict.fromkeys(_GROOVES, "ball")
+_ELEMENT_FIELDS = {"roller_length": "roller"} | dict.fromkeys(_GROOVES, "ball")
 
 
 def named(kind: Kind) -> Written:
@@ -113,7 +113,7 @@ class Bearing(Section):
 
     @model_validator(mode="after")
     def _has_its_elements(self) -> "Bearing":
-        for name, element in _OF_ELEMENT.items():
+        for name, element in _ELEMENT_FIELDS.items():
             if getattr(self, name) is not None and element != self.element:
                 refuse("foreign", f"a {self.element} bearing has none", "leave it out", at=name)
             if getattr(self, name) is None and element == self.element:

@@ -209,7 +209,7 @@ def reach_of(group, b):
 
 
 @jit
-def on_one_edge(group, away, b, rho, R):
+def one_edge_contact(group, away, b, rho, R):
     """Return f on the nearer edge, ``away`` (m) from the defect's middle, and its slope (1/m)."""
     wall, reach = reach_of(group, b)
     x = group[GROUP_HALF_WIDTH] - reach - away
@@ -219,7 +219,7 @@ def on_one_edge(group, away, b, rho, R):
 
 
 @jit
-def on_both_edges(group, away, b, rho, R, D, load):
+def two_edge_contact(group, away, b, rho, R, D, load):
     """Return f on the two edges and its slope (1/m), infinite where a floor or wall is in the middle."""
     wall, reach = reach_of(group, b)
     _, in_the_middle = roller_drop(group, reach, R + rho)
@@ -235,11 +235,11 @@ def softness(excitation, group, away, R):
     both edges."""
     b, D, rho, load = half_contact(excitation, R), excitation.D, excitation.rho, excitation.load
     h, h_slope = roller_drop(group, away + reach_of(group, b)[1], R + rho)
-    f, slope = on_one_edge(group, away, b, rho, R)
+    f, slope = one_edge_contact(group, away, b, rho, R)
     on_floor = (group[DEPTH] - h) / load
     if on_floor < f:
         f, slope = on_floor, -h_slope / load
-    apart, apart_slope = on_both_edges(group, away, b, rho, R, D, load)
+    apart, apart_slope = two_edge_contact(group, away, b, rho, R, D, load)
     return (apart, apart_slope) if apart < f else (f, slope)
 
 

@@ -14,8 +14,8 @@ from bearingsim.core.defects.pairs import HALF_WIDTH, OUTER, SIDE, passing_speed
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 
-STEPS_OF_A_PASSAGE = 400  # at least, from rim to rim
-STEP_OF_A_PERIOD = 0.1  # of the time in which a contact turns by one radian
+PASSAGE_STEPS = 400  # at least, from rim to rim
+PERIOD_STEP = 0.1  # of the time in which a contact turns by one radian
 STEPS_A_LOOK = 4096  # steps between two looks at the clock
 AFTERWARDS = 10.0  # such times, and the passage once more, that are looked at behind the defect
 
@@ -31,7 +31,7 @@ def passage_peak(model, d, delta_o, delta_i, cpu_end):
     on_outer = defects.head[d, SIDE] == OUTER
     balance = normal_force(outer, delta_o, 0.0) - normal_force(inner, delta_i, 0.0)
     resting = sqrt((stiffness_bound(outer, delta_o, 0.0) + stiffness_bound(inner, delta_i, 0.0)) / m)
-    longest, end = 2.0 * half / (abs(speed) * STEPS_OF_A_PASSAGE), 3.0 * half / abs(speed) + AFTERWARDS / resting
+    longest, end = 2.0 * half / (abs(speed) * PASSAGE_STEPS), 3.0 * half / abs(speed) + AFTERWARDS / resting
     t, x, v, peak = -half / abs(speed), 0.0, 0.0, normal_force(outer, delta_o, 0.0)
     n = 0
     while t < end and not (n % STEPS_A_LOOK == STEPS_A_LOOK - 1 and is_over(cpu_end)):
@@ -51,7 +51,7 @@ def passage_peak(model, d, delta_o, delta_i, cpu_end):
         d_o, d_i = max(d_o, 0.0), max(d_i, 0.0)
         K = stiffness_bound(outer, d_o, v_o) + stiffness_bound(inner, d_i, v_i)
         C = damping_bound(outer, d_o, v_o) + damping_bound(inner, d_i, v_i)
-        h = min(longest, STEP_OF_A_PERIOD * sqrt(m / max(K, 1e-300)))
+        h = min(longest, PERIOD_STEP * sqrt(m / max(K, 1e-300)))
         v += h * (Q_i - Q_o + balance - h * K * v) / (m + h * (C + h * K))  # implicit: a dashpot may be stiff
         x += h * v
         t += h

@@ -85,12 +85,12 @@ def film_thickness(Q: Number, line: OiledLine) -> Thickness:
     """
     M, L = moes_numbers(Q, line)
     unit = line.R * (line.eta * line.u / (line.E_star * line.R)) ** 0.5
-    central = _between(3.0 / M, 2.621 * M**-0.2, 1.287 * L ** (2 / 3), 1.311 * M**-0.125 * L**0.75)
-    least = _between(2.45 / M, 2.05 * M**-0.2, 1.05 * L ** (2 / 3), 0.96 * M**-0.125 * L**0.75)
+    central = _regime_blend(3.0 / M, 2.621 * M**-0.2, 1.287 * L ** (2 / 3), 1.311 * M**-0.125 * L**0.75)
+    least = _regime_blend(2.45 / M, 2.05 * M**-0.2, 1.05 * L ** (2 / 3), 0.96 * M**-0.125 * L**0.75)
     return Thickness(unit * central, unit * least)
 
 
-def _between(rigid: Number, elastic: Number, rigid_thickening: Number, elastic_thickening: Number) -> Number:
+def _regime_blend(rigid: Number, elastic: Number, rigid_thickening: Number, elastic_thickening: Number) -> Number:
     s = (7.0 + 8.0 * np.exp(-2.0 * elastic / rigid)) / 5.0
     isoviscous = (rigid ** (7 / 3) + elastic ** (7 / 3)) ** (3 / 7)
     piezoviscous = (rigid_thickening**-3.5 + elastic_thickening**-3.5) ** (-2 / 7)

@@ -21,7 +21,7 @@ class Equilibrium(NamedTuple):
 
 
 @jit
-def place_at(model, t, y):
+def position_at(model, t, y):
     """Set the ring's place at rest at time ``t`` (s), and that of a bent one at its sensor (m)."""
     find_rest(model, t, y)
     read_sensor(model.bending, y)
@@ -31,9 +31,9 @@ def place_at(model, t, y):
 @step.register(Equilibrium)
 def _step(method, model, t, y):
     h = method.h
-    x_0, y_0, w_0 = place_at(model, t, y)
-    x_2, y_2, w_2 = place_at(model, t + 2.0 * h, y)
-    x_1, y_1, w_1 = place_at(model, t + h, y)
+    x_0, y_0, w_0 = position_at(model, t, y)
+    x_2, y_2, w_2 = position_at(model, t + 2.0 * h, y)
+    x_1, y_1, w_1 = position_at(model, t + h, y)
     y[lay.VELOCITY + lay.X] = (x_2 - x_0) / (2.0 * h)
     y[lay.VELOCITY + lay.Y] = (y_2 - y_0) / (2.0 * h)
     y[lay.SENSOR_V] = (w_2 - w_0) / (2.0 * h)

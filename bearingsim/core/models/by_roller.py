@@ -167,7 +167,7 @@ def accelerations_by_roller(model, t, y):
     evaluate(model, Still(), t, y)
 
 
-def by_roller(parameters: type) -> None:
+def register_roller_model(parameters: type) -> None:
     """Register a model that gives ``shared``, ``load_roller``, ``accelerate_shared`` and ``accelerate_roller``."""
     evaluate.register(parameters)(roller_by_roller)
     accelerations.register(parameters)(accelerations_by_roller)

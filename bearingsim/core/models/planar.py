@@ -39,7 +39,13 @@ from bearingsim.core.jit import inlined, jit
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 from bearingsim.core.laws.friction.interface import mu, mu_slope_bound
 from bearingsim.core.laws.friction.lag import lagged, lagged_friction
-from bearingsim.core.models.by_roller import accelerate_roller, accelerate_shared, by_roller, load_roller, shared
+from bearingsim.core.models.by_roller import (
+    accelerate_roller,
+    accelerate_shared,
+    load_roller,
+    register_roller_model,
+    shared,
+)
 from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import (
     ModelKind,
@@ -147,7 +153,7 @@ class Plane(NamedTuple):
     cage: Centre
 
 
-by_roller(Planar)
+register_roller_model(Planar)
 
 
 @shared.register(Planar)

@@ -136,7 +136,7 @@ def displace_body(axis, place, speed, y, n):
 
 
 @jit
-def by_rollers(model, omega_cage, omega_i, spin, y, n):
+def add_roller_columns(model, omega_cage, omega_i, spin, y, n):
     """Fill the columns of the rollers' own coordinates and velocities."""
     b, ring_v = model.bearing, y[lay.VELOCITY + lay.PSI]
     middle = 0.5 * (b.R_o + b.R_i)
@@ -153,7 +153,7 @@ def by_rollers(model, omega_cage, omega_i, spin, y, n):
 
 
 @jit
-def by_ring(side, omega_ring, spin, m_r, low, high, y, n):
+def add_ring_columns(side, omega_ring, spin, m_r, low, high, y, n):
     """Fill the columns of a ring's centre; ``low`` to before ``high``: its shared coordinates."""
     for axis in range(2):
         for matrix, place, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
@@ -164,7 +164,7 @@ def by_ring(side, omega_ring, spin, m_r, low, high, y, n):
 
 
 @jit
-def by_turn(model, spin, y, n):
+def add_ring_angle_column(model, spin, y, n):
     """Fill the columns of the outer ring's angle, with which its defects turn, and of its speed."""
     for matrix, place, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
         clear_changes(lay.X, CAGE, y, n)
@@ -173,7 +173,7 @@ def by_turn(model, spin, y, n):
 
 
 @jit
-def by_cage(model, omega_cage, y, n):
+def add_cage_columns(model, omega_cage, y, n):
     """Fill the columns of the cage's angle and centre, in the order of its shared coordinates."""
     for k in range(CAGE, INNER):
         for matrix, place, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
@@ -186,7 +186,7 @@ def by_cage(model, omega_cage, y, n):
 
 
 @jit
-def by_own_motion(model, omega_cage, y, n):
+def add_inertial_terms(model, omega_cage, y, n):
     """Add the terms of rotating directions and own motion: q'' = r theta'^2 + F_r/m, theta'' = (F_t/m - 2 q'
     theta')/r."""
     b, held = model.bearing, cage_constraint(model.cage, 1.0)
@@ -209,7 +209,7 @@ def by_own_motion(model, omega_cage, y, n):
 
 
 @jit
-def by_springs(model, y):
+def add_support_terms(model, y):
     """Add the derivatives of the rings' supports, and of the oil between cage and land."""
     support, m_o = model.support, model.bearing.m_o
     for k, K, C in (
@@ -242,11 +242,11 @@ def planar_jacobian(model, t, y):
     friction_slopes(InnerSide(), model.friction, b.R_w, omega_cage, spin, y, n)
     pocket_slopes(model.cage, model, omega_cage, spin, y, n)
 
-    by_rollers(model, omega_cage, omega_i, spin, y, n)
-    by_ring(OuterSide(), y[lay.VELOCITY + lay.PSI], spin, b.m_r, lay.X, CAGE, y, n)
-    by_turn(model, spin, y, n)
-    by_cage(model, omega_cage, y, n)
-    by_ring(InnerSide(), omega_i, spin, b.m_r, INNER, SHARED, y, n)
-    by_own_motion(model, omega_cage, y, n)
+    add_roller_columns(model, omega_cage, omega_i, spin, y, n)
+    add_ring_columns(OuterSide(), y[lay.VELOCITY + lay.PSI], spin, b.m_r, lay.X, CAGE, y, n)
+    add_ring_angle_column(model, spin, y, n)
+    add_cage_columns(model, omega_cage, y, n)
+    add_ring_columns(InnerSide(), omega_i, spin, b.m_r, INNER, SHARED, y, n)
+    add_inertial_terms(model, omega_cage, y, n)
     guide_change(model.cage, omega_cage, omega_i, y)
-    by_springs(model, y)
+    add_support_terms(model, y)

@@ -33,7 +33,13 @@ from bearingsim.core.jit import add, inlined, jit
 from bearingsim.core.laws.damping.interface import damping_bound, in_series, normal_force, slopes, stiffness_bound
 from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.laws.stiffness.series import series_share
-from bearingsim.core.models.by_roller import accelerate_roller, accelerate_shared, by_roller, load_roller, shared
+from bearingsim.core.models.by_roller import (
+    accelerate_roller,
+    accelerate_shared,
+    load_roller,
+    register_roller_model,
+    shared,
+)
 from bearingsim.core.models.equilibrium import DISTANCE, PAIR, locate_defects, roller_balance
 from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import (
@@ -77,7 +83,7 @@ def _monitored(model):
 
 roller_at_defect.register(Ring)(roller_at_defect_evenly)
 next_jump.register(Ring)(next_jump_evenly)
-by_roller(Ring)
+register_roller_model(Ring)
 
 
 @shared.register(Ring)

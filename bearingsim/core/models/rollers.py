@@ -26,7 +26,13 @@ from bearingsim.core.defects.pairs import HALF_WIDTH, OUTER, SIDE, Defects, pass
 from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.jit import inlined, jit
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
-from bearingsim.core.models.by_roller import accelerate_roller, accelerate_shared, by_roller, load_roller, shared
+from bearingsim.core.models.by_roller import (
+    accelerate_roller,
+    accelerate_shared,
+    load_roller,
+    register_roller_model,
+    shared,
+)
 from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import (
     ModelKind,
@@ -83,7 +89,7 @@ def _monitored(model):
 
 roller_at_defect.register(Rollers)(roller_at_defect_evenly)
 next_jump.register(Rollers)(next_jump_evenly)
-by_roller(Rollers)
+register_roller_model(Rollers)
 
 
 @shared.register(Rollers)
@@ -174,7 +180,7 @@ def _read_sensor(model, y):
 def _stiffness_per_mass(model, y, j):
     outer = stiffness_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = stiffness_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
-    return bending.with_race(
+    return bending.race_stiffness_bound(
         model.bending, y[lay.INVERSE_MASS + j] * (outer + inner), y[lay.INVERSE_MASS + j], outer
     )
 

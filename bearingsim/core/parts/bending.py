@@ -157,13 +157,13 @@ def read_sensor(bending: Any, y: np.ndarray) -> None:
     """Fill the cells SENSOR: the ring's radial motion where the sensor sits."""
 
 
-def of_the_roller(bending, K, per_mass, k):
-    """Return ``with_race`` of a stiff ring."""
+def _stiff_race_bound(bending, K, per_mass, k):
+    """Return ``race_stiffness_bound`` of a stiff ring."""
     return K
 
 
-@generic(inline="late", absent=of_the_roller)
-def with_race(bending: Any, K: float, per_mass: float, k: float) -> float:
+@generic(inline="late", absent=_stiff_race_bound)
+def race_stiffness_bound(bending: Any, K: float, per_mass: float, k: float) -> float:
     """Bound the stiffness over mass (1/s^2) of a roller on a race that bends.
 
     K: of the roller alone, 1/s^2; per_mass: 1/kg of it; k: stiffness of its outer contact, N/m.
@@ -176,8 +176,8 @@ def damping_of_race(bending: Any, c: float) -> float:
     s/m."""
 
 
-@with_race.register(Bending)
-def _with_race(bending, K, per_mass, k):
+@race_stiffness_bound.register(Bending)
+def _bent_race_bound(bending, K, per_mass, k):
     k = k if per_mass > 0.0 else 0.0  # a padded lane
     of_race = bending.highest + k * bending.mobility
     half = 0.5 * (K - of_race)

@@ -63,7 +63,7 @@ def less_healthy(*given, **more) -> float:
 @pytest.mark.parametrize("n", [0, 2, 3, 5, 8, 20])
 def test_a_harmonic_is_that_of_the_independent_beam(n):
     """Of the NF308's ring."""
-    of_case = bending.section_of(bending.of_ring(case()))
+    of_case = bending.section_of(bending.ring_parameters(case()))
     found = bending.harmonic(of_case, n)
     assert of_case.mass == pytest.approx(beam_ring.NF308.mass, rel=1e-12)
     assert found.k == pytest.approx(1.0 / beam_ring.compliance(n), rel=1e-9)
@@ -72,7 +72,7 @@ def test_a_harmonic_is_that_of_the_independent_beam(n):
 
 def test_the_beam_is_near_plane_stress_elements():
     """Frequencies n = 2 to 5 within 0.5 %, compliances n = 2 to 8 within 3 % (they stay under 0.3 and 2.2 %)."""
-    section = bending.section_of(bending.of_ring(case()))
+    section = bending.section_of(bending.ring_parameters(case()))
     body = ring_elements.free_frequencies()  # two of each
     found = [bending.harmonic(section, n).omega / (2.0 * pi) for n in (2, 3, 4, 5)]
     assert found == pytest.approx(body[::2], rel=5e-3)

@@ -34,7 +34,7 @@ class Beads(NamedTuple):
     bearing: Bearing
 
 
-by_roller.by_roller(Beads)
+by_roller.register_roller_model(Beads)
 state_width.register(Beads)(lambda model: lay.FIRST_LANE + lanes(model.bearing))
 degrees_of_freedom.register(Beads)(lambda model: (1, 2))
 
