@@ -86,7 +86,7 @@ def lines(parts: Sequence[Part], about: dict[str, Any]) -> Iterator[str]:
     """Yield the lines of the text in Markdown. about: provenance of the numbers."""
     how = Path(__file__).with_name("how_to_read.md").read_text(encoding="utf-8")
     yield from ("# Speed against accuracy", "", how.rstrip(), "", "## What to take", "")
-    yield "The cheapest automatic choice that is so close, and its CPU seconds for a simulated second, as a job."
+    yield "The cheapest automatic choice within the accuracy, and its CPU time per second of signal, as a job."
     yield "All three: the line, the RMS and the largest force at once."
     yield ""
     yield from _table(HEADS, [line_of(part) for part in parts])
