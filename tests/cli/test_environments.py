@@ -115,7 +115,7 @@ def test_every_command_is_tried() -> None:
         (errno.ENOSPC, "is full"),
         (errno.EROFS, "is read-only"),
         (errno.ENOENT, "is missing"),
-        (errno.EACCES, "is closed"),
+        (errno.EACCES, "is not writable"),
     ],
 )
 def test_shared_memory_is_named_before_results_are_thrown_away(here, done, monkeypatch, number, state) -> None:
