@@ -13,6 +13,7 @@ OPENS = 2.0  # times the force at rest: a larger impact force means that contact
 def remarks(plan: Plan, verbose: bool) -> Iterator[str]:
     """Yield the remarks, one text each; verbose: also on methods, periodicity and the variation of damping."""
     yield from choices(plan)
+    yield from in_full(plan)
     if verbose:
         yield from methods(plan)
         yield from repeating(plan)
@@ -25,6 +26,7 @@ def remarks(plan: Plan, verbose: bool) -> Iterator[str]:
     yield from unsettled(plan)
 
 
+WORTH_SAYING = 0.1  # of the CPU time of a study
 HANGS = 0.999  # of a defect's depth: a roller that sinks less does not reach the floor
 CLEARS_WALLS = 0.5  # of the depth of a V: below it the walls (slope 2 depth/width) are steeper than the roller
 
@@ -65,6 +67,27 @@ def choices(plan: Plan) -> list[str]:
     return [*texts, *selection.notes]
 
 
+def in_full(plan: Plan) -> Iterator[str]:
+    """Yield what it costs that jobs of a study with an `accuracy` store series, which are computed in full."""
+    from bearingsim.runner.progress import duration
+    from bearingsim.simulation.time_grid import estimate
+    from bearingsim.study.goal import ended_early
+
+    goal = plan.study.goal
+    if goal is None:
+        return
+    stores = [priced for priced in plan.everything if priced.job.case.record]
+    plain = [priced.job.case.model_copy(update={"record": ()}) for priced in stores]
+    early = [ended_early(case, goal, plan.study.figures) for case in plain]
+    saved = sum(
+        priced.estimate.cpu_seconds - estimate(case).cpu_seconds
+        for priced, case in zip(stores, early, strict=True)
+        if case.until is not None and priced.job.case.until is None
+    )
+    if saved > WORTH_SAYING * sum(priced.estimate.cpu_seconds for priced in plan.everything):
+        yield f"`record` stores series: about {duration(plan.share * saved)} of CPU time more than `record: []`"
+
+
 def methods(plan: Plan) -> list[str]:
     """Return the methods chosen by `method: auto`, with the reasons, and the extent of the step check."""
     automatic = [priced for priced in plan.everything if priced.job.case.method == "auto"]
@@ -86,16 +109,20 @@ def methods(plan: Plan) -> list[str]:
 
 
 def repeating(plan: Plan) -> Iterator[str]:
-    """Yield the number of jobs whose response may be periodic, and the CPU time if none is."""
+    """Yield the numbers of jobs whose response may be periodic or end early, and the CPU time if none does."""
     from bearingsim.runner.progress import duration
+    from bearingsim.simulation.choice import resolved
+    from bearingsim.simulation.repetition import may_repeat
 
-    periodic = [priced for priced in plan.everything if priced.estimate.most_seconds > priced.estimate.cpu_seconds]
-    if periodic:
-        most = plan.cpu_seconds + sum(
-            priced.estimate.most_seconds - priced.estimate.cpu_seconds for priced in periodic
-        )
-        count = f"{len(periodic)} of {len(plan.everything)}"
-        yield f"{count} responses may be periodic; CPU time if none is: {duration(most)}"
+    shorter = [priced for priced in plan.everything if priced.estimate.most_seconds > priced.estimate.cpu_seconds]
+    periodic = [priced for priced in shorter if may_repeat(resolved(priced.job.case))]
+    early = [priced for priced in shorter if priced not in periodic]
+    texts = (periodic, "responses may be periodic", "is"), (early, "records may end early", "does")
+    for jobs, text, verb in texts:
+        if jobs:
+            more = sum(priced.estimate.most_seconds - priced.estimate.cpu_seconds for priced in jobs)
+            most = duration(plan.cpu_seconds + plan.share * more)
+            yield f"{len(jobs)} of {len(plan.everything)} {text}; CPU time if none {verb}: {most}"
 
 
 def damping(plan: Plan) -> Iterator[str]:

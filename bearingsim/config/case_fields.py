@@ -76,8 +76,9 @@ class CaseFields(Section):
     the roller. With `step_check` the step, automatic or given, is tried on the run's beginning before it is
     trusted; `strict` tries all of the run, and refuses a chaotic record that is too short for its RMS. With
     `periodic` a motion that repeats itself is computed until it does, and its record made of that; without, all of
-    it is computed. ``features`` names those of bands, besides all others. A record `until` a share ends when the
-    standard errors of line and RMS are under it, at the latest after `duration`.
+    it is computed. ``features`` names those of bands, besides all others, and what `until` watches. A record
+    `until` a share ends when the standard errors of the defects' lines, the RMS and ``features`` are below it, at
+    the latest after `duration`.
     """
 
     bearing: Annotated[Bearing, named("bearings")]

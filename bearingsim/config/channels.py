@@ -5,7 +5,7 @@ from typing import Any
 
 from bearingsim.config import bands
 from bearingsim.config.fields import Schema, or_words, raise_unknown_word, refuse
-from bearingsim.config.names import CHANNELS, FEATURES, LINE_LOADS, ROLLER, read_band
+from bearingsim.config.names import CHANNELS, FEATURES, LINE_LOADS, MEANS, ROLLER, read_band
 
 _ROLLER_CHANNEL = re.compile(r"roller\.(?:([1-9]\d?)\.)?([a-z_]+)(?:\.([1-9]\d?))?", re.ASCII)
 
@@ -61,11 +61,13 @@ def channel(raw: Any) -> Any:
 
 def feature_schema(own: Schema) -> Schema:
     """Return the schema of a name in `features`."""
-    return own | {"pattern": bands.PATTERN}
+    return own | {"anyOf": [{"pattern": bands.PATTERN}, {"enum": [*MEANS]}]}
 
 
 def feature(raw: Any) -> Any:
-    """Validate a name in `features`: of a band, since all others are always computed."""
+    """Validate a name in `features`: of a band, or a mean over the record; all others are always computed."""
+    if raw in MEANS:
+        return raw
     if isinstance(raw, str) and raw in FEATURES and read_band(raw) is None:
         refuse(
             "feature", f"`{raw}` is computed of every case", f"name features of bands, such as {bands.EXAMPLES}"

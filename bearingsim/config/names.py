@@ -247,6 +247,16 @@ def read_band(name: str) -> bands.BandFeature | None:
     return None if feature is None or (feature.line and feature.line not in LINES) else feature
 
 
+MEANS = (*(f"{quantity}@{line}" for quantity in QUANTITIES for line in LINES), *(f"{q}.rms" for q in QUANTITIES))
+"""Features that are means over a record, or roots of means, of all frequencies: those of bands are means, too."""
+
+
+def is_mean(name: str) -> bool:
+    """Check if a feature is a mean over its record, or the root of one: no change against healthy, no extreme."""
+    banded = read_band(name)
+    return name in MEANS if banded is None else not banded.healthy
+
+
 class _Features(dict[str, Feature]):
     """Features by name; one of a band is made when it is asked for."""
 

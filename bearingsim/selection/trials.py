@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from bearingsim.config import Case
+from bearingsim.config.names import MEANS
 from bearingsim.selection.candidates import recut, reference, with_friction
 from bearingsim.simulation.settling import cage_turn
 from bearingsim.simulation.trial import Against, Trial, defect_turn, passes_to_try, tells_friction
@@ -52,6 +53,8 @@ def asked_of(study: Study) -> tuple[str, ...]:
 def _named(case: Case, features: tuple[str, ...], passes: int, turn: float) -> str:
     """Return the id of a trial."""
     settings = {"trial": passes, "asked": list(features)}
+    bands = tuple(name for name in case.features if name not in MEANS)
+    case = case.model_copy(update={"until": None, "features": bands})  # a trial ends by itself
     return identity(case, settings if turn == defect_turn(case) else settings | {"turn": float(f"{turn:.12g}")})
 
 

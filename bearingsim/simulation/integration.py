@@ -3,12 +3,12 @@
 Every run is monitored (``core/advance.py``); a run that the monitor stops raises ``MethodFailure``.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
-from math import ceil, exp, factorial, hypot, nan
-from typing import NamedTuple
+from math import exp, factorial, hypot, nan
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from bearingsim.core.defects.crossings import missed_crossings, passages
 from bearingsim.core.methods.interface import prepare
 from bearingsim.core.models.interface import update_extremes
 from bearingsim.core.sampling import DECIMATION_REACH
-from bearingsim.simulation import accuracy, channels
+from bearingsim.simulation import channels
 from bearingsim.simulation.channels import BASE
 from bearingsim.simulation.recording import RawRecord, Recording, extend_back, take_peaks
 from bearingsim.simulation.repetition import (
@@ -59,11 +59,26 @@ class Pace:
         self.steps = int(min(STEPS_PER_CALL, max(1.0, steps * SECONDS_PER_CALL / max(seconds, 1e-9))))
 
 
-class Look(NamedTuple):
-    """Inspection of a run after ``passes`` ball passes; ``ends`` returns whether they are enough."""
+class Looks(Protocol):
+    """Inspections of a run after each of ``passes`` ball passes."""
 
-    passes: int
-    ends: Callable[[RawRecord], bool]
+    @property
+    def passes(self) -> Collection[int]:
+        """Ball passes of the run, settling included."""
+
+    def ends(self, raw: RawRecord) -> bool:
+        """Check if the ball passes so far are enough."""
+
+
+class Look(NamedTuple):
+    """Inspection of a run after ``passes``; ``enough`` returns whether they are."""
+
+    passes: Collection[int]
+    enough: Callable[[RawRecord], bool]
+
+    def ends(self, raw: RawRecord) -> bool:
+        """Check if the ball passes so far are enough."""
+        return self.enough(raw)
 
 
 def integrate(
@@ -73,21 +88,21 @@ def integrate(
     close: Closeness = OF_A_RECORD,
     patience: int = 0,
     most: int | None = None,
-    look: Look | None = None,
+    look: Looks | None = None,
 ) -> RawRecord:
     """Step through the ball passes and record fine samples (and raw values if the case needs them).
 
     Ends after all of them, or after whole periods of a motion that is periodic within ``close`` (so that a run
-    which starts from there is in phase with it), or when line and RMS are accurate enough. nudge: share of its
+    which starts from there is in phase with it), or at an inspection. nudge: share of its
     displacement by which the ring is moved at the start; start: positions and velocities there (2, 6, ROW), if not
     those at rest; patience: ball passes after which a motion that is not periodic raises ``NotRepeating``, 0 for
-    never; most: largest number of ball passes; look: inspection that may end the run.
+    never; most: largest number of ball passes; look: inspections that may end the run.
     """
     case, cut, pace = setup.case, setup.cut, Pace()
     y = _start(setup, nudge, _steady_start(setup, pace, start, close, most))
     kept = Recording(case, cut, setup.model.bearing.Z, y)
     search, period, difference = _search(setup, kept.places, close), 0, nan
-    passes, look_at = 0, accuracy.MIN_PASSES
+    passes = 0
     began_at = _defect_passages(setup, 0.0, y)
     for p, window in enumerate(_ball_passes(setup, kept.samples, y, kept.places, pace)):
         kept.keep(p, window, y)
@@ -96,16 +111,11 @@ def integrate(
             period, difference = search.after_pass(window, y, kept.peaks[p])
         if (period > 0 and passes % period == 0) or passes == most:
             break
-        looks = look is not None and passes == look.passes
+        looks = look is not None and period == 0 and passes in look.passes
         if look is not None and looks and look.ends(kept.raw(Repetition(passes, 0, nan), y, pace.cpu_s)):
             break
         if passes == patience:
             raise NotRepeating(f"no ball pass of {passes} repeats another", "name a `method`", passes / cut.rate)
-        if case.until is not None and passes >= look_at:
-            look_at = ceil(accuracy.LOOK_AGAIN * passes)
-            so_far = kept.raw(Repetition(passes, 0, nan), y, pace.cpu_s)
-            if accuracy.standard_errors(case, setup.model, cut, so_far).largest <= case.until:
-                break
     _check_end(setup, began_at, y, passes)
     raw = kept.raw(Repetition(passes, period, difference), y, pace.cpu_s)
     if period > 0 and kept.picks:

@@ -21,7 +21,7 @@ from bearingsim.config import CHANNELS, Case
 from bearingsim.config.names import read_band
 from bearingsim.config.rules.completion import slice_count
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
-from bearingsim.simulation import channels
+from bearingsim.simulation import channels, ending
 from bearingsim.simulation.limits import LONGEST, Limits, step_limits
 from bearingsim.simulation.pilot import check_cost
 from bearingsim.simulation.repetition import LONGEST_PERIOD, MOST_HELD, may_repeat, period_is_sought
@@ -134,6 +134,8 @@ def cost(case: Case, step: float, passes: int | None = None) -> Cost:
     in_a_period = min(whole, int(price("passes")))
     if may_repeat(case):
         computed = in_a_period
+    elif (record := next(ending.looks(case), None)) is not None:
+        computed = min(whole, ceil(case.settle_s * rate) + record)
     if case.checks_step and period_is_sought(case):
         proof = sqrt(5.0) * (price("finer passes") + before)
         if not case.periodic:
@@ -158,7 +160,7 @@ BANDED = 14.0  # values for each fine sample of the record while features of ban
 PILOT = 3.0  # rows of a pilot's, as they are, filtered, and with filters' reach
 COMPARED = 6.0  # values for each fine sample that are kept of a pilot
 WRITTEN = 3.0  # values for each sample of a series: filtered, of one precision and of the other
-LOOKS = 11.0  # lengths of all that a record is looked at over that ends as it is accurate enough: 1 + 1/1.1 + ...
+LOOKS = 5.0  # lengths of all that a record is looked at over that ends as it is accurate enough: 1 + 1/1.25 + ...
 NOT_COMPARED = 5  # rows of a pass left out of its comparison: accelerations, counts of rollers, the cage
 SMALL = 8e6  # bytes of all that is small
 

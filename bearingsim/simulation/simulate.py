@@ -14,7 +14,15 @@ from bearingsim.config import Case, Section, dataset_names
 from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.core import layout as lay
 from bearingsim.errors import Refused
-from bearingsim.simulation import accuracy, channels, choice, recording, step_check, time_grid, trial
+from bearingsim.simulation import (
+    accuracy,
+    channels,
+    choice,
+    recording,
+    step_check,
+    time_grid,
+    trial,
+)
 from bearingsim.simulation.accuracy import StandardErrors
 from bearingsim.simulation.channels import BASE, CAGE_ANGLE
 from bearingsim.simulation.features import band_features, extension_features, features, refuse_undeclared
@@ -33,6 +41,7 @@ from bearingsim.simulation.run_setup import (
 from bearingsim.simulation.settling import has_free_cage
 from bearingsim.simulation.start_error import StartErrors, start_errors
 from bearingsim.simulation.step_check import StepCheck
+from bearingsim.simulation.sufficiency import Inspections
 from bearingsim.simulation.trial import Against, Trial
 
 T = TypeVar("T")
@@ -150,17 +159,18 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
     """Compute one case in one way; ``began``: CPU time at the start, s."""
     case, part, patience = attempt
     setup, periodic = set_up(case, part), case.model_copy(update={"periodic": True})
+    inspections = Inspections(setup)
     if period_is_sought(setup.case):
         until_periodic = replace(setup, case=periodic)
-        raw = integrate(until_periodic, patience=patience)
+        raw = integrate(until_periodic, patience=patience, look=inspections)
         checks_step = step_check.checked_step(until_periodic, raw)
         if not case.periodic and raw.repetition.period > 0:
             del raw  # whose record may be as large as the next
-            raw = integrate(setup)  # at the step that has been checked on its period
+            raw = integrate(setup, look=inspections)  # at the step that has been checked on its period
     else:
         checks_step = step_check.checked_step(setup)
-        raw = integrate(setup)
-    return _record(setup, raw, checks_step, began)
+        raw = integrate(setup, look=inspections)
+    return _record(inspections, raw, checks_step, began)
 
 
 def _try_out(
@@ -172,29 +182,35 @@ def _try_out(
     against: Against | None,
 ) -> tuple[Trial, Record | None]:
     """Compute the first passes of a case in one way; check their step if they make up the whole record."""
-    whole = attempt.case.model_copy(update={"until": None})  # which may end before so many passes
-    setup = set_up(whole, attempt.part)
+    setup = set_up(attempt.case, attempt.part)
+    inspections = Inspections(setup)
     look = None if against is None else _look(setup, requested, turn, against)
-    raw = integrate(setup, most=trial.last_pass(setup, min(passes, trial.most_passes(whole))), look=look)
-    if look is not None and raw.repetition.computed == look.passes:
+    raw = integrate(setup, most=trial.last_pass(setup, min(passes, trial.most_passes(setup.case))), look=look)
+    if look is not None and raw.repetition.computed in look.passes:
         passes = trial.LOOK_TURNS * raw.Z
     result = trial.read_trial(setup, raw, requested, passes, turn)
-    if not result.repeats or setup.case.step_check in ("strict", False) or attempt.case.until is not None:
+    if not result.repeats or setup.case.step_check in ("strict", False) or not _ends_with(inspections, raw):
         return result, None
-    return result, _record(setup, raw, step_check.checked_step(setup, raw), began)
+    return result, _record(inspections, raw, step_check.checked_step(setup, raw), began)
+
+
+def _ends_with(inspections: Inspections, raw: RawRecord) -> bool:
+    """Check if a run of its own would end where a trial that has become periodic has."""
+    return raw.repetition.computed <= min(inspections.passes, default=raw.repetition.computed)
 
 
 def _look(setup: Setup, requested: Sequence[str], turn: float, against: Against) -> Look:
     """Return the look at a trial after two turns of the cage, at which it ends if it is far off."""
     passes = trial.LOOK_TURNS * setup.model.bearing.Z
     return Look(
-        trial.last_pass(setup, passes),
+        (trial.last_pass(setup, passes),),
         lambda raw: against.is_far(trial.read_trial(setup, raw, requested, passes, turn)),
     )
 
 
-def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) -> Record:
+def _record(inspections: Inspections, raw: RawRecord, checks_step: StepCheck, began: float) -> Record:
     """Return the record of a run."""
+    whole, setup = inspections.setup, inspections.ended(raw)
     case = setup.case
     rows = channels.requested_rows(case, raw.places)
     sampled = recording.sampled(case, setup.cut, raw, rows)
@@ -203,9 +219,9 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
     own = features(case, setup.model, setup.cut, raw) | band_features(case, setup.model, setup.cut, raw)
     by_chance = _is_by_chance(setup, raw, checks_step.chaotic)
     standard = unknown = StandardErrors(nan, nan)
-    if by_chance or checks_step.chaotic or case.until is not None:
+    if by_chance or checks_step.chaotic:
         standard = accuracy.standard_errors(case, setup.model, setup.cut, raw)
-    own |= _check_features(checks_step, _kept(setup, raw), standard if checks_step.chaotic else unknown)
+    own |= _check_features(checks_step, _kept(whole, setup), standard if checks_step.chaotic else unknown)
     own |= _start_features(start_errors(setup, raw, standard if by_chance else unknown))
     if case.step_check == "strict" and not (checks_step.chaotic or has_free_cage(case)):
         _refuse_start_error(case, max(own["error.start"], own["error.start.rms"]))
@@ -215,9 +231,7 @@ def _record(setup: Setup, raw: RawRecord, checks_step: StepCheck, began: float) 
         time=instants,
         series=series,
         features=own | others,
-        info=_info(setup, raw, unknown if case.until is None else standard)
-        | reasons
-        | {"cpu_s": cpu_time.now() - began},
+        info=_info(whole, raw, inspections.reached(raw)) | reasons | {"cpu_s": cpu_time.now() - began},
     )
 
 
@@ -230,10 +244,9 @@ def _refuse_start_error(case: Case, error: float) -> None:
         )
 
 
-def _kept(setup: Setup, raw: RawRecord) -> float:
+def _kept(whole: Setup, ended: Setup) -> float:
     """Return the share of its ball passes in a record, less than 1 if `until` ended it early."""
-    whole = recording.whole_passes(setup.case, setup.cut)
-    return len(recording.windows(setup.case, setup.cut, raw, reach=0).index) / whole
+    return recording.whole_passes(ended.case, ended.cut) / recording.whole_passes(whole.case, whole.cut)
 
 
 def _check_features(checks_step: StepCheck, kept: float, of_chaos: StandardErrors) -> dict[str, float]:

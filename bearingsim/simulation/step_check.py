@@ -177,8 +177,7 @@ def check_on_orbit(coarse: Setup, raw: RawRecord) -> StepCheck | None:
     values are recorded and the record ends before both are steady.
     """
     cut = coarse.cut
-    whole = coarse.case.model_copy(update={"until": None})
-    fine = set_up(whole, coarse.part * shorter(cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU)
+    fine = set_up(coarse.case, coarse.part * shorter(cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU)
     other = integrate(fine, start=by_place(coarse, raw), close=CLOSE_TO_ORBIT, most=most_finer_passes(raw))
     if other.repetition.period == 0:
         return None
@@ -205,7 +204,7 @@ def by_place(coarse: Setup, raw: RawRecord) -> np.ndarray:
 def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[StepCheck, bool]:
     """Return the step check by one pilot, and whether it is doubtful: the pilots diverge without sign of chaos."""
     allowed = time_grid.MAX_CPU * length(short) / length(case)
-    short = short.model_copy(update={"periodic": False, "until": None})
+    short = short.model_copy(update={"periodic": False})
     coarse = set_up(short, part, allowed)
     fine = set_up(with_finer_tolerance(short), part * shorter(coarse.cut.decimation), MAX_COST_RATIO * allowed)
     coarse_run, fine_run = (run_pilot(setup, passes) for setup in (coarse, fine))

@@ -6,8 +6,9 @@ period of a turn). The difference of two models scatters between those if the mo
 if it is not.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import ceil, floor, pi
 from typing import Any
 
@@ -144,25 +145,8 @@ def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: i
     turning = spectral_lines.sample_angles(setup.model, cut, start, np.zeros(length))
     turn = max(1.0, turn * cut.rate)  # in ball passes
     spans = spans_of(passes, turn, cut.fine_per_pass)
-    lines, powers = {}, {}
-    for name in requested:
-        quantity, _, line = name.partition("@")
-        banded = read_band(name)
-        if banded is not None:
-            series = spectral_lines.along_sensor(case, fine, banded.quantity)
-            band = band_of(case, banded)
-            if banded.line:
-                envelope = signals.squared_envelope(series, cut.fine_rate, band)
-                lines[name] = amplitudes(envelope, angles_near(case, turning, banded.line, spans[-1]), spans)
-            else:
-                parts = [signals.band_rms(series[span], cut.fine_rate, band) for span in spans]
-                powers[name] = np.square(parts)
-        elif line:
-            series = spectral_lines.along_sensor(case, fine, quantity)
-            lines[name] = amplitudes(series, angles_near(case, turning, line, spans[-1]), spans)
-        elif name.endswith(".rms"):
-            along = spectral_lines.along_sensor(case, rows, name.removesuffix(".rms"))
-            powers[name] = np.array([mean_square(along[span]) for span in spans])
+    along = partial(spectral_lines.along_sensor, case)
+    lines, powers = parts_of_features(setup, requested, partial(along, fine), partial(along, rows), turning, spans)
     before = ceil(start / cut.fine_per_pass)
     peaks = raw.peaks[:, FORCE]
     places = [int(p) if p < len(peaks) else int(raw.repetition.source(p)) for p in range(before, before + passes)]
@@ -170,6 +154,39 @@ def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: i
     stepped = (case.method, step) if case.method is not None else ("", 0.0)
     periodic = raw.repetition.period > 0
     return Trial(passes, whole_turns(passes, turn), periodic, lines, powers, peaks[places], *stepped)
+
+
+def parts_of_features(
+    setup: Setup,
+    requested: Sequence[str],
+    fine: Callable[[str], np.ndarray],
+    low: Callable[[str], np.ndarray],
+    turning: SampleAngles,
+    spans: Sequence[slice],
+) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Return amplitudes of requested lines and mean squares of requested RMS values, over each of ``spans``.
+
+    fine, low: functions from a quantity to its series (n,) along the sensor, as computed and low-passed; turning:
+    angles (n,) at the same samples.
+    """
+    case, fs = setup.case, setup.cut.fine_rate
+    lines, powers = {}, {}
+    for name in requested:
+        quantity, _, line = name.partition("@")
+        banded = read_band(name)
+        if banded is not None:
+            series, band = fine(banded.quantity), band_of(case, banded)
+            if banded.line:
+                envelope = signals.squared_envelope(series, fs, band)
+                lines[name] = amplitudes(envelope, angles_near(case, turning, banded.line, spans[-1]), spans)
+            else:
+                powers[name] = np.square([signals.band_rms(series[span], fs, band) for span in spans])
+        elif line:
+            lines[name] = amplitudes(fine(quantity), angles_near(case, turning, line, spans[-1]), spans)
+        elif name.endswith(".rms"):
+            series = low(name.removesuffix(".rms"))
+            powers[name] = np.array([mean_square(series[span]) for span in spans])
+    return lines, powers
 
 
 def stepped_alike(case: Case, trial: Trial) -> Case:

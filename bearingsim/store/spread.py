@@ -6,7 +6,7 @@ A value of a chaotic motion is a random sample: it counts with its standard erro
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.config.names import ERRORS, FAULT_LINES
+from bearingsim.config.names import ERRORS, FAULT_LINES, is_mean
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -53,9 +53,9 @@ def spread(
 
 
 def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
-    """Return the standard error (SI) of a feature of chaotic motions; 0 where not chaotic, or nothing tells it.
+    """Return the standard error (SI) of a feature of chaotic motions and of records that have ended early.
 
-    NaN where the record is too short to tell.
+    0 where neither is so, or nothing tells it; NaN where the record is too short to tell.
     """
     import numpy as np
     import pandas as pd
@@ -65,7 +65,29 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
         error = frame[f"features/{feature}-scatter"]
     elif ".rms" in feature and "features/rms_scatter" in frame:
         error = frame["features/rms_scatter"] / STANDARD_DEVIATIONS * frame[f"features/{feature}"].abs()
-    return error.replace(np.inf, np.nan).where(_chaotic(frame), 0.0)
+    of_chaos = error.replace(np.inf, np.nan).where(_chaotic(frame), 0.0)
+    reached = of_early_end(frame, feature)
+    return (
+        of_chaos
+        if reached is None
+        else of_chaos.where(reached.isna(), reached * frame[f"features/{feature}"].abs())
+    )
+
+
+def of_early_end(frame: "pd.DataFrame", feature: str) -> "pd.Series[float] | None":
+    """Return the relative standard error of lines, or of RMS values, by which records ended; None of an extreme.
+
+    NaN of other jobs.
+    """
+    name = f"info/standard_error_{'line' if is_line(feature) else 'rms'}"
+    if name not in frame or not is_mean(feature):
+        return None
+    return frame[name].where(frame["info/passes_computed"] < frame["info/passes"])
+
+
+def is_line(feature: str) -> bool:
+    """Check if a feature is a spectral line."""
+    return "@" in feature and ".rms@" not in feature
 
 
 def is_one_draw(table: "pd.DataFrame", feature: str, notable: float = NOTABLE) -> "pd.Series[bool]":
@@ -85,9 +107,8 @@ def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
 
     frame = table.add_prefix("features/")
     plain = feature.removesuffix("-healthy.phase").removesuffix(".phase").removesuffix("-healthy")
-    is_line = "@" in plain and ".rms@" not in plain
-    judged = plain if is_line else "velocity.rms"
-    if f"features/{judged}" not in frame or (is_line and f"features/{plain}-scatter" not in frame):
+    judged = plain if is_line(plain) else "velocity.rms"
+    if f"features/{judged}" not in frame or (is_line(plain) and f"features/{plain}-scatter" not in frame):
         return pd.Series(float("nan"), frame.index)
     relative = standard_error(frame, judged) / frame[f"features/{judged}"].abs()
     by_blocks = frame.get(f"features/{BY_BLOCKS.get(judged, '')}")
@@ -100,8 +121,9 @@ def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
 
 def scatters_unknown(frame: "pd.DataFrame", feature: str) -> "pd.Series[bool]":
     """Mark jobs in which a feature is a line of a chaotic motion without a standard error: no multiple of BPFO."""
-    has_scatter = "@" not in feature or ".rms@" in feature or f"features/{feature}-scatter" in frame
-    return _chaotic(frame) & (not has_scatter)
+    has_scatter = not is_line(feature) or f"features/{feature}-scatter" in frame
+    reached = of_early_end(frame, feature)
+    return _chaotic(frame) & (not has_scatter) & (True if reached is None else reached.isna())
 
 
 def _chaotic(frame: "pd.DataFrame") -> "pd.Series[bool]":

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 
 from bearingsim.catalogue import AUTO, REFERENCE
 from bearingsim.config import Case
-from bearingsim.config.names import LINES, read_band
+from bearingsim.config.names import FAULT_LINES, LINES, is_mean, read_band
 from bearingsim.config.rules import hierarchy
+from bearingsim.config.rules.conflicts import until_conflicts
 from bearingsim.study.figures import Figure
 from bearingsim.text.units import UnitError, parse, show, suggestion
 from bearingsim.text.yamlfile import Mark, Node, Problem, problem
@@ -28,6 +29,10 @@ JUDGED = (
     "outer_force.max",
 )
 """Features of which an accuracy can be asked: lines, RMS, the largest force."""
+KNOWN_TO = 0.25
+"""Of an accuracy, the largest standard error of a record that ends early: four of them are within it."""
+OF_NO_RECORD = "seconds"
+"""Column of figures that does not depend on the record."""
 CHOSEN, STEPPED = "which chooses it", "which needs the error bound of an automatic step"
 NOT_BESIDE = {"model": CHOSEN, "method": CHOSEN, "step": STEPPED, "tolerance": STEPPED}
 """Keys that exclude `accuracy`, with the reason."""
@@ -51,6 +56,26 @@ class Goal:
 def is_judged(name: str) -> bool:
     """Return whether an accuracy can be asked of a feature: one of ``JUDGED``, or one of a band."""
     return name in JUDGED or read_band(name) is not None
+
+
+def in_full(drawn: Iterable[str]) -> str:
+    """Return the first feature for which records are computed in full, "" if none is: all are means."""
+    return next((name for name in drawn if not is_mean(name) and name != OF_NO_RECORD), "")
+
+
+def ended_early(case: Case, goal: Goal, figures: Iterable[Figure]) -> Case:
+    """Return the case with `until` a quarter of the accuracy of all that goal and figures name, if it may end so.
+
+    Not with series, features that are no means, an `until` of its own, or what `until` excludes.
+    """
+    names = dict.fromkeys((*goal.of, *(name for figure in figures for name in figure.y)))
+    if case.record or case.until is not None or in_full(names):
+        return case
+    races = [defect.race for defect in case.defects] or ["outer"]
+    watched = {OF_NO_RECORD, "velocity.rms", *(f"velocity@{FAULT_LINES[race]}" for race in races)}
+    others = tuple(name for name in names if name not in watched and name not in case.features)
+    early = case.model_copy(update={"until": KNOWN_TO * goal.within, "features": case.features + others})
+    return early if next(until_conflicts(early), None) is None else case
 
 
 def parse_goal(section: Node | None, figures: Iterable[Figure], problems: list[Problem]) -> Goal | None:
@@ -155,8 +180,8 @@ def _place(entry: Node) -> Mark:
 
 
 def asks_for_reference(root: Node) -> Node:
-    """Return the tree of a study with the reference model in place of `accuracy`."""
+    """Return the tree of a study with the reference model in place of `accuracy`, by default without series."""
     section = root.mapping["accuracy"]
     rest = {key: node for key, node in root.mapping.items() if key not in NOT_BESIDE}
-    model = Node(REFERENCE, section.mark, section.key)
-    return Node(rest | {"model": model}, root.mark, root.key)
+    model, record = (Node(value, section.mark, section.key) for value in (REFERENCE, ()))
+    return Node({"record": record} | rest | {"model": model}, root.mark, root.key)

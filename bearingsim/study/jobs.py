@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from bearingsim.catalogue import AUTO, MODELS
 from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
+from bearingsim.config.names import MEANS
 from bearingsim.config.rules.hierarchy import leaves_friction_open, speaks_of_slip
 from bearingsim.study.design import Design, Drawn
 from bearingsim.study.figures import Figure
@@ -262,6 +263,7 @@ def healthy_twin(case: Case) -> Case | None:
         name: Case.model_fields[name].default for name in _defect_keys(case) & Case.model_fields.keys()
     }
     plain["record"] = tuple(name for name in case.record if slice_number(name) is None)  # its slices differ
+    plain["features"] = tuple(name for name in case.features if name not in MEANS)  # a defect's line is absent
     return case.model_copy(update=plain)
 
 

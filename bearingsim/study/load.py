@@ -12,7 +12,7 @@ from bearingsim.config import Case
 from bearingsim.config.case_fields import OLD_WORDS
 from bearingsim.config.fields import described
 from bearingsim.study.figures import Figure, band_features, check_known, parse_figures
-from bearingsim.study.goal import Goal, asks_for_reference, check_goal, parse_goal
+from bearingsim.study.goal import Goal, asks_for_reference, check_goal, ended_early, parse_goal
 from bearingsim.study.jobs import Study
 from bearingsim.study.plan import Plan
 from bearingsim.study.uncertainty import Uncertain, check_possible, parse_uncertainty
@@ -74,7 +74,17 @@ def load_study(
         files=opened.files,
         drawn=plan.drawn,
     )
-    return study if settings.goal is None else replace(study, goal=settings.goal, otherwise=plan.otherwise)
+    return study if settings.goal is None else _with_goal(study, settings.goal, plan)
+
+
+def _with_goal(study: Study, goal: Goal, plan: Plan) -> Study:
+    """Return a study with an accuracy, its records ended once they are known to a part of it."""
+
+    def otherwise(changes: Mapping[str, str]) -> list[Case | None]:
+        return [case and ended_early(case, goal, study.figures) for case in plan.otherwise(changes)]
+
+    swept = tuple((ended_early(case, goal, study.figures), values) for case, values in study.swept_cases)
+    return replace(study, swept_cases=swept, goal=goal, otherwise=otherwise)
 
 
 class _Settings(NamedTuple):

@@ -427,7 +427,7 @@ def with_choice(study: Study, candidate: str, error: Mapping[str, float] | None 
 @pytest.mark.parametrize("model", ["rollers", "ring", "static", "reference"])
 def test_chosen_jobs_are_those_of_a_study_that_names_the_model(write: Write, model: str) -> None:
     found = with_choice(near(write), model)
-    named = load_study(write(TEXT.replace("accuracy: 5 %", f"model: {model}")))
+    named = load_study(write(TEXT.replace("accuracy: 5 %", f"model: {model}\nrecord: []\nuntil: 1.25 %")))
     assert [job.id for job in found.planned()] == [job.id for job in named.planned()]
     assert [values for _, values in found.swept_cases] == [values for _, values in named.swept_cases]
 

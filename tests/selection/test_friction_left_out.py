@@ -61,7 +61,7 @@ def test_friction_that_changes_much_is_computed(write: Write, repeats: bool) -> 
     assert found[0].why == "friction changes velocity@BPFO by up to 4.5 % on its curve, over 4 %"
     assert [one.friction for one in found] == [{}] * 3
     done = selection.chosen(study, selection.Choosing(study, range(3)).decide(known(study, of)).choices)
-    named = OPEN.replace("accuracy: 5 %", "model: planar")
+    named = OPEN.replace("accuracy: 5 %", "model: planar\nrecord: []\nuntil: 1.25 %")
     assert [case_id(case) for case in done.cases()] == [case_id(case) for case in load_study(write(named)).cases()]
     assert done.selection is not None
     assert done.selection.audits == ()

@@ -6,6 +6,7 @@ import pandas as pd
 import pytest
 
 from bearingsim.store import is_one_draw
+from bearingsim.store.spread import scatters_unknown, standard_error
 
 LINE, RMS = "velocity@BPFO", "velocity.rms"
 
@@ -52,3 +53,17 @@ def test_blocks_of_passes_tell_more_than_single_ones() -> None:
     assert is_one_draw(found, RMS).iloc[0]
     assert is_one_draw(found.assign(**{"standard_error.line": [math.nan]}), LINE).iloc[0]
     assert is_one_draw(found.assign(**{"standard_error.line": [math.inf]}), LINE).iloc[0]
+
+
+def test_a_record_that_ended_early_has_the_standard_error_it_ended_by() -> None:
+    """Of lines and RMS values; that of one in full counts only where it is chaotic."""
+    features = table(chaotic=0.0, line=0.1).add_prefix("features/")
+    known = {"info/standard_error_line": 0.004, "info/standard_error_rms": 0.002, "info/passes": 200}
+    early, full = (features.assign(**known, **{"info/passes_computed": n}) for n in (130, 200))
+    assert standard_error(early, LINE).iloc[0] == pytest.approx(0.004 * 2.0)
+    assert standard_error(early, RMS).iloc[0] == pytest.approx(0.002 * 3.0)
+    assert standard_error(early, "outer_force.max").iloc[0] == 0.0
+    assert standard_error(full, LINE).iloc[0] == 0.0
+    chaotic = early.assign(**{"features/chaotic": 1.0})
+    assert not scatters_unknown(chaotic, "velocity@BPFI").iloc[0]
+    assert scatters_unknown(full.assign(**{"features/chaotic": 1.0}), "velocity@BPFI").iloc[0]

@@ -59,7 +59,7 @@ def test_cases_have_the_model_that_others_are_judged_by(write: Write) -> None:
     assert [case.model for case in study.cases()] == ["planar", "planar"]
     assert study.otherwise is not None
     lower = study.otherwise({"model": "static"})
-    named = load_study(write(BASE + MODELS.replace("accuracy: 2 %", "model: static")))
+    named = load_study(write(BASE + MODELS.replace("accuracy: 2 %", "model: static\nrecord: []\nuntil: 0.5 %")))
     assert lower == named.cases()
     assert study.otherwise({"excitation": "nonsense"}) == [None, None]
     fixed = [case.load if case else None for case in study.otherwise({"load": "100 N"})]
@@ -254,3 +254,47 @@ def test_what_no_model_knows_in_full_has_no_reference(write: Write) -> None:
 def test_what_a_reference_leaves_out_is_told(write: Write, said: str, assumed: tuple[str, ...]) -> None:
     text = "study: a\nbearing: nf308\nspeed: 1800 rpm\nload: 150 N\nrig: {ring: {bends: false}}\n"
     assert load_study(write(text + said)).assumptions == assumed
+
+
+# Records that end early
+
+DRAWN = "accuracy: 2 %\n{more}sweep: {{load: [100 N, 200 N]}}\nfigures: [{{y: [{y}], x: load}}]\n"
+
+
+@pytest.mark.parametrize(
+    ("more", "y", "until"),
+    [
+        ("", "velocity@BPFO, velocity.rms", 0.005),
+        ("", "velocity@BPFO, seconds", 0.005),
+        ("", "velocity@BPFO, outer_force.max", None),
+        ("", "velocity@BPFO, velocity.kurtosis", None),
+        ("", "velocity@BPFO, cage.slip.mean", None),
+        ("", "velocity@BPFO, velocity@BPFO-healthy", None),
+        ("record: [ring.velocity]\n", "velocity@BPFO", None),
+        ("step_check: strict\n", "velocity@BPFO", None),
+        ("until: 0.1 %\n", "velocity@BPFO", 0.001),
+    ],
+)
+def test_records_end_early_where_means_alone_are_drawn(
+    write: Write, more: str, y: str, until: float | None
+) -> None:
+    cases = load_study(write(BASE + DRAWN.format(more=more, y=y))).cases()
+    assert {case.until for case in cases} == {until}
+
+
+def test_what_is_drawn_besides_line_and_rms_is_watched(write: Write) -> None:
+    band = "velocity.rms@10-1000Hz"
+    study = load_study(write(BASE + DRAWN.format(more="", y=f"velocity@BPFO, velocity@2BPFO, {band}")))
+    assert {case.features for case in study.cases()} == {(band, "velocity@2BPFO")}
+    twins = {job.case.features for job in study.jobs() if job.is_baseline}
+    assert twins == {(band,)}
+
+
+def test_an_accuracy_stores_no_series_unless_asked(write: Write) -> None:
+    plain = DRAWN.format(more="", y="velocity@BPFO")
+    stored = DRAWN.format(more="record: [ring.velocity]\n", y="velocity@BPFO")
+    none, series, named = (
+        load_study(write(BASE + text)).cases() for text in (plain, stored, "model: reference\n")
+    )
+    assert {case.record for case in none} == {()}
+    assert {case.record for case in (*series, *named)} == {("ring.velocity",)}

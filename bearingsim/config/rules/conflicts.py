@@ -5,7 +5,7 @@ from math import inf
 from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim import catalogue
-from bearingsim.config.bands import FEWEST_PERIODS, HIGHEST
+from bearingsim.config.bands import EXAMPLES, FEWEST_PERIODS, HIGHEST
 from bearingsim.config.channels import plain, roller_number, slice_number
 from bearingsim.config.fields import Conflict, Path
 from bearingsim.config.names import read_band
@@ -43,7 +43,7 @@ def conflicts(case: "CaseFields") -> Iterator[Conflict]:
     yield from flexible_ring_conflicts(case)
     yield from _record(case)
     yield from _bands(case)
-    yield from _until(case)
+    yield from until_conflicts(case)
     yield from _sizes(case)
 
 
@@ -168,10 +168,13 @@ def _record(case: "CaseFields") -> Iterator[Conflict]:
 
 def _bands(case: "CaseFields") -> Iterator[Conflict]:
     for index, name in enumerate(case.features):
+        place: Path = ("features", index)
         feature = read_band(name)
+        if feature is None and case.until is None:
+            message = f"`{name}` is computed of every case"
+            yield Conflict("feature", (place,), message, f"name features of bands, such as {EXAMPLES}")
         if feature is None or feature.band is None:
             continue
-        place: Path = ("features", index)
         low, high = feature.band
         if not low < high:
             yield Conflict("band", (place,), f"`{name}`: the band is empty", "give the lower frequency first")
@@ -276,7 +279,11 @@ ALIKE: dict[str, Alike] = {
 """Conditions for equal ball passes, by field of a case; simulation/repetition.py adds those of the method."""
 
 
-def _until(case: "CaseFields") -> Iterator[Conflict]:
+ALIKE_BY_TURNS = ("defects", "cage")
+"""Of these, conditions without which turns of a defect, or of the cage, are alike in place of ball passes."""
+
+
+def until_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     """Yield the conflicts of cases that cannot be run until a scatter is small."""
     if case.until is None:
         return
@@ -290,6 +297,6 @@ def _until(case: "CaseFields") -> Iterator[Conflict]:
         message = "`step_check: strict` checks the whole record, which `until` may shorten"
         yield Conflict("until", (("until",), ("step_check",)), message, "say one of them")
     for name, alike in ALIKE.items():
-        if not alike.holds(case):
-            message = f"`until` compares ball passes, which differ: {alike.why_not}"
+        if name not in ALIKE_BY_TURNS and not alike.holds(case):
+            message = f"`until` compares turns, which differ: {alike.why_not}"
             yield Conflict("until", (("until",), (name,)), message, "leave it out")

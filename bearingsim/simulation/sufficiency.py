@@ -1,0 +1,141 @@
+"""Standard errors of the requested features of a record, by which it ends `until` an accuracy.
+
+A feature is read over pairs of successive units (``ending.unit``) that overlap by half, as in ``trial.py``; a
+multiple of BPFO beside other lines is read from its ball passes. The standard error of their mean is that of batch
+means. Where values are correlated, larger batches have a larger one: batches are doubled in size, and the largest
+error counts (batch means: Jones, Haran, Caffo and Neath 2006, J. Am. Stat. Assoc. 101, 1537; their bias: Vats and
+Flegal 2022, Biometrika 109, 735; ends at a relative width: Flegal and Gong 2015, Stat. Sinica 25, 655).
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache, partial
+from math import inf, nan
+
+import numpy as np
+from scipy.special import stdtrit
+
+from bearingsim import signals
+from bearingsim.config import Case
+from bearingsim.config.names import LINES, read_band
+from bearingsim.core.sampling import sampling_kernel
+from bearingsim.simulation import ending, trial
+from bearingsim.simulation.accuracy import QUIET_LINE, StandardErrors
+from bearingsim.simulation.comparison import fault_lines
+from bearingsim.simulation.recording import RawRecord, first_sample, whole_passes
+from bearingsim.simulation.run_setup import Setup
+from bearingsim.simulation.spectral_lines import angles_of_record, has_other_lines, lines_of_passes, sensed
+
+FEWEST_BATCHES = 4
+TWO_SIGMA = 0.97725  # probability of a deviation below two sigma
+HANN = 1.5  # times as large is the variance of a mean under Hann's window
+
+
+class Inspections:
+    """Inspections of a run whose record ends `until` an accuracy.
+
+    passes: ball passes of the run after which it is inspected.
+    """
+
+    def __init__(self, setup: Setup) -> None:
+        self.setup = setup
+        self.of_record = {trial.last_pass(setup, count): count for count in ending.looks(setup.case)}
+        self.passes = self.of_record.keys()
+        self.errors: dict[int, StandardErrors] = {}
+
+    def ends(self, raw: RawRecord) -> bool:
+        """Check if a run is accurate enough."""
+        return self.reached(raw).largest <= (self.setup.case.until or 0.0)
+
+    def ended(self, raw: RawRecord) -> Setup:
+        """Return the setup of a run's record, shorter if an inspection has ended it."""
+        computed = raw.repetition.computed
+        if raw.repetition.period > 0 or computed not in self.of_record:
+            return self.setup
+        shorter = {"duration": self.of_record[computed] / self.setup.cut.rate}
+        return replace(self.setup, case=self.setup.case.model_copy(update=shorter))
+
+    def reached(self, raw: RawRecord) -> StandardErrors:
+        """Return the standard errors of a run's record; NaN without `until`."""
+        if self.setup.case.until is None:
+            return StandardErrors(nan, nan)
+        computed = raw.repetition.computed
+        if computed not in self.errors:
+            self.errors[computed] = standard_errors(self.ended(raw), raw)
+        return self.errors[computed]
+
+
+def watched(case: Case) -> list[str]:
+    """List the features whose accuracy ends a record: line of each defect, RMS, and what the case names.
+
+    An acceleration's line is i times its angular speed times that of the velocity.
+    """
+    names = (*(f"velocity@{line}" for line in fault_lines(case)), "velocity.rms", *case.features)
+    return list(dict.fromkeys(name.replace("acceleration@", "velocity@") for name in names))
+
+
+def standard_errors(setup: Setup, raw: RawRecord) -> StandardErrors:
+    """Estimate the largest standard errors of the watched lines and RMS values; infinite of too few passes."""
+    if raw.repetition.period > 0:
+        return StandardErrors(0.0, 0.0)
+    errors = errors_of(setup, raw, watched(setup.case))
+    is_line = {name: "@" in name and ".rms" not in name for name in errors}
+    return StandardErrors(
+        max(error for name, error in errors.items() if is_line[name]),
+        max(error for name, error in errors.items() if not is_line[name]),
+    )
+
+
+def errors_of(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> dict[str, float]:
+    """Estimate the relative standard errors of features of a record that is not periodic, by name."""
+    case, cut = setup.case, setup.cut
+    passes = whole_passes(case, cut)
+    start, length = first_sample(case, cut), passes * cut.fine_per_pass + 1
+    spans = trial.spans_of(passes, float(ending.unit(case)), cut.fine_per_pass)
+    if len(spans) <= FEWEST_BATCHES:
+        return dict.fromkeys(requested, inf)
+    low = raw.through(sampling_kernel(cut.fine_rate / case.sampling))
+    fine = cache(partial(sensed, case, raw, start=start, count=length))
+    turning = angles_of_record(case, setup.model, cut, raw, start, length)
+    by_window = [name for name in requested if not (has_other_lines(case) and _harmonic(name))]
+    lines, powers = trial.parts_of_features(
+        setup, by_window, fine, cache(partial(sensed, case, low, start=start, count=length)), turning, spans
+    )
+    by_pass = {} if len(by_window) == len(requested) else lines_of_passes(case, setup.model, cut, raw)
+    for name in set(requested).difference(by_window) if by_pass else ():
+        of_passes = by_pass[name.partition("@")[0]][_harmonic(name) - 1]
+        weights = signals.pass_weights(len(of_passes), neighbours=True)
+        lines[name] = np.append(np.average(of_passes, weights=weights), of_passes)
+    errors = {}
+    for name, parts in lines.items():
+        quiet = 0.0 if read_band(name) else QUIET_LINE * float(np.std(fine(name.partition("@")[0])))
+        along = (parts * np.exp(-1j * np.angle(parts[0]))).real
+        window = HANN if has_other_lines(case) else 1.0
+        errors[name] = window**0.5 * batch_error(along[1:]) / (max(abs(parts[0]), quiet) or 1.0)
+    for name, parts in powers.items():
+        errors[name] = 0.5 * batch_error(parts[1:]) / (parts[0] or 1.0)
+    return {name: inf if np.isnan(errors.get(name, nan)) else float(errors[name]) for name in requested}
+
+
+def _harmonic(name: str) -> int:
+    """Return the multiple of BPFO that a line of the motion is at, 0 of any other feature."""
+    line = LINES.get(name.partition("@")[2])
+    return 0 if line is None or read_band(name) else line.outer
+
+
+def batch_error(values: np.ndarray) -> float:
+    """Estimate the standard error of the mean of successive values (n,), at least ``FEWEST_BATCHES``.
+
+    The largest by batches of 1, 2, 4 ... values. Twice the variance by a batch, less that by one of half its size,
+    is free of the bias of first order by a correlation over batches. By Student's t two standard errors are as
+    sure as two sigma.
+    """
+    n, size, largest, before = len(values), 1, 0.0, 0.0
+    while (count := n // size) >= FEWEST_BATCHES:
+        means = values[n - count * size :].reshape(count, size).mean(axis=1)
+        variance = size * float(np.var(means, ddof=1))
+        unbiased = max(variance, 2.0 * variance - before) if size > 1 else variance
+        student = float(stdtrit(count - 1.0, TWO_SIGMA)) / 2.0
+        largest = max(largest, student * (unbiased / n) ** 0.5)
+        before, size = variance, 2 * size
+    return largest
