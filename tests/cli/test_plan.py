@@ -1,11 +1,13 @@
-"""What a plan says of friction, and which jobs of many it prices."""
+"""What a plan says of friction, and of jobs that cannot be run."""
 
 from math import inf, isnan
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from bearingsim import assemble
-from bearingsim.cli.plan import friction_scale
+from bearingsim.cli.plan import _grouped, friction_scale
 from tests.scenes.short_cases import case
 
 FORCE = 50.0  # N
@@ -27,3 +29,13 @@ def test_what_does_not_rub_keeps_its_slip() -> None:
     force, settled = friction_scale(case(model="ring"), FORCE)
     assert isnan(force)
     assert settled == inf
+
+
+def test_refusals_that_differ_in_numbers_only_are_one_message() -> None:
+    first, second, only = (SimpleNamespace(swept=swept) for swept in ({"load": 150.0}, {"load": 300.0}, {}))
+    study: Any = SimpleNamespace(units={"load": "N"})
+    refusals: Any = [(first, "a step of 2 us"), (second, "a step of 3 us"), (only, "no method")]
+    assert list(_grouped(refusals, study)) == [
+        "2 jobs refused, the first at load 150 N: a step of 2 us",
+        "refused: the only case: no method",
+    ]
