@@ -15,7 +15,7 @@ from bearingsim.runner import handshake
 from bearingsim.runner.handshake import SchedulerGone, answer_in_time, client_of
 from benchmarks import handshakes, peers
 
-STRANGER = "is not a dask scheduler (it "
+STRANGER = "is not a dask scheduler ("
 
 
 @pytest.fixture
@@ -52,11 +52,11 @@ def test_ctrl_c_is_heard_while_an_answer_is_waited_for() -> None:
 @pytest.mark.parametrize(
     ("peer", "told"),
     [
-        (peers.web_server(), f"{STRANGER}says nothing"),
-        (peers.silent(), f"{STRANGER}says nothing"),
+        (peers.web_server(), f"{STRANGER}no greeting"),
+        (peers.silent(), f"{STRANGER}no greeting"),
         (peers.closed(), "no scheduler responds at"),
-        *((peers.rubbish(random.Random(seed)), f"{STRANGER}sends something else)") for seed in (1, 2)),
-        (peers.listening(lambda peer: peer.close()), f"{STRANGER}closes the connection)"),
+        *((peers.rubbish(random.Random(seed)), f"{STRANGER}it uses another protocol)") for seed in (1, 2)),
+        (peers.listening(lambda peer: peer.close()), f"{STRANGER}it closes the connection)"),
     ],
 )
 def test_what_is_no_scheduler_is_told(peer: peers.Peer, told: str) -> None:
