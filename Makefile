@@ -22,7 +22,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start largest-force flags nodes friction compiler-gains house mutants $(CAMPAIGNS)
+.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction compiler-gains house mutants $(CAMPAIGNS)
 
 help:
 	@sed -n '1,8s/^# //p' Makefile
@@ -160,6 +160,10 @@ one-folder: install-dev
 # lines of envelopes, RMS of a band at any sampling, contact forces: are they what they are called? Writes docs/data/bands.csv
 bands: install-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.bands --csv docs/data/bands.csv
+
+# CPU time of commands that compute nothing. Writes docs/data/start_up.csv
+start-up: install-dev
+	$(BIN)/python -m benchmarks.speed.start_up --csv docs/data/start_up.csv
 
 # does a run forget its start, and is what it remembers said? Writes docs/data/start.csv
 start: install-dev

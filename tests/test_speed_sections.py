@@ -1,0 +1,117 @@
+"""Each section of ``make bench`` runs, on few and short jobs; loops that are only timed are not compiled."""
+
+import json
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks.speed import __main__ as bench
+from benchmarks.speed import accuracy, compiling, first_run, friction, prices, start_up, steps, study
+from benchmarks.speed.report import Section
+from benchmarks.speed.timing import Measure, Task
+
+SHORT = "30 ms"
+
+
+def once(tasks: Mapping[str, Task], rounds: int) -> dict[str, Measure]:
+    """Run each task once."""
+    return {name: Measure(task(), 1.0, 0.0, 1) for name, task in tasks.items()}
+
+
+def smaller(monkeypatch: pytest.MonkeyPatch, module: Any, **values: Any) -> None:
+    """Replace names of a section's module."""
+    for name, value in values.items():
+        monkeypatch.setattr(module, name, value)
+
+
+def found_by(section: Callable[[Section], None]) -> Section:
+    """Run a section."""
+    found = Section()
+    section(found)
+    assert found.lines()
+    json.dumps(found.as_json())
+    return found
+
+
+@pytest.fixture(autouse=True)
+def measured_once(monkeypatch):
+    for module in (steps, accuracy, study, prices):
+        monkeypatch.setattr(module, "measured", once)
+
+
+@pytest.mark.slow
+def test_steps(monkeypatch):
+    smaller(monkeypatch, steps, clocked=lambda *called: 1e-3, ROLLERS=(8, 16), SLICES=(6, 12))
+    assert set(steps.MOST) == {row[0] for row in found_by(steps.section).tables[0][2]}
+
+
+def test_peers(monkeypatch):
+    def run(start: Any, method: Any, places: np.ndarray, instants: int, per: int = 1) -> accuracy.Found:
+        return 1.0, np.arange(2.0 * instants).reshape(2, -1)
+
+    monkeypatch.setattr(accuracy.Start, "run", run)
+    smaller(monkeypatch, accuracy.peers, solvers=lambda problem: [])
+    smaller(monkeypatch, accuracy, FIXED={"verlet": (42,)}, PLANAR_FIXED={"verlet": (6,)}, TOLERANCES=(1e-3,))
+    smaller(monkeypatch, accuracy.peers, absent=lambda: {"exudyn": "not tried"})
+    assert {curve.scene for curve in found_by(accuracy.section).curves} == {"rollers", "planar"}
+
+
+def test_study(monkeypatch):
+    asked: list[str] = []
+
+    def phases_of(case: Any) -> dict[str, float]:
+        asked.append(case.model)
+        return dict.fromkeys(study.PHASES, 1e-3)
+
+    smaller(monkeypatch, study, phases_of=phases_of, simulate=lambda case: None, peak_memory=lambda duration: 1e8)
+    smaller(monkeypatch, study, computed=lambda model, duration, jobs, workers: jobs, MANY=(2, 3), SHARED=2)
+    found_by(study.section)
+    assert asked == [model for model in study.MODELS for _ in range(study.EACH)]
+
+
+def test_a_study_is_computed_with_its_twins():
+    assert study.computed("ring", "10 ms", 2, workers=1) == 4
+
+
+@pytest.mark.slow
+def test_friction(monkeypatch):
+    smaller(monkeypatch, friction, LOADS=("300 N",), DURATION=SHORT)
+    assert [len(rows) for _, _, rows in found_by(friction.section).tables] == [1, 1]
+
+
+def test_start_up(monkeypatch):
+    commands = {name: start_up.COMMANDS[name] for name in ("bearingsim --help", "bearingsim show")}
+    smaller(monkeypatch, start_up, COMMANDS=commands, MOST={"bearingsim show": 60.0}, ROUNDS=1)
+    assert [target.met for target in found_by(start_up.section).targets] == [True]
+
+
+def test_compiling(monkeypatch):
+    own = compiling.process_time
+    smaller(monkeypatch, compiling, MOST={"static": 7.0}, process_time=lambda model, cache: own(model, {}))
+    assert ("compile", "static") in found_by(compiling.section).prices
+
+
+def test_first_run(monkeypatch):
+    smaller(monkeypatch, first_run, DEMO=(["freq", "nf308"],))
+    assert found_by(first_run.section).tables
+
+
+def test_prices(monkeypatch):
+    smaller(monkeypatch, prices, clocked=lambda *called: 1e-3, job_overhead=lambda: 1e-3)
+    monkeypatch.setattr(prices.Steps, "__call__", lambda steps: 1e-3 * steps.count)
+    assert ("evaluation", "rollers") in found_by(prices.section).prices
+
+
+def test_what_is_found_is_written_after_each_section(monkeypatch, tmp_path: Path):
+    def fails(found: Section) -> None:
+        raise RuntimeError("no such case")
+
+    monkeypatch.setattr(bench, "SECTIONS", {"one": lambda found: found.table("a", ["b"], [[1.0]]), "two": fails})
+    monkeypatch.setattr(sys, "argv", ["speed", "--out", str(tmp_path)])
+    with pytest.raises(RuntimeError, match="no such case"):
+        bench.main()
+    assert list(json.loads((tmp_path / "bench.json").read_text())["sections"]) == ["one"]
