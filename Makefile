@@ -44,11 +44,11 @@ $(VENV)/installed-dev: requirements-dev.lock $(VENV)/installed
 	@touch $@
 
 demo: install
-	$(BIN)/bearingsim run studies/fig14_length.yaml --quick --jobs $(JOBS) --out results/demo-fig14
-	$(BIN)/bearingsim plot results/demo-fig14
-	$(BIN)/bearingsim run studies/fig16_angle.yaml --quick --jobs $(JOBS) --out results/demo-fig16
-	$(BIN)/bearingsim plot results/demo-fig16
-	@echo "The figures are in results/demo-fig14/figures and results/demo-fig16/figures."
+	$(BIN)/bearingsim run studies/fig16_angle.yaml --quick --jobs $(JOBS) --set 'record=[ring.velocity]' --out results/demo
+	$(BIN)/bearingsim plot results/demo
+	for kind in series envelope; do $(BIN)/bearingsim plot results/demo --kind $$kind --job all --where 'clearance=0 um' \
+	  --where 'defect.width=0.8 mm' --where defect.shape=rectangular --where 'defect.angle=0 deg' || exit 1; done
+	@echo "The figures are in results/demo/figures."
 
 $(STUDIES): install
 	$(BIN)/bearingsim run $(wildcard studies/$@.yaml studies/$@_*.yaml) --jobs $(JOBS) $(REDUCED) --out $(RESULTS)

@@ -375,6 +375,20 @@ def prune(
 
 
 @app.command()
+def warm(
+    study: Annotated[
+        Path | None, typer.Argument(metavar="STUDY", help="study file; default: the default models")
+    ] = None,
+) -> None:
+    """Compile the solver of a study, or of the default models, into the cache, before the first run."""
+    from bearingsim.cli.warm import compile_solver
+
+    with patient(seconds=SILENCE_S) as patience:
+        compiled = compile_solver(study, patience)
+    say(f"compiled and in the cache: {compiled}")
+
+
+@app.command()
 def freq(
     bearing: Annotated[
         str, typer.Argument(metavar="BEARING", help="name in configs/bearings, or path of a bearing file")

@@ -113,6 +113,8 @@ def passing_folder() -> Path:
 
 
 _CACHE = cache_folder()
+COMPILING_S = 120.0
+"""Longest wait, in s, for another process that compiles the same function; after it both compile it."""
 UNREADABLE = (ImportError, AttributeError)  # a type of another module, which is not here or has changed
 SAVING_S = 10.0
 """Longest wait, in s, for another process that saves, which may be suspended; after it nothing is saved."""
@@ -122,6 +124,22 @@ SAVING_S = 10.0
 def saving(process: int) -> Any:
     """Lock the cache for saving by this ``process``: a lock must not be inherited across a fork."""
     return FileLock(_CACHE / "saving.lock", timeout=SAVING_S) if _CACHE else nullcontext()
+
+
+@contextmanager
+def compiling(function: Callable) -> Iterator[None]:
+    """Let one process at a time compile a function: the others load its code from the cache."""
+    if _CACHE is None or not linking.is_outermost():
+        yield
+        return
+    name = f"{function.__module__}.{function.__qualname__}.compiling.lock"
+    lock = FileLock(_CACHE / name, timeout=COMPILING_S)
+    with suppress(OSError, NotImplementedError):  # of a folder without locks, or of a wait that was too long
+        lock.acquire()
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 def jit(function: Callable, **options: Any) -> Any:
@@ -135,7 +153,7 @@ def jit(function: Callable, **options: Any) -> Any:
 
 
 def kept_safely(dispatcher: Any) -> Any:
-    """Let one process at a time save a function's compiled code, and compile anew if the cache cannot be read.
+    """Let one process at a time compile a function and save its code; compile anew if the cache cannot be read.
 
     Compiling and loading are not charged to the job that needs the code.
 
@@ -162,7 +180,7 @@ def kept_safely(dispatcher: Any) -> Any:
             return load(signature, context)
 
     def compile_uncharged(signature: Any) -> Any:
-        with cpu_time.uncharged():
+        with cpu_time.uncharged(), compiling(dispatcher.py_func):
             return compile_for(signature)
 
     cache.save_overload, cache.load_overload = save_in_turn, load_if_readable

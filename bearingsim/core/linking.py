@@ -102,6 +102,11 @@ if FOUND:
     OPTIONS = {"pipeline_class": Compiler}
 
 
+def is_outermost() -> bool:
+    """Check if a function compiled now is no callee of one that is being compiled; False if that is unknown."""
+    return FOUND and Compiler.depth == 0
+
+
 @contextmanager
 def rare_collections() -> Iterator[None]:
     """Raise the thresholds of the garbage collector while compiling: collection takes 7 % of the time, with

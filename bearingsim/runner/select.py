@@ -89,7 +89,7 @@ def _decided(
     study: "Study", root: Path, missing: Sequence[int], workers: int, engine: Engine, shown: bool | None
 ) -> selection.Decision:
     """Choose for the cases of these numbers after all trials that the choice needs. Raises Stopped."""
-    choosing = selection.Choosing(study, missing)
+    choosing = selection.Choosing(study, missing, load(engine.compiling))
     trials: dict[str, Trial | None] = selection.read_trials(root, selection.asked_of(study))
     try:
         while wanted := choosing.wanted(trials):

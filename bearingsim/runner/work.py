@@ -36,7 +36,7 @@ class Engine:
     """Import paths ``module:function`` of the solver.
 
     simulate: computes a case; estimate: estimates its cost; warm: compiles beforehand; try_out: computes the first
-    passes of a case; notes: remarks on all cases.
+    passes of a case; notes: remarks on all cases; compiling: estimates the CPU time of compiling a case's code.
     """
 
     simulate: str = "bearingsim.simulation:simulate"
@@ -44,6 +44,7 @@ class Engine:
     warm: str = "bearingsim.simulation:warm"
     try_out: str = "bearingsim.simulation:try_out"
     notes: str = "bearingsim.config.scan.repair:notes"
+    compiling: str = "bearingsim.simulation.pricing:compiling"
 
 
 BEARINGSIM = Engine()

@@ -3,7 +3,7 @@
 Candidates are tried from the cheapest up, and no further than the first that holds for all cases of a curve.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import inf
@@ -36,6 +36,7 @@ TIE = 0.9
 """Of what a higher model costs, what a lower one must save to be taken."""
 
 NOTHING_CHEAPER = "no cheaper model can compute this"
+TOO_LITTLE = "cheaper models would save less CPU time than compiling them takes"
 
 
 class Decision(NamedTuple):
@@ -48,9 +49,16 @@ class Decision(NamedTuple):
 class Choosing:
     """The choice for some cases of a study: which trials it wants next, and what follows from them."""
 
-    def __init__(self, study: Study, numbers: Sequence[int]) -> None:
-        """Find what can be tried. numbers: of the cases to be chosen for, among ``study.cases()``."""
-        self.study, self.numbers, cases = study, numbers, study.cases()
+    def __init__(
+        self, study: Study, numbers: Sequence[int], compiling: Callable[[Case], float] = lambda case: 0.0
+    ) -> None:
+        """Find what can be tried.
+
+        numbers: of the cases to be chosen for, among ``study.cases()``; compiling: returns the CPU time (s) of
+        compiling the code of a case. A candidate must save that over the cases of the study, whether or not it is
+        in the cache: the choice is the same on every machine.
+        """
+        self.study, self.numbers, self.compiling, cases = study, numbers, compiling, study.cases()
         self.tried = [n for n in numbers if can_be_tried(cases[n])]
         self.drawn = curves(study)
 
@@ -62,7 +70,10 @@ class Choosing:
         evidence, friction = self._seen(trials)
         missing = friction.trials()
         if not missing:
-            missing = [trial for group in self._open(friction) for trial in self._next(group, evidence, friction)]
+            left = self._open(friction)
+            numbers = [n for group in left for n in group]
+            worth = [name for name in self.able if self._is_worth_compiling(name, numbers)]
+            missing = [trial for group in left for trial in self._next(group, worth, evidence, friction)]
         return once(missing) or self._nodes(evidence, self._models(evidence, friction)).trials()
 
     def _seen(self, trials: Known) -> tuple[Evidence, Friction]:
@@ -113,10 +124,21 @@ class Choosing:
         """The cases of every candidate, by name, from the highest."""
         return candidates(self.study, self.tried)
 
-    def _next(self, group: Sequence[int], evidence: Evidence, friction: Friction) -> list[Trialled]:
+    def _is_worth_compiling(self, name: str, numbers: Sequence[int]) -> bool:
+        """Check if a candidate saves more CPU time over some cases than compiling its model takes."""
+        own = self.study.cases()
+        cases = {n: self.able[name][n] for n in numbers if n in self.able[name]}
+        others = [case for n, case in cases.items() if case.model != own[n].model]
+        compiled = max(map(self.compiling, others), default=0.0)
+        saved = sum(price(reference(own[n])) - price(case) for n, case in cases.items())
+        return compiled == 0.0 or saved > compiled
+
+    def _next(
+        self, group: Sequence[int], names: Sequence[str], evidence: Evidence, friction: Friction
+    ) -> list[Trialled]:
         """List trials of the cheapest candidate that has not been tried on a group, if nothing cheaper holds."""
         held = inf
-        for cost, name in sorted((self._cost(name, group), name) for name in self.able):
+        for cost, name in sorted((self._cost(name, group), name) for name in names):
             if held < TIE * cost:
                 return []
             cases = {n: self.able[name][n] for n in group if n in self.able[name]}
@@ -172,7 +194,9 @@ class Choosing:
         tried = [evidence.errors(n, cases[n]) for cases in self.able.values() if n in cases]
         own, most = [max(errors.values()) for errors in tried if errors], FOR_MODEL * self.study.goal.within
         if not own:
-            return NOTHING_CHEAPER
+            cases = [cases[n] for cases in self.able.values() if n in cases]
+            untried = [case for case in cases if trials_of(self.study, n, case)[0].id not in evidence.known]
+            return TOO_LITTLE if untried else NOTHING_CHEAPER
         if min(own) == inf:
             return "cheaper models could not be distinguished from it in so few ball passes"
         nearest = f"the nearest cheaper model is {100.0 * min(own):.2g} % off"

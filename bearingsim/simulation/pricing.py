@@ -48,6 +48,11 @@ def price(what: str, name: str = USUAL) -> float:
     return prices().get((what, name), prices()[what, USUAL])
 
 
+def compiling(case: Case) -> float:
+    """Return the CPU time (s) of compiling the code of a case, where nothing of it is in the cache."""
+    return price("compile", case.model)
+
+
 def evaluation(case: Case) -> float:
     """Return the CPU time (s) of one evaluation of the case's model."""
     of_rollers = (price("evaluation", case.model) + price("power") * powers(case)) * (slice_count(case) or 1)

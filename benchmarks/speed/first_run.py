@@ -7,11 +7,18 @@ import time
 from benchmarks.speed.report import Section, Target
 from benchmarks.speed.start_up import cpu_seconds
 
+SIGNAL = [
+    word
+    for value in ("clearance=0 um", "defect.width=0.8 mm", "defect.shape=rectangular", "defect.angle=0 deg")
+    for word in ("--where", value)
+]
 DEMO = (
-    ["run", "studies/fig14_length.yaml", "--quick", "--jobs", "2", "--out", "{}/fig14"],
-    ["plot", "{}/fig14"],
-    ["run", "studies/fig16_angle.yaml", "--quick", "--jobs", "2", "--out", "{}/fig16"],
-    ["plot", "{}/fig16"],
+    [
+        *("run", "studies/fig16_angle.yaml", "--quick", "--jobs", "2"),
+        *("--set", "record=[ring.velocity]", "--out", "{}/demo"),
+    ],
+    ["plot", "{}/demo"],
+    *(["plot", "{}/demo", "--kind", kind, "--job", "all", *SIGNAL] for kind in ("series", "envelope")),
 )
 """The commands of ``make demo``; {}: a folder for its results."""
 MOST_WALL, MOST_COMPILING = 35.0, 15.0  # s of wall time; CPU s of compiling, that of one model

@@ -5,6 +5,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+from bearingsim import simulation
+from bearingsim.core.jit import heard
 from tests.scenes.commands import STUDY, type_
 
 READING = [
@@ -39,3 +43,19 @@ def test_commands_that_read_results_import_nothing_that_computes_them(tmp_path, 
     words = [sys.executable, "-c", CODE, json.dumps(READING)]
     ended = subprocess.run(words, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stderr[-500:]
+
+
+def test_what_a_study_needs_is_compiled_beforehand(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("small.yaml").write_text(STUDY.replace("[static, ring]", "[static]"))
+    assert type_("warm", "small.yaml")[0] == "compiled and in the cache: the models of small\n"
+    with heard(lambda: pytest.fail("compiled in the run"), lambda: None):
+        type_("run", "small.yaml", "--jobs", 1)
+
+
+def test_the_default_models_are_compiled_on_request(monkeypatch):
+    asked = []
+    monkeypatch.setattr(simulation, "warm", lambda cases, about_to: asked.extend(cases))
+    assert type_("warm")[0] == "compiled and in the cache: `ring`, `rollers`, `reference`, `planar`\n"
+    assert [case.model for case in asked] == ["ring", "rollers", "planar", "planar"]
+    assert [case.cage and case.cage.motion for case in asked] == [None, None, "kinematic", "free"]

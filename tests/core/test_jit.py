@@ -145,6 +145,32 @@ def test_compiled_code_is_saved_by_one_process_at_a_time(monkeypatch: pytest.Mon
     held.saved.assert_called_once_with(1, 0)
 
 
+TOGETHER = """
+import sys, time
+from pathlib import Path
+from bearingsim.core import jit
+from bearingsim.core.laws.stiffness.power_laws import ninth_root
+folder = Path(sys.argv[2])
+(folder / sys.argv[1]).touch()
+while not ((folder / "one").exists() and (folder / "other").exists()):
+    time.sleep(1e-3)
+compiled = []
+with jit.heard(lambda: compiled.append(True), lambda: None):
+    ninth_root(2.0)
+print(len(compiled))
+"""
+
+
+def test_two_processes_compile_a_function_once(tmp_path: Path) -> None:
+    here, cache = os.environ | {"BEARINGSIM_CACHE": str(tmp_path / "cache")}, tmp_path / "cache"
+    cache.mkdir()
+    both = [
+        subprocess.Popen([sys.executable, "-c", TOGETHER, name, str(tmp_path)], env=here, stdout=subprocess.PIPE)
+        for name in ("one", "other")
+    ]
+    assert sorted(int(process.communicate()[0]) for process in both) == [0, 1]
+
+
 def test_what_others_have_saved_and_took_away_is_compiled_anew() -> None:
     def gone(*given: Any) -> None:
         raise ModuleNotFoundError("No module named 'elsewhere'")

@@ -26,6 +26,7 @@ ENGINE = Engine(
     warm="tests.scenes.trials:warm",
     try_out="tests.scenes.trials:try_out",
     notes="tests.scenes.trials:notes",
+    compiling="tests.scenes.trials:compiling",
 )
 LOG = "FAKE_TRIALS"
 """A variable of the environment: the file that tells what has been tried and computed, a line each."""
@@ -123,6 +124,10 @@ def estimate(case: Case) -> SimpleNamespace:
 
 def warm(cases: Sequence[Case], about_to: Any = None) -> None:
     """Nothing to compile."""
+
+
+def compiling(case: Case) -> float:
+    return 0.0
 
 
 def notes(cases: Sequence[Case]) -> list[str]:

@@ -96,6 +96,24 @@ def test_errors_count_over_the_largest_value_of_the_curve(write: Write, dear: di
     assert taken(apart, of) == ["reference", "rollers", "rollers"]
 
 
+@pytest.mark.parametrize(("compiling_s", "tried"), [(0.0, True), (20.0, True), (22.0, False)])
+def test_a_model_that_saves_less_than_its_compiling_over_all_cases_is_not_tried(
+    write: Write, dear: dict[str, float], compiling_s: float, tried: bool
+) -> None:
+    """`rollers` saves 7 s in each of three cases."""
+    study, of = near(write), by_model(FAR | {"rollers": 1.01})
+    dear |= {"ring": 10.0, "static": 10.0}  # save nothing
+    choosing = selection.Choosing(study, range(3), lambda case: compiling_s)
+    found = {one.id: of(one) for one in choosing.wanted({})}
+    wanted = choosing.wanted(found)
+    assert {one.case.model for one in wanted} == ({"rollers"} if tried else set())
+    chosen = choosing.decide(found | {one.id: of(one) for one in wanted}).choices.values()
+    assert {one.candidate for one in chosen} == {"rollers" if tried else "reference"}
+    if not tried:
+        why = "cheaper models would save less CPU time than compiling them takes"
+        assert {one.why for one in chosen} == {why}
+
+
 def test_a_candidate_that_fails_is_not_taken(write: Write, dear: dict[str, float]) -> None:
     of = by_model(FAR | {"rollers": 1.01, "ring": 1.01})
     study = near(write)
