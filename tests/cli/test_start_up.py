@@ -48,7 +48,7 @@ def test_commands_that_read_results_import_nothing_that_computes_them(tmp_path, 
 def test_what_a_study_needs_is_compiled_beforehand(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("small.yaml").write_text(STUDY.replace("[static, ring]", "[static]"))
-    assert type_("warm", "small.yaml")[0] == "compiled and in the cache: the models of small\n"
+    assert type_("warm", "small.yaml")[0] == "compiled and in the cache: `static`\n"
     with heard(lambda: pytest.fail("compiled in the run"), lambda: None):
         type_("run", "small.yaml", "--jobs", 1)
 
@@ -56,6 +56,6 @@ def test_what_a_study_needs_is_compiled_beforehand(tmp_path, monkeypatch):
 def test_the_default_models_are_compiled_on_request(monkeypatch):
     asked = []
     monkeypatch.setattr(simulation, "warm", lambda cases, about_to: asked.extend(cases))
-    assert type_("warm")[0] == "compiled and in the cache: `ring`, `rollers`, `reference`, `planar`\n"
-    assert [case.model for case in asked] == ["ring", "rollers", "planar", "planar"]
-    assert [case.cage and case.cage.motion for case in asked] == [None, None, "kinematic", "free"]
+    assert type_("warm")[0] == "compiled and in the cache: `rollers`, `planar`\n"
+    assert [case.model for case in asked] == ["rollers", "planar", "planar"]
+    assert [case.cage and case.cage.motion for case in asked] == [None, "kinematic", "free"]

@@ -32,6 +32,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "export": ("RESULTS", "--features", "features.csv"),
     "merge": ("RESULTS", "--out", "merged"),
     "prune": ("RESULTS",),
+    "warm": ("small.yaml",),
     "freq": ("nf308",),
     "stability": ("--quick", "--out", "stability"),
     "bench": ("--scene", "healthy", "--quick", "--out", "bench"),
