@@ -27,7 +27,7 @@ from typing import Any
 
 from bearingsim import extensions
 from bearingsim.cpu_time import OutOfCpuTime
-from bearingsim.entries import Entry, Feature, Law, Method, Model, Shape, places
+from bearingsim.entries import Entry, Feature, Law, Method, Model, Shape, references
 from bearingsim.errors import Refused, UserError
 from bearingsim.extensions import BrokenExtension
 
@@ -56,7 +56,7 @@ __all__ = [
     "foreign",
     "lowest",
     "most_able",
-    "places",
+    "references",
     "register",
 ]
 
@@ -105,44 +105,44 @@ def _table_of(entry: Entry) -> dict[str, Any]:
     raise ValueError(f"a law is of {', '.join(LAWS)}, not of `{entry.what}`")
 
 
-def foreign(place: str) -> bool:
+def foreign(reference: str) -> bool:
     """Return whether code belongs to another package."""
-    return extensions.package(place) != OWN
+    return extensions.package(reference) != OWN
 
 
-def code(place: str, expected: type = object) -> Any:
+def code(reference: str, expected: type = object) -> Any:
     """Return the object at ``package.module`` or ``package.module:name``.
 
     Raises UserError if it fails to load or is not of the expected type; BrokenExtension for code of an extension.
     """
-    module, _, name = place.partition(":")
+    module, _, name = reference.partition(":")
     try:
         loaded = import_module(module)
         loaded = getattr(loaded, name) if name else loaded
     except (Exception, SystemExit) as error:  # any failure of another package
-        raise _error_of(place, f"does not load ({extensions.reason(error)})") from error
+        raise _error_of(reference, f"does not load ({extensions.reason(error)})") from error
     if not isinstance(loaded, expected):
-        raise _error_of(place, f"is of type {type(loaded).__name__}, not {expected.__name__}")
+        raise _error_of(reference, f"is of type {type(loaded).__name__}, not {expected.__name__}")
     return loaded
 
 
-def call(place: str, *arguments: Any) -> Any:
-    """Call the function at ``place``. Raises as ``code`` does; BrokenExtension if an extension's code fails."""
-    function = code(place)
+def call(reference: str, *arguments: Any) -> Any:
+    """Call the function ``reference``. Raises as ``code`` does; BrokenExtension if an extension's code fails."""
+    function = code(reference)
     try:
         return function(*arguments)
     except (UserError, Refused, OutOfCpuTime):
         raise
     except (Exception, SystemExit) as error:
-        if not foreign(place):
+        if not foreign(reference):
             raise
-        raise _error_of(place, f"fails ({extensions.reason(error)})") from error
+        raise _error_of(reference, f"fails ({extensions.reason(error)})") from error
 
 
-def _error_of(place: str, what: str) -> UserError:
-    if not foreign(place):
-        return UserError(f"`{place}` {what}")
-    return BrokenExtension(f"`{place}` of the extension `{extensions.owner(place)}` {what}")
+def _error_of(reference: str, what: str) -> UserError:
+    if not foreign(reference):
+        return UserError(f"`{reference}` {what}")
+    return BrokenExtension(f"`{reference}` of the extension `{extensions.owner(reference)}` {what}")
 
 
 def below(name: str) -> list[str]:
@@ -264,9 +264,9 @@ def extension_sources() -> Iterator[Path]:
 def _packages() -> tuple[str, ...]:
     """Return the packages of all extensions, and those of the code that they register."""
     tables: tuple[dict[str, Any], ...] = (MODELS, METHODS, SHAPES, FEATURES, *LAWS.values())
-    registered = [place for table in tables for entry in table.values() for place in places(entry)]
+    registered = [reference for table in tables for entry in table.values() for reference in references(entry)]
     values = [entry.value for entry in extensions.installed()]
-    return tuple(sorted({extensions.package(place) for place in (*values, *filter(foreign, registered))}))
+    return tuple(sorted({extensions.package(reference) for reference in (*values, *filter(foreign, registered))}))
 
 
 @cache

@@ -117,7 +117,7 @@ class Feature:
 Entry = Model | Method | Law | Shape | Feature
 
 
-def places(entry: Entry) -> list[str]:
+def references(entry: Entry) -> list[str]:
     """Return the locations of the code of an entry."""
     named = (getattr(entry, name, "") for name in ("module", "own_method", "section", "build", "compute"))
-    return [place for place in named if place]
+    return [reference for reference in named if reference]

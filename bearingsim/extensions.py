@@ -35,14 +35,14 @@ def installed() -> tuple[EntryPoint, ...]:
     return tuple(sorted(left, key=lambda entry: entry.name))
 
 
-def package(place: str) -> str:
+def package(reference: str) -> str:
     """Return the top-level package of ``package.module:name``."""
-    return place.partition(":")[0].partition(".")[0].strip()
+    return reference.partition(":")[0].partition(".")[0].strip()
 
 
-def owner(place: str) -> str:
-    """Return the name of the extension whose package defines ``place``; that of the package if there is none."""
-    root = package(place)
+def owner(reference: str) -> str:
+    """Return the name of the extension whose package defines ``reference``; or of the package itself."""
+    root = package(reference)
     return next((entry.name for entry in installed() if package(entry.value) == root), root)
 
 

@@ -1,4 +1,4 @@
-"""From a case to the core's parameters: the one place where configuration meets physics.
+"""From a case to the core's parameters: the only link between configuration and physics.
 
 Imports numba (through the core), so import it only where something is computed.
 """
@@ -216,8 +216,8 @@ def aligned_with_cusp(model: Any, steps_per_pass: int, fraction: float) -> Any:
     if len(defects.head) == 0 or defects.head[0, CARRIER] != ON_OUTER:
         return model
     b, pass_angle = model.bearing, 2.0 * pi / model.bearing.Z
-    place = defects.head[0, ANGLE] + defects.head[0, CUSP] / defects.head[0, RADIUS]
-    steps = (b.theta_0 - place) / pass_angle * steps_per_pass  # whole when the cusp is met
+    angle = defects.head[0, ANGLE] + defects.head[0, CUSP] / defects.head[0, RADIUS]
+    steps = (b.theta_0 - angle) / pass_angle * steps_per_pass  # whole when the cusp is met
     ahead = ceil(steps + fraction) - fraction - steps
     return model._replace(bearing=b._replace(theta_0=float(b.theta_0 + ahead * pass_angle / steps_per_pass)))
 

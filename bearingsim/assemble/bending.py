@@ -172,8 +172,8 @@ def harmonics(ring: OfRing) -> Harmonics:
 def made(ring: OfRing) -> core.Bending:
     """Build the bending of a ring, cached."""
     of = harmonics(ring)
-    places = 2.0 * pi * np.arange(ring.bearing.rollers) / ring.bearing.rollers
-    at_rollers = np.stack([table(np.cos, of.n, places), table(np.sin, of.n, places)])
+    angles = 2.0 * pi * np.arange(ring.bearing.rollers) / ring.bearing.rollers
+    at_rollers = np.stack([table(np.cos, of.n, angles), table(np.sin, of.n, angles)])
     at_rollers[:, of.real :] = 0.0
     rows = with_carrier(rows_of(ring, of), ring, of.real) if ring.load_path.carried else rows_of(ring, of)
     springs = springs_of(ring, of) if ring.load_path.carried else core.NoSprings()
@@ -184,7 +184,7 @@ def made(ring: OfRing) -> core.Bending:
         at_rollers=np.ascontiguousarray(at_rollers[:, : of.real]),
         by_roller=np.ascontiguousarray(at_rollers.transpose(0, 2, 1)[:, : ring.bearing.rollers]),
         breathing=of.real - 1,
-        mobility=mobility(ring, of, places),
+        mobility=mobility(ring, of, angles),
         highest=highest,
         highest_damping=highest_damping,
         sensor_x=cos(alpha) * on_ring,
@@ -194,13 +194,13 @@ def made(ring: OfRing) -> core.Bending:
     )
 
 
-def mobility(ring: OfRing, of: Harmonics, places: np.ndarray) -> float:
+def mobility(ring: OfRing, of: Harmonics, angles: np.ndarray) -> float:
     """Compute the largest eigenvalue (1/kg) of the matrix from forces at all rollers to the race's accelerations
     there.
 
     The rollers are evenly spaced, so the matrix is circulant: its eigenvalues are the Fourier transform of a row.
     """
-    row = np.cos(places) / ring.ring_mass + np.cos(np.outer(places, of.n)) @ of.per_mass_c
+    row = np.cos(angles) / ring.ring_mass + np.cos(np.outer(angles, of.n)) @ of.per_mass_c
     return float(np.fft.fft(row).real.max())
 
 
@@ -232,7 +232,7 @@ def with_carrier(rows: np.ndarray, ring: OfRing, i: int) -> np.ndarray:
 
 def springs_of(ring: OfRing, of: Harmonics) -> core.Springs:
     """Build the springs around the ring, damped by ``ring.damping`` at the ring's frequency on the springs."""
-    angles, k, fit = places_of_springs(ring)
+    angles, k, fit = spring_properties(ring)
     P = -(-len(angles) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
     assert lay.MAX_SPRINGS >= P
     across = max((k * np.cos(angles) ** 2).sum(), (k * np.sin(angles) ** 2).sum())
@@ -247,7 +247,7 @@ def springs_of(ring: OfRing, of: Harmonics) -> core.Springs:
     return core.Springs(np.array([padded(value, P) for value in values]), at_springs, by_spring, of.real)
 
 
-def places_of_springs(ring: OfRing) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def spring_properties(ring: OfRing) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return angles (rad), stiffness (N/m) and fit (m) of the springs."""
     load = ring.load_path
     if load.by == "points":
@@ -286,11 +286,11 @@ def padded(values: Any, length: int) -> np.ndarray:
     return np.concatenate([np.array(values, dtype=float), np.zeros(length - len(values))])
 
 
-def table(function: Any, n: np.ndarray, places: np.ndarray) -> np.ndarray:
+def table(function: Any, n: np.ndarray, angles: np.ndarray) -> np.ndarray:
     """Evaluate ``function`` at n times the rollers' angles (H, lanes); zero in lanes without a roller."""
-    lanes = -(-len(places) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
+    lanes = -(-len(angles) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
     values = np.zeros((len(n), lanes))
-    values[:, : len(places)] = function(np.outer(n, places))
+    values[:, : len(angles)] = function(np.outer(n, angles))
     return values
 
 

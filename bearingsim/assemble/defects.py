@@ -65,7 +65,7 @@ EXCITATIONS: dict[str, Any] = {
     "random-impulses": excitations.Envelope(),
 }
 
-Places = Sequence[float] | np.ndarray
+Positions = Sequence[float] | np.ndarray
 """Middles of slices along a roller, m."""
 
 
@@ -81,7 +81,7 @@ class DefectCluster(NamedTuple):
     defect: Any
 
 
-def packed_defects(case: Case, zetas: Places | None = None) -> Defects:
+def packed_defects(case: Case, zetas: Positions | None = None) -> Defects:
     """Pack the case's defects for the core, as met by the rollers' contacts.
 
     zetas: middles (m) of a roller's slices: then a group of weight 1 for each of them, in their order. Raises
@@ -93,7 +93,7 @@ def packed_defects(case: Case, zetas: Places | None = None) -> Defects:
     return pack_defects(pairs, chosen, 1 if zetas is None else len(zetas))
 
 
-def roller_defect_pairs(case: Case, zetas: Places | None = None) -> list[RollerDefectPair]:
+def roller_defect_pairs(case: Case, zetas: Positions | None = None) -> list[RollerDefectPair]:
     """Pair every defect with each contact that meets it: all by closed form, or all traced."""
     return [pair for cluster in defect_clusters(case) for pair in pairs_of_cluster(case, cluster, zetas)]
 
@@ -227,8 +227,8 @@ def carrier_radius(case: Case, d: config.Defect) -> float:
 def _merged(case: Case, cluster: Sequence[config.Defect]) -> DefectCluster:
     """Merge defects into one map, s measured from the middle of them all."""
     leader, radius = cluster[0], carrier_radius(case, cluster[0])
-    places = [remainder(d.angle - leader.angle, 2.0 * pi) * radius for d in cluster]
-    maps = [Placed(depth_map(d), s, d.offset) for d, s in zip(cluster, places, strict=True)]
+    positions = [remainder(d.angle - leader.angle, 2.0 * pi) * radius for d in cluster]
+    maps = [Placed(depth_map(d), s, d.offset) for d, s in zip(cluster, positions, strict=True)]
     if len(maps) == 1:
         return DefectCluster(leader, leader.angle, maps[0])
     low, high, _, _ = extent(Merged(tuple(maps)))
@@ -243,7 +243,7 @@ def _merged(case: Case, cluster: Sequence[config.Defect]) -> DefectCluster:
 # Meetings
 
 
-def pairs_of_cluster(case: Case, cluster: DefectCluster, zetas: Places | None) -> list[RollerDefectPair]:
+def pairs_of_cluster(case: Case, cluster: DefectCluster, zetas: Positions | None) -> list[RollerDefectPair]:
     """Pair merged defects with each contact that meets them."""
     d = cluster.leader
     on, sides = {
@@ -254,7 +254,7 @@ def pairs_of_cluster(case: Case, cluster: DefectCluster, zetas: Places | None) -
     return [_pair(case, cluster, on, side, zetas) for side in sides]
 
 
-def _pair(case: Case, cluster: DefectCluster, on: int, side: int, zetas: Places | None) -> RollerDefectPair:
+def _pair(case: Case, cluster: DefectCluster, on: int, side: int, zetas: Positions | None) -> RollerDefectPair:
     radius, R = carrier_radius(case, cluster.leader), reduced_radius(case, side)
     if cluster.defect is None:
         rows = closed_form_groups(case, cluster.leader, side, zetas)
@@ -298,7 +298,7 @@ def _narrower(d: config.Defect) -> str:
     return f"make them narrower, or the edge's {'radius smaller' if d.edge.radius else 'ramp shorter'}"
 
 
-def closed_form_groups(case: Case, d: config.Defect, side: int, zetas: Places | None) -> list:
+def closed_form_groups(case: Case, d: config.Defect, side: int, zetas: Positions | None) -> list:
     """Build the groups along the contact of a defect with a closed form, or those of given slices."""
     L_w, R, nodes = contact_length(case, side), reduced_radius(case, side), case.contact.length_nodes
     defect = call(SHAPES[d.shape].build, d.length, d.width, d.depth)
@@ -313,7 +313,7 @@ def closed_form_groups(case: Case, d: config.Defect, side: int, zetas: Places | 
     return groups
 
 
-def traced_groups(case: Case, defect: Any, side: int, zetas: Places | None) -> tuple[list, list]:
+def traced_groups(case: Case, defect: Any, side: int, zetas: Positions | None) -> tuple[list, list]:
     """Build groups and paths of a traced defect along the contact, or at given slices."""
     L_w, R = contact_length(case, side), reduced_radius(case, side)
     if zetas is not None:

@@ -10,9 +10,9 @@ MOST_STEPS = 100
 
 
 def root(function: Callable[[float], float], low: float, high: float, absolute: float, relative: float) -> float:
-    """Return the place between ``low`` and ``high`` where a function vanishes, whose signs differ there.
+    """Return the root between ``low`` and ``high`` of a function whose signs differ there.
 
-    absolute, relative: tolerance of the place. Raises ValueError for equal signs, or without convergence.
+    absolute, relative: tolerance of the root. Raises ValueError for equal signs, or without convergence.
     """
     before, now, far = low, high, 0.0
     f_before, f_now, f_far = function(before), function(now), 0.0

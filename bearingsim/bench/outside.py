@@ -66,14 +66,14 @@ class Watched(StateRate):
 
     def __init__(self, problem: Equations) -> None:
         super().__init__(problem.model, problem.y, MOST_CPU)
-        self.settled, self.force, self.rate = problem.settled, 0.0, np.empty(2 * len(self.places))
+        self.settled, self.force, self.rate = problem.settled, 0.0, np.empty(2 * len(self.coordinates))
 
     def look(self, t: float, x: np.ndarray) -> None:
         """Update the largest force with the state at the end of a step."""
         if t < self.settled:
             return
         began = time.thread_time()
-        state_rate(self.model, t, x, self.places, self.y, self.rate)
+        state_rate(self.model, t, x, self.coordinates, self.y, self.rate)
         self.force = max(self.force, float(self.y[lay.Q_O : lay.Q_O + self.model.bearing.Z].max()))
         self.began += time.thread_time() - began
 
@@ -83,10 +83,10 @@ def scipy_solver(name: str) -> Solver:
 
     def solve(problem: Equations) -> Solution:
         f = Watched(problem)
-        lever = f.y[LENGTH_SCALE + f.places]
+        lever = f.y[LENGTH_SCALE + f.coordinates]
         atol = np.concatenate([problem.tolerances.atol_q / lever, problem.tolerances.atol_v / lever])
         columns: list[np.ndarray] = []
-        start = packed(problem.y, f.places)
+        start = packed(problem.y, f.coordinates)
         failure, reason, _ = march(
             SCIPY[name], f, start, atol, problem.tolerances, columns, problem.instants, f.look
         )
@@ -128,7 +128,7 @@ def _observe(
     times: np.ndarray,
     states: np.ndarray,
     begin: int,
-    places: np.ndarray,
+    coordinates: np.ndarray,
     recorded: np.ndarray,
     state: np.ndarray,
     y: np.ndarray,
@@ -138,7 +138,7 @@ def _observe(
     for n in range(out.shape[1]):
         for k in range(len(state)):
             state[k] = states[k, begin + n]
-        unpack(state, places, y)
+        unpack(state, coordinates, y)
         accelerations(model, times[begin + n], y)
         update_extremes(model, y)
         for c in range(len(recorded)):

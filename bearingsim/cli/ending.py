@@ -92,11 +92,11 @@ def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
     several = [path for path in units if path in rows and rows[path].nunique(dropna=False) > 1]
     low, high = (significant(factor * float(end)) for end in (values.min(), values.max()))
     ends = {"largest": values.idxmax(), "smallest": values.idxmin()} if several and low != high else {}
-    places = [
+    extremes = [
         f"{end}: {described({path: rows[path][row] for path in several}, units)}" for end, row in ends.items()
     ]
     texts = [_range(low, high, unit), _error(rows, name)]
-    remarks = [*_healthy(results, name, unit, factor), *places]
+    remarks = [*_healthy(results, name, unit, factor), *extremes]
     return Result(_with_meaning(results, name), ", ".join(filter(None, texts)), remarks)
 
 

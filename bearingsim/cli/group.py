@@ -37,8 +37,8 @@ WORDS = {
 def sentence(error: OSError) -> str:
     """Format an error of the operating system: the path, and its cause in words."""
     if not error.filename or error.errno is None:
-        place = " (stdout, or a file that the system does not name)" if error.errno in NO_ROOM else ""
-        return f"bearingsim: {WORDS.get(error.errno or 0, error)}{place}"
+        target = " (stdout, or a file that the system does not name)" if error.errno in NO_ROOM else ""
+        return f"bearingsim: {WORDS.get(error.errno or 0, error)}{target}"
     path = Path(os.fsdecode(error.filename))
     if error.errno in NO_ROOM:
         from bearingsim.store.files import what_is_full
@@ -49,9 +49,9 @@ def sentence(error: OSError) -> str:
     return f"{path}: {WORDS.get(error.errno, error.strerror)}"
 
 
-def _tell(message: Warning | str, *place: Any, **more: Any) -> None:
+def _tell(message: Warning | str, *origin: Any, **more: Any) -> None:
     """Print a warning on stderr: a DamageWarning as its text alone, any other in Python's format."""
-    text = str(message) if isinstance(message, DamageWarning) else warnings.formatwarning(message, *place[:3])
+    text = str(message) if isinstance(message, DamageWarning) else warnings.formatwarning(message, *origin[:3])
     say(text, err=True)
 
 

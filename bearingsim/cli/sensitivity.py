@@ -87,13 +87,13 @@ def _print(blocks: "Blocks", analysis: "Indices | Effects") -> None:
     for name in columns:
         heads += [f"{name} ({unit})" if unit else name, f"{100 * LEVEL:.0f} %"]
     ranked = next(iter(columns.values())).value
-    order = sorted(range(len(blocks.paths)), key=lambda place: -ranked[place])
+    order = sorted(range(len(blocks.paths)), key=lambda index: -ranked[index])
     rows = [
         [
-            blocks.paths[place],
-            *(cell for estimate in columns.values() for cell in _cells(estimate, place, digits, factor)),
+            blocks.paths[index],
+            *(cell for estimate in columns.values() for cell in _cells(estimate, index, digits, factor)),
         ]
-        for place in order
+        for index in order
     ]
     print_table(heads, rows)
 
@@ -107,8 +107,8 @@ def _columns(analysis: "Indices | Effects") -> "dict[str, Estimate]":
     return {"mu*": analysis.magnitude, "sigma": analysis.spread, "mu": analysis.mean}
 
 
-def _cells(estimate: "Estimate", place: int, digits: str, factor: float) -> tuple[str, str]:
-    value, low, high = (f"{factor * float(ends[place]):{digits}}" for ends in estimate)
+def _cells(estimate: "Estimate", index: int, digits: str, factor: float) -> tuple[str, str]:
+    value, low, high = (f"{factor * float(ends[index]):{digits}}" for ends in estimate)
     return value, f"{low} .. {high}"
 
 
@@ -154,13 +154,13 @@ def _plain(blocks: "Blocks", analysis: "Indices | Effects") -> dict[str, Any]:
         "mean": float(blocks.values.mean()),
         "standard_deviation": float(blocks.values.std()),
         "parameters": {
-            path: {name: _ends(estimate, place) for name, estimate in _columns(analysis).items()}
-            for place, path in enumerate(blocks.paths)
+            path: {name: _ends(estimate, index) for name, estimate in _columns(analysis).items()}
+            for index, path in enumerate(blocks.paths)
         },
         "says": _verdict(blocks, analysis),
     }
     return entries | ({"together": _ends(analysis.together, 0)} if isinstance(analysis, Indices) else {})
 
 
-def _ends(estimate: "Estimate", place: int) -> dict[str, float]:
-    return {name: float(ends[place]) for name, ends in zip(("value", "low", "high"), estimate, strict=True)}
+def _ends(estimate: "Estimate", index: int) -> dict[str, float]:
+    return {name: float(ends[index]) for name, ends in zip(("value", "low", "high"), estimate, strict=True)}

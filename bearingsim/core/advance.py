@@ -61,10 +61,10 @@ def start_at_rest(model, t, y):
 
 
 @jit
-def record(y, places, n, out):
-    """Write the values at ``places`` of the buffer into column ``n`` of ``out`` (len(places), steps)."""
-    for c in range(len(places)):
-        out[c, n] = y[places[c]]
+def record(y, cells, n, out):
+    """Write the values at ``cells`` of the buffer into column ``n`` of ``out`` (len(cells), steps)."""
+    for c in range(len(cells)):
+        out[c, n] = y[cells[c]]
 
 
 @jit
@@ -168,43 +168,41 @@ class Samples(NamedTuple):
 
 
 @generic(absent=None)
-def take_samples(
-    samples: Any, method: Any, model: Any, t: float, until: float, y: np.ndarray, places: Any
-) -> None:
-    """Record ``places`` of the buffer at all instants after ``t`` and not after ``until`` (s)."""
+def take_samples(samples: Any, method: Any, model: Any, t: float, until: float, y: np.ndarray, cells: Any) -> None:
+    """Record ``cells`` of the buffer at all instants after ``t`` and not after ``until`` (s)."""
 
 
 @take_samples.register(Samples)
-def _take_samples(samples, method, model, t, until, y, places):
+def _take_samples(samples, method, model, t, until, y, cells):
     begin = max(0, floor((t - samples.first) * samples.rate) + 1)
     end = min(samples.out.shape[1], floor((until - samples.first) * samples.rate) + 1)
     for k in range(begin, end):
         reach(method, model, samples.first + k / samples.rate, y)
         read_sensor(model, y)
-        record(y, places, k, samples.out)
+        record(y, cells, k, samples.out)
 
 
 @jit
-def advance(method, model, monitor, start, y, places, out):
+def advance(method, model, monitor, start, y, cells, out):
     """Run ``advance_and_sample`` without samples."""
-    return advance_and_sample(method, model, monitor, start, y, places, out, NoSamples())
+    return advance_and_sample(method, model, monitor, start, y, cells, out, NoSamples())
 
 
 @jit
-def advance_and_sample(method, model, monitor, start, y, places, out, samples):
-    """Take ``out.shape[1]`` steps from step number ``start``, recording ``places`` of the buffer after each.
+def advance_and_sample(method, model, monitor, start, y, cells, out, samples):
+    """Take ``out.shape[1]`` steps from step number ``start``, recording ``cells`` of the buffer after each.
 
-    places: (C,) integers; out: (C, n); samples: ``NoSamples`` or ``Samples``. Returns (steps taken, outcome,
+    cells: (C,) integers; out: (C, n); samples: ``NoSamples`` or ``Samples``. Returns (steps taken, outcome,
     body): all steps and SUCCESS, or the step at which the method gave up or the monitor stopped the run; fewer
     steps and SUCCESS once they were much work.
     """
     before = y[lay.EVALUATIONS]
     for n in range(out.shape[1]):
-        take_samples(samples, method, model, (start + n) * method.h, (start + n + 1) * method.h, y, places)
+        take_samples(samples, method, model, (start + n) * method.h, (start + n + 1) * method.h, y, cells)
         step(method, model, (start + n) * method.h, y)
         update_extremes(model, y)
         read_sensor(model, y)
-        record(y, places, n, out)
+        record(y, cells, n, out)
         if y[lay.FAILED] != SUCCESS:
             return n + 1, int(y[lay.FAILED]), int(y[lay.FAILED_BODY])
         if (start + n) % monitor.stride == 0:

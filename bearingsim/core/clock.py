@@ -30,12 +30,12 @@ def seconds_by_system(typing_context: Any) -> Any:
         if CLOCK is None:
             return context.get_constant(types.float64, 0.0)
         parts = ir.LiteralStructType([LONG, LONG])  # seconds, nanoseconds
-        place = cgutils.alloca_once(builder, parts)
+        pointer = cgutils.alloca_once(builder, parts)
         kind = ir.FunctionType(INT, [INT, parts.as_pointer()])
         call = cgutils.get_or_insert_function(builder.module, kind, "clock_gettime")
-        builder.call(call, [ir.Constant(INT, CLOCK), place])
+        builder.call(call, [ir.Constant(INT, CLOCK), pointer])
         whole, rest = (
-            builder.sitofp(builder.load(cgutils.gep_inbounds(builder, place, 0, n)), ir.DoubleType())
+            builder.sitofp(builder.load(cgutils.gep_inbounds(builder, pointer, 0, n)), ir.DoubleType())
             for n in (0, 1)
         )
         return builder.fadd(whole, builder.fmul(rest, ir.Constant(ir.DoubleType(), 1e-9)))

@@ -1,4 +1,4 @@
-"""Compilation of the core: the one place that decides it.
+"""Compilation of the core: all of its settings.
 
 Five words are used everywhere else:
 
@@ -63,15 +63,15 @@ def source_digest() -> str:
 def cache_folder() -> Path | None:
     """Choose the cache of compiled code: ``$BEARINGSIM_CACHE``, else the user's cache, else the temporary folder.
 
-    Stored code is executed, so only the user may write there. Of the first place where others can, one line to
-    stderr says so, and the processes that this one starts take the place found instead. None if there is none.
+    Stored code is executed, so only the user may write there. Of the first folder where others can, one line to
+    stderr says so, and the processes that this one starts take the next one instead. None if there is none.
     """
     digest, why = source_digest(), ""
-    for place in (chosen_folder, temporary_folder, passing_folder):
+    for candidate in (chosen_folder, temporary_folder, passing_folder):
         with suppress(RuntimeError):  # no home folder
             try:
-                folder = own_folder(place(), "bearingsim", digest)
-            except OSError as error:  # no such place, or others can write there
+                folder = own_folder(candidate(), "bearingsim", digest)
+            except OSError as error:  # no such folder, or others can write there
                 why = why or (str(error) if isinstance(error, Distrusted) else "")
                 continue
             if os.access(folder, os.W_OK):
@@ -247,7 +247,7 @@ def generic(
     that have no implementation of their own. Without them such a type is refused; ``name.serves(type)`` tells.
 
     inline: "late" puts the implementation's code into its caller (see ``inlined``), "early" its source: rows are
-    then constants while the caller is compiled, and it is seen that no lane of them has a negative place.
+    then constants while the caller is compiled, and it is seen that no lane of them has a negative index.
     """
     if declaration is None:
         return partial(generic, absent=absent, otherwise=otherwise, inline=inline)

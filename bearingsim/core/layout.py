@@ -47,8 +47,8 @@ BODIES = "planar spatial linearise differences rest"  # owners of coordinates be
 
 # the state: positions (m, rad), velocities (m/s, rad/s), accelerations (m/s^2, rad/s^2)
 POSITION, VELOCITY, ACCELERATION = BLOCKS = 0 * STATE, 1 * STATE, 2 * STATE
-# rollers: radial place; angle from the centre of the own pocket, rotation beyond the kinematic one, place along
-# the bearing's axis, components of the own axis along e_0 and e_90
+# rollers: radial position; angle from the centre of the own pocket, rotation beyond the kinematic one, position
+# along the bearing's axis, components of the own axis along e_0 and e_90
 RADIAL, RADIAL_V, RADIAL_A = declare(
     FIRST_LANE, "m, m/s, m/s^2", f"rollers {BODIES}", "run", size=MAX_ROLLERS, step=STATE
 )
@@ -113,7 +113,7 @@ SPRINGS_X, SPRINGS_Y = cells(WORK + 20 * ROW + MAX_ROLLERS, "N", SPRINGY, "evalu
 # JACOBIAN_WORK: rows of one call of ``linearise``, and of models that have none
 JACOBIAN_WORK, JACOBIAN_WORK_ROWS = WORK + WORK_ROWS * ROW, 86
 # accelerations by force and torque on a roller, and (cells) on the bodies of the shared coordinates X to Y_I;
-# derivatives of a roller's place and velocity, as a body sees it, along e_r, e_theta; of the force along e_r,
+# derivatives of a roller's position and velocity, as a body sees it, along e_r, e_theta; of the force along e_r,
 # e_theta and torque on it, and (a row each) on these shared coordinates
 of_linearise = partial(rows, owners="linearise", lifetime="linearise")
 MOBILITY_R, MOBILITY_T, MOBILITY_SPIN, MOBILITY_SHARED = of_linearise(
@@ -306,10 +306,10 @@ def slice_row(k, i):
     return SLICES + (k * SLICE_ROWS + i) * ROW + FIRST_LANE
 
 
-def lane_of(places: np.ndarray) -> np.ndarray:
-    """Return the roller (from 0) in whose lane each of ``places`` of the buffer lies; -1 for shared cells."""
-    of_contacts = (places >= COS_0) & (places < LOADED_ROLLERS)  # rows whose lanes stand first
-    lane = places % ROW - np.where(of_contacts, 0, FIRST_LANE)
+def lane_of(cells: np.ndarray) -> np.ndarray:
+    """Return the roller (from 0) in whose lane each of ``cells`` of the buffer lies; -1 for shared cells."""
+    of_contacts = (cells >= COS_0) & (cells < LOADED_ROLLERS)  # rows whose lanes stand first
+    lane = cells % ROW - np.where(of_contacts, 0, FIRST_LANE)
     return np.where((lane >= 0) & (lane < MAX_ROLLERS), lane, -1)
 
 
@@ -320,11 +320,11 @@ def free_rows(owner: str) -> dict[str, list[int]]:
     """
     owners = {*owner.split(), EVERYBODY}
     taken = {
-        place // ROW
+        cell // ROW
         for rows in DECLARED
         if owners & rows.owners
         for start_of_row, end in rows.spans()
-        for place in range(start_of_row, end)
+        for cell in range(start_of_row, end)
     }
     regions = {"WORK": (WORK, WORK_ROWS), "JACOBIAN_WORK": (JACOBIAN_WORK, JACOBIAN_WORK_ROWS)}
     return {

@@ -1,7 +1,7 @@
 """Signatures of operators, resolved once for each combination of types: that saves a quarter of all compiling.
 
 numba resolves ``a + b`` by trying the templates of ``+`` (strings, lists, ufuncs ...) one after another, at each
-place in the code. An operator that numba lowers itself always has the same signature for the same types, so that
+line of the code. An operator that numba lowers itself always has the same signature for the same types, so that
 signature is kept. An implementation that is compiled depends on the flags of its caller: it is resolved each time.
 Code is the same, bit for bit.
 

@@ -16,7 +16,7 @@ EVERYBODY = "all"
 
 
 class Rows(NamedTuple):
-    """Declared rows: cells ``start`` to ``start + size`` beyond each base; ``place`` is file and line."""
+    """Declared rows: cells ``start`` to ``start + size`` beyond each base; ``location`` is file and line."""
 
     starts: tuple[int, ...]
     size: int
@@ -24,7 +24,7 @@ class Rows(NamedTuple):
     units: tuple[str, ...]
     owners: frozenset[str]
     lifetime: Lifetime
-    place: str
+    location: str
 
     def spans(self) -> list[tuple[int, int]]:
         """Return first cell and end of each row, at each base."""
@@ -51,15 +51,15 @@ def declare(
     units: one for each row, separated by commas; all of them ``count`` times.
     owners: separated by blanks; ``all`` stands for everybody.
     size: cells of a row.
-    bases: places of a relative row; (0,) declares absolute ones.
+    bases: first cells of a relative row; (0,) declares absolute ones.
 
     Raises ValueError if a cell belongs to another row of one of the owners.
     """
     caller = sys._getframe(1)
     units_of_rows = tuple(units.split(", ")) * count
     starts = tuple(start + n * step for n in range(len(units_of_rows)))
-    place = f"{caller.f_code.co_filename}:{caller.f_lineno}"
-    rows = Rows(starts, size, bases, units_of_rows, frozenset(owners.split()), lifetime, place)
+    location = f"{caller.f_code.co_filename}:{caller.f_lineno}"
+    rows = Rows(starts, size, bases, units_of_rows, frozenset(owners.split()), lifetime, location)
     for other in (*DECLARED, rows):
         check_apart(rows, other)
     DECLARED.append(rows)
@@ -78,6 +78,6 @@ def check_apart(rows: Rows, other: Rows) -> None:
         for (n, (begin, end)), (m, (begin_other, end_other)) in pairs:
             if begin < end_other and begin_other < end and (rows is not other or n != m):
                 raise ValueError(
-                    f"{rows.place}: row {n} (cells {begin} to {end - 1}) overlaps row {m} of {other.place}; "
+                    f"{rows.location}: row {n} (cells {begin} to {end - 1}) overlaps row {m} of {other.location}; "
                     "move it to free cells (`layout.free_rows`)"
                 )

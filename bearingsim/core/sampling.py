@@ -92,17 +92,17 @@ def low_pass(fine, taps, out, begin, end):
 
 @jit
 def interpolate(fine, begin_fine, ratio, kernel, weights, out, begin, end):
-    """Interpolate values out[:, n] at places begin_fine + n ratio of ``fine`` (C, m), begin <= n < end.
+    """Interpolate values out[:, n] at positions begin_fine + n ratio of ``fine`` (C, m), begin <= n < end.
 
     fine: has nothing above 0.15 of its rate; weights: (2 INTERPOLATION_REACH,) to work with. They are normalised,
     so a constant stays what it is.
     """
     for n in range(begin, end):
-        place = begin_fine + n * ratio
-        low = int(np.floor(place)) - INTERPOLATION_REACH + 1
+        position = begin_fine + n * ratio
+        low = int(np.floor(position)) - INTERPOLATION_REACH + 1
         total = 0.0
         for k in range(2 * INTERPOLATION_REACH):
-            distance = abs(low + k - place) * TABLE
+            distance = abs(low + k - position) * TABLE
             i = int(distance)
             weights[k] = kernel[i] + (distance - i) * (kernel[i + 1] - kernel[i])
             total += weights[k]
@@ -117,7 +117,7 @@ def pick(raw, begin_fine, ratio, out, begin, end):
     Linear in between. ``out`` is the whole record: a slice of it would compile a second copy where it covers all.
     """
     for n in range(begin, end):
-        place = begin_fine + n * ratio
-        i = min(int(place), raw.shape[1] - 2)
+        position = begin_fine + n * ratio
+        i = min(int(position), raw.shape[1] - 2)
         for c in range(out.shape[0]):
-            out[c, n] = raw[c, i] + (place - i) * (raw[c, i + 1] - raw[c, i])
+            out[c, n] = raw[c, i] + (position - i) * (raw[c, i + 1] - raw[c, i])

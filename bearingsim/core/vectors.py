@@ -58,9 +58,9 @@ def halves(context: Any, builder: Any, kind: Any, value: Any) -> tuple[list[Any]
     return [array.data, builder.gep(array.data, [builder.mul(n, m)])], (n, m)
 
 
-def put(builder: Any, y: Any, place: Any, vector: Any) -> None:
-    """Write a vector to ``y[place:place + 8]``."""
-    builder.store(vector, builder.bitcast(builder.gep(y, [place]), EIGHT.as_pointer()), align=8)
+def put(builder: Any, y: Any, cell: Any, vector: Any) -> None:
+    """Write a vector to ``y[cell:cell + 8]``."""
+    builder.store(vector, builder.bitcast(builder.gep(y, [cell]), EIGHT.as_pointer()), align=8)
 
 
 def sum_harmonics(tables: np.ndarray, rows_c: tuple, rows_s: tuple, y: np.ndarray, lane: int, to: tuple) -> None:
@@ -70,18 +70,18 @@ def sum_harmonics(tables: np.ndarray, rows_c: tuple, rows_s: tuple, y: np.ndarra
     tables: (2, n, m), in C order: cosines and sines.
     """
     n, lanes = tables.shape[1], slice(lane, lane + VECTOR_WIDTH)
-    for row_c, row_s, place in zip(rows_c, rows_s, to, strict=True):
+    for row_c, row_s, cell in zip(rows_c, rows_s, to, strict=True):
         by_c, by_s = (
             y[row : row + n] @ table[:, lanes] for row, table in zip((row_c, row_s), tables, strict=True)
         )
-        y[place : place + VECTOR_WIDTH] = by_c + by_s
+        y[cell : cell + VECTOR_WIDTH] = by_c + by_s
 
 
 def sum_rollers(tables: np.ndarray, row: int, y: np.ndarray, lane: int, to: tuple) -> None:
     """Set y[to[0] + k] = sum_j y[row + j] tables[0, j, lane + k], and the same of to[1] and tables[1]."""
     n, lanes = tables.shape[1], slice(lane, lane + VECTOR_WIDTH)
-    for table, place in zip(tables, to, strict=True):
-        y[place : place + VECTOR_WIDTH] = y[row : row + n] @ table[:, lanes]
+    for table, cell in zip(tables, to, strict=True):
+        y[cell : cell + VECTOR_WIDTH] = y[row : row + n] @ table[:, lanes]
 
 
 # Their compiled implementations
@@ -95,14 +95,14 @@ def harmonics_in_registers(
 
     def written(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         starts, shape = halves(context, builder, signature.args[0], arguments[0])
-        of_c, of_s, places = (cgutils.unpack_tuple(builder, arguments[n]) for n in (1, 2, 5))
+        of_c, of_s, cells = (cgutils.unpack_tuple(builder, arguments[n]) for n in (1, 2, 5))
         buffer = context.make_array(signature.args[3])(context, builder, arguments[3]).data
         by_c, by_s = (
             weighted_rows(builder, buffer, rows, start, shape, arguments[4])
             for rows, start in zip((of_c, of_s), starts, strict=True)
         )
-        for place, sum_c, sum_s in zip(places, by_c, by_s, strict=True):
-            put(builder, buffer, place, builder.fadd(sum_c, sum_s))
+        for cell, sum_c, sum_s in zip(cells, by_c, by_s, strict=True):
+            put(builder, buffer, cell, builder.fadd(sum_c, sum_s))
         return context.get_dummy_value()
 
     pair = types.UniTuple(types.intp, len(to))
@@ -114,12 +114,12 @@ def rollers_in_registers(typing_context: Any, tables: Any, row: Any, y: Any, lan
     """Compile ``sum_rollers``."""
 
     def written(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        of_tables, weights, of_y, lane, places = arguments
+        of_tables, weights, of_y, lane, cells = arguments
         starts, shape = halves(context, builder, signature.args[0], of_tables)
         buffer = context.make_array(signature.args[2])(context, builder, of_y).data
         sums = [weighted_rows(builder, buffer, [weights], start, shape, lane)[0] for start in starts]
-        for place, total in zip(cgutils.unpack_tuple(builder, places), sums, strict=True):
-            put(builder, buffer, place, total)
+        for cell, total in zip(cgutils.unpack_tuple(builder, cells), sums, strict=True):
+            put(builder, buffer, cell, total)
         return context.get_dummy_value()
 
     return types.void(tables, types.intp, y, types.intp, types.UniTuple(types.intp, 2)), written

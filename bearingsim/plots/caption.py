@@ -143,7 +143,9 @@ def _defects(parameters: "pd.DataFrame", drawn: set[str], units: Mapping[str, st
                 text = labels.value_text(f"defect.{part}", value, shown)
                 which = f" {number}" if count > 1 else ""
                 yield (
-                    f"{text} defect{which}{_place(parameters, number)}" if part == "shape" else _sized(part, text)
+                    f"{text} defect{which}{_position(parameters, number)}"
+                    if part == "shape"
+                    else _sized(part, text)
                 )
 
 
@@ -152,7 +154,7 @@ def _sized(part: str, text: str) -> str:
     return f"{part.replace('.', ' ')} {PurePath(text).name if part == 'file' else text}"
 
 
-def _place(parameters: "pd.DataFrame", number: int) -> str:
+def _position(parameters: "pd.DataFrame", number: int) -> str:
     """Name the element that carries a defect; empty for the outer race."""
     race, roller = (_single(parameters, f"defects.{number}.{name}") for name in ("race", "roller"))
     if race == "roller":

@@ -144,7 +144,7 @@ def _shown(sheet: Sheet) -> tuple[tuple[float, float], tuple[float, float]]:
     half = sheet.roller_length / 2.0
     low, high = min(-half, sheet.defect.z[0]), max(half, sheet.defect.z[1])
     more = BEYOND * (high - low)
-    wide = max(np.ptp(sheet.defect.places()), NARROWEST * (high - low)) / 2.0
+    wide = max(np.ptp(sheet.defect.positions()), NARROWEST * (high - low)) / 2.0
     middle = (sheet.defect.s[0] + sheet.defect.s[1]) / 2.0
     return (middle - wide, middle + wide), (low - more, high + more)
 
@@ -160,7 +160,7 @@ def _draw_map(ax: "Axes", sheet: Sheet, panels: "Sequence[Panel]") -> None:
     """Draw depth over s and z, with the roller's length, the ends of its slices and the lines of the sections."""
     defect, half = sheet.defect, 500.0 * sheet.roller_length
     depths = 1e6 * np.ma.masked_equal(defect.depth_map, 0.0)
-    s_mm, z_mm = 1e3 * defect.places(), 1e3 * defect.axial_positions
+    s_mm, z_mm = 1e3 * defect.positions(), 1e3 * defect.axial_positions
     made = ax.pcolormesh(s_mm, z_mm, depths, cmap=SCALE, shading="nearest",
                          vmin=min(0.0, float(depths.min())), rasterized=True, zorder=2)  # fmt: skip
     s, z = _shown(sheet)
@@ -175,10 +175,10 @@ def _draw_map(ax: "Axes", sheet: Sheet, panels: "Sequence[Panel]") -> None:
     for end in sheet.slice_ends[1:-1]:
         ax.axhline(1e3 * end, color="0.3", lw=0.3, alpha=0.7, zorder=3)
     highest = max(panel.section.z for panel in panels)
-    for place, name in dict.fromkeys((panel.section.z, panel.name) for panel in panels):
-        ax.axhline(1e3 * place, color=PATH, lw=0.8, ls=(0, (4, 2)), zorder=3)
-        up, va = (2, "bottom") if place == highest else (-2, "top")
-        ax.annotate(name, (0.98, 1e3 * place), (0, up), xycoords=("axes fraction", "data"), ha="right", va=va,
+    for position, name in dict.fromkeys((panel.section.z, panel.name) for panel in panels):
+        ax.axhline(1e3 * position, color=PATH, lw=0.8, ls=(0, (4, 2)), zorder=3)
+        up, va = (2, "bottom") if position == highest else (-2, "top")
+        ax.annotate(name, (0.98, 1e3 * position), (0, up), xycoords=("axes fraction", "data"), ha="right", va=va,
                     textcoords="offset points", fontsize=8, color=PATH, zorder=4)  # fmt: skip
     ax.set_xlabel("Along rolling, s (mm)")
     ax.set_ylabel("Along the roller, z (mm)")
@@ -213,11 +213,11 @@ def _panels(defect: Defect, taken: RollerPath | None) -> Iterator[Panel]:
     """Yield the panels of the sections; the deepest also magnified if paths stay far above its floor or each
     other.
     """
-    for number, place in enumerate(distinct_sections(defect)):
-        made, name = cut(defect, place), "AB"[number]
+    for number, position in enumerate(distinct_sections(defect)):
+        made, name = cut(defect, position), "AB"[number]
         deepest, path = (float(np.max(values)) for values in (made.p, made.h))
         depths = [deepest or float(defect.depth_map.max())]
-        closer = [path, *([float(np.max(taken.depth_at(place)))] if taken else [])]
+        closer = [path, *([float(np.max(taken.depth_at(position)))] if taken else [])]
         depths += [CLOSER * low for far, low in pairwise([deepest, *closer]) if 0.0 < low < SHALLOW * far]
         shown = depths if number == 0 else depths[:1]
         yield from (_panel(made, name, depth, closer=n > 0) for n, depth in enumerate(shown))
@@ -249,8 +249,8 @@ def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
     ax.plot(s, 1e6 * made.p, color=RACE, lw=1.1, label="pit", zorder=3)
     ax.plot(s, 1e6 * made.h, color=PATH, lw=1.5, label="path of a rigid round roller", zorder=4)
     inner = width / (1.0 + 2.0 * MARGIN)
-    for place, name in zip(ROLLERS, ["roller", *[None] * (len(ROLLERS) - 1)], strict=True):
-        center = float(np.mean(made.s)) + place * inner
+    for position, name in zip(ROLLERS, ["roller", *[None] * (len(ROLLERS) - 1)], strict=True):
+        center = float(np.mean(made.s)) + position * inner
         low = float(np.interp(center, made.s, made.h))
         ax.plot(s, 1e6 * (low - (made.s - center) ** 2 / (2.0 * R)), color=ROLLER, lw=0.8, label=name, zorder=2)
         ax.plot(1e3 * center, 1e6 * low, "o", color=PATH, markersize=3, zorder=5)

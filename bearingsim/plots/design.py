@@ -146,7 +146,7 @@ def _panel(
     """Draw one feature's points over x; ``part``: the rows of the panel, of all ``rows``."""
     unit, factor = labels.feature_axis(name, float(rows[name].abs().max()))
     ax.set_ylabel(y_label(name, unit))
-    order = {value: place for place, value in enumerate(select.values(rows, figure.x))}
+    order = {value: rank for rank, value in enumerate(select.values(rows, figure.x))}
     for curve in curves_of(figure, part, units, styles_of_curves(figure, rows, units), order):
         x, y = positions(figure.x, curve.rows, rows, units), list(curve.rows[name] * factor)
         ax.plot(x, y, **curve.look.keywords() | POINTS)

@@ -1,4 +1,4 @@
-"""Load along a roller: over time and place while it passes a defect, and its distribution at a few instants."""
+"""Load along a roller: over time and position while it passes a defect, and its distribution at a few instants."""
 
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence

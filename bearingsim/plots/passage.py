@@ -38,7 +38,7 @@ class Defect(NamedTuple):
     s: tuple[float, float]
     z: tuple[float, float]
 
-    def places(self, count: int = ACROSS, beside: float = MARGIN) -> Reals:
+    def positions(self, count: int = ACROSS, beside: float = MARGIN) -> Reals:
         """Return positions (count,) in m along rolling, over the defect and ``beside`` times its width on either
         side.
         """
@@ -52,11 +52,11 @@ class Defect(NamedTuple):
 
     @property
     def depth_map(self) -> Reals:
-        """Depth (ALONG, ACROSS) in m at ``axial_positions`` and ``places()``."""
+        """Depth (ALONG, ACROSS) in m at ``axial_positions`` and ``positions()``."""
         from bearingsim.core.defects.depth import section
         from bearingsim.core.defects.profile import depth_at
 
-        return np.stack([depth_at(section(self.map, float(z)), self.places()) for z in self.axial_positions])
+        return np.stack([depth_at(section(self.map, float(z)), self.positions()) for z in self.axial_positions])
 
 
 class Section(NamedTuple):
@@ -76,7 +76,7 @@ def cut(defect: Defect, z: float) -> Section:
     from bearingsim.core.defects.envelope import path_drop, path_over
     from bearingsim.core.defects.profile import depth_at
 
-    s, profile = defect.places(FINER * (ACROSS - 1) + 1), section(defect.map, z)
+    s, profile = defect.positions(FINER * (ACROSS - 1) + 1), section(defect.map, z)
     return Section(z, s, depth_at(profile, s), path_drop(path_over(profile, defect.R), s)[0])
 
 
@@ -114,7 +114,8 @@ LEAST = 6e-4  # m, least width of a defect in a window: covers the play of a rol
 
 
 class RollerPath(NamedTuple):
-    """The path that a roller (from 1) took over a defect: place s and depth below the sound race (m), (n,) each.
+    """The path that a roller (from 1) took over a defect: position s and depth below the sound race (m), (n,)
+    each.
 
     lean: of the roller's axis, outwards (rad; (n,)), by which another section than its middle lies deeper.
     """
@@ -201,5 +202,5 @@ def roller_path(job: Job, case: "Case", defect: Defect) -> RollerPath | None:
     lean = series[tilt] if tilt else np.zeros(len(s))
     if ring == "inner":  # which is faster than the rollers: they move towards -s
         s, depth, lean = -s[::-1], depth[::-1], -lean[::-1]
-    shown = (s >= defect.places()[0]) & (s <= defect.places()[-1])
+    shown = (s >= defect.positions()[0]) & (s <= defect.positions()[-1])
     return RollerPath(number, s[shown], depth[shown], lean[shown])

@@ -160,7 +160,7 @@ def draw_instant(ax: "Axes", seen: View, instant: Instant) -> None:
     draw_springs(ax, seen, instant)
     for push in seen.shape.pushes:
         draw_push(ax, seen, instant, push)
-    sensor = sensor_place(seen, instant)
+    sensor = sensor_position(seen, instant)
     ax.plot(*sensor, marker="s", ls="", color=SENSOR, ms=5.5, mec="white", mew=0.6, zorder=8, gid="sensor")
     left, right, low, high = frame(seen)
     ax.set_xlim(left, right)
@@ -270,7 +270,7 @@ def push_ends(seen: View, instant: Instant, push: Push) -> tuple[tuple[float, fl
     return tip, tail
 
 
-def sensor_place(seen: View, instant: Instant) -> tuple[Reals, Reals]:
+def sensor_position(seen: View, instant: Instant) -> tuple[Reals, Reals]:
     """Return the position of the sensor: in the ring's section, or just inside the carrier, clear of forces."""
     angles = np.array([seen.shape.sensor])
     if seen.shape.sensor_on == "housing":

@@ -43,11 +43,11 @@ class Mark(NamedTuple):
 class Instant(NamedTuple):
     """A bearing at rest at one angle of its cage. Lengths in m, forces in N, angles in rad from the load line.
 
-    part: of the ball pass; x, y: place of the ring; n, a, b: (N,) numbers of its harmonics, amplitudes of cosine
-    and sine, none of a rigid ring; angles, outwards, forces: (Z,) of the rollers their place, how far they stand
-    outwards of the pitch circle (without what one sinks into a defect of the outer race), the force on the outer
-    race; loaded: (Z,) whether a roller presses both races; springs: (P,) what they press; carrier: place of what
-    is behind the springs; marks: of the defects.
+    part: of the ball pass; x, y: position of the ring; n, a, b: (N,) numbers of its harmonics, amplitudes of
+    cosine and sine, none of a rigid ring; angles, outwards, forces: (Z,) of the rollers their position, how far
+    they stand outwards of the pitch circle (without what one sinks into a defect of the outer race), the force on
+    the outer race; loaded: (Z,) whether a roller presses both races; springs: (P,) what they press; carrier:
+    position of what is behind the springs; marks: of the defects.
     """
 
     part: float
@@ -189,8 +189,8 @@ def _begin(model: Any) -> float:
     """Compute the first time (s) of a roller over the first defect of the outer race, or at the load line."""
     from bearingsim.core.defects.pairs import ANGLE, CARRIER, ON_OUTER
 
-    places = [float(row[ANGLE]) for row in model.defects.head if row[CARRIER] == ON_OUTER]
-    ahead = ((places or [0.0])[0] - model.bearing.theta_0) % (2.0 * pi / model.bearing.Z)
+    defect_angles = [float(row[ANGLE]) for row in model.defects.head if row[CARRIER] == ON_OUTER]
+    ahead = ((defect_angles or [0.0])[0] - model.bearing.theta_0) % (2.0 * pi / model.bearing.Z)
     return float(ahead / model.bearing.omega_c)
 
 
@@ -242,12 +242,12 @@ def _amplitudes(bent: Any, y: np.ndarray) -> tuple[Reals, Reals, Reals]:
 def _springs(bent: Any, y: np.ndarray) -> tuple[Reals, tuple[float, float]]:
     """Return the spring forces (P,) in N and the position (m, m) of the carrier behind them."""
     from bearingsim.core import layout as lay
-    from bearingsim.core.parts.bending import held_place
+    from bearingsim.core.parts.bending import held_position
 
     count = len(_spring_angles(bent))
     if not count:
         return np.zeros(0), (0.0, 0.0)
-    x, z = held_place(bent.springs, y)
+    x, z = held_position(bent.springs, y)
     return y[lay.SPRING_FORCE : lay.SPRING_FORCE + count].copy(), (float(x), float(z))
 
 

@@ -49,16 +49,18 @@ def figure(results: "Results", answers: Sequence[Answer]) -> Canvas:
     height = (len(names) * BAR_IN if bars else POINTS_IN) + 1.3
     canvas = Canvas(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.06))
     axes = canvas.subplots(1, len(answers), sharey=bars, squeeze=False)[0]
-    places = _places(indices) if isinstance(indices, Indices) else []
+    ranks = _ranks(indices) if isinstance(indices, Indices) else []
     for ax, (own, answer) in zip(axes, answers, strict=True):
         if isinstance(answer, Indices):
-            _bars(ax, answer, places, names)
+            _bars(ax, answer, ranks, names)
             ax.set_title(textwrap.fill(labels.feature_text(own.feature), LABEL_LETTERS), loc="left")
         else:
             _points(ax, own, answer, names)
     handles, texts = axes[0].get_legend_handles_labels()
-    place: dict[str, Any] = {"loc": "outside upper center", "ncols": 2} if bars else {"loc": "outside right upper"}
-    canvas.legend(handles, texts, **place)
+    options: dict[str, Any] = (
+        {"loc": "outside upper center", "ncols": 2} if bars else {"loc": "outside right upper"}
+    )
+    canvas.legend(handles, texts, **options)
     table = results.table()[["job"]]
     rows = table[table["job"].isin(design["ids"])]
     finish(canvas, None, [*fixed_values(results, rows, set(blocks.paths)), *_notes(answers)])
@@ -73,17 +75,17 @@ def label_of(path: str, ends: Sequence[float], units: Mapping[str, str]) -> str:
     return f"{name[:1].upper()}{name[1:]}\n{least} to {largest} {labels.pretty(unit)}".rstrip()
 
 
-def _places(indices: Indices) -> list[int]:
+def _ranks(indices: Indices) -> list[int]:
     """Rank the parameters by total index, 0 at the top."""
-    return [int(place) for place in np.argsort(np.argsort(-indices.total.value, kind="stable"))]
+    return [int(rank) for rank in np.argsort(np.argsort(-indices.total.value, kind="stable"))]
 
 
-def _bars(ax: "Axes", indices: Indices, places: Sequence[int], names: Sequence[str]) -> None:
+def _bars(ax: "Axes", indices: Indices, ranks: Sequence[int], names: Sequence[str]) -> None:
     for number, (name, text, colour) in enumerate(BARS):
         estimate: Estimate = getattr(indices, name)
-        where = [place + (number - 0.5) * THICK for place in places]
+        where = [rank + (number - 0.5) * THICK for rank in ranks]
         ax.barh(where, estimate.value, THICK, color=colour, label=text, xerr=_whiskers(estimate), error_kw=WHISKER)
-    ax.set_yticks(places, names)
+    ax.set_yticks(ranks, names)
     ax.set_ylim(len(names) - 0.4, -0.6)
     ax.axvline(0.0, color="0.3", linewidth=0.8)
     ax.set_xlim(min(-0.05, ax.get_xlim()[0]), max(1.0, ax.get_xlim()[1]))
@@ -97,11 +99,11 @@ def _points(ax: "Axes", blocks: Blocks, effects: Effects, names: Sequence[str]) 
     across, up = (
         Estimate(*(factor * ends for ends in estimate)) for estimate in (effects.magnitude, effects.spread)
     )
-    for place, name in enumerate(names):
-        colour, mark = COLOURS[place % len(COLOURS)], MARKERS[place % len(MARKERS)]
+    for number, name in enumerate(names):
+        colour, mark = COLOURS[number % len(COLOURS)], MARKERS[number % len(MARKERS)]
         bars: dict[str, Any] = WHISKER | {"ecolor": colour, "color": colour, "marker": mark, "clip_on": False}
-        bars |= {"xerr": _whiskers(across)[:, [place]], "yerr": _whiskers(up)[:, [place]], "linestyle": ""}
-        ax.errorbar(across.value[place], up.value[place], label=name, **bars)
+        bars |= {"xerr": _whiskers(across)[:, [number]], "yerr": _whiskers(up)[:, [number]], "linestyle": ""}
+        ax.errorbar(across.value[number], up.value[number], label=name, **bars)
     most = 1.05 * float(max(across.high.max(), up.high.max()))
     ax.plot([0.0, most], [0.0, most], color="0.6", linewidth=0.8, linestyle="--")
     ax.annotate("sigma = mu*", (0.93 * most, 0.95 * most), fontsize=7.0, color="0.4", ha="right")

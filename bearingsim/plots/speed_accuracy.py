@@ -146,8 +146,8 @@ def _spread(rows: Sequence[Row], column: str) -> list[Row]:
     """Select rows with marks far enough apart to be labelled."""
     separate: list[Row] = []
     for row in rows:
-        places = [(log10(_shown(other[column])), log10(other["cpu_per_s"])) for other in (row, *separate)]
-        if all(hypot(places[0][0] - x, 1.5 * (places[0][1] - y)) > APART for x, y in places[1:]):
+        points = [(log10(_shown(other[column])), log10(other["cpu_per_s"])) for other in (row, *separate)]
+        if all(hypot(points[0][0] - x, 1.5 * (points[0][1] - y)) > APART for x, y in points[1:]):
             separate.append(row)
     return separate
 

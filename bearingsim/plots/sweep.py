@@ -43,7 +43,7 @@ BAR_POINTS = 4.0  # width of a bar of uncertainty
 
 def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
     """Draw a completed figure, a line per combination of `by`; arguments as of ``axes.draw_panels``."""
-    order = {value: place for place, value in enumerate(select.values(rows, figure.x))}
+    order = {value: rank for rank, value in enumerate(select.values(rows, figure.x))}
     styles = styles_of_curves(figure, rows, units)
 
     def panel(ax: "Axes", name: str, part: "pd.DataFrame") -> None:
@@ -73,8 +73,10 @@ def mark_spread(ax: "Axes", x: Sequence[float], curve: Curve, name: str, factor:
     if all(has) and len(x) > 1:
         ax.fill_between(x, low, high, color=curve.look.colour, alpha=BAND_ALPHA, lw=0.0)
     elif any(has):
-        places, least, largest = ([v for v, is_one in zip(a, has, strict=True) if is_one] for a in (x, low, high))
-        ax.vlines(places, least, largest, color=curve.look.colour, lw=BAR_POINTS, alpha=2.0 * BAND_ALPHA)
+        abscissas, least, largest = (
+            [v for v, is_one in zip(a, has, strict=True) if is_one] for a in (x, low, high)
+        )
+        ax.vlines(abscissas, least, largest, color=curve.look.colour, lw=BAR_POINTS, alpha=2.0 * BAND_ALPHA)
 
 
 def mark_errors(ax: "Axes", x: Sequence[float], y: Sequence[float], curve: Curve) -> None:
@@ -89,8 +91,8 @@ def mark_errors(ax: "Axes", x: Sequence[float], y: Sequence[float], curve: Curve
     off = largest * parts.where(~(curve.rows["error"] > parts), curve.rows["error"])  # of a failed audit
     bounded = [(a, b, e) for a, b, e in zip(x, y, off, strict=True) if math.isfinite(b * e)]
     if bounded:
-        places, value, error = zip(*bounded, strict=True)
-        ax.errorbar(places, value, error, fmt="none", ecolor=curve.look.colour, elinewidth=1.0, capsize=2.5)
+        abscissas, value, error = zip(*bounded, strict=True)
+        ax.errorbar(abscissas, value, error, fmt="none", ecolor=curve.look.colour, elinewidth=1.0, capsize=2.5)
 
 
 def mark_models(
@@ -153,7 +155,7 @@ def draw_names(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], c
     height = len(panels) * (LINE_IN * len(names) + 0.75) + 0.3
     canvas = Canvas(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.05))
     axes = canvas.subplots(len(panels), len(figure.y), sharex="col", sharey=True, squeeze=False)
-    order = {name: place for place, name in enumerate(names)}
+    order = {name: rank for rank, name in enumerate(names)}
     for row, (text, part) in enumerate(panels):
         for column, feature in enumerate(figure.y):
             ax = axes[row][column]
@@ -175,34 +177,34 @@ def _values(
     is_log = "y" in figure.log and not name.endswith(".phase")
     for number, curve in enumerate(curves):
         aside = SPREAD * ((number + 0.5) / len(curves) - 0.5) if len(curves) > 1 else 0.0
-        places = [order[value] + aside for value in curve.rows[figure.x]]
+        heights = [order[value] + aside for value in curve.rows[figure.x]]
         points = list(curve.rows[name] * factor)
         look: CurveStyle = curve.look._replace(line="")
-        ax.plot(points, places, **look.keywords())
-        mark_chaotic(ax, points, places, curve.rows, name)
+        ax.plot(points, heights, **look.keywords())
+        mark_chaotic(ax, points, heights, curve.rows, name)
         if len(curves) == 1:
-            _numbers(ax, points, places, is_log)
-        _mark_lost_left(ax, places, list(curve.rows["status"]))
+            _numbers(ax, points, heights, is_log)
+        _mark_lost_left(ax, heights, list(curve.rows["status"]))
     _value_axis(ax, name, is_log)
     ax.grid(visible=False, axis="x")
 
 
-def _numbers(ax: "Axes", points: Sequence[float], places: Sequence[float], is_log: bool) -> None:
+def _numbers(ax: "Axes", points: Sequence[float], heights: Sequence[float], is_log: bool) -> None:
     """Write its value right of each point, or at the axis if a log axis cannot show it."""
-    for value, place in zip(points, places, strict=True):
+    for value, height in zip(points, heights, strict=True):
         if value > 0.0 or (value == value and not is_log):
             ax.annotate(
-                f"{value:.3g}", (value, place), (5, 0), textcoords="offset points", va="center", fontsize=7
+                f"{value:.3g}", (value, height), (5, 0), textcoords="offset points", va="center", fontsize=7
             )
         elif value == 0.0:
-            ax.annotate("0", (0.0, place), (3, 0), xycoords=("axes fraction", "data"),
+            ax.annotate("0", (0.0, height), (3, 0), xycoords=("axes fraction", "data"),
                         textcoords="offset points", va="center", fontsize=7)  # fmt: skip
 
 
-def _mark_lost_left(ax: "Axes", places: Sequence[float], status: Sequence[str]) -> None:
+def _mark_lost_left(ax: "Axes", heights: Sequence[float], status: Sequence[str]) -> None:
     """Mark jobs without a result on the left axis."""
     for kind, (marker, colour, _) in STATUS_MARKS.items():
-        where = [place for place, state in zip(places, status, strict=True) if state == kind]
+        where = [height for height, state in zip(heights, status, strict=True) if state == kind]
         if where:
             ax.plot([0.02] * len(where), where, marker, transform=ax.get_yaxis_transform(), color=colour,
                     markersize=6, markeredgewidth=1.5)  # fmt: skip

@@ -182,8 +182,8 @@ class Cluster:
         with suppress(TimeoutError):  # repeated at the next look
             answer_in_time(ANSWER_S, partial(self.client.run, stop, self.run, on_error="ignore"))
         held = {key for keys in answer_in_time(ANSWER_S, self.client.processing).values() for key in keys}
-        places = answer_in_time(ANSWER_S, partial(self.client.who_has, list(flying)))
-        held |= {key for key, workers in places.items() if workers}  # finished meanwhile
+        holders = answer_in_time(ANSWER_S, partial(self.client.who_has, list(flying)))
+        held |= {key for key, workers in holders.items() if workers}  # finished meanwhile
         left = [future for future in flying if future.key not in held]
         if left:
             answer_in_time(ANSWER_S, partial(self.client.cancel, left))

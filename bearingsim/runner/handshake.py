@@ -79,12 +79,12 @@ def refuse_strangers(address: str, seconds: float) -> None:
 
     Raises NotDask if another program listens there, OSError if none does, ValueError for an invalid address.
     """
-    scheme, place = parse_address(address)
+    scheme, host_and_port = parse_address(address)
     if scheme not in ("tcp", "tls"):
         raise ValueError("expected tcp://HOST:PORT or tls://HOST:PORT")
     end = time.monotonic() + seconds
     with (
-        socket.create_connection(parse_host_port(place), timeout=seconds) as plain,
+        socket.create_connection(parse_host_port(host_and_port), timeout=seconds) as plain,
         _secured(plain, scheme) as peer,
     ):
         (size,) = struct.unpack("Q", _received(peer, 8, end))

@@ -55,11 +55,11 @@ def _apart(figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequ
     free = [path for path in design if path not in (figure.x, *paths)]
     others = (name for values in swept for name in values if name not in (figure.x, *paths, *free))
     for path in dict.fromkeys(others):
-        places: dict[tuple, set] = {}
+        points: dict[tuple, set] = {}
         for values in swept:
-            place = tuple(values.get(name) for name in (figure.x, *free, *paths))
-            places.setdefault(place, set()).add(values.get(path))
-        if any(len(several) > 1 for several in places.values()):
+            point = tuple(values.get(name) for name in (figure.x, *free, *paths))
+            points.setdefault(point, set()).add(values.get(path))
+        if any(len(several) > 1 for several in points.values()):
             paths.append(path)
     return paths
 

@@ -74,6 +74,6 @@ class Discretisation:
 
     def _neighbours(self, n: int, curve: Curve) -> tuple[int, int]:
         """Return the nearest cases before and after number ``n`` on a curve that are tried."""
-        place = curve.cases.index(n)
-        before = next(other for other in reversed(curve.cases[:place]) if other in self.tried)
-        return before, next(other for other in curve.cases[place:] if other in self.tried)
+        position = curve.cases.index(n)
+        before = next(other for other in reversed(curve.cases[:position]) if other in self.tried)
+        return before, next(other for other in curve.cases[position:] if other in self.tried)

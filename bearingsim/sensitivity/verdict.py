@@ -13,8 +13,8 @@ LITTLE = 0.05
 def indices_text(indices: Indices, feature: str, paths: Sequence[str]) -> str:
     """Describe the influential parameters ``paths`` of a feature, by Sobol indices."""
     texts = [
-        f"`{paths[place]}`, total index {_interval(indices.total, place)}, alone {_interval(indices.first, place)}"
-        for place in leaders(indices.total)
+        f"`{paths[row]}`, total index {_interval(indices.total, row)}, alone {_interval(indices.first, row)}"
+        for row in leaders(indices.total)
     ]
     weak = _weak(negligible(indices.total, 1.0), paths, "the variance")
     return " ".join([_deciding(texts, feature, len(paths)), *weak, _together(indices.together)])
@@ -24,23 +24,23 @@ def effects_text(effects: Effects, feature: str, paths: Sequence[str], unit: str
     """Describe the influential parameters of a feature, by Morris effects; unit, factor (from SI): of the text."""
     sized = Estimate(*(factor * ends for ends in effects.magnitude))
     strongest = leaders(effects.magnitude)
-    texts = [f"`{paths[place]}`, mu* {_interval(sized, place)}{f' {unit}' * bool(unit)}" for place in strongest]
+    texts = [f"`{paths[row]}`, mu* {_interval(sized, row)}{f' {unit}' * bool(unit)}" for row in strongest]
     weak = _weak(negligible(effects.magnitude, effects.magnitude.low[strongest[0]]), paths, "that")
     slope = np.maximum(np.abs(effects.mean.low), np.abs(effects.mean.high))
-    bent = [f"`{paths[place]}`" for place in strongest if effects.spread.low[place] > slope[place]]
+    bent = [f"`{paths[row]}`" for row in strongest if effects.spread.low[row] > slope[row]]
     nonlinear = [f"The effect of {_listed(bent)} is nonlinear or depends on other parameters (sigma exceeds mu)."]
     return " ".join([_deciding(texts, feature, len(paths)), *weak, *nonlinear * bool(bent)])
 
 
 def leaders(ranked: Estimate) -> list[int]:
     """List the parameter with the largest value and those with overlapping intervals, the largest first."""
-    places = np.argsort(-ranked.value, kind="stable")
-    return [int(place) for place in places if ranked.high[place] >= ranked.low[places[0]]]
+    rows = np.argsort(-ranked.value, kind="stable")
+    return [int(row) for row in rows if ranked.high[row] >= ranked.low[rows[0]]]
 
 
 def negligible(ranked: Estimate, whole: float) -> list[int]:
     """List the parameters with the whole interval below LITTLE of ``whole``."""
-    return [int(place) for place in np.flatnonzero(ranked.high < LITTLE * whole)]
+    return [int(row) for row in np.flatnonzero(ranked.high < LITTLE * whole)]
 
 
 def _deciding(texts: Sequence[str], feature: str, many: int) -> str:
@@ -54,10 +54,10 @@ def _deciding(texts: Sequence[str], feature: str, many: int) -> str:
     return f"{len(texts)} parameters dominate {feature}, with overlapping intervals: {listed}."
 
 
-def _weak(places: Sequence[int], paths: Sequence[str], whole: str) -> Iterator[str]:
-    if places:
-        named = _listed([f"`{paths[place]}`" for place in places])
-        verb = "is" if len(places) == 1 else "are"
+def _weak(rows: Sequence[int], paths: Sequence[str], whole: str) -> Iterator[str]:
+    if rows:
+        named = _listed([f"`{paths[row]}`" for row in rows])
+        verb = "is" if len(rows) == 1 else "are"
         yield f"{named} {verb} negligible, below {100 * LITTLE:.0f} % of {whole}."
 
 
@@ -69,9 +69,9 @@ def _together(rest: Estimate) -> str:
     return f"Interactions of parameters are not significant ({share})."
 
 
-def _interval(estimate: Estimate, place: int) -> str:
+def _interval(estimate: Estimate, row: int) -> str:
     """Format a value and its interval: `0.71 (0.52 to 0.97)`."""
-    value, low, high = (_short(float(ends[place])) for ends in estimate)
+    value, low, high = (_short(float(ends[row])) for ends in estimate)
     return f"{value} ({low} to {high})"
 
 

@@ -59,12 +59,12 @@ def pick_line(series: np.ndarray, fs: float, expected: float, tolerance: float =
     around = np.abs(bins) <= _surroundings(expected, tolerance, 1.0 / duration) * duration
     median = float(np.median(np.abs(values[around])))
     near = np.abs(bins) <= half * duration + REACH
-    places, amplitudes = _resolved(bins[near], values[near], LEAST_PROMINENCE * median)
-    stands = _stand(places, amplitudes, LEAST_PROMINENCE * median) & (np.abs(places) <= half * duration)
+    positions, amplitudes = _resolved(bins[near], values[near], LEAST_PROMINENCE * median)
+    stands = _stand(positions, amplitudes, LEAST_PROMINENCE * median) & (np.abs(positions) <= half * duration)
     if not stands.any():
         return None
     best = int(np.argmax(np.where(stands, amplitudes, 0.0)))
-    return _picked(expected + places[best] / duration, amplitudes[best], median)
+    return _picked(expected + positions[best] / duration, amplitudes[best], median)
 
 
 def pick_from(
@@ -135,42 +135,42 @@ def _resolved(bins: np.ndarray, values: np.ndarray, floor: float) -> tuple[np.nd
     A guess that converges within 1.5 bins of another line is the other half of a broad line: it is dropped, and
     its position excluded.
     """
-    places, lines, left = np.zeros(0), np.zeros(0, dtype=complex), values
+    positions, lines, left = np.zeros(0), np.zeros(0, dtype=complex), values
     open_bins = np.ones(len(bins))
     for _ in range(MAX_LINES):
         strongest = int(np.argmax(np.abs(left) * open_bins))
         if abs(left[strongest]) * open_bins[strongest] <= max(floor, MIN_LINE * np.abs(lines).max(initial=0.0)):
             break
-        refined = _refined(bins, values, np.append(places, bins[strongest]))
+        refined = _refined(bins, values, np.append(positions, bins[strongest]))
         if np.diff(np.sort(refined[0])).min(initial=ONE) < ONE:
             open_bins[np.abs(bins - bins[strongest]) < ONE] = 0.0
         else:
-            places, lines, left = refined
-    return places, np.abs(lines)
+            positions, lines, left = refined
+    return positions, np.abs(lines)
 
 
 def _refined(
-    bins: np.ndarray, values: np.ndarray, places: np.ndarray
+    bins: np.ndarray, values: np.ndarray, positions: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Refine line positions (k,) by Gauss-Newton; return them, complex amplitudes (k,) and the residual (n,)."""
     for _ in range(30):
-        shape, lines, left = _remove_peaks(bins, values, places)
-        distance = bins[:, np.newaxis] - places
+        shape, lines, left = _remove_peaks(bins, values, positions)
+        distance = bins[:, np.newaxis] - positions
         slope = (_line_shape(distance - 1e-4) - _line_shape(distance + 1e-4)) / 2e-4
         columns = np.hstack([shape, 1j * shape, slope * lines])
-        moves = np.linalg.lstsq(_parts(columns), _parts(left), rcond=1e-10)[0][2 * len(places) :]
-        places = places + np.clip(moves, -0.25, 0.25)
+        moves = np.linalg.lstsq(_parts(columns), _parts(left), rcond=1e-10)[0][2 * len(positions) :]
+        positions = positions + np.clip(moves, -0.25, 0.25)
         if np.abs(moves).max() < 1e-8:
             break
-    _, lines, left = _remove_peaks(bins, values, places)
-    return places, lines, left
+    _, lines, left = _remove_peaks(bins, values, positions)
+    return positions, lines, left
 
 
 def _remove_peaks(
-    bins: np.ndarray, values: np.ndarray, places: np.ndarray
+    bins: np.ndarray, values: np.ndarray, positions: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Fit lines at positions; return shapes (n, k), amplitudes (k,) by least squares, and the residual (n,)."""
-    shape = _line_shape(bins[:, np.newaxis] - places)
+    shape = _line_shape(bins[:, np.newaxis] - positions)
     lines = np.linalg.lstsq(shape.astype(complex), values, rcond=1e-10)[0]
     return shape, lines, values - shape @ lines
 
@@ -180,9 +180,9 @@ def _parts(values: np.ndarray) -> np.ndarray:
     return np.concatenate([values.real, values.imag])
 
 
-def _stand(places: np.ndarray, amplitudes: np.ndarray, floor: float) -> np.ndarray:
+def _stand(positions: np.ndarray, amplitudes: np.ndarray, floor: float) -> np.ndarray:
     """Check which lines (k,) exceed ``floor`` and are no part or shoulder of a stronger one."""
-    apart = np.abs(np.subtract.outer(places, places))
+    apart = np.abs(np.subtract.outer(positions, positions))
     stronger = amplitudes > amplitudes[:, np.newaxis]
     part = stronger & (apart < ONE)
     shoulder = (apart < SHOULDER[0]) & (amplitudes * SHOULDER[1] > amplitudes[:, np.newaxis])

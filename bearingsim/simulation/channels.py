@@ -1,4 +1,4 @@
-"""Places of channels in the simulation's buffer, and their values from the recorded rows."""
+"""Cells of channels in the simulation's buffer, and their values from the recorded rows."""
 
 from math import cos, sin
 from typing import Any
@@ -16,7 +16,7 @@ from bearingsim.simulation.repetition import may_repeat
 
 MOTION = ("displacement", "velocity", "acceleration")
 CAGE_ANGLE, CAGE_SPEED = lay.POSITION + lay.PHI_C, lay.VELOCITY + lay.PHI_C
-PLACES = {
+CELLS = {
     **dict(
         zip((name for quantity in MOTION for name in dataset_names(f"ring.{quantity}")), RING_MOTION, strict=True)
     ),
@@ -56,29 +56,29 @@ ROLLER_ROWS = {
 }
 SLICE_ROWS = {"outer_line_load": lay.LOAD_O, "inner_line_load": lay.LOAD_I}
 BASE = (*RING_MOTION, lay.LOADED_ROLLERS, CAGE_ANGLE, CAGE_SPEED)
-"""Places that features are computed from, recorded or not: the first rows of every recording."""
+"""Cells that features are computed from, recorded or not: the first rows of every recording."""
 AT_SENSOR = (lay.SENSOR, lay.SENSOR_V, lay.SENSOR_A)
 """Rows after BASE of a ring that bends: its radial displacement, velocity, acceleration at the sensor."""
 
 
 def base(case: Case) -> tuple[int, ...]:
-    """Return the places in the buffer that features are computed from: the first rows of the case's recording."""
+    """Return the cells of the buffer that features are computed from: the first rows of the case's recording."""
     return BASE if case.rig.ring is None else BASE + AT_SENSOR
 
 
-def places_of(case: Case, name: str) -> tuple[int, ...]:
-    """List the places in the buffer of a dataset's values; for the sensor of a rigid ring, of both coordinates."""
+def cells_of(case: Case, name: str) -> tuple[int, ...]:
+    """List the cells of the buffer of a dataset's values; for the sensor of a rigid ring, of both coordinates."""
     of, _, quantity = name.partition(".")
     if of == "sensor" and case.rig.ring is None:
-        return tuple(PLACES[component] for component in dataset_names(f"ring.{quantity}"))
-    return (place(name),)
+        return tuple(CELLS[component] for component in dataset_names(f"ring.{quantity}"))
+    return (cell(name),)
 
 
-def place(name: str) -> int:
-    """Return the place of a dataset in the buffer."""
+def cell(name: str) -> int:
+    """Return the cell of a dataset in the buffer."""
     match = roller_of(name)
     if match is None:
-        return PLACES[name]
+        return CELLS[name]
     roller, quantity = match
     kind, _, number = quantity.partition(".")
     row = lay.slice_row(int(number) - 1, SLICE_ROWS[kind]) if number else ROLLER_ROWS[kind]
@@ -86,27 +86,27 @@ def place(name: str) -> int:
 
 
 def recorded(case: Case) -> np.ndarray:
-    """Return the places (C,) in the buffer that a run of the case records: ``base``, then its channels.
+    """Return the cells (C,) of the buffer that a run of the case records: ``base``, then its channels.
 
     If the motion may repeat, a channel of one roller needs those of all: it repeats what others did before it.
     """
     names = [name for channel in case.record for name in dataset_names(channel)]
-    requested = np.array([p for name in names for p in places_of(case, name)], dtype=np.int64)
+    requested = np.array([p for name in names for p in cells_of(case, name)], dtype=np.int64)
     if may_repeat(case):
         of_roller = requested[lay.lane_of(requested) >= 0]
         rows = np.unique(of_roller - lay.lane_of(of_roller))
         requested = np.concatenate([requested, np.add.outer(rows, np.arange(case.bearing.rollers)).ravel()])
-    base_places = base(case)
+    base_cells = base(case)
     return np.array(
-        [*base_places, *dict.fromkeys(p for p in requested.tolist() if p not in base_places)], dtype=np.int64
+        [*base_cells, *dict.fromkeys(p for p in requested.tolist() if p not in base_cells)], dtype=np.int64
     )
 
 
-def requested_rows(case: Case, places: np.ndarray) -> np.ndarray:
+def requested_rows(case: Case, cells: np.ndarray) -> np.ndarray:
     """Return the row numbers of the case's own channels among ``recorded``."""
-    row_of = {int(p): row for row, p in enumerate(places)}
+    row_of = {int(p): row for row, p in enumerate(cells)}
     names = [name for channel in case.record for name in dataset_names(channel)]
-    rows = [row_of[p] for name in names for p in places_of(case, name)]
+    rows = [row_of[p] for name in names for p in cells_of(case, name)]
     return np.array([*dict.fromkeys(rows)], dtype=np.int64)
 
 
@@ -115,19 +115,17 @@ def picks(case: Case) -> bool:
     return not case.antialias or any(map(is_contact_force, case.record))
 
 
-def are_contact_forces(case: Case, places: np.ndarray) -> np.ndarray:
-    """Return the mask (R,) of the places (R,) that hold contact forces recorded by the case."""
+def are_contact_forces(case: Case, cells: np.ndarray) -> np.ndarray:
+    """Return the mask (R,) of the cells (R,) that hold contact forces recorded by the case."""
     names = [name for channel in case.record if is_contact_force(channel) for name in dataset_names(channel)]
-    return np.isin(places, [p for name in names for p in places_of(case, name)])
+    return np.isin(cells, [p for name in names for p in cells_of(case, name)])
 
 
-def series(
-    case: Case, model: Any, rows: np.ndarray, places: np.ndarray, time: np.ndarray
-) -> dict[str, np.ndarray]:
+def series(case: Case, model: Any, rows: np.ndarray, cells: np.ndarray, time: np.ndarray) -> dict[str, np.ndarray]:
     """Return the recorded channels by dataset name, from rows (C, n) sampled at ``time`` (n,), s into the run."""
-    row_of = {int(p): row for p, row in zip(places, rows, strict=True)}
+    row_of = {int(p): row for p, row in zip(cells, rows, strict=True)}
     return {
-        name: _channel_values(name, along(case, [row_of[p] for p in places_of(case, name)]), model, time)
+        name: _channel_values(name, along(case, [row_of[p] for p in cells_of(case, name)]), model, time)
         for channel in case.record
         for name in dataset_names(channel)
     }

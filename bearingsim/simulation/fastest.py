@@ -44,10 +44,10 @@ def rates_at_rest(model: Any, t: float, y: np.ndarray, approach: float, rounds: 
 
     approach: of its most loaded contact (m).
     """
-    of_places, of_speeds = lengths(model).reshape(2, lay.STATE)
+    position_scales, velocity_scales = lengths(model).reshape(2, lay.STATE)
     small = SMALL * approach
-    K = _largest(model, t, y, lay.POSITION, of_places, small, rounds)
-    return Rates(K, _largest(model, t, y, lay.VELOCITY, of_speeds, small * sqrt(K), rounds))
+    K = _largest(model, t, y, lay.POSITION, position_scales, small, rounds)
+    return Rates(K, _largest(model, t, y, lay.VELOCITY, velocity_scales, small * sqrt(K), rounds))
 
 
 def _largest(model: Any, t: float, y: np.ndarray, block: int, arms: np.ndarray, size: float, rounds: int) -> float:

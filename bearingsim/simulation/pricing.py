@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bearingsim import assemble
-from bearingsim.assemble.bending import has_carrier, places_of_springs, ring_parameters
+from bearingsim.assemble.bending import has_carrier, ring_parameters, spring_properties
 from bearingsim.assemble.contacts import powers
 from bearingsim.assemble.scales import full_speed_case
 from bearingsim.catalogue import EXPLICIT, METHODS, MODELS
@@ -63,7 +63,7 @@ def bending(case: Case) -> float:
     """Return the CPU time (s) of a ring which bends, and of the springs around it, in an evaluation."""
     if case.rig.ring is None:
         return 0.0
-    springs = len(places_of_springs(ring_parameters(case))[0]) if has_carrier(case.rig) else 0
+    springs = len(spring_properties(ring_parameters(case))[0]) if has_carrier(case.rig) else 0
     return (price("harmonic", case.model) + price("spring") * springs) * float(case.rig.ring.harmonics)
 
 
@@ -223,12 +223,12 @@ class Size(NamedTuple):
 def size(case: Case, fine: int, decimation: int, computed: int, checked: float) -> Size:
     """Return the size of a case, its method named, with the ball passes ``computed`` and ``checked``."""
     whole = case.duration * case.bearing.ball_pass_frequency(full_speed_case(case).speed) * fine
-    places = channels.recorded(case)
-    requested = len(channels.requested_rows(case, places))
+    cells = channels.recorded(case)
+    requested = len(channels.requested_rows(case, cells))
     columns = sum(len(CHANNELS[name].components) for name in case.record)
     samples = int(case.duration * case.sampling + 1e-6)
     read = min(whole, float(computed * fine))
-    return Size(len(places), requested, computed, fine, fine * decimation, read, whole, samples, columns, checked)
+    return Size(len(cells), requested, computed, fine, fine * decimation, read, whole, samples, columns, checked)
 
 
 def counts(case: Case, of: Size) -> Counts:

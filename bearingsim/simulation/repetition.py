@@ -204,12 +204,12 @@ class Search:
         return _over(np.abs(now - before).max(axis=2), np.maximum(of_ring, of_rollers))
 
 
-def turned(places: np.ndarray, Z: int, m: int) -> np.ndarray:
-    """Return the row (C,) of a recording of ``places`` that held the quantity of each row ``m`` passes before."""
-    lane = lay.lane_of(places)
-    partner = np.where(lane >= 0, places - lane + (lane + m) % Z, places)
-    row_of = {int(place): row for row, place in enumerate(places)}
-    return np.array([row_of[int(place)] for place in partner])
+def turned(cells: np.ndarray, Z: int, m: int) -> np.ndarray:
+    """Return the row (C,) of a recording of ``cells`` that held the quantity of each row ``m`` passes before."""
+    lane = lay.lane_of(cells)
+    partner = np.where(lane >= 0, cells - lane + (lane + m) % Z, cells)
+    row_of = {int(cell): row for row, cell in enumerate(cells)}
+    return np.array([row_of[int(cell)] for cell in partner])
 
 
 def turned_state(state: np.ndarray, model: Any, passes: int) -> np.ndarray:

@@ -208,7 +208,7 @@ class SlowModes:
         self.states.append(y[lay.POSITION : lay.POSITION + 2 * lay.STATE].copy())
         if len(self.states) < (self.states.maxlen or 0):
             return False
-        states = self._in_place()
+        states = self._rolled_back()
         changes = self.weights[:, np.newaxis] * np.diff(states, axis=1)
         self.last = float(np.linalg.norm(changes[:, -1]))
         self.first = self.first or self.last
@@ -232,8 +232,8 @@ class SlowModes:
         """Convergence: no further pass is needed."""
         return self.steady and self.last <= self.near * self.first
 
-    def _in_place(self) -> np.ndarray:
-        """Return the gathered states (2 STATE, n), rollers in the places of the last."""
+    def _rolled_back(self) -> np.ndarray:
+        """Return the gathered states (2 STATE, n), rollers in the positions of the last one."""
         turned = (
             turned_state(state.reshape(2, 6, lay.ROW), self.model, n + 1 - len(self.states))
             for n, state in enumerate(self.states)

@@ -321,9 +321,9 @@ def _damping(setup: Setup) -> dict[str, float]:
 
 def _cage_angle(setup: Setup, raw: RawRecord) -> float:
     """Return the angle (rad) of the first roller's pocket, cage slip included, as the record starts."""
-    bearing, place = setup.model.bearing, setup.case.settle_s * setup.cut.fine_rate
-    before, after = raw.read(floor(place), 2, np.array([BASE.index(CAGE_ANGLE)]))[0]
-    slipped = before + (place - floor(place)) * (after - before)
+    bearing, position = setup.model.bearing, setup.case.settle_s * setup.cut.fine_rate
+    before, after = raw.read(floor(position), 2, np.array([BASE.index(CAGE_ANGLE)]))[0]
+    slipped = before + (position - floor(position)) * (after - before)
     return float(bearing.theta_0 + bearing.omega_c * setup.case.settle_s + slipped)
 
 

@@ -10,7 +10,7 @@ from bearingsim import cpu_time, signals
 from bearingsim.config import Case
 from bearingsim.config.names import HARMONICS, LINES, Line, line_name
 from bearingsim.core.geometry.motion import kinematic_times, steady
-from bearingsim.simulation.channels import AT_SENSOR, BASE, CAGE_ANGLE, MOTION, along, base, places_of
+from bearingsim.simulation.channels import AT_SENSOR, BASE, CAGE_ANGLE, MOTION, along, base, cells_of
 from bearingsim.simulation.pricing import BLOCK
 from bearingsim.simulation.recording import LowPassed, RawRecord, first_sample, whole_passes, windows
 from bearingsim.simulation.settling import has_free_cage
@@ -19,7 +19,7 @@ from bearingsim.simulation.time_grid import Grid
 MIN_PASSES = 3
 """Ball passes that a record must hold for lines to be read against a free cage: interpolation takes its ends."""
 
-ROW_OF = {place: row for row, place in enumerate(BASE + AT_SENSOR)}
+ROW_OF = {cell: row for row, cell in enumerate(BASE + AT_SENSOR)}
 OTHER_LINES = {name: line for name, line in LINES.items() if not line.outer}
 
 
@@ -52,7 +52,7 @@ def feature_rows(case: Case) -> np.ndarray:
 
 def along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
     """Project a quantity of the ring on the sensor's direction; of a ring that bends, return it at the sensor."""
-    return along(case, [rows[ROW_OF[place]] for place in places_of(case, f"sensor.{quantity}")])
+    return along(case, [rows[ROW_OF[cell]] for cell in cells_of(case, f"sensor.{quantity}")])
 
 
 def blocks(count: int) -> Iterator[tuple[int, int]]:
@@ -64,7 +64,7 @@ def blocks(count: int) -> Iterator[tuple[int, int]]:
 
 def sensed(case: Case, raw: RawRecord | LowPassed, quantity: str, start: int, count: int) -> np.ndarray:
     """Return ``along_sensor`` of fine samples (count,) from number ``start`` on."""
-    rows, out = np.array([ROW_OF[place] for place in places_of(case, f"sensor.{quantity}")]), np.empty(count)
+    rows, out = np.array([ROW_OF[cell] for cell in cells_of(case, f"sensor.{quantity}")]), np.empty(count)
     for begin, end in blocks(count):
         out[begin:end] = along(case, list(raw.read(start + begin, end - begin, rows)))
     return out
@@ -112,8 +112,8 @@ def _lines_at_equal_times(case: Case, model: Any, cut: Grid, raw: RawRecord) -> 
     """Return the lines (harmonics, passes) of each quantity for a kinematic cage, with passes of equal length."""
     of_record = windows(case, cut, raw, reach=1)
     M, start = of_record.M, of_record.start
-    place, speed = (sensed(case, raw, quantity, start, of_record.distinct * M + 1) for quantity in MOTION[:2])
-    lines = _lines_from_samples(place, speed, M, start, cut.rate, case.bearing.rollers * model.bearing.theta_0)
+    position, speed = (sensed(case, raw, quantity, start, of_record.distinct * M + 1) for quantity in MOTION[:2])
+    lines = _lines_from_samples(position, speed, M, start, cut.rate, case.bearing.rollers * model.bearing.theta_0)
     return {quantity: amplitudes[:, of_record.index] for quantity, amplitudes in lines.items()}
 
 
@@ -129,18 +129,18 @@ def _lines_at_equal_angles(case: Case, model: Any, cut: Grid, raw: RawRecord) ->
         return {}
     M *= ceil(2.0 * pi / (M * np.diff(ball_pass).min()))  # the longest pass keeps all its samples
     motion = np.stack([sensed(case, raw, quantity, start, length) for quantity in MOTION[:2]])
-    (place, speed), first_pass = signals.at_equal_angles(motion, ball_pass, M)
-    passes = first_pass + np.arange((len(place) - 1) // M + 1)
+    (position, speed), first_pass = signals.at_equal_angles(motion, ball_pass, M)
+    passes = first_pass + np.arange((len(position) - 1) // M + 1)
     rate = 1.0 / np.diff(np.interp(2.0 * pi * passes, ball_pass, np.arange(length) / cut.fine_rate))
-    return _lines_from_samples(place, speed, M, 0, rate, angle)
+    return _lines_from_samples(position, speed, M, 0, rate, angle)
 
 
 def _lines_from_samples(
-    place: np.ndarray, speed: np.ndarray, M: int, start: int, rate: Any, Z_theta_0: float
+    position: np.ndarray, speed: np.ndarray, M: int, start: int, rate: Any, Z_theta_0: float
 ) -> dict[str, np.ndarray]:
     """Return the lines (harmonics, passes) of each quantity, from place and speed in whole passes and 1 sample."""
     displacement, velocity = (
-        signals.lines_by_pass(series[:-1], M, HARMONICS, start, Z_theta_0) for series in (place, speed)
+        signals.lines_by_pass(series[:-1], M, HARMONICS, start, Z_theta_0) for series in (position, speed)
     )
     acceleration = signals.derivative_lines(
         velocity, speed[::M], rate, HARMONICS, Z_theta_0 + 2.0 * pi * (start % M) / M
@@ -212,8 +212,8 @@ def _lines_as_they_turn(
             inside = slice(begin - before, end - before)
             wide = angles(before, after)
             slope = np.gradient(wide, axis=1)[:, inside]
-            place, speed = (sensed(case, raw, quantity, start + begin, end - begin) for quantity in MOTION[:2])
-            motion = (np.broadcast_to(place, slope.shape), np.broadcast_to(speed, slope.shape))
+            position, speed = (sensed(case, raw, quantity, start + begin, end - begin) for quantity in MOTION[:2])
+            motion = (np.broadcast_to(position, slope.shape), np.broadcast_to(speed, slope.shape))
             yield np.stack([*motion, slope * cut.fine_rate * speed], axis=1), wide[:, inside], slope
 
     begin, end = angles(0, 1)[:, 0], angles(length - 1, length)[:, 0]

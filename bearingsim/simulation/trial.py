@@ -149,11 +149,11 @@ def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: i
     lines, powers = parts_of_features(setup, requested, partial(along, fine), partial(along, rows), turning, spans)
     before = ceil(start / cut.fine_per_pass)
     peaks = raw.peaks[:, FORCE]
-    places = [int(p) if p < len(peaks) else int(raw.repetition.source(p)) for p in range(before, before + passes)]
+    sources = [int(p) if p < len(peaks) else int(raw.repetition.source(p)) for p in range(before, before + passes)]
     step = float(setup.method.rtol) if assemble.adaptive(case) else cut.step
     stepped = (case.method, step) if case.method is not None else ("", 0.0)
     periodic = raw.repetition.period > 0
-    return Trial(passes, whole_turns(passes, turn), periodic, lines, powers, peaks[places], *stepped)
+    return Trial(passes, whole_turns(passes, turn), periodic, lines, powers, peaks[sources], *stepped)
 
 
 def parts_of_features(

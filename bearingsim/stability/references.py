@@ -36,39 +36,41 @@ def moving(model: Any) -> np.ndarray:
     return np.array([lay.shared_cell(k) for k in range(shared)] + rollers)
 
 
-def packed(y: np.ndarray, places: np.ndarray) -> np.ndarray:
+def packed(y: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
     """Pack a buffer's state into a vector (2 n,)."""
-    return np.concatenate([y[lay.POSITION + places], y[lay.VELOCITY + places]])
+    return np.concatenate([y[lay.POSITION + coordinates], y[lay.VELOCITY + coordinates]])
 
 
 @jit
-def unpack(x: np.ndarray, places: np.ndarray, y: np.ndarray) -> None:
+def unpack(x: np.ndarray, coordinates: np.ndarray, y: np.ndarray) -> None:
     """Put the vector ``x`` into the buffer's state."""
-    n = len(places)
+    n = len(coordinates)
     for i in range(n):
-        y[lay.POSITION + places[i]] = x[i]
-        y[lay.VELOCITY + places[i]] = x[n + i]
+        y[lay.POSITION + coordinates[i]] = x[i]
+        y[lay.VELOCITY + coordinates[i]] = x[n + i]
 
 
 @jit
-def state_rate(model: Any, t: float, x: np.ndarray, places: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
+def state_rate(
+    model: Any, t: float, x: np.ndarray, coordinates: np.ndarray, y: np.ndarray, out: np.ndarray
+) -> None:
     """Compute dx/dt (2 n,) into ``out``."""
-    n = len(places)
-    unpack(x, places, y)
+    n = len(coordinates)
+    unpack(x, coordinates, y)
     accelerations(model, t, y)
     for i in range(n):
         out[i] = x[n + i]
-        out[n + i] = y[lay.ACCELERATION + places[i]]
+        out[n + i] = y[lay.ACCELERATION + coordinates[i]]
 
 
 class StateRate:
     """Right-hand side dx/dt for SciPy; raises ``OutOfTime`` after ``limit`` (s of CPU)."""
 
     def __init__(self, model: Any, y: np.ndarray, limit: float) -> None:
-        self.model, self.y, self.places = model, y.copy(), moving(model)
+        self.model, self.y, self.coordinates = model, y.copy(), moving(model)
         fill_length_scales(model, self.y)
-        x = np.zeros(2 * len(self.places))
-        state_rate(model, 0.0, x, self.places, self.y.copy(), np.empty_like(x))  # compiled, or loaded
+        x = np.zeros(2 * len(self.coordinates))
+        state_rate(model, 0.0, x, self.coordinates, self.y.copy(), np.empty_like(x))  # compiled, or loaded
         self.began, self.limit, self.calls = time.thread_time(), limit, 0
 
     def __call__(self, t: float, x: np.ndarray) -> np.ndarray:
@@ -77,7 +79,7 @@ class StateRate:
         if self.calls % 64 == 0 and self.cpu > self.limit:
             raise OutOfTime
         out = np.empty_like(x)
-        state_rate(self.model, t, x, self.places, self.y, out)
+        state_rate(self.model, t, x, self.coordinates, self.y, out)
         return out
 
     @property
@@ -93,12 +95,14 @@ def solve(solver: str, model: Any, y: np.ndarray, tolerances: Tolerances, limit:
     calls success is read; it says nothing of defects that were stepped over.
     """
     f = StateRate(model, y, limit)
-    lever = f.y[LENGTH_SCALE + f.places]
+    lever = f.y[LENGTH_SCALE + f.coordinates]
     atol = np.concatenate([tolerances.atol_q / lever, tolerances.atol_v / lever])
     columns: list[np.ndarray] = []
     with np.errstate(all="ignore"), warnings.catch_warnings():  # a row says what became of a run
         warnings.simplefilter("ignore")
-        failure, reason, steps = march(SCIPY[solver], f, packed(y, f.places), atol, tolerances, columns, TIMES)
+        failure, reason, steps = march(
+            SCIPY[solver], f, packed(y, f.coordinates), atol, tolerances, columns, TIMES
+        )
     cpu, calls = f.cpu, f.calls
     x = np.concatenate(columns, axis=1) if columns else np.empty((2 * len(lever), 0))
     velocity = x[len(lever) : len(lever) + 2]
@@ -145,6 +149,6 @@ def touching(f: StateRate, x: np.ndarray) -> np.ndarray:
     loaded = np.empty((f.model.bearing.Z, x.shape[1]), dtype=bool)
     unused = np.empty(len(x))
     for n in range(x.shape[1]):
-        state_rate(f.model, TIMES[n], x[:, n].copy(), f.places, f.y, unused)
+        state_rate(f.model, TIMES[n], x[:, n].copy(), f.coordinates, f.y, unused)
         loaded[:, n] = f.y[lay.Q_O : lay.Q_O + len(loaded)] > 0.0
     return loaded

@@ -54,7 +54,7 @@ def not_run(failure: str, reason: str) -> Trace:
 def trace(name: str, method: Any, model: Any, y: np.ndarray, limit: float) -> Trace:
     """Step a copy of the buffer ``y`` (at rest, t = 0) through the scene, for ``limit`` CPU seconds at most."""
     y, Z = y.copy(), model.bearing.Z
-    places = np.array(
+    cells = np.array(
         [
             lay.VELOCITY + lay.X,
             lay.VELOCITY + lay.Y,
@@ -75,11 +75,11 @@ def trace(name: str, method: Any, model: Any, y: np.ndarray, limit: float) -> Tr
     failure, reason, taken = "", "", 0
     ready(method, model, 0.0, y)
     # compiled or loaded before the clock runs, by a step that is thrown away: no steps are laid out as other code
-    advance_and_sample(method, model, monitor, 0, y.copy(), places, _room(places, 1), NoSamples())
+    advance_and_sample(method, model, monitor, 0, y.copy(), cells, _room(cells, 1), NoSamples())
     began = time.thread_time()
     while taken < steps and not failure:
-        out = _room(places, min(at_once, steps - taken))
-        got, outcome, _ = advance_and_sample(method, model, monitor, taken, y, places, out, NoSamples())
+        out = _room(cells, min(at_once, steps - taken))
+        got, outcome, _ = advance_and_sample(method, model, monitor, taken, y, cells, out, NoSamples())
         taken += got
         failure, reason = WHY[outcome] if outcome != SUCCESS else _beyond(out[:, :got])
         if not failure and taken < steps and time.thread_time() - began > limit:
@@ -99,9 +99,9 @@ def trace(name: str, method: Any, model: Any, y: np.ndarray, limit: float) -> Tr
     )
 
 
-def _room(places: np.ndarray, steps: int) -> np.ndarray:
+def _room(cells: np.ndarray, steps: int) -> np.ndarray:
     """Allocate a record as a part of a larger one, as in a simulation, so that both run the same compiled code."""
-    return np.empty((len(places), steps + 1))[:, 1:]
+    return np.empty((len(cells), steps + 1))[:, 1:]
 
 
 def _beyond(out: np.ndarray) -> tuple[str, str]:

@@ -1,4 +1,4 @@
-"""Layouts of the JSON files of a results folder: ids, names, numbers and texts, each in its place.
+"""Layouts of the JSON files of a results folder: ids, names, numbers and texts, each entry with its type.
 
 Names that become those of files are checked as a study's own. Texts may be anything: they are printed by
 ``text/terminal.py``, drawn as they are, and quoted in tables.
@@ -24,8 +24,8 @@ Name = Annotated[str, StringConstraints(pattern=r"^[^\x00-\x1f\x7f-\x9f]{1,200}$
 """Of a feature, or a path of a study."""
 Count = Annotated[int, Field(ge=1)]
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
-LONGEST_PLACE = 100
-"""Letters of the place of an entry that a message names."""
+LONGEST_LOCATION = 100
+"""Largest length (characters) of an entry's location in a message."""
 
 
 class Layout(BaseModel):
@@ -155,13 +155,13 @@ def _adapter(layout: Any) -> TypeAdapter[Any]:
 
 
 def check(layout: Any, value: Any) -> None:
-    """Raise Unreadable, with the place of the first entry that a layout does not allow."""
+    """Raise Unreadable, with the location of the first entry that a layout does not allow."""
     try:
         _adapter(layout).validate_python(value)
     except ValidationError as error:
         entry = error.errors(include_url=False, include_context=False)[0]
-        place = ".".join(map(str, entry["loc"])) or "its text"
-        raise Unreadable(f"{place[:LONGEST_PLACE]}: {entry['msg']}") from None
+        location = ".".join(map(str, entry["loc"])) or "its text"
+        raise Unreadable(f"{location[:LONGEST_LOCATION]}: {entry['msg']}") from None
 
 
 def check_plan(plan: Mapping[str, Any]) -> None:

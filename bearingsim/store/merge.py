@@ -153,9 +153,9 @@ def _judged(paths: Sequence[Path]) -> set[str]:
         for job in _jobs(path):
             units[job].append(path)
     shared = defaultdict[tuple[Path, Path], list[str]](list)
-    for job, places in units.items():
-        for other in places[1:]:
-            shared[places[0], other].append(job)
+    for job, holders in units.items():
+        for other in holders[1:]:
+            shared[holders[0], other].append(job)
     for (unit, other), jobs in shared.items():
         if unit.name != other.name or digest(unit) != digest(other):
             _refuse_other_results(unit, other, jobs)

@@ -1,4 +1,4 @@
-"""Validate a tree: build its case, or report every problem with its place in the file."""
+"""Validate a tree: build its case, or report every problem with its position in the file."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -27,7 +27,7 @@ ALONE = (*NO_SECTION, "quantity", "bound", "whole", "text", "scan", "value_error
 """Kinds of errors of a single value, independent of all others."""
 
 Problems = dict[tuple[Mark, str, str], Problem]
-"""Problems by place, path and kind: the first is kept of a problem that many cases share."""
+"""Problems by position, path and kind: the first is kept of a problem that many cases share."""
 
 _STAND_INS: dict[str, Any] = {
     "bearing": "nf308",
@@ -121,7 +121,7 @@ def problems_of(error: ValidationError, tree: Node) -> list[Problem]:
 
 
 def mark_of(entry: Problem) -> Mark:
-    """Return the place of a problem."""
+    """Return the position of a problem."""
     return Mark(entry.file, entry.line, entry.column, entry.source_line)
 
 

@@ -32,9 +32,9 @@ class Range(NamedTuple):
         """Return the values at ``shares`` (n,) as written in a file; equal values share a node."""
         import numpy as np
 
-        different, places = np.unique(shares, return_inverse=True)
+        different, indices = np.unique(shares, return_inverse=True)
         made = [self._node(number) for number in self.quantiles(different)]
-        return tuple(made[place] for place in places.tolist())
+        return tuple(made[index] for index in indices.tolist())
 
     def _node(self, number: float) -> Node:
         value = written(number, self.unit, self.lower)

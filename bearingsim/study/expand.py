@@ -15,7 +15,7 @@ from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, problem
 def expanded(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
     """Expand a tree: open its references, relative paths also from ``folder``. The operation is idempotent.
 
-    A name without a file is left unchanged: the validation of the case reports it with its place.
+    A name without a file is left unchanged: the validation of the case reports it with its position.
     """
     tree = _with_scans(_listed_defects(tree, problems), folder)
     tree = _with_default(tree, "rig", "bvt5")
@@ -48,10 +48,10 @@ def _with_scans(tree: Node, folder: FilePath) -> Node:
     for number, defect in enumerate(tree.mapping.get("defects", _NOTHING).items):
         file = defect.mapping.get("file")
         if file is not None and isinstance(file.value, str):
-            places = [base / file.value for base in (FilePath(), folder)]
-            existing = next(filter(isfile, places), None)
-            for place in places:
-                note(place)
+            candidates = [base / file.value for base in (FilePath(), folder)]
+            existing = next(filter(isfile, candidates), None)
+            for candidate in candidates:
+                note(candidate)
             if existing is not None:
                 tree = put(tree, ("defects", number, "file"), replace(file, value=str(existing.absolute())))
     return tree

@@ -19,9 +19,9 @@ def one_at_a_time(axes: Sequence[Axis]) -> Iterator[Row]:
     """
     base = [axis.rows[0] for axis in axes]
     yield _pairs(axes, base)
-    for place, axis in enumerate(axes):
+    for index, axis in enumerate(axes):
         for number in sampled_rows(axis):
-            yield _pairs(axes, [*base[:place], axis.rows[number], *base[place + 1 :]])
+            yield _pairs(axes, [*base[:index], axis.rows[number], *base[index + 1 :]])
     yield _pairs(axes, [axis.rows[-1] for axis in axes])
 
 

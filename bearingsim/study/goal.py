@@ -150,17 +150,17 @@ def check_goal(
         )
         harmless = AUTO if why == STEPPED else None
         entries = [entry for entry in _entries(root, path, swept) if entry.value != harmless]
-        problems += [problem(_place(entry), message, advice) for entry in entries]
+        problems += [problem(_mark_of(entry), message, advice) for entry in entries]
         if overrides.get(path, harmless) != harmless and path not in swept:
             problems.append(problem(mark, message, f"leave out --set {path}"))
     for path, why in NOT_SWEPT.items():
         if path in swept:
             message = f"`{path}` cannot be swept with `accuracy`, {why}"
-            problems.append(problem(_place(swept[path]), message, "give it one value"))
+            problems.append(problem(_mark_of(swept[path]), message, "give it one value"))
     if not all(case.step_check for case in cases):
         message = "`accuracy` needs `step_check`, which bounds the error of the step"
-        place = next(map(_place, _entries(root, "step_check", swept)), mark)
-        problems.append(problem(place, message, "leave it out"))
+        entry_mark = next(map(_mark_of, _entries(root, "step_check", swept)), mark)
+        problems.append(problem(entry_mark, message, "leave it out"))
     for case in cases:
         unmet = hierarchy.unmet_wishes(case) if case.rig.ring is not None else []
         if unmet:
@@ -175,7 +175,7 @@ def _entries(root: Node, path: str, swept: Mapping[str, Node]) -> list[Node]:
     return [entries[path] for entries in (root.mapping, quick.mapping, swept) if path in entries]
 
 
-def _place(entry: Node) -> Mark:
+def _mark_of(entry: Node) -> Mark:
     return entry.key or entry.mark
 
 

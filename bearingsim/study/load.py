@@ -247,5 +247,5 @@ def _name(root: Node, problems: list[Problem]) -> str:
 
 
 def _in_order(problems: Iterable[Problem], main: str) -> list[Problem]:
-    """Sort problems by their place in the file, without duplicates; problems of other files follow."""
+    """Sort problems by their position in the file, without duplicates; problems of other files follow."""
     return sorted(dict.fromkeys(problems), key=lambda p: (p.file != main, p.file, p.line, p.column))

@@ -13,7 +13,7 @@ from bearingsim.config.vocabulary import sentence
 from bearingsim.text.units import Dimension, suggestion
 from bearingsim.text.yamlfile import Node
 
-SAME_PLACE: dict[Path, Path] = {("rig", "sensor_angle"): ("rig", "sensor", "angle")}
+SYNONYMS: dict[Path, Path] = {("rig", "sensor_angle"): ("rig", "sensor", "angle")}
 """Synonyms: a path, and the path that replaces it."""
 
 
@@ -78,10 +78,10 @@ def parse_path(text: str, defects: int) -> Path:
         return ("defects", _only_defect(text, defects), *rest)
     if head == "defects" and rest:
         return ("defects", _numbered_defect(int(rest[0]), defects), *rest[1:])
-    return SAME_PLACE.get((head, *rest), (head, *rest))
+    return SYNONYMS.get((head, *rest), (head, *rest))
 
 
-MOST_PLACES = 4  # sections: a longer list of sections with the same key is not printed
+MOST_SECTIONS = 4  # sections: a longer list of sections with the same key is not printed
 
 
 def advice_on(path: str, valid: Collection[str], section: str | None = None) -> str:
@@ -90,14 +90,14 @@ def advice_on(path: str, valid: Collection[str], section: str | None = None) -> 
     The hint is the glossary's on the last word, the other sections with that key, or the nearest of ``valid``.
     """
     word = path.rpartition(".")[2]
-    return sentence(word) or _places(word, section) or suggestion(path, valid)
+    return sentence(word) or _sections_with(word, section) or suggestion(path, valid)
 
 
-def _places(word: str, section: str | None) -> str:
+def _sections_with(word: str, section: str | None) -> str:
     """Describe the sections that have a key; empty if ``section`` has the key with another law."""
     paths = [path.rpartition(".") for path in all_paths()]
     sections = sorted((above for above, _, key in paths if key == word), key=lambda above: above.count("."))
-    if section in sections or not 0 < len(sections) <= MOST_PLACES:
+    if section in sections or not 0 < len(sections) <= MOST_SECTIONS:
         return ""
     *others, last = (f"`{above}`" if above else "the study" for above in sections)
     return f"`{word}` is a key of {', '.join(others)}{' and ' * bool(others)}{last}"
@@ -110,7 +110,7 @@ def unspelled(text: str) -> Path:
         return ("defects", "1", *rest)
     if head == "defects" and rest:
         return ("defects", rest[0].lstrip("0"), *rest[1:])
-    return SAME_PLACE.get((head, *rest), (head, *rest))
+    return SYNONYMS.get((head, *rest), (head, *rest))
 
 
 def label(path: Path, defects: int) -> str:

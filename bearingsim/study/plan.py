@@ -52,7 +52,7 @@ class Plan:
     """A study under construction: base tree, axes, and problems so far.
 
     words: keys of the sweep that are not paths, from which ``drawn`` (with an axis of its own) and ``relations``
-    are made; case_problems: problems of single cases; named: paths named by a sweep, valid or not; places:
+    are made; case_problems: problems of single cases; named: paths named by a sweep, valid or not; key_paths:
     location of the valid ones in a case; others: cases built by ``otherwise``, by overrides.
     """
 
@@ -65,7 +65,7 @@ class Plan:
     problems: list[Problem] = field(default_factory=list)
     case_problems: Problems = field(default_factory=dict)
     named: set[str] = field(default_factory=set)
-    places: dict[str, Path] = field(default_factory=dict)
+    key_paths: dict[str, Path] = field(default_factory=dict)
     sections: Sections = field(default_factory=Sections)
     others: dict[tuple, list[Case | None]] = field(default_factory=dict)
 
@@ -164,10 +164,10 @@ class Plan:
 
     def fix(self, path: str, value: Node, mark: Mark) -> None:
         """Set one value at a path of the base, which also replaces the path's sweep."""
-        place = self.place(path, mark)
-        if place is None:
+        key_path = self.key_path(path, mark)
+        if key_path is None:
             return
-        self.base = put(self.base, place, value)
+        self.base = put(self.base, key_path, value)
         self.expand()
         path = self.spelled(path)
         self.words = remove_path(self.words, path)
@@ -179,7 +179,7 @@ class Plan:
         swept = (spelling for axis in self.axes for spelling in axis.paths)
         return next((spelling for spelling in swept if unspelled(spelling) == unspelled(path)), path)
 
-    def place(self, path: str, mark: Mark) -> Path | None:
+    def key_path(self, path: str, mark: Mark) -> Path | None:
         """Locate a path in a case; None for an invalid path, with the problem added."""
         try:
             return self.leads(path)
@@ -198,7 +198,7 @@ class Plan:
             return
         entry = self.words[kind]
         marks = {path: node.key or node.mark for path, node in entries_of(kind, entry).items()}
-        if None not in [self.place(path, mark) for path, mark in marks.items()]:
+        if None not in [self.key_path(path, mark) for path, mark in marks.items()]:
             design = drawn(kind, entry, MAX_CASES, self.problems)
             if design is not None:
                 self.drawn, axis = design
@@ -206,24 +206,24 @@ class Plan:
 
     def relate(self) -> None:
         """Parse `derived` and `where`, which depend on the swept paths."""
-        taken = set(self.places.values())
+        taken = set(self.key_paths.values())
         self.relations = parse_relations(self.words, self.leads, taken.__contains__, self.problems)
-        self.places |= {derived.path: derived.place for derived in self.relations.derived}
+        self.key_paths |= {derived.path: derived.key_path for derived in self.relations.derived}
 
     def leads(self, path: str) -> Path:
         """Locate a path in a case. Raises ValueError for an invalid path."""
         return parse_path(path, len(self.base.mapping.get("defects", self.base).items))
 
     def check(self, axis: Axis) -> bool:
-        """Return True if an axis' paths are valid and not swept twice, which adds them to ``places``."""
+        """Return True if an axis' paths are valid and not swept twice, which adds them to ``key_paths``."""
         before = len(self.problems)
         for path, node in zip(axis.paths, axis.keys, strict=True):
             mark = node.key or node.mark
-            place = self.place(path, mark)
-            if place in self.places.values():
+            key_path = self.key_path(path, mark)
+            if key_path in self.key_paths.values():
                 self.problems.append(problem(mark, f"`{path}` is swept twice"))
-            elif place:
-                self.places[path] = place
+            elif key_path:
+                self.key_paths[path] = key_path
         return len(self.problems) == before
 
     def open_files(self) -> None:
@@ -237,7 +237,7 @@ class Plan:
         for row in axis.rows:
             with suppress(StudyError):  # reported when the case is built
                 value = row[axis.paths.index(path)]
-                expanded(put(self.base, self.places[path], value), self.folder, [])
+                expanded(put(self.base, self.key_paths[path], value), self.folder, [])
 
     @property
     def count(self) -> int:
@@ -261,7 +261,7 @@ class Plan:
 
     def first_look(self) -> list[Case]:
         """Build a sample of the cases, which reveals most problems."""
-        check_replaced(self.base, frozenset(self.places.values()), self.case_problems)
+        check_replaced(self.base, frozenset(self.key_paths.values()), self.case_problems)
         sample = (self.case(row) for row in self.rows(one_at_a_time(self.axes)))
         return [case for case in sample if case is not None]
 
@@ -308,16 +308,16 @@ class Plan:
         return self.others[key]
 
     def _otherwise(self, values: Mapping[str, str]) -> list[Case | None]:
-        other = Plan(self.base, self.folder, places=dict(self.places))
+        other = Plan(self.base, self.folder, key_paths=dict(self.key_paths))
         mark = self.base.mark
-        places = {path: other.place(path, mark) for path in values}
-        other.places |= {path: place for path, place in places.items() if place is not None}
+        key_paths = {path: other.key_path(path, mark) for path in values}
+        other.key_paths |= {path: key_path for path, key_path in key_paths.items() if key_path is not None}
         fixed = [(path, Node(text, mark)) for path, text in values.items()]
         cases: dict[str, Case | None] = {}
         for row in self.rows(rows_of(self.axes)):
             case = self.case(row)
             if case is not None:
-                kept = [pair for pair in row if self.places[pair[0]] not in places.values()]
+                kept = [pair for pair in row if self.key_paths[pair[0]] not in key_paths.values()]
                 cases.setdefault(identity(case), other.case(kept + fixed))
         return list(cases.values())
 
@@ -338,8 +338,8 @@ class Plan:
     def tree(self, row: Row) -> Node:
         """Return the base with the values of one combination."""
         tree = self.base
-        for path, value in sorted(row, key=lambda pair: len(self.places[pair[0]])):  # sections before parts
-            tree = put(tree, self.places[path], value)
+        for path, value in sorted(row, key=lambda pair: len(self.key_paths[pair[0]])):  # sections before parts
+            tree = put(tree, self.key_paths[path], value)
             if dimension(path) is None:
                 tree = expanded(tree, self.folder, self.problems)
         return tree
@@ -348,7 +348,7 @@ class Plan:
         """Build the case of one combination of values; None if it is invalid, with its problems added."""
         tree = self.tree(row)
         try:
-            swept = frozenset(self.places[path] for path, _ in row)
+            swept = frozenset(self.key_paths[path] for path, _ in row)
             return case_of(tree, swept, self.case_problems, self.sections)
         except StudyError as error:  # a file named by the row is no YAML
             self.problems += error.problems
@@ -358,7 +358,7 @@ class Plan:
         """Return the swept values of a case by path: numbers in SI, all others as written."""
         values: Swept = {}
         for path, node in row:
-            value, kind = value_at(case, self.places[path]), dimension(path)
+            value, kind = value_at(case, self.key_paths[path]), dimension(path)
             if value is None and kind and not _is_word(path, node):
                 value = quantity(node.text, kind)  # in an omitted section, as at zero misalignment
             is_number = isinstance(value, int | float) and not isinstance(value, bool)
@@ -378,7 +378,7 @@ class Plan:
 
     def all_problems(self) -> list[Problem]:
         """List all problems, except missing values whose sweep is invalid."""
-        wrong, problems = self.named - self.places.keys(), self.case_problems.items()
+        wrong, problems = self.named - self.key_paths.keys(), self.case_problems.items()
         return self.problems + [p for (_, path, kind), p in problems if not (kind == "missing" and path in wrong)]
 
 

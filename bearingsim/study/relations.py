@@ -16,7 +16,7 @@ from bearingsim.text.yamlfile import Node, Problem, problem
 
 MAX_CONDITIONS = 100
 """Limit of the conditions of a study; each is evaluated for every case."""
-Place = Callable[[str], Path]
+KeyPathOf = Callable[[str], Path]
 """Function that locates a path in a case; it raises ValueError for an invalid path."""
 Row = list[tuple[str, Node]]
 """Paths of a case, with their values."""
@@ -27,7 +27,7 @@ class Derived:
     """A path whose value is computed by a formula."""
 
     path: str
-    place: Path
+    key_path: Path
     formula: Expression
     entry: Node
 
@@ -53,7 +53,7 @@ class Relations:
 
     derived: tuple[Derived, ...] = ()
     where: tuple[Expression, ...] = ()
-    place: Place = lambda path: ()
+    key_path: KeyPathOf = lambda path: ()
     dropped: Counter[int] = field(default_factory=Counter)
 
     def __bool__(self) -> bool:
@@ -65,7 +65,7 @@ class Relations:
         for relation in self.derived:
             node = relation.node(self._value(f"derived.{relation.path}", relation.formula, tree))
             row.append((relation.path, node))
-            tree = put(tree, relation.place, node)
+            tree = put(tree, relation.key_path, node)
         for number, condition in enumerate(self.where):
             if not self._value("where", condition, tree):
                 self.dropped[number] += 1
@@ -81,9 +81,9 @@ class Relations:
 
     def _value(self, what: str, formula: Expression, tree: Node) -> float:
         try:
-            return formula.value(lambda path: _number(path, node_at(tree, self.place(path))))
+            return formula.value(lambda path: _number(path, node_at(tree, self.key_path(path))))
         except ExpressionError as error:
-            values = [(path, node_at(tree, self.place(path))) for path in dict(formula.names())]
+            values = [(path, node_at(tree, self.key_path(path))) for path in dict(formula.names())]
             operands = ", ".join(f"{path} = {node.text}" for path, node in values if node is not None)
             message = f"{what}: {error}" + (f", at {operands}" if operands else "")
             raise Valueless(problem(error.mark, message, error.hint)) from None
@@ -117,17 +117,17 @@ def _number_of(path: str, text: str) -> float | None:
 
 
 def parse_relations(
-    words: Words, place: Place, swept: Callable[[Path], bool], problems: list[Problem]
+    words: Words, key_path: KeyPathOf, swept: Callable[[Path], bool], problems: list[Problem]
 ) -> Relations:
     """Parse `derived` and `where`; invalid entries are omitted, and their problems added.
 
     swept: returns True for a location that the study sweeps.
     """
-    derived = [_derived(path, node, place, swept, problems) for path, node in _entries(words, problems)]
-    where = [_condition(node, place, problems) for node in _conditions(words, problems)]
+    derived = [_derived(path, node, key_path, swept, problems) for path, node in _entries(words, problems)]
+    where = [_condition(node, key_path, problems) for node in _conditions(words, problems)]
     formulas = [formula for formula in derived if formula is not None]
     conditions = tuple(condition for condition in where if condition is not None)
-    return Relations(_in_order(formulas, place, problems), conditions, place)
+    return Relations(_in_order(formulas, key_path, problems), conditions, key_path)
 
 
 def _entries(words: Words, problems: list[Problem]) -> Iterator[tuple[str, Node]]:
@@ -156,16 +156,16 @@ def _conditions(words: Words, problems: list[Problem]) -> tuple[Node, ...]:
 
 
 def _derived(
-    path: str, node: Node, place: Place, swept: Callable[[Path], bool], problems: list[Problem]
+    path: str, node: Node, key_path: KeyPathOf, swept: Callable[[Path], bool], problems: list[Problem]
 ) -> Derived | None:
     key = node.key or node.mark
     try:
-        where = place(path)
+        where = key_path(path)
         if swept(where):
             problems.append(problem(key, f"`{path}` is swept, and derived"))
             return None
         formula = read(node)
-        kind, expected_kind = formula.kind(lambda name: _kind(name, place)), dimension(path)
+        kind, expected_kind = formula.kind(lambda name: _kind(name, key_path)), dimension(path)
     except ExpressionError as error:
         problems.append(problem(error.mark, f"derived.{path}: {error}", error.hint))
         return None
@@ -179,10 +179,10 @@ def _derived(
     return Derived(path, where, formula, node)
 
 
-def _condition(node: Node, place: Place, problems: list[Problem]) -> Expression | None:
+def _condition(node: Node, key_path: KeyPathOf, problems: list[Problem]) -> Expression | None:
     try:
         formula = read(node)
-        kind = formula.kind(lambda name: _kind(name, place))
+        kind = formula.kind(lambda name: _kind(name, key_path))
     except ExpressionError as error:
         problems.append(problem(error.mark, f"where: {error}", error.hint))
         return None
@@ -193,27 +193,27 @@ def _condition(node: Node, place: Place, problems: list[Problem]) -> Expression 
     return formula
 
 
-def _kind(path: str, place: Place) -> Kind:
+def _kind(path: str, key_path: KeyPathOf) -> Kind:
     """Return the kind of the values at a path. A word in place of a number is detected at evaluation."""
-    place(path)
+    key_path(path)
     quantity = dimension(path)
     return kind_of(quantity) if quantity else PLAIN
 
 
-def _in_order(derived: list[Derived], place: Place, problems: list[Problem]) -> tuple[Derived, ...]:
+def _in_order(derived: list[Derived], key_path: KeyPathOf, problems: list[Problem]) -> tuple[Derived, ...]:
     """Sort derived values by dependence. Duplicates and circular dependences are added to ``problems``."""
-    by_place: dict[Path, Derived] = {}
+    by_key_path: dict[Path, Derived] = {}
     for value in derived:
-        if value.place in by_place:
+        if value.key_path in by_key_path:
             problems.append(problem(value.entry.key or value.entry.mark, f"`{value.path}` is derived twice"))
-        by_place.setdefault(value.place, value)
-    names = {where: [place(name) for name, _ in value.formula.names()] for where, value in by_place.items()}
-    needs = {where: [named for named in all_named if named in by_place] for where, all_named in names.items()}
+        by_key_path.setdefault(value.key_path, value)
+    names = {where: [key_path(name) for name, _ in value.formula.names()] for where, value in by_key_path.items()}
+    needs = {where: [named for named in all_named if named in by_key_path] for where, all_named in names.items()}
     try:
-        return tuple(by_place[where] for where in TopologicalSorter(needs).static_order())
+        return tuple(by_key_path[where] for where in TopologicalSorter(needs).static_order())
     except CycleError as error:
-        circle = [by_place[where] for where in error.args[1][:0:-1]]  # each depends on the next
-        start = circle.index(min(circle, key=lambda value: list(by_place).index(value.place)))
+        circle = [by_key_path[where] for where in error.args[1][:0:-1]]  # each depends on the next
+        start = circle.index(min(circle, key=lambda value: list(by_key_path).index(value.key_path)))
         top, *others = circle[start:] + circle[:start]
         chain = ", which follows from ".join(f"`{value.path}`" for value in (*others, top))
         message = f"derived: `{top.path}` depends on {chain}, which is circular"

@@ -131,8 +131,8 @@ def _paths() -> list[str]:
 
 
 def _ref(names: Mapping[type[Section], str], section: type[Section], name: str) -> Schema:
-    place = "#" if section is Case else f"#/$defs/{names[section]}"
-    return {"$ref": f"{place}/properties/{name}"}
+    pointer = "#" if section is Case else f"#/$defs/{names[section]}"
+    return {"$ref": f"{pointer}/properties/{name}"}
 
 
 def _shared(name: str) -> Schema:

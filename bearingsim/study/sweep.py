@@ -132,7 +132,7 @@ def _values(path: str, node: Node, problems: list[Problem]) -> tuple[Node, ...]:
 
 
 class Wrong(Exception):
-    """An entry of a sweep is invalid; ``node``: its place, ``hint``: the remedy."""
+    """An entry of a sweep is invalid; ``node``: its position, ``hint``: the remedy."""
 
     def __init__(self, node: Node, message: str, hint: str | None = None) -> None:
         self.node, self.hint = node, hint
@@ -227,7 +227,7 @@ def _range(start: Node, stop: Node, step: Node) -> tuple[Node, ...]:
 
 
 def written(number: float, unit: str, source: Node) -> Node:
-    """Return a number as written in a file, at the place of ``source``.
+    """Return a number as written in a file, at the position of ``source``.
 
     It has 12 digits, as in the ids of jobs, so that ids agree between machines.
     """

@@ -149,7 +149,7 @@ def extensions(case: Case) -> dict[str, str]:
         *(catalogue.SHAPES[defect.shape] for defect in case.defects),
         *catalogue.FEATURES.values(),
     ]
-    used = any(catalogue.foreign(place) for entry in entries for place in catalogue.places(entry))
+    used = any(catalogue.foreign(reference) for entry in entries for reference in catalogue.references(entry))
     return {"extensions": catalogue.extension_digest()} if used else {}
 
 

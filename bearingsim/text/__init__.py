@@ -1,1 +1,1 @@
-"""Words and marks of a file: quantities with units, YAML with places."""
+"""Words and marks of a file: quantities with units, YAML with positions."""

@@ -63,7 +63,7 @@ _KIND_DIMENSIONS = {kind: dimension for dimension, kind in _KINDS.items()}
 
 
 class ExpressionError(Exception):
-    """Invalid formula, or one without a value: its place in the file, and a remedy."""
+    """Invalid formula, or one without a value: its position in the file, and a remedy."""
 
     def __init__(self, mark: Mark, message: str, hint: str | None = None) -> None:
         self.mark, self.hint = mark, hint
@@ -139,7 +139,7 @@ class Expression:
     shift: int  # letters before it that are blank
 
     def names(self) -> Iterator[tuple[str, Mark]]:
-        """Yield the paths of the formula, with their places."""
+        """Yield the paths of the formula, with their positions."""
         for node in ast.walk(self.tree):
             if isinstance(node, ast.Name) and not self._is_own(node):
                 yield self._path(node), self._mark(node)
@@ -471,7 +471,7 @@ def _no_path(path: str) -> float:
 
 
 def _mark_at(node: Node, column: int) -> Mark:
-    """Return the place of a character of a scalar; the scalar's beginning if it is not written in one piece."""
+    """Return the position of a character of a scalar; the scalar's beginning if it is not written in one piece."""
     mark = node.mark
     for quote in (0, 1):
         start = mark.column - 1 + quote

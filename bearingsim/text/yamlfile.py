@@ -1,4 +1,4 @@
-"""YAML as written: every scalar stays text, every value has its place.
+"""YAML as written: every scalar stays text, every value has its position.
 
 PyYAML's own loader reads `1e-3` as a string, `12:30:45` as a number, `no` as False and keeps the last of two
 equal keys. Here nothing is guessed: a file becomes a tree of `Node`, whose marks let a later error point at
@@ -33,7 +33,7 @@ LONGEST_ECHO, LONGEST_MESSAGE, LONGEST_LINE = 200, 2000, 160
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """Place in a file: line and column count from 1 (0: the file as a whole)."""
+    """Position in a file: line and column count from 1 (0: the file as a whole)."""
 
     file: str
     line: int = 0
@@ -43,7 +43,7 @@ class Mark:
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """Value of the file, its place, and the place of its key if it has one."""
+    """Value of the file, its position, and the position of its key if it has one."""
 
     value: str | tuple[Node, ...] | dict[str, Node]
     mark: Mark
@@ -71,7 +71,7 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Mistake in a file: its place, and a remedy."""
+    """Mistake in a file: its position, and a remedy."""
 
     file: str
     line: int
@@ -81,8 +81,8 @@ class Problem:
     hint: str | None = None
 
     def __str__(self) -> str:
-        place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
-        text = f"{place}: {_clipped(self.message)}" + (f" ({_clipped(self.hint)})" if self.hint else "")
+        location = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+        text = f"{location}: {_clipped(self.message)}" + (f" ({_clipped(self.hint)})" if self.hint else "")
         text = "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text)
         if not self.column:
             return text
@@ -115,7 +115,7 @@ class StudyError(UserError):
 
 
 def problem(mark: Mark, message: str, hint: str | None = None) -> Problem:
-    """Make a problem at a place."""
+    """Make a problem at a position."""
     return Problem(mark.file, mark.line, mark.column, mark.source_line, message, hint)
 
 
@@ -182,8 +182,8 @@ def parse(text: str, file: str) -> Document:
             """Compose the next node."""
             self.depth += 1
             if self.depth > MAX_DEPTH:
-                place = self.peek_event().start_mark
-                raise yaml.MarkedYAMLError(None, None, f"more than {MAX_DEPTH} levels within each other", place)
+                start = self.peek_event().start_mark
+                raise yaml.MarkedYAMLError(None, None, f"more than {MAX_DEPTH} levels within each other", start)
             node = super().compose_node(parent, index)
             self.depth -= 1
             return node
@@ -210,7 +210,7 @@ def _lines(text: str) -> list[str]:
 
 
 def _mark_at(text: str, index: int, file: str) -> Mark:
-    """Return the place of a character of a text."""
+    """Return the position of a character of a text."""
     before = _BREAK.split(text[:index])
     rest = _BREAK.split(text[index:], maxsplit=1)[0]
     return Mark(file, len(before), len(before[-1]) + 1, before[-1] + rest)
@@ -231,7 +231,7 @@ def parse_argument(text: str, typed: str) -> Document:
 
 
 def argument_mark(typed: str, column: int) -> Mark:
-    """Return a place on the command line."""
+    """Return a position on the command line."""
     return Mark(ARGUMENT, 0, column, typed)
 
 
@@ -250,14 +250,14 @@ def _moved(node: Node, typed: str) -> Node:
 
 
 def _syntax_problem(error: yaml.YAMLError, text: str, file: str) -> Problem:
-    place, position = getattr(error, "problem_mark", None), getattr(error, "position", None)
+    start, position = getattr(error, "problem_mark", None), getattr(error, "position", None)
     what = getattr(error, "problem", None) or str(error).splitlines()[0]
     if getattr(error, "context", None) == "expected a single document in the stream":
         what = "a second document begins here"
-    if place is not None:
+    if start is not None:
         lines = _lines(text)
-        line = min(place.line, len(lines) - 1)
-        column = place.column if line == place.line else len(lines[line])
+        line = min(start.line, len(lines) - 1)
+        column = start.column if line == start.line else len(lines[line])
         mark = Mark(file, line + 1, column + 1, lines[line])
     else:
         mark = Mark(file) if position is None else _mark_at(text, position, file)
@@ -289,9 +289,9 @@ class _Walk:
         self.letters = 0  # so far, those that aliases repeat counted
 
     def mark(self, node: yaml.Node) -> Mark:
-        place = node.start_mark
-        line = self.lines[place.line] if place.line < len(self.lines) else ""
-        return Mark(self.file, place.line + 1, place.column + 1, line)
+        start = node.start_mark
+        line = self.lines[start.line] if start.line < len(self.lines) else ""
+        return Mark(self.file, start.line + 1, start.column + 1, line)
 
     def node(self, raw: yaml.Node) -> Node:
         if id(raw) in self.done:  # an alias: the same node again

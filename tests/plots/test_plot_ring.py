@@ -12,7 +12,7 @@ from bearingsim.core import layout as lay
 from bearingsim.plots import PlotError, PlotWarning
 from bearingsim.plots import plot as written
 from bearingsim.plots.plot import drawn
-from bearingsim.plots.ring import draw_shape, sensor_place, view
+from bearingsim.plots.ring import draw_shape, sensor_position, view
 from bearingsim.plots.ring_shape import PARTS, ring_shape
 from bearingsim.plots.select import case_rows
 from bearingsim.plots.series import done_jobs
@@ -182,7 +182,7 @@ def test_springs_that_press_are_told_from_those_that_do_not(rig, count):
 @pytest.mark.parametrize(("on", "least", "most"), [("ring", 38.0, 45.0), ("housing", 47.0, 53.0)])
 def test_the_sensor_is_marked_at_its_angle(on, least, most):
     shape = ring_shape(case(POINTS | {"sensor": {"on": on, "angle": "30 deg"}}))
-    right, up = (float(part[0]) for part in sensor_place(view(shape), shape.instants[0]))
+    right, up = (float(part[0]) for part in sensor_position(view(shape), shape.instants[0]))
     assert math.degrees(math.atan2(-right, up)) == pytest.approx(30.0, abs=4.0)
     assert least < math.hypot(right, up) < most
 

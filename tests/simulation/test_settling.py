@@ -112,7 +112,7 @@ def test_states_are_compared_with_rollers_in_the_places_of_the_last() -> None:
         y = assemble.empty_buffer(model)
         y[lay.RADIAL : lay.RADIAL + 13] = np.roll(pattern, -n)  # roller j stands where j + 1 did a pass before
         slow.states.append(y[lay.POSITION : lay.POSITION + 2 * lay.STATE])
-    assert np.ptp(slow._in_place(), axis=1).max() == 0.0
+    assert np.ptp(slow._rolled_back(), axis=1).max() == 0.0
 
 
 def test_a_start_near_the_steady_motion_needs_little_extrapolation(monkeypatch: pytest.MonkeyPatch) -> None:

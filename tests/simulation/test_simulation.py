@@ -142,10 +142,10 @@ def by_hand(given: Case, passes: int) -> tuple[np.ndarray, float]:
     y = assemble.empty_buffer(model)
     rest_from_scratch(assemble.static_model(model), 0.0, y)
     begin(model, 0.0, y)
-    places = np.array([channels.place(name) for name in ROW])
+    cells = np.array([channels.cell(name) for name in ROW])
     wide = np.empty((len(ROW), passes * cut.steps_per_pass + 1))
-    record(y, places, 0, wide)
-    advance(assemble.method(given, cut.step), model, Monitor(1000, 1.0), 0, y, places, wide[:, 1:])
+    record(y, cells, 0, wide)
+    advance(assemble.method(given, cut.step), model, Monitor(1000, 1.0), 0, y, cells, wide[:, 1:])
     return wide, cut.step
 
 

@@ -155,46 +155,46 @@ def _lean(case: "CaseFields") -> Iterator[Conflict]:
 
 def _record(case: "CaseFields") -> Iterator[Conflict]:
     for index, name in enumerate(case.record):
-        place: Path = ("record", index)
+        path: Path = ("record", index)
         number = roller_number(name)
         if number is not None and number > case.bearing.rollers:
             message = f"there is no roller {number}: the bearing has {case.bearing.rollers}"
-            yield Conflict("channel", (place, ("bearing", "rollers")), message, "they count from 1")
-        yield from _slice_of(place, name, case)
+            yield Conflict("channel", (path, ("bearing", "rollers")), message, "they count from 1")
+        yield from _slice_of(path, name, case)
         still = _still(name, case) if catalogue.MODELS[case.model].slips else None
         if still:
-            yield Conflict("still", (place,), f"`{name}` stays zero: {still[0]}", still[1])
+            yield Conflict("still", (path,), f"`{name}` stays zero: {still[0]}", still[1])
 
 
 def _bands(case: "CaseFields") -> Iterator[Conflict]:
     for index, name in enumerate(case.features):
-        place: Path = ("features", index)
+        path: Path = ("features", index)
         feature = read_band(name)
         if feature is None and case.until is None:
             message = f"`{name}` is computed of every case"
-            yield Conflict("feature", (place,), message, f"name features of bands, such as {EXAMPLES}")
+            yield Conflict("feature", (path,), message, f"name features of bands, such as {EXAMPLES}")
         if feature is None or feature.band is None:
             continue
         low, high = feature.band
         if not low < high:
-            yield Conflict("band", (place,), f"`{name}`: the band is empty", "give the lower frequency first")
+            yield Conflict("band", (path,), f"`{name}`: the band is empty", "give the lower frequency first")
         if high > HIGHEST:
             message = f"`{name}`: the models are not valid above {show(HIGHEST, 'kHz')}"
-            yield Conflict("band", (place,), message, "end the band there")
+            yield Conflict("band", (path,), message, "end the band there")
         finest = min(low or inf, high - low)
         if 0.0 < finest < FEWEST_PERIODS / case.duration:
             needed = show(FEWEST_PERIODS / finest, "s")
             message = f"`{name}`: a record of {show(case.duration, 's')} does not resolve {finest:g} Hz"
-            yield Conflict("band", (place, ("duration",)), message, f"use a `duration` of {needed} or more")
+            yield Conflict("band", (path, ("duration",)), message, f"use a `duration` of {needed} or more")
 
 
-def _slice_of(place: Path, name: str, case: "CaseFields") -> Iterator[Conflict]:
+def _slice_of(path: Path, name: str, case: "CaseFields") -> Iterator[Conflict]:
     number = slice_number(name)
     count = slice_count(case)
     if number is not None and count is not None and number > count:
         message = f"there is no slice {number}: the roller is cut into {count}"
         yield Conflict(
-            "slice", (place, ("contact", "slices")), message, f"`{name.rpartition('.')[0]}` records them all"
+            "slice", (path, ("contact", "slices")), message, f"`{name.rpartition('.')[0]}` records them all"
         )
 
 
@@ -253,12 +253,12 @@ def _bursting(case: "CaseFields") -> Iterator[Conflict]:
     surface = fastest * (case.bearing.pitch_diameter - case.bearing.roller_diameter) / 2.0
     stress = case.bearing.material.density * surface**2
     if stress > BURSTS_AT:
-        place: Path = ("speed",) if case.ramp is None or case.speed >= case.ramp.to else ("ramp", "to")
+        path: Path = ("speed",) if case.ramp is None or case.speed >= case.ramp.to else ("ramp", "to")
         message = (
             f"at {show(fastest, 'rpm')} the inner race moves at {surface:.3g} m/s: its hoop stress rho v^2,"
             f" {stress:.2g} Pa, bursts the ring (over {BURSTS_AT:.2g} Pa)"
         )
-        yield Conflict("bursts", (place, ("bearing",)), message, "is the unit right?")
+        yield Conflict("bursts", (path, ("bearing",)), message, "is the unit right?")
 
 
 class Alike(NamedTuple):

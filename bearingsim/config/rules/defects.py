@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 
 class Surface(NamedTuple):
-    """Surface with defects: its radius, the largest width of a defect and its limit, the largest depth, the place
-    where a deeper defect comes out, and the length of the bearing that decides it (all m).
+    """Surface with defects: its radius, the largest width of a defect and its limit, the largest depth, the
+    position where a deeper defect comes out, and the length of the bearing that decides it (all m).
     """
 
     radius: float
@@ -49,21 +49,21 @@ def surface(bearing: "Bearing", race: str) -> Surface:
 def defect_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     """Yield all conflicts of a case's defects."""
     for number, defect in enumerate(case.defects):
-        place = ("defects", number)
-        yield from _roller_of(place, defect, case.bearing)
-        yield from _length(place, defect, case.bearing)
-        yield from _offset(place, defect, case.bearing)
-        yield from _width(place, defect, case.bearing)
-        yield from _ramp(place, defect)
-        yield from _depth(place, defect, case.bearing)
-        yield from _form(place, defect, case)
+        path = ("defects", number)
+        yield from _roller_of(path, defect, case.bearing)
+        yield from _length(path, defect, case.bearing)
+        yield from _offset(path, defect, case.bearing)
+        yield from _width(path, defect, case.bearing)
+        yield from _ramp(path, defect)
+        yield from _depth(path, defect, case.bearing)
+        yield from _form(path, defect, case)
     for earlier, later in combinations(range(len(case.defects)), 2):
         yield from _overlap(earlier, later, case)
     yield from _too_wide_together(case)
 
 
-def _roller_of(place: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
-    paths: tuple[Path, ...] = ((*place, "roller"), (*place, "race"))
+def _roller_of(path: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+    paths: tuple[Path, ...] = ((*path, "roller"), (*path, "race"))
     if defect.roller is not None and defect.race != "roller":
         message = f"a defect of the {defect.race} race has no `roller`"
         yield Conflict("roller", paths, message, "use `race: roller`, or leave it out")
@@ -81,25 +81,25 @@ def _track(defect: "Defect", bearing: "Bearing") -> tuple[float, str, str]:
     return bearing.width, "bearing", "width"
 
 
-def _sized(place: Path, name: str, defect: "Defect") -> tuple[tuple[Path, ...], str | None]:
+def _sized(path: Path, name: str, defect: "Defect") -> tuple[tuple[Path, ...], str | None]:
     """Return the paths of a size, and a hint for that of a scan."""
     if defect.shape == "scan":
-        return ((*place, name), (*place, "file")), "is the scan's unit right?"
-    return ((*place, name),), None
+        return ((*path, name), (*path, "file")), "is the scan's unit right?"
+    return ((*path, name),), None
 
 
-def _length(place: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+def _length(path: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
     longest, name, key = _track(defect, bearing)
     if defect.length > longest:
         length, most = show(defect.length, "mm"), show(longest, "mm")
-        paths, hint = _sized(place, "length", defect)
+        paths, hint = _sized(path, "length", defect)
         message = f"a defect of {length} is longer than the {name} ({most})"
         yield Conflict("long", (*paths, ("bearing", key)), message, hint)
 
 
-def _offset(place: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+def _offset(path: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
     track, name, key = _track(defect, bearing)
-    paths: tuple[Path, ...] = ((*place, "offset"), (*place, "length"), ("bearing", key))
+    paths: tuple[Path, ...] = ((*path, "offset"), (*path, "length"), ("bearing", key))
     beyond = abs(defect.offset) - defect.length / 2.0 >= track / 2.0 - 1e-9
     hangs = defect.race == "roller" and abs(defect.offset) + defect.length / 2.0 > track / 2.0 + 1e-9
     if defect.length > track or not (beyond or hangs):
@@ -115,32 +115,32 @@ def _offset(place: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Confl
         yield Conflict("offset", paths, message, f"the end is {end} from the middle")
 
 
-def _width(place: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+def _width(path: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
     on = surface(bearing, defect.race)
     if defect.width > on.widest:
         width, most = show(defect.width, "mm"), show(on.widest, "mm")
         message = f"a defect of {width} is wider than the {on.spacing} ({most})"
-        paths, hint = _sized(place, "width", defect)
+        paths, hint = _sized(path, "width", defect)
         yield Conflict("wide", (*paths, ("bearing",)), message, hint)
 
 
-def _ramp(place: Path, defect: "Defect") -> Iterator[Conflict]:
+def _ramp(path: Path, defect: "Defect") -> Iterator[Conflict]:
     ramp = defect.edge.ramp if defect.edge is not None else None
     if ramp is not None and ramp > defect.width:
         message = f"a ramp of {show(ramp, 'mm')} is longer than the defect is wide ({show(defect.width, 'mm')})"
-        yield Conflict("ramp", ((*place, "edge", "ramp"), (*place, "width")), message, "make it shorter")
+        yield Conflict("ramp", ((*path, "edge", "ramp"), (*path, "width")), message, "make it shorter")
 
 
-def _depth(place: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
+def _depth(path: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
     on = surface(bearing, defect.race)
     if defect.depth >= on.wall:
         depth, thick = show(defect.depth, "mm"), show(on.wall, "mm")
-        paths, hint = _sized(place, "depth", defect)
+        paths, hint = _sized(path, "depth", defect)
         message = f"a defect {depth} deep goes {on.through} ({thick})"
         yield Conflict("deep", (*paths, ("bearing", on.key)), message, hint)
 
 
-def _form(place: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflict]:
+def _form(path: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflict]:
     """Refuse shapes without a form for excitations other than the envelope."""
     if case.excitation in PATH_EXCITATIONS:
         return
@@ -148,18 +148,18 @@ def _form(place: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflic
     if defect.shape not in SIMPLE_SHAPES:
         article = "an" if defect.shape[0] in "aeiou" else "a"
         what = f"{article} {defect.shape}" + (" defect" if defect.shape == "elliptical" else "")
-        paths: tuple[Path, ...] = (("excitation",), (*place, "shape"))
+        paths: tuple[Path, ...] = (("excitation",), (*path, "shape"))
         yield Conflict("form", paths, f"`{case.excitation}` has no form for {what}", hint)
     elif case.excitation == "elastic-edge":
-        yield from _elastic_edge(place, defect, case)
+        yield from _elastic_edge(path, defect, case)
     elif defect.edge is not None:
-        paths = (("excitation",), (*place, "edge"))
+        paths = (("excitation",), (*path, "edge"))
         yield Conflict("form", paths, f"`{case.excitation}` is defined for sharp edges only", hint)
 
 
-def _elastic_edge(place: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflict]:
+def _elastic_edge(path: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflict]:
     """Refuse elastic edges unless they are rounded, equal for all defects, and in line contacts."""
-    paths: tuple[Path, ...] = (("excitation",), (*place, "edge"))
+    paths: tuple[Path, ...] = (("excitation",), (*path, "edge"))
     if case.bearing.element == "ball":
         message = "`elastic-edge` is for line contacts, which balls do not have"
         yield Conflict("form", (("excitation",), ("bearing",)), message, "use `excitation: soft-edge`")

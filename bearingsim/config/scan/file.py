@@ -67,7 +67,7 @@ PLAIN = "write `s`, `z` and `depth` as floating-point numbers into the file itse
 
 
 class Grid(NamedTuple):
-    """Places s (n_s,) and z (n_z,), depth (n_z, n_s), m, NaN where there is none; notes: what was mended."""
+    """Positions s (n_s,) and z (n_z,), depth (n_z, n_s), m, NaN where there is none; notes: what was mended."""
 
     s: np.ndarray
     z: np.ndarray
@@ -138,10 +138,10 @@ def _echo(text: str, most: int = LONGEST_ECHO) -> str:
 def _columns(heads: Sequence[str], form: Wording) -> dict[str, tuple[int, float]]:
     """Return index and factor to SI of each recognised column."""
     columns = {}
-    for place, head in enumerate(heads):
+    for number, head in enumerate(heads):
         named = _COLUMN.fullmatch(head)
         if named and named[1] in NAMES:
-            columns[named[1]] = (place, _factor(named[1], named[2], form))
+            columns[named[1]] = (number, _factor(named[1], named[2], form))
     missing = [name for name in ("s", "z") if name not in columns]
     if missing or ("depth" in columns) == ("height" in columns):
         required = "`s`, `z` and either `depth` or `height`"
@@ -166,9 +166,9 @@ def _factor(name: str, unit: str | None, form: Wording) -> float:
 def _listed(rows: list[list[str]], numbers: list[int]) -> Grid:
     """Arrange a list of points as a grid."""
     columns = _columns(rows[0], CSV)
-    rest = [head.strip() for n, head in enumerate(rows[0]) if n not in {place for place, _ in columns.values()}]
+    rest = [head.strip() for n, head in enumerate(rows[0]) if n not in {number for number, _ in columns.values()}]
     table = _numbers(rows[1:], numbers[1:], len(rows[0]))
-    values = {name: table[:, place] * factor for name, (place, factor) in columns.items()}
+    values = {name: table[:, number] * factor for name, (number, factor) in columns.items()}
     p = values.get("depth", values.get("height"))
     s, column = np.unique(values["s"], return_inverse=True)
     z, row = np.unique(values["z"], return_inverse=True)
@@ -289,7 +289,7 @@ FORMS: dict[str, Callable[[str, bytes], Grid]] = {".csv": _csv, ".txt": _csv, ".
 """Readers of a file's content, by the suffix of its name."""
 
 
-def places(which: Iterable[tuple[int, int]], grid: Grid) -> str:
+def positions(which: Iterable[tuple[int, int]], grid: Grid) -> str:
     """Format the positions of cells (row, column), the first three of them."""
     listed = list(which)
     texts = [f"s = {mm(grid.s[j])}, z = {mm(grid.z[i])}" for i, j in listed[:3]]

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from bearingsim.config.scan.file import Grid, ScanError, mm, places, read_file
+from bearingsim.config.scan.file import Grid, ScanError, mm, positions, read_file
 
-MIN_PLACES = 5  # places along either axis
+MIN_POINTS = 5  # points along either axis
 MAX_MISSING, LARGEST_GAP = 0.05, 9  # share of cells; cells of one gap
 MAX_SPIKES, LARGEST_SPIKE = 0.01, 2  # share of cells; cells of one spike
 SPIKE, AROUND = 8.0, 7  # standard deviations of the roughness within so many cells along either axis
@@ -56,9 +56,9 @@ def read_scan(path: str | Path) -> Scan:
 @lru_cache(maxsize=CACHED_SCANS)
 def _read(path: Path, modified: int, size: int) -> Scan:
     grid, digest = read_file(path)
-    if min(grid.depth.shape) < MIN_PLACES:
+    if min(grid.depth.shape) < MIN_POINTS:
         rows, columns = grid.depth.shape
-        raise ScanError(f"{columns} places along s and {rows} along z: at least {MIN_PLACES} each are needed")
+        raise ScanError(f"{columns} places along s and {rows} along z: at least {MIN_POINTS} each are needed")
     for step in (_without_spikes, _filled, _levelled, _centred):
         grid = step(grid)
     along, across = _reach(grid)
@@ -107,7 +107,7 @@ def _without_spikes(grid: Grid) -> Grid:
     count = int(np.count_nonzero(spikes))
     if count == 0:
         return grid
-    share, where = count / spikes.size, places(np.argwhere(spikes), grid)
+    share, where = count / spikes.size, positions(np.argwhere(spikes), grid)
     lowest = f"{_um(float(np.abs(off[spikes]).min()))} and more"
     if share > MAX_SPIKES:
         raise ScanError(f"{count} spikes of {lowest} ({share:.1%} of the cells; {where})", "filter it first")
@@ -126,8 +126,8 @@ def _neighbours(depth: np.ndarray) -> np.ndarray:
     """Return the eight neighbours of each cell (8, n_z, n_s); NaN outside."""
     padded = np.pad(depth, 1, constant_values=np.nan)
     rows, columns = depth.shape
-    places_around = [(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)]
-    return np.stack([padded[i : i + rows, j : j + columns] for i, j in places_around])
+    offsets_around = [(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)]
+    return np.stack([padded[i : i + rows, j : j + columns] for i, j in offsets_around])
 
 
 def _deviation(values: np.ndarray) -> float:
@@ -142,14 +142,14 @@ def _filled(grid: Grid) -> Grid:
     count = int(np.count_nonzero(missing))
     if count == 0:
         return grid
-    where = places(np.argwhere(missing), grid)
+    where = positions(np.argwhere(missing), grid)
     if count > MAX_MISSING * missing.size:
         raise ScanError(f"{count} cells are missing ({count / missing.size:.1%}; {where})", "measure it again")
     gaps = _regions(missing)
     largest = int(np.bincount(gaps.ravel())[1:].max())
     if largest > LARGEST_GAP:
         k = int(np.argmax(np.bincount(gaps.ravel())[1:])) + 1
-        where = places(np.argwhere(gaps == k)[:1], grid)
+        where = positions(np.argwhere(gaps == k)[:1], grid)
         raise ScanError(
             f"{largest} missing cells are adjacent (from {where})", f"at most {LARGEST_GAP} are filled"
         )

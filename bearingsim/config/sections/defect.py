@@ -40,7 +40,7 @@ IMPULSE_EXCITATIONS: tuple[Excitation, ...] = ("impulse-train", "random-impulses
 """Excitations that are forces in time, not shapes in space: the impulse model's."""
 
 STIFFNESS_EXCITATIONS: tuple[Excitation, ...] = ("pressure-share", "soft-edge", "elastic-edge")
-"""Excitations that change the contact's force at the defect, not only its place."""
+"""Excitations that change the contact's force at the defect, not only its position."""
 
 PATH_EXCITATIONS: tuple[Excitation, ...] = ("envelope", *IMPULSE_EXCITATIONS)
 """Excitations that know the path of a roller over any defect; the others have forms for a few shapes only."""

@@ -62,15 +62,16 @@ def laws_of(what: str, default: str) -> Laws:
     return Laws(sections, default, tuple(law.name for law in entries if law.bare))
 
 
-def _section(place: str) -> type[Section] | None:
+def _section(reference: str) -> type[Section] | None:
     """Return the section of a law; None if it is an extension's that does not load, which is then left out."""
     try:
-        section: type[Section] = catalogue.code(place, type)
+        section: type[Section] = catalogue.code(reference, type)
     except extensions.BrokenExtension as error:
         why = str(error)
     else:
         if issubclass(section, Section):
             return section
-        why = f"`{place}` of the extension `{extensions.owner(place)}` is no Section of bearingsim.config.fields"
-    extensions.leave_out(extensions.owner(place), why)
+        owner = extensions.owner(reference)
+        why = f"`{reference}` of the extension `{owner}` is no Section of bearingsim.config.fields"
+    extensions.leave_out(extensions.owner(reference), why)
     return None

@@ -35,7 +35,7 @@ KEYS: dict[LoadPath, tuple[str, ...]] = {
 
 
 class Mapped(Section):
-    """A section that shows what it looks like when something else stands in its place."""
+    """A section that shows what it looks like when something else replaces it."""
 
     example: ClassVar[str]
 

@@ -144,5 +144,7 @@ def _bowls(half: tuple[float, float, float], defect: Any, R: float, nodes: int) 
 def groups_of_slices(defect: Any, R: float, zetas: Sequence[float] | np.ndarray, offset: float = 0.0) -> list:
     """Return a group of weight 1 for each slice of a roller whose middle is at zeta (m), the defect's at
     ``offset`` (m)."""
-    places = [2.0 * (zeta - offset) / defect.length for zeta in zetas]
-    return [(1.0, *(section_of(defect, R, place) if abs(place) < 1.0 else NO_DEFECT)) for place in places]
+    positions = [2.0 * (zeta - offset) / defect.length for zeta in zetas]
+    return [
+        (1.0, *(section_of(defect, R, position) if abs(position) < 1.0 else NO_DEFECT)) for position in positions
+    ]

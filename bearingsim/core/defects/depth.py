@@ -31,7 +31,7 @@ from bearingsim.core.jit import generic
 ARC_POINTS = 17  # of a rounded edge; more of them where it is flat, since no roller gets down where it is steep
 ELLIPSE_POINTS = 65
 EVEN, SMOOTH, ROUGH = range(3)
-EDGE_POINTS = 401  # among which the place is sought where an edge meets the wall
+EDGE_POINTS = 401  # among which the position is sought where an edge meets the wall
 
 
 @generic
@@ -109,7 +109,7 @@ class Placed(NamedTuple):
 
 
 class Merged(NamedTuple):
-    """Several defects as one: at each place the deepest of those that reach there."""
+    """Several defects as one: at each position the deepest of those that reach there."""
 
     defects: tuple[Any, ...]
 
@@ -311,10 +311,10 @@ def _extent_scanned(scan):
     return *_span(scan.s, along), *_span(scan.z, across)
 
 
-def _span(places: np.ndarray, there: np.ndarray) -> tuple[float, float]:
-    """Return the extent from the last place before to the first after the places marked in ``there``."""
+def _span(positions: np.ndarray, there: np.ndarray) -> tuple[float, float]:
+    """Return the extent from the last position before to the first after those marked in ``there``."""
     k = np.flatnonzero(there)
-    return float(places[max(k[0] - 1, 0)]), float(places[min(k[-1] + 1, len(places) - 1)])
+    return float(positions[max(k[0] - 1, 0)]), float(positions[min(k[-1] + 1, len(positions) - 1)])
 
 
 @cuts.register(Scanned)

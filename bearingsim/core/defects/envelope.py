@@ -2,7 +2,7 @@
 
 The roller's centre feels h(s) = min over t of p(t) + (t - s)^2/(2 R). With f(t) = R p(t) + t^2/2 that is
 (s^2/2 - f*(s))/R, f* being the convex conjugate of f: what the roller touches is the lower convex hull of f, and
-the place t it touches never moves back while s grows. Hence of any two pieces of a profile the left one is felt
+the position t it touches never moves back while s grows. Hence of any two pieces of a profile the left one is felt
 first, then the right one for good, and one pass over the pieces with a stack finds all that are felt (as in the
 distance transform of Felzenszwalb and Huttenlocher, Theory of Computing 8, 2012, for single points). A piece that
 is quadratic in t is felt as a parabola in s: h'' = 1/R at a corner, c/(1 + R c) on a piece of curvature c.
@@ -204,14 +204,14 @@ def steepest(path: Path) -> float:
 
 
 def cusp(path: Path) -> tuple[float, float]:
-    """Return the place (m) of the sharpest cusp of a path, and by how much its slope falls there (1)."""
+    """Return the position (m) of the sharpest cusp of a path, and by how much its slope falls there (1)."""
     after = np.append(path.pieces[1:, SLOPE], 0.0)
     falls = ends_of(path)[:, 1] - after
     k = int(np.argmax(falls))
     return float(np.append(path.pieces[1:, S], path.end)[k]), float(max(falls[k], 0.0))
 
 
-# Tables: paths one after the other in one array, each found from its place in it
+# Tables: paths one after the other in one array, each addressed by its offset
 
 
 FIRST, LAST, BINS_PER_METRE, ROWS = range(4)  # of a table's head; then the bins, then its rows
@@ -219,10 +219,10 @@ HEAD_OF_TABLE, ROW_OF_TABLE = 4, 4
 
 
 def packed(paths: Sequence[Path]) -> tuple[np.ndarray, list[int]]:
-    """Return all paths in one array (n,), and the place in it where each begins."""
+    """Return all paths in one array (n,), and the offset at which each begins."""
     tables = [_table(path) for path in paths]
-    places = np.cumsum([0, *(len(table) for table in tables)])
-    return np.concatenate([np.zeros(0), *tables]), [int(place) for place in places[:-1]]
+    offsets = np.cumsum([0, *(len(table) for table in tables)])
+    return np.concatenate([np.zeros(0), *tables]), [int(offset) for offset in offsets[:-1]]
 
 
 def _table(path: Path) -> np.ndarray:

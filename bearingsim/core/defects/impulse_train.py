@@ -144,9 +144,9 @@ def roller_drops(pair: RollerDefectPair, s: np.ndarray) -> list[np.ndarray]:
 def impulse_strengths(bearing: Bearing, zone: LoadZone, pair: RollerDefectPair, phi: np.ndarray) -> np.ndarray:
     """Return the impulse J (n,) N s that a roller at ``phi`` (n,) rad sheds over the defect; 0 outside the load
     zone."""
-    places, which = np.unique(phi, return_inverse=True)
-    J, loaded = np.zeros(len(places)), approach(zone, places) > 0.0
-    there = places[loaded]
+    angles, which = np.unique(phi, return_inverse=True)
+    J, loaded = np.zeros(len(angles)), approach(zone, angles) > 0.0
+    there = angles[loaded]
     width = unloaded_width(pair, approach(zone, there), stiffness_share(zone, there), zone.n)
     J[loaded] = load(zone, there) * width / crossing_speed(bearing, pair)
     return J[which]

@@ -2,7 +2,7 @@
 
 At a cusp the slope of a roller's path falls, so its closing rate and with it the damping force jump; under a
 pulse the approach itself jumps. A step that looks across loses its order there, so adaptive methods stop on these
-places. They lie in the head of each roller-defect pair (``defects/pairs.py``), found when it is built
+positions. They lie in the head of each roller-defect pair (``defects/pairs.py``), found when it is built
 (``jumps_of``).
 """
 
@@ -31,7 +31,7 @@ from bearingsim.core.defects.pairs import (
 from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.jit import generic, jit
 
-PROBE = 1e-9  # m: so far to either side of a place is looked whether something jumps there
+PROBE = 1e-9  # m: distance to either side of a position over which jumps are sought
 LEAST_SHARPNESS = 0.05  # of a roller-defect pair's sharpest jump: duller ones are left to the control of the error
 NEAR_JUMP = 1e-8  # m: from so near a roller comes straight to a jump
 MAX_JUMPS = 32  # kept of a roller-defect pair; a rough defect has hundreds of small ones
@@ -41,37 +41,40 @@ MAX_JUMPS = 32  # kept of a roller-defect pair; a rough defect has hundreds of s
 
 
 def jumps_of(excitation: Any, groups: Sequence[Sequence[float]], paths: Sequence[Path], R: float) -> list[float]:
-    """Return the places (m) along rolling where the force over a pair's groups jumps, or its damping part, in
+    """Return the positions (m) along rolling where the force over a pair's groups jumps, or its damping part, in
     order.
 
-    paths: of a traced defect, one for each group, else none. Jumps of several groups in one place add up.
+    paths: of a traced defect, one for each group, else none. Jumps of several groups at one position add up.
     """
     jump_at: dict[float, np.ndarray] = {}
     for k, row in enumerate(groups):
         jumps = cusps_of(paths[k]) if paths else jumps_of_group(excitation, np.array([*row]), R)
-        for place, jump in jumps:
-            rounded = round(place, 9) + 0.0
+        for position, jump in jumps:
+            rounded = round(position, 9) + 0.0
             jump_at[rounded] = jump_at.get(rounded, np.zeros(3)) + row[GROUP_WEIGHT] * jump
-    places, sizes = np.array([*jump_at]), np.array([*jump_at.values()]).reshape(-1, 3)
+    positions, sizes = np.array([*jump_at]), np.array([*jump_at.values()]).reshape(-1, 3)
     largest = np.maximum(sizes.max(axis=0, initial=0.0), 1e-30)  # each kind beside its like
     sharpness = (sizes / largest).max(axis=1)
     sharpest = np.argsort(-sharpness, kind="stable")[:MAX_JUMPS]
-    return sorted(float(places[i]) for i in sharpest if sharpness[i] > LEAST_SHARPNESS)
+    return sorted(float(positions[i]) for i in sharpest if sharpness[i] > LEAST_SHARPNESS)
 
 
 def jumps_of_group(excitation: Any, group: np.ndarray, R: float) -> list[tuple[float, np.ndarray]]:
-    """Return the places (m) of jumps, and the jumps of share (1), drop (m) and slope (1) there."""
-    places = {
+    """Return the positions (m) of jumps, and the jumps of share (1), drop (m) and slope (1) there."""
+    positions = {
         0.0,
         float(group[GROUP_HALF_WIDTH]),
         float(group[GROUP_HALF_WIDTH] - group[X_E]),
         floor_reach(excitation, group, R),
     }
     jumps = []
-    for place in {
-        sign * place for place in places if 0.0 <= place <= group[GROUP_HALF_WIDTH] for sign in (-1.0, 1.0)
+    for position in {
+        sign * position
+        for position in positions
+        if 0.0 <= position <= group[GROUP_HALF_WIDTH]
+        for sign in (-1.0, 1.0)
     }:
-        before, after = (np.array(defect_response(excitation, group, place + d, R)) for d in (-PROBE, PROBE))
+        before, after = (np.array(defect_response(excitation, group, position + d, R)) for d in (-PROBE, PROBE))
         jump = np.abs(after - before)
         smooth = (
             10.0 * PROBE * np.array([1.0 / group[GROUP_HALF_WIDTH], 1.0, 1.0 / R])
@@ -79,7 +82,7 @@ def jumps_of_group(excitation: Any, group: np.ndarray, R: float) -> list[tuple[f
             else np.full(3, inf)
         )
         if (jump > smooth).any():
-            jumps.append((place, np.where(jump > smooth, jump, 0.0)))
+            jumps.append((position, np.where(jump > smooth, jump, 0.0)))
     return jumps
 
 
@@ -98,14 +101,14 @@ def floor_reach(excitation: Any, group: np.ndarray, R: float) -> float:
 
 
 def cusps_of(path: Path) -> list[tuple[float, np.ndarray]]:
-    """Return the places (m) where the slope of a path falls, and by how much, as ``jumps_of_group``."""
+    """Return the positions (m) where the slope of a path falls, and by how much, as ``jumps_of_group``."""
     if len(path.pieces) == 0:
         return []
-    places, after = np.append(path.pieces[1:, S], path.end), np.append(path.pieces[1:, 2], 0.0)
+    positions, after = np.append(path.pieces[1:, S], path.end), np.append(path.pieces[1:, 2], 0.0)
     falls = ends_of(path)[:, 1] - after
     return [
-        (float(place), np.array([0.0, 0.0, fall]))
-        for place, fall in zip(places, falls, strict=True)
+        (float(position), np.array([0.0, 0.0, fall]))
+        for position, fall in zip(positions, falls, strict=True)
         if fall > 1e-6
     ]
 
@@ -157,7 +160,7 @@ def next_jump_evenly(model, t, y):
 
 
 def next_jump_freely(model, t, y):
-    """Implement ``next_jump`` for rollers at any place: of the one nearest to each pair, from its velocity.
+    """Implement ``next_jump`` for rollers at any position: of the one nearest to each pair, from its velocity.
 
     Left out of its speed: that the rings move across, a thousandth of it. So the time falls short by a hundredth
     of the way, until that is ``NEAR_JUMP``. Of a skewed roller its middle counts.

@@ -1,4 +1,5 @@
-"""Defects as the slices of a roller meet them: each slice at its own place along the race, with its own section.
+"""Defects as the slices of a roller meet them: each slice at its own position along the race, with its own
+section.
 
 In ``spatial`` the group k of a roller-defect pair is what slice k feels. A defect of a race is found by the angle
 of a slice's n about the ring's own axis; a defect of a roller by the same angle and the roller's own. (That of a

@@ -29,9 +29,9 @@ class RollerDefectPair(NamedTuple):
     side: OUTER or INNER; carrier: ON_OUTER, ON_INNER, or the number of the roller that carries it; angle: rad from
     the load line (on the inner race at t = 0), or from the roller's outermost point at t = 0; radius: of the
     surface that carries it (m); R: reduced radius of roller and race (m); groups: rows (w, b, x_e, kappa, depth);
-    paths: of a traced defect, one for each group (``defects/traced.py``); cusp: place (m) of the sharpest
-    cusp; span: the shortest way (m) over the defect or a part of it, 0 if from rim to rim; jumps: places (m) where
-    the force or its damping part jumps (``defects/jumps.py``).
+    paths: of a traced defect, one for each group (``defects/traced.py``); cusp: position (m) of the sharpest
+    cusp; span: the shortest way (m) over the defect or a part of it, 0 if from rim to rim; jumps: positions (m)
+    where the force or its damping part jumps (``defects/jumps.py``).
     """
 
     side: int
@@ -61,8 +61,8 @@ class Defects(NamedTuple):
     counting.
 
     head: (D, 10 + most jumps) as in ``RollerDefectPair``, then half_width (m), beyond which no roller feels the
-    defect, used, its number of groups, cusp (m), span (m), the number of jumps and their places (m); groups: (D,
-    K, 5), padded with rows of weight zero; excitation: response of a roller to a defect
+    defect, used, its number of groups, cusp (m), span (m), the number of jumps and their positions (m); groups:
+    (D, K, 5), padded with rows of weight zero; excitation: response of a roller to a defect
     (``defects/excitations.py``).
     """
 
@@ -121,8 +121,8 @@ def nearest_roller(packed, d, theta_c, theta_i, roll, Z):
     if on >= 0.0:
         turn = (roll - head[ANGLE]) / (2.0 * pi) - 0.5 * head[SIDE]
         return int(on), (turn - np.floor(turn + 0.5)) * 2.0 * pi * head[RADIUS]
-    place = head[ANGLE] + (theta_i if on == ON_INNER else 0.0)
-    turn = (theta_c - place) * Z / (2.0 * pi)
+    angle = head[ANGLE] + (theta_i if on == ON_INNER else 0.0)
+    turn = (theta_c - angle) * Z / (2.0 * pi)
     nearest = np.floor(turn + 0.5)
     number = -nearest - Z * np.floor(-nearest / Z)
     j = int(number) if 0.0 <= number < Z else 0

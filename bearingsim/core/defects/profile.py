@@ -1,4 +1,4 @@
-"""The profile of a defect along rolling, at one place across it: depth p(t), m, downwards, in quadratic pieces.
+"""The profile of a defect along rolling, at one position across it: depth p(t), m, downwards, in quadratic pieces.
 
 Outside its pieces, and between them, the profile is the race, p = 0. Pieces may meet with a step (a vertical wall)
 or a corner. Straight lines and parabolas are exact; other curves are drawn by ``curve``.
@@ -91,7 +91,7 @@ def depth_at(profile: Profile, t: np.ndarray) -> np.ndarray:
 
 
 def deepest(left: Profile, right: Profile) -> Profile:
-    """Return the deeper of two profiles at each place that both cover, and either where only one does."""
+    """Return the deeper of two profiles at each position that both cover, and either where only one does."""
     if len(left.pieces) == 0 or len(right.pieces) == 0:
         return right if len(left.pieces) == 0 else left
     ends = _distinct(np.concatenate([left.pieces[:, :P].ravel(), right.pieces[:, :P].ravel()]))
@@ -129,7 +129,7 @@ def _rows(profile: Profile, k: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 
 def _crossings(left: Profile, right: Profile, ends: np.ndarray) -> np.ndarray:
-    """Return the places of equal depth of two profiles, between ``ends``."""
+    """Return the positions of equal depth of two profiles, between ``ends``."""
     low, middles = ends[:-1], (ends[1:] + ends[:-1]) / 2.0
     a, b = _covering(left, middles), _covering(right, middles)
     both = (a >= 0) & (b >= 0)

@@ -1,8 +1,8 @@
 """A spall that grows by a rule: bowl by bowl, along rolling and sideways.
 
 Material breaks out where rolling elements land: at the rim that they reach last, the trailing one. So each new
-bowl has its middle on that rim, where of ``DRAWS`` places drawn evenly from the spall's present extent across the
-rim is nearest (a roller, being straight, lands there first). Its half sizes and depth are drawn evenly from
+bowl has its middle on that rim, where of ``DRAWS`` positions drawn evenly from the spall's present extent across
+the rim is nearest (a roller, being straight, lands there first). Its half sizes and depth are drawn evenly from
 ``SIZES`` and ``DEPTHS``, the first bowl's half sizes being 1. A spall thus grows along rolling and fans out.
 ``BOWLS`` of them make the whole, which is then stretched to its length, width and depth; a spall that is grown by
 less is the same without its later bowls, the last one shrunk. The numbers are choices, not measurements:
@@ -52,7 +52,7 @@ def full_grown(seed: int) -> tuple[Bowl, ...]:
 
 
 def trailing_rim(bowls: list[Bowl], across: float) -> float:
-    """Return the trailing rim of a spall at one place across."""
+    """Return the trailing rim of a spall at one position across."""
     return max(u + a * sqrt(1.0 - ((across - v) / b) ** 2) for u, v, a, b, _ in bowls if abs(across - v) <= b)
 
 

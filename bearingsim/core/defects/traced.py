@@ -49,16 +49,16 @@ TracedGroup = tuple[tuple[float, ...], Path]
 """A group without its weight (b, x_e, 0, depth), and its path."""
 
 
-def paths_over(defect: Any, R: float, places: Sequence[float] | np.ndarray) -> tuple[TracedGroup, ...]:
-    """Return the roller path over a defect at each z (m) of ``places``, cached."""
-    return _paths_over(defect, repr(defect), R, tuple(float(z) for z in places))
+def paths_over(defect: Any, R: float, positions: Sequence[float] | np.ndarray) -> tuple[TracedGroup, ...]:
+    """Return the roller path over a defect at each z (m) of ``positions``, cached."""
+    return _paths_over(defect, repr(defect), R, tuple(float(z) for z in positions))
 
 
 @lru_cache(maxsize=256)
-def _paths_over(defect: Any, named: str, R: float, places: tuple[float, ...]) -> tuple[TracedGroup, ...]:
+def _paths_over(defect: Any, named: str, R: float, positions: tuple[float, ...]) -> tuple[TracedGroup, ...]:
     """Cache ``paths_over``; ``named`` distinguishes shapes that are equal as tuples. The paths of a rough
     defect in 41 slices take 20 kB, so those of a whole sweep are kept."""
-    return tuple(_traced(section(defect, z), R) for z in places)
+    return tuple(_traced(section(defect, z), R) for z in positions)
 
 
 def _traced(profile: Profile, R: float) -> TracedGroup:
@@ -90,14 +90,14 @@ def sliced(defect: Any, R: float, zetas: Sequence[float] | np.ndarray) -> tuple[
 
 
 def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) -> float:
-    """Return the place (m) of the cusp with the largest product of fall and share of the roller; 0 if there is
+    """Return the position (m) of the cusp with the largest product of fall and share of the roller; 0 if there is
     none."""
     cusps = [(cusp(path), row[0]) for row, path in zip(groups, paths, strict=True) if len(path.pieces)]
-    place, fall = 0.0, 0.0
+    position, fall = 0.0, 0.0
     for (where, falls), weight in cusps:
         if falls * weight > fall:
-            place, fall = where, falls * weight
-    return place
+            position, fall = where, falls * weight
+    return position
 
 
 def span_of(defect: Any, R: float) -> float:
@@ -111,7 +111,7 @@ def span_of(defect: Any, R: float) -> float:
 
 
 def burr(defect: Any) -> float:
-    """Return the height (m) of a defect's highest place above the race; only a scan has one."""
+    """Return the height (m) of a defect's highest position above the race; only a scan has one."""
     if isinstance(defect, Placed):
         return burr(defect.defect)
     return max(0.0, -float(defect.depth.min())) if isinstance(defect, Scanned) else 0.0
@@ -120,8 +120,8 @@ def burr(defect: Any) -> float:
 def traced_defects(pairs: Sequence[RollerDefectPair]) -> Defects:
     """Pack the roller-defect pairs, and their paths in one table."""
     paths = [path for pair in pairs for path in pair.paths if len(path.pieces)]
-    table, places = packed(paths)
-    defects, left = pack_defects(pairs, Traced(table)), iter(places)
+    table, offsets = packed(paths)
+    defects, left = pack_defects(pairs, Traced(table)), iter(offsets)
     for groups, pair in zip(defects.groups, pairs, strict=True):
         for row, path in zip(groups, pair.paths, strict=False):
             row[KAPPA] = next(left) if len(path.pieces) else 0.0

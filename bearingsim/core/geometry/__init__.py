@@ -1,1 +1,1 @@
-"""Places and motion of bodies."""
+"""Positions and motion of bodies."""

@@ -1,4 +1,4 @@
-"""Places and velocities of rollers in the plane and their approach to the races, without small angles.
+"""Positions and velocities of rollers in the plane and their approach to the races, without small angles.
 
 With rho = |c_j - u| the distance of a roller from a ring's centre, n from there to the roller, tau across it.
 """
@@ -13,7 +13,7 @@ from bearingsim.core.jit import inlined, jit
 
 
 class Centre(NamedTuple):
-    """Place (m) and velocity (m/s) of a ring's or the cage's centre, along e_0 and e_90."""
+    """Position (m) and velocity (m/s) of a ring's or the cage's centre, along e_0 and e_90."""
 
     x: float
     y: float
@@ -57,7 +57,7 @@ def roller_directions(theta_c, y, n):
 
 @jit
 def relative_to_ring(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
-    """Compute place and velocity of a roller relative to a ring at u (m) that moves at ``v_x``, ``v_y`` (m/s).
+    """Compute position and velocity of a roller relative to a ring at u (m) that moves at ``v_x``, ``v_y`` (m/s).
 
     c, s: of the roller's angle; r, v: its radius (m) and radial speed (m/s); theta_v: its orbit (rad/s). Returns
     its distance rho from the centre (m), the direction n to it along e_r and e_theta, r - rho (m) without

@@ -38,7 +38,7 @@ def tabulate(function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) ->
 
 @jit
 def cell(y):
-    """Return the place of the coefficients of the cell of ``y``, and the distance of ``y`` from the cell's left
+    """Return the index of the coefficients of the cell of ``y``, and the distance of ``y`` from the cell's left
     end."""
     inside = min(max(_LOWEST, y), CEILING)  # in this order NaN finds a cell, and stays in the distance
     number = np.float64(inside).view(np.int64) >> _SHIFT

@@ -320,8 +320,8 @@ def arrive(model, y, n):
 def middle_state(model, y, n):
     """Set the state in the middle of the last step, contacts included, by Hermite's quintic through both ends.
 
-    It fits places (m, rad), velocities and accelerations there, to sixth order in the step, so no method's dense
-    output is to be completed for it. Coefficients: those six conditions solved at one half.
+    It fits positions (m, rad), velocities and accelerations there, to sixth order in the step, so no method's
+    dense output is to be completed for it. Coefficients: those six conditions solved at one half.
     """
     h = y[lay.H_TAKEN]
     per_h = 1.0 / h

@@ -1,8 +1,8 @@
 """Not an integrator: the balance found anew at every step, for models without inertia.
 
-Velocity and acceleration at t are differences of the places at t - h, t and t + h. A defect's cusp makes the true
-velocity jump, and samples of a jump have a wrong mean; differences of places add up to the way gone, so lines come
-out right.
+Velocity and acceleration at t are differences of the positions at t - h, t and t + h. A defect's cusp makes the
+true velocity jump, and samples of a jump have a wrong mean; differences of positions sum to the displacement, so
+lines come out right.
 """
 
 from typing import NamedTuple
@@ -22,7 +22,7 @@ class Equilibrium(NamedTuple):
 
 @jit
 def position_at(model, t, y):
-    """Set the ring's place at rest at time ``t`` (s), and that of a bent one at its sensor (m)."""
+    """Set the ring's position at rest at time ``t`` (s), and that of a bent one at its sensor (m)."""
     find_rest(model, t, y)
     read_sensor(model.bending, y)
     return y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y], y[lay.SENSOR]

@@ -2,11 +2,11 @@
 
     x(t + h) = free motion over h from (x, v)  +  sum over impulses in (t, t + h] of free motion from (0, J/m)
 
-What is recorded as velocity and acceleration at t are differences of the places at t - h, t and t + h, as
+What is recorded as velocity and acceleration at t are differences of the positions at t - h, t and t + h, as
 ``Equilibrium`` has it: an impulse makes the true velocity jump, by some thousand times what is left of it in a
-line at the fault frequency, and samples of a jump have a wrong mean. Differences of places add up to the way gone.
-The places themselves are exact at any step. A line read from their samples is off by (omega_0 h)^2/12 of it at
-most, which is aliasing (omega_0^2 = K/m).
+line at the fault frequency, and samples of a jump have a wrong mean. Differences of positions sum to the
+displacement. The positions themselves are exact at any step. A line read from their samples is off by (omega_0
+h)^2/12 of it at most, which is aliasing (omega_0^2 = K/m).
 """
 
 from typing import NamedTuple

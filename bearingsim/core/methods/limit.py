@@ -4,7 +4,7 @@ The limit is tabulated over that of symplectic Euler,
 
     h_c = (2/omega)(sqrt(1 + zeta^2) - zeta) = 4/(C + sqrt(C^2 + 4 K)),   omega^2 = K,   zeta = C/(2 omega)
 
-The ratio depends on the damping ratio alone, from no damping to no stiffness (``table_place``).
+The ratio depends on the damping ratio alone, from no damping to no stiffness (``table_position``).
 """
 
 from math import acos, pi, sqrt
@@ -28,8 +28,9 @@ def critical_step(K, C):
 
 
 @jit
-def table_place(K, C):
-    """Return an oscillator's place in the table, 0 to 1: by the angle of its root to 1/2, then by its faster root.
+def table_position(K, C):
+    """Return an oscillator's position in the table, 0 to 1: by the angle of its root to 1/2, then by its faster
+    root.
 
     So the limit of a method whose stability is a function of the root alone has no kink where oscillation ends.
     """
@@ -43,7 +44,7 @@ def step_over_limit(limits, h, K, C):
     """Step ``h`` (s) over a method's limit, infinite if K or C is; ``limits``: from ``limit_over_h_c``."""
     if K <= 0.0 and C <= 0.0:
         return 0.0
-    position = (NODES - 1) * table_place(max(K, 0.0), max(C, 0.0))
+    position = (NODES - 1) * table_position(max(K, 0.0), max(C, 0.0))
     if not position >= 0.0:
         return np.inf
     k = min(int(position), NODES - 2)
@@ -53,9 +54,9 @@ def step_over_limit(limits, h, K, C):
 
 def oscillators() -> tuple[np.ndarray, np.ndarray]:
     """Return K and C of the oscillators of the table, each with h_c = 1: (NODES,)."""
-    places = np.linspace(0.0, 1.0, NODES)
-    slower = np.minimum(2.0 * (1.0 - places), 1.0)  # omega over the faster root
-    zeta = np.where(places < 0.5, np.sin(pi * places), 0.5 * (slower + 1.0 / np.maximum(slower, 1e-9)))
+    positions = np.linspace(0.0, 1.0, NODES)
+    slower = np.minimum(2.0 * (1.0 - positions), 1.0)  # omega over the faster root
+    zeta = np.where(positions < 0.5, np.sin(pi * positions), 0.5 * (slower + 1.0 / np.maximum(slower, 1e-9)))
     C = 4.0 / (1.0 + np.sqrt(1.0 + 1.0 / np.maximum(zeta, 1e-9) ** 2))
     return np.where(zeta > 0.0, (C / np.maximum(2.0 * zeta, 1e-9)) ** 2, 4.0), C
 

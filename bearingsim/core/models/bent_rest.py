@@ -1,7 +1,7 @@
 """The static equilibrium of a bearing whose outer ring bends.
 
-The unknowns are the ring's place and the amplitudes of its harmonics, p. Each roller finds its own balance as it
-does under a stiff ring (``equilibrium.py``), and Newton's method with a line search solves
+The unknowns are the ring's position and the amplitudes of its harmonics, p. Each roller finds its own balance as
+it does under a stiff ring (``equilibrium.py``), and Newton's method with a line search solves
 
     g_k(p) = f_k - K_k p_k + sum_j Q_o,j(p) phi_k(theta_j) = 0,   phi: cos, sin of theta_j and of n theta_j,
 

@@ -23,7 +23,7 @@ from bearingsim.core.parameters import lanes
 
 @generic(inline="late")
 def shared(model: Any, t: float, y: np.ndarray) -> Any:
-    """Return the numbers that all rollers share at time ``t`` (s): places of rings and cage, and what turns
+    """Return the numbers that all rollers share at time ``t`` (s): positions of rings and cage, and what turns
     with time."""
 
 

@@ -26,7 +26,7 @@ from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.laws.stiffness.series import series_share
 from bearingsim.core.models.outer_ring import static_force
 from bearingsim.core.parameters import kinematic_angles, lanes
-from bearingsim.core.parts.bending import Bending, NoSprings, Stiff, bend, bend_race, held_place
+from bearingsim.core.parts.bending import Bending, NoSprings, Stiff, bend, bend_race, held_position
 
 (K_SERIES,) = lay.rows(lay.WORK, "N/m", "rest bent", "start")  # stiffness of a roller's two contacts in series
 # of the outer contact, and a row on of the inner: the roller-defect pair in which it stands (-1: none), and its
@@ -301,15 +301,15 @@ def given_load(model):
     return model.bending.load if isinstance(model.bending, Bending) else hypot(*model.support[:2])
 
 
-def place_of_held(model, y):
-    """Return the place of what a bracket would hold (m, m)."""
-    return held_place(model.bending.springs if isinstance(model.bending, Bending) else NoSprings(), y)
+def held_body_position(model, y):
+    """Return the position of what a bracket would hold (m, m)."""
+    return held_position(model.bending.springs if isinstance(model.bending, Bending) else NoSprings(), y)
 
 
 class Rest(NamedTuple):
     """A bearing at rest, averaged over a ball pass.
 
-    x, y: place of what a bracket would hold, the ring or the carrier around it (m); load: largest force on a
+    x, y: position of what a bracket would hold, the ring or the carrier around it (m); load: largest force on a
     roller (N), and approach, that of its two contacts together (m), at any time; K_x, K_y: stiffness (N/m) that
     rollers offer the ring.
     """
@@ -354,7 +354,7 @@ def mean_rest(model, y, samples=32):
     Z, rests, loads = model.bearing.Z, [], []
     for _ in rests_of_a_pass(model, y, samples):
         k_xx, _, k_yy = ring_stiffness(model, y)
-        rests.append((*place_of_held(model, y), k_xx, k_yy))
+        rests.append((*held_body_position(model, y), k_xx, k_yy))
         most = int(np.argmax(y[lay.Q_I : lay.Q_I + Z]))
         loads.append((y[lay.Q_O + most], y[lay.DELTA_O + most] + y[lay.DELTA_I + most]))
     x, z, k_x, k_y = (float(value) for value in np.mean(rests, axis=0))

@@ -2,10 +2,10 @@
 
     m x'' + C_x x' + K_x x = sum_k J_x,k delta(t - t_k),      and the same in y
 
-x and y are displacements from the place where the healthy bearing rests. After McFadden and Smith (J. Sound Vib.
-96, 1984, 69-82, one point defect; 98, 1985, 263-273, several): a train of impulses, as strong as the load where
-each acts, through the transfer function of what it strikes. Theirs leads to a resonance of the machine; here it is
-that of the rigid ring on its rollers. Times and strengths: ``defects/impulse_train.py``.
+x and y are displacements from the position where the healthy bearing rests. After McFadden and Smith (J. Sound
+Vib. 96, 1984, 69-82, one point defect; 98, 1985, 263-273, several): a train of impulses, as strong as the load
+where each acts, through the transfer function of what it strikes. Theirs leads to a resonance of the machine; here
+it is that of the rigid ring on its rollers. Times and strengths: ``defects/impulse_train.py``.
 
 Left out: the rollers (no contact forces), that stiffness varies as they pass, that it falls while one of them
 carries nothing, and the coupling of the two directions, which vanishes on average over a ball pass.
@@ -25,8 +25,8 @@ from bearingsim.core.parameters import Bearing
 class Impulse(NamedTuple):
     """Parameters of the model: a mode along each axis, and the train of impulses.
 
-    m: mass that moves (kg); K_x, K_y: its stiffness about the place of rest (N/m), > 0; C_x, C_y: damping (N s/m),
-    >= 0; times: (n,) s, ascending; J_x, J_y: (n,) N s.
+    m: mass that moves (kg); K_x, K_y: its stiffness about the position of rest (N/m), > 0; C_x, C_y: damping (N
+    s/m), >= 0; times: (n,) s, ascending; J_x, J_y: (n,) N s.
     """
 
     bearing: Bearing

@@ -119,7 +119,7 @@ next_jump.register(Planar)(next_jump_freely)
 
 @roller_at_defect.register(Planar)
 def _roller_at_defect(model, d, t, y):
-    """Find the roller from the places of rollers, rings and cage, and the rows that ``approach`` fills."""
+    """Find the roller from the positions of rollers, rings and cage, and the rows that ``approach`` fills."""
     b, head = model.bearing, model.defects.head[d]
     time, _, _ = kinematic_time(model.motion, t)
     turned = b.omega_c * time + y[lay.POSITION + lay.PHI_C]

@@ -1,8 +1,8 @@
 """The derivatives of ``planar``'s accelerations: exact, column by column.
 
 A column is what follows from one unit of one coordinate, of all rollers at once (each feels itself and the shared
-coordinates only) or of one that is shared. How the rollers' places and velocities change, as the body they touch
-sees it, is laid in the rows D_POSITION and D_VELOCITY; the contacts answer (``parts/races.py``,
+coordinates only) or of one that is shared. How the rollers' positions and velocities change, as the body they
+touch sees it, is laid in the rows D_POSITION and D_VELOCITY; the contacts answer (``parts/races.py``,
 ``parts/cage_slopes.py``); the answers are the column. Forces keep their direction in space while e_r and e_theta
 turn with the roller: that, and what its own motion does, is added at the end, with the springs of the shared
 coordinates.
@@ -106,8 +106,8 @@ def write_shared_column(matrix, m, low, high, m_r, y, n):
 
 
 @jit
-def displace_rollers(i, place, speed, middle, omega_cage, y, n):
-    """Displace every roller's coordinate ``i`` by ``place`` (m, rad), its rate by ``speed`` (m/s, rad/s).
+def displace_rollers(i, position, speed, middle, omega_cage, y, n):
+    """Displace every roller's coordinate ``i`` by ``position`` (m, rad), its rate by ``speed`` (m/s, rad/s).
 
     A velocity r' e_r + r theta' e_theta changes with r and, as its directions turn, with theta too.
     """
@@ -115,21 +115,21 @@ def displace_rollers(i, place, speed, middle, omega_cage, y, n):
     orbit = 1.0 if i == ORBIT else 0.0
     for j in range(n):
         r, v, theta_v = middle + y[lay.RADIAL + j], y[lay.RADIAL_V + j], omega_cage + y[lay.EPS_V + j]
-        y[lay.D_POSITION_R + j], y[lay.D_POSITION_T + j] = place * out, place * orbit * r
-        y[lay.D_VELOCITY_R + j] = speed * out - place * orbit * r * theta_v
-        y[lay.D_VELOCITY_T + j] = speed * orbit * r + place * (out * theta_v + orbit * v)
+        y[lay.D_POSITION_R + j], y[lay.D_POSITION_T + j] = position * out, position * orbit * r
+        y[lay.D_VELOCITY_R + j] = speed * out - position * orbit * r * theta_v
+        y[lay.D_VELOCITY_T + j] = speed * orbit * r + position * (out * theta_v + orbit * v)
 
 
 @jit
-def displace_body(axis, place, speed, y, n):
-    """Displace a body along e_0 (axis 0) or e_90 (1) by ``place`` (m), ``speed`` (m/s): relative to it, the
+def displace_body(axis, position, speed, y, n):
+    """Displace a body along e_0 (axis 0) or e_90 (1) by ``position`` (m), ``speed`` (m/s): relative to it, the
     rollers."""
     for j in range(n):
         c, s = y[lay.COS + j], y[lay.SIN + j]
         r, t = (-s, -c) if axis else (-c, s)
         y[lay.D_POSITION_R + j], y[lay.D_POSITION_T + j], y[lay.D_VELOCITY_R + j], y[lay.D_VELOCITY_T + j] = (
-            place * r,
-            place * t,
+            position * r,
+            position * t,
             speed * r,
             speed * t,
         )
@@ -141,11 +141,11 @@ def add_roller_columns(model, omega_cage, omega_i, spin, y, n):
     b, ring_v = model.bearing, y[lay.VELOCITY + lay.PSI]
     middle = 0.5 * (b.R_o + b.R_i)
     for i in range(3):
-        for matrix, place, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
-            roll, roll_v = (place, speed) if i == SPIN else (0.0, 0.0)
+        for matrix, position, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
+            roll, roll_v = (position, speed) if i == SPIN else (0.0, 0.0)
             orbit_v = speed if i == ORBIT else 0.0
             clear_changes(0, SHARED, y, n)
-            displace_rollers(i, place, speed, middle, omega_cage, y, n)
+            displace_rollers(i, position, speed, middle, omega_cage, y, n)
             race_change(OuterSide(), spin, ring_v, roll, roll_v, orbit_v, 0.0, 0.0, y, n)
             race_change(InnerSide(), spin, omega_i, roll, roll_v, orbit_v, 0.0, 0.0, y, n)
             pocket_change(model.cage, b.R_w, omega_cage, roll_v, 0.0, 0.0, y, n)
@@ -156,9 +156,9 @@ def add_roller_columns(model, omega_cage, omega_i, spin, y, n):
 def add_ring_columns(side, omega_ring, spin, m_r, low, high, y, n):
     """Fill the columns of a ring's centre; ``low`` to before ``high``: its shared coordinates."""
     for axis in range(2):
-        for matrix, place, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
+        for matrix, position, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
             clear_changes(low, high, y, n)
-            displace_body(axis, place, speed, y, n)
+            displace_body(axis, position, speed, y, n)
             race_change(side, spin, omega_ring, 0.0, 0.0, 0.0, 0.0, 0.0, y, n)
             write_shared_column(matrix, low + axis, low, high, m_r, y, n)
 
@@ -166,9 +166,9 @@ def add_ring_columns(side, omega_ring, spin, m_r, low, high, y, n):
 @jit
 def add_ring_angle_column(model, spin, y, n):
     """Fill the columns of the outer ring's angle, with which its defects turn, and of its speed."""
-    for matrix, place, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
+    for matrix, position, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
         clear_changes(lay.X, CAGE, y, n)
-        race_change(OuterSide(), spin, y[lay.VELOCITY + lay.PSI], 0.0, 0.0, 0.0, place, speed, y, n)
+        race_change(OuterSide(), spin, y[lay.VELOCITY + lay.PSI], 0.0, 0.0, 0.0, position, speed, y, n)
         write_shared_column(matrix, lay.PSI, lay.X, CAGE, model.bearing.m_r, y, n)
 
 
@@ -176,11 +176,11 @@ def add_ring_angle_column(model, spin, y, n):
 def add_cage_columns(model, omega_cage, y, n):
     """Fill the columns of the cage's angle and centre, in the order of its shared coordinates."""
     for k in range(CAGE, INNER):
-        for matrix, place, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
-            turn, turn_v = (place, speed) if k == lay.PHI_C else (0.0, 0.0)
+        for matrix, position, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
+            turn, turn_v = (position, speed) if k == lay.PHI_C else (0.0, 0.0)
             clear_changes(CAGE, INNER, y, n)
             if k != lay.PHI_C:
-                displace_body(k - lay.X_C, place, speed, y, n)
+                displace_body(k - lay.X_C, position, speed, y, n)
             pocket_change(model.cage, model.bearing.R_w, omega_cage, 0.0, turn, turn_v, y, n)
             write_shared_column(matrix, k, CAGE, INNER, model.bearing.m_r, y, n)
 

@@ -1,7 +1,7 @@
 """The static equilibrium of a bearing in space: sliced rollers that tilt, rings that may lean and move axially.
 
-Unknown are q_j and tilt_j of every roller, the outer ring's x and y, and of a ring on springs its place along the
-axis and its lean. There is no friction, and nothing is damped; geometry and contacts are those of the motion
+Unknown are q_j and tilt_j of every roller, the outer ring's x and y, and of a ring on springs its position along
+the axis and its lean. There is no friction, and nothing is damped; geometry and contacts are those of the motion
 (``models/spatial.py``), evaluated at rest, so that what a leaning ring or a profile does is in it as it is there.
 Rollers do not skew, stay in the middle of their pockets and between the flanges, and a defect's edge pushes
 nothing sideways (as in ``models/equilibrium.py``).
@@ -224,7 +224,7 @@ def rest_in_space(model: Any, t: float, y: np.ndarray, tilted: bool = False) -> 
 
 
 class MeanRest(NamedTuple):
-    """A bearing at rest over a ball pass: mean place of the ring (m), and the largest force on a roller (N)."""
+    """A bearing at rest over a ball pass: mean position of the ring (m), and the largest force on a roller (N)."""
 
     x: float
     y: float

@@ -238,7 +238,7 @@ next_jump.register(Spatial)(next_jump_freely)
 
 @roller_at_defect.register(Spatial)
 def _roller_at_defect(model, d, t, y):
-    """Find the roller by its middle, from the places of rollers, rings and cage and the rows that
+    """Find the roller by its middle, from the positions of rollers, rings and cage and the rows that
     ``race_frame`` fills."""
     head, middle = model.defects.head[d], 0.5 * (model.bearing.R_o + model.bearing.R_i)
     outer = head[SIDE] == OUTER

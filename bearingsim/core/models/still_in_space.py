@@ -1,6 +1,6 @@
 """Residual forces on rings and rollers of a bearing in space at rest, and their derivatives.
 
-Unknown are radial place and tilt of every roller, and eight coordinates of the rings (``CELLS``). Residuals are
+Unknown are radial position and tilt of every roller, and eight coordinates of the rings (``CELLS``). Residuals are
 minus the gradient of an energy, stiffnesses minus their slopes. Slices of a roller lie along its axis at zeta, so
 that the stiffness of their contacts enters by three sums over them: of k, k zeta and k zeta^2.
 """
@@ -29,7 +29,7 @@ from bearingsim.core.sums import sum_loads
 
 ADDED_STIFFNESS = 1e-3  # of a contact's stiffness, added to a roller's so that one without contact returns
 CELLS = (lay.X, lay.Y, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y)
-"""Coordinates of the rings: place and lean of the outer, axial place and lean of the inner."""
+"""Coordinates of the rings: position and lean of the outer, axial position and lean of the inner."""
 RINGS, INNER = len(CELLS), 5  # number of cells, and the first of the inner ring
 
 
@@ -37,8 +37,8 @@ class Room(NamedTuple):
     """Arrays of the search for a rest: a row for each roller, in m and rad or N and N m; rings as of ``CELLS``.
 
     left (Z, 2): residuals; step (Z, 2) and push (Z,): a step and its work (N m); pairs (Z, 3): stiffness of radial
-    place and tilt, symmetric; crossed (Z, 2, 8): stiffness between rollers and rings; held, follow (Z, 2): where
-    rollers stood, and how far a step of the rings takes them along.
+    position and tilt, symmetric; crossed (Z, 2, 8): stiffness between rollers and rings; held, follow (Z, 2):
+    where rollers stood, and how far a step of the rings takes them along.
     forces, move, start (8,): residuals of the rings, their step, and where they stood; stiff (8, 9): their
     stiffness, the right side behind it.
     """

@@ -68,7 +68,8 @@ class NoSprings(NamedTuple):
 
 
 class Springs(NamedTuple):
-    """P springs between the ring and a rigid carrier, which only push. The carrier's place is one harmonic more.
+    """P springs between the ring and a rigid carrier, which only push. The carrier's position is one harmonic
+    more.
 
     of_spring: (5, P padded to 8), its rows as named below; at: (2, n, P padded) how far an amplitude of 1 m
     presses a spring, n being the harmonics and the carrier; by_spring: (2, P, H) the same; carrier: which of H.
@@ -130,18 +131,18 @@ def press_springs(springs: Any, y: np.ndarray) -> None:
     """Fill SPRING_FORCE, and what it does: PULL on the amplitudes, SPRINGS_X, SPRINGS_Y on the ring's centre."""
 
 
-def ring_place(springs, y):
-    """Return ``held_place`` where nothing is between ring and bracket."""
+def ring_position(springs, y):
+    """Return ``held_position`` where nothing is between ring and bracket."""
     return y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
 
 
-@generic(absent=ring_place)
-def held_place(springs: Any, y: np.ndarray) -> tuple[float, float]:
-    """Return the place (m, m) of what the bracket holds: the ring, or the carrier around it."""
+@generic(absent=ring_position)
+def held_position(springs: Any, y: np.ndarray) -> tuple[float, float]:
+    """Return the position (m, m) of what the bracket holds: the ring, or the carrier around it."""
 
 
-@held_place.register(Springs)
-def _held_place(springs, y):
+@held_position.register(Springs)
+def _held_position(springs, y):
     i = springs.carrier
     return y[lay.POSITION + lay.MODES_C + i], y[lay.POSITION + lay.MODES_S + i]
 

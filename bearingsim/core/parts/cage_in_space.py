@@ -43,7 +43,7 @@ class CageInSpace(NamedTuple):
 
 @generic
 def cage_body(cage_z: Any, omega_cage: float, y: Any) -> Body:
-    """Return the cage's place and motion; omega_cage: rate of its angle (rad/s)."""
+    """Return the cage's position and motion; omega_cage: rate of its angle (rad/s)."""
 
 
 @cage_body.register(CageInPlane)
@@ -163,7 +163,7 @@ def relative_to_cage(bearing, body, omega_cage, y, j):
 
 @jit
 def pocket_kinematics(bearing, body, omega_cage, y, n):
-    """Fill each roller's place in its pocket and its slip along the wall, both linear along its axis."""
+    """Fill each roller's position in its pocket and its slip along the wall, both linear along its axis."""
     for j in range(n):
         pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
         rad, w, b, q = pocket_axes(body, pc, ps, ce, se)

@@ -18,8 +18,8 @@ from bearingsim.core.parts.cage import (
     radial_stop,
 )
 
-# rows of a roller in its pocket: place and velocity from the cage's centre along the pocket's directions; wall on
-# which it lies; tangent stiffness and damping of the wall and of the stop; mu, its derivative by slip times the
+# rows of a roller in its pocket: position and velocity from the cage's centre along the pocket's directions; wall
+# on which it lies; tangent stiffness and damping of the wall and of the stop; mu, its derivative by slip times the
 # force; force on the roller along the pocket's directions
 (
     OFFSET_R,

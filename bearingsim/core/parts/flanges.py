@@ -219,7 +219,7 @@ def add_point(side, sigma, N, kappa, g, Y, a, slip, y, j):
 
 @generic(absent=0.0)
 def axial_position(flanges: Any, outer: Body, inner: Body, c: float, s: float, r: float) -> float:
-    """Return the axial place (m) between the flanges of a roller at ``r`` (m), at the angle of c and s.
+    """Return the axial position (m) between the flanges of a roller at ``r`` (m), at the angle of c and s.
 
     The mean of the rings' middles, as they lean and stand there, each counted as often as it has flanges: with two
     on a ring the roller has its play to either side, with a single one to that one; no flange is pressed unless

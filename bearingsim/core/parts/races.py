@@ -1,6 +1,6 @@
 """Analytic derivatives of the force between rollers and a race of ``planar``, in the order of its computation.
 
-A contact has three ways to move: its approach along n, its place s over a defect across it, and its slip. With
+A contact has three ways to move: its approach along n, its position s over a defect across it, and its slip. With
 sigma = 1 at the outer race, -1 at the inner, and n' = n tilted by the defect, the force on the roller is
 -sigma Q n' - f tau', and
 
@@ -36,7 +36,7 @@ from bearingsim.core.laws.damping.interface import normal_force, slopes
 from bearingsim.core.laws.friction.interface import mu, mu_slope
 
 # rows of a contact, relative to OUTER_CONTACT or INNER_CONTACT: rate of rho; derivatives of the force (LOAD), of
-# the tangential force over a defect and of the mean approach by approach (D), its rate (V), place (S) and ds/dt
+# the tangential force over a defect and of the mean approach by approach (D), its rate (V), position (S) and ds/dt
 # (Z); radius of the surface that carries the defect: of any, of the ring, of the roller
 jacobian_rows = partial(
     lay.rows, owners="linearise", lifetime="linearise", bases=(lay.OUTER_CONTACT, lay.INNER_CONTACT)

@@ -27,13 +27,13 @@ from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.friction.lag import implicit_fraction
 
 AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's slope
-NONNEGATIVE = 0x7FFFFFFF  # tells the compiler that a place in the buffer is none from its end
+NONNEGATIVE = 0x7FFFFFFF  # tells the compiler that an index of the buffer is not counted from its end
 FEW = 127  # tells it that there are no more rollers, and so that a slice's rows lie behind all others
 
 
 @jit
 def race_frame(side, bearing, ring, omega_cage, y, n):
-    """Fill each roller's place and motion relative to the ring, linear along its axis.
+    """Fill each roller's position and motion relative to the ring, linear along its axis.
 
     Equation (S2) of docs/spatial.md, first line.
     """
@@ -123,7 +123,7 @@ def add_slice(side, law, friction, bearing, ring, zeta, weight, drop, k, y, n):
 
 @inlined
 def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
-    """Compute the slice of roller ``j``: place, motion, force and friction, added to the sums.
+    """Compute the slice of roller ``j``: position, motion, force and friction, added to the sums.
 
     Returns its load (N) and approach (m).
 

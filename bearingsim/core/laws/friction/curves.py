@@ -75,7 +75,7 @@ class Traction(NamedTuple):
     viscosity enters.
 
     The curve starts from a + d, which is 0 in a fluid; otherwise it would jump there, and a cubic step over
-    ``JUMP_WIDTH`` takes the jump's place.
+    ``JUMP_WIDTH`` takes the jump's position.
     """
 
     a: float
