@@ -68,11 +68,14 @@ class Friction:
         return [replace(own, against=(against,)), *twins]
 
     def _tried(self, n: int) -> Case:
-        """Return the case that is tried with friction for number ``n``.
+        """Return the case that is tried with friction for number ``n``: itself, if its record may end early.
 
-        It settles as long as without: what the cage still remembers then is within what turns of it scatter by.
+        Any other settles as long as without: what the cage still remembers then is within what turns of it scatter
+        by.
         """
         case, plain = self.rubbing[n], self.evidence.study.cases()[n]
+        if case.until is not None and long_enough(case) == case:
+            return case
         with suppress(Refused):  # which the trial tells
             case = case.model_copy(update={"settle": settled(plain).settle})
         return long_enough(case)

@@ -163,12 +163,13 @@ def _simulate(attempt: choice.Attempt, began: float) -> Record:
     if period_is_sought(setup.case):
         until_periodic = replace(setup, case=periodic)
         raw = integrate(until_periodic, patience=patience, look=inspections)
-        checks_step = step_check.checked_step(until_periodic, raw)
+        checked = until_periodic if raw.repetition.period > 0 else inspections.earliest
+        checks_step = step_check.checked_step(checked, raw)
         if not case.periodic and raw.repetition.period > 0:
             del raw  # whose record may be as large as the next
             raw = integrate(setup, look=inspections)  # at the step that has been checked on its period
     else:
-        checks_step = step_check.checked_step(setup)
+        checks_step = step_check.checked_step(inspections.earliest)
         raw = integrate(setup, look=inspections)
     return _record(inspections, raw, checks_step, began)
 
@@ -184,19 +185,29 @@ def _try_out(
     """Compute the first passes of a case in one way; check their step if they make up the whole record."""
     setup = set_up(attempt.case, attempt.part)
     inspections = Inspections(setup)
-    look = None if against is None else _look(setup, requested, turn, against)
-    raw = integrate(setup, most=trial.last_pass(setup, min(passes, trial.most_passes(setup.case))), look=look)
+    most = trial.last_pass(setup, min(passes, trial.most_passes(setup.case)))
+    may_end = against is not None and bool(inspections.passes)
+    look = None if against is None or may_end else _look(setup, requested, turn, against)
+    if may_end:
+        raw = integrate(setup, most=max(most, min(inspections.passes)), look=inspections)
+        passes = min(passes, recording.whole_passes(inspections.ended(raw).case, setup.cut))
+    else:
+        raw = integrate(setup, most=most, look=look)
     if look is not None and raw.repetition.computed in look.passes:
         passes = trial.LOOK_TURNS * raw.Z
     result = trial.read_trial(setup, raw, requested, passes, turn)
-    if not result.repeats or setup.case.step_check in ("strict", False) or not _ends_with(inspections, raw):
+    if setup.case.step_check in ("strict", False) or not _is_whole(inspections, raw, may_end):
         return result, None
-    return result, _record(inspections, raw, step_check.checked_step(setup, raw), began)
+    checked = setup if result.repeats else inspections.earliest
+    return result, _record(inspections, raw, step_check.checked_step(checked, raw), began)
 
 
-def _ends_with(inspections: Inspections, raw: RawRecord) -> bool:
-    """Check if a run of its own would end where a trial that has become periodic has."""
-    return raw.repetition.computed <= min(inspections.passes, default=raw.repetition.computed)
+def _is_whole(inspections: Inspections, raw: RawRecord, may_end: bool) -> bool:
+    """Check if a run of its own would end where a trial has: periodic, or (``may_end``) accurate enough."""
+    computed = raw.repetition.computed
+    if raw.repetition.period > 0:
+        return computed <= min(inspections.passes, default=computed)
+    return may_end and computed in inspections.passes and inspections.ends(raw)
 
 
 def _look(setup: Setup, requested: Sequence[str], turn: float, against: Against) -> Look:
@@ -221,7 +232,9 @@ def _record(inspections: Inspections, raw: RawRecord, checks_step: StepCheck, be
     standard = unknown = StandardErrors(nan, nan)
     if by_chance or checks_step.chaotic:
         standard = accuracy.standard_errors(case, setup.model, setup.cut, raw)
-    own |= _check_features(checks_step, _kept(whole, setup), standard if checks_step.chaotic else unknown)
+    own |= _check_features(
+        checks_step, _kept(inspections.earliest, setup), standard if checks_step.chaotic else unknown
+    )
     own |= _start_features(start_errors(setup, raw, standard if by_chance else unknown))
     if case.step_check == "strict" and not (checks_step.chaotic or has_free_cage(case)):
         _refuse_start_error(case, max(own["error.start"], own["error.start.rms"]))
@@ -244,15 +257,16 @@ def _refuse_start_error(case: Case, error: float) -> None:
         )
 
 
-def _kept(whole: Setup, ended: Setup) -> float:
-    """Return the share of its ball passes in a record, less than 1 if `until` ended it early."""
-    return recording.whole_passes(ended.case, ended.cut) / recording.whole_passes(whole.case, whole.cut)
+def _kept(checked: Setup, record: Setup) -> float:
+    """Return the ball passes of a record over those of the shortest, of which its step was checked."""
+    return recording.whole_passes(record.case, record.cut) / recording.whole_passes(checked.case, checked.cut)
 
 
 def _check_features(checks_step: StepCheck, kept: float, of_chaos: StandardErrors) -> dict[str, float]:
     """Return a step check as features.
 
-    kept: share of its ball passes that the record holds; of_chaos: standard errors of a chaotic one, else NaN.
+    kept: ball passes of the record over those of which the step was checked; of_chaos: standard errors of a
+    chaotic one, else NaN.
     """
     return {
         "step_error.line": checks_step.bound(checks_step.line),

@@ -47,12 +47,20 @@ class Inspections:
         """Check if a run is accurate enough."""
         return self.reached(raw).largest <= (self.setup.case.until or 0.0)
 
+    @property
+    def earliest(self) -> Setup:
+        """Setup of the shortest record, of which the step check takes a part."""
+        return self._of_passes(min(self.of_record.values())) if self.of_record else self.setup
+
     def ended(self, raw: RawRecord) -> Setup:
         """Return the setup of a run's record, shorter if an inspection has ended it."""
         computed = raw.repetition.computed
         if raw.repetition.period > 0 or computed not in self.of_record:
             return self.setup
-        shorter = {"duration": self.of_record[computed] / self.setup.cut.rate}
+        return self._of_passes(self.of_record[computed])
+
+    def _of_passes(self, passes: int) -> Setup:
+        shorter = {"duration": passes / self.setup.cut.rate}
         return replace(self.setup, case=self.setup.case.model_copy(update=shorter))
 
     def reached(self, raw: RawRecord) -> StandardErrors:

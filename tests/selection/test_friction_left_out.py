@@ -7,7 +7,7 @@ import pytest
 from bearingsim import selection
 from bearingsim.config import Case
 from bearingsim.selection import Choice, Trialled, candidates
-from bearingsim.selection.candidates import WITH_FRICTION
+from bearingsim.selection.candidates import WITH_FRICTION, with_friction
 from bearingsim.selection.choices import key
 from bearingsim.simulation import try_out
 from bearingsim.simulation.trial import CAGE_TURNS, LOOK_TURNS, Against, Trial, long_enough, passes_to_try
@@ -111,6 +111,21 @@ def test_it_is_tried_at_the_ends_of_a_curve_and_where_it_is_largest(write: Write
     ids = [case_id(case) for case in done.cases()]
     assert {one.of for one in done.selection.audits} == {ids[2], ids[3]}
     assert all(is_free(one.job.case) for one in done.selection.audits)
+
+
+def test_the_case_tried_with_friction_is_the_one_that_would_be_computed(write: Write) -> None:
+    """Its record may end early, and is then the job."""
+    study = near(write, OPEN.replace("duration: 0.2 s", "duration: 0.5 s"))
+    tried: list[Case] = []
+
+    def of(one: Trialled) -> Trial | None:
+        tried.extend([one.case] * is_free(one.case))
+        return by_friction(0.1)(one)
+
+    decided(study, of)
+    rubbing = {case_id(case) for own in study.cases() if (case := with_friction(own)) is not None}
+    assert {case_id(case) for case in tried if case.defects} <= rubbing
+    assert tried
 
 
 def test_each_curve_is_judged_by_itself(write: Write) -> None:

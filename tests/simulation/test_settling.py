@@ -57,6 +57,14 @@ def test_a_free_cage_settles_for_five_turns() -> None:
     assert settling.settling(auto(model="planar", cage={"motion": "kinematic"})) == settling.LEAST
 
 
+def test_a_free_cage_settles_for_two_turns_before_a_record_that_may_end_early() -> None:
+    """Unless oil drags its rollers: gross slip takes longer."""
+    early = {"model": "planar", "record": [], "until": "1 %"}
+    dry, oiled = auto(**early), auto(**early, drag={"oil_fraction": 0.1})
+    turn = settling.cage_turn(dry)
+    assert [settling.settling(given) for given in (dry, oiled)] == pytest.approx([2.0 * turn, 5.0 * turn])
+
+
 def test_models_without_memory_have_no_modes() -> None:
     assert settling.modes(auto(model="static")) == ()
     assert settling.settling(auto(model="static")) == settling.LEAST

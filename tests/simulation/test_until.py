@@ -8,9 +8,12 @@ from pydantic import ValidationError
 
 from bearingsim import simulate
 from bearingsim.config import Case
-from bearingsim.simulation import ending
-from bearingsim.simulation.sufficiency import batch_error
+from bearingsim.simulation import ending, try_out
+from bearingsim.simulation.choice import resolved
+from bearingsim.simulation.run_setup import set_up
+from bearingsim.simulation.sufficiency import Inspections, batch_error
 from bearingsim.simulation.time_grid import estimate
+from bearingsim.simulation.trial import Against
 from tests.scenes.short_cases import SLOT, case
 
 CHATTERS: dict[str, Any] = {"model": "rollers", "defect": SLOT | {"depth": "5 um", "angle": "20 deg"}}
@@ -119,3 +122,32 @@ def test_a_record_that_ends_early_is_priced_as_such() -> None:
     early, whole = (estimate(case(**FREE, duration="1 s", **more)) for more in ({"until": "1 %"}, {}))
     assert early.cpu_seconds < 0.5 * whole.cpu_seconds
     assert early.most_seconds > whole.cpu_seconds  # if it is never accurate enough
+
+
+def test_a_trial_that_is_accurate_enough_is_the_record() -> None:
+    given = case(**FREE, duration="0.4 s", until="1 %")
+    record = simulate(given)
+    result, of_trial = try_out(given, ["velocity@BPFO", "velocity.rms"], 65, 0.0, Against({}, {}))
+    assert of_trial is not None
+    assert result.passes == 65
+    assert of_trial.features == pytest.approx(record.features, rel=0.0, abs=0.0, nan_ok=True)
+    computed, whole, of_record = (
+        float(of.info[name])
+        for of, name in ((of_trial, "passes_computed"), (record, "passes"), (record, "passes_computed"))
+    )
+    assert computed == of_record < whole
+
+
+def test_a_trial_that_is_not_accurate_enough_is_no_record() -> None:
+    given = case(**FREE, duration="0.4 s", until="0.0001 %", step_check=False)
+    result, record = try_out(given, ["velocity@BPFO"], 65, 0.0, Against({}, {}))
+    assert record is None
+    assert result.passes == 65
+
+
+def test_the_step_is_checked_on_a_part_of_the_shortest_record() -> None:
+    early, whole = (
+        Inspections(set_up(resolved(case(**FREE, duration="1 s", **more)), 1.0)) for more in ({"until": "1 %"}, {})
+    )
+    assert early.earliest.case.duration * 530.0 == pytest.approx(65.0)
+    assert whole.earliest is whole.setup

@@ -1,0 +1,194 @@
+"""Do records that end early under an accuracy hold it, and what do they cost?
+
+    python -m benchmarks.early_ends [--scenes 40] [--seed 4021] [--before d1394a6] [--csv docs/data/early_ends.csv]
+
+The light scenes of ``benchmarks/friction.py``, 1 s long, ask 2 % of the fault's line and of the RMS, and leave
+friction open. The result, which has ended early or not, is compared with the same case in full: both features
+must be within 2 %. The report counts those within two of the stated standard errors of both records. The CPU time
+of trials and job is divided by that of the default `planar` at an earlier commit, in the same minute; compiling is
+left out. A scene in OUT is not computed again. Exit code 1 if under 95 % are within 2 %, or the CPU time is over a
+quarter.
+"""
+
+import argparse
+import csv
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from math import hypot, nan
+from pathlib import Path
+from typing import Any
+
+from bearingsim import selection
+from bearingsim.config.names import FAULT_LINES
+from bearingsim.selection.choices import key
+from bearingsim.simulation import SimulationError, simulate, try_out, warm
+from bearingsim.simulation.simulate import Record
+from bearingsim.simulation.trial import Trial
+from bearingsim.study import case_id
+from benchmarks.friction import draw, study_of
+
+WITHIN, SHARE, COST = 0.02, 0.95, 0.25
+STANDARD_ERRORS = 2.0
+IN_FULL = 1e-6
+"""`until` of a record that is judged like one that ends, and never does."""
+
+BEFORE = """
+import json, sys, tempfile, time
+from pathlib import Path
+from bearingsim.simulation import simulate, warm
+from bearingsim.study import load_study
+for line in sys.stdin:
+    path = Path(tempfile.mkdtemp()) / "scene.yaml"
+    path.write_text(line)
+    [case] = load_study(path).cases()
+    warm([case])
+    began = time.process_time()
+    try:
+        simulate(case)
+        print(time.process_time() - began, flush=True)
+    except ValueError:
+        print("nan", flush=True)
+"""
+
+
+def before(commit: str) -> Callable[[dict[str, Any]], float]:
+    """Return a function that measures the CPU time (s) of a scene in the default `planar` of a commit."""
+    tree = Path("results") / f"before-{commit}"
+    if not tree.exists():
+        subprocess.run(["git", "worktree", "add", "--detach", str(tree), commit], check=True, capture_output=True)
+    process = subprocess.Popen(
+        [sys.executable, "-c", BEFORE],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(tree.resolve())},
+        cwd=tree,
+    )
+
+    def measure(scene: dict[str, Any]) -> float:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        plain = {name: value for name, value in scene.items() if name not in ("accuracy", "record")}
+        process.stdin.write(json.dumps(plain | {"model": "planar"}) + "\n")
+        process.stdin.flush()
+        return float(process.stdout.readline())
+
+    return measure
+
+
+def scene_of(number: int, seed: int) -> tuple[dict[str, Any], str]:
+    """Return a scene as a study's YAML, and the name of its line."""
+    scene = draw("light", number, seed)
+    line = f"velocity@{FAULT_LINES[scene['defect']['race']]}"
+    return scene | {"accuracy": {"within": f"{WITHIN:.0%}", "of": [line, "velocity.rms"]}}, line
+
+
+def measured(number: int, seed: int, cpu_before: Callable[[dict[str, Any]], float]) -> dict[str, Any]:
+    """Compute a scene as a run with an accuracy does, then in full, and compare."""
+    scene, line = scene_of(number, seed)
+    study, done, of_trials = study_of(scene), dict[str, Record](), 0.0
+    choosing, known = selection.Choosing(study, [0]), dict[str, Trial | None]()
+    while wanted := choosing.wanted(known):
+        warm([one.case for one in wanted])
+        for one in wanted:
+            began = time.process_time()
+            try:
+                known[one.id], record = try_out(one.case, one.asked, one.passes, one.turn, *one.against)
+            except SimulationError:
+                known[one.id], record = None, None
+            of_trials += time.process_time() - began
+            if record is not None:
+                done[case_id(one.case)] = record
+    choices = choosing.decide(known).choices
+    [case] = selection.chosen(study, choices).cases()
+    of_job = 0.0
+    if case_id(case) not in done:
+        warm([case])
+        began = time.process_time()
+        done[case_id(case)] = simulate(case)
+        of_job = time.process_time() - began
+    early, whole = done[case_id(case)], simulate(case.model_copy(update={"until": IN_FULL}))
+    info = early.info
+    row: dict[str, Any] = {"scene": number, "load": scene["load"], "speed": scene["speed"]}
+    row |= {"race": scene["defect"]["race"], "taken": choices[key(study, study.cases()[0])].candidate}
+    row |= {"passes": info["passes_computed"], "of": info["passes"], "period": info["period_passes"]}
+    row |= {"chaotic": early.features["chaotic"], "trials_s": of_trials, "job_s": of_job}
+    row |= {"before_s": cpu_before(scene)}
+    for what, name in (("line", line), ("rms", "velocity.rms")):
+        fact = f"standard_error_{what}"
+        row[f"{what}_off"] = abs(early.features[name] / whole.features[name] - 1.0)
+        row[f"{what}_stated"] = info[fact]
+        row[f"{what}_beside"] = STANDARD_ERRORS * hypot(float(info[fact]), float(whole.info[fact]))
+    return row
+
+
+def rows_of(count: int, seed: int, commit: str, out: Path, seconds: float) -> list[dict[str, Any]]:
+    """Return the scenes, computing those that are missing until so much CPU time is used."""
+    rows: list[dict[str, Any]] = []
+    measure = before(commit)
+    for number in range(count):
+        path = out / f"{seed}-{number}.json"
+        if not path.exists():
+            if time.process_time() > seconds:
+                break
+            try:
+                row = measured(number, seed, measure)
+            except SimulationError as error:
+                row = {"scene": number, "refused": str(error)[:200]}
+            path.write_text(json.dumps(row))
+        row = json.loads(path.read_text())
+        print(*(f"{name}={short(value)}" for name, value in row.items()), flush=True)
+        rows += [row] if "refused" not in row else []
+    return rows
+
+
+def short(value: Any) -> Any:
+    """Return a number in three digits, anything else as it is."""
+    return f"{value:.3g}" if isinstance(value, float) else value
+
+
+def report(rows: list[dict[str, Any]]) -> bool:
+    """Print accuracy, coverage and cost of the scenes; return whether they suffice."""
+    kinds = ("line", "rms")
+    ended = [row for row in rows if not row["period"] and row["passes"] < row["of"]]
+    kept = sum(all(row[f"{what}_off"] <= WITHIN for what in kinds) for row in rows)
+    covered = {what: sum(row[f"{what}_off"] <= row[f"{what}_beside"] for row in ended) for what in kinds}
+    chaotic = sum(row["chaotic"] == 1.0 for row in ended)
+    print(f"{kept} of {len(rows)} within {WITHIN:.0%}; {len(ended)} ended early, {chaotic} of them chaotic")
+    print(f"within {STANDARD_ERRORS:g} standard errors, of those: line {covered['line']}, RMS {covered['rms']}")
+    print(f"CPU time over that before: {cost(rows):.2f}, of those that ended early {cost(ended):.2f}")
+    return kept >= SHARE * len(rows) and cost(rows) <= COST
+
+
+def cost(rows: list[dict[str, Any]]) -> float:
+    """Return the CPU time of trials and jobs over that before; NaN of no scenes."""
+    before_s = sum(row["before_s"] for row in rows)
+    return sum(row["trials_s"] + row["job_s"] for row in rows) / before_s if rows else nan
+
+
+def main() -> None:
+    """Compute what is missing, write the table, report."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scenes", type=int, default=40)
+    parser.add_argument("--seed", type=int, default=4021)
+    parser.add_argument("--before", default="d1394a6")
+    parser.add_argument("--out", type=Path, default=Path("results/early-ends"))
+    parser.add_argument("--seconds", type=float, default=150.0, help="CPU time after which no scene is begun")
+    parser.add_argument("--csv", type=Path)
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    rows = rows_of(options.scenes, options.seed, options.before, options.out, options.seconds)
+    if options.csv:
+        with options.csv.open("w", newline="") as file:
+            writer = csv.DictWriter(file, [*rows[0]], lineterminator="\n")
+            writer.writeheader()
+            writer.writerows({name: short(value) for name, value in row.items()} for row in rows)
+    sys.exit(int(not report(rows)))
+
+
+if __name__ == "__main__":
+    main()
