@@ -22,7 +22,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction compiler-gains house mutants $(CAMPAIGNS)
+.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants $(CAMPAIGNS)
 
 help:
 	@sed -n '1,8s/^# //p' Makefile
@@ -188,6 +188,10 @@ $(CAMPAIGNS): install-dev
 # does an accuracy hold against friction and a free cage, at which cost? Writes docs/data/friction.csv
 friction: install-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.friction --csv docs/data/friction.csv
+
+# do records that end early hold an accuracy, at which cost against an earlier commit? Writes docs/data/early_ends.csv
+early-ends: install-dev
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.early_ends --seconds inf --csv docs/data/early_ends.csv $(ARGS)
 
 # what do linked compilation and sums in vector registers gain? Two minutes
 compiler-gains: install-dev
