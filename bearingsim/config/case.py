@@ -32,7 +32,7 @@ class Case(CaseFields):
             return data
         for old, new in OLD_WORDS.items():
             if old in data and new in data:
-                refuse("twice", f"`{old}` is now called `{new}`", "say one of them", at=old)
+                refuse("twice", f"`{old}` is now called `{new}`", "keep one of them", at=old)
         data = {OLD_WORDS.get(key, key): value for key, value in data.items()}
         if "defect" not in data:
             return data

@@ -93,7 +93,7 @@ def parse_goal(section: Node | None, figures: Iterable[Figure], problems: list[P
     within = _share(entries["within"], problems) if "within" in entries else 0.0
     of = _features(entries.get("of"), problems) if "of" in entries else _drawn(figures)
     if not of and len(problems) == before:
-        what = "say of what, as in `accuracy: {within: 2 %, of: [velocity.rms]}`, or name `figures`"
+        what = "name the features, as in `accuracy: {within: 2 %, of: [velocity.rms]}`, or name `figures`"
         problems.append(
             problem(mark, "accuracy: no figure shows a spectral line, an RMS or the largest force", what)
         )

@@ -215,7 +215,7 @@ def _no_support(case: Case, named: bool) -> tuple[str, str] | None:
     able = [model.name for model in MODELS.values() if BENDING in model.abilities]
     if case.model not in able:
         words = " or ".join(f"`model: {name}`" for name in able)
-        return f"the {case.model} model has no flexible ring", f"say {words}, or leave `support` out"
+        return f"the {case.model} model has no flexible ring", f"use {words}, or leave `support` out"
     if case.rig.ring is not None:
         return "the rig already defines the support of its ring", "leave `support` out, or use `bends: false`"
     return None

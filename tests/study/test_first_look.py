@@ -36,7 +36,10 @@ def made(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
         (MANY + "uncertainty: {damping: [1 us, 2 mm]}", "expected a time"),
         (MANY + "uncertainty: {support: unknown}\nmodel: planar", "the planar model has no flexible ring"),
         (MANY + "accuracy: {within: 90 %, of: velocity.rms}", "accuracy: expected 0.5 % to 50 %"),
-        (MANY + "accuracy: {within: 2 %, of: velocity.rms}\nmethod: rk4", "`method` beside `accuracy`"),
+        (
+            MANY + "accuracy: {within: 2 %, of: velocity.rms}\nmethod: rk4",
+            "`method` cannot be combined with `accuracy`",
+        ),
         (MANY + "laod: 1 N", "unknown key `laod`"),
         (MANY + "quick: {duration: 1 N}", "duration: expected a time"),
         (MANY + "quick: {sweep: {load: [1 N, 1 mm]}}", "load: expected a force"),

@@ -295,7 +295,7 @@ def until_conflicts(case: "CaseFields") -> Iterator[Conflict]:
         yield Conflict("until", (("until",), ("antialias",)), message, "leave `antialias: false` out")
     if case.step_check == "strict":
         message = "`step_check: strict` checks the whole record, which `until` may shorten"
-        yield Conflict("until", (("until",), ("step_check",)), message, "say one of them")
+        yield Conflict("until", (("until",), ("step_check",)), message, "keep one of them")
     for name, alike in ALIKE.items():
         if name not in ALIKE_BY_TURNS and not alike.holds(case):
             message = f"`until` compares turns, which differ: {alike.why_not}"

@@ -196,7 +196,7 @@ class Rig(Section):
         angle = self.sensor_angle if self.sensor.angle is None else self.sensor.angle
         if "sensor_angle" in self.model_fields_set and angle != self.sensor_angle:
             refuse(
-                "twice", "`sensor_angle` is another word for `sensor.angle`", "say one of them", at="sensor_angle"
+                "twice", "`sensor_angle` is another word for `sensor.angle`", "keep one of them", at="sensor_angle"
             )
         object.__setattr__(self, "sensor_angle", angle)
         object.__setattr__(self, "sensor", self.sensor.model_copy(update={"angle": angle}))
