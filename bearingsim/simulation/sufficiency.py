@@ -13,7 +13,6 @@ from functools import cache, partial
 from math import inf, nan
 
 import numpy as np
-from scipy.special import stdtrit
 
 from bearingsim import signals
 from bearingsim.config import Case
@@ -138,6 +137,8 @@ def batch_error(values: np.ndarray) -> float:
     is free of the bias of first order by a correlation over batches. By Student's t two standard errors are as
     sure as two sigma.
     """
+    from scipy.special import stdtrit
+
     n, size, largest, before = len(values), 1, 0.0, 0.0
     while (count := n // size) >= FEWEST_BATCHES:
         means = values[n - count * size :].reshape(count, size).mean(axis=1)

@@ -45,6 +45,11 @@ def test_commands_that_read_results_import_nothing_that_computes_them(tmp_path, 
     assert ended.returncode == 0, ended.stderr[-500:]
 
 
+def test_the_simulation_imports_the_parts_of_scipy_where_it_calls_them():
+    code = "import sys, bearingsim.simulation; print({'scipy.special', 'scipy.optimize'} & set(sys.modules))"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "set()\n"
+
+
 def test_what_a_study_needs_is_compiled_beforehand(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("small.yaml").write_text(STUDY.replace("[static, ring]", "[static]"))
