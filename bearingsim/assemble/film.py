@@ -62,13 +62,13 @@ def film(case: Case, stiffness: Any, other: Any, point: PointContact | None, on_
 def table(contact: OiledContact, named: str) -> np.ndarray:
     """Tabulate c (N s/m) over the approach (m), cached; ``named`` distinguishes laws that are equal as tuples."""
 
-    def with_slope(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def with_derivative(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         delta = np.minimum(y, DEEPEST)
         less, more = (damping(contact, delta * (1.0 + sign * DIFFERENCE)) for sign in (-1.0, 1.0))
         flat = y > DEEPEST
         return damping(contact, delta), np.where(flat, 0.0, (more - less) / (2.0 * DIFFERENCE * delta))
 
-    tabulated = tabulate(with_slope)
+    tabulated = tabulate(with_derivative)
     tabulated.flags.writeable = False
     return tabulated
 
@@ -77,8 +77,8 @@ def damping(contact: OiledContact, delta: np.ndarray) -> np.ndarray:
     """Compute c (N s/m) at approaches ``delta`` (m): of the film under the load there, plus hysteresis."""
     Q, k = curve(contact.stiffness, delta)
     omega = own_frequency(contact, Q, k)
-    line, growth = oiled_line(contact, Q)
-    c = film_damping(Q, k, line, omega if contact.own_frequency else 0.0, growth)
+    line, exponent = oiled_line(contact, Q)
+    c = film_damping(Q, k, line, omega if contact.own_frequency else 0.0, exponent)
     return c + hysteresis(k, omega, contact.loss_factor)
 
 

@@ -9,8 +9,8 @@ from bearingsim.catalogue import AUTO, FEATURES, MODELS, code
 from bearingsim.config import FEATURES as DECLARED
 from bearingsim.config import Case
 from bearingsim.core.defects.crossings import count_crossings
-from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
-from bearingsim.core.laws.friction.interface import mu, mu_slope, mu_slope_bound
+from bearingsim.core.laws.damping.interface import damping_bound, derivatives, normal_force, stiffness_bound
+from bearingsim.core.laws.friction.interface import mu, mu_derivative, mu_derivative_bound
 from bearingsim.core.laws.stiffness.interface import curvature, elastic, tangent
 from bearingsim.core.methods.interface import stability_ratio, step
 from bearingsim.core.models.interface import (
@@ -26,9 +26,9 @@ from bearingsim.core.models.interface import (
 )
 from bearingsim.errors import UserError
 
-DAMPING = (normal_force, stiffness_bound, damping_bound), (slopes,)
+DAMPING = (normal_force, stiffness_bound, damping_bound), (derivatives,)
 STIFFNESS = (elastic, tangent), (curvature,)
-FRICTION = (mu, mu_slope_bound), (mu_slope,)
+FRICTION = (mu, mu_derivative_bound), (mu_derivative,)
 """Per kind of law: functions of every method, and derivatives for implicit ones."""
 MODEL = (
     (state_width, begin, update_extremes, monitored, stiffness_per_mass, damping_per_mass, count_crossings),

@@ -47,6 +47,6 @@ def _interpolated(before: tuple[float, float], now: tuple[float, float], far: tu
     (x_before, f_before), (x, f), (x_far, f_far) = before, now, far
     if x_before == x_far:
         return -f * (x - x_before) / (f - f_before)
-    slope, slope_far = (f_before - f) / (x_before - x), (f_far - f) / (x_far - x)
-    bent = slope_far * slope * (f_far - f_before)
-    return -f * (f_far * slope_far - f_before * slope) / bent if bent != 0.0 else inf
+    secant, secant_far = (f_before - f) / (x_before - x), (f_far - f) / (x_far - x)
+    bent = secant_far * secant * (f_far - f_before)
+    return -f * (f_far * secant_far - f_before * secant) / bent if bent != 0.0 else inf

@@ -185,17 +185,17 @@ def friction_scale(case: "Case", force: float) -> tuple[float, float]:
     """Compute the largest friction (N) under a force (N), and the decay time (s) of the slip of a roller.
 
     The slip of a roller between two races, each under the force Q, decays as exp(-2 mu' Q R_w^2/I_r t), with mu'
-    the largest slope of the friction curve.
+    the largest derivative of the friction curve.
     """
     from bearingsim import assemble
-    from bearingsim.core.laws.friction.interface import mu_slope_bound
+    from bearingsim.core.laws.friction.interface import mu_derivative_bound
 
     if case.friction is None:
         return math.nan, math.inf
     model = assemble.model(case)
     b, u = model.bearing, model.bearing.R_w * model.bearing.omega_b
-    slope = float(mu_slope_bound(model.friction, u))
-    settled = b.I_r / (2.0 * slope * force * b.R_w**2) if slope > 0.0 else math.inf
+    derivative = float(mu_derivative_bound(model.friction, u))
+    settled = b.I_r / (2.0 * derivative * force * b.R_w**2) if derivative > 0.0 else math.inf
     return most_friction(model.friction, u) * force, settled
 
 

@@ -122,7 +122,7 @@ MOBILITY_R, MOBILITY_T, MOBILITY_SPIN, MOBILITY_SHARED = of_linearise(
 D_POSITION_R, D_POSITION_T, D_VELOCITY_R, D_VELOCITY_T = of_linearise(MOBILITY_SHARED + ROW, "m, m, m/s, m/s")
 D_FORCE_R, D_FORCE_T, D_TORQUE = of_linearise(D_VELOCITY_T + ROW, "N, N, N m")
 D_FORCE_SHARED = of_linearise(D_TORQUE + ROW, "N", count=FIRST_LANE)[0]
-# rows of contacts: ``parts/races.py``, ``parts/cage_slopes.py``
+# rows of contacts: ``parts/races.py``, ``parts/cage_derivatives.py``
 OUTER_CONTACT, INNER_CONTACT, POCKET_CONTACT = (JACOBIAN_WORK + FIRST_LANE + n * ROW for n in (19, 43, 67))
 # loads of each roller on the cells F_X to M_INNER
 ROLLER_LOADS = whole_rows(

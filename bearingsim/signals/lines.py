@@ -116,14 +116,14 @@ def lines_of_blocks(
 ) -> np.ndarray:
     """Compute ``line_at`` of L lines in Q series each, given as consecutive blocks.
 
-    A block: series (L, Q, n), the lines' angles (L, n) rad, and their growth from sample to sample (L, n). begin,
+    A block: series (L, Q, n), the lines' angles (L, n) rad, and their increments per sample (L, n). begin,
     end: (L,) angles of the first sample and the last. Returns (L, Q) complex.
     """
     turns = (end - begin) / (2.0 * pi)
     shift, mean, total, weights, kernels = None, *(np.zeros(1) for _ in range(4))
-    for series, angle, slope in blocks:
+    for series, angle, increments in blocks:
         shift = series.mean(axis=2, keepdims=True) if shift is None else shift
-        weight = np.sin((angle - begin[:, np.newaxis]) / (2.0 * turns[:, np.newaxis])) ** 2 * slope
+        weight = np.sin((angle - begin[:, np.newaxis]) / (2.0 * turns[:, np.newaxis])) ** 2 * increments
         kernel = weight * _turn(angle)
         moving = series - shift  # the mean can be a thousand times a line
         weights, kernels = weights + weight.sum(axis=1), kernels + kernel.sum(axis=1)

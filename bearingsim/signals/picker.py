@@ -156,8 +156,8 @@ def _refined(
     for _ in range(30):
         shape, lines, left = _remove_peaks(bins, values, positions)
         distance = bins[:, np.newaxis] - positions
-        slope = (_line_shape(distance - 1e-4) - _line_shape(distance + 1e-4)) / 2e-4
-        columns = np.hstack([shape, 1j * shape, slope * lines])
+        derivative = (_line_shape(distance - 1e-4) - _line_shape(distance + 1e-4)) / 2e-4
+        columns = np.hstack([shape, 1j * shape, derivative * lines])
         moves = np.linalg.lstsq(_parts(columns), _parts(left), rcond=1e-10)[0][2 * len(positions) :]
         positions = positions + np.clip(moves, -0.25, 0.25)
         if np.abs(moves).max() < 1e-8:

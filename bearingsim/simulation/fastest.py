@@ -51,20 +51,20 @@ def rates_at_rest(model: Any, t: float, y: np.ndarray, approach: float, rounds: 
 
 
 def _largest(model: Any, t: float, y: np.ndarray, block: int, arms: np.ndarray, size: float, rounds: int) -> float:
-    """Return the largest eigenvalue of minus the slope of the accelerations in a block of the state.
+    """Return the largest eigenvalue of minus the Jacobian of the accelerations in a block of the state.
 
     arms: (STATE,) of each entry, m per unit, 0 if it is no state; size: largest change of an entry, m or m/s.
     """
     cells = np.flatnonzero(arms)
     arms, changed, accelerated = arms[cells], block + cells, lay.ACCELERATION + cells
     rest, still = y[changed].copy(), y[accelerated].copy()
-    slope, value = np.random.default_rng(0).standard_normal(len(cells)), 0.0
+    product, value = np.random.default_rng(0).standard_normal(len(cells)), 0.0
     for _ in range(rounds):
-        step = slope * (size / (float(np.abs(slope).max()) or 1.0))
+        step = product * (size / (float(np.abs(product).max()) or 1.0))
         y[changed] = rest + step / arms
         start_at_rest(model, t, y)
-        slope = arms * (still - y[accelerated])
-        value = float(np.linalg.norm(slope)) / (float(np.linalg.norm(step)) or 1.0)
+        product = arms * (still - y[accelerated])
+        value = float(np.linalg.norm(product)) / (float(np.linalg.norm(step)) or 1.0)
     y[changed] = rest
     start_at_rest(model, t, y)
     return value

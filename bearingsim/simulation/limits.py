@@ -70,7 +70,7 @@ class Limits:
     energy_bound: float
 
 
-class Slopes(NamedTuple):
+class SpringRates(NamedTuple):
     """Stiffness K (1/s^2) and damping C (1/s) of a body over its mass, at rest and at most."""
 
     K_rest: float
@@ -82,17 +82,17 @@ class Slopes(NamedTuple):
 def step_limits(case: Case) -> Limits:
     """Return the limits of the case's step, its method named. Raises ``Refused`` if nothing holds the ring."""
     try:
-        limits, slopes = _without_method(assemble.bearing_of(full_speed_case(case)))
+        limits, rates = _without_method(assemble.bearing_of(full_speed_case(case)))
     except NoEquilibrium as error:
         raise Refused(str(error), "give the bearing a load that its rollers can carry") from error
-    at_rest = step_limit(case.method, slopes.K_rest, slopes.C_rest)
-    at_impact = step_limit(case.method, slopes.K_most, slopes.C_most)
+    at_rest = step_limit(case.method, rates.K_rest, rates.C_rest)
+    at_impact = step_limit(case.method, rates.K_most, rates.C_most)
     return replace(limits, at_rest=at_rest, at_impact=min(at_rest, at_impact))
 
 
 @lru_cache(maxsize=CACHED_RESTS)
-def _without_method(case: Case) -> tuple[Limits, Slopes]:
-    """Return the limits without those of a method, and the slopes that those follow from."""
+def _without_method(case: Case) -> tuple[Limits, SpringRates]:
+    """Return the limits without those of a method, and the spring and damping rates that they follow from."""
     rest_load, K, C = loads_at_rest(loaded_at_rest(case))
     K_alone, _ = contacts_alone(loaded_at_rest(case))
     frequency = sqrt(K_alone) / (2.0 * pi) if K_alone > 0.0 else inf
@@ -112,7 +112,7 @@ def _without_method(case: Case) -> tuple[Limits, Slopes]:
         approach_bound=inf,
         energy_bound=inf,
     )
-    return _with_defects(case, limits, K, C) if MODELS[case.model].loaded else (limits, Slopes(K, C, K, C))
+    return _with_defects(case, limits, K, C) if MODELS[case.model].loaded else (limits, SpringRates(K, C, K, C))
 
 
 def damping_ratio_at_rest(case: Case) -> float:
@@ -124,7 +124,7 @@ def damping_ratio_at_rest(case: Case) -> float:
     return C / (2.0 * sqrt(K)) if K > 0.0 else 0.0
 
 
-def _with_defects(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limits, Slopes]:
+def _with_defects(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limits, SpringRates]:
     """Return the limits with the impacts at defects."""
     model = assemble.model(case)
     speed = closing_speed(model)
@@ -144,7 +144,7 @@ def _with_defects(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limi
         approach_bound=deepest,
         energy_bound=energy_bound,
     )
-    return limits, Slopes(K, C, K + K_more, C + C_more)
+    return limits, SpringRates(K, C, K + K_more, C + C_more)
 
 
 def impact_force(model: Any, load: float) -> float:
@@ -232,12 +232,12 @@ def contacts_alone(healthy: Case) -> tuple[float, float]:
     """Return stiffness and damping over mass as ``loads_at_rest``, without those of a ring that bends."""
     if healthy.rig.ring is None or not MODELS[healthy.model].has_inertia:
         return loads_at_rest(healthy)[1:]
-    model, slopes = assemble.model(healthy), []
+    model, rates = assemble.model(healthy), []
     stiff = model._replace(bending=Stiff())
     for _, y, _, _ in at_rest_in_a_pass(model):
         for j in range(model.bearing.Z):
-            slopes.append((stiffness_per_mass(stiff, y, j), damping_per_mass(stiff, y, j)))
-    K, C = np.max(slopes, axis=0)
+            rates.append((stiffness_per_mass(stiff, y, j), damping_per_mass(stiff, y, j)))
+    K, C = np.max(rates, axis=0)
     return float(K), float(C)
 
 
@@ -269,7 +269,8 @@ def step_impact(model: Any, law: Any, load: float) -> tuple[float, float, float]
 
 
 def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
-    """Return peak force and largest slopes over m of a free roller (m in kg) that hits a race at ``speed`` (m/s).
+    """Return peak force and largest stiffness and damping over m of a free roller (m in kg) that hits a race at
+    ``speed`` (m/s).
 
     In N, 1/s^2 (stiffness) and 1/s (damping); zeros for rollers without mass, which have no impact.
     """

@@ -145,17 +145,20 @@ def _linearised(model: Any, t: float, y: np.ndarray, small: float, K: float) -> 
     small: displacement (m); K: stiffness over mass (1/s^2) of the stiffest roller, by which a speed is as small.
     """
     cells = _radial(model)
-    slopes = np.empty((2, len(cells), len(cells)))
-    for block, step, slope in ((lay.POSITION, small, slopes[0]), (lay.VELOCITY, small * K**0.5, slopes[1])):
+    jacobians = np.empty((2, len(cells), len(cells)))
+    for block, step, jacobian in (
+        (lay.POSITION, small, jacobians[0]),
+        (lay.VELOCITY, small * K**0.5, jacobians[1]),
+    ):
         for n, cell in enumerate(block + cells):
             rest, pushed = y[cell], []
             for y[cell] in (rest + step, rest - step):
                 start_at_rest(model, t, y)
                 pushed.append(y[lay.ACCELERATION + cells])
             y[cell] = rest
-            slope[:, n] = (pushed[0] - pushed[1]) / (2.0 * step)
-    moves = np.abs(slopes[0]).sum(axis=1) > 0.0  # an inner ring without a shaft does not
-    stiffness, damping = (slope[np.ix_(moves, moves)] for slope in slopes)
+            jacobian[:, n] = (pushed[0] - pushed[1]) / (2.0 * step)
+    moves = np.abs(jacobians[0]).sum(axis=1) > 0.0  # an inner ring without a shaft does not
+    stiffness, damping = (jacobian[np.ix_(moves, moves)] for jacobian in jacobians)
     still = np.zeros_like(stiffness)
     return np.block([[still, np.eye(len(still))], [stiffness, damping]]), cells[moves]
 
@@ -177,7 +180,7 @@ class SlowModes:
     From pass to pass the state changes by s' = s_0 + M (s - s_0). M is almost constant where the motion differs
     from the steady one s_0 in a few slow modes of the rings. Their number of passes and one more give the minimal
     polynomial of M, and s_0 (minimal polynomial extrapolation, Sidi 2017, ch. 1). If a root of it lies outside of
-    the unit circle, a mode grows: then s_0 is unstable, and the motion does not converge to it.
+    the unit circle, a mode diverges: then s_0 is unstable, and the motion does not converge to it.
 
     passes: largest number of them; steady: whether the last states have come near to it, and would stay.
     """
@@ -222,7 +225,7 @@ class SlowModes:
         polynomial = np.append(shares, 1.0)  # its roots are the factors of the modes in a pass
         if not np.linalg.norm(changes @ polynomial) <= LEFT * self.last:
             return False
-        decays = not grows(polynomial)
+        decays = not diverges(polynomial)
         self.steady = decays and self.last < self.first
         if not decays:
             return False
@@ -245,6 +248,6 @@ class SlowModes:
         return np.stack([state.ravel() for state in turned], axis=1)
 
 
-def grows(polynomial: np.ndarray) -> bool:
+def diverges(polynomial: np.ndarray) -> bool:
     """Check if a root of a polynomial, its constant first, lies outside of the unit circle."""
     return bool(np.abs(np.roots(polynomial[::-1])).max(initial=0.0) >= 1.0)

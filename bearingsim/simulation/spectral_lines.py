@@ -208,13 +208,13 @@ def _lines_as_they_turn(
 
     def parts() -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         for begin, end in blocks(length):
-            before, after = max(0, begin - 1), min(length, end + 1)  # which slopes are taken from
+            before, after = max(0, begin - 1), min(length, end + 1)  # of which gradients are taken
             inside = slice(begin - before, end - before)
             wide = angles(before, after)
-            slope = np.gradient(wide, axis=1)[:, inside]
+            gradient = np.gradient(wide, axis=1)[:, inside]
             position, speed = (sensed(case, raw, quantity, start + begin, end - begin) for quantity in MOTION[:2])
-            motion = (np.broadcast_to(position, slope.shape), np.broadcast_to(speed, slope.shape))
-            yield np.stack([*motion, slope * cut.fine_rate * speed], axis=1), wide[:, inside], slope
+            motion = (np.broadcast_to(position, gradient.shape), np.broadcast_to(speed, gradient.shape))
+            yield np.stack([*motion, gradient * cut.fine_rate * speed], axis=1), wide[:, inside], gradient
 
     begin, end = angles(0, 1)[:, 0], angles(length - 1, length)[:, 0]
     displacement, velocity, by_parts = signals.lines_of_blocks(parts(), begin, end).T

@@ -14,7 +14,7 @@ from bearingsim.assemble import contacts
 from bearingsim.assemble.scales import approach
 from bearingsim.config import Case, library_names
 from bearingsim.config.rules.damping import PLAUSIBLE, Damped
-from bearingsim.core.laws.damping.interface import slopes
+from bearingsim.core.laws.damping.interface import derivatives
 from bearingsim.simulation import choice
 from benchmarks.impact_force import static_load_of_element
 from tests.scenes.nf308 import CHI
@@ -32,7 +32,7 @@ def case(bearing: str, damping: Any, rpm: float = 1800.0, **more: Any) -> Case:
 def at_shares(given: Case, on_outer: bool, shares: np.ndarray = SHARES) -> tuple[np.ndarray, np.ndarray]:
     """Stiffness (N/m) and damping (N s/m) of one contact at shares of its static load."""
     law, Q = contacts.damped(given, on_outer), static_load_of_element(given, on_outer)
-    found = np.array([slopes(law, approach(law, share * Q), 0.0) for share in shares])
+    found = np.array([derivatives(law, approach(law, share * Q), 0.0) for share in shares])
     return found[:, 0], found[:, 1]
 
 

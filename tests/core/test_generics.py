@@ -20,7 +20,7 @@ from bearingsim.core.defects.excitations import Traced, defect_response_gradient
 from bearingsim.core.defects.jumps import next_jump
 from bearingsim.core.defects.on_roller import roller_at_defect
 from bearingsim.core.defects.spall import Spall
-from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.damping.interface import damping_bound, derivatives, normal_force, stiffness_bound
 from bearingsim.core.laws.friction.curves import Frictionless, StaticDynamic
 from bearingsim.core.laws.stiffness.interface import elastic
 from bearingsim.core.laws.stiffness.series import as_power
@@ -217,14 +217,14 @@ def test_a_new_type_is_wanted_everywhere() -> None:
         pass
 
     said = complaints(FOUND | {normal_force: FOUND[normal_force] | {New}})
-    others = (damping_bound, slopes, stiffness_bound)
+    others = (damping_bound, derivatives, stiffness_bound)
     assert sorted(said) == sorted(f"{one.__name__} has none for New" for one in others)
 
 
 @pytest.mark.parametrize(
     ("one", "other"),
     [
-        (normal_force, slopes),
+        (normal_force, derivatives),
         (mobility, accelerate_ring_rotation),
         (count_crossings, linearise),
         (elastic, as_power),

@@ -15,7 +15,7 @@ from bearingsim.core.geometry.motion import Steady
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 from bearingsim.core.laws.friction.curves import Frictionless, StaticDynamic
-from bearingsim.core.laws.friction.interface import mu, mu_slope_bound
+from bearingsim.core.laws.friction.interface import mu, mu_derivative_bound
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
 from bearingsim.core.laws.stiffness.power_laws import Linear, TenNinths
 from bearingsim.core.methods.rk4 import RungeKutta4
@@ -75,8 +75,8 @@ def _mu_zone(law, v, u):
     return law.mu * min(max(v / law.v, -1.0), 1.0)
 
 
-@mu_slope_bound.register(Zone)
-def _mu_slope_bound_zone(law, u):
+@mu_derivative_bound.register(Zone)
+def _mu_derivative_bound_zone(law, u):
     return law.mu / law.v
 
 

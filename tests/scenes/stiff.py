@@ -9,7 +9,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.defects.jumps import next_jump
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.general import General, Power
-from bearingsim.core.laws.damping.interface import normal_force, slopes
+from bearingsim.core.laws.damping.interface import derivatives, normal_force
 from bearingsim.core.laws.stiffness.power_laws import PowerLaw
 from bearingsim.core.methods.interface import prepare, step
 from bearingsim.core.models.interface import (
@@ -70,7 +70,7 @@ def _accelerations(model, t, y):
 @linearise.register(Scene)
 def _linearise(model, t, y):
     q, v = y[lay.RADIAL], y[lay.RADIAL_V]
-    K, C = slopes(model.floor, -q, -v)
+    K, C = derivatives(model.floor, -q, -v)
     right = 1.0 + model.fault
     y[lay.diagonal_block(lay.POSITION_JACOBIAN, 0, 0)] = right * (-model.K - 2.0 * model.mu * q * v - K)
     y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, 0, 0)] = right * (-model.C + model.mu * (1.0 - q * q) - C)

@@ -148,21 +148,21 @@ def _defect_response_edge_contact(excitation, group, s, R):
 
 
 @jit
-def narrowed_contact_slopes(xi):
+def narrowed_contact_derivatives(xi):
     """Return the derivatives of ``narrowed_contact`` by ``xi``: of f, and of the centre of the pressure (half
     widths)."""
     if xi <= -1.0:
         return 0.0, -1.0
     root = sqrt(xi * xi + 3.0)
     c, arm = 2.0 / 3.0 * (root - xi), 2.0 * (root + xi)  # 3 c + 4 xi
-    c_slope, arm_slope = -c / root, arm / root
-    f_slope = c + c_slope * (xi - 2.0 / c) + 4.0 * min(xi, 0.0)
-    centre_slope = (c_slope * (2.0 * c + xi) + c - c * (c + xi) * arm_slope / arm) / arm
-    return f_slope, centre_slope
+    c_derivative, arm_derivative = -c / root, arm / root
+    f_derivative = c + c_derivative * (xi - 2.0 / c) + 4.0 * min(xi, 0.0)
+    centre_derivative = (c_derivative * (2.0 * c + xi) + c - c * (c + xi) * arm_derivative / arm) / arm
+    return f_derivative, centre_derivative
 
 
 @jit
-def softening_slope(from_rim, wall, rho):
+def softening_derivative(from_rim, wall, rho):
     """Return the derivative of ``softening`` (1/m)."""
     reach = from_rim + RADIUS_WEIGHT * rho
     part = HEIGHT_WEIGHT * wall / reach
@@ -170,29 +170,32 @@ def softening_slope(from_rim, wall, rho):
 
 
 @jit
-def one_edge_slope(x, b, wall, rho, R):
+def one_edge_derivative(x, b, wall, rho, R):
     """Return the derivative of ``one_edge`` by ``x`` (1/m)."""
-    (sharp, centre), (sharp_slope, centre_slope) = narrowed_contact(x / b), narrowed_contact_slopes(x / b)
+    (sharp, centre), (sharp_derivative, centre_derivative) = (
+        narrowed_contact(x / b),
+        narrowed_contact_derivatives(x / b),
+    )
     blunt = min(rho / R, 1.0)
     narrow = (1.0 - blunt) * exp(-sharp)
-    slope = narrow / (narrow + blunt) * sharp_slope / b
+    slope = narrow / (narrow + blunt) * sharp_derivative / b
     if softening(centre * b, wall, rho) > softening(max(INFLUENCE_HEIGHTS * wall, b), wall, rho):
-        slope += softening_slope(centre * b, wall, rho) * centre_slope
+        slope += softening_derivative(centre * b, wall, rho) * centre_derivative
     return slope
 
 
 @jit
-def ridge_slope(x, beyond, b, rho, R):
+def ridge_derivative(x, beyond, b, rho, R):
     """Return the derivative of ``ridge`` (1/m) along the path, by ``x`` and ``beyond`` together."""
     before, after = exp(-one_edge(x, b, 0.0, rho, R)), exp(-one_edge(-beyond, b, 0.0, rho, R))
-    before_slope = -before * one_edge_slope(x, b, 0.0, rho, R)
-    after_slope = after * one_edge_slope(-beyond, b, 0.0, rho, R)
+    before_derivative = -before * one_edge_derivative(x, b, 0.0, rho, R)
+    after_derivative = after * one_edge_derivative(-beyond, b, 0.0, rho, R)
     either = 1.0 - (1.0 - before) * (1.0 - after)
-    return -(before_slope * (1.0 - after) + after_slope * (1.0 - before)) / either
+    return -(before_derivative * (1.0 - after) + after_derivative * (1.0 - before)) / either
 
 
 @jit
-def remaining_share_slope(f, b, D):
+def remaining_share_derivative(f, b, D):
     """Return the derivative of ``remaining_share``."""
     race = 2.0 * log(2.0 * D / b) + 1.0
     if 1.0 + f / race <= 0.1:
@@ -214,8 +217,8 @@ def one_edge_contact(group, away, b, rho, R):
     wall, reach = reach_of(group, b)
     x = group[GROUP_HALF_WIDTH] - reach - away
     if wall > 0.0:
-        return one_edge(x, b, wall, rho, R), -one_edge_slope(x, b, wall, rho, R)
-    return ridge(x, x - group[X_E], b, rho, R), -ridge_slope(x, x - group[X_E], b, rho, R)
+        return one_edge(x, b, wall, rho, R), -one_edge_derivative(x, b, wall, rho, R)
+    return ridge(x, x - group[X_E], b, rho, R), -ridge_derivative(x, x - group[X_E], b, rho, R)
 
 
 @jit
@@ -234,13 +237,13 @@ def softness(excitation, group, away, R):
     """Return f at ``away`` (m) from the defect's middle and its slope (1/m): on one edge, on the floor or on
     both edges."""
     b, D, rho, load = half_contact(excitation, R), excitation.D, excitation.rho, excitation.load
-    h, h_slope = roller_drop(group, away + reach_of(group, b)[1], R + rho)
+    h, h_derivative = roller_drop(group, away + reach_of(group, b)[1], R + rho)
     f, slope = one_edge_contact(group, away, b, rho, R)
     on_floor = (group[DEPTH] - h) / load
     if on_floor < f:
-        f, slope = on_floor, -h_slope / load
-    apart, apart_slope = two_edge_contact(group, away, b, rho, R, D, load)
-    return (apart, apart_slope) if apart < f else (f, slope)
+        f, slope = on_floor, -h_derivative / load
+    apart, apart_derivative = two_edge_contact(group, away, b, rho, R, D, load)
+    return (apart, apart_derivative) if apart < f else (f, slope)
 
 
 @defect_response_gradient.register(EdgeContact)
@@ -248,10 +251,10 @@ def _defect_response_gradient_edge_contact(excitation, group, s, R):
     if group[DEPTH] == 0.0 or abs(s) >= group[GROUP_HALF_WIDTH]:
         return 0.0, 0.0
     b = half_contact(excitation, R)
-    f, f_slope = softness(excitation, group, abs(s), R)
-    share_slope = remaining_share_slope(f, b, excitation.D) * f_slope
+    f, f_derivative = softness(excitation, group, abs(s), R)
+    share_derivative = remaining_share_derivative(f, b, excitation.D) * f_derivative
     bent = roller_drop_curvature(group, abs(s) + reach_of(group, b)[1], R + excitation.rho)
-    return (share_slope if s > 0.0 else -share_slope), bent
+    return (share_derivative if s > 0.0 else -share_derivative), bent
 
 
 @response_groups.register(EdgeContact)

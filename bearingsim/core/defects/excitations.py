@@ -261,7 +261,7 @@ def _defect_response_pressure_share(excitation, group, s, R):
 
 @jit
 def pressure_at(x):
-    """Return the slope of ``pressure_before``."""
+    """Return the derivative of ``pressure_before``."""
     return 2.0 / pi * sqrt(max(1.0 - x * x, 0.0))
 
 
@@ -269,8 +269,8 @@ def pressure_at(x):
 def _defect_response_gradient_pressure_share(excitation, group, s, R):
     half_width, b = group[GROUP_HALF_WIDTH] - excitation.b, excitation.b
     ahead, behind = (half_width - s) / b, (-half_width - s) / b
-    rho_slope = (pressure_at(behind) - pressure_at(ahead)) / b
-    return (rho_slope if group[KAPPA] == UNLOADED else -rho_slope), 0.0
+    rho_derivative = (pressure_at(behind) - pressure_at(ahead)) / b
+    return (rho_derivative if group[KAPPA] == UNLOADED else -rho_derivative), 0.0
 
 
 @response_groups.register(PressureShare)

@@ -125,12 +125,12 @@ def unloaded_width(pair: RollerDefectPair, delta: np.ndarray, kappa: np.ndarray,
     delta, kappa = delta[:, None], kappa[:, None]
     P = np.repeat(1.0 / (1.0 - kappa), 2 * SHED_SAMPLES, axis=1)
     for _ in range(NEWTON_STEPS):
-        excess, slope = (1.0 - kappa) * P - 1.0, 1.0 - kappa
+        excess, derivative = (1.0 - kappa) * P - 1.0, 1.0 - kappa
         for row, sunk in zip(pair.groups, h, strict=True):
             left = np.maximum(1.0 - sunk / delta + kappa * P / n, 0.0)
             force = row[GROUP_WEIGHT] * left ** (n - 1.0)
-            excess, slope = excess + force * left, slope + force * kappa
-        P = P - excess / slope
+            excess, derivative = excess + force * left, derivative + force * kappa
+        P = P - excess / derivative
     return 2.0 * pair.half_width * P.mean(axis=1)
 
 

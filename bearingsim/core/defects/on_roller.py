@@ -16,21 +16,21 @@ from bearingsim.core.defects.pairs import (
 )
 from bearingsim.core.geometry.sides import contact_rows
 from bearingsim.core.jit import generic, inlined, jit
-from bearingsim.core.laws.damping.interface import normal_force, slopes
+from bearingsim.core.laws.damping.interface import derivatives, normal_force
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
 from bearingsim.core.parameters import kinematic_angles
 
 
 @inlined
-def touching_slope(stiffness, delta):
-    """Return the slope (N/m) of the elastic force at any approach ``delta`` (m): none out of contact, whatever
-    the law."""
+def touching_stiffness(stiffness, delta):
+    """Return the derivative (N/m) of the elastic force at any approach ``delta`` (m): none out of contact,
+    whatever the law."""
     return tangent(stiffness, delta) if delta > 0.0 else 0.0
 
 
 @jit
 def elastic_over_defect(stiffness, defects, d, s, delta):
-    """Return the elastic force (N), its slope (N/m) and the mean approach (m) of a contact that stands in
+    """Return the elastic force (N), its derivative (N/m) and the mean approach (m) of a contact that stands in
     roller-defect pair ``d``.
 
     delta: approach (m) to the undamaged race; ``s``: distance (m) from the defect's middle. ``d`` = -1: no defect.
@@ -38,16 +38,16 @@ def elastic_over_defect(stiffness, defects, d, s, delta):
     Equation (M10) of docs/model.md, either side.
     """
     if d < 0:
-        return elastic(stiffness, max(delta, 0.0)), touching_slope(stiffness, delta), max(delta, 0.0)
-    force, slope, mean = 0.0, 0.0, 0.0
+        return elastic(stiffness, max(delta, 0.0)), touching_stiffness(stiffness, delta), max(delta, 0.0)
+    force, spring_rate, mean = 0.0, 0.0, 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
         share, h, _ = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
         weight, approach = share * group[GROUP_WEIGHT], max(delta - h, 0.0)
         force += weight * elastic(stiffness, approach)
-        slope += weight * touching_slope(stiffness, delta - h)
+        spring_rate += weight * touching_stiffness(stiffness, delta - h)
         mean += weight * approach
-    return force, slope, mean
+    return force, spring_rate, mean
 
 
 @jit
@@ -107,13 +107,13 @@ def roller_drop_rate(stiffness, defects, d, s, speed, delta):
 
 
 @jit
-def slopes_over_defect(contact, defects, d, s, speed, delta, v):
+def derivatives_over_defect(contact, defects, d, s, speed, delta, v):
     """Return the derivatives of ``force_over_defect`` by the approach (N/m) and its rate (N s/m)."""
     K, C = 0.0, 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
         share, h, slope = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
-        by_approach, by_rate = slopes(contact, delta - h, v - slope * speed)
+        by_approach, by_rate = derivatives(contact, delta - h, v - slope * speed)
         K += share * group[GROUP_WEIGHT] * by_approach
         C += share * group[GROUP_WEIGHT] * by_rate
     return K, C
@@ -121,19 +121,19 @@ def slopes_over_defect(contact, defects, d, s, speed, delta, v):
 
 @jit
 def stiffness_over_defect(stiffness, defects, d, s, delta):
-    """Return the slope (N/m) of the elastic force of what is in contact; ``d`` = -1: no defect."""
+    """Return the derivative (N/m) of the elastic force of what is in contact; ``d`` = -1: no defect."""
     if d < 0:
-        return touching_slope(stiffness, delta)
-    slope = 0.0
+        return touching_stiffness(stiffness, delta)
+    spring_rate = 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
         share, h, _ = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
-        slope += share * group[GROUP_WEIGHT] * touching_slope(stiffness, delta - h)
-    return slope
+        spring_rate += share * group[GROUP_WEIGHT] * touching_stiffness(stiffness, delta - h)
+    return spring_rate
 
 
 @jit
-def roller_drop_rate_slope(stiffness, defects, d, s, speed, delta):
+def roller_drop_rate_derivative(stiffness, defects, d, s, speed, delta):
     """Return the derivative of ``roller_drop_rate`` by the approach (1/s)."""
     force, moment, stiff, stiff_moment = 0.0, 0.0, 0.0, 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
@@ -141,11 +141,11 @@ def roller_drop_rate_slope(stiffness, defects, d, s, speed, delta):
         share, h, slope = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
         weight, approach = share * group[GROUP_WEIGHT], max(delta - h, 0.0)
         part = weight * elastic(stiffness, approach)
-        growth = weight * tangent(stiffness, approach) if approach > 0.0 else 0.0
+        K_group = weight * tangent(stiffness, approach) if approach > 0.0 else 0.0
         force += part
         moment += part * slope * speed
-        stiff += growth
-        stiff_moment += growth * slope * speed
+        stiff += K_group
+        stiff_moment += K_group * slope * speed
     return (stiff_moment - stiff * moment / force) / force if force > 0.0 else 0.0
 
 

@@ -34,11 +34,15 @@ def _kinematic_time_steady(motion, t):
 
 @kinematic_time.register(Ramp)
 def _kinematic_time_ramp(motion, t):
-    growth = (motion.ratio - 1.0) / motion.T
+    ramp_rate = (motion.ratio - 1.0) / motion.T
     on_ramp = min(t, motion.T)
     after = t - on_ramp
-    acceleration = growth if t < motion.T else 0.0
-    return on_ramp + 0.5 * growth * on_ramp * on_ramp + motion.ratio * after, 1.0 + growth * on_ramp, acceleration
+    acceleration = ramp_rate if t < motion.T else 0.0
+    return (
+        on_ramp + 0.5 * ramp_rate * on_ramp * on_ramp + motion.ratio * after,
+        1.0 + ramp_rate * on_ramp,
+        acceleration,
+    )
 
 
 def motion_of(model: Any) -> Any:

@@ -22,17 +22,17 @@ _LOWEST = float(np.nextafter(FLOOR, 0.0))  # its bits name cell 0
 
 
 def tabulate(function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
-    """Tabulate a function that returns values and slopes of arrays, by cubic Hermite interpolation."""
+    """Tabulate a function that returns values and derivatives of arrays, by cubic Hermite interpolation."""
     octaves = 2.0 ** np.arange(FIRST, LAST)
     y = np.append(np.outer(octaves, 1.0 + np.arange(CELLS) / CELLS).ravel(), CEILING)
-    x, slope = function(y)
+    x, derivative = function(y)
     h, rise = np.diff(y), np.diff(x)
-    second = (3.0 * rise / h - 2.0 * slope[:-1] - slope[1:]) / h
-    third = (slope[:-1] + slope[1:] - 2.0 * rise / h) / h**2
-    inside = np.stack([x[:-1], slope[:-1], second, third], axis=1)
+    second = (3.0 * rise / h - 2.0 * derivative[:-1] - derivative[1:]) / h
+    third = (derivative[:-1] + derivative[1:] - 2.0 * rise / h) / h**2
+    inside = np.stack([x[:-1], derivative[:-1], second, third], axis=1)
     mean = x[0] / y[0]
-    below = [0.0, 2.0 * mean - slope[0], (slope[0] - mean) / y[0], 0.0]
-    above = [x[-1], slope[-1], 0.0, 0.0]
+    below = [0.0, 2.0 * mean - derivative[0], (derivative[0] - mean) / y[0], 0.0]
+    above = [x[-1], derivative[-1], 0.0, 0.0]
     return np.vstack([below, inside, above]).ravel()
 
 
@@ -55,7 +55,7 @@ def value(table, y):
 
 
 @jit
-def slope(table, y):
+def derivative(table, y):
     """Return the first derivative of ``value``."""
     k, s = cell(y)
     return table[k + 1] + s * (2.0 * table[k + 2] + s * (3.0 * table[k + 3]))

@@ -106,12 +106,12 @@ FASTER, PASSAGE, FALL = 0.79, 1.4, 1.3  # fits of the roll-off
 NOTHING = 1e-6  # N, a load under which there is no damping
 
 
-def film_damping(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, growth: float = 0.5) -> Number:
+def film_damping(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, exponent: float = 0.5) -> Number:
     """Return the damping c (N s/m) of the contact, beside its elastic law: Q + k x + c dx/dt for a small approach
     x.
 
     ``Q``: load (N); ``k``: dQ/d(delta) (N/m) there of the elastic law in use; ``omega``: of the oscillation
-    (rad/s), 0 for a slow one. ``growth``: of the half width, b ~ Q^growth, 1/2 for lines, 1/3 for balls
+    (rad/s), 0 for a slow one. ``exponent``: of the half width, b ~ Q^growth, 1/2 for lines, 1/3 for balls
     (``ball_as_strip``). Smooth in Q; tends to zero as Q^(3/2) without load.
 
     The sum of ``squeezed`` and ``carried``. Of slow oscillations it is within a factor 1.25 of 9 in 10 solutions.
@@ -119,7 +119,7 @@ def film_damping(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, gro
     the element's own frequency on its contacts it is an order of magnitude.
     """
     load = np.maximum(Q, NOTHING)
-    c = squeezed(load, k, line, omega) + carried(load, k, line, omega, growth)
+    c = squeezed(load, k, line, omega) + carried(load, k, line, omega, exponent)
     return np.where(np.asarray(Q) > NOTHING, c, 0.0)[()]
 
 
@@ -164,13 +164,13 @@ def squeezed(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0) -> Numb
     return k * lag * ratio * share**2 / (1.0 + (FASTER * omega * lag * share) ** 2)
 
 
-def carried(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, growth: float = 0.5) -> Number:
+def carried(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, exponent: float = 0.5) -> Number:
     """Return the damping (N s/m) by the film that a growing contact takes in: its edge meets the oil faster than
     u.
 
     An edge that moves out at db/dt takes in a film thicker by n (h/u) db/dt, n = d(ln h)/d(ln u), so that
 
-        c = n (h/u) k db/d(delta),    db/d(delta) = growth b k/Q
+        c = n (h/u) k db/d(delta),    db/d(delta) = exponent b k/Q
 
     n = 1.1/(1 + L/30) and the flattening z^4/(2.25^4 + z^4), without which no edge carries a film in, are fits.
     """
@@ -178,7 +178,7 @@ def carried(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, growth: 
     _, L = moes_numbers(Q, line)
     n = 1.1 / (1.0 + L / 30.0) / (1.0 + (FLATTENED / z) ** FLATTENING)
     b = half_widths(Q, line)
-    c = n * film_thickness(Q, line).central / line.u * k * growth * b * k / Q
+    c = n * film_thickness(Q, line).central / line.u * k * exponent * b * k / Q
     return c * roll_off(omega * 2.0 * b / line.u)
 
 

@@ -17,7 +17,7 @@ from bearingsim.core.jit import jit
 NODES = 129
 TRIAL_SPACING = 0.1  # of h_c: steps tried for each node
 MAX_REACH = 0.8  # over h_c, times the square of the number of stages: no method reaches further
-ROUNDING = 1e-9  # growth below it is none
+ROUNDING = 1e-9  # growth of the amplitude below it counts as none
 LIMIT_SAFETY = 0.999  # of the limit: so much the straight lines between nodes may be over it
 
 
@@ -85,7 +85,7 @@ def limit_over_h_c(tableau: Any) -> np.ndarray:
     """Return the stability limit over h_c, (NODES,), at each oscillator of the table."""
     K, C = oscillators()
 
-    def grows(h: np.ndarray) -> np.ndarray:
+    def is_unstable(h: np.ndarray) -> np.ndarray:
         h, shape = np.broadcast_arrays(h, K[:, None])[0], (-1, 1)
         return (
             spectral_radius(amplification(tableau, h * h * K.reshape(shape), h * C.reshape(shape)))
@@ -93,11 +93,11 @@ def limit_over_h_c(tableau: Any) -> np.ndarray:
         )
 
     tried = TRIAL_SPACING * np.arange(1, round(MAX_REACH * len(tableau.c) ** 2 / TRIAL_SPACING) + 1)
-    over = grows(tried)
+    over = is_unstable(tried)
     high = tried[np.where(over.any(axis=1), over.argmax(axis=1), -1)]
     low = high - tried[0]
     for _ in range(30):
         middle = 0.5 * (low + high)
-        above = grows(middle[:, None])[:, 0]
+        above = is_unstable(middle[:, None])[:, 0]
         low, high = np.where(above, low, middle), np.where(above, middle, high)
     return LIMIT_SAFETY * low

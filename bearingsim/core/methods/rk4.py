@@ -29,7 +29,7 @@ class RungeKutta4(NamedTuple):
 
 @jit
 def save_start(y, n):
-    """Remember where the step starts and clear the weighted sums of slopes."""
+    """Remember where the step starts and clear the weighted sums of rates."""
     for j in range(n):
         y[START_Q + j] = y[lay.POSITION + j]
         y[START_V + j] = y[lay.VELOCITY + j]
@@ -39,18 +39,18 @@ def save_start(y, n):
 
 @jit
 def stage(weight, ahead, y, n):
-    """Add the slopes found here with their weight (s) and go ``ahead`` (s) from the start along them."""
+    """Add the rates at this stage with their weight (s) and go ``ahead`` (s) from the start along them."""
     for j in range(n):
-        slope_q, slope_v = y[lay.VELOCITY + j], y[lay.ACCELERATION + j]
-        y[SUM_Q + j] += weight * slope_q
-        y[SUM_V + j] += weight * slope_v
-        y[lay.POSITION + j] = y[START_Q + j] + ahead * slope_q
-        y[lay.VELOCITY + j] = y[START_V + j] + ahead * slope_v
+        rate_q, rate_v = y[lay.VELOCITY + j], y[lay.ACCELERATION + j]
+        y[SUM_Q + j] += weight * rate_q
+        y[SUM_V + j] += weight * rate_v
+        y[lay.POSITION + j] = y[START_Q + j] + ahead * rate_q
+        y[lay.VELOCITY + j] = y[START_V + j] + ahead * rate_v
 
 
 @jit
 def finish(weight, y, n):
-    """Add the last slopes and take the step."""
+    """Add the last rates and take the step."""
     for j in range(n):
         y[lay.POSITION + j], y[lay.VELOCITY + j] = (
             y[START_Q + j] + y[SUM_Q + j] + weight * y[lay.VELOCITY + j],

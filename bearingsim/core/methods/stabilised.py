@@ -18,7 +18,7 @@ STAGES, EPS = 8, 2 / 13
 
 
 def chebyshev_table(s: int) -> Tableau:
-    """Return the method of ``s`` stages: row j weights the slopes that lead to Y_j, the last of them the new
+    """Return the method of ``s`` stages: row j weights the rates that lead to Y_j, the last of them the new
     state."""
     w_0 = 1.0 + EPS / s**2
     T = [Chebyshev.basis(j) for j in range(s + 1)]
@@ -31,10 +31,10 @@ def chebyshev_table(s: int) -> Tableau:
     rows = np.zeros((s + 1, s))
     rows[1, 0] = b[1] * w_1
     for j in range(2, s + 1):
-        mu, nu, slope = 2.0 * b[j] * w_0 / b[j - 1], -b[j] / b[j - 2], 2.0 * b[j] * w_1 / b[j - 1]
+        mu, nu, mu_tilde = 2.0 * b[j] * w_0 / b[j - 1], -b[j] / b[j - 2], 2.0 * b[j] * w_1 / b[j - 1]
         rows[j] = mu * rows[j - 1] + nu * rows[j - 2]
-        rows[j, j - 1] += slope
-        rows[j, 0] -= (1.0 - b[j - 1] * float(T[j - 1](w_0))) * slope
+        rows[j, j - 1] += mu_tilde
+        rows[j, 0] -= (1.0 - b[j - 1] * float(T[j - 1](w_0))) * mu_tilde
     return runge_kutta(rows[:s], rows[s])
 
 

@@ -5,7 +5,7 @@ Of q'' = f(t, q, v), with f_j the accelerations found at the stages,
     q_i = q + c_i h v + h^2 sum_j A_ij f_j,   v_i = v + h sum_j a_ij f_j,   f_i = f(t + c_i h, q_i, v_i)
 
 and the new state likewise with B and b (Nystrom 1925; Hairer, Norsett and Wanner, Solving ODEs I, sec. II.14). A
-Runge-Kutta method is the one with A = a a and B = b a: the same numbers but for rounding, without its slopes of q.
+Runge-Kutta method is the one with A = a a and B = b a: the same numbers but for rounding, without its rates of q.
 A step ends with the accelerations at its end, with which the next begins.
 """
 

@@ -16,15 +16,15 @@ from bearingsim.core.parts.shaft import accelerate_inner_ring, accelerate_ring_r
 class Bodies(NamedTuple):
     """The bodies that all rollers touch, as they stand and move.
 
-    time: s, the motion's own; growth: how fast speeds grow with it (1/s); theta_i, omega_i: the inner ring's angle
-    (rad) and speed (rad/s); omega_cage: the cage's speed, spin: a roller's nominal one (rad/s).
+    time: s, the motion's own; ramp_rate: relative acceleration of all speeds (1/s); theta_i, omega_i: the inner
+    ring's angle (rad) and speed (rad/s); omega_cage: the cage's speed, spin: a roller's nominal one (rad/s).
     """
 
     outer: Body
     inner: Body
     cage: Body
     time: float
-    growth: float
+    ramp_rate: float
     theta_i: float
     omega_i: float
     omega_cage: float
@@ -35,14 +35,14 @@ class Bodies(NamedTuple):
 def bodies(model, t, y):
     """Return ``Bodies`` at time ``t`` (s)."""
     b = model.bearing
-    time, rate, growth = kinematic_time(model.motion, t)
+    time, rate, ramp_rate = kinematic_time(model.motion, t)
     omega_i, omega_cage = b.omega_i * rate, b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C]
     return Bodies(
         outer=body_at(y, lay.X, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, y[lay.VELOCITY + lay.PSI]),
         inner=body_at(y, lay.X_I, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y, omega_i),
         cage=cage_body(model.cage_z, omega_cage, y),
         time=time,
-        growth=growth,
+        ramp_rate=ramp_rate,
         theta_i=b.omega_i * time,
         omega_i=omega_i,
         omega_cage=omega_cage,
@@ -91,10 +91,10 @@ def accelerate_bodies_of(model, common, y):
         lay.INNER_TILT_Y,
     )
 
-    kinematic = b.omega_c * common.growth
+    kinematic = b.omega_c * common.ramp_rate
     alpha_cage = accelerate_cage(model.cage, model, common.omega_cage, common.omega_i, kinematic, y) - wound
     y[lay.ACCELERATION + lay.PHI_C] = alpha_cage - kinematic
     accelerate_outer_ring(model, y)
     accelerate_ring_rotation(model.bracket, y)
-    accelerate_inner_ring(model.shaft, model, common.theta_i, common.omega_i, b.omega_i * common.growth, y)
+    accelerate_inner_ring(model.shaft, model, common.theta_i, common.omega_i, b.omega_i * common.ramp_rate, y)
     return alpha_cage

@@ -48,8 +48,8 @@ class NoEquilibrium(ArithmeticError):
 
 @jit
 def contact_force(contact, side, defects, y, j, delta):
-    """Return the force (N), slope (N/m) and mean approach (m) of a contact of roller ``j``, ``delta`` (m) in the
-    race.
+    """Return the force (N), its derivative (N/m) and mean approach (m) of a contact of roller ``j``, ``delta`` (m)
+    in the race.
 
     side: OUTER or INNER.
     """
@@ -59,7 +59,7 @@ def contact_force(contact, side, defects, y, j, delta):
 
 @jit
 def excess_force(model, y, j, touch, q):
-    """Return the net inward force (N) on a roller at ``q`` (m) and its slope; ``touch`` is where it meets the
+    """Return the net inward force (N) on a roller at ``q`` (m) and its derivative; ``touch`` is where it meets the
     outer race."""
     bearing = model.bearing
     outer, k_o, _ = contact_force(model.outer, OUTER, model.defects, y, j, q - touch)
@@ -88,12 +88,12 @@ def roller_balance(model, y, j, u_r):
             return q
     low, high, reach, before, last = touch, inf, REACH, inf, inf
     for _ in range(MAX_STEPS):
-        excess, slope = excess_force(model, y, j, touch, q)
+        excess, spring_rate = excess_force(model, y, j, touch, q)
         if excess > 0.0:
             high = q
         else:
             low = q
-        target = q - excess / max(slope, 1e-300)
+        target = q - excess / max(spring_rate, 1e-300)
         if high == inf:
             target = min(target, q + reach)
             reach *= 2.0
@@ -215,7 +215,7 @@ def line_search(model, t, y, d_x, d_y, push):
 def find_rest(model, t, y):
     """Put ring and rollers at rest at time ``t`` (s), starting from where the ring stands in ``y``.
 
-    Newton on the net force with a line search on the energy's slope. Returns the residual force (N);
+    Newton on the net force with a line search on the energy's derivative. Returns the residual force (N);
     velocities are left alone.
     """
     return settle(model.bending, model, t, y)

@@ -38,10 +38,10 @@ def copy_forces(row, y, n):
 def largest_within(start, middle, end):
     """Return the largest of three evenly spaced values, and of the parabola through them if its top lies
     between."""
-    bend, growth = 2.0 * middle - start - end, end - start
-    top = middle + growth * growth / (8.0 * max(bend, 1e-300))
+    bend, difference = 2.0 * middle - start - end, end - start
+    top = middle + difference * difference / (8.0 * max(bend, 1e-300))
     smooth = min(min(start, end), middle) > SMOOTH * top
-    return top if smooth and abs(growth) < 2.0 * bend else max(max(start, end), middle)
+    return top if smooth and abs(difference) < 2.0 * bend else max(max(start, end), middle)
 
 
 @jit

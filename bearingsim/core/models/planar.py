@@ -37,7 +37,7 @@ from bearingsim.core.geometry.plane import Centre, approach, centre_at, roller_d
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, contact_rows, normal_rows, sign
 from bearingsim.core.jit import inlined, jit
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
-from bearingsim.core.laws.friction.interface import mu, mu_slope_bound
+from bearingsim.core.laws.friction.interface import mu, mu_derivative_bound
 from bearingsim.core.laws.friction.lag import lagged, lagged_friction
 from bearingsim.core.models.by_roller import (
     accelerate_roller,
@@ -78,7 +78,7 @@ from bearingsim.core.parts.shaft import (
 )
 from bearingsim.core.sums import sum_loads
 
-AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's slope
+AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's derivative
 
 
 class Planar(NamedTuple):
@@ -135,13 +135,13 @@ def _roller_at_defect(model, d, t, y):
 class Plane(NamedTuple):
     """Pocket angle, body speeds and centres, computed once per evaluation.
 
-    time: s, the motion's own; growth: how fast speeds grow with it (1/s); C, S: cosine and sine of the first
-    pocket's angle; omega_cage, omega_i: speeds of the cage and the inner ring, spin: a roller's nominal one,
+    time: s, the motion's own; ramp_rate: relative acceleration of all speeds (1/s); C, S: cosine and sine of the
+    first pocket's angle; omega_cage, omega_i: speeds of the cage and the inner ring, spin: a roller's nominal one,
     turning: the outer ring's (rad/s).
     """
 
     time: float
-    growth: float
+    ramp_rate: float
     C: float
     S: float
     omega_cage: float
@@ -159,12 +159,12 @@ register_roller_model(Planar)
 @shared.register(Planar)
 def _shared(model, t, y):
     b = model.bearing
-    time, rate, growth = kinematic_time(model.motion, t)
+    time, rate, ramp_rate = kinematic_time(model.motion, t)
     theta_c = b.theta_0 + b.omega_c * time + y[lay.POSITION + lay.PHI_C]
     C, S = cos_sin(theta_c)
     return Plane(
         time=time,
-        growth=growth,
+        ramp_rate=ramp_rate,
         C=C,
         S=S,
         omega_cage=b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C],
@@ -298,7 +298,7 @@ def tilt_contact(side, law, defects, d, j, s, turning, y):
 @accelerate_shared.register(Planar)
 def _accelerate_shared(model, common, t, y):
     b = model.bearing
-    n, kinematic = lanes(b), b.omega_c * common.growth
+    n, kinematic = lanes(b), b.omega_c * common.ramp_rate
     torque = correct_for_defects(model, common, t, y)
     sum_loads(lay.F_X, lay.M_RING, y, n)
     sum_loads(lay.F_X_I, lay.F_Y_I, y, n)
@@ -309,7 +309,7 @@ def _accelerate_shared(model, common, t, y):
     accelerate_outer_ring(model, y)
     accelerate_ring_rotation(model.bracket, y)
     accelerate_inner_ring(
-        model.shaft, model, b.omega_i * common.time, common.omega_i, b.omega_i * common.growth, y
+        model.shaft, model, b.omega_i * common.time, common.omega_i, b.omega_i * common.ramp_rate, y
     )
     return alpha_cage
 
@@ -321,7 +321,7 @@ def _accelerate_roller(model, common, alpha_cage, y, j):
     Equation (P2) of docs/planar.md.
     """
     b, cage, per_mass = model.bearing, model.cage, y[lay.INVERSE_MASS + j]
-    real, alpha_spin = b.m_r * per_mass, (b.omega_c - b.omega_b) * common.growth
+    real, alpha_spin = b.m_r * per_mass, (b.omega_c - b.omega_b) * common.ramp_rate
     r, theta_v = 0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j], common.omega_cage + y[lay.EPS_V + j]
     y[lay.RADIAL_A + j] = real * r * theta_v * theta_v + per_mass * y[lay.FORCE_R + j]
     theta_a = (per_mass * y[lay.FORCE_T + j] - 2.0 * y[lay.RADIAL_V + j] * theta_v) / r
@@ -360,7 +360,7 @@ def _damping_per_mass(model, y, j):
     inner = damping_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
     b = model.bearing
     pressed = max(y[lay.Q_O + j], y[lay.Q_I + j]) * 2.0 * b.R_w * b.R_w / b.I_r
-    rubbing = mu_slope_bound(model.friction, b.R_w * b.omega_b) * pressed
+    rubbing = mu_derivative_bound(model.friction, b.R_w * b.omega_b) * pressed
     held = max(damper_per_mass(model.shaft), damper_per_mass(model.bracket))
     return max(y[lay.INVERSE_MASS + j] * (outer + inner), held, lagged(rubbing, model.lag))
 

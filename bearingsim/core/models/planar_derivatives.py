@@ -3,9 +3,9 @@
 A column is what follows from one unit of one coordinate, of all rollers at once (each feels itself and the shared
 coordinates only) or of one that is shared. How the rollers' positions and velocities change, as the body they
 touch sees it, is laid in the rows D_POSITION and D_VELOCITY; the contacts answer (``parts/races.py``,
-``parts/cage_slopes.py``); the answers are the column. Forces keep their direction in space while e_r and e_theta
-turn with the roller: that, and what its own motion does, is added at the end, with the springs of the shared
-coordinates.
+``parts/cage_derivatives.py``); the answers are the column. Forces keep their direction in space while e_r and
+e_theta turn with the roller: that, and what its own motion does, is added at the end, with the springs of the
+shared coordinates.
 
 Friction counts without lag (``laws/friction/lag.py``): implicit methods have none.
 """
@@ -16,15 +16,20 @@ from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.jit import add, jit
 from bearingsim.core.parameters import lanes
 from bearingsim.core.parts.cage import cage_constraint, orbit_drag
-from bearingsim.core.parts.cage_slopes import (
+from bearingsim.core.parts.cage_derivatives import (
     cage_mobility,
     guide_change,
-    land_drag_slope,
-    orbit_drag_slope,
+    land_drag_derivative,
+    orbit_drag_derivative,
     pocket_change,
-    pocket_slopes,
+    pocket_derivatives,
 )
-from bearingsim.core.parts.races import contact_slopes, friction_slopes, race_change, slopes_over_defects
+from bearingsim.core.parts.races import (
+    contact_derivatives,
+    derivatives_over_defects,
+    friction_derivatives,
+    race_change,
+)
 from bearingsim.core.parts.shaft import damper_per_mass, mobility, spring_per_mass
 
 RADIAL, ORBIT, SPIN = range(3)  # a roller's coordinates
@@ -196,16 +201,16 @@ def add_inertial_terms(model, omega_cage, y, n):
         v = y[lay.RADIAL_V + j]
         theta_v = omega_cage + y[lay.EPS_V + j]
         real = b.m_r * y[lay.INVERSE_MASS + j]
-        drag, slope = orbit_drag(model.drag, r * theta_v), orbit_drag_slope(model.drag, r * theta_v)
+        drag, derivative = orbit_drag(model.drag, r * theta_v), orbit_drag_derivative(model.drag, r * theta_v)
         coriolis, per_r, per_t = held * real * 2.0 / r, y[lay.MOBILITY_R + j], y[lay.MOBILITY_T + j]
         y[lay.diagonal_block(lay.POSITION_JACOBIAN, RADIAL, RADIAL) + j] += real * theta_v * theta_v
         y[lay.diagonal_block(lay.POSITION_JACOBIAN, RADIAL, ORBIT) + j] += per_r * (y[lay.FORCE_T + j] - drag)
         y[lay.diagonal_block(lay.POSITION_JACOBIAN, ORBIT, ORBIT) + j] -= per_t * y[lay.FORCE_R + j]
-        grows = per_t * (slope * theta_v - y[lay.FORCE_T + j] / r) + coriolis * v * theta_v / r
-        y[lay.diagonal_block(lay.POSITION_JACOBIAN, ORBIT, RADIAL) + j] += grows
+        derivative_t = per_t * (derivative * theta_v - y[lay.FORCE_T + j] / r) + coriolis * v * theta_v / r
+        y[lay.diagonal_block(lay.POSITION_JACOBIAN, ORBIT, RADIAL) + j] += derivative_t
         y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, RADIAL, ORBIT) + j] += real * 2.0 * r * theta_v
         y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, ORBIT, RADIAL) + j] -= coriolis * theta_v
-        y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, ORBIT, ORBIT) + j] += per_t * slope * r - coriolis * v
+        y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, ORBIT, ORBIT) + j] += per_t * derivative * r - coriolis * v
 
 
 @jit
@@ -216,7 +221,7 @@ def add_support_terms(model, y):
         (lay.X, support.k_b / m_o, support.c_b / m_o),
         (lay.Y, support.k_b / m_o, support.c_b / m_o),
         (lay.PSI, spring_per_mass(model.bracket), damper_per_mass(model.bracket)),
-        (lay.PHI_C, 0.0, -y[lay.MOBILITY_SHARED + lay.PHI_C] * land_drag_slope(model.drag)),
+        (lay.PHI_C, 0.0, -y[lay.MOBILITY_SHARED + lay.PHI_C] * land_drag_derivative(model.drag)),
         (lay.X_I, spring_per_mass(model.shaft), damper_per_mass(model.shaft)),
         (lay.Y_I, spring_per_mass(model.shaft), damper_per_mass(model.shaft)),
     ):
@@ -233,14 +238,14 @@ def planar_jacobian(model, t, y):
     omega_i, spin = b.omega_i * rate, (b.omega_c - b.omega_b) * rate
     omega_cage = b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C]
     mobilities(model, y, n)
-    contact_slopes(OuterSide(), model.outer, y, n)
-    contact_slopes(InnerSide(), model.inner, y, n)
+    contact_derivatives(OuterSide(), model.outer, y, n)
+    contact_derivatives(InnerSide(), model.inner, y, n)
     if len(model.defects.head) > 0:
-        slopes_over_defects(OuterSide(), model.outer, model, t, omega_cage, omega_i, spin, y)
-        slopes_over_defects(InnerSide(), model.inner, model, t, omega_cage, omega_i, spin, y)
-    friction_slopes(OuterSide(), model.friction, b.R_w, omega_cage, spin, y, n)
-    friction_slopes(InnerSide(), model.friction, b.R_w, omega_cage, spin, y, n)
-    pocket_slopes(model.cage, model, omega_cage, spin, y, n)
+        derivatives_over_defects(OuterSide(), model.outer, model, t, omega_cage, omega_i, spin, y)
+        derivatives_over_defects(InnerSide(), model.inner, model, t, omega_cage, omega_i, spin, y)
+    friction_derivatives(OuterSide(), model.friction, b.R_w, omega_cage, spin, y, n)
+    friction_derivatives(InnerSide(), model.friction, b.R_w, omega_cage, spin, y, n)
+    pocket_derivatives(model.cage, model, omega_cage, spin, y, n)
 
     add_roller_columns(model, omega_cage, omega_i, spin, y, n)
     add_ring_columns(OuterSide(), y[lay.VELOCITY + lay.PSI], spin, b.m_r, lay.X, CAGE, y, n)

@@ -20,17 +20,23 @@ from typing import Any, NamedTuple
 from bearingsim.core import layout as lay
 from bearingsim.core.defects.jumps import next_jump, next_jump_evenly
 from bearingsim.core.defects.on_roller import (
+    derivatives_over_defect,
     force_over_defect,
     roller_at_defect,
     roller_at_defect_evenly,
     roller_drop_rate,
-    roller_drop_rate_slope,
-    slopes_over_defect,
+    roller_drop_rate_derivative,
     stiffness_over_defect,
 )
 from bearingsim.core.defects.pairs import HALF_WIDTH, Defects, passing_speed
 from bearingsim.core.jit import add, inlined, jit
-from bearingsim.core.laws.damping.interface import damping_bound, in_series, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.damping.interface import (
+    damping_bound,
+    derivatives,
+    in_series,
+    normal_force,
+    stiffness_bound,
+)
 from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.laws.stiffness.series import series_share
 from bearingsim.core.models.by_roller import (
@@ -213,14 +219,14 @@ def _degrees_of_freedom(model):
 
 
 @jit
-def slopes_in_series(model, y, n):
+def derivatives_in_series(model, y, n):
     """Fill tangent stiffness and damping of every roller over undamaged races: two contacts in series.
 
     The elastic balance E_o(delta_o) = E_i(delta_i) gives the outer the part E_i'/(E_o' + E_i'); of the rate it has
     half.
     """
     for j in range(n):
-        K, C = slopes(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
+        K, C = derivatives(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
         k_o = tangent(model.outer.stiffness, max(y[lay.DELTA_O + j], 0.0))
         k_i = tangent(model.inner.stiffness, max(y[lay.DELTA_I + j], 0.0))
         y[K_RING + j] = K * k_i / max(k_o + k_i, 1e-300)
@@ -228,7 +234,7 @@ def slopes_in_series(model, y, n):
 
 
 @jit
-def slopes_over_defect_in_series(model, y, j):
+def derivatives_over_defect_in_series(model, y, j):
     """Fill tangent stiffness and damping of a roller with a contact over a defect (``correct_for_defect``)."""
     defects, bearing = model.defects, model.bearing
     u_r = -(y[lay.DELTA_O + j] + y[lay.DELTA_I + j] + 2.0 * bearing.gap)
@@ -241,14 +247,16 @@ def slopes_over_defect_in_series(model, y, j):
     part = k_i / max(k_o + k_i, 1e-300)
     if d < 0:
         speed = 0.5 * passing_speed(defects, e, bearing)
-        K, C = slopes_over_defect(model.inner, defects, e, along, speed, inner, half)
+        K, C = derivatives_over_defect(model.inner, defects, e, along, speed, inner, half)
         return (1.0 - part) * K, 0.5 * C
     falling = 0.0  # derivative of the closing rate by the inner approach
     if e >= 0:
         speed, stiffness = passing_speed(defects, e, bearing), model.inner.stiffness
         half -= 0.5 * roller_drop_rate(stiffness, defects, e, along, speed, inner)
-        falling = 0.5 * roller_drop_rate_slope(stiffness, defects, e, along, speed, inner)
-    K, C = slopes_over_defect(model.outer, defects, d, s, 0.5 * passing_speed(defects, d, bearing), outer, half)
+        falling = 0.5 * roller_drop_rate_derivative(stiffness, defects, e, along, speed, inner)
+    K, C = derivatives_over_defect(
+        model.outer, defects, d, s, 0.5 * passing_speed(defects, d, bearing), outer, half
+    )
     return part * K - (1.0 - part) * falling * C, 0.5 * C
 
 
@@ -257,12 +265,12 @@ def _linearise(model, t, y):
     n, common = lanes(model.bearing), shared(model, t, y)
     for j in range(n):
         share_approach(model, common, y[lay.COS + j], y[lay.SIN + j], y, j)
-    slopes_in_series(model, y, n)
+    derivatives_in_series(model, y, n)
     if len(model.defects.head) > 0:
         locate_defects(model, t, y)
         for j in range(model.bearing.Z):
             if y[PAIR + j] >= 0.0 or y[PAIR + lay.ROW + j] >= 0.0:
-                y[K_RING + j], y[C_RING + j] = slopes_over_defect_in_series(model, y, j)
+                y[K_RING + j], y[C_RING + j] = derivatives_over_defect_in_series(model, y, j)
     linearise_ring(model, K_RING, C_RING, y, n)
 
 

@@ -17,15 +17,15 @@ from bearingsim.core import layout as lay
 from bearingsim.core.defects.jumps import next_jump, next_jump_evenly
 from bearingsim.core.defects.on_roller import (
     correct_contact,
+    derivatives_over_defect,
     is_masked,
     roller_at_defect,
     roller_at_defect_evenly,
-    slopes_over_defect,
 )
 from bearingsim.core.defects.pairs import HALF_WIDTH, OUTER, SIDE, Defects, passing_speed
 from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.jit import inlined, jit
-from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.damping.interface import damping_bound, derivatives, normal_force, stiffness_bound
 from bearingsim.core.models.by_roller import (
     accelerate_roller,
     accelerate_shared,
@@ -198,8 +198,8 @@ def _degrees_of_freedom(model):
 
 
 @jit
-def slopes_over_defects(model, t, y):
-    """Correct the slopes of each contact that stands over a defect; where it stands depends on time alone."""
+def derivatives_over_defects(model, t, y):
+    """Correct the derivatives of each contact that stands over a defect; where it stands depends on time alone."""
     defects, bearing = model.defects, model.bearing
     for d in range(len(defects.head)):
         j, s = roller_at_defect(model, d, t, y)
@@ -207,10 +207,10 @@ def slopes_over_defects(model, t, y):
             speed = passing_speed(defects, d, bearing)
             if defects.head[d, SIDE] == OUTER:
                 delta, v = y[lay.DELTA_O + j], y[lay.V_O + j]
-                y[K_O + j], y[C_O + j] = slopes_over_defect(model.outer, defects, d, s, speed, delta, v)
+                y[K_O + j], y[C_O + j] = derivatives_over_defect(model.outer, defects, d, s, speed, delta, v)
             else:
                 delta, v = y[lay.DELTA_I + j], y[lay.V_I + j]
-                y[K_I + j], y[C_I + j] = slopes_over_defect(model.inner, defects, d, s, speed, delta, v)
+                y[K_I + j], y[C_I + j] = derivatives_over_defect(model.inner, defects, d, s, speed, delta, v)
 
 
 @linearise.register(Rollers)
@@ -219,9 +219,9 @@ def _linearise(model, t, y):
     n, common = lanes(bearing), shared(model, t, y)
     for j in range(n):
         approach_races(model, common, y[lay.COS + j], y[lay.SIN + j], y, j)
-        y[K_O + j], y[C_O + j] = slopes(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
-        y[K_I + j], y[C_I + j] = slopes(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
-    slopes_over_defects(model, t, y)
+        y[K_O + j], y[C_O + j] = derivatives(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
+        y[K_I + j], y[C_I + j] = derivatives(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
+    derivatives_over_defects(model, t, y)
 
     omega_c, omega_2, per_ring = bearing.omega_c, bearing.omega_c * bearing.omega_c, 1.0 / bearing.m_o
     for j in range(n):

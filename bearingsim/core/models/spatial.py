@@ -33,7 +33,7 @@ from bearingsim.core.geometry.sides import InnerSide, OuterSide
 from bearingsim.core.geometry.slices import DROP, WEIGHT, ZETA, Slices
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, stiffness_bound
-from bearingsim.core.laws.friction.interface import mu_slope_bound
+from bearingsim.core.laws.friction.interface import mu_derivative_bound
 from bearingsim.core.laws.friction.lag import lagged
 from bearingsim.core.models.bodies_in_space import accelerate_bodies_of, bodies, hold_mounted_rings
 from bearingsim.core.models.differences import (
@@ -214,7 +214,7 @@ def _accelerations(model, t, y):
     pocket_forces_in_space(model.cage, model, common.cage, common.omega_cage, common.spin, y, n)
     sum_loads(lay.F_X, lay.M_INNER, y, n)
     alpha_cage = accelerate_bodies_of(model, common, y)
-    accelerate_rollers(model, common.omega_cage, alpha_cage, (b.omega_c - b.omega_b) * common.growth, y, n)
+    accelerate_rollers(model, common.omega_cage, alpha_cage, (b.omega_c - b.omega_b) * common.ramp_rate, y, n)
 
 
 @begin.register(Spatial)
@@ -295,7 +295,7 @@ def _damping_per_mass(model, y, j):
     pressed = max(y[lay.Q_O + j], y[lay.Q_I + j]) * max(
         2.0 * b.R_w * b.R_w / b.I_r, 2.0 * b.R_w * b.R_w / model.I_t
     )
-    rubbing = mu_slope_bound(model.friction, b.R_w * b.omega_b) * pressed
+    rubbing = mu_derivative_bound(model.friction, b.R_w * b.omega_b) * pressed
     held = max(damper_per_mass(model.shaft), damper_per_mass(model.bracket))
     mounted = max(mount_damping(model.mount_o), mount_damping(model.mount_i))
     loose = per_mass + b.R_w * b.R_w / b.I_r + half * half / model.I_t  # 1/kg: slip of an end's rim per impulse

@@ -1,8 +1,8 @@
 """Residual forces on rings and rollers of a bearing in space at rest, and their derivatives.
 
 Unknown are radial position and tilt of every roller, and eight coordinates of the rings (``CELLS``). Residuals are
-minus the gradient of an energy, stiffnesses minus their slopes. Slices of a roller lie along its axis at zeta, so
-that the stiffness of their contacts enters by three sums over them: of k, k zeta and k zeta^2.
+minus the gradient of an energy, stiffnesses minus their derivatives. Slices of a roller lie along its axis at
+zeta, so that the stiffness of their contacts enters by three sums over them: of k, k zeta and k zeta^2.
 """
 
 from math import hypot

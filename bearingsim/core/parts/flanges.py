@@ -203,7 +203,7 @@ def slip_at(view, ring, Y, tips, omega):
 
 @jit
 def add_point(side, sigma, N, kappa, g, Y, a, slip, y, j):
-    """Add force and friction at ``Y`` (m) to the sums of roller ``j``: g is the approach's slope, a the axis."""
+    """Add force and friction at ``Y`` (m) to the sums of roller ``j``; g: derivative of the approach, a: axis."""
     base = side_rows(side)
     G = combine(-kappa, slip, -N, g)
     M = cross(Y, combine(-kappa, slip, -N * sigma, a))  # sigma a x Y = Y x -sigma a

@@ -32,8 +32,8 @@ from bearingsim.core.defects.pairs import (
 from bearingsim.core.geometry.plane import relative_to_ring
 from bearingsim.core.geometry.sides import InnerSide, OuterSide, contact_rows, sign
 from bearingsim.core.jit import generic, jit
-from bearingsim.core.laws.damping.interface import normal_force, slopes
-from bearingsim.core.laws.friction.interface import mu, mu_slope
+from bearingsim.core.laws.damping.interface import derivatives, normal_force
+from bearingsim.core.laws.friction.interface import mu, mu_derivative
 
 # rows of a contact, relative to OUTER_CONTACT or INNER_CONTACT: rate of rho; derivatives of the force (LOAD), of
 # the tangential force over a defect and of the mean approach by approach (D), its rate (V), position (S) and ds/dt
@@ -81,13 +81,13 @@ def _derivative_rows_inner(side):
 
 
 @jit
-def contact_slopes(side, law, y, n):
+def contact_derivatives(side, law, y, n):
     """Fill the derivatives of every contact with an undamaged race."""
     base, _, _, _ = derivative_rows(side)
     _, approach, rate, _, _ = contact_rows(side)
     sigma = sign(side)
     for j in range(n):
-        y[base + LOAD_D + j], y[base + LOAD_V + j] = slopes(law, y[approach + j], y[rate + j])
+        y[base + LOAD_D + j], y[base + LOAD_V + j] = derivatives(law, y[approach + j], y[rate + j])
         y[base + RHO_V + j] = sigma * y[rate + j]
         y[base + LOAD_S + j], y[base + MEAN_D + j], y[base + MEAN_S + j] = 0.0, 1.0, 0.0
         y[base + DEFECT_FORCE_D + j] = 0.0
@@ -102,7 +102,7 @@ def contact_slopes(side, law, y, n):
 
 
 @jit
-def defect_slopes(side, law, defects, d, s, speed, delta, v, y, j):
+def defect_derivatives(side, law, defects, d, s, speed, delta, v, y, j):
     """Fill the derivatives of roller ``j``'s contact over roller-defect pair ``d``: ``force_over_defect``'s, group
     by group."""
     base, _, _, _ = derivative_rows(side)
@@ -114,7 +114,7 @@ def defect_slopes(side, law, defects, d, s, speed, delta, v, y, j):
         share, h, slope = defect_response(defects.excitation, group, s, head[REDUCED_RADIUS])
         share_s, slope_s = defect_response_gradient(defects.excitation, group, s, head[REDUCED_RADIUS])
         approach, rate, closed = delta - h, v - slope * speed, 1.0 if delta > h else 0.0
-        K, C = slopes(law, approach, rate)
+        K, C = derivatives(law, approach, rate)
         weight, force = share * group[GROUP_WEIGHT], normal_force(law, approach, rate)
         K, C = weight * K, weight * C
         by_s = share_s * group[GROUP_WEIGHT] * force - K * slope - C * slope_s * speed
@@ -133,8 +133,8 @@ def defect_slopes(side, law, defects, d, s, speed, delta, v, y, j):
 
 
 @jit
-def slopes_over_defects(side, law, model, t, omega_cage, omega_i, spin, y):
-    """Correct the slopes of each contact of this side that stands over a defect
+def derivatives_over_defects(side, law, model, t, omega_cage, omega_i, spin, y):
+    """Correct the derivatives of each contact of this side that stands over a defect
     (``planar.correct_for_defects``)."""
     defects, b, sigma = model.defects, model.bearing, sign(side)
     base, frame, _, shared = derivative_rows(side)
@@ -158,14 +158,14 @@ def slopes_over_defects(side, law, model, t, omega_cage, omega_i, spin, y):
                 )
                 delta, apart = sigma * (y[lay.RADIAL + j] - short) - b.gap, n_r * d_r + n_t * d_t
                 speed = radius * (y[frame + TANGENTIAL_V + j] / y[frame + RHO + j] - turning)
-                defect_slopes(side, law, defects, d, s, speed, delta, sigma * apart, y, j)
+                defect_derivatives(side, law, defects, d, s, speed, delta, sigma * apart, y, j)
                 y[base + RHO_V + j], y[base + DEFECT_RADIUS + j] = apart, radius
                 y[base + DEFECT_RADIUS_RING + j] = radius if on == ON_OUTER else 0.0
                 y[base + DEFECT_RADIUS_ROLLER + j] = radius if on >= 0.0 else 0.0
 
 
 @jit
-def friction_slopes(side, friction, R_w, omega_cage, spin, y, n):
+def friction_derivatives(side, friction, R_w, omega_cage, spin, y, n):
     """Fill tilt of the normal, arms and friction of every contact."""
     base, frame, rubs, _ = derivative_rows(side)
     force, approach, _, slip, tilt = contact_rows(side)
@@ -178,7 +178,7 @@ def friction_slopes(side, friction, R_w, omega_cage, spin, y, n):
         lean = y[tilt + j] * per_load
         cosine = 1.0 / sqrt(1.0 + lean * lean)
         sine, arm = lean * cosine, R_w - 0.5 * y[approach + j]
-        by_slip, by_rolling = mu_slope(friction, y[slip + j], R_w * abs(turning))
+        by_slip, by_rolling = mu_derivative(friction, y[slip + j], R_w * abs(turning))
         y[base + NORMAL_SLOPE + j] = lean
         y[base + NORMAL_COS + j] = cosine
         y[base + NORMAL_SIN + j] = sine

@@ -26,7 +26,7 @@ from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.friction.lag import implicit_fraction
 
-AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's slope
+AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's derivative
 NONNEGATIVE = 0x7FFFFFFF  # tells the compiler that an index of the buffer is not counted from its end
 FEW = 127  # tells it that there are no more rollers, and so that a slice's rows lie behind all others
 

@@ -12,15 +12,15 @@ from bearingsim.core.defects.edge_contact import (
     edge_contact,
     half_contact,
     narrowed_contact,
-    narrowed_contact_slopes,
+    narrowed_contact_derivatives,
     one_edge,
-    one_edge_slope,
+    one_edge_derivative,
     remaining_share,
-    remaining_share_slope,
+    remaining_share_derivative,
     ridge,
-    ridge_slope,
+    ridge_derivative,
     softening,
-    softening_slope,
+    softening_derivative,
     softness,
 )
 from bearingsim.core.defects.excitations import defect_response, defect_response_gradient, response_groups
@@ -56,18 +56,18 @@ def slope(f, x, h):
 def test_of_a_sharp_edge(xi):
     assume(abs(xi + 1.0) > 2e-3)  # there, and at the rim, the curvature jumps
     assume(abs(xi) > 2e-3)
-    assert narrowed_contact_slopes(xi) == pytest.approx(slope(narrowed_contact, xi, 5e-4), rel=1e-6, abs=1e-9)
+    assert narrowed_contact_derivatives(xi) == pytest.approx(slope(narrowed_contact, xi, 5e-4), rel=1e-6, abs=1e-9)
 
 
 def test_where_the_contact_is_hertz_s_only_its_place_moves():
-    assert narrowed_contact_slopes(-1.0) == (0.0, -1.0)
-    assert narrowed_contact_slopes(-1.0 + 1e-9) == pytest.approx((0.0, -1.0), abs=1e-8)
+    assert narrowed_contact_derivatives(-1.0) == (0.0, -1.0)
+    assert narrowed_contact_derivatives(-1.0 + 1e-9) == pytest.approx((0.0, -1.0), abs=1e-8)
 
 
 @given(place=st.floats(1e-6, 1e-3), wall=walls)
 def test_of_the_material_missing_behind(place, wall):
     found = slope(lambda x: softening(x, wall, 2e-5), place, 1e-3 * place)
-    assert softening_slope(place, wall, 2e-5) == pytest.approx(found, rel=1e-6, abs=1e-6)
+    assert softening_derivative(place, wall, 2e-5) == pytest.approx(found, rel=1e-6, abs=1e-6)
 
 
 @given(xi=behind, wall=walls)
@@ -76,10 +76,10 @@ def test_of_one_edge(xi, wall):
     x, h = xi * HALF, 1e-4 * HALF
     assume(abs(xi + 1.0) > 1e-2)
     assume(abs(xi) > 1e-2)
-    sides = [one_edge_slope(x + n * h, HALF, wall, 2e-5, R) for n in (-3, 3)]
+    sides = [one_edge_derivative(x + n * h, HALF, wall, 2e-5, R) for n in (-3, 3)]
     assume(abs(sides[1] - sides[0]) * HALF < 1e-2)
     found = slope(lambda at: one_edge(at, HALF, wall, 2e-5, R), x, h)
-    assert one_edge_slope(x, HALF, wall, 2e-5, R) == pytest.approx(found, rel=1e-5, abs=1e-6 / HALF)
+    assert one_edge_derivative(x, HALF, wall, 2e-5, R) == pytest.approx(found, rel=1e-5, abs=1e-6 / HALF)
 
 
 @given(xi=behind, beyond=behind)
@@ -87,7 +87,7 @@ def test_of_a_ridge(xi, beyond):
     x, end, h = xi * HALF, (xi - beyond) * HALF, 1e-4 * HALF
     assume(min(abs(value) for value in (xi + 1.0, xi, beyond - 1.0, beyond)) > 1e-2)
     found = slope(lambda at: ridge(at, at - end, HALF, 2e-5, R), x, h)
-    assert ridge_slope(x, x - end, HALF, 2e-5, R) == pytest.approx(found, rel=1e-5, abs=1e-6 / HALF)
+    assert ridge_derivative(x, x - end, HALF, 2e-5, R) == pytest.approx(found, rel=1e-5, abs=1e-6 / HALF)
 
 
 @given(f=st.floats(-20.0, 10.0))
@@ -95,7 +95,7 @@ def test_of_the_force_that_is_kept(f):
     race = 2.0 * np.log(2.0 * EDGES.D / HALF) + 1.0
     assume(abs(1.0 + f / race - 0.1) > 1e-2)
     found = slope(lambda x: remaining_share(x, HALF, EDGES.D), f, 1e-4)
-    assert remaining_share_slope(f, HALF, EDGES.D) == pytest.approx(found, rel=1e-6, abs=1e-9)
+    assert remaining_share_derivative(f, HALF, EDGES.D) == pytest.approx(found, rel=1e-6, abs=1e-9)
 
 
 @settings(max_examples=400)
@@ -116,8 +116,8 @@ def test_bend_is_the_slope_of_share_and_slope(shape, width, depth, place):
         uneven = np.abs((near[4] - 2 * near[2] + near[0]) / (2 * h))
         if abs(s) < 3 * h or uneven[0] > 1e-3 * abs(found[0]) + 1.0 or uneven[2] > 1e-3 / R:
             continue
-        share_slope, bent = defect_response_gradient(EDGES, row, s, R)
-        assert share_slope == pytest.approx(found[0], rel=2e-3, abs=2.0)
+        share_derivative, bent = defect_response_gradient(EDGES, row, s, R)
+        assert share_derivative == pytest.approx(found[0], rel=2e-3, abs=2.0)
         assert bent == pytest.approx(found[2], rel=2e-3, abs=2e-3 / R)
 
 

@@ -277,7 +277,7 @@ def test_bend_is_the_slope_of_what_is_felt(excitation, shape, width, depth, plac
         near = np.array([defect_response(excitation, row, s + n * h, R) for n in range(-2, 3)])
         before, after = near[2] - near[0], near[4] - near[2]
         assume(abs(after - before)[[0, 2]] == pytest.approx(0.0, abs=1e-3 * h / R))
-        share_slope, bent = defect_response_gradient(excitation, row, s, R)
+        share_derivative, bent = defect_response_gradient(excitation, row, s, R)
         found = (near[3] - near[1]) / (2 * h)
         assert bent == pytest.approx(found[2], rel=1e-3, abs=1e-5 / R)
-        assert share_slope == pytest.approx(found[0], rel=1e-3, abs=1e-4 / width)
+        assert share_derivative == pytest.approx(found[0], rel=1e-3, abs=1e-4 / width)

@@ -1,4 +1,4 @@
-"""Damping laws: what they never do, their bounds, and their exact slopes against differences."""
+"""Damping laws: what they never do, their bounds, and their exact derivatives against differences."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from bearingsim import assemble
 from bearingsim.core.laws.damping.general import General, Power, Power0, Power1, Power2, general
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
-from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.damping.interface import damping_bound, derivatives, normal_force, stiffness_bound
 from bearingsim.core.laws.damping.kraemer import Kraemer
 from bearingsim.core.laws.damping.undamped import Undamped
 from bearingsim.core.laws.octaves import cell
@@ -82,7 +82,7 @@ def test_whole_exponents_are_types_and_equal_any_exponent(m2, m3, rate, depth):
     assert isinstance(law.m2, rate)
     assert isinstance(law.m3, depth)
     assert isinstance(general(STEEL, 1e9, 1.0, 1.5).m3, Power)
-    for value in (normal_force, damping_bound, stiffness_bound, slopes):
+    for value in (normal_force, damping_bound, stiffness_bound, derivatives):
         for v in (-0.1, 0.0, 2e-3, 0.3):
             for delta in (0.0, 1e-13, 1e-9, 3e-6):
                 assert value(law, delta, v) == pytest.approx(value(slow, delta, v), rel=1e-13, abs=0.0)
@@ -106,7 +106,7 @@ def test_the_papers_damping_coefficient_in_si(m3, expected):
     assert assemble.contacts.outer(case(contact={"damping": damping})).c == pytest.approx(expected)
 
 
-# Exact slopes
+# Exact derivatives
 
 
 @pytest.mark.parametrize("law", [*CONTACTS, Undamped(STEEL)], ids=str)
@@ -120,7 +120,7 @@ def test_slopes_are_those_of_the_force(law, delta, v):
     floor = 1e-9 * elastic(law.stiffness, delta)
     if law.stiffness is LINE and isinstance(law, Kraemer):
         assume(cell((delta + 2.0 * h) / LINE.length)[0] == cell((delta - 2.0 * h) / LINE.length)[0])
-    found = slopes(law, delta, v)
+    found = derivatives(law, delta, v)
     by_approach = slope(lambda d: normal_force(law, d, v), delta, h)
     by_rate = slope(lambda w: normal_force(law, delta, w), v, step)
     assert found[0] == pytest.approx(by_approach, rel=1e-6, abs=floor / delta)
@@ -129,23 +129,23 @@ def test_slopes_are_those_of_the_force(law, delta, v):
 
 @contacts
 def test_a_contact_that_is_open_or_would_pull_has_no_slopes(law):
-    assert slopes(law, -1e-7, 0.1) == (0.0, 0.0)
-    assert slopes(law, 0.0, 0.1) == (0.0, 0.0)
+    assert derivatives(law, -1e-7, 0.1) == (0.0, 0.0)
+    assert derivatives(law, 0.0, 0.1) == (0.0, 0.0)
     assert normal_force(law, 1e-7, -1e4) == 0.0
-    assert slopes(law, 1e-7, -1e4) == (0.0, 0.0)
+    assert derivatives(law, 1e-7, -1e4) == (0.0, 0.0)
 
 
 @contacts
 @pytest.mark.parametrize("delta", [1e-30, 1e-9, 1e-6])
 def test_slopes_are_finite_at_rest_and_at_touch_down(law, delta):
-    assert np.isfinite(slopes(law, delta, 0.0)).all()
-    assert np.isfinite(slopes(law, delta, 0.1)).all()
+    assert np.isfinite(derivatives(law, delta, 0.0)).all()
+    assert np.isfinite(derivatives(law, delta, 0.1)).all()
 
 
 @compiled
 def both(law, y, width):
     for j in range(width):
-        y[2 * ROW + j], y[3 * ROW + j] = slopes(law, y[j], y[ROW + j])
+        y[2 * ROW + j], y[3 * ROW + j] = derivatives(law, y[j], y[ROW + j])
 
 
 @contacts
@@ -154,7 +154,7 @@ def test_slopes_from_python_equal_the_compiled_ones(law):
     rng = np.random.default_rng(5)
     y[:ROW], y[ROW : 2 * ROW] = rng.normal(0.0, 1e-6, ROW), rng.normal(0.0, 0.1, ROW)
     both(law, y, ROW)
-    expected = np.array([slopes(law, delta, v) for delta, v in zip(y[:ROW], y[ROW : 2 * ROW], strict=True)])
+    expected = np.array([derivatives(law, delta, v) for delta, v in zip(y[:ROW], y[ROW : 2 * ROW], strict=True)])
     assert y[2 * ROW : 3 * ROW] == pytest.approx(expected[:, 0], rel=1e-12, abs=0.0)
     assert y[3 * ROW :] == pytest.approx(expected[:, 1], rel=1e-12, abs=0.0)
 

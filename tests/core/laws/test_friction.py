@@ -16,7 +16,7 @@ from bearingsim.core.laws.friction.curves import (
     Traction,
     exp_minus,
 )
-from bearingsim.core.laws.friction.interface import mu, mu_slope, mu_slope_bound
+from bearingsim.core.laws.friction.interface import mu, mu_derivative, mu_derivative_bound
 from tests.scenes.lanes import ROW, compiled, keeps_lanes, needs_vectors, rows
 from tests.scenes.laws import slope
 
@@ -94,7 +94,7 @@ def test_a_traction_that_would_jump_at_zero_slip_rises_instead():
 @pytest.mark.parametrize("u", [0.3, 3.0, 20.0])
 def test_curves_are_smooth_and_nowhere_steeper_than_told(law, u):
     """Values and slopes by differences on a fine grid through every joint, the slope's jumps included."""
-    told = mu_slope_bound(law, u)
+    told = mu_derivative_bound(law, u)
     joints = [0.0]
     joints += [law.v_s, law.v_d] if isinstance(law, StaticDynamic) else [JUMP_WIDTH * u, 40.0 / KRAGELSKII.c * u]
     for joint in joints:
@@ -110,9 +110,9 @@ def test_curves_are_smooth_and_nowhere_steeper_than_told(law, u):
 
 
 def test_known_slopes():
-    assert mu_slope_bound(PAPER, 3.0) == pytest.approx(1.5 * 0.3 / 0.02)
-    assert mu_slope_bound(KRAGELSKII, 3.0) == pytest.approx(40.426 / 3.0, rel=1e-6, abs=0.0)
-    assert mu_slope_bound(KRAGELSKII, 0.0) == pytest.approx(40.426 / MIN_ROLLING_SPEED, rel=1e-6, abs=0.0)
+    assert mu_derivative_bound(PAPER, 3.0) == pytest.approx(1.5 * 0.3 / 0.02)
+    assert mu_derivative_bound(KRAGELSKII, 3.0) == pytest.approx(40.426 / 3.0, rel=1e-6, abs=0.0)
+    assert mu_derivative_bound(KRAGELSKII, 0.0) == pytest.approx(40.426 / MIN_ROLLING_SPEED, rel=1e-6, abs=0.0)
 
 
 def test_the_exponential():
@@ -140,7 +140,7 @@ def friction(law, y, width):
 
 @compiled
 def steepest_compiled(law, u):
-    return mu_slope_bound(law, u)
+    return mu_derivative_bound(law, u)
 
 
 @named
@@ -149,7 +149,7 @@ def test_friction_from_python_equals_the_compiled_one(law):
     y[:ROW] = np.append(0.0, np.random.default_rng(2).normal(size=ROW - 1) * 10.0 ** np.linspace(-6, 1, ROW - 1))
     friction(law, y, ROW)
     assert y[3 * ROW :] == pytest.approx([2.0 * mu(law, v, 3.0) for v in y[:ROW]], rel=1e-13, abs=1e-16)
-    assert steepest_compiled(law, 3.0) == pytest.approx(mu_slope_bound(law, 3.0), rel=1e-15, abs=0.0)
+    assert steepest_compiled(law, 3.0) == pytest.approx(mu_derivative_bound(law, 3.0), rel=1e-15, abs=0.0)
 
 
 @needs_vectors
@@ -168,20 +168,20 @@ def test_mu_slope_is_that_of_the_coefficient(law, v, u):
     ends = [1e-3 * u, 40.0 / getattr(law, "c", 1.0) * u]
     joints = [law.v_s, law.v_d] if isinstance(law, StaticDynamic) else ends
     assume(abs(v) > 1e-6 and all(abs(abs(v) - joint) > 1e-3 * joint for joint in joints))
-    by_slip, by_rolling = mu_slope(law, v, u)
+    by_slip, by_rolling = mu_derivative(law, v, u)
     assert by_slip == pytest.approx(slope(lambda w: mu(law, w, u), v, 2e-4 * abs(v)), rel=1e-6, abs=1e-7)
     assert by_rolling == pytest.approx(slope(lambda w: mu(law, v, w), u, 2e-4 * u), rel=1e-6, abs=1e-7)
 
 
 @named
 def test_below_the_slowest_rolling_traction_no_longer_depends_on_it(law):
-    assert mu_slope(law, 1e-4, 1e-3)[1] == 0.0
+    assert mu_derivative(law, 1e-4, 1e-3)[1] == 0.0
 
 
 @compiled
 def by_slip(law, y, width):
     for j in range(width):
-        y[2 * ROW + j], y[3 * ROW + j] = mu_slope(law, y[j], y[ROW + j])
+        y[2 * ROW + j], y[3 * ROW + j] = mu_derivative(law, y[j], y[ROW + j])
 
 
 @needs_vectors

@@ -158,7 +158,7 @@ def test_what_a_growing_contact_carries_in():
     db = (half_widths(Q + 1.0, NF308) - half_widths(Q - 1.0, NF308)) / (2.0 / k)
     n = carried(Q, k, NF308) / (film_thickness(Q, NF308).central / NF308.u * k * db)
     assert 0.6 < n < 0.9
-    assert carried(Q, k, NF308, growth=1 / 3) == pytest.approx(2 / 3 * carried(Q, k, NF308), rel=1e-12, abs=0.0)
+    assert carried(Q, k, NF308, exponent=1 / 3) == pytest.approx(2 / 3 * carried(Q, k, NF308), rel=1e-12, abs=0.0)
     assert half_widths(Q, NF308) == pytest.approx(half_width(Q, NF308.L, NF308.R, E, NU), rel=1e-12, abs=0.0)
 
 

@@ -12,7 +12,7 @@ from bearingsim.assemble import contacts
 from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.assemble.scales import approach
 from bearingsim.config import Case, Film
-from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.damping.interface import damping_bound, derivatives, normal_force, stiffness_bound
 from bearingsim.core.laws.damping.tabulated import Tabulated
 from bearingsim.core.laws.hertz import effective_modulus
 from bearingsim.core.laws.octaves import FLOOR, tabulate, value
@@ -49,7 +49,7 @@ def test_slopes_are_derivatives_of_the_force(law: Tabulated, delta: float, v: fl
     h, step = 1e-4 * delta, 1e-5
     near = [normal_force(law, delta + i * h, v + k * step) for i in (-2, 0, 2) for k in (-2, 0, 2)]
     assume(min(near) > 0.0 or max(near) == 0.0)
-    K, C = slopes(law, delta, v)
+    K, C = derivatives(law, delta, v)
     by_approach = (normal_force(law, delta + h, v) - normal_force(law, delta - h, v)) / (2.0 * h)
     by_rate = (normal_force(law, delta, v + step) - normal_force(law, delta, v - step)) / (2.0 * step)
     assert pytest.approx(by_approach, rel=1e-4, abs=1e-4 * tangent(law.stiffness, delta)) == K
@@ -61,7 +61,7 @@ def test_the_force_does_not_jump_as_a_contact_closes(law: Tabulated) -> None:
     for v in (-0.3, 0.0, 0.3):
         assert normal_force(law, 0.0, v) == 0.0
         assert normal_force(law, -1e-9, v) == 0.0
-        assert slopes(law, -1e-9, v) == (0.0, 0.0)
+        assert derivatives(law, -1e-9, v) == (0.0, 0.0)
         heights = [normal_force(law, FLOOR / 2.0**n, v) for n in range(1, 30)]
         assert heights[-1] < 1e-6 * max(heights[0], 1e-3)
     assert elastic(law.stiffness, 1e-9) < normal_force(law, 1e-9, 0.3)
@@ -70,9 +70,9 @@ def test_the_force_does_not_jump_as_a_contact_closes(law: Tabulated) -> None:
 @LAWS
 @given(delta=st.floats(0.0, 1e-4), v=st.floats(-0.3, 0.3))
 def test_bounds_are_those_of_the_slopes(law: Tabulated, delta: float, v: float) -> None:
-    """Never negative, finite at touch-down, and no less than the slopes; nor does the contact pull."""
+    """Never negative, finite at touch-down, and no less than the derivatives; nor does the contact pull."""
     assert normal_force(law, delta, v) >= 0.0
-    K, C = slopes(law, delta, v)
+    K, C = derivatives(law, delta, v)
     assert np.isfinite([stiffness_bound(law, delta, v), damping_bound(law, delta, v)]).all()
     assert stiffness_bound(law, delta, v) >= max(K, 0.0) * (1.0 - 1e-12)
     assert damping_bound(law, delta, v) >= max(C, 0.0) * (1.0 - 1e-12)
@@ -122,7 +122,7 @@ def _tangent(stiffness: Any, Q: float) -> float:
 def test_the_built_film_is_that_of_the_closed_forms(bearing: str, on_outer: bool, at: str) -> None:
     given = case(bearing, at=at)
     law = contacts.damped(given, on_outer)
-    found = np.array([slopes(law, approach(law, Q), 0.0)[1] for Q in LOADS])
+    found = np.array([derivatives(law, approach(law, Q), 0.0)[1] for Q in LOADS])
     off = np.abs(found / [sum(expected(given, on_outer, Q)) for Q in LOADS] - 1.0)
     assert np.sort(off)[-4] < 1e-6
     assert off.max() < 1e-5  # where pressure begins to thicken the oil: at 157 N in the NF308, 1.4 N in the 6205
@@ -132,20 +132,20 @@ def test_each_race_has_its_own_film() -> None:
     """Balls press with another stiffness too: at 300 N the inner race damps the 6205 more."""
     for bearing in ("nf308", "6205"):
         laws = [contacts.damped(case(bearing), on_outer) for on_outer in (True, False)]
-        outer, inner = (slopes(law, approach(law, 300.0), 0.0)[1] for law in laws)
+        outer, inner = (derivatives(law, approach(law, 300.0), 0.0)[1] for law in laws)
         assert outer != pytest.approx(inner, rel=0.02)
 
 
 def test_at_the_elements_own_frequency_a_film_damps_less() -> None:
     low, own = (contacts.outer(case(at=at)) for at in ("low", "own"))
     for Q in LOADS:
-        assert slopes(own, approach(own, Q), 0.0)[1] < slopes(low, approach(low, Q), 0.0)[1]
+        assert derivatives(own, approach(own, Q), 0.0)[1] < derivatives(low, approach(low, Q), 0.0)[1]
 
 
 def test_more_oil_and_more_loss_damp_more() -> None:
     def damping(**film: Any) -> float:
         law = contacts.outer(case(**film))
-        return float(slopes(law, approach(law, 100.0), 0.0)[1])
+        return float(derivatives(law, approach(law, 100.0), 0.0)[1])
 
     usual = damping()
     assert damping(viscosity="60 mPa s") > 1.05 * usual
@@ -165,5 +165,5 @@ def test_an_oil_is_the_viscosity_of_its_grade() -> None:
 
 def test_beyond_any_approach_of_a_bearing_the_damping_stays() -> None:
     law = contacts.outer(case())
-    deepest = slopes(law, 1e-4, 0.0)[1]
-    assert slopes(law, 1e-3, 0.0)[1] == pytest.approx(deepest, rel=1e-3)
+    deepest = derivatives(law, 1e-4, 0.0)[1]
+    assert derivatives(law, 1e-3, 0.0)[1] == pytest.approx(deepest, rel=1e-3)

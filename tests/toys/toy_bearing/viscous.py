@@ -4,7 +4,7 @@ from typing import Any, Literal, NamedTuple
 
 from bearingsim.config.fields import Damping
 from bearingsim.config.fields import Section as StudySection
-from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.damping.interface import damping_bound, derivatives, normal_force, stiffness_bound
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
 
 SHARE = 1.0
@@ -30,8 +30,8 @@ def _force(contact, delta, v):
     return force if delta > 0.0 else 0.0
 
 
-@slopes.register(Viscous)
-def _slopes(contact, delta, v):
+@derivatives.register(Viscous)
+def _derivatives(contact, delta, v):
     pressing = 1.0 if delta > 0.0 else 0.0
     pressing = pressing if elastic(contact.stiffness, max(delta, 0.0)) + SHARE * contact.c * v > 0.0 else 0.0
     return pressing * tangent(contact.stiffness, max(delta, 0.0)), pressing * SHARE * contact.c

@@ -4,7 +4,7 @@ from math import isclose
 from typing import Any, NamedTuple
 
 from bearingsim.core.jit import generic
-from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.damping.interface import damping_bound, derivatives, normal_force, stiffness_bound
 from bearingsim.core.laws.stiffness.interface import SHALLOWEST, elastic, tangent
 
 SLOWEST = 1e-12  # m/s: rate below which a damping force that is infinitely steep at rest is taken there
@@ -32,8 +32,8 @@ def _force(contact, delta, v):
     return pressing * max(elastic(contact.stiffness, d) + drag, 0.0)
 
 
-@slopes.register(General)
-def _slopes(contact, delta, v):
+@derivatives.register(General)
+def _derivatives(contact, delta, v):
     """Replace 0 by SLOWEST, SHALLOWEST in |v|^(m2-1) and delta^(m3-1), which are infinite there if the exponent
     is below 1."""
     d, speed = max(delta, 0.0), abs(v)
@@ -42,21 +42,21 @@ def _slopes(contact, delta, v):
     drag = drag if v > 0.0 else -drag
     pressing = 1.0 if delta > 0.0 else 0.0
     pressing = pressing if elastic(contact.stiffness, d) + drag * deep > 0.0 else 0.0
-    K = tangent(contact.stiffness, d) + drag * raised_slope(contact.m3, max(d, SHALLOWEST))
-    C = contact.c * raised_slope(contact.m2, max(speed, SLOWEST)) * deep
+    K = tangent(contact.stiffness, d) + drag * raised_derivative(contact.m3, max(d, SHALLOWEST))
+    C = contact.c * raised_derivative(contact.m2, max(speed, SLOWEST)) * deep
     return pressing * K, pressing * C
 
 
 @stiffness_bound.register(General)
 def _stiffness_bound(contact, delta, v):
-    growth = contact.c * raised(contact.m2, abs(v)) * raised_slope(contact.m3, max(delta, 1e-12))
-    return tangent(contact.stiffness, delta) + max(growth if v > 0.0 else -growth, 0.0)
+    K_drag = contact.c * raised(contact.m2, abs(v)) * raised_derivative(contact.m3, max(delta, 1e-12))
+    return tangent(contact.stiffness, delta) + max(K_drag if v > 0.0 else -K_drag, 0.0)
 
 
 @damping_bound.register(General)
 def _damping_bound(contact, delta, v):
     # at rest |v|^(m2-1) is 0 or infinite unless m2 = 1: a thousandth of a metre per second stands for "slow"
-    return contact.c * raised_slope(contact.m2, max(abs(v), 1e-3)) * raised(contact.m3, delta)
+    return contact.c * raised_derivative(contact.m2, max(abs(v), 1e-3)) * raised(contact.m3, delta)
 
 
 # Exponents
@@ -86,8 +86,8 @@ def raised(exponent: Any, x: float) -> float:
 
 
 @generic
-def raised_slope(exponent: Any, x: float) -> float:
-    """Return the slope of x^m, m x^(m-1), for x > 0."""
+def raised_derivative(exponent: Any, x: float) -> float:
+    """Return the derivative of x^m, m x^(m-1), for x > 0."""
 
 
 @raised.register(Power0)
@@ -95,8 +95,8 @@ def _raised_0(exponent, x):
     return 1.0
 
 
-@raised_slope.register(Power0)
-def _slope_0(exponent, x):
+@raised_derivative.register(Power0)
+def _derivative_0(exponent, x):
     return 0.0
 
 
@@ -105,8 +105,8 @@ def _raised_1(exponent, x):
     return x
 
 
-@raised_slope.register(Power1)
-def _slope_1(exponent, x):
+@raised_derivative.register(Power1)
+def _derivative_1(exponent, x):
     return 1.0
 
 
@@ -115,8 +115,8 @@ def _raised_2(exponent, x):
     return x * x
 
 
-@raised_slope.register(Power2)
-def _slope_2(exponent, x):
+@raised_derivative.register(Power2)
+def _derivative_2(exponent, x):
     return 2.0 * x
 
 
@@ -125,8 +125,8 @@ def _raised(exponent, x):
     return x**exponent.m
 
 
-@raised_slope.register(Power)
-def _slope(exponent, x):
+@raised_derivative.register(Power)
+def _derivative(exponent, x):
     return exponent.m * x ** (exponent.m - 1.0)
 
 

@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.damping.interface import damping_bound, derivatives, normal_force, stiffness_bound
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
 
 
@@ -22,12 +22,12 @@ def _force(contact, delta, v):
     return max(elastic(contact.stiffness, max(delta, 0.0)) * (1.0 + contact.chi * v), 0.0)
 
 
-@slopes.register(HuntCrossley)
-def _slopes(contact, delta, v):
-    d, growth = max(delta, 0.0), 1.0 + contact.chi * v
+@derivatives.register(HuntCrossley)
+def _derivatives(contact, delta, v):
+    d, factor = max(delta, 0.0), 1.0 + contact.chi * v
     pressing = 1.0 if delta > 0.0 else 0.0
-    pressing = pressing if growth > 0.0 else 0.0
-    return pressing * tangent(contact.stiffness, d) * growth, pressing * elastic(
+    pressing = pressing if factor > 0.0 else 0.0
+    return pressing * tangent(contact.stiffness, d) * factor, pressing * elastic(
         contact.stiffness, d
     ) * contact.chi
 

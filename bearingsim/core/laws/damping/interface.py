@@ -4,8 +4,8 @@
 
 delta: approach (m), positive in contact; v: its total rate (m/s), positive while closing.
 
-``slopes`` are exact: methods solve with them. Where the force is clamped, or nothing touches, both are 0: at a
-kink one of its two sides is taken, as Newton's method for semismooth equations may (Qi and Sun, Mathematical
+``derivatives`` are exact: methods solve with them. Where the force is clamped, or nothing touches, both are 0: at
+a kink one of its two sides is taken, as Newton's method for semismooth equations may (Qi and Sun, Mathematical
 Programming 58 (1993) 353). K can be negative: a dashpot that holds a contact back does so more the deeper it is.
 
 The bounds are what the monitor over explicit steps takes for them: never negative, finite at rest and at
@@ -27,7 +27,7 @@ def normal_force(contact: Any, delta: float, v: float) -> float:
 
 
 @generic
-def slopes(contact: Any, delta: float, v: float) -> tuple[float, float]:
+def derivatives(contact: Any, delta: float, v: float) -> tuple[float, float]:
     """Return K = dQ/d(delta) (N/m) and C = dQ/dv (N s/m) at approach ``delta`` (m, any sign) and rate ``v``
     (m/s)."""
 

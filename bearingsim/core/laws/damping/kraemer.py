@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.damping.interface import damping_bound, derivatives, normal_force, stiffness_bound
 from bearingsim.core.laws.stiffness.interface import curvature, elastic, tangent
 
 
@@ -24,8 +24,8 @@ def _force(contact, delta, v):
     return force if delta > 0.0 else 0.0  # with a stiffness at touch-down (m1 = 1) damping would act across a gap
 
 
-@slopes.register(Kraemer)
-def _slopes(contact, delta, v):
+@derivatives.register(Kraemer)
+def _derivatives(contact, delta, v):
     d, rate = max(delta, 0.0), contact.beta * v
     stiffness = tangent(contact.stiffness, d)
     pressing = 1.0 if delta > 0.0 else 0.0

@@ -4,8 +4,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
-from bearingsim.core.laws.octaves import slope, value
+from bearingsim.core.laws.damping.interface import damping_bound, derivatives, normal_force, stiffness_bound
+from bearingsim.core.laws.octaves import derivative, value
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
 
 
@@ -26,18 +26,18 @@ def _force(contact, delta, v):
     return max(elastic(contact.stiffness, d) + value(contact.table, d) * v, 0.0)
 
 
-@slopes.register(Tabulated)
-def _slopes(contact, delta, v):
+@derivatives.register(Tabulated)
+def _derivatives(contact, delta, v):
     d = max(delta, 0.0)
     c = value(contact.table, d)
     pressing = 1.0 if delta > 0.0 else 0.0
     pressing = pressing if elastic(contact.stiffness, d) + c * v > 0.0 else 0.0
-    return pressing * (tangent(contact.stiffness, d) + slope(contact.table, d) * v), pressing * c
+    return pressing * (tangent(contact.stiffness, d) + derivative(contact.table, d) * v), pressing * c
 
 
 @stiffness_bound.register(Tabulated)
 def _stiffness_bound(contact, delta, v):
-    return tangent(contact.stiffness, delta) + max(slope(contact.table, delta) * v, 0.0)
+    return tangent(contact.stiffness, delta) + max(derivative(contact.table, delta) * v, 0.0)
 
 
 @damping_bound.register(Tabulated)

@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from bearingsim.core.laws.damping.interface import damping_bound, normal_force, slopes, stiffness_bound
+from bearingsim.core.laws.damping.interface import damping_bound, derivatives, normal_force, stiffness_bound
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
 
 
@@ -17,8 +17,8 @@ def _force(contact, delta, v):
     return elastic(contact.stiffness, max(delta, 0.0))
 
 
-@slopes.register(Undamped)
-def _slopes(contact, delta, v):
+@derivatives.register(Undamped)
+def _derivatives(contact, delta, v):
     pressing = 1.0 if delta > 0.0 else 0.0
     return pressing * tangent(contact.stiffness, max(delta, 0.0)), 0.0
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.core.jit import absent, jit
-from bearingsim.core.laws.friction.interface import mu, mu_slope, mu_slope_bound
+from bearingsim.core.laws.friction.interface import mu, mu_derivative, mu_derivative_bound
 
 
 @absent
@@ -15,15 +15,15 @@ class Frictionless(NamedTuple):
 
 @jit
 def cubic_step(x):
-    """Return -1 up to x = -1, 1 from x = 1, the odd cubic between: continuous with its slope, which is 1.5 at x
+    """Return -1 up to x = -1, 1 from x = 1, the odd cubic between: with a continuous derivative, which is 1.5 at x
     = 0."""
     x = min(max(x, -1.0), 1.0)
     return x * (1.5 - 0.5 * x * x)
 
 
 @jit
-def cubic_step_slope(x):
-    """Return the slope of ``cubic_step``."""
+def cubic_step_derivative(x):
+    """Return the derivative of ``cubic_step``."""
     x = min(max(x, -1.0), 1.0)
     return 1.5 - 1.5 * x * x
 
@@ -49,15 +49,15 @@ def _mu_static_dynamic(law, v, u):
     return law.mu_s * cubic_step(v * (1.0 / law.v_s)) - (fall if v > 0.0 else -fall)
 
 
-@mu_slope.register(StaticDynamic)
-def _mu_slope_static_dynamic(law, v, u):
+@mu_derivative.register(StaticDynamic)
+def _mu_derivative_static_dynamic(law, v, u):
     per_fall, per_rise = 1.0 / (law.v_d - law.v_s), 1.0 / law.v_s
-    fall = (law.mu_s - law.mu_d) * per_fall * cubic_step_slope(2.0 * (abs(v) - law.v_s) * per_fall - 1.0)
-    return law.mu_s * per_rise * cubic_step_slope(v * per_rise) - fall, 0.0
+    fall = (law.mu_s - law.mu_d) * per_fall * cubic_step_derivative(2.0 * (abs(v) - law.v_s) * per_fall - 1.0)
+    return law.mu_s * per_rise * cubic_step_derivative(v * per_rise) - fall, 0.0
 
 
-@mu_slope_bound.register(StaticDynamic)
-def _mu_slope_bound_static_dynamic(law, u):
+@mu_derivative_bound.register(StaticDynamic)
+def _mu_derivative_bound_static_dynamic(law, u):
     return 1.5 * law.mu_s / law.v_s
 
 
@@ -96,23 +96,23 @@ def _mu_traction(law, v, u):
     return level if v > 0.0 else -level
 
 
-@mu_slope.register(Traction)
-def _mu_slope_traction(law, v, u):
+@mu_derivative.register(Traction)
+def _mu_derivative_traction(law, v, u):
     rolling = max(u, MIN_ROLLING_SPEED)
     s = abs(v) / rolling
     flowing = min(s, MAX_EXPONENT / law.c)
-    slope = (law.b - law.c * (law.a + law.b * flowing)) * exp_minus(law.c * flowing)
-    slope = slope if s < MAX_EXPONENT / law.c else 0.0
-    slope += (law.a + law.d) * (1.0 / JUMP_WIDTH) * cubic_step_slope(s * (1.0 / JUMP_WIDTH))
-    by_slip = slope / rolling
+    derivative = (law.b - law.c * (law.a + law.b * flowing)) * exp_minus(law.c * flowing)
+    derivative = derivative if s < MAX_EXPONENT / law.c else 0.0
+    derivative += (law.a + law.d) * (1.0 / JUMP_WIDTH) * cubic_step_derivative(s * (1.0 / JUMP_WIDTH))
+    by_slip = derivative / rolling
     by_rolling = by_slip * v / rolling
     return by_slip, (-by_rolling if u > MIN_ROLLING_SPEED else 0.0)
 
 
-@mu_slope_bound.register(Traction)
-def _mu_slope_bound_traction(law, u):
-    slope = law.b - law.c * law.a + 1.5 * (law.a + law.d) / JUMP_WIDTH
-    return slope / max(u, MIN_ROLLING_SPEED)
+@mu_derivative_bound.register(Traction)
+def _mu_derivative_bound_traction(law, u):
+    derivative = law.b - law.c * law.a + 1.5 * (law.a + law.d) / JUMP_WIDTH
+    return derivative / max(u, MIN_ROLLING_SPEED)
 
 
 @jit

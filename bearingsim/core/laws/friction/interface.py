@@ -2,7 +2,7 @@
 
 mu is odd in the slip speed v (m/s) of one surface over the other: the friction force on the first is -mu(v, u) Q.
 u > 0 (m/s) is the mean of the speeds at which the two surfaces pass through the contact. Every law has a finite
-slope at v = 0 and so no sticking: under a steady force less than mu Q a contact creeps.
+derivative at v = 0 and so no sticking: under a steady force less than mu Q a contact creeps.
 
 All laws keep the vector lanes of a loop over rollers.
 """
@@ -19,10 +19,10 @@ def mu(law: Any, v: float, u: float) -> float:
 
 
 @generic(absent=(0.0, 0.0))
-def mu_slope(law: Any, v: float, u: float) -> tuple[float, float]:
+def mu_derivative(law: Any, v: float, u: float) -> tuple[float, float]:
     """Return d(mu)/dv and d(mu)/du (s/m) at the slip speed ``v`` and the rolling speed ``u`` > 0 (m/s)."""
 
 
 @generic(absent=0.0)
-def mu_slope_bound(law: Any, u: float) -> float:
+def mu_derivative_bound(law: Any, u: float) -> float:
     """Return the largest d(mu)/dv (s/m) at the rolling speed ``u`` (m/s), which limits an explicit step."""

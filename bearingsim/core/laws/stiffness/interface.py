@@ -10,7 +10,7 @@ import numpy as np
 
 from bearingsim.core.jit import generic, jit
 
-SHALLOWEST = 1e-12  # m: approach below which a slope that is infinite at touch-down is taken there
+SHALLOWEST = 1e-12  # m: approach below which a derivative that is infinite at touch-down is taken there
 
 
 @generic
@@ -20,12 +20,12 @@ def elastic(law: Any, delta: float) -> float:
 
 @generic
 def tangent(law: Any, delta: float) -> float:
-    """Return the slope of the elastic force (N/m) at approach ``delta`` >= 0 (m)."""
+    """Return the derivative of the elastic force (N/m) at approach ``delta`` >= 0 (m)."""
 
 
 @generic
 def curvature(law: Any, delta: float) -> float:
-    """Return the slope of the tangent stiffness, d2Q/d(delta)2 (N/m^2), at approach ``delta`` >= 0 (m)."""
+    """Return the derivative of the tangent stiffness, d2Q/d(delta)2 (N/m^2), at approach ``delta`` >= 0 (m)."""
 
 
 @jit

@@ -5,10 +5,10 @@ In reduced form one curve serves all radii, lengths and materials. With x = Q'/(
     y = -x (ln x + 1),    dy/dx = -(ln x + 2)
 
 so x(y) is a single function of one number. It cannot be written out, and a logarithm inside a loop over rollers
-would cost its vector lanes. So it is tabulated (``laws/octaves.py``). x is continuous with its slope, and the
-slope returned is that of the interpolant.
+would cost its vector lanes. So it is tabulated (``laws/octaves.py``). x is continuous with its derivative, and the
+derivative returned is that of the interpolant.
 
-Relative error of x below 1e-9, of the slope below 1e-6, for 2^-36 <= y <= 2^-6. Below, where 1/ln y tends to
+Relative error of x below 1e-9, of the derivative below 1e-6, for 2^-36 <= y <= 2^-6. Below, where 1/ln y tends to
 zero too slowly to matter, a parabola through the origin; above, a straight line. The formula itself ends at
 y = e^-2 = 0.135 (x = e^-2), where its stiffness is infinite.
 """
@@ -20,7 +20,7 @@ import numpy as np
 
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.laws.hertz import effective_modulus
-from bearingsim.core.laws.octaves import bend, slope, tabulate, value
+from bearingsim.core.laws.octaves import bend, derivative, tabulate, value
 from bearingsim.core.laws.stiffness.interface import curvature, elastic, tangent
 from bearingsim.core.laws.stiffness.series import series_share, series_share_by_newton
 
@@ -47,14 +47,14 @@ def reduced_force(y):
 
 
 @jit
-def reduced_slope(y):
+def reduced_derivative(y):
     """Return dx/dy, the derivative of ``reduced_force``."""
-    return slope(TABLE, y)
+    return derivative(TABLE, y)
 
 
 @jit
 def reduced_curvature(y):
-    """Return d2x/dy2, the derivative of ``reduced_slope``, slightly discontinuous between cells."""
+    """Return d2x/dy2, the derivative of ``reduced_derivative``, slightly discontinuous between cells."""
     return bend(TABLE, y)
 
 
@@ -93,7 +93,7 @@ def _elastic(law, delta):
 @tangent.register(Johnson)
 def _tangent(law, delta):
     per_length = 1.0 / law.length
-    return law.force * per_length * reduced_slope(delta * per_length)
+    return law.force * per_length * reduced_derivative(delta * per_length)
 
 
 @curvature.register(Johnson)

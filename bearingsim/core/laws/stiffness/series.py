@@ -23,8 +23,8 @@ def series_share_by_newton(outer, inner, delta):
     part = d * of_outer / max(of_outer + of_inner, 1e-300)
     for _ in range(NEWTON_STEPS):
         excess = elastic(inner, part) - elastic(outer, d - part)
-        slope = tangent(inner, part) + tangent(outer, d - part)
-        part = min(max(part - excess / max(slope, 1e-300), 0.0), d)
+        spring_rate = tangent(inner, part) + tangent(outer, d - part)
+        part = min(max(part - excess / max(spring_rate, 1e-300), 0.0), d)
     return part
 
 

@@ -5,8 +5,8 @@ from typing import Any
 
 from bearingsim.core import layout as lay
 from bearingsim.core.jit import generic, jit
-from bearingsim.core.laws.damping.interface import normal_force, slopes
-from bearingsim.core.laws.friction.interface import mu, mu_slope
+from bearingsim.core.laws.damping.interface import derivatives, normal_force
+from bearingsim.core.laws.friction.interface import mu, mu_derivative
 from bearingsim.core.parts.cage import (
     Centred,
     FreeCage,
@@ -41,53 +41,53 @@ from bearingsim.core.parts.cage import (
 
 
 @generic
-def orbit_drag_slope(drag: Any, speed: float) -> float:
+def orbit_drag_derivative(drag: Any, speed: float) -> float:
     """Return the derivative of ``orbit_drag`` by the speed (N s/m)."""
 
 
 @generic
-def land_drag_slope(drag: Any) -> float:
+def land_drag_derivative(drag: Any) -> float:
     """Return the derivative of ``land_drag`` by the cage's speed (N m s)."""
 
 
-@orbit_drag_slope.register(NoDrag)
-def _orbit_drag_slope_none(drag, speed):
+@orbit_drag_derivative.register(NoDrag)
+def _orbit_drag_derivative_none(drag, speed):
     return 0.0
 
 
-@land_drag_slope.register(NoDrag)
-def _land_drag_slope_none(drag):
+@land_drag_derivative.register(NoDrag)
+def _land_drag_derivative_none(drag):
     return 0.0
 
 
-@orbit_drag_slope.register(OilDrag)
-def _orbit_drag_slope_oil(drag, speed):
+@orbit_drag_derivative.register(OilDrag)
+def _orbit_drag_derivative_oil(drag, speed):
     return -2.0 * drag.roller * abs(speed)
 
 
-@land_drag_slope.register(OilDrag)
-def _land_drag_slope_oil(drag):
+@land_drag_derivative.register(OilDrag)
+def _land_drag_derivative_oil(drag):
     return -drag.land
 
 
 @generic
-def radial_stop_slopes(guide: Any, out: float, speed: float) -> tuple[float, float]:
+def radial_stop_derivatives(guide: Any, out: float, speed: float) -> tuple[float, float]:
     """Return the derivatives of ``radial_stop`` by the displacement (N/m) and its rate (N s/m)."""
 
 
-@radial_stop_slopes.register(Centred)
-def _radial_stop_slopes_centred(guide, out, speed):
+@radial_stop_derivatives.register(Centred)
+def _radial_stop_derivatives_centred(guide, out, speed):
     return 0.0, 0.0
 
 
-@radial_stop_slopes.register(RingGuided)
-def _radial_stop_slopes_ring(guide, out, speed):
+@radial_stop_derivatives.register(RingGuided)
+def _radial_stop_derivatives_ring(guide, out, speed):
     return 0.0, 0.0
 
 
-@radial_stop_slopes.register(RollerGuided)
-def _radial_stop_slopes_rollers(guide, out, speed):
-    K, C = slopes(guide.law, abs(out) - guide.play, speed if out > 0.0 else -speed)
+@radial_stop_derivatives.register(RollerGuided)
+def _radial_stop_derivatives_rollers(guide, out, speed):
+    K, C = derivatives(guide.law, abs(out) - guide.play, speed if out > 0.0 else -speed)
     return -K, -C
 
 
@@ -130,17 +130,17 @@ def _cage_mobility_free(cage):
 
 
 @generic
-def pocket_slopes(cage: Any, model: Any, omega_cage: float, spin: float, y: Any, n: int) -> None:
+def pocket_derivatives(cage: Any, model: Any, omega_cage: float, spin: float, y: Any, n: int) -> None:
     """Fill the rows above: stiffness and damping of every roller's contact with its pocket."""
 
 
-@pocket_slopes.register(KinematicCage)
-def _pocket_slopes_kinematic(cage, model, omega_cage, spin, y, n):
+@pocket_derivatives.register(KinematicCage)
+def _pocket_derivatives_kinematic(cage, model, omega_cage, spin, y, n):
     return None
 
 
-@pocket_slopes.register(FreeCage)
-def _pocket_slopes_free(cage, model, omega_cage, spin, y, n):
+@pocket_derivatives.register(FreeCage)
+def _pocket_derivatives_free(cage, model, omega_cage, spin, y, n):
     b = model.bearing
     middle, R_w = 0.5 * (b.R_o + b.R_i), b.R_w
     x = y[lay.POSITION + lay.X_C]
@@ -156,11 +156,11 @@ def _pocket_slopes_free(cage, model, omega_cage, spin, y, n):
         v_r, v_t = v * ce - w * se - v_x * pc - v_z * ps, v * se + w * ce + v_x * ps - v_z * pc
         side = 1.0 if e > 0.0 else -1.0
         depth, rate = abs(e) - cage.play, side * (v_t - omega_cage * rho)
-        N, (K, C) = normal_force(cage.pocket, depth, rate), slopes(cage.pocket, depth, rate)
+        N, (K, C) = normal_force(cage.pocket, depth, rate), derivatives(cage.pocket, depth, rate)
         slip = v_r - side * R_w * (spin + y[lay.SPIN_V + j]) + omega_cage * (e + side * R_w)
-        by_slip, _ = mu_slope(cage.friction, slip, R_w * abs(spin))
+        by_slip, _ = mu_derivative(cage.friction, slip, R_w * abs(spin))
         rubbing, out, rising = mu(cage.friction, slip, R_w * abs(spin)), rho - middle, v_r + omega_cage * e
-        stop_d, stop_v = radial_stop_slopes(cage.guide, out, rising)
+        stop_d, stop_v = radial_stop_derivatives(cage.guide, out, rising)
         y[OFFSET_R + j] = rho
         y[OFFSET_T + j] = e
         y[OFFSET_V_R + j] = v_r
@@ -228,7 +228,7 @@ def add_to_border(matrix, k, m, value, y):
 
 @generic
 def guide_change(cage: Any, omega_cage: float, omega_i: float, y: Any) -> None:
-    """Add to both arrows' border what the guide does between cage and ring, and land drag's slope."""
+    """Add to both arrows' border what the guide does between cage and ring, and land drag's derivative."""
 
 
 @generic
@@ -264,8 +264,11 @@ def land_column(guide, omega_cage, omega_ring, matrix, m, p, w, cage_v, ring_v, 
     on_cage = (o - i) * guide.land
     on_ring = on_cage + off
     slip, rolling = across + on_cage * omega_cage - on_ring * omega_ring, guide.land * abs(omega_cage)
-    N, (K, C) = normal_force(guide.law, off - guide.play, rate), slopes(guide.law, off - guide.play, rate)
-    rubbing, (by_slip, by_rolling) = mu(guide.friction, slip, rolling), mu_slope(guide.friction, slip, rolling)
+    N, (K, C) = normal_force(guide.law, off - guide.play, rate), derivatives(guide.law, off - guide.play, rate)
+    rubbing, (by_slip, by_rolling) = (
+        mu(guide.friction, slip, rolling),
+        mu_derivative(guide.friction, slip, rolling),
+    )
     f = rubbing * N
 
     out, turned = p[0] * c + p[1] * s, (p[1] * c - p[0] * s) / off
