@@ -25,7 +25,7 @@ GIVEN_S, ALLOWED_S = 5.0, 6.0
 ALIKE = {"bearing": "nf308", "speed": "1800 rpm", "settle": "0 s"}
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 INNER = SLOT | {"race": "inner"}
-LOADS = {"sweep": {"load": ["150 N", "165 N"]}}  # with a healthy twin each
+LOADS = {"sweep": {"load": ["150 N", "165 N"]}}  # with a healthy case each
 EXTREMES: dict[str, dict[str, Any]] = {
     "light ring": {"model": "rollers", "duration": "0.1 s", "rig": {"ring_mass": "1e-6 kg"}, "defect": SLOT}
     | LOADS,

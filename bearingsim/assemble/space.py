@@ -74,9 +74,9 @@ def mount(case: Case, by: config.Rig | config.Shaft | None, ring: str, m: float,
     case.
     """
     askew = case.misalignment
-    lean = sin(getattr(askew, ring)) if askew else 0.0
+    tilt = sin(getattr(askew, ring)) if askew else 0.0
     towards = askew.direction if askew else 0.0
-    tilt_x, tilt_y = float(lean * cos(towards)), float(lean * sin(towards))
+    tilt_x, tilt_y = float(tilt * cos(towards)), float(tilt * sin(towards))
     if by is None or by.axial_stiffness is None or by.tilting_stiffness is None:
         return RigidMount(tilt_x, tilt_y)
     return ElasticMount(

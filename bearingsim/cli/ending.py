@@ -140,10 +140,10 @@ def _band(results: "Results", name: str) -> str:
 
 
 def _healthy(results: "Results", name: str, unit: str, factor: float) -> Iterator[str]:
-    """Yield the range over the healthy twins, as `healthy: 0.61 to 1.13 um/s`; factor: of the unit from SI."""
-    twins = {entry["job"] for entry in results.plan["jobs"] if entry["twin"]}
+    """Yield the range over the healthy cases, as `healthy: 0.61 to 1.13 um/s`; factor: of the unit from SI."""
+    baselines = {entry["job"] for entry in results.plan["jobs"] if entry["twin"]}
     table = results.table()
-    values = table[table["job"].isin(twins)][name].dropna()
+    values = table[table["job"].isin(baselines)][name].dropna()
     if len(values) and not name.endswith("-healthy"):
         low, high = (significant(factor * float(end)) for end in (values.min(), values.max()))
         yield f"healthy: {_range(low, high, unit)}"

@@ -80,10 +80,10 @@ class Plan:
 
     @property
     def counted(self) -> tuple[int, int, int]:
-        """Numbers of cases, twins and variations of the study, including refused ones."""
-        twins = sum(job.is_baseline for job in self.jobs)
+        """Numbers of cases, healthy cases and variations of the study, including refused ones."""
+        baselines = sum(job.is_baseline for job in self.jobs)
         varied = sum(job.is_variation for job in self.jobs)
-        return len(self.jobs) - twins - varied, twins, varied
+        return len(self.jobs) - baselines - varied, baselines, varied
 
     @property
     def share(self) -> float:
@@ -92,7 +92,7 @@ class Plan:
 
     @property
     def everything(self) -> tuple[Priced, ...]:
-        """Cases, twins and variations."""
+        """Cases, healthy cases and variations."""
         return self.cases + self.baselines + self.variations
 
     @property

@@ -120,9 +120,9 @@ def _lines(plan: Plan, verbose: bool) -> tuple[Line, ...]:
 
 def _counts(plan: Plan) -> str:
     refused = len(plan.refusals)
-    cases, twins, varied = plan.counted
-    every = cases + twins + varied
-    kinds = [f"{cases} case{'s' * (cases != 1)}", f"{twins} healthy twin{'s' * (twins != 1)}"]
+    cases, baselines, varied = plan.counted
+    every = cases + baselines + varied
+    kinds = [f"{cases} case{'s' * (cases != 1)}", f"{baselines} healthy twin{'s' * (baselines != 1)}"]
     kinds += [f"{varied} variation{'s' * (varied != 1)}"] if varied else []
     rejected = f", {refused} refused" if refused else ""
     return f"{every} job{'s' * (every != 1)} ({', '.join(kinds)}){rejected}"
@@ -168,11 +168,11 @@ def as_json(plan: Plan) -> str:
     """Return the plan as JSON, in SI; null stands for no limit."""
     from bearingsim.config.scan.repair import notes
 
-    cases, twins, varied = plan.counted
+    cases, baselines, varied = plan.counted
     entries = {
         "study": plan.study.name,
         "cases": cases,
-        "twins": twins,
+        "twins": baselines,
         "variations": varied,
         "cpu_seconds": plan.cpu_seconds,
         "wall_seconds": plan.wall_seconds,

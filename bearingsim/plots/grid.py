@@ -51,8 +51,8 @@ def grid(
     Titles give the swept values. A quantity of several rollers shares one column.
     """
     swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
-    twin_of = _baselines(results, jobs) if view.baselines else {}
-    twins = recorded.all_jobs(results, sorted(set(twin_of.values())))
+    baseline_of = _baselines(results, jobs) if view.baselines else {}
+    records = recorded.all_jobs(results, sorted(set(baseline_of.values())))
     columns = list(_columns(channels))
     height = LOW_ROW_IN if len(jobs) > MANY else ROW_IN
     size = (max(2, len(columns)) * COLUMN_IN, height * len(jobs) + (0.6 if len(jobs) > 1 else 1.0))
@@ -63,9 +63,11 @@ def grid(
         drawn = {job: _curves(record, together, view) for job, record in jobs.items()}
         unit, factor = _unit(together[0], view, drawn)
         for row, (job, curves) in zip(axes, drawn.items(), strict=True):
-            twin = twins.get(twin_of.get(job, ""))
-            has_baseline = twin is not None and len(curves) == 1 and _has(twin, together[0])
-            _panel(row[column], curves, _curves(twin, together, view) if twin and has_baseline else {}, factor)
+            baseline = records.get(baseline_of.get(job, ""))
+            has_baseline = baseline is not None and len(curves) == 1 and _has(baseline, together[0])
+            _panel(
+                row[column], curves, _curves(baseline, together, view) if baseline and has_baseline else {}, factor
+            )
         label = axis_label(view.y_label(recorded.text_of(*together)), unit)
         _name_axes([row[column] for row in axes], label, len(columns) == 1)
         axes[-1][column].set_xlabel(view.x_label)
@@ -150,4 +152,4 @@ def _baselines(results: "Results", jobs: Iterable[str]) -> dict[str, str]:
     table = results.table().set_index("job")
     done = set(table.index[table["status"] == "done"])
     healthy = {entry["job"]: entry["healthy"] for entry in results.plan["jobs"]}
-    return {job: twin for job in jobs if (twin := str(healthy.get(job))) in done}
+    return {job: baseline for job in jobs if (baseline := str(healthy.get(job))) in done}

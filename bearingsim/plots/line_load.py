@@ -21,21 +21,21 @@ if TYPE_CHECKING:
     from bearingsim.config import Case
     from bearingsim.store import Results
 
-ROW_IN, LEAN_IN, PICTURE_IN, PROFILE_IN = 2.5, 1.3, 4.2, 2.6
+ROW_IN, TILT_IN, PICTURE_IN, PROFILE_IN = 2.5, 1.3, 4.2, 2.6
 SCALE = "YlOrRd"
 UNLOADED = 0.02  # of the largest line load: smaller ones are drawn as zero
 WITHOUT_DEFECT = 8.0  # ball passes shown of a roller that passes no defect
 FEW = 10.0  # samples over a defect: the caption states lower numbers
 LABEL_LETTERS = 30
 MIN_SAMPLES = 4
-LEANS = {"tilt": COLOURS[0], "skew": COLOURS[1]}
+TILTS = {"tilt": COLOURS[0], "skew": COLOURS[1]}
 ADVICE = "add `roller.outer_line_load` to `record`, with `model: spatial`"
 
 
 class LoadAlong(NamedTuple):
     """Line load of a job: time (n,) in s, load (slices, n) in N/m, ends of the slices (m), passage.
 
-    leans: tilt and skew (n,) in rad of the same roller, as far as they were recorded.
+    tilts: tilt and skew (n,) in rad of the same roller, as far as they were recorded.
     """
 
     channel: str
@@ -43,7 +43,7 @@ class LoadAlong(NamedTuple):
     load: Reals
     ends: Reals
     passage: Passage | None
-    leans: dict[str, Reals]
+    tilts: dict[str, Reals]
 
 
 def draw_load(results: "Results", jobs: Sequence[str], y: Sequence[str] = (), span: float | None = None) -> Canvas:
@@ -54,7 +54,7 @@ def draw_load(results: "Results", jobs: Sequence[str], y: Sequence[str] = (), sp
     """
     records = recorded.all_jobs(results, jobs)
     rows = [(job, load) for job, record in records.items() for load in _loads(results, job, record, y, span)]
-    heights = [height for _, load in rows for height in (ROW_IN, *([LEAN_IN] if load.leans else []))]
+    heights = [height for _, load in rows for height in (ROW_IN, *([TILT_IN] if load.tilts else []))]
     canvas = Canvas(figsize=(PICTURE_IN + PROFILE_IN + 2.4, sum(heights) + 0.8), layout="constrained")
     made = canvas.subplots(
         len(heights), 2, squeeze=False, width_ratios=[PICTURE_IN, PROFILE_IN], height_ratios=heights
@@ -65,9 +65,9 @@ def draw_load(results: "Results", jobs: Sequence[str], y: Sequence[str] = (), sp
         picture, profile = next(axes)
         _draw_row(picture, profile, load)
         picture.set_title(labels.described(swept[job], results.plan["units"]), loc="left", fontsize=8)
-        if load.leans:
+        if load.tilts:
             below, beside = next(axes)
-            _draw_leans(below, beside, picture, load)
+            _draw_tilts(below, beside, picture, load)
     table = select.case_rows(results)
     fixed = fixed_values(results, table[table["job"].isin(jobs)], set().union(*swept.values()))
     finish(canvas, None, [*_notes(records, rows), *fixed])
@@ -103,13 +103,13 @@ def _loads(
             raise labels.PlotError(
                 f"job {job} has {np.count_nonzero(shown)} samples in that time; raise `sampling`"
             )
-        leans = {name: values[shown] for name, values in _leans(record, number)}
-        yield LoadAlong(channel, time[shown], load[:, shown], ends, passage, leans)
+        tilts = {name: values[shown] for name, values in _tilts(record, number)}
+        yield LoadAlong(channel, time[shown], load[:, shown], ends, passage, tilts)
 
 
-def _leans(record: Job, number: int) -> Iterator[tuple[str, Reals]]:
+def _tilts(record: Job, number: int) -> Iterator[tuple[str, Reals]]:
     """Yield tilt and skew (rad) of a roller, if they were recorded."""
-    for name in LEANS:
+    for name in TILTS:
         channel = recorded.recorded_as(f"roller.{number}.{name}", record.recorded)
         if channel:
             yield name, np.asarray(record.series.channels[channel], np.float64)
@@ -217,17 +217,17 @@ def _draw_picture(ax: "Axes", load: LoadAlong, factor: float, label: str) -> Non
     bar.ax.yaxis.set_label_position("left")  # on its right there are the sections
 
 
-def _draw_leans(ax: "Axes", beside: "Axes", picture: "Axes", load: LoadAlong) -> None:
+def _draw_tilts(ax: "Axes", beside: "Axes", picture: "Axes", load: LoadAlong) -> None:
     """Draw tilt and skew over the time axis of the map above."""
-    largest = max(float(np.max(np.abs(values))) for values in load.leans.values())
+    largest = max(float(np.max(np.abs(values))) for values in load.tilts.values())
     unit, factor = labels.readable("rad", "tilt", largest)
-    for name, values in load.leans.items():
-        ax.plot(1e3 * load.time, factor * values, color=LEANS[name], lw=1.2, label=name)
+    for name, values in load.tilts.items():
+        ax.plot(1e3 * load.time, factor * values, color=TILTS[name], lw=1.2, label=name)
     if factor * largest < 1.0:  # of the smallest unit: rounding
         ax.set_ylim(-1.0, 1.0)
     ax.set_xlim(picture.get_xlim())
     ax.set_xlabel("Time (ms)")
-    ax.set_ylabel(f"Tilt, skew ({unit})" if len(load.leans) > 1 else axis_label(next(iter(load.leans)), unit))
+    ax.set_ylabel(f"Tilt, skew ({unit})" if len(load.tilts) > 1 else axis_label(next(iter(load.tilts)), unit))
     ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
     beside.set_axis_off()
     beside.legend(*ax.get_legend_handles_labels(), loc="upper left", fontsize=7, borderaxespad=0.0)

@@ -117,17 +117,17 @@ class RollerPath(NamedTuple):
     """The path that a roller (from 1) took over a defect: position s and depth below the sound race (m), (n,)
     each.
 
-    lean: of the roller's axis, outwards (rad; (n,)), by which another section than its middle lies deeper.
+    tilt: of the roller's axis, outwards (rad; (n,)), by which another section than its middle lies deeper.
     """
 
     number: int
     s: np.ndarray
     depth: np.ndarray
-    lean: np.ndarray
+    tilt: np.ndarray
 
     def depth_at(self, z: float) -> np.ndarray:
         """Compute the depth (n,) in m of the roller's lowest point in the section z (m)."""
-        return self.depth + self.lean * z
+        return self.depth + self.tilt * z
 
 
 class Passage(NamedTuple):
@@ -199,8 +199,8 @@ def roller_path(job: Job, case: "Case", defect: Defect) -> RollerPath | None:
     depth = (-outwards if ring == "inner" else outwards) - case.clearance / 4.0
     s = (job.series.time - passage.time) * passage.speed
     tilt = recorded_as(f"roller.{number}.tilt", job.recorded)
-    lean = series[tilt] if tilt else np.zeros(len(s))
+    tilts = series[tilt] if tilt else np.zeros(len(s))
     if ring == "inner":  # which is faster than the rollers: they move towards -s
-        s, depth, lean = -s[::-1], depth[::-1], -lean[::-1]
+        s, depth, tilts = -s[::-1], depth[::-1], -tilts[::-1]
     shown = (s >= defect.positions()[0]) & (s <= defect.positions()[-1])
-    return RollerPath(number, s[shown], depth[shown], lean[shown])
+    return RollerPath(number, s[shown], depth[shown], tilts[shown])

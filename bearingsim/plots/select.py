@@ -24,8 +24,8 @@ UNSAID = "none"  # omitted from the name of a category
 
 def case_rows(results: "Results") -> "pd.DataFrame":
     """Select the rows of the table that are cases of the study, without healthy baselines."""
-    table, twins = results.table(), {entry["job"] for entry in results.plan["jobs"] if entry["twin"]}
-    return table[~table["job"].isin(twins)].reset_index(drop=True)
+    table, baselines = results.table(), {entry["job"] for entry in results.plan["jobs"] if entry["twin"]}
+    return table[~table["job"].isin(baselines)].reset_index(drop=True)
 
 
 def design_paths(results: "Results") -> tuple[str, ...]:
@@ -144,8 +144,8 @@ def with_defect_phases(results: "Results", rows: "pd.DataFrame") -> "pd.DataFram
     columns = {}
     for line in lines:
         amplitude = table[line] * np.exp(1j * table[f"{line}.phase"])
-        twin = amplitude.reindex(rows["healthy"]).to_numpy()
-        columns[f"{line}{HEALTHY_PHASE}"] = np.angle(amplitude.reindex(rows["job"]).to_numpy() - twin)
+        baseline = amplitude.reindex(rows["healthy"]).to_numpy()
+        columns[f"{line}{HEALTHY_PHASE}"] = np.angle(amplitude.reindex(rows["job"]).to_numpy() - baseline)
     return pd.concat([rows, pd.DataFrame(columns, index=rows.index)], axis=1)
 
 

@@ -12,7 +12,7 @@ from bearingsim.config import Case
 from bearingsim.errors import UserError
 from bearingsim.selection.candidates import WITH_FRICTION, computed_by, reference, with_friction
 from bearingsim.selection.curves import curves
-from bearingsim.selection.trials import twin_asked
+from bearingsim.selection.trials import required_healthy_case
 from bearingsim.store.choices import Choice, Choices
 from bearingsim.study import Job, Study
 from bearingsim.study.jobs import Audit, Chosen, Selection, case_id, identity
@@ -72,8 +72,8 @@ def audits(study: Study, references: Sequence[Case], ids: Sequence[str]) -> list
 
 
 def _audit(study: Study, of: str, case: Case) -> Audit:
-    """Return a job computed again as a case, with its healthy twin if a feature is measured against that."""
-    plain = twin_asked(study, case)
-    twin = None if plain is None else Job(plain, is_variation=True)
-    job = Job(case, baseline=twin, is_variation=True)
-    return Audit(of, job, twin)
+    """Return a job computed again, with its healthy counterpart if a feature is measured against that."""
+    plain = required_healthy_case(study, case)
+    healthy_job = None if plain is None else Job(plain, is_variation=True)
+    job = Job(case, baseline=healthy_job, is_variation=True)
+    return Audit(of, job, healthy_job)

@@ -64,17 +64,17 @@ class Evidence:
         return {name: of if of < inf else None for name, of in shares.items()}
 
     def _values(self, n: int, case: Case, beside: Case | None = None) -> dict[str, Value]:
-        """Read the features of a case from its trial (and its twin's); nothing of one that failed.
+        """Read the features of a case from its trial (and of its healthy counterpart); nothing of one that failed.
 
-        beside: a case whose twin counts instead.
+        beside: a case whose healthy case counts instead.
         """
         assert self.study.goal is not None
-        twins = trials_of(self.study, n, beside or case)[1:]
-        trials = [self.known.get(trial.id) for trial in (trials_of(self.study, n, case)[0], *twins)]
-        own, twin = trials[0], trials[-1] if len(trials) > 1 else None
-        if own is None or None in trials or (twin is not None and twin.turns != own.turns):
+        baselines = trials_of(self.study, n, beside or case)[1:]
+        trials = [self.known.get(trial.id) for trial in (trials_of(self.study, n, case)[0], *baselines)]
+        own, baseline = trials[0], trials[-1] if len(trials) > 1 else None
+        if own is None or None in trials or (baseline is not None and baseline.turns != own.turns):
             return {}
-        return {feature: value(feature, own, twin) for feature in self.study.goal.of}
+        return {feature: value(feature, own, baseline) for feature in self.study.goal.of}
 
 
 def _relative(error: float, size: float) -> float:

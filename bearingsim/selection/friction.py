@@ -59,13 +59,13 @@ class Friction:
         return [trial for trial in trials if trial.id not in self.evidence.known]
 
     def _trials_of(self, n: int) -> list[Trialled]:
-        """Return the trials of a case with friction: its own, which may end early, and its twin's."""
-        own, *twins = trials_of(self.evidence.study, n, self._tried(n))
+        """Return the trials of a case with friction, which may end early, and of its healthy counterpart."""
+        own, *baselines = trials_of(self.evidence.study, n, self._tried(n))
         plain = self.evidence.of_reference[n]
         names = [name for name in own.asked if name in plain and name != LARGEST_FORCE]
         most = {name: CLEARLY * self.limit * self.evidence.sizes[name][n] for name in names}
         against = Against({name: plain[name].value for name in names}, most)
-        return [replace(own, against=(against,)), *twins]
+        return [replace(own, against=(against,)), *baselines]
 
     def _tried(self, n: int) -> Case:
         """Return the case that is tried with friction for number ``n``: itself, if its record may end early.

@@ -30,20 +30,20 @@ class Value(NamedTuple):
     share: float
 
 
-def value(feature: str, trial: Trial, twin: Trial | None) -> Value:
-    """Return a feature (SI) of a trial, against its healthy twin if it is measured so."""
+def value(feature: str, trial: Trial, baseline: Trial | None) -> Value:
+    """Return a feature (SI) of a trial, against its healthy case if it is measured so."""
     if feature == LARGEST_FORCE:
         turns = np.array_split(trial.forces, trial.turns)
         return Value(float(trial.forces.max()), np.array([turn.max() for turn in turns]), 1.0)
     share = 2.0 / trial.turns
     line = feature.removesuffix(HEALTHY)
-    if read_band(line) is not None and feature != line and twin is not None:  # magnitudes are subtracted
-        own, healthy = value(line, trial, None), value(line, twin, None)
+    if read_band(line) is not None and feature != line and baseline is not None:  # magnitudes are subtracted
+        own, healthy = value(line, trial, None), value(line, baseline, None)
         return Value(own.value - healthy.value, own.parts - healthy.parts, share)
     if line in trial.powers:
         rms = float(np.sqrt(trial.powers[line][0]))
         return Value(rms, 0.5 * trial.powers[line][1:] / (rms or 1.0), share)
-    amplitudes = trial.lines[line] - (twin.lines[line] if feature != line and twin is not None else 0.0)
+    amplitudes = trial.lines[line] - (baseline.lines[line] if feature != line and baseline is not None else 0.0)
     parts = amplitudes[1:] * np.exp(-1j * np.angle(amplitudes[0]))
     return Value(float(abs(amplitudes[0])), parts.real, share)
 

@@ -1,4 +1,4 @@
-"""The trials by which models are chosen: the first ball passes of a case, and of its healthy twin if asked."""
+"""The trials by which models are chosen: first ball passes of a case, and of its healthy counterpart if needed."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from bearingsim.config.names import MEANS
 from bearingsim.selection.candidates import recut, reference, with_friction
 from bearingsim.simulation.settling import cage_turn
 from bearingsim.simulation.trial import Against, Trial, defect_turn, passes_to_try, tells_friction
-from bearingsim.study import Study, healthy_twin
+from bearingsim.study import Study, healthy_case
 from bearingsim.study.goal import HEALTHY
 from bearingsim.study.jobs import identity
 
@@ -34,12 +34,12 @@ Known = Mapping[str, Trial | None]
 
 
 def trials_of(study: Study, number: int, case: Case) -> list[Trialled]:
-    """List those by which a candidate for a case is judged: its own, and its healthy twin's if asked."""
+    """List those by which a candidate for a case is judged: its own, and its healthy counterpart's if needed."""
     own = study.swept_cases[number][0]
     loose = with_friction(own) is not None
     turn = max(defect_turn(own), cage_turn(own)) if loose else defect_turn(own)
-    read = asked_of(study), passes_to_try(own, loose), turn  # the twin's as its case's: it has no defects
-    cases = [variant for variant in (case, twin_asked(study, case)) if variant is not None]
+    read = asked_of(study), passes_to_try(own, loose), turn  # shared, because a healthy case has no defects
+    cases = [variant for variant in (case, required_healthy_case(study, case)) if variant is not None]
     return [Trialled(_named(variant, *read), variant, *read) for variant in cases]
 
 
@@ -58,10 +58,10 @@ def _named(case: Case, features: tuple[str, ...], passes: int, turn: float) -> s
     return identity(case, settings if turn == defect_turn(case) else settings | {"turn": float(f"{turn:.12g}")})
 
 
-def twin_asked(study: Study, case: Case) -> Case | None:
-    """Return the healthy twin of a case, if a feature is measured against that."""
+def required_healthy_case(study: Study, case: Case) -> Case | None:
+    """Return the healthy counterpart of a case, if a feature is measured against that."""
     assert study.goal is not None
-    return healthy_twin(case) if any(name.endswith(HEALTHY) for name in study.goal.of) else None
+    return healthy_case(case) if any(name.endswith(HEALTHY) for name in study.goal.of) else None
 
 
 def first_trials(study: Study, numbers: Sequence[int]) -> list[Trialled]:

@@ -107,7 +107,7 @@ def try_out(
     """Return the first ball passes of a case, for its model to be compared with others (``trial.py``).
 
     requested: features; passes: how many are compared; turn: of the slowest defect (s), by which they are cut (0
-    if none turns), its own or of the case whose healthy twin this is. If the motion becomes periodic within them,
+    if none turns), its own or of the case whose healthy case this is. If the motion becomes periodic within them,
     the whole record is returned as well, unless its step is not to be checked. Raises like ``simulate``.
     """
     began = cpu_time.now()

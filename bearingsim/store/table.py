@@ -119,8 +119,8 @@ def job_frame(root: Path) -> "pd.DataFrame":
     """Return the data of each planned job, indexed by id.
 
     Columns: ``parameters/...``, ``features/...``, ``info/...``, ``status`` (done, failed, missing), ``reason``,
-    ``healthy`` (id of the twin), ``unit``. Read from ``study.h5`` if it is up to date; otherwise made anew, and
-    written where possible.
+    ``healthy`` (id of the healthy case), ``unit``. Read from ``study.h5`` if it is up to date; otherwise made
+    anew, and written where possible.
     """
     fingerprint = _fingerprint(root)
     stored = read_frame(root)
@@ -163,7 +163,7 @@ def rows_of(plan: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
-    """Return one row per case and twin.
+    """Return one row per case, healthy ones included.
 
     Columns: ``job``, swept paths (SI), features, status, reason, seconds, healthy, unit. Variations
     (``store/spread.py``) have no row: they make the columns `error.*` of their jobs.
@@ -241,7 +241,7 @@ def _collect(root: Path, table_rows: "pd.DataFrame | None", rows: Rows) -> "pd.D
 
 
 def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
-    """Compute ``|A - A_healthy|`` of the complex amplitude of each line with a phase, NaN without a twin.
+    """Compute ``|A - A_healthy|`` of the complex amplitude of each line with a phase, NaN without a healthy case.
 
     A band has no phase: the difference of its values.
     """
@@ -251,12 +251,12 @@ def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
     differences = {}
     for line in lines:
         amplitude = frame[line] * np.exp(1j * frame[f"{line}.phase"])
-        twin = amplitude.reindex(frame["healthy"]).to_numpy()
-        differences[f"{line}-healthy"] = np.abs(amplitude.to_numpy() - twin)
+        baseline = amplitude.reindex(frame["healthy"]).to_numpy()
+        differences[f"{line}-healthy"] = np.abs(amplitude.to_numpy() - baseline)
     for name in frame.columns:
         if read_band(str(name).removeprefix("features/")) is not None:
-            twin = frame[name].reindex(frame["healthy"]).to_numpy()
-            differences[f"{name}-healthy"] = frame[name].to_numpy() - twin
+            baseline = frame[name].reindex(frame["healthy"]).to_numpy()
+            differences[f"{name}-healthy"] = frame[name].to_numpy() - baseline
     return pd.DataFrame(differences, index=frame.index)
 
 

@@ -2,7 +2,7 @@
 
 from bearingsim.study.design import Design
 from bearingsim.study.figures import Figure
-from bearingsim.study.jobs import Job, Study, case_id, healthy_twin
+from bearingsim.study.jobs import Job, Study, case_id, healthy_case
 from bearingsim.study.load import Outline, load_study, outline
 from bearingsim.study.paths import dimension
 from bearingsim.study.rolling_parts import load_rolling_parts
@@ -22,7 +22,7 @@ __all__ = [
     "StudyError",
     "case_id",
     "dimension",
-    "healthy_twin",
+    "healthy_case",
     "json_schema",
     "load_rolling_parts",
     "load_study",

@@ -160,11 +160,13 @@ class Study:
     @cached_property
     def _planned(self) -> tuple[Job, ...]:
         jobs: list[Job] = []
-        twins: dict[str, Job] = {}  # each once: many cases share one
+        healthy_jobs: dict[str, Job] = {}  # each once: many cases share one
         for case, swept in self.swept_cases:
-            twin = _baseline(case, swept)
-            jobs.append(Job(case, swept, twin and twins.setdefault(identity(twin.case), twin)))
-        return tuple(_each_once([*jobs, *twins.values()]))
+            healthy_job = _baseline(case, swept)
+            jobs.append(
+                Job(case, swept, healthy_job and healthy_jobs.setdefault(identity(healthy_job.case), healthy_job))
+            )
+        return tuple(_each_once([*jobs, *healthy_jobs.values()]))
 
     @cached_property
     def assumptions(self) -> tuple[str, ...]:
@@ -246,8 +248,8 @@ def _digest(case: Case, extra: tuple[tuple[str, Any], ...], version: int) -> str
 
 
 def _baseline(case: Case, swept: dict[str, float | str]) -> Job | None:
-    """Return the job of the healthy twin of a case, if it has one."""
-    healthy = healthy_twin(case)
+    """Return the job of the healthy counterpart of a case, if it has one."""
+    healthy = healthy_case(case)
     if healthy is None:
         return None
     dropped = _defect_keys(case)
@@ -255,7 +257,7 @@ def _baseline(case: Case, swept: dict[str, float | str]) -> Job | None:
     return Job(healthy, kept, is_baseline=True)
 
 
-def healthy_twin(case: Case) -> Case | None:
+def healthy_case(case: Case) -> Case | None:
     """Return the case without its defects; None if it has none, or for a model of impulses only."""
     if not case.defects or not MODELS[case.model].takes_defects:
         return None
@@ -268,5 +270,5 @@ def healthy_twin(case: Case) -> Case | None:
 
 
 def _defect_keys(case: Case) -> set[str]:
-    """Return the keys that a healthy twin does not use."""
+    """Return the keys that a healthy counterpart does not use."""
     return {"defect", "defects", "excitation"} | ({"seed"} if not MODELS[case.model].slips else set())

@@ -230,7 +230,7 @@ def test_contacts_that_creep_longer_than_the_run_settles_are_told(here, coeffici
 
 
 def test_refused_jobs_are_counted_for_a_script(here):
-    """The step is too long for `ring` over a defect; its healthy twins and `static` take it."""
+    """The step is too long for `ring` over a defect; its healthy cases and `static` take it."""
     words = ["--set", "step=20 us", "--set", "contact.damping={chi: 50 s/m}", "--json"]
     found = json.loads(type_("check", "small.yaml", *words, code=2)[0])
     assert (found["cases"], found["twins"], found["refused_jobs"]) == (4, 4, 2)

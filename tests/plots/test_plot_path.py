@@ -45,7 +45,7 @@ def test_the_path_is_what_the_roller_moves_beyond_play_and_ring():
     assert found.depth == pytest.approx(expected, abs=1e-10)
     assert [found.s[0], found.s[-1]] == pytest.approx([-0.64e-3, 0.64e-3], abs=3e-5)
     assert np.all(np.diff(found.s) > 0.0)
-    assert not found.lean.any()
+    assert not found.tilt.any()
 
 
 def test_a_leaning_roller_is_deeper_at_one_end():
@@ -53,7 +53,7 @@ def test_a_leaning_roller_is_deeper_at_one_end():
     [defect] = defects_of(given)
     still = dict.fromkeys(dataset_names("ring.displacement"), 0.0)
     found = roller_path(job_of(given, **{"roller.2.radial": 0.0, "roller.2.tilt": 1e-3, **still}), given, defect)
-    assert set(found.lean) == {1e-3}
+    assert set(found.tilt) == {1e-3}
     assert found.depth_at(3e-3) == pytest.approx(found.depth + 3e-6)
 
 
@@ -72,7 +72,7 @@ def test_on_the_inner_race_inwards_is_deep_and_rollers_come_from_ahead():
     assert np.all(np.diff(found.s) > 0.0)
     assert [found.s[0], found.s[-1]] == pytest.approx([-0.64e-3, 0.64e-3], abs=6e-5)
     assert found.depth == pytest.approx(5e-6 + 2e-5 * angle, abs=1e-9)
-    assert found.lean == pytest.approx(-1e-3 * angle, abs=1e-7)
+    assert found.tilt == pytest.approx(-1e-3 * angle, abs=1e-7)
 
 
 @pytest.mark.parametrize(

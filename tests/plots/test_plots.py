@@ -170,7 +170,7 @@ def test_lost_jobs_are_marked_where_they_would_stand(results):
     ("status", "reason"), [("failed", ": 16 failed, one for this: the ring left"), ("missing", "$")]
 )
 def test_where_no_job_is_done_the_reason_is_told(results, kind, status, reason):
-    opened = results(STUDY, lost=dict.fromkeys(range(16), status))  # 12 cases, 4 healthy twins
+    opened = results(STUDY, lost=dict.fromkeys(range(16), status))  # 12 cases, 4 healthy cases
     with pytest.raises(PlotError, match=f"no job is done, so there is nothing to draw{reason}"):
         drawn(opened, kind=kind)
 

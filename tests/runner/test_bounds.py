@@ -129,7 +129,7 @@ def test_a_job_whose_estimate_takes_all_its_time_is_left_out(tmp_path: Path) -> 
     began = time.thread_time()
     study: Any = FakeStudy([1e-3])
     summary = run(study, tmp_path, jobs=1, progress=False, engine=slow, max_cpu=0.05)
-    assert (summary.failed, summary.missing, summary.exit_code) == (0, 2, 1)  # the case and its healthy twin
+    assert (summary.failed, summary.missing, summary.exit_code) == (0, 2, 1)  # the case and its healthy case
     assert "2 jobs are skipped: estimated at over 0.05 s (`--max-cpu`)" in summary.notes
     assert time.thread_time() - began < 1.0
 

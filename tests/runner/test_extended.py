@@ -25,7 +25,7 @@ def compute(study: Study, out: Path) -> RunSummary:
 @pytest.mark.parametrize(
     ("kind", "over", "before", "new"),
     [
-        ("sobol", OVER_DEFECTS, 64 + 1, 192),  # all with one healthy twin
+        ("sobol", OVER_DEFECTS, 64 + 1, 192),  # all with one healthy case
         ("sobol", OVER_LOADS, 64 + 64, 192 + 192),  # each with its own
         ("lhs", OVER_DEFECTS, 64 + 1, 256),
     ],

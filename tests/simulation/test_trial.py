@@ -17,7 +17,7 @@ from bearingsim.simulation.trial import (
     passes_to_try,
     spans_of,
 )
-from bearingsim.study import healthy_twin
+from bearingsim.study import healthy_case
 from tests.scenes.short_cases import SLOT, case
 
 ASKED = ("velocity@BPFO", "velocity.rms", "outer_force.max")
@@ -60,7 +60,7 @@ def test_one_that_does_not_is_seen_in_its_first_passes(said: dict[str, bool]) ->
 def test_a_healthy_twin_is_cut_as_the_case_whose_defect_turns() -> None:
     damaged = case(defects=[SLOT | {"race": "inner"}], duration="0.25 s")
     passes, turn = passes_to_try(damaged), defect_turn(damaged)
-    healthy = healthy_twin(damaged)
+    healthy = healthy_case(damaged)
     assert healthy is not None
     own, twin = (try_out(one, ("velocity@BPFI",), passes, turn)[0] for one in (damaged, healthy))
     assert own.turns == twin.turns

@@ -18,7 +18,7 @@ from bearingsim.store.sealed import write_json
 from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
 
-WIDTHS = [1e-3 * (i + 1) for i in range(7)]  # and the healthy twin
+WIDTHS = [1e-3 * (i + 1) for i in range(7)]  # and the healthy case
 FAILED = "the ring left"
 
 

@@ -71,7 +71,7 @@ class OfVariations(FakeStudy):
     """A study whose jobs have one variation more each."""
 
     def jobs(self) -> list[Any]:
-        """Cases and healthy twins, then variations."""
+        """Cases and healthy cases, then variations."""
         return [*super().jobs(), *(one.job for one in self.variations())]
 
     def variations(self) -> list[Any]:

@@ -1,4 +1,4 @@
-"""What a sweep expands to: cases in order, healthy twins, a reduced grid, overrides."""
+"""What a sweep expands to: cases in order, healthy cases, a reduced grid, overrides."""
 
 import math
 

@@ -122,7 +122,7 @@ def _kinematic_cage(case: "CaseFields") -> Iterator[Conflict]:
 def _in_space(case: "CaseFields") -> Iterator[Conflict]:
     for name, section in (("rig", case.rig), ("shaft", case.shaft)):
         yield from _half_sprung(name, section)
-    yield from _lean(case)
+    yield from _misalignment(case)
     sliced = catalogue.MODELS[case.model].sliced and case.bearing.roller_length is not None
     if sliced and slice_count(case) is None:
         paths: tuple[Path, ...] = (("contact", "slices"), ("defects",))
@@ -142,11 +142,11 @@ def _half_sprung(name: str, section: "Rig | Shaft | None") -> Iterator[Conflict]
         yield Conflict("sprung", paths, f"a ring that tilts also needs {words}", "give both stiffnesses")
 
 
-def _lean(case: "CaseFields") -> Iterator[Conflict]:
+def _misalignment(case: "CaseFields") -> Iterator[Conflict]:
     for ring in ("inner", "outer") if case.misalignment else ():
-        lean = getattr(case.misalignment, ring)
-        if abs(lean) > MAX_TILT:
-            message = f"a tilt of {show(lean, 'deg')} is beyond {show(MAX_TILT, 'deg')}"
+        tilt = getattr(case.misalignment, ring)
+        if abs(tilt) > MAX_TILT:
+            message = f"a tilt of {show(tilt, 'deg')} is beyond {show(MAX_TILT, 'deg')}"
             yield Conflict("lean", (("misalignment", ring),), message, "is the unit right? Try mrad")
 
 

@@ -142,7 +142,7 @@ class Drag(Section):
 class Shaft(Section):
     """An inner ring that can move: spring (N/m) and damper (N s/m) that hold it, its mass with the shaft (kg).
 
-    With `axial_stiffness` (N/m) and `tilting_stiffness` (N m/rad) it also moves along its axis and leans.
+    With `axial_stiffness` (N/m) and `tilting_stiffness` (N m/rad) it also moves along its axis and tilts.
     """
 
     stiffness: Stiffness

@@ -169,7 +169,7 @@ class Rig(Section):
     """The bracket that holds the outer ring, and the sensor on it.
 
     Without `torsion_stiffness` (N m/rad) the ring does not rotate; without `axial_stiffness` (N/m) and
-    `tilting_stiffness` (N m/rad) it neither moves along its axis nor leans. Without `ring` it is rigid; with a
+    `tilting_stiffness` (N m/rad) it neither moves along its axis nor tilts. Without `ring` it is rigid; with a
     `ring` that bends, `load` says where the load enters it, and is never None in a case. `sensor_angle` (rad) and
     `sensor.angle` are the same: a case has both, a study says one of them.
     """

@@ -70,7 +70,7 @@ class Flanges(Section):
 
 
 class Misalignment(Section):
-    """Rings mounted askew: how far the axis of each leans (rad), and towards which angle its +z end does (rad).
+    """Rings mounted askew: tilt of each ring's axis (rad), and the angle (rad) towards which its +z end tilts.
 
     The direction counts from the load line, in the sense of rotation, and does not turn with the shaft.
     """

@@ -121,11 +121,11 @@ def slice_defect_response(model, t, k, steep, b_z_outer, b_z_inner, y):
                 share, h, slope = defect_response(defects.excitation, group, s, head[REDUCED_RADIUS])
                 if y[side + lay.DEFECT_REACH + j] == ROLLER_REACHED or h > y[side + lay.ROLLER_DROP + j]:
                     y[side + lay.DEFECT_REACH + j] = SLICE_REACHED
-                    lean = steep * slope * head[RADIUS] / rho
+                    normal_slope = steep * slope * head[RADIUS] / rho
                     (
                         y[side + lay.ROLLER_DROP + j],
                         y[side + lay.NORMAL_SLOPE + j],
                         y[side + lay.STIFFNESS_LOSS + j],
-                    ) = h, lean, 1.0 - share
-                    y[side + lay.NORMAL_VERSINE + j] = 1.0 - 1.0 / sqrt(1.0 + lean * lean)
+                    ) = h, normal_slope, 1.0 - share
+                    y[side + lay.NORMAL_VERSINE + j] = 1.0 - 1.0 / sqrt(1.0 + normal_slope * normal_slope)
                     y[side + lay.OWN_DEFECT + j] = 1.0 if head[CARRIER] >= 0.0 else 0.0

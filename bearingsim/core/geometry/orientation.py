@@ -10,7 +10,7 @@ and, with I_a, I_t its moments of inertia about the axis and across it, M the mo
 
     omega' = M.a/I_a,     a'' = [(M - I_a omega a') x a]/I_t - |a'|^2 a
 
-both exact, without small angles. Regular while the axis leans by less than a quarter turn.
+both exact, without small angles. Regular while the axis tilts by less than a quarter turn.
 """
 
 from math import sqrt

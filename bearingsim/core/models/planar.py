@@ -189,11 +189,11 @@ def _load_roller(model, common, y, j):
 
 
 @inlined
-def move_sideways(model, common, lean_o, lean_i, y, j):
+def move_sideways(model, common, normal_slope_o, normal_slope_i, y, j):
     """Compute slip, friction, drag and pocket of roller ``j``: fills FORCE_R, FORCE_T, TORQUE and its loads on the
     rings.
 
-    lean_o, lean_i: tangent of the angle of the contacts' normals against n, in a defect.
+    normal_slope_o, normal_slope_i: tangent of the angle of the contacts' normals against n, in a defect.
 
     Equation (P5) of docs/planar.md, over a defect (P6); friction with the lag of a step: (P9).
     """
@@ -207,8 +207,11 @@ def move_sideways(model, common, lean_o, lean_i, y, j):
     u = R_w * abs(theta_v - beta_v)  # surfaces through a contact that moves with the roller's centre
 
     arm_o, arm_i = R_w - 0.5 * y[lay.DELTA_O + j], R_w - 0.5 * y[lay.DELTA_I + j]
-    cos_o, cos_i = 1.0 / sqrt(1.0 + lean_o * lean_o), 1.0 / sqrt(1.0 + lean_i * lean_i)
-    sin_o, sin_i = lean_o * cos_o, lean_i * cos_i
+    cos_o, cos_i = (
+        1.0 / sqrt(1.0 + normal_slope_o * normal_slope_o),
+        1.0 / sqrt(1.0 + normal_slope_i * normal_slope_i),
+    )
+    sin_o, sin_i = normal_slope_o * cos_o, normal_slope_i * cos_i
     on_o, on_i = y[lay.RHO_O + j] * cos_o + arm_o, y[lay.RHO_I + j] * cos_i - arm_i  # arms on the rings
     s_o = y[lay.TANGENTIAL_V_O + j] * cos_o + y[lay.RHO_V_O + j] * sin_o + beta_v * arm_o - common.turning * on_o
     s_i = y[lay.TANGENTIAL_V_I + j] * cos_i - y[lay.RHO_V_I + j] * sin_i - beta_v * arm_i - common.omega_i * on_i
@@ -271,9 +274,9 @@ def correct_for_defect(model, common, d, j, s, t, y):
         sideways = tilt_contact(InnerSide(), model.inner, defects, d, j, s, turning, y)
     torque = sideways * defects.head[d, RADIUS]
     y[lay.DEFECT_TORQUE + j] -= torque if own else 0.0
-    lean_o = y[lay.DEFECT_FORCE_O + j] / max(y[lay.Q_O + j], 1e-300)
-    lean_i = y[lay.DEFECT_FORCE_I + j] / max(y[lay.Q_I + j], 1e-300)
-    move_sideways(model, common, lean_o, lean_i, y, j)
+    normal_slope_o = y[lay.DEFECT_FORCE_O + j] / max(y[lay.Q_O + j], 1e-300)
+    normal_slope_i = y[lay.DEFECT_FORCE_I + j] / max(y[lay.Q_I + j], 1e-300)
+    move_sideways(model, common, normal_slope_o, normal_slope_i, y, j)
     return -torque if outer and not own else 0.0
 
 

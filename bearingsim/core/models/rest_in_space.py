@@ -1,8 +1,8 @@
-"""The static equilibrium of a bearing in space: sliced rollers that tilt, rings that may lean and move axially.
+"""The static equilibrium of a bearing in space: sliced rollers that tilt, rings that may tilt and move axially.
 
 Unknown are q_j and tilt_j of every roller, the outer ring's x and y, and of a ring on springs its position along
-the axis and its lean. There is no friction, and nothing is damped; geometry and contacts are those of the motion
-(``models/spatial.py``), evaluated at rest, so that what a leaning ring or a profile does is in it as it is there.
+the axis and its tilt. There is no friction, and nothing is damped; geometry and contacts are those of the motion
+(``models/spatial.py``), evaluated at rest, so that a misaligned ring or a profile acts as in the motion.
 Rollers do not skew, stay in the middle of their pockets and between the flanges, and a defect's edge pushes
 nothing sideways (as in ``models/equilibrium.py``).
 

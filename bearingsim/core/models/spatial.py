@@ -8,7 +8,7 @@ components along e_r, e_theta, e_z of its own angle,
     q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  z'' = F_z/m
     omega' = M.a/I_a,  a'' = [(M - I_a omega a') x a]/I_t - |a'|^2 a
 
-Where nothing leans, and no defect tilts, all that is new stays zero and the rest is ``planar`` to rounding.
+Without misalignment and tilting defects, all added quantities are zero and the rest equals ``planar`` to rounding.
 
 Left out: the bending of rollers, rings and cage; that a tilted slice is an ellipse in the contact's plane
 (R_w (1 - cos tilt): 3 nm at 1 mrad); the moments of a cage's guide; oil films as springs.
@@ -242,8 +242,8 @@ def _roller_at_defect(model, d, t, y):
     ``race_frame`` fills."""
     head, middle = model.defects.head[d], 0.5 * (model.bearing.R_o + model.bearing.R_i)
     outer = head[SIDE] == OUTER
-    leans = (lay.RING_TILT_X, lay.RING_TILT_Y) if outer else (lay.INNER_TILT_X, lay.INNER_TILT_Y)
-    b_z = axis_z(y[leans[0]], y[leans[1]])
+    tilt_cells = (lay.RING_TILT_X, lay.RING_TILT_Y) if outer else (lay.INNER_TILT_X, lay.INNER_TILT_Y)
+    b_z = axis_z(y[tilt_cells[0]], y[tilt_cells[1]])
     j, s = roller_near_defect(model, d, t, y)
     return j, s + head[RADIUS] * slice_polar_position(
         lay.OUTER_SIDE if outer else lay.INNER_SIDE, middle, b_z, 0.0, y, j

@@ -29,7 +29,7 @@ from bearingsim.core.sums import sum_loads
 
 ADDED_STIFFNESS = 1e-3  # of a contact's stiffness, added to a roller's so that one without contact returns
 CELLS = (lay.X, lay.Y, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y)
-"""Coordinates of the rings: position and lean of the outer, axial position and lean of the inner."""
+"""Coordinates of the rings: position and tilt of the outer, axial position and tilt of the inner."""
 RINGS, INNER = len(CELLS), 5  # number of cells, and the first of the inner ring
 
 
@@ -228,8 +228,8 @@ def stiffen_rings(model, y, arrays):
 def hold_rings(model, arrays):
     """Add to ``arrays.stiff`` what holds the rings besides rollers; a coordinate that nothing lets move stays."""
     k_b = model.support.k_b + 1e-8 * tangent(model.outer.stiffness, 1e-7)
-    (z_o, lean_o), (z_i, lean_i) = mount_rates(model.mount_o), mount_rates(model.mount_i)
-    held = (k_b, k_b, z_o, lean_o, lean_o, z_i, lean_i, lean_i)
+    (z_o, tilt_o), (z_i, tilt_i) = mount_rates(model.mount_o), mount_rates(model.mount_i)
+    held = (k_b, k_b, z_o, tilt_o, tilt_o, z_i, tilt_i, tilt_i)
     for v in range(RINGS):
         if held[v] == 0.0:
             arrays.stiff[v, :], arrays.stiff[:, v] = 0.0, 0.0

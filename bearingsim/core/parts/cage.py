@@ -156,7 +156,8 @@ def _land_contact_ring(guide, omega_cage, omega_i, y):
     c, s = x / off, z / off
     N = normal_force(guide.law, off - guide.play, v_x * c + v_z * s)
     omega_ring = i * omega_i + o * y[lay.VELOCITY + lay.PSI]
-    # an outer land is touched where the cage leans to, an inner one on the far side: arms from the two centres
+    # an outer land is touched on the side to which the cage is displaced, an inner one on the far side: arms from
+    # both centres
     on_cage = (o - i) * guide.land
     on_ring = on_cage + off
     slip = -v_x * s + v_z * c + on_cage * omega_cage - on_ring * omega_ring

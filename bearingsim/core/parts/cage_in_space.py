@@ -1,4 +1,4 @@
-"""The cage in space: how it leans and moves along the axis, and its pockets as slices of a roller meet them.
+"""The cage in space: tilt and axial motion, and its pockets as slices of a roller meet them.
 
 A pocket's walls are planes fixed to the cage: with r the pocket's radial direction (across the cage's axis b) and
 w = b x r across the walls, p a slice's middle and c_c the cage's centre,
@@ -26,11 +26,11 @@ from bearingsim.core.parts.races_in_space import AT_REST
 
 @absent
 class CageInPlane(NamedTuple):
-    """The cage neither leans nor moves along the axis, and does not hold rollers along it."""
+    """The cage neither tilts nor moves along the axis, and does not hold rollers along it."""
 
 
 class CageInSpace(NamedTuple):
-    """The cage leans and moves along the axis as the rollers in its pockets push it.
+    """The cage tilts and moves along the axis as the rollers in its pockets push it.
 
     I_t: its moment of inertia about a diameter (kg m^2); play_z: of a roller in its pocket along the axis, to
     either side (m); law: of the contact between a roller's end and its pocket.
@@ -253,10 +253,10 @@ def pocket_load(cage, model, body, omega_cage, y, j):
     """Add force and moment of a pocket on its roller, stops included; return the roller's centre less the
     cage's."""
     b, real = model.bearing, model.bearing.m_r * y[lay.INVERSE_MASS + j]
-    rad, w, leans, _ = pocket_axes(
+    rad, w, axis_in_plane, _ = pocket_axes(
         body, y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
     )
-    axis = leans[0], leans[1], body.a_z
+    axis = axis_in_plane[0], axis_in_plane[1], body.a_z
     d_r, d_t, d_z, _, _, _ = relative_to_cage(b, body, omega_cage, y, j)
     d = d_r, d_t, d_z
     out, aside = dot(d, rad) - 0.5 * (b.R_o + b.R_i), dot(d, axis)

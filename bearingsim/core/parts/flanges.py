@@ -74,7 +74,7 @@ def any_near_flange(side, flanges, model, ring, y, n):
     """Check if any roller may touch a flange of this ring, because mostly none does and the rest is skipped.
 
     The approach at the point X is half (1 - a.b) - play a.b + sigma off a.b - sigma (X - c).(a - (a.b) b), so at
-    most |off| + (R_w + t + half) lean - play (1 - lean), lean being the sine of the angle between the axes.
+    most |off| + (R_w + t + half) tilt - play (1 - tilt), tilt being the sine of the angle between the axes.
     """
     base, middle = side_rows(side), 0.5 * (model.bearing.R_o + model.bearing.R_i)
     play, reach = flanges.play, 2.0 * model.bearing.R_w + 0.5 * model.L_w + flanges.play
@@ -138,7 +138,7 @@ class RollerInRing(NamedTuple):
 
     a, b: axes of roller and ring, a_v, b_v: their rates (1/s); n: from the ring's axis to the roller's centre, and
     tau = b x n; rho: its distance from the axis (m); off: along the axis from the ring's centre (m); moves: its
-    velocity (m/s) as seen from the ring as it leans.
+    velocity (m/s) as seen from the ring when it tilts.
     """
 
     a: Any
@@ -221,7 +221,7 @@ def add_point(side, sigma, N, kappa, g, Y, a, slip, y, j):
 def axial_position(flanges: Any, outer: Body, inner: Body, c: float, s: float, r: float) -> float:
     """Return the axial position (m) between the flanges of a roller at ``r`` (m), at the angle of c and s.
 
-    The mean of the rings' middles, as they lean and stand there, each counted as often as it has flanges: with two
+    The mean of the rings' middles, as they tilt and stand there, each counted as often as it has flanges: with two
     on a ring the roller has its play to either side, with a single one to that one; no flange is pressed unless
     the rings stand further apart than the play.
     """

@@ -1,7 +1,7 @@
 """Supports of a ring along its axis and against tilting: the coordinates that ``planar`` does not have.
 
-A ring's axis is the unit vector b; its components b_x, b_y in the bearing's plane are the lean (rad, for the small
-angles of a bearing). A ring that is held with a lean is misaligned.
+A ring's axis is the unit vector b; its components b_x, b_y in the bearing's plane are its tilt (rad, for the small
+angles of a bearing). A ring held with a tilt is misaligned.
 """
 
 from math import sqrt
@@ -14,7 +14,7 @@ from bearingsim.core.jit import absent, generic
 
 @absent
 class RigidMount(NamedTuple):
-    """Does not move along its axis, nor lean further than it was mounted.
+    """Does not move along its axis, nor tilts further than it was mounted.
 
     tilt_x, tilt_y: components (1) of its axis along e_0 and e_90.
     """
@@ -24,12 +24,12 @@ class RigidMount(NamedTuple):
 
 
 class ElasticMount(NamedTuple):
-    """On springs and dampers along the axis and against leaning, about where it was mounted.
+    """On springs and dampers along the axis and against tilting, about where it was mounted.
 
     m: kg; I_a, I_t: moments of inertia about its axis and across it (kg m^2); k_z: N/m; c_z: N s/m; k_tilt:
     N m/rad; c_tilt: N m s/rad; tilt_x, tilt_y: components (1) of its axis as mounted.
 
-    The spring against leaning has the energy k_tilt/2 ((b_x - tilt_x)^2 + (b_y - tilt_y)^2), the damper loses
+    The spring against tilting has the energy k_tilt/2 ((b_x - tilt_x)^2 + (b_y - tilt_y)^2), the damper loses
     c_tilt (b_x'^2 + b_y'^2). A ring that also turns on its bracket has the bracket's inertia for I_a.
     """
 
@@ -111,7 +111,7 @@ def _mount_springs_sprung(held):
 
 @generic(absent=(0.0, 0.0))
 def mount_rates(held: Any) -> tuple[float, float]:
-    """Return the spring rates along the axis (N/m) and against leaning (N m/rad); zero where nothing gives way."""
+    """Return the spring rates along the axis (N/m) and against tilting (N m/rad); zero where nothing gives way."""
 
 
 @generic(absent=(0.0, 0.0, 0.0))

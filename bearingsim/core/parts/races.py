@@ -175,11 +175,11 @@ def friction_derivatives(side, friction, R_w, omega_cage, spin, y, n):
         Q, f = y[force + j], y[rubs + j]
         per_load = 1.0 / max(Q, 1e-300)
         per_load = per_load if Q > 0.0 else 0.0
-        lean = y[tilt + j] * per_load
-        cosine = 1.0 / sqrt(1.0 + lean * lean)
-        sine, arm = lean * cosine, R_w - 0.5 * y[approach + j]
+        normal_slope = y[tilt + j] * per_load
+        cosine = 1.0 / sqrt(1.0 + normal_slope * normal_slope)
+        sine, arm = normal_slope * cosine, R_w - 0.5 * y[approach + j]
         by_slip, by_rolling = mu_derivative(friction, y[slip + j], R_w * abs(turning))
-        y[base + NORMAL_SLOPE + j] = lean
+        y[base + NORMAL_SLOPE + j] = normal_slope
         y[base + NORMAL_COS + j] = cosine
         y[base + NORMAL_SIN + j] = sine
         y[base + INVERSE_LOAD + j] = per_load
@@ -209,7 +209,7 @@ def race_change(side, spin, omega_ring, roll, roll_v, orbit_v, ring, ring_v, y, 
         p_r, p_t = y[lay.D_POSITION_R + j], y[lay.D_POSITION_T + j]
         w_r, w_t = y[lay.D_VELOCITY_R + j], y[lay.D_VELOCITY_T + j]
         apart, f = y[base + RHO_V + j], y[rubs + j]
-        defect, lean = y[base + DEFECT_RADIUS + j], y[base + NORMAL_SLOPE + j]
+        defect, normal_slope = y[base + DEFECT_RADIUS + j], y[base + NORMAL_SLOPE + j]
         cosine = y[base + NORMAL_COS + j]
         sine = y[base + NORMAL_SIN + j]
         arm = y[base + ROLLER_ARM + j]
@@ -228,8 +228,8 @@ def race_change(side, spin, omega_ring, roll, roll_v, orbit_v, ring, ring_v, y, 
         aside += y[base + DEFECT_FORCE_S + j] * along + y[base + DEFECT_FORCE_Z + j] * passing
 
         tilt_1 = (defect * aside - y[tilt + j] * out) / rho
-        lean_1 = (tilt_1 - lean * load) * y[base + INVERSE_LOAD + j] * cosine * cosine
-        cosine_1, sine_1 = -sine * lean_1, cosine * lean_1
+        normal_slope_1 = (tilt_1 - normal_slope * load) * y[base + INVERSE_LOAD + j] * cosine * cosine
+        cosine_1, sine_1 = -sine * normal_slope_1, cosine * normal_slope_1
         arm_1 = -0.5 * (y[base + MEAN_D + j] * deep + y[base + MEAN_S + j] * along)
         on_ring_1 = out * cosine + rho * cosine_1 + sigma * arm_1
         slip = across_1 * cosine + across * cosine_1 - ring_v * on_ring - omega_ring * on_ring_1

@@ -148,8 +148,8 @@ def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
     apart = n_r * v_r + n_t * v_t + n_z * v_z
     across = t_r * v_r + t_t * v_t + t_z * v_z
 
-    lean, cosine = y[base + lay.NORMAL_SLOPE + j], 1.0 - y[base + lay.NORMAL_VERSINE + j]
-    own, rolls, sine = y[base + lay.OWN_DEFECT + j], y[base + lay.ROLL_SPEED + j], sigma * lean * cosine
+    normal_slope, cosine = y[base + lay.NORMAL_SLOPE + j], 1.0 - y[base + lay.NORMAL_VERSINE + j]
+    own, rolls, sine = y[base + lay.OWN_DEFECT + j], y[base + lay.ROLL_SPEED + j], sigma * normal_slope * cosine
     short += aside * (per_both * rho)
     delta = sigma * (y[lay.RADIAL + j] + short) - lacking - y[base + lay.ROLLER_DROP + j]
     arm = sigma * (radius - 0.5 * delta)
@@ -162,12 +162,12 @@ def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
         + o_z * y[base + lay.AXIAL_SLIP_ARM_Z + j]
     )
     slip = across * cosine + apart * sine + arm * rolls - turning * (rho * cosine + arm)
-    rate = sigma * apart - lean * (across - (turning + own * (rolls - turning)) * rho)
+    rate = sigma * apart - normal_slope * (across - (turning + own * (rolls - turning)) * rho)
 
     force = weight * (1.0 - y[base + lay.STIFFNESS_LOSS + j]) * normal_force(law, delta, rate)
     speed = sqrt(slip * slip + drift * drift + AT_REST * AT_REST)
     kappa = mu(friction, speed, y[lay.ROLLING_SPEED + j]) * force / speed
-    push, shove, f, f_b = -sigma * force, lean * force, kappa * slip, kappa * drift
+    push, shove, f, f_b = -sigma * force, normal_slope * force, kappa * slip, kappa * drift
     g_r = push * n_r + shove * t_r - f * e_r - f_b * b_r
     g_t = push * n_t + shove * t_t - f * e_t - f_b * b_t
     g_z = push * n_z + shove * t_z - f * e_z - f_b * b_z
