@@ -141,6 +141,8 @@ def cost(case: Case, step: float, passes: int | None = None) -> Cost:
         computed = in_a_period
     elif (record := next(ending.looks(case), None)) is not None:
         computed = min(whole, ceil(case.settle_s * rate) + record)
+        shortest = case.model_copy(update={"duration": record / rate})
+        proof = check_cost(shortest) * computed if case.checks_step else 0.0
     if case.checks_step and period_is_sought(case):
         proof = sqrt(5.0) * (price("finer passes") + before)
         if not case.periodic:
