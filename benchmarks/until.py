@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from joblib import Parallel, delayed
 
-from bearingsim.simulation import SimulationError, accuracy, simulate
+from bearingsim.simulation import SimulationError, ending, simulate
 from bearingsim.simulation.settling import settled
 from benchmarks.repetition import draw
 
@@ -43,7 +43,7 @@ def tried(number: int, seed: int, wanted: float) -> dict[str, Any]:
     scatter = max(float(whole.info[error]) for error in ERRORS)
     settle = settled(case).settle_s
     begun = int(settle * passes / (settle + case.duration))
-    needed = begun + max(accuracy.MIN_PASSES, (passes - begun) * (scatter / wanted) ** 2)
+    needed = begun + max(ending.fewest(case), (passes - begun) * (scatter / wanted) ** 2)
     return {"scene": number, "early": True, "off": off, "computed": computed, "needed": needed, "passes": passes}
 
 
