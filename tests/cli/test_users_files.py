@@ -135,8 +135,8 @@ INTO_IT = {
     "new": [["new", "study.yaml"], ["new", "thesis.tex"]],
 }
 """By command: what would write into a folder of the user, or over a file. DONE, PLANE, JOB stand for results."""
-NO_FOLDER = {"freq"}
-"""Commands that read and write no folder."""
+NO_FOLDER = {"freq", "warm"}
+"""Commands that write into no folder of the user."""
 WAY_OUT = ("--out", "another", "holds no results", "--force", "not a folder")
 
 
@@ -277,7 +277,7 @@ def test_a_link_or_a_folder_is_no_figure(done, tmp_path, kind):
     else:
         path.mkdir()
     told = type_("plot", done, "--out", tmp_path, code=2)[1]
-    assert "is no figure of this program" in " ".join(told.split())
+    assert "is not a figure of this program" in " ".join(told.split())
     assert path.is_symlink() or path.is_dir()
 
 
