@@ -23,7 +23,7 @@ from joblib import Parallel, delayed
 from bearingsim.config import Case
 from bearingsim.simulation import SimulationError, choice, simulate
 from bearingsim.simulation.comparison import fault_lines
-from bearingsim.simulation.simulate import Record, _simulate
+from bearingsim.simulation.simulate import Began, Record, _simulate
 
 QUANTITIES = ("line", "rms", "force")
 PART = 1 / 8
@@ -81,7 +81,7 @@ def tried(number: int, seed: int) -> dict[str, Any]:
         found = simulate(case)
         method, part = str(found.info["method"]), PART * float(found.info["step_part"])
         unchecked = choice.with_method(case.model_copy(update={"step_check": False}), method)
-        finer = _simulate(choice.Attempt(unchecked, part), 0.0)
+        finer = _simulate(choice.Attempt(unchecked, part), Began.now())
     except SimulationError as error:
         return told | {"failed": str(error)}
     right = values(finer, case)

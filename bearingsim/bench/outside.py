@@ -161,5 +161,5 @@ def _features(setup: Setup, y: np.ndarray, states: np.ndarray) -> dict[str, floa
         window[:, tail:] = recorded
         differentiate(window, MOTIONS[0], tail, cut.step)
         kept.keep(p, window, y)
-    raw = kept.raw(Repetition(cut.passes, 0, float("nan")), y, 0.0)
+    raw = kept.raw(Repetition(cut.passes, 0, float("nan")), y)
     return features(setup.case, model, cut, raw)

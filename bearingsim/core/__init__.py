@@ -5,4 +5,4 @@ of every job's id, so results computed by an older model are never taken for new
 guards it.
 """
 
-MODEL_VERSION = 10
+MODEL_VERSION = 11

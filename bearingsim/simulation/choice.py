@@ -74,13 +74,18 @@ def attempts(case: Case) -> Iterator[Attempt]:
     """
     preferred, patience = resolved(case), choice(case).patience
     refuse_unsettled(preferred)
-    parts = STEP_PARTS if case.automatic and case.tolerance == "auto" else (1.0,)
+    parts = STEP_PARTS if has_automatic_step(case) else (1.0,)
     for part in parts:
         yield Attempt(preferred, part, patience)
     for name in tried(case)[1:]:
         yield from (Attempt(with_method(preferred, name), part) for part in parts)
     if patience > 0:
         yield from (Attempt(preferred, part) for part in parts)
+
+
+def has_automatic_step(case: Case) -> bool:
+    """Check if the program chooses the step of a case, and may shorten it (or its tolerance)."""
+    return case.automatic and case.tolerance == "auto"
 
 
 def tried(case: Case) -> list[str | None]:

@@ -59,6 +59,22 @@ class Pace:
         self.steps = int(min(STEPS_PER_CALL, max(1.0, steps * SECONDS_PER_CALL / max(seconds, 1e-9))))
 
 
+@dataclass
+class Taken:
+    """Integrator steps taken, and their CPU time (s)."""
+
+    steps: int = 0
+    cpu_s: float = 0.0
+
+
+_ALL = Taken()
+
+
+def taken() -> Taken:
+    """Return all steps taken in this process so far, those of runs that failed or were compared only included."""
+    return replace(_ALL)
+
+
 class Looks(Protocol):
     """Inspections of a run after each of ``passes`` ball passes."""
 
@@ -112,12 +128,12 @@ def integrate(
         if (period > 0 and passes % period == 0) or passes == most:
             break
         looks = look is not None and period == 0 and passes in look.passes
-        if look is not None and looks and look.ends(kept.raw(Repetition(passes, 0, nan), y, pace.cpu_s)):
+        if look is not None and looks and look.ends(kept.raw(Repetition(passes, 0, nan), y)):
             break
         if passes == patience:
             raise NotRepeating(f"no ball pass of {passes} repeats another", "name a `method`", passes / cut.rate)
     _check_end(setup, began_at, y, passes)
-    raw = kept.raw(Repetition(passes, period, difference), y, pace.cpu_s)
+    raw = kept.raw(Repetition(passes, period, difference), y)
     if period > 0 and kept.picks:
         kept.pick_repeated(raw.repetition)
     if MODELS[case.model].memoryless:  # it was never at rest
@@ -242,11 +258,14 @@ def _record_steps(
     while n < out.shape[1]:
         y[lay.CPU_END], began = cpu_time.end(), cpu_time.now()
         part = out[:, n : n + pace.steps]
-        taken, outcome, body = advance_and_sample(
+        count, outcome, body = advance_and_sample(
             setup.method, setup.model, setup.monitor, start + n, y, places, part, samples
         )
-        n += taken
-        pace.add(cpu_time.now() - began, taken)
+        n += count
+        seconds = cpu_time.now() - began
+        pace.add(seconds, count)
+        _ALL.steps += count
+        _ALL.cpu_s += seconds
         cpu_time.check()
         if outcome == outcomes.SUCCESS and pace.cpu_s > setup.max_cpu and setup.case.step == "auto":
             outcome = outcomes.TOO_SLOW

@@ -48,7 +48,6 @@ class RawRecord:
     picked: np.ndarray
     peaks: np.ndarray
     y: np.ndarray
-    integrator_cpu_s: float
 
     @property
     def repeats_from(self) -> int | None:
@@ -217,7 +216,7 @@ class Recording:
             picked = _pick_pass(self.case, self.cut, p, self.last[source - repetition.computed], self.picked)
             picked[:] = picked[turned(self.places, self.Z, p - source)]
 
-    def raw(self, repetition: Repetition, y: np.ndarray, cpu_s: float) -> RawRecord:
+    def raw(self, repetition: Repetition, y: np.ndarray) -> RawRecord:
         """Return the record as far as it has been computed."""
         M, passes = self.cut.fine_per_pass, repetition.computed
         return RawRecord(
@@ -231,7 +230,6 @@ class Recording:
             picked=self.picked,
             peaks=self.peaks[:passes],
             y=y,
-            integrator_cpu_s=cpu_s,
         )
 
 

@@ -28,16 +28,15 @@ class SimulationError(Exception):
 
 
 class MethodFailure(SimulationError):
-    """Failure of the method or its step, where another (``instead``, in words) may succeed.
+    """Failure of the method or its step, where another (``instead``, in words) may succeed."""
 
-    part: fraction of the automatic step that may be short enough, if that can be estimated.
-    """
-
-    def __init__(
-        self, reason: str, advice: str, time: float | None = None, instead: str = "", part: float = 1.0
-    ) -> None:
+    def __init__(self, reason: str, advice: str, time: float | None = None, instead: str = "") -> None:
         super().__init__(reason, advice + instead, time)
-        self.method_advice, self.part = advice, part
+        self.method_advice = advice
+
+
+class StepRefused(MethodFailure):
+    """Refusal of a method whose shortest step is not accurate enough."""
 
 
 class TooSlow(MethodFailure):

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import floor, nan, sqrt
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -26,15 +26,17 @@ from bearingsim.simulation import (
 from bearingsim.simulation.accuracy import StandardErrors
 from bearingsim.simulation.channels import BASE, CAGE_ANGLE
 from bearingsim.simulation.features import band_features, extension_features, features, refuse_undeclared
-from bearingsim.simulation.integration import Look, integrate
+from bearingsim.simulation.integration import Look, Taken, integrate, taken
 from bearingsim.simulation.pricing import price
 from bearingsim.simulation.recording import RawRecord
-from bearingsim.simulation.repetition import passes_are_alike, period_is_sought
+from bearingsim.simulation.refinement import refined, refined_orbit
+from bearingsim.simulation.repetition import may_repeat, passes_are_alike, period_is_sought
 from bearingsim.simulation.run_setup import (
     MethodFailure,
     NotRepeating,
     Setup,
     SimulationError,
+    StepRefused,
     TooSlow,
     set_up,
 )
@@ -91,13 +93,25 @@ class Record:
         return np.stack([self.series[name] for name in names], axis=1)
 
 
+class Began(NamedTuple):
+    """CPU time (s), and steps taken in this process, at the start of a job."""
+
+    cpu_s: float
+    taken: Taken
+
+    @classmethod
+    def now(cls) -> "Began":
+        """Read the clock and the steps."""
+        return cls(cpu_time.now(), taken())
+
+
 def simulate(case: Case) -> Record:
     """Compute one case. Raises ``SimulationError`` for a run refused before or stopped under way.
 
     An automatic step is an estimate, so it is checked (``step_check``), and the run is monitored throughout. If it
     fails, shorter steps are tried, and then (with `method: auto`) other methods.
     """
-    began = cpu_time.now()
+    began = Began.now()
     return _first_sound_attempt(case, lambda attempt: _simulate(attempt, began))
 
 
@@ -110,7 +124,7 @@ def try_out(
     if none turns), its own or of the case whose healthy case this is. If the motion becomes periodic within them,
     the whole record is returned as well, unless its step is not to be checked. Raises like ``simulate``.
     """
-    began = cpu_time.now()
+    began = Began.now()
     return _first_sound_attempt(case, lambda attempt: _try_out(attempt, requested, passes, turn, began, against))
 
 
@@ -119,10 +133,9 @@ def _first_sound_attempt(case: Case, compute: Callable[[choice.Attempt], T]) -> 
     extensions.refuse_broken()
     failed: dict[str, SimulationError] = {}
     left: set[tuple[str | None, int]] = set()  # methods not helped by shorter steps, with their patience
-    enough: dict[str, float] = {}  # by method, the fraction of its step that may succeed
     for attempt in _attempts(case):
         named = attempt.case.method, attempt.patience
-        if named in left or attempt.part > max(enough.get(str(attempt.case.method), 1.0), choice.STEP_PARTS[-1]):
+        if named in left:
             continue
         try:
             return compute(attempt)
@@ -130,8 +143,7 @@ def _first_sound_attempt(case: Case, compute: Callable[[choice.Attempt], T]) -> 
             left.add(named)
         except MethodFailure as error:
             failed[str(attempt.case.method)] = error.with_traceback(None)  # its frames hold the whole record
-            enough[str(attempt.case.method)] = error.part
-            if isinstance(error, TooSlow):
+            if isinstance(error, TooSlow | StepRefused):
                 left |= {named, (attempt.case.method, 0)}
         except Refused as error:  # shorter steps may be too many; the failure of longer ones is more informative
             failed.setdefault(str(attempt.case.method), SimulationError(error.reason, error.advice))
@@ -155,23 +167,33 @@ def _all_failed(errors: list[SimulationError]) -> SimulationError:
     return SimulationError("; ".join(reasons), advice, preferred.time)
 
 
-def _simulate(attempt: choice.Attempt, began: float) -> Record:
-    """Compute one case in one way; ``began``: CPU time at the start, s."""
+def _simulate(attempt: choice.Attempt, began: Began) -> Record:
+    """Compute one case in one way."""
     case, part, patience = attempt
-    setup, periodic = set_up(case, part), case.model_copy(update={"periodic": True})
+    if not (case.checks_step and choice.has_automatic_step(case)):
+        return _record(*_unrefined(case, part, patience), began)
+    setup, kept, check = refined(case, part, patience)
     inspections = Inspections(setup)
-    if period_is_sought(setup.case):
-        until_periodic = replace(setup, case=periodic)
-        raw = integrate(until_periodic, patience=patience, look=inspections)
-        checked = until_periodic if raw.repetition.period > 0 else inspections.earliest
-        checks_step = step_check.checked_step(checked, raw)
-        if not case.periodic and raw.repetition.period > 0:
-            del raw  # whose record may be as large as the next
-            raw = integrate(setup, look=inspections)  # at the step that has been checked on its period
-    else:
-        checks_step = step_check.checked_step(inspections.earliest)
-        raw = integrate(setup, look=inspections)
-    return _record(inspections, raw, checks_step, began)
+    raw = integrate(setup, look=inspections) if kept is None else kept
+    if case.step_check == "strict":
+        step_check.refuse_short_record(setup, check)
+    return _record(inspections, raw, check, began)
+
+
+def _unrefined(case: Case, part: float, patience: int) -> tuple[Inspections, RawRecord, StepCheck]:
+    """Compute a case at its own step, or at an automatic one without a check."""
+    setup = set_up(case, part)
+    inspections = Inspections(setup)
+    if not period_is_sought(setup.case):
+        check = step_check.checked_step(inspections.earliest)
+        return inspections, integrate(setup, look=inspections), check
+    until_periodic = replace(setup, case=setup.case.model_copy(update={"periodic": True}))
+    raw = integrate(until_periodic, patience=patience, look=inspections)
+    check = step_check.checked_step(until_periodic if raw.repetition.period > 0 else inspections.earliest, raw)
+    if not case.periodic and raw.repetition.period > 0:
+        del raw  # whose record may be as large as the next
+        raw = integrate(setup, look=inspections)  # at the step that has been checked on its period
+    return inspections, raw, check
 
 
 def _try_out(
@@ -179,11 +201,20 @@ def _try_out(
     requested: Sequence[str],
     passes: int,
     turn: float,
-    began: float,
+    began: Began,
     against: Against | None,
 ) -> tuple[Trial, Record | None]:
-    """Compute the first passes of a case in one way; check their step if they make up the whole record."""
-    setup = set_up(attempt.case, attempt.part)
+    """Compute the first passes of a case in one way, or all of it if it is periodic and its step to be checked."""
+    case, part, _ = attempt
+    wanted = case.step_check not in ("strict", False)
+    if wanted and case.checks_step and choice.has_automatic_step(case) and may_repeat(case):
+        periodic = refined_orbit(case, part)
+        if periodic is not None:
+            setup, kept, check = periodic
+            raw = integrate(setup) if kept is None else kept
+            result = trial.read_trial(setup, raw, requested, passes, turn)
+            return result, _record(Inspections(setup), raw, check, began)
+    setup = set_up(case, part)
     inspections = Inspections(setup)
     most = trial.last_pass(setup, min(passes, trial.most_passes(setup.case)))
     may_end = against is not None and bool(inspections.passes)
@@ -196,7 +227,7 @@ def _try_out(
     if look is not None and raw.repetition.computed in look.passes:
         passes = trial.LOOK_TURNS * raw.Z
     result = trial.read_trial(setup, raw, requested, passes, turn)
-    if setup.case.step_check in ("strict", False) or not _is_whole(inspections, raw, may_end):
+    if not (wanted and _is_whole(inspections, raw, may_end)):
         return result, None
     checked = setup if result.repeats else inspections.earliest
     return result, _record(inspections, raw, step_check.checked_step(checked, raw), began)
@@ -219,7 +250,7 @@ def _look(setup: Setup, requested: Sequence[str], turn: float, against: Against)
     )
 
 
-def _record(inspections: Inspections, raw: RawRecord, checks_step: StepCheck, began: float) -> Record:
+def _record(inspections: Inspections, raw: RawRecord, checks_step: StepCheck, began: Began) -> Record:
     """Return the record of a run."""
     whole, setup = inspections.setup, inspections.ended(raw)
     case = setup.case
@@ -244,8 +275,18 @@ def _record(inspections: Inspections, raw: RawRecord, checks_step: StepCheck, be
         time=instants,
         series=series,
         features=own | others,
-        info=_info(whole, raw, inspections.reached(raw)) | reasons | {"cpu_s": cpu_time.now() - began},
+        info=_info(whole, raw, inspections.reached(raw)) | reasons | _spent(began),
     )
+
+
+def _spent(began: Began) -> dict[str, float | int | str]:
+    """Return the CPU time (s) of a job, and the steps of all its runs, those of its step check included."""
+    now = Began.now()
+    return {
+        "cpu_s": now.cpu_s - began.cpu_s,
+        "steps_taken": now.taken.steps - began.taken.steps,
+        "integrator_cpu_s": now.taken.cpu_s - began.taken.cpu_s,
+    }
 
 
 def _refuse_start_error(case: Case, error: float) -> None:
@@ -307,7 +348,6 @@ def _info(setup: Setup, raw: RawRecord, reached: StandardErrors) -> dict[str, fl
         "longest_overrun_s": float(y[lay.OVERRUN_MAX : lay.OVERRUN_MAX + setup.model.bearing.Z].max()),
         "crossings": int(y[lay.DEFECT_CROSSINGS]),
         "cage_angle_start_rad": _cage_angle(setup, raw),
-        "integrator_cpu_s": raw.integrator_cpu_s,
     }
 
 

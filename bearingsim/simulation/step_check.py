@@ -9,11 +9,15 @@ defect would fall in the same place, its error unseen.
 If the two pilots diverge, a third one, its ring displaced by 1e-10 at the start, shows the reason: if it diverges
 from the first as fast, the motion is chaotic, no step can reproduce a line, and the RMS alone counts. Otherwise
 the result is doubtful, and all is repeated on a longer pilot, if there is one.
+
+A step of the case's own is that of the run. An automatic one is refined (``refinement.py``), and the finer of the
+two runs that agree is the answer.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite, nan, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,7 +25,7 @@ from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.core import layout as lay
-from bearingsim.simulation import channels, choice, time_grid
+from bearingsim.simulation import channels, time_grid
 from bearingsim.simulation.comparison import Compared, compare, of_orbit, of_pilot, steady_from
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.pilot import longer_duration, pilot, sees_defect_turns
@@ -29,12 +33,25 @@ from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.repetition import Closeness, turned_state
 from bearingsim.simulation.run_setup import MethodFailure, Setup, TooChaotic, set_up
 
-TIMES_CHANGE, LEAST_SHARE, RESOLVED = 2.5, 0.3, 1e-5
-"""Factor from the change by the shorter step to a bound of the error (1.8 of first order, 1.25 of second);
-smallest share of the largest change that every change counts as; resolution. Calibrated on random scenes, and
-tested on others (docs/step-check.md)."""
-MAX_CHANGE = STEP_ACCURACY / TIMES_CHANGE
-"""Largest change by the shorter step that is accepted."""
+
+class Bounds(NamedTuple):
+    """Bounds of errors from changes by a shorter step: ``times`` a change, and ``resolved`` more.
+
+    least: smallest share of the largest change that every change counts as, since it may be small by chance.
+
+    The change d of an error of order p by a step r = sqrt(5) times shorter extrapolates to errors d r^p/(r^p - 1)
+    of the coarse run and d/(r^p - 1) of the finer (Richardson 1911; with a safety factor, the grid convergence
+    index of Roache 1994). The order is at least one, that of a force that jumps within a step: 1.81 d and 0.81 d.
+    """
+
+    times: float
+    least: float
+    resolved: float
+
+
+OF_COARSE, OF_FINER = Bounds(2.5, 0.3, 1e-5), Bounds(2.0, 0.5, 1e-4)
+"""Bounds of the coarse run (safety factor 1.4) and of the finer (2.5), calibrated on random scenes, and tested on
+others (docs/step-check.md)."""
 
 APART = 0.01  # of the RMS: two pilots whose velocities differ by less in every ball pass are not chaotic
 PERTURBATION = 1e-10  # of the ring's displacement at the start; a periodic motion soon forgets it
@@ -60,15 +77,16 @@ MAX_COST_RATIO = 4.0  # times the CPU time of a run that its finer run may take
 class StepCheck:
     """Changes by a shorter step (and a tenth of the tolerance), and their verdict.
 
-    line, rms, force, record: as of ``Changes``; chaotic: whether a perturbation of 1e-10 grows; noise: standard
-    deviation of the RMS's relative change over the pilot due to chaos; scatter: confidence bound of the same over
-    the whole record, inf if the pilot was too short.
+    line, rms, force, record: as of ``Changes``; bounds: of the run that is taken, ``OF_COARSE`` or ``OF_FINER``;
+    chaotic: whether a perturbation of 1e-10 grows; noise: standard deviation of the RMS's relative change over the
+    pilot due to chaos; scatter: confidence bound of the same over the whole record, inf if the pilot was too short.
     """
 
     line: float
     rms: float
     force: float = 0.0
     record: float = 0.0
+    bounds: Bounds = OF_COARSE
     chaotic: bool = False
     noise: float = 0.0
     scatter: float = 0.0
@@ -87,17 +105,12 @@ class StepCheck:
     @property
     def holds(self) -> bool:
         """Acceptance of the step: its change is small, or within the scatter of chaos."""
-        return bool(self.error <= max(MAX_CHANGE, CONFIDENCE * self.noise))
+        return bool(self.error <= max(STEP_ACCURACY / self.bounds.times, CONFIDENCE * self.noise))
 
     @property
     def holds_but_for_force(self) -> bool:
         """Acceptance of the step by line and RMS alone, since a force peak may need impractical steps."""
         return replace(self, force=0.0).holds
-
-    @property
-    def shorter(self) -> float:
-        """Fraction of the step that may be accepted, for an error between first and second order."""
-        return (MAX_CHANGE / self.error) ** (2.0 / 3.0)
 
     @property
     def long_enough(self) -> bool:
@@ -106,32 +119,35 @@ class StepCheck:
 
     def bound(self, change: float) -> float:
         """Bound the step's error of a quantity, from the ``change`` of it (docs/step-check.md)."""
-        least = LEAST_SHARE * max(self.line, self.rms, self.force)
-        return TIMES_CHANGE * max(change, least) + RESOLVED
+        least = self.bounds.least * max(self.line, self.rms, self.force)
+        return self.bounds.times * max(change, least) + self.bounds.resolved
 
 
 UNCHECKED = StepCheck(nan, nan, nan, nan)
 
 
 def checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
-    """Check the step of a setup if the case checks steps. Raises ``MethodFailure`` if its error is too large."""
+    """Check the step of a setup as it is, if the case checks steps. raw: its run, if that is periodic.
+
+    Raises ``MethodFailure`` if its error is too large; that of the largest force may be.
+    """
     if not setup.case.checks_step:
         return UNCHECKED
-    orbit = raw if raw is not None and raw.repetition.period > 0 else None
-    check = check_step(setup, orbit)
-    shortest = setup.part <= choice.STEP_PARTS[-1] or not setup.case.automatic or setup.case.tolerance != "auto"
-    if check.holds or (shortest and check.holds_but_for_force):
-        if setup.case.step_check == "strict":
-            _refuse_short_record(setup, check)
-        return check
+    check = check_step(setup, raw if raw is not None and raw.repetition.period > 0 else None)
+    if not check.holds_but_for_force:
+        raise MethodFailure(*refused(setup, check))
+    return check
+
+
+def refused(setup: Setup, check: StepCheck) -> tuple[str, str]:
+    """Return the reason for refusing a step that does not hold, and advice."""
     refinement = "a shorter step" + " and a tenth of the tolerance" * assemble.adaptive(setup.case)
     what = max(check.changes, key=check.changes.__getitem__)
     chaotic = ", and the motion is chaotic" if check.chaotic else ""
     changes = f"{refinement} changes the {what} by {100.0 * check.error:.2g} %{chaotic}"
-    raise MethodFailure(
+    return (
         f"{setup.case.method} is not within {STEP_ACCURACY:.0%}: {changes}",
         "use a longer `duration`" if check.chaotic else f"{_tighter_advice(setup)}, or use `step_check: false`",
-        part=setup.part if check.chaotic else setup.part * check.shorter,
     )
 
 
@@ -142,7 +158,7 @@ def _tighter_advice(setup: Setup) -> str:
     return "give a `step` of your own" if setup.case.step == "auto" else "use a shorter `step`"
 
 
-def _refuse_short_record(setup: Setup, checks_step: StepCheck) -> None:
+def refuse_short_record(setup: Setup, checks_step: StepCheck) -> None:
     """Raise TooChaotic if a chaotic record is too short for an RMS within 1 %."""
     if checks_step.long_enough:
         return
@@ -159,33 +175,36 @@ def _refuse_short_record(setup: Setup, checks_step: StepCheck) -> None:
 
 def check_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
     """Check a case's step. raw: its run, if periodic. Raises like ``integrate``."""
-    if raw is not None and (orbit_check := check_on_orbit(setup, raw)) is not None:
-        return orbit_check
+    if raw is not None and (on_orbit := check_on_orbit((setup, raw), finer_orbit(setup, raw))) is not None:
+        return on_orbit
     case, part = setup.case, setup.part
     beginning = pilot(case)
-    check, doubtful = check_on_pilot(case, part, *beginning)
+    check, doubtful, _ = check_on_pilot(case, part, *beginning)
     more = pilot(case, SECOND_PILOT)
     if doubtful and more != beginning:
-        check, _ = check_on_pilot(case, part, *more)
+        check, *_ = check_on_pilot(case, part, *more)
     return check
 
 
-def check_on_orbit(coarse: Setup, raw: RawRecord) -> StepCheck | None:
+def finer_orbit(coarse: Setup, raw: RawRecord) -> tuple[Setup, RawRecord]:
+    """Return a finer run of a periodic motion, which starts where the other ended and so soon is periodic too."""
+    fine = set_up(coarse.case, coarse.part * shorter(coarse.cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU)
+    start = by_place(coarse, raw)
+    return fine, integrate(fine, start=start, close=CLOSE_TO_ORBIT, most=most_finer_passes(raw))
+
+
+def check_on_orbit(coarse: tuple[Setup, RawRecord], fine: tuple[Setup, RawRecord]) -> StepCheck | None:
     """Return the step check of a periodic motion: one period of it against one at a shorter step.
 
-    The finer run starts where the other ended, so it soon becomes periodic too. None if it does not, or if raw
-    values are recorded and the record ends before both are steady.
+    None if the finer run is not periodic, or if raw values are recorded and the record ends before both are
+    steady.
     """
-    cut = coarse.cut
-    fine = set_up(coarse.case, coarse.part * shorter(cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU)
-    other = integrate(fine, start=by_place(coarse, raw), close=CLOSE_TO_ORBIT, most=most_finer_passes(raw))
-    if other.repetition.period == 0:
+    if fine[1].repetition.period == 0:
         return None
-    runs = (coarse, raw), (fine, other)
-    steady = max(steady_from(setup, run) for setup, run in runs)
-    if channels.picks(coarse.case) and steady >= length(coarse.case):
+    steady = max(steady_from(*coarse), steady_from(*fine))
+    if channels.picks(coarse[0].case) and steady >= length(coarse[0].case):
         return None
-    return StepCheck(*compare(*(of_orbit(setup, run, steady) for setup, run in runs)))
+    return StepCheck(*compare(*(of_orbit(setup, run, steady) for setup, run in (coarse, fine))))
 
 
 def most_finer_passes(raw: RawRecord) -> int:
@@ -201,26 +220,38 @@ def by_place(coarse: Setup, raw: RawRecord) -> np.ndarray:
     return turned_state(state, coarse.model, raw.repetition.computed)
 
 
-def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[StepCheck, bool]:
-    """Return the step check by one pilot, and whether it is doubtful: the pilots diverge without sign of chaos."""
+class OnPilot(NamedTuple):
+    """Step check by a pilot; doubtful: the pilots diverge without sign of chaos; finer: the finer pilot."""
+
+    check: StepCheck
+    doubtful: bool
+    finer: tuple[Setup, Compared]
+
+
+def check_on_pilot(
+    case: Case, part: float, short: Case, passes: int, before: tuple[Setup, Compared] | None = None
+) -> OnPilot:
+    """Check the step of a case by a pilot ``short`` of ``passes``; before: the coarse one, if it has been run."""
     allowed = time_grid.MAX_CPU * length(short) / length(case)
     short = short.model_copy(update={"periodic": False})
-    coarse = set_up(short, part, allowed)
+    coarse = before[0] if before is not None else set_up(short, part, allowed)
     fine = set_up(with_finer_tolerance(short), part * shorter(coarse.cut.decimation), MAX_COST_RATIO * allowed)
-    coarse_run, fine_run = (run_pilot(setup, passes) for setup in (coarse, fine))
+    coarse_run = before[1] if before is not None else run_pilot(coarse, passes)
+    fine_run = run_pilot(fine, passes)
+    finer = fine, fine_run
     check = StepCheck(*compare(coarse_run, fine_run))
     scale = float(np.std(fine_run.fine)) or 1.0
     apart = (
         by_pass(coarse_run.fine - shifted(fine_run.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
     )
     if not apart.max() > APART:
-        return check, False
+        return OnPilot(check, False, finer)
     adaptive = assemble.adaptive(case)
     twin, nudged = (fine, fine_run) if adaptive else (coarse, coarse_run)
     third = run_pilot(twin, passes, nudge=PERTURBATION)
     beside = by_pass(nudged.fine - third.fine, passes) / scale
     if not is_chaotic_motion(beside, apart, adaptive):
-        return check, True
+        return OnPilot(check, True, finer)
     # pilots have not diverged at their start; the wider band, where they diverge first, is more informative
     noise, sure = max(
         (scatter(series, passes) for series in zip(coarse_run[:2], fine_run[:2], third[:2], strict=True)),
@@ -229,7 +260,7 @@ def check_on_pilot(case: Case, part: float, short: Case, passes: int) -> tuple[S
     is_measurable = sees_defect_turns(case, passes) and np.linalg.norm(beside) > NO_LESS * np.linalg.norm(apart)
     whole = max(1.0, case.duration * coarse.cut.rate)
     worth = sure * noise / sqrt(whole) if is_measurable else inf
-    return replace(check, chaotic=True, noise=noise / sqrt(passes), scatter=worth), False
+    return OnPilot(replace(check, chaotic=True, noise=noise / sqrt(passes), scatter=worth), False, finer)
 
 
 def run_pilot(setup: Setup, passes: int, nudge: float = 0.0) -> Compared:

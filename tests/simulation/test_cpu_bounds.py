@@ -17,7 +17,7 @@ from bearingsim.core import layout as lay
 from bearingsim.simulation import choice, features, limits, simulate, step_check, time_grid, warm
 from bearingsim.simulation.integration import Pace, integrate
 from bearingsim.simulation.run_setup import set_up
-from bearingsim.simulation.simulate import WARM_S, SimulationError, _record
+from bearingsim.simulation.simulate import WARM_S, Began, SimulationError, _record
 from bearingsim.simulation.sufficiency import Inspections
 from bearingsim.study import load_study
 from benchmarks.cpu_bounds import study_of
@@ -74,7 +74,7 @@ def test_as_features_are_read_and_series_filtered(given: Case) -> None:
     for compute in (
         lambda: features.features(given, setup.model, setup.cut, raw),
         lambda: features.statistics(given, setup.cut, raw),
-        lambda: _record(Inspections(setup), raw, step_check.UNCHECKED, 0.0),
+        lambda: _record(Inspections(setup), raw, step_check.UNCHECKED, Began.now()),
     ):
         ended_in(compute)
 

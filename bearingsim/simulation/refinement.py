@@ -1,0 +1,130 @@
+"""Refinement of an automatic step: steps each 2.24 times shorter, until two runs agree; the finer is the answer.
+
+The first step is twice the automatic one. A periodic motion is refined as a whole: each finer run starts on the
+orbit of the one before. Of any other motion pilots are refined, and the run is stepped as the finer pilot that
+agrees, or as the coarser one if they hardly differ.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+from bearingsim import assemble
+from bearingsim.config import Case
+from bearingsim.config.names import STEP_ACCURACY
+from bearingsim.simulation import choice
+from bearingsim.simulation.comparison import Compared, steady_from
+from bearingsim.simulation.integration import integrate
+from bearingsim.simulation.pilot import pilot
+from bearingsim.simulation.pricing import price
+from bearingsim.simulation.recording import RawRecord
+from bearingsim.simulation.repetition import period_is_sought
+from bearingsim.simulation.run_setup import NotRepeating, Setup, StepRefused, set_up
+from bearingsim.simulation.settling import extrapolation_passes, needed
+from bearingsim.simulation.step_check import (
+    OF_FINER,
+    SECOND_PILOT,
+    StepCheck,
+    check_on_orbit,
+    check_on_pilot,
+    finer_orbit,
+    refused,
+)
+from bearingsim.simulation.time_grid import SAFETY, requested_step
+
+START = 2.0
+"""Fraction of the automatic step at which a refinement starts: the first finer step is 0.89 of it."""
+NO_CHANGE = 0.1 * STEP_ACCURACY
+"""Change between pilots up to which the run takes the step of the coarse one (docs/evidence/speed.md)."""
+
+
+class Refined(NamedTuple):
+    """Run whose step holds: its setup, its record (None if it is still to be computed), and its check."""
+
+    setup: Setup
+    raw: RawRecord | None
+    check: StepCheck
+
+
+def refined(case: Case, part: float, patience: int = 0) -> Refined:
+    """Refine the automatic step of a case, its method named, until it holds.
+
+    part: fraction of the automatic step to set out from; patience: as of ``integrate``. Raises ``StepRefused`` if
+    no step holds, and like ``integrate``.
+    """
+    coarse = set_up(case, _start(case, part))
+    if not period_is_sought(coarse.case):
+        return _on_pilots(coarse, is_stable=coarse.part == START * part)
+    if (periodic := _on_orbit(coarse)) is not None:
+        return periodic
+    if patience > 0:
+        raise NotRepeating("no ball pass repeats another", "name a `method`")
+    return _on_pilots(coarse, is_stable=coarse.part == START * part)
+
+
+def refined_orbit(case: Case, part: float) -> Refined | None:
+    """Refine the step of a case as ``refined`` does, if it is soon periodic; None if it is not."""
+    return _on_orbit(set_up(case, _start(case, part)))
+
+
+def _start(case: Case, part: float) -> float:
+    """Return the fraction of the automatic step that a refinement starts with: of a stable step."""
+    if assemble.adaptive(case):
+        return START * part
+    return part * min(START, SAFETY * choice.limits(case).at_impact / requested_step(case))
+
+
+def _on_orbit(coarse: Setup) -> Refined | None:
+    """Refine the step of a motion that is periodic within a few ball passes; None if it is not.
+
+    The finer run is the answer, unless the case is computed in full, or its record is to hold a transient: it
+    begins before the run from rest is steady, and before its modes have decayed.
+    """
+    case = coarse.case
+    setup = replace(coarse, case=case.model_copy(update={"periodic": True}))
+    raw = integrate(setup, most=max(int(price("patience")), extrapolation_passes(case)))
+    is_steady = steady_from(setup, raw) <= case.settle_s or needed(case) <= case.settle_s
+    while raw.repetition.period > 0:
+        finer, finer_raw = finer_orbit(setup, raw)
+        check = check_on_orbit((setup, raw), (finer, finer_raw))
+        if check is None:
+            break
+        check = replace(check, bounds=OF_FINER)
+        if _is_last(finer, check):
+            taken = replace(finer, case=case)
+            return Refined(taken, finer_raw if case.periodic and is_steady else None, check)
+        setup, raw = finer, finer_raw
+    return None
+
+
+def _on_pilots(coarse: Setup, is_stable: bool) -> Refined:
+    """Refine the step of a motion that is not periodic on pilots of it.
+
+    is_stable: whether the first step is far from the limit of its stability.
+    """
+    case, part, times = coarse.case, coarse.part, 1.0
+    last: tuple[Setup, Compared] | None = None
+    while True:
+        beginning = pilot(case, times)
+        check, doubtful, finer = check_on_pilot(case, part, *beginning, last)
+        if doubtful and times < SECOND_PILOT and pilot(case, SECOND_PILOT) != beginning:
+            times, last = SECOND_PILOT, None
+            continue
+        if part == coarse.part and is_stable and check.error <= NO_CHANGE:
+            return Refined(coarse, None, check)
+        check = replace(check, bounds=OF_FINER)
+        if _is_last(finer[0], check):
+            return Refined(set_up(case, finer[0].part), None, check)
+        part, last = finer[0].part, finer
+
+
+def _is_last(finer: Setup, check: StepCheck) -> bool:
+    """Check if a finer run is taken. Raises ``StepRefused`` if it does not hold and is the shortest.
+
+    Of the shortest steps one is taken that does not hold the largest force.
+    """
+    shortest = finer.part <= choice.STEP_PARTS[-1]
+    if check.holds or (shortest and check.holds_but_for_force):
+        return True
+    if shortest:
+        raise StepRefused(*refused(finer, check))
+    return False
