@@ -79,7 +79,7 @@ class StepCheck:
 
     line, rms, force, record: as of ``Changes``; bounds: of the run that is taken, ``OF_COARSE`` or ``OF_FINER``;
     chaotic: whether a perturbation of 1e-10 grows; noise: standard deviation of the RMS's relative change over the
-    pilot due to chaos; scatter: confidence bound of the same over the whole record, inf if the pilot was too short.
+    pilot due to chaos; scatter: confidence bound of it over the whole record, inf if the pilot was too short.
     """
 
     line: float
