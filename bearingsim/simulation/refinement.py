@@ -21,6 +21,7 @@ from bearingsim.simulation.repetition import period_is_sought
 from bearingsim.simulation.run_setup import NotRepeating, Setup, StepRefused, set_up
 from bearingsim.simulation.settling import extrapolation_passes, needed
 from bearingsim.simulation.step_check import (
+    OF_COARSE,
     OF_FINER,
     SECOND_PILOT,
     StepCheck,
@@ -110,7 +111,7 @@ def _on_pilots(coarse: Setup, is_stable: bool) -> Refined:
             times, last = SECOND_PILOT, None
             continue
         if part == coarse.part and is_stable and check.error <= NO_CHANGE:
-            return Refined(coarse, None, check)
+            return Refined(coarse, None, replace(check, bounds=OF_COARSE))
         check = replace(check, bounds=OF_FINER)
         if _is_last(finer[0], check):
             return Refined(set_up(case, finer[0].part), None, check)

@@ -49,9 +49,9 @@ class Bounds(NamedTuple):
     resolved: float
 
 
-OF_COARSE, OF_FINER = Bounds(2.5, 0.3, 1e-5), Bounds(2.0, 0.5, 1e-4)
-"""Bounds of the coarse run (safety factor 1.4) and of the finer (2.5), calibrated on random scenes, and tested on
-others (docs/step-check.md)."""
+OF_OWN, OF_COARSE, OF_FINER = Bounds(2.5, 0.3, 1e-5), Bounds(2.5, 0.5, 1e-4), Bounds(2.0, 0.5, 1e-4)
+"""Bounds of a step of the case's own, and of the coarse and the finer run of a refinement (safety factors 1.4 and
+2.5), calibrated on random scenes, and tested on others (docs/step-check.md)."""
 
 APART = 0.01  # of the RMS: two pilots whose velocities differ by less in every ball pass are not chaotic
 PERTURBATION = 1e-10  # of the ring's displacement at the start; a periodic motion soon forgets it
@@ -77,7 +77,7 @@ MAX_COST_RATIO = 4.0  # times the CPU time of a run that its finer run may take
 class StepCheck:
     """Changes by a shorter step (and a tenth of the tolerance), and their verdict.
 
-    line, rms, force, record: as of ``Changes``; bounds: of the run that is taken, ``OF_COARSE`` or ``OF_FINER``;
+    line, rms, force, record: as of ``Changes``; bounds: those of the run that is taken;
     chaotic: whether a perturbation of 1e-10 grows; noise: standard deviation of the RMS's relative change over the
     pilot due to chaos; scatter: confidence bound of it over the whole record, inf if the pilot was too short.
     """
@@ -86,7 +86,7 @@ class StepCheck:
     rms: float
     force: float = 0.0
     record: float = 0.0
-    bounds: Bounds = OF_COARSE
+    bounds: Bounds = OF_OWN
     chaotic: bool = False
     noise: float = 0.0
     scatter: float = 0.0
