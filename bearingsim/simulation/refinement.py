@@ -30,6 +30,7 @@ from bearingsim.simulation.step_check import (
     finer_orbit,
     refused,
 )
+from bearingsim.simulation.sufficiency import Inspections
 from bearingsim.simulation.time_grid import SAFETY, requested_step
 
 START = 2.0
@@ -102,7 +103,7 @@ def _on_pilots(coarse: Setup, is_stable: bool) -> Refined:
 
     is_stable: whether the first step is far from the limit of its stability.
     """
-    case, part, times = coarse.case, coarse.part, 1.0
+    case, part, times = Inspections(coarse).earliest.case, coarse.part, 1.0
     last: tuple[Setup, Compared] | None = None
     while True:
         beginning = pilot(case, times)
@@ -114,7 +115,7 @@ def _on_pilots(coarse: Setup, is_stable: bool) -> Refined:
             return Refined(coarse, None, replace(check, bounds=OF_COARSE))
         check = replace(check, bounds=OF_FINER)
         if _is_last(finer[0], check):
-            return Refined(set_up(case, finer[0].part), None, check)
+            return Refined(set_up(coarse.case, finer[0].part), None, check)
         part, last = finer[0].part, finer
 
 

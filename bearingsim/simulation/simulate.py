@@ -207,17 +207,16 @@ def _try_out(
     """Compute the first passes of a case in one way, or all of it if it is periodic and its step to be checked."""
     case, part, _ = attempt
     wanted = case.step_check not in ("strict", False)
-    if wanted and case.checks_step and choice.has_automatic_step(case) and may_repeat(case):
-        periodic = refined_orbit(case, part)
-        if periodic is not None:
-            setup, kept, check = periodic
-            raw = integrate(setup) if kept is None else kept
-            result = trial.read_trial(setup, raw, requested, passes, turn)
-            return result, _record(Inspections(setup), raw, check, began)
-    setup = set_up(case, part)
+    setup, kept, check = set_up(case, part), None, None
+    may_end = against is not None and bool(Inspections(setup).passes)
+    if wanted and case.checks_step and choice.has_automatic_step(case) and (may_end or may_repeat(case)):
+        of_step = refined(case, part) if may_end else refined_orbit(case, part)
+        if of_step is not None:
+            setup, kept, check = of_step
     inspections = Inspections(setup)
+    if kept is not None and check is not None:
+        return trial.read_trial(setup, kept, requested, passes, turn), _record(inspections, kept, check, began)
     most = trial.last_pass(setup, min(passes, trial.most_passes(setup.case)))
-    may_end = against is not None and bool(inspections.passes)
     look = None if against is None or may_end else _look(setup, requested, turn, against)
     if may_end:
         raw = integrate(setup, most=max(most, min(inspections.passes)), look=inspections)
@@ -229,8 +228,9 @@ def _try_out(
     result = trial.read_trial(setup, raw, requested, passes, turn)
     if not (wanted and _is_whole(inspections, raw, may_end)):
         return result, None
-    checked = setup if result.repeats else inspections.earliest
-    return result, _record(inspections, raw, step_check.checked_step(checked, raw), began)
+    if check is None:
+        check = step_check.checked_step(setup if result.repeats else inspections.earliest, raw)
+    return result, _record(inspections, raw, check, began)
 
 
 def _is_whole(inspections: Inspections, raw: RawRecord, may_end: bool) -> bool:

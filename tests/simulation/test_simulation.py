@@ -361,7 +361,8 @@ def test_forces_count_from_the_first_ball_pass_of_the_record(settle: str, counts
 
 def test_info_says_how_it_was_computed() -> None:
     given = case(defect=SLOT)
-    info, cut = simulate(given).info, time_grid.grid(given)
+    info = simulate(given).info
+    cut = time_grid.grid(given, float(info["step_part"]))
     assert info["step_s"] == cut.step
     assert info["steps"] == info["passes_computed"] * cut.steps_per_pass
     assert info["passes"] == cut.passes
