@@ -246,7 +246,7 @@ def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
     made = panel.section
     s, width = 1e3 * made.s, np.ptp(made.s)
     ax.fill_between(s, 1e6 * made.p, 1e6 * panel.floor, color="0.88", lw=0.0, zorder=1)
-    ax.plot(s, 1e6 * made.p, color=RACE, lw=1.1, label="pit", zorder=3)
+    ax.plot(s, 1e6 * made.p, color=RACE, lw=1.1, label="defect", zorder=3)
     ax.plot(s, 1e6 * made.h, color=PATH, lw=1.5, label="path of a rigid round roller", zorder=4)
     inner = width / (1.0 + 2.0 * MARGIN)
     for position, name in zip(ROLLERS, ["roller", *[None] * (len(ROLLERS) - 1)], strict=True):

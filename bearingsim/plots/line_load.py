@@ -78,7 +78,7 @@ def _notes(records: Mapping[str, Job], rows: Sequence[tuple[str, LoadAlong]]) ->
     """Report passages with few samples over a defect, or rollers that pass none."""
     crossed = [(job, load.passage) for job, load in rows if load.passage is not None]
     counts = [passage.samples(records[job].parameters["sampling"]) for job, passage in crossed]
-    few = [f"only {min(counts):.1f} samples over the pit"] if min(counts, default=FEW) < FEW else []
+    few = [f"only {min(counts):.1f} samples over the defect"] if min(counts, default=FEW) < FEW else []
     missed = any(load.passage is None and lines.races(records[job].parameters) for job, load in rows)
     return [*few, *(["no roller passes a race defect within the record"] if missed else [])]
 
@@ -157,7 +157,7 @@ def _window(case: "Case", record: Job, passage: Passage | None, span: float | No
 def instants(load: LoadAlong) -> dict[str, int]:
     """Select the samples at which the distribution is drawn, by name.
 
-    `over the pit`: the middle of the time at which the slices over the defect carry least. `largest after`: the
+    `over the defect`: the middle of the time at which the slices over the defect carry least. `largest after`: the
     largest total load from then on. Without a defect: the largest and the smallest total load.
     """
     whole = _whole(load)
@@ -169,7 +169,7 @@ def instants(load: LoadAlong) -> dict[str, int]:
     least = np.flatnonzero(inside <= inside.min() + UNLOADED * inside.max())
     over = int(least[len(least) // 2])
     largest = over + int(np.argmax(whole[over:]))
-    return {"before": 0, "over the pit": over, "largest after": largest, "after": len(load.time) - 1}
+    return {"before": 0, "over the defect": over, "largest after": largest, "after": len(load.time) - 1}
 
 
 def _share(load: LoadAlong) -> Reals:

@@ -72,7 +72,7 @@ class View(NamedTuple):
         """Scale a displacement (m) to drawing units (mm, exaggerated)."""
         return 1e3 * self.times * metres
 
-    def of_ring(self, instant: Instant, angles: Reals, radius: float) -> tuple[Reals, Reals]:
+    def ring_points(self, instant: Instant, angles: Reals, radius: float) -> tuple[Reals, Reals]:
         """Return the drawn positions of ring points with undeformed ``radius`` at some angles."""
         return point(
             angles,
@@ -81,11 +81,11 @@ class View(NamedTuple):
             self.enlarged(instant.y),
         )
 
-    def of_carrier(self, instant: Instant, angles: Reals, beyond: float = 0.0) -> tuple[Reals, Reals]:
+    def carrier_points(self, instant: Instant, angles: Reals, beyond: float = 0.0) -> tuple[Reals, Reals]:
         """Return the drawn positions of carrier points, or of points ``beyond`` the carrier (mm)."""
         return point(angles, self.carrier + beyond, *(self.enlarged(part) for part in instant.carrier))
 
-    def of_roller(self, instant: Instant, j: int) -> tuple[float, float]:
+    def roller_centre(self, instant: Instant, j: int) -> tuple[float, float]:
         """Return the drawn position of the centre of roller ``j``."""
         right, up = point(instant.angles[j], 1e3 * self.shape.pitch + self.enlarged(instant.outwards[j]))
         return float(right), float(up)
@@ -140,7 +140,7 @@ def _time_text(shape: RingShape, instant: Instant) -> str:
     """Describe the time of an instant."""
     if instant.part in PARTS_SAID:
         return PARTS_SAID[instant.part]
-    where = "over the pit" if any(mark.on == "outer" for mark in instant.marks) else "at the load line"
+    where = "over the defect" if any(mark.on == "outer" for mark in instant.marks) else "at the load line"
     return (
         f"a roller {where}" if instant.part == 0.0 else f"{labels.number_text(instant.part)} of a ball pass later"
     )
@@ -155,7 +155,7 @@ def draw_instant(ax: "Axes", seen: View, instant: Instant) -> None:
         draw_roller(ax, seen, instant, j)
     for mark in instant.marks:
         ax.plot(
-            *defect_line(seen, instant, mark), color=DEFECT, lw=3.0, solid_capstyle="butt", zorder=6, gid="pit"
+            *defect_line(seen, instant, mark), color=DEFECT, lw=3.0, solid_capstyle="butt", zorder=6, gid="defect"
         )
     draw_springs(ax, seen, instant)
     for push in seen.shape.pushes:
@@ -180,7 +180,7 @@ def frame(seen: View) -> tuple[float, float, float, float]:
 
 def draw_bodies(ax: "Axes", seen: View, instant: Instant) -> None:
     """Draw the ring, its undeformed shape as thin circles, the inner race and the axes."""
-    inside, outside = seen.of_ring(instant, AROUND, seen.race), seen.of_ring(instant, AROUND, seen.outside)
+    inside, outside = seen.ring_points(instant, AROUND, seen.race), seen.ring_points(instant, AROUND, seen.outside)
     ax.fill(*(np.r_[a, b[::-1]] for a, b in zip(outside, inside, strict=True)), color=STEEL, lw=0.0, zorder=1)
     for line, name in ((inside, "race"), (outside, "outside")):
         ax.plot(*line, color=EDGE, lw=1.0, zorder=3, gid=name)
@@ -203,15 +203,15 @@ def draw_bodies(ax: "Axes", seen: View, instant: Instant) -> None:
 def draw_roller(ax: "Axes", seen: View, instant: Instant, j: int) -> None:
     """Draw roller ``j``: shaded by its force, open if unloaded."""
     shade = colormaps[SCALE](instant.forces[j] / seen.darkest) if instant.loaded[j] else "white"
-    ax.add_patch(Circle(seen.of_roller(instant, j), 1e3 * seen.shape.roller, fc=shade, ec=EDGE, lw=0.7, zorder=2,
-                        gid=f"roller {j + 1}"))  # fmt: skip
+    centre, radius = seen.roller_centre(instant, j), 1e3 * seen.shape.roller
+    ax.add_patch(Circle(centre, radius, fc=shade, ec=EDGE, lw=0.7, zorder=2, gid=f"roller {j + 1}"))
 
 
 def defect_line(seen: View, instant: Instant, mark: Mark) -> tuple[Reals, Reals]:
     """Return the line that marks a defect on a race or a roller."""
     half = max(mark.half, LEAST_DEFECT)
     if mark.on == "roller":
-        right, up = seen.of_roller(instant, mark.roller)
+        right, up = seen.roller_centre(instant, mark.roller)
         radius = 1e3 * seen.shape.roller
         wide = max(mark.half, LEAST_DEFECT * seen.race / radius)
         there = point(np.linspace(mark.angle - wide, mark.angle + wide, 21), radius)
@@ -219,14 +219,14 @@ def defect_line(seen: View, instant: Instant, mark: Mark) -> tuple[Reals, Reals]
     angles = np.linspace(mark.angle - half, mark.angle + half, 21)
     if mark.on == "inner":
         return point(angles, seen.inner_race)
-    return seen.of_ring(instant, angles, seen.race)
+    return seen.ring_points(instant, angles, seen.race)
 
 
 def draw_springs(ax: "Axes", seen: View, instant: Instant) -> None:
     """Draw the springs around the ring, loaded ones darker, and the carrier behind them."""
     if not len(instant.springs):
         return
-    ax.plot(*seen.of_carrier(instant, AROUND), color=SPRINGS, lw=1.1, zorder=3, gid="carrier")
+    ax.plot(*seen.carrier_points(instant, AROUND), color=SPRINGS, lw=1.1, zorder=3, gid="carrier")
     for p in range(len(instant.springs)):
         presses = instant.springs[p] > 0.0
         ax.plot(*spring_line(seen, instant, p), color=SPRINGS if presses else LIFTED, lw=1.0 if presses else 0.6,
@@ -236,8 +236,8 @@ def draw_springs(ax: "Axes", seen: View, instant: Instant) -> None:
 def spring_line(seen: View, instant: Instant, p: int) -> tuple[Reals, Reals]:
     """Return the line of spring ``p`` from ring to carrier: with coils if there are few springs, else straight."""
     angle = seen.shape.spring_angles[p : p + 1]
-    inner, outer = (np.concatenate(end) for end in (seen.of_ring(instant, angle, seen.outside),
-                                                   seen.of_carrier(instant, angle)))  # fmt: skip
+    inner, outer = (np.concatenate(end) for end in (seen.ring_points(instant, angle, seen.outside),
+                                                   seen.carrier_points(instant, angle)))  # fmt: skip
     if len(instant.springs) > FEW:
         return np.array([inner[0], outer[0]]), np.array([inner[1], outer[1]])
     along = np.r_[0.0, 0.15, 0.15 + 0.7 * (np.arange(2 * COILS) + 0.5) / (2 * COILS), 0.85, 1.0]
@@ -263,9 +263,12 @@ def push_ends(seen: View, instant: Instant, push: Push) -> tuple[tuple[float, fl
     """Return tip and tail of the arrow of a force."""
     angles, length = np.array([push.angle]), ARROW * seen.outside
     if len(instant.springs):
-        ends = seen.of_carrier(instant, angles), seen.of_carrier(instant, angles, length)
+        ends = seen.carrier_points(instant, angles), seen.carrier_points(instant, angles, length)
     else:
-        ends = seen.of_ring(instant, angles, seen.outside), seen.of_ring(instant, angles, seen.outside + length)
+        ends = (
+            seen.ring_points(instant, angles, seen.outside),
+            seen.ring_points(instant, angles, seen.outside + length),
+        )
     tip, tail = ((float(right[0]), float(up[0])) for right, up in ends)
     return tip, tail
 
@@ -274,8 +277,8 @@ def sensor_position(seen: View, instant: Instant) -> tuple[Reals, Reals]:
     """Return the position of the sensor: in the ring's section, or just inside the carrier, clear of forces."""
     angles = np.array([seen.shape.sensor])
     if seen.shape.sensor_on == "housing":
-        return seen.of_carrier(instant, angles, -INSIDE * seen.outside)
-    return seen.of_ring(instant, angles, 0.5 * (seen.race + seen.outside))
+        return seen.carrier_points(instant, angles, -INSIDE * seen.outside)
+    return seen.ring_points(instant, angles, 0.5 * (seen.race + seen.outside))
 
 
 def _legend(seen: View) -> Iterator[Line2D]:
@@ -284,7 +287,7 @@ def _legend(seen: View) -> Iterator[Line2D]:
     yield Line2D([], [], color=SOUND, lw=0.7, ls=(0, (6, 3)), label="undeformed ring")
     yield Line2D([], [], mfc="white", label="roller without load", **round_mark)
     if any(instant.marks for instant in seen.shape.instants):
-        yield Line2D([], [], color=DEFECT, lw=3.0, label="pit")
+        yield Line2D([], [], color=DEFECT, lw=3.0, label="defect")
     yield Line2D([], [], ls="", marker="s", color=SENSOR, mec="white", ms=6.0, label="sensor")
     if len(seen.shape.spring_angles):
         behind = "housing" if seen.shape.by == "housing" else "carrier"

@@ -47,7 +47,7 @@ MEANING = {
     "ok": "ok (within 1 %)",
     "stalled": "stalled, gave up",
     "too slow": "too slow",
-    "skipped": "skipped a pit",
+    "skipped": "skipped a defect",
     "within chaos": "chaotic (path not unique)",
 }
 

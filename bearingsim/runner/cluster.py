@@ -97,8 +97,8 @@ class Cluster:
                 time.sleep(WAITING_S)
             for address, threads in answer_in_time(ANSWER_S, self.client.nthreads).items():
                 refuse_threads(address, threads)
-            self._on_all(asyncio.to_thread, exec, LOADING, {})
-            for address, versions in self._on_all(installation).items():
+            self._run_on_all(asyncio.to_thread, exec, LOADING, {})
+            for address, versions in self._run_on_all(installation).items():
                 refuse_installation(address, versions, self.installed)
         return self.count
 
@@ -279,7 +279,7 @@ class Cluster:
             self.landed.put(self.lost.pop())
         return True
 
-    def _on_all(self, function: Callable, *arguments: Any) -> dict[str, Any]:
+    def _run_on_all(self, function: Callable, *arguments: Any) -> dict[str, Any]:
         """Call a function on each worker; return the results by address, without workers that were lost meanwhile.
 
         Raises OtherInstallation where the function fails, WorkerFailed for workers that do not answer.

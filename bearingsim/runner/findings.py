@@ -42,7 +42,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
             *flagged,
             *step_errors(own),
             *unsettled(own),
-            *without_value(info),
+            *missing_values(info),
         ),
         assumed=tuple(_assumption_names(plan, own)),
         details=(
@@ -92,7 +92,7 @@ def _assumptions(plan: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(plan.get("assumptions", ()))
 
 
-def without_value(info: "pd.DataFrame") -> Iterator[str]:
+def missing_values(info: "pd.DataFrame") -> Iterator[str]:
     """Yield the features of other packages that have no value in some jobs.
 
     info: of finished jobs, a row each.

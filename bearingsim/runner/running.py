@@ -104,7 +104,7 @@ def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, 
         flag_for_workers()  # without shared memory it raises, before anything is thrown away
     with _prepared(root, study, wanted):
         before = store.holdings(root).sealed if study.goal is not None else None  # trials may do some jobs, too
-        setting = _with_models(_Setting(root, study, wanted, workers, joined), started)
+        setting = _choose_models(_Setting(root, study, wanted, workers, joined), started)
         study, every = setting.study, setting.study.jobs()
         ours = shard_of(every, wanted.shard)
         store.keep_scans(root, [job.case for job in every])
@@ -137,7 +137,7 @@ def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, 
     return summary
 
 
-def _with_models(setting: _Setting, started: float) -> _Setting:
+def _choose_models(setting: _Setting, started: float) -> _Setting:
     """Choose the models of a study that names an accuracy; raises Interrupted."""
     root, study, wanted, workers, joined = setting
     try:
@@ -153,20 +153,20 @@ def _compute(setting: _Setting, plan: Plan, tally: Tally, notes: list[str]) -> N
     """Compute the jobs that are left, by the workers of a scheduler or by processes of this machine."""
     root, _, wanted, workers, joined = setting
 
-    def within_bound() -> Affordable:
+    def affordable_jobs() -> Affordable:
         prices = costs(load(wanted.engine.estimate), plan.todo, wanted.max_cpu)
         return affordable(plan.todo, prices, wanted.max_cpu, wanted.progress)
 
     if joined is not None:
         with joined() as cluster:  # first: estimating what the jobs take may compile code
-            todo = within_bound()
+            todo = affordable_jobs()
             notes += todo.notes
             works = _works(setting, todo, cluster.assembled(), plan.held.units)
             _follow(works, cluster.outcomes(works), tally, wanted.progress)
         return
     with patient(wanted.progress) as patience:
         patience.begin("estimating what the jobs take")
-        todo = within_bound()
+        todo = affordable_jobs()
         notes += [*todo.notes, *fewer(todo.costs, workers)]
         workers = fitting(todo.costs, workers)
         works = _works(setting, todo, workers, plan.held.units)

@@ -105,7 +105,7 @@ class Choosing:
                 REFERENCE, cases[n].model, why if evidence.of_reference[n] else "the reference fails", {}
             )
         for group in self._open(friction):
-            choices |= self._of_group(group, evidence, friction)
+            choices |= self._choices_of_group(group, evidence, friction)
         rubbing = {n: Choice(WITH_FRICTION, cases[n].model, why, {}) for n, why in friction.too_much.items()}
         return choices | rubbing
 
@@ -162,7 +162,7 @@ class Choosing:
         sums = [of + (friction.get(name) or 0.0) for name, of in errors.items()]
         return bool(sums) and max(sums) <= FOR_MODEL * self.study.goal.within
 
-    def _of_group(self, group: Sequence[int], evidence: Evidence, friction: Friction) -> dict[int, Choice]:
+    def _choices_of_group(self, group: Sequence[int], evidence: Evidence, friction: Friction) -> dict[int, Choice]:
         """Choose one model for the cases of a group, unless several cost less than a third of it."""
         costs = {REFERENCE: {n: price(reference(self.study.cases()[n])) for n in group}}
         for name, cases in self.able.items():

@@ -46,7 +46,7 @@ class Evidence:
         trial = self.known.get(trials_of(self.study, n, reference(self.study.cases()[n]))[0].id)
         return 0 if trial is None else trial.turns
 
-    def of_nodes(self, n: int, other: Recut) -> dict[str, float | None]:
+    def node_errors(self, n: int, other: Recut) -> dict[str, float | None]:
         """Return the error of the discretisation of a case for number ``n``, by feature; None where it is unknown.
 
         Of motions that repeat themselves one period is all: nothing scatters.

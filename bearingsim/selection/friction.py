@@ -81,7 +81,7 @@ class Friction:
         return long_enough(case)
 
     @cached_property
-    def _at_extremes(self) -> dict[int, dict[str, float | None]]:
+    def _changes_at_extremes(self) -> dict[int, dict[str, float | None]]:
         """The change by friction of each case that is tried with it, by feature; None where its trial failed."""
         changes: dict[int, dict[str, float | None]] = {}
         for n in self.extremes:
@@ -94,30 +94,36 @@ class Friction:
 
         None where that is unknown; nothing of a case that does not leave friction open.
         """
-        if n in self._at_extremes:
-            return self._at_extremes[n]
+        if n in self._changes_at_extremes:
+            return self._changes_at_extremes[n]
         others = {other for curve in self.curves if n in curve.cases for other in curve.cases}
-        changes = [self._at_extremes[other] for other in sorted(others) if other in self._at_extremes]
+        changes = [
+            self._changes_at_extremes[other] for other in sorted(others) if other in self._changes_at_extremes
+        ]
         names = self.evidence.of_reference[n] if changes else ()
         return {name: largest([change[name] for change in changes]) for name in names}
 
     def inferred(self, n: int) -> bool:
         """Return whether the effect of friction to a case is taken from others on its curves."""
-        return bool(self.errors(n)) and n not in self._at_extremes
+        return bool(self.errors(n)) and n not in self._changes_at_extremes
 
     @cached_property
     def too_much(self) -> dict[int, str]:
         """The cases that are computed with friction, and why: those on a curve that it changes too much."""
         reasons = dict(self.untold)
         for curve in self.curves:
-            worst = max((self._largest_at(n) for n in curve.cases if n in self._at_extremes), default=(0.0, ""))
+            worst = max(
+                (self._largest_at(n) for n in curve.cases if n in self._changes_at_extremes), default=(0.0, "")
+            )
             if worst[0] > self.limit:
                 reasons |= dict.fromkeys(curve.cases, self._why(*worst))
         return reasons
 
     def _largest_at(self, n: int) -> tuple[float, str]:
         """Return the largest known change by friction of a case, and of which feature."""
-        return max(((of, name) for name, of in self._at_extremes[n].items() if of is not None), default=(0.0, ""))
+        return max(
+            ((of, name) for name, of in self._changes_at_extremes[n].items() if of is not None), default=(0.0, "")
+        )
 
     def _why(self, off: float, name: str) -> str:
         if off == inf:

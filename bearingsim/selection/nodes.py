@@ -67,9 +67,9 @@ class Discretisation:
         if n not in self.recuts:
             return {}
         if n in self.tried:
-            return self.evidence.of_nodes(n, self.recuts[n])
+            return self.evidence.node_errors(n, self.recuts[n])
         neighbours = {other for curve in self.on_one if n in curve.cases for other in self._neighbours(n, curve)}
-        errors = [self.evidence.of_nodes(other, self.recuts[other]) for other in sorted(neighbours)]
+        errors = [self.evidence.node_errors(other, self.recuts[other]) for other in sorted(neighbours)]
         return {name: largest([each[name] for each in errors]) for name in errors[0]}
 
     def _neighbours(self, n: int, curve: Curve) -> tuple[int, int]:

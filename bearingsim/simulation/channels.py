@@ -93,8 +93,8 @@ def recorded(case: Case) -> np.ndarray:
     names = [name for channel in case.record for name in dataset_names(channel)]
     requested = np.array([p for name in names for p in cells_of(case, name)], dtype=np.int64)
     if may_repeat(case):
-        of_roller = requested[lay.lane_of(requested) >= 0]
-        rows = np.unique(of_roller - lay.lane_of(of_roller))
+        roller_cells = requested[lay.lane_of(requested) >= 0]
+        rows = np.unique(roller_cells - lay.lane_of(roller_cells))
         requested = np.concatenate([requested, np.add.outer(rows, np.arange(case.bearing.rollers)).ravel()])
     base_cells = base(case)
     return np.array(

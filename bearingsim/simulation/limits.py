@@ -207,7 +207,7 @@ def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
     """Return the largest outer force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
     model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
     load, K, C = 0.0, 0.0, 0.0
-    for _, y, K_now, C_now in at_rest_in_a_pass(model):
+    for _, y, K_now, C_now in rest_states(model):
         load = max(load, float(assemble.outer_forces(model, y).max()))
         K, C = max(K, K_now), max(C, C_now)
     return load, K, C
@@ -220,7 +220,7 @@ def faster_than_monitored(healthy: Case) -> Rates:
     model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
     if not MODELS[healthy.model].has_inertia or not degrees_of_freedom.serves(type(model)):
         return Rates(0.0, 0.0)
-    t, y = next(at_rest_in_a_pass(model))[:2]
+    t, y = next(rest_states(model))[:2]
     deep = approach(model.outer, load)
     if rates_at_rest(model, t, y, deep, SEARCH).fastest <= FASTER * Rates(*monitored).fastest:
         return Rates(0.0, 0.0)
@@ -234,14 +234,14 @@ def contacts_alone(healthy: Case) -> tuple[float, float]:
         return loads_at_rest(healthy)[1:]
     model, rates = assemble.model(healthy), []
     stiff = model._replace(bending=Stiff())
-    for _, y, _, _ in at_rest_in_a_pass(model):
+    for _, y, _, _ in rest_states(model):
         for j in range(model.bearing.Z):
             rates.append((stiffness_per_mass(stiff, y, j), damping_per_mass(stiff, y, j)))
     K, C = np.max(rates, axis=0)
     return float(K), float(C)
 
 
-def at_rest_in_a_pass(model: Any) -> Iterator[tuple[float, np.ndarray, float, float]]:
+def rest_states(model: Any) -> Iterator[tuple[float, np.ndarray, float, float]]:
     """Yield times (s) of a ball pass, with the buffer at rest, and a body's stiffness and damping over mass."""
     y, pass_time = assemble.empty_buffer(model), 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
     for n in range(PASS_SAMPLES):

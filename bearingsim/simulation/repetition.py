@@ -191,17 +191,17 @@ class Search:
         apart = np.array([np.abs(a - before[c]).max() for a, c in zip(now, self.partners[period], strict=True)])
         least = self.least_peaks * ranges[:2].max()
         largest = np.abs(self.peaks[-1] - self.peaks[-1 - period])
-        of_peaks = _over(largest, np.maximum(self.peaks[-1], least))
-        return max(at_end, _over(apart, ranges[self.compared]), of_peaks)
+        of_peaks = _largest_ratio(largest, np.maximum(self.peaks[-1], least))
+        return max(at_end, _largest_ratio(apart, ranges[self.compared]), of_peaks)
 
     def _end_difference(self, period: int, ranges: np.ndarray) -> float:
         """Return the largest difference of the states at the passes' ends, as lengths and speeds."""
         now, before = (self.ends[-1 - n].reshape(2, 6, lay.ROW) for n in (0, period))
         before = turned_state(before, self.model, -period)
         lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + self.Z)
-        of_ring = np.array([[ranges[:2].max()], [ranges[2:4].max()]])
-        of_rollers = now[:, :, lanes].max(axis=2) - now[:, :, lanes].min(axis=2)
-        return _over(np.abs(now - before).max(axis=2), np.maximum(of_ring, of_rollers))
+        ring_ranges = np.array([[ranges[:2].max()], [ranges[2:4].max()]])
+        roller_ranges = now[:, :, lanes].max(axis=2) - now[:, :, lanes].min(axis=2)
+        return _largest_ratio(np.abs(now - before).max(axis=2), np.maximum(ring_ranges, roller_ranges))
 
 
 def turned(cells: np.ndarray, Z: int, m: int) -> np.ndarray:
@@ -220,7 +220,7 @@ def turned_state(state: np.ndarray, model: Any, passes: int) -> np.ndarray:
     return moved
 
 
-def _over(differences: np.ndarray, ranges: np.ndarray) -> float:
+def _largest_ratio(differences: np.ndarray, ranges: np.ndarray) -> float:
     """Return the largest of differences over their ranges; no difference counts as 0 whatever its range."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return float(np.max(np.where(differences == 0.0, 0.0, differences / ranges), initial=0.0))
@@ -234,7 +234,7 @@ def _settled(differences: list[float], close: Closeness, keeps: float) -> bool:
     if not differences or not isfinite(differences[-1]):
         return False
     last = differences[-1]
-    if last <= close.anyhow and to_come(last, keeps) <= close.shrinking:
+    if last <= close.anyhow and remaining_sum(last, keeps) <= close.shrinking:
         return True
     if len(differences) < 3 or not isfinite(differences[-3]):
         return False
@@ -242,9 +242,9 @@ def _settled(differences: list[float], close: Closeness, keeps: float) -> bool:
     if before == 0.0 or further == 0.0:  # it does not shrink
         return False
     rho = max(last / before, before / further, keeps)
-    return rho < SLOWEST and to_come(last, rho) <= close.shrinking
+    return rho < SLOWEST and remaining_sum(last, rho) <= close.shrinking
 
 
-def to_come(difference: float, rho: float) -> float:
+def remaining_sum(difference: float, rho: float) -> float:
     """Return the sum of the differences after one, each ``rho`` times the one before; at least that one."""
     return difference * max(1.0, rho / (1.0 - rho)) if rho < 1.0 else inf

@@ -22,7 +22,7 @@ from bearingsim.core.models.equilibrium import NoEquilibrium
 from bearingsim.core.models.interface import harmonics
 from bearingsim.errors import Refused
 from bearingsim.simulation.fastest import lengths
-from bearingsim.simulation.limits import LONGEST, at_rest_in_a_pass, loaded_at_rest, loads_at_rest
+from bearingsim.simulation.limits import LONGEST, loaded_at_rest, loads_at_rest, rest_states
 from bearingsim.simulation.repetition import passes_are_alike, turned_state
 
 REMEMBERED = 5e-5
@@ -130,7 +130,7 @@ def modes(case: Case) -> tuple[complex, ...]:
 def _modes(healthy: Case) -> tuple[complex, ...]:
     load, K, _ = loads_at_rest(healthy)
     model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
-    t, y = next(at_rest_in_a_pass(model))[:2]
+    t, y = next(rest_states(model))[:2]
     matrix, cells = _linearised(model, t, y, SMALL * approach(model.outer, load), K)
     values, vectors = np.linalg.eig(matrix)
     shapes = np.abs(vectors[: len(cells)])

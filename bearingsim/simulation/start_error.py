@@ -120,10 +120,10 @@ def _decay_errors(case: Case, passes: Passes, rate: float, standard: StandardErr
     before, after, change = (np.array(changes) for changes in (earlier, later, halves))
     with np.errstate(divide="ignore", invalid="ignore"):
         r = np.fmin((after / before) ** 2, slow)
-        to_come = change * [0.5, 0.5, 1.0] * (1.0 + r * [1.0, 1.0, 0.0]) / (1.0 - r)
+        remaining = change * [0.5, 0.5, 1.0] * (1.0 + r * [1.0, 1.0, 0.0]) / (1.0 - r)
     scatter = _scatter([passes.mean(part) for part in parts], passes)
     largest = nan if isnan(standard.rms) else error_of_largest(passes.forces, case.bearing.rollers, length)
-    return StartErrors(*np.fmax.reduce([to_come, scatter, (*standard, largest)]).tolist())
+    return StartErrors(*np.fmax.reduce([remaining, scatter, (*standard, largest)]).tolist())
 
 
 def error_of_largest(forces: np.ndarray, rollers: int, quarter: int) -> float:

@@ -85,7 +85,7 @@ def _refusal(step: float, limits: Limits) -> str:
             f"a step of {1e6 * step:.3g} us is over {1e6 * SAFETY * limits.at_impact:.3g} us, {SAFETY:.0%} of the"
             f" method's limit at an impact ({1e6 * limits.at_rest:.3g} us at rest)"
         )
-    return f"a step of {1e6 * step:.3g} us passes a pit of {1e6 * limits.crossing:.3g} us in too few steps"
+    return f"a step of {1e6 * step:.3g} us passes a defect of {1e6 * limits.crossing:.3g} us in too few steps"
 
 
 def samples(case: Case) -> int:

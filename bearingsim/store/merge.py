@@ -28,7 +28,7 @@ from bearingsim.store.sealed import UNREADABLE, read_json
 from bearingsim.store.table import build_table
 from bearingsim.store.units import DamagedUnit, check_unit, computed, unit_path
 
-OF_A_RUN = {"file", "made_of", "notes"}
+RUN_ENTRIES = {"file", "made_of", "notes"}
 """Entries of a plan that may differ between runs of one study."""
 FIRST_NAMED = ("study", "model_version", "quick", "overrides", "jobs")
 """Entries of a plan in which a difference is reported first."""
@@ -109,7 +109,7 @@ def _refuse_among(folders: Sequence[Path], out: Path) -> None:
 
 def _refuse_other_plan(results: Results, other: Results) -> None:
     apart = {
-        name for name in {*results.plan, *other.plan} - OF_A_RUN if _text(results, name) != _text(other, name)
+        name for name in {*results.plan, *other.plan} - RUN_ENTRIES if _text(results, name) != _text(other, name)
     }
     for name in [*FIRST_NAMED, *sorted(apart)]:
         if name in apart:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 STEP_OF = {"rms": "rms", "max": "force"}  # by the ending of a feature: all others are lines
-OF_RECORD = ("acceleration.rms", "displacement.rms")
+RECORD_FEATURES = ("acceleration.rms", "displacement.rms")
 """They change otherwise than the RMS of the velocity: bounded by the largest change of all that is recorded."""
 START_OF = {"line": "", "rms": ".rms", "force": ".force"}
 """Endings of `error.start`, by what it is of."""
@@ -104,7 +104,7 @@ def _step_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     banded = read_band(feature)
     times = 2.0 if banded is not None and banded.line else 1.0
     of_acceleration = banded is not None and (banded.line or banded.quantity == "acceleration")
-    kind = "record" if of_acceleration or feature.partition("@")[0] in OF_RECORD else _kind(feature)
+    kind = "record" if of_acceleration or feature.partition("@")[0] in RECORD_FEATURES else _kind(feature)
     return times * _relative(frame, f"step_error.{kind}")
 
 

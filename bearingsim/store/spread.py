@@ -65,16 +65,16 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
         error = frame[f"features/{feature}-scatter"]
     elif ".rms" in feature and "features/rms_scatter" in frame:
         error = frame["features/rms_scatter"] / STANDARD_DEVIATIONS * frame[f"features/{feature}"].abs()
-    of_chaos = error.replace(np.inf, np.nan).where(_chaotic(frame), 0.0)
-    reached = of_early_end(frame, feature)
+    chaotic_jobs = error.replace(np.inf, np.nan).where(_chaotic(frame), 0.0)
+    reached = early_end_errors(frame, feature)
     return (
-        of_chaos
+        chaotic_jobs
         if reached is None
-        else of_chaos.where(reached.isna(), reached * frame[f"features/{feature}"].abs())
+        else chaotic_jobs.where(reached.isna(), reached * frame[f"features/{feature}"].abs())
     )
 
 
-def of_early_end(frame: "pd.DataFrame", feature: str) -> "pd.Series[float] | None":
+def early_end_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float] | None":
     """Return the relative standard error of lines, or of RMS values, by which records ended; None of an extreme.
 
     NaN of other jobs.
@@ -111,9 +111,9 @@ def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     if f"features/{judged}" not in frame or (is_line(plain) and f"features/{plain}-scatter" not in frame):
         return pd.Series(float("nan"), frame.index)
     relative = standard_error(frame, judged) / frame[f"features/{judged}"].abs()
-    by_blocks = frame.get(f"features/{BY_BLOCKS.get(judged, '')}")
-    if by_blocks is not None:
-        relative = by_blocks.where(by_blocks.notna(), relative)
+    block_errors = frame.get(f"features/{BY_BLOCKS.get(judged, '')}")
+    if block_errors is not None:
+        relative = block_errors.where(block_errors.notna(), relative)
     if plain != feature.removesuffix(".phase") and f"features/{plain}-healthy" in frame:  # the change may be small
         relative = relative * (frame[f"features/{judged}"] / frame[f"features/{plain}-healthy"]).abs()
     return relative
@@ -122,7 +122,7 @@ def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
 def scatters_unknown(frame: "pd.DataFrame", feature: str) -> "pd.Series[bool]":
     """Mark jobs in which a feature is a line of a chaotic motion without a standard error: no multiple of BPFO."""
     has_scatter = not is_line(feature) or f"features/{feature}-scatter" in frame
-    reached = of_early_end(frame, feature)
+    reached = early_end_errors(frame, feature)
     return _chaotic(frame) & (not has_scatter) & (True if reached is None else reached.isna())
 
 

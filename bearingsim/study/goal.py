@@ -31,7 +31,7 @@ JUDGED = (
 """Features of which an accuracy can be asked: lines, RMS, the largest force."""
 KNOWN_TO = 0.25
 """Of an accuracy, the largest standard error of a record that ends early: four of them are within it."""
-OF_NO_RECORD = "seconds"
+CPU_SECONDS = "seconds"
 """Column of figures that does not depend on the record."""
 CHOSEN, STEPPED = "which chooses it", "which needs the error bound of an automatic step"
 NOT_BESIDE = {"model": CHOSEN, "method": CHOSEN, "step": STEPPED, "tolerance": STEPPED}
@@ -60,7 +60,7 @@ def is_judged(name: str) -> bool:
 
 def in_full(drawn: Iterable[str]) -> str:
     """Return the first feature for which records are computed in full, "" if none is: all are means."""
-    return next((name for name in drawn if not is_mean(name) and name != OF_NO_RECORD), "")
+    return next((name for name in drawn if not is_mean(name) and name != CPU_SECONDS), "")
 
 
 def ended_early(case: Case, goal: Goal, figures: Iterable[Figure]) -> Case:
@@ -72,7 +72,7 @@ def ended_early(case: Case, goal: Goal, figures: Iterable[Figure]) -> Case:
     if case.record or case.until is not None or in_full(names):
         return case
     races = [defect.race for defect in case.defects] or ["outer"]
-    watched = {OF_NO_RECORD, "velocity.rms", *(f"velocity@{FAULT_LINES[race]}" for race in races)}
+    watched = {CPU_SECONDS, "velocity.rms", *(f"velocity@{FAULT_LINES[race]}" for race in races)}
     others = tuple(name for name in names if name not in watched and name not in case.features)
     early = case.model_copy(update={"until": KNOWN_TO * goal.within, "features": case.features + others})
     return early if next(until_conflicts(early), None) is None else case

@@ -177,9 +177,9 @@ class Study:
         rigid = assumes_rigid_ring(self.cases(), drawn, self.uncertainty)
         cases = self.cases()
         named = unheld(cases) if self.goal is None else ()
-        return (RIGID,) * rigid + self._of_slip() + (*named, *beyond(cases, drawn))
+        return (RIGID,) * rigid + self._slip_assumption() + (*named, *beyond(cases, drawn))
 
-    def _of_slip(self) -> tuple[str, ...]:
+    def _slip_assumption(self) -> tuple[str, ...]:
         """Return what a study that names an accuracy assumes of friction and oil, in words."""
         if self.goal is None or any(case.drag is not None for case in self.cases()):
             return ()

@@ -56,7 +56,7 @@ class Unknown:
     varied: Callable[[Case, float], Case]
     choices: tuple[str, ...] = ()
 
-    def between(self, low: float, high: float) -> float:
+    def midpoint(self, low: float, high: float) -> float:
         """Return the middle of a range: the geometric mean of positive parameters, else the arithmetic mean."""
         return sqrt(low * high) if self.positive else 0.5 * (low + high)
 
@@ -157,7 +157,7 @@ def _uncertain(what: str, node: Node, problems: list[Problem]) -> Uncertain | No
         problems.append(problem(node.mark, f"uncertainty.{what}: the values are all the same"))
         return None
     if len(ends) == 2:
-        ends.insert(1, kind.between(*ends))
+        ends.insert(1, kind.midpoint(*ends))
     return Uncertain(what, tuple(ends))
 
 

@@ -110,13 +110,13 @@ def test_the_instants_are_before_over_and_after_the_defect(loaded):
     [entries] = [
         [text.get_text() for text in ax.get_legend().get_texts()] for ax in canvas.axes if ax.get_legend()
     ]
-    assert [entry.split(",")[0] for entry in entries] == ["before", "over the pit", "largest after", "after"]
+    assert [entry.split(",")[0] for entry in entries] == ["before", "over the defect", "largest after", "after"]
     over, largest = (float(entry.split(",\n")[1].split()[0]) for entry in entries[1:3])
     assert over == pytest.approx(1e3 * middle(), abs=0.03)
     assert 0.45 < (largest - 1e3 * middle()) * OMEGA_C * R_O < 0.62
     curves = {patch.get_label().split(",")[0]: patch.get_data() for patch in canvas.axes[1].patches}
-    inside = curves["over the pit"].values == 0.0
-    assert curves["over the pit"].edges[:-1][inside].min() == pytest.approx(0.5)
+    inside = curves["over the defect"].values == 0.0
+    assert curves["over the defect"].edges[:-1][inside].min() == pytest.approx(0.5)
     assert set(curves["before"].values) == {4.0}
     assert set(curves["largest after"].values) == {9.0}
 
@@ -209,7 +209,7 @@ def test_a_roller_without_a_number_is_the_first_one(loaded):
 def test_few_samples_are_told(loaded):
     opened = loaded(text=STUDY.replace("50 kHz", "20 kHz"))
     _, canvas = only(drawn(opened, kind="load", jobs=opened.jobs[:1]))
-    assert "only 5.4 samples over the pit" in canvas.get_supxlabel().replace("\u00a0", " ")
+    assert "only 5.4 samples over the defect" in canvas.get_supxlabel().replace("\u00a0", " ")
 
 
 @pytest.mark.parametrize(
@@ -241,7 +241,7 @@ def test_instants_do_not_need_the_whole_defect_to_be_lifted():
     load[1, 3:6] = 2.0
     passage: Any = SimpleNamespace(defect=SimpleNamespace(z=(0.0, 1.0)))
     one = LoadAlong("c", np.arange(9.0), load, np.array([-1.0, 0.0, 1.0]), passage, {})
-    assert instants(one) == {"before": 0, "over the pit": 4, "largest after": 6, "after": 8}
+    assert instants(one) == {"before": 0, "over the defect": 4, "largest after": 6, "after": 8}
 
 
 def test_the_largest_load_is_that_of_forces_not_of_line_loads():

@@ -144,7 +144,7 @@ def test_defects_are_marked_in_their_place():
         own = on["roller"].angle - one.angles[1] + b.omega_b * t
         assert math.sin(own) == pytest.approx(0.0, abs=1e-9)
     ax = draw_shape(shape, []).axes[0]
-    right, up = (np.asarray(part) for part in line(ax, "pit").get_data())
+    right, up = (np.asarray(part) for part in line(ax, "defect").get_data())
     assert math.atan2(-right[10], up[10]) == pytest.approx(at, abs=0.02)
 
 
@@ -205,7 +205,7 @@ def test_a_ring_that_bends_is_drawn_from_stored_results(results):
     opened = results(text.replace("[150 N, 300 N]", "[150 N]") + "rig: {ring: {bends: true}}\n")
     _, canvas = only(drawn(opened, kind="ring"))
     assert [ax.get_title(loc="left") for ax in canvas.axes[:4]] == [
-        "(a) a roller over the pit",
+        "(a) a roller over the defect",
         "(b) ¼ of a ball pass later",
         "(c) ½ later",
         "(d) ¾ later",

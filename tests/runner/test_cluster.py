@@ -357,7 +357,7 @@ def test_who_dies_while_it_is_asked_is_left_out(monkeypatch: pytest.MonkeyPatch)
     client: Any = Scripted()
     answers: dict[str, Any] = {"there": {"numpy": "1"}, "gone": OSError("closed")}
     monkeypatch.setattr(client, "run", lambda *told, on_error: answers)
-    assert flock(client)._on_all(installation) == {"there": {"numpy": "1"}}
+    assert flock(client)._run_on_all(installation) == {"there": {"numpy": "1"}}
     answers["broken"] = ImportError("numba")
     with pytest.raises(OtherInstallation, match="worker broken cannot load bearingsim: numba"):
         flock(client).assembled()

@@ -19,7 +19,7 @@ def at_rest(**fields: Any) -> tuple[Any, np.ndarray, Rates, Rates]:
     """A model, its buffer at rest, the rates found of it, and those of its monitored bodies."""
     given = case(contact={"damping": {"law": "kraemer", "beta": "2.5 us"}}, **fields)
     model = assemble.with_friction_lag(assemble.model(given), limits.LONGEST)
-    t, y, K, C = next(limits.at_rest_in_a_pass(model))
+    t, y, K, C = next(limits.rest_states(model))
     deep = approach(model.outer, float(assemble.outer_forces(model, y).max()))
     before = y.copy()
     found = rates_at_rest(model, t, y, deep)

@@ -13,7 +13,7 @@ from bearingsim.catalogue import Feature
 from bearingsim.config import FEATURES
 from bearingsim.errors import UserError
 from bearingsim.extensions import BrokenExtension
-from bearingsim.runner.findings import without_value
+from bearingsim.runner.findings import missing_values
 from bearingsim.runner.work import _failure
 from bearingsim.simulation.features import extension_features, refuse_undeclared
 from bearingsim.study.used import extensions
@@ -114,11 +114,11 @@ def test_why_jobs_have_no_value_is_said_once_for_each_reason() -> None:
         {"method": ["verlet"] * 4, "no_value.mine": ["", "computed as inf", "computed as inf", "computed as nan"]},
         index=["a", "b", "c", "d"],
     )
-    assert list(without_value(facts)) == [
+    assert list(missing_values(facts)) == [
         "feature `mine` has no value in 2 of 4 jobs: computed as inf (for example b)",
         "feature `mine` has no value in 1 of 4 jobs: computed as nan (for example d)",
     ]
-    assert list(without_value(facts[["method"]])) == []
+    assert list(missing_values(facts[["method"]])) == []
 
 
 @pytest.mark.parametrize("function", ["NO_FUNCTION", "not_there", "mean"])

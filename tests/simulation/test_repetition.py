@@ -13,7 +13,7 @@ from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.simulation import channels, choice, repetition
-from bearingsim.simulation.repetition import OF_A_RECORD, Repetition, Search, may_repeat, to_come, turned
+from bearingsim.simulation.repetition import OF_A_RECORD, Repetition, Search, may_repeat, remaining_sum, turned
 from tests.scenes.short_cases import FORCES, RING, SLOT, case
 
 KINEMATIC = {"cage": {"motion": "kinematic"}}
@@ -236,9 +236,9 @@ def test_what_is_forgotten_by_the_end_of_a_pass_is_seen() -> None:
 
 
 def test_what_is_to_come_is_the_sum_of_a_geometric_series() -> None:
-    assert to_come(3.0, 0.9) == pytest.approx(3.0 * sum(0.9**n for n in range(1, 400)))
-    assert to_come(3.0, 0.1) == 3.0  # at least the last one
-    assert to_come(3.0, 1.0) == to_come(3.0, 1.5) == math.inf
+    assert remaining_sum(3.0, 0.9) == pytest.approx(3.0 * sum(0.9**n for n in range(1, 400)))
+    assert remaining_sum(3.0, 0.1) == 3.0  # at least the last one
+    assert remaining_sum(3.0, 1.0) == remaining_sum(3.0, 1.5) == math.inf
 
 
 @pytest.mark.parametrize("part", [0.0, 0.95])

@@ -271,7 +271,7 @@ class Alike(NamedTuple):
 ALIKE: dict[str, Alike] = {
     "ramp": Alike(lambda case: case.ramp is None, "the speed changes"),
     "unbalance": Alike(lambda case: case.unbalance is None, "an unbalance turns with the shaft"),
-    "defects": Alike(lambda case: all(d.race == "outer" for d in case.defects), "a pit turns"),
+    "defects": Alike(lambda case: all(d.race == "outer" for d in case.defects), "a defect turns"),
     "excitation": Alike(lambda case: case.excitation != "random-impulses", "impulses are random"),
     "model": Alike(lambda case: catalogue.MODELS[case.model].repeats, "the model does not say that they are"),
     "cage": Alike(lambda case: case.cage is None or case.cage.motion == "kinematic", "the cage is free"),

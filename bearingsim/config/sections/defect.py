@@ -128,7 +128,7 @@ class Defect(Section):
         return _with_scan(fields) if fields.get("shape") == "scan" else fields
 
     @model_validator(mode="after")
-    def _of_its_shape(self) -> "Defect":
+    def _check_shape(self) -> "Defect":
         for name, shape in _SHAPE_FIELDS.items():
             if getattr(self, name) is not None and self.shape != shape:
                 refuse(

@@ -142,14 +142,14 @@ def fill_length_scales(model, y):
     """Fill LENGTH_SCALE: 1 of lengths; of angles and axes their lever arm."""
     b = model.bearing
     own, shared = degrees_of_freedom(model)
-    of_shared, of_roller = shared_arms(b), roller_arms(b)
+    shared_scales, own_scales = shared_arms(b), roller_arms(b)
     for j in range(lay.STATE):
         y[LENGTH_SCALE + j] = 0.0
     for k in range(shared):
-        y[LENGTH_SCALE + lay.shared_cell(k)] = of_shared[k]
+        y[LENGTH_SCALE + lay.shared_cell(k)] = shared_scales[k]
     for i in range(own):
         for j in range(b.Z):
-            y[LENGTH_SCALE + lay.FIRST_LANE + i * lay.ROW + j] = of_roller[i]
+            y[LENGTH_SCALE + lay.FIRST_LANE + i * lay.ROW + j] = own_scales[i]
     for i in range(harmonics(model)):
         y[LENGTH_SCALE + lay.MODES_C + i] = y[LENGTH_SCALE + lay.MODES_S + i] = 1.0
 

@@ -110,9 +110,9 @@ def linearise_ring(model, K, C, y, n):
     k_xx, k_xy, k_yx, k_yy, c_xx, c_xy, c_yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(n):
         c, s = y[lay.COS + j], y[lay.SIN + j]
-        by_x, by_y = y[K + j] * c - y[C + j] * omega_c * s, y[K + j] * s + y[C + j] * omega_c * c
-        k_xx, k_xy = add(k_xx, c * by_x), add(k_xy, c * by_y)
-        k_yx, k_yy = add(k_yx, s * by_x), add(k_yy, s * by_y)
+        derivative_x, derivative_y = y[K + j] * c - y[C + j] * omega_c * s, y[K + j] * s + y[C + j] * omega_c * c
+        k_xx, k_xy = add(k_xx, c * derivative_x), add(k_xy, c * derivative_y)
+        k_yx, k_yy = add(k_yx, s * derivative_x), add(k_yy, s * derivative_y)
         c_xx, c_xy, c_yy = add(c_xx, y[C + j] * c * c), add(c_xy, y[C + j] * c * s), add(c_yy, y[C + j] * s * s)
     y[lay.corner_block(lay.POSITION_JACOBIAN, lay.X, lay.X)] = -per_mass * (k_xx + support.k_b)
     y[lay.corner_block(lay.POSITION_JACOBIAN, lay.X, lay.Y)] = -per_mass * k_xy

@@ -299,8 +299,8 @@ def _damping_per_mass(model, y, j):
     held = max(damper_per_mass(model.shaft), damper_per_mass(model.bracket))
     mounted = max(mount_damping(model.mount_o), mount_damping(model.mount_i))
     loose = per_mass + b.R_w * b.R_w / b.I_r + half * half / model.I_t  # 1/kg: slip of an end's rim per impulse
-    of_roller = max(per_mass * c, c_tilt / model.I_t, lagged(rubbing, model.lag))
-    return max(of_roller + (y[lay.KAPPA_F + j] + y[lay.KAPPA_P + j]) * loose, held, mounted)
+    roller_damping = max(per_mass * c, c_tilt / model.I_t, lagged(rubbing, model.lag))
+    return max(roller_damping + (y[lay.KAPPA_F + j] + y[lay.KAPPA_P + j]) * loose, held, mounted)
 
 
 @degrees_of_freedom.register(Spatial)

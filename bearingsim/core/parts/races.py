@@ -246,5 +246,5 @@ def race_change(side, spin, omega_ring, roll, roll_v, orbit_v, ring, ring_v, y, 
         y[lay.D_TORQUE + j] -= sigma * (f_1 * arm + f * arm_1) + defect_roller * aside
         y[lay.D_FORCE_SHARED + shared * lay.ROW + j] += push_t * s - push_r * c
         y[lay.D_FORCE_SHARED + (shared + 1) * lay.ROW + j] -= push_r * s + push_t * c
-        on_race = f_1 * on_ring + f * on_ring_1 - defect_ring * aside
-        y[lay.D_FORCE_SHARED + lay.PSI * lay.ROW + j] += on_race if sigma > 0.0 else 0.0
+        race_arm = f_1 * on_ring + f * on_ring_1 - defect_ring * aside
+        y[lay.D_FORCE_SHARED + lay.PSI * lay.ROW + j] += race_arm if sigma > 0.0 else 0.0
