@@ -33,6 +33,8 @@ NO_VERBS = frozenset({  # openings of a docstring that are no imperative
 })  # fmt: skip
 VERBS_IN_S = frozenset({"pass", "process", "compress", "express", "discuss", "address", "guess", "assess", "bias"})
 VAGUE = frozenset({"found", "told", "one", "known", "given", "here", "asked", "said", "at", "first"})
+PRIVATE = re.compile(r"(?i)(?<![a-z])(places?|leans?|twins?)(?![a-z])")
+"""Words that the field does not use for a position, a tilt or a healthy case."""
 
 
 def modules(room: str) -> list[Path]:
@@ -108,6 +110,16 @@ def vague_names(tree: ast.Module) -> Iterator[str]:
                     yield f"{node.lineno} {name}"
 
 
+def private_names(tree: ast.Module) -> Iterator[str]:
+    """List functions and constants named by a private word."""
+    for node in ast.walk(tree):
+        match node:
+            case ast.FunctionDef(name=name) | ast.ClassDef(name=name) if PRIVATE.search(name):
+                yield f"{node.lineno} {name}"
+            case ast.Assign(targets=[ast.Name(id=name)]) if name.isupper() and PRIVATE.search(name):
+                yield f"{node.lineno} {name}"
+
+
 def pits(tree: ast.Module) -> Iterator[str]:
     """List names that call a defect a pit."""
     for node in ast.walk(tree):
@@ -140,6 +152,16 @@ def test_docstrings_of_modules_classes_and_constants_begin_with_a_noun(room: str
 @pytest.mark.parametrize("room", ROOMS)
 def test_names_describe_their_content(room: str) -> None:
     assert places(room, vague_names) == []
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_functions_and_constants_have_words_of_the_field(room: str) -> None:
+    assert places(room, private_names) == []
+
+
+def test_private_names_are_recognised() -> None:
+    source = "def healthy_twin(): pass\nLONGEST_PLACE = 1\ndef replaced(): pass\n"
+    assert list(private_names(ast.parse(source))) == ["1 healthy_twin", "2 LONGEST_PLACE"]
 
 
 @pytest.mark.parametrize("room", ROOMS)

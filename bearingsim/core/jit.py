@@ -293,7 +293,7 @@ def generic(
 
 inlined = partial(jit, forceinline=True)
 """``jit`` of a function whose code the compiler is to put into its caller, however long it is: a loop over rollers
-keeps its vector lanes only if it calls nothing, and a model costs 60 numbers to hand over."""
+keeps its vector lanes only if it calls nothing, and a model costs 60 numbers to pass."""
 
 
 @partial(jit, fastmath={"reassoc", "contract"})

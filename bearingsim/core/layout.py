@@ -21,7 +21,7 @@ overlaps; ``free_rows`` lists the rows that a model may still declare. The owner
 ``all``          every model and method
 ``bent``         rest of a ring that bends; ``bent-search``: its Newton step, which overwrites the springs' forces
 ``rest``         rest of rollers and ring in the plane
-``linearise``    analytic Jacobian of ``planar``; ``differences``: Jacobian by differences
+``linearise``    analytic Jacobian of ``planar``; ``differences``: Jacobian from differences
 ``adaptive`` ... methods; the models by their names
 """
 

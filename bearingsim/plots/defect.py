@@ -109,10 +109,10 @@ def draw_defect(results: "Results", sheet: Sheet) -> Canvas:
     head = ABOVE if canvas.get_suptitle() else 0.0
     canvas.set_size_inches(canvas.get_figwidth(), bottom + max(tall + ABOVE, stack) + head)
     top = canvas.get_figheight() - head
-    _draw_map(_place(canvas, LEFT, top - ABOVE - tall, wide, tall), sheet, panels)
+    _draw_map(_axes_at(canvas, LEFT, top - ABOVE - tall, wide, tall), sheet, panels)
     for number, panel in enumerate(panels, 1):
         top -= ABOVE + panel.inches
-        ax = _place(canvas, right, top, SECTION_IN, panel.inches)
+        ax = _axes_at(canvas, right, top, SECTION_IN, panel.inches)
         _draw_section(ax, panel, sheet.defect.R, number)
         if taken is not None:
             _draw_roller_path(ax, panel, taken[1])
@@ -121,7 +121,7 @@ def draw_defect(results: "Results", sheet: Sheet) -> Canvas:
     return canvas
 
 
-def _place(canvas: Canvas, left: float, bottom: float, width: float, height: float) -> "Axes":
+def _axes_at(canvas: Canvas, left: float, bottom: float, width: float, height: float) -> "Axes":
     """Add axes at a position in inches, since the lengths are to scale."""
     wide, tall = canvas.get_size_inches()
     return canvas.add_axes((left / wide, bottom / tall, width / wide, height / tall))

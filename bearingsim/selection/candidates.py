@@ -25,14 +25,14 @@ SLICES = {
     "a quarter of the slices": 0.25,
     "a sixth of the slices": 1.0 / 6.0,
 }
-"""Of the slices that are said, how many a candidate takes; its error is of their second power."""
+"""Share of the given slices that a candidate has; the error is of second order in the slice width."""
 FEWEST_SLICES = 2
 WITH_FRICTION = "reference with friction"
-"""The name of the reference with a free cage and friction, where it takes the place of the one without."""
+"""The name of the reference with a free cage and friction, used in place of the one without."""
 FINER = 2  # how many times as many slices or harmonics the reference has, and nodes the trial of their error
 CANDIDATES = (*SLICES, AS_SAID, f"{FEW_HARMONICS} harmonics", *reversed(MODELS))
 """The names of all of them, from the highest."""
-WORTH_TRYING = 0.8  # of what the reference takes: a model that saves less is not tried
+WORTH_TRYING = 0.8  # of the reference's cost; a model that saves less is not tried
 
 
 def reference(case: Case) -> Case:

@@ -79,7 +79,7 @@ def _is_meant(path: str, text: str, value: Any) -> bool:
 def scales(feature: str, values: Sequence[float], drawn: Iterable[Curve]) -> list[float]:
     """List the sizes that errors of a feature count over: the largest value of a curve, of the lowest of several.
 
-    values: of all cases; NaN where nobody knows. A case's own value, where no curve draws it.
+    values: of all cases; NaN if unknown. A case that no curve draws keeps its own value.
     """
     sizes: dict[int, float] = {}
     for curve in drawn:

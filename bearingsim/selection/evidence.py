@@ -49,7 +49,7 @@ class Evidence:
     def node_errors(self, n: int, other: Recut) -> dict[str, float | None]:
         """Return the error of the discretisation of a case for number ``n``, by feature; None where it is unknown.
 
-        Of motions that repeat themselves one period is all: nothing scatters.
+        A periodic motion has no scatter, because one period is complete.
         """
         assert self.study.goal is not None
         own, off = self._values(n, other.case), self._values(n, other.recut, other.case)

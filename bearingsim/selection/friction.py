@@ -76,7 +76,7 @@ class Friction:
         case, plain = self.rubbing[n], self.evidence.study.cases()[n]
         if case.until is not None and long_enough(case) == case:
             return case
-        with suppress(Refused):  # which the trial tells
+        with suppress(Refused):  # the trial reports it
             case = case.model_copy(update={"settle": settled(plain).settle})
         return long_enough(case)
 

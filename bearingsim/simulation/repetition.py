@@ -239,7 +239,7 @@ def _settled(differences: list[float], close: Closeness, keeps: float) -> bool:
     if len(differences) < 3 or not isfinite(differences[-3]):
         return False
     before, further = differences[-2], differences[-3]
-    if before == 0.0 or further == 0.0:  # it does not shrink
+    if before == 0.0 or further == 0.0:  # no convergence
         return False
     rho = max(last / before, before / further, keeps)
     return rho < SLOWEST and remaining_sum(last, rho) <= close.shrinking

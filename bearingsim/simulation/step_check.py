@@ -190,7 +190,7 @@ def check_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
 def finer_orbit(coarse: Setup, raw: RawRecord) -> tuple[Setup, RawRecord]:
     """Return a finer run of a periodic motion, which starts where the other ended and so soon is periodic too."""
     fine = set_up(coarse.case, coarse.part * shorter(coarse.cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU)
-    start = by_place(coarse, raw)
+    start = rewound_state(coarse, raw)
     return fine, integrate(fine, start=start, close=CLOSE_TO_ORBIT, most=most_finer_passes(raw))
 
 
@@ -215,8 +215,8 @@ def most_finer_passes(raw: RawRecord) -> int:
     return min(MOST_FINER_PASSES[0] * computed + MOST_FINER_PASSES[1], as_much)
 
 
-def by_place(coarse: Setup, raw: RawRecord) -> np.ndarray:
-    """Return the state (2, 6, ROW) at the end of a periodic run, turned back to t = 0."""
+def rewound_state(coarse: Setup, raw: RawRecord) -> np.ndarray:
+    """Return the state (2, 6, ROW) at the end of a periodic run, rotated back to t = 0."""
     state = raw.y[lay.POSITION : lay.POSITION + 2 * lay.STATE].reshape(2, 6, lay.ROW).copy()
     return turned_state(state, coarse.model, raw.repetition.computed)
 

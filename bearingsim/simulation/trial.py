@@ -94,7 +94,8 @@ class Against:
 
 
 def passes_to_try(case: Case, loose: bool = False) -> int:
-    """Return the ball passes of a case by which its model is judged; 0 if its record holds none.
+    """Return the ball passes of a case in which its model is compared with the reference; 0 if its record holds
+    none.
 
     loose: whether the reference has a free cage, which needs turns of the cage even if the record holds fewer.
     """

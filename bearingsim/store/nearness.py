@@ -57,7 +57,7 @@ def nearness(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     """Return ``PARTS`` and their sum ``error`` by case, each the largest of what is asked.
 
     No ``error`` where the study leaves open what moves its results more than any model: whether its ring bends. No
-    ``.scatter`` and no ``error`` of a chaotic motion if a line is asked for whose scatter is not told. Where an
+    ``.scatter`` and no ``error`` of a chaotic motion if a line is asked for whose scatter is unknown. Where an
     audit failed, ``error`` is at least the difference that it found, on all of the curve.
     """
     import pandas as pd

@@ -133,7 +133,7 @@ def test_a_start_near_the_steady_motion_needs_little_extrapolation(monkeypatch: 
         return plain(slow, y)
 
     monkeypatch.setattr(SlowModes, "after_pass", counted)
-    integrate(setup, start=step_check.by_place(setup, raw), close=step_check.CLOSE_TO_ORBIT)
+    integrate(setup, start=step_check.rewound_state(setup, raw), close=step_check.CLOSE_TO_ORBIT)
     assert 0 < passes[0] <= settling.WAIT + 4 + 2
     passes[0] = 0
     integrate(setup, most=5)

@@ -149,8 +149,8 @@ def _defect_response_edge_contact(excitation, group, s, R):
 
 @jit
 def narrowed_contact_derivatives(xi):
-    """Return the derivatives of ``narrowed_contact`` by ``xi``: of f, and of the centre of the pressure (half
-    widths)."""
+    """Return the derivatives of ``narrowed_contact`` with respect to ``xi``: of f, and of the centre of the
+    pressure (half widths)."""
     if xi <= -1.0:
         return 0.0, -1.0
     root = sqrt(xi * xi + 3.0)
@@ -171,7 +171,7 @@ def softening_derivative(from_rim, wall, rho):
 
 @jit
 def one_edge_derivative(x, b, wall, rho, R):
-    """Return the derivative of ``one_edge`` by ``x`` (1/m)."""
+    """Return the derivative of ``one_edge`` with respect to ``x`` (1/m)."""
     (sharp, centre), (sharp_derivative, centre_derivative) = (
         narrowed_contact(x / b),
         narrowed_contact_derivatives(x / b),
@@ -186,7 +186,7 @@ def one_edge_derivative(x, b, wall, rho, R):
 
 @jit
 def ridge_derivative(x, beyond, b, rho, R):
-    """Return the derivative of ``ridge`` (1/m) along the path, by ``x`` and ``beyond`` together."""
+    """Return the derivative of ``ridge`` (1/m) along the path, with respect to ``x`` and ``beyond`` together."""
     before, after = exp(-one_edge(x, b, 0.0, rho, R)), exp(-one_edge(-beyond, b, 0.0, rho, R))
     before_derivative = -before * one_edge_derivative(x, b, 0.0, rho, R)
     after_derivative = after * one_edge_derivative(-beyond, b, 0.0, rho, R)

@@ -40,8 +40,8 @@ def defect_response(excitation: Any, group: np.ndarray, s: float, R: float) -> t
 
 @generic
 def defect_response_gradient(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float]:
-    """Return the derivatives of ``defect_response`` by ``s``: of the share (1/m) and of dh/ds (1/m). A jump has
-    none."""
+    """Return the derivatives of ``defect_response`` with respect to ``s``: of the share (1/m) and of dh/ds (1/m).
+    A jump has none."""
 
 
 @generic

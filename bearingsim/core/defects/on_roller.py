@@ -108,7 +108,7 @@ def roller_drop_rate(stiffness, defects, d, s, speed, delta):
 
 @jit
 def derivatives_over_defect(contact, defects, d, s, speed, delta, v):
-    """Return the derivatives of ``force_over_defect`` by the approach (N/m) and its rate (N s/m)."""
+    """Return the derivatives of ``force_over_defect`` with respect to the approach (N/m) and its rate (N s/m)."""
     K, C = 0.0, 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
@@ -134,7 +134,7 @@ def stiffness_over_defect(stiffness, defects, d, s, delta):
 
 @jit
 def roller_drop_rate_derivative(stiffness, defects, d, s, speed, delta):
-    """Return the derivative of ``roller_drop_rate`` by the approach (1/s)."""
+    """Return the derivative of ``roller_drop_rate`` with respect to the approach (1/s)."""
     force, moment, stiff, stiff_moment = 0.0, 0.0, 0.0, 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]

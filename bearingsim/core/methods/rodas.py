@@ -1,6 +1,6 @@
 """Rodas4P, a Rosenbrock method of fourth order: L-stable, stiffly accurate, six stages, nothing to iterate on.
 
-With y = (q, v), F = (v, f), its derivative J and that by time F_t,
+With y = (q, v), F = (v, f), its Jacobian J and its time derivative F_t,
 
     (1/(h gamma) - J) u_i = F(t + c_i h, y + sum_k a_ik u_k) + sum_k (e_ik/h) u_k + d_i h F_t,   i = 1..6
     y1 = y + sum_k a_6k u_k + u_6,   error u_6

@@ -47,7 +47,7 @@ from bearingsim.core.rows import declare
 FROM, WAY, FORCE = declare(
     lay.JACOBIAN_WORK + 62 * lay.ROW, "m, m, N", "bent bent-search", "start", size=3 * lay.ROW, step=3 * lay.ROW
 )
-# derivative of a contact's approach by each unknown, over PULL_C and PULL_S, which FORCE has taken up
+# derivative of a contact's approach with respect to each unknown, over PULL_C and PULL_S, which FORCE has taken up
 (PHI,) = declare(lay.PULL_C, "1", "bent-search", "start", size=2 * lay.ROW, step=0)
 # row by row; implicit methods have no bent ring
 (MATRIX,) = declare(lay.POSITION_JACOBIAN, "N/m", "bent bent-search", "start", size=lay.ARROW_SIZE, step=0)

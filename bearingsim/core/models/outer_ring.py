@@ -103,8 +103,8 @@ def accelerate_outer_ring(model, y):
 def linearise_ring(model, K, C, y, n):
     """Fill the border's blocks: derivatives of the ring's acceleration by its own position and velocity.
 
-    K, C: rows of how Q_o grows with the outer contact's approach and its rate as the ring sees them, that is with
-    delta = -u.e_r and v = -(u' - omega_c x u).e_r and a roller that stays where it is (N/m, N s/m).
+    K, C: rows of the derivatives of Q_o with respect to the outer contact's approach and its rate, seen from the
+    ring, that is with delta = -u.e_r and v = -(u' - omega_c x u).e_r and a fixed roller (N/m, N s/m).
     """
     support, per_mass, omega_c = model.support, 1.0 / model.bearing.m_o, model.bearing.omega_c
     k_xx, k_xy, k_yx, k_yy, c_xx, c_xy, c_yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

@@ -249,7 +249,7 @@ def derivatives_over_defect_in_series(model, y, j):
         speed = 0.5 * passing_speed(defects, e, bearing)
         K, C = derivatives_over_defect(model.inner, defects, e, along, speed, inner, half)
         return (1.0 - part) * K, 0.5 * C
-    falling = 0.0  # derivative of the closing rate by the inner approach
+    falling = 0.0  # derivative of the closing rate with respect to the inner approach
     if e >= 0:
         speed, stiffness = passing_speed(defects, e, bearing), model.inner.stiffness
         half -= 0.5 * roller_drop_rate(stiffness, defects, e, along, speed, inner)

@@ -19,8 +19,8 @@ from bearingsim.core.parts.cage import (
 )
 
 # rows of a roller in its pocket: position and velocity from the cage's centre along the pocket's directions; wall
-# on which it lies; tangent stiffness and damping of the wall and of the stop; mu, its derivative by slip times the
-# force; force on the roller along the pocket's directions
+# on which it lies; tangent stiffness and damping of the wall and of the stop; mu, its derivative with respect to
+# slip times the force; force on the roller along the pocket's directions
 (
     OFFSET_R,
     OFFSET_T,
@@ -42,12 +42,12 @@ from bearingsim.core.parts.cage import (
 
 @generic
 def orbit_drag_derivative(drag: Any, speed: float) -> float:
-    """Return the derivative of ``orbit_drag`` by the speed (N s/m)."""
+    """Return the derivative of ``orbit_drag`` with respect to the speed (N s/m)."""
 
 
 @generic
 def land_drag_derivative(drag: Any) -> float:
-    """Return the derivative of ``land_drag`` by the cage's speed (N m s)."""
+    """Return the derivative of ``land_drag`` with respect to the cage's speed (N m s)."""
 
 
 @orbit_drag_derivative.register(NoDrag)
@@ -72,7 +72,7 @@ def _land_drag_derivative_oil(drag):
 
 @generic
 def radial_stop_derivatives(guide: Any, out: float, speed: float) -> tuple[float, float]:
-    """Return the derivatives of ``radial_stop`` by the displacement (N/m) and its rate (N s/m)."""
+    """Return the derivatives of ``radial_stop`` with respect to the displacement (N/m) and its rate (N s/m)."""
 
 
 @radial_stop_derivatives.register(Centred)

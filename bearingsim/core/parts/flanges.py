@@ -176,8 +176,8 @@ def roller_in_ring(side, bearing, ring, y, j):
 
 @jit
 def approach_gradient(view, sigma, q, t):
-    """Return the gradient (1) of the approach by the roller's centre, and its axis' rate relative to the ring
-    (1/s).
+    """Return the gradient (1) of the approach with respect to the roller's centre, and its axis' rate relative to
+    the ring (1/s).
 
     q, t: where the point is from the roller's centre, along n and tau (m).
     """

@@ -36,8 +36,8 @@ from bearingsim.core.laws.damping.interface import derivatives, normal_force
 from bearingsim.core.laws.friction.interface import mu, mu_derivative
 
 # rows of a contact, relative to OUTER_CONTACT or INNER_CONTACT: rate of rho; derivatives of the force (LOAD), of
-# the tangential force over a defect and of the mean approach by approach (D), its rate (V), position (S) and ds/dt
-# (Z); radius of the surface that carries the defect: of any, of the ring, of the roller
+# the tangential force over a defect and of the mean approach with respect to approach (D), its rate (V), position
+# (S) and ds/dt (Z); radius of the surface that carries the defect: of any, of the ring, of the roller
 jacobian_rows = partial(
     lay.rows, owners="linearise", lifetime="linearise", bases=(lay.OUTER_CONTACT, lay.INNER_CONTACT)
 )
@@ -56,8 +56,8 @@ jacobian_rows = partial(
     DEFECT_RADIUS_RING,
     DEFECT_RADIUS_ROLLER,
 ) = jacobian_rows(0, "m/s, N/m, N s/m, N/m, N/m, N s/m, N/m, N s/m, 1, 1, m, m, m")
-# tilt of the normal: tangent, cosine, sine; 1/force; arms on roller and ring; mu, its derivatives by slip and by
-# rolling speed times the force; force on the roller along and across n
+# tilt of the normal: tangent, cosine, sine; 1/force; arms on roller and ring; mu, its derivatives with respect to
+# slip and rolling speed times the force; force on the roller along and across n
 NORMAL_SLOPE, NORMAL_COS, NORMAL_SIN, INVERSE_LOAD, ROLLER_ARM, RING_ARM, MU, MU_V, MU_U, FORCE_N, FORCE_TAU = (
     jacobian_rows(13 * lay.ROW, "1, 1, 1, 1/N, m, m, 1, N s/m, N s/m, N, N")
 )

@@ -14,7 +14,7 @@ class General(NamedTuple):
     """Damping of the multibody codes: Q = Q_e + c sgn(v) |v|^m2 delta^m3. c in N (s/m)^m2 / m^m3.
 
     m2, m3: exponents, each a ``Power0``, ``Power1``, ``Power2`` or ``Power``; see ``general``. The first three are
-    empty tuples, so equal to one another: laws are told apart by their types, not by ``==``.
+    empty tuples, so equal to one another. Laws are distinguished by their types, not by ``==``.
     """
 
     stiffness: Any

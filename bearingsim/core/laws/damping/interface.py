@@ -34,12 +34,12 @@ def derivatives(contact: Any, delta: float, v: float) -> tuple[float, float]:
 
 @generic
 def stiffness_bound(contact: Any, delta: float, v: float) -> float:
-    """Bound the derivative of the force by the approach (N/m), at ``delta`` >= 0 and ``v``."""
+    """Bound the derivative of the force with respect to the approach (N/m), at ``delta`` >= 0 and ``v``."""
 
 
 @generic
 def damping_bound(contact: Any, delta: float, v: float) -> float:
-    """Bound the derivative of the force by the closing rate (N s/m), at ``delta`` >= 0 and ``v``."""
+    """Bound the derivative of the force with respect to the closing rate (N s/m), at ``delta`` >= 0 and ``v``."""
 
 
 @jit
