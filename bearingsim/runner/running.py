@@ -174,14 +174,16 @@ def _compute(setting: _Setting, plan: Plan, tally: Tally, notes: list[str]) -> N
     _follow(works, outcomes(works, workers), tally, wanted.progress)
 
 
-def with_models(study: "Study", out: str | Path | None, jobs: int | None, try_them: bool) -> "Study":
+def with_models(
+    study: "Study", out: str | Path | None, jobs: int | None, try_them: bool, engine: Engine = BEARINGSIM
+) -> "Study":
     """Return the study with the models chosen in its results folder; unchanged if any case has no choice.
 
     try_them: make the choice, and store it there.
     """
     root = store.results_folder(study.name, study.quick, out)
     with _prepared(root, study, Options()) if try_them else nullcontext(), suppress(NoChoices):
-        return selected(study, root, _workers(jobs), BEARINGSIM, alone=try_them)
+        return selected(study, root, _workers(jobs), engine, alone=try_them)
     return study
 
 

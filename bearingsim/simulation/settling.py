@@ -169,6 +169,9 @@ def _radial(model: Any) -> np.ndarray:
     return np.r_[lay.X, lay.Y, lay.X_I, lay.Y_I, lanes, lay.MODES_C + bent, lay.MODES_S + bent]
 
 
+ROUNDING = 1e-11
+"""Change from pass to pass, relative to the first or to the distance from rest, below which it is rounding: the
+motion is steady, and no mode can be fitted to it. Measured: 1e-12 of the distance (heavy rings, 140 to 180 N)."""
 LEFT = 0.02
 """Largest residual of the modes, relative to the last change. Above it the motion is not linear yet, and an
 extrapolation might lead to another steady motion than the one reached from rest."""
@@ -219,6 +222,7 @@ class SlowModes:
         changes = self.weights[:, np.newaxis] * np.diff(states, axis=1)
         self.last = float(np.linalg.norm(changes[:, -1]))
         self.first = self.first or self.last
+        self.steady = self.steady or self.last <= ROUNDING * self.first
         if self.reached:
             return False
         shares, *_ = np.linalg.lstsq(changes[:, :-1], -changes[:, -1], rcond=1e-10)

@@ -18,6 +18,7 @@ import pytest
 
 from bearingsim import selection, store
 from bearingsim.runner import RunSummary, run, with_models
+from bearingsim.runner.work import Engine
 from bearingsim.store.table import job_frame
 from bearingsim.study import Study, load_study
 
@@ -42,12 +43,15 @@ figures:
   - {y: [velocity.rms, velocity@BPFI-healthy], x: defect.width, by: [clearance, defect.race]}
 """
 """A motion with a defect in the outer race repeats itself; with one in the inner race two models are taken."""
+ENGINE = Engine(compiling="tests.scenes.trials:compiling")
+"""The engine, whose compiling costs nothing: for eight short cases no model would be worth it."""
 TIMES = ["info/cpu_s", "info/integrator_cpu_s", "unit", "stamp"]
 
 DIES = """\
 import os, signal, sys
 from bearingsim import simulation
 from bearingsim.runner import run
+from bearingsim.runner.work import Engine
 from bearingsim.study import load_study
 
 study, out, what, left = sys.argv[1], sys.argv[2], sys.argv[3], [int(sys.argv[4])]
@@ -60,7 +64,8 @@ def dying(*of):
     return plain(*of)
 
 setattr(simulation, what, dying)
-run(load_study(study), out, jobs=1, progress=False)
+free = Engine(compiling="tests.scenes.trials:compiling")
+run(load_study(study), out, jobs=1, progress=False, engine=free)
 """
 
 
@@ -71,7 +76,7 @@ def study(folder: Path) -> Study:
 
 
 def compute(folder: Path, out: Path, **options: Any) -> RunSummary:
-    given: dict[str, Any] = {"jobs": 1, "progress": False}
+    given: dict[str, Any] = {"jobs": 1, "progress": False, "engine": ENGINE}
     return run(study(folder), out, **given | options)
 
 
@@ -120,7 +125,7 @@ def test_two_workers_come_to_the_same(whole: Path, tmp_path: Path) -> None:
 
 def test_pilots_and_shards_come_to_the_same(whole: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    with_models(study(tmp_path), out, 1, try_them=True)
+    with_models(study(tmp_path), out, 1, try_them=True, engine=ENGINE)
     assert (out / "choices.json").read_bytes() == (whole / "choices.json").read_bytes()
     for number in (3, 1, 2):
         compute(tmp_path, out, shard=(number, 3))
@@ -152,8 +157,9 @@ def test_two_workers_that_are_killed_come_to_the_same(whole: Path, tmp_path: Pat
     """The process that leads them is killed as trials appear, and again as units do."""
     out = tmp_path / "out"
     path = study(tmp_path).path
-    code = "from bearingsim.runner import run; from bearingsim.study import load_study; import sys\n"
-    code += "run(load_study(sys.argv[1]), sys.argv[2], jobs=2, progress=False)"
+    code = "from bearingsim.runner import run; from bearingsim.study import load_study; import sys"
+    code += "; from bearingsim.runner.work import Engine\n"
+    code += f"run(load_study(sys.argv[1]), sys.argv[2], jobs=2, progress=False, engine={ENGINE!r})"
     moments: list[Callable[[], bool]] = [
         lambda: len(selection.read_trials(out)) > 3,
         lambda: (out / "plan.json").exists(),
