@@ -4,8 +4,8 @@
 kind       construction                                                rows            a larger n
 =========  ==========================================================  ==============  ===========================
 lhs        Latin hypercube (McKay, Beckman, Conover 1979)              n               other points
-sobol      scrambled Sobol' sequence (Owen 1998; Joe, Kuo 2008)        n               keeps the points, adds more
-saltelli   two such samples and their mixtures, for Sobol' indices     n (d + 2)       keeps the points, adds more
+sobol      scrambled Sobol' sequence (Matousek 1998; Joe, Kuo 2008)    n               keeps the points, adds more
+saltelli   two such samples A and B, and A with one column of B        n (d + 2)       keeps the points, adds more
 morris     trajectories that move one parameter at a time              n (d + 1)       keeps the points, adds more
 =========  ==========================================================  ==============  ===========================
 """

@@ -48,8 +48,8 @@ def declare(
 ) -> tuple[int, ...]:
     """Declare rows and return their offsets, ``step`` cells apart.
 
-    units: one for each row, separated by commas; all of them ``count`` times.
-    owners: separated by blanks; ``all`` stands for everybody.
+    units: one for each row, separated by ", "; all of them ``count`` times.
+    owners: separated by blanks; ``all`` stands for every owner.
     size: cells of a row.
     bases: first cells of a relative row; (0,) declares absolute ones.
 

@@ -77,7 +77,8 @@ def _fail(error: Exception) -> NoReturn:
 def refuse_strangers(address: str, seconds: float) -> None:
     """Exchange greetings as distributed does, with limits of time and size.
 
-    Raises NotDask if another program listens there, OSError if none does, ValueError for an invalid address.
+    Raises NotDask if a program other than dask listens there, OSError if none does, ValueError for an invalid
+    address, and for tls:// without certificates in dask's configuration.
     """
     scheme, host_and_port = parse_address(address)
     if scheme not in ("tcp", "tls"):
@@ -131,9 +132,9 @@ class _Client(Client):
 
 @contextmanager
 def client_of(address: str) -> Iterator[Client]:
-    """Connect a client to the scheduler at ``tcp://HOST:PORT``.
+    """Connect a client to the scheduler at ``tcp://HOST:PORT`` or ``tls://HOST:PORT``.
 
-    Raises SchedulerGone if none answers within JOINING_S.
+    Raises SchedulerGone if none answers within JOINING_S, or another program does, or the address is invalid.
     """
     with _silence():
         client = _joined(address)
@@ -145,7 +146,7 @@ def client_of(address: str) -> Iterator[Client]:
 
 
 def _joined(address: str) -> Client:
-    raise_lost()  # lost while distributed was imported, perhaps: this wait is the first long one
+    raise_lost()  # a signal may have been lost while distributed was imported
     end = time.monotonic() + JOINING_S
     try:
         answer_in_time(JOINING_S, partial(refuse_strangers, address, GREETING_S))
@@ -153,6 +154,8 @@ def _joined(address: str) -> Client:
     except NotDask as error:
         advice = "use the tcp:// or tls:// address that `dask scheduler` prints, not its dashboard (port 8787)"
         raise SchedulerGone(f"what listens at {address} is not a dask scheduler ({error}): {advice}") from None
+    except ValueError as error:
+        raise SchedulerGone(f"`{address}` cannot be used: {error}") from None
     except Exception as error:  # distributed raises many types for a peer that dies or is a worker
         advice = "`dask scheduler` starts one and prints its address"
         raise SchedulerGone(f"no scheduler responds at {address} ({error}): {advice}") from None

@@ -78,12 +78,12 @@ class Evidence:
 
 
 def _relative(error: float, size: float) -> float:
-    """Return an error over the size that it counts over; infinite if that is unknown."""
+    """Return error / size, the error itself for a size of zero; infinite if either is unknown."""
     share = error / (size or 1.0)
     return share if np.isfinite(share) else inf
 
 
 def largest(errors: Sequence[float | None]) -> float | None:
-    """Return the largest of some errors; None if one of them is unknown."""
-    numbers = [of for of in errors if of is not None]
+    """Return the largest of one or more errors; None if one of them is unknown."""
+    numbers = [error for error in errors if error is not None]
     return max(numbers) if len(numbers) == len(errors) else None

@@ -15,7 +15,7 @@ from bearingsim.text.units import UnitError, common_dimension, display, parse, s
 from bearingsim.text.yamlfile import Node, Problem, plain, problem
 
 MAX_VALUES = 100_000
-"""Limit of the values of one axis."""
+"""Limit of the values that a range or `repeat` makes; lists are limited by their file."""
 Interpolation = Callable[[float, float, float], float]
 """Function (a, b, t) of a value between a and b at the fraction t."""
 
@@ -30,7 +30,7 @@ class Axis:
 
     @property
     def zipped(self) -> bool:
-        """True for the axis of a `zip:` block."""
+        """True for an axis of several paths."""
         return len(self.paths) > 1
 
 
@@ -191,7 +191,7 @@ def _interpolated(
     b, _ = number_in(stop, unit)
     n = _count(count)
     if interpolate is _geometric and not (a > 0.0 and b > 0.0):
-        raise Wrong(start, "logspace needs values above zero")
+        raise Wrong(stop if a > 0.0 else start, "logspace needs values above zero")
     middle = [written(interpolate(a, b, i / (n - 1)), unit, start) for i in range(1, n - 1)]
     return (start, *middle, stop)
 
@@ -220,8 +220,10 @@ def _range(start: Node, stop: Node, step: Node) -> tuple[Node, ...]:
     b, _ = number_in(stop, unit)
     h, _ = number_in(step, unit)
     steps = (b - a) / h if h else math.nan
-    if not 0.0 <= steps < MAX_VALUES:
+    if not steps >= 0.0:
         raise Wrong(step, f"a step of `{step.text}` does not lead from `{start.text}` to `{stop.text}`")
+    if steps >= MAX_VALUES:
+        raise Wrong(step, f"a step of `{step.text}` makes more than {MAX_VALUES} values: use a larger one")
     count = math.floor(steps + 1e-9)
     return (start, *(written(a + i * h, unit, start) for i in range(1, count + 1)))
 

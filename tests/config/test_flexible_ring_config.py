@@ -259,6 +259,7 @@ LINES: list[tuple[str, str, str]] = [
     (_loaded("by: pads, angles: 45 deg"), "45 deg", "rig.load.angles: expected a list such as `[a, b]`"),
     (_loaded("by: pads, angles: [0 deg, 360 deg]"), "[0 deg", "rig.load.angles: two pads stand at the same angle (give each angle once)"),
     (_loaded("by: pads, angles: [-45 deg, 46 deg]"), "[-45", "rig.load.angles: equal forces at these angles do not add up to a load along the load line (take angles on both sides of it, such as `[-45 deg, 45 deg]`)"),
+    (_loaded("by: pads, angles: [-85 deg, 85 deg]"), "[-85", "rig.load.angles: pads at these angles carry almost none of the load: their forces act across it (use angles nearer to the load line, such as `[-45 deg, 45 deg]`)"),
     (_loaded("by: pads, angles: [-135 deg, 135 deg]"), "[-135", "rig.load.angles: equal forces at these angles do not add up to a load along the load line (take angles on both sides of it, such as `[-45 deg, 45 deg]`)"),
     (_loaded("by: points, at: []"), "points", "rig.load.by: `by: points` needs `at` (use `at: [{angle: 0 deg, stiffness: 1e8 N/m}]`)"),
     (_loaded("by: points, at: [45 deg]"), "45 deg", "rig.load.at: expected a mapping such as `{angle: 0 deg, stiffness: 1e8 N/m}`, got `45 deg`"),

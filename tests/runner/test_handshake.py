@@ -67,6 +67,12 @@ def test_what_is_no_scheduler_is_told(peer: peers.Peer, told: str) -> None:
     assert "`dask scheduler`" in str(refused.value)
 
 
+@pytest.mark.parametrize("address", ["http://127.0.0.1:8786", "tcp://127.0.0.1:port"])
+def test_an_invalid_address_is_refused(address: str) -> None:
+    with pytest.raises(SchedulerGone, match=f"`{address}` cannot be used"), client_of(address):
+        pass
+
+
 @pytest.mark.usefixtures("soon")
 def test_a_greeting_and_nothing_more_is_told() -> None:
     greeting = b"\x20" + bytes(7) + handshake.WORD.ljust(32)

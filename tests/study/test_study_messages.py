@@ -60,6 +60,8 @@ def pointed(problem: Problem) -> str:
         ("sweep: {load: {linspace: [1 N, 2 mm, 3]}}", "2 mm", "sweep.load: expected the unit `N` as in the first value, got `2 mm`"),
         ("sweep: {load: {linspace: [1 mm, 2 mm, 3]}}", "1 mm", None),
         ("sweep: {load: {linspace: [1 N, 2 N, 1]}}", "1]", "sweep.load: expected the number of values, from 2 to 100000, got `1`"),
+        ("sweep: {load: {logspace: [1 N, 0 N, 3]}}", "0 N", "sweep.load: logspace needs values above zero"),
+        ("sweep: {load: {range: [0 N, 200 N, 0.001 N]}}", "0.001 N", "sweep.load: a step of `0.001 N` makes more than 100000 values: use a larger one"),
         ("sweep: {load: {logspace: [0 N, 2 N, 3]}}", "0 N", "sweep.load: logspace needs values above zero"),
         ("sweep: {load: {range: [1 N, 2 N, 0 N]}}", "0 N", "sweep.load: a step of `0 N` does not lead from `1 N` to `2 N`"),
         ("sweep: {zip: {load: [1 N, 2 N], settle: [1 ms]}}", "load", "zip: lists of unequal length (`load` has 2, `settle` has 1)"),

@@ -91,7 +91,10 @@ def _pads(angles: tuple[float, ...]) -> Iterator[Conflict]:
     along, across = sum(map(math.cos, angles)), sum(map(math.sin, angles))
     if _twice(angles):
         yield Conflict("pads", paths, "two pads stand at the same angle", "give each angle once")
-    elif along <= LEAST_SHARE * len(angles) or abs(across) > BALANCED * along:
+    elif 0.0 < along <= LEAST_SHARE * len(angles):
+        message = "pads at these angles carry almost none of the load: their forces act across it"
+        yield Conflict("pads", paths, message, "use angles nearer to the load line, such as `[-45 deg, 45 deg]`")
+    elif along <= 0.0 or abs(across) > BALANCED * along:
         message = "equal forces at these angles do not add up to a load along the load line"
         yield Conflict("pads", paths, message, "take angles on both sides of it, such as `[-45 deg, 45 deg]`")
 
