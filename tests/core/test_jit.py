@@ -329,9 +329,9 @@ def test_only_types_declared_absent_fall_back_and_only_where_nothing_has_a_value
 
 UNCOMPILED = """
 from bearingsim.core.laws.friction.curves import Frictionless
-from bearingsim.core.laws.friction.interface import mu, mu_slope
+from bearingsim.core.laws.friction.interface import mu, mu_derivative
 from bearingsim.core.methods.verlet import Verlet
-assert mu(Frictionless(), 0.1, 1.0) == 0.0 and mu_slope(Frictionless(), 0.1, 1.0) == (0.0, 0.0)
+assert mu(Frictionless(), 0.1, 1.0) == 0.0 and mu_derivative(Frictionless(), 0.1, 1.0) == (0.0, 0.0)
 try:
     mu(Verlet(1.0), 0.1, 1.0)
 except TypeError as error:

@@ -148,7 +148,7 @@ def test_without_any_place_nothing_is_kept(shared: Path) -> None:
     shared.chmod(0o777)
     done = add_in(shared, TMPDIR=str(shared))
     assert done.stdout.strip() == "None"
-    assert done.stderr.startswith("bearingsim: compiled code is not kept")
+    assert done.stderr.startswith("bearingsim: compiled code is not cached")
     assert list(shared.iterdir()) == []
 
 

@@ -10,8 +10,7 @@ import pytest
 
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import Monitor, advance_and_sample
-from bearingsim.simulation import choice, time_grid
-from bearingsim.simulation.choice import STEP_PARTS
+from bearingsim.simulation import choice, refinement, time_grid
 from bearingsim.simulation.simulate import SimulationError, simulate
 from tests.scenes.short_cases import RATE, SLOT, case
 
@@ -44,13 +43,17 @@ def test_a_run_forced_over_the_limit_is_stopped_live(model: str, defects: tuple,
 
 
 @pytest.mark.parametrize("factor", [2.0, 4.0])
-def test_an_automatic_step_that_proves_too_long_is_halved_until_it_is_not(factor: float) -> None:
-    """The estimate of the impacts forced to be wrong: the run begins again, and its line is 9.30 um/s as ever."""
+def test_an_automatic_step_that_is_too_long_is_refined(factor: float) -> None:
+    """The estimate of the impacts is forced to be wrong; the line stays at 9.30 um/s."""
     given = case(model="rollers", method="verlet", defect=SLOT, sampling=1000.0)
-    forced = factor * choice.limits(given).at_impact
-    with mock.patch.object(time_grid, "requested_step", return_value=forced):
+    limit = choice.limits(given).at_impact
+    with (
+        mock.patch.object(time_grid, "requested_step", return_value=factor * limit),
+        mock.patch.object(refinement, "requested_step", return_value=factor * limit),
+    ):
         found = simulate(given)
-    assert found.info["step_s"] in [pytest.approx(forced * part, rel=0.05) for part in STEP_PARTS[1:]]
+    stable = time_grid.SAFETY * limit
+    assert found.info["step_s"] in [pytest.approx(stable / 5.0 ** (k / 2.0), rel=0.05) for k in (1, 2, 3)]
     assert 1e6 * found.features["velocity@BPFO"] == pytest.approx(9.30, abs=0.05)
 
 

@@ -163,7 +163,7 @@ def test_friction_keeps_the_vector_lanes(law):
 
 @named
 @given(v=slips, u=speeds)
-def test_mu_slope_is_that_of_the_coefficient(law, v, u):
+def test_mu_derivative_is_that_of_the_coefficient(law, v, u):
     """Away from a curve's joints, where its curvature jumps."""
     ends = [1e-3 * u, 40.0 / getattr(law, "c", 1.0) * u]
     joints = [law.v_s, law.v_d] if isinstance(law, StaticDynamic) else ends
