@@ -5,18 +5,18 @@ roller over the profile p(t) of the defect,
 
     h(s) = min over t of [ p(t) + (t - s)^2 / (2 R) ],
 
-s being the distance along rolling from the defect's middle, and 1/R the curvature of roller and race relative to
-each other: R = R_w R_o / (R_o - R_w) on the outer race, R_w R_i / (R_i + R_w) on the inner. For these three shapes
-the minimum has one closed form. With x = max(b - |s|, 0), the distance from the rim, split at x_e into
-x_1 = min(x, x_e) and x_2 = x - x_1,
+where s is the distance along rolling from the defect's middle and R the relative radius of roller and race:
+R = R_w R_o / (R_o - R_w) on the outer race, R_w R_i / (R_i + R_w) on the inner. For these three shapes the minimum
+has one closed form. With x = max(b - |s|, 0), the distance from the rim, split at x_e into x_1 = min(x, x_e) and
+x_2 = x - x_1,
 
     h = min(d, x_1^2 / (2 R) + x_1 x_2 / R - kappa x_2^2 / 2)
 
-that is: first the roller hangs on the rim, then (beyond x_e) it touches the wall, whose curvature relative to
-the roller's gives kappa, and at depth d it touches the floor.
+The roller first rests on the rim, beyond x_e it touches the wall (kappa follows from the wall's curvature relative
+to the roller's), and at depth d it touches the floor.
 
-Along the roller the defect is cut into groups of weight w (their sum is 1), each with its own b, x_e, kappa and d:
-one group for the untouched length, one for a box or a V (exact), Gauss nodes for a bowl.
+Along the roller the defect is divided into groups of weight w (the weights sum to 1), each with its own b, x_e,
+kappa and d: one group for the undamaged length, one for a box or a V (exact), Gauss nodes for a bowl.
 """
 
 from collections.abc import Sequence
@@ -63,14 +63,16 @@ def box(width: float, depth: float) -> tuple[float, float, float, float]:
 
 
 def groove(width: float, depth: float, R: float) -> tuple[float, float, float, float]:
-    """Return the same for a V: the wall of slope 2d/w begins where the rim's slope x/R reaches it."""
+    """Return b, x_e, kappa, depth of a V groove: its wall of slope 2d/w begins where the rim path's slope x/R
+    equals it."""
     return width / 2.0, R * 2.0 * depth / width, 0.0, depth
 
 
 def bowl(width: float, depth: float, R: float, zeta: float) -> tuple[float, float, float, float]:
-    """Return the same for a parabolic bowl at zeta = 2 z/L from its middle: a smaller bowl of the same curvature.
+    """Return b, x_e, kappa, depth of a parabolic bowl's section at zeta = 2 z/L from its middle.
 
-    Flatter than the roller (its radius w^2/(8 d) above R) it is met along its wall, else on its rims only.
+    The section is a smaller bowl of the same curvature. If it is flatter than the roller (radius w^2/(8 d) above
+    R), the roller touches its wall, otherwise only its rims.
     """
     rest = 1.0 - zeta * zeta
     b = width / 2.0 * sqrt(rest)
@@ -107,7 +109,8 @@ def _section_circular(defect, R, zeta):
 def groups_of(defect: Any, L_w: float, R: float, nodes: int, offset: float = 0.0) -> list:
     """Return the groups (w, b, x_e, kappa, depth) of a defect; lengths in m, ``nodes`` on a bowl's half length.
 
-    offset: of the defect's middle along the roller (m). What lies beyond the contact (``L_w``) is not felt.
+    offset: position of the defect's middle along the roller (m). Parts beyond the contact length ``L_w`` are
+    ignored.
     """
     low, high = max(-defect.length / 2.0, -L_w / 2.0 - offset), min(defect.length / 2.0, L_w / 2.0 - offset)
     share = min(1.0, max(high - low, 0.0) / L_w)
@@ -121,8 +124,7 @@ def groups_of(defect: Any, L_w: float, R: float, nodes: int, offset: float = 0.0
 
 
 def _halves(low: float, high: float, L_w: float) -> list[tuple[float, float, float]]:
-    """Return the extent (m, from the middle) in which either half of a defect acts, and its share of the
-    contact."""
+    """Return the extent (m, from the middle) in which each half of a defect acts, and its share of the contact."""
     if low >= 0.0 or high <= 0.0:
         a, b = sorted((abs(low), abs(high)))
         return [(a, b, (b - a) / L_w)]
@@ -142,7 +144,7 @@ def _bowls(half: tuple[float, float, float], defect: Any, R: float, nodes: int) 
 
 
 def groups_of_slices(defect: Any, R: float, zetas: Sequence[float] | np.ndarray, offset: float = 0.0) -> list:
-    """Return a group of weight 1 for each slice of a roller whose middle is at zeta (m), the defect's at
+    """Return a group of weight 1 for each slice of a roller, with slice middles at ``zetas`` and the defect's at
     ``offset`` (m)."""
     positions = [2.0 * (zeta - offset) / defect.length for zeta in zetas]
     return [

@@ -1,6 +1,5 @@
-"""The rollers that cross defects, counted as a run sees them, and as many as the angles say.
-
-A run that has seen fewer has stepped over one.
+"""Defect crossings, counted during a run and computed from the angles. A run that counted fewer than computed has
+stepped over a defect.
 """
 
 from math import floor
@@ -16,8 +15,7 @@ from bearingsim.core.jit import generic
 
 
 def count_defect_crossings(model, t, y):
-    """Implement ``count_crossings`` for models with defects; the pairs beyond the length of a row are not
-    counted."""
+    """Implement ``count_crossings`` for models with defects; pairs beyond the length of a row are not counted."""
     for d in range(min(len(model.defects.head), lay.ROW)):
         j, s = roller_at_defect(model, d, t, y)
         there = j + 1.0 if abs(s) < model.defects.head[d, HALF_WIDTH] else 0.0
@@ -29,12 +27,12 @@ def count_defect_crossings(model, t, y):
 
 @generic(otherwise=count_defect_crossings)
 def count_crossings(model: Any, t: float, y: np.ndarray) -> None:
-    """Count the rollers that stand newly over a defect at time ``t`` (s), the state being that in ``y``."""
+    """Count the rollers that have entered a defect since the last call, in the state ``y`` at time ``t`` (s)."""
 
 
 def passages(model: Any, d: int, t: float, y: np.ndarray) -> float:
-    """Return the rotation of roller-defect pair ``d`` at time ``t`` (s), in rollers that pass, from the angles
-    in ``y``."""
+    """Return the rotation of roller-defect pair ``d`` at time ``t`` (s), in roller passages, from the angles in
+    ``y``."""
     b, on = model.bearing, int(model.defects.head[d, CARRIER])
     time = float(kinematic_times(model, np.array([t]))[0])
     slip = float(y[lay.POSITION + lay.PHI_C])
@@ -45,9 +43,9 @@ def passages(model: Any, d: int, t: float, y: np.ndarray) -> float:
 
 
 def missed_crossings(model: Any, t: float, before: list[float], y: np.ndarray) -> int:
-    """Return the crossings by the angles since ``before`` (of each roller-defect pair) that the run has not seen.
+    """Return the number of crossings since ``before`` (``passages`` of each pair) that the run did not count.
 
-    One at either end of the run is as may be.
+    One crossing per pair may be missing, because the ends of the run may cut a crossing.
     """
     unseen = 0
     for d in range(min(len(model.defects.head), lay.ROW)):

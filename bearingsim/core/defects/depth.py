@@ -1,8 +1,8 @@
 """Defects as depth maps p(s, z), m, positive downwards: s along rolling, z along the axis, from the defect's
 middle.
 
-A map is a type; ``section`` gives its profile at one z, exactly or drawn by parabolas, ``extent`` where it
-reaches, ``cuts`` where along z its section changes in kind. Plain Python, run once per defect.
+Each kind of map is a type: ``section`` returns its profile at one z, exact or in parabolas; ``extent`` its size;
+``cuts`` the stretches along z between changes in the kind of section. Plain Python, run once per defect.
 """
 
 from dataclasses import dataclass, field
@@ -28,10 +28,10 @@ from bearingsim.core.defects.profile import (
 )
 from bearingsim.core.jit import generic
 
-ARC_POINTS = 17  # of a rounded edge; more of them where it is flat, since no roller gets down where it is steep
+ARC_POINTS = 17  # on a rounded edge; denser where it is flat, because no roller reaches its steep part
 ELLIPSE_POINTS = 65
 EVEN, SMOOTH, ROUGH = range(3)
-EDGE_POINTS = 401  # among which the position is sought where an edge meets the wall
+EDGE_POINTS = 401  # candidate positions for the intersection of edge and wall
 
 
 @generic
@@ -82,11 +82,11 @@ class Elliptical(NamedTuple):
 
 
 class Eased(NamedTuple):
-    """A defect whose edges along rolling are rounded with ``radius`` (m), or walls no steeper than over ``ramp``
-    (m).
+    """A defect whose edges along rolling are rounded with ``radius`` (m), or whose walls extend over ``ramp`` (m)
+    at least.
 
-    One of the two is zero. What stands over the rim is taken off the race, so the opening is wider than the
-    defect.
+    One of the two is zero. Material above the rounded or sloping edge is removed from the race, so the opening is
+    wider than the defect.
     """
 
     defect: Any
@@ -95,7 +95,7 @@ class Eased(NamedTuple):
 
 
 class Mirrored(NamedTuple):
-    """A defect whose s runs the other way."""
+    """A defect with the direction of s reversed."""
 
     defect: Any
 
@@ -109,7 +109,7 @@ class Placed(NamedTuple):
 
 
 class Merged(NamedTuple):
-    """Several defects as one: at each position the deepest of those that reach there."""
+    """Several defects as one: the deepest of those present at each position."""
 
     defects: tuple[Any, ...]
 
@@ -118,7 +118,7 @@ class Merged(NamedTuple):
 class Scanned:
     """A measured grid: depth (n_z, n_s) in m at ``s`` (n_s,) and ``z`` (n_z,) in m, linear in between.
 
-    digest: of the file it came from: what tells scans apart.
+    digest: of the file; identifies the scan.
     """
 
     digest: str
@@ -217,12 +217,12 @@ def _section_eased(eased, z):
 def _edge(profile: Profile, radius: float, ramp: float) -> Profile:
     """Return the material removed before and at the first rim of a profile.
 
-    An edge reaches back(p) (m) before the wall where that is p deep. It begins where it just touches the wall:
-    for a radius, where a disc that rolls below the race meets it.
+    At depth p an edge lies back(p) (m) before the wall. It begins where it is tangent to the wall; for a radius,
+    where a disc rolling below the race touches the wall.
     """
     start = profile.pieces[0, FROM]
-    part = np.linspace(0.0, 1.0, EDGE_POINTS) ** 2  # close at the rim, where an edge and a steep wall meet
-    part[1] = min(part[1], 1e-9)  # behind an upright wall
+    part = np.linspace(0.0, 1.0, EDGE_POINTS) ** 2  # dense at the rim, where an edge meets a steep wall
+    part[1] = min(part[1], 1e-9)  # behind a vertical wall
     t = start + (profile.pieces[-1, TO] - start) * part
     p = depth_at(profile, t)
     floor = float(p.max())
@@ -244,7 +244,7 @@ def _back_of_radius(p: np.ndarray, radius: float) -> np.ndarray:
     return np.sqrt(low * (2.0 * radius - low))
 
 
-# Elsewhere, and several
+# Mirrored, shifted and merged defects
 
 
 @extent.register(Mirrored)
@@ -312,7 +312,7 @@ def _extent_scanned(scan):
 
 
 def _span(positions: np.ndarray, there: np.ndarray) -> tuple[float, float]:
-    """Return the extent from the last position before to the first after those marked in ``there``."""
+    """Return the extent from the last position before to the first position after those marked in ``there``."""
     k = np.flatnonzero(there)
     return float(positions[max(k[0] - 1, 0)]), float(positions[min(k[-1] + 1, len(positions) - 1)])
 

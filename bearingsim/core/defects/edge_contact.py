@@ -1,17 +1,19 @@
-"""Contact of a roller over a defect with elastic edges: softer than the race, and smooth where two of them carry.
+"""Contact of a roller with the elastic edges of a defect: softer than on the race, and smooth where two edges
+carry.
 
-The roller path assumes one contact point on a smooth half-plane. On an edge the contact is narrower, and behind it
-the race's material is missing. Both add to the approach; in units of Q'/(pi E*), that on the race being Lambda,
+The roller path assumes one contact point on a smooth half-plane. On an edge the contact is narrower, and the
+race's material behind it is missing. Both increase the approach. In units of Q'/(pi E*), with Lambda the approach
+on the race,
 
     delta - h = Q'/(pi E*) (Lambda + f)       Lambda = 2 ln(2 D/b) + 1
 
-with f (``one_edge``) a function of the distance x behind the rim. Where the roller may stand on something else as
-well, the other edge or the floor, the least approach counts. An elastic force k (delta - h)^(10/9) then keeps
+with f (``one_edge``) a function of the distance x behind the rim. Where the other edge or the floor may carry the
+roller instead, the smallest approach applies. An elastic force k (delta - h)^(10/9) then keeps
 
     share = (1 + f/Lambda)^(-10/9)
 
-of itself. f depends on the load through b; it is taken at one reference load. docs/edges.md derives f and compares
-it with finite elements.
+of its value. f depends on the load through b; it is evaluated at one reference load. docs/edges.md derives f and
+compares it with finite elements.
 """
 
 from math import e, exp, inf, log, pi, sqrt
@@ -33,12 +35,12 @@ VERTICAL_WALL = -1.0  # in column KAPPA: vertical walls, which the roller never 
 class EdgeContact(NamedTuple):
     """The roller path, with elastic edges of the defect.
 
-    load: Q'/(pi E*) (m) at the reference load, E* = E/(2 (1 - nu^2)) of two bodies; D: m, how far from the contact
-    the bodies do not move, 2 sqrt(R_w R_o)/e for a roller in its race; rho: m, radius of the defect's edges, > 0
-    (a sharp edge has no largest pressure).
+    load: Q'/(pi E*) (m) at the reference load, E* = E/(2 (1 - nu^2)) of two bodies; D: depth (m) at which
+    displacements are taken as zero, 2 sqrt(R_w R_o)/e for a roller in its race; rho: radius (m) of the defect's
+    edges, > 0 (the pressure at a sharp edge is unbounded).
 
-    Left out: yielding, friction, the tilt of the contact's normal, the defect's ends along the roller, and that f
-    changes with the load. The force keeps more than all of itself where two rounded edges carry far apart.
+    Neglected: yielding, friction, the tilt of the contact normal, the defect's ends along the roller, and the
+    dependence of f on load. The share exceeds 1 where two rounded edges far apart carry the roller.
     """
 
     load: float
@@ -49,9 +51,9 @@ class EdgeContact(NamedTuple):
 def edge_contact(force: float, L_w: float, R_w: float, R_o: float, E_star: float, rho: float) -> EdgeContact:
     """Return the excitation with ``force`` (N) on a roller of length ``L_w`` (m) as its reference load.
 
-    R_w, R_o: radii (m) of roller and outer race; E_star: E/(2 (1 - nu^2)) (Pa); rho: radius (m) of the edges.
-    The inner race's D is a sixth smaller, which changes Lambda by 2 %. Raises ValueError without a load, or with
-    rho not above 0.
+    R_w, R_o: radii (m) of roller and outer race; E_star: E/(2 (1 - nu^2)) (Pa); rho: radius (m) of the edges. D of
+    the inner race is a sixth smaller, which changes Lambda by 2 %. Raises ValueError if the load or rho is not
+    positive.
     """
     if force <= 0.0 or rho <= 0.0:
         raise ValueError(f"a reference load of {force} N and edges of {rho} m: both must be above 0")
@@ -79,7 +81,7 @@ def narrowed_contact(xi):
 
 @jit
 def softening(from_rim, wall, rho):
-    """Return f of the material missing behind a wall (m), the pressure's centre ``from_rim`` (m) before its
+    """Return f of the material missing behind a wall (m), with the pressure's centre ``from_rim`` (m) before its
     rim."""
     part = HEIGHT_WEIGHT * wall / (from_rim + RADIUS_WEIGHT * rho)
     return log(1.0 + part * part)
@@ -87,8 +89,8 @@ def softening(from_rim, wall, rho):
 
 @jit
 def one_edge(x, b, wall, rho, R):
-    """Return f of one edge of radius ``rho`` (m), the roller's middle ``x`` (m) behind the rim; ``wall``: its
-    height (m).
+    """Return f of one edge of radius ``rho`` (m); roller's middle ``x`` (m) behind the rim, wall of height
+    ``wall`` (m).
 
     Far behind the rim the contact is Hertz's on the edge itself, ln(R/rho) softer than on the race.
     """
@@ -100,10 +102,11 @@ def one_edge(x, b, wall, rho, R):
 
 @jit
 def ridge(x, beyond, b, rho, R):
-    """Return f of the ridge between race and flat wall, the roller ``x`` (m) behind the rim, ``beyond`` (m) past
-    its end.
+    """Return f of the ridge between race and flat wall; roller ``x`` (m) behind the rim, ``beyond`` (m) past its
+    end.
 
-    The roller hangs on the ridge for 0 < x, beyond < 0; from either side it is one edge, and the two are alike.
+    The roller rests on the ridge for 0 < x, beyond < 0. From either side the ridge acts as one edge, of the same
+    form.
     """
     before, after = exp(-one_edge(x, b, 0.0, rho, R)), exp(-one_edge(-beyond, b, 0.0, rho, R))
     return -log(1.0 - (1.0 - before) * (1.0 - after))
@@ -120,7 +123,7 @@ def two_edges(width, b, wall, rho, R, D):
 
 @jit
 def remaining_share(f, b, D):
-    """Return the part of a force k delta^(10/9) that is left where the approach has ``f`` more."""
+    """Return the remaining share of a force k delta^(10/9) if the approach increases by ``f``."""
     part = 1.0 / max(1.0 + f / (2.0 * log(2.0 * D / b) + 1.0), 0.1)
     return part * ninth_root(part)
 

@@ -1,13 +1,13 @@
-"""The path of a rigid round roller over any profile, exactly, and the tables it is looked up from.
+"""Exact path of a rigid round roller over any profile, and lookup tables of such paths.
 
-The roller's centre feels h(s) = min over t of p(t) + (t - s)^2/(2 R). With f(t) = R p(t) + t^2/2 that is
-(s^2/2 - f*(s))/R, f* being the convex conjugate of f: what the roller touches is the lower convex hull of f, and
-the position t it touches never moves back while s grows. Hence of any two pieces of a profile the left one is felt
-first, then the right one for good, and one pass over the pieces with a stack finds all that are felt (as in the
-distance transform of Felzenszwalb and Huttenlocher, Theory of Computing 8, 2012, for single points). A piece that
-is quadratic in t is felt as a parabola in s: h'' = 1/R at a corner, c/(1 + R c) on a piece of curvature c.
+The roller's centre follows h(s) = min over t of p(t) + (t - s)^2/(2 R). With f(t) = R p(t) + t^2/2 this is
+(s^2/2 - f*(s))/R, where f* is the convex conjugate of f: the roller touches the lower convex hull of f, and the
+touched position t never decreases as s increases. Hence of any two pieces of a profile the left one is touched
+first, then the right one for all larger s, and one pass over the pieces with a stack finds all that are touched
+(as in the distance transform of Felzenszwalb and Huttenlocher, Theory of Computing 8, 2012, for single points). A
+piece quadratic in t gives a parabola in s: h'' = 1/R at a corner, c/(1 + R c) on a piece of curvature c.
 
-Where one piece takes over from another that it does not touch, h has a cusp: its slope falls.
+Where contact passes between two pieces that do not adjoin, h has a cusp, at which its slope drops.
 """
 
 from collections.abc import Sequence
@@ -19,8 +19,8 @@ import numpy as np
 from bearingsim.core.defects.profile import Profile
 from bearingsim.core.jit import jit
 
-RACE_REACH = 1.0  # m: so far the race goes on to either side
-ROUNDING_DEPTH = 1e-15  # m: nearer to the race a depth is rounding
+RACE_REACH = 1.0  # m: extent of the race on either side
+ROUNDING_DEPTH = 1e-15  # m: smaller depths are rounding errors
 BINS_PER_PIECE, MAX_BINS = 2, 4096
 
 
@@ -40,17 +40,17 @@ FLAT = Path(np.zeros((0, 4)), 0.0)
 
 
 T_0, P_0, SLOPE_0, CURVATURE, T_1, P_1, LOW, HIGH = range(8)
-"""Columns of a part, a piece that the roller can touch: from (t, p) on with a slope and a curvature, to (t, p).
+"""Columns of a part, a piece that the roller can touch: start (t, p), slope and curvature there, end (t, p).
 
-Between LOW and HIGH (m) of s it is touched between its ends.
+For s between LOW and HIGH (m) the roller touches it between its ends.
 """
 
 
 def parts_of(profile: Profile, R: float) -> np.ndarray:
-    """Return the parts (n, 8) that a roller of relative radius ``R`` (m) can touch, in order, the race around
-    included.
+    """Return the parts (n, 8) that a roller of relative radius ``R`` (m) can touch, in order, including the
+    surrounding race.
 
-    Of a piece more hollow than the roller that is its two ends.
+    A piece more concave than the roller contributes only its two ends.
     """
     parts, last = [], -RACE_REACH
     for t_0, t_1, p_0, m, c in profile.pieces.tolist():
@@ -99,7 +99,7 @@ def part_curvature(part, s, R):
 def excess(left, right, s, R):
     """Return h (m) over the left of two parts less h over the right, and its slope.
 
-    This excess never falls as s grows.
+    The excess never decreases with s.
     """
     h_1, slope_1 = drop_over_part(left, s, R)
     h_2, slope_2 = drop_over_part(right, s, R)
@@ -108,9 +108,9 @@ def excess(left, right, s, R):
 
 @jit
 def takeover(left, right, R):
-    """Return the s (m) beyond which the right one of two parts is touched; -inf always, inf never.
+    """Return the s (m) beyond which the right one of two parts is touched; -inf: always, inf: never.
 
-    The excess never falls, and is quadratic between the ends of contact.
+    The excess never decreases, and is quadratic between the limits of contact.
     """
     before = -inf
     inner, outer = min(left[HIGH], right[HIGH]), max(left[LOW], right[LOW])
@@ -126,7 +126,7 @@ def takeover(left, right, R):
 
 @jit
 def root(left, right, low, high, R):
-    """Return the zero of the excess, negative at ``low`` and not at ``high``: by its parabola at ``high``."""
+    """Return the zero of the excess, negative at ``low`` and not at ``high``, from its parabola at ``high``."""
     D, rate = excess(left, right, high, R)
     middle = max(0.5 * (low + high), high - RACE_REACH)
     curvature = part_curvature(left, middle, R) - part_curvature(right, middle, R)
@@ -138,9 +138,10 @@ def root(left, right, low, high, R):
 
 @jit
 def touched_parts(parts, R, touched):
-    """Find the parts (n, 8) that the roller touches, and the s (m) where each begins: fills ``touched`` (2, n).
+    """Fill ``touched`` (2, n) with the indices of the parts (n, 8) that the roller touches and the s (m) where
+    each begins.
 
-    Returns how many of its columns are used.
+    Returns the number of columns used.
     """
     touched[0, 0], touched[1, 0] = 0.0, -inf
     last = 0
@@ -250,9 +251,9 @@ def row_at(table, table_start, s):
 
 @jit
 def drop_at(table, table_start, s):
-    """Return h (m) and its slope (1), on a cusp the left one, at ``s`` (m) over the path whose table begins at
+    """Return h (m) and its slope (1), the left one on a cusp, at ``s`` (m) of the path whose table begins at
     ``table_start``."""
-    if not table[table_start + FIRST] <= s < table[table_start + LAST]:  # in these words for NaN, too
+    if not table[table_start + FIRST] <= s < table[table_start + LAST]:  # written so that NaN is outside, too
         return 0.0, 0.0
     row = row_at(table, table_start, s)
     x = s - table[row + S]

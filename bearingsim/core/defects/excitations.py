@@ -1,18 +1,18 @@
-"""Excitations by a defect: the models of the literature side by side.
+"""Excitations by a defect: models from the literature.
 
-A defect is cut along the roller into groups (``defects/closed_forms.py``). At the distance s (m) along rolling
+A defect is divided along the roller into groups (``defects/closed_forms.py``). At a distance s (m) along rolling
 from the defect's middle a group of weight w carries
 
     w share elastic(delta - h(s))      (delta: approach of the contact to the undamaged race)
 
-and its approach grows more slowly by h'(s) ds/dt. An excitation is a type: it says what share and h are
-(``defect_response``) and what the columns of its groups mean (``response_groups``), except for GROUP_WEIGHT and
-GROUP_HALF_WIDTH, the half width (m) beyond which the defect does not act. The slope is nowhere more than
-min(GROUP_HALF_WIDTH, X_E, sqrt(2 R DEPTH))/R: estimates of impact speed use that.
+and the rate of its approach is reduced by h'(s) ds/dt. An excitation is a type that defines share and h
+(``defect_response``) and the columns of its groups (``response_groups``), except GROUP_WEIGHT and
+GROUP_HALF_WIDTH, the half width (m) beyond which the defect does not act. The slope never exceeds
+min(GROUP_HALF_WIDTH, X_E, sqrt(2 R DEPTH))/R: estimates of impact speed use this bound.
 
-Several of the published forms take the race as flat and let a ball sink by R_w - sqrt(R_w^2 - w^2/4). Here all use
-the radius R relative to the race, as the roller path does: for an NF308's outer race that is 15 % less, and the
-forms then differ in nothing but their course. docs/excitations.md compares them.
+Several published forms assume a flat race, into which a ball sinks by R_w - sqrt(R_w^2 - w^2/4). Here all use the
+relative radius R of roller and race, as the roller path does. For the outer race of an NF308 this is 15 % less,
+and the forms then differ only in shape. docs/excitations.md compares them.
 """
 
 from math import asin, cos, pi, sin, sqrt
@@ -26,7 +26,7 @@ from bearingsim.core.defects.envelope import drop_at, drop_curvature_at
 from bearingsim.core.defects.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, KAPPA, NO_WALL, X_E
 from bearingsim.core.jit import generic, jit
 
-REMAINING, UNLOADED = -1.0, 1.0  # in column KAPPA of ``PressureShare``: which part of the pressure a group is
+REMAINING, UNLOADED = -1.0, 1.0  # in column KAPPA of ``PressureShare``: a group's part of the pressure
 
 
 @generic
@@ -41,7 +41,7 @@ def defect_response(excitation: Any, group: np.ndarray, s: float, R: float) -> t
 @generic
 def defect_response_gradient(excitation: Any, group: np.ndarray, s: float, R: float) -> tuple[float, float]:
     """Return the derivatives of ``defect_response`` with respect to ``s``: of the share (1/m) and of dh/ds (1/m).
-    A jump has none."""
+    Jumps are ignored."""
 
 
 @generic
@@ -51,9 +51,9 @@ def response_groups(excitation: Any, defect: Any, rows: list, R: float) -> list:
 
 
 class Envelope(NamedTuple):
-    """The path of a round, rigid roller over the defect's profile: ``defects/closed_forms.py``. The default.
+    """Path of a round, rigid roller over the defect's profile (``defects/closed_forms.py``), the default.
 
-    Left out: that an edge is softer than the race, and the tilt of the contact's normal.
+    Neglected: the compliance of the edges and the tilt of the contact normal.
     """
 
 
@@ -74,10 +74,9 @@ def _response_groups_envelope(excitation, defect, rows, R):
 
 
 class Traced(NamedTuple):
-    """The same path where it has no closed form: looked up in a table, built once for a defect
-    (``defects/traced.py``).
+    """Roller path without a closed form, from a table built once per defect (``defects/traced.py``).
 
-    Column KAPPA of a group says where in ``table`` its path begins. Left out: what ``Envelope`` leaves out.
+    Column KAPPA of a group is the offset of its path in ``table``. Neglected: as for ``Envelope``.
     """
 
     table: np.ndarray
@@ -99,7 +98,7 @@ def _defect_response_gradient_traced(excitation, group, s, R):
 
 
 def pulses(rows: list, R: float) -> list:
-    """Return the roller path's rows with the drop of each, its h in the middle (m), in place of its depth."""
+    """Return the roller path's rows with each depth replaced by the drop, h in the middle (m)."""
     return [
         (row[GROUP_WEIGHT], row[GROUP_HALF_WIDTH], NO_WALL, 0.0, float(roller_drop(np.array(row), 0.0, R)[0]))
         for row in rows
@@ -107,11 +106,11 @@ def pulses(rows: list, R: float) -> list:
 
 
 class RectangularPulse(NamedTuple):
-    """The drop all at once: h = H inside the defect, 0 outside, H = min(depth, w^2/(8 R)) for a box.
+    """Step to the full drop: h = H inside the defect, 0 outside, H = min(depth, w^2/(8 R)) for a box.
 
     After the pulses of the ball models of the 2000s (among them Patel, Tandon and Pandey 2010, Sawalhi and Randall
-    2008). Left out: the way in and out. A step has no rate, so h' = 0: the roller meets the far edge as a sudden
-    approach of up to H, which does work on it that no real edge does.
+    2008). Neglected: gradual entry and exit. The rate of a step is ignored, h' = 0, so at the far edge the
+    approach increases suddenly by up to H, which does work on the roller that no real edge does.
     """
 
 
@@ -131,11 +130,11 @@ def _response_groups_rectangular(excitation, defect, rows, R):
 
 
 class HalfSinePulse(NamedTuple):
-    """h = H sin(pi (s/w + 1/2)) inside the defect, H the drop as for ``RectangularPulse``.
+    """Half sine h = H sin(pi (s/w + 1/2)) inside the defect, with the drop H of ``RectangularPulse``.
 
     After the half-sine displacement excitation of the ball models (among them Liu, Shao and Lim 2012, for a ball
-    larger than the defect). Smooth where the roller path over a narrow defect has its cusp, with 6/pi times its
-    area; the slope jumps at the rims. Left out: the geometry of roller and rim, which gives parabolas.
+    larger than the defect). Smooth where the roller path over a narrow defect has its cusp, and 6/pi times its
+    area; the slope jumps at the rims. Neglected: the geometry of roller and rim, which gives parabolas.
     """
 
 
@@ -161,13 +160,13 @@ def _response_groups_half_sine(excitation, defect, rows, R):
 
 
 class PiecewisePulse(NamedTuple):
-    """A quarter sine down from each rim, a plateau between: h = H sin(pi x/(2 x_r)) for x < x_r, else H.
+    """Quarter sine down from each rim with a plateau between: h = H sin(pi x/(2 x_r)) for x < x_r, else H.
 
-    x: distance from the nearer rim; x_r = min(w/2, sqrt(2 R d)), where a roller that hangs on the rim of a box
-    reaches the floor. So the ratio of roller to defect decides, as it does after Liu, Shao and Lim 2012: too
-    narrow a defect for the roller to reach the floor gives one half sine, a wide one a plateau of the full depth.
-    Their ball can hang on the defect's sides too (their ratio of length to width); a roller cannot, and a defect
-    shorter than it leaves the rest of its length on the race. A V or a bowl has no floor to stand on: a half sine.
+    x: distance from the nearer rim; x_r = min(w/2, sqrt(2 R d)), where a roller on the rim of a box reaches the
+    floor. The shape thus depends on the ratio of roller to defect, as in Liu, Shao and Lim 2012: a defect too
+    narrow for the roller to reach its floor gives one half sine, a wide one a plateau at full depth. Their ball
+    can also rest on the defect's sides (their ratio of length to width); a roller cannot, and the rest of its
+    length stays on the race if the defect is shorter. A V or a bowl has no floor and gives a half sine.
     """
 
 
@@ -201,12 +200,12 @@ def _response_groups_piecewise(excitation, defect, rows, R):
 
 
 class ClearanceIncrease(NamedTuple):
-    """Over the defect the clearance is larger by the defect's depth: h = depth inside, 0 outside, whatever the
-    width.
+    """Clearance increased by the defect's depth: h = depth inside the defect, 0 outside, whatever the width.
 
-    After Arslan and Akturk 2008, and Patel, Tandon and Pandey 2010, who take the defect's depth off the contact's
-    deformation. Left out: the size of the roller, which keeps it from the floor of a narrow defect. No rate, as
-    for ``RectangularPulse``. The depth of a V is taken over its whole width, that of a bowl in each group.
+    After Arslan and Akturk 2008, and Patel, Tandon and Pandey 2010, who subtract the defect's depth from the
+    contact deformation. Neglected: the size of the roller, which cannot reach the floor of a narrow defect. The
+    rate is ignored, as for ``RectangularPulse``. A V has its full depth over its whole width; a bowl has the depth
+    of each group.
     """
 
 
@@ -226,18 +225,17 @@ def _response_groups_clearance(excitation, defect, rows, R):
 
 
 class PressureShare(NamedTuple):
-    """The part of the contact's pressure that would lie over the defect is lost until the approach exceeds its
-    depth.
+    """Loss of the contact pressure that would act over the defect, until the approach exceeds the defect's depth.
 
     After Ashtekar, Sadeghi and Stacke 2008, whose force over a dent follows from its size within the contact. With
     the semi-elliptic pressure of half width b (m) centred at s, the part over the defect is
 
         rho = P((w/2 - s)/b) - P((-w/2 - s)/b),    P(x) = 1/2 + (arcsin x + x sqrt(1 - x^2))/pi,   |x| <= 1
 
-    and the contact is two groups: the share 1 - rho at h = 0, the share rho at h = depth. b is constant, that of
-    the largest healthy load (``hertz.half_width``). Left out: the pressure that moves to the dent's rims, and that
-    b grows with the load. For dents narrower than the contact, 2 b: over a wider defect (and most are: b is some
-    18 um at 47 N) the roller falls as a point would, onto the floor.
+    and the contact consists of two groups: the share 1 - rho at h = 0, the share rho at h = depth. b is constant,
+    at the largest healthy load (``hertz.half_width``). Neglected: the pressure shifted to the dent's rims, and the
+    increase of b with load. Valid for dents narrower than the contact, 2 b; over a wider defect (most are: b is
+    about 18 um at 47 N) the roller drops to the floor as a point would.
     """
 
     b: float
@@ -289,13 +287,13 @@ def _response_groups_pressure_share(excitation, defect, rows, R):
 
 
 class SoftEdge(NamedTuple):
-    """The roller path, with only ``kept`` (1) of the contact's stiffness while the roller hangs on a rim.
+    """Roller path with the contact stiffness reduced to the share ``kept`` (1) while the roller rests on a rim.
 
-    After Niu, Cao, He and Li 2014 and 2015, whose ball of finite size is held less stiffly in the defect, with
-    slip and traction (those are the model's business: ``planar``). 0.65 is the middle of 0.6 to 0.7, what a
-    half-space solution gives for one sharp edge alone. Full stiffness returns on the floor and on a wall. Left
-    out: the passage from race to edge within half a contact's width, so the force jumps at the rim; and in the
-    middle of a narrow defect, where two edges carry, the stiffness is that of one.
+    After Niu, Cao, He and Li 2014 and 2015, whose ball of finite size has a lower contact stiffness in the defect,
+    with slip and traction (here included by the model ``planar``). 0.65 is the middle of 0.6 to 0.7, which a
+    half-space solution gives for one sharp edge. Floor and walls have full stiffness. Neglected: the transition
+    from race to edge within half a contact width, so the force jumps at the rim; and the second edge in the middle
+    of a narrow defect, where the stiffness remains that of one.
     """
 
     kept: float = 0.65
@@ -320,5 +318,5 @@ def _response_groups_soft_edge(excitation, defect, rows, R):
 
 
 STEP_EXCITATIONS = (RectangularPulse, ClearanceIncrease, PressureShare)
-"""Excitations under which a defect ends in a step, or nearly: a roller with mass is then deep in the race at
-once."""
+"""Excitations with a step, or nearly a step, at a defect's end, after which a roller with mass is suddenly deep in
+the race."""

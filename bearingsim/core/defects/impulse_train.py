@@ -1,22 +1,23 @@
-"""When rollers meet defects, and how hard the ring is struck: the impulses of the model ``impulse``. Plain numpy.
+"""Instants and strengths of the impulses on the ring in the model ``impulse``. Plain numpy.
 
-McFadden and Smith (J. Sound Vib. 96, 1984, 69-82) let a point defect give an impulse at each roller-defect pair,
-as strong as the load there, q(phi), and superpose the trains of several defects (98, 1985, 263-273). They leave
-the scale of the impulses free. Here it is what a roller sheds: over the defect the race loses the roller's force,
-and the ring is pushed against e_r, at s from the defect's middle by the force P q(phi),
+McFadden and Smith (J. Sound Vib. 96, 1984, 69-82) assume an impulse at each passage of a roller over a point
+defect, proportional to the load there, q(phi), and superpose the trains of several defects (98, 1985, 263-273).
+They leave the scale of the impulses free. Here it follows from the load that a roller loses: over the defect the
+race loses the roller's force, and the ring is pushed against e_r, at s from the defect's middle with the force P
+q(phi),
 
     (1 - kappa) P = 1 - sum_g w_g max(1 - h_g(s)/delta + kappa P/n, 0)^n,      J = q(phi)/v integral of P ds
 
 h_g: roller path over the defect's group g; delta(phi): approach of both contacts of the roller together; v: speed
-at which the contact runs over the defect; kappa = k (cos^2 phi/K_x + sin^2 phi/K_y): the roller's part, k = n
-q/delta, in the ring's stiffness. The terms in kappa take that part back while the roller carries nothing (with K_x
-= K_y = inf they vanish). Wholly unloaded P = 1/(1 - kappa), 1.45 for an NF308 without clearance. A defect as long
-as the roller, much wider than sqrt(2 R delta) and deeper than delta, gives J = P q w/v, P q for the time of
-crossing; one that is shorter, narrower or shallower gives less. The crossing is taken as an instant, its middle:
-good for frequencies far below v/w.
+at which the contact runs over the defect; kappa = k (cos^2 phi/K_x + sin^2 phi/K_y): the share of the roller,
+k = n q/delta, in the ring's stiffness. The terms in kappa subtract this share while the roller carries no load
+(with K_x = K_y = inf they vanish). For a fully unloaded roller P = 1/(1 - kappa), 1.45 for an NF308 without
+clearance. A defect as long as the roller, much wider than sqrt(2 R delta) and deeper than delta, gives J = P q
+w/v, the force P q over the time of crossing; a shorter, narrower or shallower defect gives less. The impulse acts
+at the middle of the crossing, which is accurate for frequencies far below v/w.
 
-Left out: inertia during the crossing, the blow with which the roller comes back (its impulse is nearly nothing but
-the load again, since the roller is light), and slip.
+Neglected: inertia during the crossing, the impact of the returning roller (its impulse is almost only that of the
+load, because the roller is light), and slip.
 """
 
 from collections.abc import Sequence
@@ -30,18 +31,18 @@ from bearingsim.core.defects.envelope import path_drop
 from bearingsim.core.defects.pairs import GROUP_WEIGHT, INNER, ON_INNER, RollerDefectPair
 from bearingsim.core.parameters import Bearing
 
-SHED_SAMPLES = 200  # at which the load shed is summed, over half a defect
-NEWTON_STEPS = 8  # steps; the function is convex and they start above its root
-MAX_STIFFNESS_SHARE = 0.5  # of kappa: a ring that mainly hangs on one roller would fall, not spring
+SHED_SAMPLES = 200  # samples of the lost load over half a defect
+NEWTON_STEPS = 8  # steps; the function is convex and the iteration starts above its root
+MAX_STIFFNESS_SHARE = 0.5  # of kappa; a ring supported mainly by one roller would fall instead of vibrating
 
 
 class LoadZone(NamedTuple):
-    """Distribution of the load: q(phi) = q_0 [1 - (1 - cos phi)/(2 epsilon)]^n, nothing where the bracket is < 0.
+    """Load distribution q(phi) = q_0 [1 - (1 - cos phi)/(2 epsilon)]^n, zero where the bracket is negative.
 
-    q_0: largest load of a roller (N); delta_0: approach of its two contacts together (m); epsilon: load zone
+    q_0: largest load of a roller (N); delta_0: total approach of its two contacts (m); epsilon: load zone
     parameter, 1/2 without clearance, less with it, more with preload; n: exponent of the contact, 10/9 for a line,
     3/2 for a point; axis: angle of the most loaded position from the load line (rad); K_x, K_y: the ring's
-    stiffness on rollers and bracket (N/m), inf to leave out that it is less while one carries nothing. Source:
+    stiffness on rollers and bracket (N/m), inf to neglect its reduction while a roller is unloaded. Source:
     Stribeck; McFadden and Smith 1984.
     """
 
@@ -63,12 +64,12 @@ class Train(NamedTuple):
 
 
 def approach(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
-    """Return the approach (m) of both contacts together of a roller at ``phi`` (rad), 0 outside the load zone."""
+    """Return the total approach (m) of both contacts of a roller at ``phi`` (rad), 0 outside the load zone."""
     return zone.delta_0 * np.maximum(1.0 - (1.0 - np.cos(phi - zone.axis)) / (2.0 * zone.epsilon), 0.0)
 
 
 def load(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
-    """Load (N) of a roller at ``phi`` (rad from the load line)."""
+    """Return the load (N) of a roller at ``phi`` (rad from the load line)."""
     return zone.q_0 * (approach(zone, phi) / zone.delta_0) ** zone.n
 
 
@@ -77,9 +78,9 @@ def defect_passages(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the instants (n,) in (start, end], s, of rollers over the defect's middle, and its angles (n,) rad.
 
-    A defect of the outer race is met Z times a turn of the cage, always at its own angle; one of the inner race Z
-    times a turn of the ring relative to the cage, wherever the ring has carried it; one of a roller once for each
-    race and turn of the roller, wherever the cage has carried that.
+    A defect of the outer race is passed Z times per turn of the cage, always at its own angle; a defect of the
+    inner race Z times per turn of the ring relative to the cage, at the current angle of the ring; a defect of a
+    roller once per race and turn of the roller, at the current angle of the roller.
     """
     pass_angle = 2.0 * np.pi / bearing.Z
     if pair.carrier >= 0:
@@ -102,7 +103,7 @@ def instants(offset: float, between: float, speed: float, start: float, end: flo
 
 
 def crossing_speed(bearing: Bearing, pair: RollerDefectPair) -> float:
-    """Return the speed (m/s) at which a contact runs over the defect."""
+    """Return the speed (m/s) of a contact over the defect."""
     if pair.carrier >= 0:
         return pair.radius * bearing.omega_b
     if pair.carrier == ON_INNER:
@@ -111,15 +112,15 @@ def crossing_speed(bearing: Bearing, pair: RollerDefectPair) -> float:
 
 
 def stiffness_share(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
-    """Return kappa (n,): a loaded roller's part in the ring's stiffness at ``phi`` (n,) rad, at most
+    """Return kappa (n,), the share of a loaded roller in the ring's stiffness at ``phi`` (n,) rad, at most
     ``MAX_STIFFNESS_SHARE``."""
     stiffness = zone.n * load(zone, phi) / approach(zone, phi)
     return np.minimum(stiffness * (np.cos(phi) ** 2 / zone.K_x + np.sin(phi) ** 2 / zone.K_y), MAX_STIFFNESS_SHARE)
 
 
 def unloaded_width(pair: RollerDefectPair, delta: np.ndarray, kappa: np.ndarray, n: float) -> np.ndarray:
-    """Return the integral of P over the defect (n,), m: the unloaded way of rollers with approach ``delta`` > 0
-    (n,) m."""
+    """Return the integral of P over the defect (n,), m: the unloaded distance of rollers with approach
+    ``delta`` > 0 (n,) m."""
     s = ((np.arange(2 * SHED_SAMPLES) + 0.5) / SHED_SAMPLES - 1.0) * pair.half_width
     h = roller_drops(pair, s)
     delta, kappa = delta[:, None], kappa[:, None]
@@ -142,8 +143,8 @@ def roller_drops(pair: RollerDefectPair, s: np.ndarray) -> list[np.ndarray]:
 
 
 def impulse_strengths(bearing: Bearing, zone: LoadZone, pair: RollerDefectPair, phi: np.ndarray) -> np.ndarray:
-    """Return the impulse J (n,) N s that a roller at ``phi`` (n,) rad sheds over the defect; 0 outside the load
-    zone."""
+    """Return the impulse J (n,) N s of the load that a roller at ``phi`` (n,) rad loses over the defect; 0 outside
+    the load zone."""
     angles, which = np.unique(phi, return_inverse=True)
     J, loaded = np.zeros(len(angles)), approach(zone, angles) > 0.0
     there = angles[loaded]
@@ -153,7 +154,8 @@ def impulse_strengths(bearing: Bearing, zone: LoadZone, pair: RollerDefectPair, 
 
 
 def train(bearing: Bearing, zone: LoadZone, pairs: Sequence[RollerDefectPair], start: float, end: float) -> Train:
-    """Return one impulse at each passage of a roller over a defect in (start, end], s: all defects superposed."""
+    """Return one impulse at each passage of a roller over a defect in (start, end], s, with all defects
+    superposed."""
     parts = [defect_impulses(bearing, zone, pair, start, end) for pair in pairs]
     return merged_trains(parts)
 
@@ -177,12 +179,11 @@ def random_train(
 ) -> Train:
     """Return ``train`` with each impulse divided among the asperities of a rough defect.
 
-    After Behzad, Bastami and Mba (J. Vib. Acoust. 133, 2011, 031011), who see the cause of a damaged bearing's
-    vibration in random impacts of asperities. Over a defect of width w the impulse J becomes N = w/``spacing``
-    ones (rounded, at least 1), anywhere in the crossing with equal probability, with exponentially distributed
-    strengths of mean J/N: their sum has the mean J and the standard deviation J/sqrt(N). Left out: what follows
-    from the heights and stiffness of asperities (``spacing``, in m, stands for all of it), and asperities of
-    healthy surfaces.
+    After Behzad, Bastami and Mba (J. Vib. Acoust. 133, 2011, 031011), who attribute the vibration of a damaged
+    bearing to random impacts of asperities. Over a defect of width w the impulse J becomes N = w/``spacing``
+    impulses (rounded, at least 1), uniformly distributed over the crossing, with exponentially distributed
+    strengths of mean J/N: their sum has the mean J and the standard deviation J/sqrt(N). Neglected: the heights
+    and stiffness of asperities (represented only by ``spacing``, in m), and asperities of healthy surfaces.
 
     The same generator state gives the same train, and a longer train begins with the shorter one.
     """
@@ -199,7 +200,8 @@ def random_train(
 
 
 def merged_trains(parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Train:
-    """Merge all (times, angles, strengths) into one train: each pushes the ring against e_r of its angle."""
+    """Merge all (times, angles, strengths) into one train; each impulse pushes the ring against e_r at its
+    angle."""
     times, phi, J = (np.concatenate([np.zeros(0), *(part[n] for part in parts)]) for n in range(3))
     order = np.argsort(times, kind="stable")
     return Train(times[order], (-J * np.cos(phi))[order], (-J * np.sin(phi))[order])

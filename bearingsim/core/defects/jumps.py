@@ -1,9 +1,8 @@
-"""When the force on a roller jumps next: at the cusp of a roller path, or where a pulse begins or ends.
+"""Time of the next jump of the force on a roller: at a cusp of its path, or at the beginning or end of a pulse.
 
-At a cusp the slope of a roller's path falls, so its closing rate and with it the damping force jump; under a
-pulse the approach itself jumps. A step that looks across loses its order there, so adaptive methods stop on these
-positions. They lie in the head of each roller-defect pair (``defects/pairs.py``), found when it is built
-(``jumps_of``).
+At a cusp the slope of the path drops, so the closing rate and with it the damping force jump; under a pulse the
+approach itself jumps. A step across a jump loses its order, so adaptive methods stop at these positions. They are
+computed when a roller-defect pair is built (``jumps_of``) and stored in its head (``defects/pairs.py``).
 """
 
 from collections.abc import Sequence
@@ -31,20 +30,20 @@ from bearingsim.core.defects.pairs import (
 from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.jit import generic, jit
 
-PROBE = 1e-9  # m: distance to either side of a position over which jumps are sought
-LEAST_SHARPNESS = 0.05  # of a roller-defect pair's sharpest jump: duller ones are left to the control of the error
-NEAR_JUMP = 1e-8  # m: from so near a roller comes straight to a jump
-MAX_JUMPS = 32  # kept of a roller-defect pair; a rough defect has hundreds of small ones
+PROBE = 1e-9  # m: distance to either side of a position for evaluating its jump
+LEAST_SHARPNESS = 0.05  # of a roller-defect pair's largest jump; smaller ones are left to the error control
+NEAR_JUMP = 1e-8  # m: below this distance the predicted time of a jump is not reduced
+MAX_JUMPS = 32  # per roller-defect pair; a rough defect has hundreds of small ones
 
 
-# Where things jump: found once, in plain Python
+# Positions of jumps, computed once in plain Python
 
 
 def jumps_of(excitation: Any, groups: Sequence[Sequence[float]], paths: Sequence[Path], R: float) -> list[float]:
-    """Return the positions (m) along rolling where the force over a pair's groups jumps, or its damping part, in
-    order.
+    """Return in order the positions (m) along rolling where the force over a pair's groups, or its damping part,
+    jumps.
 
-    paths: of a traced defect, one for each group, else none. Jumps of several groups at one position add up.
+    paths: one per group of a traced defect, else empty. Jumps of several groups at one position add up.
     """
     jump_at: dict[float, np.ndarray] = {}
     for k, row in enumerate(groups):
@@ -53,7 +52,7 @@ def jumps_of(excitation: Any, groups: Sequence[Sequence[float]], paths: Sequence
             rounded = round(position, 9) + 0.0
             jump_at[rounded] = jump_at.get(rounded, np.zeros(3)) + row[GROUP_WEIGHT] * jump
     positions, sizes = np.array([*jump_at]), np.array([*jump_at.values()]).reshape(-1, 3)
-    largest = np.maximum(sizes.max(axis=0, initial=0.0), 1e-30)  # each kind beside its like
+    largest = np.maximum(sizes.max(axis=0, initial=0.0), 1e-30)  # each kind of jump has its own scale
     sharpness = (sizes / largest).max(axis=1)
     sharpest = np.argsort(-sharpness, kind="stable")[:MAX_JUMPS]
     return sorted(float(positions[i]) for i in sharpest if sharpness[i] > LEAST_SHARPNESS)
@@ -87,7 +86,8 @@ def jumps_of_group(excitation: Any, group: np.ndarray, R: float) -> list[tuple[f
 
 
 def floor_reach(excitation: Any, group: np.ndarray, R: float) -> float:
-    """Return the greatest distance (m) from the middle at which a group acts in its full depth; -1 if nowhere."""
+    """Return the greatest distance (m) from the middle at which a group acts with its full depth; -1 if there is
+    none."""
     if defect_response(excitation, group, 0.0, R)[1] < group[DEPTH]:
         return -1.0
     low, high = 0.0, float(group[GROUP_HALF_WIDTH])
@@ -101,7 +101,7 @@ def floor_reach(excitation: Any, group: np.ndarray, R: float) -> float:
 
 
 def cusps_of(path: Path) -> list[tuple[float, np.ndarray]]:
-    """Return the positions (m) where the slope of a path falls, and by how much, as ``jumps_of_group``."""
+    """Return the positions (m) where the slope of a path drops, with the jumps as in ``jumps_of_group``."""
     if len(path.pieces) == 0:
         return []
     positions, after = np.append(path.pieces[1:, S], path.end), np.append(path.pieces[1:, 2], 0.0)
@@ -113,21 +113,21 @@ def cusps_of(path: Path) -> list[tuple[float, np.ndarray]]:
     ]
 
 
-# When a contact comes to one
+# Times at which contacts reach them
 
 
 @generic
 def next_jump(model: Any, t: float, y: np.ndarray) -> float:
-    """Return the time (s) of the next jump of a force, from ``t`` (s) on; inf where there is none.
+    """Return the time (s) of the next jump of a force after ``t`` (s); inf if there is none.
 
-    Of rollers that move freely it is a prediction from the state in ``y``, which falls short until it is near.
+    For freely moving rollers it is predicted from the state in ``y``, and too early until the jump is near.
     """
 
 
 @jit
 def distance_to_jump(defects, d, s, forwards):
-    """Return the way (m) from ``s`` to the next jump of roller-defect pair ``d``, s growing if ``forwards``; inf
-    if none is ahead.
+    """Return the distance (m) from ``s`` to the next jump of roller-defect pair ``d``, in the direction of
+    increasing s if ``forwards``; inf if there is none ahead.
     """
     least = inf
     for k in range(int(defects.head[d, JUMP_COUNT])):
@@ -139,8 +139,7 @@ def distance_to_jump(defects, d, s, forwards):
 
 @jit
 def spacing(defects, d, Z):
-    """Return the way (m) along rolling between two contacts that come to roller-defect pair ``d`` one after the
-    other."""
+    """Return the distance (m) along rolling between successive contacts at roller-defect pair ``d``."""
     return 2.0 * pi * defects.head[d, RADIUS] / (1 if defects.head[d, CARRIER] >= 0.0 else Z)
 
 
@@ -160,10 +159,10 @@ def next_jump_evenly(model, t, y):
 
 
 def next_jump_freely(model, t, y):
-    """Implement ``next_jump`` for rollers at any position: of the one nearest to each pair, from its velocity.
+    """Implement ``next_jump`` for rollers at any position, from the velocity of the roller nearest to each pair.
 
-    Left out of its speed: that the rings move across, a thousandth of it. So the time falls short by a hundredth
-    of the way, until that is ``NEAR_JUMP``. Of a skewed roller its middle counts.
+    The speed neglects the rings' transverse motion, a thousandth of it. The predicted distance is therefore
+    reduced by a hundredth until it is below ``NEAR_JUMP``. For a skewed roller the position of its middle is used.
     """
     defects, b = model.defects, model.bearing
     _, rate, _ = kinematic_time(model.motion, t)

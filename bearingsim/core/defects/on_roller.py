@@ -1,5 +1,5 @@
-"""One contact of a roller over a defect: the sum over the defect's groups; scalar, since few rollers stand in
-one."""
+"""Contact of one roller over a defect, summed over the defect's groups; scalar, because few rollers are in a
+defect."""
 
 from typing import Any
 
@@ -23,15 +23,15 @@ from bearingsim.core.parameters import kinematic_angles
 
 @inlined
 def touching_stiffness(stiffness, delta):
-    """Return the derivative (N/m) of the elastic force at any approach ``delta`` (m): none out of contact,
-    whatever the law."""
+    """Return the derivative (N/m) of the elastic force at any approach ``delta`` (m); zero out of contact for
+    every law."""
     return tangent(stiffness, delta) if delta > 0.0 else 0.0
 
 
 @jit
 def elastic_over_defect(stiffness, defects, d, s, delta):
-    """Return the elastic force (N), its derivative (N/m) and the mean approach (m) of a contact that stands in
-    roller-defect pair ``d``.
+    """Return the elastic force (N), its derivative (N/m) and the mean approach (m) of a contact in roller-defect
+    pair ``d``.
 
     delta: approach (m) to the undamaged race; ``s``: distance (m) from the defect's middle. ``d`` = -1: no defect.
 
@@ -55,8 +55,9 @@ def force_over_defect(contact, defects, d, s, speed, delta, v):
     """Return the force (N) of a contact in roller-defect pair ``d``, its sideways part, and mean approach (m) and
     closing rate (m/s).
 
-    delta, v: approach (m) to the undamaged race and its rate (m/s); speed: ds/dt (m/s). The means are over what is
-    in contact, for the step monitor. The sideways part is sum Q_k dh_k/ds (N): times -1 the push along growing s.
+    delta, v: approach (m) to the undamaged race and its rate (m/s); speed: ds/dt (m/s). The means are over the
+    groups in contact, for the step monitor. The sideways part is sum Q_k dh_k/ds (N), minus the force in the
+    direction of increasing s.
 
     Equation (M6) of docs/model.md.
     """
@@ -75,10 +76,9 @@ def force_over_defect(contact, defects, d, s, speed, delta, v):
 
 @jit
 def correct_contact(side, contact, defects, d, j, s, speed, y):
-    """Correct the contact of roller ``j`` that stands in roller-defect pair ``d``; returns its force's sideways
-    part (N).
+    """Correct the contact of roller ``j`` in roller-defect pair ``d``; return the sideways part (N) of its force.
 
-    The approach and rate kept for the roller are means over what is in contact, for the step monitor.
+    The approach and rate stored for the roller are means over the groups in contact, for the step monitor.
     """
     force, approach, rate, _, _ = contact_rows(side)
     y[force + j], sideways, y[approach + j], y[rate + j] = force_over_defect(
@@ -92,7 +92,7 @@ def roller_drop_rate(stiffness, defects, d, s, speed, delta):
     """Return the mean rate (m/s) at which a contact in roller-defect pair ``d`` sinks, weighted by its elastic
     forces; 0 for no defect.
 
-    Equation (M11) of docs/model.md, of a defect at the inner contact.
+    Equation (M11) of docs/model.md, for a defect at the inner contact.
     """
     if d < 0:
         return 0.0
@@ -121,7 +121,7 @@ def derivatives_over_defect(contact, defects, d, s, speed, delta, v):
 
 @jit
 def stiffness_over_defect(stiffness, defects, d, s, delta):
-    """Return the derivative (N/m) of the elastic force of what is in contact; ``d`` = -1: no defect."""
+    """Return the derivative (N/m) of the elastic force of the groups in contact; ``d`` = -1: no defect."""
     if d < 0:
         return touching_stiffness(stiffness, delta)
     spring_rate = 0.0
@@ -174,7 +174,8 @@ def roller_at_defect_evenly(model, d, t, y):
 
 @jit
 def is_masked(model, d, j, s, t, y):
-    """Check if another pair acts at this contact of roller ``j``: of two defects the deeper one does."""
+    """Check if another pair acts at this contact of roller ``j``, because its defect is deeper, or equally deep
+    and first."""
     defects = model.defects
     for e in range(len(defects.head)):
         if e != d and defects.head[e, SIDE] == defects.head[d, SIDE]:

@@ -1,9 +1,9 @@
-"""Defects as the slices of a roller meet them: each slice at its own position along the race, with its own
-section.
+"""Defects under the slices of a roller, each slice at its own position along the race and with its own section.
 
-In ``spatial`` the group k of a roller-defect pair is what slice k feels. A defect of a race is found by the angle
-of a slice's n about the ring's own axis; a defect of a roller by the same angle and the roller's own. (That of a
-roller should count about the roller's axis: it is off by products of tilts, 1e-6 of the angle at 1 mrad.)
+In ``spatial`` group k of a roller-defect pair belongs to slice k. The position relative to a defect of a race
+follows from the angle of a slice's n about the ring's own axis; for a defect of a roller, from this angle and the
+roller's own. (A roller's angle should be measured about the roller's axis; the error is of the order of products
+of tilts, 1e-6 of the angle at 1 mrad.)
 """
 
 from math import atan2, sqrt
@@ -24,7 +24,7 @@ from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.geometry.slices import ZETA
 from bearingsim.core.jit import jit
 
-# in row DEFECT_REACH: a defect reaches the roller; it acts on the current slice
+# values of row DEFECT_REACH: a defect may act on the roller; it acts on the current slice
 ROLLER_REACHED, SLICE_REACHED = 1.0, 2.0
 
 
@@ -59,8 +59,8 @@ def roller_near_defect(model, d, t, y):
 
 @jit
 def mark_rollers_at_defects(model, t, b_z_outer, b_z_inner, y):
-    """Mark the sides of rollers that stand over a defect, or may with a part of their length; how many there
-    are."""
+    """Mark the sides of rollers over a defect, with all or possibly a part of their length; return their
+    number."""
     defects, b = model.defects, model.bearing
     middle = 0.5 * (b.R_o + b.R_i)
     for j in range(b.Z):
@@ -98,11 +98,11 @@ def clear_defect_response(model, y):
 
 @jit
 def slice_defect_response(model, t, k, steep, b_z_outer, b_z_inner, y):
-    """Fill the response of slice ``k`` of the marked rollers: drop, tilt of the normal, share of its stiffness.
+    """Fill the response of slice ``k`` of the marked rollers: drop, tilt of the normal, share of stiffness lost.
 
     steep: 0.0 to leave out the tilt; b_z_outer, b_z_inner: third components of the rings' axes. Of the defects
-    within reach the deepest is felt, as ``on_roller.is_masked`` chooses: of equals the first, a burr only where
-    none of the others reaches.
+    within reach the deepest acts, as in ``on_roller.is_masked``; the first of equal ones, and a burr only where no
+    other defect reaches.
     """
     defects, zeta, middle = (
         model.defects,

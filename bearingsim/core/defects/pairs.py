@@ -1,8 +1,7 @@
-"""Roller-defect pairs: which roller stands over which defect, and how the defects of a case are packed for
-compiled code.
+"""Roller-defect pairs: the roller over each defect, and the arrays that store a case's defects for compiled code.
 
-A defect of a race makes one pair, with the rollers' contacts on that race. A defect of a roller makes two, one
-with each race. ``head`` holds what a pair is, ``groups`` the path over it (``defects/closed_forms.py``,
+A defect of a race forms one pair, with the rollers' contacts on that race. A defect of a roller forms two, one
+with each race. ``head`` stores the properties of a pair, ``groups`` the path over it (``defects/closed_forms.py``,
 ``defects/traced.py``).
 """
 
@@ -14,7 +13,7 @@ import numpy as np
 
 from bearingsim.core.jit import jit
 
-NO_WALL = 1.0  # m: a wall met only a metre from the rim is never met
+NO_WALL = 1.0  # m; distance of a wall that is never reached
 
 GROUP_WEIGHT, GROUP_HALF_WIDTH, X_E, KAPPA, DEPTH = range(5)  # columns of a group
 GROUP = 5
@@ -24,14 +23,15 @@ ON_OUTER, ON_INNER = -1, -2  # carrier of a defect on a ring
 
 
 class RollerDefectPair(NamedTuple):
-    """A defect as one contact meets it. A defect of a race is met on that race's side, a roller's defect on both.
+    """A defect and the side on which it is in contact: a defect of a race on that race's side, one of a roller on
+    both.
 
     side: OUTER or INNER; carrier: ON_OUTER, ON_INNER, or the number of the roller that carries it; angle: rad from
     the load line (on the inner race at t = 0), or from the roller's outermost point at t = 0; radius: of the
     surface that carries it (m); R: reduced radius of roller and race (m); groups: rows (w, b, x_e, kappa, depth);
     paths: of a traced defect, one for each group (``defects/traced.py``); cusp: position (m) of the sharpest
-    cusp; span: the shortest way (m) over the defect or a part of it, 0 if from rim to rim; jumps: positions (m)
-    where the force or its damping part jumps (``defects/jumps.py``).
+    cusp; span: shortest extent (m) of the defect or a part of it, 0 if from rim to rim; jumps: positions (m) where
+    the force or its damping part jumps (``defects/jumps.py``).
     """
 
     side: int
@@ -57,11 +57,10 @@ FIRST_JUMP = 10
 
 
 class Defects(NamedTuple):
-    """All roller-defect pairs, packed in few arrays: each one that a function is handed costs it reference
-    counting.
+    """All roller-defect pairs in few arrays, because every array argument of a function costs reference counting.
 
-    head: (D, 10 + most jumps) as in ``RollerDefectPair``, then half_width (m), beyond which no roller feels the
-    defect, used, its number of groups, cusp (m), span (m), the number of jumps and their positions (m); groups:
+    head: (D, 10 + most jumps) as in ``RollerDefectPair``, then half_width (m), beyond which the defect acts on no
+    roller, used, its number of groups, cusp (m), span (m), the number of jumps and their positions (m); groups:
     (D, K, 5), padded with rows of weight zero; excitation: response of a roller to a defect
     (``defects/excitations.py``).
     """
@@ -98,12 +97,12 @@ def pack_defects(pairs: Sequence[RollerDefectPair], excitation: Any, most: int =
 
 
 def outer_reduced_radius(R_w: float, R_o: float) -> float:
-    """Return the radius (m) of the roller relative to the outer race it rolls in: R_w R_o / (R_o - R_w)."""
+    """Return the relative radius (m) of roller and outer race: R_w R_o / (R_o - R_w)."""
     return R_w * R_o / (R_o - R_w)
 
 
 def inner_reduced_radius(R_w: float, R_i: float) -> float:
-    """Return the radius (m) of the roller relative to the inner race it rolls on: R_w R_i / (R_i + R_w)."""
+    """Return the relative radius (m) of roller and inner race: R_w R_i / (R_i + R_w)."""
     return R_w * R_i / (R_i + R_w)
 
 
@@ -112,9 +111,10 @@ def nearest_roller(packed, d, theta_c, theta_i, roll, Z):
     """Return the roller nearest to roller-defect pair ``d``, and its distance s (m) along rolling from the
     defect's middle.
 
-    theta_c: angle of roller 0 (rad); the Z rollers are evenly spaced. theta_i: angle of the inner ring. roll: how
-    far a roller has turned backwards relative to the line through its centre and the bearing's. Where motion has
-    blown up, and angles are not finite or too large to tell rollers apart, it is roller 0: no index is ever wild.
+    theta_c: angle of roller 0 (rad); the Z rollers are evenly spaced. theta_i: angle of the inner ring. roll:
+    angle by which a roller has turned backwards relative to the line through its centre and the bearing's. Returns
+    roller 0 if the motion has diverged and the angles are not finite or too large to resolve, so that the index is
+    always valid.
     """
     head = packed.head[d]
     on = head[CARRIER]

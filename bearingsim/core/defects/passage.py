@@ -1,9 +1,9 @@
-"""One roller, held between two rings that stand still, as it passes a defect, or thrown at one of them.
+"""Passage of one roller over a defect between two fixed rings, or its impact on one of them.
 
     m x'' = Q_i(delta_i - x) - Q_o(delta_o + x) + C
 
-x: how far (m) the roller has moved outwards; delta_o, delta_i: approaches at rest; C: what holds it at rest. The
-other rollers and the rings' masses are left out, so this is an estimate: how hard it may get, before a run.
+x: outward displacement (m) of the roller; delta_o, delta_i: approaches at rest; C: force that balances the roller
+at rest. Other rollers and the rings' masses are neglected, so this is an estimate of the peak force before a run.
 """
 
 from math import pi, sqrt
@@ -14,10 +14,10 @@ from bearingsim.core.defects.pairs import HALF_WIDTH, OUTER, SIDE, passing_speed
 from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 
-PASSAGE_STEPS = 400  # at least, from rim to rim
-PERIOD_STEP = 0.1  # of the time in which a contact turns by one radian
-STEPS_A_LOOK = 4096  # steps between two looks at the clock
-AFTERWARDS = 10.0  # such times, and the passage once more, that are looked at behind the defect
+PASSAGE_STEPS = 400  # least number, from rim to rim
+PERIOD_STEP = 0.1  # of the time of one radian of contact oscillation
+STEPS_A_LOOK = 4096  # steps between readings of the clock
+AFTERWARDS = 10.0  # such times, and one more passage, simulated behind the defect
 
 
 @jit
@@ -52,23 +52,23 @@ def passage_peak(model, d, delta_o, delta_i, cpu_end):
         K = stiffness_bound(outer, d_o, v_o) + stiffness_bound(inner, d_i, v_i)
         C = damping_bound(outer, d_o, v_o) + damping_bound(inner, d_i, v_i)
         h = min(longest, PERIOD_STEP * sqrt(m / max(K, 1e-300)))
-        v += h * (Q_i - Q_o + balance - h * K * v) / (m + h * (C + h * K))  # implicit: a dashpot may be stiff
+        v += h * (Q_i - Q_o + balance - h * K * v) / (m + h * (C + h * K))  # implicit: dashpots may be stiff
         x += h * v
         t += h
     return peak
 
 
-FIRST_APPROACH = 1e-15  # m: approach at which an impact begins; a dashpot that jumps acts there
+FIRST_APPROACH = 1e-15  # m: approach at which an impact begins, so that a damping force that jumps at contact acts
 LONGEST_IMPACT_STEP = 1e-7  # s
-IMPACT_STEP = 0.2  # of the time in which damping alone would stop a roller: a step of its impact
+IMPACT_STEP = 0.2  # step of an impact, over the time in which damping alone would stop the roller
 
 
 @jit
 def free_impact(m, law, speed, cpu_end):
     """Compute the impact of a free roller of mass ``m`` (kg) on one race with ``speed`` (m/s).
 
-    cpu_end: as of ``cpu_time.bounded``. Returns the peak force (N) and the largest stiffness (N/m) and damping
-    (N s/m) until it stands still.
+    cpu_end: as of ``cpu_time.bounded``. Returns the peak force (N) and the largest stiffness (N/m) and damping (N
+    s/m) until it stops.
     """
     longest = min(LONGEST_IMPACT_STEP, 1e-3 * pi * sqrt(m / stiffness_bound(law, 1e-7, 0.0)))
     delta, v, peak, K, C = FIRST_APPROACH, speed, 0.0, 0.0, 0.0

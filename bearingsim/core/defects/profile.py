@@ -1,7 +1,7 @@
 """The profile of a defect along rolling, at one position across it: depth p(t), m, downwards, in quadratic pieces.
 
 Outside its pieces, and between them, the profile is the race, p = 0. Pieces may meet with a step (a vertical wall)
-or a corner. Straight lines and parabolas are exact; other curves are drawn by ``curve``.
+or a corner. Straight lines and parabolas are exact; ``curve`` approximates other curves.
 """
 
 from typing import NamedTuple
@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 FROM, TO, P, M, C = range(5)  # columns of a piece: p = P + M (t - FROM) + C (t - FROM)^2/2
-SLIVER = 1e-15  # m: ends nearer to each other are one
+SLIVER = 1e-15  # m: ends closer than this are merged
 
 
 class Profile(NamedTuple):
-    """pieces: (n, 5): from t to t (m); depth (m), slope (1) and curvature (1/m) at the beginning; in order."""
+    """Pieces (n, 5) in order: start and end t (m); depth (m), slope (1) and curvature (1/m) at the start."""
 
     pieces: np.ndarray
 
@@ -28,17 +28,15 @@ def quadratic(start: float, end: float, depth: float, slope: float = 0.0, curvat
 
 
 def polygon(t: np.ndarray, p: np.ndarray) -> Profile:
-    """Return straight lines between the points (``t``, ``p``) (n,) in m; lines that lie in the race are left
-    out."""
+    """Return straight lines between the points (``t``, ``p``) (n,) in m; lines on the race are omitted."""
     pieces = np.stack([t[:-1], t[1:], p[:-1], np.diff(p) / np.diff(t), np.zeros(len(t) - 1)], axis=1)
     return Profile(pieces[(p[:-1] != 0.0) | (p[1:] != 0.0)])
 
 
 def curve(t: np.ndarray, p: np.ndarray, slope: np.ndarray) -> Profile:
-    """Return two parabolas between neighbours of the points (``t``, ``p``) (n,) in m, without corners.
+    """Return a smooth curve of two parabolas between neighbouring points (``t``, ``p``) (n,) in m.
 
-    They have the curve's ``slope`` (n,) at the points; an interval with a slope that is not finite is one straight
-    line.
+    They have the given ``slope`` (n,) at the points; an interval with a non-finite slope is one straight line.
     """
     width, rise = np.diff(t), np.diff(p)
     bent = np.isfinite(slope[:-1]) & np.isfinite(slope[1:])
@@ -80,7 +78,7 @@ def relief(profile: Profile) -> float:
 
 
 def depth_at(profile: Profile, t: np.ndarray) -> np.ndarray:
-    """Return the depth (m) at ``t`` (n,) m; on a step that of the piece that begins there."""
+    """Return the depth (m) at ``t`` (n,) m; on a step the depth of the piece that begins there."""
     pieces = profile.pieces
     if len(pieces) == 0:
         return np.zeros(len(t))
@@ -91,7 +89,7 @@ def depth_at(profile: Profile, t: np.ndarray) -> np.ndarray:
 
 
 def deepest(left: Profile, right: Profile) -> Profile:
-    """Return the deeper of two profiles at each position that both cover, and either where only one does."""
+    """Return the deeper of two profiles where both have a piece, otherwise the one that has."""
     if len(left.pieces) == 0 or len(right.pieces) == 0:
         return right if len(left.pieces) == 0 else left
     ends = _distinct(np.concatenate([left.pieces[:, :P].ravel(), right.pieces[:, :P].ravel()]))
@@ -119,9 +117,9 @@ def _covering(profile: Profile, t: np.ndarray) -> np.ndarray:
 
 
 def _rows(profile: Profile, k: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Return depth, slope and curvature (n, 3) of the pieces ``k`` at ``t``; no depth at all for the race.
+    """Return depth, slope and curvature (n, 3) of the pieces ``k`` at ``t``; a depth of -inf for the race.
 
-    So a raised rim counts where nothing else is.
+    A raised rim thus counts where there is no other piece.
     """
     start, _, p, m, c = profile.pieces[k].T
     x = t - start
@@ -134,7 +132,7 @@ def _crossings(left: Profile, right: Profile, ends: np.ndarray) -> np.ndarray:
     a, b = _covering(left, middles), _covering(right, middles)
     both = (a >= 0) & (b >= 0)
     p, m, c = (_rows(left, a[both], low[both]) - _rows(right, b[both], low[both])).T
-    with np.errstate(all="ignore"):  # no root, or none of the second degree
+    with np.errstate(all="ignore"):  # no root, or not quadratic
         q = -0.5 * (m + np.copysign(np.sqrt(m * m - 2.0 * c * p), m))
         roots = np.concatenate([2.0 * q / c, p / q])
     room = np.tile(np.diff(ends)[both], 2)

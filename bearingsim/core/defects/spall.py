@@ -1,12 +1,11 @@
-"""A spall that grows by a rule: bowl by bowl, along rolling and sideways.
+"""A spall grown by a rule, bowl by bowl, along rolling and sideways.
 
-Material breaks out where rolling elements land: at the rim that they reach last, the trailing one. So each new
-bowl has its middle on that rim, where of ``DRAWS`` positions drawn evenly from the spall's present extent across
-the rim is nearest (a roller, being straight, lands there first). Its half sizes and depth are drawn evenly from
-``SIZES`` and ``DEPTHS``, the first bowl's half sizes being 1. A spall thus grows along rolling and fans out.
-``BOWLS`` of them make the whole, which is then stretched to its length, width and depth; a spall that is grown by
-less is the same without its later bowls, the last one shrunk. The numbers are choices, not measurements:
-docs/defects.md.
+Material breaks out where rolling elements land, at the trailing rim. Each new bowl therefore has its middle on
+this rim, at the one of ``DRAWS`` positions, drawn uniformly from the spall's extent across, where the rim is
+nearest (a straight roller lands there first). Its half sizes and depth are drawn uniformly from ``SIZES`` and
+``DEPTHS``; the first bowl's half sizes are 1. A spall thus grows along rolling and becomes wider. A full-grown
+spall has ``BOWLS`` bowls and is scaled to its length, width and depth; a less grown one lacks the later bowls, and
+its last bowl is smaller. The numbers are choices, not measurements: docs/defects.md.
 """
 
 from functools import lru_cache, reduce
@@ -28,7 +27,8 @@ Bowl = tuple[float, float, float, float, float]
 
 
 class Spall(NamedTuple):
-    """length, width, depth: m, of the full-grown spall; grown: how far it is (0 to 1); seed: which spall."""
+    """A spall. length, width, depth: m, full-grown; grown: stage of growth (0 to 1); seed: of its random
+    numbers."""
 
     length: float
     width: float
@@ -39,8 +39,7 @@ class Spall(NamedTuple):
 
 @lru_cache(maxsize=64)
 def full_grown(seed: int) -> tuple[Bowl, ...]:
-    """Return the bowls of a spall in the order of their breaking, in a box from -1/2 to 1/2 along and across, 1
-    deep."""
+    """Return the bowls of a spall in order of formation, in a box from -1/2 to 1/2 along and across, 1 deep."""
     draw = np.random.default_rng(seed)
     bowls: list[Bowl] = [(0.0, 0.0, 1.0, 1.0, FIRST_DEPTH)]
     for _ in range(BOWLS - 1):
@@ -67,7 +66,7 @@ def _in_a_box(bowls: list[Bowl]) -> tuple[Bowl, ...]:
 
 
 def bowls_of(spall: Spall) -> list[Bowl]:
-    """Return the bowls of a spall of this size, in m: the last one partly grown."""
+    """Return the bowls of a spall in m, the last one partly grown."""
     whole = full_grown(spall.seed)
     count = spall.grown * (len(whole) - 1)
     bowls = []

@@ -1,4 +1,5 @@
-"""From a depth map to what the core reads: where a defect is cut along the roller, its paths, and their table."""
+"""Conversion of depth maps for the core: slices of a defect along the roller, their paths, and the table of
+paths."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -14,7 +15,7 @@ from bearingsim.core.defects.excitations import Traced
 from bearingsim.core.defects.pairs import KAPPA, Defects, RollerDefectPair, pack_defects
 from bearingsim.core.defects.profile import Profile, relief
 
-SAME = np.array([1e-12, 1e-18, 1e-12, 1e-6])  # m, m, 1, 1/m: paths whose pieces and ends differ by less are one
+SAME = np.array([1e-12, 1e-18, 1e-12, 1e-6])  # m, m, 1, 1/m: resolution in comparing pieces of paths
 RollerSlice = tuple[float, float]
 """Weight (1) and middle z (m, from the roller's) of a slice of a roller."""
 
@@ -23,8 +24,8 @@ def cut_along_roller(defect: Any, L_w: float, nodes: int) -> list[RollerSlice]:
     """Return the slices of a roller of length ``L_w`` (m) over a defect, their weights summing to its share of the
     roller.
 
-    Where the section is the same all along there is one; where it changes smoothly ``nodes`` of Gauss on the
-    longest stretch, in proportion on others; where it is rough as many of even length.
+    A stretch of constant section has one slice. A stretch of smoothly changing section has Gauss nodes, ``nodes``
+    on the longest stretch and in proportion on others; a rough one has as many slices of equal length.
     """
     stretches = [(max(a, -L_w / 2.0), min(b, L_w / 2.0), kind) for a, b, kind in cuts(defect)]
     stretches = [(a, b, kind) for a, b, kind in stretches if b > a]
@@ -46,7 +47,7 @@ def _rule(kind: int, nodes: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 TracedGroup = tuple[tuple[float, ...], Path]
-"""A group without its weight (b, x_e, 0, depth), and its path."""
+"""Group without its weight (b, x_e, 0, depth), and its path."""
 
 
 def paths_over(defect: Any, R: float, positions: Sequence[float] | np.ndarray) -> tuple[TracedGroup, ...]:
@@ -56,8 +57,8 @@ def paths_over(defect: Any, R: float, positions: Sequence[float] | np.ndarray) -
 
 @lru_cache(maxsize=256)
 def _paths_over(defect: Any, named: str, R: float, positions: tuple[float, ...]) -> tuple[TracedGroup, ...]:
-    """Cache ``paths_over``; ``named`` distinguishes shapes that are equal as tuples. The paths of a rough
-    defect in 41 slices take 20 kB, so those of a whole sweep are kept."""
+    """Cache ``paths_over``; ``named`` distinguishes shapes that are equal as tuples. The paths of a rough defect
+    in 41 slices take 20 kB, so the cache holds those of a whole sweep."""
     return tuple(_traced(section(defect, z), R) for z in positions)
 
 
@@ -70,7 +71,7 @@ def _traced(profile: Profile, R: float) -> TracedGroup:
 
 
 def grouped(defect: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[list, list[Path]]:
-    """Return groups and paths of a roller over a defect; equal slices form one group, the rest of the roller
+    """Return groups and paths of a roller over a defect; equal slices form one group, the undamaged length
     another."""
     merged: dict[bytes, tuple[float, tuple, Path]] = {}
     for (weight, _), (row, path) in zip(slices, paths_over(defect, R, [z for _, z in slices]), strict=True):
@@ -84,14 +85,14 @@ def grouped(defect: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[list,
 
 
 def sliced(defect: Any, R: float, zetas: Sequence[float] | np.ndarray) -> tuple[list, list[Path]]:
-    """Return a group of weight 1 and a path for each slice of a roller whose middle is at zeta (m)."""
+    """Return a group of weight 1 and a path for each slice of a roller, with slice middles at ``zetas`` (m)."""
     traced = paths_over(defect, R, zetas)
     return [(1.0, *row) for row, _ in traced], [path for _, path in traced]
 
 
 def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) -> float:
-    """Return the position (m) of the cusp with the largest product of fall and share of the roller; 0 if there is
-    none."""
+    """Return the position (m) of the cusp with the largest product of slope drop and share of the roller; 0 if
+    there is none."""
     cusps = [(cusp(path), row[0]) for row, path in zip(groups, paths, strict=True) if len(path.pieces)]
     position, fall = 0.0, 0.0
     for (where, falls), weight in cusps:
@@ -101,8 +102,8 @@ def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) ->
 
 
 def span_of(defect: Any, R: float) -> float:
-    """Return the shortest extent (m) of a defect, or one of several merged, along its middle; ``R``: of the
-    roller (m)."""
+    """Return the extent (m) of a defect along its middle, the shortest of merged ones; ``R``: relative radius
+    (m)."""
     if isinstance(defect, Merged):
         return min(span_of(part, R) for part in defect.defects)
     low, high, z_0, z_1 = extent(defect)
@@ -111,7 +112,7 @@ def span_of(defect: Any, R: float) -> float:
 
 
 def burr(defect: Any) -> float:
-    """Return the height (m) of a defect's highest position above the race; only a scan has one."""
+    """Return the height (m) of a defect's highest point above the race; 0 except for a scan."""
     if isinstance(defect, Placed):
         return burr(defect.defect)
     return max(0.0, -float(defect.depth.min())) if isinstance(defect, Scanned) else 0.0
