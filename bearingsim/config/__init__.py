@@ -1,7 +1,7 @@
-"""The typed sections of a study: what may be said, checked, in SI.
+"""Typed and validated sections of a study, in SI.
 
-Text with units comes in (`"0.8 mm"`, from YAML), floats in SI come out; floats from Python are taken as SI.
-All sections are frozen and refuse unknown keys. pydantic's ValidationError is raised for what is wrong.
+Text with units, such as `"0.8 mm"` from YAML, is converted to floats in SI; floats from Python are in SI already.
+All sections are frozen and reject unknown keys. Invalid input raises pydantic's ValidationError.
 """
 
 from bearingsim.config.case import Case

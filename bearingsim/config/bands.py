@@ -4,11 +4,11 @@ import re
 from typing import NamedTuple
 
 FLAT = 0.4
-"""Of `sampling`: up to there a record is as computed, and an envelope reaches if its name has no band."""
+"""Limit, relative to `sampling`, up to which the low-pass filter is flat: end of an envelope's default band."""
 HIGHEST = 100e3
-"""Hz: the highest end of a band. Rings and rollers are rigid, or bend in few modes: none above is computed."""
+"""Hz; largest upper end of a band. Higher modes are not modelled: bodies are rigid, or bend in few modes."""
 FEWEST_PERIODS = 2.0
-"""Periods of a band's lowest frequency that a record must hold."""
+"""Least length of a record, in periods of the lowest frequency of a band."""
 EXAMPLES = "velocity.rms@10-1000Hz, envelope@BPFO or envelope@BPFO@2000-5000Hz"
 
 _NUMBER = r"(?:0|[1-9]\d{0,6})(?:\.\d{0,5}[1-9])?"
@@ -17,7 +17,7 @@ _HEALTHY = r"(?P<healthy>-healthy)?"
 _RMS = re.compile(rf"(?P<quantity>displacement|velocity|acceleration)\.rms@{_BAND}{_HEALTHY}", re.ASCII)
 _ENVELOPE = re.compile(rf"envelope@(?P<line>[^@]+?)(?:@{_BAND})?{_HEALTHY}", re.ASCII)
 PATTERN = rf"^((displacement|velocity|acceleration)\.rms|envelope@[^@]+)(@{_NUMBER}-{_NUMBER}Hz)?(-healthy)?$"
-"""Of such a name, in a schema."""
+"""Pattern of the names of band features, for the JSON schema."""
 
 
 class Band(NamedTuple):
@@ -33,10 +33,10 @@ class Band(NamedTuple):
 
 
 class BandFeature(NamedTuple):
-    """The RMS of a ``quantity`` in a ``band``, or a ``line`` of the acceleration's squared envelope there.
+    """RMS of a ``quantity`` in a ``band``, or a ``line`` of the acceleration's squared envelope in it.
 
-    line: empty of an RMS; band: None of an envelope over all that `sampling` shows; healthy: its change against
-    the healthy bearing.
+    line: empty for an RMS; band: None for an envelope of the whole frequency range of the record; healthy: True
+    for the change from the healthy bearing.
     """
 
     quantity: str
@@ -46,7 +46,7 @@ class BandFeature(NamedTuple):
 
 
 def read(name: str) -> BandFeature | None:
-    """Return what a name stands for, whatever its line is; None if it names no band and no envelope."""
+    """Parse the name of a band feature, whose line may be unknown; None for any other name."""
     match = _RMS.fullmatch(name) or _ENVELOPE.fullmatch(name)
     if match is None:
         return None

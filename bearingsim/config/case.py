@@ -1,4 +1,4 @@
-"""One case: its fields, completed and free of contradictions."""
+"""Case of a study: its fields, completed and checked for conflicts."""
 
 from typing import Any
 
@@ -16,11 +16,11 @@ LAWS: dict[tuple[str | int, ...], Laws] = {
     ("contact", "stiffness"): contact.STIFFNESS,
     ("friction",): free.FRICTION,
 }
-"""The fields that hold one of several laws, by their path."""
+"""Laws of each field that accepts one of several, by the field's path."""
 
 
 class Case(CaseFields):
-    """One simulation, in SI, with everything filled in that follows from the rest (``rules/completion.py``).
+    """One simulation, in SI, with all dependent values filled in (``rules/completion.py``).
 
     `defect` (one mapping) may be given instead of `defects`.
     """

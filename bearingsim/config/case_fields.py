@@ -43,13 +43,13 @@ else:
 
 
 MAX_DEFECTS = 100
-"""Each is compared with all others, and with chains of them that overlap: that many in half a second."""
+"""Limit of the defects of a case: checking so many for overlaps takes half a second."""
 
 MOST_BANDS = 100
-"""Features of bands that a case may name: each is a transform of the record."""
+"""Limit of the band features of a case: each needs a transform of the record."""
 
 OLD_WORDS = {"prove": "step_check"}
-"""Keys of a case that have been replaced, and the words that stand for them now. Old ones are still read."""
+"""Deprecated keys of a case, which are still accepted, and the keys that replace them."""
 
 
 def _one_or_many(raw: Any) -> Any:
@@ -67,18 +67,17 @@ def _single_speed(raw: Any) -> Any:
 class CaseFields(Section):
     """One simulation, in SI: speed in rad/s, loads in N, lengths in m, angles in rad, times in s.
 
-    `defect` (one mapping) may be given instead of `defects`. What depends on other values is filled in, so that a
-    case says what is computed: `clearance` by class is a length; `model` is never `reference`; `method` is None
-    for models without one; `start_angle` is the first roller's angle at t = 0, pi / rollers if not given;
-    `excitation` is `impulse-train` for the impulse model if not given; `contact.stiffness` suits the bearing.
-    `friction` and `cage` are None below the planar model, and never None from it on. `drag`, `ramp`, `shaft`,
-    `unbalance` and `misalignment` are None where absent. A line load in `record` is one channel for each slice of
-    the roller. With `step_check` the step, automatic or given, is tried on the run's beginning before it is
-    trusted; `strict` tries all of the run, and refuses a chaotic record that is too short for its RMS. With
-    `periodic` a motion that repeats itself is computed until it does, and its record made of that; without, all of
-    it is computed. ``features`` names those of bands, besides all others, and what `until` watches. A record
-    `until` a share ends when the standard errors of the defects' lines, the RMS and ``features`` are below it, at
-    the latest after `duration`.
+    `defect` (one mapping) may be given instead of `defects`. Values that depend on others are filled in:
+    `clearance` by class becomes a length; `model` is never `reference`; `method` is None for models without one;
+    `start_angle` is the first roller's angle at t = 0, by default pi / rollers; `excitation` of the impulse model
+    is `impulse-train` by default; `contact.stiffness` suits the bearing. `friction` and `cage` are None for models
+    without slip, and set for all others. `drag`, `ramp`, `shaft`, `unbalance` and `misalignment` are None if
+    absent. A line load in `record` becomes one channel per slice of the roller. `step_check` checks the step,
+    automatic or given, at the start of the run; `strict` checks it on the whole run, and rejects a chaotic record
+    that is too short for its RMS. `periodic` stops the integration once the motion repeats itself, and fills in
+    the rest of the record; without it the whole record is integrated. `features` adds features of bands, or means
+    that `until` monitors. With `until`, the record ends once the relative standard errors of the defects' lines,
+    the RMS and `features` are below this value, at the latest after `duration`.
     """
 
     bearing: Annotated[Bearing, named("bearings")]

@@ -29,7 +29,7 @@ def plain(channel: str) -> str:
 
 
 CONTACT_FORCES = ("outer_force", "inner_force", "cage_force", "flange_force", *LINE_LOADS)
-"""Of a roller: they begin and end within a sample, so that a low-pass would make tension of them."""
+"""Contact forces of a roller. They rise and vanish within a sample: a low-pass filter would make them negative."""
 
 
 def is_contact_force(channel: str) -> bool:
@@ -38,7 +38,7 @@ def is_contact_force(channel: str) -> bool:
 
 
 def line_load_of(channel: str) -> str | None:
-    """Return the line load along a whole roller, with its number, for such a channel; None for another."""
+    """Return the name of a line load along a whole roller, with the roller's number; None for other channels."""
     match = _ROLLER_CHANNEL.fullmatch(channel)
     if not match or match[2] not in LINE_LOADS or match[3]:
         return None
@@ -65,7 +65,7 @@ def feature_schema(own: Schema) -> Schema:
 
 
 def feature(raw: Any) -> Any:
-    """Validate a name in `features`: of a band, or a mean over the record; all others are always computed."""
+    """Validate a name in `features`: a band feature, or a mean over the record. Others are always computed."""
     if raw in MEANS:
         return raw
     if isinstance(raw, str) and raw in FEATURES and read_band(raw) is None:

@@ -1,4 +1,4 @@
-"""Kinds of value that the sections are made of: each turns text into SI, or says what it expected."""
+"""Types of the fields of sections: each converts text to SI, or reports the expected value."""
 
 import math
 import re
@@ -13,26 +13,25 @@ from bearingsim.config.vocabulary import advice
 from bearingsim.text.units import EXPECTED, UNITS, Dimension, UnitError, parse, pattern
 
 Schema = dict[str, Any]
-"""JSON schema of a value, as a study file has it."""
+"""JSON schema of a value in a study file."""
 
 SMALLEST, LARGEST = 1e-30, 1e30
-"""In SI, of any quantity but zero: far beyond all that is measured, yet the powers of it still fit into floats."""
+"""Bounds of the magnitude of nonzero quantities (SI), far beyond measured values; their powers are finite."""
 FULL_TURN = 2.0 * math.pi * (1.0 + 1e-5)
-"""rad: the largest angle, a full turn, which may be rounded to 6.2832 rad. An angle of 1e9 deg has a wrong unit,
-and has lost its digits besides."""
+"""rad; largest angle: a full turn, with a tolerance so that 6.2832 rad is accepted."""
 MOST_EXPONENT = 10.0
-"""Of a law: contacts have up to 3, and of more than this the floats of their constants end."""
+"""Largest exponent of a contact law. Contacts have up to 3; with larger ones the constants overflow."""
 
 
 class Section(BaseModel):
-    """A part of a study: frozen, and closed to unknown keys."""
+    """Part of a study: immutable, without unknown keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """Mark of a float field: the dimension of its text, and the bounds of its value."""
+    """Annotation of a float field: the dimension of its text, and the bounds of its value."""
 
     dimension: Dimension
     above: float = -math.inf
@@ -46,22 +45,22 @@ class Quantity:
         return quantity_schema(self.dimension, self._sign()) | self._limits()
 
     def _sign(self) -> str:
-        """Return the pattern in front of the digits of a number within the bounds."""
+        """Return the pattern that restricts the sign of a number to the bounds."""
         if self.above >= 0.0:
             return POSITIVE
         return NOT_NEGATIVE if self.least >= 0.0 else ""
 
     def _limits(self) -> Schema:
-        """Return the bounds of a plain number."""
+        """Return the bounds in JSON schema, if the quantity may be a plain number."""
         if "" not in UNITS[self.dimension]:
             return {}
         limits = {"exclusiveMinimum": self.above, "minimum": self.least, "maximum": self.most}
         return {key: bound for key, bound in limits.items() if math.isfinite(bound)}
 
     def __call__(self, raw: Any) -> float:
-        """Convert a value to SI; refuse one of another dimension, or out of bounds."""
+        """Convert a value to SI. Values of another dimension or out of bounds are rejected."""
         value = _number(raw, self.dimension)
-        too_small = self.above == 0.0 and 0.0 < abs(value) < SMALLEST  # of others it is as good as none
+        too_small = self.above == 0.0 and 0.0 < abs(value) < SMALLEST  # other fields may contain tiny values
         if too_small or abs(value) > LARGEST:
             hint = f"no plausible value is so {'large' if abs(value) > 1.0 else 'small'}"
             refuse("bound", f"expected {EXPECTED[self.dimension]}, got {described(raw)}", hint)
@@ -88,13 +87,13 @@ class Quantity:
 
 
 class QuantityOrAuto(Quantity):
-    """Mark of a field that may also use `auto`."""
+    """Annotation of a float field that also accepts `auto`."""
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
         return or_words(super().__get_pydantic_json_schema__(schema, handler), "auto")
 
     def __call__(self, raw: Any) -> Any:
-        """Convert a value to SI, or return the word."""
+        """Convert a value to SI; return `auto` unchanged."""
         return raw if raw == "auto" else super().__call__(raw)
 
 
@@ -102,7 +101,7 @@ NOT_NEGATIVE, POSITIVE = r"(?!-[0.]*[1-9])", r"(?!-)(?=\+?[0.]*[1-9])"
 
 
 def quantity_schema(dimension: Dimension, sign: str = "") -> Schema:
-    """Return the schema of a quantity; ``sign``: pattern in front of its digits."""
+    """Return the schema of a quantity; ``sign``: pattern that precedes its digits."""
     expected = EXPECTED[dimension]
     return {
         "type": ["number", "string"] if "" in UNITS[dimension] else "string",
@@ -113,13 +112,13 @@ def quantity_schema(dimension: Dimension, sign: str = "") -> Schema:
 
 
 def or_words(schema: Schema, *words: str) -> Schema:
-    """Extend the schema of a value by some words."""
+    """Extend the schema of a value by alternative words."""
     return {"anyOf": [{"type": "string", "enum": list(words)}, schema]}
 
 
 @dataclass(frozen=True)
 class Written:
-    """Mark of a field: what reads its value as a file has it, and the schema of that, made of the field's own."""
+    """Annotation of a field: reader of its value in a file, and converter of its schema to that of the file."""
 
     read: Callable[[Any], Any]
     schema: Callable[[Schema], Schema]
@@ -172,7 +171,7 @@ PoissonRatio = Annotated[float, Quantity("number", above=0.0, most=0.5)]
 
 
 def refuse(kind: str, message: str, hint: str | None = None, **context: Any) -> NoReturn:
-    """Raise the error of a validator: its kind, a message, and a hint that would mend it."""
+    """Raise the error of a validator, with its kind, a message and a remedy."""
     details = {"kind": kind, "message": message, "hint": hint, **context}
     raise PydanticCustomError("bearingsim", "{message}", details)
 
@@ -187,7 +186,7 @@ def described(raw: Any) -> str:
 
 
 def one_of(*words: str) -> BeforeValidator:
-    """Return a validator of a word from a list."""
+    """Return a validator that accepts only these words."""
 
     def check(raw: Any) -> Any:
         if raw not in words:
@@ -198,13 +197,13 @@ def one_of(*words: str) -> BeforeValidator:
 
 
 def raise_unknown_word(raw: Any, words: tuple[str, ...]) -> NoReturn:
-    """Refuse a word, naming the valid ones and the nearest."""
+    """Reject a word; the message lists the valid words and a suggestion."""
     hint = advice(raw, words) if isinstance(raw, str) else ""
     refuse("word", f"expected {alternatives(words)}, got {described(raw)}", hint or None)
 
 
 def alternatives(words: tuple[str, ...]) -> str:
-    """Join words: `a`, `b` or `c`."""
+    """Join words with commas and "or"."""
     quoted = [f"`{word}`" for word in words]
     return " or ".join([", ".join(quoted[:-1]), quoted[-1]]) if len(quoted) > 1 else quoted[0]
 
@@ -240,16 +239,16 @@ def _proving(raw: Any) -> bool | str:
 
 
 OR_NONE = Written(lambda raw: None if raw == "none" else raw, lambda own: or_words(own, "none"))
-"""Mark of an optional section: nothing for the word `none`, so that a sweep can switch it off."""
+"""Annotation of an optional section: the word `none` becomes None, so that a sweep can omit the section."""
 
 
 def whole(least: int, most: int) -> Written:
-    """Return a mark of a whole number between two bounds."""
+    """Return the annotation of an integer between two bounds."""
     return Written(lambda raw: _whole(raw, least, most), lambda _: whole_schema(least, most))
 
 
 def whole_or_auto(least: int, most: int) -> Written:
-    """Return a mark of a whole number between two bounds, or the word `auto`."""
+    """Return the annotation of an integer between two bounds, or the word `auto`."""
     return Written(
         lambda raw: raw if raw == "auto" else _whole(raw, least, most, ", or `auto`"),
         lambda _: or_words(whole_schema(least, most), "auto"),
@@ -257,7 +256,7 @@ def whole_or_auto(least: int, most: int) -> Written:
 
 
 def whole_schema(least: int, most: int) -> Schema:
-    """Return the schema of a whole number between two bounds."""
+    """Return the schema of an integer between two bounds."""
     return {"type": "integer", "minimum": least, "maximum": most}
 
 
@@ -283,11 +282,11 @@ Settling = Annotated[float | Literal["auto"], QuantityOrAuto("time", least=0.0)]
 Text = Annotated[str, Written(_text, lambda _: {"type": ["string", "number", "boolean"]})]
 
 Path = tuple[str | int, ...]
-"""Keys that lead to a value of a case: `("defects", 0, "length")`."""
+"""Path of a value in a case, such as `("defects", 0, "length")`."""
 
 
 class Conflict(NamedTuple):
-    """Values that do not go together: a kind, the paths concerned, why, and what would mend it."""
+    """Conflict between values: its kind, the paths of the values, a message and a remedy."""
 
     kind: str
     paths: tuple[Path, ...]

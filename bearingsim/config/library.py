@@ -1,4 +1,4 @@
-"""Bearings, rigs and materials kept in files: a name, or a path, becomes a tree."""
+"""Library of bearings, rigs and materials: files found by name or path."""
 
 from functools import lru_cache
 from os.path import isfile
@@ -14,22 +14,20 @@ _PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def folders(kind: Kind) -> list[Path]:
-    """List the folders of files of a kind, in order of search: working folder, installed copy, or checkout."""
+    """List the folders of a kind in search order: working directory, then checkout or installation."""
     home = _PACKAGE.parent if (_PACKAGE.parent / "pyproject.toml").is_file() else _PACKAGE
     return [base / "configs" / kind for base in (Path.cwd(), home)]
 
 
 def library_names(kind: Kind) -> list[str]:
-    """List the names of a kind."""
+    """List the names of the files of a kind."""
     return sorted({path.stem for folder in folders(kind) for path in folder.glob("*.yaml")})
 
 
 def find(kind: Kind, name: str, beside: Path | None = None) -> Path:
-    """Find the file of a name or a path (relative to the working folder, or else to `beside`).
+    """Find the file of a name or a path, which is relative to the working directory, or else to `beside`.
 
-    Raises ValueError with the existing names.
-
-    Raises ValueError, saying what exists.
+    Raises ValueError, whose message lists the existing names.
     """
     if name.endswith((".yaml", ".yml")) or "/" in name:
         candidates = [base / name for base in (Path(), beside) if base is not None]
@@ -43,13 +41,13 @@ def find(kind: Kind, name: str, beside: Path | None = None) -> Path:
 
 
 def read(kind: Kind, name: str, beside: Path | None = None) -> yamlfile.Document:
-    """Parse a named file; ValueError if there is none, StudyError if it is not YAML."""
+    """Parse the file of a name or path. Raises ValueError if it does not exist, StudyError for invalid YAML."""
     path = find(kind, name, beside).absolute()
     return _read(path, path.stat().st_mtime_ns)
 
 
 def described(kind: Kind, source: Any) -> Any:
-    """Load the mapping of a name, return anything else unchanged: for names given to sections in Python."""
+    """Load the mapping of a name given to a section in Python; return other values unchanged."""
     if not isinstance(source, str):
         return source
     document = read(kind, source)

@@ -1,4 +1,4 @@
-"""The names a user types for what is recorded and what is computed from it."""
+"""Names of recorded channels, and of the features computed from them."""
 
 import re
 from collections.abc import Mapping
@@ -9,7 +9,7 @@ from bearingsim.config import bands
 
 
 class Channel(NamedTuple):
-    """A recorded quantity: its components (an empty one has no suffix), SI unit and axis label."""
+    """Recorded quantity: its components (an empty one adds no suffix), SI unit and axis label."""
 
     components: tuple[str, ...]
     unit: str
@@ -17,17 +17,17 @@ class Channel(NamedTuple):
 
 
 class Feature(NamedTuple):
-    """A number computed from a job's series: SI unit (empty: none) and axis label."""
+    """Number computed from the time series of a job: SI unit (empty: dimensionless) and axis label."""
 
     unit: str
     long_name: str
 
 
 class Line(NamedTuple):
-    """A frequency as whole multiples of five others, and of the angles behind them.
+    """Spectral line: integer multiples of five frequencies, or of the corresponding angles.
 
-    outer: BPFO (Z times the cage's angle); inner: BPFI (Z times the inner ring's angle less the cage's); spin: BSF
-    (a roller's roll in the cage); cage: FTF; shaft: the inner ring's rotation.
+    outer: BPFO (Z times the angle of the cage); inner: BPFI (Z times the angle of the inner ring relative to the
+    cage); spin: BSF (rotation of a roller relative to the cage); cage: FTF; shaft: rotation of the inner ring.
     """
 
     outer: int = 0
@@ -38,7 +38,7 @@ class Line(NamedTuple):
 
 
 HARMONICS = (1, 2, 3, 4, 5)
-"""Multiples of the outer-race frequency whose lines are computed."""
+"""Harmonics of BPFO whose amplitudes are computed."""
 
 
 def line_name(harmonic: int) -> str:
@@ -60,10 +60,10 @@ LINES: dict[str, Line] = {
     "FTF": Line(cage=1),
     "fr": Line(shaft=1),
 }
-"""Lines that are read: a defect of the inner race stands at BPFI with sidebands of the shaft, a roller's at 2 BSF
-with sidebands of the cage, an unbalance at fr."""
+"""Spectral lines that are evaluated. A defect of the inner race appears at BPFI with sidebands at the shaft
+frequency, one of a roller at 2 BSF with sidebands at FTF, an unbalance at fr."""
 FAULT_LINES = {"outer": "BPFO", "inner": "BPFI", "roller": "2BSF"}
-"""The line of a defect, by what carries it."""
+"""Spectral line of a defect, by the element with the defect."""
 
 ROLLER = {
     "radial": Channel(("",), "m", "displacement of roller {} outwards"),
@@ -80,16 +80,16 @@ ROLLER = {
     "outer_line_load": Channel(("",), "N/m", "line load of roller {} on the outer race"),
     "inner_line_load": Channel(("",), "N/m", "line load of roller {} on the inner race"),
 }
-"""Channels of a roller: `roller.3.outer_force`; without a number, of the first roller."""
+"""Channels of a roller, such as `roller.3.outer_force`; without a number, that of the first roller."""
 
 LINE_LOADS = ("outer_line_load", "inner_line_load")
-"""Channels of a slice of a roller: `roller.3.outer_line_load.7`, the seventh slice from -z."""
+"""Channels of a roller's slices: `roller.3.outer_line_load.7` is that of the seventh slice from -z."""
 
 _ROLLER_CHANNEL = re.compile(r"roller\.(?:([1-9]\d?)\.)?([a-z_]+)(?:\.([1-9]\d?))?", re.ASCII)
 
 
 class _Channels(dict[str, Channel]):
-    """Channels by name; one of a numbered roller is made when it is asked for."""
+    """Channels by name; those of numbered rollers are created on access."""
 
     def __missing__(self, name: str) -> Channel:
         match = _ROLLER_CHANNEL.fullmatch(name)
@@ -138,12 +138,12 @@ CHANNELS: Mapping[str, Channel] = _Channels(
 
 
 def dataset_names(channel: str) -> tuple[str, ...]:
-    """Return the names of a channel's stored components (`ring.velocity.x`, ...; KeyError if unknown)."""
+    """Return the dataset names of a channel's components, such as `ring.velocity.x`. KeyError if unknown."""
     return tuple(f"{channel}.{component}".rstrip(".") for component in CHANNELS[channel].components)
 
 
 def roller_of(channel: str) -> tuple[int, str] | None:
-    """Split a roller's channel into number (from 1) and quantity (`outer_line_load.7` of a slice), or None."""
+    """Split a roller's channel into roller (from 1) and quantity, such as `outer_line_load.7`; None for others."""
     head, _, rest = channel.partition(".")
     if head != "roller":
         return None
@@ -152,7 +152,7 @@ def roller_of(channel: str) -> tuple[int, str] | None:
 
 
 QUANTITIES = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
-"""Units of what is sensed, by name."""
+"""SI units of the sensor's quantities."""
 
 
 def _line_features(quantity: str, unit: str) -> dict[str, Feature]:
@@ -236,29 +236,29 @@ def _features() -> dict[str, Feature]:
 
 _OWN = _features()
 STEP_ACCURACY = 0.01
-"""Largest step error of a run's line, RMS and largest force; if the motion is chaotic, of its RMS alone."""
+"""Limit of the relative step error of line, RMS and largest force; for a chaotic motion, of the RMS only."""
 NO_VALUE = "no_value."
-"""Before the name of an extension's feature: the fact that says why a job has no number for it."""
+"""Prefix of the attribute that states why a job has no value of an extension's feature."""
 
 
 def read_band(name: str) -> bands.BandFeature | None:
-    """Return what the name of a band's RMS or of an envelope's line stands for; None of another name."""
+    """Parse the name of a band's RMS, or of a known line of the envelope; None for other names."""
     feature = bands.read(name)
     return None if feature is None or (feature.line and feature.line not in LINES) else feature
 
 
 MEANS = (*(f"{quantity}@{line}" for quantity in QUANTITIES for line in LINES), *(f"{q}.rms" for q in QUANTITIES))
-"""Features that are means over a record, or roots of means, of all frequencies: those of bands are means, too."""
+"""Features without a band that are means over a record, or roots of means. Band features are means, too."""
 
 
 def is_mean(name: str) -> bool:
-    """Check if a feature is a mean over its record, or the root of one: no change against healthy, no extreme."""
+    """Check if a feature is a mean over its record or the root of one, not an extreme or a change from healthy."""
     banded = read_band(name)
     return name in MEANS if banded is None else not banded.healthy
 
 
 class _Features(dict[str, Feature]):
-    """Features by name; one of a band is made when it is asked for."""
+    """Features by name; band features are created on access."""
 
     def __missing__(self, name: str) -> Feature:
         feature = read_band(name)
@@ -275,4 +275,4 @@ class _Features(dict[str, Feature]):
 
 
 FEATURES: Mapping[str, Feature] = _Features(_OWN | _extension_features(_OWN))
-"""Columns of the results table that are computed, along the sensor's direction."""
+"""Features in the results table, for the sensor's direction."""

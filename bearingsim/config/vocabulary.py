@@ -1,6 +1,6 @@
-"""Words of the field that no study file knows: what is not modelled, and what the program calls another name.
+"""Glossary of words that are not keys of a study: quantities that are not modelled, results, and synonyms.
 
-A word is looked up before one of similar spelling is suggested, which would be another quantity.
+It has priority over the suggestion of a similarly spelt key, which would be another quantity.
 """
 
 from collections.abc import Collection
@@ -8,7 +8,7 @@ from collections.abc import Collection
 from bearingsim.text.units import suggestion
 
 _GROUPS: dict[tuple[str, ...], str] = {
-    # what is not modelled, and what is nearest
+    # not modelled, with the closest alternative
     ("contact_angle", "angular_contact", "pressure_angle"): (
         "all models have contact angle 0; only `bearingsim freq` uses a contact angle"
     ),
@@ -69,7 +69,7 @@ _GROUPS: dict[tuple[str, ...], str] = {
     ("resonance", "natural_frequency", "eigenfrequency", "modes"): (
         "resonances follow from masses and stiffnesses: `rig: {ring_mass: 0.5 kg, bracket_stiffness: 1e7 N/m}`"
     ),
-    # what is a result
+    # results
     ("slip", "cage_slip", "skidding", "creep"): (
         "slip is a result, not an input: `model: planar` computes it, `record: [cage.slip]` shows it"
     ),
@@ -81,7 +81,7 @@ _GROUPS: dict[tuple[str, ...], str] = {
     ),
     ("cage_speed", "ftf_speed"): "the cage's speed is a result: `record: [cage.speed]` (`model: planar`)",
     ("load_zone", "load_distribution"): "the load zone is a result: `record: [load_zone.rollers]`",
-    # what has another name
+    # synonyms
     ("preload", "pretension", "radial_preload"): "a preload is a negative clearance: `clearance: -5 um`",
     ("clearance_class", "internal_clearance", "radial_clearance", "play"): "use `clearance: C3`, or a length",
     ("rpm", "shaft_speed", "inner_speed", "rotational_speed", "rotation_speed", "omega"): "use `speed: 1800 rpm`",
@@ -140,14 +140,14 @@ _GROUPS: dict[tuple[str, ...], str] = {
 }
 
 SENTENCES = {word: sentence for words, sentence in _GROUPS.items() for word in words}
-"""Explanation of each word, and the nearest key."""
+"""Explanation of each word."""
 
 
 def sentence(word: str) -> str:
-    """Explain a word, whatever its spelling; empty if it is not in the vocabulary."""
+    """Explain a word in any case, with hyphens or blanks; empty if it is not in the glossary."""
     return SENTENCES.get(word.lower().replace("-", "_").replace(" ", "_"), "")
 
 
 def advice(word: str, words: Collection[str]) -> str:
-    """Advise on a word that is not in ``words``: explain it, or suggest a similar one; else empty."""
+    """Explain a word that is not in ``words``, or suggest a similar one; empty if neither is possible."""
     return sentence(word) or suggestion(word, words)

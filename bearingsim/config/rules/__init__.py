@@ -1,1 +1,1 @@
-"""Rules of a case: abilities asked of the model, contradictions, slices."""
+"""Rules of a case: required abilities of the model, completion, conflicts."""

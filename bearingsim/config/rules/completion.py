@@ -1,4 +1,4 @@
-"""Completion of a case: values that it leaves open and that follow from the rest, and the slices of its roller."""
+"""Completion of a case: default values that depend on other values, and the slices of a roller."""
 
 import math
 from functools import lru_cache
@@ -16,7 +16,7 @@ from bearingsim.config.sections.ring import MAX_HARMONICS, RingLoad
 
 
 def complete(case: CaseFields) -> None:
-    """Fill in, in this order: model, excitation, method, start angle, contact, defects, what moves, channels."""
+    """Fill in model, excitation, method, start angle, contact, rig, defects, cage, friction and channels."""
     if case.model == catalogue.REFERENCE:
         _fill_reference(case)
     model = catalogue.MODELS[case.model]
@@ -36,19 +36,20 @@ def complete(case: CaseFields) -> None:
 
 
 def _fill_reference(case: CaseFields) -> None:
-    """Fill in the reference model; its cage is kinematic unless the case has sections of slip."""
+    """Fill in the reference model; its cage is kinematic unless the case specifies or records slip."""
     _fill(case, "model", hierarchy.reference(case) or catalogue.most_able())
     if catalogue.MODELS[case.model].slips and not hierarchy.speaks_of_slip(case):
         _fill(case, "cage", free.Cage(motion="kinematic"))
 
 
 AROUND_A_ROLLER, IN_A_HOUSING = 7, 8
-"""Harmonics: so many more than rollers see the bulge under each; so many suffice for what reaches a housing."""
-CARRIER_MASS = 1.0  # kg: an assumption
+"""Default harmonics of a flexible ring: in excess of the number of rollers for a sensor on the ring, to resolve
+the bulge at each roller; in total for a sensor on the housing."""
+CARRIER_MASS = 1.0  # kg, an assumption
 
 
 def completed_rig(case: CaseFields) -> Rig:
-    """Complete the rig by the section of a flexible ring, its harmonics, and the entry of its load."""
+    """Complete the rig with the cross-section of a flexible ring, its harmonics and its load path."""
     ring, load = case.rig.ring, case.rig.load or RingLoad()
     if ring is None:
         return case.rig
@@ -75,14 +76,14 @@ def _fill_free_motion(case: CaseFields) -> None:
 
 
 def _completed(case: CaseFields, defect: Defect) -> Defect:
-    """Complete a defect by the edges that its excitation assumes."""
+    """Add the default edges of the excitation to a defect."""
     if case.excitation != "elastic-edge" or defect.edge is not None:
         return defect
     return defect.model_copy(update={"edge": Edge(radius=EDGE_RADIUS)})
 
 
 def _numbered(defect: Defect) -> Defect:
-    """Complete a roller's defect by the number of its roller."""
+    """Add the default number of the roller to a roller's defect."""
     if defect.race != "roller" or defect.roller is not None:
         return defect
     return defect.model_copy(update={"roller": 1})
@@ -100,27 +101,27 @@ def _fill(case: CaseFields, name: str, value: object) -> None:
 
 
 def reach(defect: Defect) -> tuple[float, float]:
-    """Return the extent of a defect along the roller, m from its middle."""
+    """Return the axial extent of a defect, in m from the roller's centre."""
     return defect.offset - defect.length / 2.0, defect.offset + defect.length / 2.0
 
 
 def slice_ends(case: CaseFields) -> Any:
-    """Return the ends (n + 1,) of the slices of the case's roller, m from its middle. ValueError if too many."""
+    """Return the ends (n + 1,) of a roller's slices, in m from its centre. Raises ValueError for too many."""
     defects = tuple(map(reach, case.defects))
     return _slice_ends(float(case.bearing.roller_length or 0.0), defects, case.contact.slices)
 
 
 @lru_cache(maxsize=1 << 12)
 def _slice_ends(length: float, defects: tuple[tuple[float, float], ...], count: int) -> Any:
-    from bearingsim.core.geometry.slices import slice_edges  # numpy, which only who computes needs
+    from bearingsim.core.geometry.slices import slice_edges  # imports numpy
 
     edges = slice_edges(length, defects, count)
-    edges.flags.writeable = False  # many cases share it
+    edges.flags.writeable = False  # shared by many cases
     return edges
 
 
 def slice_count(case: CaseFields) -> int | None:
-    """Count the slices of the case's roller; None if its model has none, or for too many (then refused)."""
+    """Count the slices of a roller; None if the model has none, or for too many, which is a conflict."""
     if not catalogue.MODELS[case.model].sliced or case.bearing.roller_length is None:
         return None
     try:

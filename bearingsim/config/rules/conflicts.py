@@ -1,4 +1,4 @@
-"""Values of a case that are right alone but not together."""
+"""Conflicts between values of a case that are valid on their own."""
 
 from collections.abc import Callable, Iterator
 from math import inf
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
     from bearingsim.config.sections.machine import Rig
 
 
-MAX_TILT = 0.02  # rad: beyond it a bearing is not mounted askew but broken
+MAX_TILT = 0.02  # rad, largest plausible misalignment
 MAX_SAMPLES = 1e9
-"""4 GB of each channel in single precision, a day at 10 kHz: what no one could look at, and few machines hold."""
+"""Limit of the samples of a record: 4 GB per channel in single precision, or a day at 10 kHz."""
 BURSTS_AT = 2.5e9
-"""Pa: tensile strength of hardened bearing steel, 2.0 to 2.5 GPa. A ring of the density rho that turns at v is
-stretched by rho v^2 at least (hoop stress of a thin ring), so that one of steel bursts at some 560 m/s."""
+"""Pa; limit of the hoop stress rho v^2 of a thin ring with surface speed v: the tensile strength of hardened
+bearing steel, 2.0 to 2.5 GPa. A steel ring reaches it at 560 m/s."""
 MOUNT_FIELDS = ("axial_stiffness", "axial_damping", "tilting_stiffness", "tilting_damping")
 HELD_BY_CAGE = ("cage.slip", "cage.axial", "cage.lean", "roller.cage_force", "roller.skew", "roller.axial")
 
@@ -199,9 +199,7 @@ def _slice_of(path: Path, name: str, case: "CaseFields") -> Iterator[Conflict]:
 
 
 def _still(name: str, case: "CaseFields") -> tuple[str, str] | None:
-    """Return the reason why a channel of freely moving parts is zero in this case, and a remedy; None if it is
-    not.
-    """
+    """Return the reason why a channel is always zero in this case, and a remedy; None if it is not."""
     if name == "ring.rotation" and case.rig.torsion_stiffness is None:
         return "the bracket lets no ring rotate", "give `rig.torsion_stiffness`"
     if name == "inner.displacement" and case.shaft is None:
@@ -248,7 +246,7 @@ def _sizes(case: "CaseFields") -> Iterator[Conflict]:
 
 
 def _bursting(case: "CaseFields") -> Iterator[Conflict]:
-    """Refuse an inner ring above the bursting speed of steel rings."""
+    """Yield the conflict of a speed at which the inner ring bursts."""
     fastest = case.speed if case.ramp is None else max(case.speed, case.ramp.to)
     surface = fastest * (case.bearing.pitch_diameter - case.bearing.roller_diameter) / 2.0
     stress = case.bearing.material.density * surface**2
@@ -262,7 +260,7 @@ def _bursting(case: "CaseFields") -> Iterator[Conflict]:
 
 
 class Alike(NamedTuple):
-    """A condition on a field for equal ball passes, and the reason if it is not met."""
+    """Condition on a field for identical ball passes, and the reason if it is not met."""
 
     holds: Callable[["CaseFields"], bool]
     why_not: str
@@ -276,15 +274,15 @@ ALIKE: dict[str, Alike] = {
     "model": Alike(lambda case: catalogue.MODELS[case.model].repeats, "the model does not say that they are"),
     "cage": Alike(lambda case: case.cage is None or case.cage.motion == "kinematic", "the cage is free"),
 }
-"""Conditions for equal ball passes, by field of a case; simulation/repetition.py adds those of the method."""
+"""Conditions for identical ball passes, by field; simulation/repetition.py adds those of the method."""
 
 
 ALIKE_BY_TURNS = ("defects", "cage")
-"""Of these, conditions without which turns of a defect, or of the cage, are alike in place of ball passes."""
+"""Conditions that `until` does not need: without them revolutions of the defect or cage are compared instead."""
 
 
 def until_conflicts(case: "CaseFields") -> Iterator[Conflict]:
-    """Yield the conflicts of cases that cannot be run until a scatter is small."""
+    """Yield the conflicts of `until`."""
     if case.until is None:
         return
     if case.record:

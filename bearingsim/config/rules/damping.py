@@ -1,7 +1,7 @@
-"""Plausible damping of rolling contacts, and remarks on other values.
+"""Plausible damping of rolling contacts, and warnings of other values.
 
-docs/damping.md has the sources. c/k is the damping over the stiffness of a contact at rest: the decay time of an
-overdamped contact.
+The sources are given in docs/damping.md. c/k is the ratio of damping to stiffness of a contact under the static
+load, which is the decay time of an overdamped contact.
 """
 
 from collections.abc import Iterator, Sequence
@@ -9,17 +9,17 @@ from math import inf, isfinite
 from typing import Any, NamedTuple
 
 PLAUSIBLE = (0.3e-6, 25e-6)
-"""Least and largest c/k (s) that measurement and theory make likely, of a lubricated contact."""
+"""s; range of c/k of a lubricated contact, from measurements and theory."""
 CROSSING_SHARE = 0.1
 """Largest c/k, as a share of the crossing time of a defect, at which the roller can follow the defect."""
 WARNING = "warning: "
-"""Opening of a warning."""
+"""Prefix of a warning."""
 SLACK = 1.0 + 1e-6
-"""Tolerance of the bounds: a default at the end of the range lies within it."""
+"""Relative tolerance of the bounds, so that a default at the end of the range lies within it."""
 
 
 class Damped(NamedTuple):
-    """Damping of a job: c/k (s), damping ratio, and shortest time (s) in which a defect is crossed, or inf."""
+    """Damping of a job: c/k (s), damping ratio, and shortest crossing time of a defect (s; inf without one)."""
 
     time: float
     ratio: float
@@ -32,12 +32,12 @@ class Damped(NamedTuple):
 
     @property
     def too_light(self) -> bool:
-        """True if the contact is damped like dry steel."""
+        """True if the damping is as low as that of dry steel."""
         return self.time * SLACK < PLAUSIBLE[0]
 
 
 def sentences(jobs: Sequence[Damped]) -> Iterator[str]:
-    """Yield the range of the damping of some jobs beside the plausible one, then warnings."""
+    """Yield the range of damping of the jobs and the plausible range, then warnings."""
     if not jobs:
         return
     defects = [job.crossing for job in jobs if isfinite(job.crossing)]
@@ -58,7 +58,7 @@ def sentences(jobs: Sequence[Damped]) -> Iterator[str]:
 
 
 def job_sentences(info: Any) -> Iterator[str]:
-    """Apply ``sentences`` to finished jobs; info: a frame of the solver's attributes (``Results.info``)."""
+    """Apply ``sentences`` to finished jobs; info: DataFrame of the solver's attributes (``Results.info``)."""
     columns = ["damping_time_s", "damping_ratio", "crossing_s"]
     if all(name in info for name in columns):
         yield from sentences([Damped(*row) for row in info[columns].dropna().to_numpy().tolist()])

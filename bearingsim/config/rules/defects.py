@@ -1,4 +1,4 @@
-"""Defects that do not fit on the element that carries them, beside each other, or the excitation."""
+"""Conflicts of defects with their element, with each other, and with the excitation."""
 
 import math
 from collections.abc import Iterator
@@ -16,8 +16,10 @@ if TYPE_CHECKING:
 
 
 class Surface(NamedTuple):
-    """Surface with defects: its radius, the largest width of a defect and its limit, the largest depth, the
-    position where a deeper defect comes out, and the length of the bearing that decides it (all m).
+    """Surface with defects (lengths in m).
+
+    widest: largest width of a defect; spacing: name of that limit; wall: largest depth; through: location reached
+    by a deeper defect, for messages; key: dimension of the bearing that determines ``wall``.
     """
 
     radius: float
@@ -29,7 +31,7 @@ class Surface(NamedTuple):
 
 
 def surface(bearing: "Bearing", race: str) -> Surface:
-    """Return the raceway or roller surface of a bearing without clearance."""
+    """Return the surface of a race, or of a roller, of a bearing without clearance."""
     pitch, roller = bearing.pitch_diameter, bearing.roller_diameter
     if race == "outer":
         radius = (pitch + roller) / 2.0
@@ -73,7 +75,7 @@ def _roller_of(path: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Con
 
 
 def _track(defect: "Defect", bearing: "Bearing") -> tuple[float, str, str]:
-    """Return the axial extent (m) available for defects on an element, its name, and the length that sets it."""
+    """Return the axial extent (m) available for defects on an element, its name, and its key in the bearing."""
     if bearing.roller_length is not None:
         return bearing.roller_length, "roller", "roller_length"
     if defect.race == "roller":
@@ -82,7 +84,7 @@ def _track(defect: "Defect", bearing: "Bearing") -> tuple[float, str, str]:
 
 
 def _sized(path: Path, name: str, defect: "Defect") -> tuple[tuple[Path, ...], str | None]:
-    """Return the paths of a size, and a hint for that of a scan."""
+    """Return the paths of a defect's size, and a hint if it is from a scan."""
     if defect.shape == "scan":
         return ((*path, name), (*path, "file")), "is the scan's unit right?"
     return ((*path, name),), None
@@ -141,7 +143,7 @@ def _depth(path: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflic
 
 
 def _form(path: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflict]:
-    """Refuse shapes without a form for excitations other than the envelope."""
+    """Yield the conflict of a shape or edge for which the excitation is not defined."""
     if case.excitation in PATH_EXCITATIONS:
         return
     hint = "use `excitation: envelope`, or take a rectangular, triangular or circular defect with sharp edges"
@@ -158,7 +160,7 @@ def _form(path: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflict
 
 
 def _elastic_edge(path: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflict]:
-    """Refuse elastic edges unless they are rounded, equal for all defects, and in line contacts."""
+    """Yield the conflict of `elastic-edge` unless edges are rounded, equal, and in line contacts."""
     paths: tuple[Path, ...] = (("excitation",), (*path, "edge"))
     if case.bearing.element == "ball":
         message = "`elastic-edge` is for line contacts, which balls do not have"
@@ -172,12 +174,12 @@ def _elastic_edge(path: Path, defect: "Defect", case: "CaseFields") -> Iterator[
 
 
 def _distance(a: "Defect", b: "Defect", bearing: "Bearing") -> float:
-    """Compute the distance (m) of two defects along rolling, middle to middle."""
+    """Compute the distance (m) between the centres of two defects in the rolling direction."""
     return abs(math.remainder(a.angle - b.angle, 2.0 * math.pi)) * surface(bearing, a.race).radius
 
 
 def _overlap(earlier: int, later: int, case: "CaseFields") -> Iterator[Conflict]:
-    """Refuse overlapping defects unless the excitation follows the path of a roller."""
+    """Yield the conflict of overlapping defects, unless the excitation follows the path of a roller."""
     a, b = case.defects[earlier], case.defects[later]
     if a.element != b.element or case.excitation in PATH_EXCITATIONS:
         return
@@ -190,7 +192,7 @@ def _overlap(earlier: int, later: int, case: "CaseFields") -> Iterator[Conflict]
 
 
 def _too_wide_together(case: "CaseFields") -> Iterator[Conflict]:
-    """Refuse chains of overlapping defects that are too wide together."""
+    """Yield the conflict of overlapping defects whose total width exceeds the limit."""
     if case.excitation not in PATH_EXCITATIONS:
         return
     for number, defect in enumerate(case.defects):
@@ -204,7 +206,7 @@ def _too_wide_together(case: "CaseFields") -> Iterator[Conflict]:
 
 
 def chain_width(number: int, case: "CaseFields") -> float:
-    """Compute the width (m) of a defect and all that overlap it, directly or over others."""
+    """Compute the total width (m) of a defect and all that overlap it, directly or through others."""
     chain, left = {number}, set(range(len(case.defects))) - {number}
     while touching := {i for i in left if any(_touch(case, i, j) for j in chain)}:
         chain |= touching

@@ -17,13 +17,13 @@ LOAD: Path = ("rig", "load")
 BY: tuple[Path, ...] = ((*LOAD, "by"), LOAD)
 STIFFEST, LARGEST_FIT = 1e13, 1e-4  # N/m per m; m
 SAME_SECTION = 0.01  # of height and width
-BALANCED = 1e-6  # of the load: what pads may push across it
-LEAST_SHARE = 0.1  # of a pad's force that acts along the load line, on average
+BALANCED = 1e-6  # largest resultant of the pads perpendicular to the load line, relative to that along it
+LEAST_SHARE = 0.1  # least mean cosine of the pads' angles from the load line
 MAX_POINTS = 100
-FARTHEST = 1e-3  # m: what a carrier may move under its load
-LIGHTEST = 1e-3  # kg: of a carrier; it swings on its springs, the faster the lighter it is
+FARTHEST = 1e-3  # m, largest displacement of a carrier under its load
+LIGHTEST = 1e-3  # kg, least mass of a carrier: a lighter one has too high a natural frequency for the step
 SAME_ANGLE = 1e-6  # rad
-NO_FORCE = 1e-9  # component of a unit vector that holds nothing
+NO_FORCE = 1e-9  # tolerance of the cosine between a displacement and a spring
 
 
 def flexible_ring_conflicts(case: "CaseFields") -> Iterator[Conflict]:
@@ -125,10 +125,10 @@ def _stands_on_one(case: "CaseFields", angles: list[float], load_line: float) ->
 
 
 def _hold(angles: list[float], load_line: float) -> bool:
-    """Check if springs at these angles hold a carrier loaded along the load line, without another support.
+    """Check if compression springs at these angles support a carrier under its load, without a bracket.
 
-    They do unless it can move in a direction that compresses no spring, and not against the load. The directions
-    to test are those across each spring.
+    They do unless a displacement of the carrier compresses no spring and is not opposed by the load. It is
+    sufficient to test the directions perpendicular to each spring.
     """
     sideways = [angle + turn for angle in angles for turn in (-math.pi / 2.0, math.pi / 2.0)]
     return not any(
@@ -141,7 +141,7 @@ def _housing(case: "CaseFields", load: "RingLoad") -> Iterator[Conflict]:
     assert load.stiffness is not None
     assert load.fit is not None
     stiffness: tuple[Path, ...] = ((*LOAD, "stiffness"), LOAD)
-    half_seat = 0.25 * math.pi * case.bearing.outside_diameter * load.stiffness  # N/m: half of the springs push
+    half_seat = 0.25 * math.pi * case.bearing.outside_diameter * load.stiffness  # N/m, of half the springs
     moved = math.hypot(case.load, case.load_across) / half_seat
     if load.stiffness > STIFFEST:
         message = f"a housing of {load.stiffness:.3g} N/m/m holds the ring as a rigid one"

@@ -1,8 +1,8 @@
-"""Abilities that a case asks of its model, and the lowest model of the catalogue with all of them.
+"""Abilities that a case needs of its model, and the lowest model of the catalogue that has them.
 
-A need is firm where a model below would compute something else than what the case says: it is refused. A need
-that is not firm is one of quality: a model below computes the case, but what is asked for is not worth much.
-`least` and `reference` heed both; who names a model takes it as it is.
+A need is required if a model without the ability cannot represent the case: such models are rejected. Other needs
+are desired: a model without the ability computes the case with poor accuracy. `least` and `reference` consider
+both, but a model named by the study is only checked for the required ones.
 """
 
 import math
@@ -19,17 +19,18 @@ from bearingsim.core.geometry.kinematics import cage_speed
 if TYPE_CHECKING:
     from bearingsim.config.case_fields import CaseFields
 
-STRIBECK = 4.08  # largest load of a roller over the mean: no clearance, line contact (balls: 4.37)
-NOTABLE_SHARE = 0.1  # share of the largest load at rest from which the rollers' centrifugal force counts
+STRIBECK = 4.08  # largest roller load relative to F/Z, for line contacts without clearance (balls: 4.37)
+NOTABLE_SHARE = 0.1  # centrifugal force of a roller above which inertia is needed, relative to the largest load
 
 NEEDS_ROLLER_MASS = "a damping force at first contact needs the mass of a roller"
-"""Without, a ring that is thrown up closes contacts all round, ever smaller and faster (docs/stability.md)."""
+"""Reason for the ability `roller inertia`: massless rollers chatter, ever faster, when the ring is thrown upwards
+(docs/stability.md)."""
 
 Path = tuple[str | int, ...]
 
 
 class Need(NamedTuple):
-    """Something a case asks of its model: an ability, why in words, the paths that ask for it."""
+    """Need of a case: the ability of the model, the reason in words, and the paths that cause the need."""
 
     what: str
     why: str
@@ -44,7 +45,7 @@ def needs(case: "CaseFields") -> list[Need]:
 
 
 def least(case: "CaseFields") -> str | None:
-    """Return the lowest model with all needed abilities, or else with all firm ones; None if there is none."""
+    """Return the lowest model with all needed abilities, or else with all required ones; None if there is none."""
     all_needs = needs(case)
     desired, firm = {need.what for need in all_needs}, {need.what for need in all_needs if need.required}
     models = catalogue.MODELS.values()
@@ -55,7 +56,7 @@ def least(case: "CaseFields") -> str | None:
 def reference(case: "CaseFields") -> str | None:
     """Return the reference model: the first of ``catalogue.REFERENCES`` with all needed abilities.
 
-    None if no model has all firm ones.
+    If there is none, return the first with all required ones, or None.
     """
     all_needs = needs(case)
     desired, firm = {need.what for need in all_needs}, {need.what for need in all_needs if need.required}
@@ -65,32 +66,32 @@ def reference(case: "CaseFields") -> str | None:
 
 
 def unmet_wishes(case: "CaseFields") -> list[Need]:
-    """List the needs of a case, firm or not, that its own model lacks."""
+    """List the needs of a case, required or desired, that its model does not meet."""
     return [need for need in needs(case) if need.what not in catalogue.MODELS[case.model].abilities]
 
 
 def speaks_of_slip(case: "CaseFields") -> bool:
-    """Check if a case has sections of cage, friction or drag, or records slip."""
+    """Check if a case specifies cage, friction or drag, or records slip or the cage."""
     written = any(_is_said(case, name) for name in ("cage", "friction", "drag"))
     slips = ("slip", "cage")
     return written or any(_RECORDED.get(plain(name), ("", ""))[0] in slips for name in case.record)
 
 
 def leaves_friction_open(case: "CaseFields") -> bool:
-    """Return whether a case says nothing of what slips, and not `friction: none`, though its model knows of it."""
+    """Check if the model of a case computes slip, but the case specifies neither friction, cage nor drag."""
     slips = catalogue.MODELS[case.model].slips
     return slips and not speaks_of_slip(case) and "friction" not in case.model_fields_set
 
 
 def unmet_needs(case: "CaseFields") -> list[Need]:
-    """List the firm needs of a case that its own model lacks."""
+    """List the required needs of a case that its model does not meet."""
     return [
         need for need in needs(case) if need.required and need.what not in catalogue.MODELS[case.model].abilities
     ]
 
 
 def reasons(case: "CaseFields") -> list[str]:
-    """Describe the needs met by the least model and not by the one below it."""
+    """List the reasons why the lowest suitable model is needed instead of the one below it."""
     chosen = least(case)
     if chosen is None:
         return []
@@ -100,13 +101,13 @@ def reasons(case: "CaseFields") -> list[str]:
     return list(dict.fromkeys(need.why for need in needs(case) if need.what in able))
 
 
-# What asks for what
+# Needs by field of a case
 
 
 def _defect_needs(case: "CaseFields") -> Iterator[Need]:
     excitation: tuple[Path, ...] = (("excitation",),)
     if case.excitation in IMPULSE_EXCITATIONS and "excitation" not in case.model_fields_set:
-        return  # it came with the model
+        return  # default of the impulse model
     if case.excitation in IMPULSE_EXCITATIONS:
         yield Need(
             "impulses", f"`{case.excitation}` is a force history, which only `impulse` computes", excitation
@@ -171,7 +172,7 @@ def _shape_needs(case: "CaseFields") -> Iterator[Need]:
 
 
 def _is_said(case: "CaseFields", name: str) -> bool:
-    """Check if a section is written: in a planar case some are filled in."""
+    """Check if a section is specified by the study, not filled in by default."""
     section: Any = getattr(case, name)
     return section is not None and not isinstance(section, Frictionless) and name in case.model_fields_set
 
@@ -218,7 +219,7 @@ def _record_needs(case: "CaseFields") -> Iterator[Need]:
 
 
 def _mass_needs(case: "CaseFields") -> Iterator[Need]:
-    """Yield the need for roller inertia: rollers thrown into a defect, or outwards by their orbit."""
+    """Yield the needs for roller inertia: impacts in a defect, damping laws that jump, centrifugal force."""
     shown = [plain(name) for name in case.record]
     sharp = any(name.startswith("roller.") or name.endswith(".acceleration") for name in shown)
     if case.defects and case.excitation not in IMPULSE_EXCITATIONS and sharp:

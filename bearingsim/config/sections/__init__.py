@@ -1,1 +1,1 @@
-"""The sections of a study file, each with its fields."""
+"""Sections of a study file, with their fields."""

@@ -1,8 +1,8 @@
-"""Radial internal clearance by class: ISO 5753-1, in um by bore.
+"""Radial internal clearance by class and bore (ISO 5753-1).
 
-Cylindrical roller bearings with a cylindrical bore and deep groove ball bearings have tables of their own. The
-values are the standard's as bearing makers reprint them. They hold for the bearing on the shelf: fits and
-temperature take some of the clearance away.
+There are tables for cylindrical roller bearings with cylindrical bore and for deep groove ball bearings, with the
+standard's values as reprinted in manufacturers' catalogues. They apply to the unmounted bearing: interference
+fits and temperature reduce the clearance.
 """
 
 import re
@@ -19,7 +19,7 @@ CLASSES: tuple[Class, ...] = get_args(Class)
 
 
 class _Row(NamedTuple):
-    """Limits in um of each class for bores over `over` up to and including `most` (mm)."""
+    """Limits (um) of each class for bores above `over` and up to `most` (mm), inclusive."""
 
     over: float
     most: float
@@ -54,7 +54,7 @@ _TABLES: dict[str, tuple[_Row, ...]] = {"roller": _ROLLER, "ball": _BALL}
 def limits(word: Class, element: str, bore: float) -> tuple[float, float]:
     """Return the limits of clearance (m) of a class; `element` is `roller` or `ball`, `bore` in m.
 
-    Raises ValueError, saying which bores the table has.
+    Raises ValueError, with the range of the table, for other bores.
     """
     table = _TABLES[element]
     millimetres = 1e3 * bore
@@ -67,14 +67,14 @@ def limits(word: Class, element: str, bore: float) -> tuple[float, float]:
 
 
 def middle(word: Class, element: str, bore: float) -> float:
-    """Return the middle of a class's range, m; ValueError as in `limits`."""
+    """Return the mean of a class's limits (m). Raises ValueError as ``limits`` does."""
     low, high = limits(word, element, bore)
     return round(0.5 * (low + high), 12)
 
 
 @dataclass(frozen=True)
 class _ClearanceOrClass(Quantity):
-    """Mark of a clearance: a length, or a class at the bore of the section's `bearing`, which stands before it."""
+    """Annotation of a clearance: a length, or a class. The section must define `bearing` before this field."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.with_info_before_validator_function(self._checked, handler(source))
@@ -90,7 +90,7 @@ class _ClearanceOrClass(Quantity):
             meant = raw.upper() if raw.upper() in CLASSES else None
             refuse("word", f"{expected}; got `{raw}`", f"did you mean `{meant}`?" if meant else None)
         bearing = info.data.get("bearing")
-        if bearing is None:  # wrong itself, which is told there
+        if bearing is None:  # invalid, and reported as such
             return 0.0
         try:
             return middle(raw, bearing.element, bearing.bore)

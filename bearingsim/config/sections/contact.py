@@ -30,7 +30,7 @@ from bearingsim.config.fields import (
 from bearingsim.config.sections.laws import laws_of
 from bearingsim.core.laws.oil_viscosity import COLDEST, GRADES, HOTTEST, ZERO_CELSIUS, iso_viscosity
 
-MOST_SLICES = 48  # that can be asked for: more is in vain beside the errors of the model
+MOST_SLICES = 48  # with more, the model's own errors dominate
 
 
 KNOWN_OILS = tuple(f"VG {grade}" for grade in GRADES)
@@ -50,7 +50,7 @@ def _oil(raw: Any) -> str:
 
 
 class HuntCrossley(Section):
-    """Damping force `chi` (s/m) times the approach rate times the elastic force."""
+    """Damping force equal to `chi` (s/m) times the approach rate times the elastic force."""
 
     law: Literal["hunt-crossley"] = "hunt-crossley"
     chi: InverseVelocity = 50.0
@@ -68,7 +68,7 @@ class _ByStiffness(Section):
         """c/k (s)."""
 
     def jumps(self, touch_down_stiffness: bool) -> bool:
-        """Check if the force jumps at touch-down: for a contact stiff from the start."""
+        """Check if the force jumps at first contact, as it does if the stiffness is nonzero there."""
         return self.damping_time > 0.0 and touch_down_stiffness
 
     def caveat(self, opens: bool) -> str:
@@ -77,7 +77,7 @@ class _ByStiffness(Section):
 
 
 class Kraemer(_ByStiffness):
-    """Damping proportional to the tangent stiffness, by the time `beta` (s)."""
+    """Damping equal to `beta` (s) times the tangent stiffness."""
 
     law: Literal["kraemer"] = "kraemer"
     beta: Delay = 2.5e-6
@@ -89,7 +89,7 @@ class Kraemer(_ByStiffness):
 
 
 class Undamped(_ByStiffness):
-    """No damping: contacts that only spring, as `kraemer` with a `beta` of 0."""
+    """Purely elastic contact, as `kraemer` with `beta` = 0."""
 
     law: Literal["none"] = "none"
 
@@ -100,11 +100,11 @@ class Undamped(_ByStiffness):
 
 
 class Film(Section):
-    """An oil film, and hysteresis in the steel.
+    """Damping by an oil film, and by hysteresis of the steel.
 
-    `viscosity` (Pa s) at the inlet, or `oil`, an ISO grade such as `VG 68`, at a `temperature` (K);
-    `pressure_coefficient` of the viscosity (1/Pa); `loss_factor` of the steel. `at`: `low` frequencies, or the
-    rolling element's `own`, of which theory gives an order of magnitude.
+    `viscosity` (Pa s) at the inlet, or an ISO grade `oil` such as `VG 68` at a `temperature` (K);
+    `pressure_coefficient` of the viscosity (1/Pa); `loss_factor` of the steel. `at` is the frequency of the film:
+    `low`, or the rolling element's `own` natural frequency, where theory gives an order of magnitude only.
     """
 
     law: Literal["film"] = "film"
@@ -147,14 +147,14 @@ class Film(Section):
 
     @property
     def inlet_viscosity(self) -> float:
-        """Viscosity (Pa s) of the oil as it comes to the contact."""
+        """Viscosity (Pa s) of the oil at the inlet of the contact."""
         if self.viscosity is not None:
             return self.viscosity
         return iso_viscosity(int(str(self.oil).split()[1]), float(self.temperature or 0.0) - ZERO_CELSIUS)
 
 
 class LossFactor(_ByStiffness):
-    """Damping that loses the same part of the elastic energy, c = `loss_factor` k / (2 pi `frequency`)."""
+    """Hysteretic damping with a constant loss factor, c = `loss_factor` k / (2 pi `frequency`)."""
 
     law: Literal["loss-factor"] = "loss-factor"
     loss_factor: Percentage
@@ -167,7 +167,7 @@ class LossFactor(_ByStiffness):
 
 
 class General(Section):
-    """c |v|^m2 delta^m3 with the coefficient in N, mm and s, as multibody tools print it."""
+    """Damping force c |v|^m2 delta^m3, with c in N, mm and s, as multibody programs report it."""
 
     law: Literal["general"] = "general"
     coefficient: Coefficient
@@ -175,12 +175,12 @@ class General(Section):
     indentation_exponent: Exponent
 
     def jumps(self, touch_down_stiffness: bool) -> bool:
-        """Check if the force jumps at touch-down: for damping that does not grow with the approach."""
+        """Check if the force jumps at first contact, as it does if damping is independent of the indentation."""
         return self.coefficient > 0.0 and isclose(self.indentation_exponent, 0.0, abs_tol=1e-12)
 
 
 class Constant(Section):
-    """k delta^m of one contact, the coefficient in N and mm (N/mm^m), as multibody tools print it."""
+    """Elastic force k delta^m of one contact, with k in N/mm^m, as multibody programs report it."""
 
     law: Literal["constant"] = "constant"
     coefficient: PositiveCoefficient
@@ -188,7 +188,7 @@ class Constant(Section):
 
     @property
     def stiff_at_touch_down(self) -> bool:
-        """True if the stiffness does not vanish as the contact closes."""
+        """True if the stiffness is nonzero at first contact."""
         return isclose(self.exponent, 1.0)
 
 
@@ -196,16 +196,16 @@ DAMPING = laws_of("damping", default="kraemer")
 STIFFNESS = laws_of("stiffness", default="constant")
 
 WORD = "word"
-"""Tag of a stiffness law that has no numbers."""
+"""Tag of stiffness laws without parameters."""
 
 WORDS = tuple(word for word in STIFFNESS.words if word not in STIFFNESS.sections)
-"""Stiffness laws without numbers."""
+"""Stiffness laws without parameters."""
 
 KNOWN = (*WORDS, *STIFFNESS.sections)
 
 
 def _stiffness(raw: Any) -> Any:
-    """Convert a law without numbers to a word, and one with numbers to a mapping."""
+    """Convert a law without parameters to a word, any other law to a mapping."""
     law = STIFFNESS.tag(raw) if isinstance(raw, dict) else getattr(raw, "law", raw)
     if law not in KNOWN:
         raise_unknown_word(law, KNOWN)
@@ -240,9 +240,9 @@ else:
 class Contact(Section):
     """Contact of rolling elements and races.
 
-    `stiffness` is a word or a `Constant`; in a case it is never None: `palmgren` for rollers, `point` for balls.
-    `length_nodes` cut a defect whose width varies along the roller; `slices` cut the roller of the spatial model,
-    and are more where defects need it.
+    `stiffness` is a word or a mapping; its default is `palmgren` for rollers, `point` for balls. `length_nodes` is
+    the number of nodes along a defect whose width varies along the roller; `slices` is the least number of slices
+    of a roller in the spatial model.
     """
 
     stiffness: Stiffness | None = None
@@ -252,11 +252,11 @@ class Contact(Section):
 
     @property
     def elastic_law(self) -> str:
-        """The name of the stiffness law."""
+        """Name of the stiffness law."""
         return str(getattr(self.stiffness, "law", self.stiffness))
 
     @property
     def jumps(self) -> bool:
-        """True if the damping force jumps as a contact closes."""
-        jumps = getattr(self.damping, "jumps", None)  # a law that says nothing of it is continuous
+        """True if the damping force jumps at first contact."""
+        jumps = getattr(self.damping, "jumps", None)  # laws without this method are continuous
         return bool(jumps and jumps(getattr(self.stiffness, "stiff_at_touch_down", False)))

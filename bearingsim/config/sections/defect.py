@@ -1,4 +1,4 @@
-"""A defect, and how it is let act on the rollers."""
+"""Defects, and their excitations of the rollers."""
 
 from math import isclose
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
@@ -37,16 +37,16 @@ Excitation = Literal[
 ]
 
 IMPULSE_EXCITATIONS: tuple[Excitation, ...] = ("impulse-train", "random-impulses")
-"""Excitations that are forces in time, not shapes in space: the impulse model's."""
+"""Excitations of the impulse model, which are force histories, independent of the defect's geometry."""
 
 STIFFNESS_EXCITATIONS: tuple[Excitation, ...] = ("pressure-share", "soft-edge", "elastic-edge")
-"""Excitations that change the contact's force at the defect, not only its position."""
+"""Excitations that change the contact force at the defect, not only the position of the surface."""
 
 PATH_EXCITATIONS: tuple[Excitation, ...] = ("envelope", *IMPULSE_EXCITATIONS)
-"""Excitations that know the path of a roller over any defect; the others have forms for a few shapes only."""
+"""Excitations for defects of any shape; the others are defined for ``SIMPLE_SHAPES`` only."""
 
 SIMPLE_SHAPES = tuple(shape.name for shape in catalogue.SHAPES.values() if shape.simple)
-"""Shapes for which every excitation has a form."""
+"""Shapes for which every excitation is defined."""
 
 if TYPE_CHECKING:
     Shape = str
@@ -54,18 +54,15 @@ else:
     Shape = Literal[tuple(catalogue.SHAPES)]
 
 EDGE_RADIUS = 20e-6
-"""Radius (m) of edges that give way (`elastic-edge`) and are not said to be sharper or rounder: an assumption."""
+"""m; default edge radius for `elastic-edge`, an assumption."""
 
 SIZES = ("length", "width", "depth")
-SAME_SIZE = 1e-6  # relative: machines differ in the last digits of what levelling a scan leaves
+SAME_SIZE = 1e-6  # relative tolerance: machines differ in the last digits of a levelled scan
 _SHAPE_FIELDS = {"grown": "spall", "seed": "spall", "file": "scan", "digest": "scan"}
 
 
 class Edge(Section):
-    """Edges of a defect along rolling: rounded with `radius`, or walls no steeper than over the length `ramp` (m).
-
-    One of the two keys.
-    """
+    """Edges of a defect in the rolling direction (m): either rounded with `radius`, or sloped over `ramp`."""
 
     radius: Length | None = None
     ramp: Length | None = None
@@ -78,15 +75,14 @@ class Edge(Section):
 
 
 class Defect(Section):
-    """A defect: lengths in m (`length` along the axis, `width` along rolling), angle in rad.
+    """Defect: sizes in m (`length` along the axis, `width` in the rolling direction), angle in rad.
 
-    `race` is the element that carries it; `roller` counts from 1 and is 1 if not given. The angle is taken from
-    the load line (outer race; inner race at t = 0, turning with the ring) or, on a roller, from the outward
-    radial direction at t = 0. `offset` is how far the defect's middle lies off the roller's,
-    towards +z (m).
+    `race` is the element with the defect; `roller` is counted from 1, the default. The angle is measured from the
+    load line (on the inner race at t = 0, rotating with it) or, on a roller, from the outward radial direction at
+    t = 0. `offset` is the axial distance (m) of the defect's centre from the roller's, positive towards +z.
 
-    A `spall` has the given sizes when it is `grown` to 1; `seed` is which spall it is. A `scan` is read from
-    `file` (CSV or HDF5) and brings its sizes and `digest`, of the file's content: not for users to set.
+    A `spall` has the given sizes at `grown` = 1, and a random shape determined by `seed`. The sizes of a `scan`
+    are those in its `file` (CSV or HDF5); `digest` identifies the file's content and is not set by users.
     """
 
     race: Annotated[Race, one_of(*get_args(Race))] = "outer"
@@ -113,13 +109,13 @@ class Defect(Section):
 
     @property
     def element(self) -> tuple[str, int]:
-        """The element that carries it: the race, and the number of the roller (0: a race)."""
+        """Element with the defect: its `race`, and the number of the roller (0 for a race)."""
         return self.race, (self.roller or 1) if self.race == "roller" else 0
 
     @model_validator(mode="before")
     @classmethod
     def _measured(cls, data: Any) -> Any:
-        """Complete a scan by the sizes of its file; drop words `none`, by which a sweep omits a field."""
+        """Add the sizes of a scan's file; remove fields set to `none`, by which a sweep omits them."""
         if not isinstance(data, dict):
             return data
         fields = {
@@ -153,7 +149,7 @@ def _with_scan(fields: dict[str, Any]) -> dict[str, Any]:
             "as in `file: scans/spall.csv`",
             at="file" if "file" in fields else "",
         )
-    from bearingsim.config.scan.file import ScanError  # numpy is for those who scan
+    from bearingsim.config.scan.file import ScanError  # imports numpy, which only scans need
     from bearingsim.config.scan.repair import read_scan
 
     present = [name for name in (*SIZES, "digest") if name in fields]
@@ -170,7 +166,7 @@ def _with_scan(fields: dict[str, Any]) -> dict[str, Any]:
 
 
 def _check_unchanged(fields: dict[str, Any], digest: str, sizes: tuple[float, ...]) -> None:
-    """Refuse what a defect that was made before says of its file, if it is not so."""
+    """Check the digest and sizes of a validated defect against its file."""
     if fields["digest"] != digest:
         refuse("changed", f"`{fields['file']}` has changed since", "make the case anew", at="file")
     for name, size in zip(SIZES, sizes, strict=True):

@@ -34,14 +34,14 @@ Land = Literal["inner", "outer"]
 
 
 class Ramp(Section):
-    """The speed goes linearly from the case's `speed` to `to` (rad/s) in `time` (s), then stays."""
+    """Linear change of the speed from the case's `speed` to `to` (rad/s) in `time` (s), then constant."""
 
     to: Rotation
     time: Duration
 
 
 class _Curve(Section):
-    """The static-dynamic curve: odd, up to `static` at `static_speed`, down to `dynamic` at `dynamic_speed`."""
+    """Friction coefficient, odd in speed: `static` at `static_speed`, falling to `dynamic` at `dynamic_speed`."""
 
     static: Number
     dynamic: Number
@@ -58,7 +58,7 @@ class _Curve(Section):
 
 
 class StaticDynamic(_Curve):
-    """Dry friction of rollers on races, by the paper's curve (0.3 and 0.15)."""
+    """Dry friction of rollers on races, by default with the coefficients of the paper."""
 
     law: Literal["static-dynamic"] = "static-dynamic"
     static: Number = 0.3
@@ -66,7 +66,7 @@ class StaticDynamic(_Curve):
 
 
 class Traction(Section):
-    """Lubricated traction, mu = (a + b s) exp(-c s) + d with s the slip over the rolling speed (Kragelskii)."""
+    """Lubricated traction, mu = (a + b s) exp(-c s) + d, with s the slide-to-roll ratio (Kragelskii)."""
 
     law: Literal["traction"] = "traction"
     a: SignedNumber = -0.1
@@ -76,7 +76,7 @@ class Traction(Section):
 
 
 class Frictionless(Section):
-    """Rollers that slide freely."""
+    """Frictionless contact of rollers and races."""
 
     law: Literal["none"] = "none"
 
@@ -90,19 +90,19 @@ else:
 
 
 class CageFriction(_Curve):
-    """Friction of the cage on rollers and guiding ring (the paper's 0.002 and 0.001)."""
+    """Friction of the cage on rollers and guiding ring, by default with the coefficients of the paper."""
 
     static: Number = 0.002
     dynamic: Number = 0.001
 
 
 class Cage(Section):
-    """The cage: how it moves, its mass (None: from its dimensions), clearances (m, whole gap) and contacts.
+    """Cage: its motion, mass (None: from its dimensions), clearances (m, total gap) and contacts.
 
-    `pocket_stiffness` (N/m) is linear, `pocket_damping` is chi (s/m) of a Hunt-Crossley contact; both hold for the
-    guide too. `radial_pocket_clearance` is the gap that guides a cage on its rollers, the pocket's if not given.
-    `axial_clearance` is the gap along a roller in its pocket, for the spatial model. Stiffness, damping and
-    clearances are assumptions.
+    `pocket_stiffness` (N/m) is linear, `pocket_damping` is chi (s/m) of a Hunt-Crossley contact; both also apply
+    to the guide. `radial_pocket_clearance` is the gap of a cage guided by its rollers, by default
+    `pocket_clearance`. `axial_clearance` is the axial gap of a roller in its pocket, for the spatial model.
+    Stiffness, damping and clearances are assumptions.
     """
 
     motion: Annotated[Motion, one_of(*get_args(Motion))] = "free"
@@ -124,10 +124,10 @@ class Cage(Section):
 
 
 class Drag(Section):
-    """Drag on rollers and cage: churned oil, and the film between the cage and its guiding ring (`land`).
+    """Drag of the oil on rollers, and of the film between the cage and its guiding ring (`land`).
 
-    The roller's drag is 1/2 (oil_fraction oil_density) drag_coefficient L D v^2; the film's stress is
-    oil_viscosity U/land_gap on an area 2 pi R land_width (None: the ring's width less the roller's length).
+    Drag on a roller is 1/2 (oil_fraction oil_density) drag_coefficient L D v^2. The shear stress of the film is
+    oil_viscosity U/land_gap on the area 2 pi R land_width (None: the ring's width minus the roller's length).
     """
 
     oil_fraction: Share = 0.1
@@ -140,9 +140,9 @@ class Drag(Section):
 
 
 class Shaft(Section):
-    """An inner ring that can move: spring (N/m) and damper (N s/m) that hold it, its mass with the shaft (kg).
+    """Support of a moving inner ring: spring (N/m), damper (N s/m), mass of ring and shaft (kg).
 
-    With `axial_stiffness` (N/m) and `tilting_stiffness` (N m/rad) it also moves along its axis and tilts.
+    With `axial_stiffness` (N/m) and `tilting_stiffness` (N m/rad) the ring can also move axially and tilt.
     """
 
     stiffness: Stiffness
@@ -155,7 +155,7 @@ class Shaft(Section):
 
 
 class Unbalance(Section):
-    """A mass turning with the shaft: mass times radius (kg m), and its angle from the load line at t = 0 (rad)."""
+    """Unbalance of the shaft: mass times radius (kg m), and its angle from the load line at t = 0 (rad)."""
 
     mass_radius: MassRadius
     angle: Angle = 0.0

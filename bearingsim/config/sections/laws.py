@@ -1,4 +1,4 @@
-"""A field that holds one of several laws, as the catalogue has them."""
+"""Fields that accept one of several laws of the catalogue."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -12,9 +12,9 @@ from bearingsim.config.fields import Section, Written, or_words, raise_unknown_w
 
 @dataclass(frozen=True)
 class Laws:
-    """Sections of which a field holds one, told apart by their `law`; a bare word is a law with its defaults.
+    """Alternative sections of a field, identified by their `law`.
 
-    `words` are the laws that may be given as a bare word.
+    words: laws that may be given as a word, which selects their defaults; default: law of an ambiguous mapping.
     """
 
     sections: dict[str, type[Section]]
@@ -28,12 +28,12 @@ class Laws:
         return raw["law"] if "law" in raw else self.told_by(raw)
 
     def told_by(self, keys: Iterable[str]) -> str:
-        """Return the law of a mapping without `law`: the only one with all its keys, else the default."""
+        """Return the only law that has all these keys, else the default."""
         fitting = [law for law, section in self.sections.items() if section.model_fields.keys() >= set(keys)]
         return fitting[0] if len(fitting) == 1 else self.default
 
     def spelled(self, raw: Any) -> Any:
-        """Convert a word to a mapping; refuse an unknown law."""
+        """Convert a word to a mapping. Unknown laws are rejected."""
         mapping = {"law": raw} if isinstance(raw, str) else raw
         law = self.tag(mapping)
         if not isinstance(law, str) or law not in self.sections:
@@ -41,13 +41,13 @@ class Laws:
         return mapping
 
     def field(self) -> Any:
-        """Return the type of a field for one of the laws."""
+        """Return the type of a field that accepts one of the laws."""
         return Annotated[
             self.union(), Discriminator(self.tag), Written(self.spelled, lambda own: or_words(own, *self.words))
         ]
 
     def union(self) -> Any:
-        """Return the union of the sections, each with its law as a tag."""
+        """Return the union of the sections, tagged by their laws."""
         tagged = (Annotated[section, Tag(law)] for law, section in self.sections.items())
         return Union[tuple(tagged)]  # noqa: UP007 (made at run time)
 
@@ -63,7 +63,7 @@ def laws_of(what: str, default: str) -> Laws:
 
 
 def _section(reference: str) -> type[Section] | None:
-    """Return the section of a law; None if it is an extension's that does not load, which is then left out."""
+    """Import the section of a law. An extension whose section is invalid is disabled, and None returned."""
     try:
         section: type[Section] = catalogue.code(reference, type)
     except extensions.BrokenExtension as error:

@@ -39,7 +39,7 @@ _ELEMENT_FIELDS = {"roller_length": "roller"} | dict.fromkeys(_GROOVES, "ball")
 
 
 def named(kind: Kind) -> Written:
-    """Return a mark of a section that may be given by name or path."""
+    """Return the annotation of a section that may be given by name or path."""
     return Written(
         lambda source: described(kind, source),
         lambda own: {"anyOf": [{"type": ["string", "number"], "examples": library_names(kind)}, own]},
@@ -47,7 +47,7 @@ def named(kind: Kind) -> Written:
 
 
 class Material(Section):
-    """Material of rollers and rings. The elastic constants are for the laws `johnson` and `point`."""
+    """Material of rolling elements and rings."""
 
     name: Text = ""
     density: SolidDensity
@@ -61,11 +61,11 @@ def _steel() -> Any:
 
 
 class Bearing(Section):
-    """A radial bearing: nominal dimensions in m, without clearance.
+    """Radial bearing: nominal dimensions in m, without clearance.
 
-    `rollers` and `roller_diameter` are number and diameter of the rolling elements, balls too. Cylindrical rollers
-    have a `roller_length`; balls have grooves instead, whose radii (m) lie in the plane of the bearing's axis.
-    Profile and flanges are those of rollers, for the spatial model.
+    `rollers` and `roller_diameter` are number and diameter of the rolling elements, rollers or balls. Cylindrical
+    rollers have a `roller_length`, ball bearings the radii of their grooves in the axial plane (m). `flanges` and
+    `roller_profile` are used by the spatial model.
     """
 
     name: Text = ""
@@ -86,23 +86,23 @@ class Bearing(Section):
 
     @property
     def roller_spacing(self) -> float:
-        """Distance along the outer race between neighbouring rollers, m."""
+        """Distance along the outer race between adjacent rollers, m."""
         return math.pi * (self.pitch_diameter + self.roller_diameter) / self.rollers
 
     @property
     def inner_spacing(self) -> float:
-        """Distance along the inner race between neighbouring rollers, m."""
+        """Distance along the inner race between adjacent rollers, m."""
         return math.pi * (self.pitch_diameter - self.roller_diameter) / self.rollers
 
     @property
     def ring_section(self) -> dict[str, float]:
-        """The outer ring's `height`, from the race to the outside, and `width`, m."""
+        """Cross-section of the outer ring: `height`, from race to outside diameter, and `width`, m."""
         height = 0.5 * (self.outside_diameter - self.pitch_diameter - self.roller_diameter)
         return {"height": round(height, 12), "width": self.width}
 
     @property
     def element_mass(self) -> float:
-        """Mass of one rolling element, kg: a plain cylinder or a sphere."""
+        """Mass of one rolling element, a cylinder or sphere, kg."""
         cross_section = math.pi / 4.0 * self.roller_diameter**2
         length = 2.0 / 3.0 * self.roller_diameter if self.roller_length is None else self.roller_length
         return self.material.density * cross_section * length
@@ -142,7 +142,7 @@ class Bearing(Section):
 
 
 class RollingParts(Section):
-    """The numbers of a bearing that its characteristic frequencies follow from, with the contact angle (rad)."""
+    """Parameters of a bearing that determine its characteristic frequencies; contact angle in rad."""
 
     name: Text = ""
     element: Annotated[Element, one_of(*get_args(Element))] = "roller"
@@ -158,7 +158,7 @@ class RollingParts(Section):
 
 
 def _check_circle(bearing: Bearing | RollingParts) -> None:
-    """Refuse more rolling elements than their circle has room for."""
+    """Reject rolling elements that do not fit on the pitch circle."""
     pitch, roller = bearing.pitch_diameter, bearing.roller_diameter
     if roller >= pitch * math.sin(math.pi / bearing.rollers):
         most = int(math.pi / math.asin(min(roller / pitch, 1.0)))
@@ -166,12 +166,12 @@ def _check_circle(bearing: Bearing | RollingParts) -> None:
 
 
 class Rig(Section):
-    """The bracket that holds the outer ring, and the sensor on it.
+    """Support of the outer ring by a bracket, and its sensor.
 
-    Without `torsion_stiffness` (N m/rad) the ring does not rotate; without `axial_stiffness` (N/m) and
-    `tilting_stiffness` (N m/rad) it neither moves along its axis nor tilts. Without `ring` it is rigid; with a
-    `ring` that bends, `load` says where the load enters it, and is never None in a case. `sensor_angle` (rad) and
-    `sensor.angle` are the same: a case has both, a study says one of them.
+    Without `torsion_stiffness` (N m/rad) the ring cannot rotate; without `axial_stiffness` (N/m) and
+    `tilting_stiffness` (N m/rad) it can neither move axially nor tilt. Without `ring` it is rigid; for a flexible
+    `ring`, `load` is the load path, and is never None in a case. `sensor_angle` (rad) is a synonym of
+    `sensor.angle`: a study defines one of them, a case has both.
     """
 
     name: Text = ""
@@ -192,7 +192,7 @@ class Rig(Section):
 
     @model_validator(mode="after")
     def _whole(self) -> "Rig":
-        """Check for one angle of the sensor, and fields of a flexible ring only with one."""
+        """Unify the two angles of the sensor; remove ring and load if the ring does not bend."""
         angle = self.sensor_angle if self.sensor.angle is None else self.sensor.angle
         if "sensor_angle" in self.model_fields_set and angle != self.sensor_angle:
             refuse(

@@ -1,4 +1,4 @@
-"""An outer ring that bends: its harmonics, where its load enters, where its sensor sits."""
+"""Flexible outer ring: its harmonics, load path and sensor."""
 
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
@@ -23,7 +23,7 @@ from bearingsim.config.fields import (
 MAX_HARMONICS = 100
 LoadPath = Literal["point", "pads", "points", "housing"]
 CARRIED: tuple[LoadPath, ...] = ("points", "housing")
-"""Load paths with springs between the ring and a rigid carrier, on which load and bracket act."""
+"""Load paths with springs between the ring and a rigid carrier; load and bracket act on the carrier."""
 
 KEYS: dict[LoadPath, tuple[str, ...]] = {
     "point": (),
@@ -31,11 +31,11 @@ KEYS: dict[LoadPath, tuple[str, ...]] = {
     "points": ("at", "mass"),
     "housing": ("stiffness", "fit", "mass"),
 }
-"""Further keys of each load path; the first is required."""
+"""Keys of each load path besides `by`; the first is required."""
 
 
 class Mapped(Section):
-    """A section that shows what it looks like when something else replaces it."""
+    """Section that must be a mapping; the error for any other value shows an example."""
 
     example: ClassVar[str]
 
@@ -48,7 +48,7 @@ class Mapped(Section):
 
 
 class RingSection(Mapped):
-    """The ring's section (m); without them as the bearing's dimensions say."""
+    """Cross-section of the outer ring (m); by default from the dimensions of the bearing."""
 
     example = "{height: 6.5 mm, width: 23 mm}"
     height: Length | None = None
@@ -56,9 +56,9 @@ class RingSection(Mapped):
 
 
 class FlexibleRing(Mapped):
-    """An outer ring that bends.
+    """Flexible outer ring.
 
-    harmonics: the highest that is computed; damping: of each harmonic, over the critical.
+    harmonics: order of the highest harmonic computed; damping: damping ratio of each harmonic.
     """
 
     example = "{bends: true}"
@@ -69,7 +69,7 @@ class FlexibleRing(Mapped):
 
 
 class SupportPoint(Mapped):
-    """A spring between ring and carrier: angle (rad) from the load line, stiffness (N/m)."""
+    """Spring between ring and carrier: angle (rad) from the load line, stiffness (N/m)."""
 
     example = "{angle: 0 deg, stiffness: 1e8 N/m}"
     angle: Angle
@@ -79,10 +79,10 @@ class SupportPoint(Mapped):
 class RingLoad(Mapped):
     """Load path into a flexible ring.
 
-    `point`: a force at the load line. `pads`: equal radial forces at `angles` (rad), whose resultant is the load.
-    `points`: springs `at` some angles; `housing`: springs all round, of `stiffness` (N/m per m of circumference),
-    with a `fit` (m; interference is positive, a gap negative). Both stand between the ring and a rigid carrier of
-    a `mass` (kg), on which load and bracket act, and push only.
+    `point`: a force on the load line. `pads`: equal radial forces at `angles` (rad), whose resultant is the load.
+    `points`: springs `at` discrete angles. `housing`: springs all round with `stiffness` (N/m per m of
+    circumference) and `fit` (m; interference positive, gap negative). The springs transmit compression only, to a
+    rigid carrier of `mass` (kg), on which load and bracket act.
     """
 
     example = "{by: housing, stiffness: 1e10 N/m/m}"

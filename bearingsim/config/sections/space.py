@@ -22,15 +22,15 @@ ProfileShape = Literal["straight", "crowned", "logarithmic"]
 
 
 def _spelled(raw: Any) -> Any:
-    """Convert a bare word to a shape without numbers."""
+    """Convert a word to the mapping of a shape without parameters."""
     return {"shape": raw} if isinstance(raw, str) else raw
 
 
 class Profile(Section):
-    """Profile of a roller: decrease of its radius towards the ends.
+    """Profile of a roller: reduction of its radius towards the ends.
 
-    `crowned`: by a parabola that begins at the ends of `straight_length` (m) and sinks to `drop` (m, of the
-    radius) at the roller's ends. `logarithmic`: by 0.00035 D_w ln[1/(1 - (2 z/L_w)^2)], that of ISO/TS 16281.
+    `crowned`: a parabola from zero at the ends of `straight_length` (m) to `drop` (m) at the roller's ends.
+    `logarithmic`: 0.00035 D_w ln[1/(1 - (2 z/L_w)^2)], as in ISO/TS 16281.
     """
 
     shape: Annotated[ProfileShape, one_of(*get_args(ProfileShape))] = "straight"
@@ -48,17 +48,17 @@ class Profile(Section):
 
 
 BARE = ("straight", "logarithmic")
-"""Shapes that need no numbers."""
+"""Shapes without parameters."""
 RollerProfile = Annotated[Profile, Written(_spelled, lambda own: or_words(own, *BARE))]
 
 
 class Flanges(Section):
-    """The shoulders that keep rollers from running out: how many of each ring, play and contact.
+    """Flanges that guide rollers axially: their number on each ring, clearance and contact.
 
-    One flange of a ring stands on the side of +z. `clearance` is the whole axial play of a roller between two
-    flanges (m), `height` that above the race (m; a fifth of the roller's diameter if not given). `stiffness` (N/m)
-    is linear and that of each of the two points in which a roller meets a flange; `damping` is chi (s/m) of their
-    Hunt-Crossley contact. Clearance, height and contact are assumptions.
+    A single flange of a ring is on the +z side. `clearance` is the total axial play of a roller between two
+    flanges (m), `height` the height above the race (m; by default a fifth of the roller's diameter). A roller
+    touches a flange at two points, each with a linear `stiffness` (N/m) and Hunt-Crossley `damping` chi (s/m).
+    Clearance, height and contact are assumptions.
     """
 
     inner: Annotated[int, whole(0, 2)] = 0
@@ -70,9 +70,9 @@ class Flanges(Section):
 
 
 class Misalignment(Section):
-    """Rings mounted askew: tilt of each ring's axis (rad), and the angle (rad) towards which its +z end tilts.
+    """Misalignment of the rings: tilt of each axis, and the direction towards which its +z end tilts (rad).
 
-    The direction counts from the load line, in the sense of rotation, and does not turn with the shaft.
+    The direction is measured from the load line, in the sense of rotation, and is fixed in space.
     """
 
     inner: Angle = 0.0
