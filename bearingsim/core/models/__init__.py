@@ -1,4 +1,5 @@
-"""The ladder of models: each a module with a ``NamedTuple`` of parameters and the functions of ``interface.py``.
+"""Models of increasing detail, each a module with a ``NamedTuple`` of parameters and interface functions.
 
-Its ``KIND`` says what others must know of it; ``build`` registers it under its name.
+The functions are those of ``interface.py``. A model's ``KIND`` describes it to the rest of the program; ``build``
+registers it under its name.
 """

@@ -1,4 +1,4 @@
-"""Lever arms (m) of angles: metres per unit of each coordinate, 1 of lengths."""
+"""Lever arms (m) that convert angles into lengths, 1 for coordinates that are lengths."""
 
 from bearingsim.core.jit import jit
 

@@ -1,11 +1,11 @@
-"""The static equilibrium of a bearing whose outer ring bends.
+"""Static equilibrium of a bearing with a flexible outer ring.
 
-The unknowns are the ring's position and the amplitudes of its harmonics, p. Each roller finds its own balance as
-it does under a stiff ring (``equilibrium.py``), and Newton's method with a line search solves
+The unknowns p are the ring's position and the amplitudes of its harmonics. The balance of each roller is solved
+separately, as with a rigid ring (``equilibrium.py``), and Newton's method with a line search solves
 
     g_k(p) = f_k - K_k p_k + sum_j Q_o,j(p) phi_k(theta_j) = 0,   phi: cos, sin of theta_j and of n theta_j,
 
-which is minus the gradient of a convex energy. The matrix is diag(K) + sum_j k_j phi phi^T, by Cholesky.
+which is minus the gradient of a convex energy. The matrix diag(K) + sum_j k_j phi phi^T is factorised by Cholesky.
 """
 
 from math import sqrt
@@ -43,16 +43,16 @@ from bearingsim.core.parts.bending import (
 )
 from bearingsim.core.rows import declare
 
-# rows as in a state: start of a line search and its direction (m), force (N) there
+# rows as in a state: start of a line search, its direction (m), and the force (N) at the present position
 FROM, WAY, FORCE = declare(
     lay.JACOBIAN_WORK + 62 * lay.ROW, "m, m, N", "bent bent-search", "start", size=3 * lay.ROW, step=3 * lay.ROW
 )
-# derivative of a contact's approach with respect to each unknown, over PULL_C and PULL_S, which FORCE has taken up
+# derivative of a contact's approach with respect to each unknown; overwrites PULL_C, PULL_S once FORCE is filled
 (PHI,) = declare(lay.PULL_C, "1", "bent-search", "start", size=2 * lay.ROW, step=0)
-# row by row; implicit methods have no bent ring
+# matrix by rows, in memory of the Jacobian because implicit methods have no flexible ring
 (MATRIX,) = declare(lay.POSITION_JACOBIAN, "N/m", "bent bent-search", "start", size=lay.ARROW_SIZE, step=0)
 LONGEST_STEP = 1e-4  # m
-# of a contact's stiffness: added so that the step stays finite where a ring hangs on one roller
+# of a contact's stiffness: added so that the step stays finite if one roller supports the ring
 UNSUPPORTED = 1e-8
 
 
@@ -64,14 +64,14 @@ def unknowns(bending):
 
 @inlined
 def cell(bending, k):
-    """Return the cell of unknown ``k`` in a block of the state."""
+    """Return the index of unknown ``k`` in a block of the state."""
     n = harmonics(bending)
     return k if k < 2 else (lay.MODES_C + k - 2 if k < 2 + n else lay.MODES_S + k - 2 - n)
 
 
 @jit
 def fill_force(bending, model, y):
-    """Fill FORCE from the rows that ``balance_rollers`` filled; its size (N)."""
+    """Fill FORCE from the rows filled by ``balance_rollers``; return its norm (N)."""
     f_x, f_y = net_force(model, y)
     push_harmonics(bending, y)
     press_springs(bending.springs, y)
@@ -113,7 +113,7 @@ def fill_matrix(bending, model, y):
 
 @generic(absent=None)
 def add_springs(springs: Any, y: np.ndarray, N: int) -> None:
-    """Add what the springs that are pressed offer to MATRIX of ``N`` rows."""
+    """Add the stiffness of the springs in contact to MATRIX of ``N`` rows."""
 
 
 @add_springs.register(Springs)
@@ -129,7 +129,7 @@ def _add_springs(springs, y, N):
 
 @jit
 def add_roller(bending, y, j, N):
-    """Add what roller ``j`` offers to MATRIX of ``N`` rows."""
+    """Add the stiffness of roller ``j`` to MATRIX of ``N`` rows."""
     y[PHI], y[PHI + 1] = y[lay.COS + j], y[lay.SIN + j]
     H = harmonics(bending)
     for i in range(H):
@@ -151,7 +151,7 @@ def add_contact(k, y, N):
 
 @jit
 def solve(y, N):
-    """Turn MATRIX into its Cholesky factor, and the ``N`` numbers at PHI into the solution to them."""
+    """Replace MATRIX by its Cholesky factor, and the right-hand side at PHI (``N`` numbers) by the solution."""
     for k in range(N):
         for m in range(k + 1):
             total = y[MATRIX + k * N + m]
@@ -170,7 +170,7 @@ def solve(y, N):
 
 @jit
 def choose_way(bending, model, y):
-    """Fill WAY with Newton's step (m), shortened if need be; the force's push along it (N m)."""
+    """Fill WAY with Newton's step (m), limited to LONGEST_STEP; return the work of the force along it (N m)."""
     N = unknowns(bending)
     fill_matrix(bending, model, y)
     for k in range(N):
@@ -196,7 +196,7 @@ def push_along(bending, y):
 
 @jit
 def go(bending, model, t, y, part):
-    """Set the ring to FROM and ``part`` of WAY; return the force's size (N) there."""
+    """Set the ring to FROM plus ``part`` of WAY; return the norm of the force (N) there."""
     for k in range(unknowns(bending)):
         i = cell(bending, k)
         y[lay.POSITION + i] = y[FROM + i] + part * y[WAY + i]
@@ -206,9 +206,9 @@ def go(bending, model, t, y, part):
 
 @jit
 def search_along(bending, model, t, y, push):
-    """Go along WAY until the force no longer pushes that way; the full length if it never stops.
+    """Move along WAY until the work of the force along it has vanished, at most by the full length.
 
-    ``push`` is that at its start. Returns the size of the force (N) at the end.
+    push: that work (N m) at the start. Returns the norm of the force (N) at the end.
     """
     for k in range(unknowns(bending)):
         i = cell(bending, k)

@@ -1,4 +1,4 @@
-"""Rings and cage of ``spatial``, the bodies that all rollers touch: how they stand, how loads accelerate them."""
+"""Rings and cage of ``spatial``, the bodies that all rollers touch: positions, motion and accelerations."""
 
 from typing import NamedTuple
 
@@ -14,10 +14,11 @@ from bearingsim.core.parts.shaft import accelerate_inner_ring, accelerate_ring_r
 
 
 class Bodies(NamedTuple):
-    """The bodies that all rollers touch, as they stand and move.
+    """Position and motion of the bodies that all rollers touch.
 
-    time: s, the motion's own; ramp_rate: relative acceleration of all speeds (1/s); theta_i, omega_i: the inner
-    ring's angle (rad) and speed (rad/s); omega_cage: the cage's speed, spin: a roller's nominal one (rad/s).
+    time: kinematic time (s); ramp_rate: relative acceleration of all speeds (1/s); theta_i, omega_i: angle (rad)
+    and speed (rad/s) of the inner ring; omega_cage: speed of the cage (rad/s); spin: nominal spin of a roller
+    (rad/s).
     """
 
     outer: Body
@@ -52,14 +53,14 @@ def bodies(model, t, y):
 
 @jit
 def hold_mounted_rings(model, y):
-    """Put the rings where they are held."""
+    """Set the rings on rigid mounts to their mounted positions."""
     hold_mounted_ring(model.mount_o, y, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y)
     hold_mounted_ring(model.mount_i, y, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y)
 
 
 @jit
 def accelerate_bodies_of(model, common, y):
-    """Write the accelerations of rings and cage from the cells of their loads; returns the cage's angular one."""
+    """Write the accelerations of rings and cage from their load cells; return the cage's angular acceleration."""
     b = model.bearing
     wound = accelerate_cage_axis(model.cage_z, model.cage, common.cage, y)
     y[lay.M_C] = y[lay.M_X_C] * common.cage.a_x + y[lay.M_Y_C] * common.cage.a_y + y[lay.M_C] * common.cage.a_z

@@ -1,14 +1,15 @@
-"""Models roller by roller: each says what acts on one roller and what all rollers share, and is evaluated here.
+"""Evaluation of models that are defined by functions of one roller and of the quantities that all rollers share.
 
-What a model gives, in the order in which it is called:
+A model provides, in the order of the calls:
 
-    shared              what all rollers share, from the state at the time
-    load_roller         the forces on one roller, and what it does to rings and cage
-    accelerate_shared   the sum of that over the rollers, and what it makes of rings and cage
-    accelerate_roller   one roller's acceleration, by its own forces and what rings and cage do
+    shared              quantities common to all rollers, from time and state
+    load_roller         forces on one roller, and its loads on rings and cage
+    accelerate_shared   sums of these loads, and accelerations of rings and cage
+    accelerate_roller   acceleration of one roller
 
-The first of the two loops over rollers also moves them, before their forces, and the second after: how, a method
-says by its type (``drift``, ``kick``). So a step is one passage, whatever the model.
+The first of the two loops over rollers also updates positions (``drift``), before the forces; the second also
+updates velocities (``kick``), after the accelerations. The type of the method's ``motion`` selects both updates,
+so a step takes one pass over the rollers with any model.
 """
 
 from typing import Any, NamedTuple
@@ -23,48 +24,48 @@ from bearingsim.core.parameters import lanes
 
 @generic(inline="late")
 def shared(model: Any, t: float, y: np.ndarray) -> Any:
-    """Return the numbers that all rollers share at time ``t`` (s): positions of rings and cage, and what turns
-    with time."""
+    """Return the numbers that all rollers share at time ``t`` (s): positions of rings and cage, speeds and
+    angles."""
 
 
 @generic(inline="late")
 def load_roller(model: Any, common: Any, y: np.ndarray, j: int) -> None:
-    """Fill the contact rows of roller ``j``, and of its ``layout.roller_load`` those that the model sums.
+    """Fill the contact rows of roller ``j``, and the rows of its ``layout.roller_load`` that the model sums.
 
-    common: from ``shared``. The rollers are lanes of one loop: no branches, nothing of another roller.
+    common: from ``shared``. The loop over rollers is vectorised, so no branches and no data of other rollers.
     """
 
 
 @generic(inline="late")
 def accelerate_shared(model: Any, common: Any, t: float, y: np.ndarray) -> Any:
-    """Correct the rollers that stand over a defect, sum up, and accelerate rings and cage.
+    """Correct the rollers over defects, sum the loads, and write the accelerations of rings and cage.
 
-    Returns what the rollers' own acceleration needs of it, as numbers.
+    Returns the numbers that ``accelerate_roller`` needs.
     """
 
 
 @generic(inline="late")
 def accelerate_roller(model: Any, common: Any, felt: Any, y: np.ndarray, j: int) -> None:
-    """Write the acceleration of roller ``j``; felt: from ``accelerate_shared``. A lane, as in ``load_roller``."""
+    """Write the acceleration of roller ``j``; felt: from ``accelerate_shared``. Vectorised as ``load_roller``."""
 
 
 @absent
 class Still(NamedTuple):
-    """The state stays as it is, and is evaluated there."""
+    """Motion without drift and kick: the state is evaluated as it is."""
 
 
 @generic(inline="late", absent=None)
 def drift(motion: Any, y: np.ndarray, i: int) -> None:
-    """Take coordinate ``i`` of the state to where it is evaluated."""
+    """Move coordinate ``i`` of the state to the position at which it is evaluated."""
 
 
 @generic(inline="late", absent=None)
 def kick(motion: Any, y: np.ndarray, i: int) -> None:
-    """Take the velocity of coordinate ``i`` on, by its acceleration there."""
+    """Update the velocity of coordinate ``i`` with its acceleration."""
 
 
 def as_a_whole(model, motion, t, y):
-    """Implement ``evaluate`` for a model that computes its ``accelerations`` only as a whole."""
+    """Implement ``evaluate`` for a model that computes all its ``accelerations`` in one call."""
     n = state_width(model)
     for i in range(n):
         drift(motion, y, i)
@@ -75,7 +76,7 @@ def as_a_whole(model, motion, t, y):
 
 @generic(inline="late", otherwise=as_a_whole)
 def evaluate(model: Any, motion: Any, t: float, y: np.ndarray) -> None:
-    """Drift, fill the rows that ``accelerations`` fills at time ``t`` (s), and kick."""
+    """Apply ``drift``, fill the rows of ``accelerations`` at time ``t`` (s), and apply ``kick``."""
 
 
 ROWS = tuple(i * lay.ROW + lay.FIRST_LANE for i in range(6))
@@ -84,8 +85,8 @@ ROWS = tuple(i * lay.ROW + lay.FIRST_LANE for i in range(6))
 
 @inlined
 def drift_roller(motion, own, y, j):
-    """Apply ``drift`` to the ``own`` coordinates of roller ``j``, one by one, because a loop over rows costs
-    vector lanes."""
+    """Apply ``drift`` to the ``own`` coordinates of roller ``j``, unrolled because a loop over rows prevents
+    vectorisation."""
     if own > 0:
         drift(motion, y, ROWS[0] + j)
     if own > 1:
@@ -113,7 +114,7 @@ def kick_roller(motion, own, y, j):
 
 @inlined
 def drift_harmonics(model, motion, y):
-    """Apply ``drift`` to the amplitudes of a bent outer ring."""
+    """Apply ``drift`` to the amplitudes of a flexible outer ring."""
     for i in range(harmonics(model)):
         drift(motion, y, lay.MODES_C + i)
     for i in range(harmonics(model)):
@@ -122,7 +123,7 @@ def drift_harmonics(model, motion, y):
 
 @inlined
 def kick_harmonics(model, motion, y):
-    """Apply ``kick`` to the amplitudes of a bent outer ring."""
+    """Apply ``kick`` to the amplitudes of a flexible outer ring."""
     for i in range(harmonics(model)):
         kick(motion, y, lay.MODES_C + i)
     for i in range(harmonics(model)):
@@ -131,7 +132,7 @@ def kick_harmonics(model, motion, y):
 
 @inlined
 def load_rollers(model, motion, common, y, n):
-    """Run the first loop over rollers."""
+    """Run the first loop over rollers: drift and loads."""
     own, _ = degrees_of_freedom(model)
     for j in range(n):
         drift_roller(motion, own, y, j)
@@ -140,7 +141,7 @@ def load_rollers(model, motion, common, y, n):
 
 @inlined
 def accelerate_rollers(model, motion, common, felt, y, n):
-    """Run the second loop over rollers."""
+    """Run the second loop over rollers: accelerations and kick."""
     own, _ = degrees_of_freedom(model)
     for j in range(n):
         accelerate_roller(model, common, felt, y, j)
@@ -148,7 +149,7 @@ def accelerate_rollers(model, motion, common, felt, y, n):
 
 
 def roller_by_roller(model, motion, t, y):
-    """Implement ``evaluate`` for a model whose functions are those above."""
+    """Implement ``evaluate`` for a model that has the four functions of the module's docstring."""
     n, (_, coordinates) = lanes(model.bearing), degrees_of_freedom(model)
     for k in range(coordinates):
         drift(motion, y, lay.shared_cell(k))
@@ -163,11 +164,11 @@ def roller_by_roller(model, motion, t, y):
 
 
 def accelerations_by_roller(model, t, y):
-    """Implement ``accelerations`` for such a model."""
+    """Implement ``accelerations`` for a model that has these four functions."""
     evaluate(model, Still(), t, y)
 
 
 def register_roller_model(parameters: type) -> None:
-    """Register a model that gives ``shared``, ``load_roller``, ``accelerate_shared`` and ``accelerate_roller``."""
+    """Register a model that has ``shared``, ``load_roller``, ``accelerate_shared`` and ``accelerate_roller``."""
     evaluate.register(parameters)(roller_by_roller)
     accelerations.register(parameters)(accelerations_by_roller)

@@ -1,10 +1,10 @@
-"""A model's derivatives by differences of its accelerations, each coordinate of all rollers at once.
+"""Jacobians by finite differences of the accelerations, with one coordinate of all rollers displaced at a time.
 
-A roller feels itself and the shared coordinates only. So one evaluation, with the same coordinate of all rollers
-displaced, gives a column of every roller; what each of them does to rings and cage follows from its own loads on
-them (Curtis, Powell and Reid 1974, On the estimation of sparse Jacobian matrices, J. Inst. Maths Applics 13, 117).
-Differences go forward, so their error is of first order: under 1e-5 of all derivatives (a test). A coordinate that
-nothing accelerates stands still: its column is left empty, and saves its evaluation.
+A roller depends only on its own and the shared coordinates. One evaluation with the same coordinate of all rollers
+displaced therefore gives a column for every roller; the effect of each roller on rings and cage follows from its
+own loads on them (Curtis, Powell and Reid 1974, On the estimation of sparse Jacobian matrices, J. Inst. Maths
+Applics 13, 117). Forward differences have an error of first order, below 1e-5 for all derivatives (tested). The
+column of a coordinate that cannot move is left empty, which saves its evaluation.
 """
 
 from typing import Any
@@ -15,9 +15,9 @@ from bearingsim.core.models.arms import roller_arms, shared_arms
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom
 from bearingsim.core.parameters import lanes
 
-DISPLACEMENT = 2e-11  # m, at the arm of an angle: small beside any approach, large beside its rounding
+DISPLACEMENT = 2e-11  # m (at the lever arm of an angle): small against approaches, large against their rounding
 SPEED = 1e-7  # m/s
-ORBIT = 1  # the coordinate of a roller that the arrow counts absolutely
+ORBIT = 1  # coordinate of a roller that is an absolute angle in the arrow matrices
 
 
 @generic
@@ -27,15 +27,15 @@ def roller_moves(model: Any, i: int) -> bool:
 
 @generic
 def accelerate_bodies(model: Any, t: float, y: Any) -> None:
-    """Write the accelerations of the shared coordinates from the cells F_X to M_INNER; it may spend them.
+    """Write the accelerations of the shared coordinates from the cells F_X to M_INNER, which it may overwrite.
 
-    Beside it, ``accelerations`` of such a model fills the rows ROLLER_LOADS: what each roller adds to these cells.
+    ``accelerations`` of such a model also fills the rows ROLLER_LOADS, each roller's contribution to these cells.
     """
 
 
 @jit
 def clear_arrows(own, shared, y, n):
-    """Empty both arrows."""
+    """Set both arrow matrices to zero."""
     for matrix in (lay.POSITION_JACOBIAN, lay.VELOCITY_JACOBIAN):
         for i in range(own):
             for k in range(own):
@@ -52,7 +52,7 @@ def clear_arrows(own, shared, y, n):
 
 @jit
 def keep_here(own, model, y):
-    """Keep the state about which differences are taken, accelerations absolute, and the rollers' loads there."""
+    """Store the state at which derivatives are computed, with absolute accelerations, and the rollers' loads."""
     for c in range(3 * lay.STATE):
         y[lay.HERE + c] = y[lay.POSITION + c]
     for j in range(model.bearing.Z):
@@ -67,9 +67,10 @@ def keep_here(own, model, y):
 
 @jit
 def load_bodies(model, t, y, j, per):
-    """Put the shared accelerations into the state: under the loads here and ``per`` times roller ``j``'s change.
+    """Compute the shared accelerations under the stored loads plus ``per`` times the change of roller ``j``'s.
 
-    They are affine in the loads: ``per`` = 1/displacement gives the derivative, beyond the accelerations here.
+    They are affine in the loads, so with ``per`` = 1/displacement their excess over the stored accelerations is
+    the derivative.
     """
     for c in range(lay.LOADS):
         row = lay.roller_load(lay.F_X + c) + j
@@ -80,7 +81,7 @@ def load_bodies(model, t, y, j, per):
 
 @jit
 def roller_column(model, t, matrix, i, own, shared, y, cell):
-    """Compute the column of coordinate ``i`` of every roller, displaced in the row at ``cell`` of the state."""
+    """Compute the column of coordinate ``i`` of every roller; the state is displaced in the row at ``cell``."""
     Z = model.bearing.Z
     accelerations(model, t, y)
     for k in range(own):
@@ -98,7 +99,7 @@ def roller_column(model, t, matrix, i, own, shared, y, cell):
 
 @jit
 def shared_column(model, t, matrix, m, own, shared, y, cell):
-    """Compute the column of the shared coordinate ``m``, displaced in ``cell`` of the state."""
+    """Compute the column of the shared coordinate ``m``; the state is displaced in ``cell``."""
     per = 1.0 / (y[cell] - y[lay.HERE + cell])
     accelerations(model, t, y)
     for k in range(own):
@@ -113,7 +114,7 @@ def shared_column(model, t, matrix, m, own, shared, y, cell):
 
 @jit
 def move_shared(own, Z, block, m, by, y):
-    """Displace the shared coordinate ``m``; rollers stay where they are while the cage turns."""
+    """Displace the shared coordinate ``m``; the absolute angles of the rollers do not change with the cage's."""
     y[block + lay.shared_cell(m)] += by
     if m == lay.PHI_C and own > ORBIT:
         turned = y[block + lay.PHI_C] - y[lay.HERE + block + lay.PHI_C]
@@ -123,14 +124,14 @@ def move_shared(own, Z, block, m, by, y):
 
 @jit
 def return_here(block, y):
-    """Undo a displacement."""
+    """Restore a block of the stored state after a displacement."""
     for c in range(lay.STATE):
         y[block + c] = y[lay.HERE + block + c]
 
 
 @jit
 def difference_jacobian(model, t, y):
-    """Implement ``linearise`` by differences."""
+    """Implement ``linearise`` by finite differences."""
     own, shared = degrees_of_freedom(model)
     b = model.bearing
     clear_arrows(own, shared, y, lanes(b))
@@ -139,7 +140,7 @@ def difference_jacobian(model, t, y):
     for c in range(lay.LOADS):
         y[lay.F_X + c] = y[lay.LOADS_HERE + c] + 1.0
     accelerate_bodies(model, t, y)
-    for k in range(shared):  # marked where a load accelerates it
+    for k in range(shared):  # mark the coordinates that loads can accelerate
         coordinate = lay.shared_cell(k)
         y[lay.LOADS_HERE + lay.LOADS + k] = (
             1.0 if y[lay.ACCELERATION + coordinate] != y[lay.HERE + lay.ACCELERATION + coordinate] else 0.0

@@ -1,12 +1,12 @@
-"""The exact static equilibrium: where the ring rests at a given cage angle.
+"""Exact static equilibrium of the ring and the rollers at a given cage angle.
 
-For a ring position u each roller finds its own balance Q_o = Q_i + m_r omega_c^2 r (one unknown, bracketed);
-the ring's position is then found by Newton with a line search on the net force
+For a ring position u the balance Q_o = Q_i + m_r omega_c^2 r of each roller is solved separately (one unknown,
+bracketed). The ring's position is then found by Newton's method with a line search on the net force
 
     f(u) = -F e_0 - F_across e_90 - k_b (u - u_0) + sum_j Q_o,j(u) e_r(theta_j)
 
-which is minus the gradient of a convex energy, so the method cannot wander off. A roller that carries nothing
-rests on the outer race. ``static`` takes one such equilibrium per step; every model with contacts starts from it.
+which is minus the gradient of a convex energy, so the method converges from any start. An unloaded roller lies on
+the outer race. ``static`` computes one such equilibrium per step; every model with contacts starts from one.
 """
 
 from math import hypot, inf, pi
@@ -29,29 +29,28 @@ from bearingsim.core.parameters import kinematic_angles, lanes
 from bearingsim.core.parts.bending import Bending, NoSprings, Stiff, bend, bend_race, held_position
 
 (K_SERIES,) = lay.rows(lay.WORK, "N/m", "rest bent", "start")  # stiffness of a roller's two contacts in series
-# of the outer contact, and a row on of the inner: the roller-defect pair in which it stands (-1: none), and its
-# distance from the defect's middle
+# of the outer contact (of the inner one, one row further): roller-defect pair of the contact (-1 if none), and its
+# distance from the middle of the defect
 PAIR, _, DISTANCE, _ = lay.rows(lay.WORK + lay.ROW, "1, 1, m, m", "rest bent ring", "evaluation")
-RESIDUAL = 1e-10  # of the load: residual of the search, well under the 1e-8 that a start may have
+RESIDUAL = 1e-10  # of the load: residual of the search, well under the 1e-8 allowed at the start of a run
 MAX_STEPS = 200
-STEPS_A_LOOK = 16  # steps between two looks at the clock, and at the rounding
+STEPS_A_LOOK = 16  # steps between two checks of the CPU time and of the rounding error
 ROUNDING = 1e-14  # of the largest contact force: rounding error of a net force
 LONGEST_STEP = 1e-5  # m
 LIGHT = 1e-8  # m: first approach of an unloaded roller
-REACH = 1e-6  # m: first bracket outwards
-TINY = 1e-16  # m: ten nanonewtons in a contact, where the search halves; a Newton step ends far closer
+REACH = 1e-6  # m: width of the first bracket, outwards
+TINY = 1e-16  # m: step at which bisection ends (about 10 nN in a contact); Newton steps end far closer
 
 
 class NoEquilibrium(ArithmeticError):
-    """The rollers cannot hold the load."""
+    """Failure to find a position in which the rollers balance the load."""
 
 
 @jit
 def contact_force(contact, side, defects, y, j, delta):
-    """Return the force (N), its derivative (N/m) and mean approach (m) of a contact of roller ``j``, ``delta`` (m)
-    in the race.
+    """Return force (N), stiffness (N/m) and mean approach (m) of a contact of roller ``j``.
 
-    side: OUTER or INNER.
+    side: OUTER or INNER; delta: approach to the undamaged race (m).
     """
     d, s = int(y[PAIR + side * lay.ROW + j]), y[DISTANCE + side * lay.ROW + j]
     return elastic_over_defect(contact.stiffness, defects, d, s, delta)
@@ -59,8 +58,10 @@ def contact_force(contact, side, defects, y, j, delta):
 
 @jit
 def excess_force(model, y, j, touch, q):
-    """Return the net inward force (N) on a roller at ``q`` (m) and its derivative; ``touch`` is where it meets the
-    outer race."""
+    """Return the net inward force (N) on a roller at ``q`` (m) and its derivative (N/m).
+
+    touch: position of first contact with the outer race (m).
+    """
     bearing = model.bearing
     outer, k_o, _ = contact_force(model.outer, OUTER, model.defects, y, j, q - touch)
     inner, k_i, _ = contact_force(model.inner, INNER, model.defects, y, j, -bearing.gap - q)
@@ -70,11 +71,11 @@ def excess_force(model, y, j, touch, q):
 
 @jit
 def roller_balance(model, y, j, u_r):
-    """Return the position q (m) of a roller when the outer race stands ``u_r`` further out at its angle.
+    """Return the position q (m) of a roller when the outer race is displaced outwards by ``u_r`` (m) at its angle.
 
-    Newton's method from where a roller without mass would be over undamaged races. It goes out by no more than a
-    reach that doubles until the outer race holds the roller; from then on it halves the bracket wherever its own
-    step leaves it or does not shrink fast. The rows PAIR and DISTANCE say where the roller stands over a defect.
+    Newton's method, started at the position of a massless roller over undamaged races. Outward steps are limited
+    to a reach that doubles until the outer race supports the roller; then a step is replaced by bisection if it
+    leaves the bracket or does not shrink fast. The rows PAIR and DISTANCE give the roller's position over defects.
     """
     gap = model.bearing.gap
     touch, pressed = u_r + gap, -2.0 * gap - u_r
@@ -100,7 +101,7 @@ def roller_balance(model, y, j, u_r):
         elif not low <= target <= high or abs(target - q) > 0.5 * before:
             target = 0.5 * (low + high)
         before, last = last, abs(target - q)
-        if last <= TINY + 4e-16 * abs(q):  # near the balance, Newton's error is of the order of its square
+        if last <= TINY + 4e-16 * abs(q):  # the error of a Newton step is of the order of its square
             return target
         q = target
     return q
@@ -108,8 +109,8 @@ def roller_balance(model, y, j, u_r):
 
 @jit
 def locate_defects(model, t, y):
-    """Fill the rows PAIR and DISTANCE: the roller-defect pair each contact stands in, and its distance (m) from
-    the middle.
+    """Fill the rows PAIR and DISTANCE: the roller-defect pair of each contact and its distance (m) from the
+    defect's middle.
     """
     defects = model.defects
     for j in range(model.bearing.Z):
@@ -124,7 +125,7 @@ def locate_defects(model, t, y):
 
 @jit
 def balance_rollers(model, t, y):
-    """Balance every roller for the ring position in ``y``; fills its angle, approach, force and K_SERIES rows."""
+    """Balance every roller for the ring position in ``y``; fill its angle, approach, force and K_SERIES rows."""
     bearing, defects = model.bearing, model.defects
     locate_defects(model, t, y)
     theta_c, _, _ = kinematic_angles(bearing, t)
@@ -145,7 +146,7 @@ def balance_rollers(model, t, y):
 
 @jit
 def net_force(model, y):
-    """Return the net force (N) on the ring, from the rows that ``balance_rollers`` filled.
+    """Return the net force (N) on the ring, from the rows filled by ``balance_rollers``.
 
     Equation (M12) of docs/model.md.
     """
@@ -158,9 +159,9 @@ def net_force(model, y):
 
 @jit
 def ring_stiffness(model, y):
-    """Return the stiffness of the ring's support (N/m): entries xx, xy, yy of the symmetric matrix -df/du."""
+    """Return the entries xx, xy, yy of the ring's symmetric stiffness matrix -df/du (N/m)."""
     k_b = model.support.k_b
-    # a ring hanging on one roller has no stiffness across it: a trace of it keeps the step finite
+    # a ring supported by one roller has no stiffness across it, so a small one is added to keep the step finite
     trace = 1e-8 * tangent(model.outer.stiffness, 1e-7)
     k_xx, k_xy, k_yy = k_b + trace, 0.0, k_b + trace
     for j in range(model.bearing.Z):
@@ -180,8 +181,8 @@ def solve_2x2(k_xx, k_xy, k_yy, f_x, f_y):
 
 @jit
 def force_at(model, t, y, x, z, d_x, d_y, part):
-    """Return the net force (N) with the ring moved by ``part`` of (d_x, d_y) from (x, z), and its push that way
-    (N m)."""
+    """Return the net force (N) with the ring moved by ``part`` of (d_x, d_y) from (x, z), and its product with
+    (d_x, d_y) (N m)."""
     y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y] = x + part * d_x, z + part * d_y
     balance_rollers(model, t, y)
     f_x, f_y = net_force(model, y)
@@ -190,9 +191,9 @@ def force_at(model, t, y, x, z, d_x, d_y, part):
 
 @jit
 def line_search(model, t, y, d_x, d_y, push):
-    """Go along (d_x, d_y) (m) until the force no longer pushes that way; the full length if it never stops.
+    """Move along (d_x, d_y) (m) until the force along it has vanished, at most by the full length.
 
-    ``push`` is the force along the way at its start. Returns the net force (N) at the end.
+    push: product of force and step (N m) at the start. Returns the net force (N) at the end.
     """
     x, z = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
     f_x, f_y, end = force_at(model, t, y, x, z, d_x, d_y, 1.0)
@@ -213,18 +214,18 @@ def line_search(model, t, y, d_x, d_y, push):
 
 @jit
 def find_rest(model, t, y):
-    """Put ring and rollers at rest at time ``t`` (s), starting from where the ring stands in ``y``.
+    """Find the static equilibrium of ring and rollers at time ``t`` (s), starting from the ring position in ``y``.
 
-    Newton on the net force with a line search on the energy's derivative. Returns the residual force (N);
-    velocities are left alone.
+    Newton's method on the net force with a line search on the derivative of the energy. Returns the residual force
+    (N); velocities are not changed.
     """
     return settle(model.bending, model, t, y)
 
 
 @jit
 def is_futile(size, y):
-    """Check if further steps are futile: the job's CPU time is over, or a net force of ``size`` (N) is
-    rounding."""
+    """Check if further steps are futile because the job's CPU time is used up or the net force ``size`` (N) is
+    rounding error."""
     largest = 0.0
     for j in range(lay.ROW):
         largest = max(largest, y[lay.Q_O + j], y[lay.Q_I + j])
@@ -233,7 +234,7 @@ def is_futile(size, y):
 
 @generic
 def settle(bending: Any, model: Any, t: float, y: np.ndarray) -> float:
-    """Run ``find_rest`` for a ring that bends in this way."""
+    """Implement ``find_rest`` for a rigid or a flexible ring, by the type of ``bending``."""
 
 
 @settle.register(Stiff)
@@ -255,7 +256,7 @@ def _settle(bending, model, t, y):
 
 @jit
 def force_along(model, t, y, x):
-    """Return the net force (N) along the load line with the ring at ``x`` (m) on it: falls as x grows."""
+    """Return the net force (N) along the load line with the ring at ``x`` (m) on it; it decreases with x."""
     y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y] = x, 0.0
     balance_rollers(model, t, y)
     return net_force(model, y)[0]
@@ -263,7 +264,7 @@ def force_along(model, t, y, x):
 
 @jit
 def first_guess(model, t, y):
-    """Put the ring on the load line where the force along it vanishes, by bisection to a nanometre."""
+    """Move the ring along the load line until the force along it vanishes, by bisection to a nanometre."""
     reach = 1e-7 + 2.0 * abs(model.bearing.gap)
     while force_along(model, t, y, -reach) < 0.0:
         reach *= 2.0
@@ -274,12 +275,12 @@ def first_guess(model, t, y):
             low = middle
         else:
             high = middle
-    force_along(model, t, y, low)  # the side on which rollers carry
+    force_along(model, t, y, low)  # the side on which rollers carry load
 
 
 @jit
 def rest_from_scratch(model, t, y):
-    """Run ``find_rest`` without an initial guess; all velocities zero. Return the residual force (N)."""
+    """Run ``find_rest`` without an initial guess and with zero velocities. Return the residual force (N)."""
     y[lay.POSITION : lay.POSITION + lay.STATE] = 0.0
     y[lay.VELOCITY : lay.VELOCITY + lay.STATE] = 0.0
     first_guess(model, t, y)
@@ -287,7 +288,7 @@ def rest_from_scratch(model, t, y):
 
 
 def find_in_time(find, model, t, y):
-    """Run ``find_rest`` or ``rest_from_scratch`` from Python. Raises OutOfCpuTime if the job's is over."""
+    """Run ``find_rest`` or ``rest_from_scratch`` from Python. Raises OutOfCpuTime at the end of the job's time."""
 
     def find_until(end):
         y[lay.CPU_END] = end
@@ -302,16 +303,16 @@ def given_load(model):
 
 
 def held_body_position(model, y):
-    """Return the position of what a bracket would hold (m, m)."""
+    """Return the position (m, m) of the body held by the bracket: the ring, or the carrier around it."""
     return held_position(model.bending.springs if isinstance(model.bending, Bending) else NoSprings(), y)
 
 
 class Rest(NamedTuple):
-    """A bearing at rest, averaged over a ball pass.
+    """Static equilibrium of a bearing over a ball pass.
 
-    x, y: position of what a bracket would hold, the ring or the carrier around it (m); load: largest force on a
-    roller (N), and approach, that of its two contacts together (m), at any time; K_x, K_y: stiffness (N/m) that
-    rollers offer the ring.
+    x, y: mean position of the body held by the bracket, the ring or the carrier around it (m); load, approach:
+    largest force on a roller (N) and the sum of the approaches of its two contacts then (m); K_x, K_y: mean
+    stiffness (N/m) of the rollers for the ring.
     """
 
     x: float
@@ -323,8 +324,8 @@ class Rest(NamedTuple):
 
 
 def ring_damping(Z, outer, inner, y):
-    """Return the damping (N s/m) that ``Z`` rollers offer the ring along e_0 and e_90: a roller's two contacts
-    in series."""
+    """Return the damping (N s/m) of ``Z`` rollers for the ring along e_0 and e_90, with the two contacts of a
+    roller in series."""
     c_xx, c_yy = 0.0, 0.0
     for j in range(Z):
         of_outer = damping_bound(outer, max(y[lay.DELTA_O + j], 0.0), 0.0)
@@ -336,9 +337,9 @@ def ring_damping(Z, outer, inner, y):
 
 
 def rests_of_a_pass(model, y, samples):
-    """Take the buffer ``y`` from rest to rest, evenly spaced over a ball pass: a loop's worth of them.
+    """Yield the index of each of ``samples`` equilibria, evenly spaced over a ball pass, with ``y`` in it.
 
-    Raises ``NoEquilibrium`` if one is not found to 1e-8 of the load.
+    Raises ``NoEquilibrium`` if an equilibrium is not found to 1e-8 of the load.
     """
     pass_time, load = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c), given_load(model)
     for n in range(samples):
@@ -350,7 +351,7 @@ def rests_of_a_pass(model, y, samples):
 
 
 def mean_rest(model, y, samples=32):
-    """Return ``Rest`` of a bearing, from ``samples`` of a ball pass. Raises ``NoEquilibrium``."""
+    """Return ``Rest`` of a bearing from ``samples`` equilibria over a ball pass. Raises ``NoEquilibrium``."""
     Z, rests, loads = model.bearing.Z, [], []
     for _ in rests_of_a_pass(model, y, samples):
         k_xx, _, k_yy = ring_stiffness(model, y)

@@ -1,7 +1,7 @@
-"""Running maxima of what rollers meet, kept once a step: what a method tries within one does not count.
+"""Running maxima of the rollers' forces, updated once per step; the stages of a method within a step do not count.
 
-The steps of an adaptive method are so long that a force is largest between their ends. There it is taken from a
-parabola through a step's start, middle and end, if the force is smooth.
+The steps of an adaptive method are so long that a force may peak between their ends. The peak is then taken from
+the parabola through the step's start, middle and end, if the force is smooth.
 """
 
 from bearingsim.core import layout as lay
@@ -22,7 +22,7 @@ def update_largest_forces(y, n):
     y[lay.LOADED_ROLLERS] = loaded
 
 
-SMOOTH = 0.7  # of the top: where a value is less, a parabola would guess
+SMOOTH = 0.7  # least ratio of the three values to the parabola's top for which the parabola is used
 
 
 @jit
@@ -36,8 +36,8 @@ def copy_forces(row, y, n):
 
 @jit
 def largest_within(start, middle, end):
-    """Return the largest of three evenly spaced values, and of the parabola through them if its top lies
-    between."""
+    """Return the maximum of three evenly spaced values, or the top of the parabola through them if it lies
+    between and the values are smooth."""
     bend, difference = 2.0 * middle - start - end, end - start
     top = middle + difference * difference / (8.0 * max(bend, 1e-300))
     smooth = min(min(start, end), middle) > SMOOTH * top
@@ -46,7 +46,7 @@ def largest_within(start, middle, end):
 
 @jit
 def update_forces_within(y, n):
-    """Take a step into the running maxima: the rows of forces hold its middle, FORCES_AT_* its ends."""
+    """Update the running maxima for a step: the force rows contain its middle, FORCES_AT_* its ends."""
     a, b = lay.FORCES_AT_START, lay.FORCES_AT_END
     for j in range(n):
         outer = largest_within(y[a + j], y[lay.Q_O + j], y[b + j])
@@ -58,5 +58,5 @@ def update_forces_within(y, n):
 
 
 def update_forces(model, y):
-    """Implement ``update_extremes`` for models that have no extremes but those of forces."""
+    """Implement ``update_extremes`` for models whose only extremes are those of forces."""
     update_largest_forces(y, lanes(model.bearing))

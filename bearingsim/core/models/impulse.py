@@ -1,14 +1,14 @@
-"""``impulse``: the ring alone, an oscillator along e_0 and another along e_90, struck when rollers meet defects.
+"""``impulse``: the ring as two oscillators, along e_0 and e_90, driven by impulses at defect crossings.
 
     m x'' + C_x x' + K_x x = sum_k J_x,k delta(t - t_k),      and the same in y
 
-x and y are displacements from the position where the healthy bearing rests. After McFadden and Smith (J. Sound
-Vib. 96, 1984, 69-82, one point defect; 98, 1985, 263-273, several): a train of impulses, as strong as the load
-where each acts, through the transfer function of what it strikes. Theirs leads to a resonance of the machine; here
-it is that of the rigid ring on its rollers. Times and strengths: ``defects/impulse_train.py``.
+x and y are displacements from the static equilibrium of the healthy bearing. After McFadden and Smith (J. Sound
+Vib. 96, 1984, 69-82, one point defect; 98, 1985, 263-273, several): a train of impulses, each proportional to the
+load at its position, acts on a linear system. In their papers the system is a resonance of the machine; here it is
+the rigid ring on its rollers. Times and strengths: ``defects/impulse_train.py``.
 
-Left out: the rollers (no contact forces), that stiffness varies as they pass, that it falls while one of them
-carries nothing, and the coupling of the two directions, which vanishes on average over a ball pass.
+Neglected: the rollers (no contact forces), the variation of stiffness as they pass, its drop while a roller is
+unloaded, and the coupling of the two directions, which vanishes on average over a ball pass.
 """
 
 from typing import NamedTuple
@@ -25,8 +25,8 @@ from bearingsim.core.parameters import Bearing
 class Impulse(NamedTuple):
     """Parameters of the model: a mode along each axis, and the train of impulses.
 
-    m: mass that moves (kg); K_x, K_y: its stiffness about the position of rest (N/m), > 0; C_x, C_y: damping (N
-    s/m), >= 0; times: (n,) s, ascending; J_x, J_y: (n,) N s.
+    m: moving mass (kg); K_x, K_y: its stiffness at the static equilibrium (N/m), > 0; C_x, C_y: damping (N s/m),
+    >= 0; times: (n,) s, ascending; J_x, J_y: (n,) N s.
     """
 
     bearing: Bearing
@@ -42,7 +42,7 @@ class Impulse(NamedTuple):
 
 @jit
 def free_response(m, K, C, t):
-    """Return the two functions c (1) and s (s) that compose free motion over ``t`` >= 0 (s) (see ``free_motion``).
+    """Return the functions c (1) and s (s) of ``free_motion`` at ``t`` >= 0 (s).
 
     With beta = C/2m and D = K/m - beta^2: c = e^(-beta t) cos(sqrt(D) t), s = e^(-beta t) sin(sqrt(D) t)/sqrt(D),
     their hyperbolic continuation for D < 0, and a series around D = 0.
@@ -63,7 +63,7 @@ def free_response(m, K, C, t):
 
 @jit
 def free_motion(m, K, C, t, x, v):
-    """Return displacement (m) and velocity (m/s) after ``t`` (s) of free motion from ``x`` and ``v``: exact."""
+    """Return exact displacement (m) and velocity (m/s) after ``t`` (s) of free motion from ``x`` and ``v``."""
     beta = C / (2.0 * m)
     c, s = free_response(m, K, C, t)
     return x * (c + beta * s) + v * s, v * (c - beta * s) - x * K / m * s
@@ -84,7 +84,7 @@ def _update_extremes(model, y):
 
 @count_crossings.register(Impulse)
 def _count_crossings(model, t, y):
-    return None  # its train was made of every crossing
+    return None  # the train of impulses already contains every crossing
 
 
 KIND = ModelKind(Impulse, per_crossing=8)

@@ -1,4 +1,4 @@
-"""The functions every model has, chosen by the type of its parameters."""
+"""Functions of every model, dispatched on the type of its parameters."""
 
 from typing import Any, NamedTuple
 
@@ -8,9 +8,9 @@ from bearingsim.core.jit import generic
 
 
 class ModelKind(NamedTuple):
-    """Properties of a model's code; its other properties stand in the catalogue.
+    """Properties of a model's code; its other properties are in the catalogue.
 
-    parameters: its ``NamedTuple``; per_crossing: steps of an automatic run over the narrowest defect.
+    parameters: its ``NamedTuple``; per_crossing: number of automatic steps over the narrowest defect.
     """
 
     parameters: type
@@ -19,13 +19,13 @@ class ModelKind(NamedTuple):
 
 @generic
 def state_width(model: Any) -> int:
-    """Return the entries of a row that the model's state takes (the ring's, then the lanes in use)."""
+    """Return the number of entries of a row used by the model's state (those of the ring, then the lanes)."""
 
 
 @generic(inline="late", otherwise=0)
 def harmonics(model: Any) -> int:
-    """Return the number of harmonics of the outer ring in a model (``parts/bending.py``), sine and cosine
-    counted as one."""
+    """Return the number of harmonics of the outer ring in a model (``parts/bending.py``), counting sine and
+    cosine as one."""
 
 
 @generic
@@ -35,22 +35,22 @@ def accelerations(model: Any, t: float, y: np.ndarray) -> None:
 
 @generic
 def begin(model: Any, t: float, y: np.ndarray) -> None:
-    """Complete a buffer whose rollers and ring are at rest at time ``t`` (s): what a first step builds on."""
+    """Prepare the first step: complete a buffer whose rollers and ring are in static equilibrium at ``t`` (s)."""
 
 
 @generic
 def update_extremes(model: Any, y: np.ndarray) -> None:
-    """Take the state of ``y``, at which a step has ended, into the running maxima; count who carries load."""
+    """Update the running maxima with the state ``y`` at the end of a step; count the loaded rollers."""
 
 
 @generic(inline="late", otherwise=0.0)
 def bend_at(model: Any, y: np.ndarray, j: int) -> float:
-    """Return the outward displacement of the bent outer race at roller ``j``, m."""
+    """Return the outward displacement (m) of a flexible outer race at roller ``j``."""
 
 
 @generic(otherwise=None)
 def read_sensor(model: Any, y: np.ndarray) -> None:
-    """Fill the cells that are recorded of a state and are no part of it."""
+    """Fill the recorded cells that are not part of the state."""
 
 
 @generic(inline="late")
@@ -60,7 +60,7 @@ def stiffness_per_mass(model: Any, y: np.ndarray, j: int) -> float:
 
 @generic(inline="late")
 def damping_per_mass(model: Any, y: np.ndarray, j: int) -> float:
-    """Return the damping over mass (1/s) of monitored body ``j`` as it stands now."""
+    """Return the damping over mass (1/s) of monitored body ``j`` in the present state."""
 
 
 @generic
@@ -70,25 +70,25 @@ def monitored(model: Any) -> int:
 
 @generic
 def degrees_of_freedom(model: Any) -> tuple[int, int]:
-    """Return the number of coordinates of a roller (0 to 6), and of shared ones (to 17), in the model's equations.
+    """Return the number of coordinates of a roller (0 to 6) and of shared coordinates (up to 17) of the model.
 
-    Coordinate i of a roller is row i of a state; shared ones are counted as in ``layout.shared_cell``.
+    Coordinate i of a roller is row i of a state; shared ones are numbered as in ``layout.shared_cell``.
     """
 
 
 @generic
 def linearise(model: Any, t: float, y: np.ndarray) -> None:
-    """Fill the arrows POSITION_JACOBIAN and VELOCITY_JACOBIAN: derivatives of the accelerations of the state in
-    ``y``.
+    """Fill the arrow matrices POSITION_JACOBIAN and VELOCITY_JACOBIAN, the derivatives of the accelerations at
+    the state in ``y``.
 
-    The model's coordinates, but for each roller's angle, which counts absolutely (EPS plus the cage's PHI_C): so a
-    roller depends on its own and the shared coordinates only. The rows that ``accelerations`` fills are those of
-    this state.
+    The coordinates are the model's, except that each roller's angle is absolute (EPS plus the cage's PHI_C), so
+    that a roller depends only on its own and the shared coordinates. Requires the rows filled by ``accelerations``
+    for this state.
     """
 
 
 def solved(parameters: type) -> None:
-    """Register a model that is solved, not integrated: it needs no beginning, and no body limits its step."""
+    """Register a model that is solved, not integrated: ``begin`` does nothing, and no body limits the step."""
     begin.register(parameters)(lambda model, t, y: None)
     monitored.register(parameters)(lambda model: 0)
     stiffness_per_mass.register(parameters)(lambda model, y, j: 0.0)

@@ -1,4 +1,4 @@
-"""Parts of every model with a moving ring: angles of the rollers, and the ring's own equation of motion.
+"""Functions common to models with a moving ring: angles of the rollers, and the ring's equation of motion.
 
 m_o u'' = -F e_0 - F_across e_90 - k_b (u - u_0) - c_b u' + sum_j Q_o,j e_r(theta_j)
 """
@@ -15,9 +15,9 @@ from bearingsim.core.sums import sum_loads
 class Turning(NamedTuple):
     """Quantities common to all rollers under a kinematic cage and a moving ring.
 
-    C, S: cosine and sine of the first roller's angle; u_x, u_y: the ring's centre (m); w_x, w_y: its velocity as
-    the cage sees it, u' - omega_c x u, so that w.e_r = d(u.e_r)/dt (m/s); held_x, held_y: force on the ring (N) by
-    all but the rollers.
+    C, S: cosine and sine of the first roller's angle; u_x, u_y: the ring's centre (m); w_x, w_y: its velocity
+    relative to the rotating cage, u' - omega_c x u, so that w.e_r = d(u.e_r)/dt (m/s); held_x, held_y: force on
+    the ring (N) except that of the rollers.
     """
 
     C: float
@@ -43,7 +43,7 @@ def turning(model, t, y):
 
 @inlined
 def turn_roller(common, y, j):
-    """Fill cosine and sine of the angle of roller ``j``; return them."""
+    """Fill and return cosine and sine of the angle of roller ``j``."""
     c = common.C * y[lay.COS_0 + j] - common.S * y[lay.SIN_0 + j]
     s = common.S * y[lay.COS_0 + j] + common.C * y[lay.SIN_0 + j]
     y[lay.COS + j], y[lay.SIN + j] = c, s
@@ -59,7 +59,7 @@ def push_ring(y, j):
 
 @inlined
 def static_force(support, f_x, f_y, y):
-    """Return ``f_x``, ``f_y`` (N), plus the load and the bracket's spring: the force on a ring at rest."""
+    """Return ``f_x``, ``f_y`` (N) plus load and spring force of the bracket: the force on a ring at rest."""
     f_x = f_x - support.F - support.k_b * (y[lay.POSITION + lay.X] - support.x_0)
     f_y = f_y - support.F_across - support.k_b * (y[lay.POSITION + lay.Y] - support.y_0)
     return f_x, f_y
@@ -67,7 +67,7 @@ def static_force(support, f_x, f_y, y):
 
 @inlined
 def dynamic_force(support, f_x, f_y, y):
-    """Return the same plus the bracket's damper: the force on a moving ring.
+    """Return ``static_force`` plus the damping force of the bracket: the force (N) on a moving ring.
 
     Equation (M8) of docs/model.md, second line, without the rollers' forces.
     """
@@ -77,7 +77,7 @@ def dynamic_force(support, f_x, f_y, y):
 
 @inlined
 def accelerate(m_o, f_x, f_y, y):
-    """Write the ring's acceleration under all forces (N)."""
+    """Write the ring's acceleration under the total force (N)."""
     y[lay.ACCELERATION + lay.X] = f_x / m_o
     y[lay.ACCELERATION + lay.Y] = f_y / m_o
 
@@ -101,10 +101,10 @@ def accelerate_outer_ring(model, y):
 
 @jit
 def linearise_ring(model, K, C, y, n):
-    """Fill the border's blocks: derivatives of the ring's acceleration by its own position and velocity.
+    """Fill the corner blocks: derivatives of the ring's acceleration with respect to its position and velocity.
 
-    K, C: rows of the derivatives of Q_o with respect to the outer contact's approach and its rate, seen from the
-    ring, that is with delta = -u.e_r and v = -(u' - omega_c x u).e_r and a fixed roller (N/m, N s/m).
+    K, C: rows of the derivatives of Q_o with respect to the outer contact's approach and its rate, for
+    delta = -u.e_r and v = -(u' - omega_c x u).e_r (N/m, N s/m).
     """
     support, per_mass, omega_c = model.support, 1.0 / model.bearing.m_o, model.bearing.omega_c
     k_xx, k_xy, k_yx, k_yy, c_xx, c_xy, c_yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

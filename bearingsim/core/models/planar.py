@@ -1,18 +1,19 @@
-"""``planar``: rings, rollers and cage move freely in the plane; friction drives the rollers, slip comes out.
+"""``planar``: rings, rollers and cage move freely in the plane. Friction drives the rollers; slip is a result.
 
-Per roller: radial displacement q, angle eps from the middle of its own pocket, and spin; besides, the ring in x
-and y (and its rotation, on a torsion spring), the cage's rotation and centre, the inner ring's on its shaft. With
-rho = |c_j - u| the distance of a roller from the ring's centre, n from there to the roller, tau across it,
+The coordinates are each roller's radial displacement q, angle eps from the middle of its pocket, and spin; the
+outer ring's x and y (and its rotation against a torsion spring); the cage's rotation and centre; and the centre of
+the inner ring on its shaft. With rho = |c_j - u| the distance of a roller's centre from the ring's, n the unit
+vector from the ring's centre to the roller's, and tau perpendicular to n,
 
     delta_o = rho + R_w - R_o - h(s),   s = R_o (angle of n - psi - phi_d),   force on the roller  -Q_o (n + g tau)
 
-where g = -h'(s) R_o/rho: at a defect the contact's normal tilts, so that its edge pushes the roller along.
-Likewise at the inner race. Slip at a contact is the speed of the roller's surface over the race's, across the
-normal that a defect tilts, the roller's arm being R_w - delta/2, and the friction -mu(slip) Q. No small angle is
-taken for u: the linear approach q - u.e_r would do work on a closed path. Angles and turns are kept beyond their
-kinematic values, so no digits are lost.
+where g = -h'(s) R_o/rho, because a defect tilts the normal of the contact and its edge pushes the roller along the
+race. The inner race is treated likewise. The slip at a contact is the velocity of the roller's surface relative to
+the race, perpendicular to the tilted normal, with the arm R_w - delta/2 on the roller; the friction force is
+-mu(slip) Q. The approach is not linearised in u, because the linear approach q - u.e_r would do work on a closed
+path. Angles are stored relative to their kinematic values, to avoid loss of digits.
 
-Left out: tilt, skew and axial motion of rollers, the bending of rings and cage, oil films as springs.
+Neglected: tilt, skew and axial motion of rollers, bending of rings and cage, stiffness of oil films.
 """
 
 from math import sqrt
@@ -78,15 +79,16 @@ from bearingsim.core.parts.shaft import (
 )
 from bearingsim.core.sums import sum_loads
 
-AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's derivative
+AT_REST = 1e-12  # m/s, added to the slip so that friction/slip stays finite at zero slip
 
 
 class Planar(NamedTuple):
     """Parameters of the model.
 
-    outer, inner: contact laws at the races; motion: ``geometry/motion.py``; friction: at the races
+    outer, inner: contact laws at the races; motion: ``geometry/motion.py``; friction: law of friction at the races
     (``laws/friction``); cage, drag: ``parts/cage.py``; shaft, bracket: ``parts/shaft.py``; gravity: m/s^2 along
-    e_0, on rollers and cage (a ring's weight is part of its load); lag: of friction, s (``friction/lag.py``).
+    e_0, acting on rollers and cage (a ring's weight is part of its load); lag: lag of the friction, s
+    (``friction/lag.py``).
     """
 
     bearing: Bearing
@@ -119,7 +121,7 @@ next_jump.register(Planar)(next_jump_freely)
 
 @roller_at_defect.register(Planar)
 def _roller_at_defect(model, d, t, y):
-    """Find the roller from the positions of rollers, rings and cage, and the rows that ``approach`` fills."""
+    """Find the roller from the positions of rollers, rings and cage and from the rows filled by ``approach``."""
     b, head = model.bearing, model.defects.head[d]
     time, _, _ = kinematic_time(model.motion, t)
     turned = b.omega_c * time + y[lay.POSITION + lay.PHI_C]
@@ -135,9 +137,9 @@ def _roller_at_defect(model, d, t, y):
 class Plane(NamedTuple):
     """Pocket angle, body speeds and centres, computed once per evaluation.
 
-    time: s, the motion's own; ramp_rate: relative acceleration of all speeds (1/s); C, S: cosine and sine of the
-    first pocket's angle; omega_cage, omega_i: speeds of the cage and the inner ring, spin: a roller's nominal one,
-    turning: the outer ring's (rad/s).
+    time: kinematic time (s); ramp_rate: relative acceleration of all speeds (1/s); C, S: cosine and sine of the
+    first pocket's angle; omega_cage, omega_i, turning: speeds of the cage, the inner and the outer ring (rad/s);
+    spin: nominal spin of a roller (rad/s).
     """
 
     time: float
@@ -190,12 +192,12 @@ def _load_roller(model, common, y, j):
 
 @inlined
 def move_sideways(model, common, normal_slope_o, normal_slope_i, y, j):
-    """Compute slip, friction, drag and pocket of roller ``j``: fills FORCE_R, FORCE_T, TORQUE and its loads on the
-    rings.
+    """Compute slip, friction, drag and pocket force of roller ``j``.
 
-    normal_slope_o, normal_slope_i: tangent of the angle of the contacts' normals against n, in a defect.
+    Fills FORCE_R, FORCE_T, TORQUE and the roller's loads on the rings.
+    normal_slope_o, normal_slope_i: tangent of the angle between the contacts' normals and n, nonzero at a defect.
 
-    Equation (P5) of docs/planar.md, over a defect (P6); friction with the lag of a step: (P9).
+    Equation (P5) of docs/planar.md, over a defect (P6); friction with the lag of a step (P9).
     """
     b, friction, drag = model.bearing, model.friction, model.drag
     R_w, per_m, turned = b.R_w, 1.0 / b.m_r, b.R_w * b.R_w / b.I_r
@@ -204,7 +206,7 @@ def move_sideways(model, common, normal_slope_o, normal_slope_i, y, j):
     real = b.m_r * y[lay.INVERSE_MASS + j]  # 1, and 0 in a padded lane
     beta_v = common.spin + y[lay.SPIN_V + j]
     theta_v = common.omega_cage + y[lay.EPS_V + j]
-    u = R_w * abs(theta_v - beta_v)  # surfaces through a contact that moves with the roller's centre
+    u = R_w * abs(theta_v - beta_v)  # rolling speed: of the surface relative to the orbiting contact
 
     arm_o, arm_i = R_w - 0.5 * y[lay.DELTA_O + j], R_w - 0.5 * y[lay.DELTA_I + j]
     cos_o, cos_i = (
@@ -244,7 +246,7 @@ def move_sideways(model, common, normal_slope_o, normal_slope_i, y, j):
 
 @inlined
 def correct_for_defects(model, common, t, y):
-    """Correct each roller that stands over a defect; returns the torque (N m) of the defects on the outer ring."""
+    """Correct each roller over a defect; return the torque (N m) of the defects on the outer ring."""
     torque = 0.0
     for d in range(len(model.defects.head)):
         j, s = roller_at_defect(model, d, t, y)
@@ -255,8 +257,7 @@ def correct_for_defects(model, common, t, y):
 
 @jit
 def correct_for_defect(model, common, d, j, s, t, y):
-    """Correct force, tilt of the normal and torque of roller ``j`` over roller-defect pair ``d``, and all that
-    follows.
+    """Correct force, tilt of the normal and torque of roller ``j`` over pair ``d``, and all dependent quantities.
 
     Returns the torque (N m) of the defect on the outer ring.
 
@@ -282,9 +283,9 @@ def correct_for_defect(model, common, d, j, s, t, y):
 
 @jit
 def tilt_contact(side, law, defects, d, j, s, turning, y):
-    """Correct one contact, whose defect turns at ``turning`` (rad/s), and tilt its normal.
+    """Correct one contact for a defect that rotates at ``turning`` (rad/s), and tilt its normal.
 
-    Returns the sideways part (N) of its force.
+    Returns the tangential component (N) of its force.
     """
     (_, _, rho, across, apart), (_, _, rate, _, tilt), radius = (
         normal_rows(side),
@@ -342,7 +343,7 @@ update_extremes.register(Planar)(update_forces)
 
 @stiffness_per_mass.register(Planar)
 def _stiffness_per_mass(model, y, j):
-    """Return the largest of the roller's stiffness between its races, of its pocket, and of the rings'
+    """Return the largest stiffness over mass of the roller between its races, its pocket, and the rings'
     supports."""
     outer = stiffness_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = stiffness_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
@@ -354,8 +355,8 @@ def _stiffness_per_mass(model, y, j):
 
 @damping_per_mass.register(Planar)
 def _damping_per_mass(model, y, j):
-    """Return the largest of radial damping, of the rings' supports and of friction on slip (see
-    ``lagged_friction``).
+    """Return the largest damping over mass of the contacts, the rings' supports and the friction
+    (``lagged_friction``).
 
     Equation (P7) of docs/planar.md, the rate of friction.
     """

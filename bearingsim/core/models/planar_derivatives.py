@@ -1,13 +1,12 @@
-"""The derivatives of ``planar``'s accelerations: exact, column by column.
+"""Analytic derivatives of the accelerations of ``planar``, column by column.
 
-A column is what follows from one unit of one coordinate, of all rollers at once (each feels itself and the shared
-coordinates only) or of one that is shared. How the rollers' positions and velocities change, as the body they
-touch sees it, is laid in the rows D_POSITION and D_VELOCITY; the contacts answer (``parts/races.py``,
-``parts/cage_derivatives.py``); the answers are the column. Forces keep their direction in space while e_r and
-e_theta turn with the roller: that, and what its own motion does, is added at the end, with the springs of the
-shared coordinates.
+A column contains the changes per unit of one coordinate: the same coordinate of all rollers at once (a roller
+depends only on its own and the shared coordinates), or one shared coordinate. The changes of the rollers'
+positions and velocities relative to the touched body are written to the rows D_POSITION and D_VELOCITY, from which
+``parts/races.py`` and ``parts/cage_derivatives.py`` compute the changes of the forces. Terms from the rotation of
+e_r and e_theta with the roller, its inertial terms and the springs of the shared coordinates are added at the end.
 
-Friction counts without lag (``laws/friction/lag.py``): implicit methods have none.
+Friction is not lagged (``laws/friction/lag.py``), because implicit methods use no lag.
 """
 
 from bearingsim.core import layout as lay
@@ -34,12 +33,12 @@ from bearingsim.core.parts.shaft import damper_per_mass, mobility, spring_per_ma
 
 RADIAL, ORBIT, SPIN = range(3)  # a roller's coordinates
 SHARED = 8
-CAGE, INNER = 3, 6  # where the cage's shared coordinates begin, and the inner ring's
+CAGE, INNER = 3, 6  # first shared coordinates of the cage and of the inner ring
 
 
 @jit
 def clear_changes(low, high, y, n):
-    """Clear all displacements and changes, in the shared coordinates ``low`` to before ``high`` too."""
+    """Clear all displacements and changes of force, including shared coordinates ``low`` to before ``high``."""
     for j in range(n):
         y[lay.D_POSITION_R + j] = 0.0
         y[lay.D_POSITION_T + j] = 0.0
@@ -53,7 +52,7 @@ def clear_changes(low, high, y, n):
 
 @jit
 def mobilities(model, y, n):
-    """Fill the accelerations of rollers and shared bodies by unit forces and torques."""
+    """Fill the accelerations of rollers and shared bodies under unit forces and torques."""
     b, cage, m_o = model.bearing, model.cage, model.bearing.m_o
     middle, held = 0.5 * (b.R_o + b.R_i), cage_constraint(cage, 1.0)
     for j in range(n):
@@ -77,7 +76,7 @@ def mobilities(model, y, n):
 
 @jit
 def write_roller_column(matrix, i, m_r, y, n):
-    """Write what changes into the column of the rollers' coordinate ``i``."""
+    """Write the changes of acceleration into the column of the rollers' coordinate ``i``."""
     for j in range(n):
         y[lay.diagonal_block(matrix, RADIAL, i) + j] = y[lay.MOBILITY_R + j] * y[lay.D_FORCE_R + j]
     for j in range(n):
@@ -85,7 +84,7 @@ def write_roller_column(matrix, i, m_r, y, n):
     for j in range(n):
         y[lay.diagonal_block(matrix, SPIN, i) + j] = y[lay.MOBILITY_SPIN + j] * y[lay.D_TORQUE + j]
     for k in range(SHARED):
-        share = m_r * y[lay.MOBILITY_SHARED + k]  # times the inverse mass: none of a padded lane
+        share = m_r * y[lay.MOBILITY_SHARED + k]  # times the inverse mass, which is 0 in a padded lane
         for j in range(n):
             y[lay.border_row(matrix, k, i) + j] = (
                 share * y[lay.INVERSE_MASS + j] * y[lay.D_FORCE_SHARED + k * lay.ROW + j]
@@ -94,7 +93,10 @@ def write_roller_column(matrix, i, m_r, y, n):
 
 @jit
 def write_shared_column(matrix, m, low, high, m_r, y, n):
-    """Write it into the column of the shared coordinate ``m``, which acts on ``low`` to before ``high``."""
+    """Write the changes of acceleration into the column of the shared coordinate ``m``.
+
+    low, high: the shared coordinates from ``low`` to before ``high`` depend on it.
+    """
     for j in range(n):
         y[lay.border_column(matrix, RADIAL, m) + j] = y[lay.MOBILITY_R + j] * y[lay.D_FORCE_R + j]
     for j in range(n):
@@ -114,7 +116,7 @@ def write_shared_column(matrix, m, low, high, m_r, y, n):
 def displace_rollers(i, position, speed, middle, omega_cage, y, n):
     """Displace every roller's coordinate ``i`` by ``position`` (m, rad), its rate by ``speed`` (m/s, rad/s).
 
-    A velocity r' e_r + r theta' e_theta changes with r and, as its directions turn, with theta too.
+    The velocity r' e_r + r theta' e_theta changes with r and, because its directions rotate, with theta.
     """
     out = 1.0 if i == RADIAL else 0.0
     orbit = 1.0 if i == ORBIT else 0.0
@@ -127,8 +129,8 @@ def displace_rollers(i, position, speed, middle, omega_cage, y, n):
 
 @jit
 def displace_body(axis, position, speed, y, n):
-    """Displace a body along e_0 (axis 0) or e_90 (1) by ``position`` (m), ``speed`` (m/s): relative to it, the
-    rollers."""
+    """Displace a body along e_0 (axis 0) or e_90 (1) by ``position`` (m), ``speed`` (m/s); fill the displacements
+    of the rollers relative to it."""
     for j in range(n):
         c, s = y[lay.COS + j], y[lay.SIN + j]
         r, t = (-s, -c) if axis else (-c, s)
@@ -159,7 +161,7 @@ def add_roller_columns(model, omega_cage, omega_i, spin, y, n):
 
 @jit
 def add_ring_columns(side, omega_ring, spin, m_r, low, high, y, n):
-    """Fill the columns of a ring's centre; ``low`` to before ``high``: its shared coordinates."""
+    """Fill the columns of a ring's centre; its shared coordinates are ``low`` to before ``high``."""
     for axis in range(2):
         for matrix, position, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
             clear_changes(low, high, y, n)
@@ -170,7 +172,7 @@ def add_ring_columns(side, omega_ring, spin, m_r, low, high, y, n):
 
 @jit
 def add_ring_angle_column(model, spin, y, n):
-    """Fill the columns of the outer ring's angle, with which its defects turn, and of its speed."""
+    """Fill the columns of the outer ring's angle, with which its defects rotate, and of its speed."""
     for matrix, position, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
         clear_changes(lay.X, CAGE, y, n)
         race_change(OuterSide(), spin, y[lay.VELOCITY + lay.PSI], 0.0, 0.0, 0.0, position, speed, y, n)
@@ -192,8 +194,8 @@ def add_cage_columns(model, omega_cage, y, n):
 
 @jit
 def add_inertial_terms(model, omega_cage, y, n):
-    """Add the terms of rotating directions and own motion: q'' = r theta'^2 + F_r/m, theta'' = (F_t/m - 2 q'
-    theta')/r."""
+    """Add the terms of rotating directions and of inertia in q'' = r theta'^2 + F_r/m and
+    theta'' = (F_t/m - 2 q' theta')/r."""
     b, held = model.bearing, cage_constraint(model.cage, 1.0)
     middle = 0.5 * (b.R_o + b.R_i)
     for j in range(n):
@@ -231,7 +233,7 @@ def add_support_terms(model, y):
 
 @jit
 def planar_jacobian(model, t, y):
-    """Implement ``linearise`` for ``planar``, from the rows that ``accelerations`` filled."""
+    """Implement ``linearise`` for ``planar``, from the rows filled by ``accelerations``."""
     b = model.bearing
     n = lanes(b)
     _, rate, _ = kinematic_time(model.motion, t)

@@ -1,19 +1,18 @@
-"""The static equilibrium of a bearing in space: sliced rollers that tilt, rings that may tilt and move axially.
+"""Static equilibrium of a bearing in space: sliced rollers that tilt, rings that may tilt and move axially.
 
-Unknown are q_j and tilt_j of every roller, the outer ring's x and y, and of a ring on springs its position along
-the axis and its tilt. There is no friction, and nothing is damped; geometry and contacts are those of the motion
-(``models/spatial.py``), evaluated at rest, so that a misaligned ring or a profile acts as in the motion.
-Rollers do not skew, stay in the middle of their pockets and between the flanges, and a defect's edge pushes
-nothing sideways (as in ``models/equilibrium.py``).
+The unknowns are q_j and tilt_j of every roller, the outer ring's x and y, and the axial position and tilt of each
+ring on springs. Friction and damping are absent. Geometry and contacts are those of ``models/spatial.py`` at zero
+velocity, so that misalignment and roller profiles act as in the motion. Rollers do not skew, stay in the middle of
+their pockets and between the flanges, and a defect exerts no tangential force (as in ``models/equilibrium.py``).
 
-The residuals are minus the gradient of an energy that is convex but for the tilt of normals (1e-6 of it). For
-rings that stand still each roller's pair of equations is solved by itself, all rollers at once; the rings follow
-by Newton's method on what the rollers then push, with the stiffness that is left when the rollers give way:
+The residuals are minus the gradient of an energy that is convex except for the tilt of normals (1e-6 of it). For
+fixed rings the two equations of each roller are solved separately. The rings are then found by Newton's method on
+the remaining forces, with the stiffness condensed over the rollers (Schur complement)
 
-    K = K_rr - sum_j K_rj K_jj^-1 K_jr
+    K = K_rr - sum_j K_rj K_jj^-1 K_jr.
 
-A step of the rings takes the rollers along, by -K_jj^-1 K_jr of it. Steps of both are cut so that they do not pass
-the point where the force along them vanishes.
+A step s of the rings moves the rollers by -K_jj^-1 K_jr s. Steps of both are shortened so that they do not pass
+the point at which the force along them vanishes.
 """
 
 from functools import partial
@@ -40,16 +39,16 @@ from bearingsim.core.models.still_in_space import (
     stiffen_rollers,
 )
 
-RESIDUAL = 1e-10  # of the load: residual of the search, well under the 1e-8 that a start may have
+RESIDUAL = 1e-10  # of the load: residual of the search, well under the 1e-8 allowed at the start of a run
 MAX_STEPS = 100
-HALVINGS = 40  # of a step, at most
-STRICT, LOOSE = 0.1, 1e-3  # tolerance of the rollers: of RESIDUAL at the end, of the rings' residual before
-LONGEST_STEP = 2e-5  # m, and of an angle times half a roller's length
+HALVINGS = 40  # largest number of halvings of a step
+STRICT, LOOSE = 0.1, 1e-3  # tolerance of the rollers, relative to RESIDUAL (at the end), to the rings' residual
+LONGEST_STEP = 2e-5  # m; for angles, of the angle times half a roller's length
 
 
 @jit
 def eliminate(a):
-    """Solve equations in place; ``a`` (n, n + 1): their matrix and right side, at the end the solution."""
+    """Solve linear equations in place; ``a`` (n, n + 1): matrix and right-hand side, replaced by the solution."""
     n = len(a)
     for i in range(n):
         pivot = i
@@ -76,8 +75,8 @@ def move_rollers(y, steps, part, Z):
 
 @jit
 def step_rollers(s, arrays, Z):
-    """Fill ``arrays.step`` and ``arrays.push``: Newton's step of every roller, none longer than
-    ``LONGEST_STEP``."""
+    """Fill ``arrays.step`` and ``arrays.push``: Newton's step of every roller, limited to ``LONGEST_STEP``, and
+    its work."""
     for j in range(Z):
         q, tilt = solve_2x2(
             arrays.pairs[j, 0], arrays.pairs[j, 1], arrays.pairs[j, 2], arrays.left[j, 0], arrays.left[j, 1]
@@ -89,7 +88,7 @@ def step_rollers(s, arrays, Z):
 
 @jit
 def step_back(y, arrays, Z):
-    """Take half of its step back from every roller that went past its rest; returns whether one did."""
+    """Halve the step of every roller that passed its equilibrium; return whether any did."""
     any_past = False
     for j in range(Z):
         if arrays.left[j, 0] * arrays.step[j, 0] + arrays.left[j, 1] * arrays.step[j, 1] < -0.5 * arrays.push[j]:
@@ -106,13 +105,13 @@ def step_back(y, arrays, Z):
 
 @jit
 def settle(model, t, y, s, arrays, goal):
-    """Balance every roller to ``goal`` (N) where the rings stand; returns their largest residual (N)."""
+    """Balance every roller to ``goal`` (N) for fixed rings; return the largest residual (N)."""
     return settle_on(model, t, y, s, arrays, goal, press(model, t, y, s, arrays))
 
 
 @jit
 def settle_on(model, t, y, s, arrays, goal, size):
-    """Run ``settle`` for rollers whose residuals are in ``arrays``, the largest ``size`` (N)."""
+    """Run ``settle`` for rollers with residuals in ``arrays``, of which the largest is ``size`` (N)."""
     Z = model.bearing.Z
     for _ in range(MAX_STEPS):
         if size <= goal or is_over(y[lay.CPU_END]):
@@ -127,14 +126,14 @@ def settle_on(model, t, y, s, arrays, goal, size):
                 break
             size = press(model, t, y, s, arrays)
         if before <= size <= RESIDUAL * s.load:
-            break  # rounding
+            break  # the residual is rounding error
     return size
 
 
 @jit
 def step_rings(model, y, s, arrays):
-    """Fill ``arrays.move``, Newton's step of the rings, and ``arrays.follow``, the rollers'; return its work (N
-    m)."""
+    """Fill ``arrays.move``, Newton's step of the rings, and ``arrays.follow``, that of the rollers; return the
+    work (N m) of the rings' step."""
     stiffen_rollers(model, y, s, arrays)
     stiffen_rings(model, y, arrays)
     for i in range(RINGS):
@@ -160,7 +159,7 @@ def step_rings(model, y, s, arrays):
 
 @jit
 def move_all(y, arrays, part, Z):
-    """Put rings and rollers where a part of the step leads from where they stood."""
+    """Move rings and rollers by ``part`` of the step from their stored positions."""
     for i in range(RINGS):
         y[lay.POSITION + CELLS[i]] = arrays.start[i] + part * arrays.move[i]
     for j in range(Z):
@@ -170,7 +169,7 @@ def move_all(y, arrays, part, Z):
 
 @jit
 def search(model, t, y, s, arrays, goal):
-    """Take a step of the rings, or as much of it as does not pass their rest; returns what ``settle`` does."""
+    """Apply a step of the rings, halved until it does not pass their equilibrium; return ``settle``'s result."""
     push, part, size = step_rings(model, y, s, arrays), 1.0, 0.0
     for _ in range(HALVINGS):
         move_all(y, arrays, part, model.bearing.Z)
@@ -186,7 +185,10 @@ def search(model, t, y, s, arrays, goal):
 
 @jit
 def balance(arrays, model, t, y):
-    """Find the rest near what ``y`` holds; returns the largest residual (N), moments counted by half a roller."""
+    """Find the equilibrium near the state in ``y``; return the largest residual (N).
+
+    Moments are divided by half a roller's length.
+    """
     hold_mounted_rings(model, y)
     s = scales(model, t)
     goal = LOOSE * s.load
@@ -194,7 +196,7 @@ def balance(arrays, model, t, y):
     for _ in range(MAX_STEPS):
         left = largest_force(s, arrays)
         wanted = max(LOOSE * left, STRICT * RESIDUAL * s.load)
-        if goal > wanted:  # the rings' residual is as inaccurate as the rollers'
+        if goal > wanted:  # the rings' residual is no more accurate than the rollers'
             goal = wanted
             size = settle_on(model, t, y, s, arrays, goal, size)
         elif left <= RESIDUAL * s.load:
@@ -205,10 +207,11 @@ def balance(arrays, model, t, y):
 
 
 def rest_in_space(model: Any, t: float, y: np.ndarray, tilted: bool = False) -> float:
-    """Put rings and rollers at rest at time ``t`` (s), from where a rest in the plane, or in space, left them.
+    """Find the static equilibrium of rings and rollers at time ``t`` (s), starting from an equilibrium in ``y``.
 
-    tilted: whether that was in space.
-    Returns the largest residual (N). Velocities are zero but for the rollers' axes, which go round with them.
+    tilted: whether ``y`` is an equilibrium in space, with tilted rollers, not one in the plane.
+    Returns the largest residual (N). Velocities are zero except those of the rollers' axes, which rotate with the
+    cage.
     """
     b = model.bearing
     for row in (lay.EPS, lay.SPIN):
@@ -224,7 +227,7 @@ def rest_in_space(model: Any, t: float, y: np.ndarray, tilted: bool = False) -> 
 
 
 class MeanRest(NamedTuple):
-    """A bearing at rest over a ball pass: mean position of the ring (m), and the largest force on a roller (N)."""
+    """Static equilibrium over a ball pass: mean position of the ring (m), largest force on a roller (N)."""
 
     x: float
     y: float
@@ -232,9 +235,9 @@ class MeanRest(NamedTuple):
 
 
 def mean_rest_in_space(model: Any, y: np.ndarray, samples: int = 32) -> MeanRest:
-    """Return ``MeanRest``, from ``samples`` of a ball pass; ``y``: a buffer at a rest in the plane.
+    """Return ``MeanRest`` from ``samples`` equilibria over a ball pass; ``y``: a buffer in plane equilibrium.
 
-    Raises ``NoEquilibrium`` if one is not found to 1e-8 of the load.
+    Raises ``NoEquilibrium`` if an equilibrium is not found to 1e-8 of the load.
     """
     b = model.bearing
     pass_time = 2.0 * np.pi / (b.Z * b.omega_c)

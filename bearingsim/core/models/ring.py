@@ -1,18 +1,18 @@
-"""``ring``: the ring moves in x and y; rollers have no mass, so a roller's two contacts are in series.
+"""``ring``: the ring moves in x and y; rollers are massless, so a roller's two contacts are in series.
 
-Over an undamaged race both contacts share the approach and its rate equally,
+Over undamaged races the contacts share the approach in elastic balance, and its rate equally. With the same
+stiffness law at both races
 
-    Q = normal_force(delta/2, v/2),   delta = -u.e_r - G_r/2,   v its rate,
+    Q = normal_force(delta/2, v/2),   delta = -u.e_r - G_r/2,   v its rate.
 
-and over a defect with several groups along the roller the elastic balance is solved for the inner approach,
+Over a defect with several groups along the roller the elastic balance is solved for the inner approach,
 
     sum_k w_k E(delta - delta_i - h_k) = E(delta_i),
 
-with each group's closing rate halved. (While that balance holds, the half is exact for damping proportional to
-the elastic force, and for one group with any law where both contacts are
-alike. A massless roller between dashpots would relax to it within some
-microseconds; leaving that out costs under 1 % of the force over a bowl, 3 % at chi = 200 s/m.) Left out besides:
-the rollers' inertia and centrifugal load.
+with each group's closing rate halved. Halving is exact for damping proportional to the elastic force, and for one
+group with any law if both contacts are equal. A massless roller between dashpots would relax to this balance
+within some microseconds; neglecting that changes the force by less than 1 % over a bowl, 3 % at chi = 200 s/m. The
+rollers' inertia and centrifugal load are neglected, too.
 """
 
 from typing import Any, NamedTuple
@@ -99,8 +99,8 @@ def _shared(model, t, y):
 
 @inlined
 def share_approach(model, common, c, s, y, j):
-    """Share the approach of roller ``j`` among its two contacts over undamaged races, and half of the rate to
-    each.
+    """Divide the approach of roller ``j`` between its two contacts over undamaged races; each has half of the
+    rate.
 
     Equation (M9) of docs/model.md.
     """
@@ -121,7 +121,7 @@ def _load_roller(model, common, y, j):
 
 @jit
 def correct_for_defect(model, y, j):
-    """Solve the series of a roller of which a contact stands over a defect.
+    """Solve the two contacts in series of a roller of which at least one is over a defect.
 
     Equations (M10) and (M11) of docs/model.md.
     """
@@ -151,7 +151,7 @@ def correct_for_defect(model, y, j):
 
 @inlined
 def any_over_defect(model, t, y):
-    """Check if any roller stands over a defect."""
+    """Check if any roller is over a defect."""
     for d in range(len(model.defects.head)):
         if abs(roller_at_defect(model, d, t, y)[1]) < model.defects.head[d, HALF_WIDTH]:
             return True
@@ -160,7 +160,7 @@ def any_over_defect(model, t, y):
 
 @jit
 def correct_for_defects(model, t, y):
-    """Correct the contacts of all rollers that stand over a defect."""
+    """Correct the contacts of all rollers over defects."""
     locate_defects(model, t, y)
     for j in range(model.bearing.Z):
         if y[PAIR + j] >= 0.0 or y[PAIR + lay.ROW + j] >= 0.0:
@@ -178,7 +178,7 @@ def _accelerate_shared(model, common, t, y):
 
 @accelerate_roller.register(Ring)
 def _accelerate_roller(model, common, felt, y, j):
-    """Skip the acceleration: a roller without mass has none."""
+    """Do nothing, because massless rollers have no acceleration."""
 
 
 @begin.register(Ring)
@@ -191,8 +191,10 @@ update_extremes.register(Ring)(update_forces)
 
 @stiffness_per_mass.register(Ring)
 def _stiffness_per_mass(model, y, j):
-    """Return the sum of all contacts' stiffness: one to two times the largest eigenvalue of the ring's
-    stiffness."""
+    """Return the sum of all contact stiffnesses and the bracket's over the ring's mass.
+
+    Without the bracket this is one to two times the largest eigenvalue.
+    """
     total = 0.0
     for i in range(lanes(model.bearing)):
         real = y[lay.COS + i] * y[lay.COS + i] + y[lay.SIN + i] * y[lay.SIN + i]  # 1, and 0 in a padded lane
@@ -220,10 +222,10 @@ def _degrees_of_freedom(model):
 
 @jit
 def derivatives_in_series(model, y, n):
-    """Fill tangent stiffness and damping of every roller over undamaged races: two contacts in series.
+    """Fill tangent stiffness and damping of every roller over undamaged races, with two contacts in series.
 
-    The elastic balance E_o(delta_o) = E_i(delta_i) gives the outer the part E_i'/(E_o' + E_i'); of the rate it has
-    half.
+    By the elastic balance E_o(delta_o) = E_i(delta_i) the outer contact has the share E_i'/(E_o' + E_i') of a
+    change in approach, and half of the rate.
     """
     for j in range(n):
         K, C = derivatives(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])

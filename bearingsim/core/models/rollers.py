@@ -1,14 +1,14 @@
-"""``rollers``: the ring moves in x and y, each roller radially; the cage turns at its kinematic speed.
+"""``rollers``: the ring moves in x and y, each roller radially; the cage rotates at its kinematic speed.
 
     delta_o = r + R_w - R_o - u.e_r - h(s_o),  v_o = r' - u'.e_r - omega_c u.e_theta - h'(s_o) R_o omega_c
     delta_i = R_i + R_w - r - h(s_i),          v_i = -r' - h'(s_i) R_i (omega_c - omega_i)
     m_r r'' = m_r omega_c^2 r + Q_i - Q_o
     m_o u'' = -F e_0 - F_across e_90 - k_b (u - u_0) - c_b u' + sum_j Q_o,j e_r(theta_j)
 
-(A defect of a roller counts in h at each of its contacts, sliding past at R_w omega_b.) The position of a roller
-is kept as its displacement q from the middle of the clearance, r = d_m/2 + q: 0.03 m would cost 2 of 16 digits.
-Left out: friction, tangential motion, tilt, the bending of the rings (that of the outer one may be kept:
-``parts/bending.py``, which then takes w(theta_j) off delta_o and its rate off v_o).
+A defect of a roller is included in h at each of its contacts, which it passes at R_w omega_b. The position of a
+roller is stored as its displacement q from the middle of the clearance, r = d_m/2 + q, because r of about 0.03 m
+would cost 2 of 16 digits. Neglected: friction, tangential motion, tilt, bending of the rings. Bending of the outer
+ring can be included (``parts/bending.py``), which subtracts w(theta_j) from delta_o and its rate from v_o.
 """
 
 from typing import Any, NamedTuple
@@ -58,9 +58,9 @@ K_O, C_O, K_I, C_I = lay.rows(lay.WORK, "N/m, N s/m", "rollers", "linearise", co
 
 
 class Rollers(NamedTuple):
-    """Parameters of the model; ``outer``, ``inner``: the contact laws (``laws/damping``) at the two races.
+    """Parameters of the model; ``outer``, ``inner``: contact laws (``laws/damping``) at the two races.
 
-    bending: that of the outer ring (``parts/bending.py``).
+    bending: bending of the outer ring (``parts/bending.py``).
     """
 
     bearing: Bearing
@@ -101,9 +101,9 @@ def _shared(model, t, y):
 
 @inlined
 def approach_races(model, common, c, s, y, j):
-    """Fill approaches and their rates of both contacts of roller ``j`` over an undamaged race.
+    """Fill the approaches of both contacts of roller ``j`` over undamaged races, and their rates.
 
-    Equation (M7) of docs/model.md without h; of a ring that bends (R3) of docs/ring.md.
+    Equation (M7) of docs/model.md without h; for a flexible ring (R3) of docs/ring.md.
     """
     gap, r, v = model.bearing.gap, y[lay.RADIAL + j], y[lay.RADIAL_V + j]
     y[lay.DELTA_O + j] = r - (common.u_x * c + common.u_y * s) - gap - bending.bend(model.bending, y, j)
@@ -123,7 +123,7 @@ def _load_roller(model, common, y, j):
 
 @inlined
 def correct_for_defects(model, t, y):
-    """Correct the contact of each roller that stands over a defect (its force is the sum of its groups)."""
+    """Correct the contact of each roller over a defect (its force is the sum over the defect's groups)."""
     for d in range(len(model.defects.head)):
         j, s = roller_at_defect(model, d, t, y)
         if abs(s) < model.defects.head[d, HALF_WIDTH]:
@@ -199,7 +199,7 @@ def _degrees_of_freedom(model):
 
 @jit
 def derivatives_over_defects(model, t, y):
-    """Correct the derivatives of each contact that stands over a defect; where it stands depends on time alone."""
+    """Correct the derivatives of each contact over a defect, whose position depends on time only."""
     defects, bearing = model.defects, model.bearing
     for d in range(len(defects.head)):
         j, s = roller_at_defect(model, d, t, y)
@@ -242,5 +242,5 @@ def _linearise(model, t, y):
     linearise_ring(model, K_O, C_O, y, n)
 
 
-# at the cusp of a narrow defect the damping force jumps, and decays within 0.2 us: hence more steps over it
+# the damping force jumps at the cusp of a narrow defect and decays within 0.2 us, so a crossing needs more steps
 KIND = ModelKind(Rollers, per_crossing=100)

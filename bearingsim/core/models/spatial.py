@@ -1,17 +1,17 @@
-"""``spatial``: every body with its six coordinates; sliced rollers that tilt, skew and move along the axis.
+"""``spatial``: every body with six degrees of freedom; sliced rollers that tilt, skew and move axially.
 
-As ``planar``. Besides, each roller moves along the bearing's axis and turns about two more; so do the rings and
-the cage where they are free to. A roller's contact with a race is the sum over its slices
-(``parts/races_in_space.py``). Its axis moves as that of a symmetric top (``geometry/orientation.py``). In
-components along e_r, e_theta, e_z of its own angle,
+Extends ``planar``. Each roller also moves along the bearing's axis and rotates about two more axes; so do the
+rings and the cage unless they are fixed. The contact of a roller with a race is a sum over slices
+(``parts/races_in_space.py``). The roller's axis moves as that of a symmetric top (``geometry/orientation.py``). In
+components along e_r, e_theta, e_z at the roller's angle,
 
     q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  z'' = F_z/m
     omega' = M.a/I_a,  a'' = [(M - I_a omega a') x a]/I_t - |a'|^2 a
 
 Without misalignment and tilting defects, all added quantities are zero and the rest equals ``planar`` to rounding.
 
-Left out: the bending of rollers, rings and cage; that a tilted slice is an ellipse in the contact's plane
-(R_w (1 - cos tilt): 3 nm at 1 mrad); the moments of a cage's guide; oil films as springs.
+Neglected: bending of rollers, rings and cage; the elliptic section of a tilted slice (R_w (1 - cos tilt), 3 nm at
+1 mrad); moments of the cage's guide; stiffness of oil films.
 """
 
 from typing import Any, NamedTuple
@@ -79,11 +79,11 @@ from bearingsim.core.sums import sum_loads
 
 
 class Spatial(NamedTuple):
-    """Parameters of the model: those of ``Planar``, then
+    """Parameters of the model: those of ``Planar``, and
 
-    slices: how a roller is cut (``geometry/slices.py``); L_w: its length (m); I_t: its moment of inertia about a
-    diameter (kg m^2); mount_o, mount_i: of the rings (``parts/mounts.py``); flanges: ``parts/flanges.py``; cage_z:
-    ``parts/cage_in_space.py``; lag: of friction, s.
+    slices: division of a roller into slices (``geometry/slices.py``); L_w: length of a roller (m); I_t: its moment
+    of inertia about a diameter (kg m^2); mount_o, mount_i: mounts of the rings (``parts/mounts.py``); flanges:
+    ``parts/flanges.py``; cage_z: ``parts/cage_in_space.py``; lag: lag of the friction, s.
     """
 
     bearing: Bearing
@@ -120,7 +120,7 @@ def _monitored(model):
 
 @jit
 def roller_axes(spin, omega_cage, R_w, y, n):
-    """Fill every roller's axis along e_r, e_theta and e_z, its rate, and the speed about it."""
+    """Fill the components of each roller's axis along e_r, e_theta, e_z, their rates, and the speed about it."""
     for j in range(n):
         c, s = y[lay.COS + j], y[lay.SIN + j]
         a_x, a_y, w_x, w_y = y[lay.AXIS_X + j], y[lay.AXIS_Y + j], y[lay.AXIS_X_V + j], y[lay.AXIS_Y_V + j]
@@ -134,7 +134,7 @@ def roller_axes(spin, omega_cage, R_w, y, n):
 
 @jit
 def external_loads(model, omega_cage, y, n):
-    """Fill the loads on every roller other than contacts: gravity and oil drag."""
+    """Fill the loads on every roller except contact forces: gravity and oil drag."""
     weight, middle = model.gravity * model.bearing.m_r, 0.5 * (model.bearing.R_o + model.bearing.R_i)
     for j in range(n):
         speed = (omega_cage + y[lay.EPS_V + j]) * (middle + y[lay.RADIAL + j])
@@ -146,9 +146,9 @@ def external_loads(model, omega_cage, y, n):
 
 @jit
 def race_contacts(model, t, steep, outer, inner, omega_cage, y, n):
-    """Compute the contacts of the rollers' slices with both races: fills the sums of both sides.
+    """Compute the contacts of the rollers' slices with both races; fill the sums of both sides.
 
-    steep: 1.0, or 0.0 where defects are not to tilt the normal (at rest).
+    steep: 1.0, or 0.0 if defects do not tilt the normal (static equilibrium).
     """
     b, table = model.bearing, model.slices.table
     race_frame(OuterSide(), b, outer, omega_cage, y, n)
@@ -171,7 +171,7 @@ def race_contacts(model, t, steep, outer, inner, omega_cage, y, n):
 
 @jit
 def accelerate_rollers(model, omega_cage, alpha_cage, alpha_spin, y, n):
-    """Apply Newton's equations to the centre of every roller, Euler's to its axis and the rotation about it."""
+    """Apply Newton's equations to the centre of every roller, Euler's to its axis and spin."""
     b, cage = model.bearing, model.cage
     middle = 0.5 * (b.R_o + b.R_i)
     for j in range(n):
@@ -189,7 +189,7 @@ def accelerate_rollers(model, omega_cage, alpha_cage, alpha_spin, y, n):
         l_r, l_t = axis_acceleration(
             M_r, M_t, M_z, b.I_r * y[lay.OMEGA + j], model.I_t, a_r, a_t, a_z, w_r, w_t, w_z
         )
-        carried = 2.0 * w_r * theta_v + a_r * alpha_cage  # of an axis that a cage keeps from skewing
+        carried = 2.0 * w_r * theta_v + a_r * alpha_cage  # of an axis that a kinematic cage keeps from skewing
         l_r, l_t = real * l_r, real * (carried + cage_constraint(cage, l_t - carried))
         c, s = y[lay.COS + j], y[lay.SIN + j]
         y[lay.AXIS_X_A + j], y[lay.AXIS_Y_A + j] = l_r * c - l_t * s, l_r * s + l_t * c
@@ -238,8 +238,8 @@ next_jump.register(Spatial)(next_jump_freely)
 
 @roller_at_defect.register(Spatial)
 def _roller_at_defect(model, d, t, y):
-    """Find the roller by its middle, from the positions of rollers, rings and cage and the rows that
-    ``race_frame`` fills."""
+    """Find the roller by its middle, from the positions of rollers, rings and cage and from the rows filled by
+    ``race_frame``."""
     head, middle = model.defects.head[d], 0.5 * (model.bearing.R_o + model.bearing.R_i)
     outer = head[SIDE] == OUTER
     tilt_cells = (lay.RING_TILT_X, lay.RING_TILT_Y) if outer else (lay.INNER_TILT_X, lay.INNER_TILT_Y)
@@ -252,8 +252,7 @@ def _roller_at_defect(model, d, t, y):
 
 @jit
 def sum_over_slices(model, y, j):
-    """Return stiffness (N/m) and damping (N s/m) of a roller's contacts, and against tilting (N m/rad, N m
-    s/rad)."""
+    """Return stiffness and damping of a roller's contacts: radial (N/m, N s/m), tilting (N m/rad, N m s/rad)."""
     k, c, k_tilt, c_tilt = 0.0, 0.0, 0.0, 0.0
     for i in range(len(model.slices.table)):
         zeta, weight = model.slices.table[i, ZETA], model.slices.table[i, WEIGHT]
@@ -272,8 +271,8 @@ def sum_over_slices(model, y, j):
 
 @stiffness_per_mass.register(Spatial)
 def _stiffness_per_mass(model, y, j):
-    """Return the largest of the roller's stiffness between its races, radial or tilting, of pocket, flange and
-    rings."""
+    """Return the largest stiffness over inertia of the roller between its races (radial or tilting), its pocket,
+    the flanges, and the rings' supports."""
     per_mass = y[lay.INVERSE_MASS + j]
     k, _, k_tilt, _ = sum_over_slices(model, y, j)
     held = max(spring_per_mass(model.shaft), spring_per_mass(model.bracket))
@@ -285,10 +284,10 @@ def _stiffness_per_mass(model, y, j):
 
 @damping_per_mass.register(Spatial)
 def _damping_per_mass(model, y, j):
-    """Return the largest of radial and tilting damping, of the rings' supports and of friction on slip.
+    """Return the largest damping over inertia of contacts (radial, tilting), friction and the rings' supports.
 
-    Friction on flanges and pockets has no lag and acts in all these directions, so it adds to what damps the
-    roller: as it is now, for it always slips.
+    Friction at flanges and pockets has no lag and acts in all these directions, so it is added to the roller's
+    damping, with its present value because these contacts always slip.
     """
     b, half, per_mass = model.bearing, 0.5 * model.L_w, y[lay.INVERSE_MASS + j]
     _, c, _, c_tilt = sum_over_slices(model, y, j)
@@ -298,7 +297,7 @@ def _damping_per_mass(model, y, j):
     rubbing = mu_derivative_bound(model.friction, b.R_w * b.omega_b) * pressed
     held = max(damper_per_mass(model.shaft), damper_per_mass(model.bracket))
     mounted = max(mount_damping(model.mount_o), mount_damping(model.mount_i))
-    loose = per_mass + b.R_w * b.R_w / b.I_r + half * half / model.I_t  # 1/kg: slip of an end's rim per impulse
+    loose = per_mass + b.R_w * b.R_w / b.I_r + half * half / model.I_t  # 1/kg: change of an end's slip per impulse
     roller_damping = max(per_mass * c, c_tilt / model.I_t, lagged(rubbing, model.lag))
     return max(roller_damping + (y[lay.KAPPA_F + j] + y[lay.KAPPA_P + j]) * loose, held, mounted)
 
@@ -315,7 +314,7 @@ def _linearise(model, t, y):
 
 @roller_moves.register(Spatial)
 def _roller_moves(model, i):
-    """Leave a roller only its radial motion and its tilt where the cage is kinematic."""
+    """Check if a coordinate is free: with a kinematic cage only radial position and axis direction are."""
     return i == 0 or i > 3 or cage_constraint(model.cage, 1.0) > 0.0
 
 

@@ -1,7 +1,7 @@
-"""``static``: at each cage angle the ring stands where the forces balance; nothing has inertia or damping.
+"""``static``: static equilibrium of the ring at each cage angle, without inertia or damping.
 
-Left out: everything that takes time. What remains is the load distribution with the rollers' centrifugal load,
-variable compliance, and the path of the ring as rollers sink into a defect.
+All dynamics are neglected. The model gives the load distribution with the rollers' centrifugal load, variable
+compliance, and the displacement of the ring as rollers drop into a defect.
 """
 
 from typing import Any, NamedTuple
@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from bearingsim.core import layout as lay
 from bearingsim.core.defects.on_roller import roller_at_defect, roller_at_defect_evenly
 from bearingsim.core.defects.pairs import Defects
-from bearingsim.core.models import bent_rest  # noqa: F401  (registers the rest of a bent ring)
+from bearingsim.core.models import bent_rest  # noqa: F401  (registers the equilibrium of a flexible ring)
 from bearingsim.core.models.extremes import update_forces
 from bearingsim.core.models.interface import ModelKind, solved, state_width, update_extremes
 from bearingsim.core.parameters import Bearing, Support
@@ -18,9 +18,9 @@ from bearingsim.core.parameters import Bearing, Support
 class Static(NamedTuple):
     """Parameters of the model; the ring's mass and the damping are not used.
 
-    A roller's mass (``bearing.m_r``) presses it outwards as it goes round; a model of massless rollers has 0.
+    ``bearing.m_r`` determines the centrifugal load of a roller; it is 0 in models with massless rollers.
 
-    bending: that of the outer ring (``parts/bending.py``).
+    bending: bending of the outer ring (``parts/bending.py``).
     """
 
     bearing: Bearing

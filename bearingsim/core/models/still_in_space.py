@@ -1,8 +1,8 @@
-"""Residual forces on rings and rollers of a bearing in space at rest, and their derivatives.
+"""Residual forces on rings and rollers of a bearing in space in static equilibrium, and their derivatives.
 
-Unknown are radial position and tilt of every roller, and eight coordinates of the rings (``CELLS``). Residuals are
-minus the gradient of an energy, stiffnesses minus their derivatives. Slices of a roller lie along its axis at
-zeta, so that the stiffness of their contacts enters by three sums over them: of k, k zeta and k zeta^2.
+The unknowns are radial position and tilt of every roller, and eight coordinates of the rings (``CELLS``).
+Residuals are minus the gradient of an energy; stiffnesses are minus the derivatives of the residuals. The slices
+of a roller lie at zeta along its axis, so their stiffness k enters only in the sums of k, k zeta and k zeta^2.
 """
 
 from math import hypot
@@ -27,20 +27,20 @@ from bearingsim.core.parts.mounts import mount_load, mount_rates
 from bearingsim.core.parts.races_in_space import side_loads
 from bearingsim.core.sums import sum_loads
 
-ADDED_STIFFNESS = 1e-3  # of a contact's stiffness, added to a roller's so that one without contact returns
+ADDED_STIFFNESS = 1e-3  # of a contact's stiffness, added so that Newton's step of an unloaded roller is finite
 CELLS = (lay.X, lay.Y, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y)
 """Coordinates of the rings: position and tilt of the outer, axial position and tilt of the inner."""
-RINGS, INNER = len(CELLS), 5  # number of cells, and the first of the inner ring
+RINGS, INNER = len(CELLS), 5  # number of coordinates, and index of the first of the inner ring
 
 
 class Room(NamedTuple):
-    """Arrays of the search for a rest: a row for each roller, in m and rad or N and N m; rings as of ``CELLS``.
+    """Work arrays of the search: one row per roller, in m and rad or N and N m; rings in the order of ``CELLS``.
 
-    left (Z, 2): residuals; step (Z, 2) and push (Z,): a step and its work (N m); pairs (Z, 3): stiffness of radial
-    position and tilt, symmetric; crossed (Z, 2, 8): stiffness between rollers and rings; held, follow (Z, 2):
-    where rollers stood, and how far a step of the rings takes them along.
-    forces, move, start (8,): residuals of the rings, their step, and where they stood; stiff (8, 9): their
-    stiffness, the right side behind it.
+    left (Z, 2): residuals; step (Z, 2) and push (Z,): a step and its work (N m); pairs (Z, 3): symmetric stiffness
+    of radial position and tilt; crossed (Z, 2, 8): stiffness between rollers and rings; held, follow (Z, 2):
+    positions of the rollers before a step of the rings, and their displacements in it.
+    forces, move, start (8,): residuals of the rings, their step, and their positions before it; stiff (8, 9):
+    their stiffness, with the right-hand side as last column.
     """
 
     left: np.ndarray
@@ -57,13 +57,13 @@ class Room(NamedTuple):
 
 
 def room(Z: int) -> Room:
-    """Make room for a bearing of ``Z`` rollers."""
+    """Allocate the work arrays for a bearing of ``Z`` rollers."""
     shapes = ((Z, 2), (Z, 2), (Z,), (Z, 3), (Z, 2, RINGS), (Z, 2), (Z, 2), *3 * [(RINGS,)], (RINGS, RINGS + 1))
     return Room(*map(np.zeros, shapes))
 
 
 class Scales(NamedTuple):
-    """Scales of the search for a rest.
+    """Scales of the search for an equilibrium.
 
     half: half a roller's length, m; load: N; flung: centrifugal force of a roller over its distance from the axis,
     N/m; gyro: gyroscopic moment over its tilt, N m/rad; soft: stiffness added to that of its contacts, N/m.
@@ -95,7 +95,7 @@ def scales(model, t):
 
 @jit
 def contacts_at_rest(model, t, y, n):
-    """Compute all contacts at zero velocities at time ``t`` (s): the loads on rollers and rings."""
+    """Compute the loads on rollers and rings from all contacts at zero velocity at time ``t`` (s)."""
     b, middle = model.bearing, 0.5 * (model.bearing.R_o + model.bearing.R_i)
     time, _, _ = kinematic_time(model.motion, t)
     outer = body_at(y, lay.X, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, 0.0)
@@ -116,7 +116,7 @@ def contacts_at_rest(model, t, y, n):
 
 @jit
 def press(model, t, y, s, arrays):
-    """Fill ``arrays.left`` and ``arrays.forces``; returns the largest residual (N) of the rollers."""
+    """Fill ``arrays.left`` and ``arrays.forces``; return the largest residual (N) of the rollers."""
     contacts_at_rest(model, t, y, lanes(model.bearing))
     b, support, largest = model.bearing, model.support, 0.0
     for j in range(b.Z):
@@ -164,8 +164,8 @@ def largest_force(s, arrays):
 
 @jit
 def moments(model, y, j):
-    """Return the sums of k, k zeta, k zeta^2 over roller ``j``'s contacts (N/m, N, N m): on the outer race, on
-    the inner."""
+    """Return the sums of k, k zeta, k zeta^2 (N/m, N, N m) over the slices of roller ``j``, at the outer race and
+    at the inner race."""
     o_0, o_1, o_2, i_0, i_1, i_2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(len(model.slices.table)):
         weight, zeta = model.slices.table[k, WEIGHT], model.slices.table[k, ZETA]
@@ -179,7 +179,7 @@ def moments(model, y, j):
 
 @jit
 def softened(model, s):
-    """Return the sums of k, k zeta, k zeta^2 (N/m, N, N m) of the stiffness that is added to every roller's."""
+    """Return the sums of k, k zeta, k zeta^2 (N/m, N, N m) of the stiffness added to every roller."""
     moment, moment_2, count = 0.0, 0.0, len(model.slices.table)
     for k in range(count):
         zeta = model.slices.table[k, ZETA]
@@ -200,8 +200,7 @@ def stiffen_rollers(model, y, s, arrays):
 
 @jit
 def stiffen_rings(model, y, arrays):
-    """Fill ``arrays.crossed`` and ``arrays.stiff``, that of the rings when rollers give way, by
-    ``arrays.pairs``."""
+    """Fill ``arrays.crossed`` and ``arrays.stiff``, the rings' stiffness condensed over the rollers."""
     arrays.stiff[:], arrays.crossed[:] = 0.0, 0.0
     for j in range(model.bearing.Z):
         o_0, o_1, o_2, _, i_1, i_2 = moments(model, y, j)
@@ -226,7 +225,7 @@ def stiffen_rings(model, y, arrays):
 
 @jit
 def hold_rings(model, arrays):
-    """Add to ``arrays.stiff`` what holds the rings besides rollers; a coordinate that nothing lets move stays."""
+    """Add the stiffness of the rings' supports to ``arrays.stiff``; fix the coordinates without a spring."""
     k_b = model.support.k_b + 1e-8 * tangent(model.outer.stiffness, 1e-7)
     (z_o, tilt_o), (z_i, tilt_i) = mount_rates(model.mount_o), mount_rates(model.mount_i)
     held = (k_b, k_b, z_o, tilt_o, tilt_o, z_i, tilt_i, tilt_i)

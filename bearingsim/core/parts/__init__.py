@@ -1,1 +1,1 @@
-"""Parts that touch or hold the rollers and rings: races, cage, flanges, shaft, mounts."""
+"""Parts in contact with rollers or rings, and their supports: races, cage, flanges, shaft, mounts."""

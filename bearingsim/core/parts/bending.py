@@ -1,19 +1,19 @@
-"""The bending of the outer ring, as harmonics of its radial displacement.
+"""Bending of the outer ring as harmonics of its radial displacement.
 
     w(theta) = sum_n a_n cos(n theta) + b_n sin(n theta),   n = 0, 2, 3, ...
 
-(n = 1 is the ring's rigid motion.) The amplitudes obey
+n = 1 is the rigid motion of the ring. The amplitudes satisfy
 
     m_n a_n'' + c_n a_n' + k_n a_n = f_n + sum_j Q_o,j cos(n theta_j)
 
-and the like with sines; f_n is what the given load does to them. Rollers stand evenly spaced, so all that depends
-on their number is a table: with theta_j = theta_c + phi_j
+and likewise b_n with sines; f_n is the generalised force of the given load. The rollers are evenly spaced, so cos
+and sin of n phi_j are tabulated, with theta_j = theta_c + phi_j and
 
     w(theta_j) = sum_n A_n cos(n phi_j) + B_n sin(n phi_j),   A_n + i B_n = (a_n + i b_n) exp(-i n theta_c).
 
-A roller goes along the bent race, so its outer contact closes by w_t + omega_c w_theta less than over a stiff one.
-Virtual work gives the forces on the amplitudes; what the cage then does to push a roller uphill is what the rate
-takes (docs/ring.md).
+A roller moves along the deformed race, so the closing rate of its outer contact is w_t + omega_c w_theta less than
+on a rigid race. Virtual work gives the forces on the amplitudes; the work of the cage in moving a roller along the
+deformed race balances the convective term of the rate (docs/ring.md).
 """
 
 from math import sqrt
@@ -29,18 +29,18 @@ from bearingsim.core.vectors import sum_harmonics, sum_rollers
 
 @absent
 class Stiff(NamedTuple):
-    """The outer ring keeps its shape."""
+    """Rigid outer ring."""
 
 
 class Bending(NamedTuple):
-    """A ring that bends, in H harmonics: n = 2, 3, ..., then n = 0, then what pads them to a multiple of 8.
+    """Flexible ring with H harmonics: n = 2, 3, ..., then n = 0, a carrier if any, and padding to a multiple of 8.
 
-    of_harmonic: (10, H), its rows as named below; at_rollers: (2, real ones of H, lanes) cos(n phi_j) and
-    sin(n phi_j); by_roller: (2, Z, H), the same; breathing: which harmonic is n = 0; mobility: the most that
-    forces of 1 N at all rollers accelerate the race by there (1/kg), as it moves and bends; highest,
-    highest_damping: the largest stiffness (1/s^2) and damping (1/s) over mass of any motion of the ring between
-    its springs; sensor_x, sensor_y: cosine and sine of the angle of a sensor on the ring; load: all of the given
-    load (N); springs: what stands around the ring.
+    of_harmonic: (10, H), rows as named below; at_rollers: (2, harmonics of the ring, lanes) cos(n phi_j) and
+    sin(n phi_j); by_roller: (2, Z, H), the same; breathing: index of harmonic n = 0; mobility: largest eigenvalue
+    (1/kg) of the matrix from forces at the rollers to the accelerations of the race there; highest,
+    highest_damping: largest stiffness (1/s^2) and damping (1/s) over mass of any motion of the ring with its
+    springs; sensor_x, sensor_y: cosine and sine of the angle of a sensor on the ring; load: magnitude of the load
+    (N); springs: springs around the ring.
     """
 
     of_harmonic: np.ndarray
@@ -56,23 +56,22 @@ class Bending(NamedTuple):
     springs: Any
 
 
-# rows: number; stiffness of an amplitude (N/m), over its mass (1/s^2); damping over mass (1/s); 1/mass (1/kg) of
-# cosines and sines, 0 of amplitudes that do not exist; the given load on them (N); cos and sin of n times the
-# sensor's angle
+# rows: number; stiffness of an amplitude (N/m), and over its mass (1/s^2); damping over mass (1/s); 1/mass (1/kg)
+# of cosines and sines, 0 for amplitudes that do not exist; generalised force of the load (N); cos and sin of n
+# times the sensor's angle
 N, K, K_M, C_M, PER_MASS_C, PER_MASS_S, LOAD_C, LOAD_S, SENSOR_C, SENSOR_S = range(10)
 
 
 @absent
 class NoSprings(NamedTuple):
-    """Nothing stands around the ring: its load is given forces, its bracket holds its centre."""
+    """No springs around the ring: prescribed forces load it, and the bracket acts on its centre."""
 
 
 class Springs(NamedTuple):
-    """P springs between the ring and a rigid carrier, which only push. The carrier's position is one harmonic
-    more.
+    """P compression-only springs between the ring and a rigid carrier, whose position is stored as a harmonic.
 
-    of_spring: (5, P padded to 8), its rows as named below; at: (2, n, P padded) how far an amplitude of 1 m
-    presses a spring, n being the harmonics and the carrier; by_spring: (2, P, H) the same; carrier: which of H.
+    of_spring: (5, P padded to 8), rows as named below; at: (2, n, P padded) compression of a spring per amplitude,
+    n counting the harmonics and the carrier; by_spring: (2, P, H) the same; carrier: index of the carrier in H.
     """
 
     of_spring: np.ndarray
@@ -81,14 +80,14 @@ class Springs(NamedTuple):
     carrier: int
 
 
-# rows: cosine and sine of a spring's angle, its stiffness (N/m), damping (N s/m), its compression (m) with the
-# ring in the middle of the carrier
+# rows: cosine and sine of a spring's angle, its stiffness (N/m), damping (N s/m), and its compression (m) with the
+# undeformed ring in the middle of the carrier
 COS_S, SIN_S, K_S, C_S, FIT = range(5)
 
 
 @generic(inline="late", absent=0)
 def harmonics(bending: Any) -> int:
-    """Return the number of harmonics of the ring, padded."""
+    """Return the padded number of harmonics of the ring."""
 
 
 @harmonics.register(Bending)
@@ -98,9 +97,9 @@ def _harmonics(bending):
 
 @generic(inline="late", absent=None)
 def bend_race(bending: Any, C: float, S: float, omega_c: float, y: np.ndarray, rollers: int) -> None:
-    """Fill the rows BEND and BEND_V of so many ``rollers`` (lanes), the first at the angle of cosine C, sine S.
+    """Fill the rows BEND and BEND_V, the displacement of the race at every roller and its rate.
 
-    omega_c: speed of the cage, rad/s.
+    C, S: cosine and sine of the first roller's angle; omega_c: speed of the cage, rad/s; rollers: number of lanes.
 
     Equation (R1) of docs/ring.md: w at every roller.
     """
@@ -118,9 +117,9 @@ def bend_rate(bending: Any, y: np.ndarray, j: int) -> float:
 
 @generic(inline="late", absent=None)
 def accelerate_harmonics(bending: Any, m_o: float, y: np.ndarray) -> None:
-    """Fill the amplitudes' accelerations, and add the springs' part to that of the ring of mass ``m_o`` (kg).
+    """Fill the accelerations of the amplitudes, and add the springs' forces over ``m_o`` (kg) to the ring's.
 
-    The rows Q_O are filled, and ``bend_race`` has been called.
+    Requires filled rows Q_O, and ``bend_race`` before it.
 
     Equation (R2) of docs/ring.md.
     """
@@ -128,17 +127,17 @@ def accelerate_harmonics(bending: Any, m_o: float, y: np.ndarray) -> None:
 
 @generic(inline="late", absent=None)
 def press_springs(springs: Any, y: np.ndarray) -> None:
-    """Fill SPRING_FORCE, and what it does: PULL on the amplitudes, SPRINGS_X, SPRINGS_Y on the ring's centre."""
+    """Fill SPRING_FORCE and its loads: PULL on the amplitudes, SPRINGS_X, SPRINGS_Y on the ring's centre."""
 
 
 def ring_position(springs, y):
-    """Return ``held_position`` where nothing is between ring and bracket."""
+    """Return ``held_position`` of a ring without springs: that of the ring's centre."""
     return y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
 
 
 @generic(absent=ring_position)
 def held_position(springs: Any, y: np.ndarray) -> tuple[float, float]:
-    """Return the position (m, m) of what the bracket holds: the ring, or the carrier around it."""
+    """Return the position (m, m) of the body held by the bracket: the ring, or the carrier around it."""
 
 
 @held_position.register(Springs)
@@ -149,32 +148,34 @@ def _held_position(springs, y):
 
 @generic(inline="late", absent=0.0)
 def pull(springs: Any, row: int, y: np.ndarray, i: int) -> float:
-    """Return the springs' force (N) on amplitude ``i`` of cosine or sine, by ``row``; or, by its cell, on the
-    centre."""
+    """Return entry ``i`` of a row filled by ``press_springs`` (N): PULL_C, PULL_S, SPRINGS_X or SPRINGS_Y."""
 
 
 @generic(inline="late", absent=None)
 def read_sensor(bending: Any, y: np.ndarray) -> None:
-    """Fill the cells SENSOR: the ring's radial motion where the sensor sits."""
+    """Fill the cells SENSOR with the radial motion at the sensor."""
 
 
 def _stiff_race_bound(bending, K, per_mass, k):
-    """Return ``race_stiffness_bound`` of a stiff ring."""
+    """Return ``race_stiffness_bound`` of a rigid ring."""
     return K
 
 
 @generic(inline="late", absent=_stiff_race_bound)
 def race_stiffness_bound(bending: Any, K: float, per_mass: float, k: float) -> float:
-    """Bound the stiffness over mass (1/s^2) of a roller on a race that bends.
+    """Bound the stiffness over mass (1/s^2) of a roller on a flexible race.
 
-    K: of the roller alone, 1/s^2; per_mass: 1/kg of it; k: stiffness of its outer contact, N/m.
+    K: stiffness over mass of the roller alone, 1/s^2; per_mass: its inverse mass, 1/kg; k: stiffness of its outer
+    contact, N/m.
     """
 
 
 @generic(inline="late", absent=0.0)
 def damping_of_race(bending: Any, c: float) -> float:
-    """Return the damping over mass (1/s) that a bending race adds to a roller's; c: of its outer contact, N
-    s/m."""
+    """Return the damping over mass (1/s) that a flexible race adds to a roller's.
+
+    c: damping of the roller's outer contact, N s/m.
+    """
 
 
 @race_stiffness_bound.register(Bending)
@@ -202,13 +203,13 @@ def _bend_rate(bending, y, j):
 
 @inlined
 def turn_harmonics(bending, C, S, y):
-    """Fill TURN_C, TURN_S: cosine and sine of n times the angle of cosine C, sine S."""
+    """Fill TURN_C, TURN_S: cosine and sine of n times the angle with cosine ``C`` and sine ``S``."""
     c_2, s_2 = C * C - S * S, 2.0 * S * C
     c_4, s_4 = c_2 * c_2 - s_2 * s_2, 2.0 * s_2 * c_2
     c_8, s_8 = c_4 * c_4 - s_4 * s_4, 2.0 * s_4 * c_4
     y[lay.TURN_C], y[lay.TURN_S] = c_2, s_2
     y[lay.TURN_C + 1], y[lay.TURN_S + 1] = c_2 * C - s_2 * S, s_2 * C + c_2 * S
-    for i in range(2, 8):  # the angle of harmonic i + 2 is that of i - 2, and four times the angle more
+    for i in range(2, 8):  # (i + 2) theta = (i - 2) theta + 4 theta
         c = C if i == 3 else (1.0 if i == 2 else y[lay.TURN_C + i - 4])
         s = S if i == 3 else (0.0 if i == 2 else y[lay.TURN_S + i - 4])
         y[lay.TURN_C + i], y[lay.TURN_S + i] = c * c_4 - s * s_4, s * c_4 + c * s_4
@@ -220,7 +221,7 @@ def turn_harmonics(bending, C, S, y):
 
 @inlined
 def turn_amplitudes(bending, omega_c, y):
-    """Fill SEEN: the amplitudes, and their rates along the race, as the rollers see them."""
+    """Fill SEEN: the amplitudes in the frame of the rollers, and their rates along a roller's path."""
     for i in range(bending.of_harmonic.shape[1]):
         c, s, turning = y[lay.TURN_C + i], y[lay.TURN_S + i], omega_c * bending.of_harmonic[N, i]
         a, b = y[lay.POSITION + lay.MODES_C + i], y[lay.POSITION + lay.MODES_S + i]
@@ -241,7 +242,7 @@ def _bend_race(bending, C, S, omega_c, y, rollers):
 
 @inlined
 def push_harmonics(bending, y):
-    """Fill PUSH: what the rollers' forces Q_O do to the amplitudes, as the rollers see them."""
+    """Fill PUSH: the generalised forces of Q_O on the amplitudes, in the frame of the rollers."""
     for lane in range(0, bending.of_harmonic.shape[1], lay.VECTOR_WIDTH):
         sum_rollers(bending.by_roller, lay.Q_O, y, lane, (lay.PUSH_C + lane, lay.PUSH_S + lane))
 
@@ -316,14 +317,14 @@ def _accelerate_harmonics(bending, m_o, y):
 
 @inlined
 def shift_to_sensor(bending, block, y):
-    """Return the part of the ring's rigid motion in a block of the state."""
+    """Return the rigid motion of the ring at the sensor, from a block of the state."""
     return bending.sensor_x * y[block + lay.X] + bending.sensor_y * y[block + lay.Y]
 
 
 @read_sensor.register(Bending)
 def _read_sensor(bending, y):
     n = harmonics(bending)
-    for i in range(n):  # into rows that are free once the state is evaluated
+    for i in range(n):  # SEEN rows serve as work space: they are not needed after the evaluation
         c, s = bending.of_harmonic[SENSOR_C, i], bending.of_harmonic[SENSOR_S, i]
         y[lay.SEEN_C + i] = c * y[lay.POSITION + lay.MODES_C + i] + s * y[lay.POSITION + lay.MODES_S + i]
         y[lay.SEEN_S + i] = c * y[lay.VELOCITY + lay.MODES_C + i] + s * y[lay.VELOCITY + lay.MODES_S + i]

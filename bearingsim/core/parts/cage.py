@@ -1,10 +1,11 @@
-"""The cage and what surrounds it: how it moves, what guides it, what drags on it and on the rollers.
+"""Cage: motion, guidance, pocket contacts, and the drag on cage and rollers.
 
-A roller in its pocket, seen from the cage's centre c_c along the pocket's own directions e_r, e_theta:
+The position of a roller in its pocket, relative to the cage's centre c_c along the pocket's directions e_r,
+e_theta, is
 
     e = (c_j - c_c).e_theta,   rho = (c_j - c_c).e_r,   N = pocket(|e| - c_p/2, d|e|/dt)
 
-The walls are flat and radial, so N acts along e_theta; the roller's surface rubs along e_r.
+The walls are flat and radial, so N acts along e_theta and friction along e_r.
 """
 
 from math import hypot
@@ -20,14 +21,14 @@ from bearingsim.core.sums import sum_loads
 
 @absent
 class KinematicCage(NamedTuple):
-    """Turns at its kinematic speed about the bearing's centre, every roller in the middle of its pocket."""
+    """Cage at its kinematic speed about the bearing's centre, with every roller in the middle of its pocket."""
 
 
 class FreeCage(NamedTuple):
-    """Turns and moves as the rollers in its pockets and its guide push it.
+    """Cage that rotates and moves under the forces of rollers and guide.
 
-    m: kg; inertia: kg m^2 about its axis; play: half of the pocket's clearance (m); pocket: the contact law of a
-    pocket's wall; friction: between roller and wall; guide: what centres it.
+    m: kg; inertia: kg m^2 about its axis; play: half of the pocket's clearance (m); pocket: contact law of a
+    pocket's wall; friction: between roller and wall; guide: guidance of its centre.
     """
 
     m: float
@@ -40,20 +41,21 @@ class FreeCage(NamedTuple):
 
 @absent
 class Centred(NamedTuple):
-    """Its centre stays at the bearing's."""
+    """Cage centre fixed at the bearing's centre."""
 
 
 class RollerGuided(NamedTuple):
-    """Held by the rollers: a pocket stops its roller radially after ``play`` (m); law: of the contact."""
+    """Guidance by the rollers: a pocket stops its roller radially after ``play`` (m) by the contact ``law``."""
 
     play: float
     law: Any
 
 
 class RingGuided(NamedTuple):
-    """Runs on a land of a ring with the radial ``play`` (m).
+    """Guidance by a land of a ring with the radial ``play`` (m).
 
-    land: its radius (m); outer: 1.0 on the outer ring, 0.0 on the inner; law, friction: between cage and land.
+    land: radius of the land (m); outer: 1.0 on the outer ring, 0.0 on the inner; law, friction: contact law and
+    friction between cage and land.
     """
 
     play: float
@@ -65,13 +67,14 @@ class RingGuided(NamedTuple):
 
 @absent
 class NoDrag(NamedTuple):
-    """Nothing resists."""
+    """No drag on rollers and cage."""
 
 
 class OilDrag(NamedTuple):
-    """Oil resists a roller's orbit, and the cage where it faces a ring.
+    """Oil drag on the orbiting rollers, and on the cage at the land of a ring.
 
-    roller: 1/2 rho C_d L D, N s^2/m^2; land: N m s/rad; outer: 1.0 if the ring is the outer, at rest, else 0.0.
+    roller: 1/2 rho C_d L D, N s^2/m^2; land: N m s/rad; outer: 1.0 if the land is on the outer ring, which does
+    not rotate, else 0.0.
     """
 
     roller: float
@@ -86,7 +89,7 @@ def orbit_drag(drag: Any, speed: float) -> float:
 
 @generic(absent=0.0)
 def land_drag(drag: Any, omega_cage: float, omega_i: float) -> float:
-    """Return the torque (N m) on the cage at its speed and the inner ring's (rad/s)."""
+    """Return the torque (N m) of oil on the cage at the speeds (rad/s) of the cage and the inner ring."""
 
 
 @orbit_drag.register(OilDrag)
@@ -101,8 +104,10 @@ def _land_drag_oil(drag, omega_cage, omega_i):
 
 @generic(absent=0.0)
 def radial_stop(guide: Any, out: float, speed: float) -> float:
-    """Return the force (N) of a pocket on its roller along e_r, ``out`` (m) and ``speed`` (m/s) outwards from
-    the middle."""
+    """Return the force (N) of a pocket on its roller along e_r.
+
+    out, speed: displacement from the middle (m) and its rate (m/s), outwards.
+    """
 
 
 @radial_stop.register(RingGuided)
@@ -118,7 +123,7 @@ def _radial_stop_rollers(guide, out, speed):
 
 @generic(absent=(0.0, 0.0))
 def cage_centre_acceleration(guide: Any, m: float, y: Any) -> tuple[float, float]:
-    """Return the acceleration (m/s^2) of the cage's centre under the forces gathered in the cells F_X_C, F_Y_C."""
+    """Return the acceleration (m/s^2) of the cage's centre under the forces in the cells F_X_C, F_Y_C."""
 
 
 @cage_centre_acceleration.register(RollerGuided)
@@ -133,7 +138,7 @@ def _cage_centre_acceleration_by_ring(guide, m, y):
 
 @generic(absent=None)
 def land_contact(guide: Any, omega_cage: float, omega_i: float, y: Any) -> None:
-    """Add the force between cage and guiding land to the cells of the cage and of the ring."""
+    """Add the force between cage and guiding land to the load cells of cage and ring."""
 
 
 @land_contact.register(RollerGuided)
@@ -143,9 +148,9 @@ def _land_contact_rollers(guide, omega_cage, omega_i, y):
 
 @land_contact.register(RingGuided)
 def _land_contact_ring(guide, omega_cage, omega_i, y):
-    """Compute the contact of cage and ring, where the cage is off the ring's centre by more than the play.
+    """Compute the contact of cage and land, active if the centres of cage and ring are off by more than the play.
 
-    The point of contact moves with the offset.
+    The point of contact lies in the direction of this offset.
     """
     o, i = guide.outer, 1.0 - guide.outer
     x = y[lay.POSITION + lay.X_C] - o * y[lay.POSITION + lay.X] - i * y[lay.POSITION + lay.X_I]
@@ -156,8 +161,8 @@ def _land_contact_ring(guide, omega_cage, omega_i, y):
     c, s = x / off, z / off
     N = normal_force(guide.law, off - guide.play, v_x * c + v_z * s)
     omega_ring = i * omega_i + o * y[lay.VELOCITY + lay.PSI]
-    # an outer land is touched on the side to which the cage is displaced, an inner one on the far side: arms from
-    # both centres
+    # the cage touches an outer land on the side to which it is displaced, an inner land on the opposite side; arms
+    # from the centres of cage and ring
     on_cage = (o - i) * guide.land
     on_ring = on_cage + off
     slip = -v_x * s + v_z * c + on_cage * omega_cage - on_ring * omega_ring
@@ -177,8 +182,8 @@ def _land_contact_ring(guide, omega_cage, omega_i, y):
 def pocket_force(cage: Any, model: Any, common: Any, y: Any, j: int) -> None:
     """Add the pocket's force to the rows FORCE_R, FORCE_T, TORQUE of roller ``j``; fill its loads on the cage.
 
-    common: its fields ``cage`` (a ``Centre``), ``omega_cage``, ``spin``: the cage's speed, a roller's nominal spin
-    (rad/s).
+    common: fields ``cage`` (a ``Centre``), ``omega_cage`` (speed of the cage, rad/s) and ``spin`` (nominal spin of
+    a roller, rad/s) are used.
     """
 
 
@@ -194,7 +199,7 @@ def _pocket_force_free(cage, model, common, y, j):
     rho = r * ce - common.cage.x * pc - common.cage.y * ps
     v_r = (
         v * ce - w * se - common.cage.v_x * pc - common.cage.v_y * ps
-    )  # less the cage's centre, in the pocket's frame
+    )  # relative to the cage's centre, in the pocket's frame
     v_t = v * se + w * ce + common.cage.v_x * ps - common.cage.v_y * pc
     side = 1.0 if e > 0.0 else -1.0
     N = normal_force(cage.pocket, abs(e) - cage.play, side * (v_t - omega_cage * rho))
@@ -213,7 +218,7 @@ def _pocket_force_free(cage, model, common, y, j):
 
 @generic(inline="late", absent=None)
 def sum_pocket_forces(cage: Any, y: Any, n: int) -> None:
-    """Fill the cage's cells with what all pockets do to it in the plane."""
+    """Fill the load cells of the cage with the sums of the pocket forces in the plane."""
 
 
 @sum_pocket_forces.register(FreeCage)
@@ -223,9 +228,9 @@ def _sum_pocket_forces_free(cage, y, n):
 
 @generic
 def accelerate_cage(cage: Any, model: Any, omega_cage: float, omega_i: float, alpha: float, y: Any) -> float:
-    """Return the cage's angular acceleration (rad/s^2); write its centre's acceleration into the state.
+    """Return the cage's angular acceleration (rad/s^2); write the acceleration of its centre into the state.
 
-    alpha: the kinematic acceleration (rad/s^2). Adds to the cells of the rings what the cage's guide does to them.
+    alpha: kinematic acceleration (rad/s^2). Adds the forces of the cage's guide to the load cells of the rings.
     """
 
 
@@ -244,8 +249,10 @@ def _accelerate_cage_free(cage, model, omega_cage, omega_i, alpha, y):
 
 @generic(absent=0.0)
 def pocket_stiffness(cage: Any, per_mass: float) -> float:
-    """Return the stiffness of a pocket's wall over the reduced mass (1/s^2) of roller and cage, from a roller's
-    inverse mass."""
+    """Return the stiffness of a pocket's wall over the reduced mass (1/s^2) of roller and cage.
+
+    per_mass: inverse mass of a roller (1/kg).
+    """
 
 
 @pocket_stiffness.register(FreeCage)
@@ -255,7 +262,7 @@ def _pocket_stiffness_free(cage, per_mass):
 
 @generic(absent=0.0)
 def cage_constraint(cage: Any, theta_a: float) -> float:
-    """Return a roller's angular acceleration (rad/s^2) under its forces, or 0 where the cage holds it."""
+    """Return ``theta_a``, an acceleration of a roller, or 0 if a kinematic cage prevents it."""
 
 
 @cage_constraint.register(FreeCage)
