@@ -1,8 +1,7 @@
-"""The mechanics of the bearing: floats and arrays in SI, nothing else of the program.
+"""The mechanics of the bearing, with floats and arrays in SI units and independent of the rest of the program.
 
-``MODEL_VERSION`` is raised by hand whenever a change makes the same case give different numbers; it is part
-of every job's id, so results computed by an older model are never taken for new ones. A golden-value test
-guards it.
+Increase ``MODEL_VERSION`` whenever a change alters the results of a case. It is part of every job's id, so results
+of an older model are never reused as new ones. A golden-value test checks it.
 """
 
 MODEL_VERSION = 11

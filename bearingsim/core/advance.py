@@ -1,7 +1,7 @@
-"""Drive a model through time with a method, record what happens, and watch that it can be believed.
+"""Time integration of a model with a method, recording, and monitoring of validity.
 
-Time is counted in steps from the start, so a million steps add no rounding to it, and a run in chunks equals
-the same run in one piece bit for bit.
+Time is counted in steps from the start, so rounding errors do not accumulate, and a run in chunks is bit-for-bit
+identical to the same run in one piece.
 """
 
 from math import floor
@@ -28,15 +28,16 @@ from bearingsim.core.parameters import lanes
 RING_MOTION = tuple(
     block + axis for block in (lay.POSITION, lay.VELOCITY, lay.ACCELERATION) for axis in (lay.X, lay.Y)
 )
-"""Places in the buffer of what every recording begins with: the ring's displacement, velocity, acceleration."""
+"""Buffer cells at the start of every recording: the ring's displacement, velocity, acceleration."""
 
 
 class Monitor(NamedTuple):
     """Limits of a run.
 
-    stride: steps between looks; patience: seconds a body may be over the method's step limit; approach_bound:
-    approach of a contact (m), energy_bound: energy of radial motion (J), that nothing in the case can bring about;
-    max_evaluations: evaluations of the model, by a method that counts them, after which its caller is to look.
+    stride: steps between checks; patience: time (s) that a body may exceed the method's step limit;
+    approach_bound: approach of a contact (m), energy_bound: energy of radial motion (J), both above all values
+    possible in the case; max_evaluations: evaluations of the model, for methods that count them, after which
+    control returns to the caller.
     """
 
     stride: int
@@ -48,7 +49,7 @@ class Monitor(NamedTuple):
 
 @jit
 def start_at_rest(model, t, y):
-    """Run ``begin``, compiled as a whole: from Python its parts compile one by one, each when first met.
+    """Run ``begin``, compiled as a whole (called from Python, its parts would compile one by one).
 
     Returns the largest stiffness (1/s^2) and damping (1/s) over mass of a monitored body.
     """
@@ -69,7 +70,7 @@ def record(y, cells, n, out):
 
 @jit
 def ready(method, model, t, y):
-    """Make the buffer ready for a method's first step at time ``t`` (s); accelerations are in place."""
+    """Prepare the buffer for a method's first step at time ``t`` (s); accelerations are already set."""
     y[lay.FAILED_BODY] = NO_BODY
     prepare(method, model, t, y)
 
@@ -78,7 +79,7 @@ def ready(method, model, t, y):
 def first_over(row, bound, y, n):
     """Return the first lane (of n) of the buffer's ``row`` that is not at most ``bound``, or NO_BODY.
 
-    They are counted first: a count keeps its vector lanes, a search does not, and mostly there is nothing to find.
+    Lanes are first counted, because a count is vectorised and a search is not, and most calls find none.
     """
     count = 0.0
     for j in range(n):
@@ -92,7 +93,7 @@ def first_over(row, bound, y, n):
 
 @jit
 def approaches_of_bodies(model, y, n):
-    """Fill row APPROACH_NOW: the larger approach (m) of each roller to an undamaged race in the present state."""
+    """Fill row APPROACH_NOW: the larger approach (m) of each roller to an undamaged race in the current state."""
     gap = model.bearing.gap
     u_x, u_y = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
     i_x, i_y = y[lay.POSITION + lay.X_I], y[lay.POSITION + lay.Y_I]
@@ -105,7 +106,7 @@ def approaches_of_bodies(model, y, n):
 
 @jit
 def radial_energy(bearing, y, n):
-    """Return the kinetic energy (J) of the ring's motion and the rollers' radial one."""
+    """Return the kinetic energy (J) of the ring's motion and the rollers' radial motion."""
     v2 = 0.0
     for j in range(n):
         v2 = add(v2, y[lay.RADIAL_V + j] * y[lay.RADIAL_V + j])
@@ -117,7 +118,7 @@ def radial_energy(bearing, y, n):
 def exceeded_limit(method, model, monitor, y):
     """Return the body that has been over the method's step limit for longer than allowed, or NO_BODY."""
     elapsed, bodies = monitor.stride * method.h, monitored(model)
-    bodies = lanes(model.bearing) if bodies > 1 else bodies  # a padded lane has no stiffness over its mass
+    bodies = lanes(model.bearing) if bodies > 1 else bodies  # padded lanes have zero stiffness over mass
     for j in range(bodies):
         y[lay.STEP_RATIO + j] = stability_ratio(
             method, stiffness_per_mass(model, y, j), damping_per_mass(model, y, j)
@@ -130,7 +131,7 @@ def exceeded_limit(method, model, monitor, y):
 
 @jit
 def check_state(method, model, monitor, t, y):
-    """Return outcome and body at time ``t`` (s): NOT_FINITE or too much energy, if so."""
+    """Check the state at time ``t`` (s); return outcome and body (NO_BODY if none in particular)."""
     n = lanes(model.bearing)
     slow = exceeded_limit(method, model, monitor, y)
     energy = radial_energy(model.bearing, y, n)
@@ -153,13 +154,13 @@ def check_state(method, model, monitor, t, y):
 
 @absent
 class NoSamples(NamedTuple):
-    """Nothing is recorded but after each step."""
+    """No recording except after each step."""
 
 
 class Samples(NamedTuple):
     """Instants at which the state is recorded by dense output, between the steps of an adaptive method.
 
-    first: s, the time of number 0; rate: 1/s; out: (C, n) what is recorded.
+    first: s, time of sample 0; rate: 1/s; out: (C, n) recorded values.
     """
 
     first: float
@@ -169,7 +170,7 @@ class Samples(NamedTuple):
 
 @generic(absent=None)
 def take_samples(samples: Any, method: Any, model: Any, t: float, until: float, y: np.ndarray, cells: Any) -> None:
-    """Record ``cells`` of the buffer at all instants after ``t`` and not after ``until`` (s)."""
+    """Record ``cells`` of the buffer at all instants after ``t`` and up to ``until`` (s)."""
 
 
 @take_samples.register(Samples)
@@ -192,9 +193,9 @@ def advance(method, model, monitor, start, y, cells, out):
 def advance_and_sample(method, model, monitor, start, y, cells, out, samples):
     """Take ``out.shape[1]`` steps from step number ``start``, recording ``cells`` of the buffer after each.
 
-    cells: (C,) integers; out: (C, n); samples: ``NoSamples`` or ``Samples``. Returns (steps taken, outcome,
-    body): all steps and SUCCESS, or the step at which the method gave up or the monitor stopped the run; fewer
-    steps and SUCCESS once they were much work.
+    cells: (C,) integers; out: (C, n); samples: ``NoSamples`` or ``Samples``. Returns (steps taken, outcome, body):
+    all steps and SUCCESS; the steps up to a failure of the method or a stop by the monitor; or fewer steps and
+    SUCCESS after ``monitor.max_evaluations``.
     """
     before = y[lay.EVALUATIONS]
     for n in range(out.shape[1]):

@@ -1,6 +1,6 @@
-"""The CPU clock in compiled code: loops that may run long read it now and then, and end with the job's CPU time.
+"""CPU clock for compiled code, read occasionally by long loops, which end when the job's CPU time is used up.
 
-``cpu_time.bounded`` calls such a function, and says when that is. A reading takes 0.3 us.
+``cpu_time.bounded`` calls such a function with the end time. A reading takes 0.3 us.
 """
 
 import time

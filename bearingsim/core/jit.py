@@ -1,20 +1,20 @@
-"""Compilation of the core: all of its settings.
+"""Compilation settings of the core.
 
-Five words are used everywhere else:
+Five names are used everywhere else:
 
 ``jit``      compiles a function (cached on disk).
-``inlined``  compiles a function into its callers: what a loop over rollers calls.
+``inlined``  compiles a function into its callers: for functions called in loops over rollers.
 ``generic``  one name, one implementation per parameter type; the choice is made when the caller is compiled,
-             so what is not chosen is not there. Called from Python it dispatches like ``singledispatch``.
-``absent``   a type that stands for nothing (no drag, no flange): it needs no implementation of a generic that says
-             what nothing does. Any other type that lacks one is refused by name.
-``add``      an addition whose order the compiler may change: it lets a sum use vector lanes, while every other
-             operation keeps its IEEE meaning (full ``fastmath`` makes ``isfinite(nan)`` true). What moves a state
-             is summed in an order of its own: ``sums.py``.
+             so other implementations cost nothing. Called from Python it dispatches like ``singledispatch``.
+``absent``   a type for a missing feature (no drag, no flange); it needs no implementation of a generic that
+             defines ``absent``. Any other type without an implementation raises an error that names it.
+``add``      an addition that the compiler may reorder, so that a sum is vectorised while every other operation
+             keeps its IEEE meaning (full ``fastmath`` makes ``isfinite(nan)`` true). Sums that enter the state
+             have a fixed order (``sums.py``).
 
 The cache folder is named by a digest of the sources of the core and of the packages that extend it, because numba
-looks only at the file of the function itself and would serve stale code after a change in a callee. (That is all
-that the core asks of the catalogue.)
+checks only the file of the function itself and would load stale code after a change in a callee. (The core needs
+nothing else from the catalogue.)
 """
 
 import atexit
@@ -39,16 +39,16 @@ from bearingsim.catalogue import extension_sources
 from bearingsim.core import linking, resolving
 from bearingsim.own_folder import Distrusted, own_folder
 
-numba_config: Any = config  # its names are made at run time
+numba_config: Any = config  # its attributes are created at run time
 resolving.resolve_once()
 
 CORE = Path(__file__).parent
 OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}, "_nrt": False, **linking.OPTIONS}
-"""Of every function of the core, for ``numba.njit``. ``_nrt`` off: no function allocates, so none counts the
-references to the arrays that it is handed, which takes up to half of a step. What a function fills, its caller
-brings."""
+"""Options of ``numba.njit`` for every function of the core. With ``_nrt`` off no function allocates, so none
+counts references to its array arguments, which takes up to half of a step. Callers allocate the arrays that a
+function fills."""
 GENERICS: list[Any] = []
-"""All that ``generic`` has made, in the order of import."""
+"""All functions made by ``generic``, in the order of import."""
 
 
 def source_digest() -> str:
@@ -63,8 +63,9 @@ def source_digest() -> str:
 def cache_folder() -> Path | None:
     """Choose the cache of compiled code: ``$BEARINGSIM_CACHE``, else the user's cache, else the temporary folder.
 
-    Stored code is executed, so only the user may write there. Of the first folder where others can, one line to
-    stderr says so, and the processes that this one starts take the next one instead. None if there is none.
+    Stored code is executed, so only the user may have write access. If others can write to a folder, the next one
+    is used, also by child processes, and one line on stderr reports the first such folder. None if no folder is
+    usable.
     """
     digest, why = source_digest(), ""
     for candidate in (chosen_folder, temporary_folder, passing_folder):
@@ -89,23 +90,23 @@ def report(message: str) -> None:
 
 
 def chosen_folder() -> Path:
-    """Return the folder that the user names, or the user's cache."""
+    """Return the folder named in the environment, or the user's cache."""
     named = os.environ.get("BEARINGSIM_CACHE") or os.environ.get("XDG_CACHE_HOME")
     return Path(named) if named else Path.home() / ".cache"
 
 
 def temporary_folder() -> Path:
-    """Return this user's own folder in the temporary one."""
+    """Return the user's own folder in the temporary folder."""
     user = os.getuid() if hasattr(os, "getuid") else "user"
     return own_folder(Path(tempfile.gettempdir()), f"bearingsim-{user}")
 
 
 def passing_folder() -> Path:
-    """Make a folder that is removed as this process ends."""
+    """Make a folder that is removed when this process ends."""
     folder, maker = tempfile.mkdtemp(prefix="bearingsim-"), os.getpid()
 
     def remove() -> None:
-        if os.getpid() == maker:  # not a child, which ends before
+        if os.getpid() == maker:  # not a forked child, which ends earlier
             shutil.rmtree(folder, ignore_errors=True)
 
     atexit.register(remove)
@@ -114,10 +115,10 @@ def passing_folder() -> Path:
 
 _CACHE = cache_folder()
 COMPILING_S = 120.0
-"""Longest wait, in s, for another process that compiles the same function; after it both compile it."""
-UNREADABLE = (ImportError, AttributeError)  # a type of another module, which is not here or has changed
+"""Longest wait (s) for another process that compiles the same function; then both compile it."""
+UNREADABLE = (ImportError, AttributeError)  # a type from a module that is missing or has changed
 SAVING_S = 10.0
-"""Longest wait, in s, for another process that saves, which may be suspended; after it nothing is saved."""
+"""Longest wait (s) for another process that saves and may be suspended; then nothing is saved."""
 
 
 @lru_cache(maxsize=1)
@@ -128,13 +129,13 @@ def saving(process: int) -> Any:
 
 @contextmanager
 def compiling(function: Callable) -> Iterator[None]:
-    """Let one process at a time compile a function: the others load its code from the cache."""
+    """Let one process at a time compile a function; the others load its code from the cache."""
     if _CACHE is None or not linking.is_outermost():
         yield
         return
     name = f"{function.__module__}.{function.__qualname__}.compiling.lock"
     lock = FileLock(_CACHE / name, timeout=COMPILING_S)
-    with suppress(OSError, NotImplementedError):  # of a folder without locks, or of a wait that was too long
+    with suppress(OSError, NotImplementedError):  # no locks in this folder, or timeout
         lock.acquire()
     try:
         yield
@@ -143,9 +144,9 @@ def compiling(function: Callable) -> Iterator[None]:
 
 
 def jit(function: Callable, **options: Any) -> Any:
-    """Compile ``function`` on first call, or load it from the cache; options: of ``numba.njit``, besides ours."""
+    """Compile ``function`` on first call, or load it from the cache; options: further ones of ``numba.njit``."""
     before = numba_config.CACHE_DIR
-    numba_config.CACHE_DIR = str(_CACHE)  # read while the decorator runs, so other users of numba keep their own
+    numba_config.CACHE_DIR = str(_CACHE)  # read while the decorator runs, so other users of numba are unaffected
     try:
         return kept_safely(numba.njit(cache=_CACHE is not None, **(OPTIONS | options))(function))
     finally:
@@ -157,11 +158,11 @@ def kept_safely(dispatcher: Any) -> Any:
 
     Compiling and loading are not charged to the job that needs the code.
 
-    numba reads an index, picks a file name and writes both: two processes at once could give one name to the code
-    of two signatures, and later load one for the other. And whoever reads that index must be able to import every
-    type that the function was ever compiled for: somebody else's models may be gone.
+    numba reads an index, chooses a file name and writes both. Two processes at once could give the code of two
+    signatures the same name, and later load the wrong one. Reading the index requires importing every type for
+    which the function was ever compiled, and types of extensions may no longer exist.
     """
-    if not hasattr(dispatcher, "_cache"):  # plain Python, which NUMBA_DISABLE_JIT asks for
+    if not hasattr(dispatcher, "_cache"):  # plain Python, with NUMBA_DISABLE_JIT
         return dispatcher
     cache = linking.ready_when_called(dispatcher)._cache
     save, load, compile_for = cache.save_overload, cache.load_overload, dispatcher.compile
@@ -172,7 +173,7 @@ def kept_safely(dispatcher: Any) -> Any:
         with (
             suppress(OSError, NotImplementedError, *UNREADABLE),
             saving(os.getpid()),
-        ):  # without locks nothing is kept
+        ):  # without locks nothing is saved
             save(signature, code)
 
     def load_if_readable(signature: Any, context: Any) -> Any:
@@ -190,7 +191,7 @@ def kept_safely(dispatcher: Any) -> Any:
 
 @contextmanager
 def heard(begins: Callable[[], None], ends: Callable[[], None]) -> Iterator[None]:
-    """Call ``begins`` when something is compiled, not loaded from the cache, and ``ends`` when that is done."""
+    """Call ``begins`` before and ``ends`` after each compilation that is not loaded from the cache."""
     depth = 0  # callees are compiled during the compilation of their caller
 
     class Compilation(event.Listener):
@@ -216,7 +217,7 @@ Parameters = TypeVar("Parameters", bound=type)
 
 
 def absent(parameters: Parameters) -> Parameters:
-    """Declare a type that stands for nothing."""
+    """Declare a type that represents a missing feature."""
     ABSENT.add(parameters)
     return parameters
 
@@ -238,16 +239,18 @@ def generic(
     otherwise: Any = REFUSED,
     inline: Literal["never", "late", "early"] = "never",
 ) -> Any:
-    """Turn ``declaration`` into a function chosen by the type of its first argument.
+    """Turn ``declaration`` into a function that is dispatched on the type of its first argument.
 
-    The declaration's body is never run; it carries the name, the arguments and the docstring. Implementations
-    are added with ``@name.register(ParameterType)`` where ``ParameterType`` is a ``NamedTuple`` class.
+    The declaration's body is never run; it provides the name, the arguments and the docstring. Implementations are
+    added with ``@name.register(ParameterType)`` where ``ParameterType`` is a ``NamedTuple`` class.
 
     absent, otherwise: a value or an implementation; the first for types declared ``absent``, the second for all
-    that have no implementation of their own. Without them such a type is refused; ``name.serves(type)`` tells.
+    that have no implementation of their own. Without them such a type raises TypeError; ``name.serves(type)``
+    checks for it.
 
-    inline: "late" puts the implementation's code into its caller (see ``inlined``), "early" its source: rows are
-    then constants while the caller is compiled, and it is seen that no lane of them has a negative index.
+    inline: "late" puts the implementation's code into its caller (see ``inlined``), "early" its source, so that
+    rows are constants while the caller is compiled and the compiler can prove that their lanes have no negative
+    index.
     """
     if declaration is None:
         return partial(generic, absent=absent, otherwise=otherwise, inline=inline)
@@ -292,11 +295,11 @@ def generic(
 
 
 inlined = partial(jit, forceinline=True)
-"""``jit`` of a function whose code the compiler is to put into its caller, however long it is: a loop over rollers
-keeps its vector lanes only if it calls nothing, and a model costs 60 numbers to pass."""
+"""``jit`` with forced inlining into callers, whatever the function's length, because a loop over rollers is
+vectorised only without calls, and passing a model takes 60 numbers."""
 
 
 @partial(jit, fastmath={"reassoc", "contract"})
 def add(a: float, b: float) -> float:
-    """Return a + b, in whatever order suits the vector unit when it accumulates."""
+    """Return a + b, with any order of accumulation."""
     return a + b

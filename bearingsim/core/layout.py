@@ -1,26 +1,26 @@
-"""Layout of the one flat buffer that a simulation works on: every row declared once, with unit, owners and
-lifetime.
+"""Layout of the flat buffer of a simulation; each row is declared once, with unit, owners and lifetime.
 
-A loop over rollers keeps its vector lanes only if the compiler can prove that rows do not overlap and that no
-index is negative. It can when all rows lie in one buffer at constant offsets and loops count from zero
-(with separate arrays the run-time overlap checks cost as much as the work; a loop from 8 stays scalar). A row
-holds the shared coordinates (ring, cage, inner ring), then one lane per roller, padded to the vector width.
-Padded lanes have cos = sin = 0 and an inverse mass of 0: they compute, and change nothing.
+A loop over rollers is vectorised only if the compiler can prove that rows do not overlap and that no index is
+negative. It can if all rows lie in one buffer at constant offsets and loops start from zero (with separate arrays
+the run-time overlap checks cost as much as the computation; a loop from 8 stays scalar). A row contains the shared
+coordinates (ring, cage, inner ring), then one lane per roller, padded to the vector width. Padded lanes have
+cos = sin = 0 and an inverse mass of 0, so they do not affect the result.
 
 A state (positions, velocities, accelerations) is a block of six rows, one for each coordinate of a roller:
-radial, angle, spin, axial, and two components of its axis. The shared coordinates stand before the lanes: those of
-the plane in the first row, those of ``spatial`` in the last three. Simpler models use fewer.
+radial, angle, spin, axial, and two components of its axis. The shared coordinates precede the lanes: those in the
+plane in the first row, those of ``spatial`` in the last three. Simpler models use fewer rows.
 
-Behind everything else, and only in a buffer made for slices, lie the rows of ``spatial``: those of a roller, of
-each of its two sides, and of each slice (``slice_row``).
+A buffer with slices ends with the rows of ``spatial``: those of a roller, of each of its two sides, and of each
+slice (``slice_row``).
 
 The names of rows are offsets: ``y[lay.RADIAL + j]`` is roller j's radial position, ``y[lay.POSITION + lay.X]`` the
-ring's, with ``from bearingsim.core import layout as lay``. ``rows.py`` describes declarations and refuses
+ring's, with ``from bearingsim.core import layout as lay``. ``rows.py`` describes declarations and rejects
 overlaps; ``free_rows`` lists the rows that a model may still declare. The owners:
 
 ``all``          every model and method
-``bent``         rest of a ring that bends; ``bent-search``: its Newton step, which overwrites the springs' forces
-``rest``         rest of rollers and ring in the plane
+``bent``         static equilibrium of a flexible ring; ``bent-search``: its Newton step, which overwrites the
+                 springs' forces
+``rest``         static equilibrium of rollers and ring in the plane
 ``linearise``    analytic Jacobian of ``planar``; ``differences``: Jacobian from differences
 ``adaptive`` ... methods; the models by their names
 """
@@ -33,7 +33,7 @@ from bearingsim.core.jit import jit
 from bearingsim.core.rows import DECLARED, EVERYBODY, declare
 
 VECTOR_WIDTH = 8  # doubles in the widest vector register
-FIRST_LANE = 8  # where a row's lanes begin; before them the shared coordinates
+FIRST_LANE = 8  # first lane of a row; the shared coordinates precede it
 MAX_ROLLERS = 104
 ROW = FIRST_LANE + MAX_ROLLERS
 STATE = 6 * ROW
@@ -42,13 +42,13 @@ rows = partial(declare, step=ROW, size=MAX_ROLLERS)  # lanes of rollers
 whole_rows = partial(declare, step=ROW, size=ROW)
 cells = partial(declare, step=1, size=1)
 states = partial(declare, step=STATE, size=STATE)
-SPRINGY = "ring rollers bent"  # owners of what belongs to a ring that bends
+SPRINGY = "ring rollers bent"  # owners of rows of a flexible ring
 BODIES = "planar spatial linearise differences rest"  # owners of coordinates beyond the radial ones
 
 # the state: positions (m, rad), velocities (m/s, rad/s), accelerations (m/s^2, rad/s^2)
 POSITION, VELOCITY, ACCELERATION = BLOCKS = 0 * STATE, 1 * STATE, 2 * STATE
-# rollers: radial position; angle from the centre of the own pocket, rotation beyond the kinematic one, position
-# along the bearing's axis, components of the own axis along e_0 and e_90
+# rollers: radial position; angle from the pocket's centre, rotation in addition to the kinematic one, axial
+# position, components of the roller's axis along e_0 and e_90
 RADIAL, RADIAL_V, RADIAL_A = declare(
     FIRST_LANE, "m, m/s, m/s^2", f"rollers {BODIES}", "run", size=MAX_ROLLERS, step=STATE
 )
@@ -58,27 +58,26 @@ EPS_A, SPIN_A, AXIAL_A, AXIS_X_A, AXIS_Y_A = rows(
     RADIAL_A + ROW, "rad/s^2, rad/s^2, m/s^2, 1/s^2, 1/s^2", BODIES, "run"
 )
 # shared coordinates, relative to a block; units are those of POSITION. The ring's centre and rotation; the cage's
-# rotation beyond its kinematic one, its centre; the inner ring's centre
+# rotation in addition to the kinematic one, and its centre; the inner ring's centre
 X, Y, PSI, PHI_C, X_C, Y_C, X_I, Y_I = cells(0, "m, m, rad, rad, m, m, m, m", "all", "run", bases=BLOCKS)
-# along the bearing's axis: outer ring, cage, inner ring; components of their axes along e_0 and e_90
+# axial positions of outer ring, cage, inner ring; components of their axes along e_0 and e_90
 Z, Z_C, Z_I = cells(3 * ROW, "m", BODIES, "run", count=3, bases=BLOCKS)
 RING_TILT_X, CAGE_TILT_X, INNER_TILT_X = cells(4 * ROW, "1", BODIES, "run", count=3, bases=BLOCKS)
 RING_TILT_Y, CAGE_TILT_Y, INNER_TILT_Y = cells(5 * ROW, "1", BODIES, "run", count=3, bases=BLOCKS)
-# amplitudes of the harmonics of a ring that bends, of cosine and of sine: in models whose rollers move radially
-# only
+# cosine and sine amplitudes of a flexible ring's harmonics, in models whose rollers move only radially
 MODES_C, MODES_S = whole_rows(ROW, "m", SPRINGY, "run", count=2, bases=BLOCKS)
 
 # constants and results of each roller
 _FIRST = 3 * STATE
-COS_0, SIN_0, INVERSE_MASS = rows(_FIRST, "1, 1, 1/kg", "all", "constant")  # angle at theta_c = 0
-COS, SIN = rows(_FIRST + 3 * ROW, "1", "all", "evaluation", count=2)  # of the roller's angle now
+COS_0, SIN_0, INVERSE_MASS = rows(_FIRST, "1, 1, 1/kg", "all", "constant")  # of the angle at theta_c = 0
+COS, SIN = rows(_FIRST + 3 * ROW, "1", "all", "evaluation", count=2)  # of the current angle
 # contacts with the outer and the inner race: approach, its rate, force
 DELTA_O, V_O, Q_O, DELTA_I, V_I, Q_I = rows(_FIRST + 5 * ROW, "m, m/s, N", "all", "evaluation", count=2)
 # slips at the races, force of the pocket, tangential forces on the roller over a defect
 SLIP_O, SLIP_I, Q_P, DEFECT_FORCE_O, DEFECT_FORCE_I = rows(
     _FIRST + 11 * ROW, "m/s, m/s, N, N, N", "all", "evaluation"
 )
-# largest Q_O; time without a break over the step limit, and its largest value; largest Q_I and |Q_P|
+# largest Q_O; uninterrupted time over the step limit, and its largest value; largest Q_I and |Q_P|
 Q_O_MAX, OVERRUN, OVERRUN_MAX, Q_I_MAX, Q_P_MAX = rows(_FIRST + 16 * ROW, "N, s, s, N, N", "all", "run")
 
 # WORK: rows of one evaluation of the model
@@ -86,17 +85,16 @@ WORK, WORK_ROWS = _FIRST + 21 * ROW, 21
 PLANE = "planar linearise"
 # direction of a roller's pocket; cos and sin of EPS
 COS_POCKET, SIN_POCKET, COS_EPS, SIN_EPS = rows(WORK, "1", f"{PLANE} spatial", "evaluation", count=4)
-# of the outer and the inner contact: normal along e_r, e_theta; distance from the ring's centre; speed across the
-# normal
+# outer and inner contact: normal along e_r, e_theta; distance from the ring's centre; speed across the normal
 NORMAL_O_R, NORMAL_O_T, RHO_O, TANGENTIAL_V_O = rows(WORK + 4 * ROW, "1, 1, m, m/s", PLANE, "evaluation")
 NORMAL_I_R, NORMAL_I_T, RHO_I, TANGENTIAL_V_I = rows(WORK + 8 * ROW, "1, 1, m, m/s", PLANE, "evaluation")
 # on a roller: along e_r, e_theta, spin
 FORCE_R, FORCE_T, TORQUE = rows(WORK + 12 * ROW, "N, N, N m", f"{PLANE} spatial", "evaluation")
-# outward displacement of a bent outer race at each roller, and its rate as the roller travels
+# outward displacement of a flexible outer race at each roller, and its rate along the roller's path
 BEND, BEND_V = rows(WORK + 7 * ROW, "m, m/s", SPRINGY, "evaluation")
 # friction at the two contacts; rates of RHO_O, RHO_I of rollers over a defect
 FRICTION_O, FRICTION_I, RHO_V_O, RHO_V_I = rows(WORK + 15 * ROW, "N, N, m/s, m/s", PLANE, "evaluation")
-# forces and torques on outer ring, cage and inner ring: in the plane, beyond it, on the inner ring about the axis
+# forces and torques on outer ring, cage and inner ring: in the plane, out of it; on the inner ring about the axis
 F_X, F_Y, M_RING, F_X_C, F_Y_C, M_C, F_X_I, F_Y_I = cells(
     WORK + 19 * ROW, "N, N, N m, N, N, N m, N, N", "all", "evaluation"
 )
@@ -105,16 +103,16 @@ F_Z, M_X, M_Y, F_Z_C, M_X_C, M_Y_C, F_Z_I, M_X_I, M_Y_I = cells(
 )
 (M_INNER,) = cells(M_Y_I + 1, "N m", "all", "evaluation")
 LOADS = 18  # cells from F_X to M_INNER
-# radial motion of a ring that bends where its sensor sits; forces of the springs on the ring's centre
+# radial motion of a flexible ring at its sensor; forces of the springs on the ring's centre
 SENSOR, SENSOR_V, SENSOR_A = cells(WORK + 19 * ROW + MAX_ROLLERS, "m, m/s, m/s^2", "all", "evaluation")
-(DEFECT_TORQUE,) = rows(WORK + 20 * ROW, "N m", PLANE, "evaluation")  # of a roller's own defects, on itself
+(DEFECT_TORQUE,) = rows(WORK + 20 * ROW, "N m", PLANE, "evaluation")  # on a roller, due to its own defects
 SPRINGS_X, SPRINGS_Y = cells(WORK + 20 * ROW + MAX_ROLLERS, "N", SPRINGY, "evaluation", count=2)
 
-# JACOBIAN_WORK: rows of one call of ``linearise``, and of models that have none
+# JACOBIAN_WORK: rows of one call of ``linearise``, also used by models without it
 JACOBIAN_WORK, JACOBIAN_WORK_ROWS = WORK + WORK_ROWS * ROW, 86
 # accelerations by force and torque on a roller, and (cells) on the bodies of the shared coordinates X to Y_I;
-# derivatives of a roller's position and velocity, as a body sees it, along e_r, e_theta; of the force along e_r,
-# e_theta and torque on it, and (a row each) on these shared coordinates
+# derivatives of a roller's position and velocity relative to a body, along e_r, e_theta; of the force along e_r,
+# e_theta and torque on it, and of the loads on these shared coordinates (a row each)
 of_linearise = partial(rows, owners="linearise", lifetime="linearise")
 MOBILITY_R, MOBILITY_T, MOBILITY_SPIN, MOBILITY_SHARED = of_linearise(
     JACOBIAN_WORK + FIRST_LANE, "1/kg, 1/kg, 1/(kg m^2), 1/kg"
@@ -128,17 +126,17 @@ OUTER_CONTACT, INNER_CONTACT, POCKET_CONTACT = (JACOBIAN_WORK + FIRST_LANE + n *
 ROLLER_LOADS = whole_rows(
     JACOBIAN_WORK + 18 * ROW, "N", "ring rollers planar spatial differences", "evaluation", count=LOADS
 )[0]
-# differences (``models/differences.py``): the state about which they are taken; its ROLLER_LOADS; cells of their
-# sums, and a mark for each coordinate that moves
+# differences (``models/differences.py``): the reference state; its ROLLER_LOADS; cells of their sums, and a mark
+# for each coordinate that moves
 (HERE,) = declare(JACOBIAN_WORK, "m", "differences", "linearise", size=3 * STATE, step=0)
 ROLLER_LOADS_HERE = whole_rows(JACOBIAN_WORK + 36 * ROW, "N", "differences", "linearise", count=LOADS)[0]
 (LOADS_HERE,) = whole_rows(JACOBIAN_WORK + 54 * ROW, "N", "differences", "linearise")
-# a ring that bends: cosine and sine of each harmonic's angle at the first roller; amplitudes and their rates in
-# the frame of the rollers; generalised forces of the rollers on the amplitudes
+# flexible ring: cosine and sine of each harmonic's angle at the first roller; amplitudes and their rates in the
+# frame of the rollers; generalised forces of the rollers on the amplitudes
 TURN_C, TURN_S, SEEN_C, SEEN_S, SEEN_V_C, SEEN_V_S, PUSH_C, PUSH_S = whole_rows(
     JACOBIAN_WORK + 54 * ROW, "1, 1, m, m, m/s, m/s, N, N", f"{SPRINGY} bent-search", "evaluation"
 )
-# generalised forces of springs around the ring; of each of up to MAX_SPRINGS: compression, its rate, force
+# generalised forces of springs around the ring; compression, its rate and force of each of up to MAX_SPRINGS
 PULL_C, PULL_S = whole_rows(JACOBIAN_WORK + 71 * ROW, "N", SPRINGY, "evaluation", count=2)
 MAX_SPRINGS = 4 * ROW
 PRESSED, PRESSED_V, SPRING_FORCE = declare(
@@ -157,28 +155,27 @@ STAGE, STAGE_STATES = JACOBIAN_WORK + JACOBIAN_WORK_ROWS * ROW, 56
 (LOADED_ROLLERS,) = cells(STAGE + STAGE_STATES * STATE, "1", "all", "run")
 # of a method: start and end of the current step, length of the next attempt; reason of a failure
 # (``core/outcomes.py``; 0: none) and the body concerned; steps taken and refused, evaluations of the model,
-# Newton iterations; crossings of defects seen
+# Newton iterations; crossings of defects counted
 T_START, T_END, H_NEXT, FAILED, FAILED_BODY = cells(LOADED_ROLLERS + 1, "s, s, s, 1, 1", "all", "run")
 STEPS_TAKEN, STEPS_REJECTED, EVALUATIONS, NEWTON_ITERATIONS, DEFECT_CROSSINGS = cells(
     FAILED_BODY + 1, "1", "all", "run", count=5
 )
-# the time it stops at next, the length of the step taken last and its error; dense output complete?
+# time of the next stop, length of the last step and its error; 1 if dense output is complete
 NEXT_STOP, H_TAKEN, LAST_ERROR, DENSE_READY = cells(LOADED_ROLLERS + 11, "s, s, 1, 1", "all", "run")
 (CPU_END,) = cells(
     LOADED_ROLLERS + 15, "s", "all", "run"
 )  # CPU time at which compiled loops end, 0: never (``clock.py``)
-# of each of the first defects' roller-defect pairs: 1 + the number of the roller in it, 0: none;
-# rollers seen in it. Part of the method's step limit that each monitored body takes up. Larger approach of each
-# roller to an undamaged race, for the monitor
+# for each of the first roller-defect pairs: 1 + number of the roller in it, or 0; crossings counted. Step over the
+# method's step limit for each monitored body. Larger approach of each roller to an undamaged race, for the monitor
 ROLLER_IN_DEFECT, PAIR_CROSSINGS, STEP_RATIO, APPROACH_NOW = whole_rows(
     LOADED_ROLLERS + 2 * VECTOR_WIDTH, "1, 1, 1, m", "all", "run"
 )
 # forces Q_O, Q_I, |Q_P| at the start and at the end of an adaptive method's step
 FORCES_AT_START, FORCES_AT_END = whole_rows(APPROACH_NOW + ROW, "N", "adaptive", "step", count=6)[::3]
 
-# a matrix of the arrow's shape (``methods/arrow.py``): rows of the rollers' own blocks, of the border's effect on
-# a roller, of a roller's effect on the border; cells of the border's own block
-MAX_OWN, MAX_SHARED = 6, 17  # coordinates of a roller, and shared ones
+# arrow matrix (``methods/arrow.py``): rows of the rollers' own blocks, of the border's effect on a roller and of a
+# roller's effect on the border; cells of the border's own block
+MAX_OWN, MAX_SHARED = 6, 17  # numbers of coordinates of a roller and of shared ones
 DIAGONAL_BLOCK, BORDER_COLUMN, BORDER_ROW = 0, MAX_OWN * MAX_OWN * ROW, MAX_OWN * (MAX_OWN + MAX_SHARED) * ROW
 CORNER_BLOCK = MAX_OWN * (MAX_OWN + 2 * MAX_SHARED) * ROW
 ARROW_SIZE = CORNER_BLOCK + -(-MAX_SHARED * (MAX_SHARED + 2) // ROW) * ROW
@@ -193,17 +190,18 @@ POSITION_JACOBIAN, VELOCITY_JACOBIAN, SYSTEM = declare(
 )
 BUFFER_SIZE = SYSTEM + ARROW_SIZE
 
-# rows of a roller that only ``spatial`` has
+# rows of a roller in ``spatial`` only
 _SPACE, _SPACE_ROWS = BUFFER_SIZE + FIRST_LANE, 36
 of_space = partial(rows, owners="spatial", lifetime="evaluation")
-# its axis along e_r, e_theta, e_z, and the rates of these; speed about the axis; surface speed
+# its axis along e_r, e_theta, e_z, and its rates; speed about the axis; surface speed
 TILT, SKEW, AXIS_Z, TILT_V, SKEW_V, AXIS_Z_V, OMEGA, ROLLING_SPEED = of_space(
     _SPACE, "1, 1, 1, 1/s, 1/s, 1/s, rad/s, m/s"
 )
 # force, moment on a roller; change of the skew's rate within the lag
 FORCE_Z, MOMENT_R, MOMENT_T, MOMENT_Z, SKEW_V_CHANGE = of_space(_SPACE + 8 * ROW, "N, N m, N m, N m, rad/s")
-# a roller in its pocket: distance from the middle, its rate, slip along the wall and the axis, in the roller's
-# middle; their derivatives along the roller (*_SLOPE); relative angular velocity about the cage's axis and radius
+# a roller in its pocket, at the roller's middle: distance from the pocket's middle, its rate, slip along the wall
+# and the axis; their derivatives along the roller (*_SLOPE); relative angular velocity about the cage's axis and
+# radius
 POCKET_OFFSET, POCKET_OFFSET_V, POCKET_SLIP, POCKET_SLIP_Z = of_space(_SPACE + 13 * ROW, "m, m/s, m/s, m/s")
 POCKET_OFFSET_SLOPE, POCKET_OFFSET_V_SLOPE, POCKET_SLIP_SLOPE, POCKET_SLIP_Z_SLOPE = of_space(
     _SPACE + 17 * ROW, "1, 1/s, 1/s, 1/s"
@@ -213,13 +211,13 @@ POCKET_OMEGA_Z, POCKET_OMEGA_R = of_space(_SPACE + 21 * ROW, "rad/s, rad/s")
 POCKET_FORCE_W, POCKET_FORCE_R, POCKET_FORCE_Z = of_space(_SPACE + 23 * ROW, "N", count=3)
 POCKET_ZETA_FORCE_W, POCKET_ZETA_FORCE_R, POCKET_ZETA_FORCE_Z = of_space(_SPACE + 26 * ROW, "N m", count=3)
 POCKET_COUPLE_Z, POCKET_COUPLE_R = of_space(_SPACE + 29 * ROW, "N m", count=2)
-(Q_F,) = of_space(_SPACE + 31 * ROW, "N")  # force of the flanges along the bearing's axis
+(Q_F,) = of_space(_SPACE + 31 * ROW, "N")  # axial force of the flanges
 TILT_MAX, LINE_LOAD_MAX = rows(_SPACE + 32 * ROW, "rad, N/m", "spatial", "run")  # largest |tilt| and line load
 KAPPA_F, KAPPA_P = of_space(_SPACE + 34 * ROW, "N s/m", count=2)  # friction over slip: flanges, pocket
 
 # rows of one side of a roller, relative to OUTER_SIDE or INNER_SIDE (``parts/races_in_space.py``). A relative
-# offset alone lies far outside any buffer: without its side an index is refused, or ends the process, and changes
-# nothing
+# offset alone lies far outside any buffer, so an index without its side raises an error or ends the process
+# instead of changing data
 RELATIVE = 2**40
 _SIDE, SIDE_ROWS = BUFFER_SIZE + _SPACE_ROWS * ROW + FIRST_LANE, 48
 OUTER_SIDE, INNER_SIDE = SIDES = _SIDE - RELATIVE, _SIDE + SIDE_ROWS * ROW - RELATIVE
@@ -245,10 +243,10 @@ KAPPA_0, KAPPA_1, KAPPA_2, KAPPA_SLIP_0, KAPPA_SLIP_1, KAPPA_SLIP_Z = side_rows(
     RELATIVE + 30 * ROW, "N s/m, N s, N m s, N, N m, N"
 )
 KAPPA_ARM, KAPPA_R, KAPPA_T, KAPPA_Z = side_rows(RELATIVE + 36 * ROW, "N s, N s/m, N s/m, N s/m")
-# changes of the slips within the lag; over a defect?
+# changes of the slips within the lag; reach of a defect (``defects/on_slices.py``)
 SLIP_CHANGE, SLIP_CHANGE_Z, DEFECT_REACH = side_rows(RELATIVE + 40 * ROW, "m/s, m/s, 1")
-# of a defect under the current slice: depth, tangent of the normal's tilt, 1 - its cosine, stiffness lost; is it
-# the roller's own?
+# defect under the current slice: drop, tangent of the normal's tilt, 1 - its cosine, stiffness lost; 1 if it is
+# the roller's own
 ROLLER_DROP, NORMAL_SLOPE, NORMAL_VERSINE, STIFFNESS_LOSS, OWN_DEFECT = side_rows(
     RELATIVE + 43 * ROW, "m, 1, 1, 1, 1"
 )
@@ -308,7 +306,7 @@ def slice_row(k, i):
 
 def lane_of(cells: np.ndarray) -> np.ndarray:
     """Return the roller (from 0) in whose lane each of ``cells`` of the buffer lies; -1 for shared cells."""
-    of_contacts = (cells >= COS_0) & (cells < LOADED_ROLLERS)  # rows whose lanes stand first
+    of_contacts = (cells >= COS_0) & (cells < LOADED_ROLLERS)  # rows that begin with the lanes
     lane = cells % ROW - np.where(of_contacts, 0, FIRST_LANE)
     return np.where((lane >= 0) & (lane < MAX_ROLLERS), lane, -1)
 
@@ -336,8 +334,8 @@ def free_rows(owner: str) -> dict[str, list[int]]:
 def buffer(Z: int, m_r: float, slices: int = 0) -> np.ndarray:
     """Make a zeroed buffer with the lane constants of Z evenly spaced rollers of mass ``m_r`` (kg).
 
-    slices: number of slices of a roller in ``spatial``; 0 in models without. ``m_r`` = 0 (models whose
-    rollers have no mass) leaves the rollers' inverse mass 0: their lanes stand still.
+    slices: number of slices of a roller in ``spatial``; 0 in other models. With ``m_r`` = 0 (models with massless
+    rollers) the rollers' inverse mass is 0 and their lanes do not move.
     """
     y = np.zeros(SLICES + slices * SLICE_ROWS * ROW if slices else BUFFER_SIZE)
     angle = 2.0 * np.pi * np.arange(Z) / Z

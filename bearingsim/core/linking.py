@@ -1,17 +1,17 @@
-"""Compilation without machine code for functions that only compiled callers use.
+"""Compilation of functions used only by compiled callers, without machine code of their own.
 
-numba makes every function ready to be called from Python: it wraps it, and generates machine code of it and of all
-that it calls, again at each level. But most functions of the core are called by others only, into which their
-optimised code is linked. So a function is made ready when Python calls it, and not when a caller is compiled.
-Results are the same, bit for bit.
+numba prepares every function for calls from Python: it generates a wrapper and machine code for the function and
+all its callees, again at each level. Most functions of the core are called only by others, into which their
+optimised code is linked. Here the wrapper and machine code are generated only when Python calls a function, not
+when a caller is compiled. Results are bit-for-bit identical.
 
-Gain: 11.8 s in place of 20.0 s of CPU time for the first run of `rollers` in an empty cache (x86-64 server, 2
+Gain: 11.8 s instead of 20.0 s of CPU time for the first run of `rollers` in an empty cache (x86-64 server, 2
 cores; ``python -m benchmarks.compiler_gains``).
 
-And signals wait while LLVM makes machine code (``signals_held``).
+Signals are deferred while LLVM generates machine code (``signals_held``).
 
-This reaches into numba's compiler, more than it promises to keep. If a part is not there, ``OPTIONS`` is empty and
-``ready_when_called`` does nothing: functions are then compiled as numba does it.
+This relies on internals of numba's compiler. If one is missing, ``OPTIONS`` is empty and ``ready_when_called``
+does nothing, so functions are compiled in numba's standard way.
 """
 
 import gc
@@ -27,22 +27,22 @@ try:
     from numba.core.compiler_lock import global_compiler_lock
 
     FOUND = True
-except ImportError:  # another numba
+except ImportError:  # another version of numba
     FOUND = False
 
 
 SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
-"""Signals that ask a process to end."""
+"""Signals that request a process to end."""
 
 
 @contextmanager
 def signals_held() -> Iterator[None]:
-    """Run the handlers of ``SIGNALS`` at the end.
+    """Defer the handlers of ``SIGNALS`` to the end of the block.
 
-    LLVM calls back into Python as it makes machine code. A signal that came meanwhile is handled in that callback,
-    whose exceptions are dropped: a Ctrl-C was lost, or the machine code.
+    LLVM calls back into Python while it generates machine code. A signal received meanwhile would be handled in
+    this callback, whose exceptions are ignored, so that a Ctrl-C or the machine code would be lost.
     """
-    if threading.current_thread() is not threading.main_thread():  # which alone handles signals
+    if threading.current_thread() is not threading.main_thread():  # only the main thread handles signals
         yield
         return
     arrived: list[int] = []
@@ -60,7 +60,7 @@ def signals_held() -> Iterator[None]:
 
 
 OPTIONS: dict[str, Any] = {}
-"""Of every function of the core, for ``numba.njit``."""
+"""Options of ``numba.njit`` for every function of the core."""
 
 if FOUND:
     JITCodeLibrary._finalize_specific = signals_held()(JITCodeLibrary._finalize_specific)  # type: ignore[method-assign]
@@ -73,10 +73,10 @@ if FOUND:
             self._finalized = True
 
     class Compiler(compiler.Compiler):
-        """Compiler that gives machine code to functions called from Python only, and a ``LinkedLibrary`` to
-        their callees."""
+        """Compiler that generates machine code only for functions called from Python, and a ``LinkedLibrary`` for
+        callees."""
 
-        depth = 0  # of compilations in each other; numba compiles in one thread at a time
+        depth = 0  # of nested compilations; numba compiles in one thread at a time
 
         def compile_extra(self, function: Any) -> Any:
             """Compile ``function``."""
@@ -93,8 +93,7 @@ if FOUND:
             return self._known_to_callers(compiled) if linked else compiled
 
         def _known_to_callers(self, compiled: Any) -> Any:
-            """Enter code into the table of its callers, who look it up by its entry point: any builtin that
-            equals no other."""
+            """Register code for its callers under its entry point, here any builtin that equals no other."""
             entry = object().__reduce_ex__
             self.state.targetctx.insert_user_function(entry, compiled.fndesc, [compiled.library])
             return compiled._replace(entry_point=entry)
@@ -103,14 +102,14 @@ if FOUND:
 
 
 def is_outermost() -> bool:
-    """Check if a function compiled now is no callee of one that is being compiled; False if that is unknown."""
+    """Check that a function to be compiled is not a callee of one being compiled; False if unknown."""
     return FOUND and Compiler.depth == 0
 
 
 @contextmanager
 def rare_collections() -> Iterator[None]:
-    """Raise the thresholds of the garbage collector while compiling: collection takes 7 % of the time, with
-    little garbage."""
+    """Raise the thresholds of the garbage collector while compiling, because collections take 7 % of the time and
+    free little."""
     before = gc.get_threshold()
     gc.set_threshold(50_000, 20, 20)
     try:
@@ -125,13 +124,13 @@ def is_linked(compiled: Any) -> bool:
 
 
 def ready_when_called(dispatcher: Any) -> Any:
-    """Compile a function completely once Python calls it, if so far it was compiled for callers only."""
+    """Compile a function completely when Python calls it, if it was compiled only for callers before."""
     if not FOUND:
         return dispatcher
     add_overload, compile_for = dispatcher.add_overload, dispatcher.compile
 
     def add(compiled: Any) -> None:
-        if is_linked(compiled):  # not to where Python looks
+        if is_linked(compiled):  # not visible to calls from Python
             dispatcher.overloads[tuple(compiled.signature.args)] = compiled
         else:
             add_overload(compiled)

@@ -1,14 +1,14 @@
-"""Outcomes of a run, as numbers for compiled code; ``simulation`` has the words for them."""
+"""Outcomes of a run as numbers for compiled code; ``simulation`` translates them into messages."""
 
 SUCCESS = 0
 STEP_LIMIT_EXCEEDED = 1  # a body stayed over the method's step limit
 NOT_FINITE = 2
-TOO_DEEP = 3  # a contact is pressed deeper than anything in the case can press it
-TOO_MUCH_ENERGY = 4  # more energy of motion than load and defects can give
-STEP_TOO_SMALL = 5  # an adaptive step became too short to go on
-NEWTON_FAILED = 6  # no solution of an implicit step was found
+TOO_DEEP = 3  # approach of a contact above all values possible in the case
+TOO_MUCH_ENERGY = 4  # more kinetic energy than load and defects can supply
+STEP_TOO_SMALL = 5  # an adaptive step became too short
+NEWTON_FAILED = 6  # an implicit step has no solution or did not converge
 TOO_MANY_STEPS = 7  # too many steps between two recorded instants
-SKIPPED = 8  # crossings of a defect were not seen
-TOO_SLOW = 9  # more CPU time than a job may take
+SKIPPED = 8  # crossings of a defect were missed
+TOO_SLOW = 9  # more CPU time than allowed for a job
 
 NO_BODY = -1  # no body in particular

@@ -1,6 +1,6 @@
 """Parameters of the models, in SI. Symbols are those of docs/model.md; fields are floats unless said otherwise.
 
-Every float must be a ``float`` (an ``int`` would compile a second copy of the core): ``build`` makes them.
+Every float must be a ``float``, because an ``int`` would compile a second copy of the core; ``build`` ensures it.
 """
 
 from typing import NamedTuple
@@ -10,7 +10,8 @@ from bearingsim.core.jit import jit
 
 
 class Bearing(NamedTuple):
-    """Geometry, masses and motion. Speeds are kinematic: those of rolling without slip (at t = 0, with a ramp)."""
+    """Geometry, masses and motion. Speeds are kinematic, for rolling without slip (at t = 0 if the speed is
+    ramped)."""
 
     Z: int  # rollers
     R_w: float  # roller radius, m

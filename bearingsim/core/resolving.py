@@ -1,11 +1,11 @@
-"""Signatures of operators, resolved once for each combination of types: that saves a quarter of all compiling.
+"""Cache of operator signatures for each combination of types, which saves a quarter of the compilation time.
 
-numba resolves ``a + b`` by trying the templates of ``+`` (strings, lists, ufuncs ...) one after another, at each
-line of the code. An operator that numba lowers itself always has the same signature for the same types, so that
-signature is kept. An implementation that is compiled depends on the flags of its caller: it is resolved each time.
-Code is the same, bit for bit.
+numba resolves ``a + b`` by trying the templates of ``+`` (strings, lists, ufuncs ...) one after another, for each
+line of code. An operator that numba lowers itself always has the same signature for the same types, so this
+signature is cached. An implementation that is compiled depends on the flags of its caller and is resolved each
+time. The code is bit-for-bit identical.
 
-This reaches into numba's types, more than it promises to keep. If a part is not there, nothing is kept.
+This relies on internals of numba's type system. If one is missing, nothing is cached.
 """
 
 from typing import Any
@@ -15,12 +15,12 @@ try:
 
     resolve: Any = BaseFunction.get_call_type
     FOUND = True
-except (ImportError, AttributeError):  # another numba
+except (ImportError, AttributeError):  # another version of numba
     FOUND = False
 
 
 def resolve_once() -> None:
-    """Keep the signatures of operators that numba lowers itself."""
+    """Cache the signatures of operators that numba lowers itself."""
     if FOUND:
         BaseFunction.get_call_type = keeping(resolve)  # type: ignore[method-assign]
 
@@ -32,7 +32,7 @@ def keeping(resolve: Any) -> Any:
     def get_call_type(function: Any, context: Any, arguments: Any, keywords: Any) -> Any:
         call = (function.typing_key, context, tuple(arguments), tuple(keywords.items()))
         of, signature = kept.get(call, (None, None))
-        if of is function:  # not one that has gained templates since
+        if of is function:  # not if templates were added since
             return signature
         signature = resolve(function, context, arguments, keywords)
         if lowered_by_numba(function, signature):
@@ -43,5 +43,5 @@ def keeping(resolve: Any) -> Any:
 
 
 def lowered_by_numba(function: Any, signature: Any) -> bool:
-    """Check if a signature is that of an operator itself, not of an implementation compiled for it."""
+    """Check if a signature belongs to an operator lowered by numba, not to an implementation compiled for it."""
     return getattr(function, "_impl_keys", {}).get(signature.args) is function.typing_key

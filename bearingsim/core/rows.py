@@ -8,9 +8,9 @@ import sys
 from typing import Literal, NamedTuple
 
 Lifetime = Literal["constant", "run", "step", "evaluation", "linearise", "start"]
-"""Period over which values are kept: ``constant`` since the buffer was made, ``run`` between steps, ``step``
-between evaluations of the model within a step, ``evaluation`` and ``linearise`` within one call, ``start`` while
-the state of rest is sought."""
+"""Period over which values are valid: ``constant`` from the creation of the buffer, ``run`` between steps,
+``step`` between evaluations of the model within a step, ``evaluation`` and ``linearise`` within one call,
+``start`` during the search for static equilibrium."""
 EVERYBODY = "all"
 """Owner of rows that no model and no method may use for anything else."""
 
@@ -67,7 +67,7 @@ def declare(
 
 
 def have_common_owner(a: Rows, b: Rows) -> bool:
-    """Check if somebody needs the values of both."""
+    """Check if a common owner needs the values of both."""
     return bool(a.owners & b.owners) or EVERYBODY in a.owners | b.owners
 
 

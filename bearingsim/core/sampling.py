@@ -1,10 +1,10 @@
-"""From integrator steps to samples: linear-phase low-pass filters whose delay is taken out.
+"""Resampling from integrator steps to samples by linear-phase low-pass filters with compensated delay.
 
-Three stages. ``decimate`` brings the recording of one ball pass from thousands of steps to ``M`` fine samples (M
-divides the steps, so that lines are read over whole passes without leakage). ``low_pass`` takes from the fine
-samples what the user's sampling cannot show. ``interpolate`` reads that motion at the user's instants, which fall
-anywhere between fine samples. All are Kaiser-windowed sincs (Kaiser 1974); ``pick`` is the raw alternative, which
-lets impacts alias.
+Three stages. ``decimate`` reduces the recording of one ball pass from thousands of steps to ``M`` fine samples (M
+divides the number of steps, so that spectral lines are computed over whole passes without leakage). ``low_pass``
+removes the content above the band of the user's sampling. ``interpolate`` evaluates the result at the user's
+sample times, anywhere between fine samples. All use Kaiser-windowed sincs (Kaiser 1974); ``pick`` is the
+alternative without filter, in which impacts alias.
 """
 
 from functools import lru_cache
@@ -13,18 +13,16 @@ import numpy as np
 
 from bearingsim.core.jit import add, jit
 
-DECIMATION_REACH = 4  # fine samples on each side: flat to 1e-4 below 0.15 of the fine rate, which is all that the
-# second stage lets through (0.6 of a sampling at most a quarter as fast), and 85 dB above 0.85, which folds there
+DECIMATION_REACH = 4  # fine samples on each side: flat to 1e-4 below 0.15 of the fine rate, the band of the
+# second stage (0.6 of a sampling rate at most a quarter as fast), and 85 dB above 0.85, which folds into it
 RESAMPLE_REACH = 13  # samples on each side: flat to 0.4 of the sampling, 80 dB above 0.6
-INTERPOLATION_REACH = (
-    6  # fine samples on each side: exact to 1e-6 below 0.15 of the fine rate, which is all there is
-)
+INTERPOLATION_REACH = 6  # fine samples on each side: exact to 1e-6 below 0.15 of the fine rate, the band left
 TABLE = 1024  # entries of the interpolation kernel per fine sample
 
 
 def kaiser_sinc(t: np.ndarray, cutoff: float, reach: float, decibels: float) -> np.ndarray:
-    """Return the kernel of a low-pass at ``t`` (in sample periods), ``cutoff`` in cycles a period, zero beyond
-    ``reach``."""
+    """Return the kernel of a low-pass at ``t`` (in sample periods), with ``cutoff`` in cycles per period, zero
+    beyond ``reach``."""
     beta = 0.1102 * (decibels - 8.7)
     inside = np.clip(1.0 - (t / reach) ** 2, 0.0, None)
     window = np.where(np.abs(t) <= reach, np.i0(beta * np.sqrt(inside)) / np.i0(beta), 0.0)
@@ -33,7 +31,7 @@ def kaiser_sinc(t: np.ndarray, cutoff: float, reach: float, decibels: float) -> 
 
 @lru_cache(maxsize=64)
 def decimation_kernel(D: int) -> np.ndarray:
-    """Return the taps (2 D DECIMATION_REACH + 1,) of the first stage, one in D kept; their sum is 1."""
+    """Return the taps (2 D DECIMATION_REACH + 1,) of the first stage for decimation by D; their sum is 1."""
     t = np.arange(-D * DECIMATION_REACH, D * DECIMATION_REACH + 1) / D
     taps = kaiser_sinc(t, 0.5, DECIMATION_REACH, 88.0)
     return taps / taps.sum()
@@ -57,7 +55,7 @@ def interpolation_kernel() -> np.ndarray:
 
 @jit
 def dot(a, b, n):
-    """Sum of a[k] b[k] over the first n."""
+    """Return the sum of a[k] b[k] over the first n."""
     total = 0.0
     for k in range(n):
         total = add(total, a[k] * b[k])
@@ -68,8 +66,8 @@ def dot(a, b, n):
 def decimate(raw, taps, D, out):
     """Filter ``raw`` (C, n) and keep one in D: out[c, m] is centred on column m D + len(taps)//2 + D - 1.
 
-    That is: column 0 of ``raw`` is the step after a fine sample, so that fine samples lie at columns D - 1,
-    2 D - 1, ...; the first output is the first of them with all its neighbours in ``raw``.
+    Column 0 of ``raw`` is the step after a fine sample, so fine samples lie at columns D - 1, 2 D - 1, ...; the
+    first output is the first one with all its neighbours in ``raw``.
     """
     length = len(taps)
     for c in range(out.shape[0]):
@@ -94,8 +92,8 @@ def low_pass(fine, taps, out, begin, end):
 def interpolate(fine, begin_fine, ratio, kernel, weights, out, begin, end):
     """Interpolate values out[:, n] at positions begin_fine + n ratio of ``fine`` (C, m), begin <= n < end.
 
-    fine: has nothing above 0.15 of its rate; weights: (2 INTERPOLATION_REACH,) to work with. They are normalised,
-    so a constant stays what it is.
+    fine: without content above 0.15 of its rate; weights: (2 INTERPOLATION_REACH,) workspace. The weights are
+    normalised, so a constant is preserved.
     """
     for n in range(begin, end):
         position = begin_fine + n * ratio
@@ -114,7 +112,7 @@ def interpolate(fine, begin_fine, ratio, kernel, weights, out, begin, end):
 def pick(raw, begin_fine, ratio, out, begin, end):
     """Pick raw values between steps: out[:, n] at column begin_fine + n ratio of ``raw`` (C, m), begin <= n < end.
 
-    Linear in between. ``out`` is the whole record: a slice of it would compile a second copy where it covers all.
+    Linear in between. ``out`` is the whole record, because a slice of it would compile a second copy.
     """
     for n in range(begin, end):
         position = begin_fine + n * ratio

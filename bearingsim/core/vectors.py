@@ -1,12 +1,12 @@
 """Sums of eight lanes at once, in vector registers.
 
-numba's compiler makes vectors of a loop over lanes, but not of a sum over harmonics (or rollers) for each lane:
-the lanes would have to stay in registers while the loop runs. So the loop is written in LLVM IR
-(numba intrinsics). Eight doubles are one register of AVX-512, two of AVX2, four of SSE2 or NEON: the order of each
-sum, and so its bits, are the same.
+numba's compiler vectorises a loop over lanes, but not a sum over harmonics (or rollers) for each lane, which
+requires the lanes to stay in registers during the loop. The loop is therefore written in LLVM IR (numba
+intrinsics). Eight doubles are one register of AVX-512, two of AVX2, four of SSE2 or NEON. The order of each sum,
+and so its bits, are the same for all.
 
-Gain: a run of `rollers` with a ring that bends takes 0.082 s of CPU time in place of 0.196 s with plain loops
-(x86-64 server, 2 cores; ``python -m benchmarks.compiler_gains``).
+Gain: a run of `rollers` with a flexible ring takes 0.082 s of CPU time instead of 0.196 s with plain loops (x86-64
+server, 2 cores; ``python -m benchmarks.compiler_gains``).
 """
 
 from typing import Any
@@ -26,7 +26,7 @@ EIGHT = ir.VectorType(ir.DoubleType(), VECTOR_WIDTH)
 ANY = ir.Constant(EIGHT, ir.Undefined)
 NOTHING = ir.Constant(EIGHT, [0.0] * VECTOR_WIDTH)
 ALL_FIRST = ir.Constant(ir.VectorType(ir.IntType(32), VECTOR_WIDTH), [0] * VECTOR_WIDTH)
-FUSED: Any = ("contract",)  # a product may be fused with the addition to it, as everywhere in the core
+FUSED: Any = ("contract",)  # a product and an addition may be fused, as everywhere in the core
 
 
 def weighted_rows(
@@ -34,7 +34,7 @@ def weighted_rows(
 ) -> list[Any]:
     """Return for each of ``rows`` sum_i y[row + i] table[i, lane:lane + 8] as a vector.
 
-    y, table: pointers; all the rest integers.
+    y, table: pointers; all others are integers.
     """
     totals = [cgutils.alloca_once(builder, EIGHT) for _ in rows]
     for total in totals:
@@ -66,7 +66,8 @@ def put(builder: Any, y: Any, cell: Any, vector: Any) -> None:
 def sum_harmonics(tables: np.ndarray, rows_c: tuple, rows_s: tuple, y: np.ndarray, lane: int, to: tuple) -> None:
     """Set y[to + k] = sum_i y[row_c + i] tables[0, i, lane + k] + y[row_s + i] tables[1, i, lane + k].
 
-    For k from 0 to 7, and for each row_c of ``rows_c``, row_s of ``rows_s``, ``to``: tuples of as many integers.
+    For k from 0 to 7, and for each row_c of ``rows_c``, row_s of ``rows_s`` and ``to`` (integer tuples of equal
+    length).
     tables: (2, n, m), in C order: cosines and sines.
     """
     n, lanes = tables.shape[1], slice(lane, lane + VECTOR_WIDTH)
@@ -78,7 +79,7 @@ def sum_harmonics(tables: np.ndarray, rows_c: tuple, rows_s: tuple, y: np.ndarra
 
 
 def sum_rollers(tables: np.ndarray, row: int, y: np.ndarray, lane: int, to: tuple) -> None:
-    """Set y[to[0] + k] = sum_j y[row + j] tables[0, j, lane + k], and the same of to[1] and tables[1]."""
+    """Set y[to[0] + k] = sum_j y[row + j] tables[0, j, lane + k], and likewise for to[1] and tables[1]."""
     n, lanes = tables.shape[1], slice(lane, lane + VECTOR_WIDTH)
     for table, cell in zip(tables, to, strict=True):
         y[cell : cell + VECTOR_WIDTH] = y[row : row + n] @ table[:, lanes]
