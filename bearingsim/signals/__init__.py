@@ -1,4 +1,5 @@
-"""From series to numbers: lines, spectra, events and the usual statistics. NumPy in, numbers out."""
+"""Signal processing: spectral lines, spectra, events and statistics of time series, as numbers from NumPy
+arrays."""
 
 from bearingsim.signals.events import spacing
 from bearingsim.signals.lines import (

@@ -4,27 +4,29 @@ import numpy as np
 
 from bearingsim.signals.spectra import analytic
 
-SMOOTHED = 40  # events closer than a pass over this count as one
-WHITENED = 20  # lines to either side over which the spectrum is levelled
+SMOOTHED = 40  # the period over this is the shortest distance of two events
+WHITENED = 20  # harmonics of the passes on either side for levelling the spectrum
 FLOOR = 1e-3  # of the mean power: weaker lines are not levelled
-LEAST = 0.08  # of the exit, least height of an entry
-STILL = 1e-6  # of the envelope: smaller changes are rounding
-NOISE = 7.0  # standard errors of the mean over passes, least height of an event
+LEAST = 0.08  # least height of an entry, relative to the exit
+STILL = 1e-6  # of the envelope: smaller changes are rounding errors
+NOISE = 7.0  # least height of an event, in standard errors of the mean over passes
 
 
 def spacing(series: np.ndarray, fs: float, period: float) -> float:
-    """Measure the time (s) from entry to exit of a defect, over all passes of a series (n,) at ``fs`` (Hz).
+    """Measure the time (s) from entry to exit of a defect from all passes of a series (n,) sampled at ``fs`` (Hz).
 
-    period: of the passes (s). The spectrum is levelled, so that the entry, which is weak and low, and the exit,
-    which rings, count alike (pre-whitening: Sawalhi and Randall, Vibration response of spalled rolling element
-    bearings, Mech. Syst. Signal Process. 25, 2011, 846-870). The squared envelope is smoothed over period/40, its
-    root taken, and all passes averaged about their highest value, the exit; so scatter of the passes does no harm.
-    The spacing is that of the most prominent maximum in the half pass before it.
+    period: of the passes (s). The spectrum is levelled, so that the entry (weak, low frequency) and the exit
+    (ringing) have similar weight (pre-whitening: Sawalhi and Randall, Vibration response of spalled rolling
+    element bearings, Mech. Syst. Signal Process. 25, 2011, 846-870). The squared envelope is smoothed over
+    period/40, and its square root averaged over all passes, aligned at their highest value, the exit, so variation
+    of the period has no effect. The spacing is measured to the most prominent maximum in the half pass before the
+    exit.
 
-    nan if that stands less than 0.08 of the exit over its surroundings, or less than seven times the mean's own
-    error there: one event to a pass, or none. Limits: spacings from 0.1 to 0.4 of the period, and the exit must be
-    the stronger. An event counts where its energy is: an entry that rises in 0.3 ms before an exit that rises at
-    once reads 0.2 ms late. ValueError if the record holds under two passes, or a pass under 40 samples.
+    Returns nan if its prominence is less than 0.08 of the exit or less than seven standard errors of the mean
+    there, which means at most one event per pass. Limits: spacings from 0.1 to 0.4 of the period, and the exit
+    must be the stronger event. An event is located at its energy: an entry that rises over 0.3 ms before a sudden
+    exit is measured 0.2 ms late. Raises ValueError if the record has fewer than two passes, or a pass fewer than
+    40 samples.
     """
     if len(series) < 2.0 * period * fs or period * fs < SMOOTHED:
         raise ValueError(
@@ -43,7 +45,8 @@ def spacing(series: np.ndarray, fs: float, period: float) -> float:
 
 
 def about_exits(envelope: np.ndarray, half: int) -> np.ndarray:
-    """Return passes (p, 2 half + 1) around the values of an envelope (n,) that are highest within half a pass."""
+    """Return passes (p, 2 half + 1) centred on the values of an envelope (n,) that are highest within half a
+    pass."""
     tops = maxima(envelope)
     tops = tops[(tops >= half) & (tops < len(envelope) - half)]
     around = np.lib.stride_tricks.sliding_window_view(envelope, 2 * half + 1)[tops - half]
@@ -76,8 +79,8 @@ def maxima(values: np.ndarray) -> np.ndarray:
 def most_prominent(values: np.ndarray, least: np.ndarray) -> int:
     """Return the index of the most prominent inner maximum; 0 if there is none.
 
-    values: (n,); least: (n,) or more, what a maximum must stand to count. It stands over the higher of the two
-    lowest values between it and what is higher on either side.
+    values: (n,); least: (n,) or more, least prominence. The prominence is the height above the higher of the two
+    minima between the maximum and a higher value on either side.
     """
     tops = maxima(values)
     heights = np.array([height(values, int(top)) for top in tops])

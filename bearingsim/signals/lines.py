@@ -1,4 +1,4 @@
-"""Amplitude and phase of lines whose angle is known: over whole ball passes, or under a window."""
+"""Amplitude and phase of spectral lines with a known angle, over whole ball passes or with a window."""
 
 from collections.abc import Iterable, Sequence
 from math import isqrt, pi
@@ -9,12 +9,13 @@ BLOCK = 1 << 16  # samples per block of computation
 
 
 def lines_by_pass(fine: np.ndarray, M: int, harmonics: Sequence[int], start: int, Z_theta_0: float) -> np.ndarray:
-    """Compute complex amplitudes of lines in each whole ball pass of a series with M samples per pass.
+    """Compute the complex amplitudes of spectral lines in each whole ball pass of a series with M samples per
+    pass.
 
-    fine: (passes * M,), its first value being sample number ``start`` of the run; ``Z_theta_0``: Z times the
-    first roller's angle at t = 0 (rad). A = 2 <x exp(-i k Z theta_c)>, theta_c the cage angle: the phase is zero
-    if the line peaks as a roller passes phi = 0, and a defect at phi shifts it by -k Z phi. Over whole passes no
-    other harmonic leaks in. Returns (harmonics, passes) complex.
+    fine: (passes * M,), beginning with sample number ``start`` of the run; ``Z_theta_0``: Z times the first
+    roller's angle at t = 0 (rad). A = 2 <x exp(-i k Z theta_c)> with the cage angle theta_c. The phase is zero if
+    the line peaks when a roller passes phi = 0, and a defect at phi shifts it by -k Z phi. Over whole passes there
+    is no leakage from other harmonics. Returns (harmonics, passes) complex.
     """
     angles = np.multiply.outer(np.asarray(harmonics), pass_angles(M, start, Z_theta_0))
     passes = fine.reshape(-1, M).T
@@ -22,35 +23,35 @@ def lines_by_pass(fine: np.ndarray, M: int, harmonics: Sequence[int], start: int
 
 
 def pass_angles(M: int, start: int, Z_theta_0: float) -> np.ndarray:
-    """Return Z times the first roller's angle (rad) at the M samples (M,) of a ball pass, less whole turns."""
-    return Z_theta_0 + 2.0 * pi * ((start + np.arange(M)) % M) / M  # of the pass, so that no digits are lost
+    """Return Z times the first roller's angle (rad) at the samples (M,) of a ball pass, without whole turns."""
+    return Z_theta_0 + 2.0 * pi * ((start + np.arange(M)) % M) / M  # modulo a pass, to lose no digits
 
 
 def pass_weights(n: int, neighbours: bool) -> np.ndarray:
-    """Return the weights (n,) of a record's passes in its lines: all 1, or beside other lines Hann's window."""
+    """Return the weights (n,) of a record's passes: all 1, or a Hann window if there are other lines."""
     return np.sin(pi * (np.arange(n) + 0.5) / n) ** 2 if neighbours else np.ones(n)
 
 
 def derivative_lines(
     by_pass: np.ndarray, borders: np.ndarray, rate: float | np.ndarray, harmonics: Sequence[int], Z_theta: float
 ) -> np.ndarray:
-    """Compute lines of the derivative of a series from the series' own lines (harmonics, passes), by parts.
+    """Compute lines of a series' derivative from the lines (harmonics, passes) of the series, by integration by
+    parts.
 
-    borders: (passes + 1,) the series at the passes' borders, at which Z times the first roller's angle is
-    ``Z_theta`` (rad, any border); rate: passes a second (Hz), one number or each pass's own (passes,). Samples of
-    an acceleration full of impacts alias per cents of them into a line a thousand times smaller; a velocity
-    aliases less.
+    borders: (passes + 1,) values of the series at the passes' borders; Z_theta: Z times the first roller's angle
+    at any border (rad); rate: passes per second (Hz), one number or one per pass (passes,). Sampled acceleration
+    with impacts aliases several per cent into lines a thousand times smaller; velocity aliases less.
     """
     k = np.asarray(harmonics)[:, np.newaxis]
     return 2j * pi * rate * k * by_pass + 2.0 * rate * np.exp(-1j * k * Z_theta) * np.diff(borders)
 
 
 def line(by_pass: np.ndarray, neighbours: bool = False) -> tuple[float, float, float]:
-    """Compute amplitude, phase (rad) and standard error of the amplitude, from a line in each pass.
+    """Compute amplitude, phase (rad) and standard error of the amplitude of a line from its values in each pass.
 
-    With ``neighbours`` (lines that no whole number of passes holds, such as 2 BSF beside BPFO) the passes are
-    weighted by Hann's window, which leaks nothing from two lines' widths on. The error is the scatter from pass to
-    pass over the root of their number, neighbours included; nan with fewer than two passes.
+    With ``neighbours`` (lines that are not periodic in the passes, such as 2 BSF next to BPFO) the passes are
+    weighted by a Hann window, which has no leakage from two bins on. The error is the standard deviation over
+    passes divided by the root of their number, including the effect of neighbours; nan with fewer than two passes.
     """
     n = len(by_pass)
     weights = pass_weights(n, neighbours)
@@ -62,39 +63,38 @@ def line(by_pass: np.ndarray, neighbours: bool = False) -> tuple[float, float, f
 def line_at(series: np.ndarray, angle: np.ndarray) -> np.ndarray:
     """Compute the complex amplitude of the line at ``angle``: A = 2 <w (x - <w x>/<w>) exp(-i angle)>/<w>.
 
-    series: (..., n); angle: (n,) rad, at the same instants, growing or falling throughout, at any speed that
-    changes slowly. The means run over the angle, and w is Hann's window over it, so a tone cos(angle + phase)
-    of constant amplitude reads exp(i phase) at varying speed too. Returns (...) complex; nan if the angle makes
-    less than two turns.
+    series: (..., n); angle: (n,) rad, at the same instants, monotonic and with slowly changing speed. Means and
+    the Hann window w are over the angle, so a tone cos(angle + phase) of constant amplitude gives exp(i phase) at
+    varying speed, too. Returns (...) complex; nan if the angle covers less than two turns.
 
-    Limits: with N turns in the record, the tone's own mirror image costs 1/(8 pi N^3), 5e-6 at 20 turns. Another
-    line d turns away over the record leaks |sinc(d)/(1 - d^2)| of its amplitude: nothing at d = 2, at most 2.7 %
-    between 2 and 3, under 1 % from 2.9 on, 1/(pi d^3) far away. The sum over samples stands for an integral: 8
-    samples or more to a turn, and none of the speed's changes within a few samples.
+    Limits: with N turns in the record, the tone's negative frequency causes an error of 1/(8 pi N^3), 5e-6 at 20
+    turns. Another line d bins away leaks |sinc(d)/(1 - d^2)| of its amplitude: 0 at d = 2, at most 2.7 % between 2
+    and 3, under 1 % from 2.9 on, 1/(pi d^3) far away. The sum over samples approximates an integral, which
+    requires at least 8 samples per turn and a nearly constant speed over a few samples.
     """
     turns = abs(angle[-1] - angle[0]) / (2.0 * pi)
-    if not turns >= 2.0:  # nan neither
+    if not turns >= 2.0:  # true for NaN, too
         return np.full(series.shape[:-1], complex(np.nan, np.nan))[()]
     weight = np.sin(pi * (angle - angle[0]) / (angle[-1] - angle[0])) ** 2 * np.gradient(angle)
     weight /= weight.sum()
     kernel = weight * np.exp(-1j * angle)
-    return 2.0 * (series @ (kernel - weight * kernel.sum()))  # less the mean, which can be a thousand times a line
+    return 2.0 * (series @ (kernel - weight * kernel.sum()))  # without the mean, up to a thousand times a line
 
 
 def lines_of_windows(
     windows: np.ndarray, count: int, period: int, rest: np.ndarray, angle: np.ndarray, turn: np.ndarray
 ) -> np.ndarray:
-    """Compute ``line_at`` of L lines at constant speed, in a series of windows of which the last repeat.
+    """Compute ``line_at`` of L lines at constant speed in a series of windows, the last of which repeat.
 
-    windows: (..., W, M); the series is ``count`` windows side by side, those after the first W being the last
-    ``period`` of them again and again, and ``rest`` (..., r) at the end. angle: (L,) rad of each line at the first
-    sample; turn: (L,) rad from sample to sample. Hann's window is three exponentials, so that each window counts
-    by three sums a line wherever, and however often, it stands. Returns (..., L) complex.
+    windows: (..., W, M); the series consists of ``count`` consecutive windows, of which those after the first W
+    repeat the last ``period`` windows, and of ``rest`` (..., r) at the end. angle: (L,) rad of each line at the
+    first sample; turn: (L,) rad per sample. A Hann window is a sum of three exponentials, so three sums per window
+    and line suffice, whatever the window's positions and number of repetitions. Returns (..., L) complex.
     """
     W, M = windows.shape[-2:]
     N = count * M + rest.shape[-1]
     to_window = 2.0 * pi / (N - 1) * np.array([0.0, -1.0, 1.0])
-    frequency = (np.append(turn, 0.0)[:, np.newaxis] + to_window).ravel()  # the last for the mean
+    frequency = (np.append(turn, 0.0)[:, np.newaxis] + to_window).ravel()  # the last one for the mean
     w = np.arange(W)
     again = w >= W - period
     times = np.where(again, (count - 1 - w) // max(1, period) + 1, 1)
@@ -102,7 +102,7 @@ def lines_of_windows(
     within = _consecutive_turns(max(M, rest.shape[-1]), frequency)
     total = (rest @ within[: rest.shape[-1]]) * _turn(count * M * frequency)
     within = within[:M]
-    for some in np.array_split(w, 1 + W * M // BLOCK):  # products of real windows are complex: twice as large
+    for some in np.array_split(w, 1 + W * M // BLOCK):  # products of real windows are complex and twice as large
         total += np.einsum("...wf,wf->...f", windows[..., some, :] @ within, occurs[some])
     hann = np.array([0.5, -0.25, -0.25]) / (0.5 * (N - 1))
     sums = total.reshape(*total.shape[:-1], -1, 3) @ hann
@@ -116,8 +116,8 @@ def lines_of_blocks(
 ) -> np.ndarray:
     """Compute ``line_at`` of L lines in Q series each, given as consecutive blocks.
 
-    A block: series (L, Q, n), the lines' angles (L, n) rad, and their increments per sample (L, n). begin,
-    end: (L,) angles of the first sample and the last. Returns (L, Q) complex.
+    A block contains series (L, Q, n), the lines' angles (L, n) rad, and their increments per sample (L, n). begin,
+    end: (L,) angles of the first and the last sample. Returns (L, Q) complex.
     """
     turns = (end - begin) / (2.0 * pi)
     shift, mean, total, weights, kernels = None, *(np.zeros(1) for _ in range(4))
@@ -144,7 +144,8 @@ def _turns(n: np.ndarray, frequency: np.ndarray) -> np.ndarray:
 
 
 def _consecutive_turns(count: int, frequency: np.ndarray) -> np.ndarray:
-    """Compute exp(-i f n) for n = 0 ... ``count`` - 1, (count, f), as products of two: cosines cost more."""
+    """Compute exp(-i f n) for n = 0 ... ``count`` - 1, (count, f), as products of two, which is cheaper than
+    cosines."""
     few = isqrt(count) + 1
     turns = _turns(few * np.arange(-(-count // few)), frequency)[:, np.newaxis] * _turns(np.arange(few), frequency)
     return turns.reshape(-1, len(frequency))[:count]
@@ -152,7 +153,7 @@ def _consecutive_turns(count: int, frequency: np.ndarray) -> np.ndarray:
 
 def _sum_of_turns(frequency: np.ndarray, N: np.ndarray) -> np.ndarray:
     """Sum exp(-i f n) over n = 0 ... N - 1, for frequencies and numbers N that broadcast."""
-    half = 0.5 * np.remainder(frequency + pi, 2.0 * pi) - 0.5 * pi  # whole turns taken out: at them it is N
+    half = 0.5 * np.remainder(frequency + pi, 2.0 * pi) - 0.5 * pi  # without whole turns, where the sum is N
     sine = np.sin(half)
     ratio = np.where(sine == 0.0, N, np.sin(N * half) / np.where(sine == 0.0, 1.0, sine))
     return np.exp(-1j * (N - 1) * half) * ratio
@@ -166,8 +167,8 @@ def lines_at(series: np.ndarray, angles: Iterable[np.ndarray]) -> np.ndarray:
 def resolvable(frequencies: Sequence[float] | np.ndarray, duration: float) -> np.ndarray:
     """Check which lines (Hz) a Hann window over ``duration`` (s) resolves: (n,) bool.
 
-    Those at least 2/duration, half the window's main lobe, from every other and from zero, with the mean and the
-    line's own mirror image. Equal lines and non-finite ones are not resolved.
+    A line is resolved if it is at least 2/duration, half the window's main lobe, from all other lines and from
+    zero, where the mean and its negative frequency lie. Equal and non-finite lines are not resolved.
     """
     values = np.asarray(frequencies, dtype=float)
     apart = np.abs(np.subtract.outer(values, values))

@@ -1,4 +1,4 @@
-"""A series at equal increments of an angle, so that each pass holds the same number of samples."""
+"""Angular resampling of a series, with the same number of samples in each pass."""
 
 from math import pi
 
@@ -6,21 +6,21 @@ import numpy as np
 
 TAPS = 32  # samples per interpolated value
 BLOCK = 1 << 16  # values per block of interpolation
-SHARPNESS = 8.5  # of the window, at the least maximal error up to 0.4 of the sample rate, 2.5e-5
+SHARPNESS = 8.5  # of the window; minimises the largest error up to 0.4 of the sample rate, 2.5e-5
 
 
 def at_equal_angles(fine: np.ndarray, angle: np.ndarray, M: int) -> tuple[np.ndarray, int]:
     """Resample a series to M samples per revolution of an angle, from the first whole revolution on.
 
-    fine: (C, n), uniformly sampled in time; angle: (n,) rad at the same instants, growing (of ball passes:
-    number of rollers times the angle of the cage). Returns (C, passes * M + 1), the last sample being the border
-    that ends the last pass, and the number of the first pass: it begins where the angle is 2 pi times it.
-    ValueError if the angle does not grow or no whole turn lies within, 16 samples spared at both ends.
+    fine: (C, n), uniformly sampled in time; angle: (n,) rad at the same instants, increasing (for ball passes:
+    number of rollers times the angle of the cage). Returns (C, passes * M + 1), where the last sample is the end
+    of the last pass, and the number p of the first pass, which begins at the angle 2 pi p. Raises ValueError if
+    the angle does not increase or contains no whole turn, without 16 samples at either end.
 
     Interpolation by a windowed sinc over 32 samples: better than 3e-5 of the amplitude for content below 0.4 of
-    the sample rate, and exact for a constant. The instants are linear in the angle between samples:
-    an angular acceleration must be less than 1e-4 of speed times sample rate. Nothing is filtered: content above
-    M/2 per turn aliases.
+    the sample rate, and exact for a constant. Between samples the angle is interpolated linearly, so an angular
+    acceleration must be less than 1e-4 of speed times sample rate. There is no filter, so content above M/2 per
+    turn aliases.
     """
     if not np.all(np.diff(angle) > 0.0):
         raise ValueError("the angle does not grow throughout the record")
@@ -53,13 +53,13 @@ def _interpolated(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
         weight = kernel(beyond - tap)
         values += rows[:, before + tap] * weight
         total += weight
-    return values / total  # so that a constant, which may be a thousand times the rest, stays one
+    return values / total  # preserves a constant, which may be a thousand times the rest
 
 
 def kernel(distance: np.ndarray) -> np.ndarray:
     """Compute the windowed sinc at a distance in samples (P,), not normalised.
 
-    The window is the exponential of a semicircle, as good as Kaiser's and quicker (Barnett, Magland and af
+    The window is the exponential of a semicircle, as accurate as Kaiser's and faster (Barnett, Magland and af
     Klinteberg, SIAM J. Sci. Comput. 41, 2019, C479-C504).
     """
     inside = np.maximum(1.0 - (distance / (TAPS // 2)) ** 2, 0.0)

@@ -1,4 +1,4 @@
-"""Line near an expected frequency, resolved from its neighbours."""
+"""Detection of the spectral line near an expected frequency, resolved from its neighbours."""
 
 from math import inf, pi
 from typing import NamedTuple
@@ -7,19 +7,20 @@ import numpy as np
 
 from bearingsim.signals.spectra import hann
 
-LEAST_PROMINENCE = 2.0  # ratio to the local median; leakage and ripple reach 1.5
+LEAST_PROMINENCE = 2.0  # ratio to the local median; leakage and ripple can reach 1.5
 TOLD = 0.75  # bins, half width of the narrowest resolvable frequency window
 PADDING = 4  # least samples of the spectrum per bin
-REACH = 6.0  # bins beyond the window within which lines are resolved together
+REACH = 6.0  # bins beyond the frequency window in which lines are resolved together
 ONE = 1.5  # bins, least distance of two lines
-SHOULDER = 3.0, 0.05  # bins, and share of a line: residuals below it within that distance are its shoulder
-MIN_LINE = 1e-3  # of the strongest nearby
+SHOULDER = 3.0, 0.05  # bins, and share of a line: a weaker line within this distance is its shoulder
+MIN_LINE = 1e-3  # relative to the strongest line nearby
 MAX_LINES = 12  # lines resolved together
 BENT = 0.23  # power at which Hann's main lobe is closest to a parabola
 
 
 class PickedLine(NamedTuple):
-    """Line: frequency (Hz), amplitude in the series' unit, and its ratio to the local median (prominence).
+    """Detected line: frequency (Hz), amplitude in the series' unit, and its ratio to the local median
+    (prominence).
 
     White noise alone reaches a prominence of 3 to 4 among a hundred bins.
     """
@@ -30,22 +31,24 @@ class PickedLine(NamedTuple):
 
 
 def pick_line(series: np.ndarray, fs: float, expected: float, tolerance: float = 0.005) -> PickedLine | None:
-    """Find the strongest line of a series (n,) within a share ``tolerance`` of ``expected``; ``fs`` in Hz, too.
+    """Find the strongest line of a series (n,) within a relative ``tolerance`` of ``expected`` (Hz); ``fs`` in Hz.
 
-    Returns None without a line.
+    Returns None if there is no line.
 
-    A Hann window resolves lines 2/T apart, T the record's length, and hides a weak one next to a strong one from
-    four on. So all lines near are resolved together: strongest first, each taken out with frequency, amplitude
-    and phase of all refined by least squares on the complex spectrum, until less than twice the local median or
-    1e-3 of the strongest is left (RELAX: Li and Stoica, Efficient mixed-spectrum estimation with applications to
-    target feature extraction, IEEE Trans. Signal Process. 44, 1996). A line stands if no stronger one is within
-    1.5/T, and within 3/T none 20 times as strong: less is a broad line's shoulder. The median is that of the
-    spectrum within 10 % or 20/T of the expected frequency, whichever is more.
+    A Hann window over the record length T resolves lines 2/T apart, and masks a weak line closer than 4/T to a
+    strong one. Nearby lines are therefore resolved together: starting with the strongest, each is subtracted, and
+    frequency, amplitude and phase of all are refined by least squares on the complex spectrum, until the residual
+    is below twice the local median or 1e-3 of the strongest line (RELAX: Li and Stoica, Efficient mixed-spectrum
+    estimation with applications to target feature extraction, IEEE Trans. Signal Process. 44, 1996). A line is
+    accepted if there is no stronger one within 1.5/T and none 20 times as strong within 3/T, of which it would be
+    a shoulder. The median is that of the spectrum around the expected frequency, within 10 %, five tolerances or
+    20/T, whichever is largest.
 
-    ValueError if the window expected * tolerance is under 0.75/T (at 159 Hz and 0.5 %: T under 0.94 s), so that
-    lines beyond it cannot be told from those in it, or reaches half the sample rate. Limits: amplitude and speed
-    must hold through the record: a speed that wanders by 0.03 % falsifies a neighbour ten times weaker by 8 %, one
-    by 0.1 % by 30 %, and one by 0.2 % makes a shoulder pass for a line (at 159 Hz, in 1 s).
+    Raises ValueError if the half width expected * tolerance is under 0.75/T (at 159 Hz and 0.5 %: T under 0.94 s),
+    so that lines inside and outside cannot be distinguished, or if the window reaches half the sample rate.
+    Limits: amplitude and speed must be constant over the record. A speed variation of 0.03 % changes the amplitude
+    of a ten times weaker neighbour by 8 %, one of 0.1 % by 30 %, and one of 0.2 % turns a shoulder into a false
+    line (at 159 Hz, in 1 s).
     """
     duration, half = len(series) / fs, tolerance * expected
     if half * duration < TOLD:
@@ -70,16 +73,15 @@ def pick_line(series: np.ndarray, fs: float, expected: float, tolerance: float =
 def pick_from(
     frequencies: np.ndarray, amplitudes: np.ndarray, expected: float, tolerance: float = 0.02
 ) -> PickedLine | None:
-    """Find the strongest local maximum of a spectrum (n,) within a share ``tolerance`` of ``expected`` (Hz).
+    """Find the strongest local maximum of a spectrum (n,) within a relative ``tolerance`` of ``expected`` (Hz).
 
-    Returns None without a maximum.
-
-    For spectra of measured signals, whose lines lie up to 1.4 % off (slip); ``frequencies`` (Hz) equally spaced.
-    Frequency and amplitude are those of a parabola through three amplitudes to the power 0.23: for a pure tone
-    under a Hann window within 0.001 of a bin and 0.2 % (Werner and Germain, Sinusoidal parameter estimation using
-    quadratic interpolation around power-scaled magnitude spectrum peaks, Appl. Sci. 6, 2016, 306). The median is
-    that of the spectrum within 10 % or 20 bins of the expected frequency. None too if nothing is twice that.
-    Neighbours closer than a Hann window resolves are for ``pick_line``.
+    Returns None if no maximum reaches twice the local median. For spectra of measured signals, in which slip
+    shifts lines by up to 1.4 %; ``frequencies`` (Hz) equally spaced. Frequency and amplitude are those of a
+    parabola through three amplitudes to the power 0.23: for a pure tone under a Hann window within 0.001 of a bin
+    and 0.2 % (Werner and Germain, Sinusoidal parameter estimation using quadratic interpolation around
+    power-scaled magnitude spectrum peaks, Appl. Sci. 6, 2016, 306). The median is that of the spectrum around the
+    expected frequency, within 10 %, five tolerances or 20 bins. For neighbours closer than the resolution of a
+    Hann window use ``pick_line``.
     """
     step = float(frequencies[1] - frequencies[0])
     close = np.abs(frequencies - expected) <= _surroundings(expected, tolerance, step)
@@ -98,7 +100,7 @@ def pick_from(
 
 
 def _surroundings(expected: float, tolerance: float, step: float) -> float:
-    """Return the reach (Hz) of a line's surroundings, for bins ``step`` (Hz) wide."""
+    """Return the half width (Hz) of the band for a line's median, for bins ``step`` (Hz) wide."""
     return max(0.1 * expected, 5.0 * tolerance * expected, 20.0 * step)
 
 
@@ -115,7 +117,8 @@ def _top(frequencies: np.ndarray, amplitudes: np.ndarray, top: int) -> tuple[flo
 
 
 def _centred_spectrum(series: np.ndarray, expected: float) -> tuple[np.ndarray, np.ndarray]:
-    """Compute the complex spectrum (Hann, padded), phases at the record's middle, bins from ``expected``."""
+    """Compute the complex spectrum (Hann, padded), with phases at the record's middle and bins relative to
+    ``expected``."""
     n = len(series)
     padded = 2 ** int(np.ceil(np.log2(PADDING * n)))
     weight = hann(n)
@@ -132,8 +135,8 @@ def _line_shape(distance: np.ndarray) -> np.ndarray:
 def _resolved(bins: np.ndarray, values: np.ndarray, floor: float) -> tuple[np.ndarray, np.ndarray]:
     """Resolve a piece of a spectrum into lines; return their positions (bins) and amplitudes, the strongest first.
 
-    A guess that converges within 1.5 bins of another line is the other half of a broad line: it is dropped, and
-    its position excluded.
+    A guess that converges within 1.5 bins of another line is part of a broad line, so it is dropped and its
+    position excluded.
     """
     positions, lines, left = np.zeros(0), np.zeros(0, dtype=complex), values
     open_bins = np.ones(len(bins))
@@ -176,12 +179,12 @@ def _remove_peaks(
 
 
 def _parts(values: np.ndarray) -> np.ndarray:
-    """Stack real parts over imaginary ones: complex least squares for real unknowns."""
+    """Stack real and imaginary parts, for complex least squares with real unknowns."""
     return np.concatenate([values.real, values.imag])
 
 
 def _stand(positions: np.ndarray, amplitudes: np.ndarray, floor: float) -> np.ndarray:
-    """Check which lines (k,) exceed ``floor`` and are no part or shoulder of a stronger one."""
+    """Check which lines (k,) exceed ``floor`` and are not part or shoulder of a stronger one."""
     apart = np.abs(np.subtract.outer(positions, positions))
     stronger = amplitudes > amplitudes[:, np.newaxis]
     part = stronger & (apart < ONE)

@@ -16,24 +16,24 @@ def spectrum(
     """Compute the one-sided amplitude spectrum of a series (n,) sampled at ``fs`` (Hz), without its mean.
 
     Returns frequencies (Hz), fs/n apart, and amplitudes in the series' unit, (n//2 + 1,) each: a sine on a bin
-    reads its amplitude, whatever the window; one between two Hann bins up to 15 % less. ``window`` gives the
+    gives its amplitude with any window; between two bins of a Hann window up to 15 % less. ``window`` gives the
     weights (n,) for n samples (``np.ones``: none).
     """
     weight = window(len(series))
     amplitudes = np.abs(np.fft.rfft((series - series.mean()) * weight)) * (2.0 / weight.sum())
     amplitudes[0] /= 2.0
     if len(series) % 2 == 0:
-        amplitudes[-1] /= 2.0  # the highest line has no mirror image either
+        amplitudes[-1] /= 2.0  # the Nyquist line has no mirror image either
     return np.fft.rfftfreq(len(series), 1.0 / fs), amplitudes
 
 
 def squared_envelope(series: np.ndarray, fs: float, band: tuple[float, float] | None = None) -> np.ndarray:
-    """Compute the squared envelope (n,) of a series (n,), of its content in ``band`` (Hz) if given.
+    """Compute the squared envelope (n,) of a series (n,), or of its content in ``band`` (Hz).
 
-    By Fourier transform: negative frequencies, and those outside the band, are set to zero (Randall and Antoni,
-    Rolling element bearing diagnostics - a tutorial, Mech. Syst. Signal Process. 25, 2011, 485-520). The
-    record counts as periodic: its two ends mix over about the inverse of the band's width. ValueError for a
-    band that is empty or not within 0 to fs/2.
+    Negative frequencies and those outside the band are set to zero in the Fourier transform (Randall and Antoni,
+    Rolling element bearing diagnostics - a tutorial, Mech. Syst. Signal Process. 25, 2011, 485-520). The record is
+    treated as periodic, so its two ends mix over about the inverse of the bandwidth. Raises ValueError if the band
+    is empty or not within 0 to fs/2.
     """
     low, high = band or (0.0, fs / 2.0)
     if not 0.0 <= low < high <= fs / 2.0:
@@ -54,8 +54,8 @@ def analytic(positive: np.ndarray, n: int) -> np.ndarray:
 
 
 FLAT = 0.4
-"""Of the sampling: up to there the records of this program are as computed. Between 0.5 and 0.6 of it something is
-left that folds, and what has folded stands where no line is: an envelope shows it beside its lines."""
+"""Fraction of the sampling rate up to which records of this program are unaltered. Residual content between 0.5
+and 0.6 of the sampling rate aliases to frequencies without lines and would appear in an envelope spectrum."""
 
 
 def envelope_spectrum(
@@ -63,9 +63,9 @@ def envelope_spectrum(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Compute the envelope spectrum of a series (n,) sampled at ``fs`` (Hz), from the squared envelope.
 
-    Impacts ring at resonances; their repetition is in the envelope (Randall and Antoni 2011; squared,
-    since its root adds harmonics that alias). ``band`` (Hz): where it rings; up to ``FLAT`` of ``fs`` if not
-    given. Returns frequencies (Hz) and amplitudes in the series' unit squared, as ``spectrum`` does. ValueError as
+    Impacts excite resonances; the envelope shows their repetition (Randall and Antoni 2011; squared, because its
+    root adds harmonics that alias). ``band`` (Hz): of the resonance; by default up to ``FLAT`` of ``fs``. Returns
+    frequencies (Hz) and amplitudes in the series' unit squared, as ``spectrum`` does. Raises ValueError as
     ``squared_envelope``.
     """
     return spectrum(squared_envelope(series, fs, band or (0.0, FLAT * fs)), fs)
@@ -74,8 +74,9 @@ def envelope_spectrum(
 def band_rms(series: np.ndarray, fs: float, band: tuple[float, float]) -> float:
     """Compute the RMS of a series (n,) sampled at ``fs`` (Hz) in ``band`` (Hz, ends included), without its mean.
 
-    Of the power spectrum under Hann's window, 1.5 fs/n wide: a line so near to an end of the band counts in part;
-    nan of a band that lies between two lines. ValueError for a band that is empty or not within 0 to fs/2.
+    The RMS is summed over the power spectrum with a Hann window of bandwidth 1.5 fs/n, so a line closer than this
+    to an end of the band contributes in part. Returns nan for a band between two bins. Raises ValueError if the
+    band is empty or not within 0 to fs/2.
     """
     low, high = band
     if not 0.0 <= low < high <= fs / 2.0:
@@ -91,20 +92,20 @@ def band_rms(series: np.ndarray, fs: float, band: tuple[float, float]) -> float:
 
 
 MIRRORED = 64
-"""Samples by which a series is continued at both ends while it is filtered."""
+"""Samples by which a series is extended at both ends for filtering."""
 PHASE_POINTS, PHASE_RATES = 1 << 14, 4
-"""Points at which a gain is looked at, up to half so many times the sampling."""
+"""Points at which the gain is evaluated, up to ``PHASE_RATES``/2 times the sampling rate."""
 STOPPED = 1e-4
-"""Gain over half of the sampling."""
+"""Gain above half of the sampling rate."""
 
 
 def causal(series: np.ndarray) -> np.ndarray:
-    """Filter a series (..., n) with a causal low-pass, flat up to ``FLAT`` of its sampling and zero at half of it.
+    """Filter a series (..., n) with a causal low-pass, flat up to ``FLAT`` of its sampling rate and zero at half
+    of it.
 
-    A zero-phase low-pass, such as that of a record, rings before an impact; this minimum-phase one rings only
+    A zero-phase low-pass, such as that of a record, rings before an impact; this minimum-phase filter rings only
     after it (its phase is the Hilbert transform of the gain's logarithm: Oppenheim and Schafer, Discrete-Time
-    Signal Processing, ch. 13). Both ends are continued by their mirror image, so that some samples there are
-    distorted.
+    Signal Processing, ch. 13). Both ends are extended by their mirror image, so some samples there are distorted.
     """
     n = series.shape[-1]
     reach = min(n - 1, MIRRORED)
@@ -115,7 +116,7 @@ def causal(series: np.ndarray) -> np.ndarray:
 
 
 def _gain(frequency: np.ndarray) -> np.ndarray:
-    """Compute the gain of that low-pass; frequency: relative to the sampling."""
+    """Compute the gain of the low-pass; frequency: relative to the sampling rate."""
     falling = np.clip((frequency - FLAT) / (0.5 - FLAT), 0.0, 1.0)
     return np.maximum(np.cos(0.5 * np.pi * falling) ** 2, STOPPED)
 
