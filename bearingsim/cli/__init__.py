@@ -1,4 +1,4 @@
-"""The command line: parses, calls one function, prints. Each command imports what it needs when it runs."""
+"""Command line: parses, calls one function, prints. Each command imports its modules when it runs."""
 
 from bearingsim.cli.app import app, main
 

@@ -1,4 +1,4 @@
-"""`bearingsim bench`: the chart of speed against accuracy."""
+"""`bearingsim bench`, the chart of speed against accuracy."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from bearingsim.runner import RunSummary
     from bearingsim.store import Results
 
-MOST_FEATURES = 3  # features printed in full; the rest are counted
+MOST_FEATURES = 3  # largest number of features printed in full; the rest are counted
 STEP_ERRORS = {"velocity.rms": "rms", "velocity@": "line", "outer_force.max": "force"}
 """Column ``step_error.*`` that bounds the step error of a feature, by the beginning of its name."""
-STANDARD_ERRORS = 2.0  # width of the error bound of a chaotic response, about 95 %
+STANDARD_ERRORS = 2.0  # half width of the error bound of a chaotic response, for about 95 % confidence
 
 
 class Result(NamedTuple):
@@ -30,7 +30,7 @@ class Result(NamedTuple):
 
 
 def show(summary: "RunSummary", verbose: bool) -> None:
-    """Print counts, the results that the figures name, promises and warnings, and the next command.
+    """Print counts, the results named by the figures, error bounds, warnings and the next command.
 
     verbose: also details, and the tracebacks of failures.
     """
@@ -44,7 +44,7 @@ def show(summary: "RunSummary", verbose: bool) -> None:
     for text in summary.findings.withdrawn:
         say(text)
     named, quick = [], False
-    with suppress(ResultsError):  # another run has replaced the plan
+    with suppress(ResultsError):  # raised if another run has replaced the plan
         results = open_results(summary.folder)
         named, quick = list(results_named(results)), results.plan["quick"]
     for name, values, remarks in named[:MOST_FEATURES]:
@@ -73,7 +73,7 @@ def show(summary: "RunSummary", verbose: bool) -> None:
 
 
 def results_named(results: "Results") -> Iterator[Result]:
-    """Yield each feature that the figures name: its range, the healthy range, the cases of its extremes."""
+    """Yield each feature named by the figures, with its range, healthy range and the cases of its extremes."""
     from bearingsim.plots import select
 
     rows = select.case_rows(results)
@@ -105,7 +105,7 @@ def _range(low: str, high: str, unit: str) -> str:
 
 
 def _with_meaning(results: "Results", name: str) -> str:
-    """Append what a feature is: `velocity@BPFO-healthy (159 Hz, defect minus healthy)`."""
+    """Append the meaning of a feature: `velocity@BPFO-healthy (159 Hz, defect minus healthy)`."""
     envelope = "squared envelope" if name.startswith("envelope@") else ""
     change = "defect minus healthy" if name.endswith("-healthy") else ""
     meaning = ", ".join(filter(None, [_frequency(results, name), envelope, _band(results, name), change]))
@@ -140,7 +140,7 @@ def _band(results: "Results", name: str) -> str:
 
 
 def _healthy(results: "Results", name: str, unit: str, factor: float) -> Iterator[str]:
-    """Yield the range over the healthy cases, as `healthy: 0.61 to 1.13 um/s`; factor: of the unit from SI."""
+    """Yield the range over the healthy cases, as `healthy: 0.61 to 1.13 um/s`; factor: from SI to the unit."""
     baselines = {entry["job"] for entry in results.plan["jobs"] if entry["twin"]}
     table = results.table()
     values = table[table["job"].isin(baselines)][name].dropna()
@@ -150,10 +150,10 @@ def _healthy(results: "Results", name: str, unit: str, factor: float) -> Iterato
 
 
 def _error(rows: "pd.DataFrame", name: str) -> str:
-    """Format the largest numerical error as a part of the largest value: `numerical error 0.3 %`.
+    """Format the largest numerical error relative to the largest value: `numerical error 0.3 %`.
 
-    The sum of the step error and two standard errors of a chaotic response; "" for a feature that the step check
-    does not cover (it covers lines and RMS of the velocity, and the largest force).
+    The error is the sum of the step error and two standard errors of a chaotic response. Returns "" for a feature
+    not covered by the step check (which covers lines and RMS of the velocity, and the largest force).
     """
     from bearingsim.store import relative_error
 

@@ -51,11 +51,11 @@ def series(
 
 
 STDOUT = Path("-")
-"""Path that stands for stdout, which gets csv."""
+"""Path that means stdout, whose format is csv."""
 
 
 def check(features: Path | None, jobs: Sequence[str], out: Path | None, file_format: str | None) -> None:
-    """Refuse a file of series without a job, two tables on one stdout, and any format but csv there."""
+    """Refuse a series file without a job, two tables on stdout, and formats other than csv on stdout."""
     if out is not None and not jobs:
         raise UserError("`--out` is for time series; name a job by `--series`, or use `--features FILE`")
     if features == out == STDOUT:
@@ -70,7 +70,7 @@ def _refuse_existing(target: Path, force: bool) -> None:
 
 
 def _write(target: Path, content: bytes) -> None:
-    """Write a file, or stdout."""
+    """Write to a file or stdout."""
     from bearingsim.store import write_bytes
 
     if target == STDOUT:
@@ -95,7 +95,7 @@ def _suffix(path: Path, formats: tuple[str, ...]) -> str:
 
 
 def _parquet(table: "pd.DataFrame") -> bytes:
-    """Return the content of a parquet file. Raises UserError without pyarrow, or with one too old for pandas."""
+    """Return the content of a parquet file. Raises UserError if pyarrow is missing or too old for pandas."""
     try:
         content: bytes = table.to_parquet(None, engine="pyarrow", index=False)
     except ImportError:
@@ -106,7 +106,7 @@ def _parquet(table: "pd.DataFrame") -> bytes:
 
 
 def _csv(recorded: "dict[str, Series]") -> bytes:
-    """Write one time column and one column per channel (and job, if there are several); units in the heads.
+    """Return csv with a time column and a column per channel (and job, if there are several); heads have units.
 
     Raises UserError for jobs with different time axes.
     """
@@ -124,7 +124,7 @@ def _csv(recorded: "dict[str, Series]") -> bytes:
 
 
 def _mat(recorded: "dict[str, Series]", parameters: "pd.DataFrame") -> bytes:
-    """Write one struct per job, `job_<id>`: time, channels, their units, the job's parameters (SI, or words)."""
+    """Return a mat file with a struct per job, `job_<id>`: time, channels, units, parameters (SI, or words)."""
     from scipy.io import savemat
 
     structs = {
@@ -141,5 +141,5 @@ def _mat(recorded: "dict[str, Series]", parameters: "pd.DataFrame") -> bytes:
 
 
 def _fields(named: Mapping[Any, Any]) -> dict[str, Any]:
-    """Replace the dots of names by underscores, as MATLAB requires of the names of fields."""
+    """Replace the dots of names by underscores, as MATLAB requires for field names."""
     return {str(name).replace(".", "_"): value for name, value in named.items()}

@@ -16,14 +16,13 @@ NAMES = {
 def bearing_frequencies(
     name: str, speed: str, outer_speed: str | None = None, contact_angle: str | None = None
 ) -> dict[str, Any]:
-    """Compute the characteristic frequencies of a bearing, as orders of its shaft's speed and with harmonics (Hz).
+    """Compute the characteristic frequencies of a bearing, with harmonics (Hz) and as orders.
 
-    The speeds of both rings count in one sense: with unlike signs the rings turn against each other. With g =
-    d cos(a)/D the cage turns at FTF = [f_i (1 - g) + f_o (1 + g)]/2, in the same sense; BPFO = Z |FTF - f_o|,
-    BPFI = Z |f_i - FTF|, and BSF = D/(2 d) |f_i - f_o| (1 - g^2), relative to the cage (Harris, Rolling Bearing
-    Analysis, ch. 8). All depend on the speed of the inner ring relative to the outer one; only the cage turns with
-    the outer ring besides. Frequencies are magnitudes; `cage_hz` has the sign of the cage's sense. Orders are of
-    the outer ring's speed where the inner ring stands, else of the inner ring's.
+    Ring speeds with opposite signs mean counter-rotation. With g = d cos(a)/D, the cage speed is
+    FTF = [f_i (1 - g) + f_o (1 + g)]/2; BPFO = Z |FTF - f_o|, BPFI = Z |f_i - FTF|, and
+    BSF = D/(2 d) |f_i - f_o| (1 - g^2), relative to the cage (Harris, Rolling Bearing Analysis, ch. 8). Except FTF,
+    they depend only on the speed of the inner ring relative to the outer ring. Frequencies are magnitudes;
+    `cage_hz` is signed. Orders refer to the speed of the inner ring, or of the outer ring if the inner ring is stationary.
 
     Raises StudyError, UnitError.
     """
@@ -62,7 +61,7 @@ def bearing_frequencies(
 
 
 def _check_turning(speed: str, inner: float, outer_speed: str | None, outer: float) -> None:
-    """Refuse an inner ring that does not turn forwards, unless the outer ring turns."""
+    """Refuse an inner ring speed that is not positive, unless the outer ring turns."""
     from bearingsim.text.units import UnitError
 
     if inner <= 0.0 and outer_speed is None:

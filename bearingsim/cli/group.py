@@ -1,4 +1,4 @@
-"""The group of commands: errors end with a message and an exit code, without a traceback."""
+"""Group of commands, which end with a message and an exit code instead of a traceback."""
 
 import errno
 import os
@@ -35,7 +35,7 @@ WORDS = {
 
 
 def sentence(error: OSError) -> str:
-    """Format an error of the operating system: the path, and its cause in words."""
+    """Format an error of the operating system: path and cause in words."""
     if not error.filename or error.errno is None:
         target = " (stdout, or a file that the system does not name)" if error.errno in NO_ROOM else ""
         return f"bearingsim: {WORDS.get(error.errno or 0, error)}{target}"
@@ -50,14 +50,14 @@ def sentence(error: OSError) -> str:
 
 
 def _tell(message: Warning | str, *origin: Any, **more: Any) -> None:
-    """Print a warning on stderr: a DamageWarning as its text alone, any other in Python's format."""
+    """Print a warning on stderr: a DamageWarning as plain text, others in Python's format."""
     text = str(message) if isinstance(message, DamageWarning) else warnings.formatwarning(message, *origin[:3])
     say(text, err=True)
 
 
 @contextmanager
 def _left_out_told() -> Iterator[None]:
-    """Name on leaving the extensions that did not load, unless the command fails for one of them."""
+    """Report extensions that did not load when the command ends, unless it fails because of one."""
     try:
         yield
     except extensions.BrokenExtension:
@@ -76,7 +76,7 @@ def _tell_left_out() -> None:
 
 @contextmanager
 def _ended_by_message(ctx: Any) -> Iterator[None]:
-    """End with a message on stderr: expected errors with exit code 2, signals with 128 + their number."""
+    """Convert expected errors to a message and exit code 2, and signals to exit code 128 + their number."""
     try:
         yield
     except KeyboardInterrupt as stop:
@@ -84,7 +84,7 @@ def _ended_by_message(ctx: Any) -> Iterator[None]:
         raise typer.Exit(128 + getattr(stop, "number", signal.SIGINT)) from None
     except (OSError, UserError) as error:
         if isinstance(error, BrokenPipeError) and reader_is_gone():
-            raise  # typer ends quietly
+            raise  # typer ends without a message
         if ctx.params.get("verbose"):
             say("Traceback (most recent call last):", err=True)
             traceback.print_tb(error.__traceback__)
@@ -105,6 +105,6 @@ class Commands(TyperGroup):
         """Run the command."""
         with _ended_by_message(ctx), warnings.catch_warnings(), _left_out_told():
             warnings.simplefilter("once", DamageWarning)
-            warnings.filterwarnings("ignore", message=".*joblib will operate in serial mode")  # --jobs 1 may
+            warnings.filterwarnings("ignore", message=".*joblib will operate in serial mode")  # as --jobs 1
             warnings.showwarning = _tell
             return super().invoke(ctx)

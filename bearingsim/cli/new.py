@@ -1,4 +1,4 @@
-"""`bearingsim new`: a study to start from, and its schema; existing files are left alone."""
+"""`bearingsim new`: template study and its schema; existing files are not changed."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,7 +16,7 @@ def write_study(path: Path) -> None:
 
 
 def write_schema(folder: Path) -> Iterator[str]:
-    """Write the schema into a folder; yield a remark if another file of its name exists."""
+    """Write the schema into a folder; yield a remark if a different file has its name."""
     path, text = folder / SCHEMA_FILE, schema_text()
     try:
         _write(path, text)

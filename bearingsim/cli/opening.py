@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 
 Command = Callable[..., None]
 LONGEST = 200
-"""Letters of an error that are quoted in a message."""
+"""Largest number of characters quoted from an error in a message."""
 UNUSABLE = (ArithmeticError, AttributeError, LookupError, MemoryError, RecursionError, TypeError, ValueError)
 """Errors that malformed results raise in a command that reads them."""
 
 
 def reading(command: Command) -> Command:
-    """Decorate a command that reads results: errors due to malformed results become a UserError."""
+    """Decorate a command that reads results: malformed results raise a UserError."""
 
     @wraps(command)
     def read(*arguments: Any, **options: Any) -> None:
@@ -36,7 +36,7 @@ def reading(command: Command) -> Command:
 
 
 def opened(folder: Path | None) -> "Results":
-    """Open the results in a folder, or the newest sound ones in ./results.
+    """Open the results in a folder, or the newest valid results in ./results.
 
     Raises UserError, as ``open_results``.
     """
@@ -60,7 +60,7 @@ def _newest_first() -> list[Path]:
 def job_meant(results: "Results", word: str) -> str:
     """Return the id of the only job whose id begins with ``word``.
 
-    Raises UserError if none does, or several do.
+    Raises UserError if there is no such job, or more than one.
     """
     matches = [job for job in results.planned if job.startswith(word.lower())]
     if len(matches) != 1:

@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 MOST_PRICED = 100
 """Largest number of jobs that are priced, at 2 to 4 ms of CPU time each."""
 IN_SPACE = 5
-"""Weight in MOST_PRICED of a job with uneven load along its rollers: equilibrium takes three dimensions."""
+"""Weight in MOST_PRICED of a job with uneven load along its rollers, which needs a 3D equilibrium."""
 SLIPS_PER_DECADE = 50  # slip speeds per decade at which a friction curve is searched for its maximum
 
 
 @dataclass(frozen=True)
 class Priced:
-    """A job with the method and the step (s) chosen for it, the limits of that step (s), and its price.
+    """Job with its method, step (s), step limits (s) and price.
 
     friction_scale: the largest friction on the most loaded roller at rest (N), and the decay time (s) of its slip;
     nan and inf without friction. sinking: largest depth (m) of a roller in a defect, nan without defects.
@@ -44,10 +44,9 @@ class Priced:
 
 @dataclass(frozen=True)
 class Plan:
-    """A study's cases, their healthy baselines and variations, priced.
+    """Cases of a study with their healthy baselines and variations, priced.
 
-    jobs: all of them; a large study is priced by a sample (``drawn``). refusals: jobs that cannot be run, with the
-    reason.
+    jobs: all jobs; a large study is priced by a sample (``drawn``). refusals: jobs that cannot run, with reasons.
     """
 
     study: "Study"
@@ -60,7 +59,7 @@ class Plan:
 
     @property
     def costs(self) -> list["Cost"]:
-        """Costs by which jobs are packed for workers and the workers that fit into memory are counted."""
+        """Costs used to distribute jobs over workers and to limit the number of workers by memory."""
         from bearingsim.runner.packing import Cost
 
         estimates = [priced.estimate for priced in self.everything]
@@ -75,7 +74,7 @@ class Plan:
 
     @property
     def refused(self) -> tuple[str, ...]:
-        """Reasons for which jobs cannot be run, one text a kind."""
+        """Reasons why jobs cannot be run, one text per kind."""
         return tuple(_grouped(self.refusals, self.study))
 
     @property
@@ -92,7 +91,7 @@ class Plan:
 
     @property
     def everything(self) -> tuple[Priced, ...]:
-        """Cases, healthy cases and variations."""
+        """All priced jobs: cases, healthy cases and variations."""
         return self.cases + self.baselines + self.variations
 
     @property
@@ -182,9 +181,9 @@ def _priced(job: "Job") -> Priced:
 
 
 def friction_scale(case: "Case", force: float) -> tuple[float, float]:
-    """Compute the largest friction (N) under a force (N), and the decay time (s) of the slip of a roller.
+    """Compute the largest friction (N) at a normal force (N), and the decay time (s) of a roller's slip.
 
-    The slip of a roller between two races, each under the force Q, decays as exp(-2 mu' Q R_w^2/I_r t), with mu'
+    The slip of a roller pressed between two races by Q decays as exp(-2 mu' Q R_w^2/I_r t), with mu'
     the largest derivative of the friction curve.
     """
     from bearingsim import assemble

@@ -48,7 +48,7 @@ LIMITS: tuple[Line, ...] = (
     ("damping ratio", lambda p: p.limits.damping_ratio),
     ("closing speed (mm/s)", lambda p: 1e3 * p.limits.closing_speed),
 )
-"""Step limits, and the contact properties that they follow from."""
+"""Step limits, and the contact properties that determine them."""
 COST: Line = ("CPU time per job (s)", lambda p: p.estimate.cpu_seconds)
 MEMORY: Line = ("memory per job, at most (MB)", lambda p: 1e-6 * p.estimate.most_memory)
 PROOF: Line = ("of it for the step check (s)", lambda p: p.estimate.check_seconds)
@@ -56,7 +56,7 @@ FRICTION: tuple[Line, ...] = (
     ("largest friction at rest (N)", lambda p: p.friction_scale[0]),
     ("slip time constant at rest (us)", lambda p: 1e6 * p.friction_scale[1]),
 )
-"""Rows of studies with friction. It lags by one step, so it sets no limit; a step below the time resolves it."""
+"""Rows of studies with friction. It lags by one step, so it sets no limit; resolving it needs a smaller step."""
 
 
 def show(plan: Plan, verbose: bool) -> None:
@@ -98,7 +98,7 @@ def show(plan: Plan, verbose: bool) -> None:
 
 
 def takes_own_steps(priced: Priced) -> bool:
-    """Return True if the method of a job adapts its step."""
+    """Check if the method of a job adapts its step."""
     from bearingsim.catalogue import METHODS
 
     method = priced.choice.method
@@ -165,7 +165,7 @@ def size(count: int) -> str:
 
 
 def as_json(plan: Plan) -> str:
-    """Return the plan as JSON, in SI; null stands for no limit."""
+    """Return the plan as JSON, in SI; null means no limit."""
     from bearingsim.config.scan.repair import notes
 
     cases, baselines, varied = plan.counted

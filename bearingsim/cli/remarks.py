@@ -7,7 +7,7 @@ from bearingsim.cli.plan import Plan, Priced
 from bearingsim.cli.screen import span
 from bearingsim.config.rules.damping import WARNING
 
-OPENS = 2.0  # times the force at rest: a larger impact force means that contacts have opened
+OPENS = 2.0  # times the static force; a larger impact force means that contacts have opened
 
 
 def remarks(plan: Plan, verbose: bool) -> Iterator[str]:
@@ -26,9 +26,9 @@ def remarks(plan: Plan, verbose: bool) -> Iterator[str]:
     yield from unsettled(plan)
 
 
-WORTH_SAYING = 0.1  # of the CPU time of a study
-HANGS = 0.999  # of a defect's depth: a roller that sinks less does not reach the floor
-CLEARS_WALLS = 0.5  # of the depth of a V: below it the walls (slope 2 depth/width) are steeper than the roller
+WORTH_SAYING = 0.1  # fraction of the CPU time of a study, from which a cost is reported
+HANGS = 0.999  # of a defect's depth; a roller with a smaller drop does not reach the floor
+CLEARS_WALLS = 0.5  # of the depth of a V; below it the walls (slope 2 depth/width) are steeper than the roller
 
 
 def hanging(plan: Plan) -> Iterator[str]:
@@ -68,7 +68,7 @@ def choices(plan: Plan) -> list[str]:
 
 
 def in_full(plan: Plan) -> Iterator[str]:
-    """Yield what it costs that jobs of a study with an `accuracy` store series, which are computed in full."""
+    """Yield the cost of stored series in a study with an `accuracy`, for which jobs are computed in full."""
     from bearingsim.runner.progress import duration
     from bearingsim.simulation.time_grid import estimate
     from bearingsim.study.goal import ended_early
@@ -89,7 +89,7 @@ def in_full(plan: Plan) -> Iterator[str]:
 
 
 def methods(plan: Plan) -> list[str]:
-    """Return the methods chosen by `method: auto`, with the reasons, and the extent of the step check."""
+    """Return the methods chosen by `method: auto` with the reasons, and the scope of the step check."""
     automatic = [priced for priced in plan.everything if priced.job.case.method == "auto"]
     reasons: dict[str, list[str]] = {}
     for priced in automatic:
@@ -109,7 +109,7 @@ def methods(plan: Plan) -> list[str]:
 
 
 def repeating(plan: Plan) -> Iterator[str]:
-    """Yield the numbers of jobs whose response may be periodic or end early, and the CPU time if none does."""
+    """Yield the number of jobs that may be periodic or end early, and the CPU time if none of them does."""
     from bearingsim.runner.progress import duration
     from bearingsim.simulation.choice import resolved
     from bearingsim.simulation.repetition import may_repeat
@@ -126,7 +126,7 @@ def repeating(plan: Plan) -> Iterator[str]:
 
 
 def damping(plan: Plan) -> Iterator[str]:
-    """Yield the damping of the study's contacts beside its plausible range; nothing for models without damping."""
+    """Yield the contact damping of the study and its plausible range; nothing for models without damping."""
     from bearingsim.catalogue import MODELS
     from bearingsim.config.rules.damping import Damped, sentences
 

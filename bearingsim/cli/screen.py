@@ -1,4 +1,4 @@
-"""Tables on the terminal; piped, they are plain and not limited in width."""
+"""Tables on the terminal; plain and of unlimited width in a pipe."""
 
 import math
 import sys
@@ -11,9 +11,9 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.text import Text
 
-PIPED_WIDTH = 1000  # letters, of a line without a terminal
-LONGEST_WORDS = 24  # letters: longer texts are folded on a narrow terminal; shorter ones and numbers never are
-GAP = 3  # letters between columns
+PIPED_WIDTH = 1000  # characters in a line without a terminal
+LONGEST_WORDS = 24  # characters; only longer texts are folded on a narrow terminal
+GAP = 3  # characters between columns
 
 
 def terminal_width() -> int | None:
@@ -37,7 +37,7 @@ def console(least: int = 0) -> "Console":
 
 
 def print_table(heads: Sequence[str], rows: Iterable[Sequence[str]], words: int = 1) -> None:
-    """Print a table; the first ``words`` columns are text, the others numbers. No cell is ever cropped."""
+    """Print a table; the first ``words`` columns are text, the others numbers. Cells are never cropped."""
     from rich import box
     from rich.table import Table
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def show(results: "Results", features: Sequence[str], as_json: bool, out: Path | None) -> None:
     """Print Sobol' indices or Morris' effects of some features (default: the defect's line), and draw them.
 
-    out: file of the figure; default: among the results' figures, none with JSON.
+    out: file of the figure; default: in the figures folder of the results, none with JSON.
     """
     from bearingsim.plots import select
     from bearingsim.sensitivity import analysed, collect_blocks, design_of

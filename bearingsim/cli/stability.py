@@ -12,7 +12,7 @@ from bearingsim.text.terminal import say
 def chosen(
     option: str, requested: Sequence[str] | None, choices: Sequence[str], usual: Sequence[str]
 ) -> list[str]:
-    """Return the requested words without duplicates, or ``usual`` without a request.
+    """Return the requested words without duplicates, or ``usual`` if none are requested.
 
     Raises BadParameter for a word that is not in ``choices``.
     """

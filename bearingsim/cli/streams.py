@@ -1,4 +1,4 @@
-"""Standard streams for any environment: closed, with a narrow encoding, or without a reader."""
+"""Robust standard streams, which may be closed, have a narrow encoding or have lost their reader."""
 
 import codecs
 import os
@@ -12,17 +12,17 @@ SPELL = "bearingsim.spell"
 
 
 class Messages(TextIOWrapper):
-    """Stderr that drops messages after its reader has closed it, or its disk is full."""
+    """Stderr that drops messages if its reader has closed it or its disk is full."""
 
     def write(self, text: str) -> int:
-        """Write a text, or drop it."""
+        """Write a text, or drop it on errors."""
         try:
             return super().write(text)
         except OSError:
             return len(text)
 
     def flush(self) -> None:
-        """Flush, or drop what is left."""
+        """Flush, or drop the buffer on errors."""
         try:
             super().flush()
         except OSError:
@@ -30,7 +30,7 @@ class Messages(TextIOWrapper):
 
 
 def prepare() -> None:
-    """Connect closed streams to the null device, and give both an encoder that never fails."""
+    """Connect closed streams to the null device, and set an encoder that never fails on stdout and stderr."""
     _reserve_descriptors()
     codecs.register_error(SPELL, _spelled)
     sys.stdout = sys.stdout or os.fdopen(1, "w", closefd=False)
@@ -43,14 +43,14 @@ def prepare() -> None:
 
 
 def _reserve_descriptors() -> None:
-    """Open the null device on each closed descriptor of 0 to 2, so that no results file is opened there."""
+    """Open the null device on closed descriptors 0 to 2, so that no results file gets one of them."""
     while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:
         os.set_inheritable(descriptor, True)
     os.close(descriptor)
 
 
 def _spelled(error: UnicodeError) -> tuple[str, int]:
-    """Spell units as study files may (µm: um), and escape any other letter that an encoding lacks."""
+    """Spell units as study files may (µm: um), and escape other characters missing from an encoding."""
     from bearingsim.text.units import SPELLING
 
     if not isinstance(error, UnicodeEncodeError):

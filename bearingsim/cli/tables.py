@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-Column = tuple[str, list[str]]  # head and cells
+Column = tuple[str, list[str]]  # heading and cells
 STATISTICS = ("velocity.rms", "outer_force.max")
 MOST_ROWS = 1000
 """Largest number of printed rows; 100 000 rows take minutes."""
@@ -63,7 +63,7 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
 
 
 UNVARIED = {"clearance": "0 um, 10 um", "bracket": "0.5, 2"}
-"""Example values of unknown quantities whose assumption has no sentence of its own."""
+"""Example values of uncertain quantities without an assumption text of their own."""
 
 
 def show_assumptions(results: "Results") -> None:
@@ -83,9 +83,9 @@ def show_assumptions(results: "Results") -> None:
 
 
 def usual_features(results: "Results", table: "pd.DataFrame") -> list[str]:
-    """List the usual columns that have a value.
+    """List the default columns that have a value.
 
-    Line of the defect, cage slip of models with slip, change from healthy, bands, statistics, errors.
+    Defect line, cage slip of models with slip, change from healthy, bands, statistics, errors.
     """
     from bearingsim.config.names import read_band
     from bearingsim.plots import lines
@@ -101,7 +101,7 @@ def usual_features(results: "Results", table: "pd.DataFrame") -> list[str]:
 
 
 def _fitting(columns: list[Column], features: Sequence[bool]) -> list[Column]:
-    """Select the columns that fit into the terminal: stack the heads, then drop features from the right."""
+    """Select the columns that fit into the terminal: stack the headings, then drop features from the right."""
     if _fits(columns):
         return columns
     kept = [(_stacked(head), cells) for head, cells in columns]
@@ -119,7 +119,7 @@ def _fits(columns: Sequence[Column]) -> bool:
 
 
 def _stacked(head: str) -> str:
-    """Break a head into lines, before `.width` and `-healthy` and before the unit."""
+    """Break a heading into lines, before `.width` and `-healthy` and before the unit."""
     return re.sub(r"(?<=\w)(?=[.-][a-z])", "\n", head).replace(" (", "\n(")
 
 
@@ -153,7 +153,7 @@ def _counts(table: "pd.DataFrame") -> str:
 
 
 def _column(results: "Results", rows: "pd.DataFrame", name: str) -> Column:
-    """Return head and cells of a column, in the study's unit or a readable one."""
+    """Return heading and cells of a column, in the study's unit or a readable one."""
     from bearingsim.plots import labels
 
     units = results.plan["units"]
@@ -172,7 +172,7 @@ def _missing(value: object) -> bool:
 
 
 def show_failures(folder: Path, tracebacks: bool = False) -> None:
-    """Print failed jobs with reason and advice, and the command that tries them again."""
+    """Print failed jobs with reason and advice, and the command that repeats them."""
     from bearingsim.plots.labels import described
     from bearingsim.store import open_results
 

@@ -1,4 +1,4 @@
-"""`bearingsim warm`: compiles the solver before the first run that needs it."""
+"""`bearingsim warm`: compiles the solver in advance."""
 
 from pathlib import Path
 
@@ -9,10 +9,10 @@ CASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "defects": [DE
 
 
 def compile_solver(study: Path | None, patience: Patience) -> str:
-    """Compile what the cases of a study need; return their models, in words.
+    """Compile the solver for the cases of a study; return their models, in words.
 
-    Without a study: the usual model, and the reference of most studies with an accuracy, without friction and with
-    it. Raises StudyError.
+    Without a study, compile the usual model and the reference of most studies with an accuracy, both with and
+    without friction. Raises StudyError.
     """
     from bearingsim.catalogue import REFERENCE, USUAL_MODEL
     from bearingsim.config import Case

@@ -1,6 +1,6 @@
 """Figures of a study, from its results folder only.
 
-Nothing heavy is imported here, so that tables can share the words of ``labels`` without matplotlib.
+matplotlib is not imported here, so that tables can use ``labels`` without it.
 """
 
 from bearingsim.plots.labels import PlotError, PlotWarning

@@ -1,4 +1,4 @@
-"""Axes that figures of features share: frame, curves, marks, scales, texts."""
+"""Common axes of the figures of features: frame, curves, marks, scales, texts."""
 
 import math
 import textwrap
@@ -23,24 +23,24 @@ if TYPE_CHECKING:
 
 
 ROW_IN = 2.7  # height (inches) of a row of panels
-HEADROOM = 1.05  # upper limit of an axis from zero, times the largest value
-LABEL_LETTERS = 34  # of an axis label, in a line
-CAPTION_LINES = 4  # of a caption that fit below any figure
+HEADROOM = 1.05  # upper limit of an axis that begins at zero, over the largest value
+LABEL_LETTERS = 34  # characters in a line of an axis label
+CAPTION_LINES = 4  # lines of a caption that fit below any figure
 CAPTION_LINE_IN = 0.13  # height (inches) of each further line of a caption
-CHARACTER_IN = 0.066  # width of a letter of the legend
+CHARACTER_IN = 0.066  # width (inches) of a character of the legend
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
 RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec": "0.45", "mew": 1.0}
-"""Ring around a point that is one draw of a chaotic motion."""
+"""Ring around a point of a chaotic motion, whose value is one random draw."""
 BAND_ALPHA = 0.18
 EVEN = 3.0  # below this ratio of limits a log axis gets linear ticks
 TICKS = ((6.0, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)), (200.0, (1.0, 2.0, 5.0)))
-"""Digits of ticks on a log axis, by the largest ratio of limits at which they fit."""
+"""Mantissas of ticks on a log axis, by the ratio of limits below which they fit."""
 NO_BREAK = "\u00a0"
 
 
 @dataclass(frozen=True)
 class Curve:
-    """Line of a panel: its texts in the legend by colour and by line, its style and its rows."""
+    """Curve of a panel: legend texts of its colour and of its line style, its style and its rows."""
 
     colour_text: str
     line_text: str
@@ -57,7 +57,7 @@ def draw_panels(
 ) -> Canvas:
     """Draw a completed figure: a column of axes per y, a row per panel, by ``panel`` (axes, feature, rows).
 
-    rows: the cases of the figure, SI; caption: what all of them have in common, wrapped below.
+    rows: the cases of the figure, SI; caption: their common parameters, wrapped below.
     """
     parts = list(select.splits(rows, figure.panels, units))
     entries = legend_entries(figure, styles_of_curves(figure, rows, units), rows)
@@ -77,9 +77,9 @@ def draw_panels(
 
 
 def finish(canvas: Canvas, title: str | None, caption: Sequence[str], entries: Sequence[Line2D] = ()) -> None:
-    """Add the legend beside the axes, the title above, and the caption, wrapped to the figure's width, below.
+    """Add the legend next to the axes, the title above, and the caption, wrapped to the figure's width, below.
 
-    A long caption makes the figure higher.
+    The height of the figure is increased for a long caption.
     """
     if entries:
         canvas.legend(handles=entries, loc="outside right upper")
@@ -94,7 +94,7 @@ def finish(canvas: Canvas, title: str | None, caption: Sequence[str], entries: S
 
 
 def axis_label(text: str, unit: str) -> str:
-    """Join name and unit to an axis label: `Defect length (mm)`."""
+    """Join name and unit into an axis label: `Defect length (mm)`."""
     return text[:1].upper() + text[1:] + (f" ({labels.pretty(unit)})" if unit else "")
 
 
@@ -104,22 +104,22 @@ def x_label(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:
 
 
 def y_label(name: str, unit: str, letters: int = LABEL_LETTERS) -> str:
-    """Return the label of a feature's axis, wrapped to lines of some letters."""
+    """Return the label of a feature's axis, wrapped at ``letters`` characters."""
     return textwrap.fill(axis_label(labels.feature_text(name), unit), letters)
 
 
 def legend_width(entries: Sequence[Line2D]) -> float:
-    """Estimate the width (inches) of the texts of a legend beside the axes."""
+    """Estimate the width (inches) of the texts of a legend next to the axes."""
     return CHARACTER_IN * max((len(str(entry.get_label())) for entry in entries), default=-8)
 
 
-# Curves and their looks
+# Curves and their styles
 
 
 def styles_of_curves(
     figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]
 ) -> dict[tuple[str, str], CurveStyle]:
-    """Assign a style to each combination of the first `by` path and all others, equal in every panel."""
+    """Assign a style to each combination of the first `by` path and all others, the same in every panel."""
     firsts = [text for text, _ in select.splits(rows, figure.by[:1], units)]
     seconds = list(dict.fromkeys(text for text, _ in select.splits(rows, figure.by[1:], units)))
     ordered = bool(figure.by) and select.is_numeric(select.values(rows, figure.by[0]))
@@ -134,7 +134,7 @@ def curves_of(
     styles: Mapping[tuple[str, str], CurveStyle],
     order: Mapping[Any, int],
 ) -> list[Curve]:
-    """List the curves of one panel, points sorted by the ``order`` of values on x."""
+    """List the curves of one panel; points are sorted by the ``order`` of the values on x."""
     return [
         Curve(
             colour_text,
@@ -150,9 +150,7 @@ def curves_of(
 def legend_entries(
     figure: Figure, styles: Mapping[tuple[str, str], CurveStyle], rows: "pd.DataFrame"
 ) -> list[Line2D]:
-    """Make legend entries: first `by` path by colour and marker, others by line, then marks of failures and
-    models.
-    """
+    """Make legend entries: the first `by` path, the other paths, marks of failures, of models, of chaos."""
     firsts = list(dict.fromkeys(colour_text for colour_text, _ in styles))
     seconds = list(dict.fromkeys(line_text for _, line_text in styles))
     entries: list[Line2D] = []
@@ -188,7 +186,7 @@ def models_of(rows: "pd.DataFrame") -> dict[str, str]:
 
 
 def positions(x: str, part: "pd.DataFrame", rows: "pd.DataFrame", units: Mapping[str, str]) -> list[float]:
-    """Return the positions of rows on the x axis: in the study's unit, or words counted from 0."""
+    """Return the positions of rows on the x axis: in the study's unit, or the index of a word."""
     distinct = select.values(rows, x)
     if not select.is_numeric(distinct):
         return [float(distinct.index(value)) for value in part[x]]
@@ -197,7 +195,7 @@ def positions(x: str, part: "pd.DataFrame", rows: "pd.DataFrame", units: Mapping
 
 
 def mark_chaotic(ax: "Axes", x: Sequence[float], y: Sequence[float], rows: "pd.DataFrame", name: str) -> None:
-    """Draw a ring around each point of a feature that is one draw of many of a chaotic motion."""
+    """Draw a ring around each point of a chaotic motion, whose value is one random draw."""
     draws = is_one_draw(rows, name)
     points = [(a, b) for a, b, is_so in zip(x, y, draws, strict=True) if is_so and math.isfinite(a * b)]
     if points:
@@ -208,13 +206,13 @@ def mark_lost(ax: "Axes", x: Sequence[float], status: "pd.Series[Any]") -> None:
     """Mark jobs without a result on the x axis."""
     for kind, (marker, colour, _) in STATUS_MARKS.items():
         where = [position for position, state in zip(x, status, strict=True) if state == kind]
-        if where:  # an empty line that is not clipped has no place, and breaks the layout
+        if where:  # an empty unclipped line has no position, and breaks the layout
             marks: dict[str, Any] = {"color": colour, "markersize": 6, "markeredgewidth": 1.5, "clip_on": False}
             ax.plot(where, [0.025] * len(where), marker, transform=ax.get_xaxis_transform(), **marks)
 
 
 def x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> None:
-    """Set the ticks of the x axis: at each value if there are few, words as categories."""
+    """Set the ticks of the x axis: one per value if there are few; words are categories."""
     distinct = select.values(rows, figure.x)
     if not select.is_numeric(distinct):
         ax.set_xticks(range(len(distinct)), [labels.value_text(figure.x, value, units) for value in distinct])
@@ -237,14 +235,14 @@ def y_axis(ax: "Axes", name: str, figure: Figure) -> None:
         ax.set_ylim(-190.0, 190.0)
         ax.set_yticks(range(-180, 181, 90))
     else:
-        low, high = ax.dataLim.intervaly  # the margins are of a range that may be far from zero
+        low, high = ax.dataLim.intervaly  # data limits, because the axis limits include margins
         if low >= 0.0:
             ax.set_ylim(0.0, max(ax.get_ylim()[1], HEADROOM * high))
         ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
 
 
 def ticks_between(axis: "Axis", low: float, high: float) -> None:
-    """Set the ticks of a log axis from ``low`` > 0 to ``high``: plain numbers, denser over fewer decades."""
+    """Set the ticks of a log axis from ``low`` > 0 to ``high``: plain numbers, denser over a smaller range."""
     span = high / low
     between = next((digits for most, digits in TICKS if span < most), (1.0,))
     axis.set_major_locator(MaxNLocator(4) if span < EVEN else LogLocator(subs=between))
@@ -254,7 +252,7 @@ def ticks_between(axis: "Axis", low: float, high: float) -> None:
 
 
 def letter(ax: "Axes", number: int, count: int, text: str) -> None:
-    """Write `(a)` and the panel's text above its left corner."""
+    """Write `(a)` and the panel's text above its upper left corner."""
     letter = f"({chr(ord('a') + number)})" if count > 1 else ""
     ax.set_title(" ".join(filter(None, [letter, text])), loc="left")
 

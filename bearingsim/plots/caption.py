@@ -67,9 +67,9 @@ STATISTICS = {"rms": "RMS", "peak": "peak", "crest": "crest factor", "kurtosis":
 
 
 def fixed_values(results: "Results", rows: "pd.DataFrame", drawn: set[str]) -> list[str]:
-    """List in words the resolved parameters that do not vary over the finished jobs of ``rows``.
+    """Describe the resolved parameters that do not vary over the finished jobs of ``rows``.
 
-    drawn: swept paths that the figure shows and the caption leaves out.
+    drawn: swept paths shown by the figure and omitted from the caption.
     """
     parameters = results.parameters()
     parameters = parameters.loc[parameters.index.intersection(list(rows["job"]))]
@@ -94,8 +94,8 @@ def band_of_record(results: "Results", rows: "pd.DataFrame", features: Sequence[
 def moved_along(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[str]:
     """Describe parameters that vary in a completed figure without an axis, curve or panel, with their ranges.
 
-    Parameters tied by `zip` or `derived` read `load moves along: 150 to 300 N`, plus the parameter they follow
-    unless that is x.
+    Example of a parameter tied by `zip` or `derived`: `load moves along: 150 to 300 N`, with the parameter that it
+    follows unless that is x.
     """
     for path, leader in select.moving_along(figure, rows, units):
         with_it = "" if leader in ("", *figure.x.split(", ")) else f" with {labels.name_text(leader)}"
@@ -163,7 +163,7 @@ def _position(parameters: "pd.DataFrame", number: int) -> str:
 
 
 def _single(parameters: "pd.DataFrame", path: str) -> object:
-    """Return the common value of a parameter in all jobs; None if it varies or is not set."""
+    """Return the common value of a parameter in all jobs; None if it varies, or is not set in every job."""
     if path not in parameters or parameters[path].isna().any() or parameters[path].nunique() != 1:
         return None
     return parameters[path].iloc[0] or (0.0 if parameters[path].dtype.kind == "f" else None)

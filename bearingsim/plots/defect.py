@@ -1,4 +1,4 @@
-"""Defects to scale: the depth map with the roller's length over it, and sections with the roller's path."""
+"""Defects to scale: depth map with the roller's length, and sections with the roller's path."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
@@ -31,21 +31,21 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
 
 MAP_IN, SECTION_IN = 4.2, 4.4  # height of the map, width of a section
-LOWEST_IN, HIGHEST_IN = 0.7, 1.9  # of a section
-NARROWEST, WIDEST_IN = 0.3, 5.0  # width of the map: at least over its length, at most in inches
+LOWEST_IN, HIGHEST_IN = 0.7, 1.9  # limits of the height of a section
+NARROWEST, WIDEST_IN = 0.3, 5.0  # limits of the width of the map: over its length, and in inches
 LEFT, BAR, EDGE, ABOVE, BELOW, LINE = 0.65, 1.5, 0.2, 0.3, 0.55, 0.14  # inches between and around axes
-BEYOND = 0.04  # of the length shown, beyond roller and defect
-HEADROOM = 0.45  # above the race, of the depth shown
-SHALLOW = 0.3  # of the defect's depth: a path that stays above this is shown once more
-CLOSER = 1.6  # of the path's depth, shown then
-ROLLERS = (-0.62, -0.25, 0.0, 0.25, 0.62)  # where rollers are drawn, in widths of the defect
+BEYOND = 0.04  # margin beyond roller and defect, over their length
+HEADROOM = 0.45  # height shown above the race, over the depth shown
+SHALLOW = 0.3  # of the defect's depth; a shallower path is shown once more, magnified
+CLOSER = 1.6  # depth shown then, over the path's depth
+ROLLERS = (-0.62, -0.25, 0.0, 0.25, 0.62)  # positions of the drawn rollers, in widths of the defect
 SCALE = "YlGnBu"
 RACE, PATH, ROLLER, TAKEN_PATH = "0.15", COLOURS[1], "0.55", COLOURS[0]
 STEPS = (1.0, 2.0, 5.0)
 
 
 class Sheet(NamedTuple):
-    """Figure to draw: a defect, its number (from 1) among those of its case, its jobs, the roller."""
+    """Figure to draw: a defect, its number (from 1) in its case, the number of defects, its jobs, the roller."""
 
     defect: Defect
     number: int
@@ -58,13 +58,13 @@ class Sheet(NamedTuple):
 def sheets(results: "Results", jobs: Sequence[str]) -> list[Sheet]:
     """Collect the distinct defects of some finished jobs.
 
-    Raises PlotError if no job has a defect, ResultsError if one is not done.
+    Raises PlotError if no job has a defect, ResultsError if a job is not done.
     """
     distinct: dict[Any, Sheet] = {}
     done = results.parameters()
     for name in jobs:
         if name not in done.index:
-            results.series(name)  # raises the reason
+            results.series(name)  # raises ResultsError with the reason
     for job, parameters in done.loc[list(jobs)].iterrows():
         for sheet in _job_sheets(results, str(job), parameters.to_dict()):
             earlier = distinct.setdefault(_key(sheet), sheet)
@@ -93,7 +93,7 @@ def _key(sheet: Sheet) -> tuple[Any, ...]:
 
 
 def draw_defect(results: "Results", sheet: Sheet) -> Canvas:
-    """Draw one defect: its map, and the sections through its deepest point and its middle, with the roller's path.
+    """Draw one defect: its map and its sections at the deepest point and the middle, with the roller's path.
 
     Lengths are to scale; the heights of a section are exaggerated by a round number, printed in its title. A path
     much shallower than the defect is drawn once more, magnified.
@@ -157,7 +157,7 @@ def _map_inches(sheet: Sheet) -> tuple[float, float]:
 
 
 def _draw_map(ax: "Axes", sheet: Sheet, panels: "Sequence[Panel]") -> None:
-    """Draw depth over s and z, with the roller's length, the ends of its slices and the lines of the sections."""
+    """Draw depth over s and z, with the roller's length, the ends of its slices and the section planes."""
     defect, half = sheet.defect, 500.0 * sheet.roller_length
     depths = 1e6 * np.ma.masked_equal(defect.depth_map, 0.0)
     s_mm, z_mm = 1e3 * defect.positions(), 1e3 * defect.axial_positions
@@ -193,11 +193,9 @@ def _draw_map(ax: "Axes", sheet: Sheet, panels: "Sequence[Panel]") -> None:
 
 
 class Panel(NamedTuple):
-    """Section as drawn: its name on the map, the depths shown (m), the exaggeration of heights.
+    """Section as drawn: its name on the map, limits of depth (m), exaggeration of heights, height of the panel.
 
-    closer: whether it shows a section once more, magnified.
-
-    closer: whether it shows a section once more.
+    closer: whether it is the magnified copy of a section.
     """
 
     section: Section
@@ -210,9 +208,7 @@ class Panel(NamedTuple):
 
 
 def _panels(defect: Defect, taken: RollerPath | None) -> Iterator[Panel]:
-    """Yield the panels of the sections; the deepest also magnified if paths stay far above its floor or each
-    other.
-    """
+    """Yield the panels of the sections, and magnified panels of the deepest one for shallow paths."""
     for number, position in enumerate(distinct_sections(defect)):
         made, name = cut(defect, position), "AB"[number]
         deepest, path = (float(np.max(values)) for values in (made.p, made.h))
@@ -242,7 +238,7 @@ def round_below(most: float) -> float:
 
 
 def _draw_section(ax: "Axes", panel: Panel, R: float, number: int) -> None:
-    """Draw the defect, the path of a roller over it, and the roller at some positions; depth downwards."""
+    """Draw the defect, the path of a roller over it, and the roller at some positions; depth points down."""
     made = panel.section
     s, width = 1e3 * made.s, np.ptp(made.s)
     ax.fill_between(s, 1e6 * made.p, 1e6 * panel.floor, color="0.88", lw=0.0, zorder=1)

@@ -1,7 +1,7 @@
-"""Features against the parameters of a design: a point for each job, and where the middle of them lies.
+"""Features against the parameters of a design: a point per job, with running median and quartiles.
 
-All parameters of a design vary at once, so the points over one of them scatter by all others. What the parameter
-does alone shows in the median of points side by side; how much the others do, in the band around it.
+All parameters of a design vary at once, so the points over one parameter scatter because of the others. The median
+of neighbouring points shows the effect of the parameter itself; the band around it, that of the others.
 """
 
 import math
@@ -45,14 +45,14 @@ if TYPE_CHECKING:
 FEWEST = 24  # points needed for a median
 MOST_LEVELS = 12  # distinct values on x up to which each has its own median
 MOST_GROUPS = 20
-WIDE = 5.0  # ratio of limits from which a log axis is considered
+WIDE = 5.0  # ratio of limits above which a log axis is considered
 MOST_COLUMNS = 3
 POINTS: dict[str, Any] = {"linestyle": "", "markersize": 3.0, "alpha": 0.55, "markeredgewidth": 0.0}
 TREND = ("line: median of points side by side", "band: the middle half of them")
 
 
 class Trend(NamedTuple):
-    """Of groups of points side by side: where they lie, their median, and the quartiles below and above."""
+    """Groups of neighbouring points: their position on x, median, lower and upper quartile."""
 
     x: NDArray[np.float64]
     middle: NDArray[np.float64]
@@ -82,15 +82,13 @@ def trend(x: Sequence[float], y: Sequence[float]) -> Trend | None:
 
 
 def description(design: Mapping[str, Any]) -> str:
-    """Describe a design in a caption, `sobol design of 64 points, seed 1`, with the number of points drawn if some
-    are left out.
-    """
+    """Describe a design in a caption: `sobol design of 64 points, seed 1`, and how many are drawn if not all."""
     left = f"{len(design['ids'])} of " * (len(design["ids"]) < design["n"])
     return f"{design['kind']} design of {left}{design['n']} {COUNTED[design['kind']]}, seed {design['seed']}"
 
 
 def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
-    """Draw a completed figure whose points make no line; arguments as of ``axes.draw_panels``."""
+    """Draw a completed figure as a scatter plot; arguments as of ``axes.draw_panels``."""
 
     def panel(ax: "Axes", name: str, part: "pd.DataFrame") -> None:
         _panel(ax, name, figure, rows, part, units)
@@ -101,7 +99,7 @@ def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption
 def draw_paths(
     figure: Figure, paths: Sequence[str], rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]
 ) -> Canvas:
-    """Draw the only feature of a completed figure against each of some paths, a panel for each, on one y axis."""
+    """Draw the only feature of a completed figure, a panel per path, on a common y axis."""
     [name] = figure.y
     entries = legend_entries(figure, styles_of_curves(figure, rows, units), rows)
     columns = min(MOST_COLUMNS, len(paths))
@@ -126,8 +124,8 @@ def draw_paths(
 def is_logarithmic(values: Sequence[float]) -> bool:
     """Check if values are spaced evenly in their logarithm.
 
-    True if the median is nearer to the geometric than to the arithmetic mean of the extremes, and the range is
-    wide.
+    True if their range is wide and the median is closer to the geometric than to the arithmetic mean of the
+    extremes.
     """
     low, high = min(values), max(values)
     if not 0.0 < low * WIDE <= high:
@@ -143,7 +141,7 @@ def _panel(
     part: "pd.DataFrame",
     units: Mapping[str, str],
 ) -> None:
-    """Draw one feature's points over x; ``part``: the rows of the panel, of all ``rows``."""
+    """Draw the points of one feature over x; ``part``: those of all ``rows`` that belong to the panel."""
     unit, factor = labels.feature_axis(name, float(rows[name].abs().max()))
     ax.set_ylabel(y_label(name, unit))
     order = {value: rank for rank, value in enumerate(select.values(rows, figure.x))}

@@ -1,4 +1,4 @@
-"""Axes of jobs: a row per job, a column per channel, rollers laid over each other."""
+"""Grid of axes: a row per job, a column per channel; rollers share axes."""
 
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -21,19 +21,19 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
 
 ROW_IN, LOW_ROW_IN = 1.7, 1.15
-MANY = 6  # jobs above which rows are low
+MANY = 6  # number of jobs above which rows are lower
 HEALTHY = "0.35"
 PARTS = {"": COLOURS[0], "x": COLOURS[2], "y": COLOURS[3]}
 LABEL_LETTERS, LETTER_IN = 26, 0.075
-SQUARES = 3.0  # a square reads well from 0.1 on
+SQUARES = 3.0  # a squared quantity is shown in its larger unit from 0.1 on
 
 Curve = tuple[np.ndarray, np.ndarray]
 
 
 class View(NamedTuple):
-    """Way to look at signals: function of their curve, in SI; axis labels; power of the channel's unit.
+    """Representation of signals: function that computes the curve (SI), axis labels, power of the channel's unit.
 
-    baselines: whether the healthy baseline is drawn too, where a column has one curve.
+    baselines: whether the healthy baseline is drawn too, if a column has one curve.
     """
 
     curve: Callable[[Job, str, Signal], Curve]
@@ -129,7 +129,7 @@ def _panel(ax: "Axes", curves: Mapping[str, Curve], healthy: Mapping[str, Curve]
 
 
 def _name_axes(column: Sequence["Axes"], label: str, only: bool) -> None:
-    """Label the y axes of a column, once for all of them if there is no other column."""
+    """Label the y axes of a column, with one common label if it is the only column."""
     if only and len(column) > 1:
         canvas = column[0].get_figure(root=True)
         assert canvas is not None
@@ -148,7 +148,7 @@ def _legend(canvas: Canvas, axes: Iterable["Axes"]) -> None:
 
 
 def _baselines(results: "Results", jobs: Iterable[str]) -> dict[str, str]:
-    """Map jobs to their healthy baselines, as far as these are done."""
+    """Map jobs to their healthy baselines, omitting baselines that are not done."""
     table = results.table().set_index("job")
     done = set(table.index[table["status"] == "done"])
     healthy = {entry["job"]: entry["healthy"] for entry in results.plan["jobs"]}

@@ -26,19 +26,19 @@ SCALES: dict[str, tuple[tuple[str, float], ...]] = {  # readable units of a feat
     "rad": (("°", 57.29577951308232),),
     "%": (("%", 1e2),),
 }
-SMALL_ANGLE_WORDS = ("tilt", "skew", "lean", "rotation")  # of small angles, shown in mrad instead of degrees
+SMALL_ANGLE_WORDS = ("tilt", "skew", "lean", "rotation")  # quantities in mrad instead of degrees
 SMALL_ANGLES = (("mrad", 1e3), ("µrad", 1e6), ("nrad", 1e9))
-SHARES = ("cage.slip",)  # dimensionless quantities shown in per cent, with their statistics
+SHARES = ("cage.slip",)  # dimensionless quantities shown in per cent, as are their statistics
 COST, COST_UNIT, COST_TEXT = "seconds", "s", "CPU time of a job"
-"""A column of the table that can be drawn like a feature."""
+"""Column of the table that is drawn like a feature: name, unit, text."""
 
 
 class PlotError(UserError):
-    """A figure that cannot be drawn from what there is."""
+    """Figure that cannot be drawn from the results."""
 
 
 class PlotWarning(UserWarning):
-    """A figure that was left out."""
+    """Figure that was left out."""
 
 
 def pretty(unit: str) -> str:
@@ -63,7 +63,7 @@ def _dimension(path: str) -> Dimension | None:
 
 
 def unit_of(path: str, units: Mapping[str, str]) -> str:
-    """Return the display unit of a path: the one written in the study, else the field's default."""
+    """Return the display unit of a path: the unit used in the study, else the default of the field."""
     dimension = _dimension(path)
     written = units.get(path, "")
     if dimension is None or written in UNITS[dimension]:
@@ -96,7 +96,7 @@ def described(swept: Mapping[str, object], units: Mapping[str, str]) -> str:
 
 
 def _short(path: str) -> str:
-    """Shorten the name of a path in front of its value: the only defect needs no `defect`."""
+    """Shorten the name of a path in front of its value, without `defect` for a single defect."""
     return "" if path == "defect.shape" else name_text(path.removeprefix("defect."))
 
 

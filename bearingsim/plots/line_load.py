@@ -1,4 +1,4 @@
-"""Load along a roller: over time and position while it passes a defect, and its distribution at a few instants."""
+"""Load along a roller: over time and position as it passes a defect, and its distribution at a few instants."""
 
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 ROW_IN, TILT_IN, PICTURE_IN, PROFILE_IN = 2.5, 1.3, 4.2, 2.6
 SCALE = "YlOrRd"
-UNLOADED = 0.02  # of the largest line load: smaller ones are drawn as zero
-WITHOUT_DEFECT = 8.0  # ball passes shown of a roller that passes no defect
-FEW = 10.0  # samples over a defect: the caption states lower numbers
+UNLOADED = 0.02  # of the largest line load; smaller values are drawn as zero
+WITHOUT_DEFECT = 8.0  # ball passes shown if the roller passes no defect
+FEW = 10.0  # samples over a defect; the caption states smaller numbers
 LABEL_LETTERS = 30
 MIN_SAMPLES = 4
 TILTS = {"tilt": COLOURS[0], "skew": COLOURS[1]}
@@ -35,7 +35,7 @@ ADVICE = "add `roller.outer_line_load` to `record`, with `model: spatial`"
 class LoadAlong(NamedTuple):
     """Line load of a job: time (n,) in s, load (slices, n) in N/m, ends of the slices (m), passage.
 
-    tilts: tilt and skew (n,) in rad of the same roller, as far as they were recorded.
+    tilts: tilt and skew (n,) in rad of the same roller, if they were recorded.
     """
 
     channel: str
@@ -49,7 +49,7 @@ class LoadAlong(NamedTuple):
 def draw_load(results: "Results", jobs: Sequence[str], y: Sequence[str] = (), span: float | None = None) -> Canvas:
     """Draw the line load along a roller, a row per job and channel: a map over time, and sections through it.
 
-    Below it the roller's tilt and skew, if they were recorded. ``span``: time (s) shown around the roller's first
+    Recorded tilt and skew of the roller are drawn below. ``span``: time (s) shown around the roller's first
     passage over a defect. Raises PlotError for channels that were not recorded.
     """
     records = recorded.all_jobs(results, jobs)
@@ -75,7 +75,7 @@ def draw_load(results: "Results", jobs: Sequence[str], y: Sequence[str] = (), sp
 
 
 def _notes(records: Mapping[str, Job], rows: Sequence[tuple[str, LoadAlong]]) -> list[str]:
-    """Report passages with few samples over a defect, or rollers that pass none."""
+    """Report passages with few samples over a defect, or rollers that pass no defect."""
     crossed = [(job, load.passage) for job, load in rows if load.passage is not None]
     counts = [passage.samples(records[job].parameters["sampling"]) for job, passage in crossed]
     few = [f"only {min(counts):.1f} samples over the defect"] if min(counts, default=FEW) < FEW else []
@@ -83,7 +83,7 @@ def _notes(records: Mapping[str, Job], rows: Sequence[tuple[str, LoadAlong]]) ->
     return [*few, *(["no roller passes a race defect within the record"] if missed else [])]
 
 
-# What is drawn
+# Data
 
 
 def _loads(
@@ -157,8 +157,8 @@ def _window(case: "Case", record: Job, passage: Passage | None, span: float | No
 def instants(load: LoadAlong) -> dict[str, int]:
     """Select the samples at which the distribution is drawn, by name.
 
-    `over the defect`: the middle of the time at which the slices over the defect carry least. `largest after`: the
-    largest total load from then on. Without a defect: the largest and the smallest total load.
+    `over the defect`: the median sample among those with the smallest load on the slices over the defect. `largest
+    after`: the largest total load from then on. Without a defect: the largest and the smallest total load.
     """
     whole = _whole(load)
     if load.passage is None:
@@ -214,7 +214,7 @@ def _draw_picture(ax: "Axes", load: LoadAlong, factor: float, label: str) -> Non
     assert ax.figure is not None
     bar = ax.figure.colorbar(made, ax=ax, pad=0.02)
     bar.set_label(textwrap.fill(label, LABEL_LETTERS), fontsize=8.0)
-    bar.ax.yaxis.set_label_position("left")  # on its right there are the sections
+    bar.ax.yaxis.set_label_position("left")  # the sections are on its right
 
 
 def _draw_tilts(ax: "Axes", beside: "Axes", picture: "Axes", load: LoadAlong) -> None:
@@ -223,7 +223,7 @@ def _draw_tilts(ax: "Axes", beside: "Axes", picture: "Axes", load: LoadAlong) ->
     unit, factor = labels.readable("rad", "tilt", largest)
     for name, values in load.tilts.items():
         ax.plot(1e3 * load.time, factor * values, color=TILTS[name], lw=1.2, label=name)
-    if factor * largest < 1.0:  # of the smallest unit: rounding
+    if factor * largest < 1.0:  # less than one of the smallest unit is rounding
         ax.set_ylim(-1.0, 1.0)
     ax.set_xlim(picture.get_xlim())
     ax.set_xlabel("Time (ms)")

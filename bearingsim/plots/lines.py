@@ -1,4 +1,4 @@
-"""The lines that show a defect: those of the element that carries it."""
+"""Spectral lines of a defect, given by the element that carries it."""
 
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class Family(NamedTuple):
-    """Lines of one element: the fundamental, its name, the sidebands' distance and its name."""
+    """Lines of one element: name and frequency of the fundamental, spacing of the sidebands and its name."""
 
     line: str
     fundamental: Line
@@ -29,7 +29,7 @@ FAMILIES = {
     "inner": Family("BPFI", Line(inner=1), Line(shaft=1), "fr"),
     "roller": Family("2BSF", Line(spin=2), Line(cage=1), "FTF"),
 }
-"""By the word that says where a defect is. One that turns through the load zone is felt in its rhythm."""
+"""Families of lines by the carrier of the defect. Rotation through the load zone causes the sidebands."""
 
 
 class Mark(NamedTuple):

@@ -1,4 +1,4 @@
-"""Defects as figures show them, and the passages of rollers over them, from the channels of a job."""
+"""Geometry of defects for figures, and passages of rollers over them from the channels of a job."""
 
 from collections.abc import Iterator
 from math import pi
@@ -16,19 +16,18 @@ if TYPE_CHECKING:
 
 
 ACROSS, ALONG = 401, 241  # grid points of a depth map along rolling and along the roller
-FINER = 4  # times as many points in a section
-ALIKE = 0.98  # of the largest depth: a middle at least so deep counts as the deepest section
-MARGIN = 0.3  # of the defect's width, shown on either side of it
+FINER = 4  # factor on the number of points, in a section
+ALIKE = 0.98  # of the largest depth; a deeper middle section counts as the deepest
+MARGIN = 0.3  # margin shown on either side, over the defect's width
 
 Reals = NDArray[np.float64]
 
 
 class Defect(NamedTuple):
-    """One defect. Lengths in m; s along rolling from its middle, z along the roller from the roller's middle.
+    """One defect. Lengths in m; s along rolling from its middle, z along the roller from the roller's centre.
 
-    race: what carries it; R: radius of the roller relative to the race it is met on (of a roller's defect the
-    outer one); angle: rad, as in the case; map: its depth (``defects/depth.py``); s, z: from where to where it
-    reaches.
+    race: its carrier; R: effective radius of the roller on the race (the outer race for a roller's defect);
+    angle: rad, as in the case; map: its depth (``defects/depth.py``); s, z: its limits.
     """
 
     race: str
@@ -39,15 +38,13 @@ class Defect(NamedTuple):
     z: tuple[float, float]
 
     def positions(self, count: int = ACROSS, beside: float = MARGIN) -> Reals:
-        """Return positions (count,) in m along rolling, over the defect and ``beside`` times its width on either
-        side.
-        """
+        """Return positions (count,) in m along rolling, up to ``beside`` defect widths beyond the defect."""
         more = beside * (self.s[1] - self.s[0])
         return np.linspace(self.s[0] - more, self.s[1] + more, count)
 
     @property
     def axial_positions(self) -> Reals:
-        """Positions (ALONG,) in m along the roller of sections: the middles of equal intervals of the defect."""
+        """Axial positions (ALONG,) in m of the sections: midpoints of equal intervals of the defect."""
         return self.z[0] + (self.z[1] - self.z[0]) * (np.arange(ALONG) + 0.5) / ALONG
 
     @property
@@ -60,9 +57,7 @@ class Defect(NamedTuple):
 
 
 class Section(NamedTuple):
-    """Section of a defect across the roller's axis at z (m): s (n,), depth p (n,) and path h of the roller (n,),
-    m.
-    """
+    """Section of a defect across the roller's axis at z: s, depth p and path h of the roller, each (n,); in m."""
 
     z: float
     s: Reals
@@ -90,7 +85,7 @@ def distinct_sections(defect: Defect) -> list[float]:
 
 
 def defects_of(case: "Case") -> Iterator[Defect]:
-    """Yield the defects of a case in its order; overlapping ones count as one."""
+    """Yield the defects of a case in its order; overlapping defects count as one."""
     from bearingsim.assemble import defects
     from bearingsim.core.defects.depth import Placed, extent
 
@@ -102,7 +97,7 @@ def defects_of(case: "Case") -> Iterator[Defect]:
 
 
 def ends_of_slices(case: "Case") -> Reals:
-    """Return the ends of the slices of a roller (m, from its middle); empty for a model without slices."""
+    """Return the ends of the slices of a roller (m, from its centre); empty for a model without slices."""
     from bearingsim.catalogue import MODELS
     from bearingsim.config.rules.completion import slice_ends
 
@@ -110,14 +105,13 @@ def ends_of_slices(case: "Case") -> Reals:
 
 
 BEFORE, AFTER = 1.5, 3.0  # widths of the defect shown before and after its middle
-LEAST = 6e-4  # m, least width of a defect in a window: covers the play of a roller in its pocket
+LEAST = 6e-4  # m, least width of a defect in a window, to cover the pocket clearance of the roller
 
 
 class RollerPath(NamedTuple):
-    """The path that a roller (from 1) took over a defect: position s and depth below the sound race (m), (n,)
-    each.
+    """Path of a roller (number from 1) over a defect: position s and depth below the sound race, (n,), m.
 
-    tilt: of the roller's axis, outwards (rad; (n,)), by which another section than its middle lies deeper.
+    tilt: (n,) in rad of the roller's axis; the depth increases by tilt times z.
     """
 
     number: int
@@ -131,7 +125,7 @@ class RollerPath(NamedTuple):
 
 
 class Passage(NamedTuple):
-    """A roller over a defect: the defect, the time (s) over its middle, and the speed (m/s) along rolling."""
+    """Passage of a roller: the defect, the time (s) over its middle, and the speed (m/s) along rolling."""
 
     defect: Defect
     time: float
@@ -139,7 +133,7 @@ class Passage(NamedTuple):
 
     @property
     def window(self) -> tuple[float, float]:
-        """Beginning and end (s) of what is worth showing."""
+        """Beginning and end (s) of the time shown."""
         width = max(self.defect.s[1] - self.defect.s[0], LEAST)
         return self.time - BEFORE * width / self.speed, self.time + AFTER * width / self.speed
 
@@ -149,9 +143,9 @@ class Passage(NamedTuple):
 
 
 def first_passage(job: Job, case: "Case", number: int, race: str) -> Passage | None:
-    """Find the first complete passage of a roller (from 1) over a defect of ``race``, or else of the other race.
+    """Find the first complete passage of a roller (from 1) over a defect of ``race``, else of the other race.
 
-    Returns None if no race has a defect, or none is passed within the record. Raises PlotError under a ramp.
+    Returns None if there is no complete passage in the record. Raises PlotError under a ramp.
     """
     defects = [defect for defect in defects_of(case) if defect.race != "roller"]
     ordered = sorted(defects, key=lambda defect: defect.race != race)
@@ -180,8 +174,8 @@ def roller_path(job: Job, case: "Case", defect: Defect) -> RollerPath | None:
     """Compute the path of the first roller whose radial position was recorded.
 
     Returns None without such a record, or if the roller does not pass the defect. The depth of the lowest point is
-    the outward displacement beyond a quarter of the clearance, less that of the ring (inwards for a defect of the
-    inner race). It includes the elastic approach of the contact.
+    the displacement of the roller relative to the ring (outward; inward for a defect of the inner race) minus a
+    quarter of the clearance. It includes the elastic approach of the contact.
     """
     series = {name: np.asarray(values, np.float64) for name, values in job.series.channels.items()}
     names = [name for name in job.recorded if (roller_of(name) or (0, ""))[1] == "radial"]
@@ -200,7 +194,7 @@ def roller_path(job: Job, case: "Case", defect: Defect) -> RollerPath | None:
     s = (job.series.time - passage.time) * passage.speed
     tilt = recorded_as(f"roller.{number}.tilt", job.recorded)
     tilts = series[tilt] if tilt else np.zeros(len(s))
-    if ring == "inner":  # which is faster than the rollers: they move towards -s
+    if ring == "inner":  # faster than the rollers, which move towards -s on it
         s, depth, tilts = -s[::-1], depth[::-1], -tilts[::-1]
     shown = (s >= defect.positions()[0]) & (s <= defect.positions()[-1])
     return RollerPath(number, s[shown], depth[shown], tilts[shown])

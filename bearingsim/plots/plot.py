@@ -27,13 +27,13 @@ UNUSED_OPTIONS = {
     **dict.fromkeys(("series", LOAD), ("x", "by", "panels")),
     **dict.fromkeys((DEFECT, RING), ("x", "y", "by", "panels", "span")),
 }
-"""Options that a kind of figure does not accept."""
-MAX_NAMED = 4  # jobs in the name of a file
+"""Options that a kind of figure does not accept, by kind."""
+MAX_NAMED = 4  # largest number of jobs in the name of a file
 FORMATS = ("png", "svg", "pdf")
 FIGURES = "figures"
-"""The folder of a study's figures, among its results."""
+"""Folder of a study's figures, within its results."""
 MARK = b"made by bearingsim"
-"""Metadata of every figure, by which a file may be replaced."""
+"""Mark in the metadata of every figure; files with it may be replaced."""
 MADE_BY = {
     "png": {"Software": MARK.decode()},
     "svg": {"Creator": MARK.decode(), "Date": None},
@@ -52,12 +52,12 @@ def plot(
 ) -> list[Path]:
     """Draw figures of a study into ``out`` (default: its ``figures`` folder); return the files.
 
-    kind: `sweep` features against swept paths, `phase` the phase of the line against them, `design` a feature
-    against each parameter of a design; of some jobs (ids, or
-    `all`) their `series`, `spectrum`, the spectrum of the squared `envelope`, what a `roller` meets on its way
-    round, the `load` along a roller, each `pit` to scale, and the outer `ring` at rest. Instead of what the study
-    says: x, and among changes y (features; of jobs channels), by, panels (lists), where (paths and values) and
-    span (s; of a series or load).
+    kind: of the table, `sweep` (features against swept paths), `phase` (phases of lines) or `design` (a feature
+    against each parameter of a design); of ``jobs`` (ids, or `all`), `series`, `spectrum`, `envelope` (spectrum of
+    the squared envelope), `roller` (channels over its angle), `load` (along a roller), `pit` (defects to scale) or
+    `ring` (outer ring in static equilibrium).
+    x, changes: override the study; changes are y (features, or channels of jobs), by, panels (lists), where (paths
+    and values) and span (s; of a series or load).
     Raises PlotError, ResultsError; warns (PlotWarning) of a figure left out.
     """
     from bearingsim.plots.style import drawing
@@ -96,8 +96,6 @@ def written(canvas: "Canvas", path: Path, results: "Results") -> Path:
     """Write a figure in the format of the file's suffix; return the file.
 
     Raises PlotError instead of replacing a file that is not a figure of this program.
-
-    Raises PlotError where a file of that name is no figure of this program: it stays as it is.
     """
     from bearingsim.plots.style import take_literally
     from bearingsim.store import write_bytes
@@ -112,7 +110,7 @@ def written(canvas: "Canvas", path: Path, results: "Results") -> Path:
 
 
 def _is_replaceable(path: Path) -> bool:
-    """Check that a path is free or a figure of this program."""
+    """Check if a path is free or a figure of this program."""
     if path.is_symlink() or not path.is_file():
         return not path.is_symlink() and not path.exists()
     return MARK in path.read_bytes()
@@ -218,7 +216,7 @@ def _wanted(
 
 
 def _changed(figure: "Figure", overrides: dict[str, Any]) -> "Figure":
-    """Apply overrides to a figure; a path made a curve is dropped from the panels, and vice versa."""
+    """Apply overrides to a figure; a path used for curves is removed from the panels, and vice versa."""
     by = tuple(path for path in figure.by if path not in overrides.get("panels", ()))
     panels = tuple(path for path in figure.panels if path not in overrides.get("by", ()))
     return replace(figure, **({"by": by, "panels": panels} | overrides))

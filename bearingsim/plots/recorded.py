@@ -1,4 +1,4 @@
-"""Recorded channels of a job as drawn: a channel, its components, its unit."""
+"""Recorded channels of a job as drawn: components, units and names."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import cos, sin
@@ -20,7 +20,7 @@ PREFERRED = ("ring.velocity", "ring.acceleration", "ring.displacement")
 
 
 class Signal(NamedTuple):
-    """Channel of a job: time (n,) in s and values (n,) in SI; component: its name among those of the channel."""
+    """Component of a channel: its name, time (n,) in s and values (n,) in SI."""
 
     time: np.ndarray
     values: np.ndarray
@@ -28,12 +28,12 @@ class Signal(NamedTuple):
 
     @property
     def rate(self) -> float:
-        """Samples per second (Hz)."""
+        """Sampling rate (Hz)."""
         return float((len(self.time) - 1) / (self.time[-1] - self.time[0]))
 
 
 class Job(NamedTuple):
-    """Finished job: its parameters, the solver's attributes, its series."""
+    """Finished job: its parameters, attributes set by the solver, and series."""
 
     parameters: dict[Any, Any]
     info: dict[Any, Any]
@@ -41,7 +41,7 @@ class Job(NamedTuple):
 
     @property
     def recorded(self) -> list[str]:
-        """The channels that its case asked for, in that order."""
+        """Channels requested by its case, in that order."""
         return str(self.parameters["record"]).split() if self.series.channels else []
 
 
@@ -54,7 +54,7 @@ def all_jobs(results: "Results", jobs: Sequence[str]) -> dict[str, Job]:
 
 
 def case_of(results: "Results", job: str, parameters: Mapping[Any, Any]) -> "Case":
-    """Rebuild the case of a job from its parameters. Raises PlotError if that fails, as for a missing scan."""
+    """Rebuild the case of a job from its parameters. Raises PlotError if that fails, e.g. without a scan."""
     from pydantic import ValidationError
 
     from bearingsim.store import case_of as made
@@ -108,7 +108,7 @@ def recorded_as(channel: str, recorded: Sequence[str]) -> str | None:
 
 
 def signals_of(job: Job, channel: str) -> Iterator[Signal]:
-    """Yield the components of a channel; of the ring's motion only its projection on the sensor axis."""
+    """Yield the components of a channel; for the ring's motion, only its projection on the sensor axis."""
     time, series = job.series.time, job.series.channels
     if channel in series:
         yield Signal(time, np.asarray(series[channel], np.float64))
@@ -127,8 +127,8 @@ def signals_of(job: Job, channel: str) -> Iterator[Signal]:
 def drawn_values(job: Job, channel: str, signal: Signal) -> np.ndarray:
     """Return the signal's values (n,) as drawn over time, filtered causally.
 
-    The record's zero-phase low-pass rings before an impact, the causal one does not. Contact forces, and records
-    without a low-pass, are drawn as recorded.
+    A causal filter avoids the ringing before an impact of the record's zero-phase low-pass. Contact forces, and
+    records without a low-pass, are drawn as recorded.
     """
     if job.parameters["antialias"] != "true" or is_contact_force(channel):
         return signal.values
@@ -145,7 +145,7 @@ def unit_of(channel: str) -> str:
 def text_of(channel: str, *others: str) -> str:
     """Return the long name of a channel, capitalised: `Contact force of roller 3 on the outer race`.
 
-    others: the same quantity of other rollers, then `Contact force of each roller on the outer race`.
+    others: the same channel of other rollers; the name then is `Contact force of each roller on the outer race`.
     """
     roller, whole = roller_of(channel), _whole(channel)
     if others and roller:

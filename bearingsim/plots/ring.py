@@ -1,4 +1,4 @@
-"""The outer ring at rest over a ball pass: displacements enlarged, rollers, load, springs, defects, sensor."""
+"""Figure of the outer ring in static equilibrium over a ball pass, with exaggerated displacements."""
 
 from collections.abc import Iterator
 from math import cos, pi, sin
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-ROOM = 0.1  # of the outer radius: largest displacement as drawn
-SPRING, ARROW, MARGIN = 0.16, 0.2, 0.16  # of the outer radius: spring, force arrow, margin
+ROOM = 0.1  # largest displacement as drawn, over the outer radius
+SPRING, ARROW, MARGIN = 0.16, 0.2, 0.16  # lengths over the outer radius
 LEAST_DEFECT = 0.035  # rad, least half angle of a defect as drawn
-INSIDE = 0.04  # of the outer radius: distance of the sensor inside the carrier
+INSIDE = 0.04  # distance of the sensor inside the carrier, over the outer radius
 COILS = 3
 FEW = 12  # springs up to this number are drawn with coils
 AROUND = np.linspace(-pi, pi, 721)
@@ -39,9 +39,9 @@ PARTS_SAID = {0.25: "¼ of a ball pass later", 0.5: "½ later", 0.75: "¾ later"
 
 
 class View(NamedTuple):
-    """A ring as it is drawn, in mm: its displacements and its clearance ``times`` enlarged.
+    """Ring as drawn, in mm, with displacements and clearance exaggerated by ``times``.
 
-    darkest: the force (N) on a roller that has the darkest shade.
+    darkest: force (N) of the darkest shade.
     """
 
     shape: RingShape
@@ -55,7 +55,7 @@ class View(NamedTuple):
 
     @property
     def outside(self) -> float:
-        """Radius of the undeformed ring's outside."""
+        """Outer radius of the undeformed ring."""
         return 1e3 * (self.shape.outside + self.times * self.shape.gap)
 
     @property
@@ -65,7 +65,7 @@ class View(NamedTuple):
 
     @property
     def carrier(self) -> float:
-        """Radius of what stands behind the springs."""
+        """Radius of the carrier around the springs."""
         return (1.0 + SPRING) * self.outside
 
     def enlarged(self, metres: Any) -> Any:
@@ -97,19 +97,17 @@ def point(angles: Any, radius: Any, x: float = 0.0, y: float = 0.0) -> tuple[Any
 
 
 def view(shape: RingShape) -> View:
-    """Choose the round exaggeration and the range of shades for a ring."""
+    """Choose a round exaggeration and the range of shades for a ring."""
     times = round_below(ROOM * shape.outside / max(shape.largest(), 1e-12))
     most = max(float(instant.forces[instant.loaded].max(initial=0.0)) for instant in shape.instants)
     return View(shape, times, most or 1.0)
 
 
 def draw_ring(results: "Results", job: str) -> Canvas:
-    """Draw the ring of a finished job. Raises PlotError without an equilibrium, ResultsError if the job is not
-    done.
-    """
+    """Draw the ring of a finished job. Raises PlotError without equilibrium, ResultsError if not done."""
     done = results.parameters()
     if job not in done.index:
-        results.series(job)  # raises the reason
+        results.series(job)  # raises ResultsError with the reason
     shape = ring_shape(recorded.case_of(results, job, done.loc[job].to_dict()))
     rows = select.case_rows(results)
     return draw_shape(shape, fixed_values(results, rows[rows["job"] == job], set()))
@@ -201,7 +199,7 @@ def draw_bodies(ax: "Axes", seen: View, instant: Instant) -> None:
 
 
 def draw_roller(ax: "Axes", seen: View, instant: Instant, j: int) -> None:
-    """Draw roller ``j``: shaded by its force, open if unloaded."""
+    """Draw roller ``j``: shaded by its force, hollow if unloaded."""
     shade = colormaps[SCALE](instant.forces[j] / seen.darkest) if instant.loaded[j] else "white"
     centre, radius = seen.roller_centre(instant, j), 1e3 * seen.shape.roller
     ax.add_patch(Circle(centre, radius, fc=shade, ec=EDGE, lw=0.7, zorder=2, gid=f"roller {j + 1}"))
@@ -234,7 +232,7 @@ def draw_springs(ax: "Axes", seen: View, instant: Instant) -> None:
 
 
 def spring_line(seen: View, instant: Instant, p: int) -> tuple[Reals, Reals]:
-    """Return the line of spring ``p`` from ring to carrier: with coils if there are few springs, else straight."""
+    """Return the line of spring ``p`` from ring to carrier: a coil if there are few springs, else straight."""
     angle = seen.shape.spring_angles[p : p + 1]
     inner, outer = (np.concatenate(end) for end in (seen.ring_points(instant, angle, seen.outside),
                                                    seen.carrier_points(instant, angle)))  # fmt: skip

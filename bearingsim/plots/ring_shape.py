@@ -1,4 +1,4 @@
-"""The outer ring at rest over a ball pass: its shape, its rollers, and where things stand on and around it."""
+"""Outer ring in static equilibrium over a ball pass: shape, rollers, springs, loads, defects, sensor."""
 
 from collections.abc import Iterator
 from math import pi
@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from bearingsim.config import Case
 
 PARTS = (0.0, 0.25, 0.5, 0.75)
-"""Of a ball pass, from the moment at which a roller stands over the first defect of the outer race, or else at the
-load line: when the ring is shown."""
-LEFT_OVER = 1e-6  # of the load: more force than this is no equilibrium
+"""Instants shown, as fractions of a ball pass from the passage of a roller over the first defect of the outer race
+(or over the load line)."""
+LEFT_OVER = 1e-6  # largest residual force of an equilibrium, over the load
 
 Reals = NDArray[np.float64]
 
@@ -30,8 +30,8 @@ class Push(NamedTuple):
 class Mark(NamedTuple):
     """Extent (rad) of a defect at some instant, and its carrier.
 
-    on: `outer`, `inner`, or `roller`; angle: of its middle, rad, for a roller's defect from that roller's centre;
-    half: half of its width seen from the centre of its carrier, rad; roller: index of the roller.
+    on: `outer`, `inner`, or `roller`; angle: of its middle (rad), around the centre of its carrier; half: half its
+    angular width (rad) seen from there; roller: index of the roller.
     """
 
     on: str
@@ -41,13 +41,13 @@ class Mark(NamedTuple):
 
 
 class Instant(NamedTuple):
-    """A bearing at rest at one angle of its cage. Lengths in m, forces in N, angles in rad from the load line.
+    """Bearing in static equilibrium at a cage angle. Lengths in m, forces in N, angles in rad from the load line.
 
-    part: of the ball pass; x, y: position of the ring; n, a, b: (N,) numbers of its harmonics, amplitudes of
-    cosine and sine, none of a rigid ring; angles, outwards, forces: (Z,) of the rollers their position, how far
-    they stand outwards of the pitch circle (without what one sinks into a defect of the outer race), the force on
-    the outer race; loaded: (Z,) whether a roller presses both races; springs: (P,) what they press; carrier:
-    position of what is behind the springs; marks: of the defects.
+    part: fraction of the ball pass; x, y: position of the ring; n, a, b: (N,) numbers of its harmonics, amplitudes
+    of cosine and sine, empty for a rigid ring; angles, outwards, forces: (Z,) of the rollers, their angle, their
+    outward displacement from the pitch circle (without the drop into a defect of the outer race), and their force
+    on the outer race; loaded: (Z,) whether a roller is loaded by both races; springs: (P,) their forces; carrier:
+    position of the body around the springs; marks: the defects.
     """
 
     part: float
@@ -75,12 +75,12 @@ class Instant(NamedTuple):
 
 
 class RingShape(NamedTuple):
-    """A case's ring at rest at some instants of a ball pass. Lengths in m, angles in rad from the load line.
+    """Ring of a case in static equilibrium over a ball pass. Lengths in m, angles in rad from the load line.
 
-    bends: whether it does; pitch, roller, outside: radii of the pitch circle, of a roller, of the ring's outside;
-    gap: a quarter of the diametral clearance; by: how the load enters (`rigid`: on a ring that does not bend);
-    pushes: on the ring, or on the carrier if there are springs; spring_angles: (P,); sensor: its angle;
-    sensor_on: `ring` or `housing`.
+    bends: whether the ring is flexible; pitch, roller, outside: radii of the pitch circle, of a roller, and outer
+    radius of the ring; gap: a quarter of the diametral clearance; by: `load.by` of the rig, or `rigid`; pushes:
+    forces on the ring, or on the carrier if there are springs; spring_angles: (P,); sensor: its angle; sensor_on:
+    `ring` or `housing`.
     """
 
     bends: bool
@@ -109,7 +109,7 @@ class RingShape(NamedTuple):
 
 
 def ring_shape(case: "Case", parts: tuple[float, ...] = PARTS) -> RingShape:
-    """Compute a case's outer ring in static equilibrium at some ``parts`` of a ball pass.
+    """Compute the outer ring of a case in static equilibrium at some ``parts`` of a ball pass.
 
     Raises PlotError for a model without load or a case without equilibrium.
     """
@@ -160,7 +160,7 @@ def _spring_angles(bent: Any) -> Reals:
 
 
 def _pushes(case: "Case") -> Iterator[Push]:
-    """Yield the applied loads: shared by the pads, or at the load line, and the load across."""
+    """Yield the applied loads: at the load line, or distributed over the pads, and the transverse load."""
     pads = case.rig.load.angles if case.rig.ring is not None and case.rig.load is not None else None
     angles = np.asarray(pads or (0.0,))
     for angle in angles:
@@ -171,7 +171,7 @@ def _pushes(case: "Case") -> Iterator[Push]:
 
 
 def _instants(case: "Case", model: Any, parts: tuple[float, ...]) -> Iterator[Instant]:
-    """Yield the bearing in equilibrium at each part of a ball pass."""
+    """Yield the bearing in equilibrium at each fraction of a ball pass."""
     from bearingsim import assemble
 
     y, bearing = assemble.empty_buffer(model), model.bearing
@@ -195,7 +195,7 @@ def _begin(model: Any) -> float:
 
 
 def _read(model: Any, t: float, y: np.ndarray, part: float) -> Instant:
-    """Read an instant from the buffer of a bearing in equilibrium at ``t`` (s)."""
+    """Extract an instant from the buffer of a bearing in equilibrium at ``t`` (s)."""
     from bearingsim.core import layout as lay
 
     Z, bent = model.bearing.Z, _bending(model)
@@ -224,7 +224,7 @@ def _read(model: Any, t: float, y: np.ndarray, part: float) -> Instant:
 
 
 def _amplitudes(bent: Any, y: np.ndarray) -> tuple[Reals, Reals, Reals]:
-    """Return harmonic numbers and cosine and sine amplitudes (m) of the ring, without the carrier's position."""
+    """Return harmonic numbers and cosine and sine amplitudes (m) of the ring, without those of the carrier."""
     from bearingsim.core import layout as lay
     from bearingsim.core.parts.bending import N
 
@@ -240,7 +240,7 @@ def _amplitudes(bent: Any, y: np.ndarray) -> tuple[Reals, Reals, Reals]:
 
 
 def _springs(bent: Any, y: np.ndarray) -> tuple[Reals, tuple[float, float]]:
-    """Return the spring forces (P,) in N and the position (m, m) of the carrier behind them."""
+    """Return the spring forces (P,) in N and the position (m, m) of the carrier around them."""
     from bearingsim.core import layout as lay
     from bearingsim.core.parts.bending import held_position
 
@@ -262,5 +262,5 @@ def _marks(model: Any, t: float, angles: Reals) -> Iterator[Mark]:
             yield Mark("outer", angle, half)
         elif on == ON_INNER:
             yield Mark("inner", angle + bearing.omega_i * t, half)
-        elif row[SIDE] == OUTER:  # a roller's defect stands once more, for the other race
+        elif row[SIDE] == OUTER:  # a roller's defect has a second row, for the inner race
             yield Mark("roller", float(angles[int(on)]) + angle - bearing.omega_b * t, half, int(on))

@@ -1,4 +1,4 @@
-"""Selection of rows for a figure, and their split into curves."""
+"""Selection of rows for a figure, and their grouping into curves."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
 
 HEALTHY_PHASE = "-healthy.phase"
-MAX_CURVES = 9  # in one panel of an automatic figure
-UNSAID = "none"  # omitted from the name of a category
+MAX_CURVES = 9  # largest number of curves in a panel of an automatic figure
+UNSAID = "none"  # value omitted from the name of a category
 
 
 def case_rows(results: "Results") -> "pd.DataFrame":
@@ -81,11 +81,9 @@ def _known_items(where: Mapping[str, str], swept: Sequence[str]) -> dict[str, st
 
 
 def automatic(results: "Results", rows: "pd.DataFrame") -> list[Figure]:
-    """Make a figure over each swept number in turn, all other paths as curves and panels.
+    """Make a figure over each swept numeric path, with all other paths as curves and panels.
 
     Raises PlotError if nothing is swept.
-
-    Raises PlotError where nothing is swept.
     """
     units = results.plan["units"]
     paths = varied(rows, list(units))
@@ -96,7 +94,7 @@ def automatic(results: "Results", rows: "pd.DataFrame") -> list[Figure]:
 
 
 def arranged(results: "Results", x: str, rows: "pd.DataFrame") -> Figure:
-    """Make a figure over x, other paths as curves; the path with fewest values as panels if there are too many."""
+    """Make a figure over x with other paths as curves; if too many, the path with fewest values as panels."""
     units = results.plan["units"]
     beside = joined(x, [], rows, units)
     leading = [x, *(path for path in design_paths(results) if path != x)]
@@ -110,15 +108,15 @@ def arranged(results: "Results", x: str, rows: "pd.DataFrame") -> Figure:
 
 
 def _follows(path: str, leading: Sequence[str], rows: "pd.DataFrame") -> bool:
-    """Check if a path is a function of other paths, with one value per combination of them."""
+    """Check if a path has a single value for each combination of values of other paths."""
     return set(leading) <= set(rows) and bool(rows.groupby(list(leading))[path].nunique().max() <= 1)
 
 
 def default_y(results: "Results", rows: "pd.DataFrame") -> tuple[str, ...]:
     """Choose the features of a figure: the amplitude at the fundamental line of each kind of defect.
 
-    For one kind also its change from the healthy baseline; for healthy bearings with a slipping cage also the
-    slip.
+    If all defects are of one kind, also its change from the healthy baseline; for healthy bearings with cage slip,
+    also the slip.
     """
     parameters = results.parameters()
     lines = [f"velocity@{line}" for line in fitting(parameters)]
@@ -129,13 +127,13 @@ def default_y(results: "Results", rows: "pd.DataFrame") -> tuple[str, ...]:
 
 
 def default_phases(results: "Results") -> tuple[str, ...]:
-    """Return the phase of the defect's line and the phase of its change from the healthy baseline."""
+    """Return the phase of the first defect line and that of its change from the healthy baseline."""
     line = f"velocity@{fitting(results.parameters())[0]}"
     return f"{line}.phase", f"{line}{HEALTHY_PHASE}"
 
 
 def with_defect_phases(results: "Results", rows: "pd.DataFrame") -> "pd.DataFrame":
-    """Add the phases (rad) of all lines minus the healthy baseline: the contribution of the defect."""
+    """Add the phase (rad) of each line minus the healthy baseline, that is of the defect's contribution."""
     import numpy as np
     import pandas as pd
 
@@ -184,8 +182,8 @@ def completed(
 ) -> tuple[Figure, "pd.DataFrame"]:
     """Return a figure with all remaining varied paths as curves, and its rows.
 
-    design: paths that vary together, and so make no curves. Raises PlotError for a path or feature missing from
-    the results.
+    design: paths that vary together, which are not used for curves. Raises PlotError for a path or feature missing
+    from the results.
     """
     paths = (figure.x, *figure.by, *figure.panels)
     for path in paths:
@@ -211,9 +209,9 @@ def is_drawable(column: str) -> bool:
 
 
 def joined(x: str, placed: Sequence[str], rows: "pd.DataFrame", units: Mapping[str, str]) -> list[str]:
-    """List the paths that form a category together with the words on x, as tied to it by a `zip`.
+    """List the paths that form a common category with the words on x, for example those tied to it by `zip`.
 
-    Words are tied if not all combinations of them occur. ``placed``: curves and panels.
+    Paths are tied if not all combinations of their words occur. ``placed``: paths of curves and panels.
     """
     if x not in rows or is_numeric(values(rows, x)):
         return [x]
@@ -226,7 +224,7 @@ def joined(x: str, placed: Sequence[str], rows: "pd.DataFrame", units: Mapping[s
 def _as_categories(
     paths: Sequence[str], rows: "pd.DataFrame", units: Mapping[str, str]
 ) -> tuple[str, "pd.DataFrame"]:
-    """Merge paths into one, with a column of joined words: `envelope, ring` for `excitation, model`."""
+    """Merge paths into one, whose column has the joined words: `envelope, ring` for `excitation, model`."""
     if len(paths) == 1:
         return paths[0], rows
     texts = [
@@ -237,7 +235,7 @@ def _as_categories(
 
 
 def matching(rows: "pd.DataFrame", where: Mapping[str, str], units: Mapping[str, str]) -> "pd.DataFrame":
-    """Select the rows with given values of swept paths. Raises PlotError for an unknown path, or if none match."""
+    """Select the rows with given values of swept paths. Raises PlotError for an unknown path or no match."""
     for path, text in where.items():
         _check(path, units, "swept path")
         rows = rows[_matches(rows[path], path, text)]
@@ -257,7 +255,7 @@ def phases(features: Sequence[str]) -> tuple[str, ...]:
 
 def _check(word: str, valid: Any, what: str) -> None:
     if word not in valid:
-        near = "" if word in FEATURES else suggestion(word, list(valid))  # another line is not the one asked for
+        near = "" if word in FEATURES else suggestion(word, list(valid))  # a feature is no typo
         near = f"use `features: [{word.removesuffix('-healthy')}]` and run again" if read_band(word) else near
         advice = near or f"there are: {', '.join(valid) or 'none'}"
         raise PlotError(f"no {what} `{word}` in these results ({advice})")
@@ -267,7 +265,7 @@ def _matches(column: "pd.Series[Any]", path: str, text: str) -> "pd.Series[bool]
     """Compare a swept column with a value written as ``text``."""
     unit_kind = dimension(path)
     try:
-        value = parse(text, unit_kind) if unit_kind else float(text)  # a seed has no unit
+        value = parse(text, unit_kind) if unit_kind else float(text)  # seeds have no unit
     except (UnitError, ValueError):
         value = None
     if value is None or not is_numeric(list(column.dropna())):
@@ -278,7 +276,7 @@ def _matches(column: "pd.Series[Any]", path: str, text: str) -> "pd.Series[bool]
 def moving_along(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     """Yield the varied paths that a completed figure does not draw, each with the drawn path that it follows.
 
-    The latter is empty for a path that follows none of them alone.
+    The latter is empty for a path that follows no single drawn path.
     """
     drawn = [*figure.x.split(", "), *figure.by, *figure.panels]
     for path in varied(rows, [path for path in units if path not in drawn]):
@@ -288,7 +286,7 @@ def moving_along(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str])
 def splits(
     rows: "pd.DataFrame", paths: Sequence[str], units: Mapping[str, str]
 ) -> Iterator[tuple[str, "pd.DataFrame"]]:
-    """Yield the rows for each combination of values of some paths, with its text; all rows without paths."""
+    """Yield text and rows for each combination of values of some paths; all rows if there are no paths."""
     if not paths:
         yield "", rows
         return

@@ -32,7 +32,7 @@ WHISKER: dict[str, Any] = {"ecolor": "0.15", "elinewidth": 1.0, "capsize": 2.0}
 
 
 def draw(results: "Results", answers: Sequence[Answer], path: Path) -> Path:
-    """Write the figure of ``figure`` as the ending of its name says; return the file."""
+    """Write the figure in the format given by the suffix of ``path``; return the file."""
     from bearingsim.plots.plot import written
 
     with drawing():
@@ -40,7 +40,7 @@ def draw(results: "Results", answers: Sequence[Answer], path: Path) -> Path:
 
 
 def figure(results: "Results", answers: Sequence[Answer]) -> Canvas:
-    """Draw a panel for each feature. All answers belong to one design."""
+    """Draw a panel per feature; all answers belong to one design."""
     blocks, indices = answers[0]
     design, units = results.plan["design"], results.plan["units"]
     names = [label_of(path, ends, units) for path, ends in zip(blocks.paths, design["ranges"], strict=True)]

@@ -1,4 +1,4 @@
-"""Series and spectra of chosen jobs: a row of axes per job, a column per channel."""
+"""Time series and spectra of some jobs: a row of axes per job, a column per channel."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
@@ -25,9 +25,9 @@ SHOWN_PASSES = {
     "ring.": 8,
     "load_zone.": 8,
     "roller.": 26,
-}  # ball passes shown of a series; all for other channels
-SHOWN_IN_SECONDS = 0.5  # s: shorter time axes are in ms
-SHOWN_LINES = 6  # multiples of the first line in a spectrum
+}  # ball passes shown, by channel; other channels are shown in full
+SHOWN_IN_SECONDS = 0.5  # s; shorter time axes are in ms
+SHOWN_LINES = 6  # multiples of the fundamental line shown in a spectrum
 SOME = 3
 MARK_COLOURS = {"outer": COLOURS[1], "inner": COLOURS[3], "roller": COLOURS[2]}
 DASHED = (0, (2, 2))
@@ -63,8 +63,6 @@ def amplitude_spectrum(signal: Signal, frequency: float) -> Curve:
     """Compute the amplitude spectrum (Hz, SI) over whole periods of ``frequency`` (Hz), Hann window.
 
     A sine of amplitude A gives a peak of height A.
-
-    A sine of amplitude A gives a peak of height A.
     """
     from bearingsim import signals
 
@@ -91,7 +89,7 @@ def _beginning(span: float | None, scale: float, job: Job, channel: str, signal:
 
 
 def shown_time(job: Job, channel: str) -> float:
-    """Return the duration (s) of a series to draw: some ball passes for fast channels, all for others."""
+    """Return the duration (s) of a series to draw, from ``SHOWN_PASSES``."""
     passes = next((passes for start, passes in SHOWN_PASSES.items() if channel.startswith(start)), np.inf)
     if _has_ramp(job):
         passes = np.inf
@@ -110,8 +108,8 @@ def _has_ramp(job: Job) -> bool:
 def roller_angle(job: Job, number: int) -> np.ndarray:
     """Compute the angle (n,) of a roller (from 1) during the record: rad from the load line, increasing.
 
-    Uses the recorded speed or slip of the cage, else pure rolling. The position of a roller in its pocket is not
-    recorded. Raises PlotError for a speed that changes.
+    Uses the recorded speed or slip of the cage, else pure rolling, and neglects the pocket clearance, since the
+    position in the pocket is not recorded. Raises PlotError for a varying speed.
     """
     if _has_ramp(job):
         raise labels.PlotError("roller angles are not available during a ramp; use `--kind series`")
@@ -125,7 +123,7 @@ def roller_angle(job: Job, number: int) -> np.ndarray:
 
 
 def _round(job: Job, channel: str, signal: Signal) -> Curve:
-    """Return the signal over the roller's angle (deg, from the load line), broken at the end of a revolution."""
+    """Return the signal over the roller's angle (deg, from the load line), with a gap after each revolution."""
     number, _ = roller_of(channel) or (1, "")
     angle = np.degrees(roller_angle(job, number) + pi) % 360.0 - 180.0
     ends = np.flatnonzero(np.diff(angle) < 0.0) + 1
@@ -138,7 +136,7 @@ def _round(job: Job, channel: str, signal: Signal) -> Curve:
 def draw_series(
     results: "Results", jobs: Sequence[str], y: Sequence[str] = (), span: float | None = None
 ) -> Canvas:
-    """Draw channels over time, a panel per job, with its healthy baseline in dark grey.
+    """Draw channels over time, a row per job, with its healthy baseline in dark grey.
 
     ``span``: time shown (s).
     """
@@ -158,7 +156,7 @@ def draw_spectrum(
     of: str = "Amplitude of the {}",
     power: int = 1,
 ) -> Canvas:
-    """Draw the amplitude spectrum of channels like ``draw_series``, the families of the defects marked."""
+    """Draw the amplitude spectrum of channels like ``draw_series``, with the lines of the defects marked."""
     records = recorded.all_jobs(results, jobs)
     view = View(
         partial(_shown_spectrum, spectrum),
@@ -211,11 +209,11 @@ DRAW: dict[str, Callable[..., Canvas]] = {
     "envelope": partial(draw_spectrum, spectrum=envelope_spectrum, of="Squared envelope of the {}", power=2),
     "roller": draw_roller,
 }
-"""By kind of figure."""
+"""Drawing functions by kind of figure."""
 
 
 def _mark_lines(ax: "Axes", job: Job, named: bool) -> None:
-    """Mark the spectral lines of the defects' families, sidebands dashed, names above at a height per family."""
+    """Mark the lines of the defects' families, sidebands dashed; names are above, one height per family."""
     elements = lines.races(job.parameters) or ["outer"]
     for mark in lines.marks(job.parameters, ax.get_xlim()[1]):
         colour = MARK_COLOURS[mark.race]

@@ -1,8 +1,8 @@
-"""The chart of speed against accuracy: a figure for each scene, CPU time over error, numerical and total beside.
+"""Chart of speed against accuracy: a figure per scene, CPU time over numerical (left) and total error (right).
 
-Rows of panels: the fault's line, the RMS, the largest force. A colour is a model, its paler shades those with
-fewer harmonics or slices; a mark is a method, and marks of one method are joined. Hollow marks are other packages'
-solvers. Failures stand on a rail above.
+Rows of panels: defect line, RMS, largest force. Colours are models, paler for variants with fewer harmonics or
+slices; marks are methods, and runs of one method are joined. Hollow marks are solvers of other packages. Failed
+runs are listed on a line above the panels.
 """
 
 from collections.abc import Sequence
@@ -29,16 +29,16 @@ if TYPE_CHECKING:
 
 LOOK = RC | {"font.size": 8.0, "axes.labelsize": 8.0, "xtick.labelsize": 7.5, "ytick.labelsize": 7.5}
 SIZE_IN, DPI, SHADES = (7.4, 8.4), 100, 64
-RAIL = 1.075  # of the height of a panel
+RAIL = 1.075  # height of the line of failed runs, over that of a panel
 HEADS = {NUMERICAL: "numerical error (same model)", TOTAL: "total error (from the reference)"}
 SIDES = {
     "line": "fault's line",
     "rms": "RMS of the velocity",
     "force": "largest force",
 }
-LEAST, MOST, ROOM = 1e-4, 10.0, 0.1  # errors beyond are drawn at the edge; so far each panel reaches at least
-APART = 0.3  # decades between marks that are named
-PALER = 0.35  # of the way to white: each further variant of a model
+LEAST, MOST, ROOM = 1e-4, 10.0, 0.1  # limits at which errors are clipped; least upper limit of an axis
+APART = 0.3  # decades, least distance between labelled marks
+PALER = 0.35  # fraction of white blended in, for each further variant of a model
 
 
 def draw(rows: Sequence[Row], title: str, path: Path) -> Path:
@@ -47,7 +47,7 @@ def draw(rows: Sequence[Row], title: str, path: Path) -> Path:
         canvas = figure(rows, title)
         whole = BytesIO()
         canvas.savefig(whole, dpi=DPI)
-    with Image.open(whole) as image:  # few colours: a third of the bytes
+    with Image.open(whole) as image:  # few colours reduce the file to a third
         image.convert("RGB").quantize(SHADES).save(path, optimize=True)
     return path
 
@@ -75,7 +75,7 @@ def figure(rows: Sequence[Row], title: str) -> Canvas:
 
 
 def _colours(rows: Sequence[Row]) -> dict[str, str]:
-    """Assign a colour to each variant: one per model in all scenes, paler for each further variant."""
+    """Assign a colour to each variant: one per model, the same in all scenes, paler for each further variant."""
     own, shades, seen = dict(zip(reversed(MODELS), COLOURS, strict=False)), dict[str, str](), list[str]()
     for variant, model in {row["variant"]: row["model"] for row in rows}.items():
         shades[variant] = _paler(own[model], 1.0 - (1.0 - PALER) ** seen.count(model))
@@ -161,7 +161,7 @@ def _name(ax: "Axes", row: Row, x: float) -> None:
 
 
 def _curve(ax: "Axes", rows: Sequence[Row], column: str, colour: str, mark: str, hollow: bool) -> None:
-    """Draw the settings of a method, joined from the coarsest."""
+    """Draw the runs of a method, joined from the coarsest setting."""
     if rows:
         ax.plot(
             [_shown(row[column]) for row in rows], [row["cpu_per_s"] for row in rows],
@@ -171,7 +171,7 @@ def _curve(ax: "Axes", rows: Sequence[Row], column: str, colour: str, mark: str,
 
 
 def _automatic(ax: "Axes", row: Row, jobs: Sequence[Row], column: str, colours: dict, marks: dict) -> None:
-    """Draw the automatic choice in full, ringed, with a star for a job of it."""
+    """Draw the automatic choice in full with a ring around it, and the corresponding job as a star."""
     colour, x, y = colours[row["variant"]], _shown(row[column]), row["cpu_per_s"]
     ax.plot(x, y, marker=marks[row["method"]], color=colour, markersize=4.5, zorder=4)
     ax.plot(x, y, marker="o", markersize=11.0, markerfacecolor="none", markeredgecolor=colour, mew=1.4, zorder=5)

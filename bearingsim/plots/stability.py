@@ -1,6 +1,6 @@
-"""The map of where each method fails: a row of panels for each method, a column for each stiffness.
+"""Failure map of the methods: a row of panels per method, a column per stiffness.
 
-A cell is a run; its colour and mark are its class. Drawn from the rows of ``stability.csv``, none left out.
+Each cell is a run, and shows its class by colour and mark. All rows of ``stability.csv`` are drawn.
 """
 
 from itertools import pairwise
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 PLAIN = RC | {"axes.grid": False, "font.size": 8.0}
-LEAST_IN = 5.6  # holds the title and the legend
+LEAST_IN = 5.6  # least width, for the title and the legend
 COLUMN_IN, ROW_IN, HEAD_IN, FOOT_IN = 2.45, 0.98, 1.0, 0.95
 
 
 class ClassStyle(NamedTuple):
-    """Colour of a class, and the mark that tells it in grey print."""
+    """Colour of a class, and the mark that distinguishes it in grey print."""
 
     colour: str
     mark: str = ""
@@ -53,14 +53,14 @@ MEANING = {
 
 
 class Entry(NamedTuple):
-    """Of the legend: artists drawn over each other, and their label."""
+    """Legend entry: artists drawn over each other, and their label."""
 
     handles: tuple[Any, ...]
     label: str
 
 
 def draw_all(path: Path) -> list[Path]:
-    """Draw every model and defect of a CSV file, beside it; return the files."""
+    """Draw a map per model and defect of a CSV file, in its folder; return the files."""
     import pandas as pd
 
     table = pd.read_csv(path)
@@ -145,7 +145,7 @@ def _panel(ax: "Axes", cells: "pd.DataFrame", axis: str, damping: list, settings
 
 
 def _limit(ax: "Axes", cells: "pd.DataFrame", column: dict, settings: list[float]) -> None:
-    """Draw the theoretical limit over each damping: a bar between the last step below it and the first above."""
+    """Draw the theoretical step limit for each damping as a bar at its position among the steps."""
     logs = np.log(settings)
     for (m3, c), group in cells.groupby(["m3", "c"]):
         limit, x = float(group["step_limit"].iloc[0]), column[m3, c]

@@ -1,4 +1,4 @@
-"""Style of figures: for a column of a journal, colour-blind safe, and readable in grey print."""
+"""Style of figures: journal column width, colour-blind safe, readable in grey print."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -10,8 +10,8 @@ from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 
 COLUMN_IN = 3.3  # width of one column of axes
-FEW = 4  # up to this number of curves each is thinner than the one before
-SEQUENCE_FROM = 7  # from this number of ordered values on, colours come from a scale
+FEW = 4  # up to this number of curves, each is thinner than the previous one
+SEQUENCE_FROM = 7  # from this number of ordered values on, colours are shades of a scale
 
 RC: dict[str, Any] = {
     "font.family": "DejaVu Sans",
@@ -43,7 +43,7 @@ LINES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5))
 
 @contextmanager
 def drawing(changes: Mapping[str, Any] = RC) -> Iterator[None]:
-    """Draw with these settings over matplotlib's defaults, whatever a user's matplotlibrc sets."""
+    """Apply settings over matplotlib's defaults, ignoring the user's matplotlibrc."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(changes)  # type: ignore[arg-type]
@@ -51,7 +51,7 @@ def drawing(changes: Mapping[str, Any] = RC) -> Iterator[None]:
 
 
 def take_literally(canvas: Figure) -> None:
-    """Draw texts as they are written where a `$` in them begins no formula that matplotlib can read."""
+    """Disable math mode in texts whose `$` do not enclose a formula that matplotlib can parse."""
     reader = MathTextParser("path")
     for text in canvas.findobj(Text):
         if isinstance(text, Text) and "$" in text.get_text():
@@ -64,7 +64,7 @@ def take_literally(canvas: Figure) -> None:
 class CurveStyle(NamedTuple):
     """Colour, marker and line of a curve; hollow markers if not ``filled``.
 
-    ``rank`` counts curves: later ones are thinner, so that one under another still shows.
+    ``rank``: number of the curve; later curves are thinner, so that a curve below remains visible.
     """
 
     colour: Any
@@ -83,7 +83,7 @@ class CurveStyle(NamedTuple):
 def curve_styles(by_colour: int, by_line: int, ordered: bool) -> list[list[CurveStyle]]:
     """Return the styles of ``by_colour`` x ``by_line`` curves, distinguished by colour and marker, and by line.
 
-    With a single line style, the line distinguishes colours too. ``ordered``: many colours become shades.
+    If ``by_line`` is 1, line styles vary with the colour. ``ordered``: many colours become shades.
     """
     shades = ordered and by_colour >= SEQUENCE_FROM
     colours = _shades(by_colour) if shades else [COLOURS[i % len(COLOURS)] for i in range(by_colour)]

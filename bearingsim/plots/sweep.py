@@ -1,4 +1,4 @@
-"""Features against a swept parameter: the figures of a parametric study."""
+"""Features against a swept parameter, the figures of a parametric study."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-BAR_POINTS = 4.0  # width of a bar of uncertainty
+BAR_POINTS = 4.0  # width of an uncertainty bar
 
 
 def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
@@ -47,7 +47,7 @@ def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption
     styles = styles_of_curves(figure, rows, units)
 
     def panel(ax: "Axes", name: str, part: "pd.DataFrame") -> None:
-        unit, factor = labels.feature_axis(name, float(rows[name].abs().max()))  # of the whole column
+        unit, factor = labels.feature_axis(name, float(rows[name].abs().max()))  # largest value of all panels
         ax.set_ylabel(y_label(name, unit))
         for curve in curves_of(figure, part, units, styles, order):
             x, y = positions(figure.x, curve.rows, rows, units), list(curve.rows[name] * factor)
@@ -80,7 +80,7 @@ def mark_spread(ax: "Axes", x: Sequence[float], curve: Curve, name: str, factor:
 
 
 def mark_errors(ax: "Axes", x: Sequence[float], y: Sequence[float], curve: Curve) -> None:
-    """Draw the error bound of model, step and scatter as bars, relative to the curve's largest value.
+    """Draw the error bound of model, step and scatter as bars, scaled by the curve's largest value.
 
     Draws nothing unless the study names an accuracy.
     """
@@ -88,7 +88,7 @@ def mark_errors(ax: "Axes", x: Sequence[float], y: Sequence[float], curve: Curve
         return
     largest = max((abs(value) for value in y if math.isfinite(value)), default=0.0)
     parts = curve.rows[[*PARTS]].sum(axis=1, min_count=1)
-    off = largest * parts.where(~(curve.rows["error"] > parts), curve.rows["error"])  # of a failed audit
+    off = largest * parts.where(~(curve.rows["error"] > parts), curve.rows["error"])  # larger if an audit failed
     bounded = [(a, b, e) for a, b, e in zip(x, y, off, strict=True) if math.isfinite(b * e)]
     if bounded:
         abscissas, value, error = zip(*bounded, strict=True)
@@ -117,15 +117,15 @@ def _broken(x: Sequence[float], y: Sequence[float], name: str) -> tuple[list[flo
     return [a for a, _ in points], [b for _, b in points]
 
 
-# Many named cases, one under the other: names on the left, a column of values per feature
+# Many named cases, one per line, with names on the left and a column of values per feature
 
 
-MAX_UPRIGHT, MAX_LETTERS = 6, 36  # names, and letters of all of them, that find room below an axis
-LINE_IN = 0.22  # height of a name
+MAX_UPRIGHT, MAX_LETTERS = 6, 36  # largest number of names, and of their letters, below an axis
+LINE_IN = 0.22  # height of a line
 VALUES_IN, NAME_LETTER_IN = 2.3, 0.072  # widths of a column of values, and of a letter of a name
-VALUE_LETTERS = 30  # of a label below values, in a line
-SPREAD = 0.5  # of the distance between names, over which several curves are spread
-ROOM = 0.22  # of the axis' length, for the number beside the last point
+VALUE_LETTERS = 30  # characters in a line of a label below values
+SPREAD = 0.5  # spread of several curves, over the distance between names
+ROOM = 0.22  # of the axis' length, margin for the number next to the last point
 
 
 def are_many(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> bool:
@@ -136,10 +136,10 @@ def are_many(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> 
 
 
 def draw_names(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
-    """Draw a completed figure with words on x lying down: a point per case, first case on top.
+    """Draw a completed figure with the words of x on the vertical axis: a point per case, the first on top.
 
-    A column of axes per y, a row per panel, a colour per combination of `by`; a single curve's points carry their
-    numbers. Arguments as of ``axes.draw_panels``.
+    A column of axes per y, a row per panel, a colour per combination of `by`; the points of a single curve
+    are labelled with their values. Arguments as of ``axes.draw_panels``.
     """
     names = select.values(rows, figure.x)
     panels = list(select.splits(rows, figure.panels, units))
@@ -190,7 +190,7 @@ def _values(
 
 
 def _numbers(ax: "Axes", points: Sequence[float], heights: Sequence[float], is_log: bool) -> None:
-    """Write its value right of each point, or at the axis if a log axis cannot show it."""
+    """Write the value of each point to its right, or at the axis if a log axis cannot show it."""
     for value, height in zip(points, heights, strict=True):
         if value > 0.0 or (value == value and not is_log):
             ax.annotate(
