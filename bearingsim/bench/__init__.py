@@ -1,1 +1,1 @@
-"""Speed against accuracy: models, methods, steps and tolerances in some scenes, each with its error and price."""
+"""Speed against accuracy: error and cost of models, methods, steps and tolerances in some scenes."""

@@ -1,10 +1,11 @@
-"""Errors of runs: numerical, against solutions of the same model that agree; total, against the reference's.
+"""Errors of runs: numerical, from converged solutions of the same model, and total, from the reference model.
 
-All are relative, of the fault's line, the RMS of the velocity and the largest outer force. A solution is known no
-better than the two that agree best lie apart: errors below that floor count as the floor.
+Errors are relative, for the defect line, the RMS of the velocity and the largest outer force. The difference
+between the two solutions that agree best is the floor: smaller errors are set to it.
 
-An error may be small by chance: a coarse step makes up for what a model leaves out. So a run counts with the
-largest error of itself, of all finer runs of its model and method, and of its model where no step is left.
+An error may be small by chance, if a coarse step compensates for the error of the model. Therefore the counted
+error of a run is the largest of its own, of those of all finer runs of its model and method, and of that of its
+model.
 """
 
 from collections.abc import Sequence
@@ -17,12 +18,12 @@ from bearingsim.bench.plan import JOB, JUDGE
 
 NUMERICAL, TOTAL = "numerical", "total"
 CHAOS = 0.02
-"""Relative difference of judges above which the motion counts as chaotic: their scatter is the floor."""
-LEAST = 1e-6  # relative, least floor of a solution
+"""Relative difference of reference runs above which the motion counts as chaotic, with their scatter as floor."""
+LEAST = 1e-6  # least floor of a solution (relative)
 
 
 class Truth(NamedTuple):
-    """Solution of a model in a scene: compared quantities, relative difference of its judges, their names."""
+    """Converged solution of a model in a scene: compared quantities, their floors, names of the reference runs."""
 
     values: dict[str, float]
     floor: dict[str, float]
@@ -41,9 +42,9 @@ def relative(value: float, right: float) -> float:
 
 
 def truth(rows: Sequence[Row]) -> Truth | None:
-    """Combine the reference rows of one model in one scene into its solution; None without any.
+    """Combine the reference rows of one model in one scene into its solution; None if there are none.
 
-    The solution of a memoryless model has a finer sampling and no floor.
+    The solution of a memoryless model is its run with more instants, with the least floor.
     """
     judges = [row for row in rows if row["role"] == JUDGE and not row["failure"] and isfinite(row["line"])]
     if not judges:
@@ -75,9 +76,9 @@ def error(row: Row, right: Truth, name: str) -> float:
 
 
 def with_errors(rows: Sequence[Row]) -> list[Row]:
-    """Add errors, floors and counted errors to the rows of one scene, the reference's first.
+    """Add errors, floors and counted errors to the rows of one scene, in which the reference model comes first.
 
-    chaotic: whether the motion of the row's model is; against: the solutions for the numerical error.
+    chaotic: whether the motion of the row's model is chaotic; against: solutions for the numerical error.
     """
     variants = list(dict.fromkeys(row["variant"] for row in rows))
     truths = {name: truth([row for row in rows if row["variant"] == name]) for name in variants}
@@ -88,14 +89,14 @@ def with_errors(rows: Sequence[Row]) -> list[Row]:
 
 
 def _total_errors(own: Truth | None, judged: Truth | None) -> dict[str, float]:
-    """Compute the total errors of a model with a solution."""
+    """Compute the total errors of a converged model; 0 if its solution is unknown."""
     if own is None or judged is None:
         return dict.fromkeys(QUANTITIES, 0.0)
     return {name: relative(own.values[name], judged.values[name]) for name in QUANTITIES}
 
 
 def _counted(row: Row, rows: Sequence[Row], of_model: dict[str, float]) -> Row:
-    """Compute the counted errors of a row: the largest of its own, all finer runs' and its model's."""
+    """Compute the counted errors of a row: the largest of its own, of all finer runs and of its model."""
     no_better = [row, *(other for other in rows if _finer(other, row))]
     counted = {}
     for kind, least in ((NUMERICAL, dict.fromkeys(QUANTITIES, 0.0)), (TOTAL, of_model)):
@@ -107,7 +108,7 @@ def _counted(row: Row, rows: Sequence[Row], of_model: dict[str, float]) -> Row:
 
 
 def _finer(other: Row, row: Row) -> bool:
-    """Check if a run in full differs from another only by a smaller step or tolerance."""
+    """Check if a run in full differs from another only in a smaller step or tolerance."""
     same = (other["variant"], other["method"]) == (row["variant"], row["method"]) and JOB not in (
         other["role"],
         row["role"],

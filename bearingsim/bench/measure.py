@@ -1,4 +1,4 @@
-"""A timed run: a row of its features and cost, or of the reason for its failure."""
+"""Timed run: a row with its features and cost, or the reason for its failure."""
 
 from dataclasses import replace
 from math import nan
@@ -16,20 +16,20 @@ from bearingsim.simulation.settling import settled
 from bearingsim.simulation.simulate import Record, SimulationError, warm
 
 IN_FULL = {"periodic": False, "step_check": False}
-CHEAP = 0.3  # s: shorter runs are timed twice, and the least counts
+CHEAP = 0.3  # s; shorter runs are timed twice, and the smaller time counts
 QUANTITIES = ("line", "rms", "force")
-"""Compared quantities: the fault's line (m/s), the RMS of the velocity (m/s), the largest outer force (N)."""
+"""Compared quantities: the defect line (m/s), the RMS of the velocity (m/s), the largest outer force (N)."""
 COLUMNS = (
     *("key", "scene", "variant", "model", "role", "method", "setting", "step_s", "tolerance"),
     *("cpu_per_s", *QUANTITIES, "chaotic", "period_passes", "failure", "reason"),
 )
-"""Columns of a row. ``cpu_per_s``: CPU time per simulated second of the integration; of a job, of all its work."""
+"""Columns of a row. ``cpu_per_s``: CPU time per simulated second of the integration; of a job, total."""
 
 Row = dict[str, Any]
 
 
 def rows(run: Run) -> list[Row]:
-    """Compute a run; return one row, or for the automatic choice a second one with its method and step in full."""
+    """Compute a run; return its row, and for the automatic choice also that of its method and step in full."""
     if run.case is None:
         return [_failed(run, "refused", run.refused)]
     try:
@@ -82,7 +82,7 @@ def _compute_fully(run: Run, case: Case) -> Row:
 
 
 def _cpu(case: Case, record: Record, name: str) -> float:
-    """Return the CPU time of a run (s), the least of two if it is short."""
+    """Return the CPU time of a run (s), the smaller of two if it is short."""
     measured = float(record.info[name])
     return measured if measured > CHEAP else min(measured, float(simulate(case).info[name]))
 
@@ -134,7 +134,7 @@ def _about(run: Run) -> Row:
 
 
 def _setting(setting: Setting) -> str:
-    """Format a setting as in the plan: a part of the automatic step, or a tolerance."""
+    """Format a setting as in the plan: a multiple of the automatic step, or a tolerance."""
     if setting.step == setting.step:
         return f"{setting.step:g} of the step"
     return f"{setting.tolerance:g}" if setting.tolerance == setting.tolerance else ""
@@ -155,5 +155,5 @@ def ready(run: Run) -> str:
         else:
             warm([run.case if run.role == JOB else configured(run, run.case)])
     except (Refused, SimulationError, outside.GaveUp):
-        pass  # reported in its row
+        pass  # reported in the row of the run
     return run.model

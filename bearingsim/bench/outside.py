@@ -1,7 +1,7 @@
 """Solvers of other packages on the compiled equations, with the features of their solutions.
 
-A solver gets a model, its state at rest and the instants of the record of an adaptive method. Its states pass
-through the same recording, and the same features are computed from them.
+A solver gets a model, its static equilibrium and the instants at which an adaptive method records. Its states are
+recorded, and features computed, as for own methods.
 """
 
 import time
@@ -29,9 +29,10 @@ MOST_CPU = 120.0  # s, limit of CPU time of a solver
 
 
 class Equations(NamedTuple):
-    """Problem for a solver: the core's model, its buffer at rest, instants (n,) in s, the tolerances.
+    """Problem for a solver: compiled model, its buffer in static equilibrium, instants (n,) in s, tolerances.
 
-    tolerances: as for own methods (``core/methods/interface.py``: Tolerances); settled: s, from when forces count.
+    tolerances: as for own methods (``core/methods/interface.py``: Tolerances); settled: s, beginning
+    of the time in which the largest force is sought.
     """
 
     model: Any
@@ -42,8 +43,10 @@ class Equations(NamedTuple):
 
 
 class Solution(NamedTuple):
-    """states: (2 m, n), positions then velocities of what can move (``moving``), in SI; cpu: s; force: the largest
-    outer force (N) at the ends of its steps after settling, nan of a solver that does not show them.
+    """Result of a solver.
+
+    states: (2 m, n) in SI, positions then velocities of the ``moving`` coordinates; cpu: s; force: largest outer
+    force (N) at the ends of steps after settling, nan for a solver without access to steps.
     """
 
     states: np.ndarray
@@ -52,16 +55,18 @@ class Solution(NamedTuple):
 
 
 Solver = Callable[[Equations], Solution]
-"""Raises ``GaveUp``."""
+"""Function that solves a problem; raises ``GaveUp``."""
 
 
 class GaveUp(Exception):
-    """Early end of a solver, with its reason."""
+    """Error of a solver that ended early, with the reason."""
 
 
 class Watched(StateRate):
-    """dx/dt, and the largest outer force (N) at the ends of steps from ``settled`` (s) on: its CPU time is not
-    counted.
+    """Right-hand side dx/dt that also tracks the largest outer force (N) at the ends of steps after ``settled``
+    (s).
+
+    CPU time for the force is not counted.
     """
 
     def __init__(self, problem: Equations) -> None:
@@ -102,7 +107,7 @@ SOLVERS: dict[str, Solver] = {name: scipy_solver(name) for name in SCIPY}
 
 
 def can_solve(case: Case) -> bool:
-    """Check if other solvers can integrate the equations of a case: not those of a flexible ring."""
+    """Check if other solvers can integrate the equations of a case, which they cannot for a flexible ring."""
     return case.rig.ring is None and assemble.kind(case).parameters in degrees_of_freedom.types
 
 

@@ -1,4 +1,4 @@
-"""Runs of each scene and model: the automatic choice, methods at some settings, judges, peers."""
+"""Runs of each scene and model: automatic choice, methods at some settings, reference runs, peers."""
 
 import hashlib
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,23 +17,23 @@ from bearingsim.config import Case
 from bearingsim.study.jobs import identity
 
 JOB, AUTOMATIC, POINT, PEER, JUDGE = "job", "automatic", "point", "peer", "judge"
-"""Role of a row: the automatic choice; its method and step in full; another method or setting; another package's
-solver; a reference for the errors."""
+"""Role of a row: automatic choice; its method and step in full; another method or setting; solver of another
+package; reference run for the errors."""
 
 
 class Setting(NamedTuple):
-    """A step as a part of the automatic one, or a tolerance; neither for what is left to the program."""
+    """Step relative to the automatic one, or tolerance; neither for the automatic choice."""
 
     step: float = float("nan")
     tolerance: float = float("nan")
 
 
 Settings = Mapping[str, tuple[Setting, ...]]
-"""By method."""
+"""Settings by method."""
 
 
 class Plan(NamedTuple):
-    """Methods, judges and peers to run for one kind of model."""
+    """Methods, reference runs and peers for one kind of model."""
 
     methods: Settings
     judges: Settings
@@ -42,7 +42,7 @@ class Plan(NamedTuple):
 
 @dataclass(frozen=True)
 class Run:
-    """Run to be timed. case: None if the model cannot compute the scene; ``refused``: the reason."""
+    """Timed run. case: None if the model cannot compute the scene; ``refused``: the reason."""
 
     scene: str
     variant: str
@@ -56,7 +56,7 @@ class Run:
 
     @property
     def key(self) -> str:
-        """16 hex digits: equal for equal runs of equal code on an equal machine."""
+        """Hash of 16 hex digits of run, code and machine."""
         problem = identity(self.case) if self.case is not None else self.refused
         parts = (self.scene, self.variant, problem, self.role, self.method, *map(repr, self.setting))
         return hashlib.sha256("|".join((*parts, code_version(), processor())).encode()).hexdigest()[:16]
@@ -108,7 +108,7 @@ def _variant_runs(scene: Scene, variant: Variant, quick: bool, others: Settings)
     if variant.case is None:
         return
     if variant.case.method is None:
-        yield run(JUDGE, "", Setting(step=0.25))  # solved instant by instant, at more of them
+        yield run(JUDGE, "", Setting(step=0.25))  # evaluated at more instants
         return
     plan = plan_of(variant.case, quick)
     for role, settings in ((POINT, plan.methods), (JUDGE, _solvable(variant, plan.judges))):
@@ -119,14 +119,14 @@ def _variant_runs(scene: Scene, variant: Variant, quick: bool, others: Settings)
 
 
 def _solvable(variant: Variant, settings: Settings) -> Settings:
-    """Drop other packages' methods unless they can integrate the equations of the usual model."""
+    """Drop methods of other packages, unless the case has the usual model and they can integrate it."""
     if variant.model == USUAL_MODEL and variant.case is not None and outside.can_solve(variant.case):
         return settings
     return {name: of for name, of in settings.items() if name in METHODS}
 
 
 def kinds(todo: Sequence[Run]) -> list[list[Run]]:
-    """Group runs by model, one for each distinct code to compile."""
+    """Group runs by model, keeping one run for each distinct code to compile."""
     groups: dict[str, dict[tuple, Run]] = {}
     for run in todo:
         if run.case is not None:

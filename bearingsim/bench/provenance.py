@@ -16,12 +16,12 @@ from bearingsim.core import MODEL_VERSION
 PACKAGE = Path(__file__).parents[1]
 PACKAGES = ("core", "assemble", "config", "signals", "simulation")
 FILES = ("simulation/prices.csv", "stability/references.py", "bench/measure.py", "bench/outside.py")
-"""Sources that affect a row, beside all of ``PACKAGES``."""
+"""Sources that affect a row, in addition to ``PACKAGES``."""
 
 
 @cache
 def code_version() -> str:
-    """Return the model's version, and 12 hex digits over the sources that affect a row."""
+    """Return the model version and a hash (12 hex digits) of the sources that affect a row."""
     digest = hashlib.sha256()
     sources = [path for name in PACKAGES for path in sorted((PACKAGE / name).rglob("*.py"))]
     for source in (*sources, *(PACKAGE / name for name in FILES)):
@@ -48,7 +48,7 @@ def commit() -> str:
 
 
 def provenance(left_out: dict[str, str]) -> dict[str, Any]:
-    """Collect versions, machine and date of a run; ``left_out``: peers that are not installed, and why."""
+    """Collect versions, machine and date of a run; ``left_out``: peers that are not installed, with reasons."""
     return {
         "bearingsim": __version__,
         "commit": commit() or "unknown",

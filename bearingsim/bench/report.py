@@ -1,4 +1,4 @@
-"""Text of the chart: a table of recommendations, and a section for each scene, from its numbers."""
+"""Text of the chart: a table of recommendations and a section per scene."""
 
 import json
 from collections.abc import Iterator, Sequence
@@ -38,17 +38,17 @@ CHOICES = (
 )
 NAME = "speed-accuracy.md"
 QUESTIONS = [(of, within) for of in (("line",), QUANTITIES) for within in WITHIN]
-"""Quantities and accuracies: the columns of the first table."""
+"""Quantities and accuracies of the columns of the first table."""
 HEADS = (
     "scene",
     *(f"{'line' if len(of) == 1 else 'all three'} within {percent(within)}" for of, within in QUESTIONS),
 )
 WIDTH = 138  # characters in a line
-NOTABLE = 1.5  # ratio to the cheapest run of equal accuracy, from which a choice counts as off the front
+NOTABLE = 1.5  # cost ratio to the cheapest run of equal accuracy, from which a choice is off the front
 
 
 class Part(NamedTuple):
-    """Scene: its rows with their errors; duration of its record, s."""
+    """Scene of the report: rows with errors, and duration of its record (s)."""
 
     name: str
     title: str
@@ -75,7 +75,7 @@ def _cell(best: Verdict) -> str:
 
 
 def write(parts: Sequence[Part], folder: Path) -> Path:
-    """Write the text beside the figures; return its path."""
+    """Write the text into the folder of the figures; return its path."""
     about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
     path = folder / NAME
     path.write_text("\n".join(lines(parts, about)) + "\n", encoding="utf-8")
@@ -112,7 +112,7 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]
 
 
 def _ladder(part: Part) -> list[tuple[str, ...]]:
-    """List the automatic choice of each model: its costs, and its total errors as a job."""
+    """List the automatic choice of each model with its costs and its total errors as a job."""
     full = {row["variant"]: row["cpu_per_s"] for row in part.rows if row["role"] == AUTOMATIC}
     return [
         (
@@ -172,12 +172,12 @@ def _cost(row: Row) -> str:
 
 
 def _both(row: Row) -> float:
-    """Return the larger numerical error of line and RMS: peers without access to steps have no largest force."""
+    """Return the larger numerical error of line and RMS, since some peers have no largest force."""
     return worst(row, NUMERICAL, QUANTITIES[:2])
 
 
 def _remarks(part: Part) -> Iterator[str]:
-    """Describe chaotic motion, record, reference and refused models."""
+    """Describe chaotic models, record, reference and refused models."""
     chaotic = list(dict.fromkeys(row["variant"] for row in part.rows if row["chaotic"] == 1.0))
     if chaotic:
         yield (

@@ -1,4 +1,4 @@
-"""Scenes of the chart: study files, the program's own (``scenes/``) or a user's, and models able to do each."""
+"""Scenes of the chart, from built-in (``scenes/``) or user study files, with the models that can compute each."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -19,14 +19,14 @@ ORDER = (
     *("healthy", "slot-0.2", "slot-0.8", "angle-40", "clearance", "bowl"),
     *("bent-ring", "speed-6000", "light-load", "off-centre", "inner-race"),
 )
-"""The program's own scenes, in the order of the report."""
+"""Built-in scenes in the order of the report."""
 MOST_CASES = 3
-LONGEST = 0.5  # s, limit of a study's record
+LONGEST = 0.5  # s, limit of the record of a case
 
 
 @dataclass(frozen=True)
 class Variant:
-    """Model of a scene, or one of its harmonics or slices, with the scene's case.
+    """Model of a scene, or its variant with other harmonics or slices, with its case.
 
     case: None if the model cannot compute it; ``refused``: the reason.
     """
@@ -39,7 +39,7 @@ class Variant:
 
 @dataclass(frozen=True)
 class Scene:
-    """Scene of the chart. variants: from the reference, which judges all others, down."""
+    """Scene of the chart. variants: the reference first, then cheaper models."""
 
     name: str
     title: str
@@ -47,20 +47,20 @@ class Scene:
 
     @property
     def reference(self) -> Case:
-        """The case of the reference."""
+        """Case of the reference model."""
         case = self.variants[0].case
         assert case is not None
         return case
 
     @property
     def line(self) -> str:
-        """The fault's line; of a healthy bearing, that of the outer race."""
+        """Defect line of velocity; that of the outer race for a healthy bearing."""
         defects = self.reference.defects
         return f"velocity@{FAULT_LINES[defects[0].race if defects else 'outer']}"
 
 
 def own(names: Sequence[str], quick: bool) -> list[Scene]:
-    """Load the program's own scenes of these names. Raises UserError for an unknown one."""
+    """Load built-in scenes by name. Raises UserError for an unknown name."""
     for name in names:
         if name not in ORDER:
             near = suggestion(name, ORDER) or f"known: {', '.join(ORDER)}"
@@ -69,7 +69,7 @@ def own(names: Sequence[str], quick: bool) -> list[Scene]:
 
 
 def load_scenes(path: Path, quick: bool) -> list[Scene]:
-    """Load the first cases of a study file, each a scene. Raises StudyError with all problems of the file."""
+    """Load the first cases of a study file, one scene each. Raises StudyError with all problems of the file."""
     study = load_study(path, quick=quick)
     judged = _all_by(study, path, {"model": REFERENCE}, quick)
     if any(case.ramp is not None for case in judged if case is not None):
@@ -94,7 +94,7 @@ def _named(study: Study, n: int) -> tuple[str, str]:
 
 
 def _lower(study: Study, path: Path, n: int, judged: Case, quick: bool) -> list[Variant]:
-    """List the cheaper alternatives to the reference, from the highest down."""
+    """List cheaper models than the reference, from the most detailed down."""
     variants = []
     for candidate, changes in ladder(judged).items():
         fields = {"model": REFERENCE} | changes
@@ -117,7 +117,7 @@ def _label(case: Case) -> str:
 
 
 def _all_by(study: Study, path: Path, changes: Mapping[str, str], quick: bool) -> list[Case | None]:
-    """Return a study's cases with other values at some paths, records shortened."""
+    """Return the cases of a study with other values at some paths and shorter records."""
     if study.goal is not None:
         cases = study.cases() if changes == {"model": REFERENCE} else _otherwise(study, changes)
     else:

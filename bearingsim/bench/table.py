@@ -1,4 +1,4 @@
-"""Runs of all scenes, spread over processes and stored row by row: stored rows are not computed again."""
+"""Runs of all scenes, distributed over processes and stored row by row; stored rows are not recomputed."""
 
 import csv
 import json
@@ -33,8 +33,8 @@ def compute(
 ) -> list[Row]:
     """Compute the runs missing in ``folder``; return all rows of the scenes, in the order of the plan.
 
-    others: by scene, solvers of other packages (``outside.SOLVERS``) at their settings; left_out: those not
-    installed, and why. Reports progress on stderr. An interrupted run keeps the rows it has.
+    others: by scene, solvers of other packages (``outside.SOLVERS``) at their settings; left_out: solvers
+    not installed, with reasons. Reports progress on stderr. Finished rows survive an interruption.
     """
     claim(folder, "a chart", "bearingsim bench", "results/bench-chart-2")
     wanted = [run for scene in scenes for run in runs(scene, quick, (others or {}).get(scene.name))]
@@ -65,7 +65,7 @@ def read(path: Path) -> dict[str, list[Row]]:
 
 
 def _rows_of(leading: Row) -> int:
-    """Return the number of rows of a run, from its first."""
+    """Return the number of rows of a run, given the first."""
     return 2 if leading["role"] == JOB and not leading["failure"] else 1
 
 
@@ -74,7 +74,7 @@ def _with_numbers(row: dict[str, str]) -> Row:
 
 
 def _append(path: Path, todo: Sequence[Run], jobs: int) -> None:
-    """Compute runs and write their rows as they are finished."""
+    """Compute runs, writing rows as runs finish."""
     new, done, began = not path.exists(), 0, time.monotonic()
     last = began
     with path.open("a", newline="", encoding="utf-8") as file:
@@ -82,7 +82,7 @@ def _append(path: Path, todo: Sequence[Run], jobs: int) -> None:
         if new:
             table.writeheader()
         elif not path.read_text(encoding="utf-8").endswith("\n"):
-            file.write("\n")  # the last writer was stopped in the middle of a row
+            file.write("\n")  # a previous run was stopped in the middle of a row
         try:
             for rows in spread(_rows, [(run, outside.SOLVERS.get(run.method)) for run in todo], jobs):
                 table.writerows({name: _text(value) for name, value in row.items()} for row in rows)
@@ -104,7 +104,7 @@ def _rows(run: Run, solver: outside.Solver | None) -> list[Row]:
 
 
 def _compile(todo: Sequence[Run], jobs: int) -> None:
-    """Compile before timing, each model in one process."""
+    """Compile the code before timing, each model in one process."""
     groups = kinds(todo)
     say(f"compiling {len(groups)} models for {len(todo)} runs", err=True)
     for done, model in enumerate(spread(_ready, [(group, dict(outside.SOLVERS)) for group in groups], jobs), 1):

@@ -1,4 +1,4 @@
-"""Recommendations: the cheapest model within 5 % and within 1 %, the Pareto front, and their description."""
+"""Recommendations (cheapest model within 5 % and 1 %), Pareto front, and their descriptions."""
 
 from collections.abc import Sequence
 from math import inf, isfinite
@@ -16,7 +16,7 @@ class Verdict(NamedTuple):
     """Cheapest sufficient choice in a scene for an accuracy ``within`` of the quantities ``of``.
 
     job: the cheapest sufficient automatic choice; point: the cheapest sufficient run in full, of any method and
-    setting; unknown: the reason for no verdict, in words.
+    setting; unknown: reason if there is no verdict.
     """
 
     within: float
@@ -27,13 +27,13 @@ class Verdict(NamedTuple):
 
     @property
     def model(self) -> str:
-        """The cheapest sufficient model (or one of its variants)."""
+        """Cheapest sufficient model, or its variant."""
         best = self.job or self.point
         return best["variant"] if best else ""
 
 
 def worst(row: Row, kind: str = TOTAL, of: Sequence[str] = QUANTITIES) -> float:
-    """Return the largest counted error of a row; infinite if one is not known."""
+    """Return the largest counted error of a row; infinite if an error is unknown."""
     errors = [row[f"{kind}.{name}.counted"] for name in of]
     return max(errors) if all(map(isfinite, errors)) else inf
 
@@ -55,7 +55,7 @@ def _cheapest(rows: Sequence[Row]) -> Row | None:
 
 
 def front(rows: Sequence[Row], column: str) -> list[Row]:
-    """Select the Pareto-optimal rows in CPU time and the error of a column, the cheapest first."""
+    """Select the Pareto-optimal rows in CPU time and the error of a column, cheapest first."""
     optimal: list[Row] = []
     for row in sorted(rows, key=lambda row: (row["cpu_per_s"], row[column])):
         if isfinite(row[column]) and (not optimal or row[column] < optimal[-1][column]):
@@ -69,7 +69,7 @@ def cost_at(rows: Sequence[Row], column: str, error: float) -> float:
 
 
 def percent(share: float) -> str:
-    """Format a share in per cent with two digits; large ones as `over 100 times`."""
+    """Format a share in per cent with two digits; large shares as `over 100 times`."""
     if not isfinite(share):
         return "not known"
     if share >= 1.0:
@@ -88,7 +88,7 @@ def method_text(row: Row) -> str:
 
 
 def setting(row: Row) -> str:
-    """Describe a row's step or tolerance in words, with a leading blank."""
+    """Describe the step or tolerance of a row, with a leading blank."""
     if row["role"] == AUTOMATIC:
         return " as it is chosen by `auto`"
     part, of_step, _ = row["setting"].partition(" of the step")
@@ -106,7 +106,7 @@ def label(row: Row) -> str:
 
 
 def chosen(row: Row, rows: Sequence[Row]) -> str:
-    """Format the step of an automatic choice over the method's first one, or its tolerance."""
+    """Format the step of an automatic choice relative to the automatic step of its method, or its tolerance."""
     firsts = [
         other["step_s"]
         for other in rows
@@ -125,12 +125,12 @@ def short(best: Verdict) -> str:
 
 
 def automatic_rows(rows: Sequence[Row]) -> list[Row]:
-    """Select the successful automatic choices, from the reference down."""
+    """Select the successful automatic choices, in the order of the variants."""
     return [row for row in rows if row["role"] == JOB and not row["failure"]]
 
 
 def why(rows: Sequence[Row]) -> list[str]:
-    """Describe a scene in sentences: the error of the cheapest model, and that of the next cheaper one."""
+    """Describe the cheapest sufficient model of a scene and its error, and those of the next cheaper model."""
     jobs = automatic_rows(rows)
     if not jobs:
         return ["Nothing could be computed."]
@@ -178,7 +178,7 @@ def _errors(row: Row) -> str:
 
 
 class OffFront(NamedTuple):
-    """Automatic choice of a model, the cheapest run of that model at least as accurate, and the ratio of costs."""
+    """Automatic choice of a model, cheapest run of that model with no larger error, and ratio of costs."""
 
     row: Row
     cheapest: Row

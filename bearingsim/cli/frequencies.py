@@ -18,11 +18,11 @@ def bearing_frequencies(
 ) -> dict[str, Any]:
     """Compute the characteristic frequencies of a bearing, with harmonics (Hz) and as orders.
 
-    Ring speeds with opposite signs mean counter-rotation. With g = d cos(a)/D, the cage speed is
-    FTF = [f_i (1 - g) + f_o (1 + g)]/2; BPFO = Z |FTF - f_o|, BPFI = Z |f_i - FTF|, and
-    BSF = D/(2 d) |f_i - f_o| (1 - g^2), relative to the cage (Harris, Rolling Bearing Analysis, ch. 8). Except FTF,
-    they depend only on the speed of the inner ring relative to the outer ring. Frequencies are magnitudes;
-    `cage_hz` is signed. Orders refer to the speed of the inner ring, or of the outer ring if the inner ring is stationary.
+    Ring speeds with opposite signs mean counter-rotation. With g = d cos(a)/D, the cage speed is FTF = [f_i (1 -
+    g) + f_o (1 + g)]/2; BPFO = Z |FTF - f_o|, BPFI = Z |f_i - FTF|, and BSF = D/(2 d) |f_i - f_o| (1 - g^2),
+    relative to the cage (Harris, Rolling Bearing Analysis, ch. 8). All but FTF depend only on the speed of the
+    inner ring relative to the outer ring. Frequencies are magnitudes; `cage_hz` is signed. Orders refer to the
+    speed of the inner ring, or of the outer ring if the inner ring is stationary.
 
     Raises StudyError, UnitError.
     """

@@ -1,1 +1,1 @@
-"""Stability map of the methods: a matrix of materials and steps, each run judged."""
+"""Stability map of the methods: a matrix of classified runs over materials and steps."""

@@ -12,20 +12,20 @@ OK, INACCURATE, CHATTER, SKIPPED = "ok", "inaccurate", "chatter", "skipped"
 REFUSED, CHAOS, UNJUDGED = "refused", "within chaos", "no reference"
 CLASSES = (OK, INACCURATE, CHATTER, BLOW_UP, SKIPPED, STALL, REFUSED, TOO_SLOW, CHAOS, UNJUDGED)
 
-ACCURACY = 0.01  # largest relative error of class ok
-CHAOS_FLOOR = 0.05  # relative; runs within a larger floor are classed as within chaos
-# two solutions that differ by less than this (relative L2) follow one path; else motion is chaotic
+ACCURACY = 0.01  # largest relative error of the class `ok`
+CHAOS_FLOOR = 0.05  # relative; runs within a larger floor are classified as within chaos
+# relative L2 difference above which two solutions count as different paths of a chaotic motion
 SAME_PATH = 1e-3
-SEEN_PART = 0.5  # of the reference's response to a crossing; below it the defect was skipped
+SEEN_PART = 0.5  # fraction of the reference's response to a crossing, below which the defect was skipped
 ANSWER_TIME = 60e-6  # s, duration of the ring's response after a crossing
-MORE_OFTEN, OFTEN = 2.0, 10  # openings over the reference's, as ratio and difference, from which contacts chatter
+MORE_OFTEN, OFTEN = 2.0, 10  # contacts chatter beyond this times the reference's openings plus this
 
 
 class Reference(NamedTuple):
-    """Velocity of the ring (2, n), m/s, and contacts (Z, n) at every ``SAMPLE_INTERVAL``; names of the solutions
-    it rests on.
+    """Reference of a scene: ring velocity (2, n) in m/s and contacts (Z, n) at each ``SAMPLE_INTERVAL``, and names
+    of its solutions.
 
-    floor: relative difference of the two, in L2 or (chaotic) in RMS: no cell is judged finer.
+    floor: relative difference of the solutions, in L2 or, if chaotic, in RMS; smaller errors are not resolved.
     """
 
     velocity: np.ndarray
@@ -36,8 +36,8 @@ class Reference(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """Class of a run: error (relative) in the reference's measure; crossings seen and expected; openings of
-    contacts.
+    """Class of a run, its relative error (L2, or RMS if chaotic), crossings seen, and openings of contacts of the
+    run and of the reference.
     """
 
     outcome: str
@@ -58,10 +58,10 @@ def rms(a: np.ndarray, b: np.ndarray) -> float:
 
 
 def agreeing_solutions(solutions: dict[str, Trace]) -> Reference | None:
-    """Build the reference of a scene from the two solutions that agree best; None if there are not two.
+    """Build the reference of a scene from the two solutions that agree best; None for fewer than two.
 
-    If even tight solutions all diverge, the motion is chaotic: RMS is compared, and the floor is the largest
-    difference between any two.
+    If all solutions diverge in spite of tight tolerances, the motion is chaotic: RMS values are compared, and the
+    floor is the largest difference between any two.
     """
     whole = {name: trace for name, trace in solutions.items() if not trace.failure}
     pairs = [(l2(whole[a].velocity, whole[b].velocity), a, b) for a, b in combinations(whole, 2)]
@@ -84,8 +84,8 @@ def crossings_seen(
 ) -> int:
     """Count the crossings with a ring response of at least ``SEEN_PART`` of the reference's.
 
-    Based on the response of the ring, not on the rollers' positions: a solver that steps over a defect still has a
-    roller in it, in its interpolated result.
+    The count uses the ring, not the positions of rollers, because the interpolated result of a solver that steps
+    over a defect still has a roller in it.
     """
     count = 0
     for start, end in windows:
@@ -107,9 +107,9 @@ def judge(
     windows: list[tuple[float, float]],
     strides: bool,
 ) -> Verdict:
-    """Classify a run, with the numbers of its class. A failed run keeps its failure as its class.
+    """Classify a run and return the supporting numbers. The class of a failed run is its failure.
 
-    strides: its steps may be longer than a crossing; a crossing without response then counts as stepped over.
+    strides: whether steps may be longer than half a crossing; a crossing without response is then skipped.
     """
     missing = Verdict(trace.failure or UNJUDGED, np.nan, 0, openings(trace.touching), 0)
     if reference is None or trace.failure:

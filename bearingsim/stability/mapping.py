@@ -1,4 +1,4 @@
-"""A whole stability map: units of work spread over processes, rows written as they come."""
+"""Computation of a whole stability map over several processes, with rows written as they finish."""
 
 import csv
 import time
@@ -19,9 +19,9 @@ LINE_EVERY_S = 5.0
 
 
 def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: Path, jobs: int) -> Path:
-    """Compute the map into ``folder``, which is made; the CSV, one row per cell. Told on stderr how far it is.
+    """Compute the map into a new ``folder``; return the CSV file.
 
-    A run that is interrupted leaves the rows it has. Raises BrokenExtension, and as ``store.claim``.
+    Reports progress on stderr. Finished rows survive an interruption. Raises BrokenExtension, and the errors of ``store.claim``.
     """
     extensions.refuse_broken()
     claim(folder, "a map", "bearingsim stability", "results/stability-2")
@@ -49,7 +49,7 @@ def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: P
 
 
 def _compile(models: Sequence[str], methods: Sequence[str], grid: Grid, jobs: int) -> None:
-    """Compile before any cell is run, so that none is slow for it."""
+    """Compile all code before running cells, to keep compilation out of their CPU time."""
     units = [(model, method, grid) for model in models for method in (*methods, *judges(methods))]
     say(f"getting ready: {len(units)} pairs of model and method", err=True)
     for done, (model, method) in enumerate(spread(_warmed, units, jobs), 1):
@@ -62,7 +62,7 @@ def _warmed(model: str, method: str, grid: Grid) -> tuple[str, str]:
 
 
 def _whole(unit: Material, methods: Sequence[str], grid: Grid) -> list[dict[str, Any]]:
-    """Compute all rows of ``map_of``, since rows cannot be passed one by one from another process."""
+    """Collect the rows of ``map_of``, since a worker process cannot return a generator."""
     return list(map_of(unit, methods, grid))
 
 

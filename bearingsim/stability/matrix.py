@@ -1,7 +1,7 @@
 """Failure map of the methods: short runs over step (or tolerance), stiffness, damping and sharpness of defects.
 
-A unit of work is a material, that is a model with one stiffness and damping: its scenes share a sound bearing. For
-each scene first the reference, from solutions that must agree, then every method at every step.
+A unit of work is a material, that is a model with one stiffness and damping, whose scenes share a healthy bearing.
+For each scene the reference is computed first, from solutions that must agree, then every method at every step.
 """
 
 from collections.abc import Iterator, Sequence
@@ -38,9 +38,9 @@ HEALTHY = "healthy"
 
 
 class Grid(NamedTuple):
-    """Varied parameters. k: N/mm^(10/9); damping: (m3, c in N s/mm^(1 + m3)); steps (s) of methods that have one,
-    tolerances of the others, and of SciPy's; limit: CPU seconds for a cell, patience: for a solution of the
-    reference.
+    """Varied parameters. k: N/mm^(10/9); damping: (m3, c in N s/mm^(1 + m3)); steps: s, of fixed-step methods;
+    tolerances: of adaptive methods; scipys: of SciPy's; limit: CPU time (s) of a cell; patience: CPU time (s) of a
+    solution of the reference.
     """
 
     k: tuple[float, ...]
@@ -78,9 +78,9 @@ USUAL = tuple(model.name for model in MODELS.values() if "damping" in model.abil
 QUICK_MODELS = (USUAL_MODEL,)
 
 REFERENCES = (("dop853", 1e-9), ("scipy-lsoda", 1e-9), ("rodas", 1e-8), ("scipy-lsoda", 1e-6))
-"""Solutions computed in turn until two agree."""
+"""Methods and tolerances of the solutions, computed in turn until two agree."""
 COARSE = ("backward-euler", 1e-2)
-"""Further solution if only one of the others succeeds."""
+"""Additional solution if only one of the others succeeds."""
 
 
 class Material(NamedTuple):
@@ -93,7 +93,7 @@ class Material(NamedTuple):
 
 
 class PreparedScene(NamedTuple):
-    """Scene ready to run: its case, the core's model, a buffer at rest, theoretical K (1/s^2), C (1/s) at rest."""
+    """Scene ready to run: case, compiled model, buffer in static equilibrium, and K (1/s^2), C (1/s) there."""
 
     case: Case
     model: Any
@@ -118,12 +118,12 @@ def materials(models: Sequence[str], grid: Grid) -> list[Material]:
 
 
 def has_step(method: str) -> bool:
-    """Check if the method takes a fixed step, not a tolerance."""
+    """Check if the method has a fixed step, not a tolerance."""
     return method in METHODS and not METHODS[method].adaptive
 
 
 def cells(method: str, grid: Grid) -> tuple[float, ...]:
-    """Return the steps (s) or tolerances of a method, the coarsest first."""
+    """Return the steps (s) or tolerances of a method, coarsest first."""
     if method in SCIPY:
         return grid.scipys
     return grid.steps if has_step(method) else grid.tolerances
@@ -135,7 +135,7 @@ def count(models: Sequence[str], methods: Sequence[str], grid: Grid) -> int:
 
 
 def set_up(material: Material, defect: str) -> PreparedScene:
-    """Make a scene ready."""
+    """Prepare a scene for runs."""
     case = case_of(Scene(material.model, defect, material.k, material.c, material.m3))
     model = assemble.model(case)
     _, K, C = limits.loads_at_rest(assemble.healthy(case))
@@ -154,7 +154,7 @@ def run(bench: PreparedScene, method: str, setting: float, limit: float) -> Trac
 
 
 def parameters(bench: PreparedScene, method: str, setting: float) -> Any:
-    """Build the core's method of a cell."""
+    """Build the compiled method of a cell."""
     made: Any = assemble.kind_of_method(method).parameters
     return made(setting) if has_step(method) else made(*scene_tolerances(bench, setting))
 
@@ -177,7 +177,7 @@ def reference(bench: PreparedScene, patience: float) -> Reference | None:
 
 
 def reference_solution(bench: PreparedScene, method: str, tolerance: float, patience: float) -> Trace:
-    """Compute a solution for the reference, with SciPy's steps limited so as not to skip a defect."""
+    """Compute a solution for the reference, with a limit on SciPy's steps that prevents skipping a defect."""
     if method not in SCIPY:
         return run(bench, method, tolerance, patience)
     return solve(method, bench.model, bench.y, scene_tolerances(bench, tolerance), patience)
@@ -190,8 +190,8 @@ def judges(methods: Sequence[str]) -> tuple[str, ...]:
 
 
 def warm(model: str, method: str, grid: Grid) -> None:
-    """Compile (or load) what the cells of a model and a method need."""
-    exponents = dict(grid.damping)  # each has its own compiled code
+    """Compile (or load) the code for the cells of a model and a method."""
+    exponents = dict(grid.damping)  # each exponent has its own compiled code
     kinds = {DEFECTS[defect].get("excitation", "envelope"): defect for defect in grid.defects}
     for (m3, c), defect in product(exponents.items(), kinds.values()):
         run(set_up(Material(model, grid.k[0], m3, c), defect), method, cells(method, grid)[0], 0.0)

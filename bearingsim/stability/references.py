@@ -1,8 +1,8 @@
 """SciPy's integrators on the compiled models, as independent references.
 
-A model's state becomes a vector x = (positions, velocities) of what can move; its slopes are the compiled
-accelerations. Nothing is told to the solver of defects or touch-down; what it takes for success is read, and a run
-that ends early is no reference.
+The state vector is x = (positions, velocities) of the moving coordinates, with derivatives from the compiled
+accelerations. The solver has no information on defects or contact events. Its own success status is used, and a
+run that ends early is not a reference.
 """
 
 import time
@@ -26,7 +26,7 @@ SCIPY = {"scipy-lsoda": "LSODA", "scipy-radau": "Radau", "scipy-bdf": "BDF", "sc
 
 
 class OutOfTime(Exception):
-    """Exhaustion of the CPU time of a solver."""
+    """Error of a solver that exceeds its CPU time."""
 
 
 def moving(model: Any) -> np.ndarray:
@@ -37,13 +37,13 @@ def moving(model: Any) -> np.ndarray:
 
 
 def packed(y: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
-    """Pack a buffer's state into a vector (2 n,)."""
+    """Copy the state of a buffer into a vector (2 n,)."""
     return np.concatenate([y[lay.POSITION + coordinates], y[lay.VELOCITY + coordinates]])
 
 
 @jit
 def unpack(x: np.ndarray, coordinates: np.ndarray, y: np.ndarray) -> None:
-    """Put the vector ``x`` into the buffer's state."""
+    """Copy the vector ``x`` into the state of the buffer."""
     n = len(coordinates)
     for i in range(n):
         y[lay.POSITION + coordinates[i]] = x[i]
@@ -70,7 +70,7 @@ class StateRate:
         self.model, self.y, self.coordinates = model, y.copy(), moving(model)
         fill_length_scales(model, self.y)
         x = np.zeros(2 * len(self.coordinates))
-        state_rate(model, 0.0, x, self.coordinates, self.y.copy(), np.empty_like(x))  # compiled, or loaded
+        state_rate(model, 0.0, x, self.coordinates, self.y.copy(), np.empty_like(x))  # compiles, or loads
         self.began, self.limit, self.calls = time.thread_time(), limit, 0
 
     def __call__(self, t: float, x: np.ndarray) -> np.ndarray:
@@ -84,21 +84,22 @@ class StateRate:
 
     @property
     def cpu(self) -> float:
-        """CPU seconds since the beginning."""
+        """CPU time (s) since the start."""
         return time.thread_time() - self.began
 
 
 def solve(solver: str, model: Any, y: np.ndarray, tolerances: Tolerances, limit: float) -> Trace:
-    """Run one of ``SCIPY`` from the buffer's state at t = 0 through the scene, for ``limit`` CPU seconds at most.
+    """Run one of ``SCIPY`` from the buffer's state at t = 0 through the scene, with at most ``limit`` s of CPU
+    time.
 
-    asked: as the own methods have it; a solver sees positions and velocities with the same rtol. What a solver
-    calls success is read; it says nothing of defects that were stepped over.
+    tolerances: as for own methods, with one rtol for positions and velocities. The success reported by a solver
+    does not exclude that it stepped over a defect.
     """
     f = StateRate(model, y, limit)
     lever = f.y[LENGTH_SCALE + f.coordinates]
     atol = np.concatenate([tolerances.atol_q / lever, tolerances.atol_v / lever])
     columns: list[np.ndarray] = []
-    with np.errstate(all="ignore"), warnings.catch_warnings():  # a row says what became of a run
+    with np.errstate(all="ignore"), warnings.catch_warnings():  # failures are reported in the row
         warnings.simplefilter("ignore")
         failure, reason, steps = march(
             SCIPY[solver], f, packed(y, f.coordinates), atol, tolerances, columns, TIMES
@@ -119,9 +120,9 @@ def march(
     times: np.ndarray,
     after: Callable[[float, np.ndarray], None] = lambda t, x: None,
 ) -> tuple[str, str, int]:
-    """Step to the last of ``times`` (s), appending the states (2 n, some) there to ``columns``.
+    """Step to the last of ``times`` (s), appending the states there, (2 n, k) per step, to ``columns``.
 
-    after: told time and state at the end of each step. Returns failure, reason, steps.
+    after: function called with time and state at the end of each step. Returns failure, reason, number of steps.
     """
     steps, due = 0, 0
     try:
@@ -140,12 +141,12 @@ def march(
     except OutOfTime:
         return TOO_SLOW, f"not done after {f.limit:g} s", steps
     except (ValueError, np.linalg.LinAlgError, FloatingPointError) as error:
-        return STALL, str(error), steps  # a Jacobian with infinities in it
+        return STALL, str(error), steps  # infinities in the Jacobian
     return "", "", steps
 
 
 def touching(f: StateRate, x: np.ndarray) -> np.ndarray:
-    """Compute if each roller carries load at the outer race, (Z, samples)."""
+    """Evaluate whether each roller is loaded at the outer race, (Z, samples)."""
     loaded = np.empty((f.model.bearing.Z, x.shape[1]), dtype=bool)
     unused = np.empty(len(x))
     for n in range(x.shape[1]):

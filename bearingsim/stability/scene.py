@@ -1,8 +1,9 @@
-"""Scenes of the stability map: a loaded roller crosses three defects, with any stiffness and any damping.
+"""Scenes of the stability map: a loaded roller crosses three defects, with given stiffness and damping.
 
-The NF308 at 1800 rpm under 150 N, for 2.2 ms from rest. The defects lie 0.6 ms apart on the outer race, about the
-load line, so that one roller crosses all of them near its largest load; the first 0.5 ms are calm, and a method
-that chooses its steps has made them long by then. One law for all, k delta^(10/9) + c v delta^m3.
+The NF308 runs at 1800 rpm under 150 N for 2.2 ms from static equilibrium. The defects lie 0.6 ms apart on the
+outer race around the load line, so that one roller crosses all of them near its largest load. The first 0.5 ms are
+free of defects, so that adaptive methods reach long steps. The contact force is k delta^(10/9) + c v delta^m3 in
+all scenes.
 """
 
 from math import degrees
@@ -15,7 +16,7 @@ from bearingsim.config import Case
 from bearingsim.core.defects.pairs import HALF_WIDTH, passing_speed
 from bearingsim.core.laws.stiffness.power_laws import LINE_CONTACT_EXPONENT, PALMGREN_N_MM
 
-SPAN = 2.2e-3  # s
+SPAN = 2.2e-3  # s, duration
 SAMPLE_INTERVAL = 1e-6  # s between compared samples
 MIDDLES = (0.5e-3, 1.1e-3, 1.7e-3)  # s, times of the roller at the middle of each defect
 LOAD = 150.0  # N
@@ -24,7 +25,7 @@ STEEL = PALMGREN_N_MM * 12.0 ** (8.0 / 9.0)
 """Palmgren's coefficient of a roller of 12 mm, N/mm^(10/9)."""
 PRINTED = 1e8  # N/mm^(10/9), as printed in the paper
 NAMED = {STEEL: "steel", PRINTED: "printed"}
-"""Named stiffnesses."""
+"""Names of stiffnesses."""
 
 SLOT = {"race": "outer", "shape": "rectangular", "length": "12 mm", "depth": "0.05 mm"}
 DEFECTS: dict[str, dict[str, Any]] = {
@@ -33,7 +34,7 @@ DEFECTS: dict[str, dict[str, Any]] = {
     "0.8 mm slot": {"width": "0.8 mm"},
     "0.2 mm pulse": {"width": "0.2 mm", "excitation": "rectangular-pulse"},
 }
-"""Defects by their name: from none to one whose ends are steps."""
+"""Defects by name, from none to one with step edges."""
 
 
 class Scene(NamedTuple):
@@ -70,7 +71,7 @@ def crossing(model: str, defect: str, contact: dict[str, Any], late: float = 0.0
 
 SAMPLES = round(SPAN / SAMPLE_INTERVAL)
 TIMES = SAMPLE_INTERVAL * np.arange(1, SAMPLES + 1)
-"""The samples of a scene (s), the start left out."""
+"""Times (s) of the samples of a scene, without the start."""
 
 
 def crossings(model: Any) -> list[tuple[float, float]]:

@@ -1,4 +1,4 @@
-"""Short run by one of the own methods, including failures."""
+"""Short runs by the own methods, including failures."""
 
 import time
 from math import ceil
@@ -13,7 +13,7 @@ from bearingsim.core.advance import Monitor, NoSamples, advance_and_sample, read
 from bearingsim.core.outcomes import NEWTON_FAILED, NOT_FINITE, STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS
 from bearingsim.stability.scene import SAMPLE_INTERVAL, SPAN
 
-MAX_DISPLACEMENT, MAX_SPEED = 1e-3, 50.0  # m, m/s: limits of the ring, beyond which a run has blown up
+MAX_DISPLACEMENT, MAX_SPEED = 1e-3, 50.0  # m, m/s, limits of the ring beyond which a run has blown up
 MAX_EVALUATIONS = 1e4  # evaluations by an adaptive method between two checks of the CPU time
 MAX_STEPS_AT_ONCE = 20_000  # steps between checks of the CPU time
 
@@ -29,9 +29,9 @@ WHY = {
 class Trace(NamedTuple):
     """Outcome of a run.
 
-    every: ``SAMPLE_INTERVAL`` samples from one column to the next; velocity: of the ring (2, n), m/s; touching:
-    whether each roller carries load at the outer race (Z, n); failure: a class of ``judge``, empty if it ended
-    well; reason in words; steps taken and refused, evaluations of the model and Newton iterations; cpu: s.
+    every: columns are ``every`` times ``SAMPLE_INTERVAL`` apart; velocity: of the ring (2, n), m/s; touching:
+    whether each roller is loaded at the outer race (Z, n); failure: a class of ``judge``, empty on success; then
+    its reason, numbers of accepted and rejected steps, evaluations of the model and Newton iterations; cpu: s.
     """
 
     every: int
@@ -52,7 +52,7 @@ def not_run(failure: str, reason: str) -> Trace:
 
 
 def trace(name: str, method: Any, model: Any, y: np.ndarray, limit: float) -> Trace:
-    """Step a copy of the buffer ``y`` (at rest, t = 0) through the scene, for ``limit`` CPU seconds at most."""
+    """Step a copy of the buffer ``y`` (t = 0) through the scene, with at most ``limit`` s of CPU time."""
     y, Z = y.copy(), model.bearing.Z
     cells = np.array(
         [
@@ -67,14 +67,14 @@ def trace(name: str, method: Any, model: Any, y: np.ndarray, limit: float) -> Tr
     per = max(1, round(SAMPLE_INTERVAL / method.h))
     every = max(1, round(method.h / SAMPLE_INTERVAL))
     at_once = per * (20 if METHODS[name].adaptive or METHODS[name].implicit else ceil(MAX_STEPS_AT_ONCE / per))
-    # what outruns its limit is to be seen
+    # no early stop, so that diverging runs are recorded
     monitor = Monitor(
         stride=16, patience=np.inf, max_evaluations=MAX_EVALUATIONS if METHODS[name].adaptive else np.inf
     )
     kept: list[np.ndarray] = []
     failure, reason, taken = "", "", 0
     ready(method, model, 0.0, y)
-    # compiled or loaded before the clock runs, by a step that is thrown away: no steps are laid out as other code
+    # compile or load before timing, by a discarded step (zero steps would have another array layout)
     advance_and_sample(method, model, monitor, 0, y.copy(), cells, _room(cells, 1), NoSamples())
     began = time.thread_time()
     while taken < steps and not failure:
@@ -100,12 +100,12 @@ def trace(name: str, method: Any, model: Any, y: np.ndarray, limit: float) -> Tr
 
 
 def _room(cells: np.ndarray, steps: int) -> np.ndarray:
-    """Allocate a record as a part of a larger one, as in a simulation, so that both run the same compiled code."""
+    """Allocate a record as a part of a larger one, as in a simulation, to use the same compiled code."""
     return np.empty((len(cells), steps + 1))[:, 1:]
 
 
 def _beyond(out: np.ndarray) -> tuple[str, str]:
-    """Check if the ring has left the machine; return failure and reason, empty if not."""
+    """Check if the ring exceeds its limits; return failure and reason, empty if not."""
     if not np.isfinite(out[:4]).all():
         return BLOW_UP, "not finite"
     if np.abs(out[:2]).max() > MAX_SPEED or np.abs(out[2:4]).max() > MAX_DISPLACEMENT:
