@@ -21,7 +21,8 @@ LINE_EVERY_S = 5.0
 def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: Path, jobs: int) -> Path:
     """Compute the map into a new ``folder``; return the CSV file.
 
-    Reports progress on stderr. Finished rows survive an interruption. Raises BrokenExtension, and the errors of ``store.claim``.
+    Reports progress on stderr. Finished rows survive an interruption. Raises BrokenExtension, and the errors of
+    ``store.claim``.
     """
     extensions.refuse_broken()
     claim(folder, "a map", "bearingsim stability", "results/stability-2")
