@@ -1,4 +1,4 @@
-"""Seeded changes of study files, letter by letter, line by line, value by value: most are no study any more."""
+"""Seeded mutations of study files (bits, lines, values, units, syntax), which mostly make them invalid."""
 
 import re
 from collections.abc import Iterator
@@ -40,7 +40,7 @@ UNIT = re.compile(rb"(?<=\d )(N s/m|N/m|[A-Za-z%]+)")
 
 
 def flip(text: bytes, random: Random) -> bytes:
-    """Some bits are turned."""
+    """Flip some bits."""
     found = bytearray(text)
     for _ in range(random.choice((1, 1, 2, 8))):
         found[random.randrange(len(found))] ^= 1 << random.randrange(8)
@@ -48,13 +48,13 @@ def flip(text: bytes, random: Random) -> bytes:
 
 
 def cut(text: bytes, random: Random) -> bytes:
-    """Some bytes are gone."""
+    """Delete some bytes."""
     start = random.randrange(len(text))
     return text[:start] + text[start + random.choice((1, 1, 3, 30, len(text))) :]
 
 
 def line(text: bytes, random: Random) -> bytes:
-    """A line is there twice, or missing, or elsewhere."""
+    """Duplicate, delete or move a line."""
     lines = text.splitlines(keepends=True)
     one = random.choice(lines)
     if random.random() < 0.5:
@@ -65,7 +65,7 @@ def line(text: bytes, random: Random) -> bytes:
 
 
 def swapped(pattern: re.Pattern[bytes], text: bytes, random: Random, other: bytes | None = None) -> bytes:
-    """What a pattern finds at one place, put at another; or ``other`` put there."""
+    """Replace one match of a pattern by another match, or by ``other``; flip bits if there is no match."""
     found = list(pattern.finditer(text))
     if not found:
         return flip(text, random)
@@ -75,23 +75,23 @@ def swapped(pattern: re.Pattern[bytes], text: bytes, random: Random, other: byte
 
 
 def value(text: bytes, random: Random) -> bytes:
-    """A value stands where another was."""
+    """Replace a value by another of the file."""
     return swapped(VALUE, text, random)
 
 
 def unit(text: bytes, random: Random) -> bytes:
-    """A value has another unit."""
+    """Replace the unit of a value."""
     return swapped(UNIT, text, random, random.choice(UNITS).encode())
 
 
 def number(text: bytes, random: Random) -> bytes:
-    """A number is another, or none."""
+    """Replace a number by an extreme or malformed one."""
     odd = ("0", "-1", "1e9", "1e-9", "1e300", "1e400", "nan", "inf", "9" * 300, "", "1,5", "0x1", "1e", ".", "007")
     return swapped(NUMBER, text, random, random.choice(odd).encode())
 
 
 def syntax(text: bytes, random: Random) -> bytes:
-    """Marks of YAML are put in."""
+    """Insert YAML syntax characters."""
     for _ in range(random.choice((1, 1, 2, 5))):
         start = random.randrange(len(text))
         text = text[:start] + random.choice(SYNTAX).encode() * random.choice((1, 1, 1, 40)) + text[start:]
@@ -99,7 +99,7 @@ def syntax(text: bytes, random: Random) -> bytes:
 
 
 def twice(text: bytes, random: Random) -> bytes:
-    """A part of the file is repeated."""
+    """Repeat a part of the file."""
     start = random.randrange(len(text))
     part = text[start : start + random.randrange(1, 200)]
     return text[:start] + part * random.choice((2, 2, 20)) + text[start:]
@@ -107,11 +107,11 @@ def twice(text: bytes, random: Random) -> bytes:
 
 CHANGES = (flip, cut, line, value, unit, number, syntax, twice)
 KINDS = {"bearings": "bearing", "rigs": "rig"}
-"""How a study names a file of `configs/`."""
+"""Keys by which a study refers to the files of `configs/`, by folder."""
 
 
 def mutants(folder: Path, count: int, seed: int) -> Iterator[tuple[str, Path]]:
-    """Seeded mutants of the shipped files, and what was changed; a config's is named by a study of its own."""
+    """Write seeded mutants of the shipped files; yield the change and the study (or a study of the config)."""
     random = Random(seed)
     files = sorted([*HOME.glob("studies/*.yaml"), *HOME.glob("configs/*/*.yaml")])
     for n in range(count):
@@ -128,7 +128,7 @@ def mutants(folder: Path, count: int, seed: int) -> Iterator[tuple[str, Path]]:
 
 
 def of_material(path: Path) -> str:
-    """A study whose bearing is of another material."""
+    """Return a study whose bearing has the material of a file."""
     bearing = (HOME / "configs" / "bearings" / "nf308.yaml").read_text().replace("steel", str(path))
     indented = "".join(f"  {text}\n" for text in bearing.splitlines() if not text.startswith("#"))
     return with_("bearing:") + indented

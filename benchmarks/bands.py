@@ -1,10 +1,11 @@
-"""Is a number what its name says: no line in an envelope that is not there, a band whatever the sampling?
+"""Test of envelope spectra for spurious lines, and of a band RMS for independence of the sampling.
 
     python -m benchmarks.bands [--cases 25] [--seed 1] [--csv docs/data/bands.csv]
 
-Outer-race defects of three bearings, drawn by chance, and the paper's slot. What repeats itself vibrates at
-multiples of BPFO alone: of its envelope the largest line elsewhere is put over that at BPFO, at two samplings.
-`velocity.rms@10-1000Hz` is compared from 10 240 to 409 600 Hz, the least contact force with the largest.
+Scenes are random outer-race defects of three bearings, and the slot of the paper. A periodic response has lines at
+multiples of BPFO only, so the largest envelope line elsewhere, relative to that at BPFO, is spurious; it is
+computed at two sampling rates. `velocity.rms@10-1000Hz` is compared between sampling rates of 10 240 to 409 600
+Hz, and the least contact force with the largest.
 """
 
 import random
@@ -23,7 +24,7 @@ SAMPLINGS = (10_240, 20_480)
 FINEST = 409_600
 RMS = "velocity.rms@10-1000Hz"
 NEAR = 0.1
-"""Of BPFO: what is so near to a multiple of it is part of it."""
+"""Distance from a multiple of BPFO, relative to BPFO, within which a line belongs to it."""
 PAPER: dict[str, Any] = {
     "bearing": "nf308",
     "speed": "1800 rpm",
@@ -34,7 +35,7 @@ LARGEST_GHOST, LARGEST_CHANGE, LARGEST_TENSION = 0.01, 0.01, 0.01
 
 
 class Told(NamedTuple):
-    """Of a scene: ghosts over the line at BPFO, by sampling; the RMS's change; the least force over the most."""
+    """Result of a scene: spurious over BPFO line by sampling, change of the RMS, least over largest force."""
 
     scene: str
     repeats: bool
@@ -64,7 +65,7 @@ def scene(chance: random.Random) -> dict[str, Any]:
 
 
 def measured(fields: dict[str, Any]) -> Told:
-    """Compute a scene at each sampling, and compare."""
+    """Compute a scene at each sampling rate, and compare."""
     asked = {"model": "rollers", "duration": "0.5 s", "features": [RMS], "step_check": False}
     asked["record"] = ["sensor.acceleration", "roller.1.outer_force"]
     ghosts, rms, force = [], [], np.zeros(1)
@@ -85,7 +86,7 @@ def measured(fields: dict[str, Any]) -> Told:
 
 
 def ghost(series: np.ndarray, fs: float, line: float) -> float:
-    """The largest line of the squared envelope off the multiples of ``line`` (Hz), over that at ``line``."""
+    """Return the largest squared-envelope line off the multiples of ``line`` (Hz), over that at ``line``."""
     passes = int(len(series) / fs * line)
     frequency, amplitude = signals.envelope_spectrum(series[: round(passes * fs / line)], fs)
     off = np.abs(frequency / line - np.round(frequency / line)) > NEAR
@@ -94,7 +95,7 @@ def ghost(series: np.ndarray, fs: float, line: float) -> float:
 
 
 def main() -> None:
-    """Measure all scenes, and write the table. Exit code 1 if one is not as it should be."""
+    """Measure all scenes and write the table. Exit code 1 if a scene exceeds a limit."""
     frame = table(__doc__, 25, scene, measured, fixed=[PAPER])
     print(f"{frame['held'].sum()} of {len(frame)} held; {frame['repeats'].sum()} repeat themselves")
     sys.exit(int(not frame["held"].all()))

@@ -1,4 +1,4 @@
-"""Campaign over scenes drawn by chance: its arguments, the loop over scenes, the table of rows."""
+"""Campaign over random scenes: arguments, loop over scenes, table of results."""
 
 import argparse
 import random
@@ -23,8 +23,8 @@ def table(
 ) -> pd.DataFrame:
     """Measure ``cases`` scenes, the fixed ones first, the rest by chance; print and store each row in ``--csv``.
 
-    A scene that fails is left out, and another is drawn for it. ``--cases`` and ``--seed`` (default 1) change
-    the number and the scenes.
+    A scene that fails is replaced by another. ``--cases`` and ``--seed`` (default 1) change the number and the
+    scenes.
     """
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cases", type=int, default=cases)

@@ -1,11 +1,11 @@
-"""What `check` takes of studies whose blocks are crossed, of those that it refuses and of those that are valid.
+"""CPU time and memory of `check` for mutated studies, refused or valid, against limits.
 
     python -m benchmarks.check_limits [--count 300] [--seed N] [--csv docs/data/check_limits.csv]
 
-The mutants are those of ``crossed_blocks.py``; by default the commit is their seed. A study that is refused is
-checked in a process of its own, which may take 2 s of CPU time and 300 MB. A valid one is checked in a fork of a
-process that has imported everything and has checked other studies: 1 s and 1 ms a job. Code that only it needs is
-compiled before. Memory is the system's count, which is at least that of the process that started the command.
+The mutants are those of ``crossed_blocks.py``, by default seeded from the commit. A refused study is checked in a
+separate process, within 2 s of CPU time and 300 MB. A valid study is checked in a fork of a process that has
+imported all modules and checked other studies, within 1 s plus 1 ms per job, without the compilation of its code.
+Memory is reported by the operating system, and is at least that of the process that started the command.
 """
 
 import argparse
@@ -26,11 +26,11 @@ from benchmarks.hostile import HOME, Ended, Limits, alone, faults, in_here
 
 PLANNED = re.compile(r"^\S+: (\d+) jobs? \(", re.MULTILINE)
 PER_STUDY, PER_JOB = 1.0, 1e-3
-"""s of CPU time of a valid study."""
+"""Limits of CPU time (s) for a valid study, and for each of its jobs."""
 
 
 class Checked(NamedTuple):
-    """How a mutant was checked: exit code, jobs, CPU time and what it may be (s), memory (MB), what is wrong."""
+    """Result of a mutant: exit code, jobs, CPU time and its limit (s), memory (MB), faults."""
 
     number: int
     change: str
@@ -43,7 +43,7 @@ class Checked(NamedTuple):
 
 
 def warm(*words: str) -> Ended:
-    """A command, typed in a fork of this process."""
+    """Run a command in a fork of this process."""
     context = get_context("fork")
     ours, theirs = context.Pipe(duplex=False)
     process = context.Process(target=_typed, args=(theirs, words))
@@ -58,29 +58,29 @@ def _typed(answer: Connection, words: tuple[str, ...]) -> None:
 
 
 def jobs_planned(ended: Ended) -> int:
-    """The number of jobs that `check` has planned, refused or not; 0 if the study itself is refused."""
+    """Return the number of jobs planned by `check`, including refused jobs; 0 for a refused study."""
     planned = PLANNED.search(ended.said)
     return int(planned[1]) if planned else 0
 
 
 def limits(jobs: int) -> Limits:
-    """What `check` may take of a study with so many jobs, of one that is refused without any."""
+    """Return the limits of `check` for a study with some jobs; without jobs, those of a refused study."""
     return Limits(PER_STUDY + PER_JOB * jobs, inf) if jobs else Limits()
 
 
 def checked(path: Path) -> Ended:
-    """Check a study as its limits are meant: warm if it is valid, in a process of its own if it is refused."""
+    """Check a study: in a warm process if it is valid, in a separate process if it is refused."""
     ended = warm("check", str(path))
     jobs = jobs_planned(ended)
     if not jobs and ended.code:
         return alone("check", str(path))
-    if ended.cpu > limits(jobs).cpu:  # it may have compiled
+    if ended.cpu > limits(jobs).cpu:  # it may have included compilation
         return warm("check", str(path))
     return ended
 
 
 def judged(number: int, change: str, path: Path, ended: Ended) -> Checked:
-    """The row of a mutant."""
+    """Return the row of a mutant."""
     jobs = jobs_planned(ended)
     most = limits(jobs)
     wrong = faults(ended, path, most)
@@ -91,7 +91,7 @@ def judged(number: int, change: str, path: Path, ended: Ended) -> Checked:
 
 
 def seed_of_commit() -> int:
-    """A seed from the commit that is checked out."""
+    """Derive a seed from the commit."""
     commit = subprocess.run(
         ["git", "rev-parse", "HEAD"], cwd=HOME, check=True, capture_output=True, text=True
     ).stdout
@@ -99,13 +99,13 @@ def seed_of_commit() -> int:
 
 
 def main() -> int:
-    """Write the table; 1 if a limit did not hold."""
+    """Write the table; return 1 if a limit is exceeded."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=300)
     parser.add_argument("--seed", type=int, default=seed_of_commit())
     parser.add_argument("--csv", type=Path, default=HOME / "docs" / "data" / "check_limits.csv")
     asked = parser.parse_args()
-    for imports in ("slip", "sensitivity"):  # what every study needs, and what designs do
+    for imports in ("slip", "sensitivity"):  # imports of all studies, and of designs
         in_here("check", str(HOME / "studies" / f"{imports}.yaml"))
     rows = []
     with TemporaryDirectory() as folder:

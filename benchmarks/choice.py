@@ -1,11 +1,10 @@
-"""Is the method that `auto` takes the cheapest? Ten scenes, each by every method that can, steps by hand.
+"""Cost of the method chosen by `auto`, compared with all applicable methods and steps, for ten scenes.
 
     python benchmarks/choice.py [--scene NAME] [--each]
 
-Five scenes repeat themselves, five do not. A reference is Verlet's method at a sixteenth of the automatic step. An
-error is the largest of three: of the fault's line, the RMS and the largest force, each relative. Told of each
-scene: the method, the error and the CPU time (s, steps alone) of `auto`; the cheapest run of all that are at most
-as far off; the ratio of the two times.
+Five scenes are periodic, five are not. The reference is the Verlet method at 1/16 of the step limit at impact. The
+error is the largest relative error of defect line, RMS and largest force. Printed for each scene: method, error
+and CPU time (s, time steps only) of `auto`; the cheapest run with no larger error; the ratio of the two times.
 """
 
 import argparse
@@ -34,14 +33,14 @@ SCENES: dict[str, dict[str, Any]] = {
     "ring, inner race, chi": {"model": "ring", "contact": CHI} | INNER,
     "planar, inner race": {"model": "planar"} | KINEMATIC | INNER,
 }
-PARTS = [4.0 * 2.0 ** (-n / 2) for n in range(13)]  # of the automatic step
+PARTS = [4.0 * 2.0 ** (-n / 2) for n in range(13)]  # fractions of the step limit at impact
 TOLERANCES = [1e-3 * 10.0 ** (-n / 2) for n in range(13)]
 FINE = 1.0 / 16.0
-SLOWEST = 3.0  # times the CPU time of `auto`: what takes more is of no interest
+SLOWEST = 3.0  # times the CPU time of `auto`, above which finer settings are not tried
 
 
 class Run(NamedTuple):
-    """One way to compute a scene: its features, and CPU time of its steps (s)."""
+    """Run of a scene: name, features, CPU time of its steps (s)."""
 
     name: str
     features: dict[str, float]
@@ -49,20 +48,20 @@ class Run(NamedTuple):
 
 
 def scene(fields: dict[str, Any]) -> Case:
-    """A case of the NF308 at 1800 rpm and 150 N, 0.3 s of it."""
+    """Return a case of the NF308 at 1800 rpm and 150 N, 0.3 s long."""
     usual = {"bearing": "nf308", "speed": 1800.0 * 3.14159265 / 30.0, "load": 150.0, "duration": 0.3}
     return Case.model_validate(usual | {"defects": [SLOT], "record": []} | fields)
 
 
 def run(case: Case, name: str) -> Run:
-    """Computed twice, as the first time compiles."""
+    """Compute a case twice, because the first run compiles; return the second."""
     simulate(case)
     record = simulate(case)
     return Run(name, record.features, float(record.info["integrator_cpu_s"]))
 
 
 def by_hand(case: Case, most: float) -> Iterator[Run]:
-    """All methods that can step the case, at steps or tolerances from coarse to fine, up to one of ``most`` s."""
+    """Yield runs of all applicable methods, from coarse to fine, until one takes more than ``most`` s."""
     for name, method in METHODS.items():
         if not choice.can_step(case, name):
             continue
@@ -83,13 +82,13 @@ def by_hand(case: Case, most: float) -> Iterator[Run]:
 
 
 def error(case: Case, found: Run, right: Run) -> float:
-    """The largest relative error of line, RMS and largest force."""
+    """Return the largest relative error of line, RMS and largest force."""
     names = [*(f"velocity@{line}" for line in fault_lines(case)), "velocity.rms", "outer_force.max"]
     return max(abs(found.features[name] / right.features[name] - 1.0) for name in names)
 
 
 def told(name: str, case: Case, each: bool) -> str:
-    """A line for a scene."""
+    """Return the printed line of a scene."""
     auto = run(case, "auto")
     method = str(simulate(case).info["method"])
     exact = choice.with_method(case, "verlet")
@@ -107,7 +106,7 @@ def told(name: str, case: Case, each: bool) -> str:
 
 
 def main() -> None:
-    """Print what the head of this file announces."""
+    """Print a line per scene."""
     asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     asked.add_argument("--scene", action="append", choices=list(SCENES))
     asked.add_argument("--each", action="store_true", help="a line for each run")

@@ -1,9 +1,9 @@
-"""What a dask scheduler costs a unit of work: units that take no time, by two workers on this machine.
+"""Overhead of a dask scheduler per unit of work, with empty units and two local workers.
 
     nice -n 10 python -m benchmarks.cluster [--units 100000] [--out FOLDER]
 
-Each unit holds one job with a case of its own, which gives 60 features at once. A worker seals them in a file, and
-its bytes come back and are sealed in the results folder, as in a run. Told are time, CPU time and memory.
+Each unit has one job with its own case, which returns 60 features immediately. As in a run, a worker writes them
+to a file, whose bytes are returned and stored in the results folder. Time, CPU time and memory are printed.
 """
 
 import argparse
@@ -41,17 +41,17 @@ TELL_EVERY = 10_000
 
 
 def nothing(cases: Any) -> None:
-    """Nothing to compile."""
+    """Skip compilation."""
 
 
 def record(case: Any) -> Any:
-    """A result without series."""
+    """Return a result without series."""
     return SimpleNamespace(time=[], series={}, features=FEATURES, info={"step_s": 1e-6, "model": "none"})
 
 
 @dataclass(frozen=True)
 class Used:
-    """What a process has used: CPU time in s, and its memory now, in bytes."""
+    """Resources of a process: CPU time (s) and current memory (bytes)."""
 
     cpu: float
     memory: int
@@ -64,7 +64,7 @@ class Used:
 
 @contextmanager
 def cluster(folder: Path) -> Iterator[tuple[str, psutil.Process]]:
-    """A scheduler and two workers: its address, and its process."""
+    """Start a scheduler and two workers; yield its address and its process."""
     told = folder / "scheduler.json"
     dask = (sys.executable, "-m", "dask")
     options = ("--no-dashboard", "--host", "127.0.0.1")
@@ -88,7 +88,7 @@ def cluster(folder: Path) -> Iterator[tuple[str, psutil.Process]]:
 
 
 def works(study: Study, root: Path, count: int) -> list[Work]:
-    """Units of one job, each with a load of its own."""
+    """Make units of one job, each with a different load."""
     case, provenance = study.cases()[0], store.provenance(study)
     cases = (case.model_copy(update={"load": 100.0 + 1e-3 * n}) for n in range(count))
     jobs = (Job(case, {"load": case.load}) for case in cases)
@@ -96,7 +96,7 @@ def works(study: Study, root: Path, count: int) -> list[Work]:
 
 
 def main() -> None:
-    """Measure, and print a table."""
+    """Measure and print a table."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--units", type=int, default=100_000)
     parser.add_argument("--out", type=Path, help="results folder (default: a passing one)")
@@ -112,7 +112,7 @@ def main() -> None:
 
 
 def measure(units: list[Work], address: str, scheduler: psutil.Process) -> None:
-    """Send the units, and tell now and then what it takes."""
+    """Send the units, printing resources at intervals."""
     client = psutil.Process()
     print(f"load of the machine {os.getloadavg()[0]:.1f} on {os.cpu_count()} CPUs")
     print(f"{'units':>8} {'ms/unit':>8}   CPU ms/unit of client, scheduler;  MB of client, scheduler")

@@ -2,8 +2,8 @@
 
     python -m benchmarks.compiler_gains
 
-Each variant runs in a process and with a cache of its own: `rollers` compiled as linked code and as numba does it
-by itself; a ring that bends with sums in vector registers and with plain loops. CPU time; about two minutes.
+Each variant runs in a separate process with its own cache: `rollers` with linked code and with default numba
+compilation, and a flexible ring with sums in vector registers and with plain loops. About two minutes of CPU time.
 """
 
 import os
@@ -54,7 +54,7 @@ def measure(variant: str) -> None:
 
 
 def link_nothing() -> None:
-    """Leave compilation to numba."""
+    """Disable linking, so that numba compiles by default."""
     from bearingsim.core import linking
 
     linking.FOUND = False

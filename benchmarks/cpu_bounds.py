@@ -1,10 +1,10 @@
-"""Does a job end by the CPU time that it is given, whichever phase takes it?
+"""Test of the CPU limit of a job in each of its phases.
 
     python -m benchmarks.cpu_bounds [--only NAME ...] [--csv docs/data/cpu_bounds.csv]
 
-Extreme studies, each of which spends its time in another phase of a job, are run by the command line in one
-process under ``--max-cpu '5 s'``, twice: the first run compiles, the second is measured. The command's CPU time,
-start-up and table included, must stay under 6 s for each of its jobs.
+Extreme studies, each with its CPU time in a different phase of a job, are run twice by the command line in one
+process under ``--max-cpu '5 s'``: the first run compiles, the second is measured. The CPU time of the command,
+including start-up and table, must stay below 6 s per job.
 """
 
 import argparse
@@ -21,11 +21,11 @@ import pandas as pd
 from bearingsim import store
 
 GIVEN_S, ALLOWED_S = 5.0, 6.0
-"""CPU time that a job is given, and after which it must have ended."""
+"""CPU limit of a job, and largest measured CPU time per job (s)."""
 ALIKE = {"bearing": "nf308", "speed": "1800 rpm", "settle": "0 s"}
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 INNER = SLOT | {"race": "inner"}
-LOADS = {"sweep": {"load": ["150 N", "165 N"]}}  # with a healthy case each
+LOADS = {"sweep": {"load": ["150 N", "165 N"]}}  # each load has a healthy case
 EXTREMES: dict[str, dict[str, Any]] = {
     "light ring": {"model": "rollers", "duration": "0.1 s", "rig": {"ring_mass": "1e-6 kg"}, "defect": SLOT}
     | LOADS,
@@ -95,7 +95,7 @@ EXTREMES: dict[str, dict[str, Any]] = {
     }
     | LOADS,
 }
-"""Fields of a study, by name; most of them priced under the bound, which they exceed."""
+"""Fields of each study, by name; most have an estimated cost below the limit, which they exceed."""
 PHASES = {
     "check_step": "step check",
     "_record": "features and series",
@@ -103,13 +103,13 @@ PHASES = {
     "_record_steps": "steps",
     "simulate": "other",
 }
-"""Phases of a job by a function that its traceback names, from the one that is looked for first."""
+"""Phases of a job by a function in its traceback, in the order of the search."""
 
 
 class Bounded(NamedTuple):
-    """A study run under a bound: its jobs and what became of them, CPU times, and whether the bound held.
+    """Result of a study under a CPU limit: jobs and their outcome, CPU times, whether the limit was met.
 
-    phase: in which jobs were stopped; priced_s: of the dearest job.
+    phase: phase in which jobs were stopped; priced_s: largest estimate of a job.
     """
 
     study: str
@@ -127,7 +127,7 @@ class Bounded(NamedTuple):
 
 
 def study_of(name: str, folder: Path) -> Path:
-    """Write the study file of an extreme."""
+    """Write an extreme study file."""
     path = folder / f"{name.replace(' ', '-')}.yaml"
     fields = {"study": path.stem, **ALIKE, **EXTREMES[name]}
     path.write_text(json.dumps(fields, indent=1))
@@ -135,7 +135,7 @@ def study_of(name: str, folder: Path) -> Path:
 
 
 def bounded(name: str) -> Bounded:
-    """Run an extreme under the bound, compiled code at hand."""
+    """Run an extreme study under the limit, after compilation."""
     with tempfile.TemporaryDirectory() as folder:
         study, out = study_of(name, Path(folder)), Path(folder) / "results"
         first = command("run", str(study), "--jobs", "1", "--max-cpu", f"{GIVEN_S} s", "--out", f"{out}-first")
@@ -162,12 +162,12 @@ def bounded(name: str) -> Bounded:
 
 
 def phase(traceback: str) -> str:
-    """The phase of a job in which its traceback ends."""
+    """Return the phase of a job in which its traceback ends."""
     return next(name for function, name in PHASES.items() if f"in {function}\n" in traceback)
 
 
 def command(*words: str) -> float:
-    """Type a command; returns the CPU time (s) of its processes."""
+    """Run a command; return the CPU time (s) of its processes."""
     before = _cpu_of_children()
     done = subprocess.run(
         [sys.executable, "-m", "bearingsim", *words], capture_output=True, text=True, check=False
@@ -178,7 +178,7 @@ def command(*words: str) -> float:
 
 
 def said(*words: str) -> str:
-    """What a command prints."""
+    """Run a command; return its output."""
     return subprocess.run(
         [sys.executable, "-m", "bearingsim", *words], capture_output=True, text=True, check=False
     ).stdout
@@ -190,7 +190,7 @@ def _cpu_of_children() -> float:
 
 
 def main() -> None:
-    """Run all, or some; write the table. Exit code 1 if a bound did not hold."""
+    """Run all or some studies; write the table. Exit code 1 if a limit is exceeded."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", nargs="+", choices=EXTREMES, default=list(EXTREMES))
     parser.add_argument("--csv", type=Path)

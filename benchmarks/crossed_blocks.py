@@ -1,7 +1,7 @@
-"""Seeded changes of study files that cross their blocks: parts of one stand in another, of the same study or not.
+"""Seeded mutations of study files that move parts between blocks of the same study or of two studies.
 
-A change of letters mostly ends at the first mistake of the syntax; these stay YAML, so that they reach what comes
-later: paths that lead elsewhere, values of other units, sweeps of other studies.
+Unlike changes of characters, which mostly end at a syntax error, these mutants are valid YAML, and so reach later
+stages: wrong paths, values with other units, sweeps of other studies.
 """
 
 from collections.abc import Callable, Iterator
@@ -14,41 +14,41 @@ import yaml
 
 HOME = Path(__file__).resolve().parents[1]
 SLOW = sorted((HOME / "benchmarks" / "slow").glob("*.yaml"))
-"""Studies that took a minute to check: one is refused, one is valid."""
+"""Studies that once took a minute to check; one is refused, one is valid."""
 SHIPPED = [*sorted(HOME.glob("studies/*.yaml")), *sorted(HOME.glob("bearingsim/bench/scenes/*.yaml")), *SLOW]
 Tree = Any
 
 
 class Place(NamedTuple):
-    """An entry of a tree: the mapping or list that holds it, and its key or number there."""
+    """Position in a tree: the mapping or list that contains an entry, and its key or index."""
 
     holder: Any
     key: Any
 
     @property
     def value(self) -> Tree:
-        """What stands there."""
+        """Value of the entry."""
         return self.holder[self.key]
 
 
 def read(text: str) -> Tree:
-    """The tree of a file, its scalars as they are written."""
+    """Parse a file into a tree with scalars as written."""
     return yaml.load(text, yaml.BaseLoader)
 
 
 class _Dumper(yaml.SafeDumper):
-    """Writes scalars without quotes wherever YAML allows."""
+    """Dumper that omits the quotes of scalars where YAML allows."""
 
     yaml_implicit_resolvers: dict = {}  # noqa: RUF012 (as in PyYAML)
 
 
 def written(tree: Tree) -> str:
-    """The text of a tree."""
+    """Return the text of a tree."""
     return yaml.dump(tree, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=110)
 
 
 def places(tree: Tree) -> Iterator[Place]:
-    """Every entry of a tree."""
+    """Yield all entries of a tree."""
     entries = tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list) else ()
     for key, value in entries:
         yield Place(tree, key)
@@ -56,21 +56,21 @@ def places(tree: Tree) -> Iterator[Place]:
 
 
 def mappings(tree: Tree) -> list[dict]:
-    """Every mapping of a tree, the tree first."""
+    """List all mappings of a tree, the root first."""
     return [tree, *(place.value for place in places(tree) if isinstance(place.value, dict))]
 
 
-# Changes: each of a study's tree, with that of another to take from
+# Changes of the tree of a study, some of which copy from the tree of another study
 
 
 def block_of_another(tree: Tree, other: Tree, random: Random) -> None:
-    """A block of one study in another."""
+    """Copy a block of another study."""
     key = random.choice([key for key in other if key != "study"])
     tree[key] = deepcopy(other[key])
 
 
 def entry_elsewhere(tree: Tree, other: Tree, random: Random) -> None:
-    """An entry moved to another block of its study."""
+    """Move an entry to another block of its study."""
     place = random.choice(list(places(tree)))
     value = place.value
     del place.holder[place.key]
@@ -78,26 +78,26 @@ def entry_elsewhere(tree: Tree, other: Tree, random: Random) -> None:
 
 
 def entry_of_another(tree: Tree, other: Tree, random: Random) -> None:
-    """An entry of another study in any block."""
+    """Copy an entry of another study into any block."""
     place = random.choice([place for place in places(other) if isinstance(place.holder, dict)])
     random.choice(mappings(tree))[place.key] = deepcopy(place.value)
 
 
 def value_elsewhere(tree: Tree, other: Tree, random: Random) -> None:
-    """A value, or a whole block, where another stood."""
+    """Replace a value or block by another of either study."""
     source, target = random.choice(list(places(random.choice((tree, other))))), random.choice(list(places(tree)))
     target.holder[target.key] = deepcopy(source.value)
 
 
 def same_key(tree: Tree, other: Tree, random: Random) -> None:
-    """A value that another study gives to the same key, or path."""
+    """Copy the value of the same key or path from another study."""
     shared = [(a, b) for a in places(tree) for b in places(other) if a.key == b.key and isinstance(a.key, str)]
     target, source = random.choice([pair for pair in shared if pair[0].key != "study"] or shared)
     target.holder[target.key] = deepcopy(source.value)
 
 
 def swept_instead(tree: Tree, other: Tree, random: Random) -> None:
-    """A value of the base as a sweep, or a sweep's value in the base."""
+    """Turn a value of the base into a sweep, or a swept value into one of the base."""
     sweep = tree.setdefault("sweep", {})
     if not isinstance(sweep, dict):
         return
@@ -116,7 +116,7 @@ NO_CASE = ("study", "sweep", "quick", "figures", "uncertainty", "accuracy", "rec
 
 
 def scalars_of(tree: Tree, prefix: str = "") -> list[tuple[str, str]]:
-    """The scalars of mappings within mappings, by path."""
+    """List the scalars of nested mappings with their paths."""
     found = []
     for key, value in tree.items():
         if isinstance(value, dict):
@@ -127,14 +127,14 @@ def scalars_of(tree: Tree, prefix: str = "") -> list[tuple[str, str]]:
 
 
 def renamed_key(tree: Tree, other: Tree, random: Random) -> None:
-    """A key, or a path, under the name of another."""
+    """Rename a key or path to another one."""
     names = [place.key for place in (*places(tree), *places(other)) if isinstance(place.key, str)]
     place = random.choice([place for place in places(tree) if isinstance(place.holder, dict)])
     place.holder[random.choice(names)] = place.holder.pop(place.key)
 
 
 def emptied(tree: Tree, other: Tree, random: Random) -> None:
-    """A block without what is in it, or missing."""
+    """Empty or delete a block."""
     place = random.choice(list(places(tree)))
     if random.random() < 0.5 and not isinstance(place.value, str):
         place.holder[place.key] = type(place.value)()
@@ -156,7 +156,7 @@ CHANGES: tuple[Change, ...] = (
 
 
 def crossed(count: int, seed: int) -> Iterator[tuple[str, Tree]]:
-    """So many mutants of the shipped studies, with what was changed; the first are the slow ones as they are."""
+    """Yield ``count`` mutants of the shipped studies with their changes, after the unchanged slow studies."""
     random = Random(seed)
     yield from ((f"unchanged {path.stem}", read(path.read_text())) for path in SLOW[:count])
     for number in range(count - len(SLOW)):
@@ -168,7 +168,7 @@ def crossed(count: int, seed: int) -> Iterator[tuple[str, Tree]]:
 
 
 def write_crossed(folder: Path, count: int, seed: int) -> Iterator[tuple[str, Path]]:
-    """The mutants as files in a folder, beside the scans that they name."""
+    """Write the mutants into a folder, with a link to the scans that they use; yield change and file."""
     (folder / "scans").symlink_to(HOME / "studies" / "scans")
     for number, (name, tree) in enumerate(crossed(count, seed)):
         path = folder / f"crossed-{number}.yaml"

@@ -1,10 +1,9 @@
-"""Where a rolling element is when it enters a wide defect and when it strikes the far edge:
-docs/double_impulse.md.
+"""Entry and impact positions of a rolling element that crosses a wide defect (docs/double_impulse.md).
 
     python benchmarks/double_impulse.py [--csv FILE]
 
-Events are read from the contact forces, and their spacing again from the ring's motion as from a measured signal
-(`signals.spacing`). About 2 CPU minutes.
+Events are detected in the contact forces. Their spacing is also determined from the motion of the ring, as from a
+measured signal (`signals.spacing`). About 2 minutes of CPU time.
 """
 
 import argparse
@@ -23,13 +22,13 @@ from bearingsim.signals import spacing
 from bearingsim.simulation.simulate import Record, simulate
 
 OUTER_6205 = 0.02349  # m, radius of the outer race
-ARCS = (5.0, 8.0)  # degrees of the outer race, as on the bearings that were measured
-DEPTHS = (20e-6, 30e-6, 50e-6)  # m; that of the measured bearings is not known
+ARCS = (5.0, 8.0)  # degrees of the outer race, as for the measured bearings
+DEPTHS = (20e-6, 30e-6, 50e-6)  # m; unknown for the measured bearings
 SPEEDS = (600, 900, 1200)  # rpm
-LIFTED = 0.5  # of the force on the sound race: under it the element has entered
-STRUCK = 0.1  # of that force: over it the far edge has been struck, the floor not
-EARLY = 1.1  # times the expected distance from the defect's end, from where a strike is looked for
-PASSES = 52  # of the record whose spacing is read from the ring
+LIFTED = 0.5  # of the force before the defect; the element has entered below it
+STRUCK = 0.1  # of that force; the element has struck the far edge above it (but not the floor)
+EARLY = 1.1  # times the expected distance of the impact from the far rim, where the search begins
+PASSES = 52  # ball passes of the record of the ring
 COLUMNS = (
     "bearing",
     "width_mm",
@@ -48,18 +47,18 @@ COLUMNS = (
 
 
 class Crossing(NamedTuple):
-    """Places (m from the near rim) where one element has entered, and where it strikes the far edge."""
+    """Positions (m from the near rim) at which an element has entered the defect and strikes the far edge."""
 
     entry: float
     strike: float
 
 
 CONTACT: dict[str, Any] = {"contact": {"damping": {"law": "hunt-crossley", "chi": "50 s/m"}}}
-"""Continuous at touch-down: the force on an edge is read as it rises."""
+"""Contact law with a continuous force at impact, so that its rise can be detected."""
 
 
 class Reading(NamedTuple):
-    """Means over the crossings of a record: places (m), their spacing and the whole crossing (s)."""
+    """Means over the crossings of a record: positions (m), their spacing and the whole crossing (s)."""
 
     entry: float
     strike: float
@@ -68,7 +67,7 @@ class Reading(NamedTuple):
 
 
 def scene(bearing: str, rpm: float, width: float, depth: float, passes: float = 5, **changes: Any) -> Case:
-    """A slot (m) over the whole of an element's track at phi = 0 and 150 N; every element's outer force, raw."""
+    """Return a case with a slot (m) over the track at phi = 0 and 150 N, with unfiltered outer forces."""
     base = {"bearing": bearing, "speed": rpm * pi / 30.0, "load": "150 N", "model": "rollers"} | CONTACT | changes
     b = Case.model_validate(base).bearing
     ball_pass = 1.0 / b.ball_pass_frequency(rpm * pi / 30.0)
@@ -79,13 +78,13 @@ def scene(bearing: str, rpm: float, width: float, depth: float, passes: float = 
 
 
 def reach(case: Case) -> float:
-    """sqrt(2 R_eff d) (m): before a rim, the element touches it from the floor."""
+    """Compute sqrt(2 R_eff d) (m), the distance from a rim at which an element on the floor touches it."""
     b = assemble.model(case).bearing
     return sqrt(2.0 * b.R_w * b.R_o / (b.R_o - b.R_w) * case.defects[0].depth)
 
 
 def crossings(case: Case, record: Record) -> Iterator[Crossing]:
-    """Every whole crossing in the record, by its contact forces; the cage at its kinematic speed."""
+    """Yield all complete crossings of a record, from contact forces at kinematic cage speed."""
     b, width, x = assemble.model(case).bearing, case.defects[0].width, reach(case)
     for j in range(b.Z):
         turned = record.info["cage_angle_start_rad"] + b.omega_c * record.time + 2.0 * pi * j / b.Z
@@ -98,7 +97,7 @@ def crossings(case: Case, record: Record) -> Iterator[Crossing]:
 
 
 def crossed(along: np.ndarray, force: np.ndarray, edge: float) -> Crossing:
-    """Events of one crossing: places (n,) in m, forces (n,) in N; ``edge``: where the far edge may begin."""
+    """Detect the events of a crossing from positions (n,) in m and forces (n,) in N; ``edge`` precedes impact."""
     sound = force[along < 0.0].mean()
     lifted = np.flatnonzero((along > 0.0) & (force < LIFTED * sound))
     struck = np.flatnonzero((along >= edge) & (force > STRUCK * sound))
@@ -106,7 +105,7 @@ def crossed(along: np.ndarray, force: np.ndarray, edge: float) -> Crossing:
 
 
 def read(case: Case) -> Reading:
-    """Simulate a case and read its crossings."""
+    """Simulate a case and average its crossings."""
     b = assemble.model(case).bearing
     entry, strike = np.mean(list(crossings(case, simulate(case))), axis=0)
     speed = b.R_o * b.omega_c
@@ -114,7 +113,7 @@ def read(case: Case) -> Reading:
 
 
 def spacing_of_ring(case: Case, quantity: str) -> float:
-    """Spacing (s) of the two impulses in the ring's ``velocity`` or ``acceleration``, read as from a sensor."""
+    """Determine the spacing (s) of the two impulses from the ring's ``velocity`` or ``acceleration``."""
     ball_pass = 1.0 / case.bearing.ball_pass_frequency(case.speed)
     changes = {
         "sampling": 51200.0,
@@ -127,7 +126,7 @@ def spacing_of_ring(case: Case, quantity: str) -> float:
 
 
 def rows() -> Iterator[dict[str, Any]]:
-    """The table: arcs of the 6205, slots of the NF308."""
+    """Yield the rows of the table: arcs of the 6205, slots of the NF308."""
     arcs = [("6205", radians(arc) * OUTER_6205, depth, rpm) for arc, depth, rpm in product(ARCS, DEPTHS, SPEEDS)]
     slots = [("nf308", width, 30e-6, rpm) for width, rpm in product((2e-3, 3e-3, 4e-3, 6e-3), (900, 1800))]
     for bearing, width, depth, rpm in [*arcs, *slots]:

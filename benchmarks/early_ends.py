@@ -1,13 +1,13 @@
-"""Do records that end early under an accuracy hold it, and what do they cost?
+"""Accuracy and cost of records that end early under an `accuracy`.
 
     python -m benchmarks.early_ends [--scenes 40] [--seed 5077] [--before d1394a6] [--csv docs/data/early_ends.csv]
 
-The light scenes of ``benchmarks/friction.py``, 1 s long, ask 2 % of the fault's line and of the RMS, and leave
-friction open. The result, which has ended early or not, is compared with the same case in full: both features
-must be within 2 %. The report counts those within two of the stated standard errors of both records. The CPU time
-of trials and job is divided by that of the default `planar` at an earlier commit, in the same minute; compiling is
-left out. A scene in OUT is not computed again. Exit code 1 if under 95 % are within 2 %, or the CPU time is over a
-quarter.
+The light scenes of ``benchmarks/friction.py``, 1 s long, request 2 % for the defect line and the RMS, without a
+friction setting. The result, ended early or not, is compared with the same case in full; both features must be
+within 2 %. The report also counts those within two standard errors of both records. The CPU time of trials and job
+is divided by that of the default `planar` at an earlier commit, measured in the same minute; compilation is
+excluded. Scenes in OUT are not recomputed. Exit code 1 if less than 95 % are within 2 %, or the CPU time ratio
+exceeds 1/4.
 """
 
 import argparse
@@ -34,7 +34,7 @@ from benchmarks.friction import draw, study_of
 WITHIN, SHARE, COST = 0.02, 0.95, 0.25
 STANDARD_ERRORS = 2.0
 IN_FULL = 1e-6
-"""`until` of a record that is judged like one that ends, and never does."""
+"""Value of `until` that is never reached, so that a record is analysed but not ended early."""
 
 BEFORE = """
 import json, sys, tempfile, time
@@ -81,14 +81,14 @@ def before(commit: str) -> Callable[[dict[str, Any]], float]:
 
 
 def scene_of(number: int, seed: int) -> tuple[dict[str, Any], str]:
-    """Return a scene as a study's YAML, and the name of its line."""
+    """Return the fields of a scene's study, and the name of its line."""
     scene = draw("light", number, seed)
     line = f"velocity@{FAULT_LINES[scene['defect']['race']]}"
     return scene | {"accuracy": {"within": f"{WITHIN:.0%}", "of": [line, "velocity.rms"]}}, line
 
 
 def measured(number: int, seed: int, cpu_before: Callable[[dict[str, Any]], float]) -> dict[str, Any]:
-    """Compute a scene as a run with an accuracy does, then in full, and compare."""
+    """Compute a scene as in a run with an accuracy, then in full, and compare."""
     scene, line = scene_of(number, seed)
     study, done, of_trials = study_of(scene), dict[str, Record](), 0.0
     choosing, known = selection.Choosing(study, [0]), dict[str, Trial | None]()
@@ -127,7 +127,7 @@ def measured(number: int, seed: int, cpu_before: Callable[[dict[str, Any]], floa
 
 
 def rows_of(count: int, seed: int, commit: str, out: Path, seconds: float) -> list[dict[str, Any]]:
-    """Return the scenes, computing those that are missing until so much CPU time is used."""
+    """Return the scenes, computing missing ones until ``seconds`` of CPU time are used."""
     rows: list[dict[str, Any]] = []
     measure = before(commit)
     for number in range(count):
@@ -147,12 +147,12 @@ def rows_of(count: int, seed: int, commit: str, out: Path, seconds: float) -> li
 
 
 def short(value: Any) -> Any:
-    """Return a number in three digits, anything else as it is."""
+    """Round a number to three digits; return other values unchanged."""
     return f"{value:.3g}" if isinstance(value, float) else value
 
 
 def report(rows: list[dict[str, Any]]) -> bool:
-    """Print accuracy, coverage and cost of the scenes; return whether they suffice."""
+    """Print accuracy, coverage and cost of the scenes; return whether they meet the limits."""
     kinds = ("line", "rms")
     ended = [row for row in rows if not row["period"] and row["passes"] < row["of"]]
     kept = sum(all(row[f"{what}_off"] <= WITHIN for what in kinds) for row in rows)
@@ -165,13 +165,13 @@ def report(rows: list[dict[str, Any]]) -> bool:
 
 
 def cost(rows: list[dict[str, Any]]) -> float:
-    """Return the CPU time of trials and jobs over that before; NaN of no scenes."""
+    """Return the CPU time of trials and jobs relative to that before; NaN without scenes."""
     before_s = sum(row["before_s"] for row in rows)
     return sum(row["trials_s"] + row["job_s"] for row in rows) / before_s if rows else nan
 
 
 def main() -> None:
-    """Compute what is missing, write the table, report."""
+    """Compute missing scenes, write the table, report."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenes", type=int, default=40)
     parser.add_argument("--seed", type=int, default=5077)

@@ -1,14 +1,14 @@
-"""Is anything lost when a disk is full, a bit flips or a process ends?
+"""Tests for loss of data on full disks, flipped bits and killed processes.
 
     python benchmarks/faults.py [disks] [flips] [signals] [--seed 1]
 
-disks     `run`, `plot` and `export` into disks of 19 sizes (tmpfs, where mounting is allowed) and under 19 limits
-          of a file's size: each must end well, or with exit code 2 and a line that names the place, nothing in
-          `failed/`
-flips     1000 single bits, seeded, of all kinds of stored files: the next run repairs the results, or refuses the
-          file by name; never another result
-signals   a study that is ended 30 times at random moments, by SIGKILL, SIGTERM and SIGINT in turn: features are
-          those of an undisturbed run; the jobs that were begun and lost are counted
+disks     `run`, `plot` and `export` into disks of 19 sizes (tmpfs, if mounting is allowed) and under 19 limits
+          of file size; each must succeed, or end with exit code 2, a message that names the path, and nothing
+          in `failed/`
+flips     1000 random single bits of all kinds of stored files; the next run must repair the results, or refuse
+          the file by name, and never give different results
+signals   a study ended 30 times at random moments, by SIGKILL, SIGTERM and SIGINT in turn; its features must be
+          those of an undisturbed run; started jobs that were lost are counted
 """
 
 import argparse
@@ -59,14 +59,14 @@ KINDS = (
 
 
 def study_file(folder: Path, how: str, cases: int) -> Path:
-    """A study file of so many cases; how: its model or its accuracy."""
+    """Write a study file with ``cases`` cases; how: its model or accuracy."""
     path = folder / f"{cases}.yaml"
     path.write_text(STUDY.format(how=how, cases=cases))
     return path
 
 
 def numbers(out: Path) -> pd.DataFrame:
-    """What must be alike of two runs of a study."""
+    """Return the results that must agree between two runs of a study."""
     return store.open_results(out).table().drop(columns=["seconds", "unit"])
 
 
@@ -74,7 +74,7 @@ def numbers(out: Path) -> pd.DataFrame:
 
 
 def typed(words: list[str], limit: int | None = None) -> tuple[int, str]:
-    """Exit code (of a signal: negative) and messages of a command, typed in a process of its own."""
+    """Run a command in a process; return its exit code (negative for a signal) and messages."""
     ours, theirs = os.pipe()
     child = os.fork()
     if child == 0:

@@ -1,11 +1,11 @@
-"""Is a result flagged as one draw of many where, and only where, it is not known to 0.5 %?
+"""Test of the flag for chaotic results, which should mean a standard error above 0.5 %.
 
     python -m benchmarks.flags [--runs 60] [--planar 10] [--seed 1] [--csv docs/data/flags.csv]
 
-Runs drawn by chance are judged by four records ten times as long, computed in one go and read in parts as long as
-the run: their scatter is the standard error of the run, known to 11 %. Parts are whole ball passes, so that they
-begin at the same angle: what a border cuts off an impact depends on it. A flag is `near` where the standard error
-is within a factor of two of the limit. Runs that the file has are not computed again.
+Random runs are compared with four records ten times as long, computed as one and divided into parts as long as the
+run. The scatter of the parts is the standard error of the run, with an uncertainty of 11 %. Parts are whole ball
+passes, so that all begin at the same angle and cut impacts equally. A flag is `near` if the standard error is
+within a factor of two of the limit. Runs in the file are not recomputed.
 """
 
 import argparse
@@ -28,12 +28,12 @@ from bearingsim.store.spread import BY_BLOCKS
 
 DURATION_S, SETTLE_S, LONGER, RECORDS = 0.5, 0.1, 10, 4
 NEAR = 2.0
-"""Factor about the limit within which an estimate from one run may fall on either side."""
+"""Factor around the limit within which the estimate from a run may be on either side."""
 BEARINGS = ("6205", "nf308", "nu206")
 
 
 class Judged(NamedTuple):
-    """A result of a run: whether it is flagged, its standard errors (relative) as stated and by longer records."""
+    """Flag of a feature of a run, and its relative standard errors as stated and from longer records."""
 
     run: int
     scene: str
@@ -46,7 +46,7 @@ class Judged(NamedTuple):
 
 
 def scene(chance: random.Random, model: str) -> dict[str, Any]:
-    """Draw the fields of a case: of light damping, too, under which motions are chaotic."""
+    """Draw the fields of a case, including light damping, for which motions are chaotic."""
     width = chance.uniform(0.2, 2.0)
     return {
         "bearing": chance.choice(BEARINGS),
@@ -61,14 +61,14 @@ def scene(chance: random.Random, model: str) -> dict[str, Any]:
 
 
 def case_of(fields: dict[str, Any]) -> Case:
-    """Make the case of a run, its duration a whole number of ball passes."""
+    """Make the case of a run, with a duration of whole ball passes."""
     case = Case.model_validate(fields | {"duration": DURATION_S, "settle": SETTLE_S})
     rate = case.bearing.ball_pass_frequency(case.speed)
     return case.model_copy(update={"duration": round(DURATION_S * rate) / rate})
 
 
 def judged(number: int, fields: dict[str, Any]) -> list[Judged]:
-    """Compute a run and the longer ones."""
+    """Compute a run and the longer records."""
     case = case_of(fields)
     run = simulate(case)
     table, scatters = pd.DataFrame([run.features]), standard_errors(case, run)
@@ -82,8 +82,8 @@ def judged(number: int, fields: dict[str, Any]) -> list[Judged]:
 
 
 def standard_errors(case: Case, run: Record) -> dict[str, float]:
-    """Return those of a run's features (relative): their scatter among parts of longer records."""
-    if run.info["period_passes"] != 0:  # it repeats
+    """Return relative standard errors of a run's features, from their scatter over parts of longer records."""
+    if run.info["period_passes"] != 0:  # periodic
         return dict.fromkeys(BY_BLOCKS, 0.0)
     count = LONGER * RECORDS
     whole = {"duration": count * case.duration, "method": run.info["method"], "step_check": False}
@@ -109,7 +109,7 @@ def verdict(flagged: bool, error: float) -> str:
 
 
 def main() -> None:
-    """Judge all runs, and write the table. Exit code 1 if a flag is wrong, and not near the limit."""
+    """Compare all runs and write the table. Exit code 1 if a flag is wrong and not near the limit."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=60)
     parser.add_argument("--planar", type=int, default=10)

@@ -1,15 +1,15 @@
-"""Does an accuracy hold against the friction that a case would have, and what does that cost?
+"""Accuracy and cost of studies with an `accuracy`, compared with a full model with friction.
 
     python -m benchmarks.friction [--light 60] [--loaded 20] [--seed N] [--csv docs/data/friction.csv] [--out DIR]
 
-A scene is a study of one case that asks 2 % of the fault's line, the largest force and, if it is light, the RMS,
-which friction changes even under load. It says nothing of friction. Its result is compared with `planar` as it is
-by default, with a free cage and dry friction, 1 s of it (3 s where that is chaotic). Light scenes have 15 to 300
-N, loaded ones 500 to 5000 N; of the loaded those count in which friction changes nothing by 0.5 %. Kept is what is
-off by no more than 2 % and two standard errors. The CPU time of the trials and of the job is put over that of
-`planar`; compiling is left out. Each is asked with `friction: none`, too, and compared with the reference without.
-The seed is made of the commit. What is in OUT is not computed again. Exit code 1 if under 95 % are kept, or it
-costs too much.
+A scene is a study of one case without a friction setting. It requests 2 % for the defect line, the largest force
+and, if it is light, the RMS, which friction changes even under load. The result is compared with the default
+`planar` (free cage, dry friction), for 1 s, or 3 s if that is chaotic. Light scenes have 15 to 300 N, loaded
+scenes 500 to 5000 N; loaded scenes count only if friction changes all features by less than 0.5 %. The accuracy is
+met if the error is at most 2 % plus two standard errors. The CPU time of trials and job is divided by that of
+`planar`; compilation is excluded. Each scene is also computed with `friction: none`, and compared with the
+reference without friction. The default seed is derived from the commit. Scenes in OUT are not recomputed. Exit
+code 1 if less than 95 % meet the accuracy, or the cost is too high.
 """
 
 import argparse
@@ -40,20 +40,20 @@ from benchmarks.promise import standard_error
 WITHIN, MOVED = 0.02, 0.005
 SHARE, LIGHT_COST, LOADED_COST = 0.95, 1.3, 0.5
 LOADS = {"light": (15.0, 300.0), "loaded": (500.0, 5000.0)}
-LONG = 3.0  # s of a chaotic motion
+LONG = 3.0  # s, duration of a chaotic motion
 STANDARD_ERRORS = 2.0
-MOST_LOADED = 2  # times as many loaded scenes are drawn at most as count
+MOST_LOADED = 2  # largest number of loaded scenes drawn per scene that counts
 KINDS = {"light": ("line", "rms", "force"), "loaded": ("line", "force")}
 
 
 def seed_of_commit() -> int:
-    """Return a number made of the commit's first digits."""
+    """Return a number derived from the first digits of the commit."""
     said = subprocess.run(["git", "rev-parse", "HEAD"], capture_output=True, text=True, check=True).stdout
     return int(said[:6], 16)
 
 
 def draw(kind: str, number: int, seed: int) -> dict[str, Any]:
-    """Return a scene as a study's YAML."""
+    """Draw the fields of a scene's study."""
     chance = np.random.default_rng([seed, len(kind), number])
     load, rpm = (float(np.exp(chance.uniform(*np.log(ends)))) for ends in (LOADS[kind], (600.0, 6000.0)))
     width = float(chance.uniform(0.2, 1.5))
@@ -90,10 +90,10 @@ def study_of(scene: dict[str, Any]) -> Study:
 
 
 class Asked:
-    """A study of one case, its model chosen as a run does: choice, features, CPU time (s) of trials and job."""
+    """Study of one case with automatic model choice: choice, features, CPU time (s) of trials and job."""
 
     def __init__(self, study: Study, done: dict[str, tuple[Record, float]]) -> None:
-        """done: records that have been computed, and what they took, by the id of their case."""
+        """Compute the study. done: computed records with their CPU time (s), by the id of their case."""
         choosing, known = selection.Choosing(study, [0]), dict[str, Trial | None]()
         self.cpu_s = 0.0
         while wanted := choosing.wanted(known):
@@ -115,7 +115,7 @@ class Asked:
 
 
 def computed(case: Case, done: dict[str, tuple[Record, float]]) -> tuple[dict[str, float], float]:
-    """Return the features of a case, and the CPU time (s) that it takes beyond its trial."""
+    """Return the features of a case, and its CPU time (s) in addition to trials."""
     if case_id(case) not in done:
         warm([case])
         began = time.process_time()
@@ -125,7 +125,7 @@ def computed(case: Case, done: dict[str, tuple[Record, float]]) -> tuple[dict[st
 
 
 def measured(kind: str, number: int, seed: int) -> dict[str, Any]:
-    """Compute a scene in each way, and compare."""
+    """Compute a scene in all ways, and compare."""
     scene = draw(kind, number, seed)
     open_study, none = study_of(scene), study_of(scene | {"friction": "none"})
     case = with_friction(open_study.cases()[0])
@@ -150,19 +150,19 @@ def measured(kind: str, number: int, seed: int) -> dict[str, Any]:
 
 
 def _off(what: str, name: str, own: dict[str, float], right: dict[str, float]) -> dict[str, float]:
-    """Return how far off a feature is, and two standard errors of both, over the right value."""
+    """Return the relative error of a feature, and two combined standard errors, relative to the right value."""
     size = abs(right[name]) or 1.0
     beside = STANDARD_ERRORS * hypot(*(standard_error(name, one) / size for one in (own, right)))
     return {f"{what}_off": abs(own[name] - right[name]) / size, f"{what}_scatter": beside}
 
 
 def kept(row: dict[str, Any], of: str = "") -> bool:
-    """Return whether all features of a scene are as close as was asked."""
+    """Check if all features of a scene meet the accuracy."""
     return all(row[f"{of}{what}_off"] <= WITHIN + row[f"{of}{what}_scatter"] for what in KINDS[row["kind"]])
 
 
 def rows_of(kind: str, count: int, seed: int, out: Path) -> list[dict[str, Any]]:
-    """Return the first scenes that count, computing those that are missing."""
+    """Return the first scenes that count, computing missing ones."""
     rows: list[dict[str, Any]] = []
     for number in range(count if kind == "light" else MOST_LOADED * count):
         path = out / f"{seed}-{kind}-{number}.json"
@@ -184,7 +184,7 @@ def rows_of(kind: str, count: int, seed: int, out: Path) -> list[dict[str, Any]]
 
 
 def report(kind: str, rows: list[dict[str, Any]], most: float) -> bool:
-    """Print how many scenes are kept, and what they cost; return whether that is enough."""
+    """Print how many scenes meet the accuracy, and their cost; return whether both meet the limits."""
     whole = [sum(row[name] for row in rows) for name in ("cpu_s", "always_s")]
     cost, held, plain = whole[0] / whole[1], sum(map(kept, rows)), sum(kept(row, "none_") for row in rows)
     taken = [row["taken"] for row in rows]
@@ -204,7 +204,7 @@ def _short(value: Any) -> Any:
 
 
 def main() -> None:
-    """Compute what is missing, write the table, report."""
+    """Compute missing scenes, write the table, report."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--light", type=int, default=60)
     parser.add_argument("--loaded", type=int, default=20)

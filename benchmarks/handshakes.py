@@ -1,10 +1,10 @@
-"""Is a wrong scheduler told in time, and does Ctrl-C end the run meanwhile?
+"""Test of runs with a wrong or failing scheduler, and of Ctrl-C while they connect.
 
     python -m benchmarks.handshakes [--runs 8] [--seed 1] [--csv docs/data/handshakes.csv]
 
-`run --scheduler` is typed at ports of 127.0.0.1 that are no dask scheduler's, and at schedulers that die or hang
-as they are joined. Half of the runs wait: they must end within 30 s, with exit code 2 and a message. The others
-get a SIGINT at a random moment, from which they must end within 2 s, with exit code 130 (or by the signal).
+`run --scheduler` connects to ports of 127.0.0.1 without a dask scheduler, and to schedulers that fail or hang
+during the handshake. Half of the runs are left alone, and must end within 30 s with exit code 2 and a message. The
+others receive a SIGINT at a random moment, and must end within 2 s with exit code 130 (or by the signal).
 """
 
 import argparse
@@ -32,14 +32,14 @@ duration: 0.04 s
 defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 0.05 mm}
 """
 TOLD_S, INTERRUPTED_S = 30.0, 2.0
-"""Limits, from the start of a run and from its SIGINT."""
+"""Time limits (s) of a run, from its start and from its SIGINT."""
 EARLIEST_S = 0.2
-"""When a SIGINT may come, after the start; at last when the run before, which waited, had ended."""
+"""Earliest time (s) of a SIGINT after the start; the latest is the duration of the preceding run."""
 GIVEN_UP_S = 60.0
 
 
 class Attempt(NamedTuple):
-    """A run: seconds from its start, or from its SIGINT, to its end; ``lost``: the demand that is not met."""
+    """Result of a run: seconds from its start or SIGINT to its end; ``lost``: the violated requirement."""
 
     peer: str
     sigint_s: float | None
@@ -50,7 +50,7 @@ class Attempt(NamedTuple):
 
 
 def attempts(runs: int, seed: int) -> Iterator[Attempt]:
-    """So many runs of each kind of peer: every other one is interrupted."""
+    """Yield ``runs`` runs for each kind of peer, every second one interrupted."""
     chance = random.Random(seed)
     with tempfile.TemporaryDirectory() as folder, peers.scheduler() as scheduler:
         study = Path(folder) / "study.yaml"
@@ -67,7 +67,7 @@ def attempts(runs: int, seed: int) -> Iterator[Attempt]:
 
 
 def attempt(peer: str, words: list[str], moment: float | None) -> Attempt:
-    """Type a command; moment: s after its start at which it gets a SIGINT, if it has not ended before."""
+    """Run a command; moment: time (s) of its SIGINT after the start, unless it has ended."""
     began = time.monotonic()
     process = subprocess.Popen(
         [sys.executable, "-m", "bearingsim", *words],
@@ -87,7 +87,7 @@ def attempt(peer: str, words: list[str], moment: float | None) -> Attempt:
 
 
 def _given_up(process: subprocess.Popen[str]) -> str:
-    """The messages of a process that is to end, or is killed."""
+    """Return the messages of a process that should end, killing it after a time limit."""
     try:
         return process.communicate(timeout=GIVEN_UP_S)[1]
     except subprocess.TimeoutExpired:
@@ -102,7 +102,7 @@ def _last(message: str) -> str:
 def _lost(interrupted: bool, code: int, seconds: float, message: str) -> str:
     if seconds > (INTERRUPTED_S if interrupted else TOLD_S):
         return "too late"
-    if code not in ((128 + signal.SIGINT, -signal.SIGINT) if interrupted else (2,)):  # 130 to a shell, both
+    if code not in ((128 + signal.SIGINT, -signal.SIGINT) if interrupted else (2,)):  # a shell reports both as 130
         return f"exit code {code}"
     return "traceback" if "Traceback" in message else ""
 

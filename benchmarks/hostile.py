@@ -1,13 +1,13 @@
-"""What the command line does with files that are broken, mistaken or made to break it.
+"""Test of the command line with broken, invalid and malicious files.
 
     python -m benchmarks.hostile [--seed 1] [--mutants 1000] [--processes 60] [--out results/hostile]
 
-Malformed files stand in ``malformed.py``: bombs of aliases, deep nesting, numbers of 5000 digits, other encodings,
-devices. Mutants are seeded changes of the files in `studies/` and `configs/`. Each goes through `check`. What is
-refused must end with exit code 2, name the file, show no traceback and take under 2 s of CPU time. A seeded share
-goes through the commands `run`, `bench` and `show` too, and through processes of its own, under limits of the
-system, whose memory counts (300 MB). OUT/hostile.csv has a line for each file, OUT/files the files. Files that are
-valid are told apart: they are planned, which may compile.
+Malformed files come from ``malformed.py``: alias bombs, deep nesting, numbers of 5000 digits, other encodings,
+devices. Mutants are seeded mutations of the files in `studies/` and `configs/`. All files are given to `check`. A
+refusal must have exit code 2 and the name of the file, without a traceback, within 2 s of CPU time. A random
+sample is also given to `run`, `bench` and `show`, and to `check` in separate processes with system limits, for
+which memory is limited too (300 MB). OUT/hostile.csv has a row per file, OUT/files the files. Valid files are
+reported separately, because they are planned, which may compile.
 """
 
 import argparse
@@ -29,14 +29,14 @@ from typer.testing import CliRunner
 from benchmarks import altered_studies, malformed
 
 MOST_CPU, MOST_MEMORY = 2.0, 300e6
-"""s and bytes of a file that is refused."""
+"""Limits of CPU time (s) and memory (bytes) for a refused file."""
 FUSE_CPU, FUSE_MEMORY = 60, 8 << 30
-"""s and bytes of address space at which the system ends a process."""
+"""CPU time (s) and address space (bytes) at which the system ends a process."""
 HOME = Path(__file__).resolve().parents[1]
 
 
 class Ended(NamedTuple):
-    """How a command ended: exit code, what it said, CPU time (s), memory (bytes; nan in a process of many)."""
+    """Result of a command: exit code, output, CPU time (s), memory (bytes; nan if not measured)."""
 
     code: int
     said: str
@@ -49,16 +49,16 @@ class Ended(NamedTuple):
 
 
 class Endless(Exception):
-    """A command takes more CPU time than the system would allow it."""
+    """Error of a command that exceeds the CPU limit."""
 
 
 def stop(*_: object) -> None:
-    """End the command that runs."""
+    """Raise ``Endless`` in the running command."""
     raise Endless(f"more than {FUSE_CPU} s")
 
 
 def in_here(*words: str) -> Ended:
-    """A command, typed in this process."""
+    """Run a command in this process."""
     from bearingsim.cli import app
 
     signal.signal(signal.SIGPROF, stop)
@@ -71,7 +71,7 @@ def in_here(*words: str) -> Ended:
 
 
 def alone(*words: str) -> Ended:
-    """A command in a process of its own, which the system ends if it takes too much."""
+    """Run a command in a separate process, with resource limits of the system."""
     command = [sys.executable, "-m", "bearingsim", *words]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, preexec_fn=limited, env=environment()
@@ -84,12 +84,12 @@ def alone(*words: str) -> Ended:
 
 
 def environment() -> dict[str, str]:
-    """Of a process: this checkout, one thread of linear algebra."""
+    """Return the environment of a process: this checkout, one BLAS thread."""
     return os.environ | {"PYTHONPATH": str(HOME), "OPENBLAS_NUM_THREADS": "1"}
 
 
 def limited() -> None:
-    """Set what the system allows."""
+    """Set the resource limits of this process."""
     resource.setrlimit(resource.RLIMIT_CPU, (FUSE_CPU, FUSE_CPU))
     resource.setrlimit(resource.RLIMIT_AS, (FUSE_MEMORY, FUSE_MEMORY))
 
@@ -98,14 +98,14 @@ PLACED = re.compile(r"^.+\.ya?ml:\d+:\d+: ", re.MULTILINE)
 
 
 class Limits(NamedTuple):
-    """CPU time (s) and memory (bytes) that refusing a file may take."""
+    """Limits of CPU time (s) and memory (bytes) for refusing a file."""
 
     cpu: float = MOST_CPU
     memory: float = MOST_MEMORY
 
 
 def faults(ended: Ended, path: Path, limits: Limits = Limits()) -> list[str]:  # noqa: B008 (it is immutable)
-    """What is wrong with how a command ended."""
+    """List the faults of a command's end."""
     found = [ended.crash] if ended.crash else []
     found += ["a traceback"] if "Traceback" in ended.said else []
     if ended.code == 0:
@@ -119,7 +119,7 @@ def faults(ended: Ended, path: Path, limits: Limits = Limits()) -> list[str]:  #
 
 
 def main() -> int:
-    """Write the table; 1 if a file did not end as it must."""
+    """Write the table; return 1 if a file was not handled as required."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--mutants", type=int, default=1000)
@@ -133,7 +133,7 @@ def main() -> int:
     files += [("mutants", *one) for one in altered_studies.mutants(folder, asked.mutants, asked.seed)]
     random = Random(asked.seed)
     rows, misses = [], 0
-    in_here("check", str(HOME / "studies" / "slip.yaml"))  # what is imported once counts for none
+    in_here("check", str(HOME / "studies" / "slip.yaml"))  # imports must not count for the first file
 
     def note(way: str, kind: str, name: str, path: Path, ended: Ended) -> None:
         nonlocal misses
@@ -167,7 +167,7 @@ def main() -> int:
 
 
 def told(way: str, kind: str, rows: list[list]) -> None:
-    """A line of the table."""
+    """Print a summary line."""
     for what in ("refused", "valid"):
         part = [row for row in rows if bool(row[4]) == (what == "refused")]
         if part:

@@ -1,12 +1,11 @@
-"""Report of the source by package: sizes of files and functions, circles of imports (``make house``). No test.
+"""Report on the source by package: sizes of files and functions, import cycles (``make house``). Not a test.
 
     python benchmarks/house.py              # of this tree
     python benchmarks/house.py ../older     # of another checkout
 
-A line counts as text (docstring, also of a constant, or comment), blank, import, or else code. The length of a
-function includes signature and docstring. A circle is a set of modules that import one another, wherever the
-import stands: at the top, in a function, or under TYPE_CHECKING. The package's own ``__init__``, which imports
-nothing before it is used, is left out.
+A line counts as text (docstring, also of a constant, or comment), blank, import, or code. The length of a function
+includes signature and docstring. An import cycle is a set of modules that import one another, at the top, in a
+function, or under TYPE_CHECKING. The ``__init__`` of the package, which imports lazily, is excluded.
 """
 
 import ast
@@ -17,14 +16,14 @@ from pathlib import Path
 from typing import TypeGuard
 
 LONG = 60
-"""Lines of a function; more are reported."""
+"""Lines of a function above which it is reported."""
 COUNTED = ("files", "lines", "code", "text", "blank", "import", "functions", "long")
 PACKAGE = "bearingsim"
 OTHERS = ("benchmarks", "tests", "docs")
 
 
 def package_of(path: Path) -> str:
-    """Return the package of a source file by its folder; of the core, the subpackage."""
+    """Return the package of a source file from its folder; for the core, the subpackage."""
     folders = path.parent.parts
     if folders[0] != PACKAGE:
         return folders[0]
@@ -32,7 +31,7 @@ def package_of(path: Path) -> str:
 
 
 def is_text(node: ast.AST) -> TypeGuard[ast.Expr]:
-    """Check if a statement is a string, as docstrings are."""
+    """Check if a statement is a string, like a docstring."""
     return (
         isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
     )
@@ -46,7 +45,7 @@ def functions(tree: ast.Module) -> Iterator[tuple[str, int]]:
 
 
 def count(source: str, tree: ast.Module) -> Counter[str]:
-    """Count the lines of a file by what they are."""
+    """Count the lines of a file by kind."""
     kinds = {}
     lines = source.splitlines()
     for number, line in enumerate(lines, 1):
@@ -62,7 +61,7 @@ def count(source: str, tree: ast.Module) -> Counter[str]:
 
 
 def imported(tree: ast.Module, modules: Collection[str]) -> set[str]:
-    """Return the ``modules`` that a module imports: of ``from a import b`` ``a.b`` or, if none, ``a``."""
+    """Return the ``modules`` imported by a module; ``from a import b`` counts as ``a.b`` or, if none, ``a``."""
     names = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
