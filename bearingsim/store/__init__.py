@@ -1,7 +1,7 @@
-"""The results folder of a study: immutable unit files, journals, failures, and a table made from them.
+"""Results folder of a study: immutable unit files, journals, failures, and a table made from them.
 
-Nothing under a final name is ever half-written, and nothing but the table has more than one writer, so a run
-can be killed at any moment and several runs may share a folder.
+Files are written completely before they get their final name, and only the table has more than one writer. A run
+can therefore be killed at any moment, and several runs can share a folder.
 """
 
 from bearingsim.store.choices import (

@@ -1,4 +1,4 @@
-"""Choices of models, one for each case, in ``choices.json`` with the name of the plan for which each was made."""
+"""Model chosen for each case, stored in ``choices.json`` with the name of the plan for which it was chosen."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
@@ -20,11 +20,11 @@ class DamagedChoices(UserError):
 
 @dataclass(frozen=True)
 class Choice:
-    """Candidate that computes a case, or `reference`; the reason; its error by feature (share).
+    """Model chosen for a case.
 
-    model: the name of the model that this comes to; nodes: the error of its discretisation, by feature (share),
-    None where it is unknown; friction: the same of the friction that it leaves out; inferred: whether that is from
-    other cases of its curve.
+    candidate: name of the candidate, or `reference`; model: name of the resulting model; why: reason for the
+    choice. Relative errors by feature, None if unknown: error: of the model; nodes: of its discretisation;
+    friction: due to neglected friction. inferred: True if ``friction`` is inferred from other cases of the curve.
     """
 
     candidate: str
@@ -37,7 +37,7 @@ class Choice:
 
 
 Choices = dict[str, Choice]
-"""By ``selection.choices.key`` of a case."""
+"""Choices by the ``selection.choices.key`` of the case."""
 
 
 def write_choices(root: Path, choices: Choices, plans: Mapping[str, str] | None = None) -> None:
@@ -48,7 +48,7 @@ def write_choices(root: Path, choices: Choices, plans: Mapping[str, str] | None 
 
 
 def add_choices(root: Path, new: Choices, plan: str) -> tuple[Choices, dict[str, str]]:
-    """Add new choices for a plan to those of a folder, which have precedence; return choices and plans by name.
+    """Add the choices of a plan to a folder; existing choices take precedence. Return choices and plans by key.
 
     Raises DamagedChoices.
     """
@@ -59,7 +59,7 @@ def add_choices(root: Path, new: Choices, plan: str) -> tuple[Choices, dict[str,
 
 
 def read_choices(root: Path) -> Choices:
-    """Read the choices of a folder; none if it has no ``choices.json``. Raises DamagedChoices."""
+    """Read the choices of a folder; empty without ``choices.json``. Raises DamagedChoices."""
     return {name: choice for name, (choice, _) in _read(root).items()}
 
 

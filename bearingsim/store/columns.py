@@ -1,7 +1,8 @@
-"""Columns over the jobs of a file: parameters, features, and facts of the solver.
+"""Columns over the jobs of a file: parameters, features, and solver statistics.
 
-All numbers of a group are one float64 dataset (job, name), such as ``features``. The scale of its second dimension
-is ``feature``, the names; ``feature_units`` has the units. All its texts are another, ``feature_text``.
+The numeric columns of a group are stored in one float64 dataset (job, name), such as ``features``. The scale of
+its second dimension, ``feature``, contains the names, and ``feature_units`` the units. The text columns are stored
+in a second dataset, ``feature_text``.
 """
 
 import math
@@ -19,7 +20,7 @@ from bearingsim.text.terminal import is_line
 
 TEXT = h5py.string_dtype()
 GROUPS = {"parameters": "parameter", "features": "feature", "info": "fact"}
-"""Names of a column by dataset."""
+"""Name of the second dimension of each group."""
 ATTRIBUTES = {"parameters": parameter_attributes, "features": feature_attributes}
 
 Value = float | int | str
@@ -27,9 +28,9 @@ Row = Mapping[str, Value]
 
 
 def columns(rows: Sequence[Row]) -> dict[str, NDArray[Any]]:
-    """Turn one mapping per job into one array per name: float64, or text if any value is a text.
+    """Convert one mapping per job into one array per name: float64, or strings if any value is a string.
 
-    A missing value is NaN, or the empty text.
+    A missing value becomes NaN, or the empty string.
     """
     names = dict.fromkeys(name for row in rows for name in row)
     return {name: _column([row.get(name) for row in rows]) for name in names}
@@ -42,7 +43,7 @@ def _column(values: Sequence[Value | None]) -> NDArray[Any]:
 
 
 def write_jobs(file: h5py.File, ids: Sequence[str]) -> h5py.Dataset:
-    """Write the ``job`` dimension: a scale of ids."""
+    """Write the ``job`` dimension: a scale with the job ids."""
     jobs = file.create_dataset("job", data=np.array(ids, object), dtype=TEXT)
     jobs.make_scale("job")
     jobs.attrs["long_name"] = "job id"
@@ -50,7 +51,7 @@ def write_jobs(file: h5py.File, ids: Sequence[str]) -> h5py.Dataset:
 
 
 def write_columns(file: h5py.File, jobs: h5py.Dataset, group: str, named: Mapping[str, NDArray[Any]]) -> None:
-    """Write a group of columns over ``job``, in the order of their names."""
+    """Write a group of columns over ``job``, sorted by name."""
     names = sorted(named)
     numbers = [name for name in names if named[name].dtype != object]
     words = [name for name in names if named[name].dtype == object]
@@ -69,7 +70,7 @@ def write_columns(file: h5py.File, jobs: h5py.Dataset, group: str, named: Mappin
 def _table(
     file: h5py.File, jobs: h5py.Dataset, name: str, along: str, values: NDArray[Any], names: Sequence[str]
 ) -> h5py.Dataset:
-    """Write a dataset (job, name) with its scales; return that of the names."""
+    """Write a dataset (job, name) with its scales; return the scale of the names."""
     table = file.create_dataset(name, data=values, compression="gzip", compression_opts=1, shuffle=True)
     scale = file.create_dataset(along, data=names, dtype=TEXT)
     scale.make_scale(along)
@@ -79,7 +80,7 @@ def _table(
 
 
 def _fixed(words: NDArray[Any]) -> NDArray[np.bytes_]:
-    """Encode texts in UTF-8 at a common length: repeated ones compress to almost nothing."""
+    """Encode strings as UTF-8 of fixed length: repeated strings then compress well."""
     coded = np.char.encode(words.astype(str), "utf-8")
     return coded.astype(h5py.string_dtype(length=max(coded.dtype.itemsize, 1)))
 
@@ -87,7 +88,7 @@ def _fixed(words: NDArray[Any]) -> NDArray[np.bytes_]:
 def read_columns(file: Hdf5, groups: Sequence[str] = tuple(GROUPS)) -> dict[str, NDArray[Any]]:
     """Read the columns over ``job`` of a unit or of the table: ``job``, ``features/velocity@BPFO`` ...
 
-    Raises one of UNREADABLE for damage, and for columns that are not over ``job``.
+    Raises one of UNREADABLE for a damaged file, and for columns without one value per job.
     """
     tables = [name for group in groups for name in _tables(file, group)]
     file.afford("the sum of its columns", file.cost("job", *tables))
@@ -104,7 +105,7 @@ def read_columns(file: Hdf5, groups: Sequence[str] = tuple(GROUPS)) -> dict[str,
 
 
 def _tables(file: Hdf5, group: str) -> list[str]:
-    """Return the datasets with the values of a group: of numbers, and of words."""
+    """Return the names of the existing datasets of a group: numbers, then strings."""
     return [name for name in (group, f"{GROUPS[group]}_text") if name in file]
 
 

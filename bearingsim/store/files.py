@@ -1,8 +1,8 @@
-"""Files of a results folder that are either whole or absent.
+"""Atomic writing of the files of a results folder.
 
-Everything is written under a ``.part`` name, fsynced and renamed, so a power cut or ``kill -9`` never leaves half
-a file under a final name. The writer of a temporary file holds its lock, which ends with the process on any
-machine: a file without a lock was left behind.
+Every file is written under a ``.part`` name, fsynced and renamed, so that a power failure or ``kill -9`` never
+leaves an incomplete file under its final name. The writer locks its temporary file. The operating system releases
+the lock when the process ends, so an unlocked temporary file is a leftover.
 """
 
 import errno
@@ -24,16 +24,16 @@ from bearingsim.text.terminal import say
 
 ADVICE = "free some space or use another folder (--out), then run the command again; stored results are kept"
 PATIENCE_S = 5.0
-"""s after which waiting for a lock is reported."""
+"""Time in s after which waiting for a lock is reported."""
 NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)
 
 
 class DiskFull(UserError):
-    """There is no room for a file."""
+    """The disk has too little space for a file."""
 
 
 class LinkWithin(UserError):
-    """A part of a results folder is a link."""
+    """An entry of a results folder is a link."""
 
 
 def writer() -> str:
@@ -44,7 +44,7 @@ def writer() -> str:
 
 @contextmanager
 def room(path: Path) -> Iterator[None]:
-    """Turn errors for want of disk space for ``path`` into DiskFull, which names the disk."""
+    """Convert errors due to missing disk space for ``path`` to DiskFull, which names the disk."""
     try:
         yield
     except OSError as error:
@@ -54,7 +54,7 @@ def room(path: Path) -> Iterator[None]:
 
 
 def what_is_full(path: Path, number: int) -> str:
-    """Describe why there is no room for a file; number: of the system's error, one of NO_ROOM."""
+    """Describe why a file does not fit on the disk; number: the error number, one of NO_ROOM."""
     folder = _nearest(path.parent)
     if number == errno.EFBIG:
         return f"{path.name} in {folder} exceeds the file size limit (`ulimit -f`)"
@@ -67,11 +67,11 @@ def _inodes_are_out(folder: Path) -> bool:
     if not hasattr(os, "statvfs"):
         return False
     disk = os.statvfs(folder)
-    return disk.f_files > 0 and disk.f_favail == 0  # some file systems count none
+    return disk.f_files > 0 and disk.f_favail == 0  # some file systems report 0 inodes
 
 
 def _nearest(folder: Path) -> Path:
-    """Return the folder, or its nearest parent that exists."""
+    """Return the folder itself if it exists, or its nearest existing parent."""
     return next((path for path in (folder, *folder.absolute().parents) if path.is_dir()), folder)
 
 
@@ -81,7 +81,7 @@ def _mount(folder: Path) -> Path:
 
 
 def check_room(root: Path, wanted: float) -> None:
-    """Raise DiskFull if the disk of ``root`` has less room than ``wanted`` bytes."""
+    """Raise DiskFull if the disk of ``root`` has less than ``wanted`` bytes of free space."""
     left = shutil.disk_usage(root).free
     if left < wanted:
         sizes = f"{left / 1e6:.3g} MB are left of at least {wanted / 1e6:.3g} MB"
@@ -89,9 +89,9 @@ def check_room(root: Path, wanted: float) -> None:
 
 
 def write_bytes(path: Path, content: bytes | BinaryIO) -> None:
-    """Write a file whole or not at all: under a temporary name, fsynced, renamed. Raises DiskFull, OSError.
+    """Write a file atomically: under a temporary name, fsynced, then renamed. Raises DiskFull, OSError.
 
-    content: bytes, or an open file to be copied.
+    content: bytes, or an open file to copy.
     """
     with room(path), temporary(path.parent, path.name, "part") as file:
         if isinstance(content, bytes):
@@ -106,7 +106,7 @@ def write_bytes(path: Path, content: bytes | BinaryIO) -> None:
 
 
 def copy(path: Path, into: Path) -> None:
-    """Copy a file whole or not at all. Raises Unreadable if it is a link or no file, DiskFull, OSError."""
+    """Copy a file atomically. Raises Unreadable for a link or a special file, DiskFull, OSError."""
     try:
         with open_regular(path) as file:
             write_bytes(into, file)
@@ -116,7 +116,7 @@ def copy(path: Path, into: Path) -> None:
 
 @contextmanager
 def temporary(folder: Path, name: str, end: str) -> Iterator[BinaryIO]:
-    """Create a temporary file, locked until its writer ends; on leaving it is removed unless it was renamed."""
+    """Create a temporary file, locked until its writer ends; remove it on exit unless it was renamed."""
     folder.mkdir(parents=True, exist_ok=True)
     file = _locked(folder, name, end)
     try:
@@ -137,7 +137,7 @@ def _locked(folder: Path, name: str, end: str) -> BinaryIO:
 
 
 def _take(file: BinaryIO, wait: bool) -> bool:
-    """Lock a file; return False if another process holds it, or the disk has no locks."""
+    """Lock a file; return False if another process has locked it, or the file system does not support locks."""
     try:
         import fcntl
 
@@ -149,7 +149,7 @@ def _take(file: BinaryIO, wait: bool) -> bool:
 
 @contextmanager
 def left_behind(path: Path) -> Iterator[bool]:
-    """Yield True if the writer of a temporary file has ended; the file is locked against others meanwhile."""
+    """Yield True if the writer of a temporary file has ended; the file stays locked within the context."""
     flags = os.O_RDWR | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
     try:
         file = os.fdopen(os.open(path, flags), "r+b", buffering=0)
@@ -177,17 +177,17 @@ def open_to_append(path: Path) -> TextIO:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file whole or not at all. Raises DiskFull, OSError."""
+    """Write a text file atomically. Raises DiskFull, OSError."""
     write_bytes(path, text.encode())
 
 
 @contextmanager
 def lock(root: Path, wait: bool = True) -> Iterator[None]:
-    """Hold the lock of a folder, under which its table is built and temporary files are swept.
+    """Lock a folder, as required to build its table and to remove temporary files.
 
-    The lock ends with its holder; on a disk without locks nothing is held. A long wait is reported with the
-    holder. Without ``wait`` raises filelock.Timeout if another process holds it; raises LinkWithin if the lock is
-    a link.
+    The lock is released when its process ends; a file system without locks is not locked. A long wait is reported
+    with the processes that run in the folder. Raises filelock.Timeout if another process has the lock and ``wait``
+    is False, and LinkWithin if the lock file is a link.
     """
     _refuse_link(root / LOCK)
     held = FileLock(root / LOCK, timeout=PATIENCE_S if wait else 0)
@@ -210,13 +210,13 @@ def lock(root: Path, wait: bool = True) -> Iterator[None]:
 
 
 def _other_runs(root: Path) -> str:
-    """Name the processes that run in a folder, by their start markers, except this one."""
+    """Name the other processes that run in a folder, from their start markers."""
     names = {path.name.split(".")[1].rpartition("-")[0] for path in root.glob("run.*.started")} - {writer()}
     return f"another run ({', '.join(sorted(names))})" if names else "another process"
 
 
 def refuse_links(root: Path) -> None:
-    """Raise LinkWithin if one of the folders, or the lock, is a link: it would lead out of the results."""
+    """Raise LinkWithin if a subfolder or the lock file is a link: it may point outside the results folder."""
     for path in (path for name in (*FOLDERS, LOCK) for path in root.glob(name)):
         _refuse_link(path)
 

@@ -1,4 +1,4 @@
-"""Resuming from a results folder, and clearing it."""
+"""Claiming, resuming and clearing of a results folder."""
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from bearingsim.study import Study
 
 RESULTS = "results"
-"""Kind of a results folder in its marker."""
+"""Kind in the marker of a results folder."""
 
 
 class FolderInUse(UserError):
@@ -31,9 +31,10 @@ class FolderInUse(UserError):
 
 @dataclass(frozen=True)
 class Holdings:
-    """Contents of a folder: ids of jobs in sound units, failures by job, rows that are not in the table.
+    """Contents of a results folder.
 
-    units: names of all units that were checked; damaged: names of unreadable files, which were set aside.
+    units: names of all units, damaged ones included; sealed: ids of the jobs in intact units; failures: by job id;
+    rows: rows that are not in the table, by unit; damaged: paths of unreadable files, which were renamed.
     """
 
     units: frozenset[str]
@@ -44,9 +45,9 @@ class Holdings:
 
 
 def holdings(root: Path, verify: bool = False) -> Holdings:
-    """Check all units and failures; rename unreadable files to ``.damaged`` and note them in the journal.
+    """Check all units and failures; rename unreadable files to ``.damaged`` and record them in the journal.
 
-    verify: also read the units that are in the table.
+    verify: also read the units whose rows are in the table.
     """
     frame = read_frame(root, groups=())
     units = own_files.UNITS.of(root)
@@ -64,18 +65,18 @@ def holdings(root: Path, verify: bool = False) -> Holdings:
 
 @contextmanager
 def in_use(root: Path) -> Iterator[None]:
-    """Mark a folder as in use by this run until it ends or dies; it is not cleared meanwhile.
+    """Mark a folder as in use by this run, so that it is not cleared; the mark ends with the process.
 
-    Other runs may use it, too.
+    Other runs may use the folder at the same time.
     """
     with ExitStack() as held:
-        with room(root / "run"), lock(root):  # the folder is cleared under this lock, after a look for runs
+        with room(root / "run"), lock(root):  # clearing takes this lock, too, and checks for runs
             held.enter_context(temporary(root, "run", "started"))
         yield
 
 
 def refuse_use(root: Path) -> None:
-    """Raise FolderInUse while another run works in a folder."""
+    """Raise FolderInUse if another run uses a folder."""
     for path in own_files.temporary_files(root):
         with left_behind(path) as left:
             if not left and path.exists():
@@ -84,10 +85,10 @@ def refuse_use(root: Path) -> None:
 
 
 def claim_results(root: Path, study: str, quick: bool, fresh: bool = False) -> None:
-    """Mark a folder, created if missing, as that of a study's results.
+    """Mark a folder as the results folder of a study; create it if it is missing.
 
-    Raises NotOurs for a folder with files of the user, OtherStudy for that of another study (unless a fresh start
-    is requested) or of another kind. Nothing is written then.
+    Raises NotOurs for a folder with files of the user, and OtherStudy for a folder of another kind or, unless
+    ``fresh``, of another study. The folder is then left unchanged.
     """
     instead = _instead(root, study, quick)
     before = _study_in(root)
@@ -98,12 +99,12 @@ def claim_results(root: Path, study: str, quick: bool, fresh: bool = False) -> N
             f"{root} holds results of the study `{before}` ({_held(root)}): use another folder, such as"
             f" --out {instead}, or delete them by `run --fresh`"
         )
-    elif owner(root) is None:  # of an earlier version; another study's is marked when it is thrown away
+    elif owner(root) is None:  # a folder of an earlier version; ``discard`` marks a folder of another study
         mark(root, RESULTS, before)
 
 
 def refuse_users_study(root: Path, study: "Study") -> None:
-    """Raise NotOurs if ``study.yaml`` is a file of the user: read by the earlier run, but not by this one."""
+    """Raise NotOurs if ``study.yaml`` in the folder is the study file of an earlier run, but not of this run."""
     copy = (root / STUDY).resolve()
     try:
         before = open_results(root).plan.get("file")
@@ -118,18 +119,18 @@ def refuse_users_study(root: Path, study: "Study") -> None:
 
 
 def _is_of(file: object, copy: Path) -> bool:
-    """Return True if a study was read from this file; ``file``: its path as typed."""
+    """Return True if a study was read from the file ``copy``; file: path of the study, as typed."""
     return file is not None and Path(str(file)).resolve() == copy
 
 
 def _instead(root: Path, study: str, quick: bool) -> str:
-    """Propose a folder in place of ``root``."""
+    """Suggest another folder than ``root``."""
     usual = "results/" + results_folder(study, quick, None).name
     return f"{usual}-2" if root.resolve() == Path(usual).resolve() else usual
 
 
 def _study_in(root: Path) -> str | None:
-    """Return the study whose results a folder holds, by its marker or else by its plan; None without results."""
+    """Return the study of a results folder, from its marker or its plan; None for a folder without results."""
     kind, name = owner(root) or ("", "")
     if kind == RESULTS:
         return name
@@ -156,10 +157,10 @@ THROWN_AWAY = (
 
 
 def discard(root: Path, study: str) -> str:
-    """Remove all units, failures, choices and the table of a folder, and assign it to ``study``.
+    """Remove all units, failures, choices, trials and the table of a folder, and assign it to ``study``.
 
-    Journals, scans, figures and files of the user stay. Returns a description if results of another study were
-    removed, else "". Raises FolderInUse while another run works in it.
+    Journals, scans, figures and files of the user are kept. Returns a description if results of another study were
+    removed, else "". Raises FolderInUse if another run uses the folder.
     """
     with lock(root):
         refuse_use(root)

@@ -1,4 +1,4 @@
-"""Journal of each running parent, start markers of units, and failed jobs."""
+"""Journals of the runs, start markers of units, and failed jobs."""
 
 import json
 import shlex
@@ -21,12 +21,12 @@ from bearingsim.text.terminal import is_line
 
 
 def now() -> str:
-    """UTC time as ISO 8601 text, to the millisecond."""
+    """Return the UTC time as an ISO 8601 string with milliseconds."""
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
 def log(root: Path, event: str, **facts: Any) -> None:
-    """Append one line to this process's journal ``journal-<host>-<pid>.jsonl``."""
+    """Append one line to the journal of this process, ``journal-<host>-<pid>.jsonl``."""
     line = json.dumps({"when": now(), "event": event, **facts}, ensure_ascii=False)
     path = root / f"journal-{writer()}.jsonl"
     with room(path), open_to_append(path) as journal:
@@ -56,12 +56,12 @@ def _failure_path(root: Path, job: str) -> Path:
 
 
 def judged_failures(root: Path) -> tuple[dict[str, Failure], dict[Path, str]]:
-    """Read the failures on record, by job id; return them, and the reasons of unreadable files by path."""
+    """Read the stored failures; return them by job id, and the error of each unreadable file by path."""
     failures, damaged = dict[str, Failure](), dict[Path, str]()
     for path in FAILURES.of(root):
         try:
             failures[path.stem] = _failure(path)
-        except FileNotFoundError:  # another run has just computed the job
+        except FileNotFoundError:  # another run has computed the job meanwhile
             continue
         except UNREADABLE as error:
             damaged[path] = str(error)
@@ -69,7 +69,7 @@ def judged_failures(root: Path) -> tuple[dict[str, Failure], dict[Path, str]]:
 
 
 def _failure(path: Path) -> Failure:
-    """Read a failure; entries that are missing, as in earlier versions, get their defaults."""
+    """Read a failure; entries that earlier versions lack get their defaults."""
     entries = read_json(path)
     check(layouts.Failure, entries)
     values = {field.name: entries[field.name] for field in fields(Failure) if field.name in entries}
@@ -78,7 +78,7 @@ def _failure(path: Path) -> Failure:
 
 
 def _own_command(text: str) -> str:
-    """Return a stored command if it is a single run of this program, else "": users copy it to their shell."""
+    """Return a stored command if it is a single `bearingsim run`, else "", because users paste it into a shell."""
     try:
         words = shlex.split(text)
     except ValueError:
@@ -87,7 +87,7 @@ def _own_command(text: str) -> str:
 
 
 def read_failures(root: Path) -> dict[str, Failure]:
-    """Read the failures on record, by job id; warn of unreadable ones."""
+    """Read the stored failures by job id; warn of unreadable files."""
     failures, damaged = judged_failures(root)
     for path, reason in damaged.items():
         text = f"{path} cannot be read ({reason}), its job counts as missing: run the study again"
@@ -96,15 +96,15 @@ def read_failures(root: Path) -> dict[str, Failure]:
 
 
 def clear_failure(root: Path, job: str) -> None:
-    """Delete the record of a failure whose job has been computed since."""
+    """Delete the failure of a job that has been computed since."""
     _failure_path(root, job).unlink(missing_ok=True)
 
 
 @contextmanager
 def start_marker(root: Path, unit: str) -> Iterator[Callable[[str], None]]:
-    """Mark a unit as being computed; yield a function that notes the running job.
+    """Mark a unit as being computed; yield a function that records the running job.
 
-    A killed process leaves the marker behind, with the running job in its last line.
+    The marker of a killed process remains, with the running job in its last line.
     """
     folder = root / "units" / unit[:2]
     with room(folder / unit), temporary(folder, unit, "started") as marker:

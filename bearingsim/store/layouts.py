@@ -1,7 +1,7 @@
-"""Layouts of the JSON files of a results folder: ids, names, numbers and texts, each entry with its type.
+"""Schemas of the JSON files of a results folder, with the type of each entry.
 
-Names that become those of files are checked as a study's own. Texts may be anything: they are printed by
-``text/terminal.py``, drawn as they are, and quoted in tables.
+Names that are used as file names must match the same pattern as the name of a study. Other strings are not
+restricted, because control characters are removed when they are printed (``text/terminal.py``).
 """
 
 from collections.abc import Iterator, Mapping
@@ -21,15 +21,15 @@ __all__ = ["Choices", "Failure", "Trials", "check", "check_plan"]
 
 Id = Annotated[str, StringConstraints(pattern=f"^{ID}$")]
 Name = Annotated[str, StringConstraints(pattern=r"^[^\x00-\x1f\x7f-\x9f]{1,200}$")]
-"""Of a feature, or a path of a study."""
+"""Name of a feature, or path of a parameter of a study."""
 Count = Annotated[int, Field(ge=1)]
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 LONGEST_LOCATION = 100
-"""Largest length (characters) of an entry's location in a message."""
+"""Largest number of characters of the location of an entry in a message."""
 
 
 class Layout(BaseModel):
-    """A mapping with these entries; others are those of another version."""
+    """Mapping with the entries of the subclass; other entries, from other versions, are ignored."""
 
     model_config = ConfigDict(strict=True)
 
@@ -155,7 +155,7 @@ def _adapter(layout: Any) -> TypeAdapter[Any]:
 
 
 def check(layout: Any, value: Any) -> None:
-    """Raise Unreadable, with the location of the first entry that a layout does not allow."""
+    """Raise Unreadable, with the location of the first entry that violates a layout."""
     try:
         _adapter(layout).validate_python(value)
     except ValidationError as error:
@@ -165,7 +165,7 @@ def check(layout: Any, value: Any) -> None:
 
 
 def check_plan(plan: Mapping[str, Any]) -> None:
-    """Raise Unreadable for what is no plan: by its layout, or by ids of jobs that it does not have."""
+    """Raise Unreadable for a wrong layout, duplicate or unknown job ids, or an inconsistent design."""
     check(Plan, plan)
     ids = {entry["job"] for entry in plan["jobs"]}
     if len(ids) < len(plan["jobs"]):
@@ -181,7 +181,7 @@ def check_plan(plan: Mapping[str, Any]) -> None:
 
 
 def _references(plan: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the ids that a plan names beside those of its jobs."""
+    """Yield the job ids that a plan mentions outside its list of jobs."""
     yield from (entry["healthy"] for entry in plan["jobs"] if entry["healthy"] is not None)
     yield from chain.from_iterable((varied["of"], varied["job"]) for varied in plan.get("variations", ()))
     yield from (plan.get("design") or {"ids": ()})["ids"]

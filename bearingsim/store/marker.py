@@ -1,7 +1,7 @@
 """Marker of a folder: the program writes only into folders that it has marked as its own.
 
-``bearingsim.json`` is the first file of a folder. A results folder of an earlier version has a sound ``plan.json``
-instead.
+``bearingsim.json`` is the first file written to a folder. Results folders of earlier versions are recognised by an
+intact ``plan.json`` instead.
 """
 
 import secrets
@@ -20,15 +20,15 @@ NAMED = 3
 
 
 class NotOurs(UserError):
-    """A folder is not empty, and has no marker of the program."""
+    """A folder is not empty and has no marker of the program."""
 
 
 class OtherStudy(UserError):
-    """A folder holds another study, or is of another kind."""
+    """A folder belongs to another study, or is of another kind."""
 
 
 def owner(folder: Path) -> tuple[str, str] | None:
-    """Read kind and name from the marker of a folder; None without a sound marker."""
+    """Read kind and name from the marker of a folder; None without an intact marker."""
     try:
         entries = read_json(folder / MARKER)
         kind, name = entries["format"], entries["name"]
@@ -38,13 +38,13 @@ def owner(folder: Path) -> tuple[str, str] | None:
 
 
 def claim(folder: Path, kind: str, name: str, instead: str) -> None:
-    """Mark a folder, created if missing, with the ``kind`` of its results and the ``name`` of the study.
+    """Mark a folder with the ``kind`` of its results and the ``name`` of the study; create it if it is missing.
 
-    instead: the folder that a message proposes. Raises NotOurs for a folder with other files, OtherStudy for one
-    that is marked differently, LinkWithin for one with a link to a file. Nothing is written then.
+    instead: folder suggested in error messages. Raises NotOurs for a folder with other files, OtherStudy for a
+    folder with another marker, LinkWithin for a folder with a link to a file. Nothing is written then.
     """
     names = _strangers(folder, instead)
-    # checked after the files: another run may have marked the folder just now, and begun to write
+    # The marker is read after the files are listed: another run may mark the folder and write to it meanwhile.
     if _is_marked(folder, kind, name, instead):
         _refuse_links_to_files(folder)
         return
@@ -61,7 +61,7 @@ def mark(folder: Path, kind: str, name: str) -> None:
 
 
 def _is_marked(folder: Path, kind: str, name: str, instead: str) -> bool:
-    """Return True if a folder is marked with this kind and name. Raises OtherStudy for another mark."""
+    """Return True if a folder is marked with this kind and name. Raises OtherStudy for another marker."""
     marked = owner(folder)
     if marked is not None and marked != (kind, name):
         raise OtherStudy(
@@ -71,14 +71,14 @@ def _is_marked(folder: Path, kind: str, name: str, instead: str) -> bool:
 
 
 def _strangers(folder: Path, instead: str) -> list[str]:
-    """List the files of a folder except those of a killed run. Raises NotOurs if it is a file."""
+    """List the files of a folder except those of a killed run. Raises NotOurs if ``folder`` is a file."""
     if folder.exists() and not folder.is_dir():
         raise NotOurs(f"{folder} is a file: use a folder, such as --out {instead}")
     return strangers(folder) if folder.exists() else []
 
 
 def _refuse_links_to_files(folder: Path) -> None:
-    """Raise LinkWithin for links to files: a table written through a link would replace a file outside."""
+    """Raise LinkWithin if an entry of a folder is a link to a file, or a dangling link."""
     for path in sorted(folder.iterdir()):
         if path.is_symlink() and not path.is_dir():
             raise LinkWithin(f"{path} is a link out of the folder: remove it")

@@ -1,7 +1,7 @@
-"""Merge of several results folders of one study: those of shards, or of runs on other machines.
+"""Merge of several results folders of one study, from shards or from runs on other machines.
 
-Everything is checked before anything is copied, and the merged folders are only read. Files are copied unchanged,
-so that an interrupted merge can be repeated, and a repeated one changes nothing.
+All files are checked before any is copied, and the source folders are only read. Files are copied unchanged, so
+that an interrupted merge can be repeated, and repeating a complete merge changes nothing.
 """
 
 import json
@@ -31,18 +31,22 @@ from bearingsim.store.units import DamagedUnit, check_unit, computed, unit_path
 RUN_ENTRIES = {"file", "made_of", "notes"}
 """Entries of a plan that may differ between runs of one study."""
 FIRST_NAMED = ("study", "model_version", "quick", "overrides", "jobs")
-"""Entries of a plan in which a difference is reported first."""
+"""Entries of a plan whose differences are reported first."""
 LONGEST = 60
-"""Letters of a value that a message quotes."""
+"""Largest number of characters of a value quoted in a message."""
 
 
 class Unmergeable(UserError):
-    """Folders whose results do not belong together."""
+    """Folders with different plans or contradictory results."""
 
 
 @dataclass(frozen=True)
 class Merged:
-    """Result of a merge: units copied, and present before; jobs of the plan by status."""
+    """Result of a merge.
+
+    folders: number of merged folders; copied: units copied; there: units present before; jobs: number of jobs of
+    the plan by status.
+    """
 
     folders: int
     copied: int
@@ -59,12 +63,12 @@ class Merged:
 
 
 def merge(folders: Sequence[Path], out: Path) -> Merged:
-    """Copy the results of some folders into ``out``, and make its table.
+    """Copy the results of some folders into ``out``, and build its table.
 
-    ``out`` may hold results of the same plan. Results of a job that lies in several folders must agree bit by bit
-    in features, time and channels; CPU time, date and host may differ. Raises Unmergeable if they do not, and for
-    other studies, plans or versions of the model; DamagedUnit, ScanError, DamagedChoices and ResultsError for
-    files that are not as they were written. Then nothing has been copied.
+    ``out`` may already contain results of the same plan. Results of a job in several folders must be bitwise equal
+    in features, time and channels; CPU time, date and host may differ. Raises Unmergeable if results differ, and
+    for different studies, plans or versions of the model; DamagedUnit, ScanError, DamagedChoices and ResultsError
+    for damaged files. All of these are raised before anything is copied.
     """
     _refuse_among(folders, out)
     held = [out, *folders] if (out / "plan.json").is_file() else list(folders)
@@ -86,7 +90,7 @@ def merge(folders: Sequence[Path], out: Path) -> Merged:
     copy_scans(scans, out)
     for folder in folders:
         _copy_trials(folder, out)
-    new = {path.stem: path for folder in reversed(folders) for path in units[folder]}  # the first folder's stays
+    new = {path.stem: path for folder in reversed(folders) for path in units[folder]}  # the first folder wins
     for path in units[out]:
         new.pop(path.stem, None)
     for name, path in sorted(new.items()):
@@ -122,7 +126,7 @@ def _refuse_other_plan(results: Results, other: Results) -> None:
 
 def _text(results: Results, name: str) -> str:
     value = results.plan.get(name)
-    if name == "accuracy" and value:  # its notes are of a run: they name the plan of each choice
+    if name == "accuracy" and value:  # the notes depend on the run: they mention the plan of each choice
         value = {key: item for key, item in value.items() if key != "notes"}
     return json.dumps(value, sort_keys=True)
 
@@ -144,9 +148,9 @@ def _difference(name: str, plan: dict[str, Any], other: dict[str, Any]) -> str:
 
 
 def _judged(paths: Sequence[Path]) -> set[str]:
-    """Check all units, and return their jobs.
+    """Check all units, and return the ids of their jobs.
 
-    Raises DamagedUnit, and Unmergeable if a job has other results in another unit.
+    Raises DamagedUnit, and Unmergeable if a job has different results in two units.
     """
     units = defaultdict[str, list[Path]](list)
     for path in paths:
@@ -183,7 +187,7 @@ def _refuse_other_results(unit: Path, other: Path, jobs: Sequence[str]) -> None:
 
 
 def _apart(name: str, *contents: bytes | None) -> str:
-    """Describe how two jobs differ in one name, with both values if they are numbers."""
+    """Describe the difference of one quantity of a job between two units, with both values if they are numbers."""
     if any(content is None for content in contents):
         return f"only one has `{name}`"
     if all(content is not None and len(content) == 8 for content in contents):
@@ -198,7 +202,7 @@ def _apart(name: str, *contents: bytes | None) -> str:
 def _copy_trials(source: Path, root: Path) -> None:
     """Copy the trials of another results folder, except existing and unreadable files.
 
-    A file of the same name is kept without comparison: its trials are of the same cases.
+    Files of the same name contain trials of the same cases, so an existing file is kept without comparison.
     """
     for path in TRIALS.of(source):
         target = root / path.relative_to(source)
@@ -209,7 +213,10 @@ def _copy_trials(source: Path, root: Path) -> None:
 
 
 def _choices(folders: Sequence[Path]) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the choices of all folders, and the plan of each by name. Raises DamagedChoices, Unmergeable."""
+    """Return the choices of all folders, and the plan of each choice, by key.
+
+    Raises DamagedChoices, and Unmergeable if two folders chose different models for a case.
+    """
     choices: dict[str, Any] = {}
     plans: dict[str, str] = {}
     origin: dict[str, Path] = {}
@@ -224,7 +231,7 @@ def _choices(folders: Sequence[Path]) -> tuple[dict[str, Any], dict[str, str]]:
 
 
 def _take_failures(folders: Sequence[Path], out: Path, sealed: set[str]) -> None:
-    """Record the last failure of each job without a result, and delete those of finished jobs."""
+    """Store the latest failure of each job without a result, and delete the failures of finished jobs."""
     before = read_failures(out)
     for job in before.keys() & sealed:
         clear_failure(out, job)

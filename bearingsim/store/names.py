@@ -1,4 +1,4 @@
-"""Stored parameters, from a case and back; names, units and descriptions of parameters, channels and features."""
+"""Conversion of a case to stored parameters and back; units and names of parameters, channels and features."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -10,16 +10,16 @@ from bearingsim.text.units import UNITS, Dimension
 if TYPE_CHECKING:
     from bearingsim.config import Case
 
-FREE_TEXT = ("source",)  # fields that shape no result, and are not stored
+FREE_TEXT = ("source",)  # fields that do not influence results; not stored
 PATHS = ("file",)  # fields stored as short paths
-WORDS = ("record", "features")  # stored as words joined by spaces
+WORDS = ("record", "features")  # fields that ``case_of`` leaves out
 
 
 def flat_parameters(case: Any) -> dict[str, float | str]:
     """Flatten a case to one mapping in SI: ``bearing.roller_diameter``, ``defects.1.width``, ``model`` ...
 
-    Items of lists are numbered from 1, lists of words are joined by spaces; values that are not set and free text
-    that shapes no result are left out. Paths are relative to the working folder, or else file names only.
+    List items are numbered from 1, and lists of strings are joined by spaces. Values that are not set and the
+    fields in ``FREE_TEXT`` are omitted. Paths outside the working folder are reduced to the file name.
     """
     return dict(_flat("", case.model_dump()))
 
@@ -45,9 +45,9 @@ def _flat(path: str, value: Any) -> Iterator[tuple[str, float | str]]:
 def case_of(parameters: Mapping[Any, Any], root: Path | None = None) -> "Case":
     """Build the case of a job from its resolved parameters in SI, as ``Results.parameters`` returns them.
 
-    Parameters that are not set (NaN or an empty text) and the recorded channels are left out. Scans are read from
-    the results folder ``root`` only. Raises ValueError (pydantic's ValidationError, ScanError) for parameters that
-    form no valid case, such as those of another version.
+    Parameters that are not set (NaN or an empty string), recorded channels and requested features are left out.
+    If ``root`` is set, scans are read only from that results folder. Raises ValueError (pydantic's
+    ValidationError, ScanError) for parameters that do not form a valid case, such as those of another version.
     """
     from bearingsim.config import Case
 
@@ -62,13 +62,13 @@ def case_of(parameters: Mapping[Any, Any], root: Path | None = None) -> "Case":
 
 
 def _take_kept(root: Path, defect: dict[str, Any]) -> None:
-    """Point a defect to the stored copy of its scan, if it has one. Raises ScanError without a copy."""
+    """Set the file of a scanned defect to its stored copy. Raises ScanError if there is no copy."""
     if "file" in defect:
         defect["file"] = str(own_scan(root, str(defect.get("digest")), str(defect["file"])))
 
 
 def _plain(value: Any) -> Any:
-    """Convert whole numbers, which are stored as floats, to int."""
+    """Convert integers stored as floats to int."""
     return int(value) if isinstance(value, float) and value.is_integer() and abs(value) < 1e9 else value
 
 
@@ -93,7 +93,7 @@ def _lists(item: Any) -> Any:
 
 
 def parameter_attributes(name: str) -> dict[str, str]:
-    """Return ``units`` of a parameter; nothing for words and pure numbers."""
+    """Return ``units`` of a parameter; empty for strings and dimensionless numbers."""
     from bearingsim.study import dimension
 
     try:
@@ -105,7 +105,7 @@ def parameter_attributes(name: str) -> dict[str, str]:
 
 
 def si_unit(dimension: Dimension) -> str:
-    """Return the SI unit of a dimension, the one with factor 1; "" for a share."""
+    """Return the SI unit of a dimension, which has the factor 1; "" for a ratio."""
     return next((word for word, factor in UNITS[dimension].items() if factor.exact == 1 and not factor.pi), "")
 
 
@@ -129,7 +129,7 @@ def channel_unit(name: str) -> str:
 
 
 def feature_attributes(name: str) -> dict[str, str]:
-    """Return ``units`` and ``long_name`` of a feature; nothing for one that is not in the list of features."""
+    """Return ``units`` and ``long_name`` of a feature; empty for an unknown feature."""
     from bearingsim.config import FEATURES
 
     if name not in FEATURES:
@@ -139,7 +139,7 @@ def feature_attributes(name: str) -> dict[str, str]:
 
 
 def in_feature_order(names: Iterable[str]) -> list[str]:
-    """Sort names of features as in the list of features, others last by name."""
+    """Sort feature names in the order of ``FEATURES``; unknown names come last, sorted by name."""
     from bearingsim.config import FEATURES
 
     order = {name: number for number, name in enumerate(FEATURES)}

@@ -1,6 +1,7 @@
 """Error bounds of the results of a study with `accuracy`, and differences found by audits.
 
-All are relative to the largest value of the curve with the result (the lowest of several; without one its own).
+Errors are relative to the largest value on the curve of the result. A result on several curves uses the smallest
+of these values, a result on no curve its own value.
 """
 
 from collections.abc import Iterator, Mapping
@@ -15,20 +16,21 @@ from bearingsim.study.uncertainty import RIGID
 if TYPE_CHECKING:
     import pandas as pd
 
-STEP_OF = {"rms": "rms", "max": "force"}  # by the ending of a feature: all others are lines
+STEP_OF = {"rms": "rms", "max": "force"}  # kind by the suffix of a feature; all others are spectral lines
 RECORD_FEATURES = ("acceleration.rms", "displacement.rms")
-"""They change otherwise than the RMS of the velocity: bounded by the largest change of all that is recorded."""
+"""Features bounded by the largest step error of all recorded channels, not by that of the velocity RMS."""
 START_OF = {"line": "", "rms": ".rms", "force": ".force"}
-"""Endings of `error.start`, by what it is of."""
+"""Suffixes of the column `error.start`, by kind of feature."""
 PARTS = ("error.model", "error.friction", "error.nodes", "error.start", "error.step", "error.scatter")
 """Columns whose sum is ``error``."""
 STANDARD_ERRORS = 2.0
 
 
 class Audited(NamedTuple):
-    """A feature of a job that was computed again by its reference: the difference, and what may be scatter.
+    """Difference of a feature between an audited job and the same job computed with the reference model.
 
-    job: the id of the job that was audited; off, scatter: relative to the largest value of the feature's curve.
+    job: id of the audited job; off: relative difference; scatter: relative difference that random scatter explains
+    (``STANDARD_ERRORS`` standard errors). Both are relative to the largest value on the curve of the feature.
     """
 
     job: str
@@ -37,12 +39,12 @@ class Audited(NamedTuple):
     scatter: float
 
     def fails(self, within: float) -> bool:
-        """Return whether the difference exceeds an accuracy by more than scatter explains."""
+        """Return True if the difference exceeds the accuracy ``within`` by more than the scatter."""
         return self.off > within + self.scatter
 
 
 def scales(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
-    """Return the value (SI) by job that errors of a feature are relative to: the largest of its curve."""
+    """Return by job the reference value (SI) for relative errors of a feature: the largest on its curve."""
     values = frame[f"features/{feature}"].abs()
     largest = values.copy()
     largest[:] = float("inf")
@@ -54,11 +56,12 @@ def scales(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
 
 
 def nearness(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
-    """Return ``PARTS`` and their sum ``error`` by case, each the largest of what is asked.
+    """Return ``PARTS`` and their sum ``error`` by case, each the largest over the requested features.
 
-    No ``error`` where the study leaves open what moves its results more than any model: whether its ring bends. No
-    ``.scatter`` and no ``error`` of a chaotic motion if a line is asked for whose scatter is unknown. Where an
-    audit failed, ``error`` is at least the difference that it found, on all of the curve.
+    ``error`` is NaN if a rigid ring is among the assumptions of the study, because ring bending may change the
+    results more than the choice of the model. ``error.scatter`` and ``error`` are NaN for a chaotic motion if the
+    scatter of a requested spectral line is unknown. If an audit failed, ``error`` is at least the difference found
+    for all cases on the curve.
     """
     import pandas as pd
 
@@ -94,13 +97,13 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
     scatter = standard_error(frame, plain).where(~scatters_unknown(frame, plain), inf) / size
     of_trials = {"error.model": tried("error"), "error.friction": tried("friction"), "error.nodes": tried("nodes")}
     start = _relative(frame, f"error.start{START_OF[_kind(plain)]}") * frame[f"features/{plain}"].abs() / size
-    beyond = (start - scatter.fillna(0.0)).clip(lower=0.0)  # of what does not repeat itself it counts scatter, too
+    beyond = (start - scatter.fillna(0.0)).clip(lower=0.0)  # for non-periodic motion it includes scatter
     parts = pd.DataFrame(of_trials | {"error.start": beyond, "error.step": step, "error.scatter": scatter})
     return parts.where(frame["status"] == "done")
 
 
 def _step_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
-    """Return the relative step error of a feature; an envelope, a square, has twice that of the acceleration."""
+    """Return the relative step error of a feature: for an envelope, a square, twice that of the acceleration."""
     banded = read_band(feature)
     times = 2.0 if banded is not None and banded.line else 1.0
     of_acceleration = banded is not None and (banded.line or banded.quantity == "acceleration")
@@ -109,19 +112,19 @@ def _step_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
 
 
 def _kind(feature: str) -> str:
-    """Return whether a feature is a `line`, an `rms`, or a `force`."""
+    """Return the kind of a feature: `line`, `rms` or `force`."""
     return STEP_OF.get(feature.partition("@")[0].rpartition(".")[2], "line")
 
 
 def _relative(frame: "pd.DataFrame", name: str) -> "pd.Series[float]":
-    """Return a relative error that each job has as a feature, 0 where it has none."""
+    """Return a relative error stored as a feature, 0 for jobs without it."""
     import pandas as pd
 
     return frame.get(f"features/{name}", pd.Series(0.0, frame.index)).fillna(0.0)
 
 
 def audited(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[Audited]:
-    """Yield the differences that audits found, by job and feature, of pairs whose jobs are both done."""
+    """Yield the differences found by audits, by job and feature, for pairs of finished jobs."""
     accuracy = plan.get("accuracy") or {"audits": [], "of": []}
     features = [feature for feature in accuracy["of"] if f"features/{feature}" in frame]
     sizes = {feature: scales(plan, frame, feature) for feature in features if accuracy["audits"]}
@@ -131,7 +134,7 @@ def audited(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[Audited]
             continue
         for feature in features:
             own, reference = frame[f"features/{feature}"].loc[pair]
-            if own != own or reference != reference:  # no value in one of them: nothing is compared
+            if own != own or reference != reference:  # NaN
                 continue
             size = float(sizes[feature][audit["of"]]) or 1.0
             errors = standard_error(frame, feature.removesuffix(HEALTHY)).reindex(pair)
@@ -140,10 +143,10 @@ def audited(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[Audited]
 
 
 def withdrawn(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, float]:
-    """Return the largest difference that a failed audit found on a curve of each case, by job.
+    """Return by job the largest difference found by failed audits on the curves of the job.
 
-    Only of cases on a curve of a feature whose audit failed: what was promised of them is withdrawn. A feature on
-    no curve counts for its own job alone.
+    The accuracy of these jobs is withdrawn. Jobs without a failed audit on one of their curves are left out. A
+    failed audit of a feature on no curve concerns the audited job only.
     """
     accuracy = plan.get("accuracy") or {"within": inf, "curves": []}
     largest: dict[str, float] = {}

@@ -1,6 +1,6 @@
-"""Names of the program's files in a results folder: a file of any other name is the user's.
+"""Names of the program's files in a results folder; all other files belong to the user.
 
-Only files with these names are ever replaced, renamed or removed.
+Only files with these names are replaced, renamed or removed.
 """
 
 import re
@@ -8,17 +8,17 @@ from pathlib import Path
 from typing import NamedTuple
 
 ID = "[0-9a-f]{16}"
-"""Pattern of the id of a job, a unit, or the content of a scan."""
+"""Pattern of the id of a job or a unit, and of the digest of a scan."""
 
 
 class OwnFiles(NamedTuple):
-    """Files of one kind: the folders in which they lie, as a glob pattern, and a pattern of their paths."""
+    """Files of one kind: glob pattern of their folders, and regular expression of their paths."""
 
     folder: str
     path: str
 
     def of(self, root: Path) -> list[Path]:
-        """List the files of this kind in a results folder, sorted; a folder of such a name is the user's."""
+        """List the files of this kind in a results folder, sorted; folders with such a name are left out."""
         paths = sorted(root.glob(f"{self.folder}*"))
         return [path for path in paths if self._names(path.relative_to(root)) and not path.is_dir()]
 
@@ -27,7 +27,7 @@ class OwnFiles(NamedTuple):
 
 
 UNIT = r"units/(?=(..)/\1)../" + ID
-"""Pattern of the path of a unit, which lies in the folder of its first two digits."""
+"""Pattern of the path of a unit; the folder is named after the first two digits."""
 UNITS = OwnFiles("units/??/", rf"{UNIT}\.h5")
 FAILURES = OwnFiles("failed/", rf"failed/{ID}\.json")
 TRIALS = OwnFiles("trials/", rf"trials/{ID}\.json")
@@ -36,7 +36,7 @@ CHOICES = OwnFiles("", r"choices\.json")
 TABLES = OwnFiles("", r"study\.h5|results\.csv")
 DAMAGED = (OwnFiles("units/??/", rf"{UNIT}\.damaged"), OwnFiles("failed/", rf"failed/{ID}\.damaged"))
 FOLDERS = ("failed", "figures", "scans", "trials", "units", "units/??")
-"""Folders in a results folder; none may be a link."""
+"""Subfolders of a results folder; none may be a link."""
 
 AT_TOP = r"bearingsim\.json|plan\.json|study\.yaml|study\.h5|results\.csv|choices\.json"
 TEMPORARY = re.compile(rf"(run|{AT_TOP}|{ID}(\.\w+)?)\.[\w-]+-\d+-[0-9a-f]{{8}}\.(part|started)")
@@ -44,13 +44,13 @@ LOCK = ".lock"
 
 
 def temporary_files(root: Path) -> list[Path]:
-    """List the ``.part`` files and start markers of a results folder, of running and ended writers alike."""
+    """List the ``.part`` files and start markers of a results folder, whether their writers still run or not."""
     folders = [root, *(path for name in FOLDERS for path in root.glob(name) if path.is_dir())]
     return [path for folder in folders for path in sorted(folder.iterdir()) if TEMPORARY.fullmatch(path.name)]
 
 
 def strangers(root: Path) -> list[str]:
-    """List the files of a folder without results, except those left by a run that was killed at its start."""
+    """List the entries of a folder, except temporary files and the lock of a run that was killed at its start."""
     return sorted(path.name for path in root.iterdir() if not (TEMPORARY.fullmatch(path.name) or _is_lock(path)))
 
 
@@ -60,7 +60,7 @@ def _is_lock(path: Path) -> bool:
 
 
 def remove(root: Path, *kinds: OwnFiles) -> int:
-    """Remove all files of some kinds, and the folders emptied by that; return the number of files."""
+    """Remove all files of some kinds and the folders that this leaves empty; return the number of files."""
     files = [path for kind in kinds for path in kind.of(root)]
     for path in files:
         path.unlink(missing_ok=True)
@@ -70,7 +70,7 @@ def remove(root: Path, *kinds: OwnFiles) -> int:
 
 
 def _remove_empty(folder: Path, root: Path) -> None:
-    """Remove a folder and its parents within ``root`` as long as they are empty."""
+    """Remove a folder and its parents within ``root`` if they are empty."""
     while folder != root and not any(folder.iterdir()):
         folder.rmdir()
         folder = folder.parent

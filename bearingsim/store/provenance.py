@@ -17,7 +17,7 @@ PACKAGES = ("bearingsim", "numpy", "numba", "scipy", "h5py")
 
 
 def provenance(study: "Study") -> dict[str, str | int]:
-    """Collect the facts that every unit file carries: study text and overrides, versions, git commit, host."""
+    """Collect the provenance stored in every unit file: study text and overrides, versions, git commit, host."""
     from bearingsim.core import MODEL_VERSION
 
     overrides = " ".join(f"{path}={value}" for path, value in study.overrides.items())
@@ -38,9 +38,9 @@ def provenance(study: "Study") -> dict[str, str | int]:
 
 
 def made_of(files: Mapping[str, str | None], overrides: Mapping[str, str], quick: bool) -> str:
-    """Return the SHA-256 of everything that decides the expansion of a study.
+    """Return the SHA-256 of everything that determines the expansion of a study.
 
-    "" if it cannot be decided, because files are unknown or the checkout has changes. files: of
+    "" if the files are unknown or the checkout has uncommitted changes. files: digests of the files read, from
     ``text/files_read.py``.
     """
     from bearingsim.catalogue import extension_digest
@@ -55,7 +55,7 @@ def made_of(files: Mapping[str, str | None], overrides: Mapping[str, str], quick
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of the packages that shape results, by name."""
+    """Return the versions of the packages that influence results, by name."""
     return {name: _version(name) for name in PACKAGES}
 
 
@@ -71,7 +71,7 @@ def _version(package: str) -> str:
 
 
 def _commit() -> str:
-    """Return the commit of the checkout of this package, with ``-dirty`` if it was changed; "" outside one."""
+    """Return the git commit of this package, with ``-dirty`` for uncommitted changes; "" outside a checkout."""
     checkout = Path(__file__).parents[2]
     if not (checkout / ".git").exists():
         return ""

@@ -1,4 +1,4 @@
-"""Removal of files of a results folder that its plan no longer names."""
+"""Removal of files of a results folder that its plan no longer needs."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from bearingsim.store.units import DamagedUnit, read_unit
 
 @dataclass(frozen=True)
 class Superfluous:
-    """Files to remove, with their bytes, by kind in words; ``notes``: files that stay, with the reason."""
+    """Files to remove, with their sizes in bytes, by kind; notes: files that are kept, with the reason."""
 
     files: dict[str, dict[Path, int]]
     notes: tuple[str, ...]
@@ -49,7 +49,7 @@ def _files(count: int) -> str:
 
 
 class _Unit(NamedTuple):
-    """A readable unit: its jobs, the planned ones among them, and the digests of the scans of these."""
+    """Readable unit: all its jobs, those in the plan, and the digests of the scans of the planned jobs."""
 
     path: Path
     jobs: set[str]
@@ -58,9 +58,9 @@ class _Unit(NamedTuple):
 
 
 def superfluous(root: Path) -> Superfluous:
-    """List the files that may be removed from a results folder; change nothing.
+    """List the files that can be removed from a results folder, without removing them.
 
-    Raises ResultsError without a sound plan.
+    Raises ResultsError without an intact plan.
     """
     results = open_results(root)
     planned = set(results.planned)
@@ -108,7 +108,7 @@ def _unit(path: Path, planned: set[str]) -> _Unit:
 
 
 def _whole(units: Iterable[_Unit]) -> Iterator[str]:
-    """Yield a line on units that also hold jobs outside the plan, if there are any."""
+    """Yield a note on units with jobs both in the plan and outside it, if there are any."""
     mixed = [unit for unit in units if unit.planned and unit.planned != unit.jobs]
     if mixed:
         stay = f"{len(mixed)} units are kept" if len(mixed) > 1 else "1 unit is kept"
@@ -122,7 +122,7 @@ def _is_left(path: Path) -> bool:
 
 
 def _trials(results: Results) -> list[Path]:
-    """List unreadable trials, and all of a study without an accuracy."""
+    """List unreadable trials, or all trials if the study has no `accuracy`."""
     return [
         path for path in own_files.TRIALS.of(results.path) if not (results.plan.get("accuracy") and _reads(path))
     ]
@@ -137,9 +137,9 @@ def _reads(path: Path) -> bool:
 
 
 def prune(root: Path) -> Superfluous:
-    """Remove the files listed by ``superfluous``, and make the table again; return them.
+    """Remove the files listed by ``superfluous``, and rebuild the table; return the list.
 
-    Raises FolderInUse while a run works in the folder.
+    Raises FolderInUse if a run uses the folder.
     """
     try:
         with lock(root, wait=False):

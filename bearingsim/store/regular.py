@@ -1,6 +1,7 @@
-"""Opening of a results folder's files for reading: no links, no pipes, nothing larger than memory.
+"""Safe opening of files for reading: no links, no special files, nothing larger than memory.
 
-A results folder may come from anyone. A link would lead out of it, a pipe would never end.
+Results folders may come from untrusted sources. A link could point outside the folder, and reading a pipe could
+block forever.
 """
 
 import hashlib
@@ -13,19 +14,19 @@ from bearingsim import memory
 from bearingsim.errors import UserError
 
 COST = 32
-"""Largest ratio of the memory for the contents of a file to its size. Results need up to 13."""
+"""Largest ratio of the memory for the contents of a file to its size; results need up to 13."""
 BLOCK = 1 << 20  # bytes read at a time
 _FLAGS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 
 
 class Unreadable(UserError):
-    """A file is not as it was written, or is of another version; the text gives the reason."""
+    """A file is damaged or of another version; the message states the reason."""
 
 
 def open_regular(path: Path) -> BufferedReader:
     """Open a file for reading.
 
-    Raises Unreadable for a link, a special file, or one larger than memory; OSError.
+    Raises Unreadable for a link, a special file, or a file larger than memory; OSError.
     """
     if path.is_symlink():
         raise Unreadable("it is a link; copy the folder with its link targets (`cp -rL`)")
@@ -43,17 +44,17 @@ def open_regular(path: Path) -> BufferedReader:
 
 
 def digest(path: Path) -> str:
-    """Return the SHA-256 of a file in hex digits. Raises as ``open_regular``."""
+    """Return the SHA-256 of a file in hex digits. Raises the errors of ``open_regular``."""
     with open_regular(path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def read_regular(path: Path) -> bytes:
-    """Read a text file. Raises as ``open_regular``, and Unreadable for a zero byte."""
+    """Read a text file. Raises the errors of ``open_regular``, and Unreadable for a zero byte."""
     blocks = []
     with open_regular(path) as file:
         while block := file.read(BLOCK):
-            if b"\0" in block:  # holes of sparse files read as zeros, of any size
+            if b"\0" in block:  # a sparse file may state any size, and reads as zeros
                 raise Unreadable("it is no text")
             blocks.append(block)
     return b"".join(blocks)

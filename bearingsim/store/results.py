@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 
 
 class ResultsError(UserError):
-    """A folder holds no results, or not the requested ones."""
+    """A folder contains no results, or not the requested ones."""
 
 
 def open_results(path: str | Path) -> "Results":
     """Open the results folder of a study.
 
-    Raises ResultsError if it is not one, or its plan is damaged, and LinkWithin if links lead out of it.
+    Raises ResultsError if the folder has no plan or a damaged one, and LinkWithin if a subfolder is a link.
     """
     results = Results(Path(path))
     plan = results.path / "plan.json"
@@ -52,7 +52,7 @@ def results_folder(name: str, quick: bool, out: str | Path | None) -> Path:
 
 
 def planned_jobs(root: Path) -> set[str]:
-    """Return the ids of the jobs of the plan in a folder; none without a sound plan."""
+    """Return the ids of the jobs of the plan in a folder; an empty set without an intact plan."""
     try:
         return set(open_results(root).planned)
     except ResultsError:
@@ -61,7 +61,7 @@ def planned_jobs(root: Path) -> set[str]:
 
 @dataclass(frozen=True)
 class Results:
-    """Results of a study, as computed by the time of the first access."""
+    """Results of a study at the time of the first access: they are read once and cached."""
 
     path: Path
 
@@ -77,12 +77,12 @@ class Results:
 
     @cached_property
     def planned(self) -> tuple[str, ...]:
-        """Ids of all jobs of the plan: ``jobs``, then their variations."""
+        """Ids of all jobs of the plan: ``jobs``, then variations and audits."""
         return tuple(entry["job"] for entry in self.plan["jobs"])
 
     @cached_property
     def variations(self) -> list[dict[str, Any]]:
-        """Variations by `uncertainty:`: mappings of `of` (job), `what`, `value` (SI), `job` (of the variation)."""
+        """Variations by `uncertainty:`, with keys `of` (nominal job), `what`, `value` (SI), `job` (variation)."""
         return list(self.plan.get("variations", ()))
 
     @cached_property
@@ -110,7 +110,7 @@ class Results:
         return self._parameters.copy()
 
     def info(self) -> "pd.DataFrame":
-        """Return the facts of the solver on finished jobs (step, CPU time, error estimates), indexed by job."""
+        """Return the solver statistics of finished jobs (step, CPU time, error estimates), indexed by job."""
         return info(self._frame)
 
     def spread(self, feature: str) -> "pd.DataFrame":
@@ -123,7 +123,7 @@ class Results:
         return {job: failure for job, failure in read_failures(self.path).items() if status.get(job) == "failed"}
 
     def series(self, job: str) -> Series:
-        """Read the recorded series of a job. Raises ResultsError for an unknown job, or one without series."""
+        """Read the recorded series of a job. Raises ResultsError for an unknown or unfinished job."""
         if job not in self._frame.index:
             raise ResultsError(f"no job {job} in {self.path}")
         row = self._frame.loc[job]
@@ -134,7 +134,8 @@ class Results:
     def to_xarray(self, jobs: Sequence[str] | None = None) -> "xr.Dataset":
         """Return series, features and swept values of finished jobs (or some of them) over ``job`` and ``time``.
 
-        Loads the series into memory. Raises ResultsError without xarray, for unknown jobs, or if time axes differ.
+        Loads all series into memory. Raises ResultsError if xarray is missing, a job is unknown, or time axes
+        differ.
         """
         try:
             import xarray as xr
@@ -162,7 +163,7 @@ def _attributes(name: str, swept: bool) -> dict[str, str]:
 
 
 def _stack(series: dict[str, Series]) -> dict[str, Any]:
-    """Stack channels (job, time), with the time axis, as variables for xarray."""
+    """Stack channels to arrays (job, time), and return them with the time axis as variables for xarray."""
     if not series:
         return {}
     reference = next(iter(series.values()))

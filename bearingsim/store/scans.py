@@ -1,4 +1,4 @@
-"""Copies of a study's scans in its results, which can be drawn without the original files."""
+"""Copies of the surface scans of a study in its results folder, so that the original files are not needed."""
 
 import re
 from collections.abc import Iterable
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 
 def keep_scans(root: Path, cases: Iterable["Case"]) -> None:
-    """Copy the scans of some cases to ``scans/<digest>.<ext>``, unless they are there.
+    """Copy the scans of some cases to ``scans/<digest>.<ext>``, unless intact copies exist.
 
-    Raises ScanError if a scan is missing, or has changed since its case was made.
+    Raises ScanError if a scan is missing, or has changed since the study was read.
     """
     for digest, file in _scans(cases):
         kept = kept_scan(root, digest, file)
@@ -31,7 +31,7 @@ def kept_scans(root: Path, cases: Iterable["Case"]) -> dict[str, bytes]:
 
 
 def with_short_paths(case: "Case") -> "Case":
-    """Return the case with short paths of its scans, for a machine that lacks the files."""
+    """Return the case with shortened paths of its scans, for a machine without the original files."""
     if all(d.file is None for d in case.defects):
         return case
     named = tuple(d if d.file is None else d.model_copy(update={"file": short_path(d.file)}) for d in case.defects)
@@ -39,12 +39,12 @@ def with_short_paths(case: "Case") -> "Case":
 
 
 def _scans(cases: Iterable["Case"]) -> list[tuple[str, str]]:
-    """List digest and file of each scan of some cases."""
+    """List the digest and file of each scan of some cases, without duplicates."""
     return sorted({(d.digest, d.file) for case in cases for d in case.defects if d.file and d.digest})
 
 
 def held_scans(root: Path) -> list[Path]:
-    """List the scans stored in a results folder. Raises ScanError if the content of one has another digest."""
+    """List the scans stored in a results folder. Raises ScanError if one has been changed."""
     from bearingsim.config.scan.file import ScanError
 
     scans = SCANS.of(root)
@@ -55,7 +55,7 @@ def held_scans(root: Path) -> list[Path]:
 
 
 def copy_scans(scans: Iterable[Path], root: Path) -> None:
-    """Copy scans of another results folder, unless they are there."""
+    """Copy scans from another results folder, unless intact copies exist."""
     for path in scans:
         kept = root / "scans" / path.name
         if not _holds(kept, path.stem):
@@ -63,7 +63,7 @@ def copy_scans(scans: Iterable[Path], root: Path) -> None:
 
 
 def own_scan(root: Path, digest: str, file: str) -> Path:
-    """Return the path of a scan's copy in a results folder. Raises ScanError without an intact copy."""
+    """Return the path of the copy of a scan in a results folder. Raises ScanError without an intact copy."""
     from bearingsim.config.scan.file import ScanError
 
     kept = kept_scan(root, digest, file)
@@ -73,12 +73,12 @@ def own_scan(root: Path, digest: str, file: str) -> Path:
 
 
 def kept_scan(root: Path, digest: str, file: str) -> Path:
-    """Return the path of the copy of a scan in a results folder."""
+    """Return the path for the copy of a scan in a results folder, whether it exists or not."""
     return root / "scans" / f"{digest}{Path(file).suffix.lower()}"
 
 
 def short_path(file: str) -> str:
-    """Shorten a path for publication: relative to the working folder, or else the file name."""
+    """Make an absolute path relative to the working folder, or reduce it to the file name outside that folder."""
     path = Path(file)
     if not path.is_absolute():
         return file

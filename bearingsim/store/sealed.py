@@ -1,7 +1,7 @@
-"""Files with a checksum: each ends with the SHA-256 of the bytes before it.
+"""Files with a checksum, the SHA-256 of the preceding bytes.
 
-It follows the end of an HDF5 file, where readers ignore it, and is the last entry of a JSON file. Each file also
-has the version of its layout.
+The checksum is appended to an HDF5 file, where readers ignore it, and is the last entry of a JSON file. Each file
+also contains the version of its layout.
 """
 
 import hashlib
@@ -22,12 +22,12 @@ from bearingsim.store.regular import BLOCK, COST, Unreadable, open_regular, read
 SCHEMA = 2  # version of the layout of all files
 LIBVER = ("v108", "v108")  # object headers with checksums and no 64 kB limit on attributes
 LEAST_BYTES = 8
-"""Least text per list or mapping of a JSON file, on average: an empty one takes 64 bytes of memory."""
+"""Smallest average number of characters per list or mapping of a JSON file: each takes 64 bytes of memory."""
 HDF5_MARK, JSON_MARK = b"\nSHA-256 ", ',\n "sha256": "'
 
 
 UNREADABLE = (OSError, LookupError, TypeError, ValueError, RuntimeError, AttributeError, MemoryError, Unreadable)
-"""Errors that damaged files raise when read."""
+"""Exceptions raised on reading damaged files."""
 
 
 def _digest(content: bytes) -> str:
@@ -40,7 +40,7 @@ def _check_schema(schema: Any) -> None:
 
 
 def set_aside(path: Path) -> None:
-    """Rename a damaged file to ``.damaged``, unless another run has done so."""
+    """Rename a damaged file to ``.damaged``, unless another run has already done so."""
     with suppress(FileNotFoundError):
         path.replace(path.with_suffix(".damaged"))
 
@@ -49,15 +49,15 @@ def set_aside(path: Path) -> None:
 
 
 def new_hdf5(path: Path) -> AbstractContextManager[h5py.File]:
-    """Create an HDF5 file in memory, where HDF5 cannot meet a full disk, and write it on leaving."""
+    """Create an HDF5 file in memory, and write it on exit, so that the HDF5 library never meets a full disk."""
     return hdf5_in_memory(partial(write_bytes, path))
 
 
 @contextmanager
 def hdf5_in_memory(take: Callable[[bytes], None]) -> Iterator[h5py.File]:
-    """Create an HDF5 file in memory; on leaving pass its bytes, with their digest, to ``take``.
+    """Create an HDF5 file in memory; on exit pass its bytes and their digest to ``take``.
 
-    The core driver of HDF5 1.14 is not used: the superblock of its image has a wrong checksum.
+    The core driver of HDF5 1.14 is not used, because the superblock of its image has a wrong checksum.
     """
     memory = io.BytesIO()
     with h5py.File(memory, "w", libver=LIBVER) as file:
@@ -96,7 +96,7 @@ def open_unverified(path: Path) -> Hdf5:
 def open_sealed(stream: BinaryIO) -> Hdf5:
     """Open the file in a stream after checking its digest; the stream is closed with the file.
 
-    Reading takes at most ``COST`` times its bytes of memory at a time. Raises one of UNREADABLE.
+    One read may use at most ``COST`` times the file size of memory. Raises one of UNREADABLE.
     """
     try:
         size, digest, seal = _read_through(stream)
@@ -113,7 +113,7 @@ def open_sealed(stream: BinaryIO) -> Hdf5:
 
 
 def _read_through(stream: BinaryIO) -> tuple[int, str, bytes]:
-    """Read a stream; return its size, the digest of all but the bytes of a seal, and these last bytes."""
+    """Read a stream; return its size, the digest of all bytes before the seal, and the seal."""
     size = stream.seek(0, io.SEEK_END)
     left, digest = max(size - SEAL_BYTES, 0), hashlib.sha256()
     stream.seek(0)
@@ -127,7 +127,7 @@ def _read_through(stream: BinaryIO) -> tuple[int, str, bytes]:
 
 
 def write_json(path: Path, entries: Mapping[str, Any], indent: int | None = 1) -> None:
-    """Write a mapping, with schema and digest."""
+    """Write a mapping with its schema version and digest."""
     body = json.dumps({"schema": SCHEMA, **entries}, indent=indent, ensure_ascii=False)[:-1].rstrip()
     write_bytes(path, (body + _json_seal(body)).encode())
 
@@ -137,7 +137,7 @@ def _json_seal(body: str) -> str:
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """Read the mapping in a file after checking its digest. Raises one of UNREADABLE."""
+    """Read a mapping after checking its digest. Raises one of UNREADABLE."""
     text = read_regular(path).decode()
     body, mark, _ = text.rpartition(JSON_MARK)
     if not mark:

@@ -1,6 +1,6 @@
-"""Spread of results under uncertain parameters: the jobs of `uncertainty:` beside the nominal ones.
+"""Spread of results due to uncertain parameters: the variations of `uncertainty:` and the nominal jobs.
 
-A value of a chaotic motion is a random sample: it counts with its standard error to both sides.
+Results of chaotic motions are random samples, so the spread includes their standard errors.
 """
 
 from collections.abc import Mapping
@@ -12,20 +12,20 @@ if TYPE_CHECKING:
     import pandas as pd
 
 BY_BLOCKS = {"velocity@BPFO": "standard_error.line", "velocity.rms": "standard_error.rms"}
-"""The relative standard errors by blocks of ball passes; results of earlier versions do not have them."""
+"""Columns with relative standard errors from blocks of ball passes; results of earlier versions lack them."""
 NOTABLE = 0.005
-"""Of a value: a standard error beyond which a result of a chaotic motion is one draw of many."""
+"""Relative standard error above which a result of a chaotic motion is reported as a random sample."""
 
-STANDARD_DEVIATIONS = 2.5  # that `rms_scatter` stands for, or more: it counts how few passes tell
+STANDARD_DEVIATIONS = 2.5  # standard deviations in `rms_scatter`; it has more if few passes were compared
 
 
 def spread(
     plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str, what: str | None = None
 ) -> "pd.DataFrame":
-    """Return ``least`` and ``largest`` of a feature (SI) among a job and its variations of ``what`` (or of all).
+    """Return ``least`` and ``largest`` of a feature (SI) over a job and its variations.
 
-    frame: of ``job_frame``. Indexed by the jobs whose variations all have a result; ``chaotic``: whether one of
-    the motions is. None of a phase, which has no least value.
+    what: the varied quantity, None for all; frame: from ``job_frame``. Rows: the jobs whose variations all have a
+    result. The column ``chaotic`` is True if any of the motions is chaotic. Empty for a phase, which has no range.
     """
     import numpy as np
     import pandas as pd
@@ -37,7 +37,7 @@ def spread(
         return pd.DataFrame(columns=columns)
     pairs = pd.DataFrame([(varied["of"], varied["job"]) for varied in entries], columns=["of", "job"])
     lacking = frame[name].reindex(pairs["job"]).isna().to_numpy()
-    pairs = pairs[~pairs["of"].isin(pairs["of"][lacking])]  # a part of the range would look like all of it
+    pairs = pairs[~pairs["of"].isin(pairs["of"][lacking])]  # a partial range would be mistaken for the full one
     if pairs.empty:
         return pd.DataFrame(columns=columns)
     own = pd.DataFrame({"of": pairs["of"].unique(), "job": pairs["of"].unique()})
@@ -47,15 +47,15 @@ def spread(
     pairs = pairs.assign(least=value - beside, largest=value + beside)
     pairs["chaotic"] = _chaotic(frame).reindex(pairs["job"]).to_numpy()
     ranges = pairs.groupby("of", sort=False).agg({"least": "min", "largest": "max", "chaotic": "any"})
-    unknown = pairs["of"][np.isnan(beside)]  # chaotic, and not seen for long enough
+    unknown = pairs["of"][np.isnan(beside)]  # chaotic, and the record is too short
     ranges = ranges[~ranges.index.isin(unknown)]
     return ranges if (value < 0.0).any() else ranges.assign(least=ranges["least"].clip(lower=0.0))
 
 
 def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
-    """Return the standard error (SI) of a feature of chaotic motions and of records that have ended early.
+    """Return the standard error (SI) of a feature for chaotic motions and for records that ended early.
 
-    0 where neither is so, or nothing tells it; NaN where the record is too short to tell.
+    0 for all other jobs and if no estimate exists; NaN if the record is too short for an estimate.
     """
     import numpy as np
     import pandas as pd
@@ -75,9 +75,9 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
 
 
 def early_end_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float] | None":
-    """Return the relative standard error of lines, or of RMS values, by which records ended; None of an extreme.
+    """Return the relative standard error of lines or RMS values at which records were ended early.
 
-    NaN of other jobs.
+    NaN for jobs whose record did not end early; None for an extreme value, or if no such column exists.
     """
     name = f"info/standard_error_{'line' if is_line(feature) else 'rms'}"
     if name not in frame or not is_mean(feature):
@@ -91,17 +91,14 @@ def is_line(feature: str) -> bool:
 
 
 def is_one_draw(table: "pd.DataFrame", feature: str, notable: float = NOTABLE) -> "pd.Series[bool]":
-    """Mark jobs in which a feature is one draw of many: chaotic, with a standard error over ``notable``.
-
-    ``notable``: part of the value.
-    """
+    """Mark chaotic jobs in which the relative standard error of a feature is unknown or above ``notable``."""
     return _chaotic(table.add_prefix("features/")) & ~(relative_error(table, feature) <= notable)
 
 
 def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
-    """Return the standard error of a feature of a table as a part of it; NaN where nothing tells it.
+    """Return the relative standard error of a feature of a table; NaN if it is unknown.
 
-    What is neither line nor RMS has that of the velocity's RMS.
+    Features other than spectral lines use the error of the velocity RMS.
     """
     import pandas as pd
 
@@ -120,7 +117,7 @@ def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
 
 
 def scatters_unknown(frame: "pd.DataFrame", feature: str) -> "pd.Series[bool]":
-    """Mark jobs in which a feature is a line of a chaotic motion without a standard error: no multiple of BPFO."""
+    """Mark chaotic jobs in which the feature is a spectral line without a standard error."""
     has_scatter = not is_line(feature) or f"features/{feature}-scatter" in frame
     reached = early_end_errors(frame, feature)
     return _chaotic(frame) & (not has_scatter) & (True if reached is None else reached.isna())
@@ -133,7 +130,7 @@ def _chaotic(frame: "pd.DataFrame") -> "pd.Series[bool]":
 
 
 def errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
-    """Return (largest - least)/value by job: `error.damping` of the line, `.rms`, `.force`, and so on."""
+    """Return (largest - least)/value by job, in columns such as `error.damping` and `error.damping.rms`."""
     import pandas as pd
 
     table = pd.DataFrame(index=frame.index)
@@ -146,7 +143,7 @@ def errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def _features(frame: "pd.DataFrame", ending: str) -> "pd.Series[str]":
-    """Return the feature by job that a column of ``ERRORS`` is of: the line that of its first defect."""
+    """Return by job the feature of a column of ``ERRORS``; the line is that of the race of the first defect."""
     import pandas as pd
 
     if ending:
@@ -156,7 +153,7 @@ def _features(frame: "pd.DataFrame", ending: str) -> "pd.Series[str]":
 
 
 def _relative(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str, what: str) -> "pd.Series[float]":
-    """Return (largest - least)/value of a feature, NaN for jobs that were not varied."""
+    """Return (largest - least)/value of a feature by job; NaN for jobs without variations."""
     import numpy as np
     import pandas as pd
 

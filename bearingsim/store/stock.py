@@ -1,9 +1,9 @@
 """Check of the units of a results folder, for runs, table and export.
 
-`prune` and `merge` remove and copy units, so they do not rely on the table and read every unit themselves.
+A unit whose size and modification time match the table was checked against its digest before, and its rows are in
+the table, so it is not read again. All other units are read completely.
 
-A unit with the size and modification time noted in the table was checked against its digest before, and its rows
-are in the table: it is not read again. All others are read completely.
+`prune` and `merge` remove and copy units, so they do not rely on the table but read every unit themselves.
 """
 
 from collections.abc import Iterable, Mapping
@@ -21,7 +21,7 @@ Rows = Mapping[str, "pd.DataFrame"]
 
 @dataclass(frozen=True)
 class Stock:
-    """Sound units by name, ``in_table`` or just ``read``, with their rows; and damaged ones by path."""
+    """Result of a check: names of units in the table, rows of units not in it, errors of damaged units by path."""
 
     in_table: set[str] = field(default_factory=set)
     read: "dict[str, pd.DataFrame]" = field(default_factory=dict)
@@ -29,9 +29,10 @@ class Stock:
 
 
 def judged(units: Iterable[Path], table: "pd.DataFrame | None", read: Rows, everything: bool = False) -> Stock:
-    """Check units. table: its columns ``unit`` and ``stamp``; read: rows read before, by unit.
+    """Check units.
 
-    everything: also read the units that are in the table.
+    table: with the columns ``unit`` and ``stamp``; read: rows read before, by unit; everything: also read the
+    units in the table.
     """
     stock, remembered = Stock(), {} if everything else _remembered(table)
     for path in units:
@@ -62,9 +63,9 @@ def _stamp(path: Path) -> str:
 
 
 def _remembered(table: "pd.DataFrame | None") -> dict[str, str]:
-    """Return the stamp of each unit with all of its jobs in the table, by name.
+    """Return the stamps of the units whose jobs are all in the table, by name.
 
-    The table of a narrower plan lacks some jobs of a unit.
+    The table may lack some jobs of a unit, because its plan has fewer jobs.
     """
     if table is None:
         return {}

@@ -1,7 +1,7 @@
 """Table of a study: parameters, features, status and unit of each job, in ``study.h5`` and ``results.csv``.
 
-It is made from ``plan.json``, the sealed units and the failures on record, so it can be deleted and made again;
-rows of units that are in ``study.h5`` are taken from there.
+The table is built from ``plan.json``, the units and the stored failures, so it can be deleted and rebuilt. Rows of
+unchanged units are read from ``study.h5``.
 """
 
 import hashlib
@@ -39,11 +39,11 @@ if TYPE_CHECKING:
 PER_JOB = ("status", "reason", "healthy", "unit", "stamp")
 STUDY = "study.yaml"
 DIGESTS = ("fingerprint", "csv")
-"""Digests in ``study.h5``: of the sources of the table, and of ``results.csv``."""
+"""Digests stored in ``study.h5``: of the sources of the table, and of ``results.csv``."""
 
 
 def write_plan(root: Path, study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) -> dict[str, Any]:
-    """Write ``study.yaml`` (as given, unless it was read from there) and ``plan.json``; return the plan."""
+    """Write ``study.yaml`` (unless the study was read from there) and ``plan.json``; return the plan."""
     plan = plan_of(study, jobs, notes)
     if study.path is None or Path(study.path).resolve() != (root / STUDY).resolve():
         write_text(root / STUDY, study.text)
@@ -52,7 +52,7 @@ def write_plan(root: Path, study: "Study", jobs: Iterable["Job"], notes: Sequenc
 
 
 def plan_of(study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) -> dict[str, Any]:
-    """Return the expansion of a study as plain data: its name, overrides, figures and jobs.
+    """Return the expansion of a study as plain data: name, overrides, figures, jobs and so on.
 
     notes: remarks on the study.
     """
@@ -90,7 +90,7 @@ def plan_of(study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) ->
 
 
 def _accuracy(study: "Study") -> dict[str, Any] | None:
-    """Return the accuracy goal, the models chosen for it, curves and audits; None for a study without one."""
+    """Return the accuracy goal, the chosen models, curves and audits; None for a study without `accuracy`."""
     goal, selection = study.goal, study.selection
     if goal is None or selection is None:
         return None
@@ -106,9 +106,9 @@ def _accuracy(study: "Study") -> dict[str, Any] | None:
 
 
 def read_plan(root: Path) -> dict[str, Any]:
-    """Read the plan of a folder. Raises one of UNREADABLE without results, or if it is damaged.
+    """Read the plan of a folder. Raises one of UNREADABLE if it is missing or damaged.
 
-    A plan of a version without designs has None as its entry `design`.
+    In plans of versions without designs the entry `design` is None.
     """
     plan = {"design": None} | read_json(root / "plan.json")
     check_plan(plan)
@@ -119,8 +119,8 @@ def job_frame(root: Path) -> "pd.DataFrame":
     """Return the data of each planned job, indexed by id.
 
     Columns: ``parameters/...``, ``features/...``, ``info/...``, ``status`` (done, failed, missing), ``reason``,
-    ``healthy`` (id of the healthy case), ``unit``. Read from ``study.h5`` if it is up to date; otherwise made
-    anew, and written where possible.
+    ``healthy`` (id of the healthy case), ``unit``. The frame is read from ``study.h5`` if that is up to date;
+    otherwise it is rebuilt, and written if possible.
     """
     fingerprint = _fingerprint(root)
     stored = read_frame(root)
@@ -132,17 +132,17 @@ def job_frame(root: Path) -> "pd.DataFrame":
 
 
 def own_frame(root: Path, plan: Mapping[str, Any], rows: Rows) -> "pd.DataFrame":
-    """Return the frame of ``job_frame`` for a plan that may differ from the folder's.
+    """Return the frame of ``job_frame`` for a plan that may differ from the one in the folder.
 
-    rows: of units read before, by unit.
+    rows: rows of units read before, by unit.
     """
     return _make_frame(root, plan, read_frame(root), rows, read_failures(root)).sort_index(axis=1)
 
 
 def build_table(root: Path, rows: Rows | None = None) -> "pd.DataFrame":
-    """Make ``study.h5`` and ``results.csv`` from the folder; return the frame of ``job_frame``.
+    """Build ``study.h5`` and ``results.csv`` of a folder; return the frame of ``job_frame``.
 
-    Nothing is written if both are up to date. rows: of units read before, by unit. Warns of unreadable files.
+    Nothing is written if both are up to date. rows: rows of units read before, by unit. Warns of unreadable files.
     """
     with lock(root):
         fingerprint = _fingerprint(root)
@@ -158,20 +158,20 @@ def build_table(root: Path, rows: Rows | None = None) -> "pd.DataFrame":
 
 
 def rows_of(plan: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """List the jobs of a plan that have a row in its table: all except variations."""
+    """List the jobs of a plan with a row in its table: all except variations and audits."""
     return [entry for entry in plan["jobs"] if not entry.get("variation")]
 
 
 def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
-    """Return one row per case, healthy ones included.
+    """Return one row per case and per healthy baseline.
 
     Columns: ``job``, swept paths (SI), features, status, reason, seconds, healthy, unit. Variations
-    (``store/spread.py``) have no row: they make the columns `error.*` of their jobs.
+    (``store/spread.py``) and audits have no rows; they contribute to the `error` columns.
     """
     import pandas as pd
 
     ours = rows_of(plan)
-    spreads, near = errors(plan, frame), nearness(plan, frame)  # of audits and other variations, too
+    spreads, near = errors(plan, frame), nearness(plan, frame)  # these need the jobs without a row, too
     frame = frame.loc[[entry["job"] for entry in ours]]
     swept = pd.DataFrame([entry["swept"] for entry in ours], index=frame.index)
     features = frame.filter(regex="^features/").rename(columns=lambda name: name.partition("/")[2])
@@ -181,7 +181,7 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     if models_chosen:
         names = [models_chosen[job]["model"] if job in models_chosen else "" for job in frame.index]
         models = pd.DataFrame({"model": names})
-        own = near.drop(columns=[name for name in near if name in features])  # jobs have `error.start` themselves
+        own = near.drop(columns=[name for name in near if name in features])  # such as `error.start`
         features = pd.concat([models.set_index(frame.index), own.reindex(frame.index), features], axis=1)
     seconds = frame["info/cpu_s"] if "info/cpu_s" in frame else pd.Series(np.nan, frame.index)
     rest = pd.DataFrame({"status": frame["status"], "reason": frame["reason"], "seconds": seconds})
@@ -192,7 +192,7 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def info(frame: "pd.DataFrame") -> "pd.DataFrame":
-    """Return the facts of the solver for each finished job, indexed by job; ``frame``: of ``job_frame``."""
+    """Return the solver statistics of each finished job, indexed by job; frame: from ``job_frame``."""
     done = frame[frame["status"] == "done"]
     return done.filter(regex="^info/").rename(columns=lambda name: name.partition("/")[2])
 
@@ -217,14 +217,14 @@ def _make_frame(
     status = np.where(done, "done", np.where(reason.notna(), "failed", "missing"))
     healthy = [entry["healthy"] for entry in plan["jobs"]]
     states = pd.DataFrame({"reason": reason, "status": status, "healthy": healthy}, index=stored.index)
-    frame = pd.concat([stored, states], axis=1)  # inserting a column into many is slow, and pandas warns of it
+    frame = pd.concat([stored, states], axis=1)  # inserting columns one by one is slow
     words = frame.select_dtypes(exclude="number").columns
     frame = frame.fillna(dict.fromkeys(words, "")).astype(dict.fromkeys(words, str))
     return pd.concat([frame, healthy_differences(frame)], axis=1)
 
 
 def _collect(root: Path, table_rows: "pd.DataFrame | None", rows: Rows) -> "pd.DataFrame":
-    """Collect the rows of all sound units; a job that lies in several is taken from the first."""
+    """Collect the rows of all intact units; a job in several units is read from the first."""
     import pandas as pd
 
     stock = judged(UNITS.of(root), table_rows, rows)
@@ -241,9 +241,9 @@ def _collect(root: Path, table_rows: "pd.DataFrame | None", rows: Rows) -> "pd.D
 
 
 def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
-    """Compute ``|A - A_healthy|`` of the complex amplitude of each line with a phase, NaN without a healthy case.
+    """Compute ``|A - A_healthy|`` of the complex amplitude of each spectral line with a phase.
 
-    A band has no phase: the difference of its values.
+    For features of a band, which have no phase, return the difference of the values. NaN without a healthy case.
     """
     import pandas as pd
 
@@ -264,7 +264,7 @@ def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def _fingerprint(root: Path) -> str:
-    """Return the digest of the sources of the table: plan; names, sizes and times of units and failures."""
+    """Return the digest of the sources of the table: plan, and names, sizes and times of units and failures."""
     sources = [*UNITS.of(root), *FAILURES.of(root)]
     states = ((path.name, path.lstat()) for path in sources)
     listing = "\n".join(f"{name} {stat.st_size} {stat.st_mtime_ns}" for name, stat in states)
@@ -299,7 +299,7 @@ def _column(values: "pd.Series[Any]") -> NDArray[Any]:
 
 
 def read_frame(root: Path, groups: Sequence[str] = tuple(GROUPS)) -> "pd.DataFrame | None":
-    """Read the frame in ``study.h5`` (or some groups of columns); None if it is missing or damaged."""
+    """Read the frame in ``study.h5`` (or some groups of columns); None if the file is missing or damaged."""
     import pandas as pd
 
     try:

@@ -1,8 +1,9 @@
-"""Unit file: one immutable HDF5 file with the series, parameters and features of one or more jobs.
+"""Unit files: immutable HDF5 files, each with the series, parameters and features of one or more jobs.
 
-Root: ``time`` (float64, s) and ``job`` (ids) are dimension scales, each channel is a float32 dataset
-(job, time). ``parameters``, ``features`` and ``info`` are datasets (job, name) in SI (``columns.py``); the
-provenance is in attributes and the group ``provenance``. xarray (h5netcdf), ncdump, h5web and MATLAB open it.
+``time`` (float64, s) and ``job`` (ids) are dimension scales of the root, and each channel is a float32 dataset
+(job, time). ``parameters``, ``features`` and ``info`` are datasets (job, name) in SI (``columns.py``). The
+provenance is stored in attributes and in the group ``provenance``. xarray (h5netcdf), ncdump, h5web and MATLAB can
+open the files.
 """
 
 import hashlib
@@ -32,19 +33,19 @@ if TYPE_CHECKING:
     from bearingsim.simulation.simulate import Record
     from bearingsim.study import Job
 
-CHUNK_BYTES = 1 << 16  # least size of a chunk
-LONGEST_CHUNK = 1 << 18  # samples of a job in a chunk
+CHUNK_BYTES = 1 << 16  # up to this size (bytes) a chunk contains several short jobs
+LONGEST_CHUNK = 1 << 18  # largest number of samples of a job in a chunk
 
 
 class DamagedUnit(UserError):
-    """A unit file is not as it was written, or does not hold the jobs of its name."""
+    """A unit file is damaged, or its jobs do not match its name."""
 
 
 @dataclass(frozen=True)
 class Series(Mapping[str, NDArray[np.float32]]):
-    """Recorded series of one job: ``time`` (n,) in s, ``channels`` name -> (n,) in SI, ``units`` by name.
+    """Recorded series of one job: ``time`` (n,) in s, ``channels`` (n,) in SI and ``units`` by channel name.
 
-    Also a mapping of its channels.
+    The object itself is a mapping of the channels.
     """
 
     time: NDArray[np.float64]
@@ -62,7 +63,7 @@ class Series(Mapping[str, NDArray[np.float32]]):
 
 
 def unit_name(jobs: Iterable[str]) -> str:
-    """Return the name of the unit with these jobs: 16 hex digits of SHA-256 over the sorted ids."""
+    """Return the name of the unit with these jobs: the first 16 hex digits of SHA-256 over the sorted ids."""
     return hashlib.sha256("\n".join(sorted(jobs)).encode()).hexdigest()[:16]
 
 
@@ -80,7 +81,7 @@ def unit_path(root: Path, unit: str) -> Path:
 
 
 def write_units(root: Path, done: Sequence[tuple["Job", "Record"]], provenance: Mapping[str, Value]) -> list[Path]:
-    """Seal the records of some jobs, one file per common time axis and set of channels; return the files."""
+    """Write the records of some jobs, one file per time axis and set of channels; return the paths."""
     return [_write(unit_path(root, unit), content) for unit, content in sealed_units(done, provenance)]
 
 
@@ -99,7 +100,7 @@ def sealed_units(
 
 
 def take_unit(root: Path, unit: str, content: bytes) -> Path:
-    """Write a unit sealed elsewhere, unchanged. Raises DamagedUnit if it is not as it was sealed."""
+    """Write a unit received from another machine, unchanged. Raises DamagedUnit if its digest does not match."""
     path = unit_path(root, unit)
     try:
         with open_sealed(io.BytesIO(content)) as file:
@@ -144,13 +145,13 @@ def _write_series(file: h5py.File, jobs: h5py.Dataset, records: Sequence["Record
 
 
 def _chunks(jobs: int, samples: int) -> tuple[int, int]:
-    """Return the shape of a chunk: one job, or several short ones up to CHUNK_BYTES."""
+    """Return the shape of a chunk: one job, or several short jobs up to CHUNK_BYTES."""
     width = max(1, min(samples, LONGEST_CHUNK))
     return min(jobs, max(1, CHUNK_BYTES // (4 * width))), width
 
 
 def _write_provenance(file: h5py.File, provenance: Mapping[str, Value]) -> None:
-    """Write short facts as attributes of the file, and the study's text, of any length, as a dataset."""
+    """Write multi-line strings, such as the text of the study, as datasets, and all else as attributes."""
     folder = file.require_group("provenance")
     for name, value in provenance.items():
         if isinstance(value, str) and "\n" in value:
@@ -165,15 +166,15 @@ def _write_provenance(file: h5py.File, provenance: Mapping[str, Value]) -> None:
 
 @contextmanager
 def open_unit(path: Path) -> Iterator[Hdf5]:
-    """Open a unit after checking its digest, and its name against its jobs.
+    """Open a unit after checking its digest, and that its name matches its jobs.
 
-    Raises DamagedUnit, also for errors of reading within the context.
+    Raises DamagedUnit, also for read errors within the context.
     """
     try:
         with open_hdf5(path) as file:
             _check(path, file)
             yield file
-    except PermissionError:  # no damage
+    except PermissionError:  # the file is not damaged
         raise
     except UNREADABLE as error:
         raise DamagedUnit(f"{path.name}: {error}") from error
@@ -201,9 +202,10 @@ def jobs_named(path: Path) -> list[str]:
 
 
 def computed(path: Path, jobs: Collection[str]) -> dict[str, dict[str, bytes]]:
-    """Return the digests of the computed values of some jobs of a unit: features, time, channels; by job and name.
+    """Return digests or bytes of the features, time and channels of some jobs of a unit, by job and name.
 
-    Equal digests mean values equal in every bit. Date, host and CPU time are not part of them. Raises DamagedUnit.
+    They are equal if and only if the values are bitwise equal. Date, host and CPU time are not included. Raises
+    DamagedUnit.
     """
     with open_unit(path) as file:
         features = read_columns(file, ("features",))
@@ -223,7 +225,7 @@ def computed(path: Path, jobs: Collection[str]) -> dict[str, dict[str, bytes]]:
 
 
 def _has_value(value: float | str) -> bool:
-    """Return True if a job has a feature: a missing one is NaN, or empty."""
+    """Return True unless a feature is missing, that is NaN or an empty string."""
     return value == value and value != ""
 
 
@@ -237,7 +239,7 @@ def _digest(values: NDArray[Any]) -> bytes:
 
 def _check(path: Path, file: Hdf5) -> None:
     ids = list(file.texts("job"))
-    if not file.has_attribute("status"):  # the last that is written
+    if not file.has_attribute("status"):  # written last
         raise Unreadable("not marked complete")
     if unit_name(ids) != path.stem:
         raise Unreadable("its job ids are not those of its name")
@@ -248,7 +250,7 @@ def _check(path: Path, file: Hdf5) -> None:
 
 
 def _channels(file: Hdf5) -> list[str]:
-    """List the recorded channels. Raises Unreadable for a name that is not a channel's."""
+    """List the recorded channels. Raises Unreadable for an invalid channel name."""
     columns = (*GROUPS, *(f"{item}_text" for item in GROUPS.values()))
     series = [name for name in file.names() if name not in columns and not file.is_group(name)]
     channels = [name for name in series if len(file.shape(name)) == 2]
@@ -259,7 +261,7 @@ def _channels(file: Hdf5) -> list[str]:
 
 
 def read_series(path: Path, job: str) -> Series:
-    """Read the series of one job from its unit. Raises DamagedUnit, and KeyError if it does not hold the job."""
+    """Read the series of one job from its unit. Raises DamagedUnit, and KeyError for a job that it lacks."""
     with _advised(path), open_unit(path) as file:
         ids = list(file.texts("job"))
         if job in ids:
