@@ -1,6 +1,6 @@
-"""Executing the jobs of a study: local pool, shards, quarantine of what kills its worker, progress.
+"""Execution of the jobs of a study: local pool, dask cluster, shards, isolation of crashing jobs, progress.
 
-Names are imported when they are first used: a command that only reads results needs few of these modules.
+Names are imported on first use, because a command that only reads results needs few of these modules.
 """
 
 from importlib import import_module

@@ -1,7 +1,7 @@
-"""Computation of units of work by the workers of a dask scheduler, on machines without a common disk.
+"""Computation of units of work by the workers of a dask scheduler, on machines without a shared disk.
 
-The workers' side is ``delivery.py``. Only this process writes into the results folder. Models are chosen before: a
-case is sent with its model.
+``delivery.py`` runs on the workers. Only this process writes into the results folder. The models are chosen
+beforehand, so each case is sent with its model.
 """
 
 import asyncio
@@ -44,15 +44,15 @@ from bearingsim.runner.work import Outcome, Work
 from bearingsim.text.terminal import say
 
 EACH, LEAST = 4, 16
-"""Units submitted at a time for each worker, and at least, so that no worker waits for its next unit."""
+"""Units submitted at a time, per worker and in total at least, so that no worker waits for its next unit."""
 BATCH, BATCH_BYTES = 64, 64e6
-"""Largest number of units, and of bytes of their series, fetched at once: they pass through the scheduler."""
+"""Largest number of units, and of bytes of their series, fetched at once through the scheduler."""
 SEALING = 8
-"""Threads that write unit files."""
+"""Number of threads that write unit files."""
 WAITING_S, LOOK_S = 0.2, 2.0
-"""s between checks for results, or for the first worker; and for the number of workers."""
+"""Intervals in s between checks for results or for the first worker, and for the number of workers."""
 ANSWER_S, WORKERS_S = 20.0, 300.0
-"""Deadlines in s for an answer of the scheduler, and of the workers, which may load the program first."""
+"""Deadlines in s for an answer of the scheduler, and of the workers, which may have to load the program first."""
 ADVICE = (
     "no job is blamed; the workers' logs may tell why, and the workers may need more memory"
     " (`dask worker --memory-limit`)"
@@ -63,7 +63,7 @@ ADVICE = (
 def joined(address: str) -> Iterator["Cluster"]:
     """Connect to the workers of the scheduler at ``tcp://HOST:PORT``.
 
-    Raises SchedulerGone without an answer in time.
+    Raises SchedulerGone if the scheduler does not answer in time.
     """
     with client_of(address) as client:
         yield Cluster(client, address)
@@ -77,10 +77,10 @@ class Killed(NamedTuple):
 
 
 class Cluster:
-    """The workers of a scheduler, as they come and go, for one run."""
+    """Workers of a scheduler during one run; workers may join and leave."""
 
     def __init__(self, client: Client, address: str) -> None:
-        """Raise OtherInstallation if this process is not configured as a worker must be."""
+        """Raise OtherInstallation if this process requests several threads for linear algebra."""
         self.client, self.address, self.run, self.installed = client, address, token_hex(8), needed()
         self.landed: SimpleQueue[Future] = SimpleQueue()
         self.lost: list[Future] = []
@@ -89,7 +89,7 @@ class Cluster:
     def assembled(self) -> int:
         """Wait for a worker, and return the number of workers.
 
-        Raises OtherInstallation for a worker that computes otherwise than this process.
+        Raises OtherInstallation if the installation of a worker differs from that of this process.
         """
         with self._reached():
             while not self.count:
@@ -104,20 +104,20 @@ class Cluster:
 
     @property
     def workers(self) -> int:
-        """Number of workers; 1 while there is none."""
+        """Number of workers; 1 if there are none."""
         return max(1, self.count)
 
     def outcomes(self, works: Sequence[Work]) -> Generator[Outcome, None, None]:
-        """Have units of work computed; seal the results, and yield the outcome of each in order of arrival.
+        """Compute units of work on the workers, store the results, and yield the outcomes in order of arrival.
 
-        The death of a worker does not tell which of its jobs caused it: these are computed once more at the end,
-        each alone on its worker, and a job whose worker dies again becomes a failure. Raises WorkersDie if deaths
-        go on without a result between, SchedulerGone, OtherInstallation, WorkerFailed.
+        If a worker dies, each job of its unit is repeated at the end, alone on a worker, because any of them may
+        be the cause. A job whose worker dies again becomes a failure. Raises WorkersDie if too many workers die
+        without a result in between, SchedulerGone, OtherInstallation, WorkerFailed.
         """
         if not works:
             return
         suspects: list[Work] = []
-        marker = store.start_marker(works[0].root, works[0].unit)  # the folder cannot be cleared meanwhile
+        marker = store.start_marker(works[0].root, works[0].unit)  # so that the folder cannot be cleared
         with heeding(), self._reached(), marker:
             for result in self._computed(works, at_once=None):
                 if isinstance(result, Outcome):
@@ -127,7 +127,10 @@ class Cluster:
             yield from self._apart(suspects)
 
     def _apart(self, suspects: Sequence[Work], one_by_one: bool = False) -> Iterator[Outcome]:
-        """Compute jobs whose worker died, each alone on a worker; repeat those that shared one when it died."""
+        """Compute jobs whose worker died, each alone on a worker.
+
+        If several of them fail with the same worker, repeat them one by one.
+        """
         blamed: list[Outcome] = []
         again: list[Work] = []
         while suspects and not stop_requested():
@@ -151,7 +154,7 @@ class Cluster:
     def _computed(self, works: Iterable[Work], at_once: int | None) -> "Iterator[Outcome | Killed]":
         """Submit units, a bounded number at a time, and yield the result of each.
 
-        at_once: number of units submitted at a time; None chooses it by the number of workers.
+        at_once: largest number of units in progress; None chooses it from the number of workers.
         """
         waiting, flying, stopping = iter(works), dict[Future, Work](), False
         while True:
@@ -170,7 +173,7 @@ class Cluster:
         if not works:
             return {}
         parcels = [Parcel(pickle.dumps(_short(work)), _scans(work), self.run, self.installed) for work in works]
-        names = [(f"bearingsim-{self.run}", next(self.number)) for _ in works]  # of one group: they queue up
+        names = [(f"bearingsim-{self.run}", next(self.number)) for _ in works]  # one group, so they queue up
         with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1 GB"}):  # scans are large
             futures = self.client.map(deliver, parcels, key=names, pure=False, retries=0)
         for future in futures:
@@ -178,8 +181,8 @@ class Cluster:
         return dict(zip(futures, works, strict=True))
 
     def _stop(self, flying: dict[Future, Work]) -> None:
-        """Tell all workers to begin nothing more, and cancel the units that none has begun."""
-        with suppress(TimeoutError):  # repeated at the next look
+        """Request all workers to start no more jobs, and cancel the units that have not been started."""
+        with suppress(TimeoutError):  # repeated after the next ``_look``
             answer_in_time(ANSWER_S, partial(self.client.run, stop, self.run, on_error="ignore"))
         held = {key for keys in answer_in_time(ANSWER_S, self.client.processing).values() for key in keys}
         holders = answer_in_time(ANSWER_S, partial(self.client.who_has, list(flying)))
@@ -191,9 +194,9 @@ class Cluster:
             del flying[future]
 
     def _received(self, flying: dict[Future, Work]) -> "Iterator[Outcome | Killed]":
-        """Fetch and store finished units, remove them from ``flying``, and yield their outcomes."""
+        """Fetch and store finished units, remove finished and failed units from ``flying``, yield the results."""
         done = {future: future.status for future in self._landed(flying)}
-        if "cancelled" in done.values():  # by the client, which has lost the scheduler
+        if "cancelled" in done.values():  # the client has lost the scheduler
             raise CommClosedError
         self.lost += [future for future, status in done.items() if status not in ("finished", "error")]
         fetched = self._fetched([future for future, status in done.items() if status == "finished"])
@@ -218,7 +221,7 @@ class Cluster:
         yield from killed
 
     def _landed(self, flying: Mapping[Future, Work]) -> list[Future]:
-        """Collect units that are finished or lost: at most a batch, none after a wait of WAITING_S."""
+        """Collect finished and lost units, at most a batch; wait up to WAITING_S for the first one."""
         batch: list[Future] = []
         size = 0.0
         with suppress(Empty):
@@ -230,9 +233,9 @@ class Cluster:
         return batch
 
     def _fetched(self, done: Sequence[Future]) -> dict[Future, Delivery]:
-        """Fetch results. A result lost with its worker is recomputed by the scheduler.
+        """Fetch results, except those lost with their worker, which the scheduler recomputes.
 
-        ``Client.gather`` would wait for that.
+        ``Client.gather`` would wait for the recomputation.
         """
         wanted = {future.key: future for future in done}
         while wanted:
@@ -244,7 +247,7 @@ class Cluster:
         return {}
 
     def _death(self, future: Future) -> str:
-        """Return the address of the worker that died of a unit; raise any other error of the unit."""
+        """Return the address of the worker that died while computing a unit; raise any other error of the unit."""
         error = future.exception()
         if isinstance(error, KilledWorker):
             return str(error.last_worker.address)
@@ -264,9 +267,9 @@ class Cluster:
             raise WorkersDie(f"{self.deaths} workers died without finishing a job: {ADVICE}")
 
     def _look(self) -> bool:
-        """Update the number of workers every LOOK_S, and report if it drops to zero; return True after an update.
+        """Update the number of workers, at most every LOOK_S; return True after an update.
 
-        Units lost with a worker are examined again, too.
+        Reports if there are no workers. Units that were lost with a worker are queued to be examined again.
         """
         if time.monotonic() - self.looked < LOOK_S:
             return False
@@ -280,9 +283,9 @@ class Cluster:
         return True
 
     def _run_on_all(self, function: Callable, *arguments: Any) -> dict[str, Any]:
-        """Call a function on each worker; return the results by address, without workers that were lost meanwhile.
+        """Call a function on each worker; return the results by address, except of workers lost meanwhile.
 
-        Raises OtherInstallation where the function fails, WorkerFailed for workers that do not answer.
+        Raises OtherInstallation if the function fails, WorkerFailed if a worker does not answer in time.
         """
         try:
             answers = answer_in_time(WORKERS_S, partial(self.client.run, function, *arguments, on_error="return"))
@@ -296,7 +299,7 @@ class Cluster:
 
     @contextmanager
     def _reached(self) -> Iterator[None]:
-        """Turn errors due to a lost scheduler into SchedulerGone."""
+        """Convert errors due to a lost scheduler to SchedulerGone."""
         try:
             yield
         except Exception as error:
@@ -329,11 +332,11 @@ def _refuse_others(work: Work, delivery: Delivery) -> None:
 
 
 def _short(work: Work) -> Work:
-    """Return the work as it is sent: scans have their short paths, because a worker has another working folder."""
+    """Return the work to be sent to a worker: without ``others``, and with shortened paths of scans."""
     jobs = tuple(replace(job, case=store.with_short_paths(job.case)) for job in work.jobs)
     return replace(work, others=None, jobs=jobs)
 
 
 def _scans(work: Work) -> dict[str, bytes]:
-    """Read the scans that a work needs from the results folder; return their contents by file name."""
+    """Read the scans needed by a unit of work from the results folder; return their contents by file name."""
     return store.kept_scans(work.root, [job.case for job in work.jobs])

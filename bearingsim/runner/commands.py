@@ -10,16 +10,16 @@ if TYPE_CHECKING:
 
 
 def command(verb: str, study: "Study", root: Path, *options: str) -> str:
-    """Return a command line such as `bearingsim run study.yaml --out ... --set ... --quick`, with more options."""
+    """Return a command line such as `bearingsim run study.yaml --out ... --set ... --quick`, plus ``options``."""
     return typed(verb, study.path, root, study.overrides, bool(study.quick), *options)
 
 
 def typed(
     verb: str, file: str | Path | None, root: Path, overrides: Mapping[str, str], quick: bool, *options: str
 ) -> str:
-    """Return such a command line for the study of a plan.
+    """Return a command line for a study given by the entries of its plan.
 
-    file: path of the study file; without it ``study.yaml`` in the results folder ``root``.
+    file: path of the study file; by default ``study.yaml`` in the results folder ``root``.
     """
     words = ["bearingsim", verb, str(file or root / "study.yaml"), "--out", str(root)]
     for path, value in overrides.items():

@@ -1,4 +1,4 @@
-"""Worker side of a dask cluster: receives a unit of work as a value, returns its unit files."""
+"""Worker side of a dask cluster: computes a received unit of work and returns the unit files."""
 
 import hashlib
 import os
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from bearingsim.study import Job
 
 LOADING = "import bearingsim.runner.delivery"
-"""Import that takes seconds, run outside the event loop of a worker so that its heartbeat goes on."""
-SOURCES = (".py", ".csv")  # files of the program that decide results
+"""Slow import, run in a thread so that the event loop of the worker, and its heartbeat, continue."""
+SOURCES = (".py", ".csv")  # suffixes of the program's files that influence results
 
 
 class OtherInstallation(UserError):
@@ -37,7 +37,7 @@ class OtherInstallation(UserError):
 
 
 class WorkerFailed(UserError):
-    """A worker cannot go on because of its machine."""
+    """A worker cannot continue because of a problem on its machine."""
 
 
 @dataclass(frozen=True)
@@ -74,13 +74,13 @@ def deliver(parcel: Parcel) -> Delivery:
     try:
         with _brought(parcel.scans, folder):
             return Delivery(compute(replace(work, root=folder, provenance=made_by), seal), files)
-    except (UserError, OSError) as error:  # its disk is full
+    except (UserError, OSError) as error:  # for example, its disk is full
         raise WorkerFailed(f"worker {worker.address}: {error}") from None
 
 
 @contextmanager
 def _brought(scans: Mapping[str, bytes], folder: Path) -> Iterator[None]:
-    """Store the scans that came with the work in a folder, and let cases read them there."""
+    """Store the scans sent with the work in a folder, and let cases read them from there."""
     from bearingsim.config.scan.file import BROUGHT
 
     for name, content in scans.items():
@@ -100,7 +100,7 @@ _stops: defaultdict[str, threading.Event] = defaultdict(threading.Event)
 
 
 def stop(run: str) -> None:
-    """Stop a run in this worker: no more of its jobs are begun."""
+    """Stop a run in this worker, so that no more of its jobs are started."""
     _stops[run].set()
 
 
@@ -129,9 +129,9 @@ def installation() -> dict[str, str]:
 
 
 def needed() -> dict[str, str]:
-    """Return the installation that a worker must have: that of this process, with one thread for linear algebra.
+    """Return the installation required of a worker: that of this process, with one thread for linear algebra.
 
-    Raises OtherInstallation if this process, which chooses the models, is set to several threads.
+    Raises OtherInstallation if this process, which chooses the models, is set to use several threads.
     """
     several = " and ".join(f"{name}={count}" for name, count in blas_threads.several().items())
     if several:
@@ -142,7 +142,7 @@ def needed() -> dict[str, str]:
 
 
 def _sources() -> str:
-    """Return the first 12 hex digits of SHA-256 over the sources: a checkout may change under one version."""
+    """Return the first 12 hex digits of SHA-256 over the sources, which may differ between equal versions."""
     package, digest = Path(__file__).parents[1], hashlib.sha256()
     for path in sorted(path for path in package.rglob("*") if path.suffix in SOURCES):
         digest.update(path.relative_to(package).as_posix().encode() + path.read_bytes())
@@ -162,7 +162,7 @@ def refuse_installation(address: str, present: Mapping[str, str], required: Mapp
 
 
 def refuse_threads(address: str, threads: int) -> None:
-    """Raise OtherInstallation if a worker would compute several units in one process."""
+    """Raise OtherInstallation if a worker has several threads, and so would run several units in one process."""
     if threads != 1:
         raise OtherInstallation(
             f"worker {address} has {threads} threads, but each job needs a process; start it by"

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
-    """Collect the statements on the results of a plan; ``frame``: of ``store.job_frame``."""
+    """Collect the statements on the results of a plan; frame: from ``store.job_frame``."""
     own = frame.loc[[entry["job"] for entry in plan["jobs"] if not entry["variation"]]]
     info = store.info(own)
     of_damping = list(damping.job_sentences(info))
@@ -55,7 +55,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
 
 
 def _largest_step_errors(own: "pd.DataFrame") -> Iterator[str]:
-    """Yield the largest changes that a shorter step makes, over the jobs whose step was checked."""
+    """Yield the largest step errors of the jobs whose time step was checked."""
     names = {"line": "line amplitude", "rms": "RMS", "force": "largest force"}
     errors = {text: own[f"features/step_error.{name}"].max() for name, text in names.items() if _has(own, name)}
     if errors:
@@ -68,7 +68,7 @@ def _has(own: "pd.DataFrame", name: str) -> bool:
 
 
 def _assumption_names(plan: Mapping[str, Any], own: "pd.DataFrame") -> Iterator[str]:
-    """Yield the names of uncertain quantities that have a single value in the study."""
+    """Yield the names of uncertain quantities that the study does not vary, and of neglected effects."""
     varied = {variation["what"] for variation in plan.get("variations", ())}
     damped = "info/damping_time_s" in own and bool(own["info/damping_time_s"].notna().any())
     held_by_bracket = "parameters/rig.bracket_stiffness" in own and bool(
@@ -93,9 +93,9 @@ def _assumptions(plan: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def missing_values(info: "pd.DataFrame") -> Iterator[str]:
-    """Yield the features of other packages that have no value in some jobs.
+    """Yield the features of other packages that have no value in some jobs, with the reason.
 
-    info: of finished jobs, a row each.
+    info: one row per finished job.
     """
     for column in (name for name in map(str, info) if name.startswith(NO_VALUE)):
         reasons = info[column][info[column] != ""]
@@ -111,8 +111,8 @@ LINE_AND_RMS = ("velocity@BPFO", "velocity.rms")
 def chaos(frame: "pd.DataFrame", drawn: Sequence[str] = (), notable: float = NOTABLE) -> Iterator[str]:
     """Yield the standard error of the results of chaotic jobs, and the duration that would reduce it.
 
-    frame: of ``store.build_table``; drawn: features of the figures; notable: relative standard error above which
-    it is reported.
+    frame: from ``store.build_table``; drawn: features of the figures; notable: smallest relative standard error
+    that is reported.
     """
     import pandas as pd
 
@@ -148,7 +148,7 @@ LESS_SURE = {
 
 
 def step_errors(frame: "pd.DataFrame") -> Iterator[str]:
-    """Yield step errors above the limit in quantities other than line and RMS."""
+    """Yield step errors above ``STEP_ACCURACY`` of the largest force and of the RMS of other channels."""
     for name, what in LESS_SURE.items():
         if f"features/{name}" not in frame:
             continue
@@ -160,7 +160,10 @@ def step_errors(frame: "pd.DataFrame") -> Iterator[str]:
 
 
 def unsettled(frame: "pd.DataFrame") -> Iterator[str]:
-    """Yield the jobs whose initial transient changes line or RMS by more than 1 %, except by chance."""
+    """Yield the number of jobs whose initial transient changes line or RMS by more than ``STEP_ACCURACY``.
+
+    Jobs with random scatter (a standard error, or cage slip) are left out.
+    """
     columns = [name for name in ("features/error.start", "features/error.start.rms") if name in frame]
     if not columns:
         return
@@ -176,7 +179,7 @@ def unsettled(frame: "pd.DataFrame") -> Iterator[str]:
 
 
 def repetitions(info: "pd.DataFrame") -> Iterator[str]:
-    """Yield the numbers of periodic and non-periodic responses; ``info``: of finished jobs, a row each."""
+    """Yield the numbers of periodic and non-periodic responses; info: one row per finished job."""
     if "period_passes" not in info:
         return
     checked = info[info["period_passes"].notna()]
@@ -205,13 +208,13 @@ def _span(values: "pd.Series[float]", form: str) -> str:
 
 
 BRIEFLY = {"": "line amplitude", ".rms": "RMS", ".force": "largest force"}
-"""Features with `error.*` columns, by suffix; the first is the amplitude at the frequency of the defect."""
+"""Names of the features with `error.*` columns, by suffix of the column."""
 
 
 def moved(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     """Yield the change of the results over the variations of each uncertain quantity.
 
-    plan: of ``store.read_plan``; frame: of ``store.build_table``.
+    plan: from ``store.read_plan``; frame: from ``store.build_table``.
     """
     changes = errors(plan, frame)
     values = group_by_kind((variation["what"], variation["value"]) for variation in plan.get("variations", ()))
@@ -228,7 +231,7 @@ def moved(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
 
 
 def assumed(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
-    """Yield the assumptions of a study, and the cost of varying damping if it is not varied."""
+    """Yield the assumptions of a study, and the cost of varying the damping if it is not varied."""
     values = {variation["what"] for variation in plan.get("variations", ())}
     if "damping" not in values and not plan.get("nothing_uncertain") and not sweeps_damping(plan["units"]):
         yield from _unexamined(plan, frame)
@@ -253,7 +256,7 @@ def _lacking(plan: Mapping[str, Any], frame: "pd.DataFrame", what: str) -> Itera
 
 
 def _chaotic(plan: Mapping[str, Any], frame: "pd.DataFrame", what: str) -> Iterator[str]:
-    """Yield a remark on the number of chaotic variations, if any."""
+    """Yield the number of chaotic variations, if any."""
     jobs = _variations(plan, what)
     if "features/chaotic" not in frame:
         return

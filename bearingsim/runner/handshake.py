@@ -1,7 +1,7 @@
 """Connection to a dask scheduler, with a deadline for each answer.
 
-The time-outs of distributed cover the connection, but not the exchange of greetings after it: a port that accepts
-and stays silent blocks forever. An abandoned client waits once more when it is garbage-collected.
+The timeouts of distributed cover the connection, but not the handshake after it, so a peer that accepts and stays
+silent would block forever. An abandoned client would wait again when it is garbage-collected.
 """
 
 import logging
@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 Answer = TypeVar("Answer")
 
 GREETING_S, JOINING_S, CLOSING_S = 10.0, 15.0, 1.5
-"""Deadlines in s for a scheduler's greeting; greeting and registration of a client; closing it."""
+"""Deadlines in s for the greeting of a scheduler; for greeting and registration together; for closing a client."""
 TALKING = ("distributed", "distributed.client")
-"""Loggers with levels of their own, silenced while connected."""
+"""Loggers that are silenced during the connection; each has its own level."""
 LARGEST = 1 << 16
-"""Largest greeting in bytes; those of distributed 2026.8 have 169."""
+"""Largest accepted greeting in bytes; distributed 2026.8 sends 169 bytes."""
 WORD = b"pickle-protocol"
 """Key that every greeting of distributed contains."""
 
@@ -43,14 +43,13 @@ class SchedulerGone(UserError):
 
 
 class NotDask(OSError):
-    """Another program than dask listens at an address."""
+    """The program that listens at an address is not dask."""
 
 
 def answer_in_time(seconds: float, question: Callable[[], Answer]) -> Answer:
-    """Return the answer to a question, or raise its error. Raises TimeoutError without an answer in time.
+    """Call a function with a deadline; return its result or raise its error. Raises TimeoutError at the deadline.
 
-    The question runs in a thread of its own, so that Ctrl-C interrupts the wait; the thread is a daemon and ends
-    with the process.
+    The function runs in a daemon thread, so that Ctrl-C interrupts the wait, and the thread ends with the process.
     """
     outcome: SimpleQueue[Callable[[], Answer]] = SimpleQueue()
     Thread(target=_ask, args=(question, outcome), daemon=True).start()
@@ -75,10 +74,10 @@ def _fail(error: Exception) -> NoReturn:
 
 
 def refuse_strangers(address: str, seconds: float) -> None:
-    """Exchange greetings as distributed does, with limits of time and size.
+    """Exchange greetings as distributed does, but with limits of time and size.
 
-    Raises NotDask if a program other than dask listens there, OSError if none does, ValueError for an invalid
-    address, and for tls:// without certificates in dask's configuration.
+    Raises NotDask if a program other than dask listens at the address, OSError if none does, and ValueError for an
+    invalid address or for tls:// without certificates in the configuration of dask.
     """
     scheme, host_and_port = parse_address(address)
     if scheme not in ("tcp", "tls"):
@@ -92,11 +91,11 @@ def refuse_strangers(address: str, seconds: float) -> None:
         greeting = _received(peer, size, end) if size <= LARGEST else b""
         if WORD not in greeting:
             raise NotDask("it uses another protocol")
-        peer.sendall(struct.pack("Q", size) + greeting)  # the scheduler's own greeting, so that it logs no error
+        peer.sendall(struct.pack("Q", size) + greeting)  # echoed, so that the scheduler logs no error
 
 
 def _secured(plain: socket.socket, scheme: str) -> AbstractContextManager[socket.socket]:
-    """Return the connection itself, or one over TLS with the certificates of dask's configuration."""
+    """Return the connection itself, or for tls a TLS connection with the certificates configured in dask."""
     if scheme == "tcp":
         return plain
     context = Security().get_connection_args("client")["ssl_context"]
@@ -106,7 +105,7 @@ def _secured(plain: socket.socket, scheme: str) -> AbstractContextManager[socket
 
 
 def _received(peer: socket.socket, count: int, end: float) -> bytes:
-    """Receive exactly ``count`` bytes. Raises NotDask if they do not arrive by ``end`` (of ``time.monotonic``)."""
+    """Receive exactly ``count`` bytes. Raises NotDask if they do not arrive before the monotonic time ``end``."""
     content = b""
     while len(content) < count:
         peer.settimeout(max(end - time.monotonic(), 1e-3))
@@ -124,17 +123,18 @@ def _received(peer: socket.socket, count: int, end: float) -> bytes:
 
 
 class _Client(Client):
-    """Client that does not close on collection: the usual one waits for its scheduler once more."""
+    """Client that is not closed when garbage-collected, which would wait for its scheduler again."""
 
     def __del__(self) -> None:
-        """Leave the connection to the end of the process."""
+        """Leave the connection open until the process ends."""
 
 
 @contextmanager
 def client_of(address: str) -> Iterator[Client]:
     """Connect a client to the scheduler at ``tcp://HOST:PORT`` or ``tls://HOST:PORT``.
 
-    Raises SchedulerGone if none answers within JOINING_S, or another program does, or the address is invalid.
+    Raises SchedulerGone if no scheduler answers within JOINING_S, another program answers, or the address is
+    invalid.
     """
     with _silence():
         client = _joined(address)
@@ -162,7 +162,7 @@ def _joined(address: str) -> Client:
 
 
 def _registered(address: str) -> Client:
-    """Register a client, and the plugin for workers' deaths, with the scheduler."""
+    """Register a client, and the plugin for dead workers, with the scheduler."""
     try:
         client = _Client(address, timeout=JOINING_S, set_as_default=False)
     except TypeError as error:
@@ -173,7 +173,7 @@ def _registered(address: str) -> Client:
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """Silence the loggers of distributed, which log tracebacks for a lost scheduler."""
+    """Silence the loggers of distributed, which log tracebacks when a scheduler is lost."""
     loggers = [logging.getLogger(name) for name in TALKING]
     levels = [logger.level for logger in loggers]
     for logger in loggers:
@@ -191,7 +191,7 @@ def _silence() -> Iterator[None]:
 def back_at_first_death() -> SchedulerPlugin:
     """Make a scheduler plugin that fails a task at the first death of its worker instead of rescheduling it.
 
-    The class is pickled by value, so that the scheduler needs no bearingsim.
+    The local class is pickled by value, so bearingsim need not be installed at the scheduler.
     """
 
     class BackAtFirstDeath(SchedulerPlugin):

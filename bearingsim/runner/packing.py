@@ -1,4 +1,4 @@
-"""Grouping of jobs by their cost: shards of a study, units of work, bounds of CPU time and failures."""
+"""Grouping of jobs by cost: shards of a study, units of work, limits of CPU time and failures."""
 
 from collections.abc import Callable, Iterator, Sequence
 from itertools import groupby
@@ -14,16 +14,16 @@ if TYPE_CHECKING:
     from bearingsim.study import Job
 
 
-UNIT_S = 2.0  # s of CPU time of a unit, against which the 40 ms of its file are small
-SHORTEST_UNIT_S, LONGEST_UNIT_S = 0.25, 10.0  # s of CPU time, in short and long studies
-MIN_UNITS, MAX_UNITS = 3, 50  # per worker: fewer leave workers idle at the end, more only add files
-UNIT_BYTES = 64e6  # largest size of the series of a unit
+UNIT_S = 2.0  # usual CPU time of a unit in s; writing its file takes 40 ms
+SHORTEST_UNIT_S, LONGEST_UNIT_S = 0.25, 10.0  # limits of the CPU time of a unit in s, in short and long studies
+MIN_UNITS, MAX_UNITS = 3, 50  # units per worker: fewer leave workers idle at the end, more only add files
+UNIT_BYTES = 64e6  # a unit is complete when its series reach this size (bytes)
 
 
 class Cost(NamedTuple):
-    """Estimated price of a job: CPU time in s, series in bytes, and peak memory in bytes.
+    """Estimated cost of a job: CPU time in s, size of its series in bytes, and peak memory in bytes.
 
-    spent: CPU time in s that the estimate itself took.
+    spent: CPU time in s of the estimate itself.
     """
 
     seconds: float
@@ -33,9 +33,9 @@ class Cost(NamedTuple):
 
 
 def shard_of(jobs: Sequence["Job"], shard: tuple[int, int]) -> list["Job"]:
-    """Select share ``k`` of ``n`` (from 1) of the jobs: every n-th in the order of ids, alike on every machine.
+    """Select shard ``k`` of ``n`` (from 1) of the jobs: every n-th job sorted by id, equal on every machine.
 
-    Raises ValueError for a share that does not exist.
+    Raises ValueError for a shard that does not exist.
     """
     k, n = shard
     if not 1 <= k <= n:
@@ -47,8 +47,7 @@ def shard_of(jobs: Sequence["Job"], shard: tuple[int, int]) -> list["Job"]:
 def pack(jobs: Sequence["Job"], costs: Sequence[Cost], workers: int) -> list[list[int]]:
     """Pack jobs into units; return the indices of the jobs of each unit, most expensive unit first.
 
-    The jobs of a unit share one time axis and one set of channels. A unit takes at least 2 s of CPU time unless
-    the study is too short for all workers.
+    All jobs of a unit have the same time axis and channels. ``unit_seconds`` gives the CPU time of a unit.
     """
     target = unit_seconds(sum(cost.seconds for cost in costs), workers)
     order = sorted(range(len(jobs)), key=lambda index: _axis(jobs[index].case))
@@ -58,16 +57,16 @@ def pack(jobs: Sequence["Job"], costs: Sequence[Cost], workers: int) -> list[lis
 
 
 def unit_seconds(total: float, workers: int) -> float:
-    """Compute the CPU time (s) of a unit of a study of ``total`` s: 2 s, less in a short, more in a long one."""
+    """Compute the CPU time (s) of a unit from that of the study: 2 s, less for short and more for long studies."""
     share = total / workers
     wanted = max(min(UNIT_S, share / MIN_UNITS), share / MAX_UNITS)
     return min(max(wanted, SHORTEST_UNIT_S), LONGEST_UNIT_S)
 
 
 def fitting(costs: Sequence[Cost], workers: int) -> int:
-    """Compute the number of workers that fit into memory with any choice of jobs, at least 1.
+    """Compute the number of workers that fit into memory whichever jobs they run at a time, at least 1.
 
-    A worker holds the results of its unit, in double precision, besides the running job.
+    Besides the running job, a worker stores the results of its unit in double precision.
     """
     heaviest = sorted((PROGRAM + cost.memory for cost in costs), reverse=True)
     held = 2.0 * min(UNIT_BYTES, sum(cost.bytes for cost in costs))
@@ -76,7 +75,7 @@ def fitting(costs: Sequence[Cost], workers: int) -> int:
 
 
 def fewer(costs: Sequence[Cost], workers: int) -> Iterator[str]:
-    """Yield a line if memory allows fewer workers than requested."""
+    """Yield a note if memory allows fewer workers than requested."""
     able = fitting(costs, workers)
     if able < workers:
         most = max(cost.memory for cost in costs)
@@ -87,13 +86,13 @@ def fewer(costs: Sequence[Cost], workers: int) -> Iterator[str]:
 
 
 def _axis(case: Any) -> str:
-    """Return a text that is equal for cases with one time axis and one set of channels."""
+    """Return a string that is equal for cases with the same time axis and channels."""
     names = ("sampling", "duration", "antialias", "record")
     return repr([getattr(case, name, None) for name in names])
 
 
 def _cut(group: Sequence[int], costs: Sequence[Cost], target: float) -> Iterator[list[int]]:
-    """Cut a run of jobs into units of ``target`` seconds; a job as long as that is a unit of its own."""
+    """Split jobs into units of ``target`` seconds; a longer job makes a unit by itself."""
     unit, seconds, size = [], 0.0, 0.0
     for index in group:
         if costs[index].seconds >= target:
@@ -109,7 +108,7 @@ def _cut(group: Sequence[int], costs: Sequence[Cost], target: float) -> Iterator
 
 
 class Affordable(NamedTuple):
-    """Jobs within the bound of CPU time, with their costs; notes: a line on the jobs left out, if any."""
+    """Jobs within the limit of CPU time, with their costs; notes: a line on the skipped jobs, if any."""
 
     jobs: list["Job"]
     costs: list[Cost]
@@ -117,7 +116,7 @@ class Affordable(NamedTuple):
 
 
 def refuse_bounds(max_failures: float, max_cpu: float) -> None:
-    """Raise ValueError for bounds that no job can meet."""
+    """Raise ValueError for limits that no job can satisfy."""
     if max_failures < 1:
         raise ValueError(f"expected at least 1 failed job that ends the run, got {max_failures}")
     if not max_cpu > 0.0:
@@ -125,7 +124,7 @@ def refuse_bounds(max_failures: float, max_cpu: float) -> None:
 
 
 def affordable(jobs: Sequence["Job"], costs: Sequence[Cost], max_cpu: float, shown: bool | None) -> Affordable:
-    """Select the jobs whose estimated CPU time is at most ``max_cpu`` s; shown: False prints nothing."""
+    """Select the jobs whose estimated CPU time is at most ``max_cpu`` s; shown: False to print nothing."""
     longer = [cost.seconds for cost in costs if cost.seconds > max_cpu]
     kept = [pair for pair in zip(jobs, costs, strict=True) if pair[1].seconds <= max_cpu]
     notes = []
@@ -140,21 +139,21 @@ def affordable(jobs: Sequence["Job"], costs: Sequence[Cost], max_cpu: float, sho
 
 
 def ended_early(failed: int, max_failures: float) -> str:
-    """Return a note on a run that the number of failed jobs has ended."""
+    """Return a note on a run that ended because too many jobs failed."""
     jobs = f"{failed} jobs" if failed > 1 else "1 job"
     allowed = "`--fail-fast`" if max_failures == 1 else f"`--max-failures {max_failures:g}`"
     return f"stopped early: {jobs} failed ({allowed}); run the same command to continue without them"
 
 
 def costs(estimate: Callable[[Any], Any], jobs: Sequence["Job"], max_cpu: float) -> list[Cost]:
-    """Estimate the costs of jobs whose CPU time is bounded by ``max_cpu`` s."""
+    """Estimate the costs of jobs; each estimate may take at most ``max_cpu`` s of CPU time."""
     return [_cost(estimate, job.case, max_cpu) for job in jobs]
 
 
 def _cost(estimate: Callable[[Any], Any], case: Any, max_cpu: float) -> Cost:
-    """Estimate the cost of a job: zero for a refused case, whose simulation reports the reason.
+    """Estimate the cost of a job: infinite CPU time if the estimate itself exceeds ``max_cpu`` s.
 
-    Infinite if the estimate itself takes longer than the CPU time (s) of a job.
+    The cost of an invalid case is zero, because its simulation fails at once and reports the reason.
     """
     began = cpu_time.now()
     try:

@@ -15,26 +15,26 @@ from bearingsim.runner.stopping import flag_for_workers, heeding, ignoring, in_s
 from bearingsim.runner.work import Outcome, Work, compute, die_with_parent
 from bearingsim.store import Failure, log, take_suspects
 
-RESTARTS_WITHOUT_PROGRESS = 3  # deaths of workers without a result between that end the run
+RESTARTS_WITHOUT_PROGRESS = 3  # number of worker deaths without a result in between that ends the run
 ADVICE = "no job is blamed; run again, with fewer --jobs if memory was short"
 
 
 class WorkersDie(UserError):
-    """Worker processes die repeatedly, not because of a single job."""
+    """Worker processes die repeatedly, and no single job can be the cause."""
 
 
 class Deaths:
-    """Count of workers' deaths since the last result; the third cannot be due to a single job."""
+    """Count of worker deaths since the last result; the third cannot be due to a single job."""
 
     def __init__(self, root: Path, doing: str) -> None:
         """Set the count to zero.
 
-        root: folder of the journal; doing: activity of the workers, in words.
+        root: folder of the journal; doing: activity of the workers, for messages.
         """
         self.root, self.doing, self.count = root, doing, 0
 
     def add(self, death: BrokenProcessPool, suspects: Iterable[str] = ()) -> None:
-        """Count a death; suspects: jobs running then. Raises WorkersDie at the third without a result between."""
+        """Count a death; suspects: jobs running then. Raises WorkersDie at the third since the last result."""
         self.count += 1
         cause = _exit_codes(death)
         log(self.root, "worker died", exit=cause, suspects=sorted(suspects))
@@ -50,10 +50,10 @@ class Deaths:
 def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, None]:
     """Compute units of work and yield the outcome of each, in order of completion.
 
-    One worker means this process; more are always other processes, even for one unit. The death of a worker ends
-    the pool and does not tell which job caused it: the jobs that were running are computed at the end, one at a
+    One worker means this process; several are always separate processes, even for one unit. The death of a worker
+    breaks the pool, and any of the running jobs may be the cause. They are therefore repeated at the end, one at a
     time, and a job whose worker dies again becomes a failure. Raises WorkersDie after three deaths without a
-    result between.
+    result in between.
     """
     if workers == 1 or not works:
         yield from _compute_serially(works)
@@ -81,14 +81,14 @@ def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
 def _compute_serially(works: Sequence[Work]) -> Iterator[Outcome]:
     """Compute units of work in this process, one after another; failures count over all units."""
     failed = 0
-    arguments = ((replace(work, max_failures=work.max_failures - failed),) for work in works)  # lazily
+    arguments = ((replace(work, max_failures=work.max_failures - failed),) for work in works)  # evaluated lazily
     for outcome in spread(compute, arguments, workers=1):
         failed += len(outcome.failed)
         yield outcome
 
 
 def _one_by_one(works: Sequence[Work], deaths: Deaths, workers: int) -> Iterator[Outcome]:
-    """Compute jobs one at a time, so that a death has one possible cause unless it is one of three in a row."""
+    """Compute jobs one at a time, so that a worker death is due to one job, unless three follow each other."""
     blamed: list[Outcome] = []
     for work in takewhile(lambda _: not stop_requested(), works):
         try:
@@ -120,19 +120,19 @@ def _ids(work: Work) -> set[str]:
 
 
 def _compute_in_pool(works: Sequence[Work], workers: int) -> Generator[Outcome, None, None]:
-    """Yield outcomes in the order of completion. Raises BrokenProcessPool when a worker dies, which ends all."""
+    """Yield outcomes in order of completion. Raises BrokenProcessPool if a worker dies, which ends the pool."""
     yield from spread(compute, [(work,) for work in works], max(2, min(workers, len(works))))
 
 
 def spread(function: Callable, arguments: Iterable[tuple], workers: int) -> Generator[Any, None, None]:
     """Yield the result of a function for each tuple of arguments, in order of completion.
 
-    workers: number of processes; 1 means this process. Raises Signalled after the running calls if the program was
-    asked to stop meanwhile.
+    workers: number of processes; 1 means this process. After a signal the running calls finish, then Signalled is
+    raised.
     """
     with heeding():
         if workers == 1:
-            # `map` would swallow a StopIteration raised by the function
+            # not `map`, which would swallow a StopIteration raised by the function
             for values in _until_stop(arguments):
                 yield function(*values)
         else:
@@ -156,7 +156,7 @@ def _map_in_workers(function: Callable, arguments: Iterable[tuple], workers: int
 
 
 def _until_stop(arguments: Iterable[tuple]) -> Iterator[tuple]:
-    """Yield arguments until the program is asked to stop."""
+    """Yield arguments until a stop is requested."""
     return takewhile(lambda _: not stop_requested(), arguments)
 
 

@@ -1,4 +1,4 @@
-"""Progress of a run: a bar with the time left on a terminal, otherwise a line every LINE_EVERY_S."""
+"""Progress of a run: on a terminal a bar with the remaining time, otherwise a line every LINE_EVERY_S."""
 
 import sys
 import time
@@ -9,21 +9,21 @@ from bearingsim.text.patience import ONCE, Patience
 from bearingsim.text.terminal import say
 
 LINE_EVERY_S = 10.0  # s between lines
-SPEED_OVER_S = 3600.0  # s over which the bar averages its speed: units of work may end minutes apart
+SPEED_OVER_S = 3600.0  # averaging time of the speed in s; units of work may end minutes apart
 
 Report = Callable[[int, int, float], None]
-"""Callback with the numbers of jobs done and failed, and their estimated CPU time (s)."""
+"""Callback with the numbers of newly done and failed jobs, and their estimated CPU time (s)."""
 
 
 def progress(shown: bool | None, jobs: int, seconds: float) -> AbstractContextManager[Report]:
-    """Show the progress of ``jobs`` jobs of ``seconds`` estimated CPU time; ``shown`` False shows nothing."""
+    """Show the progress of ``jobs`` jobs with ``seconds`` of estimated CPU time; shown: False to show nothing."""
     if shown is False or jobs == 0:
         return nullcontext(lambda done, failed, cost: None)
     return _bar(jobs, seconds) if sys.stderr and sys.stderr.isatty() else _lines(jobs, seconds)
 
 
 def compiling(patience: Patience) -> Callable[[int, int, float], None]:
-    """Return a callback that announces the compilation of kind ``number`` of ``count``, of some seconds."""
+    """Return a callback that announces compilation ``number`` of ``count``, and its estimated duration (s)."""
 
     def announce(number: int, count: int, seconds: float) -> None:
         patience.begin(f"compiling {number} of {count}, about {duration(seconds)}: {ONCE}")

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def promises(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
-    """Yield the models chosen for an accuracy, what audits found, and what the accuracy leaves out."""
+    """Yield the models chosen for an accuracy, the result of audits, and uncertainties not included in it."""
     accuracy = plan.get("accuracy")
     if accuracy is None:
         return
@@ -36,7 +36,7 @@ def promises(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
 
 
 def withdrawals(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
-    """Yield what a failed audit found, and for how many cases the promise is withdrawn."""
+    """Yield the worst result of failed audits, and the number of cases whose accuracy is withdrawn."""
     refuted = store.withdrawn(plan, frame)
     if not refuted:
         return
@@ -49,7 +49,7 @@ def withdrawals(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]
 
 
 def held(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
-    """Yield how many cases are as close as asked, and what would help others; withdrawn cases are left out."""
+    """Yield the number of cases within the accuracy, and remedies for the others; omit withdrawn cases."""
     accuracy = plan.get("accuracy")
     if accuracy is None:
         return
@@ -74,7 +74,7 @@ def _percent(accuracy: Mapping[str, Any]) -> str:
 
 
 def _audits_by_job(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, list[store.Audited]]:
-    """Return what audits found, by the job that was audited."""
+    """Return the results of audits by audited job."""
     audits: dict[str, list[store.Audited]] = {}
     for audit in store.audited(plan, frame):
         audits.setdefault(audit.job, []).append(audit)
@@ -82,9 +82,9 @@ def _audits_by_job(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, 
 
 
 def _remedies(near: "pd.DataFrame", over: "pd.Series[float]", accuracy: Mapping[str, Any]) -> Iterator[str]:
-    """Yield how many cases a longer record or a finer discretisation brings within the accuracy.
+    """Yield the number of cases that a longer record or a finer discretisation would bring within the accuracy.
 
-    near: parts of the error by job; over: the error of the cases that exceed the accuracy.
+    near: parts of the error by job; over: total error of the cases that exceed the accuracy.
     """
     parts = near.loc[over.index]
     left = accuracy["within"] - parts[[name for name in store.PARTS if name != "error.scatter"]].sum(axis=1)

@@ -1,4 +1,4 @@
-"""Run of a study: missing jobs are computed and stored."""
+"""Run of a study: computation and storage of the missing jobs."""
 
 import signal
 import time
@@ -42,19 +42,19 @@ if TYPE_CHECKING:
 
 
 LEAST_PART = 0.1
-"""Least size of the compressed series, as a part of their bytes, for the check of disk space."""
+"""Smallest expected ratio of compressed to uncompressed size of the series, for the check of disk space."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """Options of a run; none is part of a job's id, because none changes a result.
+    """Options of a run. They do not change results, so they are not part of a job id.
 
-    fresh: throw stored results away first. retry_failed: try failed jobs again. shard: ``(k, n)`` computes share k
-    of n. verify: read every stored byte against its checksum before trusting it. progress: False shows none.
-    engine: import paths
-    of the functions that compute. max_failures: failed jobs after which no more are begun. max_cpu: CPU time (s)
-    of a job: a job with a larger estimate is left out, a job that exceeds it fails. scheduler: ``tcp://HOST:PORT``
-    of a dask scheduler, whose workers compute the jobs; this process still chooses the models.
+    fresh: delete stored results first. retry_failed: compute failed jobs again. shard: ``(k, n)`` computes shard k
+    of n. verify: check all stored units against their checksums, including those in the table. progress: False to
+    show none. engine: import paths of the solver. max_failures: number of failed jobs after which no more are
+    started. max_cpu: limit of the CPU time (s) of a job; a job with a larger estimate is skipped, a job that
+    exceeds the limit fails. scheduler: ``tcp://HOST:PORT`` of a dask scheduler whose workers compute the jobs; the
+    models are still chosen by this process.
 
     Raises ValueError for contradictory options.
     """
@@ -77,7 +77,7 @@ class Options:
 
 
 class _Setting(NamedTuple):
-    """Folder, study, options and processes of a run; joined: joins the workers of a scheduler, if there is one."""
+    """Folder, study, options and number of processes of a run; joined: connects to a scheduler, None without."""
 
     root: Path
     study: "Study"
@@ -87,23 +87,23 @@ class _Setting(NamedTuple):
 
 
 def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, **options: Any) -> RunSummary:
-    """Compute the jobs of a study that are not stored yet, into ``out``; options: the fields of ``Options``.
+    """Compute the jobs of a study that are not stored yet; options: the fields of ``Options``.
 
-    out: default ``results/<study>``, of a quick study ``results/<study>-quick``. jobs: worker processes (default:
-    the CPUs); 1 computes in this process.
+    out: results folder, by default ``results/<study>``, or ``results/<study>-quick`` for a quick study. jobs:
+    number of worker processes, by default that of CPUs; 1 computes in this process.
 
     Raises Interrupted (with the summary; finished jobs are stored), ValueError for contradictory options,
-    store.FolderInUse, WorkersDie, ScanError before any computation if a scan's file is missing or has changed, and
-    OSError if the folder cannot be written.
+    store.FolderInUse, WorkersDie, ScanError if the file of a scan is missing or has changed, and OSError if the
+    folder cannot be written.
     """
     started, wanted = time.perf_counter(), Options(**options)
     root = store.results_folder(study.name, study.quick, out)
-    notes = [*study.notes, *load(wanted.engine.notes)(study.cases())]  # now: files that it reads may go
+    notes = [*study.notes, *load(wanted.engine.notes)(study.cases())]  # reads files
     workers, joined = _workers(jobs), _joined(wanted.scheduler)
     if wanted.fresh and workers > 1 and joined is None:
-        flag_for_workers()  # without shared memory it raises, before anything is thrown away
+        flag_for_workers()  # raises without shared memory, before results are deleted
     with _prepared(root, study, wanted):
-        before = store.holdings(root).sealed if study.goal is not None else None  # trials may do some jobs, too
+        before = store.holdings(root).sealed if study.goal is not None else None  # trials may compute some jobs
         setting = _choose_models(_Setting(root, study, wanted, workers, joined), started)
         study, every = setting.study, setting.study.jobs()
         ours = shard_of(every, wanted.shard)
@@ -138,7 +138,7 @@ def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, 
 
 
 def _choose_models(setting: _Setting, started: float) -> _Setting:
-    """Choose the models of a study that names an accuracy; raises Interrupted."""
+    """Choose the models of a study with `accuracy`. Raises Interrupted."""
     root, study, wanted, workers, joined = setting
     try:
         reach = partial(_reach, joined)
@@ -150,7 +150,7 @@ def _choose_models(setting: _Setting, started: float) -> _Setting:
 
 
 def _compute(setting: _Setting, plan: Plan, tally: Tally, notes: list[str]) -> None:
-    """Compute the jobs that are left, by the workers of a scheduler or by processes of this machine."""
+    """Compute the remaining jobs on the workers of a scheduler or in processes of this machine."""
     root, _, wanted, workers, joined = setting
 
     def affordable_jobs() -> Affordable:
@@ -158,7 +158,7 @@ def _compute(setting: _Setting, plan: Plan, tally: Tally, notes: list[str]) -> N
         return affordable(plan.todo, prices, wanted.max_cpu, wanted.progress)
 
     if joined is not None:
-        with joined() as cluster:  # first: estimating what the jobs take may compile code
+        with joined() as cluster:  # before the estimates, which may compile code
             todo = affordable_jobs()
             notes += todo.notes
             works = _works(setting, todo, cluster.assembled(), plan.held.units)
@@ -177,9 +177,9 @@ def _compute(setting: _Setting, plan: Plan, tally: Tally, notes: list[str]) -> N
 def with_models(
     study: "Study", out: str | Path | None, jobs: int | None, try_them: bool, engine: Engine = BEARINGSIM
 ) -> "Study":
-    """Return the study with the models chosen in its results folder; unchanged if any case has no choice.
+    """Return the study with the models chosen in its results folder; unchanged if a case has no chosen model.
 
-    try_them: make the choice, and store it there.
+    try_them: choose missing models by trials, and store the choice.
     """
     root = store.results_folder(study.name, study.quick, out)
     with _prepared(root, study, Options()) if try_them else nullcontext(), suppress(NoChoices):
@@ -188,7 +188,7 @@ def with_models(
 
 
 def _notes(left_out: int, damaged: Sequence[str]) -> Iterator[str]:
-    """Yield notes on earlier results in the folder: jobs outside the plan, damaged files."""
+    """Yield notes on earlier results in the folder: jobs outside the plan, and damaged files."""
     if left_out:
         jobs = f"{left_out} job{'s' * (left_out > 1)}"
         verb = "is" if left_out == 1 else "are"
@@ -208,9 +208,9 @@ def _workers(requested: int | None) -> int:
 
 
 def _joined(scheduler: str | None) -> "Callable[[], AbstractContextManager[Cluster]] | None":
-    """Return a function that joins the workers of a scheduler, None without one.
+    """Return a function that connects to the workers of a scheduler; None without a scheduler.
 
-    Raises UserError if the package for it is missing.
+    Raises UserError if a required package is missing.
     """
     if scheduler is None:
         return None
@@ -222,7 +222,7 @@ def _joined(scheduler: str | None) -> "Callable[[], AbstractContextManager[Clust
 
 
 def _reach(joined: "Callable[[], AbstractContextManager[Cluster]] | None") -> None:
-    """Connect to the scheduler once, so that a wrong address is reported before models are tried."""
+    """Connect to the scheduler once, so that a wrong address is reported before the trials of models."""
     if joined is not None:
         with joined():
             pass
@@ -230,7 +230,7 @@ def _reach(joined: "Callable[[], AbstractContextManager[Cluster]] | None") -> No
 
 @contextmanager
 def _prepared(root: Path, study: "Study", wanted: Options) -> Iterator[None]:
-    """Claim the folder, clear it if requested, and mark it as in use until leaving."""
+    """Claim the folder, clear it if requested, and mark it as in use within the context."""
     store.claim_results(root, study.name, bool(study.quick), wanted.fresh)
     store.refuse_links(root)
     store.refuse_users_study(root, study)
@@ -239,14 +239,14 @@ def _prepared(root: Path, study: "Study", wanted: Options) -> Iterator[None]:
     if thrown_away and wanted.progress is not False:
         say(thrown_away, err=True)
     with store.in_use(root):
-        store.claim_results(root, study.name, bool(study.quick))  # again: until now another run could clear it
+        store.claim_results(root, study.name, bool(study.quick))  # again: another run could clear it
         yield
 
 
 def _works(setting: _Setting, todo: Affordable, workers: int, judged: frozenset[str]) -> list[Work]:
-    """Pack the remaining jobs into units of work; ``judged``: units in the folder when the jobs were planned.
+    """Pack the remaining jobs into units of work; judged: units in the folder when the jobs were planned.
 
-    Raises DiskFull if the disk has too little room even for compressed series.
+    Raises DiskFull if the disk has too little space even for well compressed series.
     """
     root, wanted, provenance = setting.root, setting.options, store.provenance(setting.study)
     units = pack(todo.jobs, todo.costs, workers)
@@ -271,7 +271,7 @@ def _works(setting: _Setting, todo: Affordable, workers: int, judged: frozenset[
 
 
 def _warm(root: Path, engine: Engine, todo: Sequence["Job"], patience: Patience) -> None:
-    """Compile before workers start; errors are logged, and raised again by the job that needs the code."""
+    """Compile before workers start; log errors, because the job that needs the code raises them again."""
     try:
         load(engine.warm)([job.case for job in todo], compiling(patience))
     except Exception as error:
@@ -281,7 +281,7 @@ def _warm(root: Path, engine: Engine, todo: Sequence["Job"], patience: Patience)
 def _follow(
     works: Sequence[Work], outcomes: Generator[Outcome, None, None], tally: Tally, shown: bool | None
 ) -> None:
-    """Add the outcome of each unit of work to the tally as it arrives, and show the progress."""
+    """Add the outcome of each unit of work to the tally on arrival, and show the progress."""
     price = {job.id: seconds for work in works for job, seconds in zip(work.jobs, work.seconds, strict=True)}
     bar = shown_progress(shown, len(price), sum(price.values()))
     with bar as report, ending() as end, closing(outcomes) as coming:

@@ -1,4 +1,4 @@
-"""Before the jobs of a study that names an accuracy: models are tried on each case, and one is chosen."""
+"""Choice of models for a study with `accuracy`: trials of candidates on each case, before the jobs are run."""
 
 import hashlib
 import json
@@ -31,18 +31,20 @@ if TYPE_CHECKING:
 
 
 LARGEST_BATCH, BATCHES = 32, 4
-"""Trials that are sealed together; so many batches a worker, if there are enough."""
+"""Largest number of trials stored together, and number of batches per worker if there are enough trials."""
 LONGEST_BATCH_S = 10.0
-"""Of the jobs whose trials are sealed together: what an interrupt may cost."""
+"""Largest estimated CPU time (s) of the cases of a batch, which limits the loss if a process is killed."""
 
 
 class NoChoices(UserError):
-    """A share of a study is to be computed, and nobody has chosen the models of its cases."""
+    """A shard was requested, but the models of the study have not been chosen."""
 
 
 class Stopped(KeyboardInterrupt):
-    """Models were being tried when the user interrupted: what was tried is kept. ``what``: that, in words;
-    ``number``: of the signal."""
+    """Interruption during the trials of models; finished trials are stored.
+
+    what: description of the state; number: the signal number.
+    """
 
     def __init__(self, root: Path, kept: int, number: int) -> None:
         self.what = f"models were being compared, before the first job: {kept} trial{'s' * (kept != 1)} kept"
@@ -59,10 +61,10 @@ def selected(
     shown: bool | None = None,
     begin: Callable[[], None] = lambda: None,
 ) -> "Study":
-    """Choose a model for each case of a study; return the study itself if it names no accuracy.
+    """Choose a model for each case of a study; return a study without `accuracy` unchanged.
 
-    Choices in the folder are kept. alone: whether this is no share of the study; begin: called before a model is
-    tried. Raises NoChoices, and Stopped by Ctrl-C.
+    Choices stored in the folder are kept. alone: False if this run computes one shard of the study, for which no
+    models are tried; begin: called before the trials. Raises NoChoices, and Stopped on interruption.
     """
     if study.goal is None:
         return study
@@ -88,12 +90,12 @@ def selected(
 def _decided(
     study: "Study", root: Path, missing: Sequence[int], workers: int, engine: Engine, shown: bool | None
 ) -> selection.Decision:
-    """Choose for the cases of these numbers after all trials that the choice needs. Raises Stopped."""
+    """Run the required trials, and choose models for the cases with the indices ``missing``. Raises Stopped."""
     choosing = selection.Choosing(study, missing, load(engine.compiling))
     trials: dict[str, Trial | None] = selection.read_trials(root, selection.asked_of(study))
     try:
         while wanted := choosing.wanted(trials):
-            trials |= dict.fromkeys((trial.id for trial in wanted), None)  # one that failed is not wanted again
+            trials |= dict.fromkeys((trial.id for trial in wanted), None)  # failed ones are not repeated
             trials |= _tried(root, wanted, workers, engine, study, shown)
     except KeyboardInterrupt as stop:
         store.sweep(root)
@@ -106,14 +108,14 @@ def _decided(
 def _tried(
     root: Path, wanted: Sequence["Trialled"], workers: int, engine: Engine, study: "Study", shown: bool | None
 ) -> "dict[str, Trial | None]":
-    """Compute the wanted trials in batches, each sealed as it is done; return all trials of the folder."""
+    """Compute the wanted trials in batches, each stored when finished; return all trials in the folder."""
     provenance = store.provenance(study)
     deaths = Deaths(root, "while models were tried")
     while todo := _untried(root, wanted, study):
         with (
             patient(shown) as patience,
             suppress(Exception),
-        ):  # what fails here fails as a trial, and is told
+        ):  # the trial raises the error again
             load(engine.warm)([trial.case for trial in todo], compiling(patience))
         arguments = [(root, batch, engine, provenance) for batch in _batches(todo, workers)]
         costs = {trial.id: min(price(trial.case), 1e6) for trial in todo}
@@ -133,13 +135,13 @@ def _tried(
 
 
 def _untried(root: Path, wanted: Sequence["Trialled"], study: "Study") -> "list[Trialled]":
-    """Return the wanted trials that the folder lacks: another process may have added some."""
+    """Return the wanted trials that are not stored; another process may have added some."""
     stored = selection.read_trials(root, selection.asked_of(study))
     return [trial for trial in wanted if trial.id not in stored]
 
 
 def _batches(todo: Sequence["Trialled"], workers: int) -> list[tuple["Trialled", ...]]:
-    """Split trials into batches of LARGEST_BATCH and LONGEST_BATCH_S at most."""
+    """Split trials into batches of at most LARGEST_BATCH trials and about LONGEST_BATCH_S seconds."""
     size = max(1, min(len(todo) // (BATCHES * workers), LARGEST_BATCH))
     batches: list[list[Trialled]] = []
     seconds = float("inf")
@@ -155,9 +157,10 @@ def _batches(todo: Sequence["Trialled"], workers: int) -> list[tuple["Trialled",
 def _compute(
     root: Path, batch: tuple["Trialled", ...], engine: Engine, provenance: Mapping[str, Value]
 ) -> tuple[list[str], list[str]]:
-    """Compute the trials of a batch; return the ids done and failed.
+    """Compute the trials of a batch; return the ids of finished and failed trials.
 
-    A periodic reference is stored as a job, too. After a request to stop the trials done so far are stored.
+    A trial that yields a complete record is also stored as a job. If a stop is requested, finished trials are
+    stored.
     """
     trials: dict[str, Trial | None] = {}
     records: list[tuple[Job, Record]] = []
@@ -178,7 +181,10 @@ def _try(
     trials: "dict[str, Trial | None]",
     records: "list[tuple[Job, Record]]",
 ) -> None:
-    """Compute a trial and add it to ``trials``, None if it failed; add a whole job to ``records``."""
+    """Compute a trial; add it to ``trials``, or None if its simulation fails, and a whole job to ``records``.
+
+    Other errors are logged, and the trial is not added.
+    """
     from bearingsim.simulation import SimulationError
     from bearingsim.study import Job, case_id
 
@@ -186,9 +192,9 @@ def _try(
         trial, record = load(engine.try_out)(
             wanted.case, wanted.asked, wanted.passes, wanted.turn, *wanted.against
         )
-    except SimulationError:  # told by the job, if it comes to that
+    except SimulationError:  # reported by the job if this model is chosen
         trial, record = None, None
-    except Exception as error:  # of the machine, perhaps: nothing is known of it, and so it is not chosen
+    except Exception as error:  # perhaps caused by the machine; the candidate is not chosen
         store.log(root, "trial failed", case=case_id(wanted.case), reason=f"{type(error).__name__}: {error}")
         return
     trials[wanted.id] = trial
@@ -197,9 +203,9 @@ def _try(
 
 
 def plan_name(study: "Study", keys: Sequence[str]) -> str:
-    """Return 16 hex digits that identify the cases of a study and the curves by which models are judged.
+    """Return 16 hex digits that identify the cases of a study and the curves on which models are compared.
 
-    keys: of the cases.
+    keys: ``selection.choices.key`` of each case.
     """
     curves = [[curve.feature, sorted(keys[n] for n in curve.cases)] for curve in selection.curves(study)]
     text = json.dumps([sorted(keys), sorted(curves)])
@@ -207,9 +213,9 @@ def plan_name(study: "Study", keys: Sequence[str]) -> str:
 
 
 def kept(study: "Study", keys: Sequence[str], choices: "Choices", plans: Mapping[str, str]) -> Iterator[str]:
-    """Yield the number of cases that keep a choice of an earlier plan, and curves on which models differ by that.
+    """Yield notes on models chosen for an earlier plan: number of cases, and curves with different models.
 
-    keys: of the cases; plans: ``plan_name`` for which each choice was made, by key.
+    keys: ``selection.choices.key`` of each case; plans: ``plan_name`` for which each choice was made, by key.
     """
     now = plan_name(study, keys)
     before = sum(plans[name] != now for name in keys)
@@ -232,7 +238,7 @@ def kept(study: "Study", keys: Sequence[str], choices: "Choices", plans: Mapping
 
 
 def _differ(names: Sequence[str], choices: "Choices", plans: Mapping[str, str]) -> bool:
-    """Return True if the models on a curve that were chosen for one plan differ from those of another plan."""
+    """Return True if the models on a curve that were chosen for different plans differ."""
     candidates: dict[str, set[str]] = {}
     for name in names:
         candidates.setdefault(plans[name], set()).add(choices[name].candidate)

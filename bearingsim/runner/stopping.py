@@ -1,7 +1,8 @@
-"""Early end of a run: at the first Ctrl-C, SIGTERM or SIGHUP the running jobs finish and are sealed.
+"""Early end of a run: at the first Ctrl-C, SIGTERM or SIGHUP the running jobs finish and are stored.
 
-A second signal ends the process at once. A run that reaches its bounds ends like one that gets a first signal.
-The event that passes a request on to workers needs shared memory; errors of that are worded here.
+A second signal ends the process at once. A run that reaches its limit of failures stops as at a first signal. The
+event that passes the request to workers needs shared memory; errors due to missing shared memory are reported by
+NoSharedMemory.
 """
 
 import errno
@@ -17,18 +18,18 @@ from bearingsim.interruption import raise_lost
 from bearingsim.text.terminal import say
 
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
-_received = 0  # number of the signal received by this process, 0 without one
-_flag: Any = None  # event that passes the request to stop on to workers
-_enough = False  # True after the run itself requested the end
+_received = 0  # number of the signal received by this process, or 0
+_flag: Any = None  # event that passes a stop request to workers
+_enough = False  # True after the run itself has requested a stop
 
 
 def stop_requested() -> bool:
-    """Return True after a request to stop, in this process or the parent of this worker."""
+    """Return True after a stop request, in this process or in the parent of this worker."""
     return _received != 0 or _enough or (_flag is not None and bool(_flag.is_set()))
 
 
 def flag_for_workers() -> Any:
-    """Return the event that tells workers to stop, made once: another event would need new workers.
+    """Return the event that requests workers to stop. It is made only once, because a new event needs new workers.
 
     Raises NoSharedMemory.
     """
@@ -42,13 +43,13 @@ def flag_for_workers() -> Any:
 
 
 def heed(flag: Any) -> None:
-    """Take the request to stop from this event from now on, in a worker."""
+    """Use this event as the stop request in a worker."""
     global _flag
     _flag = flag
 
 
 def take_flag(flag: Any) -> None:
-    """Heed the event and ignore signals, in a worker: a terminal sends signals to all processes at once."""
+    """Heed the event and ignore signals in a worker, because a terminal sends signals to all processes."""
     heed(flag)
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)
@@ -56,7 +57,7 @@ def take_flag(flag: Any) -> None:
 
 @contextmanager
 def heeding() -> Iterator[None]:
-    """Record the first signal, and raise Signalled at the end, after the running jobs have finished."""
+    """Record the first signal, and raise Signalled on exit, after the running jobs have finished."""
     global _received
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -75,7 +76,7 @@ def heeding() -> Iterator[None]:
 
 @contextmanager
 def ending() -> Iterator[Callable[[], None]]:
-    """Yield a function that stops a run as a signal does; the request is withdrawn on leaving."""
+    """Yield a function that requests a stop as a signal does; the request is reset on exit."""
     global _enough
 
     def end() -> None:
@@ -94,7 +95,7 @@ def ending() -> Iterator[Callable[[], None]]:
 
 @contextmanager
 def ignoring() -> Iterator[None]:
-    """Ignore signals while workers start: they inherit this, so that only this process handles interrupts."""
+    """Ignore signals while workers start; they inherit this, so that only this process handles interrupts."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -104,7 +105,7 @@ def ignoring() -> Iterator[None]:
 
 @contextmanager
 def _handling(handler: Any) -> Iterator[None]:
-    """Set another handler for signals that are not ignored already (as under nohup)."""
+    """Set a handler within the context for all signals that are not already ignored (as under nohup)."""
     before = {number: signal.getsignal(number) for number in SIGNALS}
     heard = {number: old for number, old in before.items() if old not in (signal.SIG_IGN, None)}
     for number in heard:
@@ -134,16 +135,16 @@ WRONG = {
     errno.ENOENT: "is missing: mount it",
     errno.ENOSYS: "is missing: mount it",
 }
-"""Causes by error number of ``sem_open``, which makes a file in /dev/shm for each lock."""
+"""Causes of failure by error number of ``sem_open``, which creates a file in /dev/shm for each lock."""
 
 
 class NoSharedMemory(UserError):
-    """Worker processes cannot be started for want of shared memory."""
+    """Worker processes cannot be started because shared memory is not available."""
 
 
 @contextmanager
 def in_shared_memory() -> Iterator[None]:
-    """Turn errors of locks in shared memory into NoSharedMemory, which names the cause."""
+    """Convert errors of locks in shared memory to NoSharedMemory, which states the cause."""
     try:
         yield
     except OSError as error:

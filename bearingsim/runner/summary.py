@@ -32,7 +32,7 @@ def grouped(failures: Iterable[Failure]) -> tuple[FailureGroup, ...]:
 
 
 def kind_of(reason: str) -> str:
-    """Replace the numbers of a reason by `#`, so that failures of one kind compare equal."""
+    """Replace the numbers in a reason by `#`, so that failures of one kind compare equal."""
     return re.sub(r"[-+]?\d[\d.]*(e[-+]?\d+)?", "#", reason)
 
 
@@ -40,7 +40,7 @@ def kind_of(reason: str) -> str:
 class Findings:
     """Statements on results.
 
-    withdrawn: promises that audits refuted; held: accuracy of the results; assumed: names of assumptions.
+    withdrawn: accuracies refuted by audits; held: accuracy of the results; assumed: names of assumptions.
     """
 
     withdrawn: tuple[str, ...] = ()
@@ -51,18 +51,18 @@ class Findings:
 
     @property
     def everything(self) -> tuple[str, ...]:
-        """All sentences."""
+        """All statements except the names of assumptions."""
         return (*self.withdrawn, *self.held, *self.warnings, *self.details)
 
 
 @dataclass(frozen=True)
 class RunSummary:
-    """Result of a run: numbers of jobs planned, done before and done now, failures; times in s.
+    """Result of a run.
 
-    ``interrupted``: number of the signal, or 0.
-    ``start_cpu_s`` is the workers' CPU time for imports and compilation, ``cpu_s`` their CPU time after that and
-    ``integrator_cpu_s`` the part of it inside the integrator; ``notes``: lines on earlier results and on repairs;
-    ``findings``: statements on the results, None before there are any.
+    planned, resumed, done: numbers of jobs requested, done before, and done by this run; seconds: elapsed time;
+    start_cpu_s: CPU time (s) of the workers for imports and compilation; cpu_s: their CPU time (s) after that;
+    integrator_cpu_s: the part of ``cpu_s`` spent in the integrator; interrupted: signal number, or 0; notes: lines
+    on earlier results and on repairs; findings: statements on the results, None if the run ended before its jobs.
     """
 
     study: str
@@ -86,17 +86,17 @@ class RunSummary:
 
     @property
     def missing(self) -> int:
-        """Number of planned jobs neither done nor failed."""
+        """Number of planned jobs that are neither done nor failed."""
         return self.planned - self.resumed - self.done - self.failed
 
     @property
     def integrator_share(self) -> float:
-        """Share of the workers' CPU time after start-up spent in the integrator, NaN when nothing was computed."""
+        """Share of the workers' CPU time after start-up spent in the integrator; NaN if nothing was computed."""
         return self.integrator_cpu_s / self.cpu_s if self.cpu_s > 0 else float("nan")
 
     @property
     def exit_code(self) -> int:
-        """0 all done, 1 some failed or left, 128 plus the number of the signal if interrupted: 130 by Ctrl-C."""
+        """Exit code: 0 if all jobs are done, 1 if some failed or are missing, 128 + signal if interrupted."""
         return 128 + self.interrupted if self.interrupted else int(self.failed > 0 or self.missing > 0)
 
     def __str__(self) -> str:
@@ -132,7 +132,7 @@ class RunSummary:
 
 
 class Interrupted(KeyboardInterrupt):
-    """Interruption of a run, with its summary; results up to then are stored."""
+    """Interruption of a run, with its summary; finished jobs are stored."""
 
     def __init__(self, summary: RunSummary) -> None:
         advice = f"results so far: {summary.folder}; run the same command to continue"

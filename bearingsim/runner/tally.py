@@ -1,4 +1,4 @@
-"""Totals of a run: jobs done before it, outcomes as they arrive, and the summary."""
+"""Totals of a run: jobs done before, outcomes of units of work, and the summary."""
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,9 +22,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Plan:
-    """Jobs to compute, number of jobs done by earlier runs, failures that are not tried again.
+    """Plan of a run.
 
-    held: contents of the folder, of this study or another.
+    todo: jobs to compute; resumed: number of jobs done by earlier runs; failures: earlier failures of jobs without
+    a result, by id; held: contents of the results folder.
     """
 
     todo: list["Job"]
@@ -34,9 +35,9 @@ class Plan:
 
 
 def plan_of(root: Path, jobs: Sequence["Job"], retry_failed: bool, verify: bool, before: set[str] | None) -> Plan:
-    """Plan the jobs to compute.
+    """Determine the jobs to compute.
 
-    before: ids of the jobs sealed when this run began, if trials have sealed some since.
+    before: ids of the jobs stored when the run began, None if no trials may have added some since.
     """
     held = store.holdings(root, verify)
     left = [job for job in jobs if job.id not in held.sealed]
@@ -49,7 +50,7 @@ def plan_of(root: Path, jobs: Sequence["Job"], retry_failed: bool, verify: bool,
 
 @dataclass
 class Tally:
-    """Running total of outcomes; writes failures and the journal as they arrive."""
+    """Running total of the outcomes; writes each failure, and an entry of the journal for each unit."""
 
     root: Path
     command: str
@@ -63,11 +64,11 @@ class Tally:
 
     @property
     def full(self) -> bool:
-        """True if the number of jobs failed in this run has reached its bound."""
+        """True if the number of jobs failed in this run has reached ``max_failures``."""
         return self.failed >= self.max_failures
 
     def add(self, outcome: Outcome) -> None:
-        """Add an outcome."""
+        """Add the outcome of a unit of work."""
         self.failed += len(outcome.failed)
         self.elsewhere += len(outcome.elsewhere)
         self.start_cpu_s += outcome.start_cpu_s
@@ -79,7 +80,7 @@ class Tally:
         for failure in outcome.failed:
             self._add_failure(failure)
         facts = {"done": len(outcome.done), "failed": len(outcome.failed)}
-        unit = store.unit_name(outcome.done) if outcome.done else outcome.unit  # as it was sealed
+        unit = store.unit_name(outcome.done) if outcome.done else outcome.unit  # name of the stored unit
         store.log(self.root, "unit", unit=unit, **facts, seconds=round(outcome.seconds, 3))
 
     def summary(
@@ -92,7 +93,7 @@ class Tally:
         notes: tuple[str, ...],
         statements: Findings,
     ) -> RunSummary:
-        """Summarise the run; status: of each requested job, as in the table, so that both counts agree."""
+        """Summarise the run; status: status of each requested job in the table, so that both counts agree."""
         return RunSummary(
             study=study,
             folder=self.root,
@@ -120,7 +121,7 @@ class Tally:
 
 
 def before_jobs(study: "Study", root: Path, stop: "Stopped", seconds: float) -> RunSummary:
-    """Summarise a run that was interrupted during the trials of models, some of which are results of jobs."""
+    """Summarise a run that was interrupted during the trials of models; trials may have stored some jobs."""
     jobs = {job.id for job in study.jobs()}
     sealed = store.holdings(root).sealed
     return RunSummary(
@@ -137,9 +138,9 @@ def before_jobs(study: "Study", root: Path, stop: "Stopped", seconds: float) -> 
 
 
 def finished(path: Path, out: Path | None, overrides: Mapping[str, str], quick: bool) -> RunSummary | None:
-    """Summarise a run of a study that is done; None if jobs are left, or the plan does not decide it.
+    """Summarise a completed study without expanding it; None if jobs are missing or the stored plan may not apply.
 
-    The plan decides if study, files, program and working folder have not changed, and no accuracy is requested.
+    It applies if the study has no `accuracy`, and files, overrides, program and working folder are unchanged.
     """
     started = time.perf_counter()
     about = outline(path, overrides, quick)
@@ -169,7 +170,7 @@ def finished(path: Path, out: Path | None, overrides: Mapping[str, str], quick: 
 
 
 def notes_on_others(root: Path, plan: Mapping[str, Any], count: int) -> Iterator[str]:
-    """Yield what other runs in the folder did meanwhile; plan: of this run; count: its jobs that they computed."""
+    """Yield notes on other runs in the folder; plan: plan of this run; count: number of its jobs done by them."""
     if count:
         jobs = f"{count} jobs were" if count > 1 else "1 job was"
         yield f"{jobs} computed by another run in this folder"

@@ -1,4 +1,4 @@
-"""Unit of work, and its computation in a worker process."""
+"""Units of work, and their computation in a worker process."""
 
 import ctypes
 import importlib
@@ -27,16 +27,16 @@ if TYPE_CHECKING:
     from bearingsim.study import Job
 
 
-PR_SET_PDEATHSIG = 1  # option of prctl(2): signal sent to this process when its parent dies
-POLL_S = 2.0  # s between checks of the parent where prctl is missing
+PR_SET_PDEATHSIG = 1  # option of prctl(2) that sets the signal sent to this process when its parent dies
+POLL_S = 2.0  # interval in s between checks of the parent if prctl is not available
 
 
 @dataclass(frozen=True)
 class Engine:
     """Import paths ``module:function`` of the solver.
 
-    simulate: computes a case; estimate: estimates its cost; warm: compiles beforehand; try_out: computes the first
-    passes of a case; notes: remarks on all cases; compiling: estimates the CPU time of compiling a case's code.
+    simulate: computes a case; estimate: estimates its cost; warm: compiles the code beforehand; try_out: computes
+    the first ball passes of a case; notes: remarks on all cases; compiling: estimates the CPU time of compilation.
     """
 
     simulate: str = "bearingsim.simulation:simulate"
@@ -54,15 +54,15 @@ Seal = Callable[[Path, Sequence[tuple["Job", "Record"]], Mapping[str, Value]], o
 
 
 LOOK_S = 0.5
-"""Least time between two looks into the folder (s): each lists all units."""
+"""Shortest time (s) between two listings of the units in the folder."""
 
 
 @dataclass
 class OtherRuns:
-    """Jobs that other runs have sealed in a folder since this one began.
+    """Jobs that other runs have stored in a folder since this run began.
 
-    judged: names of the units in the folder when the jobs were planned. A unit that this run seals later may be
-    read too: it begins none of those jobs again.
+    judged: names of the units in the folder when the jobs were planned. Units that this run has stored since are
+    included, which has no effect because their jobs are not started again.
     """
 
     root: Path
@@ -71,7 +71,7 @@ class OtherRuns:
     _looked: float = field(default=-LOOK_S, init=False)
 
     def have(self, job: str) -> bool:
-        """Check if another run has sealed a job, as seen at most LOOK_S ago."""
+        """Check if another run has stored a job; the list of units is at most LOOK_S old."""
         if time.monotonic() - self._looked >= LOOK_S:
             others = store.unit_names(self.root) - self.judged
             self._jobs = {name for unit in others for name in _jobs(store.unit_path(self.root, unit))}
@@ -81,10 +81,11 @@ class OtherRuns:
 
 @dataclass(frozen=True)
 class Work:
-    """Jobs to compute in one go, where to store them, the estimated time in s of each, and bytes of all series.
+    """Unit of work: jobs that one worker computes and stores together.
 
-    max_cpu: largest CPU time (s) of a job; max_failures: failed jobs after which no more are begun; others: other
-    runs in the folder; spent: CPU time (s) that a job's estimate has taken, by id.
+    root: results folder; seconds: estimated CPU time (s) of each job; bytes: size of all series; max_cpu: limit of
+    the CPU time (s) of a job; max_failures: number of failed jobs after which no more are started; others: other
+    runs in the folder; spent: CPU time (s) used by the estimate of each job, by id.
     """
 
     root: Path
@@ -100,11 +101,11 @@ class Work:
 
     @property
     def unit(self) -> str:
-        """Name of the unit, by its jobs."""
+        """Name of the unit, which depends on its jobs."""
         return unit_name(job.id for job in self.jobs)
 
     def only(self, ids: Iterable[str]) -> "Work":
-        """Return the part of the work with some jobs."""
+        """Return the part of the work with the jobs of these ids."""
         wanted = set(ids)
         pairs = [pair for pair in zip(self.jobs, self.seconds, strict=True) if pair[0].id in wanted]
         return replace(self, jobs=tuple(job for job, _ in pairs), seconds=tuple(cost for _, cost in pairs))
@@ -112,9 +113,11 @@ class Work:
 
 @dataclass(frozen=True)
 class Outcome:
-    """Outcome of a unit of work: jobs sealed, jobs failed, time in s; ``elsewhere``: sealed by another run.
+    """Outcome of a unit of work.
 
-    ``start_cpu_s`` is the CPU time of imports and compilation (or loading of its cache), not part of ``cpu_s``.
+    done: ids of the stored jobs; elsewhere: ids of jobs stored by another run; seconds: elapsed time; start_cpu_s:
+    CPU time (s) of imports and of compilation or loading its cache; cpu_s: CPU time (s) after that;
+    integrator_cpu_s: the part of ``cpu_s`` spent in the integrator.
     """
 
     unit: str
@@ -128,17 +131,17 @@ class Outcome:
 
 
 def load(path: str) -> Callable[..., Any]:
-    """Import the function at a path ``module:function``."""
+    """Import the function at the path ``module:function``."""
     module, _, name = path.partition(":")
     function: Callable[..., Any] = getattr(importlib.import_module(module), name)
     return function
 
 
 def compute(work: Work, seal: Seal = write_units) -> Outcome:
-    """Simulate the jobs of a unit, seal their records, and return failures as values.
+    """Simulate the jobs of a unit, store their records, and return failures as values.
 
-    After a request to stop the finished jobs are sealed. Only errors of the whole study are raised: DiskFull, or a
-    bug outside the simulation.
+    If a stop is requested, the finished jobs are stored. Only errors that concern the whole study are raised, such
+    as DiskFull or a bug outside the simulation.
     """
     if stop_requested():
         return Outcome(work.unit, (), ())
@@ -159,11 +162,11 @@ def compute(work: Work, seal: Seal = write_units) -> Outcome:
             note(job.id)
             bound = cpu_time.at_most(work.max_cpu, work.spent.get(job.id, 0.0))
             try:
-                with room(work.root / unit), bound:  # a full disk is no fault of the job
+                with room(work.root / unit), bound:  # a full disk is not a failure of the job
                     done.append((job, simulate(job.case)))
             except DiskFull:
                 raise
-            except KeyboardInterrupt:  # without a handler of signals
+            except KeyboardInterrupt:  # no signal handler is set
                 seal(work.root, done, work.provenance)
                 raise
             except Exception as error:
@@ -184,7 +187,7 @@ def compute(work: Work, seal: Seal = write_units) -> Outcome:
 def _start_up(work: Work) -> float:
     """Import and compile the code of the jobs; return the CPU time (s).
 
-    Errors are ignored: the job fails again and reports them.
+    Errors are ignored, because the job raises and reports them again.
     """
     began = time.process_time()
     with suppress(Exception):
@@ -193,7 +196,7 @@ def _start_up(work: Work) -> float:
 
 
 def _failure(job: str, error: Exception) -> Failure:
-    """Convert an exception to a Failure; errors of the simulation have their own reason, advice and time."""
+    """Convert an exception to a Failure; simulation errors have attributes reason, advice and time."""
     text = str(error).strip().partition("\n")[0]
     kind = "" if isinstance(error, UserError) else f"{type(error).__name__}: "
     return Failure(
@@ -206,13 +209,13 @@ def _failure(job: str, error: Exception) -> Failure:
 
 
 def die_with_parent(parent: int, flag: Any) -> None:
-    """End this worker when its parent dies, and stop it when the parent's event is set."""
+    """Make this worker end when its parent dies, and stop when the event of the parent is set."""
     take_flag(flag)
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     else:
         threading.Thread(target=_watch, args=(parent,), daemon=True).start()
-    if os.getppid() != parent:  # it died before the request was made
+    if os.getppid() != parent:  # the parent died before the request was made
         os._exit(1)
 
 
@@ -224,7 +227,7 @@ def _watch(parent: int) -> None:
 
 @cache
 def _jobs(path: Path) -> list[str]:
-    """Return the ids of the jobs of a unit, which never changes; none if it cannot be read."""
+    """Return the ids of the jobs of a unit, or an empty list if it cannot be read. Units never change."""
     try:
         return store.jobs_named(path)
     except store.DamagedUnit:
