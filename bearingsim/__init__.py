@@ -7,7 +7,7 @@
     results = bs.run(study, jobs=2)                 # results.table(), results.series(job)
     results = bs.open_results("results/fig14-length")
 
-Names are imported when they are first used, so that ``import bearingsim`` costs nothing.
+Names are imported on first use, so that ``import bearingsim`` is fast.
 """
 
 from importlib import import_module
@@ -28,12 +28,13 @@ _HOME = {"Case": "config", "load_study": "study", "open_results": "store", "simu
 
 
 def run(study: "Study", out: "str | Path | None" = None, jobs: int | None = None, **options: Any) -> "Results":
-    """Compute what is not done yet of a study and open its results; failures are in ``failures()``.
+    """Compute the jobs of a study that are not stored yet, and return its results with their ``failures()``.
 
-    out: folder (default ``results/<study>``); jobs: worker processes (default the CPUs, 1: none); options:
-    fresh, retry_failed, shard, verify, progress, max_failures, max_cpu (s), as of the command ``bearingsim run``.
+    out: results folder, by default ``results/<study>``; jobs: number of worker processes, by default that of CPUs,
+    1 for this process only; options: fresh, retry_failed, shard, verify, progress, max_failures, max_cpu (s) and
+    scheduler, as for the command ``bearingsim run``.
     """
-    # By name: what the store asks of this module must not lead to the runner.
+    # Imported by name: an import of this module by the store must not lead to the runner.
     summary = import_module(f"{__name__}.runner").run(study, out, jobs, **options)
     results: Results = import_module(f"{__name__}.store").open_results(summary.folder)
     return results

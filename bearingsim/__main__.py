@@ -1,4 +1,4 @@
-"""`python -m bearingsim` is `bearingsim`."""
+"""Entry point of `python -m bearingsim`, which is equivalent to `bearingsim`."""
 
 from bearingsim.cli import main
 

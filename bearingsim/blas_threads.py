@@ -1,6 +1,6 @@
-"""Limit linear algebra to one thread.
+"""Limit of linear algebra to one thread.
 
-Several threads sum in another order, so results of one process and of several would differ in the last digits.
+The order of summation depends on the number of threads, so results would not be reproducible to the last digit.
 """
 
 import os
@@ -10,11 +10,11 @@ NAMES = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
 
 
 def take_one() -> None:
-    """Request one thread, unless the user has set the variables. Call it before NumPy is imported."""
+    """Request one thread, unless the user has set the variables; call before NumPy is imported."""
     for name in NAMES:
         os.environ.setdefault(name, "1")
 
 
 def several() -> dict[str, str]:
-    """Return the variables that request another number of threads, with their values."""
+    """Return the variables that are set to a value other than 1, with their values."""
     return {name: os.environ[name] for name in NAMES if os.environ.get(name, "1") != "1"}

@@ -1,10 +1,10 @@
 """Catalogue of models, methods, contact laws, shapes of defects and features: one table for each kind.
 
 An entry (``entries.py``) is plain data: the name used in study files, the abilities, and the location of the code
-(``package.module`` or ``package.module:name``), which is imported at its first use. This file therefore imports
-only the search for extensions, and every other package looks models and methods up here instead of naming them.
+(``package.module`` or ``package.module:name``), which is imported on first use. All other packages look up models
+and methods in these tables.
 
-Another package adds its own with one line each in the module that its entry point names:
+Another package registers its own entries in the module to which its entry point refers:
 
     # pyproject.toml of the other package:  [project.entry-points."bearingsim.extensions"]
     #                                       mine = "my_package"
@@ -13,8 +13,8 @@ Another package adds its own with one line each in the module that its entry poi
 
     register(Law("viscous", "damping", "my_package.viscous:Viscous", "my_package.viscous:build"))
 
-docs/extending.md says what the module of each kind must define. Compiled code is kept apart for each set of
-extensions (``extension_sources``).
+docs/extending.md describes what the module of each kind must define. Compiled code is cached separately for each
+set of extensions (``extension_sources``).
 """
 
 import hashlib
@@ -61,13 +61,13 @@ __all__ = [
 ]
 
 OWN = "bearingsim"
-"""The package of the program's own code."""
+"""Package of the program's own code."""
 
 REFERENCE, AUTO = "reference", "auto"
-"""Words for an automatic choice: of the reference model, and of the method."""
+"""Reserved names for the automatic choice of the reference model, and of the method."""
 
 MODELS: dict[str, Model] = {}
-"""From the lowest to the highest; those of other packages come last."""
+"""Models in order of increasing detail; those of other packages come last."""
 METHODS: dict[str, Method] = {}
 LAWS: dict[str, dict[str, Law]] = {"stiffness": {}, "damping": {}, "friction": {}}
 SHAPES: dict[str, Shape] = {}
@@ -76,7 +76,11 @@ FEATURES: dict[str, Feature] = {}
 
 
 def register(*entries: Entry) -> None:
-    """Add entries to the tables. Raises ValueError for a name in use, an unknown kind of law, another type."""
+    """Add entries to the tables.
+
+    Raises ValueError for a reserved or duplicate name, an unknown kind of law, a damping or friction law without a
+    section, or an object of another type.
+    """
     for entry in entries:
         if not isinstance(entry, Entry):
             raise ValueError(f"expected a Model, Method, Law, Shape or Feature, got `{entry!r}`")
@@ -106,14 +110,15 @@ def _table_of(entry: Entry) -> dict[str, Any]:
 
 
 def foreign(reference: str) -> bool:
-    """Return whether code belongs to another package."""
+    """Return True if the code belongs to another package."""
     return extensions.package(reference) != OWN
 
 
 def code(reference: str, expected: type = object) -> Any:
     """Return the object at ``package.module`` or ``package.module:name``.
 
-    Raises UserError if it fails to load or is not of the expected type; BrokenExtension for code of an extension.
+    Raises UserError if the import fails or the object is not of the expected type; BrokenExtension (a UserError)
+    if the code belongs to an extension.
     """
     module, _, name = reference.partition(":")
     try:
@@ -127,7 +132,10 @@ def code(reference: str, expected: type = object) -> Any:
 
 
 def call(reference: str, *arguments: Any) -> Any:
-    """Call the function ``reference``. Raises as ``code`` does; BrokenExtension if an extension's code fails."""
+    """Call the function ``reference``.
+
+    Raises the errors of ``code``, BrokenExtension if code of an extension fails, and any error of own code.
+    """
     function = code(reference)
     try:
         return function(*arguments)
@@ -146,13 +154,13 @@ def _error_of(reference: str, what: str) -> UserError:
 
 
 def below(name: str) -> list[str]:
-    """Return the names of the models below ``name`` whose rollers carry load, from the highest down."""
+    """Return the models below ``name`` whose rollers carry load, in order of decreasing detail."""
     order = list(MODELS)
     return [lower for lower in reversed(order[: order.index(name)]) if MODELS[lower].loaded]
 
 
 def lowest(*abilities: str) -> str:
-    """Return the name of the lowest model with all these abilities."""
+    """Return the name of the simplest model with all these abilities."""
     return next(model.name for model in MODELS.values() if model.abilities.issuperset(abilities))
 
 
@@ -237,22 +245,22 @@ register(
 )
 
 USUAL_MODEL = "rollers"
-"""The model of a case that names none."""
+"""Default model of a case."""
 REFERENCES = ("planar", "spatial", "rollers", "impulse")
-"""The models by which others are judged, in this order: the first that can do all that a case asks for."""
+"""Reference models: a case is compared with the first of these that covers all effects that it requires."""
 EXPLICIT = "verlet"
-"""The explicit method that others are measured against: its step limit, its price."""
+"""Explicit method whose step limit and cost serve as the standard for other methods."""
 
 
 # Other packages
 
 
 def extension_sources() -> Iterator[Path]:
-    """Yield every Python file of the packages that add something: compiled code and results depend on them."""
+    """Yield every Python file of the packages with extensions; compiled code and results depend on them."""
     for package in _packages():
         try:
             spec = find_spec(package)
-        except (ImportError, ValueError):  # a broken one; a script
+        except (ImportError, ValueError):  # a broken package, or a script
             continue
         if spec is not None and spec.submodule_search_locations:
             for folder in spec.submodule_search_locations:
@@ -262,7 +270,7 @@ def extension_sources() -> Iterator[Path]:
 
 
 def _packages() -> tuple[str, ...]:
-    """Return the packages of all extensions, and those of the code that they register."""
+    """Return the packages of all extensions, and of the code that they register."""
     tables: tuple[dict[str, Any], ...] = (MODELS, METHODS, SHAPES, FEATURES, *LAWS.values())
     registered = [reference for table in tables for entry in table.values() for reference in references(entry)]
     values = [entry.value for entry in extensions.installed()]

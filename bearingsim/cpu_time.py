@@ -1,7 +1,7 @@
-"""The CPU clock of a job: its limit of CPU time, and the time left.
+"""CPU clock of a job, and its limit of CPU time.
 
-Python checks the clock between steps (``check``), compiled loops that may run long check it themselves
-(``bounded``, ``core/clock.py``). Compilation is not charged to the job.
+Python code checks the clock between time steps (``check``); long compiled loops check it themselves (``bounded``,
+``core/clock.py``). Compilation is not charged to the job.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 
 class OutOfCpuTime(Exception):
-    """A job has reached its limit of CPU time: the reason, and the remedy. No other method is tried for it."""
+    """A job has reached its limit of CPU time, so no other method is tried; has the reason and the advice."""
 
     def __init__(self, reason: str, advice: str) -> None:
         super().__init__(f"{reason}; {advice}")
@@ -33,27 +33,27 @@ class _Bound(NamedTuple):
 
 
 UNBOUNDED = _Bound()
-LEAST_END = 1e-9  # s: above 0, which stands for no limit in a buffer; far below the resolution of the clock
+LEAST_END = 1e-9  # s; small, but not 0, which means no limit in compiled code
 _bound: ContextVar[_Bound] = ContextVar("bound", default=UNBOUNDED)
 _uncharged: ContextVar[float] = ContextVar("uncharged", default=0.0)
 
 
 def now() -> float:
-    """Read the clock: CPU time (s) of this thread, less the time not charged to the job."""
+    """Return the CPU time (s) of this thread, less the time not charged to the job."""
     return thread_time() - _uncharged.get()
 
 
 def end() -> float:
-    """Return this thread's CPU time (s), as of ``thread_time``, at which the job ends; inf without a bound.
+    """Return the CPU time of this thread (s, by ``thread_time``) at which the job must end; inf without a limit.
 
-    The value is above 0, which stands for no limit in a buffer.
+    The value is never 0, which means no limit in compiled code.
     """
     return max(_bound.get().end + _uncharged.get(), LEAST_END)
 
 
 @contextmanager
 def at_most(seconds: float, spent: float = 0.0) -> Iterator[None]:
-    """Limit the CPU time (s) of this thread within the context; ``spent``: seconds already used."""
+    """Limit the CPU time (s) of this thread within the context; spent: part of it already used (s)."""
     token = _bound.set(_Bound(seconds, now() + seconds - spent))
     try:
         yield
@@ -63,7 +63,7 @@ def at_most(seconds: float, spent: float = 0.0) -> Iterator[None]:
 
 @contextmanager
 def uncharged() -> Iterator[None]:
-    """Stop the clock within the context: compilation, for example, is not charged to the job."""
+    """Stop the clock within the context, for example during compilation."""
     began, before = thread_time(), _uncharged.get()
     try:
         yield
@@ -84,7 +84,7 @@ def check() -> None:
 def bounded(call: Callable[[float], T]) -> T:
     """Call a compiled function with the CPU time of this thread (s) at which it must end; return its result.
 
-    A call that also compiled the function is repeated, because compilation may have used its time. Raises
+    If the call compiled the function, it is repeated, because compilation may have used up the time. Raises
     OutOfCpuTime if the job has reached its limit.
     """
     while True:

@@ -21,19 +21,19 @@ if TYPE_CHECKING:
 Kind = Literal["lhs", "sobol", "saltelli", "morris"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 EXTENDED: tuple[Kind, ...] = ("sobol", "saltelli", "morris")
-"""Designs whose first rows stay as they are when ``n`` grows."""
+"""Designs whose existing rows do not change when ``n`` is increased."""
 LEVELS = (1 / 16, 5 / 16, 11 / 16, 15 / 16)
-"""Values that a parameter takes in a design by Morris: one in each quarter of equal probability."""
+"""Levels of a parameter in a Morris design, as probabilities: one in each quarter."""
 MORRIS_STEP = 5 / 8
-"""Share of the range by which a parameter of a Morris design moves: two levels up or down. A step of 1/2 would
-miss effects with a period of half the range."""
+"""Step of a Morris design as a share of the range, two levels up or down. A step of 1/2 would miss effects with a
+period of half the range."""
 
 
 def cube(kind: Kind, n: int, d: int, seed: int) -> "NDArray[np.float64]":
-    """Compute the points of a design: an array (rows, d) in [0, 1).
+    """Compute the points of a design, an array (rows, d) in [0, 1).
 
-    n: points of `lhs` and `sobol`, base points of `saltelli`, trajectories of `morris`. Rows lie in blocks of
-    ``block(kind, d)``.
+    n: number of points of `lhs` and `sobol`, of base points of `saltelli`, of trajectories of `morris`. Rows are
+    ordered in blocks of ``block(kind, d)`` rows.
     """
     import numpy as np
 
@@ -41,7 +41,7 @@ def cube(kind: Kind, n: int, d: int, seed: int) -> "NDArray[np.float64]":
 
 
 def block(kind: Kind, d: int) -> int:
-    """Return the number of rows in a block: 1 of `lhs` and `sobol`, d + 2 of `saltelli`, d + 1 of `morris`."""
+    """Return the number of rows in a block: 1 for `lhs` and `sobol`, d + 2 for `saltelli`, d + 1 for `morris`."""
     return {"saltelli": d + 2, "morris": d + 1}.get(kind, 1)
 
 
@@ -62,7 +62,7 @@ def _saltelli(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.floa
     """Compute the blocks A_i, B_i, AB_i^(1) ... AB_i^(d); AB_i^(j) is A_i with column j of B_i.
 
     A and B are the halves of one sequence in 2d dimensions. Saltelli et al., Computer Physics Communications 181
-    (2010) 259-270, table 2 (b) and (f), as ``scipy.stats.sobol_indices`` takes them.
+    (2010) 259-270, table 2 (b) and (f), as used by ``scipy.stats.sobol_indices``.
     """
     import numpy as np
 
@@ -73,10 +73,10 @@ def _saltelli(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.floa
 
 
 def _morris(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float64]":
-    """Compute trajectories of d + 1 points; each step moves one parameter, in random order, by MORRIS_STEP.
+    """Compute trajectories of d + 1 points; each step changes one parameter, in random order, by MORRIS_STEP.
 
-    Morris, Technometrics 33 (1991) 161-174, with p = 4 levels and steps of two. His levels are 0, 1/3, 2/3, 1;
-    those here lie within, so a normal distribution is not always tried at its bounds.
+    Morris, Technometrics 33 (1991) 161-174, with p = 4 levels and steps of two levels. His levels are 0, 1/3, 2/3
+    and 1; ``LEVELS`` lie in the interior, so that a normal distribution is not sampled at its bounds.
     """
     import numpy as np
 

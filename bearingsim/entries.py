@@ -1,19 +1,19 @@
-"""Types of entries of the catalogue: plain data, and the location of the code."""
+"""Types of the entries of the catalogue: plain data, and the location of the code."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Model:
-    """A model of the bearing.
+    """Model of the bearing.
 
-    module: defines ``KIND`` (``core/models/interface.py``); abilities: effects that it covers
+    module: module that defines ``KIND`` (``core/models/interface.py``); abilities: effects that the model covers
     (``config/rules/hierarchy.py`` lists the keys that require each); slips: rollers and cage move freely and can
-    slip; sliced: rollers are divided into slices, and tilt; memoryless: quasi-static, each instant independent of
-    the others; repeats: the equations are periodic with the ball pass except for terms that a case switches on,
-    and the coordinates are the whole state, so the response may be periodic (``simulation/repetition.py``);
-    own_method: the module of its integrator, if the model is no differential equation; build:
-    ``build(case, support)`` assembles its parameters, if not field by field (``assemble/__init__.py``).
+    slip; sliced: rollers are divided into slices and can tilt; memoryless: the model is quasi-static; repeats: the
+    response may be periodic (``simulation/repetition.py``), because the equations are periodic with the ball pass,
+    except for terms enabled by a case, and the coordinates are the complete state; own_method: module of the
+    integrator of a model that is not a differential equation; build: ``build(case, support)`` assembles the
+    parameters if they are not assembled field by field (``assemble/__init__.py``).
     """
 
     name: str
@@ -28,12 +28,12 @@ class Model:
 
     @property
     def loaded(self) -> bool:
-        """True if the rollers carry load: the model starts from their static equilibrium."""
+        """True if the rollers carry load, so that the model starts from their static equilibrium."""
         return "forces" in self.abilities
 
     @property
     def takes_defects(self) -> bool:
-        """True if the rollers roll over defects; otherwise a defect is a series of impulses in time."""
+        """True if the rollers roll over the shape of a defect; otherwise a defect is a series of impulses."""
         return "shapes" in self.abilities
 
     @property
@@ -49,10 +49,11 @@ class Model:
 
 @dataclass(frozen=True)
 class Method:
-    """A time integrator.
+    """Time integrator.
 
-    module: defines ``KIND`` (``core/methods/interface.py``); tolerance: default relative tolerance of an adaptive
-    method; implicit: solves with the Jacobian of model and laws; automatic: a candidate of `method: auto`.
+    module: module that defines ``KIND`` (``core/methods/interface.py``); tolerance: default relative tolerance of
+    an adaptive method; implicit: True if the method uses the Jacobian of the model and the laws; automatic: True
+    for a candidate of `method: auto`.
     """
 
     name: str
@@ -69,12 +70,12 @@ class Method:
 
 @dataclass(frozen=True)
 class Law:
-    """A contact law; ``what``: `stiffness`, `damping` or `friction`.
+    """Contact law; what: `stiffness`, `damping` or `friction`.
 
-    section: the class of its parameters in a study file, empty for a law without any; build: the function that
-    makes the core's law (arguments: ``assemble/contacts.py``, ``assemble/free.py``); bare: the name alone is valid
-    in a study file, with default parameters; element: `roller` or `ball` if the law applies to one of them only,
-    else empty; material: the law depends on the elastic constants of the bearing's material.
+    section: class of the parameters in a study file, empty for a law without parameters; build: function that
+    makes the law of the core (arguments: ``assemble/contacts.py``, ``assemble/free.py``); bare: True if a study
+    file may give only the name, with default parameters; element: `roller` or `ball` if the law applies to only
+    one of them, else empty; material: True if the law depends on the elastic constants of the bearing's material.
     """
 
     name: str
@@ -88,10 +89,10 @@ class Law:
 
 @dataclass(frozen=True)
 class Shape:
-    """A shape of defects.
+    """Shape of a defect.
 
-    build: makes the depth map from length, width and depth (m), or from the whole section if ``of_section``;
-    simple: every excitation has a closed form for this shape.
+    build: function that makes the depth map from length, width and depth (m), or from the whole section if
+    ``of_section``; simple: True if every excitation has a closed form for this shape.
     """
 
     name: str
@@ -102,10 +103,10 @@ class Shape:
 
 @dataclass(frozen=True)
 class Feature:
-    """A scalar that another package computes from each record.
+    """Scalar that another package computes from each record.
 
-    unit: SI, or empty; long_name: an axis label; compute: ``compute(case, time, series)`` returns the value;
-    ``time`` (n,) in s, ``series``: the recorded arrays (n,) by name, in SI.
+    unit: SI unit, or empty; long_name: axis label; compute: ``compute(case, time, series)`` returns the value,
+    with ``time`` (n,) in s and ``series``, the recorded arrays (n,) in SI by name.
     """
 
     name: str

@@ -11,7 +11,7 @@ class UserError(Exception):
 
 
 class Signalled(KeyboardInterrupt):
-    """Interruption by a signal; ``number``: of the signal."""
+    """Interruption by a signal; number: the signal number."""
 
     def __init__(self, number: int) -> None:
         super().__init__("interrupted")
@@ -19,11 +19,11 @@ class Signalled(KeyboardInterrupt):
 
 
 class DamageWarning(UserWarning):
-    """A part of a results folder cannot be read; the rest can."""
+    """A file of a results folder cannot be read and is left out."""
 
 
 class Refused(ValueError):
-    """A case that must not be computed as it is; ``advice``: the remedy."""
+    """A case cannot be computed as requested; advice: the remedy."""
 
     def __init__(self, reason: str, advice: str) -> None:
         super().__init__(f"{reason}; {advice}")

@@ -1,8 +1,8 @@
-"""Extensions: installed packages that add entries to the catalogue, and those that fail to load.
+"""Extensions: installed packages that add entries to the catalogue.
 
-A package registers an entry point in the group ``bearingsim.extensions`` (docs/extending.md). A package that fails
-to load is listed in ``BROKEN``. Results can still be read; every command that computes calls ``refuse_broken``
-first, because a part of the catalogue is missing.
+A package declares an entry point in the group ``bearingsim.extensions`` (docs/extending.md). An extension that
+fails to load is listed in ``BROKEN``. Results can then still be read, but every command that computes calls
+``refuse_broken`` first, because a part of the catalogue is missing.
 """
 
 import os
@@ -30,7 +30,7 @@ def skipped() -> set[str]:
 
 @cache
 def installed() -> tuple[EntryPoint, ...]:
-    """Return the entry points of all extensions except the skipped ones, by name."""
+    """Return the entry points of all extensions except the skipped ones, sorted by name."""
     left = (entry for entry in entry_points(group=GROUP) if entry.name not in skipped())
     return tuple(sorted(left, key=lambda entry: entry.name))
 
@@ -41,7 +41,7 @@ def package(reference: str) -> str:
 
 
 def owner(reference: str) -> str:
-    """Return the name of the extension whose package defines ``reference``; or of the package itself."""
+    """Return the name of the extension whose package defines ``reference``, or else the name of the package."""
     root = package(reference)
     return next((entry.name for entry in installed() if package(entry.value) == root), root)
 
@@ -62,12 +62,12 @@ def load() -> None:
 
 
 def leave_out(name: str, why: str) -> None:
-    """List an extension in ``BROKEN``; ``why``: a sentence. The first error of each is kept."""
+    """List an extension in ``BROKEN``; why: error message. Only the first error of an extension is kept."""
     BROKEN.setdefault(name, why)
 
 
 def refuse_broken() -> None:
-    """Raise BrokenExtension if an extension fails to load: its entries would be missing from the results."""
+    """Raise BrokenExtension if an extension failed to load, because its entries are missing."""
     if BROKEN:
         names = ",".join(sorted(skipped() | BROKEN.keys()))
         sentences = "\n".join(BROKEN.values())

@@ -1,7 +1,7 @@
-"""HDF5 files of unknown origin: sizes and locations are checked before anything is read.
+"""Safe reading of HDF5 files of unknown origin: sizes and locations are checked before data are read.
 
-A dataset states its own shape, so a file of some kB may state gigabytes: chunks never written, zeros compressed by
-gzip, strings with shared storage. The data may also lie in another file (links, external and virtual storage).
+A file of a few kB may declare gigabytes of data, by unwritten chunks, gzipped zeros or strings with shared
+storage. The data may also be stored in another file (links, external and virtual storage).
 """
 
 import zlib
@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from bearingsim.errors import UserError
 
 DEFLATE_RATIO = 1032
-"""Largest compression ratio of deflate (zlib, technical details)."""
+"""Largest compression ratio of deflate (zlib, "Technical Details")."""
 FILTERS = {
     h5py.h5z.FILTER_DEFLATE: "gzip",
     h5py.h5z.FILTER_SHUFFLE: "shuffle",
     h5py.h5z.FILTER_FLETCHER32: "fletcher32",
 }
-CHECKSUM_BYTES = 4  # bytes of fletcher32 at the end of a chunk
+CHECKSUM_BYTES = 4  # size of the fletcher32 checksum at the end of a chunk
 REFERENCE = np.dtype([("letters", "<u4"), ("heap", "<u8"), ("place", "<u4")])
 """Element of a dataset of variable-length strings."""
 NUMBERS = "fiub"  # kinds of NumPy's numeric types
@@ -31,14 +31,14 @@ TEXT_BYTES, LETTER_BYTES = 70, 5
 
 
 class Unsafe(UserError, ValueError):
-    """Content of an HDF5 file that is not read; the message names it, and the reason."""
+    """Content of an HDF5 file that is refused; the message states the content and the reason."""
 
 
 class Hdf5:
-    """An open HDF5 file. most: limit of memory (bytes) of one read.
+    """Open HDF5 file; most: memory limit (bytes) of one read.
 
-    Names are paths in the file. All methods raise Unsafe for data in another file, of more than ``most`` bytes or
-    of another type than requested, and OSError, KeyError or RuntimeError for a damaged file.
+    Names are paths in the file. All methods raise Unsafe for data stored in another file, larger than ``most``
+    bytes or of another type than requested, and OSError, KeyError or RuntimeError for a damaged file.
     """
 
     def __init__(self, stream: BinaryIO, most: float) -> None:
@@ -59,7 +59,7 @@ class Hdf5:
         self._stream.close()
 
     def names(self, group: str = "") -> list[str]:
-        """List the names of the datasets and groups in a group, by default of the root."""
+        """List the names of the datasets and groups in a group, by default the root."""
         return list(self._item(group))
 
     def __contains__(self, name: str) -> bool:
@@ -67,7 +67,7 @@ class Hdf5:
         return last in self._item(parent)
 
     def is_group(self, name: str) -> bool:
-        """Return True if the name is that of a group."""
+        """Return True if the name refers to a group."""
         return isinstance(self._item(name), h5py.Group)
 
     def shape(self, name: str) -> tuple[int, ...]:
@@ -75,7 +75,7 @@ class Hdf5:
         return tuple(self._dataset(name).shape)
 
     def afford(self, what: str, size: float) -> None:
-        """Raise Unsafe if ``size`` bytes exceed the limit of one read. what: names the data in the message."""
+        """Raise Unsafe if ``size`` bytes exceed the limit of one read; what: name of the data for the message."""
         if size > self.most:
             sizes = f"{size / 1e6:.3g} MB, above the {self.most / 1e6:.3g} MB that are plausible for this file"
             raise Unsafe(f"{what} would take {sizes}")
@@ -87,7 +87,7 @@ class Hdf5:
     def attribute(self, name: str, of: str = "", default: Any = None, variable: bool = False) -> Any:
         """Return a scalar attribute, a number or a string; ``default`` if it does not exist.
 
-        variable: also accept a variable-length string; its length, up to 4 GB, is not stated before it is read.
+        variable: also accept a variable-length string, whose length of up to 4 GB is unknown before it is read.
         """
         attributes = self._item(of).attrs
         if name not in attributes:
@@ -100,7 +100,7 @@ class Hdf5:
         return value.decode() if isinstance(value, bytes) else value
 
     def cost(self, *names: str) -> int:
-        """Return the memory (bytes) of the values of some datasets."""
+        """Return the memory (bytes) required by the values of some datasets."""
         return sum(self._cost(self._dataset(name)) for name in names)
 
     def numbers(self, name: str, row: int | None = None) -> NDArray[Any]:
@@ -137,7 +137,7 @@ class Hdf5:
         return item
 
     def _dataset(self, name: str) -> h5py.Dataset:
-        """Return a dataset stored in this file, unfiltered or behind the filters of ``FILTERS``."""
+        """Return a dataset stored in this file, with no filters other than those in ``FILTERS``."""
         item = self._item(name)
         if not isinstance(item, h5py.Dataset) or item.shape is None:
             raise Unsafe(f"`{name}` is no dataset")
@@ -152,7 +152,7 @@ class Hdf5:
         return item
 
     def _cost(self, item: h5py.Dataset) -> int:
-        """Return the memory (bytes) of the values of a dataset."""
+        """Return the memory (bytes) required by the values of a dataset."""
         kind = h5py.check_string_dtype(item.dtype)
         if kind is None:
             return int(item.size * item.dtype.itemsize)
@@ -160,7 +160,7 @@ class Hdf5:
         return int(TEXT_BYTES * item.size + LETTER_BYTES * letters)
 
     def _letters(self, item: h5py.Dataset) -> int:
-        """Count the characters of all variable-length strings, as stated by the dataset."""
+        """Sum the lengths of all variable-length strings, as declared in the dataset."""
         layout = item.id.get_create_plist().get_layout()
         sizes = self._file.id.get_create_plist().get_sizes()
         if layout != h5py.h5d.CONTIGUOUS or sizes != (8, 8):
@@ -174,7 +174,7 @@ class Hdf5:
         return int(stated["letters"].sum(dtype=np.uint64))
 
     def _check_chunks(self, item: h5py.Dataset, row: int | None = None) -> None:
-        """Raise Unsafe if a chunk exceeds ``most`` bytes, by its shape or when inflated."""
+        """Raise Unsafe if a chunk exceeds ``most`` bytes by its shape, or inflates to more than its shape."""
         if item.chunks is None:
             return
         whole, filters = prod(item.chunks) * item.dtype.itemsize, _filters(item)

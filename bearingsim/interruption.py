@@ -1,24 +1,25 @@
-"""Interruption of a command by a signal, outside the work of a run (``runner.stopping``).
+"""Interruption of a command by a signal, except while jobs are run (``runner.stopping``).
 
-An exception raised by a handler is lost where it cannot propagate, as in a destructor or in the Rust code that
-pydantic calls at import. The signal is recorded, too, so that a long wait can raise it again.
+An exception raised by a signal handler is lost if it cannot propagate, as in a destructor or in Rust code that
+pydantic calls at import. The signal is therefore recorded, so that the exception can be raised again before a long
+wait.
 """
 
 from types import FrameType
 
 from bearingsim.errors import Signalled
 
-_received = 0  # number of the signal received by this process, 0 without one
+_received = 0  # number of the signal received by this process, or 0
 
 
 def interrupt(number: int, frame: FrameType | None) -> None:
-    """Raise Signalled: the handler of SIGINT, SIGTERM and SIGHUP."""
+    """Handle SIGINT, SIGTERM and SIGHUP by raising Signalled."""
     global _received
     _received = number
     raise Signalled(number)
 
 
 def raise_lost() -> None:
-    """Raise Signalled again if a signal was received, and its exception was lost."""
+    """Raise Signalled again if a signal was received but its exception was lost."""
     if _received:
         raise Signalled(_received)

@@ -1,24 +1,24 @@
-"""Available memory: the smaller of the machine's memory and the limit of its control group."""
+"""Memory limit: the smaller of the machine's memory and the limits of the control groups of this process."""
 
 from functools import cache
 from math import inf
 from pathlib import Path
 
 PROGRAM = 300e6
-"""Bytes of a process before its first job: the program, its libraries and compiled code."""
+"""Memory (bytes) of a process before its first job: the program, its libraries and compiled code."""
 ROOT = Path("/")
 VERSION_1, VERSION_2 = ("sys/fs/cgroup/memory", "memory.limit_in_bytes"), ("sys/fs/cgroup", "memory.max")
-"""Folder of the control groups, and name of the file with a group's limit (bytes)."""
+"""Folder of the control groups, and name of the file with the limit of a group (bytes)."""
 
 
 @cache
 def limit() -> float:
-    """Return the memory limit (bytes) of all processes together; inf if none is stated."""
+    """Return the memory limit (bytes) for all processes together; inf if the system reports none."""
     return limit_in(ROOT)
 
 
 def limit_in(root: Path) -> float:
-    """Return the memory limit (bytes) stated by the files under ``root``."""
+    """Return the memory limit (bytes) according to the system files under ``root``."""
     return min(_available_memory(root), *_group_limits(root), inf)
 
 
@@ -31,7 +31,7 @@ def _available_memory(root: Path) -> float:
 
 
 def _group_limits(root: Path) -> list[float]:
-    """Return the limits of this process's group and of its parents, as far as a container shows them."""
+    """Return the limits of the control groups of this process and of their parents, as far as they are visible."""
     limits = [inf]
     for line in _lines(root / "proc/self/cgroup"):
         _, controllers, group = line.split(":", 2)
@@ -45,7 +45,7 @@ def _group_limits(root: Path) -> list[float]:
 
 
 def _lines(file: Path) -> list[str]:
-    """Read the lines of a file; none if it cannot be read."""
+    """Read the lines of a file; return an empty list if it cannot be read."""
     try:
         return file.read_text(encoding="utf-8").splitlines()
     except OSError:

@@ -1,8 +1,8 @@
 """Folders that no other user can write to, so that compiled code in them is safe to run.
 
-Every level of a path is checked, from the root down, because write permission in a folder allows its entries to be
-renamed. In a sticky folder such as /tmp other users cannot rename entries, but they can create a name first; each
-level must therefore belong to this user or to root. Windows is not checked: its folders have no such modes.
+Every level of a path is checked, from the root down, because a user with write permission in a folder can rename
+its entries. In a sticky folder such as /tmp other users cannot rename entries, but they can create an entry first;
+each level must therefore belong to this user or to root. On Windows, which has no such modes, nothing is checked.
 """
 
 import os
@@ -14,15 +14,15 @@ OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
 class Distrusted(OSError):
-    """The content of a folder may be another user's; the message says why."""
+    """Another user may have written to a folder; the message states the reason."""
 
 
 def own_folder(base: Path, *names: str) -> Path:
-    """Return the folder ``base``/names, links resolved, that no other user can write to or redirect.
+    """Return the folder ``base``/names with links resolved, after checking that no other user can write to it.
 
-    Missing levels are created with mode 0700. All ``names`` except the last are closed to other users if they
-    belong to this user; the last is not, because it may already contain files of others. Raises ``Distrusted``,
-    and OSError or RuntimeError if the path cannot exist.
+    Missing levels are created with mode 0700. If the levels ``names`` except the last belong to this user, the
+    write permission of others is removed; the last level is only checked, because it may already contain files of
+    others. Raises ``Distrusted``, and OSError or RuntimeError if the path cannot exist.
     """
     named = base.joinpath(*names)
     _refuse_loose_links(named)
@@ -44,7 +44,7 @@ def _is_trusted(owner: int) -> bool:
 
 
 def _refuse_loose_links(path: Path) -> None:
-    """Raise ``Distrusted`` for a dangling link of another user: creating its target would follow that link."""
+    """Raise ``Distrusted`` for a dangling link of another user, because creating the folder would follow it."""
     for level in (path, *path.parents):
         if level.is_symlink() and not level.resolve().exists() and not _is_trusted(level.lstat().st_uid):
             raise Distrusted(f"{level} is another user's link")
@@ -82,7 +82,7 @@ def _others_write(status: os.stat_result) -> bool:
 
 @cache
 def _is_own_group(group: int) -> bool:
-    """Return True if a group is this user's private one: of the same name, without other members."""
+    """Return True for the private group of this user, which has the same name and no other members."""
     import grp
     import pwd
 
