@@ -1,1 +1,1 @@
-"""Words and marks of a file: quantities with units, YAML with positions."""
+"""Text input and output: quantities with units, YAML with positions, formulas, terminal."""

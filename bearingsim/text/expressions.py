@@ -1,8 +1,8 @@
-"""Formulas in a study: `defect.width / 4`, `min(load, 200 N) * 2 < 300 N`.
+"""Formulas in a study, such as `defect.width / 4` or `min(load, 200 N) * 2 < 300 N`.
 
-Python's own grammar (`ast`, in eval mode) reads them, but nothing of Python runs: every node must be on the list
-below, and is worked out here, in SI. Quantities and paths such as `defects.2.width` are no Python: names of the
-same length stand in for them, so that Python's columns are those of the text.
+They are parsed by Python's `ast` in eval mode but never executed: only the node types listed below are allowed,
+and they are evaluated here, in SI. Quantities and paths such as `defects.2.width` are not valid Python, and are
+replaced by names of the same length, so that the columns of errors are those of the text.
 """
 
 import ast
@@ -19,15 +19,15 @@ from bearingsim.text.units import EXPECTED, UNITS, Dimension, UnitError, parse, 
 from bearingsim.text.yamlfile import Mark, Node
 
 MAX_LETTERS, MAX_DEPTH = 400, 100
-"""Characters and depth of a formula, limited for Python's parser and for recursion."""
+"""Limits of the characters and the nesting of a formula, for Python's parser and for recursion."""
 MOST_POWER = 10
 """Largest exponent of a quantity with a unit."""
 
 SAME = 1e-11
-"""Relative tolerance of equality, since 3 * 10 um differs from 30 um by rounding."""
+"""Relative tolerance of equality, because 3 * 10 um differs from 30 um by rounding."""
 
 Kind = tuple[Fraction, ...]
-"""Kind of a value: its powers of m, kg, s, K and rad; empty for a truth value."""
+"""Kind of a value: its exponents of m, kg, s, K and rad; empty for a truth value."""
 TRUTH: Kind = ()
 
 _BASES = ("m", "kg", "s", "K", "rad")
@@ -45,7 +45,7 @@ PLAIN: Kind = (Fraction(0),) * len(_BASES)
 
 
 def kind_of(dimension: Dimension) -> Kind:
-    """Return the powers of a dimension's SI unit; shares and numbers are dimensionless."""
+    """Return the exponents of a dimension's SI unit; shares and numbers are dimensionless."""
     word = next((word for word, factor in UNITS[dimension].items() if factor == (1, False, 0)), "")
     above, *below = word.replace("^2", "2").replace("^3", "3").split("/")
     powers = list(PLAIN)
@@ -57,13 +57,13 @@ def kind_of(dimension: Dimension) -> Kind:
 
 
 _DIMENSIONS: dict[str, Dimension] = {word: dimension for dimension in UNITS for word in UNITS[dimension] if word}
-"""Dimension of a unit; of `Hz` the last one, a frequency: speeds are in rpm or rad/s."""
+"""Dimension of each unit. `Hz` is a frequency; speeds in formulas need rpm or rad/s."""
 _KINDS = {dimension: kind_of(dimension) for dimension in UNITS}
 _KIND_DIMENSIONS = {kind: dimension for dimension, kind in _KINDS.items()}
 
 
 class ExpressionError(Exception):
-    """Invalid formula, or one without a value: its position in the file, and a remedy."""
+    """Error in a formula or its evaluation, with its position in the file and a remedy."""
 
     def __init__(self, mark: Mark, message: str, hint: str | None = None) -> None:
         self.mark, self.hint = mark, hint
@@ -71,7 +71,7 @@ class ExpressionError(Exception):
 
 
 class _Function(NamedTuple):
-    """Function of a formula: number of arguments, value, and kind of the value."""
+    """Function available in formulas: limits of the number of arguments, value, and kind of the value."""
 
     least: int
     most: int
@@ -130,13 +130,13 @@ _ONE_LETTER = str.maketrans({"µ": "u", "μ": "u", "\n": " "})
 
 @dataclass(frozen=True)
 class Expression:
-    """Parsed formula: its tree, and by column its quantities and paths."""
+    """Parsed formula: its syntax tree, and its quantities and paths by column."""
 
     node: Node
     tree: ast.expr
     quantities: dict[int, str]
     paths: dict[int, str]
-    shift: int  # letters before it that are blank
+    shift: int  # number of leading blanks
 
     def names(self) -> Iterator[tuple[str, Mark]]:
         """Yield the paths of the formula, with their positions."""
@@ -145,20 +145,20 @@ class Expression:
                 yield self._path(node), self._mark(node)
 
     def kind(self, of: Callable[[str], Kind]) -> Kind:
-        """Return the kind of the value, from the kind ``of`` each path (ValueError: there is none).
+        """Return the kind of the value; ``of``: function of a path's kind, which raises ValueError if unknown.
 
-        Raises ExpressionError for a node that is not allowed, and for incompatible units: ``value`` relies on it.
+        Raises ExpressionError for a node that is not allowed, and for incompatible units. Call before ``value``.
         """
         return self._kind(self.tree, of, 0)
 
     def value(self, of: Callable[[str], float]) -> float:
-        """Evaluate the formula in SI (a comparison to True or False), from the value ``of`` each path.
+        """Evaluate the formula in SI, a comparison to True or False; ``of``: function of a path's value.
 
         Raises ExpressionError for a division by zero, a root of a negative number, or a result that is not finite.
         """
         return self._value(self.tree, of)
 
-    # What it is
+    # Kinds
 
     def _kind(self, node: ast.expr, of: Callable[[str], Kind], depth: int) -> Kind:
         if depth > MAX_DEPTH:
@@ -236,7 +236,7 @@ class Expression:
         return _scaled(base, Fraction(power).limit_denominator(1000))
 
     def _in_brackets(self, node: ast.BinOp) -> None:
-        """Refuse a power of a quantity without brackets: `3 mm**2` may be read as 9 mm^2 or as 3 mm^2."""
+        """Reject a power of a quantity without brackets, because `3 mm**2` may mean 9 mm^2 or 3 mm^2."""
         base, exponent = node.left, node.right
         if not isinstance(base, ast.Name) or base.col_offset not in self.quantities:
             return
@@ -259,12 +259,12 @@ class Expression:
         self._alike(node.args, within)
         if function.most == 1:
             self._no_celsius("a function of degrees Celsius", *node.args)
-        else:  # it takes one of its values as it is
+        else:  # min and max return an argument unchanged
             self._no_celsius_beside_a_difference(node.args)
         return function.kind(within[0])
 
     def _no_celsius(self, message: str, *nodes: ast.expr) -> None:
-        """Refuse degrees Celsius in sums: 20 C + 10 C is neither 30 C nor 293.15 K + 283.15 K."""
+        """Reject degrees Celsius in arithmetic: 20 C + 10 C is neither 30 C nor 293.15 K + 283.15 K."""
         for node in nodes:
             if text := self._celsius(node):
                 kelvins = f"{parse(text, 'temperature'):.12g} K"
@@ -272,7 +272,7 @@ class Expression:
                 raise self._wrong(node, message, hint)
 
     def _no_celsius_beside_a_difference(self, nodes: list[ast.expr]) -> None:
-        """Refuse degrees Celsius beside a temperature difference, which has no offset."""
+        """Reject degrees Celsius compared with a temperature difference, which has no offset."""
         if any(isinstance(part, ast.Sub) for node in nodes for part in ast.walk(node)):
             self._no_celsius("degrees Celsius beside a difference", *nodes)
 
@@ -294,7 +294,7 @@ class Expression:
                     node, f"expected {kind_text(kinds[0])} as on the left, and this is {kind_text(kind)}"
                 )
 
-    # What it comes to
+    # Values
 
     def _value(self, node: ast.expr, of: Callable[[str], float]) -> float:
         match node:
@@ -334,7 +334,7 @@ class Expression:
             raise self._wrong(node, str(error)) from None
 
     def _compared(self, node: ast.Compare, of: Callable[[str], float]) -> bool:
-        """Evaluate a chain of comparisons like Python, up to the first false one."""
+        """Evaluate a chain of comparisons as Python does, up to the first false one."""
         left = self._value(node.left, of)
         for op, part in zip(node.ops, node.comparators, strict=True):
             right = self._value(part, of)
@@ -358,14 +358,14 @@ class Expression:
             raise self._wrong(node, "the number is too large")
         return value
 
-    # Where it is
+    # Positions
 
     def _is_own(self, node: ast.Name) -> bool:
         """Check if a name is not a path of the study."""
         return node.id in _CONSTANTS or node.id in _FUNCTIONS or node.col_offset in self.quantities
 
     def _celsius(self, node: ast.expr) -> str | None:
-        """Return a quantity in degrees Celsius with its sign (`-5 C` is not the opposite of 278.15 K), or None."""
+        """Return a quantity in degrees Celsius with its sign, because `-5 C` is not -278.15 K; None for others."""
         match node:
             case ast.UnaryOp(op=ast.UAdd()):
                 return self._celsius(node.operand)
@@ -393,7 +393,7 @@ class Expression:
 
 
 def read(node: Node) -> Expression:
-    """Parse a scalar of a file as a formula. Raises ExpressionError if it is none."""
+    """Parse a scalar of a file as a formula. Raises ExpressionError if it is not a formula."""
     if not isinstance(node.value, str) or not node.value.strip():
         raise ExpressionError(node.mark, "expected a formula such as `defect.width / 4`")
     if len(node.value) > MAX_LETTERS:
@@ -419,10 +419,10 @@ def read(node: Node) -> Expression:
 def _tree(node: Node, python: str, shift: int) -> ast.expr:
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of what would be refused anyway, as in `1if`
+            warnings.simplefilter("ignore")  # about syntax rejected later, such as `1if`
             return ast.parse(python, mode="eval").body
     except SyntaxError as error:
-        column = min(error.offset or len(python), len(python)) - 1  # no offset: it ends too early
+        column = min(error.offset or len(python), len(python)) - 1  # no offset at an unexpected end
         hint = "a quantity is written as in `3 mm`; quote a formula with a comma"
         raise ExpressionError(_mark_at(node, shift + column), "this is no formula", hint) from None
     except (ValueError, MemoryError, RecursionError):
@@ -430,7 +430,7 @@ def _tree(node: Node, python: str, shift: int) -> ast.expr:
 
 
 def _parts(node: ast.expr) -> list[ast.expr]:
-    """List the formulas within a formula, from left to right."""
+    """List the operands of a node, from left to right."""
     match node:
         case ast.UnaryOp():
             return [node.operand]
@@ -471,7 +471,7 @@ def _no_path(path: str) -> float:
 
 
 def _mark_at(node: Node, column: int) -> Mark:
-    """Return the position of a character of a scalar; the scalar's beginning if it is not written in one piece."""
+    """Return the position of a character of a scalar; that of the scalar if its text is not contiguous."""
     mark = node.mark
     for quote in (0, 1):
         start = mark.column - 1 + quote

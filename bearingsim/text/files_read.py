@@ -1,4 +1,4 @@
-"""Files of a study: record of the files read, and of those searched in vain."""
+"""Record of the files that a study reads or looks for."""
 
 import hashlib
 import os
@@ -12,7 +12,7 @@ _files: ContextVar[dict[str, str | None] | None] = ContextVar("files", default=N
 
 @contextmanager
 def noted() -> Iterator[dict[str, str | None]]:
-    """Collect the SHA-256 of each file read in the context, by its full path; None for a missing file."""
+    """Collect the SHA-256 of each file noted in the context, by its absolute path; None for a missing file."""
     files: dict[str, str | None] = {}
     token = _files.set(files)
     try:
@@ -22,7 +22,7 @@ def noted() -> Iterator[dict[str, str | None]]:
 
 
 def note(path: Path) -> None:
-    """Note a file that is read, or looked for."""
+    """Record a file that is read or looked for."""
     files, whole = _files.get(), os.path.abspath(path)
     if files is not None and whole not in files:
         files[whole] = _digest(whole)

@@ -1,4 +1,4 @@
-"""Tables as CSV, of which a spreadsheet takes no text for a formula."""
+"""Tables as CSV, protected against formula injection in spreadsheets."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,7 @@ FORMULA = ("=", "+", "-", "@", "\t", "\n")
 
 
 def csv_text(table: "pd.DataFrame") -> str:
-    """Return a table as CSV: a text that begins as a formula does gets a `'` before it, a number stays."""
+    """Return a table as CSV. Texts that begin like a formula are prefixed by `'`; numbers are unchanged."""
     quoted = table.copy(deep=False)
     for name in table.columns:
         if table[name].dtype.kind not in "fiub":

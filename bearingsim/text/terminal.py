@@ -1,16 +1,16 @@
-"""Text on its way to a terminal, and names that may stand there: no control characters.
+"""Output to the terminal without control characters.
 
-Escape sequences move the cursor, set titles and type in the user's name; marks of direction (bidi) show a text
-in another order than it has. A results folder of somebody else may hold both.
+Escape sequences can move the cursor, set titles and inject input; bidirectional control characters change the
+displayed order of a text. Results folders of unknown origin may contain both.
 """
 
 import sys
 
-LONGEST_LINE = 1000  # letters of a text on one line
+LONGEST_LINE = 1000  # characters
 
 
 def plain(text: str) -> str:
-    """Return a text without control characters, marks of direction and surrogates; lines and tabs stay."""
+    """Remove control characters, bidirectional marks and surrogates from a text; keep line breaks and tabs."""
     return "\n".join(line if line.isprintable() else _printable(line) for line in text.split("\n"))
 
 
@@ -19,10 +19,10 @@ def _printable(line: str) -> str:
 
 
 def is_line(text: str) -> bool:
-    """Check if a text is a single line without control characters."""
+    """Check if a text is a single line of limited length without control characters."""
     return 0 < len(text) <= LONGEST_LINE and text.isprintable()
 
 
 def say(text: str, err: bool = False) -> None:
-    """Print a text to stdout, or to stderr, as ``plain`` leaves it."""
+    """Print a text, filtered by ``plain``, to stdout or stderr."""
     print(plain(text), file=sys.stderr if err else sys.stdout, flush=True)

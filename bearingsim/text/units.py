@@ -1,10 +1,10 @@
-"""Strict quantities: a number with its unit in, a float in SI out.
+"""Conversion of quantities: text with a unit to floats in SI, and back.
 
-The table holds the units of this field and no others. Everything that could be read in two ways is refused:
-a decimal comma, a missing unit, a unit of another dimension, NaN and infinity. Conversion is exact up to one
-rounding (decimal fractions, and pi where the unit needs it), so `0.8 mm` and `800 um` give the same float.
+The table contains only the units of this field. Ambiguous or invalid text is rejected: a decimal comma, a missing
+unit, a unit of another dimension, NaN and infinity. Conversion uses exact fractions and rounds once (twice for
+units with pi), so `0.8 mm` and `800 um` give the same float.
 
-Inside the program angles are in rad, rotation speeds in rad/s, frequencies in Hz.
+The program uses rad for angles, rad/s for rotation speeds and Hz for frequencies.
 """
 
 import math
@@ -45,7 +45,7 @@ Dimension = Literal[
 
 
 class Factor(NamedTuple):
-    """SI value of one unit: an exact fraction, times pi where `pi` is set; zero: of 0 of it, as of 0 C."""
+    """SI value of a unit: an exact fraction, times pi if `pi` is set; zero: SI value of zero, such as 0 C."""
 
     exact: Fraction
     pi: bool = False
@@ -156,18 +156,18 @@ DISPLAY: dict[Dimension, str] = {
 """Default unit of display of each dimension."""
 
 MAX_DIGITS = 100
-"""Characters of a number with sign, point and exponent: a float has 17 digits, Python refuses integers of 4300."""
+"""Limit of the characters of a number. Floats have 17 digits; Python rejects integers of more than 4300."""
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+", re.ASCII)
 SPELLING = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "·": " ", "*": " ", "²": "^2", "³": "^3"})
-"""ASCII spelling of unit characters, as in the table of units."""
+"""ASCII spelling of characters in units, as in ``UNITS``."""
 
 
 class UnitError(UserError, ValueError):
-    """Text that is no quantity of the required dimension.
+    """Error for text that is not a quantity of the required dimension.
 
-    `expected` describes a valid one, with an example; `hint` the mistake (or None); `nearest` is the closest valid
-    unit word (or None).
+    expected: description of a valid quantity, with an example; hint: the mistake, or None; nearest: the most
+    similar valid unit, or None.
     """
 
     def __init__(self, text: str, expected: str, hint: str | None = None, nearest: str | None = None) -> None:
@@ -176,7 +176,7 @@ class UnitError(UserError, ValueError):
 
 
 def split(text: str) -> tuple[str, str]:
-    """Split a written quantity into number and unit word (`("0.8", "mm")`; the word in the table's spelling).
+    """Split a quantity into number and unit, as in `("0.8", "mm")`; the unit is spelt as in ``UNITS``.
 
     Raises UnitError if the text does not begin with a number.
     """
@@ -190,9 +190,9 @@ def split(text: str) -> tuple[str, str]:
 
 @lru_cache(maxsize=8192)
 def parse(text: str, dimension: Dimension) -> float:
-    """Convert a written quantity to SI.
+    """Convert a quantity from text to SI.
 
-    Raises UnitError on a decimal comma, NaN, infinity, a missing or unknown unit or another dimension's unit.
+    Raises UnitError for a decimal comma, NaN, infinity, and a missing, unknown or incompatible unit.
     """
     try:
         number, word = split(text)
@@ -205,13 +205,13 @@ def parse(text: str, dimension: Dimension) -> float:
 
 
 def pattern(dimension: Dimension) -> str:
-    """Return a regular expression (ECMA 262) of the quantities that ``parse`` accepts for a dimension."""
+    """Return the regular expression (ECMA 262) of quantities that ``parse`` accepts for a dimension."""
     words = "|".join(map(_spellings, UNITS[dimension]))
     return rf"{_NUMBER.pattern}[\s·*]*({words})\s*"
 
 
 def _spellings(word: str) -> str:
-    """Return the pattern of all spellings of a unit word: `N s/m` may be `N·s / m`."""
+    """Return the pattern of all spellings of a unit; `N s/m` may be written `N·s / m`."""
     parts = {
         " ": r"[\s.·*]*",
         "/": r"\s*/\s*",
@@ -226,8 +226,8 @@ def _spellings(word: str) -> str:
 def display(value: float, word: str, dimension: Dimension | None = None) -> float:
     """Convert an SI value to the unit `word`.
 
-    `dimension` is needed only for an ambiguous word (Hz: a frequency or a rotation speed). Raises UnitError for an
-    unknown word, or an ambiguous one.
+    `dimension` is needed only for an ambiguous unit: Hz is a frequency or a rotation speed. Raises UnitError for
+    an unknown or ambiguous unit.
     """
     spelt = _spelling(word)
     factors = {d: f[spelt] for d, f in UNITS.items() if spelt in f}
@@ -240,7 +240,7 @@ def display(value: float, word: str, dimension: Dimension | None = None) -> floa
 
 
 def show(value: float, word: str, dimension: Dimension | None = None) -> str:
-    """Format an SI value in the unit `word`, six digits: `show(0.0008, "mm")` is `0.8 mm`."""
+    """Format an SI value in the unit `word` with six digits: `show(0.0008, "mm")` is `0.8 mm`."""
     return f"{display(value, word, dimension):.6g} {word}".strip()
 
 
@@ -250,24 +250,24 @@ def common_dimension(word: str, other: str) -> Dimension | None:
 
 
 def nearest_word(word: str, words: Collection[str]) -> str | None:
-    """Return the word of `words` closest to a misspelled `word`, regardless of case; None if there is none."""
+    """Return the element of `words` most similar to a misspelt `word`, ignoring case; None if none is similar."""
     return next(iter(_nearest_words(word, words)), None)
 
 
 def suggestion(word: str, words: Collection[str]) -> str:
-    """Suggest the words closest to a misspelled `word`: `did you mean ...?`; empty if there is none."""
+    """Suggest the elements of `words` most similar to a misspelt `word`; empty if none is similar."""
     nearest = [f"`{near}`" for near in _nearest_words(word, words)[:MOST_SUGGESTED]]
     return f"did you mean {' or '.join(nearest)}?" if nearest else ""
 
 
 MOST_SUGGESTED = 3
 SLIPS_FROM = (3, 9, 14)
-"""Lengths from which a word may have one, two, three slips; shorter words differ by a letter."""
+"""Least lengths of words that may contain one, two and three typing errors."""
 _ALIKE = str.maketrans("01", "ol")
 
 
 def _nearest_words(typed: str, words: Collection[str]) -> list[str]:
-    """List the words with the fewest slips, or the only one with this beginning and no further word."""
+    """List the words with the fewest typing errors, or else the only word with this prefix."""
     folded = typed.lower()
     slips = {word: _slips(folded, word.lower()) for word in sorted(words) if _may_be_slip(folded, word.lower())}
     likely = {word: count for word, count in slips.items() if count <= _most_slips(folded, word)}
@@ -280,7 +280,7 @@ def _nearest_words(typed: str, words: Collection[str]) -> list[str]:
 
 
 def _may_be_slip(typed: str, meant: str) -> bool:
-    """Check if lengths are close enough, and numbers equal: `6204` is no slip of `6205`."""
+    """Check if lengths are similar and numbers equal, because `6204` is not a misspelt `6205`."""
     numbers = {"".join(filter(str.isdecimal, word)) for word in (typed, meant)} - {""}
     return abs(len(typed) - len(meant)) <= _most_slips(typed, meant) and len(numbers) < 2
 
@@ -290,7 +290,7 @@ def _most_slips(typed: str, meant: str) -> int:
 
 
 def _slips(typed: str, meant: str) -> int:
-    """Count letters that are wrong, missing, superfluous, or swapped with the next."""
+    """Count wrong, missing, extra and transposed letters (optimal string alignment distance)."""
     typed, meant = typed.translate(_ALIKE), meant.translate(_ALIKE)
     before, row = [0] * (len(meant) + 1), list(range(len(meant) + 1))
     for i, a in enumerate(typed, 1):
@@ -305,7 +305,7 @@ def _slips(typed: str, meant: str) -> int:
 
 @lru_cache(maxsize=256)
 def _spelling(word: str) -> str:
-    """Normalise the spelling of a word: one blank between the factors of a product, powers with `^`."""
+    """Normalise the spelling of a unit: one blank between factors, powers with `^`."""
     word = " ".join(word.translate(SPELLING).split())
     word = re.sub(r"\b(N|Pa|mPa) ?[. ] ?s\b", r"\1 s", re.sub(r"\b(Pa|mPa)s\b", r"\1 s", word))
     word = re.sub(r"\bN ?[. ]? ?(m|mm)( ?[. ] ?s)?(?= ?/ ?rad)", _torsional, word)
@@ -319,7 +319,7 @@ def _torsional(match: re.Match[str]) -> str:
 
 def _convert(text: str, number: str, factor: Factor, dimension: Dimension) -> float:
     rough = float(number)
-    if rough == 0.0 or math.isinf(rough):  # also keeps 1e999999999 away from exact arithmetic
+    if rough == 0.0 or math.isinf(rough):  # 1e999999999 would be slow in exact arithmetic
         value = abs(rough) + float(factor.zero)
     else:
         try:
@@ -347,7 +347,7 @@ def _number_hint(text: str) -> str | None:
 
 
 def _unit_hint(word: str, dimension: Dimension) -> tuple[str | None, str | None]:
-    """Describe the mistake in a unit word, and return the nearest valid one."""
+    """Describe the mistake in a unit; return the description and the most similar valid unit."""
     words = [w for w in UNITS[dimension] if w]
     if not word:
         return "the unit is missing", None
@@ -358,5 +358,5 @@ def _unit_hint(word: str, dimension: Dimension) -> tuple[str | None, str | None]
         return f"`{word}` is a unit of {other}", None
     near = nearest_word(word, words)
     if near and word.endswith(near) and word.removesuffix(near).isalpha():
-        near = None  # a prefix that is not in the table: the bare unit would be another quantity
+        near = None  # an unknown prefix; without it the value would be another
     return f"did you mean `{near}`?" if near else f"units: {', '.join(words)}", near

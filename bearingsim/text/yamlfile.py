@@ -1,8 +1,7 @@
-"""YAML as written: every scalar stays text, every value has its position.
+"""YAML reader that keeps every scalar as text, with its position in the file.
 
-PyYAML's own loader reads `1e-3` as a string, `12:30:45` as a number, `no` as False and keeps the last of two
-equal keys. Here nothing is guessed: a file becomes a tree of `Node`, whose marks let a later error point at
-the character that caused it.
+PyYAML's loader reads `1e-3` as a string, `12:30:45` as a number and `no` as False, and keeps the last of duplicate
+keys. This reader does not convert values: a file becomes a tree of `Node`, whose marks locate later errors.
 """
 
 from __future__ import annotations
@@ -22,18 +21,18 @@ if TYPE_CHECKING:
 ARGUMENT = "command line"
 """File name of values from the command line."""
 MAX_LETTERS = 100_000
-"""Of a file, its aliases written out: they are read in some 2 s. The longest study here has 4000."""
+"""Limit of the characters of a file with aliases expanded, read in about 2 s. Usual studies have up to 4000."""
 MAX_DEPTH = 20
-"""Of lists and mappings in each other: a study's deepest value is in 8 of them, Python gives up at some 300."""
+"""Limit of the nesting of lists and mappings. Studies need 8; the recursion of Python fails at about 300."""
 MAX_TOLD = 50
-"""Problems reported at a time: each takes milliseconds, for the nearest valid word."""
+"""Limit of the problems reported at once; each takes milliseconds to find a suggestion."""
 LONGEST_ECHO, LONGEST_MESSAGE, LONGEST_LINE = 200, 2000, 160
-"""Characters of a quoted value, of a message, of a source line in it."""
+"""Limits of the characters of a quoted value, of a message, and of the source line shown with it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """Position in a file: line and column count from 1 (0: the file as a whole)."""
+    """Position in a file: line and column, counted from 1; 0 stands for the whole file."""
 
     file: str
     line: int = 0
@@ -43,7 +42,7 @@ class Mark:
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """Value of the file, its position, and the position of its key if it has one."""
+    """Value in a file, its position, and the position of its key if it has one."""
 
     value: str | tuple[Node, ...] | dict[str, Node]
     mark: Mark
@@ -51,17 +50,17 @@ class Node:
 
     @property
     def mapping(self) -> dict[str, Node]:
-        """The entries; empty if this is not a mapping."""
+        """Entries of a mapping; empty for other values."""
         return self.value if isinstance(self.value, dict) else {}
 
     @property
     def items(self) -> tuple[Node, ...]:
-        """The elements; empty if this is not a list."""
+        """Elements of a list; empty for other values."""
         return self.value if isinstance(self.value, tuple) else ()
 
     @property
     def text(self) -> str:
-        """The scalar as written, or the mapping or list in flow style."""
+        """Scalar as written, or mapping or list in flow style."""
         if isinstance(self.value, dict):
             return "{" + ", ".join(f"{key}: {node.text}" for key, node in self.value.items()) + "}"
         if isinstance(self.value, tuple):
@@ -71,7 +70,7 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Mistake in a file: its position, and a remedy."""
+    """Mistake in a file, with its position and a remedy."""
 
     file: str
     line: int
@@ -93,7 +92,7 @@ class Problem:
 
 
 def _clipped(text: str) -> str:
-    """Clip the quoted values of a message to a readable length."""
+    """Shorten a message and the values quoted in it."""
     return _QUOTED.sub(lambda match: _cut(match[1], LONGEST_ECHO).join("``"), text)[:LONGEST_MESSAGE]
 
 
@@ -105,7 +104,7 @@ _QUOTED = re.compile(r"`([^`]*)`")
 
 
 class StudyError(UserError):
-    """Mistakes in a study and its files, as `problems`."""
+    """Error with all mistakes in a study and its files, as `problems`."""
 
     def __init__(self, problems: Iterable[Problem]) -> None:
         self.problems = list(problems)
@@ -115,12 +114,12 @@ class StudyError(UserError):
 
 
 def problem(mark: Mark, message: str, hint: str | None = None) -> Problem:
-    """Make a problem at a position."""
+    """Create a problem at a position."""
     return Problem(mark.file, mark.line, mark.column, mark.source_line, message, hint)
 
 
 def plain(node: Node) -> Any:
-    """Convert a tree to dicts, lists and texts."""
+    """Convert a tree to dictionaries, lists and strings."""
     if isinstance(node.value, dict):
         return {key: plain(child) for key, child in node.value.items()}
     if isinstance(node.value, tuple):
@@ -129,7 +128,7 @@ def plain(node: Node) -> Any:
 
 
 def read_text(path: Path) -> str:
-    """Read a file; raises StudyError if it is not UTF-8 text, or too long for a study."""
+    """Read a file. Raises StudyError if it is not UTF-8 text, or too long."""
     content = _content(path)
     try:
         text = content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
@@ -143,14 +142,14 @@ def read_text(path: Path) -> str:
 
 
 def _content(path: Path) -> bytes:
-    """Read a file, up to the longest possible study."""
+    """Read the bytes of a file. Raises StudyError if that is impossible, or the file too long."""
     try:
-        if path.exists() and not path.is_file():  # the end of a pipe or a device may never come
+        if path.exists() and not path.is_file():  # pipes and devices may never end
             what = "a folder" if path.is_dir() else "a pipe or a device"
             raise StudyError([problem(Mark(str(path)), f"this is {what}", "name a file")])
         with path.open("rb") as file:
-            content = file.read(4 * MAX_LETTERS + 1)  # a letter has four bytes at most
-    except (FileNotFoundError, ValueError):  # ValueError: a name that no file can have
+            content = file.read(4 * MAX_LETTERS + 1)  # UTF-8 has at most four bytes per character
+    except (FileNotFoundError, ValueError):  # ValueError: invalid file name
         raise StudyError([problem(Mark(str(path)), "no such file")]) from None
     except OSError as error:
         raise StudyError([problem(Mark(str(path)), f"cannot be read: {error.strerror}")]) from None
@@ -163,18 +162,18 @@ _TOO_LONG = f"more than {MAX_LETTERS} letters, those that aliases repeat counted
 
 
 class Document(NamedTuple):
-    """Tree of a file, and its mistakes (doubled keys, tags); the tree is complete all the same."""
+    """Tree of a file, and its mistakes, such as duplicate keys and tags, despite which the tree is complete."""
 
     root: Node
     problems: tuple[Problem, ...]
 
 
 def parse(text: str, file: str) -> Document:
-    """Parse a YAML text; raises StudyError on a syntax error, and on a tree too deep or too large."""
+    """Parse a YAML text. Raises StudyError for a syntax error, and for a tree too deep or too large."""
     import yaml
 
     class Loader(yaml.BaseLoader):
-        """PyYAML's loader with a limit of depth."""
+        """PyYAML's loader with limited depth."""
 
         depth = 0
 
@@ -201,11 +200,11 @@ def parse(text: str, file: str) -> Document:
 _BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 _OWN = "tag:yaml.org,2002:"
 _NO_TEXT = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
-"""Characters refused, because HDF5 cannot store them or terminals interpret them."""
+"""Rejected characters, which HDF5 cannot store or terminals interpret."""
 
 
 def _lines(text: str) -> list[str]:
-    """Split a text into lines as YAML counts them."""
+    """Split a text at the line breaks of YAML."""
     return _BREAK.split(text.removesuffix("\n"))
 
 
@@ -217,9 +216,9 @@ def _mark_at(text: str, index: int, file: str) -> Mark:
 
 
 def parse_argument(text: str, typed: str) -> Document:
-    """Parse a value given on the command line, at the end of the words `typed`.
+    """Parse a value ``text`` from the command line, the end of the argument ``typed``.
 
-    Raises StudyError on a syntax error.
+    Raises StudyError for a syntax error.
     """
     before = typed[: len(typed) - len(text)].replace("\n", " ")
     indented = " " * len(before) + text.replace("\n", " ")
@@ -268,7 +267,7 @@ _UNIT = re.compile(r"[^\W\d]|%|°")
 
 
 def _is_decimal_comma(before: yaml.Node | None, after: yaml.Node) -> bool:
-    """Check if YAML has split `0,2 mm` at its comma into two entries."""
+    """Check if two entries result from the comma of a decimal such as `0,2 mm`."""
     if before is None or not isinstance(before.value, str) or not isinstance(after.value, str):
         return False
     touching = before.end_mark.index + 1 == after.start_mark.index
@@ -280,13 +279,13 @@ def _joined(before: Node, after: Node) -> Node:
 
 
 class _Walk:
-    """Pass over PyYAML's nodes, collecting all mistakes."""
+    """Converter of PyYAML's nodes, which collects all mistakes."""
 
     def __init__(self, file: str, lines: list[str]) -> None:
         self.file, self.lines = file, lines
         self.problems: list[Problem] = []
-        self.done: dict[int, tuple[Node, int] | None] = {}  # with its letters; None while it is being walked
-        self.letters = 0  # so far, those that aliases repeat counted
+        self.done: dict[int, tuple[Node, int] | None] = {}  # with its characters; None while in conversion
+        self.letters = 0  # characters so far, aliases expanded
 
     def mark(self, node: yaml.Node) -> Mark:
         start = node.start_mark
@@ -294,7 +293,7 @@ class _Walk:
         return Mark(self.file, start.line + 1, start.column + 1, line)
 
     def node(self, raw: yaml.Node) -> Node:
-        if id(raw) in self.done:  # an alias: the same node again
+        if id(raw) in self.done:  # an alias
             visited = self.done[id(raw)]
             if visited is None:
                 return self.refuse(raw, "an alias inside its own anchor")
@@ -308,7 +307,7 @@ class _Walk:
         return node
 
     def count(self, raw: yaml.Node, letters: int) -> None:
-        """Refuse a tree that grows beyond all use: nine lists of ten aliases each stand for 1e9 values."""
+        """Count characters. Raises StudyError for too many: nine nested lists of ten aliases have 1e9 values."""
         self.letters += letters
         if self.letters > MAX_LETTERS:
             raise StudyError([problem(self.mark(raw), *_TOO_LONG)])
@@ -351,7 +350,7 @@ class _Walk:
             entries[key.value] = replace(value, key=key.mark)
 
     def rejoined(self, raw: list[yaml.Node], items: list[Node]) -> Iterator[Node]:
-        """Yield the items of a list, with `0` and `2 mm` rejoined if they were written `0,2 mm`."""
+        """Yield the items of a list, after joining `0` and `2 mm` that were written as `0,2 mm`."""
         skip = False
         for i, item in enumerate(items):
             after = raw[i + 1] if i + 1 < len(raw) else None

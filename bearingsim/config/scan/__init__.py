@@ -1,1 +1,1 @@
-"""Measured depth maps: read from a file, checked, repaired."""
+"""Measured depth maps of defects: reading, checks and repairs."""

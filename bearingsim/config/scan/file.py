@@ -1,18 +1,18 @@
-"""Files of measured depth maps: what is in them, as it is there, in SI.
+"""Reader of measured depth maps, in SI and without repairs.
 
-CSV as a list, one point a line, its columns named with their units:
+CSV with one point per line, and columns named with their units:
 
     s [mm],z [mm],depth [um]
     -1.0,-3.0,0.1
 
-or as a grid, whose first cell says what is in it, down and across:
+or a grid, whose first cell names its values, its rows and its columns:
 
     depth [um] | z [mm] | s [mm],-1.0,-0.9
     -3.0,0.1,0.2
 
-HDF5 with datasets `s` (n_s,), `z` (n_z,) and `depth` (n_z, n_s), each with the attribute `units`. s is along
-rolling, z along the axis; `height` (upwards) may stand for `depth` (downwards). Lines that begin with # are
-comments.
+HDF5 with datasets `s` (n_s,), `z` (n_z,) and `depth` (n_z, n_s), each with the attribute `units`. s is the rolling
+direction, z the axial direction; `height` (positive outwards) may replace `depth` (positive inwards). Lines that
+begin with # are comments.
 """
 
 import csv
@@ -34,15 +34,15 @@ NAMES = ("s", "z", "depth", "height")
 MAX_POINTS = 4_000_000
 POINT_BYTES, MAX_BYTES = 16, 200_000_000
 """Largest sizes of a number in an HDF5 file, and of a file: 4 million cells of text take about 100 MB."""
-MIN_FILLED = 0.5  # share of a grid's cells that must be there at all
-LONGEST_ECHO, SHORTEST_ECHO = 60, 12  # letters of a file's first line that a message repeats
+MIN_FILLED = 0.5  # least share of a grid's cells that have a point
+LONGEST_ECHO, SHORTEST_ECHO = 60, 12  # limits of the characters of a file's first line quoted in a message
 BROUGHT: dict[str, Path] = {}
-"""Files of scans that were sent to this machine with the jobs, by digest."""
+"""Files of scans that were transferred to this machine with the jobs, by digest."""
 _COLUMN = re.compile(r"\s*([A-Za-z]\w*)\s*(?:\[([^\]]*)\])?\s*")
 
 
 class ScanError(UserError, ValueError):
-    """An error in a scan, and its remedy."""
+    """Error in a scan, and its remedy."""
 
     def __init__(self, message: str, hint: str | None = None) -> None:
         self.message, self.hint = message, hint
@@ -50,7 +50,7 @@ class ScanError(UserError, ValueError):
 
 
 class Wording(NamedTuple):
-    """Words for messages on one form of file: its columns, an example, and the unit `um` of the column `{}`."""
+    """Words for messages on a file format: its columns, an example, and a hint on the unit of column `{}`."""
 
     columns: str
     example: str
@@ -67,7 +67,7 @@ PLAIN = "write `s`, `z` and `depth` as floating-point numbers into the file itse
 
 
 class Grid(NamedTuple):
-    """Positions s (n_s,) and z (n_z,), depth (n_z, n_s), m, NaN where there is none; notes: what was mended."""
+    """Positions s (n_s,) and z (n_z,), depth (n_z, n_s), m, NaN for missing cells; notes: repairs so far."""
 
     s: np.ndarray
     z: np.ndarray
@@ -76,7 +76,7 @@ class Grid(NamedTuple):
 
 
 def read_file(path: Path) -> tuple[Grid, str]:
-    """Read the grid of a file, ascending, and the digest of its content. Raises ScanError for an invalid scan."""
+    """Read a file: its grid with ascending axes, and its digest. Raises ScanError for an invalid scan."""
     if isdir(path):
         raise ScanError(f"`{path}` is a folder", "name the file in it")
     if not isfile(path):
@@ -104,7 +104,7 @@ def digest_of(content: bytes) -> str:
 
 
 def _csv(name: str, content: bytes) -> Grid:
-    if content.count(b",") + content.count(b"\n") > 2 * MAX_POINTS:  # before they become objects; comments count
+    if content.count(b",") + content.count(b"\n") > 2 * MAX_POINTS:  # before parsing; includes comments
         raise ScanError(f"`{name}` has more than {MAX_POINTS} cells", "thin it out")
     try:
         text = content.decode("utf-8-sig")
@@ -123,7 +123,7 @@ def _csv(name: str, content: bytes) -> Grid:
 
 
 def _check_separator(line: str) -> None:
-    """Refuse what spreadsheets write where the decimal point is a comma."""
+    """Reject semicolons and tabs, which spreadsheets write in locales with a decimal comma."""
     for separator, name in ((";", "`;`"), ("\t", "a tab")):
         if separator in line.strip():
             raise ScanError(f"the separator is {name}", "use a comma, and a point for decimals")
@@ -136,7 +136,7 @@ def _echo(text: str, most: int = LONGEST_ECHO) -> str:
 
 
 def _columns(heads: Sequence[str], form: Wording) -> dict[str, tuple[int, float]]:
-    """Return index and factor to SI of each recognised column."""
+    """Return the index of each recognised column, and its factor to SI."""
     columns = {}
     for number, head in enumerate(heads):
         named = _COLUMN.fullmatch(head)
@@ -153,7 +153,7 @@ def _columns(heads: Sequence[str], form: Wording) -> dict[str, tuple[int, float]
 
 
 def _factor(name: str, unit: str | None, form: Wording) -> float:
-    """Return the length of a unit in m; negative for heights."""
+    """Return the factor from a unit to m; negative for heights."""
     if not unit:
         raise ScanError(f"the unit of `{name}` is missing", form.unit.format(name))
     try:
@@ -188,7 +188,7 @@ def _listed(rows: list[list[str]], numbers: list[int]) -> Grid:
 
 
 def _falls(values: np.ndarray) -> bool:
-    """Check if coordinates are in descending order."""
+    """Check if coordinates are mostly in descending order."""
     steps = np.diff(values)
     return bool(np.count_nonzero(steps < 0.0) > np.count_nonzero(steps > 0.0)) if values[0] > values[-1] else False
 
@@ -206,7 +206,7 @@ def _grid(rows: list[list[str]], numbers: list[int]) -> tuple[np.ndarray, np.nda
 
 
 def _numbers(rows: list[list[str]], numbers: list[int], width: int) -> np.ndarray:
-    """Convert cells (n, width) to numbers, NaN for empty ones."""
+    """Convert cells (n, width) to numbers; empty cells become NaN."""
     if len(rows) * width > MAX_POINTS:
         raise ScanError(f"{len(rows) * width} cells; at most {MAX_POINTS}", "thin it out")
     out = np.full((len(rows), width), np.nan)
@@ -252,7 +252,7 @@ def _hdf5(name: str, content: bytes) -> Grid:
 
 
 def _check_shapes(shapes: Mapping[str, tuple[int, ...]]) -> None:
-    """Raise ScanError for datasets of inconsistent shape, or too large ones."""
+    """Raise ScanError for datasets of inconsistent shape, or with too many points."""
     s, z, p = shapes["s"], shapes["z"], shapes["depth" if "depth" in shapes else "height"]
     if len(s) != 1 or len(z) != 1 or p != (*z, *s):
         raise ScanError(f"expected s (n_s,), z (n_z,) and depth (n_z, n_s), got s {s}, z {z}, depth {p}")
@@ -261,7 +261,7 @@ def _check_shapes(shapes: Mapping[str, tuple[int, ...]]) -> None:
 
 
 def _ascending(s: np.ndarray, z: np.ndarray, depth: np.ndarray) -> Grid:
-    """Reverse the descending axes of a grid."""
+    """Make a grid, with descending axes reversed."""
     notes: list[str] = []
     for name, axis in (("s", s), ("z", z)):
         _check_axis(name, axis)
@@ -286,16 +286,16 @@ def _check_axis(name: str, axis: np.ndarray) -> None:
 
 
 FORMS: dict[str, Callable[[str, bytes], Grid]] = {".csv": _csv, ".txt": _csv, ".h5": _hdf5, ".hdf5": _hdf5}
-"""Readers of a file's content, by the suffix of its name."""
+"""Readers of file contents, by suffix."""
 
 
 def positions(which: Iterable[tuple[int, int]], grid: Grid) -> str:
-    """Format the positions of cells (row, column), the first three of them."""
+    """Format the positions of the first three cells (row, column)."""
     listed = list(which)
     texts = [f"s = {mm(grid.s[j])}, z = {mm(grid.z[i])}" for i, j in listed[:3]]
     return "; ".join(texts) + ("; ..." if len(listed) > 3 else "")
 
 
 def mm(metres: float) -> str:
-    """Format a position in mm, rounding residuals of zero to zero."""
+    """Format a position in mm; rounding errors of zero become zero."""
     return f"{round(1e3 * float(metres), 9) + 0.0:.4g} mm"

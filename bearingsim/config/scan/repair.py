@@ -1,7 +1,6 @@
-"""A measured depth map made fit for use: every repair is told, what cannot be repaired is refused.
+"""Repair of measured depth maps: every repair is reported, and scans beyond repair are rejected.
 
-In this order: axes (``scanfile``), spikes, missing cells, level, noise, middle. docs/defects.md says what each
-does and why.
+The steps are axes (``file.py``), spikes, missing cells, level, noise and centre, as described in docs/defects.md.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -14,26 +13,25 @@ import numpy as np
 
 from bearingsim.config.scan.file import Grid, ScanError, mm, positions, read_file
 
-MIN_POINTS = 5  # points along either axis
-MAX_MISSING, LARGEST_GAP = 0.05, 9  # share of cells; cells of one gap
-MAX_SPIKES, LARGEST_SPIKE = 0.01, 2  # share of cells; cells of one spike
-SPIKE, AROUND = 8.0, 7  # standard deviations of the roughness within so many cells along either axis
-SPIKE_HEIGHT = 0.2  # of the depth range: a spike stands out at least so far; what does less harm is left
-MAX_ROUGHNESS = 0.1  # of the depth: most that three standard deviations of the surroundings may be
-DAMAGED_SHARE = 0.2  # share of a side's cells off the surroundings from which the damage reaches it
-SPECK = 5  # cells: what is smaller is noise
-NOISE = 3.0  # standard deviations of the surroundings
-NARROW, SHALLOW = 20e-6, 0.1e-6  # width and depth (m) of a defect below which its unit is doubted
+MIN_POINTS = 5  # least points along either axis
+MAX_MISSING, LARGEST_GAP = 0.05, 9  # limits: share of missing cells; cells of one gap
+MAX_SPIKES, LARGEST_SPIKE = 0.01, 2  # limits: share of cells in spikes; cells of one spike
+SPIKE, AROUND = 8.0, 7  # least spike in standard deviations of the roughness; window of that roughness (cells)
+SPIKE_HEIGHT = 0.2  # least spike relative to the range of depths
+MAX_ROUGHNESS = 0.1  # limit of NOISE standard deviations of the surroundings, relative to the depth
+DAMAGED_SHARE = 0.2  # share of damaged cells of a side above which the damage reaches the side
+SPECK = 5  # cells; smaller regions are noise
+NOISE = 3.0  # limit of noise, in standard deviations of the surroundings
+NARROW, SHALLOW = 20e-6, 0.1e-6  # m; smaller widths and depths suggest a wrong unit
 
 CACHED_SCANS = 256
-"""Scans that a process keeps: more than a sweep has, which goes through them again and again, and reading takes
-long. Usual ones have 50 to 150 kB, 40 MB in all; whatever is made of a scan shares its arrays.
-"""
+"""Scans cached by a process, more than usual sweeps have. They take 50 to 150 kB each, 40 MB in total."""
 
 
 class Scan(NamedTuple):
-    """A defect as measured: depth (n_z, n_s) at s (n_s,) and z (n_z,) from its middle, all m; sizes: length,
-    width, depth (m); digest: of the file's content; notes: what was repaired and assumed.
+    """Measured defect: depth (n_z, n_s) at s (n_s,) and z (n_z,) from its centre, in m.
+
+    sizes: length, width, depth (m); digest: that of the file's content; notes: repairs and assumptions.
     """
 
     s: np.ndarray
@@ -45,10 +43,10 @@ class Scan(NamedTuple):
 
 
 def read_scan(path: str | Path) -> Scan:
-    """Read the scan in a file. Raises ScanError for an invalid format, or data not fit for use."""
+    """Read and repair the scan in a file. Raises ScanError for an invalid format or unusable data."""
     file = Path(path)
     if not isfile(file):
-        return _read(file, 0, 0)  # which refuses it
+        return _read(file, 0, 0)  # raises the error
     stat = file.stat()
     return _read(file.absolute(), stat.st_mtime_ns, stat.st_size)
 
@@ -67,7 +65,7 @@ def _read(path: Path, modified: int, size: int) -> Scan:
 
 
 def _doubts(width: float, depth: float) -> Iterator[str]:
-    """Yield the reasons to doubt the units of a file, from an unusual size of its defect."""
+    """Yield warnings of unusual sizes, which suggest a wrong unit."""
     if width < NARROW:
         yield f"the defect is only {_um(width)} wide along s; is the unit right?"
     if depth > width:
@@ -77,14 +75,14 @@ def _doubts(width: float, depth: float) -> Iterator[str]:
 
 
 class Damaged(Protocol):
-    """A case, as far as its defects."""
+    """Object with defects, such as a case."""
 
     @property
     def defects(self) -> Sequence[Any]: ...
 
 
 def notes(cases: Iterable[Damaged]) -> list[str]:
-    """List the repairs and assumptions in the scans of some cases, without duplicates. Raises ScanError."""
+    """List the repairs and assumptions of all scans of the cases, without duplicates. Raises ScanError."""
     files = dict.fromkeys(d.file for case in cases for d in case.defects if d.file is not None)
     return list(dict.fromkeys(f"{Path(file).name}: {note}" for file in files for note in read_scan(file).notes))
 
@@ -93,7 +91,7 @@ def notes(cases: Iterable[Damaged]) -> list[str]:
 
 
 def _without_spikes(grid: Grid) -> Grid:
-    """Replace single cells or pairs far from their neighbourhood by its median."""
+    """Replace spikes of one or two cells by the median of their neighbourhood."""
     around = _neighbours(grid.depth)
     filled = np.where(np.isnan(grid.depth), 0.0, grid.depth)
     middle = np.nanmedian(np.concatenate([around, filled[None]]), axis=0)
@@ -116,14 +114,14 @@ def _without_spikes(grid: Grid) -> Grid:
 
 
 def _roughness(off: np.ndarray) -> np.ndarray:
-    """Compute the standard deviation of the bulk of deviations from the neighbourhood, around each cell."""
+    """Estimate the local standard deviation of ``off`` around each cell, robust against outliers."""
     from scipy.ndimage import median_filter
 
     return np.asarray(1.4826 * median_filter(np.nan_to_num(np.abs(off)), size=AROUND))
 
 
 def _neighbours(depth: np.ndarray) -> np.ndarray:
-    """Return the eight neighbours of each cell (8, n_z, n_s); NaN outside."""
+    """Return the eight neighbours of each cell (8, n_z, n_s); NaN outside the grid."""
     padded = np.pad(depth, 1, constant_values=np.nan)
     rows, columns = depth.shape
     offsets_around = [(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)]
@@ -131,13 +129,13 @@ def _neighbours(depth: np.ndarray) -> np.ndarray:
 
 
 def _deviation(values: np.ndarray) -> float:
-    """Estimate the standard deviation of the bulk of values: 1.4826 times the median absolute deviation."""
+    """Estimate the standard deviation without outliers, as 1.4826 times the median absolute deviation."""
     finite = values[np.isfinite(values)]
     return float(1.4826 * np.median(np.abs(finite - np.median(finite))))
 
 
 def _filled(grid: Grid) -> Grid:
-    """Fill missing cells with the mean of their neighbours, from the rims of a gap inwards."""
+    """Fill missing cells with the mean of their neighbours, from the edges of a gap inwards."""
     missing = np.isnan(grid.depth)
     count = int(np.count_nonzero(missing))
     if count == 0:
@@ -165,14 +163,14 @@ def _filled(grid: Grid) -> Grid:
 
 
 def _regions(there: np.ndarray) -> np.ndarray:
-    """Label connected cells from 1, over corners too; 0 elsewhere."""
+    """Label connected regions from 1, including connections over corners; 0 elsewhere."""
     from scipy.ndimage import label
 
     return np.asarray(label(there, structure=np.ones((3, 3)))[0])
 
 
 def _levelled(grid: Grid) -> Grid:
-    """Measure depth from the surroundings: plane or cylinder through the grid's border. The race becomes 0."""
+    """Subtract a plane or cylinder fitted to the border; set the undamaged race to 0."""
     border = np.zeros(grid.depth.shape, dtype=bool)
     border[[0, -1], :] = border[:, [0, -1]] = True
     surface, deviation, remarks = _surroundings(grid, border)
@@ -205,7 +203,7 @@ def _levelled(grid: Grid) -> Grid:
 
 
 def _surroundings(grid: Grid, border: np.ndarray) -> tuple[np.ndarray, float, list[str]]:
-    """Fit the surface of most of the border; return it, the deviation of its cells, and remarks on its removal."""
+    """Fit a surface to the border; return it, the standard deviation of the border from it, and remarks."""
     s, z = np.meshgrid(grid.s - grid.s.mean(), grid.z - grid.z.mean())
     plane, bent = np.stack([np.ones_like(s), s, z]), np.stack([np.ones_like(s), s, z, s * s])
     flat, deviation = _fitted(plane, grid.depth, border)
@@ -224,7 +222,9 @@ def _surroundings(grid: Grid, border: np.ndarray) -> tuple[np.ndarray, float, li
 
 
 def _fitted(terms: np.ndarray, depth: np.ndarray, border: np.ndarray) -> tuple[np.ndarray, float]:
-    """Fit coefficients of ``terms`` (k, n_z, n_s) to the bulk of the border; return them and the deviation (m)."""
+    """Fit coefficients of ``terms`` (k, n_z, n_s) to the border without outliers; return them and the standard
+    deviation (m).
+    """
     A, p = terms[:, border].T, depth[border]
     scale = np.abs(A).max(axis=0)
     kept = np.abs(p - np.median(p)) <= max(NOISE * _deviation(p), 1e-15)
@@ -237,7 +237,7 @@ def _fitted(terms: np.ndarray, depth: np.ndarray, border: np.ndarray) -> tuple[n
 
 
 def _reached(grid: Grid, rough: np.ndarray) -> list[str]:
-    """Check damage at the scan's sides: across them it is assumed to end there, along them it is refused."""
+    """Return a remark if damage is cut at the ends of z. Raises ScanError for damage at the ends of s."""
     sides = {"s": rough[:, [0, -1]], "z": rough[[0, -1], :].T}
     share = {axis: cells.mean(axis=0).max() for axis, cells in sides.items()}
     if share["s"] > DAMAGED_SHARE:
@@ -249,14 +249,14 @@ def _reached(grid: Grid, rough: np.ndarray) -> list[str]:
 
 
 def _is_one_defect(rough: np.ndarray) -> bool:
-    """Check if the largest damage touches the first or last row."""
+    """Check if the largest damaged region touches the first or last row."""
     regions = _regions(rough)
     largest = int(np.argmax(np.bincount(regions.ravel())[1:])) + 1
     return bool(np.any(regions[[0, -1]] == largest))
 
 
 def _centred(grid: Grid) -> Grid:
-    """Centre the grid on its damage, at the position of the defect."""
+    """Crop the grid to its damage, and move the origin to the centre of the damage."""
     along, across = _reach(grid)
     s, z = float(np.mean(along)), float(np.mean(across))
     columns = (grid.s >= along[0]) & (grid.s <= along[1])
@@ -267,7 +267,7 @@ def _centred(grid: Grid) -> Grid:
 
 
 def _reach(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
-    """Return the extent (m) of the damage along s and along z, to the first undamaged cells."""
+    """Return the extent (m) of the damage along s and along z, including the first undamaged cells."""
     damaged = grid.depth != 0.0
     return _span(grid.s, damaged.any(axis=0)), _span(grid.z, damaged.any(axis=1))
 
