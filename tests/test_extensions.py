@@ -168,7 +168,7 @@ def test_a_wrong_word_is_answered_with_them(said: Said) -> None:
 def test_a_law_without_its_derivatives_is_refused_by_name(said: Said) -> None:
     code, *refused = said["check", "unfinished, implicit.yaml"]
     assert code != 0
-    assert "the damping law `unfinished` has no `derivatives`, which rodas solves with" in "".join(refused)
+    assert "the damping law `unfinished` lacks `derivatives`, which rodas" in "".join(refused)
     assert said["check", "unfinished.yaml"][0] == 0
 
 

@@ -30,7 +30,7 @@ WORDS = {
     errno.ENOSPC: "the disk is full",
     errno.EDQUOT: "no more room is allowed on this disk",
     errno.EFBIG: "no file may grow so large here (`ulimit -f`)",
-    errno.EPIPE: "a process that this one writes to has ended (broken pipe): give the command again",
+    errno.EPIPE: "a process that this one writes to has ended (broken pipe): run the command again",
 }
 
 

@@ -159,7 +159,8 @@ def _passage(job: Job, case: "Case", number: int, defect: Defect) -> Passage | N
     ahead = roller_angle(job, number) - defect.angle
     radius = (case.bearing.pitch_diameter + case.bearing.roller_diameter) / 2.0
     if defect.race == "inner":
-        ahead = case.speed * (float(job.info["settle_s"]) + time) - ahead
+        settle = float(job.info.get("settle_s", case.settle))  # a time of its own in the first results
+        ahead = case.speed * (settle + time) - ahead
         radius -= case.bearing.roller_diameter
     turns = ahead / (2.0 * pi)
     speed = float((ahead[-1] - ahead[0]) / (time[-1] - time[0]) * radius)

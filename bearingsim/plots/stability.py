@@ -48,7 +48,7 @@ MEANING = {
     "stalled": "stalled, gave up",
     "too slow": "too slow",
     "skipped": "skipped a defect",
-    "within chaos": "chaotic (path not unique)",
+    "within chaos": "within chaos (path not unique)",
 }
 
 

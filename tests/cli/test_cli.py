@@ -97,14 +97,14 @@ def test_new_leaves_another_schema(here, made):
     made(Path(SCHEMA_FILE))
     before = stamps()
     _, told = type_("new", "mine.yaml")
-    assert told.startswith(f"{SCHEMA_FILE} is another file")
+    assert told.startswith(f"{SCHEMA_FILE} is not this version's schema and is kept")
     assert "`bearingsim check --schema`" in told
     assert stamps() == before
 
 
 def test_new_overwrites_nothing(here):
     _, told = type_("new", "small.yaml", code=2)
-    assert "exists already" in told
+    assert "small.yaml exists; name another file" in told
     assert Path("small.yaml").read_text() == STUDY
 
 
@@ -137,7 +137,7 @@ def test_check_says_what_an_engineer_asks_first(here):
 def test_a_triangle_is_as_a_rectangle_only_where_its_walls_are_steep(here, depth, same):
     """A roller sinks 11.3 um between the rims, and touches the walls of a V less than twice as deep."""
     said, _ = type_("check", "small.yaml", "--set", f"defect.depth={depth}")
-    assert "rollers sink 11.3 um" in said
+    assert "rollers drop 11.3 um" in said
     assert ("rectangle and triangle give equal results" in said) == same
 
 
@@ -226,7 +226,7 @@ def test_contacts_that_creep_longer_than_the_run_settles_are_told(here, coeffici
     """C/K of steel at 150 N: 0.3 ms with 1e2 N s/mm, 3 s with 1e6."""
     law = f"contact.damping={{law: general, coefficient: {coefficient}, indentation_exponent: 0}}"
     said, _ = type_("check", "small.yaml", "--set", "model=rollers", "--set", law)
-    assert ("of the start is left" in said) == warned
+    assert ("of the initial transient is left" in said) == warned
 
 
 def test_refused_jobs_are_counted_for_a_script(here):

@@ -45,7 +45,7 @@ def test_errors_of_the_system_are_sentences(number, message):
 def test_a_full_disk_is_named():
     told = sentence(OSError(errno.ENOSPC, "what the system says", "here/plan.json"))
     assert re.match(
-        r"the disk \S+ is full \(\d+ kB are left\); plan\.json in \S+ cannot be written: free some space", told
+        r"the disk \S+ is full \(\d+ kB are left\); plan\.json in \S+ cannot be written: make room", told
     )
 
 

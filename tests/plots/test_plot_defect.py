@@ -129,8 +129,8 @@ def test_defects_of_one_case_are_told_apart(results):
     sheets = figures(results(text), kind="pit", jobs=["all"])
     assert [name.rpartition("-")[2] for name, _ in sheets] == ["1", "2"]
     assert [canvas.get_suptitle() for _, canvas in sheets] == [
-        "pit 1 of 2, on the inner race",
-        "pit 2 of 2, on the outer race",
+        "defect 1 of 2, on the inner race",
+        "defect 2 of 2, on the outer race",
     ]
     assert "offset 2 mm" in sheets[0][1].get_supxlabel().replace("\u00a0", " ")
 
@@ -209,9 +209,9 @@ def test_any_shape_is_stored_and_drawn(results, tmp_path):
     opened = results(text)
     sheets = figures(opened, kind="pit", jobs=opened.jobs[:1])
     assert [canvas.get_suptitle() for _, canvas in sheets] == [
-        "pit 1 of 3, on the outer race",
-        "pit 2 of 3, on the outer race",
-        "pit 3 of 3, on the inner race",
+        "defect 1 of 3, on the outer race",
+        "defect 2 of 3, on the outer race",
+        "defect 3 of 3, on the inner race",
     ]
     deepest = [canvas.axes[0].child_axes[0].get_ylim()[0] for _, canvas in sheets]
     assert deepest[0] == pytest.approx(50.0, rel=1e-3)

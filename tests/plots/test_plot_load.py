@@ -219,7 +219,7 @@ def test_few_samples_are_told(loaded):
          "recorded no `roller.2.inner_line_load`: add `roller.2.inner_line_load` to `record`"),
         ("cage.speed", {},
          "recorded no load along a roller: add `roller.outer_line_load` to `record`, with `model: spatial`"),
-        ("roller.2.outer_line_load.3", {}, "recorded 1 of 1[23] slices: add `roller.2.outer_line_load`"),
+        ("roller.2.outer_line_load.3", {}, "recorded 1 of 1[23] slices; add `roller.2.outer_line_load`"),
         ("roller.2.outer_line_load", {"span": 2e-5}, "samples in that time; raise `sampling`"),
         ("roller.2.outer_line_load", {"by": ["load"]}, "a load takes no by"),
     ],

@@ -285,7 +285,7 @@ def test_an_unknown_name_is_refused_with_the_nearest(results, options, message):
 
 
 def test_nothing_swept_is_refused(results):
-    with pytest.raises(PlotError, match="sweeps nothing"):
+    with pytest.raises(PlotError, match="sweeps no parameter"):
         drawn(results(STUDY, overrides={"defect.length": "3 mm", "load": "150 N", "model": "ring"}))
 
 

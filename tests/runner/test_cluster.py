@@ -349,7 +349,7 @@ def test_a_worker_of_several_threads_that_comes_late_refuses(monkeypatch: pytest
 
 def test_several_threads_here_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "4")
-    with pytest.raises(OtherInstallation, match=r"OPENBLAS_NUM_THREADS=4 is set here.*unset it"):
+    with pytest.raises(OtherInstallation, match=r"OPENBLAS_NUM_THREADS=4 is set.*unset it"):
         needed()
 
 
@@ -452,8 +452,10 @@ def test_no_client_is_made_where_nobody_listens(monkeypatch: pytest.MonkeyPatch,
         raise AssertionError("a client is made")
 
     monkeypatch.setattr(handshake, "_Client", made)
-    with pytest.raises(handshake.SchedulerGone, match="no scheduler responds"), cluster.joined(address):
+    with pytest.raises(handshake.SchedulerGone) as refused, cluster.joined(address):
         pass
+    reason = "no scheduler responds" if address == "tcp://127.0.0.1:9" else "cannot be used"
+    assert reason in str(refused.value)
 
 
 def test_nobody_there_and_nothing_installed(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -485,7 +487,7 @@ def test_a_worker_dies_and_then_the_scheduler(
         until(lambda: counted(count).total() > seen + 20)
         machines.die()
 
-    with meanwhile(disaster), pytest.raises(handshake.SchedulerGone, match="give the command again"):
+    with meanwhile(disaster), pytest.raises(handshake.SchedulerGone, match="run the command again"):
         compute(study, out, machines.address)
     assert not caplog.records  # the message says it all
     until(lambda: machines.started[2].poll() is not None, "a worker stays when its scheduler has gone")
