@@ -129,7 +129,7 @@ class Cluster:
     def _apart(self, suspects: Sequence[Work], one_by_one: bool = False) -> Iterator[Outcome]:
         """Compute jobs whose worker died, each alone on a worker.
 
-        If several of them fail with the same worker, repeat them one by one.
+        If several were assigned to the same worker when it died, repeat these one by one.
         """
         blamed: list[Outcome] = []
         again: list[Work] = []

@@ -109,7 +109,7 @@ def stop(run: str) -> None:
 
 @cache
 def installation() -> dict[str, str]:
-    """Return the versions and settings that must agree wherever jobs of one study are computed, by name.
+    """Return by name the versions and settings that must agree on all machines that compute a study.
 
     Raises BrokenExtension.
     """

@@ -92,7 +92,7 @@ def _axis(case: Any) -> str:
 
 
 def _cut(group: Sequence[int], costs: Sequence[Cost], target: float) -> Iterator[list[int]]:
-    """Split jobs into units of ``target`` seconds; a longer job makes a unit by itself."""
+    """Split jobs into units of about ``target`` seconds; a job of that cost or more makes a unit by itself."""
     unit, seconds, size = [], 0.0, 0.0
     for index in group:
         if costs[index].seconds >= target:

@@ -98,7 +98,8 @@ def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, 
     """
     started, wanted = time.perf_counter(), Options(**options)
     root = store.results_folder(study.name, study.quick, out)
-    notes = [*study.notes, *load(wanted.engine.notes)(study.cases())]  # reads files
+    # The notes are collected first, because they read files that may be removed below.
+    notes = [*study.notes, *load(wanted.engine.notes)(study.cases())]
     workers, joined = _workers(jobs), _joined(wanted.scheduler)
     if wanted.fresh and workers > 1 and joined is None:
         flag_for_workers()  # raises without shared memory, before results are deleted

@@ -1,7 +1,7 @@
 """Schemas of the JSON files of a results folder, with the type of each entry.
 
-Names that are used as file names must match the same pattern as the name of a study. Other strings are not
-restricted, because control characters are removed when they are printed (``text/terminal.py``).
+Ids and the name of the study must match their patterns, because they are used as file names. Other strings may
+contain anything: ``text/terminal.py`` removes control characters on printing.
 """
 
 from collections.abc import Iterator, Mapping
