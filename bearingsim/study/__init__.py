@@ -1,4 +1,4 @@
-"""Study files: read, checked, and expanded into jobs."""
+"""Study files: reading, validation, and expansion into jobs."""
 
 from bearingsim.study.design import Design
 from bearingsim.study.figures import Figure

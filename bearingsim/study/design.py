@@ -2,8 +2,8 @@
 
     sobol: {n: 64, seed: 1, over: {load: [100 N, 200 N], defect.width: {log: [0.2 mm, 2 mm]}}}
 
-Ranges are read in ``distributions.py``. A coordinate of the cube is a cumulative probability, which the inverse
-distribution function of the range maps to a value. Values have 12 digits and lie within their ranges.
+Ranges are parsed by ``distributions.py``. A coordinate of the cube is a cumulative probability, which is mapped to
+a value by the quantile function of the range. Values have 12 digits and lie within their ranges.
 """
 
 import re
@@ -19,7 +19,7 @@ from bearingsim.text.yamlfile import Node, Problem, problem
 
 MAX_SEED = 999_999_999
 VALUES_A_ROW = 10
-"""Values per row of the largest design: with more paths, fewer rows are possible."""
+"""Limit of the values of a design, relative to the limit of rows: designs of more paths have fewer rows."""
 KEYS = ("n", "seed", "over")
 EXAMPLE = "{n: 64, over: {load: [100 N, 200 N]}}"
 COUNTED: dict[Kind, str] = {
@@ -34,11 +34,11 @@ IN_BLOCKS: tuple[Kind, ...] = ("saltelli", "morris")
 
 @dataclass(frozen=True)
 class Design:
-    """A design swept by a study; ``ids``: ids of the jobs of all rows, in order. Two rows may share a job.
+    """Design swept by a study; ``ids``: ids of the jobs of all rows, in order. Two rows may share a job.
 
-    kind, n, seed: as of ``designs.cube``; paths: one per column; ranges: their bounds (SI). With `lhs` and `sobol`
-    a study may sweep further paths and exclude combinations: ``ids`` then has each remaining combination, the row
-    of the design changing slowest.
+    kind, n, seed: as in ``designs.cube``; paths: one per column; ranges: their bounds (SI). With `lhs` and `sobol`
+    a study may sweep further paths and exclude combinations: ``ids`` then lists all remaining combinations, with
+    the row of the design varying slowest.
     """
 
     kind: Kind
@@ -54,7 +54,7 @@ class Design:
 
 @dataclass(frozen=True)
 class Drawn:
-    """A design with its points; ``cases``: number of the case of each row, empty before the cases are built."""
+    """Design with the index of each row's case in ``cases``, which is empty before the cases are built."""
 
     kind: Kind
     n: int
@@ -67,7 +67,7 @@ class Drawn:
         return _described(self.kind, self.n, self.seed, self.paths)
 
     def notes(self) -> Iterator[str]:
-        """Yield the limits of extending the design to a larger ``n``."""
+        """Yield remarks on the choice of ``n``."""
         if self.kind not in EXTENDED:
             yield f"{self.kind} cannot be extended with a larger `n`; `sobol` can"
         if self.kind in ("sobol", "saltelli") and self.n & (self.n - 1):
@@ -80,9 +80,9 @@ def _described(kind: Kind, n: int, seed: int, paths: Sequence[str]) -> str:
 
 
 def drawn(kind: Kind, entry: Node, most: int, problems: list[Problem]) -> tuple[Drawn, Axis] | None:
-    """Draw a design and its axis; None if the entry is invalid, with the problem appended to ``problems``.
+    """Draw a design and its axis. For an invalid entry, add a problem and return None.
 
-    entry: section of the design, with valid paths in `over`; most: limit of rows of a study.
+    entry: section of the design, with valid paths in `over`; most: limit of the rows of a study.
     """
     try:
         return _drawn(kind, entry, most)
@@ -145,7 +145,7 @@ def _seed(entry: Node) -> int:
 
 
 def breaking_axes(kind: Kind, axes: Sequence[Axis], words: Words) -> Iterator[Problem]:
-    """Yield a problem for each further axis or key of a sweep that would break the blocks of a design."""
+    """Yield a problem for each other axis or key of a sweep that would split the blocks of a design."""
     why = f"beside `{kind}`, whose rows are compared in whole blocks"
     for axis in (axis for axis in axes if len(axis.rows) > 1):
         mark = axis.keys[0].key or axis.keys[0].mark

@@ -1,4 +1,4 @@
-"""Validate a tree: build its case, or report every problem with its position in the file."""
+"""Validation of a tree: the case, or every problem with its position in the file."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -22,12 +22,12 @@ _WITH_NAME: tuple[Path, ...] = (("bearing",), ("bearing", "material"), ("rig",))
 """Sections with the keys `name` and `source`."""
 
 NO_SECTION = ("word", "list", "mapping", "tuple_type", "model_type", "model_attributes_type", "dict_type")
-"""Kinds of errors that leave no section in which a swept value could be set."""
+"""Kinds of errors of a section that is not a mapping, so that no swept value can be set in it."""
 ALONE = (*NO_SECTION, "quantity", "bound", "whole", "text", "scan", "value_error", "extra_forbidden")
 """Kinds of errors of a single value, independent of all others."""
 
 Problems = dict[tuple[Mark, str, str], Problem]
-"""Problems by position, path and kind: the first is kept of a problem that many cases share."""
+"""Problems by position, path and kind. Of a problem shared by many cases only the first is kept."""
 
 _STAND_INS: dict[str, Any] = {
     "bearing": "nf308",
@@ -42,12 +42,12 @@ _STAND_INS: dict[str, Any] = {
 
 @dataclass
 class Sections:
-    """Cache of validated sections, each with its node, by the node's id: cases share one object per section."""
+    """Cache of validated sections by the id of their node. Cases share one object per section."""
 
     validated: dict[int, tuple[Node, Any]] = field(default_factory=dict)
 
     def of(self, tree: Node) -> dict[str, Any]:
-        """Convert a tree to plain values and validated sections; an invalid section stays plain."""
+        """Convert a tree to plain values and validated sections; invalid sections are left plain."""
         return {key: self._section(key, node) for key, node in tree.mapping.items()}
 
     def _section(self, key: str, node: Node) -> Any:
@@ -77,9 +77,9 @@ def _adapter(key: str) -> TypeAdapter[Any]:
 
 
 def case_of(tree: Node, swept: frozenset[Path], problems: Problems, sections: Sections) -> Case | None:
-    """Build the case of an expanded tree; None if it is invalid, with all problems added to ``problems``.
+    """Build the case of an expanded tree. If it is invalid, add all problems and return None.
 
-    A conflict between values is reported at a swept value if it involves one.
+    A conflict is reported at a swept value if it involves one.
     """
     try:
         return Case.model_validate(sections.of(tree))
@@ -100,9 +100,9 @@ def case_of(tree: Node, swept: frozenset[Path], problems: Problems, sections: Se
 
 
 def check_replaced(tree: Node, swept: frozenset[Path], problems: Problems) -> None:
-    """Add the problems of values in a tree that a sweep replaces, although no case uses them.
+    """Add the problems of base values that a sweep replaces, although no case uses them.
 
-    Missing values and conflicts with other values are not problems, because the sweep replaces them.
+    Missing values and conflicts are not reported, because the sweep replaces the values.
     """
     try:
         Case.model_validate(plain(tree))
@@ -115,7 +115,7 @@ def check_replaced(tree: Node, swept: frozenset[Path], problems: Problems) -> No
 
 
 def problems_of(error: ValidationError, tree: Node) -> list[Problem]:
-    """List every problem of the sections of a tree that is not a case."""
+    """List all problems in the validation of a tree that is not a case."""
     errors = error.errors(include_url=False)[:MAX_TOLD]
     return [entry for details in errors for _, _, entry in _problems(details, tree, frozenset())]
 
@@ -126,7 +126,7 @@ def mark_of(entry: Problem) -> Mark:
 
 
 SIZES = {"defect.length": "the size along the axis", "defect.width": "the size along rolling"}
-"""Directions of the sizes of a defect, which readers take for each other."""
+"""Directions of the sizes of a defect, which are easily confused."""
 
 
 def _problems(details: ErrorDetails, tree: Node, swept: frozenset[Path]) -> Iterator[tuple[Path, str, Problem]]:
@@ -216,7 +216,7 @@ def _key_mark(tree: Node, path: Path) -> Mark:
 
 
 def _conflict_problem(conflict: Conflict, tree: Node, swept: frozenset[Path]) -> Problem:
-    """Report a conflict at a swept value, if it involves one, else at the first value written in the file."""
+    """Locate a conflict at a swept value if it involves one, else at the first value written in the file."""
     written = [path for path in conflict.paths if _is_written(tree, path)] or [conflict.paths[0]]
     moving = [path for path in written if any(path[: len(s)] == s for s in swept)]
     path = (moving or written)[0]
@@ -229,7 +229,7 @@ def _is_written(tree: Node, path: Path) -> bool:
 
 
 def _hidden_conflicts(data: dict[str, Any], errors: list[ErrorDetails]) -> list[Conflict]:
-    """List the conflicts among the valid values, after replacing invalid ones by stand-ins."""
+    """List the conflicts among valid values, after replacing invalid ones by valid placeholders."""
     bad = [_path_of(details) for details in errors]
     if () in bad:
         return []
@@ -248,7 +248,7 @@ def _touches(paths: tuple[Path, ...], bad: list[Path]) -> bool:
 
 
 def _mend(data: dict[str, Any], path: Path, unknown: bool) -> None:
-    """Replace an invalid value by a stand-in, or remove it."""
+    """Replace an invalid value by a placeholder, or remove it."""
     if path[0] == "defects" and len(path) > 1:
         _mend_defect(data, path, unknown)
     elif unknown and len(path) == 1:

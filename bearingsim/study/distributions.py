@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Range(NamedTuple):
-    """Values between two bounds (in ``unit``); ``quantiles``: values of shares in [0, 1)."""
+    """Distribution between two bounds (in ``unit``); ``quantiles``: quantile function on [0, 1)."""
 
     lower: Node
     upper: Node
@@ -29,7 +29,7 @@ class Range(NamedTuple):
     quantiles: Callable[["NDArray"], Sequence[float]]
 
     def nodes(self, shares: "NDArray") -> tuple[Node, ...]:
-        """Return the values at ``shares`` (n,) as written in a file; equal values share a node."""
+        """Return the values at cumulative probabilities ``shares`` (n,) as nodes; equal values share a node."""
         import numpy as np
 
         different, indices = np.unique(shares, return_inverse=True)
@@ -72,12 +72,12 @@ def _read(path: str, node: Node) -> Range:
 
 
 def at_key(node: Node) -> Node:
-    """Return a node that a message locates at its key."""
+    """Return a node whose mark is that of its key, if it has one."""
     return Node(node.value, node.key or node.mark)
 
 
 def _pair(path: str, node: Node) -> tuple[Node, Node, float, float, str]:
-    """Return two values of a path as nodes, as numbers in the unit of the first, and that unit."""
+    """Return two values of a path: as nodes, as numbers in the unit of the first, and this unit."""
     if len(node.items) != 2:
         raise Wrong(node, "expected two values, as in `[a, b]`")
     low, high = node.items
@@ -130,7 +130,7 @@ def _log(path: str, node: Node) -> Range:
 
 
 _DIGITS = Context(prec=25)
-"""Context of logarithm and power in decimals, which are correctly rounded; those of floats differ by machine."""
+"""Context for correctly rounded logarithms and exponentials; those of floats depend on the machine."""
 
 
 def _geometric(low: float, high: float, shares: Sequence[float]) -> list[float]:
@@ -140,7 +140,7 @@ def _geometric(low: float, high: float, shares: Sequence[float]) -> list[float]:
 
 
 NORMAL_DIGITS = 9
-"""Decimals of a normal deviate, to which the implementations of different machines agree."""
+"""Decimals of a normal deviate that are independent of the machine."""
 
 
 def _normal(path: str, node: Node) -> Range:
@@ -172,14 +172,14 @@ def _normal(path: str, node: Node) -> Range:
 
 
 MOST_DEVIATIONS = 8
-"""Largest distance from the mean to the nearer bound, in standard deviations: further out the tail holds less than
-1e-15 of the distribution."""
+"""Limit of the distance from the mean to the nearer bound, in standard deviations; the tail beyond contains less
+than 1e-15 of the distribution."""
 MOST_RANGES = 1000
-"""Largest ratio of standard deviation to range: beyond, the density is uniform within 1 %, and digits are lost."""
+"""Limit of the ratio of standard deviation to range; with larger ones the density is practically uniform."""
 
 
 def _difference(node: Node, unit: str) -> float:
-    """Return a difference of two values in `unit`: 5 K is the same difference as 5 C."""
+    """Return a temperature or other difference in `unit`; 5 K is the same difference as 5 C."""
     word = split(node.text)[1]
     zero = Node(f"0 {word}".strip(), node.mark)
     return number_in(node, unit)[0] - number_in(zero, unit)[0]

@@ -1,4 +1,4 @@
-"""Expand a tree: named files are replaced by their content, `defect` by a list with one item."""
+"""Expansion of a tree: named files are replaced by their content, `defect` by a list with one item."""
 
 from dataclasses import replace
 from functools import reduce
@@ -13,9 +13,9 @@ from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, problem
 
 
 def expanded(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
-    """Expand a tree: open its references, relative paths also from ``folder``. The operation is idempotent.
+    """Expand a tree; relative paths are also searched in ``folder``. The operation is idempotent.
 
-    A name without a file is left unchanged: the validation of the case reports it with its position.
+    A name without a file is left unchanged, because the validation of the case reports it with its position.
     """
     tree = _with_scans(_listed_defects(tree, problems), folder)
     tree = _with_default(tree, "rig", "bvt5")
@@ -90,7 +90,7 @@ def _opened_material(tree: Node, folder: FilePath, problems: list[Problem]) -> N
 def _with_one_sensor_angle(tree: Node) -> Node:
     """Rename `rig.sensor_angle` to `rig.sensor.angle`, so that a sweep of either replaces the same value.
 
-    Two different values are left unchanged: the validation of the case rejects them.
+    Two different values are left unchanged, because the validation of the case rejects them.
     """
     rig = tree.mapping.get("rig", _NOTHING)
     angle, sensor = rig.mapping.get("sensor_angle"), rig.mapping.get("sensor", Node({}, rig.mark))

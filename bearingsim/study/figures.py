@@ -1,4 +1,4 @@
-"""The section `figures:` of a study file."""
+"""Section `figures:` of a study file."""
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -30,7 +30,7 @@ KEYS = ("y", "x", "by", "panels", "where", "title", "log")
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure of a study: features against a swept path, one curve per `by`, one panel per `panels`."""
+    """Figure of a study: features against a swept path, one curve per `by`, one panel per `panels`."""
 
     y: tuple[str, ...]
     x: str
@@ -42,7 +42,7 @@ class Figure:
 
 
 def band_features(root: Node) -> dict[str, Node]:
-    """Return the features of bands named by figures and `accuracy` of a study, without `-healthy`."""
+    """Return the band features in figures and `accuracy` of a study, without the suffix `-healthy`."""
     features: dict[str, Node] = {}
     for node in _named(root):
         name = node.text.removesuffix(HEALTHY)
@@ -83,7 +83,7 @@ def parse_figures(section: Node | None, swept: Collection[str], problems: list[P
 
 
 def check_known(section: Node | None, models: Collection[str], problems: list[Problem]) -> None:
-    """Add a problem for each feature that none of a study's models computes, so that no figure is empty."""
+    """Add a problem for each feature in a figure that none of the study's models computes."""
     for figure in section.items if section is not None else ():
         node = figure.mapping.get("y")
         for feature in () if node is None else node.items or (node,):

@@ -1,4 +1,4 @@
-"""Sample combinations of a sweep that reveal most of its problems: they are validated before all others."""
+"""Sample of a sweep's combinations that reveals most problems, and is validated before all others."""
 
 from collections.abc import Iterator, Sequence
 
@@ -9,11 +9,11 @@ from bearingsim.text.units import UnitError, parse
 from bearingsim.text.yamlfile import Node
 
 MAX_AXIS_VALUES = 50
-"""Rows sampled of an axis: with a hundred axes, the cases take a second or two."""
+"""Limit of the sampled rows of an axis: with 100 axes, validation takes one or two seconds."""
 
 
 def one_at_a_time(axes: Sequence[Axis]) -> Iterator[Row]:
-    """Yield combinations that vary one axis at a time over its sampled rows, all others at their first row.
+    """Yield combinations that vary one axis at a time over its sampled rows; all others are at their first row.
 
     The first and the last combination of the sweep are included.
     """
@@ -32,7 +32,7 @@ def _pairs(axes: Sequence[Axis], rows: Sequence[tuple[Node, ...]]) -> Row:
 def sampled_rows(axis: Axis) -> list[int]:
     """List the indices of an axis' sampled rows, ascending, without 0.
 
-    Sampled are the last row, the least and the greatest number, and the first row with each word or invalid text.
+    They are the last row, the rows of the extremes of each path, and the first row with each word or invalid text.
     """
     rows = {len(axis.rows) - 1: None}
     for column, path in enumerate(axis.paths):
@@ -51,7 +51,7 @@ def _extremes_and_words(path: str, column: Sequence[Node]) -> list[int]:
                 first_with_number.setdefault(parse(node.text, unit_kind), row)
                 continue
         except UnitError:
-            pass  # a word, or a mistake
+            pass  # a word, or invalid text
         first_with_word.setdefault(node.text, row)
     ends = [pick(first_with_number.items())[1] for pick in (min, max) if first_with_number]
     return [*ends, *first_with_word.values()]

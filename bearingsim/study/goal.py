@@ -1,10 +1,10 @@
-"""The `accuracy:` of a study: the largest difference of its results from those of the reference model.
+"""Section `accuracy:` of a study: the largest deviation of its results from those of the reference model.
 
     accuracy: 2 %
     accuracy: {within: 2 %, of: [velocity@BPFO-healthy, velocity.rms]}
 
-The program then takes the cheapest model within it (``bearingsim/selection``). Differences are relative to the
-largest value of the curve in a figure. Default of `of`: the features in the figures.
+The program then chooses the cheapest model within this limit (``bearingsim/selection``). Deviations are relative
+to the largest value of the curve in a figure. By default `of` contains the features in the figures.
 """
 
 from collections.abc import Collection, Iterable, Mapping
@@ -20,7 +20,7 @@ from bearingsim.text.units import UnitError, parse, show, suggestion
 from bearingsim.text.yamlfile import Mark, Node, Problem, problem
 
 FINEST, COARSEST = 0.005, 0.5
-"""Accuracies that can be asked for: the reference itself is no better than the first."""
+"""Limits of `accuracy`; the reference itself is not more accurate than the first."""
 HEALTHY = "-healthy"
 QUANTITIES = ("displacement", "velocity", "acceleration")
 JUDGED = (
@@ -28,11 +28,11 @@ JUDGED = (
     *(f"{quantity}.rms" for quantity in QUANTITIES),
     "outer_force.max",
 )
-"""Features of which an accuracy can be asked: lines, RMS, the largest force."""
+"""Features for which an accuracy can be required, besides those of bands."""
 KNOWN_TO = 0.25
-"""Of an accuracy, the largest standard error of a record that ends early: four of them are within it."""
+"""Standard error at which a record ends early, relative to the accuracy: four of them equal the accuracy."""
 CPU_SECONDS = "seconds"
-"""Column of figures that does not depend on the record."""
+"""Column of the CPU time, which is not a feature of the record."""
 CHOSEN, STEPPED = "which chooses it", "which needs the error bound of an automatic step"
 NOT_BESIDE = {"model": CHOSEN, "method": CHOSEN, "step": STEPPED, "tolerance": STEPPED}
 """Keys that exclude `accuracy`, with the reason."""
@@ -42,7 +42,7 @@ NOT_SWEPT = dict.fromkeys(("contact.slices", "rig.ring.harmonics"), "which varie
 
 @dataclass(frozen=True)
 class Goal:
-    """Accuracy asked of features; ``within`` is relative to the largest value of a curve."""
+    """Required accuracy of features; ``within`` is relative to the largest value of a curve."""
 
     within: float
     of: tuple[str, ...]
@@ -54,19 +54,20 @@ class Goal:
 
 
 def is_judged(name: str) -> bool:
-    """Return whether an accuracy can be asked of a feature: one of ``JUDGED``, or one of a band."""
+    """Return True if an accuracy can be required for a feature, one of ``JUDGED`` or of a band."""
     return name in JUDGED or read_band(name) is not None
 
 
 def in_full(drawn: Iterable[str]) -> str:
-    """Return the first feature for which records are computed in full, "" if none is: all are means."""
+    """Return the first feature that needs the whole record because it is no mean; empty if there is none."""
     return next((name for name in drawn if not is_mean(name) and name != CPU_SECONDS), "")
 
 
 def ended_early(case: Case, goal: Goal, figures: Iterable[Figure]) -> Case:
-    """Return the case with `until` a quarter of the accuracy of all that goal and figures name, if it may end so.
+    """Add `until` to a case, a quarter of the accuracy, for all features of goal and figures.
 
-    Not with series, features that are no means, an `until` of its own, or what `until` excludes.
+    The case is unchanged if it records series, has an `until`, needs features that are not means, or has a
+    conflict with `until`.
     """
     names = dict.fromkeys((*goal.of, *(name for figure in figures for name in figure.y)))
     if case.record or case.until is not None or in_full(names):
@@ -79,7 +80,7 @@ def ended_early(case: Case, goal: Goal, figures: Iterable[Figure]) -> Case:
 
 
 def parse_goal(section: Node | None, figures: Iterable[Figure], problems: list[Problem]) -> Goal | None:
-    """Read the section `accuracy`; None without one or with errors, which are added to ``problems``."""
+    """Parse the section `accuracy`; None if it is absent or invalid, with its problems added."""
     if section is None:
         return None
     before, mark = len(problems), section.key or section.mark
@@ -101,7 +102,7 @@ def parse_goal(section: Node | None, figures: Iterable[Figure], problems: list[P
 
 
 def _share(node: Node, problems: list[Problem]) -> float:
-    """Read `within`, a share; 0 if it is wrong."""
+    """Parse `within`, a share; 0 if it is invalid."""
     try:
         share = parse(node.text, "share")
     except UnitError as error:
@@ -115,7 +116,7 @@ def _share(node: Node, problems: list[Problem]) -> float:
 
 
 def _features(node: Node | None, problems: list[Problem]) -> tuple[str, ...]:
-    """Read the names of the features."""
+    """Parse the names of the features."""
     items = () if node is None else node.items or (node,)
     for item in items:
         if not is_judged(item.text):
@@ -126,7 +127,7 @@ def _features(node: Node | None, problems: list[Problem]) -> tuple[str, ...]:
 
 
 def _drawn(figures: Iterable[Figure]) -> tuple[str, ...]:
-    """List the features in the figures for which an accuracy can be asked."""
+    """List the features in the figures for which an accuracy can be required."""
     return tuple(dict.fromkeys(name for figure in figures for name in figure.y if is_judged(name)))
 
 
@@ -137,9 +138,9 @@ def check_goal(
     overrides: Mapping[str, str],
     problems: list[Problem],
 ) -> None:
-    """Add a problem for each entry that excludes `accuracy`, and for a case without a reference model.
+    """Add a problem for each entry that excludes `accuracy`, and for a case that no model can compute.
 
-    swept: the entry of each path that the study, or an override, gives a list of values.
+    swept: entry of each path swept by the study or an override.
     """
     section = root.mapping["accuracy"]
     mark = section.key or section.mark
@@ -170,7 +171,7 @@ def check_goal(
 
 
 def _entries(root: Node, path: str, swept: Mapping[str, Node]) -> list[Node]:
-    """List the entries of a path: at the top, in `quick`, and in the sweep."""
+    """List the entries of a path at the top level, in `quick`, and in the sweep."""
     quick = root.mapping.get("quick", Node({}, root.mark))
     return [entries[path] for entries in (root.mapping, quick.mapping, swept) if path in entries]
 
@@ -180,7 +181,7 @@ def _mark_of(entry: Node) -> Mark:
 
 
 def asks_for_reference(root: Node) -> Node:
-    """Return the tree of a study with the reference model in place of `accuracy`, by default without series."""
+    """Replace the keys excluded by `accuracy` by the reference model; by default no series is recorded."""
     section = root.mapping["accuracy"]
     rest = {key: node for key, node in root.mapping.items() if key not in NOT_BESIDE}
     model, record = (Node(value, section.mark, section.key) for value in (REFERENCE, ()))

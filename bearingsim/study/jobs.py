@@ -29,10 +29,10 @@ from bearingsim.study.used import extensions, json_text, used
 
 @dataclass(frozen=True)
 class Job:
-    """One simulation of a study: its case, its swept values (SI, or words), and its healthy baseline.
+    """Simulation of a study: its case, its swept values (SI, or words), and its healthy baseline.
 
-    baseline: None for a bearing without defects; is_baseline: computed only for comparison; is_variation: computed
-    only for the uncertainty of another job.
+    baseline: None for a bearing without defects; is_baseline: the job is only computed for comparison;
+    is_variation: the job is only computed for the uncertainty of another one.
     """
 
     case: Case
@@ -43,18 +43,18 @@ class Job:
 
     @cached_property
     def id(self) -> str:
-        """16 hex digits (``case_id``); with `method: auto` they need the step limits of the case."""
+        """Id of 16 hex digits (``case_id``); for `method: auto` this computes the step limits of the case."""
         return case_id(self.case)
 
     @property
     def healthy(self) -> str | None:
-        """The id of the baseline."""
+        """Id of the baseline; None without one."""
         return None if self.baseline is None else self.baseline.id
 
 
 @dataclass(frozen=True)
 class Variation:
-    """A job with another value (SI) of an uncertain parameter of a case."""
+    """Job with another value (SI) of an uncertain parameter of a case."""
 
     case: Case
     what: str
@@ -63,15 +63,15 @@ class Variation:
 
     @property
     def of(self) -> str:
-        """The id of the job it is compared with."""
+        """Id of the job that this one is compared with."""
         return case_id(self.case)
 
 
 @dataclass(frozen=True)
 class Audit:
-    """A job repeated with the reference model; ``of``: the id of the job that it checks.
+    """Repetition of a job with the reference model; ``of``: id of the job that it checks.
 
-    baseline: its healthy job, if it has one.
+    baseline: healthy baseline of the repetition, if it has one.
     """
 
     of: str
@@ -80,10 +80,10 @@ class Audit:
 
 
 class Chosen(NamedTuple):
-    """The model chosen for a case, why, and its relative errors by feature.
+    """Model chosen for a case, the reason, and its relative errors by feature.
 
-    error: against the reference; nodes: by the nodes along defects, slices and harmonics; friction: if left out;
-    both None if unknown.
+    error: deviation from the reference; nodes: discretisation error of nodes along defects, slices and harmonics;
+    friction: error of omitted friction. The last two are None if unknown.
     """
 
     model: str
@@ -97,8 +97,8 @@ class Chosen(NamedTuple):
 class Selection:
     """Models chosen for a study with `accuracy` (``bearingsim/selection``).
 
-    jobs: by the id of each case; curves: features, and the ids on each curve; notes: remarks on choices that were
-    made for an earlier plan.
+    jobs: choices by the id of the case; curves: features, and the ids on each curve; notes: remarks on choices
+    that were made for an earlier plan.
     """
 
     jobs: Mapping[str, Chosen]
@@ -109,12 +109,12 @@ class Selection:
 
 @dataclass(frozen=True)
 class Study:
-    """A study file, read and checked: `text` as written, `units` of the swept paths as written there.
+    """Validated study: ``text`` of its file, and ``units`` of the swept paths as written in it.
 
-    notes: remarks on the file for the user. goal: the accuracy that is asked for; then the swept cases have the
-    reference model, and ``otherwise`` gives the same cases with other values at some paths, None for invalid ones.
-    drawn: the swept design, by numbers of cases; ``design`` has the ids of the jobs with the chosen models. files:
-    the files it was read from (``text/files_read.py``). left_out: parameters of `uncertainty` that `quick` skips.
+    notes: remarks on the file for the user; goal: required accuracy, with which the swept cases have the reference
+    model, and ``otherwise`` returns the same cases with other values at some paths, None for invalid ones; drawn:
+    swept design, by indices of cases, whereas ``design`` contains the ids of the jobs; files: files read
+    (``text/files_read.py``); left_out: parameters of `uncertainty` that `quick` omits.
     """
 
     name: str
@@ -135,7 +135,7 @@ class Study:
     drawn: Drawn | None = None
 
     def cases(self) -> list[Case]:
-        """List the swept cases in order: the last entry of `sweep` changes fastest."""
+        """List the swept cases; the last entry of `sweep` varies fastest."""
         return [case for case, _ in self.swept_cases]
 
     def jobs(self) -> list[Job]:
@@ -150,7 +150,7 @@ class Study:
 
     @cached_property
     def design(self) -> Design | None:
-        """The design that the study sweeps, with the ids of its rows; None of a study without."""
+        """Design that the study sweeps, with the ids of its rows; None without a design."""
         drawn = self.drawn
         if drawn is None:
             return None
@@ -160,7 +160,7 @@ class Study:
     @cached_property
     def _planned(self) -> tuple[Job, ...]:
         jobs: list[Job] = []
-        healthy_jobs: dict[str, Job] = {}  # each once: many cases share one
+        healthy_jobs: dict[str, Job] = {}  # by identity, because many cases share one
         for case, swept in self.swept_cases:
             healthy_job = _baseline(case, swept)
             jobs.append(
@@ -170,7 +170,7 @@ class Study:
 
     @cached_property
     def assumptions(self) -> tuple[str, ...]:
-        """Assumptions made where the study says nothing, and values outside a law's range, in words."""
+        """Assumptions about effects that the study does not specify, and warnings of its cases, in words."""
         from bearingsim.study.ranges import beyond, unheld  # imports the core, which takes a second
 
         drawn = [name for figure in self.figures for name in figure.y]
@@ -180,7 +180,7 @@ class Study:
         return (RIGID,) * rigid + self._slip_assumption() + (*named, *beyond(cases, drawn))
 
     def _slip_assumption(self) -> tuple[str, ...]:
-        """Return what a study that names an accuracy assumes of friction and oil, in words."""
+        """Return the assumption on friction and oil of a study with `accuracy`, in words."""
         if self.goal is None or any(case.drag is not None for case in self.cases()):
             return ()
         tried = self.selection is not None and any(chosen.friction for chosen in self.selection.jobs.values())
@@ -188,15 +188,15 @@ class Study:
         return (NO_OIL,) if rubs else (NO_SLIP,)
 
     def variations(self) -> list[Variation]:
-        """List the variations of all cases by `uncertainty`; without it the variations of damping in a few cases.
+        """List the variations of all cases by `uncertainty`, or without it, of the damping in a few cases.
 
-        A design has none but those of `uncertainty`, so that a larger design adds its new points only.
+        A design without `uncertainty` has no variations, so that extending it only adds its new points.
         """
         return self._variations
 
     @cached_property
     def _variations(self) -> list[Variation]:
-        if self.uncertainty is not None or self.drawn is not None:  # no other variations of a design
+        if self.uncertainty is not None or self.drawn is not None:  # none for a design
             cases, uncertain = self.cases(), self.uncertainty or ()
         else:
             cases, uncertain = sampled(self.cases(), len(self.planned())), (USUAL,)
@@ -208,7 +208,7 @@ class Study:
 
 
 def _each_once(jobs: Iterable[Job]) -> list[Job]:
-    """Drop repeated jobs; keep the order."""
+    """Remove duplicate jobs, preserving the order."""
     unique: dict[str, Job] = {}
     for job in jobs:
         unique.setdefault(identity(job.case), job)
@@ -216,9 +216,10 @@ def _each_once(jobs: Iterable[Job]) -> list[Job]:
 
 
 def case_id(case: Case) -> str:
-    """Return 16 hex digits that name a result: equal for equal physics, whatever the notation.
+    """Return the id of a case's result, 16 hex digits: equal for equal physics, independent of the notation.
 
-    `auto` counts as the methods that it tries, in their order, since new prices can change them and the numbers.
+    `auto` is replaced by the methods that it tries, in order, because a new cost model can change these and thus
+    the results.
     """
     if case.method != AUTO:
         return identity(case)
@@ -230,8 +231,8 @@ def case_id(case: Case) -> str:
 def identity(case: Case, extra: Mapping[str, Any] | None = None) -> str:
     """Return 16 hex digits, equal for cases with equal parameters.
 
-    Covers every parameter that the numbers depend on (12 significant digits), ``extra`` entries, and
-    the model's version; not the names and sources of bearing, rig and material, nor unused parameters.
+    They depend on all parameters that affect the results (12 significant digits), on ``extra`` entries and the
+    model's version, but not on unused parameters, or the names and sources of bearing, rig and material.
     """
     from bearingsim.core import MODEL_VERSION
 
@@ -248,7 +249,7 @@ def _digest(case: Case, extra: tuple[tuple[str, Any], ...], version: int) -> str
 
 
 def _baseline(case: Case, swept: dict[str, float | str]) -> Job | None:
-    """Return the job of the healthy counterpart of a case, if it has one."""
+    """Return the healthy baseline of a case, or None."""
     healthy = healthy_case(case)
     if healthy is None:
         return None
@@ -258,17 +259,17 @@ def _baseline(case: Case, swept: dict[str, float | str]) -> Job | None:
 
 
 def healthy_case(case: Case) -> Case | None:
-    """Return the case without its defects; None if it has none, or for a model of impulses only."""
+    """Return the case without its defects; None if it has none, or for the impulse model."""
     if not case.defects or not MODELS[case.model].takes_defects:
         return None
     plain: dict[str, Any] = {
         name: Case.model_fields[name].default for name in _defect_keys(case) & Case.model_fields.keys()
     }
-    plain["record"] = tuple(name for name in case.record if slice_number(name) is None)  # its slices differ
+    plain["record"] = tuple(name for name in case.record if slice_number(name) is None)  # slices depend on defects
     plain["features"] = tuple(name for name in case.features if name not in MEANS)  # a defect's line is absent
     return case.model_copy(update=plain)
 
 
 def _defect_keys(case: Case) -> set[str]:
-    """Return the keys that a healthy counterpart does not use."""
+    """Return the keys that the healthy baseline does not use."""
     return {"defect", "defects", "excitation"} | ({"seed"} if not MODELS[case.model].slips else set())

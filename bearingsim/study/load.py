@@ -1,4 +1,4 @@
-"""Read a study file: return a checked `Study`, or report every problem at once."""
+"""Loading of study files: a validated `Study`, or all problems at once."""
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -30,12 +30,12 @@ def load_study(
     quick: bool = False,
     reading: Callable[[int], None] | None = None,
 ) -> Study:
-    """Read and check a study file.
+    """Read and validate a study file.
 
-    `overrides` maps paths to values as written in the file (`{"load": "200 N"}`); `quick` selects the file's
-    reduced grid, if it has one; `reading` is called with the number of combinations before all of them are
-    validated. Raises StudyError with every problem, and BrokenExtension. A sample of the cases is validated first,
-    so that most problems are reported without building all cases.
+    `overrides` maps paths to values as written in a file, such as `{"load": "200 N"}`; `quick` selects the reduced
+    grid of the file, if it has one; `reading` is called with the number of combinations before all of them are
+    validated. A sample of the cases is validated first, so that most problems are reported without building all
+    cases. Raises StudyError with every problem, and BrokenExtension.
     """
     extensions.refuse_broken()
     opened = _opened(FilePath(path), overrides or {})
@@ -78,7 +78,7 @@ def load_study(
 
 
 def _with_goal(study: Study, goal: Goal, plan: Plan) -> Study:
-    """Return a study with an accuracy, its records ended once they are known to a part of it."""
+    """Add the accuracy to a study; records end early once their standard errors are well below it."""
 
     def otherwise(changes: Mapping[str, str]) -> list[Case | None]:
         return [case and ended_early(case, goal, study.figures) for case in plan.otherwise(changes)]
@@ -104,7 +104,7 @@ def _settings(opened: "_Opened") -> _Settings:
     problems, plans, entries = list(opened.flaws), opened.plans, opened.root.mapping
     swept = {path: node for plan in plans for path, node in plan.entries().items()}
     uncertain = parse_uncertainty(entries.get("uncertainty"), problems)
-    wrong = sorted({path for plan in plans for path in plan.named} - swept.keys())  # reported where they are swept
+    wrong = sorted({path for plan in plans for path in plan.named} - swept.keys())  # reported with the sweep
     figures = parse_figures(entries.get("figures"), [*swept, *wrong], problems)
     name = _name(opened.root, problems)
     goal = parse_goal(opened.whole.mapping.get("accuracy"), figures, problems)
@@ -130,7 +130,7 @@ def _refuse(opened: "_Opened", settings: _Settings) -> None:
 
 
 class Outline(NamedTuple):
-    """Properties of a study that are available before its cases are built; ``files``: all files that it reads."""
+    """Properties of a study that are known before its cases are built; ``files``: all files that it reads."""
 
     name: str
     overrides: dict[str, str]
@@ -151,7 +151,7 @@ def outline(path: FilePath, overrides: Mapping[str, str], quick: bool) -> Outlin
 
 
 class _Opened(NamedTuple):
-    """A study file: its tree as written (``whole``) and as computed (``root``); plans without and with `quick`.
+    """Opened study file: its tree as written (``whole``) and as computed (``root``), and its plans.
 
     overrides: values that replace those of the file, by path.
     """
@@ -192,7 +192,7 @@ def _renamed(node: Node, is_path: bool = False) -> Node:
     """Replace deprecated keys in a file: keys of sections, paths of a sweep and paths of figures."""
     if isinstance(node.value, dict):
         new = {key: _new_path(key) for key in node.value}
-        # The case refuses a file that has both words.
+        # A file with both keys is rejected by the validation of the case.
         kept = {key: key if word in node.value else word for key, word in new.items()}
         return replace(
             node, value={kept[key]: _renamed(inner, key in PATH_KEYS) for key, inner in node.value.items()}
@@ -220,7 +220,7 @@ def _keys(node: Node) -> set[str]:
 
 
 def _texts(overrides: Mapping[str, str]) -> dict[str, str]:
-    """Return the overrides as a dictionary. Raises StudyError for values from Python that are not strings."""
+    """Return the overrides as a dictionary. Raises StudyError for paths or values that are not strings."""
     wrong = [
         problem(
             argument_mark(f"--set {path}={value}", len("--set ") + 1),

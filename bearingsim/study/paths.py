@@ -1,4 +1,4 @@
-"""Paths into a case, as a user types them: `load`, `defect.length`, `defects.2.width`, `contact.damping.chi`."""
+"""Paths into a case, as typed by users: `load`, `defect.length`, `defects.2.width`, `contact.damping.chi`."""
 
 from collections.abc import Collection, Iterator
 from dataclasses import replace
@@ -14,11 +14,11 @@ from bearingsim.text.units import Dimension, suggestion
 from bearingsim.text.yamlfile import Node
 
 SYNONYMS: dict[Path, Path] = {("rig", "sensor_angle"): ("rig", "sensor", "angle")}
-"""Synonyms: a path, and the path that replaces it."""
+"""Paths that are replaced by synonyms."""
 
 
 class Field(NamedTuple):
-    """A field of a section."""
+    """Field of a section."""
 
     section: type[Section]
     name: str
@@ -43,7 +43,7 @@ def known_paths() -> dict[str, Dimension | None]:
 
 @cache
 def fields_at() -> dict[str, list[Field]]:
-    """List the fields at every path that can be swept; alternative laws may each define one."""
+    """List the fields at every path that can be swept; several laws may define a field at the same path."""
     fields: dict[str, list[Field]] = {}
     for path, field in _walk(Case, ""):
         fields.setdefault(path, []).append(field)
@@ -54,7 +54,7 @@ def fields_at() -> dict[str, list[Field]]:
 def dimension(path: str) -> Dimension | None:
     """Return the dimension of the values at a path. Raises KeyError for an unknown path."""
     head, dot, rest = _without_number(path).partition(".")
-    in_new_words = OLD_WORDS.get(head, head) + dot + rest  # older results have the former words
+    in_new_words = OLD_WORDS.get(head, head) + dot + rest  # older results contain deprecated keys
     if in_new_words.startswith("rig.load."):  # in results the items of a list are numbered
         in_new_words = ".".join(step for step in in_new_words.split(".") if not step.isdecimal())
     return all_paths()[in_new_words]
@@ -62,7 +62,7 @@ def dimension(path: str) -> Dimension | None:
 
 @cache
 def all_paths() -> dict[str, Dimension | None]:
-    """List the paths that can be swept, and those into the springs of `rig.load.at`, swept as a whole."""
+    """List the paths that can be swept, and those into the items of `rig.load.at`, a list swept as a whole."""
     springs = {path: field.dimension for path, field in _walk(SupportPoint, "rig.load.at.")}
     return known_paths() | springs
 
@@ -81,20 +81,20 @@ def parse_path(text: str, defects: int) -> Path:
     return SYNONYMS.get((head, *rest), (head, *rest))
 
 
-MOST_SECTIONS = 4  # sections: a longer list of sections with the same key is not printed
+MOST_SECTIONS = 4  # limit of the sections with the same key that a hint lists
 
 
 def advice_on(path: str, valid: Collection[str], section: str | None = None) -> str:
     """Return a hint for an unknown path, or unknown key of a section; empty if there is none.
 
-    The hint is the glossary's on the last word, the other sections with that key, or the nearest of ``valid``.
+    The hint is the glossary entry of the last word, the other sections with that key, or similar valid words.
     """
     word = path.rpartition(".")[2]
     return sentence(word) or _sections_with(word, section) or suggestion(path, valid)
 
 
 def _sections_with(word: str, section: str | None) -> str:
-    """Describe the sections that have a key; empty if ``section`` has the key with another law."""
+    """Describe the sections that have a key; empty for too many, or if ``section`` has it with another law."""
     paths = [path.rpartition(".") for path in all_paths()]
     sections = sorted((above for above, _, key in paths if key == word), key=lambda above: above.count("."))
     if section in sections or not 0 < len(sections) <= MOST_SECTIONS:
@@ -114,7 +114,7 @@ def unspelled(text: str) -> Path:
 
 
 def label(path: Path, defects: int) -> str:
-    """Return a path as a user types it."""
+    """Format a path as users type it."""
     if len(path) > 1 and path[0] == "defects":
         head = "defect" if defects <= 1 else f"defects.{int(path[1]) + 1}"
         return ".".join([head, *map(str, path[2:])])
@@ -122,7 +122,7 @@ def label(path: Path, defects: int) -> str:
 
 
 def put(tree: Node, path: Path, value: Node) -> Node:
-    """Return a tree with another value at a path; missing sections on the way are created."""
+    """Return a copy of a tree with another value at a path; missing sections are created."""
     if not path:
         return replace(value, key=tree.key or value.key)
     head, rest = path[0], path[1:]

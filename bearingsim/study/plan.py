@@ -39,9 +39,9 @@ from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, argument_m
 MAX_CASES = 1_000_000
 """Limit of the cases of a study."""
 MAX_WRONG = 500
-"""Limit of the invalid cases that are examined: each takes milliseconds, and most have the same problem."""
+"""Limit of the invalid cases that are reported: each takes milliseconds, and most have the same problem."""
 MAX_PATHS = 100
-"""Limit of the paths that a study sweeps: with more, the nearest valid path of each takes too long to find."""
+"""Limit of the paths that a study sweeps: with more, the search for suggestions takes too long."""
 _LIST_VALUED = ("defects", "record", "features", "rig.load.angles", "rig.load.at")
 
 Swept = dict[str, float | str]
@@ -49,11 +49,11 @@ Swept = dict[str, float | str]
 
 @dataclass
 class Plan:
-    """A study under construction: base tree, axes, and problems so far.
+    """Study under construction: base tree, axes, and problems so far.
 
-    words: keys of the sweep that are not paths, from which ``drawn`` (with an axis of its own) and ``relations``
-    are made; case_problems: problems of single cases; named: paths named by a sweep, valid or not; key_paths:
-    location of the valid ones in a case; others: cases built by ``otherwise``, by overrides.
+    words: keys of the sweep that are not paths, from which ``drawn`` and ``relations`` are built; case_problems:
+    problems of single cases; named: paths named by a sweep, valid or not; key_paths: locations of the valid ones
+    in a case; others: cache of ``otherwise``.
     """
 
     base: Node
@@ -96,11 +96,11 @@ class Plan:
         return plan
 
     def expand(self) -> None:
-        """Open the references of the base."""
+        """Read the files referenced by the base tree."""
         self.base = expanded(self.base, self.folder, self.problems)
 
     def take_sweep(self, sweep: Node) -> list[Axis]:
-        """Parse the axes of a `sweep:`."""
+        """Parse a section `sweep`; return its axes."""
         paths = written_paths(sweep)
         if len(paths) > MAX_PATHS:
             message = f"sweep: {len(paths)} parameters; at most {MAX_PATHS} are possible"
@@ -116,7 +116,7 @@ class Plan:
         return parse_sweep(sweep, self.problems)
 
     def take_quick(self, quick: Node) -> None:
-        """Apply the entries of `quick:`."""
+        """Apply the entries of the section `quick`."""
         if not isinstance(quick.value, dict):
             message = "quick: expected a mapping such as `{duration: 0.3 s, sweep: {load: [150 N]}}`"
             self.problems.append(problem(quick.mark, message))
@@ -132,7 +132,7 @@ class Plan:
                 self.fix(key, node, node.key or node.mark)
 
     def override(self, path: str, text: str) -> None:
-        """Apply a value of the command line."""
+        """Apply a value from the command line."""
         typed = f"--set {path}={text}"
         path = self.spelled(path)
         try:
@@ -163,7 +163,7 @@ class Plan:
             self.problems.append(problem(mark, f"the study has no `{kind}`", "name it in `sweep`"))
 
     def fix(self, path: str, value: Node, mark: Mark) -> None:
-        """Set one value at a path of the base, which also replaces the path's sweep."""
+        """Set the value at a path of the base tree, which also replaces a sweep of the path."""
         key_path = self.key_path(path, mark)
         if key_path is None:
             return
@@ -175,12 +175,12 @@ class Plan:
             self.axes = replaced(self.axes, Axis((path,), ((value,),), (value,)))
 
     def spelled(self, path: str) -> str:
-        """Return the path as spelled by the axes, and therefore by figures and results."""
+        """Return a path in the spelling of the axes, which figures and results use."""
         swept = (spelling for axis in self.axes for spelling in axis.paths)
         return next((spelling for spelling in swept if unspelled(spelling) == unspelled(path)), path)
 
     def key_path(self, path: str, mark: Mark) -> Path | None:
-        """Locate a path in a case; None for an invalid path, with the problem added."""
+        """Locate a path in a case. For an invalid path, add a problem and return None."""
         try:
             return self.leads(path)
         except ValueError as error:
@@ -188,7 +188,7 @@ class Plan:
             return None
 
     def draw(self) -> None:
-        """Add the axes of the design, which changes slowest, and of `repeat`, which changes fastest."""
+        """Add the axes of the design, which varies slowest, and of `repeat`, which varies fastest."""
         kind = next((kind for kind in KINDS if kind in self.words), None)
         if kind in IN_BLOCKS:
             self.problems += breaking_axes(kind, self.axes, self.words)
@@ -215,7 +215,7 @@ class Plan:
         return parse_path(path, len(self.base.mapping.get("defects", self.base).items))
 
     def check(self, axis: Axis) -> bool:
-        """Return True if an axis' paths are valid and not swept twice, which adds them to ``key_paths``."""
+        """Return True if the paths of an axis are valid and not swept twice; add valid ones to ``key_paths``."""
         before = len(self.problems)
         for path, node in zip(axis.paths, axis.keys, strict=True):
             mark = node.key or node.mark
@@ -227,7 +227,7 @@ class Plan:
         return len(self.problems) == before
 
     def open_files(self) -> None:
-        """Open the references of all swept values."""
+        """Read the files referenced by swept values."""
         for axis in self.axes:
             for path in axis.paths:
                 if dimension(path) is None:
@@ -245,7 +245,7 @@ class Plan:
         return math.prod(len(axis.rows) for axis in self.axes)
 
     def check_count(self) -> None:
-        """Add a problem if there are too many combinations, and drop the axes."""
+        """Remove the axes and add a problem if there are too many combinations."""
         if self.count > MAX_CASES:
             mark = self.axes[0].keys[0].mark
             self.problems.append(problem(mark, f"sweep: {self.count} cases; at most {MAX_CASES} are possible"))
@@ -266,7 +266,7 @@ class Plan:
         return [case for case in sample if case is not None]
 
     def cases(self) -> list[tuple[Case, Swept]]:
-        """Build the distinct cases, with their swept values; problems of invalid ones are added."""
+        """Build the distinct cases, with their swept values; add the problems of invalid ones."""
         cases: dict[str, tuple[Case, Swept]] = {}
         numbers: dict[str, int] = {}
         order: list[int] = []
@@ -285,7 +285,7 @@ class Plan:
         return list(cases.values())
 
     def check_words(self) -> None:
-        """Add a problem if `where` excludes every case, or if `repeat` is used without anything random."""
+        """Add a problem if `where` excludes every case, or if no case is random although `repeat` is used."""
         if self.problems or self.case_problems:
             return
         self.relations.dropped.clear()
@@ -322,7 +322,7 @@ class Plan:
         return list(cases.values())
 
     def rows(self, combinations: Iterable[Row]) -> Iterator[Row]:
-        """Yield the combinations that `where` keeps, with their derived values; problems of others are added."""
+        """Yield the combinations that `where` keeps, with their derived values; add problems of formulas."""
         wrong = 0
         for row in combinations:
             try:
@@ -336,7 +336,7 @@ class Plan:
                 yield row + more
 
     def tree(self, row: Row) -> Node:
-        """Return the base with the values of one combination."""
+        """Return the base tree with the values of one combination."""
         tree = self.base
         for path, value in sorted(row, key=lambda pair: len(self.key_paths[pair[0]])):  # sections before parts
             tree = put(tree, self.key_paths[path], value)
@@ -345,12 +345,12 @@ class Plan:
         return tree
 
     def case(self, row: Row) -> Case | None:
-        """Build the case of one combination of values; None if it is invalid, with its problems added."""
+        """Build the case of one combination of values. If it is invalid, add its problems and return None."""
         tree = self.tree(row)
         try:
             swept = frozenset(self.key_paths[path] for path, _ in row)
             return case_of(tree, swept, self.case_problems, self.sections)
-        except StudyError as error:  # a file named by the row is no YAML
+        except StudyError as error:  # invalid YAML in a file named by the row
             self.problems += error.problems
             return None
 
@@ -371,13 +371,13 @@ class Plan:
         return swept | {derived.path: derived.entry for derived in self.relations.derived}
 
     def units(self) -> dict[str, str]:
-        """Return the unit of each swept path in its first value; empty for words."""
+        """Return the unit of the first value of each swept path; empty for words."""
         firsts = {path: node for axis in self.axes for path, node in zip(axis.paths, axis.rows[0], strict=True)}
         derived = {relation.path: relation.unit for relation in self.relations.derived}
         return {path: _unit(path, node) for path, node in firsts.items()} | derived
 
     def all_problems(self) -> list[Problem]:
-        """List all problems, except missing values whose sweep is invalid."""
+        """List all problems, except for missing values with an invalid sweep."""
         wrong, problems = self.named - self.key_paths.keys(), self.case_problems.items()
         return self.problems + [p for (_, path, kind), p in problems if not (kind == "missing" and path in wrong)]
 
@@ -387,7 +387,7 @@ def _unit(path: str, node: Node) -> str:
 
 
 def _is_word(path: str, node: Node) -> bool:
-    """Return True for a word in place of a quantity, such as `auto` or a clearance class."""
+    """Return True for a word instead of a quantity, such as `auto` or a clearance class."""
     return _is_no_quantity(path, node.text)
 
 

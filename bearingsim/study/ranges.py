@@ -1,4 +1,4 @@
-"""Warnings of cases outside the range of validity of the physics: they are computed all the same."""
+"""Warnings of cases outside the models' range of validity, which are computed nevertheless."""
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache, partial
@@ -17,21 +17,21 @@ from bearingsim.text.units import show
 RATED_PRESSURE = {"roller": 4.0e9, "ball": 4.2e9}
 """Pa: contact pressure at the static rating of ISO 76:2006 (permanent dent of 1e-4 of the roller diameter)."""
 SPEED_FACTOR = 1e6 * 1e-3 * 2.0 * pi / 60.0
-"""n d_m (rad/s m): 1e6 mm/min. Limiting speeds of catalogues (SKF: NU 210 ECP, 6205) are 0.6e6 to 0.7e6 with oil;
-spindles and turbines above 1e6 have special cages and oil jets."""
+"""rad/s m; limit of n d_m, 1e6 mm/min. Limiting speeds in catalogues (SKF: NU 210 ECP, 6205) are 0.6e6 to 0.7e6
+with oil; spindles and turbines above 1e6 use special cages and oil jets."""
 
 Range = tuple[Callable[[Case], float], Callable[[Case], str]]
-"""Ratio of a case's value to the limit, and the warning where it is above 1."""
+"""Functions of a case: the ratio of a value to its limit, and the warning if it exceeds 1."""
 
 
 FEWEST_SAMPLES = 8.0
-"""Samples of the record per crossing of a defect: with fewer, series and statistics barely resolve the impact."""
+"""Least samples of the record per crossing of a defect, for series and statistics to resolve the impact."""
 RECORD_SUFFIXES = (".rms", ".peak", ".crest", ".kurtosis")
 """Suffixes of the features that are statistics of the record."""
 
 
 def beyond(cases: Sequence[Case], drawn: Sequence[str]) -> Iterator[str]:
-    """Yield a warning for each exceeded limit: the worst case, and the count; drawn: features of the figures."""
+    """Yield a warning for each exceeded limit, with the worst case and the count; drawn: features in figures."""
     of_record = any(name.removesuffix("-healthy").endswith(RECORD_SUFFIXES) for name in drawn)
     lines = dict.fromkeys(name.partition("@")[2].partition("-healthy")[0].partition(".")[0] for name in drawn)
     sampled = partial(highest_line, drawn=[name for name in lines if name in LINES])
@@ -72,13 +72,13 @@ def load(case: Case) -> float:
 
 
 def pressure(case: Case) -> float:
-    """Compute the largest Hertz pressure (Pa) of the most loaded element at rest; 0 without an equilibrium."""
+    """Compute the largest Hertz pressure (Pa) of the healthy bearing at static equilibrium; 0 if there is none."""
     return healthy_pressure(case.model_copy(update={"defects": ()}))
 
 
 @lru_cache(maxsize=1 << 12)
 def healthy_pressure(case: Case) -> float:
-    """Compute ``pressure`` of a case without defects, cached because many cases differ only in these."""
+    """Compute ``pressure`` of a case without defects; cached because many cases differ only in their defects."""
     from bearingsim.assemble.rest import largest_load
     from bearingsim.core.models.equilibrium import NoEquilibrium
 
@@ -89,7 +89,7 @@ def healthy_pressure(case: Case) -> float:
 
 
 def contact_pressure(bearing: Bearing, force: float) -> float:
-    """Compute the Hertz pressure (Pa) of an element under a force (N) at the inner race, the larger one."""
+    """Compute the Hertz pressure (Pa) at the inner race, where it is larger, for a force (N) on an element."""
     E, nu = bearing.material.young_modulus, bearing.material.poisson_ratio
     D_w, R_i = bearing.roller_diameter, (bearing.pitch_diameter - bearing.roller_diameter) / 2.0
     if bearing.roller_length is None:
@@ -100,9 +100,10 @@ def contact_pressure(bearing: Bearing, force: float) -> float:
 
 
 def static_rating(case: Case) -> float:
-    """Compute the static rating C0 (N) by ISO 76: for rollers 44 (1 - D_w/d_m) Z L D_w (N, mm), L their length.
+    """Compute the static load rating C0 (N) of ISO 76.
 
-    For balls Z Q/5, where Q is the force at a Hertz pressure of 4.2 GPa, on which the standard's f_0 is based.
+    For rollers of length L it is 44 (1 - D_w/d_m) Z L D_w (N, mm); for balls Z Q/5, where Q is the force at a
+    Hertz pressure of 4.2 GPa, on which the factor f_0 of the standard is based.
     """
     b = case.bearing
     if b.roller_length is None:
@@ -143,13 +144,13 @@ def speed_warning(case: Case) -> str:
 
 
 def highest_line(case: Case, drawn: Sequence[str]) -> tuple[float, str]:
-    """Return the highest frequency (Hz) of the lines drawn, or else of the defects' lines, and its name."""
+    """Return frequency (Hz) and name of the highest line drawn, or by default of the defects' highest line."""
     names = drawn or [FAULT_LINES[defect.race] for defect in case.defects] or ["BPFO"]
     return max((frequency(case, name), name) for name in names)
 
 
 def frequency(case: Case, name: str) -> float:
-    """Compute the frequency (Hz) of a line at the highest speed of a case, without slip."""
+    """Compute the frequency (Hz) of a spectral line at the highest speed of a case, without slip."""
     b, line, speed = case.bearing, LINES[name], top_speed(case)
     D_w, d_m, Z = b.roller_diameter, b.pitch_diameter, b.rollers
     return (
@@ -162,7 +163,7 @@ def frequency(case: Case, name: str) -> float:
 
 
 def asks_for_series(case: Case) -> bool:
-    """Return True if a case records more than the default series."""
+    """Return True if a case records a series other than the default."""
     return bool(set(case.record) - set(Case.model_fields["record"].default))
 
 
@@ -194,7 +195,7 @@ def crossing_warning(case: Case) -> str:
 
 
 def _rounded(hertz: float) -> float:
-    """Round a frequency (Hz) up to two digits."""
+    """Round a frequency (Hz) up to two significant digits."""
     unit = 10.0 ** (floor(log10(hertz)) - 1)
     return ceil(hertz / unit) * unit
 

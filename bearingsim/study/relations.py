@@ -17,14 +17,14 @@ from bearingsim.text.yamlfile import Node, Problem, problem
 MAX_CONDITIONS = 100
 """Limit of the conditions of a study; each is evaluated for every case."""
 KeyPathOf = Callable[[str], Path]
-"""Function that locates a path in a case; it raises ValueError for an invalid path."""
+"""Function that locates a path in a case, and raises ValueError for an invalid path."""
 Row = list[tuple[str, Node]]
-"""Paths of a case, with their values."""
+"""Pairs of paths of a case and their values."""
 
 
 @dataclass(frozen=True)
 class Derived:
-    """A path whose value is computed by a formula."""
+    """Path whose value is computed by a formula."""
 
     path: str
     key_path: Path
@@ -46,9 +46,9 @@ class Derived:
 
 @dataclass(frozen=True)
 class Relations:
-    """Relations of a study; ``derived``: in order of evaluation.
+    """Relations of a study: ``derived`` values in order of evaluation, and conditions ``where``.
 
-    dropped: number of cases excluded by each condition of ``where``.
+    dropped: number of cases excluded by each condition.
     """
 
     derived: tuple[Derived, ...] = ()
@@ -90,7 +90,7 @@ class Relations:
 
 
 class Valueless(Exception):
-    """A formula has no value in a case; ``problem``: the reason."""
+    """Error for a formula without a value in a case; ``problem``: the reason."""
 
     def __init__(self, reason: Problem) -> None:
         self.problem = reason
@@ -121,7 +121,7 @@ def parse_relations(
 ) -> Relations:
     """Parse `derived` and `where`; invalid entries are omitted, and their problems added.
 
-    swept: returns True for a location that the study sweeps.
+    swept: function that returns True for a location that the study sweeps.
     """
     derived = [_derived(path, node, key_path, swept, problems) for path, node in _entries(words, problems)]
     where = [_condition(node, key_path, problems) for node in _conditions(words, problems)]
@@ -194,14 +194,14 @@ def _condition(node: Node, key_path: KeyPathOf, problems: list[Problem]) -> Expr
 
 
 def _kind(path: str, key_path: KeyPathOf) -> Kind:
-    """Return the kind of the values at a path. A word in place of a number is detected at evaluation."""
+    """Return the kind of the values at a path; words instead of numbers are detected during evaluation."""
     key_path(path)
     quantity = dimension(path)
     return kind_of(quantity) if quantity else PLAIN
 
 
 def _in_order(derived: list[Derived], key_path: KeyPathOf, problems: list[Problem]) -> tuple[Derived, ...]:
-    """Sort derived values by dependence. Duplicates and circular dependences are added to ``problems``."""
+    """Sort derived values by dependence; add problems for duplicates and circular dependences."""
     by_key_path: dict[Path, Derived] = {}
     for value in derived:
         if value.key_path in by_key_path:

@@ -1,4 +1,4 @@
-"""The bearing of `bearingsim freq`: its file needs only the keys that determine the characteristic frequencies."""
+"""Bearing of `bearingsim freq`, whose file needs only the keys that determine the characteristic frequencies."""
 
 from dataclasses import replace
 from typing import Any
@@ -17,13 +17,13 @@ KEYS = (*RollingParts.model_fields, *(key for key in Bearing.model_fields if key
 
 
 class _Holder(Section):
-    """A section with a bearing, so that problems have the paths of a study."""
+    """Section with a bearing, so that problems have the paths of a study."""
 
     bearing: RollingParts
 
 
 def load_rolling_parts(name: str) -> RollingParts:
-    """Read the rolling elements of a named bearing, or of a file. Raises StudyError with every problem."""
+    """Read the rolling elements of a bearing, by name or path. Raises StudyError with every problem."""
     mark = argument_mark(name, 1)
     try:
         document = read("bearings", name)

@@ -1,7 +1,8 @@
 """JSON schema of study files, for completion and validation in editors.
 
-Draft 7, supported by YAML editors. `check` rejects all that the schema rejects, and conflicts between values,
-which a schema cannot express. Sections that can be swept have no required keys, because the sweep may set them.
+It uses draft 7, which YAML editors support. `check` rejects all files that the schema rejects, and also conflicts
+between values, which a schema cannot express. Sections that can be swept have no required keys, because the sweep
+may set them.
 """
 
 import json
@@ -89,7 +90,7 @@ def json_schema() -> Schema:
 
 
 def _sections() -> tuple[dict[type[Section], str], dict[str, Schema]]:
-    """Return the name of every section that a path leads into, and the schemas of all sections by name."""
+    """Return the names of the sections with swept fields, and the schemas of all sections by name."""
     swept = dict.fromkeys(field.section for fields in fields_at().values() for field in fields)
     refs, whole = models_json_schema([(section, "validation") for section in swept])
     names = {section: refs[section, "validation"]["$ref"].rpartition("/")[2] for section in swept}
@@ -142,7 +143,7 @@ def _shared(name: str) -> Schema:
 def _path_mapping(
     paths: Iterable[str], schema: Callable[[str], Schema], more: Mapping[str, Schema] = {}
 ) -> Schema:
-    """Return the schema of a mapping whose keys are paths, some with the number of a defect, and ``more`` keys."""
+    """Return the schema of a mapping with paths, numbered paths of defects, and ``more`` keys."""
     schemas = {path: schema(path) for path in paths}
     of_defects = [path for path in schemas if path.split(".")[0] == "defect"]
     numbered = {_NUMBERED + re.escape(path.removeprefix("defect")) + "$": schemas[path] for path in of_defects}
@@ -150,7 +151,7 @@ def _path_mapping(
 
 
 def _kind(path: str) -> str:
-    """Return the kind of values that can be generated for a path: a dimension, `whole`, or empty for none."""
+    """Return the kind of generated values of a path: a dimension, `whole`, or empty if none are possible."""
     dimension = known_paths().get(path)
     return dimension or ("whole" if any(int in field.marks for field in fields_at().get(path, ())) else "")
 
@@ -237,11 +238,11 @@ def _accuracy() -> Schema:
     )
 
 
-# Dependences between keys
+# Dependencies between keys
 
 
 def _together() -> Iterator[Schema]:
-    """Yield the conditions of keys that exclude each other."""
+    """Yield the conditions on keys that exclude each other."""
     for words in (("defect", "defects"), *OLD_WORDS.items()):
         yield {"not": {"required": [*words]}}
     beside = {path: {"const": AUTO} if why == STEPPED else False for path, why in NOT_BESIDE.items()}
@@ -249,7 +250,7 @@ def _together() -> Iterator[Schema]:
 
 
 def _needs() -> Iterator[Schema]:
-    """Yield the conditions of keys that a study and its defect require."""
+    """Yield the conditions on required keys of a study and its defect."""
     for name in _required(Case):
         yield _unless_swept({"required": [name]}, name)
     is_scan = {"properties": {"shape": {"const": "scan"}}, "required": ["shape"]}
@@ -264,6 +265,6 @@ def _required(section: type[Section]) -> list[str]:
 
 
 def _unless_swept(needed: Schema, *paths: str) -> Schema:
-    """Require ``needed`` of a study whose sweep sets none of the paths."""
+    """Require the schema ``needed`` unless the sweep may set one of the paths."""
     setting = [{"required": [word]} for word in (*paths, "zip", "derived", *KINDS)]
     return {"if": {"properties": {"sweep": {"not": {"anyOf": setting}}}}, "then": needed}

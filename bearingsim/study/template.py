@@ -1,7 +1,7 @@
-"""The study that `bearingsim new` writes."""
+"""Template of a study, written by `bearingsim new`."""
 
 SCHEMA_FILE = "study.schema.json"
-"""Name of the schema beside a study, by which editors complete and check it."""
+"""File name of the schema, which editors use to complete and check a study in the same folder."""
 
 NEW_STUDY = (
     f"# yaml-language-server: $schema=./{SCHEMA_FILE}\n"

@@ -1,16 +1,15 @@
-"""The section `uncertainty:`: uncertain parameters of a bearing, varied in further jobs to bound their effect.
+"""Section `uncertainty:`: uncertain parameters of a bearing, varied in additional jobs to estimate their effect.
 
     uncertainty: {damping: [0.5 us, 10 us], clearance: [0 um, 10 um], bracket: [0.5, 2]}
 
-Each job is repeated with each value, one parameter at a time: `damping` as c/k of `kraemer`, `clearance` as
-written, `bracket` as a factor on the stiffness of the bracket. Two values are a range, of which three values are
-computed.
+Each job is repeated with each value, one parameter at a time: `damping` is c/k of the law `kraemer`, `bracket` a
+factor on the stiffness of the bracket. Of two values, the middle is computed as well.
 
     uncertainty: {support: unknown}
 
-computes four supports of a flexible ring. Their value is their number, from 1.
+computes four supports of a flexible ring, numbered from 1.
 
-Results need not be monotone in a parameter, so the least and the largest result are no strict bounds.
+Results need not be monotonic in a parameter, so the smallest and largest results are not strict bounds.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -33,9 +32,9 @@ Values = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Uncertain:
-    """An uncertain parameter, `damping` (s), `clearance` (m), `bracket` (1) or `support`, and its values.
+    """Uncertain parameter, `damping` (s), `clearance` (m), `bracket` (1) or `support`, and its values.
 
-    Values of `support` are the numbers of ``SUPPORTS``, from 1.
+    Values of `support` are the positions in ``SUPPORTS``, from 1.
     """
 
     what: str
@@ -44,9 +43,9 @@ class Uncertain:
 
 @dataclass(frozen=True)
 class Unknown:
-    """A kind of uncertain parameter: unit and example of its values, and ``varied``, which sets one in a case.
+    """Kind of uncertain parameter: unit and example of its values, and ``varied``, which sets one in a case.
 
-    choices: names of a discrete parameter's values, which are numbered from 1; a study then states `unknown`.
+    choices: names of the values of a discrete parameter, numbered from 1; its only entry in a study is `unknown`.
     """
 
     dimension: Dimension
@@ -93,7 +92,7 @@ SUPPORTS = {
     "housing of 1e10 N/m/m": RingLoad(by="housing", stiffness=1e10),
     "housing of 1e11 N/m/m": RingLoad(by="housing", stiffness=1e11),
 }
-"""Supports of a flexible ring, by name: the choices of `support: unknown`."""
+"""Supports of a flexible ring tried by `support: unknown`, by name."""
 
 
 def _with_support(case: Case, number: float) -> Case:
@@ -116,12 +115,12 @@ assert tuple(UNKNOWNS) == names.UNKNOWNS, "each has its columns in the table"
 NONE = "none"
 UNKNOWN = "unknown"
 USUAL = Uncertain("damping", (0.5e-6, sqrt(5.0) * 1e-6, 10e-6))
-"""s: c/k varied on a few jobs of a study without `uncertainty`, a lubricated contact without its extremes."""
+"""Damping (c/k, s) tried in a few jobs of a study without `uncertainty`: typical of a lubricated contact."""
 SAMPLED_JOBS = 3
-"""Number of those jobs."""
+"""Number of jobs that are varied in a study without `uncertainty`."""
 BENDING = "bending ring"
 LARGEST_PART = 0.1
-"""Limit of the jobs added without `uncertainty`, relative to the jobs of the study."""
+"""Limit of the jobs added to a study without `uncertainty`, relative to its jobs."""
 
 
 def parse_uncertainty(section: Node | None, problems: list[Problem]) -> tuple[Uncertain, ...] | None:
@@ -188,9 +187,9 @@ def check_possible(
     problems: list[Problem],
     named: bool = True,
 ) -> None:
-    """Add a problem for each parameter with a value that would make a case of the study invalid.
+    """Add a problem for each uncertain parameter with a value that makes a case of the study invalid.
 
-    named: the study names its models; otherwise they are chosen by its `accuracy`.
+    named: True if the study names its models; otherwise `accuracy` chooses them.
     """
     for parameter in uncertain:
         refusals = (_no_support(case, named) for case in cases if parameter.what == "support")
@@ -222,7 +221,7 @@ def _no_support(case: Case, named: bool) -> tuple[str, str] | None:
 
 
 def sampled(cases: Sequence[Case], jobs: int) -> list[Case]:
-    """Sample the cases varied by ``USUAL`` in a study of ``jobs`` jobs without `uncertainty`; may be none."""
+    """Choose the cases varied by ``USUAL`` in a study without `uncertainty`; none if it has too few ``jobs``."""
     able = [case for case in cases if acts("damping", case)]
     if len(able) < SAMPLED_JOBS or SAMPLED_JOBS * len(USUAL.values) > LARGEST_PART * jobs:
         return []
@@ -230,7 +229,7 @@ def sampled(cases: Sequence[Case], jobs: int) -> list[Case]:
 
 
 def group_by_kind(tried: Iterable[tuple[str, float]]) -> dict[str, list[float]]:
-    """Collect values (SI) by kind of uncertainty, from pairs of both."""
+    """Group values (SI) by kind of uncertainty."""
     values: dict[str, list[float]] = {}
     for what, value in tried:
         values.setdefault(what, []).append(value)
@@ -253,7 +252,7 @@ def acts(what: str, case: Case) -> bool:
 
 
 def variations(case: Case, uncertain: Sequence[Uncertain]) -> list[tuple[str, float, Case]]:
-    """List the case with each value of the uncertain parameters that act on it, one at a time."""
+    """List variants of a case with each value of the uncertain parameters that act on it, one at a time."""
     return [
         (parameter.what, value, UNKNOWNS[parameter.what].varied(case, value))
         for parameter in uncertain
@@ -269,7 +268,7 @@ _RING_CHANNELS = ("ring.", "displacement", "velocity", "acceleration")
 
 
 def assumes_rigid_ring(cases: Iterable[Case], drawn: Iterable[str], uncertain: Sequence[Uncertain] | None) -> bool:
-    """Return True if a study omits `ring`, although a figure (features: drawn) or record depends on it."""
+    """Return True if a study omits `ring`, although a record or a feature in a figure (drawn) depends on it."""
     if any(parameter.what == "support" for parameter in uncertain or ()):
         return False
     seen = any(name.startswith(_RING_CHANNELS) for name in drawn)
@@ -278,9 +277,9 @@ def assumes_rigid_ring(cases: Iterable[Case], drawn: Iterable[str], uncertain: S
 
 
 def unexamined(cases: int, duration: Callable[[float], str], seconds: float) -> str:
-    """Return the sentence for a damping that is not varied, with the cost of varying it.
+    """Return the remark that damping is not varied, with the cost of varying it.
 
-    cases: number of cases that depend on it; seconds: their CPU time; duration: formats a time (s).
+    cases: number of cases that depend on damping; seconds: their CPU time; duration: formatter of a time (s).
     """
     jobs, time = len(USUAL.values) * cases, duration(len(USUAL.values) * seconds)
     return (

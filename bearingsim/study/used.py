@@ -36,10 +36,10 @@ INACTIVE: dict[str, Any] = {
     },
     "defects": {"roller": None, "offset": 0.0, "edge": None, "grown": None, "seed": None, "digest": None},
 }
-"""Values without effect. They are omitted from ids, so that a new field does not change the ids of results."""
+"""Values without effect, which are omitted from ids so that new fields do not change the ids of results."""
 
 OLD_NAMES = {new: old for old, new in OLD_WORDS.items()}
-"""Former keys from which ids are computed: a new key must not change the ids of results."""
+"""Deprecated names of keys, which ids still use so that renaming does not change the ids of results."""
 
 IN_SPACE: dict[str, tuple[str, ...]] = {
     "bearing": ("roller_profile", "flanges"),
@@ -47,11 +47,11 @@ IN_SPACE: dict[str, tuple[str, ...]] = {
     "cage": ("axial_clearance",),
     "shaft": MOUNT_FIELDS,
 }
-"""Values that only the spatial model depends on."""
+"""Fields that only affect the spatial model, by section."""
 
 
 SENSOR_ANGLE = "sensor.angle"
-"""Duplicate of `rig.sensor_angle`."""
+"""Path of the sensor's angle in the rig, a duplicate of `sensor_angle`."""
 
 
 def used(case: Case) -> dict[str, str]:
@@ -67,14 +67,14 @@ def used(case: Case) -> dict[str, str]:
     if case.method is None:
         texts.pop("prove", None)
     if case.antialias and any(map(is_contact_force, case.record)):
-        texts["forces"] = '"raw"'  # earlier versions low-passed them
+        texts["forces"] = '"raw"'  # earlier versions filtered them
     if not catalogue.MODELS[case.model].slips and case.excitation != "random-impulses":
         texts.pop("seed", None)
     return texts
 
 
 def is_random(case: Case) -> bool:
-    """Return True if results depend on `seed`: random impulses, or rollers loose in a free cage."""
+    """Return True if results depend on `seed`: with random impulses, or rollers with play in a free cage."""
     loose = case.cage is not None and case.cage.motion == "free" and catalogue.MODELS[case.model].slips
     return case.excitation == "random-impulses" or loose
 
@@ -121,7 +121,7 @@ def _text_of_section(name: str, section: Section, unused: tuple[str, ...]) -> st
 
 
 def json_text(value: Any) -> str:
-    """Return JSON with 12 significant digits, without names and sources."""
+    """Return a value as JSON with 12 significant digits, without names and sources."""
     return json.dumps(_canonical(value), sort_keys=True, separators=(",", ":"))
 
 
@@ -136,9 +136,9 @@ def _canonical(value: Any) -> Any:
 
 
 def extensions(case: Case) -> dict[str, str]:
-    """Return the digest of the code of other packages, if the case uses any: an edited law changes results.
+    """Return the digest of the code of extensions, if the case uses any, because edited code changes results.
 
-    Features of other packages are computed from the record of every case.
+    Features of extensions count for every case, because they are computed from every record.
     """
     laws = {"stiffness": case.contact.elastic_law, "damping": getattr(case.contact.damping, "law", "")}
     laws |= {"friction": getattr(case.friction, "law", "none")}
@@ -161,7 +161,7 @@ def _uses_material(case: Case) -> bool:
 
 
 def _uses_pressure(case: Case) -> bool:
-    """Return True if the excitation by defects depends on the contact pressure, and so on the material."""
+    """Return True if the excitation depends on the contact pressure, and therefore on the material."""
     return bool(case.defects) and case.excitation in ("pressure-share", "elastic-edge")
 
 

@@ -1,4 +1,4 @@
-"""Keys of a sweep that are not paths, a design, `derived`, `where` and `repeat`, and their changes by `quick`."""
+"""Keys of a sweep that are not paths: designs, `derived`, `where` and `repeat`."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -12,11 +12,11 @@ COMMAND_LINE_WORDS = ("repeat", *(f"{kind}.{word}" for kind in KINDS for word in
 """Keys that `--set` can change."""
 
 Words = dict[str, Node]
-"""Entry of each key in a study."""
+"""Entries of these keys in a study."""
 
 
 def renewed(words: Words, key: str, node: Node) -> Words:
-    """Update one key: a design replaces another design, and is merged with one of the same kind."""
+    """Update one key. A design replaces a design of another kind, and is merged with one of the same kind."""
     kept = {word: entry for word, entry in words.items() if word == key or key not in KINDS or word not in KINDS}
     former = kept.get(key)
     if former is not None and former.mapping and node.mapping:
@@ -30,7 +30,7 @@ def named_by(words: Mapping[str, Node]) -> set[str]:
 
 
 def remove_path(words: Words, path: str) -> Words:
-    """Remove a path, however spelled, from all keys; a key without paths is removed."""
+    """Remove a path, in any spelling, from all keys; remove keys that are left without paths."""
     remaining: Words = {}
     for word, node in words.items():
         entries = entries_of(word, node)
@@ -52,7 +52,7 @@ def entries_of(word: str, node: Node) -> dict[str, Node]:
 
 
 def _with_entries(word: str, node: Node, entries: dict[str, Node]) -> Node:
-    """Return the entry of a design or `derived` with these paths only."""
+    """Return the entry of a design or `derived`, restricted to these paths."""
     if word not in KINDS:
         return replace(node, value=entries)
     return replace(node, value=node.mapping | {"over": replace(node.mapping["over"], value=entries)})
