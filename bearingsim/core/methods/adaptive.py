@@ -1,19 +1,19 @@
-"""The driver of every adaptive method: chooses steps, ends them on jumps, and shows the recorded instants.
+"""Driver of all adaptive methods: step size control, stops at jumps, and states at recorded instants.
 
-A method's steps run ahead of the recorded instants, which are found in them by its dense output; so what is
-recorded changes no step. All that a run remembers lies in the buffer: a run in pieces equals the run in one.
+Steps run ahead of the recorded instants, whose states are computed by dense output, so recording does not affect
+the steps. The complete state of a run is in the buffer, so a run in pieces is identical to one in a single piece.
 
 Error: e of a step's positions and velocities, coordinate by coordinate in metres (angles by the arm they act at),
 
     |e|^2 = sum (e_q/atol_q)^2 + sum (e_v/(atol_v + rtol |v|))^2,   accepted if |e| <= 1
 
-a sum and not a mean: one roller that hits is not averaged away by twelve that do not. Step: proportional-integral
-control (Gustafsson 1991; Hairer and Wanner, Solving ODEs II, sec. IV.2), which also keeps an explicit method
-quiet where stability limits it. First step: Hairer, Norsett and Wanner, Solving ODEs I, sec. II.4.
+a sum and not a mean, because the impact of one roller must not be averaged out by the others. Step:
+proportional-integral control (Gustafsson 1991; Hairer and Wanner, Solving ODEs II, sec. IV.2), which also avoids
+step size oscillations of an explicit method at its stability limit. First step: Hairer, Norsett and Wanner,
+Solving ODEs I, sec. II.4.
 
-At a jump (``defects/jumps.py``) a step ends just before it, and the next begins just after it: no method looks
-across. What lies between is less than rounding leaves of the time; explicit methods take it by the trapezoidal
-rule.
+At a jump (``defects/jumps.py``) a step ends just before it, and the next begins just after it, so no step contains
+a jump. The gap is of the order of rounding errors of the time; explicit methods cross it by the trapezoidal rule.
 """
 
 from collections.abc import Callable
@@ -40,19 +40,19 @@ from bearingsim.core.parameters import lanes
 ADAPTIVE = "adaptive tableau rodas backward-euler generalized-alpha"  # owners of the rows of every adaptive method
 # states at the start and at the end of a step
 START_Q, START_V, START_A, END_Q, END_V, END_A = lay.states(lay.STAGE, "m, m/s, m/s^2", ADAPTIVE, "step", count=2)
-METHOD_STATES = lay.STAGE + 6 * lay.STATE  # 49 blocks that each method declares for itself
-# length (m) per unit of each coordinate; 0 of entries that are no coordinates
+METHOD_STATES = lay.STAGE + 6 * lay.STATE  # 49 blocks, declared by each method
+# length (m) per unit of each coordinate; 0 for entries that are not coordinates
 (LENGTH_SCALE,) = lay.states(lay.STAGE + 55 * lay.STATE, "1", ADAPTIVE, "run")
 
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 5.0  # bounds of the change of a step (1)
-SMALL_ERROR = 1e-4  # error over tolerance; a smaller one is rounding to the controller
-MIN_STEP = 1e-15  # s: steps below it, or below some roundings of the time, are none
+SMALL_ERROR = 1e-4  # error over tolerance; the controller treats smaller ones as this value
+MIN_STEP = 1e-15  # s: least step, unless several rounding errors of the time are larger
 TIME_ROUNDING = 8 * 2.0**-52
 JUMP_STEP = 1e-13  # s: in steps shorter than this an L-stable method need not locate the jump
 JUMP_GAP = 1e-12  # s: distance from a jump at which a step ends or begins
 MAX_ATTEMPTS = 100_000  # steps between two recorded instants
-ATTEMPTS_A_LOOK = 64  # steps between two looks at the clock
-TIME_TOLERANCE = 1e-9  # part of the recording interval within which a step's end counts as the instant
+ATTEMPTS_A_LOOK = 64  # steps between readings of the clock
+TIME_TOLERANCE = 1e-9  # part of the recording interval within which a step's end is used for the instant
 
 
 @generic
@@ -67,18 +67,19 @@ def failure_outcome(method: Any) -> int:
 
 @generic
 def jump_weight(method: Any) -> float:
-    """Return the weight, 0 to 1, of the forces just behind a jump when it is hopped over.
+    """Return the weight, 0 to 1, of the forces just behind a jump when it is crossed.
 
-    An implicit method takes those before it alone: a dashpot may be so stiff that even JUMP_GAP is too long a step
-    for the velocity that a jump leaves, and the next step settles it.
+    An implicit method uses only those before it, because with a stiff dashpot even JUMP_GAP can be too long a step
+    for the velocity after a jump; the next step corrects this.
     """
 
 
 @generic
 def complete_dense_output(method: Any, model: Any, y: Any) -> None:
-    """Evaluate what the dense output of the step just taken needs beyond it; once a step, and only if asked for.
+    """Evaluate the additional stages for the dense output of the last step, at most once per step and only if
+    needed.
 
-    The state's blocks may be used, and are left as they fall; START, END, METHOD_STATES are the step's.
+    The state's blocks may be overwritten; START, END and METHOD_STATES belong to the step.
     """
 
 
@@ -89,15 +90,16 @@ def no_completion(method, model, y):
 def register_adaptive(
     parameters: type, order: float, more: Callable = no_completion, end: int = STEP_TOO_SMALL, across: float = 1.0
 ) -> None:
-    """Make a method adaptive that has ``attempt`` and ``interpolate``; parameters: fields as of ``Tolerances``.
+    """Register a method with ``attempt`` and ``interpolate`` as adaptive; parameters: type with the fields of
+    ``Tolerances``.
 
-    order: power of the step that its estimate goes with; more: its ``complete_dense_output``; end: its
+    order: exponent of the step in its error estimate; more: its ``complete_dense_output``; end: its
     ``failure_outcome``; across: its ``jump_weight``.
     """
     prepare.register(parameters)(_prepare)
     step.register(parameters)(_step)
     reach.register(parameters)(_reach)
-    stability_ratio.register(parameters)(no_limit)  # it is held by its error
+    stability_ratio.register(parameters)(no_limit)  # limited by its error
     estimate_order.register(parameters)(lambda method: order)
     complete_dense_output.register(parameters)(more)
     failure_outcome.register(parameters)(lambda method: end)
@@ -139,7 +141,7 @@ def start_from_end(y, n):
 
 @jit
 def fill_length_scales(model, y):
-    """Fill LENGTH_SCALE: 1 of lengths; of angles and axes their lever arm."""
+    """Fill LENGTH_SCALE: 1 for lengths, the lever arm for angles and axes."""
     b = model.bearing
     own, shared = degrees_of_freedom(model)
     shared_scales, own_scales = shared_arms(b), roller_arms(b)
@@ -158,7 +160,7 @@ def fill_length_scales(model, y):
 def error_norm(method, error_q, error_v, y, n):
     """Return the norm of the errors of positions and velocities at ``error_q`` and ``error_v`` over the tolerance.
 
-    Velocities are measured by the larger of those at START and in the state's block.
+    Velocity errors are relative to the larger of the velocities at START and in the state's block.
     """
     total = 0.0
     for j in range(n):
@@ -172,20 +174,20 @@ def error_norm(method, error_q, error_v, y, n):
 
 @jit
 def error_past_jumps(error, h):
-    """Return the error of an L-stable method, at most 1 in a step so short that only a jump of the force can cause
-    it.
+    """Return the error of an L-stable method, limited to 1 in a step so short that only a jump of the force can
+    cause it.
 
-    The force is then felt over all of the step and not over a part of it. Nothing moves by more than rounding
-    meanwhile, and the impulse that it is out by is made good by the same dashpot before anything else moves: no
-    dashpot relaxes within 1e-12 s (1e-11 s: 1e9 N s/m on 10 g).
+    The force then acts over the whole step instead of a part of it. Displacements in the step are rounding errors,
+    and the same dashpot compensates the error of the impulse before any other motion, because the shortest
+    relaxation time is 1e-11 s (1e9 N s/m on 10 g).
     """
     return 1.0 if h <= JUMP_STEP and isfinite(error) and error > 1.0 else error
 
 
 @jit
 def scaled_norm(method, q, v, y, n):
-    """Return the same norm of any position and velocity, in the blocks at ``q`` and ``v``; velocities by
-    START's."""
+    """Return the norm of any position and velocity in the blocks at ``q`` and ``v``, relative to the velocities at
+    START."""
     total = 0.0
     for j in range(n):
         lever = y[LENGTH_SCALE + j]
@@ -200,7 +202,7 @@ def scaled_norm(method, q, v, y, n):
 
 @jit
 def first_step(method, model, t, y, n):
-    """Return the length (s) of the first step from the state at START: an Euler step's worth of what changes."""
+    """Return the length (s) of the first step from the state at START, from the change over an Euler step."""
     moving = scaled_norm(method, START_V, START_A, y, n)
     h = 1e-2 * scaled_norm(method, START_Q, START_V, y, n) / moving if moving > 0.0 else method.longest
     h = min(max(h, 1e-3 * method.longest), method.longest)
@@ -221,13 +223,13 @@ def first_step(method, model, t, y, n):
 
 @jit
 def shrink_factor(method, error):
-    """Factor for a refused step's length; a state that is not finite says nothing of how far it was too long."""
+    """Return the factor for a rejected step's length, the least one if the error is not finite."""
     return max(MIN_FACTOR, SAFETY * error ** (-1.0 / estimate_order(method))) if isfinite(error) else MIN_FACTOR
 
 
 @jit
 def growth_factor(method, error, before):
-    """Factor for the next step's length, from the error of this one and of the one ``before``."""
+    """Return the factor for the next step's length, from this step's error and the previous one, ``before``."""
     k = estimate_order(method)
     return min(MAX_FACTOR, max(MIN_FACTOR, SAFETY * max(error, SMALL_ERROR) ** (-0.7 / k) * before ** (0.4 / k)))
 
@@ -246,7 +248,7 @@ def fit_to_stop(h, left):
 
 @jit
 def cross_jump(method, model, y, n):
-    """Step from just before a jump to just after it; the length of the last step is kept."""
+    """Step from just before a jump to just after it without changing the stored length of the last step."""
     t, weight = y[lay.T_END] + 2.0 * JUMP_GAP, jump_weight(method)
     for j in range(n):
         y[lay.POSITION + j] = y[END_Q + j] + 2.0 * JUMP_GAP * y[END_V + j]
@@ -262,7 +264,7 @@ def cross_jump(method, model, y, n):
 
 @jit
 def take_step(method, model, y, n):
-    """Attempt steps from END until one is accepted, or the floor is reached; returns the attempts."""
+    """Attempt steps from END until one is accepted or the least step is reached; return the number of attempts."""
     t = y[lay.T_END]
     start_from_end(y, n)
     wanted = min(y[lay.H_NEXT], method.longest)
@@ -310,7 +312,7 @@ def advance_once(method, model, y):
 
 @jit
 def arrive(model, y, n):
-    """Take in the end of a step, or of the hop over a jump."""
+    """Store the state at the end of a step or a crossed jump, and predict the next jump."""
     save_state(y, END_Q, n)
     update_extremes(model, y)
     y[lay.NEXT_STOP] = next_jump(model, y[lay.T_END], y)
@@ -320,8 +322,9 @@ def arrive(model, y, n):
 def middle_state(model, y, n):
     """Set the state in the middle of the last step, contacts included, by Hermite's quintic through both ends.
 
-    It fits positions (m, rad), velocities and accelerations there, to sixth order in the step, so no method's
-    dense output is to be completed for it. Coefficients: those six conditions solved at one half.
+    It interpolates positions (m, rad), velocities and accelerations at both ends with an error of sixth order in
+    the step, so the method's dense output need not be completed. The coefficients solve these six conditions at
+    one half.
     """
     h = y[lay.H_TAKEN]
     per_h = 1.0 / h
@@ -376,7 +379,7 @@ def _step(method, model, t, y):
 
 
 def _reach(method, model, t, y):
-    """Implement ``reach`` for every adaptive method: up to the instant or past it, then back by dense output."""
+    """Implement ``reach`` for every adaptive method: step up to or past the instant, then use dense output."""
     tries, look = 0, ATTEMPTS_A_LOOK
     while y[lay.FAILED] == SUCCESS and y[lay.T_END] < t - TIME_TOLERANCE * method.h:
         tries += advance_once(method, model, y)

@@ -1,21 +1,21 @@
-"""Matrices of the arrow's shape: each roller couples to itself and to the border (rings and cage) only.
+"""Arrow matrices (bordered block diagonal), in which each roller couples only to itself and to the border (rings
+and cage).
 
     | D_1             U_1 |  | x_1 |   | b_1 |      W_j = D_j^-1 U_j
     |      D_2        U_2 |  | x_2 |   | b_2 |      C = B - sum_j L_j W_j          (Schur complement)
     |           ...   ... |  | ... | = | ... |      C x_B = b_B - sum_j L_j D_j^-1 b_j
     | L_1  L_2  ...    B  |  | x_B |   | b_B |      x_j = D_j^-1 b_j - W_j x_B
 
-so that factors and solution cost as much for each roller, however many there are. Rollers lie in lanes: what is
-done to D_j is done to all rollers at once, operation by operation. Source: Golub and Van Loan, Matrix
-Computations, sections 3.2 (LU), 4.5 (block systems); the shape is also called bordered block diagonal.
+so the cost of factorisation and solution is proportional to the number of rollers. Rollers lie in lanes, so each
+operation on D_j is vectorised over all rollers. Source: Golub and Van Loan, Matrix Computations, sections 3.2
+(LU), 4.5 (block systems).
 
-The D_j are factored without exchanging rows. They are I - beta A_v - alpha A_q of one body, near to symmetric
-and positive definite once its rows are weighted by its masses, which is where that is safe; and, unlike the choice
-of a pivot by size, it does not care that some rows are metres and some radians. The border's rows are exchanged,
-by size over the largest in its row.
+The D_j are factored without pivoting. They are I - beta A_v - alpha A_q of one body, nearly symmetric and positive
+definite if the rows are weighted by mass, so this is safe; unlike pivoting by size it is also independent of the
+units of rows (metres and radians). The border is factored with scaled partial pivoting.
 
-Matrices hold a roller's angle absolutely, theta = EPS + PHI_C; blocks of the state hold EPS. ``solve`` and
-``multiply`` take blocks of the state and give such. In padded lanes D = 1, U = L = 0: they change nothing.
+Matrices refer to a roller's absolute angle, theta = EPS + PHI_C; blocks of the state contain EPS. ``solve`` and
+``multiply`` accept and return blocks of the state. Padded lanes have D = 1, U = L = 0 and no effect.
 """
 
 from bearingsim.core import layout as lay
@@ -24,7 +24,7 @@ from bearingsim.core.models.interface import degrees_of_freedom, state_width
 
 PIVOTS = (
     lay.SYSTEM + lay.CORNER_BLOCK + lay.MAX_SHARED * lay.MAX_SHARED
-)  # behind the border's block: rows exchanged, their sizes
+)  # behind the border's block: row exchanges, row scales
 
 
 @jit
@@ -41,7 +41,7 @@ def angles_follow_cage(model):
     return own > 1 and shared > lay.PHI_C
 
 
-# the matrix
+# assembly
 
 
 @jit
@@ -84,12 +84,12 @@ def assemble_system(model, alpha, beta, y):
         y[lay.corner_block(lay.SYSTEM, k, k)] += 1.0
 
 
-# its factors
+# factorisation
 
 
 @jit
 def subtract_product(to, of, by, y, n):
-    """Subtract the product of two rows from a row."""
+    """Subtract the elementwise product of two rows from a row."""
     target, left, right = y[to : to + n], y[of : of + n], y[by : by + n]
     for j in range(n):
         target[j] -= left[j] * right[j]
@@ -97,7 +97,7 @@ def subtract_product(to, of, by, y, n):
 
 @jit
 def factorise(model, y):
-    """Factor SYSTEM in place: D_j = L U (of U's diagonal the reciprocals), W_j over U_j, C = P L U over B."""
+    """Factor SYSTEM in place: D_j = L U (reciprocals on U's diagonal), W_j replaces U_j, C = P L U replaces B."""
     own, shared = degrees_of_freedom(model)
     n = roller_lanes(model)
     for p in range(own):
@@ -144,7 +144,7 @@ def solve_rollers(own, column, apart, y, n):
 
 @jit
 def factor_border(shared, y):
-    """Factor the border's block by LU, rows exchanged by size over the largest entry of the row."""
+    """Factor the border's block by LU with scaled partial pivoting."""
     for k in range(shared):
         largest = 0.0
         for m in range(shared):
@@ -174,13 +174,13 @@ def swap(a, b, y, n):
         y[a + m], y[b + m] = y[b + m], y[a + m]
 
 
-# its use
+# solution
 
 
 @jit
 def to_absolute(model, block, sign, y):
-    """Convert the angles of a state block from relative to the pocket to absolute (``sign`` 1) or back (-1); no
-    padded lanes."""
+    """Convert the angles of a state block from relative to the pocket to absolute (``sign`` 1) or back (-1),
+    except in padded lanes."""
     turned = sign * y[block + lay.PHI_C]
     for j in range(roller_lanes(model)):
         y[block + lay.ROW + lay.FIRST_LANE + j] += turned if y[lay.INVERSE_MASS + j] > 0.0 else 0.0
@@ -188,7 +188,7 @@ def to_absolute(model, block, sign, y):
 
 @jit
 def solve(model, block, y):
-    """Solve SYSTEM x = b, in place on the state block that begins at ``block``; SYSTEM is factored."""
+    """Solve SYSTEM x = b in place on the state block at ``block``; SYSTEM must be factored."""
     own, shared = degrees_of_freedom(model)
     n = roller_lanes(model)
     if angles_follow_cage(model):
@@ -214,7 +214,7 @@ def solve(model, block, y):
 
 @jit
 def solve_border(shared, block, y):
-    """Solve the border's own system, in place on the shared cells of ``block``."""
+    """Solve the border's system in place on the shared cells of ``block``."""
     for k in range(shared):
         best = lay.shared_cell(int(y[PIVOTS + k]))
         cell = lay.shared_cell(k)

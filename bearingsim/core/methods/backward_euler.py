@@ -1,15 +1,15 @@
-"""Backward Euler, first order, L-stable, by Newton's method (``newton.py``); steps by an estimate of the error.
+"""Backward Euler, first order, L-stable, solved by Newton's method (``newton.py``), with adaptive steps.
 
     v1 = v + h a1,   q1 = q + h v1,   a1 = f(t + h, q1, v1)
 
-The error of a step is h/2 (v1 - v, a1 - a) to leading order. It is passed through (I - h J)^-1, J the derivative
-of (v, f), as the method itself passes on what it is given: what is too fast to follow decays within the step, and
-its jumps are no errors. Source: Shampine and Baca, Math. Comp. 43 (1984); Hairer and Wanner, Solving ODEs II,
-sec. IV.8. So velocities need no tolerance as fine as that of a dashpot's force (load/c): 1e-3 of those that matter
-will do.
+The error of a step is h/2 (v1 - v, a1 - a) to leading order. It is filtered by (I - h J)^-1, where J is the
+derivative of (v, f), as by the method itself, so motion that is too fast to resolve decays within the step and its
+jumps do not count as errors. Source: Shampine and Baca, Math. Comp. 43 (1984); Hairer and Wanner, Solving ODEs II,
+sec. IV.8. Velocities therefore need no tolerance fine enough for a dashpot's force (load/c); 1e-3 of the relevant
+velocities suffices.
 
-It holds where others fail, with dashpots of 1e9 N s/m, and damps whatever it does not follow. Recorded instants
-lie on the straight line between two ends, whose error is that of the step.
+It works where others fail, with dashpots of 1e9 N s/m, and damps all motion that it does not resolve. Recorded
+instants are interpolated linearly between the ends of a step, with an error of the step's order.
 """
 
 from math import inf
@@ -37,7 +37,7 @@ ERROR_Q, ERROR_V = lay.states(SPARE, "m, m/s", "backward-euler", "step")
 
 
 class BackwardEuler(NamedTuple):
-    """See ``Tolerances``."""
+    """Parameters, as in ``Tolerances``."""
 
     h: float
     rtol: float
@@ -48,7 +48,7 @@ class BackwardEuler(NamedTuple):
 
 @jit
 def set_equation(h, y, n):
-    """Set the step's equation, and its guess: a constant acceleration."""
+    """Set the step's equation, with constant acceleration as the initial guess."""
     for j in range(n):
         y[BASE_Q + j] = y[START_Q + j] + h * y[START_V + j]
         y[BASE_V + j] = y[START_V + j]
@@ -58,7 +58,7 @@ def set_equation(h, y, n):
 
 @jit
 def estimate(model, h, y, n):
-    """Compute (I - h J)^-1 h/2 (v1 - v, a1 - a) into ERROR_Q and ERROR_V; S is that of the step's end."""
+    """Compute (I - h J)^-1 h/2 (v1 - v, a1 - a) into ERROR_Q and ERROR_V, with S at the step's end."""
     for j in range(n):
         y[ERROR_Q + j] = 0.5 * h * (y[lay.VELOCITY + j] - y[START_V + j])
         y[ERROR_V + j] = 0.0

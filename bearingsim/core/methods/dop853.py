@@ -27,7 +27,7 @@ from bearingsim.core.methods.tableau import (
 )
 from bearingsim.core.models.interface import accelerations, state_width
 
-ORDER, STAGES, DENSE_STAGES = 8, 12, 16  # stages of a step, and with those of dense output
+ORDER, STAGES, DENSE_STAGES = 8, 12, 16  # stages of a step, and including those of dense output
 
 
 def full(rows: dict[int, dict[int, float]], count: int, columns: int) -> np.ndarray:
@@ -52,7 +52,7 @@ F_Q, F_V = tuple(map(weights, EXTENSION_Q)), tuple(map(weights, EXTENSION_V))
 
 
 class Dop853(NamedTuple):
-    """As ``Tolerances``."""
+    """Parameters, as in ``Tolerances``."""
 
     h: float
     rtol: float

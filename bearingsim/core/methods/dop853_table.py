@@ -1,7 +1,8 @@
-"""The numbers of DOP853: Hairer, Norsett and Wanner, Solving ODEs I, 2nd ed. 1993, sec. II.5, II.6 and their code.
+"""Coefficients of DOP853: Hairer, Norsett and Wanner, Solving ODEs I, 2nd ed. 1993, sec. II.5, II.6 and their
+code.
 
-Row: {column: number}, zeros left out. STAGE_ROWS: stages 1 to 11; 12, the weights of order 8, at the end of the
-step; 13 to 15, for dense output only. B_3: weights of the embedded method of order 3. E_5: those of order 8 less
+Row: {column: number}, without zeros. STAGE_ROWS: stages 1 to 11; 12, the weights of order 8, at the end of the
+step; 13 to 15 for dense output only. B_3: weights of the embedded method of order 3. E_5: those of order 8 less
 those of order 5. EXTENSION_ROWS: the upper four of the continuous extension's rows, of order 7.
 """
 

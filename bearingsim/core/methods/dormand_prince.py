@@ -1,6 +1,6 @@
 """Dormand and Prince's method of order 5 with an estimate of order 4 and dense output of order 4.
 
-Source: Dormand and Prince 1980; the numbers and the continuous extension from Hairer, Norsett and Wanner, Solving
+Source: Dormand and Prince 1980; coefficients and continuous extension from Hairer, Norsett and Wanner, Solving
 ODEs I, 2nd ed. 1993, table II.5.2 and sec. II.6. Six evaluations a step: the last stage is the next step's first.
 """
 
@@ -51,7 +51,7 @@ F_Q, F_V = tuple(map(weights, EXTENSION_Q)), tuple(map(weights, EXTENSION_V))
 
 
 class DormandPrince(NamedTuple):
-    """As ``Tolerances``."""
+    """Parameters, as in ``Tolerances``."""
 
     h: float
     rtol: float

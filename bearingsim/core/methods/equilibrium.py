@@ -1,8 +1,8 @@
-"""Not an integrator: the balance found anew at every step, for models without inertia.
+"""Static equilibrium at every step, for models without inertia; no time integration.
 
-Velocity and acceleration at t are differences of the positions at t - h, t and t + h. A defect's cusp makes the
-true velocity jump, and samples of a jump have a wrong mean; differences of positions sum to the displacement, so
-lines come out right.
+Velocity and acceleration at t are differences of the positions at t - h, t and t + h. At a defect's cusp the true
+velocity jumps, and samples of a jump have a wrong mean; differences of positions sum to the displacement, so the
+amplitudes of lines are correct.
 """
 
 from typing import NamedTuple
@@ -15,14 +15,15 @@ from bearingsim.core.parts.bending import read_sensor
 
 
 class Equilibrium(NamedTuple):
-    """h: time between balances, s."""
+    """Parameters. h: time between equilibria, s."""
 
     h: float
 
 
 @jit
 def position_at(model, t, y):
-    """Set the ring's position at rest at time ``t`` (s), and that of a bent one at its sensor (m)."""
+    """Find the equilibrium at time ``t`` (s); return the ring's position and a flexible ring's displacement at the
+    sensor (m)."""
     find_rest(model, t, y)
     read_sensor(model.bending, y)
     return y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y], y[lay.SENSOR]

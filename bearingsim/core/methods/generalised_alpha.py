@@ -1,14 +1,16 @@
-"""Generalised-alpha, second order, stable at any step on linear motion, with chosen damping of what is too fast.
+"""Generalised-alpha method, second order, unconditionally stable on linear problems, with adjustable
+high-frequency damping.
 
     (1 - a_m) a1 + a_m a = f at the weighted mean (1 - a_f) of the step's end and a_f of its start
     v1 = v + h ((1 - gamma) a + gamma a1),   q1 = q + h v + h^2 ((1/2 - beta) a + beta a1)
     gamma = 1/2 - a_m + a_f,   beta = (1 - a_m + a_f)^2/4
 
-Source: Chung and Hulbert, J. Appl. Mech. 60 (1993): a_m = (2 rho - 1)/(rho + 1), a_f = rho/(rho + 1), rho the
-factor per step of infinitely fast motion. Such motion is damped in part only: of what a dashpot holds in one step,
--rho is carried on to the next.
+Source: Chung and Hulbert, J. Appl. Mech. 60 (1993): a_m = (2 rho - 1)/(rho + 1), a_f = rho/(rho + 1), where rho is
+the factor per step of infinitely fast motion. Such motion is damped only in part; a stiff dashpot's error in one
+step is multiplied by -rho in the next.
 
-A comparison, as multibody codes have it: its a, kept beside the state, is not f of the state, which is recorded.
+For comparison with multibody codes. The method's own a is stored separately from the state and differs from f,
+which is recorded.
 """
 
 from typing import NamedTuple
@@ -23,26 +25,27 @@ from bearingsim.core.outcomes import NEWTON_FAILED
 
 RHO = 0.8  # per step, of infinitely fast motion
 A_M, A_F = (2.0 * RHO - 1.0) / (RHO + 1.0), RHO / (RHO + 1.0)
-"""The parts that the start of a step has in its balance."""
+"""Weights of the start of a step in its equation."""
 GAMMA, BETA = 0.5 - A_M + A_F, 0.25 * (1.0 - A_M + A_F) ** 2
 (METHOD_ACCELERATION,) = lay.states(SPARE, "m/s^2", "generalized-alpha", "step")  # the method's own acceleration
 
 
 class GeneralisedAlpha(NamedTuple):
-    """h: step, s."""
+    """Parameters. h: step, s."""
 
     h: float
 
 
 @jit
 def tight_tolerances(h):
-    """Return the tolerances of Newton's method: 1e-10 of the velocities, or rounding of the smallest ones."""
+    """Return the tolerances of Newton's method: 1e-10 of the velocities, or the rounding error of the smallest
+    ones."""
     return Tolerances(h, 1e-10, 1e-15, 1e-12, h)
 
 
 @jit
 def equation(method, t, y, n):
-    """Return the step's equation for a1, its guess the last a."""
+    """Return the step's equation for a1, with the last a as the initial guess."""
     h = method.h
     part, weight = 1.0 - A_F, 1.0 / (1.0 - A_M)
     for j in range(n):

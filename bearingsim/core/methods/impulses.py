@@ -1,12 +1,12 @@
-"""Not an integrator: the exact motion of ``impulse`` over a step, with every impulse at its own instant.
+"""Exact motion of ``impulse`` over a step, with each impulse at its own instant; no numerical integration.
 
     x(t + h) = free motion over h from (x, v)  +  sum over impulses in (t, t + h] of free motion from (0, J/m)
 
-What is recorded as velocity and acceleration at t are differences of the positions at t - h, t and t + h, as
-``Equilibrium`` has it: an impulse makes the true velocity jump, by some thousand times what is left of it in a
-line at the fault frequency, and samples of a jump have a wrong mean. Differences of positions sum to the
-displacement. The positions themselves are exact at any step. A line read from their samples is off by (omega_0
-h)^2/12 of it at most, which is aliasing (omega_0^2 = K/m).
+Recorded velocity and acceleration at t are differences of the positions at t - h, t and t + h, as in
+``Equilibrium``, because the true velocity jumps at an impulse, by about a thousand times the amplitude of a line
+at the fault frequency, and samples of a jump have a wrong mean. Differences of positions sum to the displacement.
+The positions themselves are exact at any step. Aliasing changes the amplitude of a line in their samples by
+(omega_0 h)^2/12 at most (omega_0^2 = K/m).
 """
 
 from typing import NamedTuple
@@ -18,21 +18,21 @@ from bearingsim.core.jit import jit
 from bearingsim.core.methods.interface import MethodKind, no_limit, stability_ratio, step
 from bearingsim.core.models.impulse import free_motion
 
-(SPEED,) = lay.states(lay.STAGE, "m/s", "impulses", "step")  # true velocity, from the ring's x on
+(SPEED,) = lay.states(lay.STAGE, "m/s", "impulses", "step")  # true velocity, beginning with the ring's x
 
 
 class Impulses(NamedTuple):
-    """h: time between samples, s."""
+    """Parameters. h: time between samples, s."""
 
     h: float
 
 
 @jit
 def motion_with_impulses(m, K, C, times, J, start, end, x, v):
-    """Return displacement (m) and velocity (m/s) of one mode at ``end`` (s), from those at ``start`` and all
+    """Return displacement (m) and velocity (m/s) of one mode at ``end`` (s), from those at ``start`` and the
     impulses.
 
-    An impulse belongs to the span that its instant ends or lies in: (start, end].
+    Impulses in (start, end] are included.
     """
     x, v = free_motion(m, K, C, end - start, x, v)
     begin, end_of_step = np.searchsorted(times, start, side="right"), np.searchsorted(times, end, side="right")
@@ -45,8 +45,8 @@ def motion_with_impulses(m, K, C, times, J, start, end, x, v):
 
 @jit
 def step_along(m, K, C, times, J, t, h, y, axis):
-    """Step one mode from ``t`` (s) by a whole number of steps."""
-    n = np.rint(t / h)  # all spans begin and end at n h, so that none overlaps the next by a rounding
+    """Advance one mode by a step of ``h`` (s) from ``t`` (s), a whole number of steps."""
+    n = np.rint(t / h)  # all intervals begin and end at n h, so that rounding causes no overlap
     x_0, v_0 = y[lay.POSITION + axis], y[SPEED + axis]
     x_1, v_1 = motion_with_impulses(m, K, C, times, J, n * h, (n + 1.0) * h, x_0, v_0)
     x_2, _ = motion_with_impulses(m, K, C, times, J, (n + 1.0) * h, (n + 2.0) * h, x_1, v_1)

@@ -1,10 +1,10 @@
 """Longest stable step of an explicit method on q'' = -K q - C q', from the amplification matrix of one step.
 
-The limit is tabulated over that of symplectic Euler,
+The limit is tabulated as a ratio to that of symplectic Euler,
 
     h_c = (2/omega)(sqrt(1 + zeta^2) - zeta) = 4/(C + sqrt(C^2 + 4 K)),   omega^2 = K,   zeta = C/(2 omega)
 
-The ratio depends on the damping ratio alone, from no damping to no stiffness (``table_position``).
+The ratio depends only on the damping ratio, from no damping to no stiffness (``table_position``).
 """
 
 from math import acos, pi, sqrt
@@ -15,10 +15,10 @@ import numpy as np
 from bearingsim.core.jit import jit
 
 NODES = 129
-TRIAL_SPACING = 0.1  # of h_c: steps tried for each node
-MAX_REACH = 0.8  # over h_c, times the square of the number of stages: no method reaches further
-ROUNDING = 1e-9  # growth of the amplitude below it counts as none
-LIMIT_SAFETY = 0.999  # of the limit: so much the straight lines between nodes may be over it
+TRIAL_SPACING = 0.1  # of h_c: spacing of trial steps for each node
+MAX_REACH = 0.8  # of h_c, times the square of the number of stages: above the limit of every method
+ROUNDING = 1e-9  # amplification below this counts as stable
+LIMIT_SAFETY = 0.999  # of the limit; margin for the error of linear interpolation between nodes
 
 
 @jit
@@ -29,10 +29,10 @@ def critical_step(K, C):
 
 @jit
 def table_position(K, C):
-    """Return an oscillator's position in the table, 0 to 1: by the angle of its root to 1/2, then by its faster
-    root.
+    """Return an oscillator's position in the table, 0 to 1: up to 1/2 from the angle of its root, beyond from its
+    faster root.
 
-    So the limit of a method whose stability is a function of the root alone has no kink where oscillation ends.
+    The limit of a method whose stability depends only on the root thus has no kink at critical damping.
     """
     if C * C < 4.0 * K:
         return 0.5 - acos(0.5 * C / sqrt(K)) / pi
@@ -41,7 +41,8 @@ def table_position(K, C):
 
 @jit
 def step_over_limit(limits, h, K, C):
-    """Step ``h`` (s) over a method's limit, infinite if K or C is; ``limits``: from ``limit_over_h_c``."""
+    """Return the step ``h`` (s) over a method's limit, infinite if K or C is; ``limits``: from
+    ``limit_over_h_c``."""
     if K <= 0.0 and C <= 0.0:
         return 0.0
     position = (NODES - 1) * table_position(max(K, 0.0), max(C, 0.0))
@@ -62,7 +63,7 @@ def oscillators() -> tuple[np.ndarray, np.ndarray]:
 
 
 def amplification(tableau: Any, K: np.ndarray, C: np.ndarray) -> np.ndarray:
-    """Return the amplification matrices (2, 2, ...) of q and v in a step of 1 s, by the tableau; K, C: (...)."""
+    """Return the tableau's amplification matrices (2, 2, ...) of q and v for a step of 1 s; K, C: (...)."""
     made = np.empty((2, 2, *K.shape))
     for column, (q, v) in enumerate(((1.0, 0.0), (0.0, 1.0))):
         f = np.zeros((len(tableau.c), K.size))

@@ -1,13 +1,13 @@
-"""The equation of an implicit step, solved by a semismooth Newton method with the arrow (``methods/arrow.py``):
+"""Equation of an implicit step, solved by a semismooth Newton method with arrow matrices (``methods/arrow.py``):
 
     x = B + w f(t, q + alpha x, v + beta x),   S = I - w (beta A_v + alpha A_q),   S step = -(x - B - w f)
 
-x: accelerations sought; the exact derivatives on the side that an iterate stands on. Source: Qi and Sun, A
-nonsmooth version of Newton's method, Math. Programming 58 (1993).
+x: unknown accelerations. At a kink the exact derivatives of one side are used. Source: Qi and Sun, A nonsmooth
+version of Newton's method, Math. Programming 58 (1993).
 
-Full steps. Where a contact closes the force has a kink, where a dashpot meets it a jump, over which an iterate may
-leap to and fro; then no solution is found and the step was too long for what happens in it. (A line search, and at
-a jump that part of it which balances the rest, brought nothing: docs/methods.md.)
+Newton steps are not damped. When a contact closes the force has a kink, or with a dashpot a jump, across which the
+iteration may oscillate; then it does not converge and the step is too long. (A line search, and at a jump the
+fraction of it that satisfies the equation, gave no improvement: docs/methods.md.)
 """
 
 from math import isfinite, sqrt
@@ -25,12 +25,13 @@ BASE_Q, BASE_V, OFFSET, UNKNOWN, NEWTON_STEP, RESIDUAL = lay.states(
 SPARE = RESIDUAL + lay.STATE  # first block that an implicit method may declare for itself
 
 MAX_ITERATIONS = 15
-STEP_TOLERANCE = 1e-2  # of the tolerance: a Newton step shorter than this is the last
-ROUNDING = 1e-12  # of positions and their changes: bound of rounding errors, with a margin
+STEP_TOLERANCE = 1e-2  # of the tolerance: the iteration ends with a Newton step below this
+ROUNDING = 1e-12  # relative bound of rounding errors of positions and their changes, with a margin
 
 
 class Equation(NamedTuple):
-    """t: s; alpha (s^2), beta (s): what positions and velocities take of x; weight: w."""
+    """Equation of a step. t: s; alpha (s^2), beta (s): coefficients of x in positions and velocities; weight:
+    w."""
 
     t: float
     alpha: float
@@ -40,7 +41,7 @@ class Equation(NamedTuple):
 
 @jit
 def step_norm(tolerance, equation, y, n):
-    """Return the norm of the Newton step: its change of positions and velocities, over the tolerance."""
+    """Return the norm of the Newton step, its change of positions and velocities over the tolerance."""
     alpha, beta = equation.alpha, equation.beta
     total = 0.0
     for j in range(n):
@@ -73,7 +74,7 @@ def evaluate(model, equation, y, n):
 
 @jit
 def factor_jacobian(model, equation, y):
-    """Factor S where the model was evaluated last."""
+    """Factor S at the state of the model's last evaluation."""
     linearise(model, equation.t, y)
     assemble_system(model, equation.weight * equation.alpha, equation.weight * equation.beta, y)
     factorise(model, y)
@@ -82,7 +83,7 @@ def factor_jacobian(model, equation, y):
 
 @jit
 def worst_residual(model, y):
-    """Set FAILED_BODY: the roller of the largest remaining Newton step; -1: ring or cage."""
+    """Set FAILED_BODY to the roller of the largest remaining Newton step, or -1 for ring or cage."""
     own, _ = degrees_of_freedom(model)
     lanes = roller_lanes(model)
     worst, body = 0.0, -1
@@ -100,10 +101,11 @@ def worst_residual(model, y):
 
 @jit
 def solve_step(tolerance, model, equation, y, n):
-    """Solve from the guess in UNKNOWN; whether that was done.
+    """Solve from the guess in UNKNOWN; return whether the iteration converged.
 
-    tolerance: a ``Tolerances``. BASE_Q, BASE_V, OFFSET and START are in place. Leaves x in UNKNOWN, positions and
-    velocities that belong to it, S factored; contacts are those of the last iterate, within STEP_TOLERANCE.
+    tolerance: a ``Tolerances``. BASE_Q, BASE_V, OFFSET and START must be set. Stores x in UNKNOWN, its positions
+    and velocities in the state, and the factors of S; contacts are those of the last iterate, within
+    STEP_TOLERANCE.
     """
     evaluate(model, equation, y, n)
     for _ in range(MAX_ITERATIONS):

@@ -1,6 +1,6 @@
 """Nystrom's method of fourth order for q'' = f(t, q, v), four evaluations a step.
 
-Its two middle stages share their positions: as cheap as RK4, and made for equations of second order. Source:
+For equations of second order; its two middle stages share their positions, so it costs as much as RK4. Source:
 Nystrom 1925; Hairer, Norsett and Wanner, Solving ODEs I, 2nd ed. 1993, sec. II.14, eq. 14.13 ("Nystrom method of
 order 4" for forces that see the velocity; Kreyszig, Advanced Engineering Mathematics, sec. 21.3).
 """
@@ -19,7 +19,7 @@ TABLE = Tableau(a.sum(axis=1), a, A, np.array([1, 2, 2, 1]) / 6, np.array([1, 1,
 
 
 class Nystrom(NamedTuple):
-    """h: step, s."""
+    """Parameters. h: step, s."""
 
     h: float
 

@@ -1,8 +1,8 @@
 """The classical Runge-Kutta method, fourth order, four evaluations a step (Kutta 1901).
 
 Its stability region reaches -2.785 on the real axis and 2.828 i on the imaginary one; in between, at a damping
-ratio of 0.54, its edge comes as near as 2.615. Written out: as a table in the loop of ``tableau`` a step of
-`rollers` takes a tenth to a third longer (docs/touch_down.md).
+ratio of 0.54, its boundary is at a distance of only 2.615. The stages are written out, because as a table in the
+loop of ``tableau`` a step of `rollers` takes 10 to 33 % longer (docs/touch_down.md).
 """
 
 from typing import NamedTuple
@@ -22,14 +22,14 @@ START_Q, START_V, SUM_Q, SUM_V = lay.states(lay.STAGE, "m, m/s, m/s, m/s^2", "rk
 
 
 class RungeKutta4(NamedTuple):
-    """h: step, s."""
+    """Parameters. h: step, s."""
 
     h: float
 
 
 @jit
 def save_start(y, n):
-    """Remember where the step starts and clear the weighted sums of rates."""
+    """Save the state at the start of the step and clear the weighted sums of rates."""
     for j in range(n):
         y[START_Q + j] = y[lay.POSITION + j]
         y[START_V + j] = y[lay.VELOCITY + j]
@@ -39,7 +39,8 @@ def save_start(y, n):
 
 @jit
 def stage(weight, ahead, y, n):
-    """Add the rates at this stage with their weight (s) and go ``ahead`` (s) from the start along them."""
+    """Add the rates at this stage with their weight (s) and advance the start state by ``ahead`` (s) along
+    them."""
     for j in range(n):
         rate_q, rate_v = y[lay.VELOCITY + j], y[lay.ACCELERATION + j]
         y[SUM_Q + j] += weight * rate_q
@@ -50,7 +51,7 @@ def stage(weight, ahead, y, n):
 
 @jit
 def finish(weight, y, n):
-    """Add the last rates and take the step."""
+    """Add the last rates and set the state at the step's end."""
     for j in range(n):
         y[lay.POSITION + j], y[lay.VELOCITY + j] = (
             y[START_Q + j] + y[SUM_Q + j] + weight * y[lay.VELOCITY + j],

@@ -1,17 +1,17 @@
-"""Rodas4P, a Rosenbrock method of fourth order: L-stable, stiffly accurate, six stages, nothing to iterate on.
+"""Rodas4P, a Rosenbrock method of fourth order: L-stable, stiffly accurate, six stages, without iteration.
 
 With y = (q, v), F = (v, f), its Jacobian J and its time derivative F_t,
 
     (1/(h gamma) - J) u_i = F(t + c_i h, y + sum_k a_ik u_k) + sum_k (e_ik/h) u_k + d_i h F_t,   i = 1..6
     y1 = y + sum_k a_6k u_k + u_6,   error u_6
 
-of which each stage is one solve with the arrow: with u_i = (p, r) and the right-hand side (g_q, g_v),
+where each stage is one solution with an arrow matrix: with u_i = (p, r) and the right-hand side (g_q, g_v),
 
     (I - h gamma A_v - (h gamma)^2 A_q) r = h gamma g_v + (h gamma)^2 A_q g_q,   p = h gamma (r + g_q).
 
 Source: Steinebach, Order-reduction of ROW-methods for DAEs and method of lines applications, Preprint 1741, TH
-Darmstadt 1995; form and dense output: Hairer and Wanner, Solving ODEs II, sec. IV.7. Its order does not fall on
-stiff forced motion, where that of Rodas4 falls to one in the velocity (docs/methods.md).
+Darmstadt 1995; form and dense output: Hairer and Wanner, Solving ODEs II, sec. IV.7. It has no order reduction on
+stiff forced motion, in contrast to Rodas4, whose order falls to one in the velocity (docs/methods.md).
 """
 
 from typing import NamedTuple
@@ -38,7 +38,7 @@ from bearingsim.core.models.interface import accelerations, linearise, state_wid
 
 STAGES = 6
 GAMMA = 0.25
-# a and e: rows of the stages, below the diagonal; c and d: of the time
+# a and e: rows of the stages, below the diagonal; c and d: time coefficients
 A = np.array(
     [
         [0.0, 0.0, 0.0, 0.0, 0.0],
@@ -67,16 +67,16 @@ DENSE = np.array(
         [1.638054557396973, -0.7373619806678748, 8.47791821923899, 15.9925314877952, -1.882352941176471, 0.0],
     ]
 )
-# of the step: over which forces' growth with time is measured; more costs stiff motion its order
+# increment for the forces' time derivative, relative to the step; a larger one reduces the order on stiff motion
 TIME_INCREMENT = 1e-6
 
-# df/dt; right-hand sides of the stage at hand
+# df/dt; right-hand sides of the current stage
 TIME_DERIVATIVE, RIGHT_Q, RIGHT_V = lay.states(METHOD_STATES, "m/s^3, m, m/s", "rodas", "step")
 FIRST = lay.states(RIGHT_V + lay.STATE, "m, m/s", "rodas", "step", count=STAGES)[0]  # p and r of each stage
 
 
 class Rodas(NamedTuple):
-    """See ``Tolerances``."""
+    """Parameters, as in ``Tolerances``."""
 
     h: float
     rtol: float
@@ -87,7 +87,8 @@ class Rodas(NamedTuple):
 
 @jit
 def time_derivative(model, t, h, y, n):
-    """Compute the total time derivative of the accelerations at the start by one evaluation an instant later."""
+    """Compute the total time derivative of the accelerations at the start from one evaluation at a slightly later
+    time."""
     for j in range(n):
         y[lay.POSITION + j] = y[START_Q + j]
         y[lay.VELOCITY + j] = y[START_V + j]
@@ -125,7 +126,7 @@ def end_stage(model, i, h, y, n):
     for j in range(n):
         y[RIGHT_Q + j] += y[lay.VELOCITY + j]
         y[RIGHT_V + j] += y[lay.ACCELERATION + j]
-        y[r + j] = 0.0  # where there is no coordinate, too: a state that was not finite leaves its traces
+        y[r + j] = 0.0  # also where there is no coordinate, to remove values of a non-finite state
     multiply(model, lay.POSITION_JACOBIAN, RIGHT_Q, r, y)
     for j in range(n):
         y[r + j] = within * (y[RIGHT_V + j] + within * y[r + j])
@@ -158,7 +159,7 @@ def _attempt(method, model, t, h, y):
 
 @interpolate.register(Rodas)
 def _interpolate(method, part, h, y, n):
-    """Interpolate in third order: (1 - s) y + s (y1 + (1 - s) sum_k (DENSE_0k + s DENSE_1k) u_k)."""
+    """Interpolate with third order: (1 - s) y + s (y1 + (1 - s) sum_k (DENSE_0k + s DENSE_1k) u_k)."""
     for j in range(n):
         y[lay.POSITION + j] = (1.0 - part) * y[START_Q + j] + part * y[END_Q + j]
         y[lay.VELOCITY + j] = (1.0 - part) * y[START_V + j] + part * y[END_V + j]

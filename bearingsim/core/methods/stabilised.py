@@ -1,9 +1,9 @@
-"""Runge-Kutta-Chebyshev, second order, eight evaluations a step: explicit, and made for heavy damping.
+"""Runge-Kutta-Chebyshev method, second order, eight evaluations a step, explicit, for heavy damping.
 
 With s stages its stability region reaches -0.65 (s^2 - 1) along the real axis, per evaluation s/4 times as far as
-RK4's; to motion that oscillates it gives next to nothing. Source: Sommeijer, Shampine and Verwer, J. Comput. Appl.
-Math. 88 (1998) 315, eqs 2.1-2.6, damping eps = 2/13. Written as a table: its recurrence, unrolled (at eight stages
-rounding does not tell the two apart).
+RK4's; for oscillating motion it has almost no advantage. Source: Sommeijer, Shampine and Verwer, J. Comput. Appl.
+Math. 88 (1998) 315, eqs 2.1-2.6, damping eps = 2/13. The recurrence is unrolled into a table (at eight stages the
+difference is within rounding errors).
 """
 
 from typing import NamedTuple
@@ -18,8 +18,8 @@ STAGES, EPS = 8, 2 / 13
 
 
 def chebyshev_table(s: int) -> Tableau:
-    """Return the method of ``s`` stages: row j weights the rates that lead to Y_j, the last of them the new
-    state."""
+    """Return the method of ``s`` stages: row j contains the weights of the rates in Y_j, the last of which is the
+    new state."""
     w_0 = 1.0 + EPS / s**2
     T = [Chebyshev.basis(j) for j in range(s + 1)]
     derivative, second_derivative = ([float(p.deriv(m)(w_0)) for p in T] for m in (1, 2))
@@ -42,7 +42,7 @@ TABLE = chebyshev_table(STAGES)
 
 
 class Stabilised(NamedTuple):
-    """h: step, s."""
+    """Parameters. h: step, s."""
 
     h: float
 

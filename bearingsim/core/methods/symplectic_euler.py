@@ -2,9 +2,9 @@
 
     v1 = v + h f(t, q, v),   q1 = q + h v1
 
-The force sees the old velocity. On q'' = -K q - C q' the root -1 is reached where h^2 K/4 + h C/2 = 1, that is at
-h_c = (2/omega)(sqrt(1 + zeta^2) - zeta), omega^2 = K, zeta = C/(2 omega): with heavy damping twice velocity
-Verlet's limit. Source: Hairer, Lubich and Wanner, Geometric Numerical Integration, sec. I.1.2.
+The force depends on the old velocity. On q'' = -K q - C q' the root -1 is reached where h^2 K/4 + h C/2 = 1, at
+h_c = (2/omega)(sqrt(1 + zeta^2) - zeta), omega^2 = K, zeta = C/(2 omega). With heavy damping this is twice
+velocity Verlet's limit. Source: Hairer, Lubich and Wanner, Geometric Numerical Integration, sec. I.1.2.
 """
 
 from typing import NamedTuple
@@ -15,7 +15,7 @@ from bearingsim.core.models.by_roller import drift, evaluate, kick
 
 
 class SymplecticEuler(NamedTuple):
-    """h: step, s."""
+    """Parameters. h: step, s."""
 
     h: float
 

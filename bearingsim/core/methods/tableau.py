@@ -1,12 +1,12 @@
-"""Explicit methods as a table and one step.
+"""Explicit methods in the form of a table, with one function for the step.
 
-Of q'' = f(t, q, v), with f_j the accelerations found at the stages,
+For q'' = f(t, q, v), with f_j the accelerations at the stages,
 
     q_i = q + c_i h v + h^2 sum_j A_ij f_j,   v_i = v + h sum_j a_ij f_j,   f_i = f(t + c_i h, q_i, v_i)
 
 and the new state likewise with B and b (Nystrom 1925; Hairer, Norsett and Wanner, Solving ODEs I, sec. II.14). A
-Runge-Kutta method is the one with A = a a and B = b a: the same numbers but for rounding, without its rates of q.
-A step ends with the accelerations at its end, with which the next begins.
+Runge-Kutta method has A = a a and B = b a, which gives the same results except for rounding, without storing rates
+of q. A step ends with the evaluation of the accelerations at its end, with which the next begins.
 """
 
 from typing import NamedTuple
@@ -28,7 +28,7 @@ ERROR_Q, ERROR_V = lay.states(METHOD_STATES + MAX_STAGES * lay.STATE, "m, m/s", 
 
 
 class Tableau(NamedTuple):
-    """c: (s,); a, A: (s, s), strictly lower; b, B: (s,). All without unit."""
+    """Coefficients. c: (s,); a, A: (s, s), strictly lower triangular; b, B: (s,). All dimensionless."""
 
     c: np.ndarray
     a: np.ndarray
@@ -38,7 +38,7 @@ class Tableau(NamedTuple):
 
 
 Row = tuple[float, tuple[float, ...], tuple[float, ...]]
-"""A stage: c_i, and the weights A_ij and a_ij of those before it."""
+"""Stage: c_i, and the weights A_ij and a_ij of the preceding stages."""
 
 
 def rows_of(tableau: Tableau, begin: int, end: int) -> tuple[Row, ...]:
@@ -61,7 +61,7 @@ def runge_kutta(a: np.ndarray, b: np.ndarray) -> Tableau:
 def weighted_accelerations(weights_q, weights_v, y, k):
     """Return sum_j weights_q[j] f_j and sum_j weights_v[j] f_j of entry ``k`` of the state; weights: tuples.
 
-    As many as the weights are, so that the compiler writes the sum out and a loop over entries keeps its lanes.
+    The number of terms is a constant, so the compiler unrolls the sum and vectorises a loop over entries.
     """
     sum_q, sum_v, cell = 0.0, 0.0, METHOD_STATES + k
     for j in range(len(weights_v)):
@@ -110,8 +110,8 @@ def estimate(weights_q, weights_v, h, y, n):
 
 
 def continuous_extension(b: np.ndarray, last: int, higher: np.ndarray) -> np.ndarray:
-    """Return rows F of v(x) = v + h x (F_0 + (1 - x) (F_1 + x (F_2 + (1 - x) (F_3 + ...)))) f, x from 0 to 1: (3 +
-    m, s).
+    """Return rows F (3 + m, s) of v(x) = v + h x (F_0 + (1 - x) (F_1 + x (F_2 + (1 - x) (F_3 + ...)))) f, x from 0
+    to 1.
 
     The first three are Hermite's; ``last``: the stage at the end of the step; higher: (m, s), the method's own.
     Source: Hairer, Norsett and Wanner, Solving ODEs I, sec. II.6.
@@ -139,10 +139,10 @@ def dense_state(F_q, F_v, part, h, y, n):
 
 
 def cusp_of(tableau: Tableau) -> float:
-    """Return the last part of a step at which a jump of the force keeps the order: weights after it sum to the
-    time after it.
+    """Return the last fraction of a step at which a jump of the force causes no first-order error.
 
-    Where there is none within the step, it is the step's end (just before it, that rounding is on the safe side).
+    There the weights of later stages sum to the remaining time. Without such a fraction 0.99 is returned, which is
+    just before the step's end in case of rounding errors.
     """
     nodes = np.unique(np.append(tableau.c, 1.0))
     parts = [float(1.0 - tableau.b[tableau.c > node + 1e-12].sum()) for node in nodes[:-1]]
@@ -151,7 +151,7 @@ def cusp_of(tableau: Tableau) -> float:
 
 
 def register_fixed_step(parameters: type, tableau: Tableau) -> None:
-    """Make a method of a table: parameters: its ``NamedTuple`` (h,)."""
+    """Register a fixed-step method with its table; parameters: its ``NamedTuple`` (h,)."""
     rows, limits = rows_of(tableau, 1, len(tableau.c)), limit_over_h_c(tableau)
     b, B = weights(tableau.b), weights(tableau.B)
 

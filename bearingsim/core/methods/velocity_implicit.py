@@ -1,10 +1,10 @@
-"""Euler's method, implicit in the velocity only: one linear solve a step, positions after (first order).
+"""Euler's method, implicit only in the velocity, first order, one linear solution per step.
 
     (I - h A_v)(v1 - v) = h f(t, q, v),   q1 = q + h v1
 
-A comparison: real-time engines take it for its one evaluation. Heavy damping no longer limits the step, stiffness
-does: q'' = -K q - C q' grows from h^2 K = 4 + 2 h C on. With heavy dashpots its forces are wrong all the same,
-since f is taken where the dashpot was.
+For comparison; real-time engines use it for its single evaluation. Heavy damping does not limit the step, but
+stiffness does: q'' = -K q - C q' is unstable above h^2 K = 4 + 2 h C. With heavy dashpots its forces are wrong,
+because f is evaluated at the start of the step.
 """
 
 from typing import NamedTuple
@@ -15,11 +15,11 @@ from bearingsim.core.methods.arrow import assemble_system, factorise, solve
 from bearingsim.core.methods.interface import MethodKind, no_preparation, prepare, stability_ratio, step
 from bearingsim.core.models.interface import accelerations, linearise, state_width
 
-CHANGE = METHOD_STATES  # of the velocities
+CHANGE = METHOD_STATES  # change of the velocities
 
 
 class VelocityImplicitEuler(NamedTuple):
-    """h: step, s."""
+    """Parameters. h: step, s."""
 
     h: float
 

@@ -1,10 +1,10 @@
-"""Velocity Verlet, second order, one evaluation a step; the damping force sees a predicted velocity.
+"""Velocity Verlet, second order, one evaluation a step; the damping force depends on a predicted velocity.
 
     q1 = q + h v + h^2 a/2,   a1 = f(q1, v + h a),   v1 = v + h (a + a1)/2
 
 Source: Swope et al. 1982; with velocity-dependent forces, Allen and Tildesley ch. 3. On the oscillator
-q'' = -K q - C q' the root -1 is reached where h^2 K/4 + h C = 1 (docs/steps.md): with heavy damping
-half the limit of symplectic Euler.
+q'' = -K q - C q' the root -1 is reached where h^2 K/4 + h C = 1 (docs/steps.md). With heavy damping this is half
+the limit of symplectic Euler.
 """
 
 from typing import NamedTuple
@@ -17,15 +17,15 @@ from bearingsim.core.models.by_roller import drift, evaluate, kick
 
 
 class Verlet(NamedTuple):
-    """h: step, s."""
+    """Parameters. h: step, s."""
 
     h: float
 
 
 @drift.register(Verlet)
 def _drift(method, y, i):
-    """Advance the position to the end of the step, the velocity to its prediction; keep the half-kicked
-    velocity."""
+    """Advance the position to the step's end and the velocity to its prediction; store the velocity at
+    mid-step."""
     h, v, a = method.h, y[lay.VELOCITY + i], y[lay.ACCELERATION + i]
     kicked = v + 0.5 * h * a
     y[KICKED_V + i] = kicked
@@ -35,7 +35,7 @@ def _drift(method, y, i):
 
 @kick.register(Verlet)
 def _kick(method, y, i):
-    """Complete the kick with the new acceleration."""
+    """Complete the velocity step with the new acceleration."""
     y[lay.VELOCITY + i] = y[KICKED_V + i] + 0.5 * method.h * y[lay.ACCELERATION + i]
 
 
