@@ -117,7 +117,7 @@ class CaseFields(Section):
 
     @property
     def checks_step(self) -> bool:
-        """True if the step is to be checked: the model has one, and `step_check` is not false."""
+        """True if the run checks its step: the model has a method, and `step_check` is not false."""
         return bool(self.step_check) and self.method is not None
 
     @property

@@ -23,8 +23,8 @@ STRIBECK = 4.08  # largest roller load relative to F/Z, for line contacts withou
 NOTABLE_SHARE = 0.1  # centrifugal force of a roller above which inertia is needed, relative to the largest load
 
 NEEDS_ROLLER_MASS = "a damping force at first contact needs the mass of a roller"
-"""Reason for the ability `roller inertia`: massless rollers chatter, ever faster, when the ring is thrown upwards
-(docs/stability.md)."""
+"""Remedy of a run that gets stuck: without roller mass, a ring thrown upwards closes its contacts in ever smaller
+and faster impacts (docs/stability.md)."""
 
 Path = tuple[str | int, ...]
 
