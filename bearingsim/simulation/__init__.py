@@ -1,4 +1,4 @@
-"""One case, computed: method and step chosen, the step checked, the motion integrated, features read."""
+"""Simulation of a case: choice of method and step, time integration, step check, and features."""
 
 from bearingsim.simulation.run_setup import SimulationError
 from bearingsim.simulation.simulate import Record, simulate, try_out, warm

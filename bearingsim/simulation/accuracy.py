@@ -1,4 +1,4 @@
-"""Standard errors of the line and the RMS of a record, from its ball passes."""
+"""Standard errors of the BPFO line and the RMS of a record, from its ball passes."""
 
 from typing import Any, NamedTuple
 
@@ -11,11 +11,11 @@ from bearingsim.simulation.recording import RawRecord, Windows, windows
 from bearingsim.simulation.spectral_lines import has_other_lines, lines_of_passes, sensed
 from bearingsim.simulation.time_grid import Grid
 
-MIN_PASSES = 16
+MIN_PASSES = 16  # smallest number of ball passes for a standard error
 COSINES = 12  # over the record: fewer increase Student's t, more miss the correlation of successive passes
 THREE_SIGMA = 0.99865  # probability of a deviation below three sigma
-LOOK_AGAIN = 1.1  # times as many passes until the errors are estimated again
-QUIET_LINE = 1e-3  # part of the RMS (-60 dB): changes of a weaker line are relative to this
+LOOK_AGAIN = 1.1  # ratio of the numbers of passes at successive estimates of the errors
+QUIET_LINE = 1e-3  # part of the RMS (-60 dB) to which changes of a weaker line are relative
 
 
 class StandardErrors(NamedTuple):
@@ -31,7 +31,7 @@ class StandardErrors(NamedTuple):
 
 
 def standard_errors(case: Case, model: Any, cut: Grid, raw: RawRecord) -> StandardErrors:
-    """Estimate the standard errors of a record as far as it is computed; infinite of too few passes."""
+    """Estimate the standard errors of the computed part of a record; infinite for too few passes."""
     if raw.repetition.period > 0:
         return StandardErrors(0.0, 0.0)
     taps = sampling_kernel(cut.fine_rate / case.sampling)
@@ -54,8 +54,8 @@ def _error_from_samples(
 ) -> float:
     """Estimate the relative standard error of a line that is a plain mean, from all samples of its passes.
 
-    An impact cut by the border of two passes adds to one the part that the other lacks, so whole passes scatter
-    several times more than their mean.
+    An impact divided between two passes adds to one pass what the other lacks, so the scatter of whole passes
+    would overestimate the error of their mean several times.
     """
     M, n, start = of_record.M, len(of_record.index), of_record.start
     velocity, Z_theta_0 = sensed(case, raw, "velocity", start, n * M), case.bearing.rollers * model.bearing.theta_0
@@ -67,7 +67,7 @@ def _error_from_samples(
 def _error_from_passes(
     case: Case, model: Any, cut: Grid, raw: RawRecord, of_record: Windows, least: float
 ) -> float:
-    """Estimate the standard error of a line beside others, from its passes, weighted as for the feature."""
+    """Estimate the relative standard error of BPFO beside other lines, from passes weighted as in the feature."""
     lines = lines_of_passes(case, model, cut, raw).get("velocity", np.empty((1, 0)))[0]
     if len(lines) < MIN_PASSES:
         return np.inf
@@ -82,12 +82,13 @@ def _relative(error: float, line: complex, least: float) -> float:
 
 
 def standard_error(values: np.ndarray, weights: np.ndarray | None = None) -> float:
-    """Estimate the standard error of the mean of ball passes, of which neighbours may be alike.
+    """Estimate the standard error of the mean over ball passes, which may be correlated.
 
-    values: (passes, M), M of each pass, of which the mean course over a pass is no error; weights: (passes,), or
-    equal ones. The spectrum at zero frequency is the mean square of the projections on the lowest cosines over the
-    record (Lazarus, Lewis, Stock and Watson 2018, J. Bus. Econ. Stat. 36, 541: equal-weighted cosines), so that
-    alternation does not count, slow change does. By Student's t three standard errors are as sure as three sigma.
+    values: (passes, M), M values of each pass, from which the mean pass is subtracted; weights: (passes,), by
+    default equal. The spectrum at zero frequency is the mean square of the projections on the lowest cosines over
+    the record (Lazarus, Lewis, Stock and Watson 2018, J. Bus. Econ. Stat. 36, 541: equal-weighted cosines), so
+    alternation does not contribute, but slow change does. The error is scaled by Student's t so that three
+    standard errors have the confidence of three sigma.
     """
     from scipy.fft import dct
     from scipy.special import stdtrit

@@ -1,4 +1,4 @@
-"""Cells of channels in the simulation's buffer, and their values from the recorded rows."""
+"""Buffer cells of the channels, and channel values from the recorded rows."""
 
 from math import cos, sin
 from typing import Any
@@ -56,18 +56,18 @@ ROLLER_ROWS = {
 }
 SLICE_ROWS = {"outer_line_load": lay.LOAD_O, "inner_line_load": lay.LOAD_I}
 BASE = (*RING_MOTION, lay.LOADED_ROLLERS, CAGE_ANGLE, CAGE_SPEED)
-"""Cells that features are computed from, recorded or not: the first rows of every recording."""
+"""Cells from which features are computed; the first rows of every recording, even if not requested."""
 AT_SENSOR = (lay.SENSOR, lay.SENSOR_V, lay.SENSOR_A)
-"""Rows after BASE of a ring that bends: its radial displacement, velocity, acceleration at the sensor."""
+"""Rows after BASE for a flexible ring: its radial displacement, velocity and acceleration at the sensor."""
 
 
 def base(case: Case) -> tuple[int, ...]:
-    """Return the cells of the buffer that features are computed from: the first rows of the case's recording."""
+    """Return the buffer cells from which features are computed, which are the first rows of a case's recording."""
     return BASE if case.rig.ring is None else BASE + AT_SENSOR
 
 
 def cells_of(case: Case, name: str) -> tuple[int, ...]:
-    """List the cells of the buffer of a dataset's values; for the sensor of a rigid ring, of both coordinates."""
+    """List the buffer cells of a dataset; for the sensor on a rigid ring, those of both coordinates."""
     of, _, quantity = name.partition(".")
     if of == "sensor" and case.rig.ring is None:
         return tuple(CELLS[component] for component in dataset_names(f"ring.{quantity}"))
@@ -75,7 +75,7 @@ def cells_of(case: Case, name: str) -> tuple[int, ...]:
 
 
 def cell(name: str) -> int:
-    """Return the cell of a dataset in the buffer."""
+    """Return the buffer cell of a dataset."""
     match = roller_of(name)
     if match is None:
         return CELLS[name]
@@ -86,9 +86,10 @@ def cell(name: str) -> int:
 
 
 def recorded(case: Case) -> np.ndarray:
-    """Return the cells (C,) of the buffer that a run of the case records: ``base``, then its channels.
+    """Return the buffer cells (C,) recorded for a case: ``base``, then its channels.
 
-    If the motion may repeat, a channel of one roller needs those of all: it repeats what others did before it.
+    If the motion may be periodic, a channel of one roller is recorded for all rollers, because the roller repeats
+    the motion of the others.
     """
     names = [name for channel in case.record for name in dataset_names(channel)]
     requested = np.array([p for name in names for p in cells_of(case, name)], dtype=np.int64)
@@ -111,12 +112,12 @@ def requested_rows(case: Case, cells: np.ndarray) -> np.ndarray:
 
 
 def picks(case: Case) -> bool:
-    """Check if raw values are kept at the record's instants: of all, or of contact forces."""
+    """Check if raw values are stored at the sampling instants (of all channels, or of contact forces)."""
     return not case.antialias or any(map(is_contact_force, case.record))
 
 
 def are_contact_forces(case: Case, cells: np.ndarray) -> np.ndarray:
-    """Return the mask (R,) of the cells (R,) that hold contact forces recorded by the case."""
+    """Return a mask (R,) of the cells (R,) of contact forces that the case records."""
     names = [name for channel in case.record if is_contact_force(channel) for name in dataset_names(channel)]
     return np.isin(cells, [p for name in names for p in cells_of(case, name)])
 
@@ -132,14 +133,14 @@ def series(case: Case, model: Any, rows: np.ndarray, cells: np.ndarray, time: np
 
 
 def along(case: Case, rows: list[np.ndarray]) -> np.ndarray:
-    """Return the values of one row; of both coordinates of a ring, their projection on the sensor's direction."""
+    """Return the values of a single row, or the projection of two coordinates on the sensor axis."""
     if len(rows) == 1:
         return rows[0]
     return cos(case.rig.sensor_angle) * rows[0] + sin(case.rig.sensor_angle) * rows[1]
 
 
 def _channel_values(name: str, values: np.ndarray, model: Any, time: np.ndarray) -> np.ndarray:
-    """Convert buffer values to a channel: relative to absolute speeds, forces of slices to line loads."""
+    """Convert buffer values to a channel: relative speeds to absolute ones, slice forces to line loads."""
     b = model.bearing
     if name == "cage.speed":
         return values + b.omega_c * speed_factor(model, time)

@@ -1,8 +1,8 @@
-"""Choice of a case's method and automatic step, and the attempts that follow if a run fails.
+"""Choice of a case's method and automatic step, and of further attempts if a run fails.
 
-The method is the cheapest within 1 % of the defect's line, by the limits of its step and the cost of a step. A
-response that may be periodic is stepped by velocity Verlet until it is. If it is not after some ball passes, and
-another method needs less CPU time for the whole run than Verlet for the rest, that one takes over.
+The method is the cheapest whose error of the defect's line is within 1 %, from its step limit and cost per step. A
+response that may be periodic is integrated by velocity Verlet. If it is not periodic after some ball passes, and
+another method needs less CPU time for the whole run than Verlet for the rest, the other method is used.
 """
 
 from collections.abc import Iterator
@@ -21,16 +21,17 @@ from bearingsim.simulation.repetition import may_repeat
 from bearingsim.simulation.settling import refuse_unsettled, settled
 
 STEP_PARTS = (1.0, 0.5, 0.25, 0.125)
-"""Fractions of the automatic step that are tried in turn; half the step goes with a tenth of the tolerance."""
+"""Fractions of the automatic step, tried in this order; half the step goes with a tenth of the tolerance."""
 ADAPTIVE_MARGIN, IMPLICIT_MARGIN = 1.2, 2.0
-"""Safety factors on the estimated cost of explicit adaptive methods, whose steps stability bounds, and of implicit
-ones, whose steps accuracy bounds."""
+"""Safety factors on the estimated cost of explicit adaptive methods, with steps limited by stability, and of
+implicit methods, with steps limited by accuracy."""
 
 
 class Choice(NamedTuple):
-    """Method of a case, the reason in words, and prices (CPU s) of suitable methods in the order of ``margin``.
+    """Method of a case, the reason in words, and prices (CPU s) of suitable methods.
 
-    patience: ball passes after which a response that is not periodic is left to the next method; 0: never.
+    prices: sorted by price times ``margin``; patience: ball passes after which the next method computes a response
+    that is not periodic, 0 for never.
     """
 
     method: str | None
@@ -40,9 +41,9 @@ class Choice(NamedTuple):
 
 
 class Attempt(NamedTuple):
-    """Case with its method named, and the fraction of the automatic step (or tolerance) to take.
+    """Case with a named method, and the fraction of the automatic step (or tolerance) to use.
 
-    patience: as of ``Choice``.
+    patience: as in ``Choice``.
     """
 
     case: Case
@@ -51,25 +52,25 @@ class Attempt(NamedTuple):
 
 
 def resolved(case: Case) -> Case:
-    """Return the case with a method instead of `auto`, and with a time to settle in."""
+    """Replace `method: auto` and `settle: auto` of a case by the method and time chosen."""
     method = choice(case).method
     return settled(case if method == case.method else with_method(case, method))
 
 
 def limits(case: Case) -> Limits:
-    """Return the limits of the case's step, for its own or the chosen method."""
+    """Return the step limits of a case, for its own or the chosen method."""
     return step_limits(resolved(case))
 
 
 def with_method(case: Case, method: str | None) -> Case:
-    """Return the case with a method of that name."""
+    """Return the case with the given method."""
     return case.model_copy(update={"method": method})
 
 
 def attempts(case: Case) -> Iterator[Attempt]:
-    """Yield the attempts in turn: shorter automatic steps, then (with `auto`) other methods.
+    """Yield the attempts in order: shorter automatic steps, then (with `auto`) other methods.
 
-    If the first method was left for lack of a period, it comes again last, without patience. Raises ``Refused`` if
+    If the first method has a limited patience, it is tried again at the end without limit. Raises ``Refused`` if
     the step check is strict and the run would not settle.
     """
     preferred, patience = resolved(case), choice(case).patience
@@ -84,12 +85,12 @@ def attempts(case: Case) -> Iterator[Attempt]:
 
 
 def has_automatic_step(case: Case) -> bool:
-    """Check if the program chooses the step of a case, and may shorten it (or its tolerance)."""
+    """Check if the program chooses the step of a case and may shorten it (or tighten its tolerance)."""
     return case.automatic and case.tolerance == "auto"
 
 
 def tried(case: Case) -> list[str | None]:
-    """List the methods to compute a case with, each if those before fail; the case's own if it is refused."""
+    """List the methods for a case, each used if the previous ones fail; only its own if the case is refused."""
     try:
         preferred = choice(case).method
     except Refused:
@@ -99,7 +100,7 @@ def tried(case: Case) -> list[str | None]:
 
 
 def alternatives(case: Case) -> list[str]:
-    """List the other automatic methods that can step the case, the cheapest first; none if it has no method."""
+    """List the other automatic methods that can integrate the case, cheapest first; empty without a method."""
     if case.method is None:
         return []
     return [name for name in choice(with_method(case, AUTO)).prices if name != case.method]
@@ -109,13 +110,13 @@ def alternatives(case: Case) -> list[str]:
 def choice(case: Case) -> Choice:
     """Return the cheapest method within 1 % of the defect's line. Raises ``Refused`` like ``limits``.
 
-    A case with `periodic: false` gets the method of the periodic run that it is to check.
+    A case with `periodic: false` gets the same method as with `periodic: true`, which it is meant to verify.
     """
     _refuse_incomplete(case)
     if case.method != AUTO:
         return Choice(case.method, "the case says so" if case.method else f"{case.model} has no method", {})
     able = [name for name in METHODS if METHODS[name].automatic and can_step(case, name)]
-    if case.tolerance != "auto":  # only those that keep one
+    if case.tolerance != "auto":  # only methods with a tolerance
         able = [name for name in able if METHODS[name].adaptive]
     periodic = settled(case).model_copy(update={"periodic": True})
     costs = {name: _cost(with_method(periodic, name)) for name in able}
@@ -136,7 +137,7 @@ def margin(name: str) -> float:
 
 
 def _patience(case: Case, costs: dict[str, Cost]) -> int:
-    """Return the ball passes after which another method is cheaper for the whole run than Verlet for the rest."""
+    """Return the ball passes after which another method replaces Verlet in a case that is not periodic; 0: never."""
     others = [margin(name) * estimate.whole for name, estimate in costs.items() if name != EXPLICIT]
     patience = int(price("patience"))
     rest = costs[EXPLICIT].at_most - patience * costs[EXPLICIT].one_pass
@@ -144,9 +145,10 @@ def _patience(case: Case, costs: dict[str, Cost]) -> int:
 
 
 def can_step(case: Case, name: str) -> bool:
-    """Check if a method can step the case's model: an implicit one needs its derivatives.
+    """Check if a method suits the model of a case. An implicit method needs the derivatives of the model.
 
-    Friction is steep and would set the steps of an explicit adaptive method; methods of fixed step lag it.
+    Friction is stiff and would limit the steps of an explicit adaptive method; methods of fixed step apply it with
+    a lag.
     """
     if METHODS[name].implicit:
         return case.rig.ring is None and not any(missing(case, implicit=True))
@@ -154,13 +156,13 @@ def can_step(case: Case, name: str) -> bool:
 
 
 def is_frictionless(case: Case) -> bool:
-    """Check if a case whose model has friction is without any."""
+    """Check if friction is switched off in a case whose model has friction."""
     on_races = getattr(case.friction, "law", "none") != "none"
     return not on_races and (case.cage is None or case.cage.motion == "kinematic")
 
 
 def _refuse_incomplete(case: Case) -> None:
-    """Raise ``Refused`` if laws or model lack a function that the method calls, UserError for features."""
+    """Raise ``Refused`` if laws or model lack a function that the method calls; UserError for invalid features."""
     refuse_features()
     implicit = case.method not in (None, AUTO) and METHODS[str(case.method)].implicit
     lacking = next(missing(case, implicit), "")
@@ -176,18 +178,18 @@ def _saving(chosen: str, prices: dict[str, float], limits: Limits) -> str:
 
 
 def _cost(case: Case) -> Cost:
-    """Return the cost of a case, its method named, at its own step or the automatic one."""
+    """Return the cost of a case with a named method, at its own step or the automatic one."""
     return cost(case, automatic_step(case, step_limits(case)) if case.step == "auto" else case.step)
 
 
 RECORDED_PER_CROSSING, RECORDED_PER_PERIOD = 25, 4
-"""Recorded instants of an adaptive method over a defect, and in a period of contacts that ring."""
+"""Recorded instants of an adaptive method per defect crossing, and per period of the contacts' vibration."""
 
 
 def automatic_step(case: Case, limits: Limits) -> float:
-    """Return the step (s) measured to keep the defect's line within about 1 % (docs/steps.md).
+    """Return the step (s) at which the defect's line is accurate to about 1 % (measured, docs/steps.md).
 
-    For an adaptive method, which controls its own error, the time between recorded instants.
+    For an adaptive method, which controls its own error, this is the interval between recorded instants.
     """
     model, method = assemble.kind(case), assemble.method_kind(case)
     if assemble.adaptive(case):

@@ -1,6 +1,6 @@
-"""Comparison of two runs of one motion in line, RMS, largest force and all recorded channels.
+"""Comparison of two runs of the same motion in line, RMS, largest force and all recorded channels.
 
-Over one period of a periodic motion, otherwise over the counted ball passes of a pilot.
+A periodic motion is compared over one period, any other over the ball passes of a pilot.
 """
 
 from math import ceil, floor
@@ -26,8 +26,8 @@ FORCE = list(EXTREMES).index("outer_force.max")
 class Changes(NamedTuple):
     """Relative changes from one run to another.
 
-    line: of the defect's line, the worst of several; rms: of the wide band or of the record, the worse;
-    force: of the largest outer force; record: of the recorded channel that changes most.
+    line: largest change of the defects' lines; rms: larger of the changes of the wideband RMS and the RMS of the
+    record; force: change of the largest outer force; record: largest change of any recorded channel.
     """
 
     line: float
@@ -39,10 +39,10 @@ class Changes(NamedTuple):
 class Compared(NamedTuple):
     """Signals of a run over the ball passes that are compared.
 
-    fine: (n,) velocity (m/s) along the sensor at fine samples; recorded: (m,) the same as it is recorded,
-    low-passed or raw; rest: (C, m) all low-passed rows: the motion along the sensor, requested channels;
-    picked: (P, k) all raw rows, at the record's instants; lines: (L, parts) contribution of each part to the
-    complex amplitudes of the defect's lines; force: the largest of an outer contact (N).
+    fine: (n,) velocity (m/s) along the sensor at fine samples; recorded: (m,) the same velocity as recorded,
+    low-passed or raw; rest: (C, m) all low-passed rows (motion along the sensor, requested channels); picked:
+    (P, k) all raw rows at the sampling instants; lines: (L, parts) contribution of each part to the complex
+    amplitudes of the defects' lines; force: largest outer contact force (N).
     """
 
     fine: np.ndarray
@@ -54,7 +54,7 @@ class Compared(NamedTuple):
 
 
 def compare(run: Compared, reference: Compared) -> Changes:
-    """Return the changes from a reference run to another, relative to the reference."""
+    """Return the changes of a run relative to a reference run."""
     quiet = QUIET_LINE * float(np.std(reference.recorded)) or 1.0
     return Changes(
         line=float(
@@ -75,16 +75,16 @@ def compare(run: Compared, reference: Compared) -> Changes:
 
 
 def rms_change(series: np.ndarray, reference: np.ndarray) -> float:
-    """Return the relative change of an RMS about the mean; of a nearly constant series, relative to its size."""
+    """Return the relative change of an RMS about the mean; of a nearly constant series, relative to its peak."""
     size = max(float(np.std(reference)), QUIET_LINE * float(np.abs(reference).max()))
     return float(abs(np.std(series) - np.std(reference)) / (size or 1.0))
 
 
 def change_of_picks(picks: np.ndarray, reference: np.ndarray) -> float:
-    """Return the relative change of the RMS about the mean of raw values, picked at the same instants.
+    """Return the relative change of the RMS about the mean of raw values, sampled at the same instants.
 
-    Instants meet the flanks of an impact by chance, and another step moves these. Changes of single values may
-    cancel in the sum by chance, so the change is at least their root sum of squares.
+    Samples lie on the flanks of an impact by chance, and another step shifts the impact. Changes of single values
+    may cancel in the sum by chance, so the change is at least their root sum of squares.
     """
     of_reference, of_picks = ((series - np.mean(reference)) ** 2 for series in (reference, picks))
     least = (QUIET_LINE * float(np.abs(reference).max(initial=0.0))) ** 2 * len(reference)
@@ -93,7 +93,7 @@ def change_of_picks(picks: np.ndarray, reference: np.ndarray) -> float:
 
 
 def amplitudes(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.ndarray:
-    """Return the contribution (passes,) of each ball pass to a line's complex amplitude (Hann), kinematic cage."""
+    """Return the contribution (passes,) of each ball pass to a line's complex amplitude (Hann, kinematic cage)."""
     start = recording.first_sample(setup.case, setup.cut)
     turning = spectral_lines.sample_angles(setup.model, setup.cut, start, np.zeros(len(series)))
     angle = turning.along(LINES[name], setup.case.bearing.rollers)
@@ -104,30 +104,30 @@ def amplitudes(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.n
 
 
 def line_change(parts: np.ndarray, reference: np.ndarray) -> float:
-    """Return the difference of two lines, from the contribution of each pass.
+    """Return the difference of two lines from the contributions of each pass.
 
-    Errors that differ in sign from pass to pass may cancel in a few passes by chance, so the difference is at
-    least their root sum of squares, its expected value.
+    Errors that change sign from pass to pass may cancel in a few passes by chance, so the difference is at least
+    their root sum of squares, its expected value.
     """
     difference = parts - reference
     return float(max(abs(difference.sum()), np.linalg.norm(difference)))
 
 
 def steady_from(setup: Setup, raw: RawRecord) -> float:
-    """Return the time (s) from which on a periodic motion is steady."""
+    """Return the time (s) from which a periodic motion is steady."""
     return (raw.repetition.computed - raw.repetition.period) / setup.cut.rate
 
 
 def of_orbit(setup: Setup, raw: RawRecord, steady: float) -> Compared:
-    """Return the compared signals of a periodic motion: a period, and of rollers a turn of the cage.
+    """Return the compared signals of a periodic motion, over a period or, if rollers are recorded, a cage turn.
 
-    Raw rows are compared over the record from ``steady`` (s) on, because the instants meet a period's parts by
-    chance.
+    Raw rows are compared over the whole record from ``steady`` (s) on, because one period has samples at only a
+    few of its phases.
     """
     case, cut, model = setup.case, setup.cut, setup.model
     M, period = cut.fine_per_pass, raw.repetition.period
     taps = sampling_kernel(cut.fine_rate / case.sampling)
-    turns = ceil((raw.repetition.computed + ceil(len(taps) / M)) / raw.Z)  # of the cage: each roller in its place
+    turns = ceil((raw.repetition.computed + ceil(len(taps) / M)) / raw.Z)  # whole turns of the cage
     start = turns * raw.Z * M
     fine = spectral_lines.along_sensor(case, raw.read(start, period * M), "velocity")
     length = raw.Z * M if np.any(lay.lane_of(raw.places) >= 0) else period * M
@@ -146,7 +146,7 @@ def _compared(
     lines: np.ndarray,
     peaks: np.ndarray,
 ) -> Compared:
-    """Gather the compared signals; low, picked: rows of all that is recorded, low-passed (or None) and raw."""
+    """Collect the compared signals; low, picked: all recorded rows, low-passed (or None) and raw."""
     rows = picked if low is None else low
     along = {quantity: spectral_lines.along_sensor(case, rows, quantity) for quantity in MOTION}
     motion = np.stack([*along.values()])
@@ -161,12 +161,12 @@ def _compared(
 
 
 def fault_lines(case: Case) -> list[str]:
-    """Return the lines of the case's defects; without any BPFO, at which a healthy bearing vibrates too."""
+    """Return the lines of a case's defects; BPFO for a healthy bearing, which vibrates at it as well."""
     return list(dict.fromkeys(FAULT_LINES[defect.race] for defect in case.defects)) or ["BPFO"]
 
 
 def of_pilot(setup: Setup, raw: RawRecord, passes: int) -> Compared:
-    """Return the compared signals of a pilot: its last ``passes`` ball passes."""
+    """Return the compared signals of a pilot over its ``passes`` ball passes after settling."""
     case, cut = setup.case, setup.cut
     start, length = recording.first_sample(case, cut), passes * cut.fine_per_pass + 1
     fine = spectral_lines.sensed(case, raw, "velocity", start, length)
@@ -178,6 +178,6 @@ def of_pilot(setup: Setup, raw: RawRecord, passes: int) -> Compared:
 
 
 def low_passed(setup: Setup, raw: RawRecord, start: int, length: int) -> np.ndarray:
-    """Return rows (C, ``length``) at fine samples from number ``start``, low-passed as the record is."""
+    """Return all rows (C, ``length``) at fine samples from number ``start``, low-passed like the record."""
     taps = sampling_kernel(setup.cut.fine_rate / setup.case.sampling)
     return raw.through(taps).read(start, length)

@@ -2,9 +2,9 @@
 
     a(q + dq, v + dv) = a(q, v) - K dq - C dv
 
-The monitored bodies (``core/advance.py``), usually the rollers as the lightest, bound a step. A ring that is
-lighter, or that its bracket or shaft holds harder, is faster. The largest eigenvalues of K and C are found by
-power iteration, each product a difference of two evaluations of the model, so that no body is left out.
+Usually the monitored bodies (``core/advance.py``) limit a step, because the rollers are the lightest. A ring that
+is lighter, or more stiffly supported by its bracket or shaft, is faster. The largest eigenvalues of K and C of all
+bodies are computed by power iteration, with matrix products from differences of two evaluations of the model.
 """
 
 from math import sqrt
@@ -16,9 +16,9 @@ from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.models.interface import harmonics, state_width
 
-# rounds of the power iteration: to detect a body four times faster; to converge to its rate
+# power iterations to detect a body four times faster, and to converge to its rate
 SEARCH, REFINE = 3, 24
-SMALL = 1e-3  # of the approach at rest: a displacement in which the contacts are straight
+SMALL = 1e-3  # displacement relative to the approach at rest, at which the contacts are linear
 
 
 class Rates(NamedTuple):
@@ -29,20 +29,20 @@ class Rates(NamedTuple):
 
     @property
     def fastest(self) -> float:
-        """Largest eigenvalue (1/s) of a motion with both, which limits the step of an explicit method."""
+        """Largest eigenvalue (1/s) of a body with both K and C, which limits the step of an explicit method."""
         omega = sqrt(self.K)
         return fastest_rate(omega, self.C / (2.0 * omega)) if omega > 0.0 else self.C
 
 
 def fastest_rate(omega: float, zeta: float) -> float:
-    """Return the largest eigenvalue (1/s) of a motion by its angular frequency (1/s) and damping ratio."""
+    """Return the largest eigenvalue magnitude (1/s) of an oscillator; omega: rad/s, zeta: damping ratio."""
     return omega * (zeta + sqrt(zeta * zeta - 1.0) if zeta > 1.0 else 1.0)
 
 
 def rates_at_rest(model: Any, t: float, y: np.ndarray, approach: float, rounds: int = REFINE) -> Rates:
-    """Find the rates of a bearing at rest at time ``t`` (s), whose buffer ``y`` is left as it is.
+    """Compute the rates of a bearing at rest at time ``t`` (s). The buffer ``y`` is restored.
 
-    approach: of its most loaded contact (m).
+    approach: that of the most loaded contact (m).
     """
     position_scales, velocity_scales = lengths(model).reshape(2, lay.STATE)
     small = SMALL * approach
@@ -53,7 +53,8 @@ def rates_at_rest(model: Any, t: float, y: np.ndarray, approach: float, rounds: 
 def _largest(model: Any, t: float, y: np.ndarray, block: int, arms: np.ndarray, size: float, rounds: int) -> float:
     """Return the largest eigenvalue of minus the Jacobian of the accelerations in a block of the state.
 
-    arms: (STATE,) of each entry, m per unit, 0 if it is no state; size: largest change of an entry, m or m/s.
+    arms: (STATE,) lengths per unit of each entry (m, or 1), 0 if not part of the state; size: largest change of an
+    entry (m or m/s).
     """
     cells = np.flatnonzero(arms)
     arms, changed, accelerated = arms[cells], block + cells, lay.ACCELERATION + cells
@@ -71,10 +72,10 @@ def _largest(model: Any, t: float, y: np.ndarray, block: int, arms: np.ndarray, 
 
 
 def lengths(model: Any) -> np.ndarray:
-    """Return the factors (2 STATE,), m or 1, that turn positions and velocities into lengths and speeds.
+    """Return the factors (2 STATE,), m or 1, that convert positions and velocities into lengths and speeds.
 
-    A roller's rotation grows without end and counts by its speed alone; entries that are no state of the model get
-    0.
+    The factor is 0 for the rotation angle of a roller, which is unbounded (only its speed is used), and for
+    entries outside of the model's state.
     """
     cells = np.full((2, 6, lay.ROW), model.bearing.R_o)
     cells[:, 0, lay.FIRST_LANE :] = 1.0

@@ -1,7 +1,7 @@
-"""Features of a run: lines, statistics, extremes, load zone, cage slip, bands, and those of other packages.
+"""Features of a run: lines, statistics, extremes, load zone, cage slip, bands, and features of other packages.
 
-Features of bands are read from fine samples, which are not low-passed, so they do not depend on `sampling`; the
-fine rate leaves a band unattenuated (``time_grid.grid``).
+Band features are computed from fine samples, which are not low-passed, so they do not depend on `sampling`. The
+fine rate is high enough to leave the bands unattenuated (``time_grid.grid``).
 """
 
 from collections.abc import Callable, Iterable
@@ -51,8 +51,8 @@ def features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, flo
 def statistics(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """Return RMS, peak, crest factor and kurtosis of the record's whole ball passes, along the sensor.
 
-    Of the low-passed motion at fine samples: a peak between two samples of the record counts. Of a raw record, of
-    its samples.
+    They are computed from the low-passed motion at fine samples, so peaks between two samples of the record count.
+    A raw record (`antialias: false`) is evaluated at its own samples.
     """
     read = _low_passed_motion(case, cut, raw) if case.antialias else _raw_motion(case, cut, raw)
     return {
@@ -63,7 +63,7 @@ def statistics(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
 
 
 Motion = Callable[[str], tuple[np.ndarray, np.ndarray | None]]
-"""Function from a quantity to its values (n,) along the sensor, and how often each occurs (None: once)."""
+"""Function that returns the values (n,) of a quantity along the sensor, and their multiplicities (None: one)."""
 
 
 def _raw_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
@@ -73,7 +73,7 @@ def _raw_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
 
 
 def _low_passed_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
-    """Filter the motion along the sensor of the record's distinct passes."""
+    """Filter the motion along the sensor over the record's distinct passes."""
     taps = sampling_kernel(cut.fine_rate / case.sampling)
     of_record, low = windows(case, cut, raw, reach=len(taps) // 2), raw.through(taps)
     count, weights = of_record.distinct * of_record.M, of_record.weights
@@ -82,9 +82,10 @@ def _low_passed_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
 
 
 def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
-    """Return the largest force (N), tilt (rad), line load (N/m) of any roller in the record's whole passes.
+    """Return the largest force (N), tilt (rad) and line load (N/m) of any roller in the record's whole passes.
 
-    If no pass is whole, of the first that the record touches. Quantities that the model does not compute are NaN.
+    If the record has no whole pass, the pass in which it starts is used. Quantities that the model does not
+    compute are NaN.
     """
     entry = MODELS[case.model]
     available = (entry.loaded, entry.loaded, entry.slips, entry.sliced, entry.sliced)
@@ -100,7 +101,7 @@ def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
 
 
 def cage_and_load_zone(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
-    """Return mean extent of the load zone (rad) and slip of the cage; NaN if the model does not compute them."""
+    """Return the mean extent of the load zone (rad) and the cage slip; NaN if the model does not compute them."""
     of_record, entry = windows(case, cut, raw, reach=0), MODELS[case.model]
     start, M = of_record.start, of_record.M
     slip, loaded = np.empty(of_record.distinct * M), 0.0
@@ -122,7 +123,7 @@ def cage_and_load_zone(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dic
 
 
 def band_features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
-    """Return the band features of a case over the whole ball passes of its record; NaN if it holds none."""
+    """Return the band features of a case over the whole ball passes of its record; NaN if there are none."""
     requested = {name: feature for name in case.features if (feature := read_band(name)) is not None}
     of_record = windows(case, cut, raw, reach=0)
     start, count = of_record.start, len(of_record.index) * of_record.M
@@ -144,19 +145,19 @@ def band_features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str
 
 
 def band_of(case: Case, feature: BandFeature) -> Band:
-    """Return the band of a feature; of an envelope without one, the flat band of `sampling`."""
+    """Return the band of a feature; for an envelope without a band, the flat band of `sampling`."""
     return feature.band or Band(0.0, FLAT * case.sampling)
 
 
 def resolves(band: Band, duration: float) -> bool:
-    """Check if a record of ``duration`` (s) holds a period of a band's lowest frequency and of its width."""
+    """Check if ``duration`` (s) covers a period of a band's lowest frequency and of its width."""
     return (band.low == 0.0 or band.low * duration >= 1.0) and (band.high - band.low) * duration >= 1.0
 
 
 def _envelope_line(
     case: Case, feature: BandFeature, band: Band, series: np.ndarray, fs: float, angles: SampleAngles
 ) -> float:
-    """Return the amplitude of a line of the squared envelope; NaN if band or record do not resolve it."""
+    """Return the amplitude of a line of the squared envelope; NaN if the band or record does not resolve it."""
     Z, name, duration = case.bearing.rollers, feature.line, (len(series) - 1) / fs
     ends = np.array([angles.ends().along(line, Z) for line in LINES.values()])
     frequencies = (ends[:, 1] - ends[:, 0]) / (2.0 * pi * duration)
@@ -169,7 +170,7 @@ def _envelope_line(
 
 
 class NotRecorded(UserError, KeyError):
-    """Series that a feature reads and its case does not record."""
+    """Access of a feature to a series that its case does not record."""
 
 
 class Recorded(dict[str, np.ndarray]):
@@ -182,10 +183,10 @@ class Recorded(dict[str, np.ndarray]):
 def extension_features(
     case: Case, time: np.ndarray, series: dict[str, np.ndarray]
 ) -> tuple[dict[str, float], dict[str, str]]:
-    """Read the features of other packages from a record: ``time`` (n,) in s, ``series`` (n,) by name, in SI.
+    """Compute the features of other packages from a record: ``time`` (n,) in s, ``series`` (n,) by name, in SI.
 
-    Returns values, and facts (``NO_VALUE``) of those that are NaN because their series is not recorded, or because
-    they are not finite. Raises BrokenExtension for a feature that fails.
+    Returns the values, and reasons (``NO_VALUE``) for values that are not finite or need a series that is not
+    recorded. Raises BrokenExtension if a feature fails.
     """
     values, reasons = dict[str, float](), dict[str, str]()
     for name, feature in FEATURES.items():

@@ -1,6 +1,6 @@
-"""Integration of a case in time, from its setup to the raw record that features and series are read from.
+"""Time integration of a case, from its setup to the raw record from which features and series are read.
 
-Every run is monitored (``core/advance.py``); a run that the monitor stops raises ``MethodFailure``.
+Every run is monitored (``core/advance.py``); ``MethodFailure`` is raised if the monitor stops it.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -41,20 +41,20 @@ from bearingsim.simulation.run_setup import (
 )
 from bearingsim.simulation.settling import SlowModes, slowest_decay
 
-SECONDS_PER_CALL = 0.1  # s of CPU time between two looks at the clock, about
-FIRST_STEPS, STEPS_PER_CALL = 8, 4000  # steps, or recorded instants, until the first look, and largest number
-NEAR_STEADY = 0.01  # times the closeness of passes that repeat each other: changes that count as none
+SECONDS_PER_CALL = 0.1  # s, approximate CPU time between two readings of the clock
+FIRST_STEPS, STEPS_PER_CALL = 8, 4000  # first and largest number of steps (or recorded instants) between readings
+NEAR_STEADY = 0.01  # fraction of the closeness of periodic passes below which a change counts as zero
 
 
 @dataclass
 class Pace:
-    """CPU time (s) of the integrator so far, and the steps that it takes until the clock is looked at again."""
+    """CPU time (s) of the integrator so far, and the number of steps until the clock is read again."""
 
     cpu_s: float = 0.0
     steps: int = FIRST_STEPS
 
     def add(self, seconds: float, steps: int) -> None:
-        """Count the CPU time of some steps, and choose how many come next."""
+        """Add the CPU time of some steps, and choose the number of the next ones."""
         self.cpu_s += seconds
         self.steps = int(min(STEPS_PER_CALL, max(1.0, steps * SECONDS_PER_CALL / max(seconds, 1e-9))))
 
@@ -71,7 +71,7 @@ _ALL = Taken()
 
 
 def taken() -> Taken:
-    """Return all steps taken in this process so far, those of runs that failed or were compared only included."""
+    """Return the steps taken in this process so far, including failed runs and those used only for comparison."""
     return replace(_ALL)
 
 
@@ -87,7 +87,7 @@ class Looks(Protocol):
 
 
 class Look(NamedTuple):
-    """Inspection of a run after ``passes``; ``enough`` returns whether they are."""
+    """Inspection of a run after each of ``passes``; ``enough`` returns whether the run may end."""
 
     passes: Collection[int]
     enough: Callable[[RawRecord], bool]
@@ -106,13 +106,13 @@ def integrate(
     most: int | None = None,
     look: Looks | None = None,
 ) -> RawRecord:
-    """Step through the ball passes and record fine samples (and raw values if the case needs them).
+    """Integrate the ball passes and record fine samples (and raw values if the case needs them).
 
-    Ends after all of them, or after whole periods of a motion that is periodic within ``close`` (so that a run
-    which starts from there is in phase with it), or at an inspection. nudge: share of its
-    displacement by which the ring is moved at the start; start: positions and velocities there (2, 6, ROW), if not
-    those at rest; patience: ball passes after which a motion that is not periodic raises ``NotRepeating``, 0 for
-    never; most: largest number of ball passes; look: inspections that may end the run.
+    Ends after all passes, at an inspection, or once the motion is periodic within ``close``, after a whole number
+    of periods (so that a run started from its end is in phase). nudge: initial perturbation of the ring, relative
+    to its displacement; start: initial positions and velocities (2, 6, ROW) if not those of static equilibrium;
+    patience: ball passes after which a non-periodic motion raises ``NotRepeating``, 0 for never; most: largest
+    number of ball passes; look: inspections that may end the run.
     """
     case, cut, pace = setup.case, setup.cut, Pace()
     y = _start(setup, nudge, _steady_start(setup, pace, start, close, most))
@@ -136,7 +136,7 @@ def integrate(
     raw = kept.raw(Repetition(passes, period, difference), y)
     if period > 0 and kept.picks:
         kept.pick_repeated(raw.repetition)
-    if MODELS[case.model].memoryless:  # it was never at rest
+    if MODELS[case.model].memoryless:  # the motion does not start from rest
         extend_back(case, raw)
     return raw
 
@@ -149,7 +149,7 @@ def _search(setup: Setup, places: np.ndarray, close: Closeness) -> Search | None
 
 
 def _start(setup: Setup, nudge: float, state: np.ndarray | None = None) -> np.ndarray:
-    """Return a buffer at t = 0, at static equilibrium or ``state``, with accelerations, its method prepared."""
+    """Return a buffer at t = 0, at static equilibrium or ``state``, with accelerations and a prepared method."""
     case, model = setup.case, setup.model
     y, residual = assemble.start(case, model)
     if not residual <= 1e-8 * hypot(case.load, case.load_across):
@@ -177,9 +177,10 @@ def _go_on_from(setup: Setup, t: float, y: np.ndarray) -> None:
 def _steady_start(
     setup: Setup, pace: Pace, start: np.ndarray | None, close: Closeness, most: int | None
 ) -> np.ndarray | None:
-    """Return the state at t = 0, (2, 6, ROW), that slow modes decay to; ``start`` if none is reached.
+    """Return the steady state at t = 0 (2, 6, ROW), extrapolated from slow modes; ``start`` if not reached.
 
-    At the end of each ball pass rollers stand where others stood at t = 0. most: largest number of ball passes.
+    The state is found at the end of a ball pass, where each roller is at the initial position of another, and
+    rotated back. most: largest number of ball passes.
     """
     slow = SlowModes.of(setup.case, setup.model, setup.cut.rate, NEAR_STEADY * close.shrinking)
     if slow is None:
@@ -190,7 +191,7 @@ def _steady_start(
         slow.set_out_from(y[moving], _start(setup, 0.0)[moving])
     places = channels.recorded(setup.case)
     shortened = replace(setup, cut=replace(setup.cut, passes=min(slow.passes, most or slow.passes)))
-    with suppress(MethodFailure):  # if it is not the extrapolation's, the run meets it too
+    with suppress(MethodFailure):  # unless the extrapolation caused it, the run itself fails in the same way
         for _ in _ball_passes(shortened, NoSamples(), y, places, pace):
             passes += 1
             if slow.after_pass(y):
@@ -213,7 +214,7 @@ def _ball_passes(
     window = np.empty((len(places), tail + steps))
     window[:] = y[places][:, np.newaxis]
     _warm_up(setup, samples, y, places)
-    if MODELS[case.model].memoryless:  # never at rest, so the samples before t = 0 follow from the model
+    if MODELS[case.model].memoryless:  # does not start from rest, so the model also gives samples before t = 0
         before = window[:, steps:]
         _record_steps(setup, NoSamples(), -tail, y, places, before, pace)
         take_peaks(y)
@@ -227,7 +228,7 @@ def _ball_passes(
 
 
 def _check_end(setup: Setup, began_at: list[float], y: np.ndarray, passes: int) -> None:
-    """Raise ``MethodFailure`` if the motion is not finite at the end of a run, or defects were stepped over."""
+    """Raise ``MethodFailure`` if the motion is not finite at the end of a run, or steps missed a defect."""
     end = passes * setup.cut.steps_per_pass * setup.cut.step
     if not np.isfinite(_defect_passages(setup, end, y)).all():
         raise stopped(setup, outcomes.NOT_FINITE, outcomes.NO_BODY, end)
@@ -237,10 +238,10 @@ def _check_end(setup: Setup, began_at: list[float], y: np.ndarray, passes: int) 
 
 
 def _warm_up(setup: Setup, samples: NoSamples | Samples, y: np.ndarray, places: np.ndarray) -> None:
-    """Compile or load the integrator before the clock runs, by a step that is discarded."""
+    """Compile or load the integrator outside of the measured CPU time, by a step that is discarded."""
     y = y.copy()
     y[lay.CPU_END] = cpu_time.end()
-    part = np.empty((len(places), 2))[:, :1]  # laid out as parts of a recording: another layout is other code
+    part = np.empty((len(places), 2))[:, :1]  # strided like a recording, because numba compiles for the layout
     advance_and_sample(setup.method, setup.model, setup.monitor, 0, y, places, part, samples)
 
 
@@ -277,20 +278,20 @@ MOTIONS = (
     (slice(0, 2), slice(2, 4), slice(4, 6)),
     (slice(len(BASE), len(BASE) + 1), slice(len(BASE) + 1, len(BASE) + 2), slice(len(BASE) + 2, len(BASE) + 3)),
 )
-"""Rows of place, velocity and acceleration in a recording: of the ring, and of a bent one at its sensor."""
+"""Rows of position, velocity, acceleration in a recording: of the ring, and of a flexible ring at its sensor."""
 NEIGHBOURS = 4  # columns on each side of a difference
 
 
 def differentiate(window: np.ndarray, motion: tuple[slice, slice, slice], column: int, h: float) -> None:
     """Write velocity and acceleration as differences of positions, from ``column`` - NEIGHBOURS on.
 
-    window: (C, n) in SI, ``h`` s from column to column; motion: rows of it, as of ``MOTIONS``; ``column``: at
-    least 2 NEIGHBOURS.
+    window: (C, n) in SI, at intervals of ``h`` s; motion: its rows, as in ``MOTIONS``; ``column``: at least
+    2 NEIGHBOURS.
 
-    An adaptive method takes its own steps between recorded instants. Samples of a velocity that jumps there have a
-    wrong mean, whereas differences of positions sum to the displacement. They are of eighth order: up to 0.15 of
-    the rate of the columns, above which nothing is kept, the velocity is accurate to 1e-3. The last NEIGHBOURS
-    columns, which lack neighbours, are written anew by the next pass.
+    An adaptive method takes several steps between recorded instants. If the velocity jumps between them, its
+    samples have a wrong mean, whereas differences of positions sum to the displacement. The differences are of
+    eighth order: the velocity is accurate to 1e-3 up to 0.15 of the column rate, above which nothing is kept. The
+    last NEIGHBOURS columns, which lack neighbours, are overwritten in the next pass.
     """
     place, velocity, push = (window[rows] for rows in motion)
     n = window.shape[1]
@@ -310,7 +311,7 @@ def differentiate(window: np.ndarray, motion: tuple[slice, slice, slice], column
 def difference_weights(reach: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return weights of u(k h) - u(-k h) in h u', and of u(k h) - 2 u(0) + u(-k h) in h^2 u''; k: 1 to ``reach``.
 
-    The differences are of order 2 ``reach``. Source: Fornberg 1988.
+    The order of accuracy is 2 ``reach``. Source: Fornberg 1988.
     """
     share = [
         (-1) ** (k + 1) * factorial(reach) ** 2 / (factorial(reach - k) * factorial(reach + k))
@@ -320,7 +321,7 @@ def difference_weights(reach: int) -> tuple[tuple[float, ...], tuple[float, ...]
 
 
 def _defect_passages(setup: Setup, t: float, y: np.ndarray) -> list[float]:
-    """Return the passages of each defect at time ``t`` (s); none of a model without contact forces or memory."""
+    """Return the roller passes over each defect until ``t`` (s); empty without contact forces or memory."""
     if not MODELS[setup.case.model].loaded or MODELS[setup.case.model].memoryless:
         return []
     return [passages(setup.model, d, t, y) for d in range(len(setup.model.defects.head))]

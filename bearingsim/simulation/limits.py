@@ -1,8 +1,8 @@
-"""Limits of a case's step: stiffness and damping of its contacts at rest and at impact, and its defects.
+"""Step limits of a case, from stiffness and damping of its contacts at rest and at impact, and from its defects.
 
-An explicit method is stable up to a step that stiffness and damping set. Damping often sets it, and grows with
-the load, so the limit is taken twice: at rest, and at an estimate of the roller's impact on the far edge of the
-steepest defect. Loads, speeds and defects bound the approach and energy of a run that can be trusted.
+Stiffness and damping limit the step at which an explicit method is stable. Damping is often decisive and increases
+with the load, so the limit is computed twice: at static equilibrium, and at an estimated impact of the roller on
+the far edge of the steepest defect. Load, speed and defects also bound the approach and energy of a valid run.
 """
 
 from collections.abc import Iterator
@@ -39,21 +39,20 @@ from bearingsim.cpu_time import bounded
 from bearingsim.errors import Refused
 from bearingsim.simulation.fastest import SEARCH, Rates, fastest_rate, rates_at_rest
 
-LONGEST = 20e-6  # s: longest step of models without a limit
-FASTER = 2.0  # times the rate of the monitored bodies: a faster body bounds the step
-PASS_SAMPLES = 16  # cage angles at which the load at rest is looked at
+LONGEST = 20e-6  # s, longest step of models without a limit
+FASTER = 2.0  # ratio to the rate of the monitored bodies above which another body limits the step
+PASS_SAMPLES = 16  # cage angles in a ball pass at which static equilibrium is computed
 
 
 @dataclass(frozen=True)
 class Limits:
     """Limits of a case's step. Times in s, forces in N, frequencies in Hz; inf where there is no limit.
 
-    The limits are the method's own, on the linearised bearing; ``impact_force`` is an estimate of the peak.
-    damping_ratio is that of a roller (in `ring`, of the ring) on its contacts, without friction; damping_time (s)
-    is c/k of a contact under the largest load at rest, the larger of both races'. fastest_rate (1/s) is the
-    largest eigenvalue of the bearing at rest: of such a body, or of one that is much lighter or held much harder.
-    approach_bound (m), energy_bound (J): approach of a contact and radial energy of motion that no right run
-    exceeds.
+    The limits are those of the method on the linearised bearing; ``impact_force`` is an estimate of the peak.
+    damping_ratio: of a roller (in `ring`, of the ring) on its contacts, without friction; damping_time (s): c/k of
+    a contact under the largest static load, the larger of both races; fastest_rate (1/s): largest eigenvalue of
+    the bearing at rest, of this body or of one that is much lighter or more stiffly supported; approach_bound (m),
+    energy_bound (J): approach of a contact and radial kinetic energy that a valid run does not exceed.
     """
 
     rest_load: float
@@ -71,7 +70,7 @@ class Limits:
 
 
 class SpringRates(NamedTuple):
-    """Stiffness K (1/s^2) and damping C (1/s) of a body over its mass, at rest and at most."""
+    """Stiffness K (1/s^2) and damping C (1/s) of a body over its mass: at rest, and largest."""
 
     K_rest: float
     C_rest: float
@@ -80,7 +79,7 @@ class SpringRates(NamedTuple):
 
 
 def step_limits(case: Case) -> Limits:
-    """Return the limits of the case's step, its method named. Raises ``Refused`` if nothing holds the ring."""
+    """Return the step limits of a case with a named method. Raises ``Refused`` if there is no equilibrium."""
     try:
         limits, rates = _without_method(assemble.bearing_of(full_speed_case(case)))
     except NoEquilibrium as error:
@@ -92,7 +91,7 @@ def step_limits(case: Case) -> Limits:
 
 @lru_cache(maxsize=CACHED_RESTS)
 def _without_method(case: Case) -> tuple[Limits, SpringRates]:
-    """Return the limits without those of a method, and the spring and damping rates that they follow from."""
+    """Return the limits that do not depend on a method, and the rates from which those of a method follow."""
     rest_load, K, C = loads_at_rest(loaded_at_rest(case))
     K_alone, _ = contacts_alone(loaded_at_rest(case))
     frequency = sqrt(K_alone) / (2.0 * pi) if K_alone > 0.0 else inf
@@ -116,7 +115,7 @@ def _without_method(case: Case) -> tuple[Limits, SpringRates]:
 
 
 def damping_ratio_at_rest(case: Case) -> float:
-    """Return the largest damping ratio of a body on its contacts under the load at rest, without friction."""
+    """Return the largest damping ratio of a body on its contacts under static load, without friction."""
     rest_load, *_ = loads_at_rest(loaded_at_rest(case))
     K, C = contacts_alone(loaded_at_rest(case))
     if MODELS[case.model].slips:
@@ -125,14 +124,14 @@ def damping_ratio_at_rest(case: Case) -> float:
 
 
 def _with_defects(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limits, SpringRates]:
-    """Return the limits with the impacts at defects."""
+    """Add the impacts at defects to the limits."""
     model = assemble.model(case)
     speed = closing_speed(model)
     hits = [impact(model.bearing.m_r, law, speed) for law in (model.outer, model.inner)]
     hits += [step_impact(model, law, healthy.rest_load) for law in (model.outer, model.inner)]
-    lighter = max(1.0, model.bearing.m_r / model.bearing.m_o)  # a ring that is feels an impact so much more
+    lighter = max(1.0, model.bearing.m_r / model.bearing.m_o)  # if the ring is the lighter body: over its mass
     _, K_more, C_more = (lighter * max(values) for values in zip(*hits, strict=True))
-    if case.rig.ring is not None:  # the race gives way too
+    if case.rig.ring is not None:  # the flexible race deflects as well
         both = 1.0 + model.bearing.m_r * model.bending.mobility
         K_more, C_more = both * K_more, both * C_more
     deepest, energy_bound = bounds(case, model, healthy)
@@ -150,12 +149,12 @@ def _with_defects(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limi
 def impact_force(model: Any, load: float) -> float:
     """Estimate the largest contact force (N) of a roller that passes the defects under ``load`` (N).
 
-    ``core/defects/passage.py`` states what is left out. Rollers without mass follow a defect without an impact.
+    The simplifications are listed in ``core/defects/passage.py``. Massless rollers follow a defect without impact.
     """
     b = model.bearing
     if b.m_r == 0.0:
         return load
-    model = model._replace(defects=static_model(model).defects)  # of slices each has its share of the roller
+    model = model._replace(defects=static_model(model).defects)  # slices weighted by length
     inwards = max(load - b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i), 0.0)
     deep = approach(model.outer, load), approach(model.inner, inwards)
     peaks = (bounded(partial(passage_peak, model, d, *deep)) for d in range(len(model.defects.head)))
@@ -163,19 +162,19 @@ def impact_force(model: Any, load: float) -> float:
 
 
 APPROACH_MARGIN, ENERGY_MARGIN = 10.0, 1000.0
-"""Factors on the approach and energy explained by load, speed and defects, beyond which a run is stopped.
+"""Factors on the approach and energy expected from load, speed and defects, beyond which a run is stopped.
 
-Measured: docs/step-check.md. They are large because light damping lets a motion grow over many ball passes.
+Measured in docs/step-check.md. They are large because lightly damped vibration may build up over many ball passes.
 """
 
 
 def bounds(case: Case, model: Any, healthy: Limits) -> tuple[float, float]:
     """Return bounds of a contact's approach (m) and of the energy (J) of radial motion.
 
-    Approach: the whole load on one roller, the fall through clearance and defect, and the stopping distance from
-    the closing speed in a contact of the frequency at rest. Energy: the load (and the centrifugal one of the
-    rollers) over that fall, the energy stored at rest, every body at the closing speed, and the speed at which an
-    unbalance drives the inner ring against the shaft's damping.
+    Approach: the whole load on one roller, the drop through clearance and defect, the stopping distance from the
+    closing speed at the contact frequency at rest, and the amplitude due to an unbalance. Energy: the work of the
+    load (and of the rollers' centrifugal force) over that drop and the static approach, and the kinetic energy of
+    all bodies at the closing speed and at the speed of the inner ring due to an unbalance.
     """
     b, v = model.bearing, closing_speed(model)
     load = hypot(case.load, case.load_across) + healthy.rest_load
@@ -189,7 +188,7 @@ def bounds(case: Case, model: Any, healthy: Limits) -> tuple[float, float]:
 
 
 def unbalance_speed(case: Case) -> float:
-    """Return the speed (m/s) of an inner ring that an unbalance drives against the shaft's damping alone."""
+    """Return the speed (m/s) of an inner ring under unbalance, limited by the damping of the shaft alone."""
     if case.unbalance is None or case.shaft is None:
         return 0.0
     c = case.shaft.damping
@@ -197,7 +196,7 @@ def unbalance_speed(case: Case) -> float:
 
 
 def loaded_at_rest(case: Case) -> Case:
-    """Return the case without defects; a model without contact forces is replaced by the lowest that has them."""
+    """Return the case without defects, with the lowest model that has contact forces if its own has none."""
     same = assemble.healthy(case)
     return same if MODELS[case.model].loaded else same.model_copy(update={"model": lowest("forces", "damping")})
 
@@ -215,7 +214,7 @@ def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
 
 @lru_cache(maxsize=CACHED_RESTS)
 def faster_than_monitored(healthy: Case) -> Rates:
-    """Return the rates of a body much faster at rest than the monitored ones; zero if there is none."""
+    """Return the rates at rest of a body much faster than the monitored ones; zero if there is none."""
     load, *monitored = loads_at_rest(healthy)
     model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
     if not MODELS[healthy.model].has_inertia or not degrees_of_freedom.serves(type(model)):
@@ -229,7 +228,7 @@ def faster_than_monitored(healthy: Case) -> Rates:
 
 @lru_cache(maxsize=CACHED_RESTS)
 def contacts_alone(healthy: Case) -> tuple[float, float]:
-    """Return stiffness and damping over mass as ``loads_at_rest``, without those of a ring that bends."""
+    """Return stiffness and damping over mass as ``loads_at_rest``, but without the bending of a flexible ring."""
     if healthy.rig.ring is None or not MODELS[healthy.model].has_inertia:
         return loads_at_rest(healthy)[1:]
     model, rates = assemble.model(healthy), []
@@ -242,7 +241,7 @@ def contacts_alone(healthy: Case) -> tuple[float, float]:
 
 
 def rest_states(model: Any) -> Iterator[tuple[float, np.ndarray, float, float]]:
-    """Yield times (s) of a ball pass, with the buffer at rest, and a body's stiffness and damping over mass."""
+    """Yield times (s) of a ball pass, the buffer at equilibrium, and a body's stiffness and damping over mass."""
     y, pass_time = assemble.empty_buffer(model), 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)
     for n in range(PASS_SAMPLES):
         t = (n + 0.5) / PASS_SAMPLES * pass_time
@@ -252,10 +251,10 @@ def rest_states(model: Any) -> Iterator[tuple[float, np.ndarray, float, float]]:
 
 
 def step_impact(model: Any, law: Any, load: float) -> tuple[float, float, float]:
-    """Return ``impact`` of a roller under ``load`` (N) whose race returns in a step as the defect ends.
+    """Return ``impact`` of a roller under ``load`` (N) at the step in the race at the end of a defect.
 
-    Zeros for excitations without such a step. The roller has fallen in free flight, driven by the energy of its
-    inner contact (at most load times approach), but no deeper than the defect; that depth is its approach.
+    Zeros for excitations without such a step. The roller has dropped in free flight, accelerated by the energy of
+    its inner contact (at most load times approach), by no more than the defect depth; this drop is its approach.
     """
     b, defects = model.bearing, model.defects
     if b.m_r == 0.0 or len(defects.head) == 0 or not isinstance(defects.excitation, STEP_EXCITATIONS):
@@ -269,10 +268,10 @@ def step_impact(model: Any, law: Any, load: float) -> tuple[float, float, float]
 
 
 def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
-    """Return peak force and largest stiffness and damping over m of a free roller (m in kg) that hits a race at
-    ``speed`` (m/s).
+    """Return the peak force (N) of a free roller that hits a race, and the largest K (1/s^2) and C (1/s).
 
-    In N, 1/s^2 (stiffness) and 1/s (damping); zeros for rollers without mass, which have no impact.
+    m: mass of the roller (kg); speed: of the impact (m/s); K, C: stiffness and damping over m. Zeros for massless
+    rollers, which have no impact.
     """
     if m == 0.0 or speed == 0.0:
         return 0.0, 0.0, 0.0
@@ -282,7 +281,7 @@ def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
 
 @lru_cache(maxsize=1024)
 def step_limit(method: str | None, K: float, C: float) -> float:
-    """Return the step (s) at which a method turns unstable; K (1/s^2) and C (1/s) over a body's mass."""
+    """Return the step (s) above which a method is unstable; K (1/s^2), C (1/s): over a body's mass."""
     if method is None or METHODS[method].adaptive or (K == 0.0 and C == 0.0):
         return inf
     method_of = assemble.kind_of_method(method).parameters

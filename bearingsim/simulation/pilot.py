@@ -1,4 +1,4 @@
-"""Pilot of a case, on which its step is checked: its beginning, or all of it with `step_check: strict`."""
+"""Pilot of a case for its step check: the beginning of the run, or the whole run with `step_check: strict`."""
 
 from math import ceil, pi, sqrt
 
@@ -6,23 +6,23 @@ from bearingsim.assemble.scales import full_speed_case
 from bearingsim.config import Case
 from bearingsim.simulation.limits import step_limits
 
-UNCOUNTED_PASSES = 1  # ball passes at the start of a pilot that do not count
-LIGHT_DAMPING = 0.2  # damping ratio of a loaded roller under which a run forgets its start slowly
-SETTLES = 0.05  # s: longest settling of a pilot
-MIN_PASSES, MIN_DURATION = 4, 5e-3  # ball passes, and s, that count
-PILOT_PART = 1 / 16  # of a run that a pilot takes: with its half step a fifth of the run's CPU time
-TURNS = 2.0  # of a defect through the load zone, since passages differ
-DURATION_MARGIN = 1.5  # times the pilot that sees the defects turn: length of a run that allows it
-LONGER_PILOT = 2.0  # times the length of a pilot that was too short
+UNCOUNTED_PASSES = 1  # ball passes at the start of a pilot that are not compared
+LIGHT_DAMPING = 0.2  # damping ratio of a loaded roller below which the transient decays slowly
+SETTLES = 0.05  # s, longest settling of a pilot
+MIN_PASSES, MIN_DURATION = 4, 5e-3  # smallest number of compared ball passes, and their duration (s)
+PILOT_PART = 1 / 16  # part of a run in a pilot; with its finer run, a fifth of the run's CPU time
+TURNS = 2.0  # turns of a defect through the load zone, since its passages differ
+DURATION_MARGIN = 1.5  # ratio of the advised duration to that of a pilot over ``TURNS``
+LONGER_PILOT = 2.0  # length ratio of the advised pilot to one that was too short
 ROUNDING = 1e-9  # of a ball pass
 
 
 def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
-    """Return the beginning of a case, its method named, and the number of ball passes compared.
+    """Return the pilot of a case with a named method, and the number of ball passes compared.
 
-    times: factor on that number. A case with a ramp is run at its highest speed, which demands the shortest step.
-    A lightly damped case settles first, because its transient is long; with `step_check: strict` as long as the
-    run.
+    times: factor on that number. A case with a ramp is run at its highest speed, which needs the shortest step.
+    A lightly damped case settles first, because its transient is long. With `step_check: strict` the pilot settles
+    as long as the run.
     """
     case = full_speed_case(case)
     rate = case.bearing.ball_pass_frequency(case.speed)
@@ -37,12 +37,12 @@ def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
 
 
 def is_lightly_damped(case: Case) -> bool:
-    """Check if damping is so light that the transient from the start is long."""
+    """Check if the initial transient is long because of light damping."""
     return step_limits(case).damping_ratio < LIGHT_DAMPING
 
 
 def compared_part(case: Case) -> float:
-    """Return the part of a run that a pilot compares: all of it with `step_check: strict`."""
+    """Return the part of a run that is compared in a pilot: 1 with `step_check: strict`."""
     return 1.0 if case.step_check == "strict" else PILOT_PART
 
 
@@ -53,7 +53,7 @@ def sees_defect_turns(case: Case, passes: int) -> bool:
 
 
 def longer_duration(case: Case) -> float:
-    """Return the duration (s) of a run whose pilot sees the defects turn; twice this one's if it does."""
+    """Return the duration (s) of a run with a longer pilot: over ``TURNS``, or of twice the present length."""
     short, passes = pilot(case)
     if not sees_defect_turns(case, passes):
         return DURATION_MARGIN * turns_of_defects(case)
@@ -61,9 +61,10 @@ def longer_duration(case: Case) -> float:
 
 
 def check_cost(case: Case) -> float:
-    """Return the CPU time of a step check over that of its run: a pilot at the step, and one at 1/sqrt(5) of it.
+    """Return the ratio of the CPU time of a step check to that of its run.
 
-    A third pilot, if the motion may be chaotic, and longer ones, if the result is doubtful, are not included.
+    A check runs a pilot at the step and one at 1/sqrt(5) of it. The third pilot of a possibly chaotic motion and
+    the longer ones of a doubtful result are not included.
     """
     short, _ = pilot(case)
     return (1.0 + sqrt(5.0)) * (short.settle_s + short.duration) / (case.settle_s + case.duration)
@@ -79,4 +80,4 @@ DEFECT_TURN = {
     "inner": lambda case: 2.0 * pi / full_speed_case(case).speed,
     "roller": lambda case: case.bearing.rollers / case.bearing.ball_pass_frequency(full_speed_case(case).speed),
 }
-"""Time (s) in which a defect of each race turns through the load zone once."""
+"""Time (s) of one turn of a defect through the load zone, by race."""

@@ -1,9 +1,9 @@
-"""CPU time and memory of a case: of its steps, of the passes that check them, of recording and reading features.
+"""CPU time and memory of a case: integration, step check, recording and features.
 
-CPU time is a count of evaluations and operations times the measured prices of ``prices.csv``. These hold for one
-core of a 2.6 GHz server, and are the same on every machine, because the choice of a method rests on them;
-``benchmarks/step_cost.py`` measures them. Memory is that of the arrays alive at once: those of the step check are
-freed before those of the run.
+CPU time is the number of evaluations and operations times the measured prices in ``prices.csv``. These were
+measured on one core of a 2.6 GHz server (``benchmarks/step_cost.py``). They are used on every machine, so that the
+same method is chosen everywhere. Memory is that of the arrays allocated at the same time; arrays of the step check
+are freed before those of the run are allocated.
 """
 
 import csv
@@ -29,10 +29,10 @@ from bearingsim.simulation.settling import extrapolation_passes
 
 TABLE = Path(__file__).with_name("prices.csv")
 USUAL = ""
-"""Name in the table for models and methods without a row, such as another package's model."""
-OWN_PER_PERIOD = 10.0  # steps of an adaptive method in a period of contacts that ring
-RINGING_RATIO = 0.1  # damping ratio under which contacts ring
-# power of the damping ratio, over 1, by which it shortens own steps (Rodas, m3 = 0; others roughly)
+"""Name in the table for models and methods without a row of their own, such as a model of another package."""
+OWN_PER_PERIOD = 10.0  # internal steps of an adaptive method in a period of the contacts' vibration
+RINGING_RATIO = 0.1  # damping ratio below which the contacts' vibration determines the steps
+# exponent of a damping ratio above 1, by which internal steps shorten (Rodas, m3 = 0; others roughly)
 DAMPING_POWER = 0.37
 
 
@@ -44,12 +44,12 @@ def prices() -> dict[tuple[str, str], float]:
 
 
 def price(what: str, name: str = USUAL) -> float:
-    """Return a number of the table, or the usual one."""
+    """Return an entry of the table, or the default entry (``USUAL``) if there is none for ``name``."""
     return prices().get((what, name), prices()[what, USUAL])
 
 
 def compiling(case: Case) -> float:
-    """Return the CPU time (s) of compiling the code of a case, where nothing of it is in the cache."""
+    """Return the CPU time (s) to compile the code of a case with an empty cache."""
     return price("compile", case.model)
 
 
@@ -60,7 +60,7 @@ def evaluation(case: Case) -> float:
 
 
 def bending(case: Case) -> float:
-    """Return the CPU time (s) of a ring which bends, and of the springs around it, in an evaluation."""
+    """Return the CPU time (s) of a flexible ring and its support springs in an evaluation."""
     if case.rig.ring is None:
         return 0.0
     springs = len(spring_properties(ring_parameters(case))[0]) if has_carrier(case.rig) else 0
@@ -70,7 +70,7 @@ def bending(case: Case) -> float:
 def per_step(method: str, model: str, evaluations: int) -> float:
     """Return the CPU time of a method's step in evaluations of the model, overhead included (docs/cost.md).
 
-    evaluations: of the model in a step, the price of a method without a row of its own.
+    evaluations: number of model evaluations in a step, used for a method without a row of its own.
     """
     usual = price("adaptive step") if METHODS[method].adaptive else 1.0
     of_any = prices().get(("step", method), usual * evaluations)
@@ -78,7 +78,7 @@ def per_step(method: str, model: str, evaluations: int) -> float:
 
 
 def per_second(case: Case, step: float) -> float:
-    """Return the CPU time (s) of the steps of a simulated second."""
+    """Return the CPU time (s) of the steps per second of simulated time."""
     kind = assemble.method_kind(case)
     if case.method is None:
         return evaluation(case) / step * kind.evaluations
@@ -90,10 +90,10 @@ def per_second(case: Case, step: float) -> float:
 
 
 def adaptive_step(case: Case, limits: Limits) -> float:
-    """Estimate the length (s) of an adaptive method's own steps.
+    """Estimate the length (s) of an adaptive method's internal steps.
 
-    Those of an explicit one are bounded by its stability on contacts at rest; those of an implicit one by crossing
-    times, and by contacts that ring or open.
+    Stability on the contacts at rest limits the steps of an explicit method. Crossing times, and the contacts'
+    vibration and damping, limit those of an implicit one.
     """
     usual, name = price("own steps"), str(case.method)
     steps = price("own steps", name)
@@ -105,9 +105,9 @@ def adaptive_step(case: Case, limits: Limits) -> float:
 
 
 class Cost(NamedTuple):
-    """CPU time (s) of a run: of its steps, of their check (proof), and of both if the response is not periodic.
+    """CPU time (s) of a run: of its steps, of the step check (proof), and of both if the response is not periodic.
 
-    passes: computed ball passes; one_pass: CPU time (s) of one.
+    passes: computed ball passes; one_pass: CPU time (s) of a ball pass.
     """
 
     steps: float
@@ -118,14 +118,15 @@ class Cost(NamedTuple):
 
     @property
     def whole(self) -> float:
-        """Steps and proof."""
+        """CPU time (s) of steps and step check."""
         return self.steps + self.proof
 
 
 def cost(case: Case, step: float, passes: int | None = None) -> Cost:
-    """Estimate the cost of a case, its method named, at steps of ``step`` s (adaptive: between recorded instants).
+    """Estimate the cost of a case with a named method, at steps of ``step`` s.
 
-    passes: ball passes of the whole run, if not those of settling and duration.
+    step: for an adaptive method the interval between recorded instants; passes: ball passes of the whole run, by
+    default those of settling and duration.
     """
     rate = case.bearing.ball_pass_frequency(full_speed_case(case).speed)
     whole = passes or ceil((case.settle_s + case.duration) * rate)
@@ -152,33 +153,33 @@ def cost(case: Case, step: float, passes: int | None = None) -> Cost:
 
 
 def solved_once(case: Case) -> bool:
-    """Check if one ball pass is all that is computed: the model has no memory and every pass is the same."""
+    """Check if only one ball pass is computed, because the model has no memory and all passes are the same."""
     return MODELS[case.model].memoryless and may_repeat(case)
 
 
 FLOAT = 8  # bytes
-SENSED = 6  # rows along the sensor that are filtered for statistics
-FINER = sqrt(5.0)  # times as many steps are taken to check them
-PASSES_CHECKED = 2.0 / (1.0 + FINER)  # in a step check that takes the steps of one pass: coarse ones and fine
-BLOCK = 1 << 16  # fine samples read at a time: of a long record a copy of all rows is larger than all else
-TURNED = 180.0  # values for each fine sample of a block while lines of bodies that slip are read
-STEADY, TURNING = 6.0, 16.0  # values for each fine sample while lines are read, at constant speeds and at others
-BANDED = 14.0  # values for each fine sample of the record while features of bands are read
-PILOT = 3.0  # rows of a pilot's, as they are, filtered, and with filters' reach
-COMPARED = 6.0  # values for each fine sample that are kept of a pilot
-WRITTEN = 3.0  # values for each sample of a series: filtered, of one precision and of the other
-LOOKS = 5.0  # lengths of all that a record is looked at over that ends as it is accurate enough: 1 + 1/1.25 + ...
-NOT_COMPARED = 5  # rows of a pass left out of its comparison: accelerations, counts of rollers, the cage
-SMALL = 8e6  # bytes of all that is small
+SENSED = 6  # rows of motion along the sensor that are filtered for statistics
+FINER = sqrt(5.0)  # ratio of the steps of a step check to those of the run
+PASSES_CHECKED = 2.0 / (1.0 + FINER)  # passes recorded by a step check per pass's worth of steps (coarse and fine)
+BLOCK = 1 << 16  # fine samples read at a time, since a copy of all rows of a long record would dominate the memory
+TURNED = 180.0  # values per fine sample of a block while lines of slipping bodies are read
+STEADY, TURNING = 6.0, 16.0  # values per fine sample while lines are read, at constant and at varying speed
+BANDED = 14.0  # values per fine sample of the record while band features are read
+PILOT = 3.0  # copies of a pilot's rows: unfiltered, filtered, and extended by the reach of filters
+COMPARED = 6.0  # values per fine sample stored of a pilot
+WRITTEN = 3.0  # values per sample of a series: filtered, in double and in single precision
+LOOKS = 5.0  # total length of all inspected records over that of the last, with `until`: 1 + 1/1.25 + ...
+NOT_COMPARED = 5  # rows not compared between passes: accelerations, number of loaded rollers, cage
+SMALL = 8e6  # bytes of all small arrays
 
 
 class Counts(NamedTuple):
-    """Operations on a run, by the rows of ``prices.csv`` with the price of each.
+    """Numbers of operations on a run, with a price for each in ``prices.csv``.
 
-    kept_value: values recorded, one for each row and step; kept_pass: ball passes; tap: of the low-pass, over all
-    that is filtered; line_sample, turning_sample: fine samples that lines are read from, at constant speeds and at
-    others; ramp_sample: of these, at a speed that changes; band_sample: of the record, for each feature of a band;
-    sample: of the record's series, and of rows picked at their instants; written: numbers.
+    kept_value: recorded values, one per row and step; kept_pass: ball passes; tap: multiplications of the
+    low-pass; line_sample: fine samples from which lines are read; turning_sample: those read with a slipping cage
+    or on a ramp; ramp_sample: those on a ramp; band_sample: fine samples of the record, for each band feature;
+    sample: samples of the record's series, and of rows picked at its instants; written: numbers written.
     """
 
     kept_value: float
@@ -200,9 +201,9 @@ class Counts(NamedTuple):
 class Size(NamedTuple):
     """Sizes of a record.
 
-    rows: recorded, of which ``requested`` make series; computed: ball passes of ``fine`` fine samples and
-    ``steps`` steps each; read: fine samples that differ within the record; whole: fine samples of the record;
-    samples: of each of ``columns`` series; checked: passes' worth of steps in the step check.
+    rows: recorded rows; requested: those that become series; computed: ball passes, each of ``fine`` fine samples
+    and ``steps`` steps; read: distinct fine samples of the record; whole: all fine samples of the record;
+    samples: length of each series; columns: number of series; checked: steps of the step check, in ball passes.
     """
 
     rows: int
@@ -223,7 +224,7 @@ class Size(NamedTuple):
 
 
 def size(case: Case, fine: int, decimation: int, computed: int, checked: float) -> Size:
-    """Return the size of a case, its method named, with the ball passes ``computed`` and ``checked``."""
+    """Return the size of a case with a named method and the ball passes ``computed`` and ``checked``."""
     whole = case.duration * case.bearing.ball_pass_frequency(full_speed_case(case).speed) * fine
     cells = channels.recorded(case)
     requested = len(channels.requested_rows(case, cells))
@@ -257,7 +258,7 @@ def counts(case: Case, of: Size) -> Counts:
 
 
 def memory(case: Case, of: Size) -> float:
-    """Return the largest memory (bytes) of a run of that size, without the program's own."""
+    """Return the peak memory (bytes) of a run of that size, without the memory of the program."""
     turning = case.ramp is not None or MODELS[case.model].slips
     lines = TURNING * of.read + TURNED * min(of.read, BLOCK) if turning else STEADY * of.read
     lead = RESAMPLE_REACH * of.whole / max(1, of.samples)
@@ -272,20 +273,20 @@ def memory(case: Case, of: Size) -> float:
     if not may_repeat(case):
         return FLOAT * max(recording + most, check) + SMALL
     stepped = window + _held(case, window, of.rows)
-    if of.checked > 0.0:  # a period is computed again, in finer steps, and recorded too
+    if of.checked > 0.0:  # a period is computed again in finer steps, and recorded as well
         stepped = FINER * stepped + recording
     return FLOAT * (recording + max(most, stepped, check)) + SMALL
 
 
 def _bands(case: Case) -> int:
-    """Count the features of bands, which are read from all fine samples of the record."""
+    """Count the band features, which are read from all fine samples of the record."""
     return sum(read_band(name) is not None for name in case.features)
 
 
 def _held(case: Case, window: float, rows: int) -> float:
-    """Count values of the ball passes that are held to compare the next with, and to pick contact forces from.
+    """Count the values of stored ball passes, for comparison with the next pass and for raw contact forces.
 
-    One more is held while the next replaces the oldest.
+    One pass more is stored while the next replaces the oldest.
     """
     compared = min(MOST_HELD / FLOAT, (1 + LONGEST_PERIOD) * window * (1.0 - NOT_COMPARED / rows))
     return compared + window + (LONGEST_PERIOD * window if channels.picks(case) else 0.0)

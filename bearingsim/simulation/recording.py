@@ -1,4 +1,4 @@
-"""Recording of a run: fine samples of its ball passes, read as if all had been computed; raw values; peaks."""
+"""Recording of a run: fine samples (periodic passes are repeated on reading), raw values and peaks."""
 
 from collections import deque
 from dataclasses import dataclass, replace
@@ -32,10 +32,10 @@ from bearingsim.simulation.time_grid import Grid, samples
 class RawRecord:
     """Fine samples of a run.
 
-    places: (C,) of the buffer, recorded; fine: (C, n) fine samples of them over the computed passes, number 0
-    (t = 0) in column ``zero``, the first pass from column ``lead`` on, ``M`` to each pass; Z: rollers; picked:
-    (C, m) raw values at the record's instants, empty if none is asked for; peaks: (passes, E) largest values of
-    ``EXTREMES`` in each computed pass; y: the buffer at the end.
+    places: (C,) recorded cells of the buffer; fine: (C, n) their fine samples over the computed passes, with t = 0
+    in column ``zero``, the first pass from column ``lead`` on, and ``M`` samples per pass; Z: number of rollers;
+    picked: (C, m) raw values at the sampling instants, empty if not requested; peaks: (passes, E) largest values
+    of ``EXTREMES`` in each computed pass; y: the buffer at the end.
     """
 
     places: np.ndarray
@@ -51,14 +51,14 @@ class RawRecord:
 
     @property
     def repeats_from(self) -> int | None:
-        """Fine sample from which on the motion is periodic; None if it is not."""
+        """Number of the fine sample from which the motion is periodic; None if it is not."""
         if self.repetition.period == 0:
             return None
         return (self.repetition.computed - self.repetition.period) * self.M + self.lead - self.zero
 
     @property
     def end(self) -> int | None:
-        """Number of available fine samples from t = 0 on; None (any) of a periodic motion."""
+        """Number of available fine samples from t = 0 on; None (unlimited) for a periodic motion."""
         return None if self.repetition.period else self.lead - self.zero + self.repetition.computed * self.M
 
     def read(self, start: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
@@ -73,7 +73,7 @@ class RawRecord:
         return np.concatenate([stored, self._repeated(max(column, computed), column + count, rows)], axis=1)
 
     def _repeated(self, start: int, end: int, rows: np.ndarray) -> np.ndarray:
-        """Return columns from ``start`` to ``end``, after the computed ones, from the passes that they repeat."""
+        """Return columns ``start`` to ``end``, beyond the computed ones, from the passes that they repeat."""
         first_pass, last_pass = ((column - self.lead) // self.M for column in (start, end - 1))
         passes = np.arange(first_pass, last_pass + 1)
         sources = self.repetition.source(passes)
@@ -87,16 +87,16 @@ class RawRecord:
 
     @cached_property
     def _partners(self) -> np.ndarray:
-        """Rows (Z, C) that held the quantity of row c m passes before."""
-        if np.all(lay.lane_of(self.places) < 0):  # nothing of a roller
+        """Rows (Z, C): element [m, c] is the row with the quantity of row c, m passes before."""
+        if np.all(lay.lane_of(self.places) < 0):  # no quantity of a roller is recorded
             return np.broadcast_to(np.arange(len(self.places)), (self.Z, len(self.places)))
         return np.array([turned(self.places, self.Z, m) for m in range(self.Z)])
 
     def through(self, taps: np.ndarray) -> "RawRecord | LowPassed":
-        """Return the record filtered by the low-pass ``taps`` (odd number), read in the same way.
+        """Return the record filtered by the low-pass ``taps`` (odd number), with the same ``read``.
 
-        Of a periodic motion the computed passes are filtered at once, with those that follow within the filter's
-        reach; any other is filtered as it is read.
+        For a periodic motion the computed passes, and the following ones within reach of the filter, are filtered
+        now; otherwise samples are filtered as they are read.
         """
         if self.repetition.period == 0:
             return LowPassed(self, taps)
@@ -107,7 +107,7 @@ class RawRecord:
 
 
 PRODUCTS = 1 << 28
-"""Products of a tap and a value between two looks at the clock: some 0.1 s."""
+"""Multiplications in the filter between two readings of the clock, about 0.1 s."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class LowPassed:
     taps: np.ndarray
 
     def read(self, start: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
-        """Read fine samples as ``RawRecord.read`` does."""
+        """Return filtered fine samples, as ``RawRecord.read``."""
         reach = len(self.taps) // 2
         wide = np.ascontiguousarray(self.raw.read(start - reach, count + 2 * reach, rows))
         out = np.empty((len(wide), count))
@@ -131,10 +131,10 @@ class LowPassed:
 
 @dataclass(frozen=True)
 class Windows:
-    """Windows of ``M`` fine samples, side by side from fine sample ``start`` on, the record's first.
+    """Adjacent windows of ``M`` fine samples, from the record's first fine sample ``start`` on.
 
-    index: (K,) number of the distinct window that each of the record's equals: after the first ``distinct`` it is
-    the one ``period`` before.
+    index: (K,) number of the distinct window equal to each window of the record. After the first ``distinct`` ones
+    each equals the one ``period`` before.
     """
 
     start: int
@@ -144,7 +144,7 @@ class Windows:
 
     @property
     def distinct(self) -> int:
-        """Number of windows that differ: the first ones."""
+        """Number of distinct windows, which come first."""
         return int(self.index.max(initial=-1)) + 1
 
     @property
@@ -169,7 +169,7 @@ def windows(case: Case, cut: Grid, raw: RawRecord, reach: int) -> Windows:
     reach: fine samples beyond both ends of a window on which its filtered values depend.
     """
     K, M, start = whole_passes(case, cut), cut.fine_per_pass, first_sample(case, cut)
-    if raw.end is not None:  # which the record may end before
+    if raw.end is not None:  # the computed samples may end first
         K = min(K, (raw.end - reach - start) // M)
     k = np.arange(K)
     if raw.repeats_from is None:
@@ -182,7 +182,7 @@ class Recording:
     """Fine samples, raw values and peaks of a run, ball pass by ball pass."""
 
     def __init__(self, case: Case, cut: Grid, Z: int, y: np.ndarray) -> None:
-        """Allocate the arrays. y: the buffer at t = 0, before which everything stood still."""
+        """Allocate the arrays. y: the buffer at t = 0, whose values also stand for all earlier times."""
         self.case, self.cut, self.Z = case, cut, Z
         self.places = channels.recorded(self.case)
         self.lead = ceil(RESAMPLE_REACH * self.cut.fine_rate / self.case.sampling) + INTERPOLATION_REACH + 1
@@ -191,14 +191,14 @@ class Recording:
         self.fine[:, : self.lead] = y[self.places][:, np.newaxis]
         self.picks = channels.picks(self.case)
         self.picked = np.empty((len(self.places), samples(self.case) if self.picks else 0))
-        self.picked[:, :1] = y[self.places][:, np.newaxis]  # at t = 0, should the record begin there
+        self.picked[:, :1] = y[self.places][:, np.newaxis]  # t = 0, if the record begins there
         self.peaks = np.empty((self.cut.passes, len(EXTREMES)))
         self.samples = samples_between_steps(self.case, self.picked)
-        keeps = self.picks and may_repeat(self.case)  # passes to pick from
+        keeps = self.picks and may_repeat(self.case)  # store the last passes, for raw values of repeated ones
         self.last: deque[np.ndarray] = deque(maxlen=LONGEST_PERIOD if keeps else 0)
 
     def keep(self, p: int, window: np.ndarray, y: np.ndarray) -> None:
-        """Record pass ``p``; window: as ``_ball_passes`` gives it."""
+        """Record pass ``p``; window: its recording, as yielded by ``_ball_passes``."""
         M, D = self.cut.fine_per_pass, self.cut.decimation
         start = self.lead + p * M
         decimate(window, self.taps, D, self.fine[:, start : start + M])
@@ -209,7 +209,7 @@ class Recording:
         self.peaks[p] = take_peaks(y)
 
     def pick_repeated(self, repetition: Repetition) -> None:
-        """Pick raw values of the passes that were not computed."""
+        """Sample raw values of the passes that were not computed."""
         for p in range(repetition.computed, self.cut.passes):
             cpu_time.check()
             source = int(repetition.source(p))
@@ -234,9 +234,9 @@ class Recording:
 
 
 def samples_between_steps(case: Case, picked: np.ndarray) -> NoSamples | Samples:
-    """Return the samples that an adaptive method writes into ``picked`` at the raw record's own instants.
+    """Return the samples that an adaptive method writes into ``picked`` at the sampling instants of raw values.
 
-    Other methods have steps so short that values are interpolated between two.
+    Methods of fixed step have steps short enough to interpolate between them.
     """
     if not channels.picks(case) or not assemble.adaptive(case):
         return NoSamples()
@@ -244,8 +244,8 @@ def samples_between_steps(case: Case, picked: np.ndarray) -> NoSamples | Samples
 
 
 def take_peaks(y: np.ndarray) -> list[float]:
-    """Return the largest of each of ``EXTREMES`` over all rollers since the last call, and reset them."""
-    rows = [y[row : row + lay.MAX_ROLLERS] for row in EXTREMES.values()]  # empty if the model has none
+    """Return the largest value of each of ``EXTREMES`` over all rollers since the last call, and reset them."""
+    rows = [y[row : row + lay.MAX_ROLLERS] for row in EXTREMES.values()]  # empty if the model lacks them
     peaks = [float(row.max(initial=0.0)) for row in rows]
     for row in rows:
         row[:] = 0.0
@@ -253,10 +253,10 @@ def take_peaks(y: np.ndarray) -> list[float]:
 
 
 def extend_back(case: Case, raw: RawRecord) -> None:
-    """Fill in the samples before t = 0 with those one revolution of the cage later.
+    """Fill in the samples before t = 0 with those of one cage revolution later.
 
-    With defects that turn these differ, and only the ring's motion is extended, by its first pass: filters reach
-    that far, no feature does.
+    If the motion is not periodic, only the ring's motion and the other ``base`` rows are extended, by their first
+    pass. Filters use these samples, but features do not.
     """
     fine, zero, turn = raw.fine, raw.zero, raw.Z * raw.M
     if raw.repetition.period > 0:
@@ -267,7 +267,7 @@ def extend_back(case: Case, raw: RawRecord) -> None:
 
 
 def _pick_pass(case: Case, cut: Grid, p: int, window: np.ndarray, picked: np.ndarray) -> np.ndarray:
-    """Fill in, and return, the raw values whose instants lie in ball pass ``p`` (start excluded, end included)."""
+    """Fill in and return the raw values at the instants within ball pass ``p`` (start excluded, end included)."""
     steps, tail = cut.steps_per_pass, window.shape[1] - cut.steps_per_pass
     ratio = 1.0 / (case.sampling * cut.step)  # steps per sample
     start = case.settle_s / cut.step
@@ -283,7 +283,7 @@ BLOCK = 1 << 15  # fine samples resampled at a time
 
 
 def sampled(case: Case, cut: Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
-    """Return the record's samples (R, n) of ``rows`` of the raw record: low-passed, except contact forces."""
+    """Return the samples (R, n) of ``rows`` of the raw record, low-passed except for contact forces."""
     if not case.antialias:
         return raw.picked[rows]
     forces = channels.are_contact_forces(case, raw.places[rows])
@@ -295,7 +295,7 @@ def sampled(case: Case, cut: Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarr
 
 
 def _low_passed(case: Case, cut: Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
-    """Return the record's samples (R, n) of ``rows``, all low-passed, a block at a time."""
+    """Return the low-passed samples (R, n) of ``rows``, computed block by block."""
     out = np.empty((len(rows), samples(case)))
     if len(rows) == 0:
         return out

@@ -1,8 +1,8 @@
-"""Refinement of an automatic step: steps each 2.24 times shorter, until two runs agree; the finer is the answer.
+"""Refinement of an automatic step by factors of 2.24, until two runs agree; the finer run is the result.
 
-The first step is twice the automatic one. A periodic motion is refined as a whole: each finer run starts on the
-orbit of the one before. Of any other motion pilots are refined, and the run is stepped as the finer pilot that
-agrees, or as the coarser one if they hardly differ.
+The first step is twice the automatic one. For a periodic motion whole runs are refined, each started on the orbit
+of the previous one. Otherwise pilots are refined, and the run gets the step of the finer pilot that agrees, or the
+first step if the first two pilots hardly differ.
 """
 
 from dataclasses import replace
@@ -34,13 +34,13 @@ from bearingsim.simulation.sufficiency import Inspections
 from bearingsim.simulation.time_grid import SAFETY, requested_step
 
 START = 2.0
-"""Fraction of the automatic step at which a refinement starts: the first finer step is 0.89 of it."""
+"""First step of a refinement, in automatic steps; the second is 0.89 automatic steps."""
 NO_CHANGE = 0.1 * STEP_ACCURACY
-"""Change between pilots up to which the run takes the step of the coarse one (docs/evidence/speed.md)."""
+"""Largest change between the first two pilots at which the run uses the coarse step (docs/evidence/speed.md)."""
 
 
 class Refined(NamedTuple):
-    """Run whose step holds: its setup, its record (None if it is still to be computed), and its check."""
+    """Run with an accepted step: its setup, its record (None if not yet computed), and its check."""
 
     setup: Setup
     raw: RawRecord | None
@@ -48,10 +48,10 @@ class Refined(NamedTuple):
 
 
 def refined(case: Case, part: float, patience: int = 0) -> Refined:
-    """Refine the automatic step of a case, its method named, until it holds.
+    """Refine the automatic step of a case with a named method until it is accepted.
 
-    part: fraction of the automatic step to set out from; patience: as of ``integrate``. Raises ``StepRefused`` if
-    no step holds, and like ``integrate``.
+    part: factor on the automatic step; patience: raises ``NotRepeating`` if nonzero and no period is found. Raises
+    ``StepRefused`` if no step is accepted, and like ``integrate``.
     """
     coarse = set_up(case, _start(case, part))
     if not period_is_sought(coarse.case):
@@ -64,12 +64,12 @@ def refined(case: Case, part: float, patience: int = 0) -> Refined:
 
 
 def refined_orbit(case: Case, part: float) -> Refined | None:
-    """Refine the step of a case as ``refined`` does, if it is soon periodic; None if it is not."""
+    """Refine the step of a case like ``refined``; None if the motion is not periodic within a few passes."""
     return _on_orbit(set_up(case, _start(case, part)))
 
 
 def _start(case: Case, part: float) -> float:
-    """Return the fraction of the automatic step that a refinement starts with: of a stable step."""
+    """Return the multiple of the automatic step at which a refinement starts, limited to a stable step."""
     if assemble.adaptive(case):
         return START * part
     return part * min(START, SAFETY * choice.limits(case).at_impact / requested_step(case))
@@ -78,8 +78,8 @@ def _start(case: Case, part: float) -> float:
 def _on_orbit(coarse: Setup) -> Refined | None:
     """Refine the step of a motion that is periodic within a few ball passes; None if it is not.
 
-    The finer run is the answer, unless the case is computed in full, or its record is to hold a transient: it
-    begins before the run from rest is steady, and before its modes have decayed.
+    The finer run is the result, unless the case is computed in full or the record contains a transient, because it
+    starts before the run is steady and before its modes have decayed.
     """
     case = coarse.case
     setup = replace(coarse, case=case.model_copy(update={"periodic": True}))
@@ -99,9 +99,9 @@ def _on_orbit(coarse: Setup) -> Refined | None:
 
 
 def _on_pilots(coarse: Setup, is_stable: bool) -> Refined:
-    """Refine the step of a motion that is not periodic on pilots of it.
+    """Refine the step of a non-periodic motion on pilots.
 
-    is_stable: whether the first step is far from the limit of its stability.
+    is_stable: whether the first step is not limited by stability.
     """
     case, part, times = Inspections(coarse).earliest.case, coarse.part, 1.0
     last: tuple[Setup, Compared] | None = None
@@ -120,9 +120,9 @@ def _on_pilots(coarse: Setup, is_stable: bool) -> Refined:
 
 
 def _is_last(finer: Setup, check: StepCheck) -> bool:
-    """Check if a finer run is taken. Raises ``StepRefused`` if it does not hold and is the shortest.
+    """Check if a finer run is accepted. Raises ``StepRefused`` if it is not and its step is the shortest.
 
-    Of the shortest steps one is taken that does not hold the largest force.
+    At the shortest step the error of the largest force is ignored.
     """
     shortest = finer.part <= choice.STEP_PARTS[-1]
     if check.holds or (shortest and check.holds_but_for_force):

@@ -1,8 +1,7 @@
-"""Periodic motion: the cases that may have it, and the search for the pass from which on it is periodic.
+"""Periodic motion: conditions on the case, and detection of the first periodic pass.
 
-At the end of a ball pass every roller stands where the next one stood at its start. So two instants, or two
-passes, are compared by place: roller j now with roller j + m of m passes ago. Periods are not computed again
-(docs/repetition.md).
+During a ball pass each roller moves to the initial position of the next. Therefore passes are compared by
+position: roller j with roller j + m of m passes before. Further periods are not computed (docs/repetition.md).
 """
 
 from collections import deque
@@ -26,20 +25,20 @@ CONSTANT = frozenset(
         *("sampling", "antialias", "features", "record", "until"),
     }
 )
-"""Fields of a case that act alike in every ball pass."""
+"""Fields of a case that act in the same way in every ball pass."""
 
 CONDITIONS: dict[str, Callable[[Case], bool]] = {
     **{name: alike.holds for name, alike in ALIKE.items()},
     "method": lambda case: case.method is None or not METHODS[case.method].adaptive,
     "periodic": lambda case: case.periodic,
 }
-"""Conditions on the other fields."""
+"""Conditions on the other fields for a periodic motion."""
 
 
 def may_repeat(case: Case) -> bool:
-    """Check if the motion of a case, its method named, may become the same in each ball pass.
+    """Check if the motion of a case with a named method may become periodic and be computed until then only.
 
-    A case with a field in neither table is computed in full.
+    A case with a field in neither ``CONSTANT`` nor ``CONDITIONS`` is computed in full.
     """
     fields = CONSTANT | CONDITIONS.keys()
     return fields.issuperset(type(case).model_fields) and all(holds(case) for holds in CONDITIONS.values())
@@ -51,7 +50,7 @@ def passes_are_alike(case: Case) -> bool:
 
 
 def period_is_sought(case: Case) -> bool:
-    """Check if a case is first computed until it is periodic: for its record, or to check its step on a period."""
+    """Check if a case is first computed until periodic, for its record or to check its step on one period."""
     wanted = case.periodic or case.checks_step
     return wanted and case.step_check != "strict" and passes_are_alike(case)
 
@@ -63,15 +62,15 @@ EXTREMES = {
     "tilt.max": lay.TILT_MAX,
     "line_load.max": lay.LINE_LOAD_MAX,
 }
-"""Largest values that any roller met, by feature, and the rows in which the buffer keeps them."""
+"""Buffer rows of the largest values of each roller, by feature."""
 
 
 class Repetition(NamedTuple):
     """Computed ball passes of a motion, and its period.
 
-    computed: ball passes that were computed; period: in ball passes, 0 if the motion is not periodic; difference:
-    the largest of the last pass to the one a period before, over the range of the quantity (NaN if no period was
-    searched for).
+    computed: number of computed ball passes; period: in ball passes, 0 if the motion is not periodic; difference:
+    largest difference of the last pass from the one a period before, relative to the range of the quantity (NaN if
+    no period was searched for).
     """
 
     computed: int
@@ -79,19 +78,21 @@ class Repetition(NamedTuple):
     difference: float
 
     def source(self, p: np.ndarray | int) -> np.ndarray:
-        """Return the computed pass that pass ``p`` (any shape) equals, by place."""
+        """Return the computed pass equal to pass ``p`` (any shape), apart from the numbering of rollers."""
         p = np.asarray(p)
         start = self.computed - self.period
         return np.where(p < self.computed, p, start + (p - start) % max(1, self.period))
 
 
-LONGEST_PERIOD = 4  # ball passes; longer ones have not been seen
+LONGEST_PERIOD = 4  # ball passes; longer periods have not been observed
 
 
 class Closeness(NamedTuple):
-    """Limits of differences over the range: with, and without, regard to how fast they shrink.
+    """Limits of differences relative to the range.
 
-    times: passes in a row within a limit, for a period of one pass; ``period`` - 1 more for others.
+    shrinking: limit of the sum of all future differences; anyhow: limit of the last difference if the differences
+    need not show their decay; times: required number of successive passes within a limit for a period of one pass,
+    and ``period`` - 1 more for longer periods.
     """
 
     shrinking: float
@@ -100,20 +101,21 @@ class Closeness(NamedTuple):
 
 
 OF_A_RECORD = Closeness(1e-7, 1e-10, times=2)
-"""Limits for a record that is computed once."""
-SLOWEST = 0.98  # ratio of differences from pass to pass above which they do not count as shrinking
-NEAR = 1e3  # times as far apart the ends of two passes may be for all of the passes to be compared
-MOST_HELD = 256e6  # bytes of recordings held to compare with
-LEAST_RANGE = 1e-3  # of the wider of a pair's ranges: the least by which x and y are measured
+"""Limits for a record computed with one step."""
+SLOWEST = 0.98  # ratio of successive differences above which they do not count as decaying
+NEAR = 1e3  # factor on the limit within which the ends of passes must agree before whole passes are compared
+MOST_HELD = 256e6  # bytes of recordings stored for comparison
+LEAST_RANGE = 1e-3  # least range of x or y, relative to the larger of the two
 
 
 class Search:
-    """Search for a period, a ball pass at a time.
+    """Search for a period, ball pass by ball pass.
 
-    Two passes are compared through all their steps, in the ring's position and velocity and in all else that is
-    recorded, in the largest forces (and tilt), and in the whole state at their ends. Each difference is taken over
-    the range of its quantity within a pass. It must be small twice in a row, and so must the sum of all that
-    follow: with a ratio rho from pass to pass that is rho/(1 - rho) of it.
+    Two passes are compared at all steps in the position and velocity of the ring and in the other recorded
+    quantities, except accelerations, and also in the largest forces (and tilt) and in the final state. Each
+    difference is relative to the range of the quantity within a pass. It must be small in ``Closeness.times``
+    successive passes, and so must the sum of all future differences: with a ratio rho from pass to pass, this sum
+    is rho/(1 - rho) of the last difference.
     """
 
     def __init__(
@@ -121,9 +123,9 @@ class Search:
     ) -> None:
         """Prepare the comparison of passes.
 
-        places: (C,) of the buffer, the first four the ring's position and velocity; steps: in a pass; memoryless:
-        the first pass is periodic; close: limits of the differences; keeps: decay of the slowest mode of the
-        bearing at rest in a pass, as a ratio.
+        places: (C,) recorded cells of the buffer, beginning with position and velocity of the ring; steps: number
+        in a pass; memoryless: whether the first pass is already periodic; close: limits of the differences; keeps:
+        part of the slowest mode at equilibrium that is left after a pass.
         """
         self.places, self.memoryless, self.close, self.Z = places, memoryless, close, model.bearing.Z
         self.keeps = keeps
@@ -142,11 +144,11 @@ class Search:
         self.differences: dict[int, list[float]] = {period: [] for period in self.periods}
 
     def after_pass(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> tuple[int, float]:
-        """Return the period in ball passes at the end of a pass, 0 if there is none.
+        """Return the period in ball passes at the end of a pass (0 if there is none) and a difference.
 
-        Second, the difference of passes a period apart; the smallest of any period if there is none.
+        The difference is that of passes a period apart, or the smallest for any period if there is none.
 
-        window: (C, n) the pass's recording, with the end of the one before in front; y: the buffer at its end;
+        window: (C, n) recording of the pass, preceded by the end of the pass before; y: the buffer at its end;
         peaks: ``EXTREMES`` within it.
         """
         if self.memoryless:
@@ -161,7 +163,7 @@ class Search:
             if period < len(self.ends):
                 differences = self.differences[period]
                 differences.append(self._difference(period, ranges))
-                passes = self.close.times + period - 1  # each of a period
+                passes = self.close.times + period - 1  # each pass of a period must agree
                 if all(
                     _settled(differences[: len(differences) - n], self.close, self.keeps) for n in range(passes)
                 ):
@@ -177,13 +179,13 @@ class Search:
         for pair in (ranges[:2], ranges[2:4]):
             pair[:] = np.maximum(pair, LEAST_RANGE * pair.max())
         lane = lay.lane_of(self.places)
-        for kind in set((self.places - lane)[lane >= 0].tolist()):  # all rollers' rows of a quantity have one
+        for kind in set((self.places - lane)[lane >= 0].tolist()):  # one range for all rollers
             rows = (lane >= 0) & (self.places - lane == kind)
             ranges[rows] = high[rows].max() - low[rows].min()
         return ranges
 
     def _difference(self, period: int, ranges: np.ndarray) -> float:
-        """Return the largest difference to ``period`` passes ago; of their ends if these are not near."""
+        """Return the largest difference from ``period`` passes before; only that of the ends if it is large."""
         at_end = self._end_difference(period, ranges)
         if not at_end <= NEAR * self.close.shrinking:
             return at_end
@@ -195,7 +197,7 @@ class Search:
         return max(at_end, _largest_ratio(apart, ranges[self.compared]), of_peaks)
 
     def _end_difference(self, period: int, ranges: np.ndarray) -> float:
-        """Return the largest difference of the states at the passes' ends, as lengths and speeds."""
+        """Return the largest difference between the final states of two passes, as lengths and speeds."""
         now, before = (self.ends[-1 - n].reshape(2, 6, lay.ROW) for n in (0, period))
         before = turned_state(before, self.model, -period)
         lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + self.Z)
@@ -205,7 +207,7 @@ class Search:
 
 
 def turned(cells: np.ndarray, Z: int, m: int) -> np.ndarray:
-    """Return the row (C,) of a recording of ``cells`` that held the quantity of each row ``m`` passes before."""
+    """Return for each row of a recording of ``cells`` the row (C,) with its quantity ``m`` passes before."""
     lane = lay.lane_of(cells)
     partner = np.where(lane >= 0, cells - lane + (lane + m) % Z, cells)
     row_of = {int(cell): row for row, cell in enumerate(cells)}
@@ -221,15 +223,15 @@ def turned_state(state: np.ndarray, model: Any, passes: int) -> np.ndarray:
 
 
 def _largest_ratio(differences: np.ndarray, ranges: np.ndarray) -> float:
-    """Return the largest of differences over their ranges; no difference counts as 0 whatever its range."""
+    """Return the largest ratio of difference to range; a zero difference counts as 0 even for a zero range."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return float(np.max(np.where(differences == 0.0, 0.0, differences / ranges), initial=0.0))
 
 
 def _settled(differences: list[float], close: Closeness, keeps: float) -> bool:
-    """Check if the last of differences, and the sum of those to come, is small.
+    """Check if the last of some differences and the sum of all future ones are small.
 
-    keeps: ratio of successive differences of the slowest mode, which may itself be too small to be seen.
+    keeps: ratio of successive differences in the slowest mode, which may be too small to show in the differences.
     """
     if not differences or not isfinite(differences[-1]):
         return False
@@ -246,5 +248,5 @@ def _settled(differences: list[float], close: Closeness, keeps: float) -> bool:
 
 
 def remaining_sum(difference: float, rho: float) -> float:
-    """Return the sum of the differences after one, each ``rho`` times the one before; at least that one."""
+    """Return the sum of a geometric sequence of ratio ``rho`` after ``difference``, at least ``difference``."""
     return difference * max(1.0, rho / (1.0 - rho)) if rho < 1.0 else inf

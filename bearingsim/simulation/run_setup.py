@@ -1,4 +1,4 @@
-"""Setup of a run: a case ready to be stepped, its monitor, and the failures that stop it, with advice."""
+"""Setup of a run: a case ready for integration, its monitor, and the failures that stop it, with advice."""
 
 from dataclasses import dataclass
 from math import nan
@@ -17,7 +17,7 @@ from bearingsim.simulation.settling import settled
 
 
 class SimulationError(Exception):
-    """Failure of a run: its reason, advice, and time (s into the run; None before it)."""
+    """Failure of a run: its reason, advice, and time (s into the run, None before its start)."""
 
     def __init__(self, reason: str, advice: str, time: float | None = None) -> None:
         super().__init__(f"{reason}; {advice}")
@@ -28,7 +28,7 @@ class SimulationError(Exception):
 
 
 class MethodFailure(SimulationError):
-    """Failure of the method or its step, where another (``instead``, in words) may succeed."""
+    """Failure of the method or its step, if another method (``instead``, in words) may succeed."""
 
     def __init__(self, reason: str, advice: str, time: float | None = None, instead: str = "") -> None:
         super().__init__(reason, advice + instead, time)
@@ -40,7 +40,7 @@ class StepRefused(MethodFailure):
 
 
 class TooSlow(MethodFailure):
-    """Failure by too much CPU time, of which a shorter step would take more."""
+    """Failure due to excessive CPU time, which a shorter step would increase."""
 
 
 class NotRepeating(MethodFailure):
@@ -57,9 +57,9 @@ class TooChaotic(SimulationError):
 
 @dataclass(frozen=True)
 class Setup:
-    """Case ready to be stepped: method named, cut in time, with the core's parameters and its limits.
+    """Case ready for integration: named method, time grid, parameters of the core and step limits.
 
-    part: of the automatic step; max_cpu: seconds of CPU time that its steps may take, if they are automatic.
+    part: fraction of the automatic step; max_cpu: CPU time (s) allowed for the steps, if they are automatic.
     """
 
     case: Case
@@ -73,7 +73,7 @@ class Setup:
 
 
 def set_up(case: Case, part: float = 1.0, max_cpu: float | None = None) -> Setup:
-    """Prepare a case whose method is named; max_cpu: CPU time (s) it may take. Raises ``Refused``."""
+    """Prepare a case with a named method; max_cpu: allowed CPU time (s). Raises ``Refused``."""
     case = settled(case)
     cut, limits = time_grid.grid(case, part, max_cpu or 0.0), choice.limits(case)
     time_grid.refuse_too_large(case, cut)
@@ -94,11 +94,11 @@ def set_up(case: Case, part: float = 1.0, max_cpu: float | None = None) -> Setup
     )
 
 
-MAX_EVALUATIONS = 2e4  # evaluations of the model by an adaptive method after which the clock is looked at earlier
+MAX_EVALUATIONS = 2e4  # model evaluations of an adaptive method after which it returns early to read the clock
 
 
 def monitor_of(cut: time_grid.Grid, limits: Limits) -> Monitor:
-    """Return a monitor that looks twice within an impact (half a roller's period), and twice within a crossing."""
+    """Return a monitor that checks the motion every quarter of a contact period or defect crossing, if shorter."""
     patience = 0.5 / limits.contact_frequency if limits.contact_frequency > 0.0 else 1.0
     stride = int(min(patience, limits.crossing / 2.0) / (2.0 * cut.step))
     return Monitor(min(32, max(1, stride)), patience, limits.approach_bound, limits.energy_bound, MAX_EVALUATIONS)
@@ -121,7 +121,7 @@ WHY = {
 
 
 def stopped(setup: Setup, outcome: int, body: int, t: float) -> MethodFailure:
-    """Return the failure of a run stopped at ``t`` (s), with advice; body: its number, or a count of crossings."""
+    """Return the failure of a run stopped at ``t`` (s), with advice; body: body number, or count of crossings."""
     reason = WHY[outcome].format(
         body=name_of(setup.model, body),
         count=body,
@@ -139,13 +139,13 @@ def stopped(setup: Setup, outcome: int, body: int, t: float) -> MethodFailure:
 
 
 def needs_roller_mass(setup: Setup, outcome: int) -> bool:
-    """Check if a method is stuck where only rollers with mass would help."""
+    """Check if a method fails because the rollers have no mass."""
     stuck = outcome in (outcomes.STEP_TOO_SMALL, outcomes.NEWTON_FAILED, outcomes.TOO_MANY_STEPS)
     return stuck and not MODELS[setup.case.model].has_inertia and setup.case.contact.jumps
 
 
 def advice(setup: Setup, outcome: int) -> str:
-    """Return advice on a step, tolerance or model that may succeed."""
+    """Return advice on a step, tolerance, model or duration with which the run may succeed."""
     adaptive = assemble.adaptive(setup.case)
     if outcome == outcomes.TOO_SLOW:
         return "use a shorter `duration`" + ("" if adaptive else ", or give a `step` of your own")

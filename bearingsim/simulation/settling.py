@@ -1,7 +1,7 @@
-"""Settling of a run: the transient's slowest mode, the time of `settle: auto`, and the steady motion extrapolated.
+"""Settling of a run: slowest mode of the transient, time of `settle: auto`, extrapolation to the steady motion.
 
-A run starts from rest, which is not the steady motion. The transient decays in the modes of the ring (and of the
-inner ring on its shaft) on contacts and bracket, found by linearising the bearing at rest.
+A run starts from static equilibrium, which is not the steady motion. The transient decays in the modes of the ring
+(and of the inner ring on its shaft) on contacts and bracket, found by linearising the bearing at equilibrium.
 """
 
 from collections import deque
@@ -26,28 +26,28 @@ from bearingsim.simulation.limits import LONGEST, loaded_at_rest, loads_at_rest,
 from bearingsim.simulation.repetition import passes_are_alike, turned_state
 
 REMEMBERED = 5e-5
-"""Largest part of the start left as the record begins. The start is up to ten times the RMS, and a tenth of the
-smallest accuracy (0.5 %) is 5e-4 of it."""
-LEAST, MOST = 0.05, 10.0  # s: bounds of `settle: auto`
-FAST = 0.05  # part left of a mode after a ball pass under which it needs no extrapolation
+"""Largest part of the initial transient left at the start of the record. The transient is initially up to ten
+times the RMS, and must fall below 5e-4 of the RMS, a tenth of the smallest accuracy (0.5 %)."""
+LEAST, MOST = 0.05, 10.0  # s, bounds of `settle: auto`
+FAST = 0.05  # part of a mode left after a ball pass below which no extrapolation is needed
 WAIT = 2  # ball passes after which only slow modes are left
-EXTRAPOLATIONS, MOST_PASSES = 6, 120  # usual number of them; ball passes after which extrapolation is given up
-NOTABLE = 0.01  # of the start: the most that may be left as the record begins without a remark, or a refusal
-CAGE_TURNS = 5.0  # that a free cage takes to settle
+EXTRAPOLATIONS, MOST_PASSES = 6, 120  # usual number of extrapolations; largest number of ball passes for them
+NOTABLE = 0.01  # part of the transient left at the start of the record above which a warning or refusal follows
+CAGE_TURNS = 5.0  # turns of a free cage to settle
 CAGE_TURNS_EARLY = 2.0
-"""The same before a record that may end early, with dry friction: what is left changes line and RMS by 0.03 %
-(docs/evidence/early_ends.md)."""
-LOOSE = 1e-5  # share of the rings' motion under which a mode is that of rollers that touch nothing
-SMALL = 1e-3  # of the approach at rest: a displacement in which the contacts are straight
+"""Turns of a free cage to settle before a record with `until`, without drag; the remaining transient changes line
+and RMS by 0.03 % (docs/evidence/early_ends.md)."""
+LOOSE = 1e-5  # share of the rings in a mode below which it is a mode of unloaded rollers only
+SMALL = 1e-3  # displacement relative to the approach at rest, at which the contacts are linear
 
 
 def settled(case: Case) -> Case:
-    """Return the case with a time in place of `settle: auto`. Raises ``Refused`` if nothing holds the ring."""
+    """Replace `settle: auto` of a case by a time. Raises ``Refused`` if there is no equilibrium."""
     return case.model_copy(update={"settle": settling(case)}) if case.settle == "auto" else case
 
 
 def settling(case: Case) -> float:
-    """Return the time (s) of `settle: auto`. Raises ``Refused`` if nothing holds the ring."""
+    """Return the time (s) of `settle: auto`. Raises ``Refused`` if there is no equilibrium."""
     time = min(max(LEAST, needed(case)), MOST)
     turns = CAGE_TURNS if case.until is None or case.drag is not None else CAGE_TURNS_EARLY
     return max(time, turns * cage_turn(case)) if has_free_cage(case) else time
@@ -60,17 +60,17 @@ def needed(case: Case) -> float:
 
 
 def remembered(case: Case) -> float:
-    """Return the part of the start left as the record of a case, whose `settle` is a time, begins."""
+    """Return the part of the transient left at the start of the record; `settle` of the case is a time."""
     return exp(-slowest_decay(case) * case.settle_s)
 
 
 def remembers_start(case: Case) -> bool:
-    """Check if a notable part of the start is left as the record of a case, whose `settle` is a time, begins."""
+    """Check if a notable part of the transient is left at the start of the record; `settle` is a time."""
     return remembered(case) > NOTABLE and slow_modes(case) == 0
 
 
 def refuse_unsettled(case: Case) -> None:
-    """Raise ``Refused`` for a case with a strict step check that remembers its start; its `settle` is a time."""
+    """Raise ``Refused`` if the step check is strict and ``remembers_start`` is true; `settle` is a time."""
     if case.step_check == "strict" and remembers_start(case):
         time = needed(case)
         longer = f"use a `settle` of {time:.2g} s" if time <= MOST else "take more damping"
@@ -91,14 +91,14 @@ def cage_turn(case: Case) -> float:
 
 
 def slowest_decay(case: Case) -> float:
-    """Return the rate (1/s) at which the slowest mode of the bearing decays, inf without modes."""
+    """Return the decay rate (1/s) of the slowest mode of the bearing, inf without modes."""
     return max(0.0, -max((mode.real for mode in modes(case)), default=-inf))
 
 
 def slow_modes(case: Case) -> int:
-    """Return the number of modes from whose decay the steady motion is extrapolated; 0 if it is not.
+    """Return the number of slow modes used to extrapolate the steady motion; 0 if it is not extrapolated.
 
-    Ball passes must be alike, and the case, whose `settle` is a time, must settle for longer than fast modes need.
+    All ball passes must be alike, and `settle`, a time, must be longer than ``LEAST``.
     """
     if case.settle_s <= LEAST or not passes_are_alike(case):
         return 0
@@ -113,10 +113,10 @@ def extrapolation_passes(case: Case) -> int:
 
 
 def modes(case: Case) -> tuple[complex, ...]:
-    """Return the eigenvalues (1/s) of rings and rollers in radial motion about rest, those of both signs.
+    """Return the eigenvalues (1/s) of rings and rollers in radial motion about equilibrium, conjugates included.
 
-    None of a model without memory; those of rollers that press on no ring are left out. Raises ``Refused`` if
-    nothing holds the ring.
+    Empty for a model without memory. Modes of unloaded rollers are left out. Raises ``Refused`` if there is no
+    equilibrium.
     """
     if MODELS[case.model].memoryless:
         return ()
@@ -140,9 +140,10 @@ def _modes(healthy: Case) -> tuple[complex, ...]:
 
 
 def _linearised(model: Any, t: float, y: np.ndarray, small: float, K: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the matrix (2 n, 2 n) of the motion about rest, by central differences, and the cells (n,) that move.
+    """Return the state matrix (2 n, 2 n) about equilibrium, by central differences, and its cells (n,).
 
-    small: displacement (m); K: stiffness over mass (1/s^2) of the stiffest roller, by which a speed is as small.
+    small: displacement (m); K: largest stiffness over mass (1/s^2), which scales the velocity difference. Cells
+    without stiffness are left out.
     """
     cells = _radial(model)
     jacobians = np.empty((2, len(cells), len(cells)))
@@ -157,39 +158,39 @@ def _linearised(model: Any, t: float, y: np.ndarray, small: float, K: float) -> 
                 pushed.append(y[lay.ACCELERATION + cells])
             y[cell] = rest
             jacobian[:, n] = (pushed[0] - pushed[1]) / (2.0 * step)
-    moves = np.abs(jacobians[0]).sum(axis=1) > 0.0  # an inner ring without a shaft does not
+    moves = np.abs(jacobians[0]).sum(axis=1) > 0.0  # not an inner ring without a shaft
     stiffness, damping = (jacobian[np.ix_(moves, moves)] for jacobian in jacobians)
     still = np.zeros_like(stiffness)
     return np.block([[still, np.eye(len(still))], [stiffness, damping]]), cells[moves]
 
 
 def _radial(model: Any) -> np.ndarray:
-    """Return the cells of a state in which rings move and bend in the plane, and rollers radially."""
+    """Return the cells of a state for in-plane motion and bending of rings and radial motion of rollers."""
     lanes, bent = lay.FIRST_LANE + np.arange(model.bearing.Z), np.arange(harmonics(model))
     return np.r_[lay.X, lay.Y, lay.X_I, lay.Y_I, lanes, lay.MODES_C + bent, lay.MODES_S + bent]
 
 
 ROUNDING = 1e-11
-"""Change from pass to pass, relative to the first or to the distance from rest, below which it is rounding: the
-motion is steady, and no mode can be fitted to it. Measured: 1e-12 of the distance (heavy rings, 140 to 180 N)."""
+"""Change from pass to pass that is rounding error, relative to the first change (or ``set_out_from``): the motion
+is steady, and no mode can be fitted to it. Measured: 1e-12 (heavy rings, 140 to 180 N)."""
 LEFT = 0.02
-"""Largest residual of the modes, relative to the last change. Above it the motion is not linear yet, and an
-extrapolation might lead to another steady motion than the one reached from rest."""
+"""Largest residual of the fitted modes, relative to the last change. Above it the motion is not yet linear, and an
+extrapolation might lead to another steady motion than the one reached from static equilibrium."""
 
 
 class SlowModes:
-    """States at the ends of ball passes, from which the steady one is extrapolated.
+    """Extrapolation of the steady state from the states at the ends of ball passes.
 
-    From pass to pass the state changes by s' = s_0 + M (s - s_0). M is almost constant where the motion differs
-    from the steady one s_0 in a few slow modes of the rings. Their number of passes and one more give the minimal
-    polynomial of M, and s_0 (minimal polynomial extrapolation, Sidi 2017, ch. 1). If a root of it lies outside of
-    the unit circle, a mode diverges: then s_0 is unstable, and the motion does not converge to it.
+    From pass to pass the state changes by s' = s_0 + M (s - s_0). M is almost constant if the motion differs from
+    the steady state s_0 only in a few slow modes of the rings. For k modes, k + 2 states give the minimal
+    polynomial of M, and s_0 (minimal polynomial extrapolation, Sidi 2017, ch. 1). If one of its roots lies outside
+    of the unit circle, a mode diverges: s_0 is unstable, and the motion does not converge to it.
 
-    passes: largest number of them; steady: whether the last states have come near to it, and would stay.
+    passes: largest number of ball passes; steady: whether the last states approach a stable steady state.
     """
 
     def __init__(self, model: Any, count: int, passes: int, near: float) -> None:
-        """Begin without states. count: of slow modes; near: as of ``of``."""
+        """Start without states. count: number of slow modes; near: as in ``of``."""
         self.model, self.passes, self.near = model, passes, near
         self.weights = lengths(model)
         self.states: deque[np.ndarray] = deque(maxlen=count + 2)
@@ -198,20 +199,20 @@ class SlowModes:
 
     @classmethod
     def of(cls, case: Case, model: Any, rate: float, near: float) -> "SlowModes | None":
-        """Return the slow modes of a case, or None.
+        """Return the slow modes of a case, or None if it has none.
 
-        rate: ball passes per second (Hz); near: part of the first change that counts as none.
+        rate: ball passes per second (Hz); near: fraction of the first change below which the motion is steady.
         """
         passes = int(min(MOST_PASSES, case.settle_s * rate))
         count = slow_modes(case)
         return cls(model, count, passes, near) if count > 0 else None
 
     def set_out_from(self, start: np.ndarray, rest: np.ndarray) -> None:
-        """Measure changes by the distance between a start (2 STATE,) and one from rest."""
+        """Scale changes by the distance between an initial state (2 STATE,) and static equilibrium."""
         self.first = float(np.linalg.norm(self.weights * (start - rest)))
 
     def after_pass(self, y: np.ndarray) -> bool:
-        """Write the extrapolated steady state into ``y`` at the end of a pass; return False if there is none."""
+        """Write an extrapolated steady state into ``y`` at the end of a pass; return whether there is one."""
         self.waited += 1
         if self.waited <= WAIT:
             return False
@@ -226,7 +227,7 @@ class SlowModes:
         if self.reached:
             return False
         shares, *_ = np.linalg.lstsq(changes[:, :-1], -changes[:, -1], rcond=1e-10)
-        polynomial = np.append(shares, 1.0)  # its roots are the factors of the modes in a pass
+        polynomial = np.append(shares, 1.0)  # its roots are the modes' multipliers per pass
         if not np.linalg.norm(changes @ polynomial) <= LEFT * self.last:
             return False
         decays = not diverges(polynomial)
@@ -240,11 +241,11 @@ class SlowModes:
 
     @property
     def reached(self) -> bool:
-        """Convergence: no further pass is needed."""
+        """Convergence to the steady state, after which no further pass is needed."""
         return self.steady and self.last <= self.near * self.first
 
     def _rolled_back(self) -> np.ndarray:
-        """Return the gathered states (2 STATE, n), rollers in the positions of the last one."""
+        """Return the stored states (2 STATE, n), with rollers renumbered to the positions of the last state."""
         turned = (
             turned_state(state.reshape(2, 6, lay.ROW), self.model, n + 1 - len(self.states))
             for n, state in enumerate(self.states)
@@ -253,5 +254,5 @@ class SlowModes:
 
 
 def diverges(polynomial: np.ndarray) -> bool:
-    """Check if a root of a polynomial, its constant first, lies outside of the unit circle."""
+    """Check if a root of a polynomial, constant term first, lies on or outside of the unit circle."""
     return bool(np.abs(np.roots(polynomial[::-1])).max(initial=0.0) >= 1.0)

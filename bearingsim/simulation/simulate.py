@@ -1,4 +1,4 @@
-"""Simulation of a case: the integrator's steps become series and features."""
+"""Simulation of a case, from integration to time series and features."""
 
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
@@ -56,8 +56,8 @@ class Record:
     """Record of a simulation, in SI.
 
     time: (n,) s from the start of the record (after settling); series: (n,) arrays by dataset name
-    (``ring.velocity.x``); features: numbers by name (``velocity@BPFO``); info: how it was computed (step, steps,
-    CPU seconds, limits, cage angle at the start of the record).
+    (``ring.velocity.x``); features: numbers by name (``velocity@BPFO``); info: facts on the computation (step,
+    number of steps, CPU seconds, limits, cage angle at the start of the record).
     """
 
     time: np.ndarray
@@ -82,7 +82,7 @@ class Record:
 
     @property
     def error(self) -> dict[str, float]:
-        """Standard error of each line's amplitude, from its scatter between ball passes."""
+        """Standard error of the amplitude of each line, from its scatter between ball passes."""
         ending = "-scatter"
         return {k.removesuffix(ending): v for k, v in self.features.items() if k.endswith(ending)}
 
@@ -101,12 +101,12 @@ class Began(NamedTuple):
 
     @classmethod
     def now(cls) -> "Began":
-        """Read the clock and the steps."""
+        """Return the current CPU time and number of steps."""
         return cls(cpu_time.now(), taken())
 
 
 def simulate(case: Case) -> Record:
-    """Compute one case. Raises ``SimulationError`` for a run refused before or stopped under way.
+    """Compute one case. Raises ``SimulationError`` if the run is refused or stopped.
 
     An automatic step is an estimate, so it is checked (``step_check``), and the run is monitored throughout. If it
     fails, shorter steps are tried, and then (with `method: auto`) other methods.
@@ -118,21 +118,22 @@ def simulate(case: Case) -> Record:
 def try_out(
     case: Case, requested: Sequence[str], passes: int, turn: float = 0.0, against: Against | None = None
 ) -> tuple[Trial, Record | None]:
-    """Return the first ball passes of a case, for its model to be compared with others (``trial.py``).
+    """Return the first ball passes of a case, to compare its model with others (``trial.py``).
 
-    requested: features; passes: how many are compared; turn: of the slowest defect (s), by which they are cut (0
-    if none turns), its own or of the case whose healthy case this is. If the motion becomes periodic within them,
-    the whole record is returned as well, unless its step is not to be checked. Raises like ``simulate``.
+    requested: features; passes: number of ball passes compared; turn: period (s) of the slowest defect, of this
+    case or of the faulty one whose healthy counterpart it is, into which the passes are divided (0 if no defect
+    turns). The whole record is returned as well if the trial completes it (periodic, or `until` reached), unless
+    `step_check` is strict or false. Raises like ``simulate``.
     """
     began = Began.now()
     return _first_sound_attempt(case, lambda attempt: _try_out(attempt, requested, passes, turn, began, against))
 
 
 def _first_sound_attempt(case: Case, compute: Callable[[choice.Attempt], T]) -> T:
-    """Run the attempts at a case in turn; return the first result that passes its checks."""
+    """Run the attempts at a case in order; return the first result that passes its checks."""
     extensions.refuse_broken()
     failed: dict[str, SimulationError] = {}
-    left: set[tuple[str | None, int]] = set()  # methods not helped by shorter steps, with their patience
+    left: set[tuple[str | None, int]] = set()  # (method, patience) for which shorter steps do not help
     for attempt in _attempts(case):
         named = attempt.case.method, attempt.patience
         if named in left:
@@ -142,10 +143,10 @@ def _first_sound_attempt(case: Case, compute: Callable[[choice.Attempt], T]) -> 
         except NotRepeating:
             left.add(named)
         except MethodFailure as error:
-            failed[str(attempt.case.method)] = error.with_traceback(None)  # its frames hold the whole record
+            failed[str(attempt.case.method)] = error.with_traceback(None)  # its frames refer to the whole record
             if isinstance(error, TooSlow | StepRefused):
                 left |= {named, (attempt.case.method, 0)}
-        except Refused as error:  # shorter steps may be too many; the failure of longer ones is more informative
+        except Refused as error:  # too many steps; an earlier failure of longer steps is more informative
             failed.setdefault(str(attempt.case.method), SimulationError(error.reason, error.advice))
     raise _all_failed(list(failed.values()))
 
@@ -158,7 +159,7 @@ def _attempts(case: Case) -> list[choice.Attempt]:
 
 
 def _all_failed(errors: list[SimulationError]) -> SimulationError:
-    """Combine the errors of all methods tried: the reason of each, the advice and time of the first."""
+    """Combine the errors of all attempted methods: all reasons, with the advice and time of the first."""
     reasons = list(dict.fromkeys(error.reason for error in errors))
     preferred = errors[0]
     advice = (
@@ -168,7 +169,7 @@ def _all_failed(errors: list[SimulationError]) -> SimulationError:
 
 
 def _simulate(attempt: choice.Attempt, began: Began) -> Record:
-    """Compute one case in one way."""
+    """Compute a case by one attempt."""
     case, part, patience = attempt
     if not (case.checks_step and choice.has_automatic_step(case)):
         return _record(*_unrefined(case, part, patience), began)
@@ -181,7 +182,7 @@ def _simulate(attempt: choice.Attempt, began: Began) -> Record:
 
 
 def _unrefined(case: Case, part: float, patience: int) -> tuple[Inspections, RawRecord, StepCheck]:
-    """Compute a case at its own step, or at an automatic one without a check."""
+    """Compute a case at its own step, or at an unchecked automatic step."""
     setup = set_up(case, part)
     inspections = Inspections(setup)
     if not period_is_sought(setup.case):
@@ -191,8 +192,8 @@ def _unrefined(case: Case, part: float, patience: int) -> tuple[Inspections, Raw
     raw = integrate(until_periodic, patience=patience, look=inspections)
     check = step_check.checked_step(until_periodic if raw.repetition.period > 0 else inspections.earliest, raw)
     if not case.periodic and raw.repetition.period > 0:
-        del raw  # whose record may be as large as the next
-        raw = integrate(setup, look=inspections)  # at the step that has been checked on its period
+        del raw  # frees its memory before the full run
+        raw = integrate(setup, look=inspections)  # at the step checked on a period
     return inspections, raw, check
 
 
@@ -204,7 +205,7 @@ def _try_out(
     began: Began,
     against: Against | None,
 ) -> tuple[Trial, Record | None]:
-    """Compute the first passes of a case in one way, or all of it if it is periodic and its step to be checked."""
+    """Compute the first passes of a case by one attempt, and its record if the passes complete it."""
     case, part, _ = attempt
     wanted = case.step_check not in ("strict", False)
     setup, kept, check = set_up(case, part), None, None
@@ -234,7 +235,7 @@ def _try_out(
 
 
 def _is_whole(inspections: Inspections, raw: RawRecord, may_end: bool) -> bool:
-    """Check if a run of its own would end where a trial has: periodic, or (``may_end``) accurate enough."""
+    """Check if a separate run would end where the trial did: periodic, or (``may_end``) accurate enough."""
     computed = raw.repetition.computed
     if raw.repetition.period > 0:
         return computed <= min(inspections.passes, default=computed)
@@ -242,7 +243,7 @@ def _is_whole(inspections: Inspections, raw: RawRecord, may_end: bool) -> bool:
 
 
 def _look(setup: Setup, requested: Sequence[str], turn: float, against: Against) -> Look:
-    """Return the look at a trial after two turns of the cage, at which it ends if it is far off."""
+    """Return the inspection that ends a trial after ``LOOK_TURNS`` cage turns if it is far from the reference."""
     passes = trial.LOOK_TURNS * setup.model.bearing.Z
     return Look(
         (trial.last_pass(setup, passes),),
@@ -280,7 +281,7 @@ def _record(inspections: Inspections, raw: RawRecord, checks_step: StepCheck, be
 
 
 def _spent(began: Began) -> dict[str, float | int | str]:
-    """Return the CPU time (s) of a job, and the steps of all its runs, those of its step check included."""
+    """Return the CPU time (s) of a job and the steps of all its runs, step check included."""
     now = Began.now()
     return {
         "cpu_s": now.cpu_s - began.cpu_s,
@@ -290,7 +291,7 @@ def _spent(began: Began) -> dict[str, float | int | str]:
 
 
 def _refuse_start_error(case: Case, error: float) -> None:
-    """Raise SimulationError if the start of a run changes its record by more than a strict check allows."""
+    """Raise SimulationError if the start-up transient changes the record by more than a strict check allows."""
     if error > STEP_ACCURACY:
         raise SimulationError(
             f"after {case.settle_s:.2g} s the run has not settled: line or RMS is off by {error:.1%}",
@@ -299,15 +300,15 @@ def _refuse_start_error(case: Case, error: float) -> None:
 
 
 def _kept(checked: Setup, record: Setup) -> float:
-    """Return the ball passes of a record over those of the shortest, of which its step was checked."""
+    """Return the ratio of a record's ball passes to those of the shortest record, whose step was checked."""
     return recording.whole_passes(record.case, record.cut) / recording.whole_passes(checked.case, checked.cut)
 
 
 def _check_features(checks_step: StepCheck, kept: float, of_chaos: StandardErrors) -> dict[str, float]:
     """Return a step check as features.
 
-    kept: ball passes of the record over those of which the step was checked; of_chaos: standard errors of a
-    chaotic one, else NaN.
+    kept: ratio of ball passes in the record to those of the record whose step was checked; of_chaos: standard
+    errors of a chaotic record, otherwise NaN.
     """
     return {
         "step_error.line": checks_step.bound(checks_step.line),
@@ -322,7 +323,7 @@ def _check_features(checks_step: StepCheck, kept: float, of_chaos: StandardError
 
 
 def _info(setup: Setup, raw: RawRecord, reached: StandardErrors) -> dict[str, float | int | str]:
-    """Return facts on the computation of a run; reached: standard errors of a record that `until` ended."""
+    """Return facts on the computation of a run; reached: standard errors of a record with `until`, else NaN."""
     case, cut, y = setup.case, setup.cut, raw.y
     steps = raw.repetition.computed * cut.steps_per_pass
     adaptive = assemble.adaptive(case)
@@ -352,18 +353,18 @@ def _info(setup: Setup, raw: RawRecord, reached: StandardErrors) -> dict[str, fl
 
 
 def _is_by_chance(setup: Setup, raw: RawRecord, chaotic: bool) -> bool:
-    """Check if line and RMS of a record scatter by chance, and it holds enough ball passes to show it."""
+    """Check if line and RMS may scatter at random, and the record has enough ball passes to show it."""
     enough = len(recording.windows(setup.case, setup.cut, raw, reach=0).index) > accuracy.MIN_PASSES
     return enough and (chaotic or passes_are_alike(setup.case) or has_free_cage(setup.case))
 
 
 def _start_features(errors: StartErrors) -> dict[str, float]:
-    """Return the errors of a record because its run has not settled, relative."""
+    """Return the relative errors of a record due to the start-up transient."""
     return {"error.start": errors.line, "error.start.rms": errors.rms, "error.start.force": errors.force}
 
 
 def _damping(setup: Setup) -> dict[str, float]:
-    """Return the damping of the contacts, where the model has any (``config/rules/damping.py``)."""
+    """Return the damping of the contacts; NaN if the model has none (``config/rules/damping.py``)."""
     limits = setup.limits
     values = {
         "damping_time_s": limits.damping_time,
@@ -374,22 +375,22 @@ def _damping(setup: Setup) -> dict[str, float]:
 
 
 def _cage_angle(setup: Setup, raw: RawRecord) -> float:
-    """Return the angle (rad) of the first roller's pocket, cage slip included, as the record starts."""
+    """Return the angle (rad) of the first roller's pocket at the start of the record, cage slip included."""
     bearing, position = setup.model.bearing, setup.case.settle_s * setup.cut.fine_rate
     before, after = raw.read(floor(position), 2, np.array([BASE.index(CAGE_ANGLE)]))[0]
     slipped = before + (position - floor(position)) * (after - before)
     return float(bearing.theta_0 + bearing.omega_c * setup.case.settle_s + slipped)
 
 
-_WARM: set[tuple] = set()  # kinds of case compiled or loaded in this process
-WARM_S = 0.3  # s of CPU time, without compiling, of a ball pass; functions not called by then compile in a job
+_WARM: set[tuple] = set()  # kinds of case whose code is compiled or loaded in this process
+WARM_S = 0.3  # s of CPU time for a ball pass, excluding compilation; functions not reached compile during a job
 
 
 def warm(cases: Iterable[Case], about_to: Callable[[int, int, float], None] | None = None) -> None:
     """Compile the solvers of the cases (or load them from the cache) by computing one ball pass of each new kind.
 
-    about_to: called with the number of the next kind, from 1, how many there are, and the CPU time (s) of its
-    compilation.
+    about_to: called before each kind with its number (from 1), the number of kinds, and the estimated CPU time (s)
+    of compilation.
     """
     kinds: dict[tuple, Case] = {}
     for case in cases:
@@ -407,7 +408,7 @@ def warm(cases: Iterable[Case], about_to: Callable[[int, int, float], None] | No
 
 
 def _words(value: Any) -> Any:
-    """List the words of a section, and the types of its numbers: cases with equal ones run the same code."""
+    """List the string settings of a section and the types of its numbers, which determine the compiled code."""
     if isinstance(value, Section):
         return tuple(_words(getattr(value, name)) for name in type(value).model_fields)
     if isinstance(value, tuple):
@@ -416,5 +417,5 @@ def _words(value: Any) -> Any:
 
 
 def _types(value: Any) -> Any:
-    """Return the nested types of a law, whose exponents may have types of their own."""
+    """Return the nested types of a law; its exponents may be types as well."""
     return (type(value), *map(_types, value)) if isinstance(value, tuple) else type(value)

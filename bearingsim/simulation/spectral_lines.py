@@ -1,4 +1,4 @@
-"""Lines of a run at characteristic frequencies, and the motion along the sensor that they are read from."""
+"""Spectral lines of a run at characteristic frequencies, and the motion along the sensor axis."""
 
 from collections.abc import Iterator
 from math import ceil, floor, pi
@@ -17,14 +17,14 @@ from bearingsim.simulation.settling import has_free_cage
 from bearingsim.simulation.time_grid import Grid
 
 MIN_PASSES = 3
-"""Ball passes that a record must hold for lines to be read against a free cage: interpolation takes its ends."""
+"""Smallest number of ball passes for lines with a free cage, because interpolation uses up the ends."""
 
 ROW_OF = {cell: row for row, cell in enumerate(BASE + AT_SENSOR)}
 OTHER_LINES = {name: line for name, line in LINES.items() if not line.outer}
 
 
 class SampleAngles(NamedTuple):
-    """Angles (n,) in rad at fine samples: of the first roller, the inner ring, and a roller's roll in the cage."""
+    """Angles (n,) in rad at fine samples: of the cage (first roller), the inner ring, and a roller in the cage."""
 
     cage: np.ndarray
     inner: np.ndarray
@@ -35,7 +35,7 @@ class SampleAngles(NamedTuple):
         return SampleAngles(self.cage[[0, -1]], self.inner[[0, -1]], self.roll[[0, -1]])
 
     def along(self, line: Line, Z: int) -> np.ndarray:
-        """Return the angle whose cosine a line follows."""
+        """Return the phase angle of a line."""
         return (
             line.outer * Z * self.cage
             + line.inner * Z * (self.inner - self.cage)
@@ -46,17 +46,17 @@ class SampleAngles(NamedTuple):
 
 
 def feature_rows(case: Case) -> np.ndarray:
-    """Return the rows of a recording that features are computed from."""
+    """Return the rows of a recording from which features are computed."""
     return np.arange(len(base(case)))
 
 
 def along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
-    """Project a quantity of the ring on the sensor's direction; of a ring that bends, return it at the sensor."""
+    """Project a quantity of the ring on the sensor axis; for a flexible ring, return its value at the sensor."""
     return along(case, [rows[ROW_OF[cell]] for cell in cells_of(case, f"sensor.{quantity}")])
 
 
 def blocks(count: int) -> Iterator[tuple[int, int]]:
-    """Yield beginning and end of blocks of ``count`` samples. Raises OutOfCpuTime if the job's time is over."""
+    """Yield start and end of blocks that cover ``count`` samples. Raises OutOfCpuTime if the job's time is up."""
     for begin in range(0, count, BLOCK):
         cpu_time.check()
         yield begin, min(begin + BLOCK, count)
@@ -71,7 +71,7 @@ def sensed(case: Case, raw: RawRecord | LowPassed, quantity: str, start: int, co
 
 
 def sample_angles(model: Any, cut: Grid, start: int, slip: np.ndarray) -> SampleAngles:
-    """Return the angles at fine samples from number ``start`` on; slip: (n,) of the cage, beyond kinematic."""
+    """Return the angles at fine samples from number ``start`` on; slip: (n,) cage angle (rad) minus kinematic."""
     b = model.bearing
     t = kinematic_times(model, (start + np.arange(len(slip))) / cut.fine_rate)
     return SampleAngles(
@@ -80,7 +80,7 @@ def sample_angles(model: Any, cut: Grid, start: int, slip: np.ndarray) -> Sample
 
 
 def angles_of_record(case: Case, model: Any, cut: Grid, raw: RawRecord, start: int, count: int) -> SampleAngles:
-    """Return the angles at ``count`` fine samples of a record from number ``start`` on, as the cage has turned."""
+    """Return the angles at ``count`` fine samples of a record from number ``start`` on, cage slip included."""
     slip = np.zeros(count)
     if has_free_cage(case):
         (slip,) = raw.read(start, count, np.array([ROW_OF[CAGE_ANGLE]]))
@@ -88,7 +88,7 @@ def angles_of_record(case: Case, model: Any, cut: Grid, raw: RawRecord, start: i
 
 
 def ball_pass_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
-    """Return amplitude, phase and scatter of the lines at the outer-race frequency and its multiples."""
+    """Return amplitude, phase and scatter of the lines at BPFO and its multiples."""
     columns = {}
     beside = has_other_lines(case)
     for quantity, lines in lines_of_passes(case, model, cut, raw).items():
@@ -99,12 +99,12 @@ def ball_pass_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[s
 
 
 def has_other_lines(case: Case) -> bool:
-    """Check if a record holds lines, besides those of BPFO, of which a ball pass holds no whole period."""
+    """Check if a record has lines other than those of BPFO, whose periods do not fit into a ball pass."""
     return has_free_cage(case) or any(defect.race != "outer" for defect in case.defects)
 
 
 def lines_of_passes(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
-    """Return the lines (harmonics, passes) of each quantity; empty if a free cage's record is too short."""
+    """Return the lines (harmonics, passes) of each quantity; empty if the record is too short for a free cage."""
     return (_lines_at_equal_angles if has_free_cage(case) else _lines_at_equal_times)(case, model, cut, raw)
 
 
@@ -118,13 +118,13 @@ def _lines_at_equal_times(case: Case, model: Any, cut: Grid, raw: RawRecord) -> 
 
 
 def _lines_at_equal_angles(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
-    """Return the lines by pass of a slipping cage, resampled at equal angles; empty if the record is too short."""
+    """Return the lines by pass for a slipping cage, resampled at equal angles; empty for too short a record."""
     M, start, Z = cut.fine_per_pass, first_sample(case, cut), case.bearing.rollers
     length = whole_passes(case, cut) * M + 1
     (slip,) = raw.read(start, length, np.array([ROW_OF[CAGE_ANGLE]]))
     angle = Z * model.bearing.theta_0
     ball_pass = Z * sample_angles(model, cut, start, slip).cage - angle
-    enough = 2.0 * pi * MIN_PASSES * (1.0 - 1e-9)  # a record of just so many passes may be short by rounding
+    enough = 2.0 * pi * MIN_PASSES * (1.0 - 1e-9)  # tolerates rounding
     if ball_pass[-1] - ball_pass[0] < enough or np.any(np.diff(ball_pass) <= 0.0):
         return {}
     M *= ceil(2.0 * pi / (M * np.diff(ball_pass).min()))  # the longest pass keeps all its samples
@@ -138,7 +138,7 @@ def _lines_at_equal_angles(case: Case, model: Any, cut: Grid, raw: RawRecord) ->
 def _lines_from_samples(
     position: np.ndarray, speed: np.ndarray, M: int, start: int, rate: Any, Z_theta_0: float
 ) -> dict[str, np.ndarray]:
-    """Return the lines (harmonics, passes) of each quantity, from place and speed in whole passes and 1 sample."""
+    """Return the lines (harmonics, passes) of each quantity; position, speed: whole passes plus one sample."""
     displacement, velocity = (
         signals.lines_by_pass(series[:-1], M, HARMONICS, start, Z_theta_0) for series in (position, speed)
     )
@@ -154,7 +154,7 @@ def _ball_pass_names() -> list[str]:
 
 
 def other_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
-    """Return amplitude and phase of lines whose periods do not divide the record; NaN of those not resolved."""
+    """Return amplitude and phase of the lines other than BPFO and its multiples; NaN if not resolved."""
     length = max(2, floor(case.duration * cut.fine_rate + 1e-6))
     length = length if raw.end is None else min(length, raw.end - first_sample(case, cut))
     read = _lines_as_they_turn if has_free_cage(case) or not steady(model) else _lines_at_constant_speed
@@ -184,12 +184,12 @@ def _lines_at_constant_speed(
     rest = np.stack([sensed(case, raw, q, start + count * M, length - count * M) for q in MOTION[:2]])
     turning = sample_angles(model, cut, start, np.zeros(1))
     angle = np.array([turning.along(line, case.bearing.rollers) for line in LINES.values()])
-    from_zero = sample_angles(model, cut, 0, np.zeros(2))  # where angles have all their digits
+    from_zero = sample_angles(model, cut, 0, np.zeros(2))  # small angles, for full precision
     turn = np.diff([from_zero.along(line, case.bearing.rollers) for line in LINES.values()])[:, 0]
     displacement, velocity = signals.lines_of_windows(
         series.reshape(2, W, M), count, of_record.period, rest, angle[:, 0], turn
     )
-    # by parts from the velocity, which has fewer impacts to fold into the line than an acceleration
+    # from the velocity, integrated by parts, because impacts alias into the line less than from the acceleration
     acceleration = 1j * turn * cut.fine_rate * velocity
     lines = dict(zip(MOTION, (displacement, velocity, acceleration), strict=True))
     return lines, turn / (2.0 * pi) * cut.fine_rate
@@ -198,7 +198,7 @@ def _lines_at_constant_speed(
 def _lines_as_they_turn(
     case: Case, model: Any, cut: Grid, raw: RawRecord, length: int
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Return amplitudes and mean frequencies, as at constant speed, of bodies whose speeds change."""
+    """Return complex amplitudes and mean frequencies (Hz) of the lines at varying speed."""
     start, Z = first_sample(case, cut), case.bearing.rollers
 
     def angles(begin: int, end: int) -> np.ndarray:
@@ -208,7 +208,7 @@ def _lines_as_they_turn(
 
     def parts() -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         for begin, end in blocks(length):
-            before, after = max(0, begin - 1), min(length, end + 1)  # of which gradients are taken
+            before, after = max(0, begin - 1), min(length, end + 1)  # neighbours for gradients
             inside = slice(begin - before, end - before)
             wide = angles(before, after)
             gradient = np.gradient(wide, axis=1)[:, inside]

@@ -1,8 +1,8 @@
-"""Errors of a record because its run has not wholly settled: of line, RMS and largest force.
+"""Errors of line, RMS and largest force of a record due to incomplete settling.
 
-The record of a periodic motion is compared with its steady passes. Of any other the second half is compared with
-the first, and the decay between them is extrapolated. If the motion scatters by chance (a chaotic motion, a free
-cage), no error is below the standard error.
+For a periodic motion the record is compared with its steady passes. Otherwise its second half is compared with the
+first, and the decay between them is extrapolated. If the motion scatters at random (chaos or a free cage), each
+error is at least the standard error.
 """
 
 from math import exp, hypot, isnan, nan
@@ -23,13 +23,13 @@ from bearingsim.simulation.settling import slowest_decay
 from bearingsim.simulation.spectral_lines import angles_of_record, sensed
 from bearingsim.simulation.trial import defect_turn
 
-PARTS = 4  # of a record: the ratio of their successive changes extrapolates the decay
-ALIKE = 12  # ball passes: a multiple of all periods observed
-SLOWER = 16.0  # times slower than at rest: slowest decay of a driven motion whose contacts open
+PARTS = 4  # parts of a record whose successive changes are used to extrapolate the decay
+ALIKE = 12  # ball passes, a multiple of all observed periods
+SLOWER = 16.0  # ratio of the decay rate at rest to the slowest one while contacts open
 
 
 class StartErrors(NamedTuple):
-    """Relative errors of the fault's line, of the velocity's RMS, and of the largest outer force."""
+    """Relative errors of the defects' lines, of the velocity RMS and of the largest outer force."""
 
     line: float
     rms: float
@@ -39,7 +39,7 @@ class StartErrors(NamedTuple):
 class Passes(NamedTuple):
     """Contributions of each of n ball passes to a record.
 
-    lines: (L, n) complex amplitudes (m/s) of the fault's lines; powers: (n,) mean squares of the velocity
+    lines: (L, n) complex amplitudes (m/s) of the defects' lines; powers: (n,) mean squares of the velocity
     (m^2/s^2); forces: (n,) largest outer forces (N).
     """
 
@@ -48,7 +48,7 @@ class Passes(NamedTuple):
     forces: np.ndarray
 
     def mean(self, weights: np.ndarray) -> "Passes":
-        """Return the weighted means, and the largest force of passes that weigh anything."""
+        """Return the weighted means, and the largest force over passes of nonzero weight."""
         return Passes(
             self.lines @ weights / weights.sum(),
             self.powers @ weights / weights.sum(),
@@ -57,9 +57,9 @@ class Passes(NamedTuple):
 
 
 def start_errors(setup: Setup, raw: RawRecord, standard: StandardErrors) -> StartErrors:
-    """Return the errors of a run; NaN of too short a record, and where no motion is steady.
+    """Return the errors of a run; NaN if the record is too short or the speed is not constant.
 
-    standard: standard errors of its line and RMS where these are chance, else NaN.
+    standard: standard errors of line and RMS if the motion scatters at random, else NaN.
     """
     case, cut = setup.case, setup.cut
     if MODELS[case.model].memoryless:
@@ -92,7 +92,7 @@ def _passes(setup: Setup, raw: RawRecord, of_record: Windows) -> Passes:
 
 
 def _changes(mean: Passes, other: Passes, passes: Passes) -> StartErrors:
-    """Return the differences between the means of some passes and of others."""
+    """Return the relative differences between two means over passes."""
     power = float(passes.powers.mean()) or 1.0
     sizes = np.maximum(np.abs(passes.lines.mean(axis=1)), QUIET_LINE * power**0.5)
     return StartErrors(
@@ -103,11 +103,12 @@ def _changes(mean: Passes, other: Passes, passes: Passes) -> StartErrors:
 
 
 def _decay_errors(case: Case, passes: Passes, rate: float, standard: StandardErrors) -> StartErrors:
-    """Return errors from what decays from part to part of a record.
+    """Return errors from the decay between the parts of a record.
 
-    The mean of the record is off by (1 + r)/(2 (1 - r)) of the change from its first half to its second, the
-    largest force by 1/(1 - r), with r what remains of a decay after a half: as seen from part to part, at most
-    that of the slowest mode at rest if it decays ``SLOWER`` times as slowly.
+    Let r be the part of the transient left after half a record. The error of the record's mean is (1 + r)/(2 (1 -
+    r)) times the change from its first half to its second, that of the largest force 1/(1 - r) times the change. r
+    is estimated from successive parts, with an upper limit from the slowest mode at rest, decaying ``SLOWER``
+    times more slowly.
     """
     turn = max(1.0, defect_turn(case) * rate or ALIKE)  # in passes
     length = len(passes.powers) // PARTS
@@ -127,14 +128,15 @@ def _decay_errors(case: Case, passes: Passes, rate: float, standard: StandardErr
 
 
 def error_of_largest(forces: np.ndarray, rollers: int, quarter: int) -> float:
-    """Estimate the relative standard error of the largest force of a record that scatters by chance.
+    """Estimate the relative standard error of the largest force of a record that scatters at random.
 
     forces: (n,) largest outer force (N) of each ball pass; rollers: passes in a turn of the cage; quarter: passes
     in a quarter of the record, at most n / PARTS.
 
-    The maximum of a sample with an exponential tail has the standard deviation of its parts' maxima (Gumbel);
-    that of a bounded tail has a smaller one. The parts are rollers: each keeps its place in its pocket for tens of
-    turns. Their maxima above the median estimate the tail. Quarters of the record add what changes for all.
+    If the tail of the distribution is exponential, the maximum of a sample has the same standard deviation as the
+    maxima of its parts (Gumbel); if it is bounded, a smaller one. The parts are the rollers, because each keeps
+    its position in its pocket for tens of turns. Their maxima above the median give the scatter; quarters of the
+    record add the changes common to all rollers.
     """
     of_rollers = np.array([forces[n::rollers].max() for n in range(min(rollers, len(forces)))])
     of_quarters = forces[: PARTS * quarter].reshape(PARTS, quarter).max(axis=1)
@@ -144,6 +146,6 @@ def error_of_largest(forces: np.ndarray, rollers: int, quarter: int) -> float:
 
 
 def _scatter(means: list[Passes], passes: Passes) -> StartErrors:
-    """Return standard errors of a record from the means of its parts."""
+    """Return the standard errors of a record from the means of its parts."""
     changes = np.array([_changes(mean, other, passes) for mean in means for other in means])
     return StartErrors(*np.sqrt(np.mean(changes**2, axis=0) * PARTS / (PARTS - 1) / 2.0 / PARTS).tolist())

@@ -1,17 +1,17 @@
 """Check of a run's step against a step 2.24 times shorter, on a period, a pilot, or the whole run.
 
-Of a periodic motion one period is compared. Of any other, a pilot of some ball passes is stepped twice from the
-same start: at the step of the run, and at 1/sqrt(5) of it (with a tenth of the tolerance). The changes of the
-defect's line and the RMS measure the error of the run. The factor is not 2, because the place of a defect's cusp
-within a step sets size and sign of an error of first order, and with exactly half the step the cusp of a second
-defect would fall in the same place, its error unseen.
+For a periodic motion one period is compared. Otherwise a pilot of a few ball passes is integrated twice from the
+same start, with the step of the run and with 1/sqrt(5) of it (and a tenth of the tolerance). The changes of the
+defect's line and of the RMS measure the error of the run. The factor is not 2 because the position of a defect's
+cusp within a step determines size and sign of a first-order error: with half the step the cusp of a second defect
+could fall on the same fraction of a step, and its error would not show.
 
-If the two pilots diverge, a third one, its ring displaced by 1e-10 at the start, shows the reason: if it diverges
-from the first as fast, the motion is chaotic, no step can reproduce a line, and the RMS alone counts. Otherwise
-the result is doubtful, and all is repeated on a longer pilot, if there is one.
+If the two pilots diverge, a third pilot with its ring displaced by 1e-10 at the start tells chaos from step error.
+If it diverges as fast, the motion is chaotic: no step reproduces a line, and only the RMS is checked. Otherwise
+the result is doubtful, and the check is repeated on a longer pilot if the run is long enough for one.
 
-A step of the case's own is that of the run. An automatic one is refined (``refinement.py``), and the finer of the
-two runs that agree is the answer.
+A step given by the case is used for the run. An automatic step is refined (``refinement.py``), and the result is
+the finer of the two runs that agree.
 """
 
 from collections.abc import Sequence
@@ -35,13 +35,13 @@ from bearingsim.simulation.run_setup import MethodFailure, Setup, TooChaotic, se
 
 
 class Bounds(NamedTuple):
-    """Bounds of errors from changes by a shorter step: ``times`` a change, and ``resolved`` more.
+    """Coefficients of an error bound: ``times`` the change by a shorter step, plus ``resolved``.
 
-    least: smallest share of the largest change that every change counts as, since it may be small by chance.
+    least: lower limit of each change, as a share of the largest change, since a change may be small by chance.
 
-    The change d of an error of order p by a step r = sqrt(5) times shorter extrapolates to errors d r^p/(r^p - 1)
-    of the coarse run and d/(r^p - 1) of the finer (Richardson 1911; with a safety factor, the grid convergence
-    index of Roache 1994). The order is at least one, that of a force that jumps within a step: 1.81 d and 0.81 d.
+    If a step r = sqrt(5) times shorter changes a result by d, an error of order p is d r^p/(r^p - 1) in the coarse
+    run and d/(r^p - 1) in the finer one (Richardson 1911; with a safety factor, the grid convergence index of
+    Roache 1994). The order is at least one, as for a force that jumps within a step: 1.81 d and 0.81 d.
     """
 
     times: float
@@ -50,36 +50,37 @@ class Bounds(NamedTuple):
 
 
 OF_OWN, OF_COARSE, OF_FINER = Bounds(2.5, 0.3, 1e-5), Bounds(2.5, 0.5, 1e-4), Bounds(2.0, 0.5, 1e-4)
-"""Bounds of a step of the case's own, and of the coarse and the finer run of a refinement (safety factors 1.4 and
-2.5), calibrated on random scenes, and tested on others (docs/step-check.md)."""
+"""Bounds for a step given by the case, and for the coarse and the finer run of a refinement (safety factors 1.4
+and 2.5). Calibrated on random scenes and tested on others (docs/step-check.md)."""
 
-APART = 0.01  # of the RMS: two pilots whose velocities differ by less in every ball pass are not chaotic
-PERTURBATION = 1e-10  # of the ring's displacement at the start; a periodic motion soon forgets it
-CONFIDENCE = 2.5  # standard deviations, of many passes
-CONFIDENCE_PROBABILITY = 0.9938  # the probability that lies below them
-GROWN, PARTED = 3.0, 1e-4  # from the first pass that counts to the last; in any, of the RMS
-NO_LESS = 0.3  # times the change by the shorter step, or a tenth of the tolerance
-MIN_BLOCKS = 16  # of some passes each, for the scatter of their RMS
-SECOND_PILOT = 4.0  # times as long is a second pilot, if the first two diverge without chaos
+APART = 0.01  # relative to the RMS; if velocities differ by less in every ball pass, chaos is not tested
+PERTURBATION = 1e-10  # relative to the ring's initial displacement; decays if the motion is periodic
+CONFIDENCE = 2.5  # standard deviations, for many passes
+CONFIDENCE_PROBABILITY = 0.9938  # probability of a value below CONFIDENCE standard deviations
+GROWN, PARTED = 3.0, 1e-4  # growth of a perturbation over the pilot; its size in any pass relative to the RMS
+NO_LESS = 0.3  # ratio of the change by the perturbation to that by the shorter step (or tenth of the tolerance)
+MIN_BLOCKS = 16  # smallest number of blocks of passes for the scatter of the RMS
+SECOND_PILOT = 4.0  # length ratio of the second pilot, used if the first two runs diverge without chaos
 CLOSE_TO_ORBIT = Closeness(1e-5, 1e-5, times=1)
-"""Closeness of the finer run to a periodic motion; smaller changes count as none."""
-MOST_FINER_PASSES = 4, 16  # times those of the run, and some more: limit of the finer run
+"""Closeness at which the finer run counts as periodic."""
+MOST_FINER_PASSES = 4, 16  # factor on the passes of the run, and passes added: limit of the finer run
 FEW_PASSES = 120
-"""Passes of the finer run up to which it may cost more than the run.
+"""Number of passes up to which the finer run may cost more than the run.
 
-Measured: at most 14 in 285 random scenes of period one, 40 in 190 with rings of 5 to 100 kg. Of 14 of these with a
-longer period, 11 took up to 110, three over 190.
+Measured: at most 14 passes in 285 random scenes of period one, and 40 in 190 with rings of 5 to 100 kg. Of 14 of
+the latter with a longer period, 11 needed up to 110 passes and three over 190.
 """
-MAX_COST_RATIO = 4.0  # times the CPU time of a run that its finer run may take
+MAX_COST_RATIO = 4.0  # largest ratio of the CPU time of a finer run to that of the run
 
 
 @dataclass(frozen=True)
 class StepCheck:
-    """Changes by a shorter step (and a tenth of the tolerance), and their verdict.
+    """Changes by a shorter step (and a tenth of the tolerance), and their assessment.
 
-    line, rms, force, record: as of ``Changes``; bounds: those of the run that is taken;
-    chaotic: whether a perturbation of 1e-10 grows; noise: standard deviation of the RMS's relative change over the
-    pilot due to chaos; scatter: confidence bound of it over the whole record, inf if the pilot was too short.
+    line, rms, force, record: as in ``Changes``; bounds: error bounds of the run that is used;
+    chaotic: whether a perturbation of 1e-10 grows; noise: standard deviation of the relative change of the RMS
+    over the pilot due to chaos; scatter: its confidence bound over the whole record, inf if the pilot was too
+    short.
     """
 
     line: float
@@ -93,32 +94,32 @@ class StepCheck:
 
     @property
     def changes(self) -> dict[str, float]:
-        """Changes that count, by quantity."""
+        """Changes that are checked, by quantity."""
         every = {"line of the fault": self.line, "RMS": self.rms, "largest force": self.force}
         return {"RMS": self.rms} if self.chaotic else every
 
     @property
     def error(self) -> float:
-        """Largest change that counts."""
+        """Largest change that is checked."""
         return max(self.changes.values())
 
     @property
     def holds(self) -> bool:
-        """Acceptance of the step: its change is small, or within the scatter of chaos."""
+        """Acceptance of the step, if the error is small or within the scatter due to chaos."""
         return bool(self.error <= max(STEP_ACCURACY / self.bounds.times, CONFIDENCE * self.noise))
 
     @property
     def holds_but_for_force(self) -> bool:
-        """Acceptance of the step by line and RMS alone, since a force peak may need impractical steps."""
+        """Acceptance of the step by line and RMS alone, since a force peak may need impractically short steps."""
         return replace(self, force=0.0).holds
 
     @property
     def long_enough(self) -> bool:
-        """Acceptance of a chaotic record's length: its RMS is within 1 %."""
+        """Acceptance of the length of a chaotic record, if its RMS is certain enough (``STEP_ACCURACY``)."""
         return bool(self.scatter <= STEP_ACCURACY)
 
     def bound(self, change: float) -> float:
-        """Bound the step's error of a quantity, from the ``change`` of it (docs/step-check.md)."""
+        """Bound the step error of a quantity from its ``change`` (docs/step-check.md)."""
         least = self.bounds.least * max(self.line, self.rms, self.force)
         return self.bounds.times * max(change, least) + self.bounds.resolved
 
@@ -127,9 +128,10 @@ UNCHECKED = StepCheck(nan, nan, nan, nan)
 
 
 def checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
-    """Check the step of a setup as it is, if the case checks steps. raw: its run, if that is periodic.
+    """Check the step of a setup, if the case requests step checks. raw: its run, used if periodic.
 
-    Raises ``MethodFailure`` if its error is too large; that of the largest force may be if no step is shorter.
+    Raises ``MethodFailure`` if the error is too large. An error of the largest force is accepted if the step
+    cannot be shortened.
     """
     if not setup.case.checks_step:
         return UNCHECKED
@@ -141,7 +143,7 @@ def checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
 
 
 def refused(setup: Setup, check: StepCheck) -> tuple[str, str]:
-    """Return the reason for refusing a step that does not hold, and advice."""
+    """Return the reason for refusing a step, and advice."""
     refinement = "a shorter step" + " and a tenth of the tolerance" * assemble.adaptive(setup.case)
     what = max(check.changes, key=check.changes.__getitem__)
     chaotic = ", and the motion is chaotic" if check.chaotic else ""
@@ -160,7 +162,7 @@ def _tighter_advice(setup: Setup) -> str:
 
 
 def refuse_short_record(setup: Setup, checks_step: StepCheck) -> None:
-    """Raise TooChaotic if a chaotic record is too short for an RMS within 1 %."""
+    """Raise TooChaotic if a chaotic record is too short for its RMS to be accurate."""
     if checks_step.long_enough:
         return
     needed, worth = longer_duration(setup.case), "is of unknown accuracy"
@@ -175,7 +177,7 @@ def refuse_short_record(setup: Setup, checks_step: StepCheck) -> None:
 
 
 def check_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
-    """Check a case's step. raw: its run, if periodic. Raises like ``integrate``."""
+    """Check the step of a setup. raw: its run, if periodic. Raises like ``integrate``."""
     if raw is not None and (on_orbit := check_on_orbit((setup, raw), finer_orbit(setup, raw))) is not None:
         return on_orbit
     case, part = setup.case, setup.part
@@ -188,16 +190,16 @@ def check_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
 
 
 def finer_orbit(coarse: Setup, raw: RawRecord) -> tuple[Setup, RawRecord]:
-    """Return a finer run of a periodic motion, which starts where the other ended and so soon is periodic too."""
+    """Return a finer run of a periodic motion, started from the end of the coarse run to become periodic soon."""
     fine = set_up(coarse.case, coarse.part * shorter(coarse.cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU)
     start = rewound_state(coarse, raw)
     return fine, integrate(fine, start=start, close=CLOSE_TO_ORBIT, most=most_finer_passes(raw))
 
 
 def check_on_orbit(coarse: tuple[Setup, RawRecord], fine: tuple[Setup, RawRecord]) -> StepCheck | None:
-    """Return the step check of a periodic motion: one period of it against one at a shorter step.
+    """Return the step check of a periodic motion, from one period at each step.
 
-    None if the finer run is not periodic, or if raw values are recorded and the record ends before both are
+    None if the finer run is not periodic, or if raw values are recorded and the record ends before both runs are
     steady.
     """
     if fine[1].repetition.period == 0:
@@ -209,7 +211,7 @@ def check_on_orbit(coarse: tuple[Setup, RawRecord], fine: tuple[Setup, RawRecord
 
 
 def most_finer_passes(raw: RawRecord) -> int:
-    """Return the largest number of ball passes of a finer run: beyond a few it costs no more than the run."""
+    """Return the largest number of ball passes of a finer run; beyond ``FEW_PASSES`` it costs at most the run."""
     computed = raw.repetition.computed
     as_much = max(FEW_PASSES, round(computed / sqrt(5.0)))
     return min(MOST_FINER_PASSES[0] * computed + MOST_FINER_PASSES[1], as_much)
@@ -222,7 +224,7 @@ def rewound_state(coarse: Setup, raw: RawRecord) -> np.ndarray:
 
 
 class OnPilot(NamedTuple):
-    """Step check by a pilot; doubtful: the pilots diverge without sign of chaos; finer: the finer pilot."""
+    """Step check by a pilot; doubtful: the pilots diverge although no chaos shows; finer: the finer pilot."""
 
     check: StepCheck
     doubtful: bool
@@ -232,7 +234,7 @@ class OnPilot(NamedTuple):
 def check_on_pilot(
     case: Case, part: float, short: Case, passes: int, before: tuple[Setup, Compared] | None = None
 ) -> OnPilot:
-    """Check the step of a case by a pilot ``short`` of ``passes``; before: the coarse one, if it has been run."""
+    """Check the step of a case by a pilot ``short`` of ``passes``; before: its coarse run, if already computed."""
     allowed = time_grid.MAX_CPU * length(short) / length(case)
     short = short.model_copy(update={"periodic": False})
     coarse = before[0] if before is not None else set_up(short, part, allowed)
@@ -253,7 +255,7 @@ def check_on_pilot(
     beside = by_pass(nudged.fine - third.fine, passes) / scale
     if not is_chaotic_motion(beside, apart, adaptive):
         return OnPilot(check, True, finer)
-    # pilots have not diverged at their start; the wider band, where they diverge first, is more informative
+    # pilots agree at first: the signal that diverges sooner, usually of the wider band, is more informative
     noise, sure = max(
         (scatter(series, passes) for series in zip(coarse_run[:2], fine_run[:2], third[:2], strict=True)),
         key=np.prod,
@@ -272,9 +274,10 @@ def run_pilot(setup: Setup, passes: int, nudge: float = 0.0) -> Compared:
 def scatter(series: Sequence[np.ndarray], passes: int) -> tuple[float, float]:
     """Return the scatter of a ball pass's RMS due to chaos, from three diverged recordings of the same passes.
 
-    First the standard deviation of its relative change, then the factor to its confidence limit: Student's t, with
-    two degrees of freedom for each effective pass, because a few strong ones may outweigh the rest. The larger of
-    those from single passes and from blocks, because successive passes are correlated.
+    Returns the standard deviation of the relative change of the RMS and the factor to its confidence limit. The
+    factor is Student's t with two degrees of freedom per effective pass, because a few strong passes may outweigh
+    the rest. Of single passes and blocks of passes the largest standard deviation counts, because successive
+    passes are correlated.
     """
     sizes = [2**k for k in range(passes.bit_length()) if k == 0 or passes >= MIN_BLOCKS * 2**k]
     return max(_scatter(series, passes // size, size) for size in sizes)
@@ -298,17 +301,17 @@ def length(case: Case) -> float:
 
 
 def shorter(decimation: int) -> float:
-    """Return about 1/sqrt(5), the fraction of a step where a fine sample holds ``decimation`` steps."""
+    """Return the ratio of a shorter step, about 1/sqrt(5), if a fine sample has ``decimation`` steps."""
     return decimation / max(2 * decimation + 1, round(sqrt(5.0) * decimation))
 
 
 def with_finer_tolerance(case: Case) -> Case:
-    """Return the case with a tenth of its tolerance, if it gives one (an automatic one goes with the step)."""
+    """Return the case with a tenth of its own tolerance; an automatic tolerance follows the step."""
     return case if case.tolerance == "auto" else case.model_copy(update={"tolerance": 0.1 * case.tolerance})
 
 
 def ahead(setup: Setup, other: Setup) -> float:
-    """Return the lead (s) of a setup's rollers over another's, both aligned with their first defect."""
+    """Return the lead (s) of the rollers of one setup over another, each aligned with its first defect."""
     return float((setup.model.bearing.theta_0 - other.model.bearing.theta_0) / other.model.bearing.omega_c)
 
 
@@ -324,11 +327,12 @@ def by_pass(difference: np.ndarray, passes: int) -> np.ndarray:
 
 
 def is_chaotic_motion(beside: np.ndarray, apart: np.ndarray, adaptive: bool) -> bool:
-    """Check if a motion is chaotic, by the changes of each ball pass due to a nudge and to a shorter step.
+    """Check if a motion is chaotic, from the changes of each ball pass by a perturbation and by a shorter step.
 
-    beside, apart: (passes,) these changes over the RMS. A periodic motion forgets a nudge. An adaptive method
-    takes other steps after it, with changes that shrink with the tolerance. If the finer run diverges from its
-    nudged twin as much as from the coarse run, the motion itself is the cause.
+    beside, apart: (passes,) changes by the perturbation and by the shorter step, relative to the RMS. In a
+    periodic motion the perturbation decays. With an adaptive method it also changes the steps, by an amount that
+    shrinks with the tolerance. If the perturbed finer run diverges from the finer one about as much as the coarse
+    run does, the motion itself is chaotic.
     """
     if adaptive:
         return bool(beside.max() > PARTED and beside.max() > NO_LESS * apart.max())

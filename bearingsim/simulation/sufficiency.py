@@ -1,10 +1,11 @@
-"""Standard errors of the requested features of a record, by which it ends `until` an accuracy.
+"""Standard errors of the requested features of a record, which ends when they reach the accuracy `until`.
 
-A feature is read over pairs of successive units (``ending.unit``) that overlap by half, as in ``trial.py``; a
-multiple of BPFO beside other lines is read from its ball passes. The standard error of their mean is that of batch
-means. Where values are correlated, larger batches have a larger one: batches are doubled in size, and the largest
-error counts (batch means: Jones, Haran, Caffo and Neath 2006, J. Am. Stat. Assoc. 101, 1537; their bias: Vats and
-Flegal 2022, Biometrika 109, 735; ends at a relative width: Flegal and Gong 2015, Stat. Sinica 25, 655).
+A feature is computed over pairs of successive units (``ending.unit``) that overlap by half, as in ``trial.py``; a
+multiple of BPFO with other lines present is computed from ball passes. The standard error of the mean is estimated
+by batch means. If values are correlated, it increases with the batch size, so batches are doubled in size and the
+largest error is used (batch means: Jones, Haran, Caffo and Neath 2006, J. Am. Stat. Assoc. 101, 1537; their bias:
+Vats and Flegal 2022, Biometrika 109, 735; stopping at a relative width: Flegal and Gong 2015, Stat. Sinica 25,
+655).
 """
 
 from collections.abc import Sequence
@@ -27,13 +28,13 @@ from bearingsim.simulation.spectral_lines import angles_of_record, has_other_lin
 
 FEWEST_BATCHES = 4
 TWO_SIGMA = 0.97725  # probability of a deviation below two sigma
-HANN = 1.5  # times as large is the variance of a mean under Hann's window
+HANN = 1.5  # ratio of the variance of a mean under Hann's window to that of a plain mean
 
 
 class Inspections:
-    """Inspections of a run whose record ends `until` an accuracy.
+    """Inspections of a run whose record ends at the accuracy `until`.
 
-    passes: ball passes of the run after which it is inspected.
+    passes: ball passes of the run after which it is inspected; empty without `until`.
     """
 
     def __init__(self, setup: Setup) -> None:
@@ -48,11 +49,11 @@ class Inspections:
 
     @property
     def earliest(self) -> Setup:
-        """Setup of the shortest record, of which the step check takes a part."""
+        """Setup with the shortest record, from which the step check takes its pilot."""
         return self._of_passes(min(self.of_record.values())) if self.of_record else self.setup
 
     def ended(self, raw: RawRecord) -> Setup:
-        """Return the setup of a run's record, shorter if an inspection has ended it."""
+        """Return the setup of a run's record, shortened if an inspection has ended it."""
         computed = raw.repetition.computed
         if raw.repetition.period > 0 or computed not in self.of_record:
             return self.setup
@@ -73,16 +74,16 @@ class Inspections:
 
 
 def watched(case: Case) -> list[str]:
-    """List the features whose accuracy ends a record: line of each defect, RMS, and what the case names.
+    """List the features whose accuracy ends a record: line of each defect, RMS, and the features of the case.
 
-    An acceleration's line is i times its angular speed times that of the velocity.
+    Lines of the acceleration are replaced by those of the velocity, because they differ by a constant factor.
     """
     names = (*(f"velocity@{line}" for line in fault_lines(case)), "velocity.rms", *case.features)
     return list(dict.fromkeys(name.replace("acceleration@", "velocity@") for name in names))
 
 
 def standard_errors(setup: Setup, raw: RawRecord) -> StandardErrors:
-    """Estimate the largest standard errors of the watched lines and RMS values; infinite of too few passes."""
+    """Estimate the largest standard errors of the watched lines and RMS values; infinite for too few passes."""
     if raw.repetition.period > 0:
         return StandardErrors(0.0, 0.0)
     errors = errors_of(setup, raw, watched(setup.case))
@@ -94,7 +95,7 @@ def standard_errors(setup: Setup, raw: RawRecord) -> StandardErrors:
 
 
 def errors_of(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> dict[str, float]:
-    """Estimate the relative standard errors of features of a record that is not periodic, by name."""
+    """Estimate the relative standard errors of the features of a non-periodic record, by name."""
     case, cut = setup.case, setup.cut
     passes = whole_passes(case, cut)
     start, length = first_sample(case, cut), passes * cut.fine_per_pass + 1
@@ -125,17 +126,17 @@ def errors_of(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> dict[st
 
 
 def _harmonic(name: str) -> int:
-    """Return the multiple of BPFO that a line of the motion is at, 0 of any other feature."""
+    """Return the multiple of BPFO of a line of the motion, 0 for any other feature."""
     line = LINES.get(name.partition("@")[2])
     return 0 if line is None or read_band(name) else line.outer
 
 
 def batch_error(values: np.ndarray) -> float:
-    """Estimate the standard error of the mean of successive values (n,), at least ``FEWEST_BATCHES``.
+    """Estimate the standard error of the mean of at least ``FEWEST_BATCHES`` successive values (n,).
 
-    The largest by batches of 1, 2, 4 ... values. Twice the variance by a batch, less that by one of half its size,
-    is free of the bias of first order by a correlation over batches. By Student's t two standard errors are as
-    sure as two sigma.
+    The result is the largest for batches of 1, 2, 4 ... values. Twice the variance from batches of one size, minus
+    that from batches of half the size, has no first-order bias by correlation between batches. The error is scaled
+    by Student's t so that two standard errors have the confidence of two sigma.
     """
     from scipy.special import stdtrit
 

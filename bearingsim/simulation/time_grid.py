@@ -1,4 +1,4 @@
-"""Time grid of a case, and its estimated CPU time, memory and disk, as printed by ``bearingsim check``."""
+"""Time grid of a case, and its estimated CPU time, memory and disk space, as printed by ``bearingsim check``."""
 
 from dataclasses import dataclass
 from math import ceil, floor
@@ -17,19 +17,19 @@ from bearingsim.simulation.pricing import Cost, Size, cost, per_second, price, s
 from bearingsim.simulation.repetition import period_is_sought
 from bearingsim.simulation.settling import refuse_unsettled
 
-SAFETY = 0.9  # of the limit at impact, more is refused: it is a lone roller's, and the ring's motion lowers it
-FINE_PER_SAMPLE, MIN_FINE = 4, 64
-LET_THROUGH = 0.15  # of the fine rate: up to there fine samples are as computed (core/sampling.py)
-MAX_STEPS = 10_000_000  # in a ball pass, whose recording is held in memory: 640 MB
-MAX_CPU = 12 * 3600.0  # s: a job of more is refused, unless it gives its own step
+SAFETY = 0.9  # largest part of the limit at impact, which is that of a single roller; the ring's motion lowers it
+FINE_PER_SAMPLE, MIN_FINE = 4, 64  # smallest numbers of fine samples per sample, and per ball pass
+LET_THROUGH = 0.15  # part of the fine rate up to which fine samples are not attenuated (core/sampling.py)
+MAX_STEPS = 10_000_000  # largest number in a ball pass, whose recording is stored in memory (640 MB)
+MAX_CPU = 12 * 3600.0  # s, above which a job is refused unless it gives its own step
 
 
 @dataclass(frozen=True)
 class Grid:
     """Time grid of a case.
 
-    rate: ball passes per second (Hz); ``fine_per_pass`` fine samples in each, ``decimation`` steps of ``step`` s
-    to a fine sample. ``passes`` are computed: settling, the record, and the reach of its last sample's filter.
+    rate: ball passes per second (Hz); step: s; fine_per_pass: fine samples per ball pass; decimation: steps per
+    fine sample; passes: ball passes of settling, the record, and the reach of the filter beyond it.
     """
 
     rate: float
@@ -53,8 +53,8 @@ class Grid:
 class Estimate:
     """Estimate of a job: CPU seconds on one core, bytes on disk before compression, steps of the run itself.
 
-    check_seconds: of ``cpu_seconds``, for the step check; memory: bytes at once, besides those of the program;
-    most_seconds, most_memory: if the response could be periodic and is not.
+    check_seconds: part of ``cpu_seconds`` for the step check; memory: peak bytes without those of the program;
+    most_seconds, most_memory: the same if the response might be periodic but is not.
     """
 
     cpu_seconds: float
@@ -94,17 +94,17 @@ def samples(case: Case) -> int:
 
 
 def highest(case: Case) -> float:
-    """Return the upper end (Hz) of the highest band that a case names; 0 if it names none."""
+    """Return the highest upper limit (Hz) of the bands in a case's features; 0 if there are none."""
     features = (read_band(name) for name in case.features)
     return max((feature.band.high for feature in features if feature and feature.band), default=0.0)
 
 
 def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
-    """Cut the case in time: the wanted step, shortened until a ball pass holds a whole number of fine samples.
+    """Compute the time grid of a case, with steps shortened so that a ball pass has a whole number of them.
 
-    part: fraction of the wanted step; max_cpu: seconds that all steps may take, if more than ``MAX_CPU``.
-    On a ramp the ball pass is that of the highest speed. Raises ``Refused`` like ``requested_step``, if no sample
-    falls into the record, if a pass has too many steps, or if all take too long.
+    part: fraction of the requested step; max_cpu: CPU time (s) allowed for all steps, if more than ``MAX_CPU``.
+    On a ramp the ball pass is that of the highest speed. Raises ``Refused`` like ``requested_step``, and if the
+    record has no sample, if a pass has too many steps, or if the steps take too long.
     """
     if samples(case) < 1:
         raise Refused("no sample falls into the record", "use a higher `sampling` or a longer `duration`")
@@ -137,9 +137,9 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
 
 
 def estimate(case: Case) -> Estimate:
-    """Estimate CPU time, memory and disk of a case.
+    """Estimate CPU time, memory and disk space of a case.
 
-    Raises ``Refused`` as ``requested_step`` and a strict step check do, and for more memory than there is.
+    Raises ``Refused`` like ``requested_step`` and ``refuse_unsettled``, and if the memory is insufficient.
     """
     case = resolved(case)
     refuse_unsettled(case)
@@ -162,9 +162,9 @@ def estimate(case: Case) -> Estimate:
 
 
 def _memory(case: Case, cut: Grid, costs: Cost) -> tuple[float, float]:
-    """Return the largest memory (bytes) of a case, as expected, and if its response is not periodic.
+    """Return the peak memory (bytes) of a case: expected, and if its response is not periodic.
 
-    A run in full whose step is checked on a period takes that of the search for the period before.
+    With `periodic: false` and a step check on a period, the search for the period may need more than the run.
     """
     in_full = [pricing.memory(case, size) for size in _sizes(case, cut, costs)]
     if not case.periodic and period_is_sought(case):
@@ -175,7 +175,7 @@ def _memory(case: Case, cut: Grid, costs: Cost) -> tuple[float, float]:
 
 
 def _sizes(case: Case, cut: Grid, costs: Cost) -> tuple[Size, Size]:
-    """Return the size of a case, its method named, as expected, and if its response is not periodic."""
+    """Return the size of a case with a named method: expected, and if its response is not periodic."""
     expected = pricing.size(case, cut.fine_per_pass, cut.decimation, costs.passes, costs.proof / costs.one_pass)
     if costs.at_most == costs.whole:
         return expected, expected
@@ -183,7 +183,7 @@ def _sizes(case: Case, cut: Grid, costs: Cost) -> tuple[Size, Size]:
 
 
 def refuse_too_large(case: Case, cut: Grid) -> None:
-    """Raise ``Refused`` if a case, its method named, may take more memory than there is."""
+    """Raise ``Refused`` if a case with a named method may need more memory than is available."""
     _refuse_too_large(_memory(case, cut, cost(case, cut.step, cut.passes))[1])
 
 

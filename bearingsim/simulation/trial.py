@@ -1,9 +1,8 @@
-"""Trial: the first ball passes of a run, by which models are compared in the requested features.
+"""Trial: the first ball passes of a run, on which models are compared in the requested features.
 
-A line's amplitude is the mean of a quantity under a window, and so is an RMS's square. Both are read over the
-whole trial, and over every two successive turns of the slowest defect (Hann's window over two turns removes the
-period of a turn). The difference of two models scatters between those if the motion is chaotic, and hardly at all
-if it is not.
+The amplitude of a line is a windowed mean, as is the square of an RMS. Both are computed over the whole trial and
+over every pair of successive turns of the slowest defect (Hann's window over two turns removes the period of a
+turn). Between pairs the difference of two models scatters if the motion is chaotic, and hardly at all otherwise.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -30,30 +29,30 @@ from bearingsim.simulation.spectral_lines import SampleAngles
 MIN_PASSES, TURNS = 16, 4
 """Smallest numbers of ball passes, and of turns of every defect through the load zone, that are compared."""
 MOST_PART = 0.5
-"""Largest part of a record that is compared: more would cost as much as the run that it may save."""
+"""Largest part of a record that is compared. A longer trial would cost as much as the run that it may save."""
 CAGE_TURNS = 5
-"""Smallest number of turns of a free cage that are compared. Passes are correlated over tens of them: the standard
-error of a line is 0.9 % of 16 and 0.3 % of 64 (100 N, 3000 rpm)."""
+"""Smallest number of turns of a free cage that are compared. Tens of successive passes are correlated: the
+standard error of a line is 0.9 % over 16 passes and 0.3 % over 64 (100 N, 3000 rpm)."""
 LOOK_TURNS = 2
-"""Turns of the cage after which a trial ends that is far off already."""
-SPARE = 1e-9  # s: of rounding, where a duration is to hold a number of passes
+"""Turns of the cage after which a trial may end because it is far from the reference."""
+SPARE = 1e-9  # s, margin for rounding in a duration that must contain a number of passes
 MAIN_LOBE, NEAR = 2.0, 4.0
 """Half width of the main lobe of Hann's window, and distance beyond which its response is under 0.6 %, in turns.
-Lines nearer to each other than that are solved for together."""
+The amplitudes of lines closer than the latter are solved for jointly."""
 LARGEST_FORCE = "outer_force.max"
 LEAST_OVERLAP_EIGENVALUE = 0.1
-"""Smallest eigenvalue of the overlap of lines that are solved for together: noise is amplified threefold there."""
+"""Smallest eigenvalue of the overlap matrix of jointly solved lines; there, noise is amplified threefold."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """The first passes of a run after it has settled.
+    """Features over the first passes of a run after settling.
 
-    passes: how many count; turns: of the slowest defect in them, of ball passes if none turns; repeats: whether
-    the motion is periodic; lines: (1 + W,) complex amplitudes (SI) of each requested line over the whole, and over
-    W pairs of turns, by name, NaN of a line that the whole does not resolve; powers: (1 + W,) mean squares of a
-    requested RMS (SI), likewise; forces: (passes,) the largest of an outer contact (N); method: its name, empty if
-    the model has none; step: its step (s), or its tolerance if it is adaptive.
+    passes: number of ball passes; turns: whole turns of the slowest defect in them (ball passes if none turns);
+    repeats: whether the motion is periodic; lines: by name, (1 + W,) complex amplitudes (SI) of each requested
+    line over the whole trial and over W pairs of turns, NaN if the whole trial does not resolve the line; powers:
+    likewise, mean squares (SI) of each requested RMS; forces: (passes,) largest outer contact forces (N); method:
+    name of the method, empty if the model has none; step: its step (s), or its tolerance if adaptive.
     """
 
     passes: int
@@ -67,7 +66,7 @@ class Trial:
 
     @property
     def is_whole(self) -> bool:
-        """Consistency: all arrays have the lengths of its passes and turns."""
+        """Consistency of the lengths of all arrays with the numbers of passes and turns."""
         parts = {len(values) for values in (*self.lines.values(), *self.powers.values())}
         return parts <= {parts_of(self.turns)} and len(self.forces) == self.passes >= self.turns
 
@@ -78,26 +77,25 @@ class Trial:
 
 @dataclass(frozen=True)
 class Against:
-    """Reference values of a trial, by which it may end early.
+    """Reference values with which a trial is compared, and may end early.
 
-    values: of lines and RMS (SI), by feature; most: differences (SI) beyond which the trial ends.
+    values: lines and RMS values (SI) by feature; most: differences (SI) beyond which the trial ends.
     """
 
     values: Mapping[str, float]
     most: Mapping[str, float]
 
     def is_far(self, trial: "Trial") -> bool:
-        """Check if a trial differs by more in any feature."""
+        """Check if a trial differs by more than ``most`` in any feature."""
         own = {name: float(abs(parts[0])) for name, parts in trial.lines.items()}
         own |= {name: float(np.sqrt(parts[0])) for name, parts in trial.powers.items()}
         return any(abs(own[name] - value) > self.most[name] for name, value in self.values.items() if name in own)
 
 
 def passes_to_try(case: Case, loose: bool = False) -> int:
-    """Return the ball passes of a case in which its model is compared with the reference; 0 if its record holds
-    none.
+    """Return the number of ball passes over which the model of a case is compared with the reference.
 
-    loose: whether the reference has a free cage, which needs turns of the cage even if the record holds fewer.
+    loose: whether the reference has a free cage, which needs ``CAGE_TURNS`` even if the record is shorter.
     """
     rate = case.bearing.ball_pass_frequency(case.speed)
     wanted = max(MIN_PASSES, ceil(TURNS * defect_turn(case) * rate), ceil(PILOT_PART * case.duration * rate))
@@ -105,12 +103,12 @@ def passes_to_try(case: Case, loose: bool = False) -> int:
 
 
 def most_passes(case: Case) -> int:
-    """Return the ball passes of a case that are computed for a trial at most, if its motion does not repeat."""
+    """Return the largest number of ball passes in a trial of a case whose motion is not periodic, at least 1."""
     return max(int(MOST_PART * case.duration * case.bearing.ball_pass_frequency(case.speed)), 1)
 
 
 def tells_friction(case: Case) -> bool:
-    """Check if the record of a case holds enough turns of a free cage to show the effect of friction."""
+    """Check if the record of a case contains enough turns of a free cage to show the effect of friction."""
     return case.duration >= CAGE_TURNS * cage_turn(case)
 
 
@@ -122,21 +120,21 @@ def long_enough(case: Case) -> Case:
 
 
 def defect_turn(case: Case) -> float:
-    """Return the time (s) in which the slowest defect turns through the load zone once; 0 if none turns."""
+    """Return the time (s) for one turn of the slowest defect through the load zone; 0 if none turns."""
     return max((float(DEFECT_TURN[defect.race](case)) for defect in case.defects), default=0.0)
 
 
 def last_pass(setup: Setup, passes: int) -> int:
-    """Return the ball passes to compute so that ``passes`` after settling can be read."""
+    """Return the number of ball passes to compute so that ``passes`` after settling can be read."""
     case, cut = setup.case, setup.cut
     beyond = cut.passes - floor((case.settle_s + case.duration) * cut.rate)  # within the reach of filters
     return min(cut.passes, ceil(case.settle_s * cut.rate) + passes + beyond)
 
 
 def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: int, turn: float) -> Trial:
-    """Return the trial of the first ``passes`` of a run after settling; turn: of the slowest defect (s), or 0.
+    """Return the trial of the first ``passes`` of a run after settling.
 
-    If the motion is not periodic, of at most ``most_passes``.
+    If the motion is not periodic, it has at most ``most_passes``. turn: period (s) of the slowest defect, or 0.
     """
     case, cut = setup.case, setup.cut
     passes = passes if raw.repetition.period > 0 else min(passes, most_passes(case))
@@ -167,8 +165,8 @@ def parts_of_features(
 ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     """Return amplitudes of requested lines and mean squares of requested RMS values, over each of ``spans``.
 
-    fine, low: functions from a quantity to its series (n,) along the sensor, as computed and low-passed; turning:
-    angles (n,) at the same samples.
+    fine, low: functions that return the series (n,) of a quantity along the sensor, unfiltered and low-passed;
+    turning: angles (n,) at the same samples.
     """
     case, fs = setup.case, setup.cut.fine_rate
     lines, powers = {}, {}
@@ -191,7 +189,7 @@ def parts_of_features(
 
 
 def stepped_alike(case: Case, trial: Trial) -> Case:
-    """Return a case with the method and the step, or tolerance, of a trial, taken without a check."""
+    """Return a case with the method and the step (or tolerance) of a trial, without step check."""
     fixed: dict[str, Any] = {"step_check": False}
     if trial.method:
         fixed |= {"method": trial.method}
@@ -200,9 +198,9 @@ def stepped_alike(case: Case, trial: Trial) -> Case:
 
 
 def spans_of(passes: int, turn: float, per_pass: int) -> list[slice]:
-    """Return slices of a trial's fine samples: the whole turns in it, then every two successive turns.
+    """Return slices of a trial's fine samples: all whole turns, then each pair of successive turns.
 
-    turn: in ball passes. If the trial holds fewer than three, only all of it.
+    turn: in ball passes. With fewer than three turns, only the whole trial is returned.
     """
     turns = whole_turns(passes, turn)
     if parts_of(turns) == 1:
@@ -212,7 +210,7 @@ def spans_of(passes: int, turn: float, per_pass: int) -> list[slice]:
 
 
 def parts_of(turns: int) -> int:
-    """Return the number of values of a line in a trial: of all ``turns``, and of every two turns."""
+    """Return the number of values of a line in a trial: one over all ``turns``, and one per pair of turns."""
     return turns if turns >= 3 else 1
 
 
@@ -222,14 +220,14 @@ def whole_turns(passes: int, turn: float) -> int:
 
 
 def angles_near(case: Case, turning: SampleAngles, name: str, span: slice) -> np.ndarray:
-    """Return the angles (1 + L, n) of a line, and of those in a case not resolved from it over ``span``."""
+    """Return the angles (1 + L, n) of a line and of L excited lines too near to resolve over ``span``."""
     angles = {line: turning.along(LINES[line], case.bearing.rollers) for line in (name, *excited(case))}
     turns = {line: float(angle[span][-1] - angle[span][0]) / (2.0 * pi) for line, angle in angles.items()}
     return np.stack([angles[line] for line in angles if abs(turns[line] - turns[name]) < NEAR])
 
 
 def excited(case: Case) -> list[str]:
-    """Return the lines at which a case vibrates: those of its defects, and of the rollers that pass."""
+    """Return the lines at which a case vibrates, due to its defects and to the passing rollers."""
     races = {defect.race for defect in case.defects}
 
     def is_there(line: Line) -> bool:
@@ -240,10 +238,10 @@ def excited(case: Case) -> list[str]:
 
 
 def amplitudes(series: np.ndarray, angles: np.ndarray, spans: Sequence[slice]) -> np.ndarray:
-    """Return the complex amplitudes (spans,) of a line, without those of the lines near it.
+    """Return the complex amplitudes (spans,) of a line, without the contribution of nearby lines.
 
-    The lines near it are solved for over the whole. angles: as of ``angles_near``. All are NaN if the whole does
-    not resolve the lines from each other, or holds too few turns of the line to separate it from the mean.
+    Nearby lines are solved for over the whole series and subtracted. angles: as from ``angles_near``. All
+    amplitudes are NaN if the whole series does not resolve the lines from each other or from the mean.
     """
     whole = solved(series, angles, spans[0])
     if np.isnan(whole[0]):
@@ -253,7 +251,7 @@ def amplitudes(series: np.ndarray, angles: np.ndarray, spans: Sequence[slice]) -
 
 
 def solved(series: np.ndarray, angles: np.ndarray, span: slice) -> np.ndarray:
-    """Solve for the complex amplitudes (1 + L,) of lines (SI) under a window; NaN if they are not resolved."""
+    """Solve for the complex amplitudes (1 + L,) of lines (SI) under Hann's window; NaN if not resolved."""
     turning, x = np.exp(-1j * angles[:, span]), series[span]
     weights = hann(len(x))
     overlap = (turning * weights) @ turning.conj().T
@@ -270,5 +268,5 @@ def mean_square(series: np.ndarray) -> float:
 
 
 def hann(n: int) -> np.ndarray:
-    """Return Hann's window (n,), whose sum is 1."""
+    """Return Hann's window (n,), normalised to a sum of 1."""
     return np.sin(pi * (np.arange(n) + 0.5) / n) ** 2 * 2.0 / n
