@@ -1,4 +1,4 @@
-"""Choice of the model of each case of a study that names an accuracy: the cheapest that is shown to hold it."""
+"""Model selection for a study with `accuracy`: the cheapest model of each case shown to satisfy it."""
 
 from bearingsim.selection.choices import chosen
 from bearingsim.selection.curves import Curve, curves

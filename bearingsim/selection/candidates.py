@@ -1,4 +1,4 @@
-"""Candidates that may replace the reference of a case: cheaper models, fewer slices or harmonics; their price."""
+"""Candidates to replace the reference of a case (cheaper models, fewer slices or harmonics), and their price."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -25,27 +25,27 @@ SLICES = {
     "a quarter of the slices": 0.25,
     "a sixth of the slices": 1.0 / 6.0,
 }
-"""Share of the given slices that a candidate has; the error is of second order in the slice width."""
+"""Candidates' numbers of slices relative to the case; the error is of second order in the slice width."""
 FEWEST_SLICES = 2
 WITH_FRICTION = "reference with friction"
-"""The name of the reference with a free cage and friction, used in place of the one without."""
-FINER = 2  # how many times as many slices or harmonics the reference has, and nodes the trial of their error
+"""Name of the reference with a free cage and friction."""
+FINER = 2  # factor on slices or harmonics for the reference, and on nodes for the trial of their error
 CANDIDATES = (*SLICES, AS_SAID, f"{FEW_HARMONICS} harmonics", *reversed(MODELS))
-"""The names of all of them, from the highest."""
-WORTH_TRYING = 0.8  # of the reference's cost; a model that saves less is not tried
+"""Names of all candidates, from the most detailed to the simplest."""
+WORTH_TRYING = 0.8  # largest cost relative to the reference at which a candidate is tried
 
 
 def reference(case: Case) -> Case:
-    """Double the slices of a case, or the harmonics where its ring bends: it is judged by that."""
+    """Return the reference of a case, with doubled slices, or doubled harmonics if its ring is flexible."""
     if case.rig.ring is not None:
         return case.model_copy(update={"rig": _with_harmonics(case)})
     return _finely_sliced(case) if MODELS[case.model].sliced else case
 
 
 def with_friction(case: Case) -> Case | None:
-    """Return the reference of a case with what its model has by default: a free cage, dry friction on the races.
+    """Return the reference of a case with a free cage and dry friction on the races, the defaults of its model.
 
-    None if the case says what slips, or that nothing does (`friction: none`).
+    None if the case specifies friction (also `friction: none`), cage or drag, or its model does not compute slip.
     """
     if not leaves_friction_open(case):
         return None
@@ -53,12 +53,12 @@ def with_friction(case: Case) -> Case | None:
 
 
 def recut(case: Case, judges: bool = True) -> tuple[Case, float] | None:
-    """Return a case with other nodes, and the largest error of its own nodes over the change that these make.
+    """Return a case with other nodes, and the ratio of its discretisation error to the resulting change.
 
-    Nodes along defects are doubled. Of a reference harmonics are, too, and slices are halved, since twice as many
-    are too many. judges: whether it is a reference; the error of any other model includes that of its slices and
-    harmonics. An error of first order is twice the change by doubling, and the change by halving. None if nothing
-    changes.
+    Nodes along defects are doubled. In a reference, harmonics are doubled as well, and slices are halved, because
+    twice as many would exceed their limit. An error of first order is twice the change by doubling, or equal to
+    the change by halving. judges: whether the case is a reference; for any other candidate, the error from the
+    reference already includes that of slices and harmonics. None if nothing changes.
     """
     contact, rig = case.contact, case.rig
     if MODELS[case.model].sliced:
@@ -73,23 +73,24 @@ def recut(case: Case, judges: bool = True) -> tuple[Case, float] | None:
 
 
 def _with_harmonics(case: Case) -> Rig:
-    """Return the rig of a case whose ring bends, with twice the harmonics."""
+    """Return the rig of a case with a flexible ring, with twice the harmonics."""
     assert case.rig.ring is not None
     more = {"harmonics": min(MAX_HARMONICS, FINER * int(case.rig.ring.harmonics))}
     return case.rig.model_copy(update={"ring": case.rig.ring.model_copy(update=more)})
 
 
 def _finely_sliced(case: Case) -> Case:
-    """Double the slices of a case, unless its defects cut too many then, or it records slices by number."""
+    """Double the slices of a case, unless its defects then cut too many or it records slices by number."""
     more = {"slices": min(MOST_SLICES, FINER * int(case.contact.slices))}
     finer = case.model_copy(update={"contact": case.contact.model_copy(update=more)})
     return case if slice_count(finer) is None or any(map(slice_number, case.record)) else finer
 
 
 def candidates(study: Study, numbers: Sequence[int]) -> dict[str, dict[int, Case]]:
-    """List the cases of each candidate that can be and costs less than the reference, by name, from the highest.
+    """List the cases of each applicable candidate that is cheaper than the reference, by name.
 
-    None that two cases come to: their results would be one.
+    The most detailed candidate comes first. Cases that become identical are left out, because they would have the
+    same result.
     """
     if study.otherwise is None:
         return {}
@@ -105,19 +106,19 @@ def candidates(study: Study, numbers: Sequence[int]) -> dict[str, dict[int, Case
 
 
 def can_be_tried(case: Case) -> bool:
-    """Check if something may stand in for a case's reference, and its first passes are like all others."""
+    """Check if a case has candidates, and no ramp, so that its first passes are representative."""
     return case.ramp is None and bool(ladder(case))
 
 
 def _told_apart(cases: Mapping[int, Case]) -> dict[int, Case]:
-    """Drop cases that are equal to others."""
+    """Drop all cases that are identical to another."""
     ids = {n: identity(case) for n, case in cases.items()}
     count = Counter(ids.values())
     return {n: case for n, case in cases.items() if count[ids[n]] == 1}
 
 
 def computed_by(study: Study, number: int, candidate: str) -> Case | None:
-    """Return a case of a study as a candidate computes it; None if it cannot be."""
+    """Return a case of a study with the settings of a candidate; None if the candidate does not apply."""
     own = study.swept_cases[number][0]
     changes = ladder(own).get(candidate)
     if changes is None:
@@ -128,7 +129,7 @@ def computed_by(study: Study, number: int, candidate: str) -> Case | None:
 
 
 def ladder(case: Case) -> dict[str, dict[str, str]]:
-    """List the candidates below the reference of a case, by name, with the keys that each changes."""
+    """List the candidates below the reference of a case, by name, with the study keys that each changes."""
     steps = dict(_fewer_slices(case)) if MODELS[case.model].sliced else {}
     if case.rig.ring is not None:
         steps |= {AS_SAID: {}, f"{FEW_HARMONICS} harmonics": {"rig.ring.harmonics": str(FEW_HARMONICS)}}
@@ -136,13 +137,13 @@ def ladder(case: Case) -> dict[str, dict[str, str]]:
 
 
 def _same_cage(case: Case, name: str) -> dict[str, str]:
-    """Return the keys of a model whose cage may slip, if that of the reference does not."""
+    """Return the keys that keep the cage kinematic in a candidate model, if it is so in the case."""
     kinematic = MODELS[name].slips and case.cage is not None and case.cage.motion == "kinematic"
     return {"cage.motion": "kinematic"} if kinematic else {}
 
 
 def _fewer_slices(case: Case) -> Iterator[tuple[str, dict[str, str]]]:
-    """Yield candidates with no more slices than a case has, each number once."""
+    """Yield candidates with at most the slices of the case, each number of slices once."""
     slices = before = int(case.contact.slices)
     for name, part in SLICES.items():
         count = max(FEWEST_SLICES, round(part * slices))
@@ -155,7 +156,7 @@ def _fewer_slices(case: Case) -> Iterator[tuple[str, dict[str, str]]]:
 
 @lru_cache(maxsize=1 << 17)
 def price(case: Case) -> float:
-    """CPU time (s) of all of a case that does not repeat itself; infinite for one that is refused."""
+    """Estimate the CPU time (s) of a case if its response is not periodic; infinite if the case is refused."""
     try:
         return estimate(case).most_seconds
     except ValueError:

@@ -1,6 +1,6 @@
-"""Choices of a model for each case, and the study with them, as if it had named the models itself.
+"""Choices of a model for each case, and the study with these models in its cases.
 
-Kept in ``choices.json`` from before the first job on. Who comes later reads them and does not decide again.
+Choices are stored in ``choices.json`` before the first job. Later runs read them instead of choosing again.
 """
 
 from collections.abc import Sequence
@@ -21,14 +21,14 @@ AUDITED, FEWEST_AUDITED = 0.05, 3
 
 
 def key(study: Study, case: Case) -> str:
-    """Identify a case and the accuracy that is asked of it."""
+    """Return the identity of a case with its requested accuracy."""
     assert study.goal is not None
     goal = {"within": study.goal.within, "of": list(study.goal.of)}
     return identity(case, goal | ({"friction": "tried"} if with_friction(case) is not None else {}))
 
 
 def chosen(study: Study, choices: Choices) -> Study:
-    """Return the study with the models chosen; every case must have a choice."""
+    """Return the study with the chosen models; every case must have a choice."""
     own = [case for case, _ in study.swept_cases]
     taken = [choices[key(study, case)] for case in own]
     cases = [_case(study, own, n, choice.candidate) for n, choice in enumerate(taken)]
@@ -45,7 +45,7 @@ def chosen(study: Study, choices: Choices) -> Study:
 
 
 def _case(study: Study, own: Sequence[Case], number: int, candidate: str) -> Case:
-    """Return a case as a candidate computes it. Raises ``UserError`` if it cannot."""
+    """Return a case with the settings of a candidate. Raises ``UserError`` if the candidate does not apply."""
     named = {REFERENCE: reference, WITH_FRICTION: with_friction}.get(candidate)
     computed = named(own[number]) if named is not None else computed_by(study, number, candidate)
     if computed is None:
@@ -56,13 +56,13 @@ def _case(study: Study, own: Sequence[Case], number: int, candidate: str) -> Cas
 
 
 def _judge(own: Case, choice: Choice) -> Case:
-    """Return what audits a choice: the reference, with friction if that was not tried on this very case."""
+    """Return the case that audits a choice: the reference, with friction if chosen or inferred from others."""
     rubbing = with_friction(own) if choice.inferred or choice.candidate == WITH_FRICTION else None
     return rubbing or reference(own)
 
 
 def audits(study: Study, references: Sequence[Case], ids: Sequence[str]) -> list[Audit]:
-    """Draw jobs to be computed again by their reference: a seeded twentieth of those of other models."""
+    """Draw a seeded sample of the jobs of other models, to be computed again by their references."""
     other = [(name, case) for name, case in zip(ids, references, strict=True) if case_id(case) != name]
     if not other:
         return []
@@ -72,7 +72,7 @@ def audits(study: Study, references: Sequence[Case], ids: Sequence[str]) -> list
 
 
 def _audit(study: Study, of: str, case: Case) -> Audit:
-    """Return a job computed again, with its healthy counterpart if a feature is measured against that."""
+    """Return the audit of a job, with its healthy counterpart if a feature is relative to it."""
     plain = required_healthy_case(study, case)
     healthy_job = None if plain is None else Job(plain, is_variation=True)
     job = Job(case, baseline=healthy_job, is_variation=True)

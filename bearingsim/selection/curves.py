@@ -1,4 +1,4 @@
-"""The curves that a study draws of what it asks an accuracy of: errors count over their largest values."""
+"""Curves of the features for which a study requests an accuracy; errors are relative to their largest values."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,14 +10,14 @@ from bearingsim.text.units import UnitError, parse
 
 @dataclass(frozen=True)
 class Curve:
-    """A feature drawn over a swept path: the numbers of the study's cases on it."""
+    """Feature drawn over a swept path, with the numbers of the study's cases on the curve."""
 
     feature: str
     cases: tuple[int, ...]
 
 
 def curves(study: Study) -> list[Curve]:
-    """List the curves of a study's figures whose feature it asks an accuracy of."""
+    """List the curves in a study's figures whose feature has a requested accuracy."""
     features = study.goal.of if study.goal is not None else ()
     design = study.drawn.paths if study.drawn is not None else ()
     swept = [values for _, values in study.swept_cases]
@@ -33,7 +33,7 @@ def curves(study: Study) -> list[Curve]:
 def _figure_curves(
     figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]
 ) -> Iterator[tuple[int, ...]]:
-    """Yield the cases of each curve of a figure: a curve for each combination of what it draws apart."""
+    """Yield the cases of each curve of a figure, one curve for each combination of the paths of ``_apart``."""
     meant = [
         number
         for number, values in enumerate(swept)
@@ -47,9 +47,10 @@ def _figure_curves(
 
 
 def _apart(figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]) -> list[str]:
-    """List the paths that part a figure's curves: those it names, then every other that still varies at one x.
+    """List the paths that divide a figure into curves: those it names, and others that vary at a fixed x.
 
-    As figures are drawn (``plots/select.py``). The points of a design are one cloud: what it moves parts nothing.
+    The rule is the same as in ``plots/select.py``. All points of a design form one cloud, which its paths do not
+    divide.
     """
     paths = [*figure.by, *figure.panels]
     free = [path for path in design if path not in (figure.x, *paths)]
@@ -65,7 +66,7 @@ def _apart(figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequ
 
 
 def _is_meant(path: str, text: str, value: Any) -> bool:
-    """Check if a swept value (SI, or a word) is that of a `where`."""
+    """Check if a swept value (in SI, or a string) equals that of a `where`."""
     unit = dimension(path)
     if not isinstance(value, float):
         return str(value) == text
@@ -77,9 +78,10 @@ def _is_meant(path: str, text: str, value: Any) -> bool:
 
 
 def scales(feature: str, values: Sequence[float], drawn: Iterable[Curve]) -> list[float]:
-    """List the sizes that errors of a feature count over: the largest value of a curve, of the lowest of several.
+    """List the values of a feature to which the errors of all cases are relative.
 
-    values: of all cases; NaN if unknown. A case that no curve draws keeps its own value.
+    This is the largest value on the curve of a case, the smallest of these if it lies on several curves, and its
+    own value if on none. values: of all cases; NaN if unknown.
     """
     sizes: dict[int, float] = {}
     for curve in drawn:
@@ -90,16 +92,16 @@ def scales(feature: str, values: Sequence[float], drawn: Iterable[Curve]) -> lis
 
 
 def extremes(curve: Curve, values: Sequence[Mapping[str, Any]]) -> tuple[int, ...]:
-    """Return the cases at both ends of a curve, and that of its largest value.
+    """Return the cases at both ends of a curve, and the case with its largest value.
 
-    values: of each case by feature, each with a ``value``; nothing of a case whose trial failed.
+    values: for each case, objects with a ``value`` by feature; empty for a case with a failed trial.
     """
     sizes = {n: values[n][curve.feature].value for n in curve.cases if curve.feature in values[n]}
     return curve.cases[0], curve.cases[-1], max(sizes, key=sizes.__getitem__, default=curve.cases[0])
 
 
 def groups(cases: Iterable[int], drawn: Iterable[Curve]) -> list[list[int]]:
-    """Group cases that share a curve, or share one with such as do: each group takes one model."""
+    """Group cases that are connected by shared curves. The cases of a group usually get the same model."""
     leader = {case: case for case in cases}
 
     def leading(case: int) -> int:

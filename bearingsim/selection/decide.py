@@ -1,6 +1,6 @@
-"""The choice itself: for the cases of a curve the cheapest model that is surely close enough to the reference.
+"""Decision on the cheapest model whose error bound from the reference is small enough for all cases of a curve.
 
-Candidates are tried from the cheapest up, and no further than the first that holds for all cases of a curve.
+Candidates are tried in the order of cost, up to the first that is accurate enough for all cases of a curve.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -29,41 +29,41 @@ from bearingsim.store.choices import Choice, Choices
 from bearingsim.study import Study
 
 FOR_MODEL = 0.8
-"""Of the accuracy asked for, what the model may take: the rest is left to step and scatter."""
+"""Largest error of the model, as a share of the requested accuracy; the rest is for step error and scatter."""
 MIXED = 1.0 / 3.0
-"""Of the cost of one model for a whole curve, what several may cost to be taken instead."""
+"""Cost ratio below which several models replace a single one for the cases of a curve."""
 TIE = 0.9
-"""Of what a higher model costs, what a lower one must save to be taken."""
+"""Cost ratio below which a simpler model is preferred to a more detailed one."""
 
 NOTHING_CHEAPER = "no cheaper model can compute this"
 TOO_LITTLE = "cheaper models would save less CPU time than compiling them takes"
 
 
 class Decision(NamedTuple):
-    """Choices by ``key``, and how many references repeat themselves."""
+    """Choices by ``key``, and the number of cases with a periodic reference."""
 
     choices: Choices
     repeating: int
 
 
 class Choosing:
-    """The choice for some cases of a study: which trials it wants next, and what follows from them."""
+    """Choice of models for some cases of a study: next trials, and decision from their results."""
 
     def __init__(
         self, study: Study, numbers: Sequence[int], compiling: Callable[[Case], float] = lambda case: 0.0
     ) -> None:
-        """Find what can be tried.
+        """Find the cases with candidates.
 
-        numbers: of the cases to be chosen for, among ``study.cases()``; compiling: returns the CPU time (s) of
-        compiling the code of a case. A candidate must save that over the cases of the study, whether or not it is
-        in the cache: the choice is the same on every machine.
+        numbers: of the cases for which a model is chosen, among ``study.cases()``; compiling: returns the CPU time
+        (s) to compile the code of a case. A candidate must save more than that over the cases, even if its code is
+        already in the cache, so that the choice is the same on every machine.
         """
         self.study, self.numbers, self.compiling, cases = study, numbers, compiling, study.cases()
         self.tried = [n for n in numbers if can_be_tried(cases[n])]
         self.drawn = curves(study)
 
     def wanted(self, trials: Known) -> list[Trialled]:
-        """List trials that are to be computed next; none once a choice can be made."""
+        """List the trials to compute next; empty once a choice can be made."""
         missing = [trial for trial in first_trials(self.study, self.tried) if trial.id not in trials]
         if missing:
             return missing
@@ -77,13 +77,13 @@ class Choosing:
         return once(missing) or self._nodes(evidence, self._models(evidence, friction)).trials()
 
     def _seen(self, trials: Known) -> tuple[Evidence, Friction]:
-        """Return what trials tell of models, and of friction."""
+        """Return the errors of models and the effect of friction from trials."""
         assert self.study.goal is not None
         evidence = Evidence(self.study, self.drawn, trials)
         return evidence, Friction(evidence, self.tried, self.drawn, FOR_MODEL * self.study.goal.within)
 
     def decide(self, trials: Known) -> Decision:
-        """Choose, with what is known: a trial that is not counts as failed."""
+        """Choose from the available trials; a missing trial counts as failed."""
         (evidence, friction), cases = self._seen(trials), self.study.cases()
         choices = self._models(evidence, friction)
         discretisation = self._nodes(evidence, choices)
@@ -110,22 +110,22 @@ class Choosing:
         return choices | rubbing
 
     def _nodes(self, evidence: Evidence, choices: Mapping[int, Choice]) -> Discretisation:
-        """Return what trials tell of the discretisation of the choices."""
+        """Return the discretisation errors of the choices from trials."""
         return Discretisation(evidence, self.drawn, choices, lambda n, name: self.able[name][n])
 
     def _open(self, friction: Friction) -> list[list[int]]:
-        """Group the cases whose reference neither repeats itself nor needs friction: a group takes one model."""
+        """Group the undecided cases, whose reference is not periodic and needs no friction, by shared curves."""
         trials = friction.evidence.known
         left = [n for n in self.tried if n not in friction.too_much and not repeats(self.study, n, trials)]
         return groups(left, self.drawn)
 
     @cached_property
     def able(self) -> dict[str, dict[int, Case]]:
-        """The cases of every candidate, by name, from the highest."""
+        """Cases of every candidate, by name, most detailed candidate first."""
         return candidates(self.study, self.tried)
 
     def _is_worth_compiling(self, name: str, numbers: Sequence[int]) -> bool:
-        """Check if a candidate saves more CPU time over some cases than compiling its model takes."""
+        """Check if a candidate saves more CPU time over some cases than the compilation of its model needs."""
         own = self.study.cases()
         cases = {n: self.able[name][n] for n in numbers if n in self.able[name]}
         others = [case for n, case in cases.items() if case.model != own[n].model]
@@ -136,7 +136,7 @@ class Choosing:
     def _next(
         self, group: Sequence[int], names: Sequence[str], evidence: Evidence, friction: Friction
     ) -> list[Trialled]:
-        """List trials of the cheapest candidate that has not been tried on a group, if nothing cheaper holds."""
+        """List trials of the cheapest candidate not yet tried on a group, unless a cheaper one is accepted."""
         held = inf
         for cost, name in sorted((self._cost(name, group), name) for name in names):
             if held < TIE * cost:
@@ -153,17 +153,17 @@ class Choosing:
         return []
 
     def _cost(self, name: str, group: Sequence[int]) -> float:
-        """Add up the cost of a candidate for the cases of a group that it is able to compute."""
+        """Return the total cost of a candidate for the cases of a group to which it applies."""
         return sum(price(self.able[name][n]) for n in group if n in self.able[name])
 
     def _holds(self, errors: Mapping[str, float], friction: Mapping[str, float | None]) -> bool:
-        """Check if a model's errors, and those of friction, leave enough of the accuracy to step and scatter."""
+        """Check if the errors of model and friction are within ``FOR_MODEL`` of the requested accuracy."""
         assert self.study.goal is not None
         sums = [of + (friction.get(name) or 0.0) for name, of in errors.items()]
         return bool(sums) and max(sums) <= FOR_MODEL * self.study.goal.within
 
     def _choices_of_group(self, group: Sequence[int], evidence: Evidence, friction: Friction) -> dict[int, Choice]:
-        """Choose one model for the cases of a group, unless several cost less than a third of it."""
+        """Choose one model for the cases of a group, or several if these cost less than a third (``MIXED``)."""
         costs = {REFERENCE: {n: price(reference(self.study.cases()[n])) for n in group}}
         for name, cases in self.able.items():
             held = [
@@ -180,7 +180,7 @@ class Choosing:
     def _told(self, n: int, name: str, evidence: Evidence) -> Choice:
         """Return a choice with its reason."""
         own = self.study.cases()[n]
-        if name == REFERENCE:  # with friction it costs no more: neither repeats itself
+        if name == REFERENCE:  # friction adds no cost, as neither is periodic
             last = REFERENCE if with_friction(own) is None else WITH_FRICTION
             return Choice(last, own.model, self._why_none(n, evidence), {})
         case = self.able[name][n]
@@ -189,7 +189,7 @@ class Choosing:
         return Choice(name, case.model, why, errors)
 
     def _why_none(self, n: int, evidence: Evidence) -> str:
-        """Explain why nothing cheaper is taken in place of the reference of a case."""
+        """Explain why the reference of a case is not replaced by a cheaper model."""
         assert self.study.goal is not None
         tried = [evidence.errors(n, cases[n]) for cases in self.able.values() if n in cases]
         own, most = [max(errors.values()) for errors in tried if errors], FOR_MODEL * self.study.goal.within
@@ -205,7 +205,7 @@ class Choosing:
 
 
 def _cheapest(costs: Mapping[str, float]) -> str:
-    """Choose the cheapest, from the highest model down: a lower one must save a tenth of the cost."""
+    """Return the cheapest model; a simpler one must save a tenth of the cost. costs: most detailed model first."""
     best = REFERENCE
     for name, cost in costs.items():
         if cost < TIE * costs[best]:

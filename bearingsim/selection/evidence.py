@@ -1,4 +1,4 @@
-"""Evidence from the trials of a study: values of its cases, and errors of one case that stands for another."""
+"""Evidence from the trials of a study: feature values of its cases, and errors of their candidates."""
 
 from collections.abc import Sequence
 from math import inf, nan
@@ -15,7 +15,7 @@ from bearingsim.study import Study
 
 
 class Recut(NamedTuple):
-    """A case, its like with other nodes, and how many times what these change the error of its own is at most."""
+    """Case, the same case with other nodes, and the ratio of its discretisation error to their difference."""
 
     case: Case
     recut: Case
@@ -23,7 +23,7 @@ class Recut(NamedTuple):
 
 
 class Evidence:
-    """Errors of candidates as trials show them, over the sizes that errors count over."""
+    """Relative errors of candidates from trials (relative to ``curves.scales``)."""
 
     def __init__(self, study: Study, drawn: Sequence[Curve], trials: Known) -> None:
         self.study, self.known = study, trials
@@ -35,21 +35,21 @@ class Evidence:
         }
 
     def errors(self, n: int, case: Case) -> dict[str, float]:
-        """Return bounds of the error of a case that stands for number ``n``, by feature; nothing if it failed."""
+        """Return error bounds of a case used for case number ``n``, by feature; empty if a trial failed."""
         own, other = self._values(n, case), self.of_reference[n]
         if not own or not other:
             return {}
         return {name: _relative(error(own[name], other[name]), self.sizes[name][n]) for name in own}
 
     def turns(self, n: int) -> int:
-        """Return the turns that the trial of the reference of number ``n`` holds, 0 if it failed."""
+        """Return the number of turns in the trial of the reference of case ``n``, 0 if the trial failed."""
         trial = self.known.get(trials_of(self.study, n, reference(self.study.cases()[n]))[0].id)
         return 0 if trial is None else trial.turns
 
     def node_errors(self, n: int, other: Recut) -> dict[str, float | None]:
-        """Return the error of the discretisation of a case for number ``n``, by feature; None where it is unknown.
+        """Return the discretisation errors for case number ``n``, by feature; None if unknown.
 
-        A periodic motion has no scatter, because one period is complete.
+        No scatter is added for a periodic motion, because one period describes it completely.
         """
         assert self.study.goal is not None
         own, off = self._values(n, other.case), self._values(n, other.recut, other.case)
@@ -64,9 +64,9 @@ class Evidence:
         return {name: of if of < inf else None for name, of in shares.items()}
 
     def _values(self, n: int, case: Case, beside: Case | None = None) -> dict[str, Value]:
-        """Read the features of a case from its trial (and of its healthy counterpart); nothing of one that failed.
+        """Read the features of a case from its trial and that of its healthy counterpart; empty if one failed.
 
-        beside: a case whose healthy case counts instead.
+        beside: case whose healthy counterpart is used instead.
         """
         assert self.study.goal is not None
         baselines = trials_of(self.study, n, beside or case)[1:]
@@ -78,7 +78,7 @@ class Evidence:
 
 
 def _relative(error: float, size: float) -> float:
-    """Return error / size, the error itself for a size of zero; infinite if either is unknown."""
+    """Return error / size, or the error itself if the size is zero; infinite if either is unknown."""
     share = error / (size or 1.0)
     return share if np.isfinite(share) else inf
 

@@ -1,8 +1,8 @@
-"""Changes by friction and a free cage of cases whose reference has none, tried where they may be largest.
+"""Effect of friction and a free cage on cases whose reference has none, tried where it may be largest.
 
-A free cage never repeats itself, so a trial with it costs as much as many that do. It is made at both ends of each
-curve, and where the curve is largest; the cases in between are taken to change by no more, and an audit looks at
-some of them. What a record is too short to tell is computed with friction.
+The motion with a free cage is not periodic, so a trial with friction is expensive. Friction is tried at both ends
+of each curve and at its maximum. The effect on the cases in between is assumed to be no larger, and some of them
+are audited. Cases with a record too short to determine the effect are computed with friction.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,7 @@ from bearingsim.simulation.settling import settled
 from bearingsim.simulation.trial import CAGE_TURNS, LARGEST_FORCE, Against, long_enough, tells_friction
 
 CLEARLY = 2.0
-"""Times what friction may change: a trial that has changed by more after two turns of the cage ends there."""
+"""Multiple of the allowed change by friction at which a trial ends after two turns of the cage."""
 
 TOO_SHORT = f"the record holds fewer than {CAGE_TURNS} turns of the cage, too few to assess friction"
 NOT_REPEATING = (
@@ -30,9 +30,9 @@ NOT_REPEATING = (
 
 
 class Friction:
-    """Changes by friction of the cases that leave it open, as far as trials show them.
+    """Effect of friction on the cases that do not specify it, from trials.
 
-    tried: numbers of the cases that are tried; limit: what it may change at most (share).
+    tried: numbers of the cases with trials; limit: largest allowed relative change.
     """
 
     def __init__(self, evidence: Evidence, tried: Sequence[int], drawn: Sequence[Curve], limit: float) -> None:
@@ -50,7 +50,7 @@ class Friction:
 
     @cached_property
     def extremes(self) -> list[int]:
-        """The cases that are tried with friction: of each curve both ends, and that of the largest value."""
+        """Cases tried with friction: both ends of each curve, and its largest value."""
         return list(dict.fromkeys(n for curve in self.curves for n in extremes(curve, self.evidence.of_reference)))
 
     def trials(self) -> list[Trialled]:
@@ -68,10 +68,10 @@ class Friction:
         return [replace(own, against=(against,)), *baselines]
 
     def _tried(self, n: int) -> Case:
-        """Return the case that is tried with friction for number ``n``: itself, if its record may end early.
+        """Return the case tried with friction for number ``n``; unchanged if its record may end early.
 
-        Any other settles as long as without: what the cage still remembers then is within what turns of it scatter
-        by.
+        Otherwise it settles as long as without friction, because the cage's remaining transient is then within the
+        scatter between cage turns.
         """
         case, plain = self.rubbing[n], self.evidence.study.cases()[n]
         if case.until is not None and long_enough(case) == case:
@@ -82,7 +82,7 @@ class Friction:
 
     @cached_property
     def _changes_at_extremes(self) -> dict[int, dict[str, float | None]]:
-        """The change by friction of each case that is tried with it, by feature; None where its trial failed."""
+        """Change by friction of each case tried with it, by feature; None if the trial failed."""
         changes: dict[int, dict[str, float | None]] = {}
         for n in self.extremes:
             errors = self.evidence.errors(n, self._tried(n))
@@ -90,9 +90,9 @@ class Friction:
         return changes
 
     def errors(self, n: int) -> Mapping[str, float | None]:
-        """Return the change by friction of a case, by feature: at most that of the tried cases on its curves.
+        """Return the change of a case by friction, by feature: its own, or the largest of those on its curves.
 
-        None where that is unknown; nothing of a case that does not leave friction open.
+        None if unknown; empty for a case that specifies friction.
         """
         if n in self._changes_at_extremes:
             return self._changes_at_extremes[n]
@@ -104,12 +104,12 @@ class Friction:
         return {name: largest([change[name] for change in changes]) for name in names}
 
     def inferred(self, n: int) -> bool:
-        """Return whether the effect of friction to a case is taken from others on its curves."""
+        """Return whether the effect of friction on a case is inferred from other cases on its curves."""
         return bool(self.errors(n)) and n not in self._changes_at_extremes
 
     @cached_property
     def too_much(self) -> dict[int, str]:
-        """The cases that are computed with friction, and why: those on a curve that it changes too much."""
+        """Cases computed with friction, with the reason: too large a change on the curve, or an unknown one."""
         reasons = dict(self.untold)
         for curve in self.curves:
             worst = max(
@@ -120,7 +120,7 @@ class Friction:
         return reasons
 
     def _largest_at(self, n: int) -> tuple[float, str]:
-        """Return the largest known change by friction of a case, and of which feature."""
+        """Return the largest known change of a case by friction, and its feature."""
         return max(
             ((of, name) for name, of in self._changes_at_extremes[n].items() if of is not None), default=(0.0, "")
         )

@@ -1,12 +1,14 @@
 """Differences between two trials in the features of a study, with their confidence limits.
 
-A line's amplitude, and the square of an RMS, are means under a window. Their difference d between two models is
-one, too. How it scatters is seen between pairs of turns of the slowest defect: a motion that is no chaos has none.
+The amplitude of a line and the square of an RMS are windowed means, and so is their difference d between two
+models. Its scatter is estimated from pairs of turns of the slowest defect; it is small unless the motion is
+chaotic.
 
     error = |d| + t s,   s^2 = 2/N var(d_w)
 
-over W = N - 1 pairs of the N turns, t Student's at 97.5 % with W - 1 degrees of freedom. (Under Hann's window a
-mean over N turns has 2/N of the variance of one over two turns.) Of the largest force, d is that of each turn.
+with d_w over W = N - 1 pairs of the N turns, and t of Student's distribution at 97.5 % with W - 1 degrees of
+freedom. (Under Hann's window a mean over N turns has 2/N of the variance of one over two turns.) For the largest
+force, d_w is the difference in each turn, and s^2 its variance.
 """
 
 from typing import NamedTuple
@@ -21,8 +23,8 @@ SURE = 0.975
 
 
 class Value(NamedTuple):
-    """A feature as a trial has it: its value (SI), what it is in each part, and the share of one part's variance
-    that the whole has.
+    """Feature of a trial: its value (SI), the values in each part, and the ratio of the variance of the value to
+    that of a part.
     """
 
     value: float
@@ -31,7 +33,7 @@ class Value(NamedTuple):
 
 
 def value(feature: str, trial: Trial, baseline: Trial | None) -> Value:
-    """Return a feature (SI) of a trial, against its healthy case if it is measured so."""
+    """Return a feature (SI) of a trial, relative to the healthy case ``baseline`` if the feature is so defined."""
     if feature == LARGEST_FORCE:
         turns = np.array_split(trial.forces, trial.turns)
         return Value(float(trial.forces.max()), np.array([turn.max() for turn in turns]), 1.0)
@@ -49,11 +51,11 @@ def value(feature: str, trial: Trial, baseline: Trial | None) -> Value:
 
 
 def error(own: Value, other: Value) -> float:
-    """Bound the difference (SI) of two values at 97.5 %; infinite if too little is seen of its scatter."""
+    """Bound the difference (SI) of two values at 97.5 %; infinite with too few parts to estimate its scatter."""
     from scipy.special import stdtrit
 
     if len(own.parts) < 2 or len(own.parts) != len(other.parts):
-        return float("inf")  # how they scatter is not seen
+        return float("inf")  # scatter unknown
     apart, parts = abs(own.value - other.value), own.parts - other.parts
     t = float(stdtrit(len(parts) - 1.0, SURE))
     return apart + t * float(np.sqrt(own.share) * np.std(parts, ddof=1))

@@ -1,7 +1,8 @@
-"""Errors of the discretisation of chosen cases: nodes along defects, slices, harmonics.
+"""Discretisation errors of chosen cases: nodes along defects, slices, harmonics.
 
-A trial with other nodes costs as much as one of the case itself. On a curve the error changes as the defect does.
-So both ends are tried, and the case of the largest value; one in between has the larger error of its neighbours.
+A trial with other nodes costs as much as one of the case itself. Along a curve the error varies with the defect,
+so only both ends and the case with the largest value are tried. A case in between gets the larger error of its
+neighbours.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,10 +19,10 @@ from bearingsim.store.choices import Choice
 
 
 class Discretisation:
-    """Discretisation errors of chosen cases, as far as trials tell.
+    """Discretisation errors of chosen cases from trials.
 
-    recuts: the cases and their like with other nodes, at the same step, by number; on_one: numbers that lie on one
-    curve, of one candidate and with defects of the same shapes.
+    recuts: by number, each case and the same case with other nodes at the same step; on_one: curves of cases with
+    the same candidate, model and defect shapes.
     """
 
     def __init__(
@@ -31,7 +32,7 @@ class Discretisation:
         choices: Mapping[int, Choice],
         computed: Callable[[int, str], Case],
     ) -> None:
-        """Find what can be tried. computed: returns the case of a number as a candidate computes it."""
+        """Find the cases with other nodes. computed: returns a case, by number, with a candidate's settings."""
         self.evidence, cases = evidence, evidence.study.cases()
         self.recuts: dict[int, Recut] = {}
         kinds: dict[int, tuple] = {}
@@ -40,7 +41,7 @@ class Discretisation:
             chosen = reference(cases[n]) if judges else computed(n, choice.candidate)
             other = recut(chosen, judges)
             trial = evidence.known.get(trials_of(evidence.study, n, chosen)[0].id)
-            # a case with friction is tried by the cheaper one without, which has the same nodes
+            # instead of a case with friction, the cheaper one without is tried, which has the same nodes
             if other is not None and trial is not None:
                 self.recuts[n] = Recut(chosen, stepped_alike(other[0], trial), other[1])
                 kinds[n] = choice.candidate, chosen.model, *(defect.shape for defect in chosen.defects)
@@ -52,7 +53,7 @@ class Discretisation:
 
     @cached_property
     def tried(self) -> dict[int, None]:
-        """The cases that are tried: the extremes of each curve, and those on none."""
+        """Cases that are tried: the extremes of each curve, and cases on no curve."""
         drawn = {n for curve in self.on_one for n in curve.cases}
         ends = [n for curve in self.on_one for n in extremes(curve, self.evidence.of_reference)]
         return dict.fromkeys(sorted({*ends, *(n for n in self.recuts if n not in drawn)}))
@@ -63,7 +64,7 @@ class Discretisation:
         return once([trial for trial in trials if trial.id not in self.evidence.known])
 
     def errors(self, n: int) -> dict[str, float | None]:
-        """Return the error of a case by feature, None where it is unknown; nothing of a case without nodes."""
+        """Return the error of a case by feature, None if unknown; empty for a case without other nodes."""
         if n not in self.recuts:
             return {}
         if n in self.tried:
@@ -73,7 +74,7 @@ class Discretisation:
         return {name: largest([each[name] for each in errors]) for name in errors[0]}
 
     def _neighbours(self, n: int, curve: Curve) -> tuple[int, int]:
-        """Return the nearest cases before and after number ``n`` on a curve that are tried."""
+        """Return the nearest tried cases before and after case ``n`` on a curve."""
         position = curve.cases.index(n)
         before = next(other for other in reversed(curve.cases[:position]) if other in self.tried)
         return before, next(other for other in curve.cases[position:] if other in self.tried)

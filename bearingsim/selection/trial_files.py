@@ -1,4 +1,4 @@
-"""Trials of models in a results folder: ``trials/<unit>.json`` holds those of a unit of work, whole or absent."""
+"""Trials of models in a results folder; ``trials/<unit>.json`` contains all trials of a unit of work."""
 
 from collections.abc import Collection, Mapping
 from pathlib import Path
@@ -16,15 +16,15 @@ TRIALS = "trials"
 
 
 def write_trials(root: Path, unit: str, trials: Mapping[str, Trial | None]) -> None:
-    """Write the trials of a unit, by id; None for a failed trial."""
+    """Write the trials of a unit, by id; None stands for a failed trial."""
     entries = {name: None if trial is None else _plain(trial) for name, trial in trials.items()}
     write_json(root / TRIALS / f"{unit}.json", {TRIALS: entries}, indent=None)
 
 
 def read_trials(root: Path, features: Collection[str] = ()) -> dict[str, Trial | None]:
-    """Read the trials of a folder that contain the given ``features``, by id.
+    """Read the trials of a folder that contain the given ``features``, by id; None for a failed trial.
 
-    Unreadable files and trials without these features count as absent: they are made again.
+    Unreadable files and trials without these features are ignored, so that they are computed again.
     """
     by_id: dict[str, Trial | None] = {}
     for path in own_files.TRIALS.of(root):

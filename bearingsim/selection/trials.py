@@ -1,4 +1,4 @@
-"""The trials by which models are chosen: first ball passes of a case, and of its healthy counterpart if needed."""
+"""Trials for model selection: first ball passes of a case, and of its healthy counterpart if needed."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,9 +16,9 @@ from bearingsim.study.jobs import identity
 
 @dataclass(frozen=True)
 class Trialled:
-    """A trial to be computed: of which case, what is asked of it, how many ball passes, cut by which turn (s).
+    """Trial to be computed: case, requested features, number of ball passes, and period (s) of a turn.
 
-    against: what it is compared with as it goes on, if it is.
+    against: references with which the running trial is compared, to end it early.
     """
 
     id: str
@@ -30,21 +30,21 @@ class Trialled:
 
 
 Known = Mapping[str, Trial | None]
-"""Trials by id; None for one that failed."""
+"""Trials by id; None for a failed trial."""
 
 
 def trials_of(study: Study, number: int, case: Case) -> list[Trialled]:
-    """List those by which a candidate for a case is judged: its own, and its healthy counterpart's if needed."""
+    """List the trials of a candidate ``case`` for case ``number``: its own, and a healthy one if needed."""
     own = study.swept_cases[number][0]
     loose = with_friction(own) is not None
     turn = max(defect_turn(own), cage_turn(own)) if loose else defect_turn(own)
-    read = asked_of(study), passes_to_try(own, loose), turn  # shared, because a healthy case has no defects
+    read = asked_of(study), passes_to_try(own, loose), turn  # the same for a healthy case, which has no defects
     cases = [variant for variant in (case, required_healthy_case(study, case)) if variant is not None]
     return [Trialled(_named(variant, *read), variant, *read) for variant in cases]
 
 
 def asked_of(study: Study) -> tuple[str, ...]:
-    """List the features that each trial of a study is to have."""
+    """List the features needed from each trial of a study."""
     assert study.goal is not None
     return tuple(sorted({name.removesuffix(HEALTHY) for name in study.goal.of}))
 
@@ -54,18 +54,18 @@ def _named(case: Case, features: tuple[str, ...], passes: int, turn: float) -> s
     """Return the id of a trial."""
     settings = {"trial": passes, "asked": list(features)}
     bands = tuple(name for name in case.features if name not in MEANS)
-    case = case.model_copy(update={"until": None, "features": bands})  # a trial ends by itself
+    case = case.model_copy(update={"until": None, "features": bands})  # `until` does not affect a trial
     return identity(case, settings if turn == defect_turn(case) else settings | {"turn": float(f"{turn:.12g}")})
 
 
 def required_healthy_case(study: Study, case: Case) -> Case | None:
-    """Return the healthy counterpart of a case, if a feature is measured against that."""
+    """Return the healthy counterpart of a case, if a feature is relative to it, else None."""
     assert study.goal is not None
     return healthy_case(case) if any(name.endswith(HEALTHY) for name in study.goal.of) else None
 
 
 def first_trials(study: Study, numbers: Sequence[int]) -> list[Trialled]:
-    """Return those of the references of cases, each once; none of a record that is too short for friction."""
+    """Return the trials of the references, each once; none if too short for friction and without other nodes."""
     cases = study.cases()
     wanted = [n for n in numbers if tells_friction(cases[n]) or with_friction(cases[n]) is None or recut(cases[n])]
     return once([trial for n in wanted for trial in trials_of(study, n, reference(cases[n]))])
@@ -77,6 +77,6 @@ def once(trials: Sequence[Trialled]) -> list[Trialled]:
 
 
 def repeats(study: Study, number: int, trials: Known) -> bool:
-    """Check if a case's reference repeats itself, so that it is the answer, or failed, so that nothing is."""
+    """Check if the choice for a case is settled, because the trial of its reference is periodic or has failed."""
     results = [trials.get(trial.id) for trial in trials_of(study, number, reference(study.cases()[number]))]
     return any(trial is None for trial in results) or (results[0] is not None and results[0].repeats)

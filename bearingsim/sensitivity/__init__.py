@@ -1,7 +1,7 @@
 """Sensitivity analysis of a design: influential parameters of a feature, with confidence intervals.
 
-``blocks`` reads a feature from a results folder, in the rows of its design. ``estimates`` computes indices and
-effects with their intervals, ``verdict`` puts them into words.
+``blocks`` reads a feature from a results folder in the order of its design, ``estimates`` computes indices and
+effects with their intervals, and ``verdict`` describes them in sentences.
 """
 
 import numpy as np
@@ -26,7 +26,7 @@ __all__ = [
 
 
 def analysed(blocks: Blocks) -> Indices | Effects:
-    """Compute Sobol indices of a design `saltelli`, or Morris effects of a design `morris`, with intervals.
+    """Compute Sobol indices (design `saltelli`) or Morris effects (design `morris`), with intervals.
 
     Raises SensitivityError if too few blocks vary for the bootstrap.
     """

@@ -1,4 +1,4 @@
-"""Blocks of a design from a results folder: values of a feature in each row."""
+"""Blocks of a design from a results folder, with the value of a feature in each row."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from bearingsim.store import Results
 
 FAILED_AT_MOST = 0.1
-"""Largest share of jobs without a value at which the blocks are still analysed."""
+"""Largest share of jobs without a value for an analysis."""
 LEAST_BLOCKS = 4
-"""Least number of blocks for a bootstrap."""
+"""Smallest number of blocks for a bootstrap."""
 READ_BY = ("saltelli", "morris")
 TO_WRITE = (
     "`sweep: {saltelli: {n: 128, seed: 1, over: {defect.width: {uniform: [0.2 mm, 0.8 mm]}, ...}}}`,"
@@ -30,15 +30,15 @@ TO_WRITE = (
 
 
 class SensitivityError(UserError):
-    """A question that these results cannot answer."""
+    """Error for results that do not permit the requested sensitivity analysis."""
 
 
 @dataclass(frozen=True)
 class Blocks:
-    """A feature (SI) in those blocks of a design that are whole.
+    """Feature (SI) in the complete blocks of a design.
 
-    points: (n, rows, d), in the unit cube; values: (n, rows); paths: the d parameters. dropped: blocks left out
-    for a job that failed or has no value; jobs, failed, valueless, chaotic: how many the design has of each.
+    points: (n, rows, d) in the unit cube; values: (n, rows); paths: the d parameters; dropped: number of blocks
+    left out because a job failed or has no value; jobs, failed, valueless, chaotic: numbers of jobs in the design.
     """
 
     feature: str
@@ -54,11 +54,11 @@ class Blocks:
 
     @property
     def planned(self) -> int:
-        """Blocks of the design, dropped ones too."""
+        """Number of blocks in the design, including dropped ones."""
         return len(self.values) + self.dropped
 
     def losses(self) -> str:
-        """Describe the dropped blocks, `31 of 128 blocks dropped: ...`; empty if there are none."""
+        """Describe the dropped blocks (`31 of 128 blocks dropped: ...`); empty if there are none."""
         if not self.dropped:
             return ""
         causes = ((self.failed, "failed"), (self.valueless, f"have no `{self.feature}`"))
@@ -67,7 +67,7 @@ class Blocks:
 
 
 def design_of(results: "Results") -> Mapping[str, Any]:
-    """Return the design of a study. Raises SensitivityError for a design without sensitivity analysis."""
+    """Return the design of a study. Raises SensitivityError if it has none for a sensitivity analysis."""
     design = results.plan.get("design")
     if design is None:
         raise SensitivityError(f"{results.path}: the study has no design; for indices use {TO_WRITE}")
@@ -82,8 +82,9 @@ def design_of(results: "Results") -> Mapping[str, Any]:
 def collect_blocks(results: "Results", feature: str) -> Blocks:
     """Collect the blocks of a feature.
 
-    Raises SensitivityError for results without a design, a feature that is missing or constant, jobs not yet
-    computed, and for more than FAILED_AT_MOST of the jobs without a value.
+    Raises SensitivityError if the results have no such design, the feature is missing or constant, jobs are not
+    yet computed, more than ``FAILED_AT_MOST`` of them have no value, or fewer than ``LEAST_BLOCKS`` blocks are
+    complete.
     """
     design = design_of(results)
     table = results.table().set_index("job")

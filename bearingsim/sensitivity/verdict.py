@@ -1,4 +1,4 @@
-"""Influential parameters of a feature in sentences, no stronger than the intervals allow."""
+"""Description of the influential parameters of a feature, as far as the confidence intervals justify it."""
 
 from collections.abc import Iterator, Sequence
 
@@ -21,7 +21,7 @@ def indices_text(indices: Indices, feature: str, paths: Sequence[str]) -> str:
 
 
 def effects_text(effects: Effects, feature: str, paths: Sequence[str], unit: str = "", factor: float = 1.0) -> str:
-    """Describe the influential parameters of a feature, by Morris effects; unit, factor (from SI): of the text."""
+    """Describe the influential parameters of a feature, by Morris effects; factor: from SI to ``unit``."""
     sized = Estimate(*(factor * ends for ends in effects.magnitude))
     strongest = leaders(effects.magnitude)
     texts = [f"`{paths[row]}`, mu* {_interval(sized, row)}{f' {unit}' * bool(unit)}" for row in strongest]
@@ -33,18 +33,18 @@ def effects_text(effects: Effects, feature: str, paths: Sequence[str], unit: str
 
 
 def leaders(ranked: Estimate) -> list[int]:
-    """List the parameter with the largest value and those with overlapping intervals, the largest first."""
+    """List the parameter with the largest value and those whose intervals overlap its own, in descending order."""
     rows = np.argsort(-ranked.value, kind="stable")
     return [int(row) for row in rows if ranked.high[row] >= ranked.low[rows[0]]]
 
 
 def negligible(ranked: Estimate, whole: float) -> list[int]:
-    """List the parameters with the whole interval below LITTLE of ``whole``."""
+    """List the parameters whose intervals lie below ``LITTLE`` times ``whole``."""
     return [int(row) for row in np.flatnonzero(ranked.high < LITTLE * whole)]
 
 
 def _deciding(texts: Sequence[str], feature: str, many: int) -> str:
-    """Describe the most influential of ``many`` parameters; texts: one for each of them."""
+    """Describe the most influential of ``many`` parameters; texts: one for each influential parameter."""
     if 1 < len(texts) == many:
         listed = "; ".join(texts)
         return f"No parameter clearly dominates {feature}, because all intervals overlap: {listed}."
@@ -62,7 +62,7 @@ def _weak(rows: Sequence[int], paths: Sequence[str], whole: str) -> Iterator[str
 
 
 def _together(rest: Estimate) -> str:
-    """Describe the remainder of the sum of the first indices."""
+    """Describe the interactions, from 1 minus the sum of the first-order indices."""
     share = f"1 - sum of first indices = {_interval(rest, 0)}"
     if rest.low > 0.0:
         return f"Parameters interact ({share}), so varying one at a time is not enough."

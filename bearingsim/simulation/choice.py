@@ -137,7 +137,7 @@ def margin(name: str) -> float:
 
 
 def _patience(case: Case, costs: dict[str, Cost]) -> int:
-    """Return the ball passes after which another method replaces Verlet in a case that is not periodic; 0: never."""
+    """Return the ball passes after which another method replaces Verlet if there is no period yet; 0: never."""
     others = [margin(name) * estimate.whole for name, estimate in costs.items() if name != EXPLICIT]
     patience = int(price("patience"))
     rest = costs[EXPLICIT].at_most - patience * costs[EXPLICIT].one_pass
