@@ -1,4 +1,4 @@
-"""Analytic derivatives of the forces between the cage, rollers and ring, for ``parts/cage.py``."""
+"""Analytic derivatives of the forces of ``parts/cage.py`` between cage, rollers and rings."""
 
 from math import hypot
 from typing import Any
@@ -18,9 +18,9 @@ from bearingsim.core.parts.cage import (
     radial_stop,
 )
 
-# rows of a roller in its pocket: position and velocity from the cage's centre along the pocket's directions; wall
-# on which it lies; tangent stiffness and damping of the wall and of the stop; mu, its derivative with respect to
-# slip times the force; force on the roller along the pocket's directions
+# rows of a roller in its pocket: position and velocity relative to the cage's centre, along the pocket's
+# directions; side of the nearer wall (1 or -1); tangent stiffness and damping of the wall and of the stop; mu, and
+# its derivative with respect to slip times the force; force on the roller along the pocket's directions
 (
     OFFSET_R,
     OFFSET_T,
@@ -93,12 +93,13 @@ def _radial_stop_derivatives_rollers(guide, out, speed):
 
 @generic
 def cage_mobility(cage: Any) -> tuple[float, float]:
-    """Return the cage's acceleration by a unit torque (1/(kg m^2)), and its centre's by a unit force (1/kg)."""
+    """Return the angular acceleration of the cage under a unit torque (1/(kg m^2)), and the acceleration of its
+    centre under a unit force (1/kg)."""
 
 
 @generic
 def centre_mobility(guide: Any, m: float) -> float:
-    """Return the acceleration (1/kg) of the centre of a cage of mass ``m`` (kg) by a unit force."""
+    """Return the acceleration (1/kg) of the centre of a cage of mass ``m`` (kg) under a unit force."""
 
 
 @centre_mobility.register(Centred)
@@ -131,7 +132,7 @@ def _cage_mobility_free(cage):
 
 @generic
 def pocket_derivatives(cage: Any, model: Any, omega_cage: float, spin: float, y: Any, n: int) -> None:
-    """Fill the rows above: stiffness and damping of every roller's contact with its pocket."""
+    """Fill the rows OFFSET_R to POCKET_FORCE_T for every roller's contact with its pocket."""
 
 
 @pocket_derivatives.register(KinematicCage)
@@ -176,10 +177,10 @@ def _pocket_derivatives_free(cage, model, omega_cage, spin, y, n):
 def pocket_change(
     cage: Any, R_w: float, omega_cage: float, roll_v: float, turn: float, turn_v: float, y, n
 ) -> None:
-    """Add to the rows D_FORCE what the pockets do as the rows D_POSITION and D_VELOCITY say, and as rollers and
-    cage turn.
+    """Add the changes of the pocket forces to the rows D_FORCE, for the changes in the rows D_POSITION and
+    D_VELOCITY and for rotation of rollers and cage.
 
-    roll_v: change of the rollers' turning (rad/s); turn, turn_v: of the cage's angle (rad) and speed (rad/s).
+    roll_v: change of the rollers' spin (rad/s); turn, turn_v: of the cage's angle (rad) and speed (rad/s).
     """
 
 
@@ -210,7 +211,7 @@ def _pocket_change_free(cage, R_w, omega_cage, roll_v, turn, turn_v, y, n):
         y[lay.D_TORQUE + j] += side * R_w * f
         torque = e * f_r + p_t * on_r - rho * f_t - p_r * on_t - side * R_w * f
         y[lay.D_FORCE_SHARED + lay.PHI_C * lay.ROW + j] += torque
-        f_r, f_t = f_r - on_t * turn, f_t + on_r * turn  # the pocket's directions turn too
+        f_r, f_t = f_r - on_t * turn, f_t + on_r * turn  # the pocket's directions rotate, too
         y[lay.D_FORCE_R + j] += ce * f_r + se * f_t
         y[lay.D_FORCE_T + j] += ce * f_t - se * f_r
         y[lay.D_FORCE_SHARED + lay.X_C * lay.ROW + j] += ps * f_t - pc * f_r
@@ -222,18 +223,18 @@ def _pocket_change_free(cage, R_w, omega_cage, roll_v, turn, turn_v, y, n):
 
 @jit
 def add_to_border(matrix, k, m, value, y):
-    """Add what a force (N) or torque (N m) on shared coordinate k does to its column m."""
+    """Add the acceleration of shared coordinate ``k`` under a force (N) or torque (N m) to column ``m``."""
     y[lay.corner_block(matrix, k, m)] += y[lay.MOBILITY_SHARED + k] * value
 
 
 @generic
 def guide_change(cage: Any, omega_cage: float, omega_i: float, y: Any) -> None:
-    """Add to both arrows' border what the guide does between cage and ring, and land drag's derivative."""
+    """Add the derivatives of the forces between cage and guiding ring to the corners of both arrow matrices."""
 
 
 @generic
 def land_change(guide: Any, omega_cage: float, omega_i: float, y: Any) -> None:
-    """Add to both arrows' border how the forces between cage and land change (``land_contact``)."""
+    """Add the derivatives of ``land_contact`` to the corners of both arrow matrices."""
 
 
 @land_change.register(Centred)
@@ -248,10 +249,10 @@ def _land_change_rollers(guide, omega_cage, omega_i, y):
 
 @jit
 def land_column(guide, omega_cage, omega_ring, matrix, m, p, w, cage_v, ring_v, y):
-    """Add one column of ``land_change``: a motion by p (m) and w (m/s) relative to the ring, cage_v, ring_v
-    (rad/s).
+    """Add one column of ``land_change``.
 
-    p, w: pairs along e_0 and e_90.
+    p, w: changes of the cage's position (m) and velocity (m/s) relative to the ring, pairs along e_0 and e_90;
+    cage_v, ring_v: changes of the speeds of cage and ring (rad/s).
     """
     o, i = guide.outer, 1.0 - guide.outer
     x = y[lay.POSITION + lay.X_C] - o * y[lay.POSITION + lay.X] - i * y[lay.POSITION + lay.X_I]

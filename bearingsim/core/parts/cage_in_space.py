@@ -1,12 +1,12 @@
-"""The cage in space: tilt and axial motion, and its pockets as slices of a roller meet them.
+"""Cage in space: tilt and axial motion, and contacts of the rollers' slices with the pockets.
 
-A pocket's walls are planes fixed to the cage: with r the pocket's radial direction (across the cage's axis b) and
-w = b x r across the walls, p a slice's middle and c_c the cage's centre,
+The walls of a pocket are planes fixed to the cage. With r the pocket's radial direction (perpendicular to the
+cage's axis b), w = b x r normal to the walls, p the middle of a slice and c_c the cage's centre,
 
     e = (p - c_c).w      N = pocket(|e| - c_p/2, d|e|/dt)  against e, at p
 
-for each slice its part of the pocket's law; the roller's surface rubs on the wall along r and b. Along the axis a
-pocket stops its roller, the law acting on |(c - c_c).b| - play_z, at c along b.
+where each slice has its share of the pocket's law. Friction between roller and wall acts along r and b. Axially a
+pocket stops its roller by the law applied to |(c - c_c).b| - play_z, with the force at c along b.
 """
 
 from math import sqrt
@@ -26,14 +26,14 @@ from bearingsim.core.parts.races_in_space import AT_REST
 
 @absent
 class CageInPlane(NamedTuple):
-    """The cage neither tilts nor moves along the axis, and does not hold rollers along it."""
+    """Cage without tilt, axial motion or axial stops for the rollers."""
 
 
 class CageInSpace(NamedTuple):
-    """The cage tilts and moves along the axis as the rollers in its pockets push it.
+    """Cage that tilts and moves axially under the forces of the rollers in its pockets.
 
-    I_t: its moment of inertia about a diameter (kg m^2); play_z: of a roller in its pocket along the axis, to
-    either side (m); law: of the contact between a roller's end and its pocket.
+    I_t: moment of inertia of the cage about a diameter (kg m^2); play_z: axial play of a roller in its pocket to
+    either side (m); law: contact law of a roller's end and its pocket.
     """
 
     I_t: float
@@ -43,7 +43,7 @@ class CageInSpace(NamedTuple):
 
 @generic
 def cage_body(cage_z: Any, omega_cage: float, y: Any) -> Body:
-    """Return the cage's position and motion; omega_cage: rate of its angle (rad/s)."""
+    """Return position and motion of the cage; omega_cage: rate of its angle (rad/s)."""
 
 
 @cage_body.register(CageInPlane)
@@ -73,8 +73,10 @@ def _cage_body_space(cage_z, omega_cage, y):
 
 @generic(absent=0.0)
 def axial_stop(cage_z: Any, out: float, speed: float) -> float:
-    """Return the force (N) of a pocket on its roller along the cage's axis, ``out`` (m) and ``speed`` (m/s)
-    outwards."""
+    """Return the force (N) of a pocket on its roller along the cage's axis.
+
+    out, speed: axial displacement from the pocket's middle (m) and its rate (m/s).
+    """
 
 
 @axial_stop.register(CageInSpace)
@@ -85,7 +87,7 @@ def _axial_stop_space(cage_z, out, speed):
 
 @generic(absent=0.0)
 def accelerate_cage_axis(cage_z: Any, cage: Any, body: Body, y: Any) -> float:
-    """Write the accelerations of the cage along the axis and of its axis; returns its ``axis_precession_rate``."""
+    """Write the axial acceleration of the cage and that of its axis; return its ``axis_precession_rate``."""
 
 
 @accelerate_cage_axis.register(CageInSpace)
@@ -101,8 +103,10 @@ def _accelerate_cage_axis_space(cage_z, cage, body, y):
 
 @generic(absent=0.0)
 def axial_stiffness(cage_z: Any, cage: Any, per_mass: float) -> float:
-    """Return the stiffness of a pocket's end over the reduced mass (1/s^2) of roller and cage, from a roller's
-    inverse mass."""
+    """Return the stiffness of a pocket's end over the reduced mass (1/s^2) of roller and cage.
+
+    per_mass: inverse mass of a roller (1/kg).
+    """
 
 
 @axial_stiffness.register(CageInSpace)
@@ -114,9 +118,9 @@ def _axial_stiffness_space(cage_z, cage, per_mass):
 def pocket_forces_in_space(
     cage: Any, model: Any, body: Body, omega_cage: float, spin: float, y: Any, n: int
 ) -> None:
-    """Add the pockets' forces to the rollers' FORCE and MOMENT rows, fill their rows of loads on the cage and Q_P.
+    """Add the pocket forces to the FORCE and MOMENT rows of the rollers; fill Q_P and the loads on the cage.
 
-    omega_cage, spin: rate of the cage's angle, and a roller's nominal spin (rad/s).
+    omega_cage, spin: rate of the cage's angle, and nominal spin of a roller (rad/s).
     """
 
 
@@ -134,8 +138,9 @@ def _pockets_free(cage, model, body, omega_cage, spin, y, n):
 
 @jit
 def pocket_axes(body, pc, ps, ce, se):
-    """Return a pocket's r and w along the roller's e_r, e_theta, e_z; the cage's axis along e_r, e_theta."""
-    p_r, p_t = body.a_x * pc + body.a_y * ps, body.a_y * pc - body.a_x * ps  # the axis as the pocket sees it
+    """Return r and w of a pocket along the roller's e_r, e_theta, e_z; the cage's axis along e_r, e_theta; and its
+    component along the pocket's e_theta over (1 + a_z)."""
+    p_r, p_t = body.a_x * pc + body.a_y * ps, body.a_y * pc - body.a_x * ps  # the axis in the pocket's frame
     b_r, b_t = p_r * ce + p_t * se, p_t * ce - p_r * se
     h = 1.0 / (1.0 + body.a_z)
     u, q = p_r * h, p_t * h
@@ -149,7 +154,7 @@ def pocket_axes(body, pc, ps, ce, se):
 
 @jit
 def relative_to_cage(bearing, body, omega_cage, y, j):
-    """Return a roller's centre less the cage's, and its velocity relative to the cage, along e_r, e_theta, e_z."""
+    """Return position and velocity of a roller's centre relative to the cage, along e_r, e_theta, e_z."""
     c = y[lay.COS_POCKET + j] * y[lay.COS_EPS + j] - y[lay.SIN_POCKET + j] * y[lay.SIN_EPS + j]
     s = y[lay.SIN_POCKET + j] * y[lay.COS_EPS + j] + y[lay.COS_POCKET + j] * y[lay.SIN_EPS + j]
     r = 0.5 * (bearing.R_o + bearing.R_i) + y[lay.RADIAL + j]
@@ -163,7 +168,7 @@ def relative_to_cage(bearing, body, omega_cage, y, j):
 
 @jit
 def pocket_kinematics(bearing, body, omega_cage, y, n):
-    """Fill each roller's position in its pocket and its slip along the wall, both linear along its axis."""
+    """Fill each roller's position in its pocket and slip along the wall as linear functions along its axis."""
     for j in range(n):
         pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
         rad, w, b, q = pocket_axes(body, pc, ps, ce, se)
@@ -201,7 +206,7 @@ def pocket_kinematics(bearing, body, omega_cage, y, n):
 
 @jit
 def any_pocket_contact(play, half, y, n):
-    """Check if any roller, ``half`` (m) of its length to either side, touches its pocket."""
+    """Check if any roller of half length ``half`` (m) touches its pocket."""
     touching = 0.0
     for j in range(n):
         touching = add(
@@ -213,7 +218,7 @@ def any_pocket_contact(play, half, y, n):
 
 @jit
 def pocket_slice_force(cage, bearing, spin, zeta, weight, drop, y, n):
-    """Add force and friction of the pocket's wall on one slice of every roller to the sums.
+    """Add normal force and friction of the pocket's wall on one slice of every roller to the sums.
 
     Equation (S5) of docs/spatial.md.
     """
@@ -250,8 +255,8 @@ def pocket_slice_force(cage, bearing, spin, zeta, weight, drop, y, n):
 
 @jit
 def pocket_load(cage, model, body, omega_cage, y, j):
-    """Add force and moment of a pocket on its roller, stops included; return the roller's centre less the
-    cage's."""
+    """Return force and moment of a pocket on its roller, stops included, and the roller's position relative to the
+    cage's centre, along e_r, e_theta, e_z."""
     b, real = model.bearing, model.bearing.m_r * y[lay.INVERSE_MASS + j]
     rad, w, axis_in_plane, _ = pocket_axes(
         body, y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
@@ -277,7 +282,7 @@ def pocket_load(cage, model, body, omega_cage, y, j):
 
 @jit
 def pocket_loads(cage, model, body, omega_cage, y, n):
-    """Add what pockets do to the rollers, stops included, and fill their rows of the opposite, on the cage."""
+    """Add force and moment of the pockets to the rollers, and fill the reactions in the loads on the cage."""
     f_x, f_y, f_z = lay.roller_load(lay.F_X_C), lay.roller_load(lay.F_Y_C), lay.roller_load(lay.F_Z_C)
     m_x, m_y, m_z = lay.roller_load(lay.M_X_C), lay.roller_load(lay.M_Y_C), lay.roller_load(lay.M_C)
     for j in range(n):

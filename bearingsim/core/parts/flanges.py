@@ -1,16 +1,17 @@
-"""Flanges: the shoulders of a ring that keep rollers from running out along the axis.
+"""Flanges of the rings, which guide the rollers axially.
 
-The flat end of a roller, at c + sigma (L_w/2) a, meets the flange's face, at sigma (L_w/2 + play) along the ring's
-axis b, at two points of the chord in which the end's circle stands above the race by half of the flange's height:
+The flat end of a roller, at c + sigma (L_w/2) a, touches the face of the flange, at sigma (L_w/2 + play) along the
+ring's axis b, at two points of the chord of the end's circle at half of the flange's height above the race:
 
     X = u + sigma (L_w/2 + play) b + rho_f n +- t tau      approach = L_w/2 - sigma (X - c).a
 
-n points from the ring's axis to the roller's centre, tau = b x n, rho_f is the radius at half of the height. The
-chord's half is T = sqrt(R_w^2 - (R_w - height/2)^2), and t = T/sqrt(3): two points there (Gauss's) carry what a
-uniform line of springs along the chord would, in force and in moment, of an end that meets the flange skewed.
+n points from the ring's axis to the roller's centre, tau = b x n, and rho_f is the radius at half of the height.
+Half of the chord is T = sqrt(R_w^2 - (R_w - height/2)^2), and t = T/sqrt(3): these two Gauss points have the same
+force and moment as a uniform line of springs along the chord if a skewed end touches the flange.
 
-The approach depends on how the two bodies stand to each other and on nothing else, and force and moment are its
-gradient; so energy and momentum are kept whatever the angles. Friction acts at X, across the roller's axis.
+The approach depends only on the relative position of the two bodies, and force and moment are proportional to its
+gradient, so energy and momentum are conserved at all angles. Friction acts at X, perpendicular to the roller's
+axis.
 """
 
 from math import sqrt
@@ -29,15 +30,15 @@ from bearingsim.core.parts.races_in_space import AT_REST
 
 @absent
 class NoFlanges(NamedTuple):
-    """Nothing holds a roller along the axis but friction."""
+    """Rings without flanges: only friction and the cage restrain a roller axially."""
 
 
 class Flanges(NamedTuple):
-    """Shoulders of the two rings; a roller's flat end meets one at two points, apart along the race.
+    """Flanges of the two rings; the flat end of a roller touches one at two points along the race.
 
-    inner_minus, inner_plus, outer_minus, outer_plus: 1.0 where there is one, else 0.0 (minus: on the side of -z);
-    play: from a centred roller's end to the flange (m); height: of the flange above its race (m), half of which is
-    where it is met; law: of the contact of one point; friction: between roller end and flange.
+    inner_minus, inner_plus, outer_minus, outer_plus: 1.0 if this flange exists, else 0.0 (minus: at -z); play:
+    from the end of a centred roller to the flange (m); height: of the flange above its race (m), with contact at
+    half of it; law: contact law of one point; friction: between roller end and flange.
     """
 
     inner_minus: float
@@ -52,7 +53,7 @@ class Flanges(NamedTuple):
 
 @generic(absent=None)
 def flange_forces(flanges: Any, model: Any, outer: Any, inner: Any, y: Any, n: int) -> None:
-    """Add what flanges do to the sums of both sides of every roller; outer, inner: the rings."""
+    """Add the flange forces to the contact sums of both sides of every roller; outer, inner: the rings."""
 
 
 @flange_forces.register(Flanges)
@@ -71,10 +72,10 @@ def _flange_forces(flanges, model, outer, inner, y, n):
 
 @jit
 def any_near_flange(side, flanges, model, ring, y, n):
-    """Check if any roller may touch a flange of this ring, because mostly none does and the rest is skipped.
+    """Check if any roller may touch a flange of this ring; usually none does, and the flange is skipped.
 
-    The approach at the point X is half (1 - a.b) - play a.b + sigma off a.b - sigma (X - c).(a - (a.b) b), so at
-    most |off| + (R_w + t + half) tilt - play (1 - tilt), tilt being the sine of the angle between the axes.
+    The approach at the point X is half (1 - a.b) - play a.b + sigma off a.b - sigma (X - c).(a - (a.b) b). It is
+    at most |off| + (R_w + t + half) tilt - play (1 - tilt), with tilt the sine of the angle between the axes.
     """
     base, middle = side_rows(side), 0.5 * (model.bearing.R_o + model.bearing.R_i)
     play, reach = flanges.play, 2.0 * model.bearing.R_w + 0.5 * model.L_w + flanges.play
@@ -101,7 +102,7 @@ def side_flanges(side, flanges, minus, plus, model, ring, y, n):
 
 @jit
 def half_chord(R_w, height):
-    """Return the distance (m) of the two points on either side of the middle."""
+    """Return the distance (m) of each of the two contact points from the middle of the chord."""
     return sqrt(R_w * R_w - (R_w - 0.5 * height) ** 2) / sqrt(3.0)
 
 
@@ -134,11 +135,11 @@ def flange_point_force(side, flanges, model, ring, sigma, t, y, n):
 
 
 class RollerInRing(NamedTuple):
-    """A roller as a ring sees it, along e_r, e_theta, e_z.
+    """Roller relative to a ring, along e_r, e_theta, e_z.
 
-    a, b: axes of roller and ring, a_v, b_v: their rates (1/s); n: from the ring's axis to the roller's centre, and
-    tau = b x n; rho: its distance from the axis (m); off: along the axis from the ring's centre (m); moves: its
-    velocity (m/s) as seen from the ring when it tilts.
+    a, b: axes of roller and ring; a_v, b_v: their rates (1/s); n: direction from the ring's axis to the roller's
+    centre, and tau = b x n; rho: distance of the centre from the axis (m); off: distance along the axis from the
+    ring's centre (m); moves: velocity (m/s) of the centre relative to the tilting ring.
     """
 
     a: Any
@@ -154,8 +155,8 @@ class RollerInRing(NamedTuple):
 
 @jit
 def roller_in_ring(side, bearing, ring, y, j):
-    """Return ``RollerInRing`` of roller ``j``, from the rows that ``race_frame`` of ``parts/races_in_space.py``
-    fills."""
+    """Return ``RollerInRing`` of roller ``j``, from the rows filled by ``race_frame`` of
+    ``parts/races_in_space.py``."""
     base = side_rows(side)
     r = 0.5 * (bearing.R_o + bearing.R_i) + y[lay.RADIAL + j]
     c = y[lay.COS + j]
@@ -176,23 +177,24 @@ def roller_in_ring(side, bearing, ring, y, j):
 
 @jit
 def approach_gradient(view, sigma, q, t):
-    """Return the gradient (1) of the approach with respect to the roller's centre, and its axis' rate relative to
-    the ring (1/s).
+    """Return the gradient (1) of the approach with respect to the roller's centre, and the rate (1/s) of the
+    roller's axis relative to the ring.
 
-    q, t: where the point is from the roller's centre, along n and tau (m).
+    q, t: position of the contact point relative to the roller's centre, along n and tau (m).
     """
     on_b, on_n = dot(view.a, view.b), dot(view.a, view.n)
-    on_tau = (t * on_n - q * dot(view.a, view.tau)) / view.rho  # the point goes round with the roller
+    on_tau = (t * on_n - q * dot(view.a, view.tau)) / view.rho  # the contact point orbits with the roller
     g = combine_three(sigma * on_b, view.b, sigma * on_n, view.n, sigma * on_tau, view.tau)
     return g, combine_three(1.0, view.a_v, -on_b, view.b_v, dot(view.a, view.b_v), view.b)
 
 
 @jit
 def slip_at(view, ring, Y, tips, omega):
-    """Return the slip across the roller's axis ``Y`` (m) from its centre, and its size (m/s); and |turning|
-    (rad/s).
+    """Return the slip (m/s) perpendicular to the roller's axis, with its magnitude as fourth entry, and the
+    roller's absolute rotation speed relative to the tilting ring (rad/s).
 
-    tips: rate (1/s) of the roller's axis as the ring sees it; omega: speed (rad/s) about the axis.
+    Y: contact point relative to the roller's centre (m); tips: rate (1/s) of the roller's axis relative to the
+    ring; omega: speed (rad/s) about the axis.
     """
     rolls = omega - dot(view.a, cross(view.b, view.b_v))
     turns = combine_three(1.0, cross(view.a, tips), rolls, view.a, -ring.omega, view.b)
@@ -203,7 +205,7 @@ def slip_at(view, ring, Y, tips, omega):
 
 @jit
 def add_point(side, sigma, N, kappa, g, Y, a, slip, y, j):
-    """Add force and friction at ``Y`` (m) to the sums of roller ``j``; g: derivative of the approach, a: axis."""
+    """Add force and friction at ``Y`` (m) to the sums of roller ``j``; g: gradient of the approach, a: axis."""
     base = side_rows(side)
     G = combine(-kappa, slip, -N, g)
     M = cross(Y, combine(-kappa, slip, -N * sigma, a))  # sigma a x Y = Y x -sigma a
@@ -219,11 +221,10 @@ def add_point(side, sigma, N, kappa, g, Y, a, slip, y, j):
 
 @generic(absent=0.0)
 def axial_position(flanges: Any, outer: Body, inner: Body, c: float, s: float, r: float) -> float:
-    """Return the axial position (m) between the flanges of a roller at ``r`` (m), at the angle of c and s.
+    """Return the axial position (m) of a centred roller at radius ``r`` (m) and the angle of cosine c, sine s.
 
-    The mean of the rings' middles, as they tilt and stand there, each counted as often as it has flanges: with two
-    on a ring the roller has its play to either side, with a single one to that one; no flange is pressed unless
-    the rings stand further apart than the play.
+    It is the mean of the rings' axial positions there, weighted by their numbers of flanges. With aligned rings
+    the roller has its play to every flange; none is loaded unless the rings are further apart than the play.
     """
 
 
@@ -237,8 +238,10 @@ def _axial_position(flanges, outer, inner, c, s, r):
 
 @generic(absent=0.0)
 def flange_stiffness(flanges: Any, per_mass: float, per_inertia: float, R_w: float) -> float:
-    """Return the stiffness of a flange over the roller's reduced mass (1/s^2), from its inverse mass and
-    inertia."""
+    """Return the stiffness of a flange over the effective mass (1/s^2) of a roller.
+
+    per_mass, per_inertia: inverse mass (1/kg) and inverse inertia across the axis (1/(kg m^2)) of the roller.
+    """
 
 
 @flange_stiffness.register(Flanges)

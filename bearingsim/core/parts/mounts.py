@@ -1,7 +1,7 @@
-"""Supports of a ring along its axis and against tilting: the coordinates that ``planar`` does not have.
+"""Axial and tilting supports of a ring, for the coordinates that ``planar`` does not have.
 
-A ring's axis is the unit vector b; its components b_x, b_y in the bearing's plane are its tilt (rad, for the small
-angles of a bearing). A ring held with a tilt is misaligned.
+The axis of a ring is the unit vector b; its components b_x, b_y in the plane of the bearing are the tilt (rad, for
+the small angles of a bearing). A ring mounted with a tilt is misaligned.
 """
 
 from math import sqrt
@@ -14,9 +14,9 @@ from bearingsim.core.jit import absent, generic
 
 @absent
 class RigidMount(NamedTuple):
-    """Does not move along its axis, nor tilts further than it was mounted.
+    """Rigid axial and tilting support.
 
-    tilt_x, tilt_y: components (1) of its axis along e_0 and e_90.
+    tilt_x, tilt_y: components (1) of the ring's axis as mounted, along e_0 and e_90.
     """
 
     tilt_x: float
@@ -24,13 +24,13 @@ class RigidMount(NamedTuple):
 
 
 class ElasticMount(NamedTuple):
-    """On springs and dampers along the axis and against tilting, about where it was mounted.
+    """Axial and tilting support by springs and dampers, at rest in the mounted position.
 
-    m: kg; I_a, I_t: moments of inertia about its axis and across it (kg m^2); k_z: N/m; c_z: N s/m; k_tilt:
-    N m/rad; c_tilt: N m s/rad; tilt_x, tilt_y: components (1) of its axis as mounted.
+    m: kg; I_a, I_t: moments of inertia of the ring about its axis and a diameter (kg m^2); k_z: N/m; c_z: N s/m;
+    k_tilt: N m/rad; c_tilt: N m s/rad; tilt_x, tilt_y: components (1) of the axis as mounted.
 
-    The spring against tilting has the energy k_tilt/2 ((b_x - tilt_x)^2 + (b_y - tilt_y)^2), the damper loses
-    c_tilt (b_x'^2 + b_y'^2). A ring that also turns on its bracket has the bracket's inertia for I_a.
+    The tilting spring has the energy k_tilt/2 ((b_x - tilt_x)^2 + (b_y - tilt_y)^2); the damper dissipates the
+    power c_tilt (b_x'^2 + b_y'^2). For a ring that also rotates on its bracket I_a is the bracket's inertia.
     """
 
     m: float
@@ -46,9 +46,9 @@ class ElasticMount(NamedTuple):
 
 @generic
 def hold_mounted_ring(held: Any, y: Any, z: int, tilt_x: int, tilt_y: int) -> None:
-    """Put the ring where it is held, if it is, once: it stays, as nothing accelerates it.
+    """Set a ring on a rigid mount to its mounted position, where it stays because it has no acceleration.
 
-    z, tilt_x, tilt_y: its shared coordinates.
+    z, tilt_x, tilt_y: shared coordinates of the ring.
     """
 
 
@@ -68,9 +68,9 @@ def _hold_mounted_ring_sprung(held, y, z, tilt_x, tilt_y):
 def accelerate_mounted_ring(
     held: Any, ring: Body, f_z: float, m_x: float, m_y: float, m_z: float, y: Any, z: int, tilt_x: int, tilt_y: int
 ) -> float:
-    """Write the ring's acceleration along the axis and that of its axis, under a force (N) and a moment (N m).
+    """Write the axial acceleration of the ring and that of its axis, under a force (N) and a moment (N m).
 
-    Returns the torque (N m) of the axis' motion; the rest acts on the ring's angle.
+    Returns the torque (N m) due to the axis' precession, which does not act on the ring's angle.
     """
 
 
@@ -90,13 +90,13 @@ def _accelerate_mounted_ring_sprung(held, ring, f_z, m_x, m_y, m_z, y, z, tilt_x
 
 @generic(absent=(0.0, 0.0, 0.0))
 def mount_mobility(held: Any) -> tuple[float, float, float]:
-    """Return the ring's axial acceleration by a unit force (1/kg), its axis' by a unit moment (1/(kg m^2)); its
-    I_a."""
+    """Return the ring's axial acceleration under a unit force (1/kg), that of its axis under a unit moment
+    (1/(kg m^2)), and I_a (kg m^2)."""
 
 
 @generic(absent=(0.0, 0.0, 0.0, 0.0))
 def mount_springs(held: Any) -> tuple[float, float, float, float]:
-    """Return springs and dampers over mass: along the axis (1/s^2, 1/s), against tilting (1/s^2, 1/s)."""
+    """Return stiffness and damping over inertia: axial (1/s^2, 1/s), then tilting (1/s^2, 1/s)."""
 
 
 @mount_mobility.register(ElasticMount)
@@ -111,14 +111,14 @@ def _mount_springs_sprung(held):
 
 @generic(absent=(0.0, 0.0))
 def mount_rates(held: Any) -> tuple[float, float]:
-    """Return the spring rates along the axis (N/m) and against tilting (N m/rad); zero where nothing gives way."""
+    """Return the axial (N/m) and the tilting stiffness (N m/rad) of the mount; zero if it is rigid."""
 
 
 @generic(absent=(0.0, 0.0, 0.0))
 def mount_load(
     held: Any, y: Any, f_z: float, m_x: float, m_y: float, m_z: float, z: int, tilt_x: int, tilt_y: int
 ) -> tuple[float, float, float]:
-    """Return the unbalanced force (N) along the axis and moment (N m) about x, y, over springs at rest."""
+    """Return the net axial force (N) and the net moments (N m) that drive b_x and b_y, without dampers."""
 
 
 @mount_rates.register(ElasticMount)

@@ -1,13 +1,14 @@
-"""Analytic derivatives of the force between rollers and a race of ``planar``, in the order of its computation.
+"""Analytic derivatives of the forces between rollers and a race of ``planar``.
 
-A contact has three ways to move: its approach along n, its position s over a defect across it, and its slip. With
-sigma = 1 at the outer race, -1 at the inner, and n' = n tilted by the defect, the force on the roller is
+The force of a contact depends on the approach along n, the position s over a defect, their rates, and the slip.
+With sigma = 1 at the outer race, -1 at the inner, and n', tau' tilted by the defect, the force on the roller is
 -sigma Q n' - f tau', and
 
     dQ = Q_d d(delta) + Q_v dv + Q_s ds + Q_z d(s'),   df = mu dQ + Q (mu_v d(slip) + mu_u du)
 
-while n and tau turn as the roller moves across. What moves is in the rows D_POSITION and D_VELOCITY, along e_r
-and e_theta as the ring's centre sees it; what follows is added to the rows D_FORCE.
+while n and tau rotate as the roller moves along tau. The changes of position and velocity relative to the ring's
+centre, along e_r and e_theta, are read from the rows D_POSITION and D_VELOCITY; the resulting changes of force are
+added to the rows D_FORCE.
 """
 
 from functools import partial
@@ -36,8 +37,9 @@ from bearingsim.core.laws.damping.interface import derivatives, normal_force
 from bearingsim.core.laws.friction.interface import mu, mu_derivative
 
 # rows of a contact, relative to OUTER_CONTACT or INNER_CONTACT: rate of rho; derivatives of the force (LOAD), of
-# the tangential force over a defect and of the mean approach with respect to approach (D), its rate (V), position
-# (S) and ds/dt (Z); radius of the surface that carries the defect: of any, of the ring, of the roller
+# the tangential force over a defect (DEFECT_FORCE) and of the mean approach (MEAN) with respect to approach (D),
+# its rate (V), position (S) and ds/dt (Z); radius of the surface with the defect, then the same if it is on the
+# outer ring, and on a roller, else 0
 jacobian_rows = partial(
     lay.rows, owners="linearise", lifetime="linearise", bases=(lay.OUTER_CONTACT, lay.INNER_CONTACT)
 )
@@ -67,7 +69,8 @@ NORMAL, RHO, TANGENTIAL_V = 0, 2 * lay.ROW, 3 * lay.ROW
 
 @generic
 def derivative_rows(side: Any) -> tuple[int, int, int, int]:
-    """Return the base of the rows above; rows of n and of the friction; the ring's first shared coordinate."""
+    """Return the base of the rows of derivatives, the rows of n and of friction, and the ring's first shared
+    coordinate."""
 
 
 @derivative_rows.register(OuterSide)
@@ -103,8 +106,8 @@ def contact_derivatives(side, law, y, n):
 
 @jit
 def defect_derivatives(side, law, defects, d, s, speed, delta, v, y, j):
-    """Fill the derivatives of roller ``j``'s contact over roller-defect pair ``d``: ``force_over_defect``'s, group
-    by group."""
+    """Fill the derivatives of ``force_over_defect`` for roller ``j`` over roller-defect pair ``d``, summed over
+    groups."""
     base, _, _, _ = derivative_rows(side)
     head = defects.head[d]
     load_d, load_v, load_s, mean_d, mean_s = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -134,8 +137,7 @@ def defect_derivatives(side, law, defects, d, s, speed, delta, v, y, j):
 
 @jit
 def derivatives_over_defects(side, law, model, t, omega_cage, omega_i, spin, y):
-    """Correct the derivatives of each contact of this side that stands over a defect
-    (``planar.correct_for_defects``)."""
+    """Correct the derivatives of each contact of this side over a defect (``planar.correct_for_defects``)."""
     defects, b, sigma = model.defects, model.bearing, sign(side)
     base, frame, _, shared = derivative_rows(side)
     for d in range(len(defects.head)):
@@ -193,11 +195,12 @@ def friction_derivatives(side, friction, R_w, omega_cage, spin, y, n):
 
 @jit
 def race_change(side, spin, omega_ring, roll, roll_v, orbit_v, ring, ring_v, y, n):
-    """Add to the rows D_FORCE what follows from the rows D_POSITION and D_VELOCITY, and from turns: for every
-    roller at once.
+    """Add the changes of force of every roller to the rows D_FORCE, for the changes in the rows D_POSITION and
+    D_VELOCITY and for rotation.
 
-    spin, omega_ring: a roller's nominal spin and the ring's speed (rad/s); roll, roll_v: changes of the rollers'
-    turning, orbit_v: of their orbit's speed (rolling depends on it), ring, ring_v: of the ring's (rad, rad/s).
+    spin, omega_ring: nominal spin of a roller and speed of the ring (rad/s); roll, roll_v: changes of the rollers'
+    spin angle (rad) and spin (rad/s); orbit_v: of their orbital speed, on which the rolling speed depends (rad/s);
+    ring, ring_v: of the ring's angle (rad) and speed (rad/s).
     """
     base, frame, rubs, shared = derivative_rows(side)
     _, _, _, _, tilt = contact_rows(side)

@@ -1,19 +1,19 @@
-"""The contacts of the slices of all rollers with one race: geometry, force and friction in space.
+"""Contacts of the slices of all rollers with one race: geometry, force and friction in space.
 
-Slice k of a roller stands at p = c + zeta_k a. With the ring's centre u and its axis b,
+The middle of slice k of a roller is p = c + zeta_k a. With the ring's centre u and its axis b,
 
     d = p - u,  w = d.b,  X = d - w b,  rho = |X|,  n = X/rho,  tau = b x n
     delta = sigma (rho - R) + R_w - drop - h(s),     force on the slice  -sigma Q n + g Q tau
 
-sigma = 1 on the outer race, -1 on the inner; g = -sigma times what a defect tilts the normal by. X and its rate
-grow linearly along the roller, so each roller keeps where they are in its middle (OFFSET, OFFSET_V) and how they
-grow (DIRECTION, DIRECTION_V). Sums over the slices: G of the forces, H of zeta times them; COUPLE_AXIAL, COUPLE of
-what friction turns, acting the arm away from p:
+sigma = 1 on the outer race, -1 on the inner; g is -sigma times the tilt of the normal at a defect. X and its rate
+are linear along the roller, so only their values at its middle (OFFSET, OFFSET_V) and slopes (DIRECTION,
+DIRECTION_V) are stored. Sums over the slices: G of the forces, H of zeta times the forces, COUPLE_AXIAL and COUPLE
+of the moments of friction about p, so that
 
     moment on the roller = a x H + COUPLE_AXIAL b + COUPLE
 
-Friction over slip (KAPPA) is taken with the slip as it is, and acts on the slip as it will be a lag later (see
-``laws/friction/lag.py``, ``relax_friction``), of the mean slips of both contacts, of tilting and of skewing.
+KAPPA, friction over slip, is evaluated at the present slip and multiplied by the slip predicted one lag later,
+from the changes of both mean slips, of tilting and of skewing (``laws/friction/lag.py``, ``relax_friction``).
 """
 
 from math import sqrt
@@ -26,14 +26,14 @@ from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.friction.lag import implicit_fraction
 
-AT_REST = 1e-12  # m/s: slip below it is none, and friction over slip the curve's derivative
-NONNEGATIVE = 0x7FFFFFFF  # tells the compiler that an index of the buffer is not counted from its end
-FEW = 127  # tells it that there are no more rollers, and so that a slice's rows lie behind all others
+AT_REST = 1e-12  # m/s, added in quadrature to the slip so that friction/slip stays finite at zero slip
+NONNEGATIVE = 0x7FFFFFFF  # mask that shows the compiler that a buffer index is not negative
+FEW = 127  # mask that shows it the bound on the number of rollers, so that rows of slices cannot overlap others
 
 
 @jit
 def race_frame(side, bearing, ring, omega_cage, y, n):
-    """Fill each roller's position and motion relative to the ring, linear along its axis.
+    """Fill each roller's position and motion relative to the ring as linear functions along its axis.
 
     Equation (S2) of docs/spatial.md, first line.
     """
@@ -54,7 +54,7 @@ def race_frame(side, bearing, ring, omega_cage, y, n):
         off = d_r * b_r - u_t * b_t + d_z * b_z
         along = a_r * b_r + a_t * b_t + a_z * b_z
         y[base + lay.RING_AXIS_R + j], y[base + lay.RING_AXIS_T + j] = b_r, b_t
-        y[base + lay.OFFSET_R + j] = -u_r - off * b_r  # less r, of which it would cost digits
+        y[base + lay.OFFSET_R + j] = -u_r - off * b_r  # without r, which would cost digits
         y[base + lay.OFFSET_T + j] = -u_t - off * b_t
         y[base + lay.OFFSET_Z + j] = d_z - off * b_z
         y[base + lay.DIRECTION_R + j] = a_r - along * b_r
@@ -80,12 +80,12 @@ def race_frame(side, bearing, ring, omega_cage, y, n):
 
 @jit
 def clear_sums(side, y, n):
-    """Empty the sums over slices, after ``race_frame``."""
+    """Set the sums over slices to zero; call it after ``race_frame``."""
     base = side_rows(side)
     force, approach, rate, slip, across = contact_rows(side)
     for j in range(n):
         y[force + j], y[approach + j], y[slip + j], y[across + j] = 0.0, 0.0, 0.0, 0.0
-        y[rate + j] = sign(side) * y[base + lay.OFFSET_V_R + j]  # of the middle, nearly: for the step monitor only
+        y[rate + j] = sign(side) * y[base + lay.OFFSET_V_R + j]  # at the middle, approximate: for the step monitor
         y[base + lay.CONTACT_FORCE_R + j] = 0.0
         y[base + lay.CONTACT_FORCE_T + j] = 0.0
         y[base + lay.CONTACT_FORCE_Z + j] = 0.0
@@ -108,10 +108,10 @@ def clear_sums(side, y, n):
 
 @inlined
 def add_slice(side, law, friction, bearing, ring, zeta, weight, drop, k, y, n):
-    """Add what acts on slice ``k`` of every roller to the sums of this side; keep its loads and approaches.
+    """Add the forces on slice ``k`` of every roller to the sums of this side; store its loads and approaches.
 
-    zeta, drop: m; weight: part of the contact. The side's rows ROLLER_DROP to OWN_DEFECT say what it feels of a
-    defect.
+    zeta, drop: m; weight: share of the contact. The rows ROLLER_DROP to OWN_DEFECT of the side contain the effect
+    of a defect on the slice.
     """
     load_row, approach_row = slice_rows(side)
     row = lay.SLICES + lay.FIRST_LANE + (k & (MAX_SLICES - 1)) * (lay.SLICE_ROWS * lay.ROW)
@@ -123,9 +123,9 @@ def add_slice(side, law, friction, bearing, ring, zeta, weight, drop, k, y, n):
 
 @inlined
 def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
-    """Compute the slice of roller ``j``: position, motion, force and friction, added to the sums.
+    """Compute position, motion, force and friction of a slice of roller ``j``; add its forces to the sums.
 
-    Returns its load (N) and approach (m).
+    Returns the load (N) and the approach (m) of the slice.
 
     Equations (S2) and (S3) of docs/spatial.md.
     """
@@ -202,7 +202,7 @@ def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
 
 @jit
 def keep_line_load(row, width, y, n):
-    """Take the loads of one slice, ``width`` (m) wide, whose rows begin at ``row``, into the largest line load."""
+    """Update the largest line load with the loads of a slice of ``width`` (m) whose rows begin at ``row``."""
     row &= NONNEGATIVE
     per_width = 1.0 / width
     for j in range(n):
@@ -212,12 +212,11 @@ def keep_line_load(row, width, y, n):
 
 @jit
 def slip_relaxation(lag, m_r, I_r, I_t, R_w, y, n):
-    """Compute the changes of every roller's slips within the lag (s): fills SLIP_CHANGE, SLIP_CHANGE_Z and
-    SKEW_V_CHANGE.
+    """Fill SLIP_CHANGE, SLIP_CHANGE_Z and SKEW_V_CHANGE, the changes of every roller's slips within the lag (s).
 
-    Of the lag a part is ``implicit_fraction``. Along the race: the mean slips of both contacts and the rate of
-    skew, three equations of which the last is eliminated. Along the axis: the mean slips of both contacts, which a
-    roller's shift and tilting change.
+    The effective lag is ``implicit_fraction`` of it. Along the race the unknowns are the mean slips of both
+    contacts and the rate of skew, which is eliminated. Axially they are the mean slips of both contacts, which
+    change by axial motion and tilting of the roller.
     """
     outer, inner = lay.OUTER_SIDE, lay.INNER_SIDE
     along, crosswise = lag * (1.0 / m_r + R_w * R_w / I_r), lag * (1.0 / m_r - R_w * R_w / I_r)
@@ -260,7 +259,7 @@ def solve_slip_changes(a, b, k_oo, k_oi, k_ii, S_o, S_i):
 
 @jit
 def relax_friction(side, ring, y, n):
-    """Change the friction in the sums to that of the slips a lag later, along its mean direction."""
+    """Add the change of friction by the change of slip within the lag to the sums, along its mean direction."""
     base, b_z = side_rows(side), ring.a_z
     for j in range(n):
         k_0 = y[base + lay.KAPPA_0 + j]
@@ -293,10 +292,10 @@ def relax_friction(side, ring, y, n):
 
 @jit
 def side_loads(side, bearing, ring, y, n):
-    """Add the sums over slices to what acts on each roller, and fill its rows of what it does to the ring.
+    """Add the sums over slices to the loads on each roller, and fill its loads on the ring.
 
-    Force (N) and moment about the ring's centre (N m), both along e_0, e_90, e_z. The ring carries the
-    reaction at the same points: minus the force, and minus its moment about the ring's centre.
+    The latter are force (N) and moment about the ring's centre (N m) along e_0, e_90, e_z: the reaction at the
+    same points.
     """
     base, middle = side_rows(side), 0.5 * (bearing.R_o + bearing.R_i)
     plane, space, turn = load_cells(side)

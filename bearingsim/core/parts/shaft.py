@@ -9,14 +9,14 @@ from bearingsim.core.jit import absent, generic
 
 @absent
 class RigidShaft(NamedTuple):
-    """The inner ring's centre stays where it is."""
+    """Fixed centre of the inner ring."""
 
 
 class ElasticShaft(NamedTuple):
-    """The inner ring on a spring and a damper, and an unbalance that turns with it.
+    """Support of the inner ring by a spring and a damper, with a rotating unbalance.
 
-    m: of inner ring and shaft (kg); k: N/m; c: N s/m; unbalance: mass times its distance from the axis (kg m), at
-    ``angle`` (rad) from the load line at t = 0. Displacements count from where the load holds the ring.
+    m: mass of inner ring and shaft (kg); k: N/m; c: N s/m; unbalance: mass times its distance from the axis
+    (kg m), at ``angle`` (rad) from the load line at t = 0. Displacements count from the position under the load.
     """
 
     m: float
@@ -28,9 +28,9 @@ class ElasticShaft(NamedTuple):
 
 @generic(absent=None)
 def accelerate_inner_ring(shaft: Any, model: Any, theta_i: float, omega_i: float, alpha_i: float, y: Any) -> None:
-    """Write the inner ring's acceleration from the forces gathered in the cells F_X_I, F_Y_I.
+    """Write the acceleration of the inner ring from the forces in the cells F_X_I, F_Y_I.
 
-    theta_i, omega_i, alpha_i: its angle (rad), speed (rad/s) and angular acceleration (rad/s^2).
+    theta_i, omega_i, alpha_i: angle (rad), speed (rad/s) and angular acceleration (rad/s^2) of the ring.
     """
 
 
@@ -49,13 +49,13 @@ def _accelerate_inner_ring_elastic(shaft, model, theta_i, omega_i, alpha_i, y):
 
 @absent
 class FixedRing(NamedTuple):
-    """The bracket does not let the outer ring rotate."""
+    """Outer ring fixed against rotation."""
 
 
 class TorsionSpring(NamedTuple):
-    """The bracket holds the outer ring by a torsion spring k (N m/rad) and damper c (N m s/rad).
+    """Bracket with a torsion spring k (N m/rad) and a damper c (N m s/rad) on the outer ring.
 
-    inertia: of the ring about its axis (kg m^2).
+    inertia: moment of inertia of the ring about its axis (kg m^2).
     """
 
     inertia: float
@@ -65,7 +65,7 @@ class TorsionSpring(NamedTuple):
 
 @generic(absent=None)
 def accelerate_ring_rotation(bracket: Any, y: Any) -> None:
-    """Write the outer ring's angular acceleration from the torque gathered in the cell M_RING."""
+    """Write the angular acceleration of the outer ring from the torque in the cell M_RING."""
 
 
 @accelerate_ring_rotation.register(TorsionSpring)
@@ -76,7 +76,7 @@ def _accelerate_ring_rotation_spring(bracket, y):
 
 @generic(absent=0.0)
 def mobility(part: Any) -> float:
-    """Return the ring's acceleration by a unit force or torque: 1/kg, 1/(kg m^2); 0 where it is held."""
+    """Return the ring's acceleration under a unit force or torque: 1/kg, 1/(kg m^2); 0 if the support is rigid."""
 
 
 @mobility.register(ElasticShaft)
@@ -91,7 +91,7 @@ def _mobility_torsion(part):
 
 @generic(absent=0.0)
 def spring_per_mass(part: Any) -> float:
-    """Return the stiffness over mass (1/s^2) of the shaft's or the bracket's own spring."""
+    """Return the stiffness over mass (1/s^2) of the spring of a shaft or a bracket."""
 
 
 @generic(absent=0.0)
