@@ -1,6 +1,6 @@
-"""From a case to the core's parameters: the only link between configuration and physics.
+"""Assembly of the core's parameters from a case: the only link between configuration and physics.
 
-Imports numba (through the core), so import it only where something is computed.
+It imports numba (through the core), so import it only for computations.
 """
 
 from functools import lru_cache
@@ -85,13 +85,13 @@ def kind_of_model(name: str) -> ModelKind:
 
 
 def kind_of_method(name: str) -> MethodKind:
-    """Return the classes and functions of a method that a case can name."""
+    """Return the classes and functions of an integration method by its name."""
     loaded: MethodKind = code(f"{METHODS[name].module}:KIND", MethodKind)
     return loaded
 
 
 def method_kind(case: Case) -> MethodKind:
-    """Return the classes and functions of the case's method (no `auto`), or of its model's own."""
+    """Return the classes and functions of the case's method (not `auto`), or of its model's own method."""
     if case.method is not None:
         return kind_of_method(case.method)
     loaded: MethodKind = code(f"{MODELS[case.model].own_method}:KIND", MethodKind)
@@ -99,15 +99,15 @@ def method_kind(case: Case) -> MethodKind:
 
 
 def adaptive(case: Case) -> bool:
-    """Check if the case's method (no `auto`) controls its own step."""
+    """Check if the case's method (not `auto`) controls its own step."""
     return case.method is not None and METHODS[case.method].adaptive
 
 
 def model(case: Case) -> Any:
-    """Assemble the core's model of the case, its bracket anchored at the mean equilibrium of the healthy bearing.
+    """Assemble the core's model of the case.
 
-    So the bearing carries the whole load: a bracket anchored anywhere else would take a share of it. Raises
-    ``NoEquilibrium`` if the healthy bearing has no equilibrium.
+    The bracket is anchored at the mean equilibrium of the healthy bearing, because it would carry a part of the
+    load otherwise. Raises ``NoEquilibrium`` if the healthy bearing has no equilibrium.
     """
     entry = MODELS[case.model]
     if entry.build:
@@ -117,11 +117,11 @@ def model(case: Case) -> Any:
 
 RESET_OPTIONS = {"method": EXPLICIT, "step": "auto", "tolerance": "auto", "step_check": True, "periodic": True}
 RESET_OPTIONS |= {"duration": 1.0, "settle": 0.0}
-"""Fields of method and duration, at arbitrary values."""
+"""Fields of method and duration, with arbitrary values."""
 
 
 def bearing_of(case: Case) -> Case:
-    """Reset the fields that do not affect the bearing, so that all computations of it share its parameters."""
+    """Reset the fields that do not affect the bearing, so that all its computations share cached parameters."""
     return case.model_copy(update=RESET_OPTIONS)
 
 
@@ -145,12 +145,12 @@ def _made(parameters: Any) -> list[str]:
 
 
 def defects_of_case(case: Case) -> Defects:
-    """Build the case's defects, sliced along the roller like the rollers of its model."""
+    """Build the case's defects, with the slices of the model's rollers if the model has any."""
     return defects.packed_defects(case, space.slices(case).table[:, ZETA] if MODELS[case.model].sliced else None)
 
 
 def bending_of_case(case: Case) -> Any:
-    """Build the bending of the case's outer ring; the bracket holds its carrier, if there is one."""
+    """Build the bending of the case's outer ring; if there is a carrier, the bracket acts on it."""
     if case.rig.ring is None:
         return Stiff()
     ring = bending.ring_parameters(case)
@@ -161,7 +161,7 @@ def bending_of_case(case: Case) -> Any:
 
 
 def support(case: Case) -> Support:
-    """Return load and bracket of the case's ring: zero if they act on a carrier."""
+    """Return load and bracket on the case's ring, zero if they act on a carrier."""
     if bending.has_carrier(case.rig):
         return Support(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     x_0, y_0 = anchor_in_space(_static_case(case)) if space.unevenly_loaded(case) else bracket_anchor(case)
@@ -169,13 +169,13 @@ def support(case: Case) -> Support:
 
 
 def healthy(case: Case) -> Case:
-    """Reset the fields that do not affect the load at rest, so that many cases share one equilibrium."""
+    """Return the case without defects, with fields reset that do not affect the static load."""
     same = {"defects": (), "record": (), "sampling": 1e4, "excitation": "envelope", "seed": 0}
     return case.model_copy(update=RESET_OPTIONS | same)
 
 
 def _static_case(case: Case) -> Case:
-    """Reset the fields of the healthy case that matter only in motion, except those that select compiled code."""
+    """Return the healthy case with fields reset that matter only in motion, unless they select compiled code."""
     still = {
         "start_angle": 0.0,
         "antialias": True,
@@ -186,7 +186,7 @@ def _static_case(case: Case) -> Case:
 
 
 NO_BRACKET = {"bracket_stiffness": 0.0, "bracket_damping": 0.0, "sensor_angle": 0.0}
-"""Fields of a rig without effect on the equilibrium of a ring held by its load alone."""
+"""Fields of a rig that do not affect the equilibrium of a ring under its load alone."""
 
 
 @lru_cache(maxsize=256)
@@ -202,13 +202,13 @@ def anchor_in_space(case: Case) -> tuple[float, float]:
 
 
 def aligned_with_cusp(model: Any, steps_per_pass: int, fraction: float) -> Any:
-    """Shift the model's rollers so that the cusp of its first defect lies a ``fraction`` of a step after the start
-    of a step.
+    """Shift the model's rollers so that they meet the cusp of the first defect a ``fraction`` of a step after the
+    start of a step.
 
-    The cusp is the kink of the roller path. The damping force jumps there; its position within a step decides
-    whether the error is of first or of second order (docs/steps.md). The rollers start less than a step further
-    on. Only the first of several defects is aligned, and only on the outer race at a steady speed: elsewhere cusps
-    fall anywhere in a step, and the error averages out.
+    The cusp is the kink of the roller path, where the damping force jumps; its position within a step determines
+    whether the error is of first or second order (docs/steps.md). The rollers are shifted forwards by less than a
+    step. Only the first of several defects is aligned, and only on the outer race at a steady speed; other cusps
+    lie anywhere in a step, and their error averages out.
     """
     if "defects" not in model._fields or not steady(model):
         return model
@@ -217,7 +217,7 @@ def aligned_with_cusp(model: Any, steps_per_pass: int, fraction: float) -> Any:
         return model
     b, pass_angle = model.bearing, 2.0 * pi / model.bearing.Z
     angle = defects.head[0, ANGLE] + defects.head[0, CUSP] / defects.head[0, RADIUS]
-    steps = (b.theta_0 - angle) / pass_angle * steps_per_pass  # whole when the cusp is met
+    steps = (b.theta_0 - angle) / pass_angle * steps_per_pass  # an integer if a step starts at the cusp
     ahead = ceil(steps + fraction) - fraction - steps
     return model._replace(bearing=b._replace(theta_0=float(b.theta_0 + ahead * pass_angle / steps_per_pass)))
 
@@ -243,7 +243,7 @@ def start(case: Case, model: Any) -> tuple[np.ndarray, float]:
 
 
 def find_equilibrium(model: Any, t: float, y: np.ndarray, from_scratch: bool = False) -> float:
-    """Put rings and rollers into equilibrium at ``t`` (s), near a rest or from scratch; return the residual force
+    """Find the static equilibrium at ``t`` (s), from the one in ``y`` or from scratch; return the residual force
     (N).
     """
     left = find_in_time(rest_from_scratch if from_scratch else find_rest, static_model(model), t, y)
@@ -251,7 +251,7 @@ def find_equilibrium(model: Any, t: float, y: np.ndarray, from_scratch: bool = F
 
 
 def undamped(model: Any) -> Any:
-    """Return the model with undamped contacts: equal at rest, and compiled once for all damping laws."""
+    """Return the model with undamped contacts: same equilibrium, compiled once for all damping laws."""
     return model._replace(outer=Undamped(model.outer.stiffness), inner=Undamped(model.inner.stiffness))
 
 
@@ -273,7 +273,7 @@ def outer_forces(model: Any, y: np.ndarray) -> np.ndarray:
 def method(case: Case, h: float, part: float = 1.0) -> Any:
     """Build the core's method of the case for step ``h`` (s), ``part`` times the normal step.
 
-    At half the step an adaptive method takes a tenth of its own tolerance; a tolerance given by the case stays.
+    At half the step an adaptive method uses a tenth of its default tolerance; a tolerance set by the case is kept.
     """
     parameters: Any = method_kind(case).parameters
     usual = METHODS[case.method].tolerance if case.method is not None else None

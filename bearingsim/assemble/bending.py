@@ -1,18 +1,18 @@
-"""The harmonics of an outer ring that bends: a curved Timoshenko beam of rectangular section.
+"""Harmonics of a flexible outer ring, a curved Timoshenko beam of rectangular section.
 
-A point of the section, z outwards of its middle (radius R), moves by w along the radius and by v + z phi around
-the ring. With cos(n theta) in w, sin(n theta) in v and phi the elastic energy of a harmonic n is
+A point of the section at distance z outwards of its middle (radius R) moves by w radially and by v + z phi
+circumferentially. With cos(n theta) in w, sin(n theta) in v and phi the elastic energy of harmonic n is
 
     pi/2 E b (J_0 e^2 + 2 J_1 e c + J_2 c^2) + pi/2 kappa G b J_0 g^2,
     e = w + n v,  c = n phi,  g = R phi - v - n w,  J_i = integral of z^i/(R + z) over the height
 
-(twice that of n = 0, where v = phi = 0). A radial force on w alone bends it by
+(twice this for n = 0, where v = phi = 0). A generalised force on w alone gives the amplitude per force
 
     1/k_n = (R^2/(E b J_2) + n^2/(kappa G b J_0)) / (pi (n^2 - 1)^2),   k_0 = 2 pi E b J_0,
 
-and the lowest frequency of the free ring gives the mass that goes with k_n. Source of the section's integrals:
-Winkler's theory of curved beams (Timoshenko, Strength of Materials II, ch. 2); kappa = 5/6 is that of the elastic
-energy of a parabola of shear.
+and the lowest frequency of the free ring gives the modal mass for k_n. The integrals of the section are those of
+Winkler's theory of curved beams (Timoshenko, Strength of Materials II, ch. 2); kappa = 5/6 follows from the
+elastic energy of a parabolic shear stress.
 """
 
 from functools import lru_cache
@@ -30,17 +30,17 @@ from bearingsim.core.parts import bending as core
 
 SHEAR = 5.0 / 6.0
 CAP = 2.0 * pi * 100e3
-"""rad/s, highest frequency of a harmonic. Harmonics above it get more mass: they bend as much, at no shorter
-step."""
+"""rad/s, highest frequency of a harmonic. Harmonics above it get more mass, with unchanged stiffness, to keep the
+step long."""
 
 
 SPRINGS, SPRINGS_WITH_A_GAP = 64, 320
-"""Least number of springs of a housing; four per harmonic, if that is more. Twice as many change the line and RMS
-at rest by less than 0.5 %. A gap needs more, because the edge of the contact decides."""
+"""Least number of springs of a housing, without and with a gap; at least four per harmonic. Doubling it changes
+spectral line and RMS at rest by less than 0.5 %. With a gap the edges of the contact need a finer resolution."""
 
 
 class Section(NamedTuple):
-    """Section and material of a ring: height, width, radius of the middle (m), SI."""
+    """Section and material of a ring: height, width, middle radius R (m), E (Pa), nu, density (kg/m^3)."""
 
     height: float
     width: float
@@ -56,7 +56,7 @@ class Section(NamedTuple):
 
 
 class Harmonic(NamedTuple):
-    """One harmonic: its number, stiffness of its amplitude (N/m), frequency of the free ring (rad/s)."""
+    """Harmonic: number, stiffness of its amplitude (N/m), frequency of the free ring (rad/s)."""
 
     n: int
     k: float
@@ -104,9 +104,9 @@ def beam_matrices(section: Section, n: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 class OfRing(NamedTuple):
-    """Parameters that determine the bending of a ring: loads in N, masses in kg, lengths in m.
+    """Parameters that determine the bending of a ring: loads in N, mass in kg.
 
-    bracket: stiffness (N/m), damping (N s/m) and position at rest of the bracket on the carrier, if there is one.
+    bracket: stiffness (N/m), damping (N s/m) and anchor (m, m) of the bracket on a carrier.
     """
 
     bearing: Bearing
@@ -130,7 +130,7 @@ def ring_parameters(case: Case) -> OfRing:
 
 
 def has_carrier(rig: Rig) -> bool:
-    """Check if springs connect the ring to a carrier that takes load and bracket."""
+    """Check if springs connect the ring to a carrier on which load and bracket act."""
     return rig.ring is not None and rig.load is not None and rig.load.carried
 
 
@@ -146,7 +146,7 @@ def section_of(ring: OfRing) -> Section:
 class Harmonics(NamedTuple):
     """All harmonics, padded (H,): number, stiffness (N/m), frequency (rad/s), 1/mass of cosines and sines (1/kg).
 
-    real: how many are.
+    real: number of harmonics without padding.
     """
 
     n: np.ndarray
@@ -158,7 +158,7 @@ class Harmonics(NamedTuple):
 
 
 def harmonics(ring: OfRing) -> Harmonics:
-    """Compute the harmonics of a ring, with room for a carrier."""
+    """Compute the harmonics of a ring, padded to include a carrier."""
     section = section_of(ring)
     free = [harmonic(section, n) for n in (*range(2, int(ring.ring.harmonics) + 1), 0)]
     H = -(-(len(free) + ring.load_path.carried) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
@@ -195,17 +195,18 @@ def made(ring: OfRing) -> core.Bending:
 
 
 def mobility(ring: OfRing, of: Harmonics, angles: np.ndarray) -> float:
-    """Compute the largest eigenvalue (1/kg) of the matrix from forces at all rollers to the race's accelerations
-    there.
+    """Compute the largest eigenvalue (1/kg) of the matrix from forces at all rollers to the accelerations of the
+    race there.
 
-    The rollers are evenly spaced, so the matrix is circulant: its eigenvalues are the Fourier transform of a row.
+    The rollers are evenly spaced, so the matrix is circulant and its eigenvalues are the Fourier transform of a
+    row.
     """
     row = np.cos(angles) / ring.ring_mass + np.cos(np.outer(angles, of.n)) @ of.per_mass_c
     return float(np.fft.fft(row).real.max())
 
 
 def rows_of(ring: OfRing, of: Harmonics) -> np.ndarray:
-    """Fill ``core.Bending.of_harmonic`` for the ring itself."""
+    """Return ``core.Bending.of_harmonic`` for the ring without a carrier."""
     alpha, rows = ring.sensor.angle or 0.0, np.zeros((10, len(of.n)))
     rows[core.N], rows[core.K], rows[core.K_M] = of.n, of.k, of.omega**2
     rows[core.C_M] = 2.0 * ring.ring.damping * of.omega
@@ -231,7 +232,7 @@ def with_carrier(rows: np.ndarray, ring: OfRing, i: int) -> np.ndarray:
 
 
 def springs_of(ring: OfRing, of: Harmonics) -> core.Springs:
-    """Build the springs around the ring, damped by ``ring.damping`` at the ring's frequency on the springs."""
+    """Build the springs around the ring, with damping ratio ``ring.damping`` for the rigid ring on its springs."""
     angles, k, fit = spring_properties(ring)
     P = -(-len(angles) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
     assert lay.MAX_SPRINGS >= P
@@ -248,7 +249,7 @@ def springs_of(ring: OfRing, of: Harmonics) -> core.Springs:
 
 
 def spring_properties(ring: OfRing) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return angles (rad), stiffness (N/m) and fit (m) of the springs."""
+    """Return angles (rad), stiffnesses (N/m) and fits (m) of the springs."""
     load = ring.load_path
     if load.by == "points":
         points = load.at or ()
@@ -273,7 +274,7 @@ def fastest(ring_mass: float, rows: np.ndarray, springs: Any) -> tuple[float, fl
 
 
 def undamped_bending(bent: Any) -> Any:
-    """Return the bending of a ring at rest: its springs without damping."""
+    """Return the bending of a ring with undamped springs, for static equilibrium."""
     if not (isinstance(bent, core.Bending) and isinstance(bent.springs, core.Springs)):
         return bent
     undamped = bent.springs.of_spring.copy()
@@ -282,7 +283,7 @@ def undamped_bending(bent: Any) -> Any:
 
 
 def padded(values: Any, length: int) -> np.ndarray:
-    """Pad values with zeros to (length,)."""
+    """Pad values with zeros to the shape (length,)."""
     return np.concatenate([np.array(values, dtype=float), np.zeros(length - len(values))])
 
 

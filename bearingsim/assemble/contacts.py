@@ -1,4 +1,4 @@
-"""The contact law at each race: damping around stiffness."""
+"""Contact law at each race: a damping law that contains a stiffness law."""
 
 from math import isclose
 from typing import Any
@@ -28,53 +28,53 @@ def inner(case: Case) -> Any:
 
 
 def powers(case: Case) -> int:
-    """Count the powers of the law that call the library's ``pow``, which is not vectorised."""
+    """Count the powers in the contact law that call ``pow`` of the C library, which is not vectorised."""
     return sum(isinstance(part, PowerLaw | multibody.Power) for part in outer(case))
 
 
 def damped(case: Case, on_outer: bool) -> Any:
-    """Build the law of one race by the catalogue's ``build(case, section, stiffness, on_outer)`` of the damping
-    law.
+    """Build the contact law of one race by the damping law's ``build(case, section, stiffness, on_outer)`` in the
+    catalogue.
     """
     section: Any = case.contact.damping
     return call(LAWS["damping"][section.law].build, case, section, stiffness(case, on_outer), on_outer)
 
 
 def hunt_crossley(case: Case, section: Any, stiffness: Any, on_outer: bool) -> HuntCrossley:
-    """Build a damping proportional to the elastic force."""
+    """Build the damping law proportional to the elastic force."""
     return HuntCrossley(stiffness, section.chi)
 
 
 def kraemer(case: Case, section: Any, stiffness: Any, on_outer: bool) -> Kraemer:
-    """Build a damping proportional to the tangent stiffness."""
+    """Build the damping law proportional to the tangent stiffness."""
     return Kraemer(stiffness, section.damping_time)
 
 
 def general(case: Case, section: Any, stiffness: Any, on_outer: bool) -> multibody.General:
-    """Build the damping of the multibody codes; coefficient in N, mm and s."""
+    """Build the damping law of multibody codes; the coefficient is in N, mm and s."""
     m2, m3 = section.velocity_exponent, section.indentation_exponent
     return multibody.general(stiffness, section.coefficient * 1e3 ** (m2 + m3), m2, m3)
 
 
 def film(case: Case, section: Any, elastic: Any, on_outer: bool) -> Tabulated:
-    """Build the damping of an oil film plus hysteresis."""
+    """Build the damping law of an oil film plus hysteresis."""
     point = point_contact(case, on_outer) if case.bearing.element == "ball" else None
     return oil.film(case, elastic, stiffness(case, not on_outer), point, on_outer)
 
 
 def stiffness(case: Case, on_outer: bool) -> Any:
-    """Build the stiffness law of one race by the catalogue's ``build(case, section, on_outer)`` of the law."""
+    """Build the stiffness law of one race by the law's ``build(case, section, on_outer)`` in the catalogue."""
     law = LAWS["stiffness"][case.contact.elastic_law]
     return call(law.build, case, case.contact.stiffness, on_outer)
 
 
 def constant(case: Case, section: Any, on_outer: bool) -> Any:
-    """Build the law k delta^m; coefficient in N and mm."""
+    """Build the law k delta^m; the coefficient is in N and mm."""
     return power(section.coefficient * 1e3**section.exponent, section.exponent)
 
 
 FASTER = ((1.0, Linear), (power_laws.LINE_CONTACT_EXPONENT, power_laws.TenNinths), (1.5, ThreeHalves))
-"""The exponents that have a law of their own, without ``pow``."""
+"""Exponents with an implementation of their own, without ``pow``."""
 
 
 def power(k: float, m: float) -> Any:
@@ -98,7 +98,7 @@ def iso16281(case: Case, section: Any, on_outer: bool) -> power_laws.TenNinths:
 
 
 def johnson(case: Case, section: Any, on_outer: bool) -> line_contact.Johnson:
-    """Build Johnson's line contact of a roller inside, or outside, a race."""
+    """Build Johnson's line contact of a roller inside the outer or outside the inner race."""
     b, R_w = case.bearing, case.bearing.roller_diameter / 2.0
     dR = outer_radius(case) - R_w if on_outer else inner_radius(case) + R_w
     return line_contact.johnson(b.material.young_modulus, b.material.poisson_ratio, roller_length(case), dR)
@@ -110,7 +110,7 @@ def point(case: Case, section: Any, on_outer: bool) -> ThreeHalves:
 
 
 def roller_length(case: Case) -> float:
-    """Return the length (m) of a roller; 0 for a ball, which has no law of line contact."""
+    """Return the length (m) of a roller; 0 for a ball, which has no line contact."""
     return float(case.bearing.roller_length or 0.0)
 
 

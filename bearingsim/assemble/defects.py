@@ -1,4 +1,4 @@
-"""Pairs of rollers and the defects of a case, and the excitation by each."""
+"""Defects of a case paired with the contacts that cross them, and the excitation by each."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -66,13 +66,13 @@ EXCITATIONS: dict[str, Any] = {
 }
 
 Positions = Sequence[float] | np.ndarray
-"""Middles of slices along a roller, m."""
+"""Positions of the middles of slices along a roller, m."""
 
 
 class DefectCluster(NamedTuple):
     """Defects of one element that act on a roller as one.
 
-    leader: the first of them; defect: all of them as one map, its s measured from ``angle`` (rad), None for a
+    leader: the first of them; defect: map of all of them, with s measured from ``angle`` (rad), or None for a
     single defect with a closed form.
     """
 
@@ -82,9 +82,9 @@ class DefectCluster(NamedTuple):
 
 
 def packed_defects(case: Case, zetas: Positions | None = None) -> Defects:
-    """Pack the case's defects for the core, as met by the rollers' contacts.
+    """Pack the case's defects for the core, one pair for each contact that crosses them.
 
-    zetas: middles (m) of a roller's slices: then a group of weight 1 for each of them, in their order. Raises
+    zetas: middles (m) of a roller's slices, which give one group of weight 1 per slice, in their order. Raises
     Refused for a defect without effect, and for one wider than the spacing of the rollers.
     """
     chosen, pairs = excitation(case), roller_defect_pairs(case, zetas)
@@ -94,7 +94,7 @@ def packed_defects(case: Case, zetas: Positions | None = None) -> Defects:
 
 
 def roller_defect_pairs(case: Case, zetas: Positions | None = None) -> list[RollerDefectPair]:
-    """Pair every defect with each contact that meets it: all by closed form, or all traced."""
+    """Pair every defect with each contact that crosses it; all have a closed form, or all are traced."""
     return [pair for cluster in defect_clusters(case) for pair in pairs_of_cluster(case, cluster, zetas)]
 
 
@@ -117,7 +117,7 @@ def elastic_edge(case: Case) -> EdgeContact:
 
 
 def reduced_radius(case: Case, side: int) -> float:
-    """Compute the radius (m) of a roller relative to the race on one side of it."""
+    """Compute the reduced radius (m) of a roller and a race."""
     R_w = case.bearing.roller_diameter / 2.0
     if side == OUTER:
         return outer_reduced_radius(R_w, outer_radius(case))
@@ -137,7 +137,7 @@ def half_width(case: Case) -> float:
 
 
 def contact_length(case: Case, side: int) -> float:
-    """Return the contact length (m) along the axis: the roller's, or that of a ball at the largest load."""
+    """Return the axial contact length (m): that of the roller, or that of a ball under the largest load."""
     if case.bearing.roller_length is not None:
         return case.bearing.roller_length
     return 2.0 * point_contact(case, side == OUTER).semi_axes(largest_load(case))[0]
@@ -155,12 +155,12 @@ def depth_map(d: config.Defect) -> Any:
 
 
 def varies_along_roller(d: config.Defect) -> bool:
-    """Return whether the profile of a defect along rolling changes along the roller, which nodes then sample."""
+    """Check if the profile of a defect along rolling varies along the roller, so that nodes must sample it."""
     return any(kind != EVEN for *_, kind in cuts(depth_map(d)))
 
 
 def spall(d: config.Defect) -> Any:
-    """Build a spall, mirrored on an inner race, where rollers come from +s and spalls grow the other way."""
+    """Build a spall, mirrored on an inner race, where rollers come from +s and spalls grow towards -s."""
     defect = Spall(d.length, d.width, d.depth, float(d.grown or 0.0), int(d.seed or 0))
     return Mirrored(defect) if d.race == "inner" else defect
 
@@ -172,7 +172,7 @@ def scan(d: config.Defect) -> Scanned:
 
 @lru_cache(maxsize=CACHED_SCANS)
 def scanned(file: str, digest: str) -> Scanned:
-    """Read the map in a file. Raises ValueError if the file has changed since the case was made."""
+    """Read the depth map in a file. Raises ValueError if the file has changed since the case was built."""
     surface = read_scan(BROUGHT.get(digest, file))
     if surface.digest != digest:
         raise ValueError(f"{file} has changed since the study was read")
@@ -180,7 +180,7 @@ def scanned(file: str, digest: str) -> Scanned:
 
 
 def defect_clusters(case: Case) -> list[DefectCluster]:
-    """Merge the case's defects that one roller meets at a time; closed forms only if all have one."""
+    """Merge the case's defects that act on a roller at the same time; use closed forms only if all have one."""
     clusters = _clusters(case)
     simple = all(len(cluster) == 1 and _has_closed_form(case, cluster[0]) for cluster in clusters)
     if simple:
@@ -211,7 +211,7 @@ def _reach_each_other(case: Case, a: config.Defect, b: config.Defect) -> bool:
 
 
 def _response_range(case: Case, d: config.Defect) -> tuple[float, float]:
-    """Return the largest range (m) along rolling in which a defect acts on a roller, from its middle."""
+    """Return the largest range (m) along rolling, from a defect's middle, in which it acts on a roller."""
     defect = depth_map(d)
     low, high, _, _ = extent(defect)
     lifted = sqrt(2.0 * reduced_radius(case, OUTER) * burr(defect))
@@ -225,7 +225,7 @@ def carrier_radius(case: Case, d: config.Defect) -> float:
 
 
 def _merged(case: Case, cluster: Sequence[config.Defect]) -> DefectCluster:
-    """Merge defects into one map, s measured from the middle of them all."""
+    """Merge defects into one map, with s measured from the middle of their total extent."""
     leader, radius = cluster[0], carrier_radius(case, cluster[0])
     positions = [remainder(d.angle - leader.angle, 2.0 * pi) * radius for d in cluster]
     maps = [Placed(depth_map(d), s, d.offset) for d, s in zip(cluster, positions, strict=True)]
@@ -240,11 +240,11 @@ def _merged(case: Case, cluster: Sequence[config.Defect]) -> DefectCluster:
     )
 
 
-# Meetings
+# Pairs of rollers and defects
 
 
 def pairs_of_cluster(case: Case, cluster: DefectCluster, zetas: Positions | None) -> list[RollerDefectPair]:
-    """Pair merged defects with each contact that meets them."""
+    """Pair merged defects with each contact that crosses them."""
     d = cluster.leader
     on, sides = {
         "outer": (ON_OUTER, (OUTER,)),
@@ -271,12 +271,12 @@ def _pair(case: Case, cluster: DefectCluster, on: int, side: int, zetas: Positio
 
 @lru_cache(maxsize=64, typed=True)  # excitations without parameters are all equal
 def closed_form_jumps(excitation: Any, groups: tuple[tuple[float, ...], ...], R: float) -> list[float]:
-    """Return ``jumps_of`` a defect with a closed form, cached: independent of its position and of the load."""
+    """Return ``jumps_of`` a defect with a closed form, cached because it depends neither on position nor load."""
     return jumps_of(excitation, groups, (), R)
 
 
 def _checked_pair(case: Case, d: config.Defect, pair: RollerDefectPair) -> RollerDefectPair:
-    """Return the pair. Raises Refused if the defect has no effect, or acts on two rollers at a time."""
+    """Return the pair. Raises Refused if the defect has no effect, or acts on two contacts at the same time."""
     if pair.half_width == 0.0:
         reason = f"the {d.shape} defect has no effect because it lies outside the contact, or has no depth"
         reach = f"{500.0 * contact_length(case, pair.side):.4g} mm"
@@ -299,7 +299,7 @@ def _narrower(d: config.Defect) -> str:
 
 
 def closed_form_groups(case: Case, d: config.Defect, side: int, zetas: Positions | None) -> list:
-    """Build the groups along the contact of a defect with a closed form, or those of given slices."""
+    """Build the groups of a defect with a closed form, along the contact or at given slices."""
     L_w, R, nodes = contact_length(case, side), reduced_radius(case, side), case.contact.length_nodes
     defect = call(SHAPES[d.shape].build, d.length, d.width, d.depth)
     rows = (

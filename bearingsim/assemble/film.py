@@ -1,8 +1,7 @@
-"""The damping law `film`: an oil film between rolling element and race, and hysteresis, as a table.
+"""Damping law `film`: oil film between rolling element and race, plus hysteresis, as a table.
 
-``core/laws/oil_film.py`` says what a film does under a load; here that becomes a damping over the approach, with
-the elastic law in use. Rollers roll without slip at the speed
-of the case, which has no ramp.
+``core/laws/oil_film.py`` gives the damping of a film under a load; this module tabulates it over the approach with
+the elastic law in use. Rollers roll without slip at the speed of the case, which has no ramp.
 """
 
 from functools import lru_cache
@@ -20,16 +19,17 @@ from bearingsim.core.laws.octaves import tabulate
 from bearingsim.core.laws.oil_film import OiledLine, ball_as_strip, entrainment_speed, film_damping, hysteresis
 from bearingsim.core.laws.stiffness.interface import curve
 
-DEEPEST = 1e-4  # m, largest approach of the table, beyond that of any bearing: damping is constant above
-DIFFERENCE = 1e-5  # of the approach, step of the difference quotient
+DEEPEST = 1e-4  # m, largest approach of the table, larger than in any bearing; damping is constant above it
+DIFFERENCE = 1e-5  # step of the difference quotient, relative to the approach
 LINE, STRIP = 0.5, 1.0 / 3.0  # exponents of the load in the half widths of rollers and of balls
 
 
 class OiledContact(NamedTuple):
     """Parameters of the damping of one contact.
 
-    stiffness, other: the elastic laws of this race and of the other; point: of a ball, else None; line: of a
-    roller (for a ball its length and radius are not used); mass: of the element (kg).
+    stiffness, other: elastic laws of this race and of the other; point: contact of a ball, None for a roller;
+    line: contact of a roller (for a ball its length and radius are not used); mass: mass of the element (kg);
+    own_frequency: whether the film is evaluated at the element's natural frequency, not at frequency 0.
     """
 
     stiffness: Any
@@ -42,7 +42,7 @@ class OiledContact(NamedTuple):
 
 
 def film(case: Case, stiffness: Any, other: Any, point: PointContact | None, on_outer: bool) -> Tabulated:
-    """Build the law of one race; point: the contact of a ball, None for a roller."""
+    """Build the contact law of one race; point: contact of a ball, None for a roller."""
     b, section = case.bearing, cast(Film, case.contact.damping)
     reduced, race = (outer_reduced_radius, outer_radius) if on_outer else (inner_reduced_radius, inner_radius)
     line = OiledLine(
@@ -74,7 +74,7 @@ def table(contact: OiledContact, named: str) -> np.ndarray:
 
 
 def damping(contact: OiledContact, delta: np.ndarray) -> np.ndarray:
-    """Compute c (N s/m) at approaches ``delta`` (m): of the film under the load there, plus hysteresis."""
+    """Compute c (N s/m) of film and hysteresis at approaches ``delta`` (m)."""
     Q, k = curve(contact.stiffness, delta)
     omega = own_frequency(contact, Q, k)
     line, exponent = oiled_line(contact, Q)
@@ -83,15 +83,15 @@ def damping(contact: OiledContact, delta: np.ndarray) -> np.ndarray:
 
 
 def own_frequency(contact: OiledContact, Q: np.ndarray, k: np.ndarray) -> np.ndarray:
-    """Compute the angular frequency (rad/s) of the element between its races, both under the loads ``Q`` (N)."""
+    """Compute the natural frequency (rad/s) of the element between its races, both under the loads ``Q`` (N)."""
     loads, stiffnesses = curve(contact.other, np.logspace(-12.0, -3.0, 400))
     beyond = np.exp(np.interp(np.log(Q), np.log(loads), np.log(stiffnesses)))
     return np.sqrt((k + beyond) / contact.mass)
 
 
 def oiled_line(contact: OiledContact, Q: np.ndarray) -> tuple[OiledLine, float]:
-    """Return the equivalent line contact under the loads ``Q`` (N), and the exponent of the load in its half
-    width.
+    """Return the equivalent line contact under the loads ``Q`` (N), and the exponent of the load in the formula
+    of its half width.
     """
     if contact.point is None:
         return contact.line, LINE

@@ -1,4 +1,4 @@
-"""Free motion in ``planar``: inner ring, friction, cage, drag, shaft; assumptions for what a case leaves open."""
+"""Parameters of ``planar``: inner ring, friction, cage, drag, shaft; assumed values for unspecified dimensions."""
 
 from math import pi
 from typing import Any
@@ -17,14 +17,14 @@ from bearingsim.core.parts import cage as cages
 from bearingsim.core.parts import shaft as shafts
 
 STANDARD_GRAVITY = 9.80665  # m/s^2
-CAGE_THICKNESS = 0.35  # of the roller's diameter, radially: an assumption
-CAGE_WIDTH = 0.7  # of the bearing's: an assumption
-CAGE_SOLID = 0.5  # of the cage's ring; the rest is pockets: an assumption
-LAND = 0.35  # of the roller's diameter, from pitch circle to guiding land: an assumption
+CAGE_THICKNESS = 0.35  # radial thickness over the roller's diameter (assumed)
+CAGE_WIDTH = 0.7  # width over that of the bearing (assumed)
+CAGE_SOLID = 0.5  # share of solid material in the cage's ring, the rest being pockets (assumed)
+LAND = 0.35  # distance from pitch circle to guiding land over the roller's diameter (assumed)
 
 
 def motion(case: Case) -> Any:
-    """Build the motion of the inner ring; a ramp to the same speed is steady."""
+    """Build the motion of the inner ring; a ramp to the initial speed is steady."""
     if case.ramp is None or case.ramp.to == case.speed:
         return Steady()
     return Ramp(float(case.ramp.to / case.speed), float(case.ramp.time))
@@ -52,8 +52,8 @@ def frictionless(section: Any) -> Frictionless:
 
 
 def cage_mass(case: Case) -> float:
-    """Return the mass (kg) of the cage: the given one, else of a perforated ring of the bearing's material at the
-    pitch circle.
+    """Return the mass (kg) of the cage: that of the case, or else of a perforated ring of the bearing's material
+    at the pitch circle.
     """
     b, mass = case.bearing, case.cage.mass if case.cage else None
     if mass is not None:
@@ -63,7 +63,7 @@ def cage_mass(case: Case) -> float:
 
 
 def land_radius(case: Case, on_outer: bool) -> float:
-    """Return the radius (m) of the land by which a ring guides the cage."""
+    """Return the radius (m) of the land that guides the cage, on the outer or the inner ring."""
     b = case.bearing
     return b.pitch_diameter / 2.0 + (LAND if on_outer else -LAND) * b.roller_diameter
 

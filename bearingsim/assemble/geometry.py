@@ -9,7 +9,7 @@ from bearingsim.core.parameters import Bearing
 
 
 def outer_radius(case: Case) -> float:
-    """Compute the radius (m) of the outer race, half of the clearance on its side.
+    """Compute the radius (m) of the outer race; half of the clearance is at this race.
 
     Equation (M1) of docs/model.md.
     """
@@ -17,7 +17,7 @@ def outer_radius(case: Case) -> float:
 
 
 def inner_radius(case: Case) -> float:
-    """Compute the radius (m) of the inner race, half of the clearance on its side.
+    """Compute the radius (m) of the inner race; half of the clearance is at this race.
 
     Equation (M1) of docs/model.md.
     """
@@ -25,7 +25,7 @@ def inner_radius(case: Case) -> float:
 
 
 def ring_mass(case: Case) -> float:
-    """Return the mass (kg) of the outer ring: given by the rig, else of a tube from the race to the outside."""
+    """Return the mass (kg) of the outer ring: that of the rig, or else of a tube from race to outside diameter."""
     if case.rig.ring_mass is not None:
         return case.rig.ring_mass
     ring = case.bearing
@@ -33,13 +33,13 @@ def ring_mass(case: Case) -> float:
 
 
 def roller_inertia(case: Case) -> float:
-    """Compute the moment of inertia (kg m^2) of a rolling element about its axis: a cylinder's, or a sphere's."""
+    """Compute the moment of inertia (kg m^2) of a rolling element about its axis, as of a cylinder or a sphere."""
     share = 1.0 / 2.0 if case.bearing.element == "roller" else 2.0 / 5.0
     return share * case.bearing.element_mass * (case.bearing.roller_diameter / 2.0) ** 2
 
 
 def ring_inertia(case: Case) -> float:
-    """Compute the moment of inertia (kg m^2) of the outer ring about its axis, as of a tube of its mass."""
+    """Compute the moment of inertia (kg m^2) of the outer ring about its axis, as of a tube."""
     return ring_mass(case) * ((case.bearing.outside_diameter / 2.0) ** 2 + outer_radius(case) ** 2) / 2.0
 
 

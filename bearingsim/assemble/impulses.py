@@ -1,4 +1,4 @@
-"""Parameters of ``impulse``: the ring as oscillators, times and sizes of its impulses."""
+"""Parameters of ``impulse``: the oscillators of the ring, and times and strengths of the impulses."""
 
 from math import atan2
 from typing import Any
@@ -16,14 +16,14 @@ from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.parameters import Support
 from bearingsim.core.sampling import RESAMPLE_REACH
 
-LEAD = 4  # ball passes beyond record and filters, for the last steps of a run
+LEAD = 4  # ball passes of the train beyond record and filters, for the last steps of a run
 
 
-UNRESOLVED_S = 0.05  # stands for `settle: auto` in a case that no run has resolved: its least time
+UNRESOLVED_S = 0.05  # s, used for `settle: auto` in a case without a resolved value: the least settling time
 
 
 def model(case: Case, support: Support) -> Impulse:
-    """Build the ring as two oscillators, on the mean stiffness and damping of the healthy bearing at rest."""
+    """Build the ring as two oscillators with the mean static stiffness and damping of the healthy bearing."""
     rest, b = healthy_rest(case), geometry.bearing(case)
     c_x, c_y = healthy_damping(case)
     filters = RESAMPLE_REACH / case.sampling
@@ -53,7 +53,10 @@ def _train(case: Case, zone: LoadZone, pairs: list[RollerDefectPair], end: float
 
 
 def load_zone(case: Case, K_x: float, K_y: float) -> LoadZone:
-    """Compute the load zone of the healthy bearing at rest; ``K_x``, ``K_y``: of the ring, with bracket (N/m)."""
+    """Compute the static load zone of the healthy bearing.
+
+    K_x, K_y: stiffness of the ring with its bracket (N/m).
+    """
     rest = healthy_rest(case)
     shift = rest.approach + case.clearance / 2.0
     return LoadZone(
@@ -68,5 +71,5 @@ def load_zone(case: Case, K_x: float, K_y: float) -> LoadZone:
 
 
 def _exponent(law: Any) -> float:
-    """Return the exponent of a law; that of a line contact if the law is no power of the approach."""
+    """Return the exponent of a law; that of a line contact if the law is not a power of the approach."""
     return float(as_power(law)[1] or LINE_CONTACT_EXPONENT)

@@ -1,4 +1,4 @@
-"""Completeness of model, method, laws and features of a case, as registered by extensions."""
+"""Checks that model, method, laws and features of a case, possibly from extensions, are complete."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -29,7 +29,7 @@ from bearingsim.errors import UserError
 DAMPING = (normal_force, stiffness_bound, damping_bound), (derivatives,)
 STIFFNESS = (elastic, tangent), (curvature,)
 FRICTION = (mu, mu_derivative_bound), (mu_derivative,)
-"""Per kind of law: functions of every method, and derivatives for implicit ones."""
+"""Functions of a kind of law that every method needs, and derivatives that implicit methods need."""
 MODEL = (
     (state_width, begin, update_extremes, monitored, stiffness_per_mass, damping_per_mass, count_crossings),
     (linearise, degrees_of_freedom),
@@ -38,7 +38,7 @@ METHOD = (step, stability_ratio), ()
 
 
 def missing(case: Case, implicit: bool) -> Iterator[str]:
-    """List in words what model, method and laws of a case lack; ``implicit``: derivatives, too."""
+    """List messages on functions missing in model, method and laws of a case; ``implicit``: also derivatives."""
     model: Any = assemble.kind(case).parameters
     contact, damping = case.contact, case.contact.damping
     yield from _missing(f"model `{case.model}`", model, MODEL, implicit)
@@ -65,7 +65,7 @@ def _missing(what: str, kind: type, called: tuple[tuple[Any, ...], ...], implici
 
 
 def refuse_features() -> None:
-    """Raise UserError if another package's feature does not load, or was registered too late to be declared."""
+    """Raise UserError if a feature of an extension does not load, or was registered too late to be declared."""
     for feature in FEATURES.values():
         if not callable(code(feature.compute)):
             raise UserError(f"feature `{feature.name}`: `{feature.compute}` is no function")

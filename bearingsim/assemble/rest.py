@@ -1,4 +1,4 @@
-"""The healthy bearing at rest: where its bracket is anchored, and the largest load of a roller."""
+"""Static equilibrium of the healthy bearing: anchor of the bracket, largest roller load, mean damping."""
 
 from functools import lru_cache
 from typing import Any
@@ -18,13 +18,13 @@ from bearingsim.core.parts.bending import Stiff
 
 STIFF = Stiff()
 CACHED_RESTS = 1 << 14
-"""Cached cases: a run passes over all jobs of a study several times."""
+"""Number of cached cases, large because a run needs all jobs of a study several times."""
 
 
 def static_model(model: Any) -> Static:
-    """Reduce a model to its static part, from which the equilibrium is computed.
+    """Reduce a model to the static model of its equilibrium.
 
-    For a model with sliced rollers without their tilt: the slices become groups of their weights.
+    Sliced rollers do not tilt in it: their slices become groups with the slices' weights.
     """
     defects = model.defects
     if isinstance(model, Spatial):
@@ -38,23 +38,23 @@ def static_model(model: Any) -> Static:
 def static_bearing(
     bearing: Bearing, support: Support, outer: Any, inner: Any, defects: Defects, shape: Any = STIFF
 ) -> Static:
-    """Build a bearing at rest: contact laws reduced to stiffness; shape: bending of its outer ring."""
+    """Build the static model, with undamped contact laws; shape: bending of the outer ring."""
     return Static(bearing, support, Undamped(outer.stiffness), Undamped(inner.stiffness), defects, shape)
 
 
 def bracket_anchor(case: Case) -> tuple[float, float]:
-    """Compute the mean position (m, m) of the healthy, unsupported ring over a ball pass."""
+    """Compute the mean static position (m, m) of the healthy ring without bracket, over a ball pass."""
     rest = healthy_rest(case)
     return rest.x, rest.y
 
 
 def largest_load(case: Case) -> float:
-    """Compute the largest force (N) on a roller of the healthy, unsupported bearing at rest, over a ball pass."""
+    """Compute the largest static roller force (N) of the healthy bearing without bracket, over a ball pass."""
     return healthy_rest(case).load
 
 
 def healthy_rest(case: Case) -> Rest:
-    """Compute the equilibrium of the healthy, unsupported bearing, averaged over a ball pass."""
+    """Compute the static equilibrium of the healthy bearing without bracket, over a ball pass."""
     laws = [Undamped(contacts.stiffness(case, on_outer)) for on_outer in (True, False)]
     ring = None if case.rig.ring is None else bending.ring_parameters(case)
     return _rest(geometry.bearing(case), *laws, repr(laws), case.load, case.load_across, ring)
@@ -64,7 +64,7 @@ def healthy_rest(case: Case) -> Rest:
 def _rest(
     of_case: Bearing, outer: Any, inner: Any, named: str, F: float, F_across: float, ring: bending.OfRing | None
 ) -> Rest:
-    """Compute ``healthy_rest``, cached; ``named`` distinguishes laws that are equal as tuples."""
+    """Compute ``healthy_rest``, cached; ``named`` distinguishes laws of different types that compare equal."""
     carried = ring is not None and ring.load_path.carried
     free = Support(*((0.0, 0.0) if carried else (F, F_across)), 0.0, 0.0, 0.0, 0.0)
     bent = Stiff() if ring is None else bending.undamped_bending(bending.made(ring))
@@ -73,7 +73,7 @@ def _rest(
 
 
 def healthy_damping(case: Case) -> tuple[float, float]:
-    """Compute the mean damping (N s/m) of the healthy, unsupported bearing at rest on its ring along x and y."""
+    """Compute the mean static damping (N s/m) of the healthy bearing's rollers for the ring, along x and y."""
     of_case, free = geometry.bearing(case), Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
     outer, inner = contacts.outer(case), contacts.inner(case)
     model = static_bearing(of_case, free, outer, inner, pack_defects([], Envelope()))

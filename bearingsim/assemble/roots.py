@@ -1,6 +1,7 @@
-"""A root in an interval, by the method of Brent (1973, Algorithms for minimization without derivatives, ch. 4).
+"""Root in an interval by Brent's method (1973, Algorithms for minimization without derivatives, ch. 4).
 
-Step for step as ``scipy.optimize.brentq``, to the last bit. Importing that takes half a second in every process.
+The steps and results equal those of ``scipy.optimize.brentq`` to the last bit, without the half second that its
+import takes in every process.
 """
 
 from collections.abc import Callable
@@ -10,9 +11,9 @@ MOST_STEPS = 100
 
 
 def root(function: Callable[[float], float], low: float, high: float, absolute: float, relative: float) -> float:
-    """Return the root between ``low`` and ``high`` of a function whose signs differ there.
+    """Return the root between ``low`` and ``high`` of a function with different signs there.
 
-    absolute, relative: tolerance of the root. Raises ValueError for equal signs, or without convergence.
+    absolute, relative: tolerances of the root. Raises ValueError for equal signs, or if it does not converge.
     """
     before, now, far = low, high, 0.0
     f_before, f_now, f_far = function(before), function(now), 0.0
@@ -43,7 +44,7 @@ def root(function: Callable[[float], float], low: float, high: float, absolute: 
 
 
 def _interpolated(before: tuple[float, float], now: tuple[float, float], far: tuple[float, float]) -> float:
-    """Return the step from ``now`` to the root of the secant, or of the inverse parabola; inf if there is none."""
+    """Return the step from ``now`` to the root of the secant or the inverse parabola; inf if there is none."""
     (x_before, f_before), (x, f), (x_far, f_far) = before, now, far
     if x_before == x_far:
         return -f * (x - x_before) / (f - f_before)

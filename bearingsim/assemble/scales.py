@@ -1,6 +1,6 @@
-"""Scales of a case: approach and damping of its contacts, time and speed of passage over its defects.
+"""Scales of a case: approach and damping of its contacts, time and speed of crossing its defects.
 
-The tolerances of adaptive methods are parts of these.
+The tolerances of adaptive methods are fractions of these.
 """
 
 from math import inf, pi, sqrt
@@ -22,8 +22,8 @@ from bearingsim.core.defects.pairs import (
 from bearingsim.core.laws.damping.interface import damping_bound, normal_force, stiffness_bound
 from bearingsim.core.methods.interface import Tolerances
 
-MIN_STEPS_PER_CROSSING = 8  # steps; with fewer a method may skip a defect
-DAMPER_TOLERANCE = 1e-3  # of the force: largest change of a damping force by an error in velocity
+MIN_STEPS_PER_CROSSING = 8  # with fewer steps a method may skip a defect
+DAMPER_TOLERANCE = 1e-3  # of the load: largest change of a damping force by an error in velocity
 
 
 def full_speed_case(case: Case) -> Case:
@@ -34,7 +34,7 @@ def full_speed_case(case: Case) -> Case:
 
 
 def crossing_time(model: Any) -> float:
-    """Compute the shortest time (s) of a contact over a defect, or over several merged; inf without defects."""
+    """Compute the shortest time (s) in which a contact crosses a defect or merged defects; inf without defects."""
     defects = model.defects
     times = [
         defects.head[d, SPAN] / abs(passing_speed(defects, d, model.bearing)) for d in range(len(defects.head))
@@ -43,10 +43,10 @@ def crossing_time(model: Any) -> float:
 
 
 def closing_speed(model: Any) -> float:
-    """Estimate the speed (m/s) of a roller at the far edge of the steepest defect.
+    """Estimate the closing speed (m/s) of a roller at the far edge of the steepest defect.
 
-    The slope of its path is at most x/R with x the distance from the rim to the point of contact with wall, floor
-    or middle; the roller passes it at the sliding speed.
+    The slope of the roller path is at most x/R, with x the distance from the rim at which the roller touches the
+    wall or the floor, at most half the width; the contact moves along it at the passing speed.
     """
     defects = model.defects
     speeds = [
@@ -59,11 +59,11 @@ def closing_speed(model: Any) -> float:
     return float(max(speeds, default=0.0))
 
 
-SOFTEST = 1e9  # m, bound of the search for an approach
+SOFTEST = 1e9  # m, upper bound of the search for an approach
 
 
 def approach(law: Any, load: float) -> float:
-    """Compute the approach (m) of a contact at rest under ``load`` (N)."""
+    """Compute the static approach (m) of a contact under ``load`` (N)."""
     if load <= 0.0:
         return 0.0
     deep = 1e-3
@@ -73,9 +73,9 @@ def approach(law: Any, load: float) -> float:
 
 
 def damping_ratio(case: Case, load: float) -> float:
-    """Compute the damping ratio of a roller between its races, pressed to the outer one by ``load`` (N).
+    """Compute the damping ratio of a roller between its races under ``load`` (N) at the outer one.
 
-    Friction on races, pockets and flanges is not included, though it counts in the step limit.
+    Friction at races, pockets and flanges, which affects the step limit, is not included.
     """
     b, laws = geometry.bearing(case), (contacts.outer(case), contacts.inner(case))
     inwards = max(0.0, load - b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i))
@@ -88,19 +88,19 @@ def damping_ratio(case: Case, load: float) -> float:
 
 
 def damping_time(case: Case, load: float) -> float:
-    """Compute c/k (s) of a contact at rest under ``load`` (N): dQ/dv over dQ/d(delta), larger of both races."""
+    """Compute c/k (s), dQ/dv over dQ/d(delta), of a static contact under ``load`` (N); larger of both races."""
     laws = contacts.outer(case), contacts.inner(case)
     return float(max(damping_over_stiffness(law, approach(law, load)) for law in laws))
 
 
 def damping_over_stiffness(law: Any, delta: float) -> float:
-    """Compute c/k (s) of a contact at rest at the approach ``delta`` (m)."""
-    K, C = stiffness_bound(law, delta, 0.0), damping_bound(law, delta, 0.0)  # which laws without slopes have too
+    """Compute c/k (s) of a static contact at the approach ``delta`` (m)."""
+    K, C = stiffness_bound(law, delta, 0.0), damping_bound(law, delta, 0.0)  # every law has these bounds
     return float(C / K) if K > 0.0 else 0.0
 
 
 def largest_roller_drop(model: Any) -> float:
-    """Compute the largest depth (m) of a roller in a defect: it hangs on the rims, or reaches the floor."""
+    """Compute the largest drop (m) of a roller in a defect, where it rests on the rims or on the floor."""
     defects = model.defects
     reached = [
         float(group[DEPTH] if isinstance(defects.excitation, STEP_EXCITATIONS) else min(group[DEPTH], hanging))
@@ -116,10 +116,10 @@ def largest_roller_drop(model: Any) -> float:
 def tolerances(case: Case, model: Any, fastest: Any, h: float, tolerance: float) -> tuple[float, ...]:
     """Compute the parameters of an adaptive method (``Tolerances``) with output every ``h`` (s).
 
-    The tolerance of positions is ``tolerance`` times the approach at rest; that of velocities the same part of the
-    closing speed at a defect's edge, limited by a change of the damping force that is small beside the load (the
-    dominant error with a dashpot of 1e6 N s/m). ``fastest``: the model at the highest speed of a ramp, which
-    bounds the steps.
+    The tolerance of positions is ``tolerance`` times the static approach. That of velocities is ``tolerance``
+    times the closing speed at a defect's edge, limited so that the damping force changes little relative to the
+    load (the dominant error with a dashpot of 1e6 N s/m). fastest: the model at the highest speed of a ramp, which
+    limits the steps.
     """
     F = rest.largest_load(case)
     laws = (contacts.outer(case), contacts.inner(case))
@@ -132,5 +132,5 @@ def tolerances(case: Case, model: Any, fastest: Any, h: float, tolerance: float)
 
 
 def ball_pass(model: Any) -> float:
-    """Compute the time (s) between two rollers at a point of the outer race."""
+    """Compute the time (s) between passes of successive rollers over a point of the outer race."""
     return 2.0 * pi / (model.bearing.Z * model.bearing.omega_c)

@@ -1,4 +1,4 @@
-"""Parameters of ``spatial`` beyond ``planar``: slices with the roller profile, flanges, supports of the parts."""
+"""Parameters of ``spatial`` that ``planar`` does not have: slices with the roller profile, flanges, mounts."""
 
 from math import cos, sin
 from typing import Any
@@ -17,11 +17,11 @@ from bearingsim.core.parts.cage import KinematicCage
 from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace
 from bearingsim.core.parts.mounts import ElasticMount, RigidMount
 
-FLANGE_HEIGHT = 0.2  # of the roller's diameter: an assumption
+FLANGE_HEIGHT = 0.2  # height over the roller's diameter (assumed)
 
 
 def slices(case: Case) -> cut.Slices:
-    """Cut the roller into slices, with its profile."""
+    """Divide the roller into slices, with its profile."""
     return cut.slices(slice_ends(case), lambda z: drop(case, z))
 
 
@@ -38,40 +38,42 @@ def drop(case: Case, z: float) -> float:
 
 
 def unevenly_loaded(case: Case) -> bool:
-    """Check if rollers of the healthy bearing are loaded unevenly along their length."""
+    """Check if the rollers of the healthy bearing have an uneven load along their length."""
     return MODELS[case.model].sliced and (
         case.misalignment is not None or case.bearing.roller_profile.shape != "straight"
     )
 
 
 def roller_inertia_across(case: Case) -> float:
-    """Compute the moment of inertia (kg m^2) of a roller about a diameter, as of a plain cylinder."""
+    """Compute the moment of inertia (kg m^2) of a roller about a diameter, as of a cylinder."""
     b = case.bearing
     return b.element_mass * (3.0 * (b.roller_diameter / 2.0) ** 2 + roller_length(case) ** 2) / 12.0
 
 
 def inertia_across(case: Case, m: float, about_axis: float) -> float:
-    """Compute the moment of inertia (kg m^2) about a diameter of a ring of mass ``m`` (kg), as wide as the
-    bearing.
+    """Compute the moment of inertia (kg m^2) about a diameter of a ring of mass ``m`` (kg) and the bearing's
+    width.
+
+    about_axis: its moment of inertia about the axis (kg m^2).
     """
     return about_axis / 2.0 + m * case.bearing.width**2 / 12.0
 
 
 def outer_mount(case: Case) -> Any:
-    """Build the bracket's support of the outer ring along its axis and in tilt."""
+    """Build the axial and tilting support of the outer ring by the bracket."""
     return mount(case, case.rig, "outer", geometry.ring_mass(case), geometry.ring_inertia(case))
 
 
 def inner_mount(case: Case) -> Any:
-    """Build the shaft's support of the inner ring, with the mass of the shaft and the dimensions of a ring."""
+    """Build the axial and tilting support of the inner ring by the shaft, with the shaft's mass."""
     m = case.shaft.mass if case.shaft else 0.0
     about_axis = m * ((case.bearing.bore / 2.0) ** 2 + geometry.inner_radius(case) ** 2) / 2.0
     return mount(case, case.shaft, "inner", m, about_axis)
 
 
 def mount(case: Case, by: config.Rig | config.Shaft | None, ring: str, m: float, about_axis: float) -> Any:
-    """Build the support of a ring of mass ``m`` (kg) and inertia ``about_axis`` (kg m^2), misaligned as in the
-    case.
+    """Build the support of a ring of mass ``m`` (kg) and inertia ``about_axis`` (kg m^2), with the case's
+    misalignment.
     """
     askew = case.misalignment
     tilt = sin(getattr(askew, ring)) if askew else 0.0
@@ -93,7 +95,7 @@ def mount(case: Case, by: config.Rig | config.Shaft | None, ring: str, m: float,
 
 
 def flanges(case: Case) -> Any:
-    """Build the flanges of both rings; a single one is on the side of +z."""
+    """Build the flanges of both rings; a single flange of a ring is on the side of +z."""
     f, b = case.bearing.flanges, case.bearing
     if f is None or f.inner + f.outer == 0:
         return shoulders.NoFlanges()
@@ -110,7 +112,7 @@ def flanges(case: Case) -> Any:
 
 
 def cage_in_space(case: Case) -> Any:
-    """Build the axial motion and tilt of the cage, pushed by the rollers at the ends of their pockets."""
+    """Build the axial motion and tilt of the cage, with contacts of the rollers at the ends of their pockets."""
     retainer, c = free.cage(case), case.cage or config.Cage()
     if isinstance(retainer, KinematicCage):
         return CageInPlane()
