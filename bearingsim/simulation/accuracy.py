@@ -67,7 +67,7 @@ def _error_from_samples(
 def _error_from_passes(
     case: Case, model: Any, cut: Grid, raw: RawRecord, of_record: Windows, least: float
 ) -> float:
-    """Estimate the relative standard error of BPFO beside other lines, from passes weighted as in the feature."""
+    """Estimate the relative standard error of BPFO if there are other lines, from weighted passes."""
     lines = lines_of_passes(case, model, cut, raw).get("velocity", np.empty((1, 0)))[0]
     if len(lines) < MIN_PASSES:
         return np.inf

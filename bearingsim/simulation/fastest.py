@@ -82,7 +82,7 @@ def lengths(model: Any) -> np.ndarray:
     cells[:, 3] = 1.0
     cells[:, 0, [lay.X, lay.Y, lay.X_C, lay.Y_C, lay.X_I, lay.Y_I]] = 1.0
     cells[0, 2, lay.FIRST_LANE :] = 0.0
-    if harmonics(model) > 0:  # lengths, where other models have the rollers' angles
+    if harmonics(model) > 0:  # bending modes, in the cells of roller angles
         cells[:, 1:3] = 1.0
     cells.reshape(2, -1)[:, state_width(model) :] = 0.0
     return cells.ravel()

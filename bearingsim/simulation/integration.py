@@ -61,7 +61,7 @@ class Pace:
 
 @dataclass
 class Taken:
-    """Integrator steps taken, and their CPU time (s)."""
+    """Number of integrator steps, and their CPU time (s)."""
 
     steps: int = 0
     cpu_s: float = 0.0

@@ -159,7 +159,7 @@ def solved_once(case: Case) -> bool:
 
 FLOAT = 8  # bytes
 SENSED = 6  # rows of motion along the sensor that are filtered for statistics
-FINER = sqrt(5.0)  # ratio of the steps of a step check to those of the run
+FINER = sqrt(5.0)  # ratio of the number of steps in the finer run of a step check to that in the coarse one
 PASSES_CHECKED = 2.0 / (1.0 + FINER)  # passes recorded by a step check per pass's worth of steps (coarse and fine)
 BLOCK = 1 << 16  # fine samples read at a time, since a copy of all rows of a long record would dominate the memory
 TURNED = 180.0  # values per fine sample of a block while lines of slipping bodies are read

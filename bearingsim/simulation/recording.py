@@ -253,7 +253,7 @@ def take_peaks(y: np.ndarray) -> list[float]:
 
 
 def extend_back(case: Case, raw: RawRecord) -> None:
-    """Fill in the samples before t = 0 with those of one cage revolution later.
+    """Fill in the samples before t = 0 with those of whole cage revolutions later.
 
     If the motion is not periodic, only the ring's motion and the other ``base`` rows are extended, by their first
     pass. Filters use these samples, but features do not.

@@ -94,7 +94,7 @@ class Record:
 
 
 class Began(NamedTuple):
-    """CPU time (s), and steps taken in this process, at the start of a job."""
+    """CPU time (s) and number of steps in this process at the start of a job."""
 
     cpu_s: float
     taken: Taken

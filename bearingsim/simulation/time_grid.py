@@ -100,7 +100,7 @@ def highest(case: Case) -> float:
 
 
 def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
-    """Compute the time grid of a case, with steps shortened so that a ball pass has a whole number of them.
+    """Compute the time grid of a case, with the step shortened to fit a whole number of steps into a ball pass.
 
     part: fraction of the requested step; max_cpu: CPU time (s) allowed for all steps, if more than ``MAX_CPU``.
     On a ramp the ball pass is that of the highest speed. Raises ``Refused`` like ``requested_step``, and if the
