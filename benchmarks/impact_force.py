@@ -1,11 +1,12 @@
-"""The impact force that `check` foretells, against the largest contact force of a run, over random scenes.
+"""Impact force predicted by `check`, compared with the largest contact force of a run, for random scenes.
 
     python benchmarks/impact_force.py [--csv FILE] [--scenes N]
 
-Bearings of the library, defects of all simple shapes on the outer and the inner race, 600 to 3000 rpm, seeded. A
-third each is damped by chi = 50 s/m, by c/k of 2.5 us and of 25 us; every other scene is loaded by 5 to 30 % of
-C0, the rest by 100 to 600 N. `rollers`, 0.3 s of record after 0.05 s, the step as it is chosen. Most defects are
-too short or too shallow for an element to strike: those in which one does are told apart. About 2 CPU minutes.
+Seeded scenes use the bearings of the library, defects of all simple shapes on the outer and inner race, and 600 to
+3000 rpm. A third each has chi = 50 s/m, c/k = 2.5 us and c/k = 25 us. Every second scene has a load of 5 to 30 %
+of C0, the others 100 to 600 N. The model is `rollers`, with a record of 0.3 s after 0.05 s and the automatic step.
+Most defects are too short or too shallow for an impact; scenes with an impact are reported separately. About 2
+minutes of CPU time.
 """
 
 import argparse
@@ -30,9 +31,9 @@ from bearingsim.simulation import choice
 from bearingsim.simulation.simulate import simulate
 
 SCENES, SEED, FACTOR = 60, 6, 2.0
-STRUCK = 1.5  # times the largest force at rest
-PRESSURES = {"roller": 4.0e9, "ball": 4.2e9}  # Pa, largest of the static load rating (ISO 76)
-SHARE_OF_ONE = 5.0  # times the mean load: the most loaded element's
+STRUCK = 1.5  # times the largest static force; larger forces are impacts
+PRESSURES = {"roller": 4.0e9, "ball": 4.2e9}  # Pa, contact pressure that defines the static load rating (ISO 76)
+SHARE_OF_ONE = 5.0  # load of the most loaded element, over the mean load
 DAMPINGS: tuple[dict[str, Any], ...] = ({"chi": 50.0}, {"beta": 2.5e-6}, {"beta": 25e-6})
 SHAPES = ("rectangular", "rectangular", "circular", "triangular", "elliptical")
 COLUMNS = (
@@ -42,7 +43,7 @@ COLUMNS = (
 
 
 def static_load_of_element(case: Case, on_outer: bool) -> float:
-    """The load (N) of one contact at which its largest pressure is that of the static load rating."""
+    """Return the load (N) of a contact whose largest pressure defines the static load rating."""
     b, limit = case.bearing, PRESSURES[case.bearing.element]
     if b.element == "ball":
         point = assemble.contacts.point_contact(case, on_outer)
@@ -53,12 +54,12 @@ def static_load_of_element(case: Case, on_outer: bool) -> float:
 
 
 def static_rating(case: Case) -> float:
-    """C0 (N) of the bearing by the pressure on its inner race."""
+    """Compute C0 (N) of the bearing from the pressure on its inner race."""
     return case.bearing.rollers * static_load_of_element(case, on_outer=False) / SHARE_OF_ONE
 
 
 def scene(number: int, **changes: Any) -> Case:
-    """The scene of a number."""
+    """Draw the scene of a number."""
     draw = Random(f"{SEED} {number}")
 
     def between(low: float, high: float) -> float:
@@ -87,13 +88,13 @@ def scene(number: int, **changes: Any) -> Case:
 
 
 def forces(case: Case) -> tuple[float, float]:
-    """The largest contact force (N) that is foretold, and that of the run."""
+    """Return the largest contact force (N) as predicted, and that of the run."""
     found = simulate(case).features
     return choice.limits(case).impact_force, max(found["outer_force.max"], found["inner_force.max"])
 
 
 def row(number: int) -> dict[str, Any]:
-    """What the table says of a scene."""
+    """Return the row of a scene."""
     case = scene(number)
     foretold, largest = forces(case)
     defect, damping = case.defects[0], case.contact.damping
@@ -107,7 +108,7 @@ def row(number: int) -> dict[str, Any]:
 
 
 def report(rows: Sequence[dict[str, Any]]) -> None:
-    """Print the ratio's spread, of all and by damping and load, and the scenes outside the factor."""
+    """Print the spread of the ratio, overall and by damping and load, and the scenes outside the factor."""
     groups: dict[str, list[float]] = {"all": [], "heavily loaded": [], "lightly loaded": [], "struck": []}
     for one in rows:
         told = f"chi {one['chi_s_m']:g} s/m" if one["chi_s_m"] else f"c/k {one['beta_us']:g} us"

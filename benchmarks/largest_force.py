@@ -1,10 +1,10 @@
-"""Does the standard error of the largest force cover what records of one motion differ by?
+"""Coverage of the standard error of the largest force, for records of the same motion.
 
     python -m benchmarks.largest_force [--cases 10] [--seed 1] [--csv docs/data/largest_force.csv]
 
 `planar` with a free cage, 15 to 600 N, housings as in `benchmarks/start.py`. Each scene is computed for 12 s and
-cut into records of 0.5 and of 1 s. Two records are covered if their largest forces differ by at most two of their
-standard errors together, or by 0.1 %. Exit code 1 if under 95 % are, in all scenes.
+divided into records of 0.5 s and of 1 s. Two records are covered if their largest forces differ by at most two
+combined standard errors, or by 0.1 %. Exit code 1 if less than 95 % of the pairs of all scenes are covered.
 """
 
 import random
@@ -27,8 +27,8 @@ LEAST_COVERED = 0.95
 
 
 class Coverage(NamedTuple):
-    """A scene: turns of the cage in a second, and of each length of record (0.5 and 1 s): the relative standard
-    deviation of its largest force, the median of the stated error, and the share of pairs that are covered.
+    """Result of a scene: cage revolutions per second; then for each record length (0.5 and 1 s) the relative
+    standard deviation of the largest force, the median of the stated error, and the fraction of pairs covered.
     """
 
     scene: str
@@ -48,7 +48,7 @@ def scene(chance: random.Random) -> dict[str, Any]:
 
 
 def covered(forces: np.ndarray, passes: int, rollers: int) -> tuple[float, float, float]:
-    """Return scatter, stated error and covered share of records of so many ball passes in a run's forces (n,)."""
+    """Return scatter, stated error and covered fraction of pairs, for records cut from the forces (n,) of passes."""
     records = forces[: len(forces) // passes * passes].reshape(-1, passes)
     quarter = passes // PARTS // rollers * rollers or passes // PARTS
     largest = records.max(axis=1) / records.max(axis=1).mean()
@@ -72,7 +72,7 @@ def measured(fields: dict[str, Any]) -> Coverage:
 
 
 def main() -> None:
-    """Measure all scenes, and write the table. Exit code 1 if too few pairs are covered."""
+    """Measure all scenes and write the table. Exit code 1 if too few pairs are covered."""
     frame = table(__doc__, 10, scene, measured)
     shares = frame[["covered_short", "covered_long"]].mean()
     print(f"covered: {shares.iloc[0]:.1%} of pairs of 0.5 s, {shares.iloc[1]:.1%} of 1 s")

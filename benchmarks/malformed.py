@@ -1,4 +1,4 @@
-"""Study files that are broken, mistaken or made to break a reader of them: each with a name."""
+"""Named study files that are broken, invalid or malicious."""
 
 import gzip
 import os
@@ -17,20 +17,20 @@ defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 0.05 mm}
 
 
 def with_(line: str) -> str:
-    """The study with another line for the key that this one begins with, or with a line more."""
+    """Return the base study with a line added, replacing the line with the same key."""
     key = line.partition(":")[0]
     kept = [old for old in BASE.splitlines() if not old.startswith(f"{key}:")]
     return "\n".join([*kept, line]) + "\n"
 
 
 def bomb(levels: int = 9, aliases: int = 10) -> str:
-    """A flow mapping whose last entry, `*b8`, stands for so many values."""
+    """Return entries of a flow list whose aliases expand to ``aliases ** levels`` values."""
     lists = [f"&b{n} [{', '.join([f'*b{n - 1}'] * aliases)}]" for n in range(1, levels)]
     return ", ".join([f"&b0 [{', '.join(['q'] * aliases)}]", *lists])
 
 
 def bombs() -> Iterator[tuple[str, str]]:
-    """Aliases that multiply, at all places of a study."""
+    """Yield studies with alias bombs in all blocks."""
     places = {
         "load": "load: [{}]",
         "defects": "defects: [{}]",
@@ -57,7 +57,7 @@ def bombs() -> Iterator[tuple[str, str]]:
 
 
 def deep() -> Iterator[tuple[str, str]]:
-    """Values within values."""
+    """Yield studies with deep nesting."""
     for count in (21, 400, 3000):
         yield f"{count} lists", with_(f"load: {'[' * count}{']' * count}")
         yield f"{count} mappings", with_(f"load: {'{a: ' * count}1{'}' * count}")
@@ -69,7 +69,7 @@ def deep() -> Iterator[tuple[str, str]]:
 
 
 def numbers() -> Iterator[tuple[str, str]]:
-    """Numbers that no float or no bearing has."""
+    """Yield studies with numbers that are no valid floats or no plausible values."""
     many = "9" * 5000
     for text in (
         "nan N", "inf N", "-inf N", ".inf", "1e400 N", "-1e400 N", "1e-400 N", "1e99999999999 N", f"{many} N",
@@ -96,7 +96,7 @@ def numbers() -> Iterator[tuple[str, str]]:
 
 
 def formulas() -> Iterator[tuple[str, str]]:
-    """Formulas that are none, and designs that nobody could compute."""
+    """Yield studies with invalid formulas and with designs too large to compute."""
     for text in (
         "__import__('os').system('true') > 1", "().__class__.__bases__[0] > 1", "load.__class__ > 1",
         "10**10**10 > 1", "[x for x in (1,)] == 1", "(lambda: 1)() > 0", "open('/etc/passwd') == 1",
@@ -123,7 +123,7 @@ def formulas() -> Iterator[tuple[str, str]]:
 
 
 def letters() -> Iterator[tuple[str, bytes]]:
-    """Letters and bytes that are no text of a study."""
+    """Yield studies with invalid characters or encodings."""
     text = BASE.encode()
     for name, escape in (("surrogate", "\\ud800"), ("NUL", "\\0"), ("escape", "\\e[31m"), ("bell", "\\a")):
         yield f"a {name} in a name", with_(f'bearing: "{escape}"').encode()
@@ -151,7 +151,7 @@ def letters() -> Iterator[tuple[str, bytes]]:
 
 
 def shapes() -> Iterator[tuple[str, str]]:
-    """YAML that is no study."""
+    """Yield YAML files that are not studies."""
     yield "two documents", BASE + "---\n" + BASE
     yield "a document's end", BASE + "...\nx\n"
     yield "a directive", "%YAML 9.9\n---\n" + BASE
@@ -192,11 +192,11 @@ def shapes() -> Iterator[tuple[str, str]]:
 SECTIONS = ("bearing", "rig", "contact", "defect", "defects", "record", "sweep", "figures", "quick", "uncertainty")
 VALID = {("rig", "{}"), ("contact", "{}"), ("defects", "[]"), ("record", "[]"), ("sweep", "{}")}
 VALID |= {("figures", "[]"), ("quick", "{}"), ("uncertainty", "{}")}
-"""Empty sections that ask for nothing."""
+"""Empty sections, which are valid and have no effect."""
 
 
 def malformed(folder: Path) -> Iterator[tuple[str, Path]]:
-    """Every malformed file, by name, written into a folder."""
+    """Write all malformed files into a folder; yield names and paths."""
     texts = [*bombs(), *deep(), *numbers(), *formulas(), *shapes()]
     contents = [(name, text.encode("utf-8", "surrogatepass")) for name, text in texts] + list(letters())
     for number, (name, content) in enumerate(contents):

@@ -1,9 +1,9 @@
-"""What a study of many jobs costs beside computing it: check, a run with all done, show, plot, and the disk.
+"""Cost of a study of many jobs without its computation: check, run of finished jobs, show, plot, disk space.
 
     python benchmarks/many.py [--jobs 100000] [--out results/many]
 
-The jobs are not computed: one is, and the others have its record and features with other noise. A job's series
-take 3 kB. Each command is a process of its own, whose CPU time and largest memory are told.
+Only one job is computed; the others have its record and features with different noise. The series of a job take 3
+kB. Each command runs in a separate process, whose CPU time and peak memory are printed.
 """
 
 import argparse
@@ -52,7 +52,7 @@ NOISE = 1e-6  # m/s
 
 @cache
 def one() -> Record:
-    """The record that all others are made of."""
+    """Compute the record from which all others are made."""
     path = Path("results/many-one.yaml")
     path.parent.mkdir(exist_ok=True)
     path.write_text(STUDY.format(widths=2))
@@ -60,7 +60,7 @@ def one() -> Record:
 
 
 def made_up(case: Case) -> Record:
-    """A record as long as a case's, with noise of its own."""
+    """Return a copy of the record with noise that depends on the case."""
     noise = np.random.default_rng(int(identity(case), 16))
     series = {name: values + noise.normal(0.0, NOISE, values.shape) for name, values in one().series.items()}
     return replace(
@@ -69,22 +69,22 @@ def made_up(case: Case) -> Record:
 
 
 class Free:
-    """The price of a job that is not computed."""
+    """Cost estimate of a job that is not computed."""
 
     cpu_seconds, bytes, most_memory = 1e-3, 3000, 0.0
 
 
 def free(case: Case) -> Any:
-    """The price of a job that is not computed."""
+    """Return the cost estimate of a job that is not computed."""
     return Free
 
 
 def nothing(cases: list[Case], about_to: Callable[..., Any] | None = None) -> None:
-    """Compile nothing."""
+    """Skip compilation."""
 
 
 def measured(*command: str) -> None:
-    """Print CPU time and largest memory of a command."""
+    """Print CPU time and peak memory of a command."""
     with open(os.devnull) as nowhere:
         began = time.perf_counter()
         child = subprocess.Popen(
@@ -100,7 +100,7 @@ def measured(*command: str) -> None:
 
 
 def fill(study: Path, results: Path) -> None:
-    """Make the results, and print what they take."""
+    """Make the results, and print their size."""
     summary = runner.run(load_study(study), results, jobs=1, progress=False, engine=ENGINE)
     used = resource.getrusage(resource.RUSAGE_SELF)
     print(f"made   {summary.done} jobs, {used.ru_utime:.0f} s CPU, {used.ru_maxrss / 1e3:.0f} MB")
@@ -124,7 +124,7 @@ def main() -> None:
     measured("check", str(study))
     results = given.out / "results"
     filling = multiprocessing.get_context("spawn").Process(target=fill, args=(study, results))
-    filling.start()  # apart: a process counts the memory of the one that starts it as its own
+    filling.start()  # in a process, since a child's peak memory includes that of its parent
     filling.join()
     for command in (["run", str(study), "--out"], ["show"], ["plot"]):
         measured(*command, str(results))

@@ -1,16 +1,15 @@
-"""Test the tests: is a change of the program noticed by the tests of its own or a neighbouring package?
+"""Mutation test of the test suite: detection of changes by the tests of a package and its neighbour.
 
     python -m benchmarks.mutants [--seed 1] [--count 40] [--only 3,17] [--limit 150] [--csv docs/data/mutants.csv]
 
 Each mutant is one change of a module's syntax tree, drawn from ``--seed``, in a copy of the source tree (in
-results/mutants, at a fixed path: numba's cache depends on it, and stays warm). It counts as killed if a test
-fails within the limit; test files that name the module run first. At the end all tests that failed must pass
-without a mutant.
+results/mutants, a fixed path, because numba's cache depends on it). It counts as killed if a test fails within the
+limit; test files that mention the module run first. At the end all tests that failed must pass without a mutant.
 
-mutmut switches between mutants inside the functions that it rewrites, so it leaves out constants of a module and
-decorated functions, and draws no sample; cosmic-ray changes files in place, runs one command for all modules,
-deletes no statements, and needs a filter for the sample. Both would need the copy, the order of the tests and the
-limit besides, which are most of this file.
+mutmut switches between mutants within rewritten functions, so it omits module constants and decorated functions,
+and it has no sampling. cosmic-ray changes files in place, runs one command for all modules, deletes no statements,
+and needs a filter for sampling. Both would also need the copy, the order of tests and the limit, which are most of
+this file.
 """
 
 import argparse
@@ -36,7 +35,7 @@ import pandas as pd
 HOME = Path(__file__).resolve().parents[1]
 COPY = HOME / "results" / "mutants"
 LIMIT_S = 150.0
-"""Longest wall time, in s, of the tests of a mutant on a machine that does nothing else."""
+"""Longest wall time (s) of the tests of a mutant on an otherwise idle machine."""
 MODULES = {
     "selection/decide.py": ("selection", "study"),
     "simulation/choice.py": ("simulation", "cli"),
@@ -46,7 +45,7 @@ MODULES = {
     "study/plan.py": ("study", "cli"),
     "cli/plan.py": ("cli", "study"),
 }
-"""Folders of the tests of each module: of its own package, then of a neighbouring one."""
+"""Folders of the tests of each module: those of its package, then those of a neighbouring package."""
 
 OPPOSITE: dict[type, type] = {
     ast.Lt: ast.GtE,
@@ -65,7 +64,7 @@ ARITHMETIC: dict[type, type] = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: as
 
 
 class Mutant(NamedTuple):
-    """Change of the node at place ``node`` of a walk through the tree of ``module``."""
+    """Change of the node with index ``node`` in a walk through the tree of ``module``."""
 
     module: str
     node: int
@@ -87,7 +86,7 @@ class Outcome(NamedTuple):
 
 
 def changes(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
-    """Yield the changes of a node: a word for the kind, and the new node."""
+    """Yield the possible changes of a node: kind of change, and new node."""
     match node:
         case ast.Compare(left=left, ops=[operator], comparators=comparators):
             yield "comparison flipped", ast.Compare(left, [OPPOSITE[type(operator)]()], comparators)
@@ -116,14 +115,14 @@ def changes(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
 
 
 def is_bound_before(target: ast.expr, value: ast.expr) -> bool:
-    """Check if a target has a value before its assignment, without which the module would not even run."""
+    """Check if a target has a value before its assignment, so that the module runs without it."""
     if isinstance(target, ast.Name):
         return any(isinstance(name, ast.Name) and name.id == target.id for name in ast.walk(value))
     return isinstance(target, ast.Attribute | ast.Subscript)
 
 
 def nodes(tree: ast.AST) -> Iterator[ast.AST]:
-    """Yield the nodes of a tree that are executed in a run: no annotations, decorators or imports for types."""
+    """Yield the executed nodes of a tree, without annotations, decorators and imports for types."""
     yield tree
     for name, value in ast.iter_fields(tree):
         if name in ("annotation", "returns", "decorator_list"):
@@ -135,7 +134,7 @@ def nodes(tree: ast.AST) -> Iterator[ast.AST]:
 
 
 def drawn(seed: int, count: int) -> list[Mutant]:
-    """Draw mutants, from the modules in turn."""
+    """Draw mutants from each module in turn."""
     chance, of_modules = random.Random(seed), []
     for module in MODULES:
         numbered = enumerate(nodes(parsed(module)))
@@ -151,7 +150,7 @@ def parsed(module: str) -> ast.Module:
 
 
 def files(module: str) -> tuple[list[str], list[str], list[str]]:
-    """List test files: those that name a module, most often first, the rest of its package, its neighbour's."""
+    """List test files: those that mention a module (by frequency), others of its package, its neighbour's."""
     own, neighbour = (sorted((COPY / "tests" / name).glob("test_*.py")) for name in MODULES[module])
     word = re.compile(rf"\b{Path(module).stem}\b")
     times = {str(path): len(word.findall(path.read_text())) for path in own}
@@ -161,14 +160,14 @@ def files(module: str) -> tuple[list[str], list[str], list[str]]:
 
 
 def stages(module: str) -> Iterator[list[str]]:
-    """Yield the arguments of pytest in turn."""
+    """Yield the arguments of successive pytest runs."""
     return ([*paths, "-m", mark] for paths in files(module) if paths for mark in ("not slow", "slow"))
 
 
 def failing(stages: Iterable[list[str]], limit_s: float = inf) -> str:
-    """Run pytest in the copy with the arguments of each stage; return the first test that fails, "" if none does.
+    """Run pytest in the copy with the arguments of each stage; return the first failing test, or "".
 
-    Tests that have not ended after ``limit_s`` of wall time in all have not failed.
+    Tests still running after ``limit_s`` of total wall time count as passed.
     """
     ends, environment = time.monotonic() + limit_s, os.environ | {"CI": "1", "PYTHONDONTWRITEBYTECODE": "1"}
     for arguments in stages:
@@ -181,20 +180,20 @@ def failing(stages: Iterable[list[str]], limit_s: float = inf) -> str:
             os.killpg(tests.pid, signal.SIGKILL)
             tests.communicate()
             return ""
-        if tests.returncode not in (0, 5):  # 5: no test has this mark
+        if tests.returncode not in (0, 5):  # 5: no tests selected
             test = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", said, re.MULTILINE)
             return test[1] if test else said.strip().splitlines()[-1]
     return ""
 
 
 def cpu_of_children() -> float:
-    """Return the CPU time (s) of processes that this one started and that have ended."""
+    """Return the CPU time (s) of finished child processes."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
 
 def tested(number: int, mutant: Mutant, limit_s: float) -> Outcome:
-    """Write a mutant into the copy, and test it."""
+    """Write a mutant into the copy and test it."""
     module, tree = COPY / "bearingsim" / mutant.module, parsed(mutant.module)
     old = list(nodes(tree))[mutant.node]
 
@@ -215,7 +214,7 @@ def tested(number: int, mutant: Mutant, limit_s: float) -> Outcome:
 
 
 def copy() -> None:
-    """Copy the tree anew, with the times of its files, by which numba knows them."""
+    """Copy the tree again, with file times, which numba uses to validate its cache."""
     shutil.rmtree(COPY, ignore_errors=True)
     left_out = shutil.ignore_patterns(".*", "results", "__pycache__")
     shutil.copytree(HOME, COPY, ignore=left_out)

@@ -1,10 +1,10 @@
-"""Is the error of the discretisation within what is said? Bowls and spalls, against four times the nodes.
+"""Discretisation error for bowls and spalls, compared with four times the nodes and the stated error.
 
     python -m benchmarks.nodes [--count 20] [--seed 1] [--csv docs/data/nodes.csv] [--out results/nodes]
 
-A scene is a study of one case that asks 2 % of the line at BPFO, the RMS of velocity and acceleration, and the
-largest force. Its result is compared with the same case at four times the nodes along the defect, and with the
-table's `error`. What is in OUT is not computed again. Exit code 1 if under 95 % are within their error.
+A scene is a study of one case that requests 2 % for the line at BPFO, the RMS of velocity and acceleration, and
+the largest force. Its deviation from the same case with four times the nodes along the defect is compared with the
+`error` of the table. Scenes in OUT are not recomputed. Exit code 1 if less than 95 % are within their error.
 """
 
 import argparse
@@ -28,7 +28,7 @@ SHAPES = ("circular", "elliptical", "spall")
 
 
 def draw(number: int, seed: int) -> dict[str, Any]:
-    """Return a scene as a study's YAML."""
+    """Draw the fields of a scene's study."""
     chance = np.random.default_rng([seed, number])
     width = float(chance.uniform(0.2, 1.5))
     load, rpm = (float(np.exp(chance.uniform(*np.log(ends)))) for ends in ((50.0, 1000.0), (600.0, 4000.0)))
@@ -54,7 +54,7 @@ def draw(number: int, seed: int) -> dict[str, Any]:
 
 
 def measured(number: int, seed: int, out: Path) -> list[dict[str, Any]]:
-    """Compute a scene, and again with more nodes: a row for each feature."""
+    """Compute a scene, then with more nodes; return a row per feature."""
     folder = out / f"{seed}-{number}"
     folder.mkdir(parents=True, exist_ok=True)
     told = draw(number, seed)
@@ -76,7 +76,7 @@ def measured(number: int, seed: int, out: Path) -> list[dict[str, Any]]:
 
 
 def main() -> None:
-    """Measure the scenes that are missing, write the table, and report."""
+    """Measure missing scenes, write the table, and report."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)

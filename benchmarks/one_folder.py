@@ -1,10 +1,10 @@
-"""Is a job lost, or computed in vain, when several runs of a study that is edited share one results folder?
+"""Test for lost or repeated jobs if several runs of an edited study share a results folder.
 
     python -m benchmarks.one_folder [--timings 20] [--seed 1] [--csv docs/data/one_folder.csv]
 
-Three commands are given at moments drawn by chance: the study as it is, with a longer sweep, and with another
-load by `--set` for some of its cases. All must end with exit code 0, every planned job must be stored, and a job
-that is stored twice must have been in hand of both runs at once.
+Three commands start at random moments: the original study, the study with a longer sweep, and the study with other
+loads by `--set`. All must end with exit code 0, all planned jobs must be stored, and a job may be stored twice
+only if both runs were computing it at the same time.
 """
 
 import argparse
@@ -38,15 +38,15 @@ defect: {{race: outer, shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 
 sweep: {{load: {{linspace: [100 N, 300 N, {loads}]}}}}
 """
 PLANS = {"original": (9, ()), "longer": (17, ()), "set": (9, ("--set", "load=[100 N, 150 N, 260 N, 300 N]"))}
-"""Number of loads, and more words of the command."""
+"""Number of loads, and further arguments of the command."""
 LATEST_S = 8.0
-"""When the last of the three commands is given, at most: the first is at work then."""
+"""Latest start (s) of the three commands, while the first is still running."""
 LOOK_S = 1.0
-"""How long after a unit is sealed another run may begin one of its jobs, not having seen it yet."""
+"""Time (s) after a unit is stored within which another run may start one of its jobs, unaware of it."""
 
 
 class Timing(NamedTuple):
-    """What three runs came to: seconds at which they began, their exit codes; numbers of jobs."""
+    """Result of three runs: start times (s), exit codes, numbers of jobs."""
 
     seed: int
     original_s: float
@@ -61,7 +61,7 @@ class Timing(NamedTuple):
 
 
 def timing(seed: int, folder: Path) -> Timing:
-    """Give the three commands at moments drawn from ``seed``, and look at what the folder holds then."""
+    """Run the three commands at moments drawn from ``seed``, and examine the folder."""
     chance, out = random.Random(seed), folder / "out"
     moments = {name: round(chance.uniform(0.0, LATEST_S), 2) for name in PLANS}
     planned, running = set[str](), dict[str, subprocess.Popen[str]]()
@@ -99,9 +99,9 @@ def timing(seed: int, folder: Path) -> Timing:
 
 
 def computed_twice(out: Path, units: dict[str, list[str]]) -> tuple[int, int]:
-    """How many jobs lie in two units; and how many of them were begun when the other unit was sealed already.
+    """Count the jobs stored in several units, and those of them that started after another unit was stored.
 
-    The journals tell when a unit was done, and how long it took.
+    Times and durations of units are read from the journals.
     """
     spans = dict[str, tuple[float, float]]()
     for journal in out.glob("journal-*.jsonl"):
@@ -119,7 +119,7 @@ def computed_twice(out: Path, units: dict[str, list[str]]) -> tuple[int, int]:
 
 
 def main() -> None:
-    """Try all timings, and write a row of each."""
+    """Try all timings, and write a row for each."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--timings", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)

@@ -1,4 +1,4 @@
-"""Ports on 127.0.0.1 that are no dask scheduler's, or a bad one's: each gives its address while it is there."""
+"""Ports on 127.0.0.1 without a dask scheduler, or with a failing one, as context managers of their address."""
 
 import json
 import random
@@ -15,18 +15,18 @@ from pathlib import Path
 
 HERE = "127.0.0.1"
 JOINED = 480
-"""Bytes, nearly, that a scheduler has sent when a client and its plugin are registered."""
+"""Bytes (approximate) sent by a scheduler until a client and its plugin are registered."""
 
 Peer = AbstractContextManager[str]
 
 
 @contextmanager
 def listening(talk: Callable[[socket.socket], None]) -> Iterator[str]:
-    """A port that accepts all, and talks to each in a thread."""
+    """Open a port that accepts all connections and calls ``talk`` for each in a thread."""
     accepted: list[socket.socket] = []
 
     def accept() -> None:
-        with suppress(OSError):  # the port is closed
+        with suppress(OSError):  # raised if the port is closed
             while True:
                 accepted.append(server.accept()[0])
                 threading.Thread(target=talk, args=(accepted[-1],), daemon=True).start()
@@ -44,7 +44,7 @@ def listening(talk: Callable[[socket.socket], None]) -> Iterator[str]:
 
 @contextmanager
 def web_server() -> Iterator[str]:
-    """A server that speaks HTTP."""
+    """Start an HTTP server."""
     with HTTPServer((HERE, 0), BaseHTTPRequestHandler) as server:
         threading.Thread(target=server.serve_forever, args=(0.05,), daemon=True).start()
         try:
@@ -54,12 +54,12 @@ def web_server() -> Iterator[str]:
 
 
 def silent() -> Peer:
-    """A port that accepts, and says nothing."""
+    """Open a port that accepts connections and sends nothing."""
     return listening(lambda peer: None)
 
 
 def rubbish(chance: random.Random) -> Peer:
-    """A port that sends random bytes: to half of them the length that a greeting would have stands before."""
+    """Open a port that sends random bytes, in half of the cases after a valid length prefix."""
     content = chance.randbytes(chance.randrange(1, 4096))
     head = len(content).to_bytes(8, sys.byteorder) if chance.random() < 0.5 else b""
     return listening(lambda peer: _send(peer, head + content))
@@ -67,7 +67,7 @@ def rubbish(chance: random.Random) -> Peer:
 
 @contextmanager
 def closed() -> Iterator[str]:
-    """A port where nothing listens."""
+    """Return a port without a listener."""
     with socket.create_server((HERE, 0)) as server:
         port = server.getsockname()[1]
     yield f"tcp://{HERE}:{port}"
@@ -75,7 +75,7 @@ def closed() -> Iterator[str]:
 
 @contextmanager
 def cut(scheduler: str, count: int, hangs: bool) -> Iterator[str]:
-    """A scheduler of which ``count`` bytes arrive, of all connections together: then it hangs, or is gone."""
+    """Forward ``count`` bytes of a scheduler, over all connections; then hang or disconnect."""
     host, port = scheduler.removeprefix("tcp://").split(":")
     left, lock, ends = [count], threading.Lock(), list[socket.socket]()
 
@@ -111,7 +111,7 @@ def cut(scheduler: str, count: int, hangs: bool) -> Iterator[str]:
 
 
 def kinds(scheduler: str) -> dict[str, Callable[[random.Random], Peer]]:
-    """All of them, by name."""
+    """Return all kinds of ports by name."""
     return {
         "web server": lambda chance: web_server(),
         "silent": lambda chance: silent(),
@@ -124,7 +124,7 @@ def kinds(scheduler: str) -> dict[str, Callable[[random.Random], Peer]]:
 
 @contextmanager
 def scheduler() -> Iterator[str]:
-    """A scheduler without workers, a process of its own."""
+    """Start a scheduler without workers in a process."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scheduler.json"
         words = ["scheduler", "--host", HERE, "--port", "0", "--no-dashboard", "--scheduler-file", str(file)]

@@ -1,12 +1,12 @@
-"""Do jobs take the CPU time and the memory that they are priced at?
+"""Measured CPU time and memory of jobs, compared with their estimates.
 
     python -m benchmarks.price [--jobs 40] [--seed 1] [--most 60] [--csv FILE] [--kept FILE]
 
-Jobs are drawn over all models and methods, records of 1 to 300 s, with all that changes their price (``draw``);
-those that may take over ``most`` s are drawn anew. Each runs in a process of its own: compiled and run once for a
-moment, then measured: CPU time, the rise of the peak memory, and what it writes. Prices hold for one machine, so
-the CPU times are divided by one number: the median of measured over priced in some jobs that are run first.
-What was measured is kept (JSON lines), and priced anew if the file is there: after a change of prices.
+Jobs are drawn over all models and methods, records of 1 to 300 s, and everything else that affects the estimate
+(``draw``); jobs that may take over ``most`` s are redrawn. Each runs in a separate process, where a short run
+compiles; then its CPU time and peak memory are measured. Estimates are made for one machine, so CPU times are
+divided by the median ratio of measured to estimated time of some reference jobs. Measurements are stored in the
+file ``--kept`` (JSON lines); if it exists, they are compared with new estimates instead of being repeated.
 """
 
 import argparse
@@ -44,7 +44,7 @@ REFERENCES: list[dict[str, Any]] = [
     {"model": "static", "duration": 0.5},
     {"model": "planar", "duration": 0.3, "method": "rodas"},
 ]
-"""Which say how fast the machine is: each of a motion that is computed in full."""
+"""Jobs that measure the speed of the machine; their motion is computed in full."""
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 
 
@@ -75,16 +75,16 @@ def main() -> None:
 
 
 Measured = tuple[dict[str, Any], dict[str, Any]]
-"""Fields of a job, and what was measured of it."""
+"""Fields of a job, and its measurements."""
 
 
 def kept(file: Path) -> list[Measured]:
-    """What was measured before."""
+    """Read stored measurements."""
     return [tuple(json.loads(line)) for line in file.read_text(encoding="utf-8").splitlines()]
 
 
 def measure(asked: argparse.Namespace) -> list[Measured]:
-    """The reference jobs and those drawn, each in a process of its own."""
+    """Measure the reference jobs and random jobs, each in a separate process."""
     chance, found = random.Random(asked.seed), []
     full = {"periodic": False, "defect": SLOT, "load": 150.0, "speed": "1800 rpm", "step_check": False}
     drawn = [one | full for one in REFERENCES]
@@ -97,7 +97,7 @@ def measure(asked: argparse.Namespace) -> list[Measured]:
 
 
 def prices(case: Case, found: dict[str, Any]) -> dict[str, float]:
-    """CPU time (s) and memory (bytes) that a case is priced at, if it repeats itself as it was found to."""
+    """Return the estimated CPU time (s) and memory (bytes), given whether the response is periodic."""
     price = time_grid.estimate(case)
     if found["repeats"]:
         return {"seconds": price.cpu_seconds, "bytes": PROGRAM + price.memory}
@@ -105,12 +105,12 @@ def prices(case: Case, found: dict[str, Any]) -> dict[str, float]:
 
 
 def case_of(drawn: dict[str, Any]) -> Case:
-    """The case of drawn fields."""
+    """Make the case of drawn fields."""
     return Case.model_validate(FIXED | drawn)
 
 
 def affordable(chance: random.Random, most: float) -> dict[str, Any]:
-    """A job that can be run, and takes less than ``most`` s."""
+    """Draw a job that can run and takes less than ``most`` s."""
     while True:
         drawn = draw(chance)
         try:
@@ -121,7 +121,7 @@ def affordable(chance: random.Random, most: float) -> dict[str, Any]:
 
 
 def draw(chance: random.Random) -> dict[str, Any]:
-    """Fields of a job."""
+    """Draw the fields of a job."""
     model = chance.choice([*MODELS])
     drawn: dict[str, Any] = {
         "model": model,
@@ -148,7 +148,7 @@ def draw(chance: random.Random) -> dict[str, Any]:
 
 
 def apart(drawn: dict[str, Any]) -> dict[str, Any]:
-    """What a process of its own measures of a job."""
+    """Measure a job in a separate process."""
     command = [sys.executable, "-m", "benchmarks.price", "--job", json.dumps(drawn)]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     found: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
@@ -156,7 +156,7 @@ def apart(drawn: dict[str, Any]) -> dict[str, Any]:
 
 
 def measured(case: Case) -> dict[str, Any]:
-    """CPU time (s) and memory (bytes) of a case, as it is and as priced; ``error``: why it gave no record."""
+    """Measure CPU time (s) and memory (bytes) of a case; the result states whether it gave a record."""
     warm([case])
     for flags in ({}, {"periodic": False}):
         moment = {"duration": 6.0 / case.bearing.ball_pass_frequency(case.speed), "settle": 0.0}
@@ -177,7 +177,7 @@ def measured(case: Case) -> dict[str, Any]:
 
 
 def _run(case: Case) -> Record | None:
-    """Compute a case and write it; None if it gives no record."""
+    """Compute and store a case; return None if it fails."""
     with tempfile.TemporaryDirectory() as folder:
         try:
             record = simulate(case)
@@ -189,12 +189,12 @@ def _run(case: Case) -> Record | None:
 
 
 def _peak() -> float:
-    """The most memory (bytes) of this process so far."""
+    """Return the peak memory (bytes) of this process."""
     return 1024.0 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 def row(drawn: dict[str, Any], found: dict[str, Any], price: dict[str, float], machine: float) -> list[Any]:
-    """A line of the table; a job that gave no record has no ratio of CPU times."""
+    """Return a row of the table; failed jobs have no ratio of CPU times."""
     cpu = found["cpu_s"] / machine
     return [
         drawn["model"],
@@ -213,7 +213,7 @@ def row(drawn: dict[str, Any], found: dict[str, Any], price: dict[str, float], m
 
 
 def told(rows: list[list[Any]]) -> None:
-    """How many are within a factor of 2."""
+    """Print how many ratios are within a factor of 2."""
     sure = [one for one in rows if one[FIELDS.index("step_held")] == "yes"]
     for name, of in ("cpu_ratio", sure), ("memory_ratio", rows):
         ratios = [one[FIELDS.index(name)] for one in of] or [float("nan")]

@@ -1,13 +1,13 @@
-"""Is a promised accuracy kept? Random scenes, each with the model that the program chooses, against the truth.
+"""Accuracy of automatically chosen models in random scenes, compared with the requested one.
 
     python benchmarks/promise.py [--seed 1] [--count 120] [--jobs 2] [--out results/promise] [--again]
 
-A scene is a study of one case, which asks 5, 2 and 1 % of the fault's line, the RMS and the largest outer force.
-What its trials cost is told for 5 % of the line. The truth is the reference with half of its step or a tolerance
-of 1e-7, `spatial` with 48 slices, and where its motion is chaotic, 10 s long (`spatial` 2 s, a ring that bends 4
-s; the largest force is that of a record as long as the other's). OUT/scenes.jsonl has a line for each scene,
-OUT/trials its trials; one that is there is not computed again, or with `--again` only its trials are.
-OUT/promise.csv has what came of each.
+A scene is a study of one case, which requests 5, 2 and 1 % for the defect line, the RMS and the largest outer
+force. The cost of trials is reported for 5 % of the line. The converged solution is the reference model with half
+its step or a tolerance of 1e-7, with 48 slices for `spatial`, and, if chaotic, 10 s long (`spatial` 2 s, flexible
+ring 4 s; the largest force is that of a record of the original length). OUT/scenes.jsonl has a line per scene,
+OUT/trials its trials. Scenes in the file are not recomputed; with `--again` only their trials are. OUT/promise.csv
+has the results.
 """
 
 import argparse
@@ -40,10 +40,10 @@ from bearingsim.study import Study, StudyError, load_study
 WITHIN = (0.05, 0.02, 0.01)
 FOR_CPU = 0.05, True
 GOALS = (*((within, False) for within in WITHIN), FOR_CPU)
-"""How close, and whether of the line alone."""
+"""Requested accuracies, and whether they are for the line alone."""
 FINER, TOLERANCE, SLICES = 0.5, 1e-7, 48
-COMPILING = 10.0  # s of CPU time in which all of a model is compiled
-LONG, LONG_IN_SPACE, LONG_BENT = 10.0, 2.0, 4.0  # s of a chaotic motion
+COMPILING = 10.0  # s of CPU time, more than the compilation of a model takes
+LONG, LONG_IN_SPACE, LONG_BENT = 10.0, 2.0, 4.0  # s, durations of a chaotic motion
 STANDARD_ERRORS = 2.0
 OF_RMS_SCATTER = 2.5
 KINDS = {
@@ -54,7 +54,7 @@ KINDS = {
 
 
 def draw(number: int, seed: int) -> dict[str, Any]:
-    """A scene as a study's YAML: each sixth has a defect off the middle, each sixth a ring that bends."""
+    """Draw the fields of a scene's study; every sixth has an offset defect, every sixth a flexible ring."""
     rng = np.random.default_rng([seed, number])
     race = str(rng.choice(["outer", "outer", "inner", "roller"]))
     shape = str(rng.choice(["rectangular", "triangular", "circular", "elliptical", "spall"]))
@@ -82,7 +82,7 @@ def draw(number: int, seed: int) -> dict[str, Any]:
             "damping": {"law": "kraemer", "beta": f"{float(np.exp(rng.uniform(np.log(0.5), np.log(25.0))))} us"}
         },
         "defect": defect,
-        "friction": "none",  # as the truth: with it ``benchmarks/friction.py`` judges
+        "friction": "none",  # as in the converged solution; friction is tested by ``benchmarks/friction.py``
         "duration": f"{2.2 * 1800.0 / rpm if race == 'roller' else 1.0} s",  # 2BSF is close to BPFO
         "record": [],
         "accuracy": {"within": "5 %", "of": of},
@@ -91,12 +91,12 @@ def draw(number: int, seed: int) -> dict[str, Any]:
 
 
 def is_off_the_middle(number: int) -> bool:
-    """Whether a scene's defect lies off the roller's middle, so that its rollers tilt."""
+    """Check if the defect of a scene is offset from the roller's centre, so that rollers tilt."""
     return number % 6 == 4
 
 
 def study_of(number: int, seed: int) -> Study:
-    """A scene as a study."""
+    """Load a scene as a study."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "scene.yaml"
         path.write_text(yaml.safe_dump(draw(number, seed)))
@@ -104,14 +104,14 @@ def study_of(number: int, seed: int) -> Study:
 
 
 def asking(study: Study, within: float, lines_alone: bool = False) -> Study:
-    """The study with another accuracy."""
+    """Return the study with another accuracy."""
     assert study.goal is not None
     of = tuple(name for name in study.goal.of if "@" in name or not lines_alone)
     return replace(study, goal=replace(study.goal, within=within, of=of))
 
 
 def timed(case: Case) -> dict[str, Any]:
-    """Features of a case, its CPU time, method and step."""
+    """Compute features of a case, its CPU time, method and step."""
     began = time.process_time()
     found = simulate(case)
     told = {name: float(value) for name, value in found.features.items()}
@@ -120,7 +120,7 @@ def timed(case: Case) -> dict[str, Any]:
 
 
 def truth(case: Case, usual: dict[str, Any]) -> dict[str, float]:
-    """What is right: half the step, more slices, a longer record where the motion is chaotic."""
+    """Compute the converged solution with a finer step, more slices, and a longer record if chaotic."""
     more: dict[str, Any] = {"step_check": False}
     if case.method is not None and METHODS[usual["method"]].adaptive:
         more |= {"method": usual["method"], "tolerance": TOLERANCE}
@@ -137,7 +137,7 @@ def truth(case: Case, usual: dict[str, Any]) -> dict[str, float]:
 
 
 def scene(number: int, seed: int, out: Path) -> dict[str, Any]:
-    """Trials and results of a scene by each candidate, and the truth."""
+    """Return trials and results of a scene by each chosen candidate, and the converged solution."""
     told: dict[str, Any] = {"number": number, "seed": seed}
     try:
         return told | computed(study_of(number, seed), f"{seed}-{number}", out)
@@ -146,7 +146,7 @@ def scene(number: int, seed: int, out: Path) -> dict[str, Any]:
 
 
 def computed(study: Study, unit: str, out: Path) -> dict[str, Any]:
-    """All of a scene that can be."""
+    """Compute the row of a scene."""
     own = study.cases()[0]
     case, others = reference(own), {name: found[0] for name, found in candidates(study, [0]).items()}
     simulation.warm([case, *others.values()])
@@ -170,7 +170,7 @@ def computed(study: Study, unit: str, out: Path) -> dict[str, Any]:
 
 
 def all_trials(study: Study, unit: str, out: Path) -> tuple[dict[str, float], Known]:
-    """CPU s of the trials of a scene's reference and candidates, and what they found, which is stored."""
+    """Run and store the trials of a scene's reference and candidates; return their CPU times (s) and results."""
     took: dict[str, float] = {}
     known: dict[str, Trial | None] = {}
     for one in first_trials(study, [0]):
@@ -184,7 +184,7 @@ def all_trials(study: Study, unit: str, out: Path) -> tuple[dict[str, float], Kn
 
 
 def again(row: dict[str, Any], out: Path) -> dict[str, Any]:
-    """A scene with new trials."""
+    """Return a scene with new trials."""
     if "results" not in row:
         return row
     study = study_of(row["number"], row["seed"])
@@ -192,13 +192,13 @@ def again(row: dict[str, Any], out: Path) -> dict[str, Any]:
 
 
 def tried(one: Trialled) -> tuple[float, Trial | None]:
-    """CPU s of a trial, compiling apart, and what it found: one so short that compiling counts is made twice."""
+    """Return CPU time (s) and result of a trial, run twice if short, to exclude compilation."""
     took, found = tried_once(one)
     return (took, found) if took > COMPILING else tried_once(one)
 
 
 def tried_once(one: Trialled) -> tuple[float, Trial | None]:
-    """CPU s of a trial, and what it found."""
+    """Return CPU time (s) and result of a trial."""
     began, found = time.process_time(), None
     with suppress(SimulationError):
         found = try_out(one.case, one.asked, one.passes, one.turn)[0]
@@ -206,7 +206,7 @@ def tried_once(one: Trialled) -> tuple[float, Trial | None]:
 
 
 def results_of(cases: dict[str, Case]) -> Iterator[tuple[str, dict[str, float]]]:
-    """Of each candidate that can be computed."""
+    """Yield the results of all candidates that can be computed."""
     for name, case in cases.items():
         try:
             yield name, timed(case)
@@ -215,7 +215,7 @@ def results_of(cases: dict[str, Case]) -> Iterator[tuple[str, dict[str, float]]]
 
 
 def standard_error(feature: str, found: dict[str, float]) -> float:
-    """That of a feature of a chaotic motion (SI), as far as the record tells."""
+    """Return the standard error (SI) of a feature of a chaotic motion as stated by its record; else 0."""
     if found["chaotic"] != 1.0:
         return 0.0
     scatter = found.get(f"{feature}-scatter", 0.0)
@@ -225,7 +225,7 @@ def standard_error(feature: str, found: dict[str, float]) -> float:
 
 
 def kept(feature: str, found: dict[str, float], right: dict[str, float], model: float) -> dict[str, float]:
-    """How far off a feature is, relative, and what was said of it."""
+    """Return the relative error of a feature, and the stated errors."""
     size = abs(right[feature]) or 1.0
     errors = [standard_error(feature, one) / size for one in (found, right)]
     step = found.get(f"step_error.{kind_of(feature)}", 0.0)
@@ -234,12 +234,12 @@ def kept(feature: str, found: dict[str, float], right: dict[str, float], model: 
 
 
 def kind_of(feature: str) -> str:
-    """`line`, `rms` or `force`."""
+    """Return the kind of a feature, `line`, `rms` or `force`."""
     return next(kind for kind, of in KINDS.items() if of(feature))
 
 
 class Replayed(NamedTuple):
-    """What the program takes for a scene, and the CPU s of the trials that it wants for that."""
+    """Automatic choice for a scene, and CPU time (s) of the trials needed for it."""
 
     row: dict[str, Any]
     choice: selection.Choice
@@ -247,19 +247,19 @@ class Replayed(NamedTuple):
 
 
 def replay(row: dict[str, Any], study: Study, within: float, lines_alone: bool, known: Known) -> Replayed:
-    """The choice for a scene, from trials that have been made."""
+    """Repeat the choice for a scene from stored trials."""
     asked = asking(study, within, lines_alone)
     choosing, seen, spent = selection.Choosing(asked, [0]), dict[str, Trial | None](), 0.0
     while wanted := choosing.wanted(seen):
         for one in wanted:
-            stored = trials_of(study, 0, one.case)[0].id  # where all is asked
+            stored = trials_of(study, 0, one.case)[0].id  # id of the trial with all features
             seen[one.id] = known.get(stored)
             spent += row["trial_s"].get(stored, 0.0)
     return Replayed(row, choosing.decide(seen).choices[key(asked, study.cases()[0])], spent)
 
 
 def report(rows: list[dict[str, Any]], known: Known) -> None:
-    """Print how often what was promised is kept, every miss, and what it cost."""
+    """Print how often the accuracy is met, all misses, and the cost."""
     done = [(row, study_of(row["number"], row["seed"])) for row in rows if "results" in row]
     print(f"{len(rows)} scenes, {len(rows) - len(done)} refused")
     for within in WITHIN:
@@ -279,7 +279,7 @@ def report(rows: list[dict[str, Any]], known: Known) -> None:
 
 
 def write_csv(path: Path, rows: list[dict[str, Any]], known: Known) -> None:
-    """A line for each scene, accuracy and feature: what was taken, how far off it is, what was said (shares)."""
+    """Write a row per scene, accuracy and feature: choice, relative error and stated errors."""
     about = ("seed", "number", "reference", "race", "shape", "offset", "bends", "clearance_um", "repeats")
     with path.open("w", newline="") as file:
         writer = csv.writer(file)
@@ -301,7 +301,7 @@ def write_csv(path: Path, rows: list[dict[str, Any]], known: Known) -> None:
 
 
 def of_kind(kind: str, within: float, told: list[Replayed]) -> str:
-    """How often a kind of feature was as close as promised; its misses are printed."""
+    """Summarise how often a kind of feature met the accuracy, and print its misses."""
     held, longer, honest = 0, 0, 0
     for row, choice, _ in told:
         found, right = row["results"][choice.candidate], row["truth"]
@@ -320,12 +320,12 @@ def of_kind(kind: str, within: float, told: list[Replayed]) -> str:
 
 
 def asked_of(row: dict[str, Any]) -> list[str]:
-    """The features that a scene asks an accuracy of."""
+    """List the features with a requested accuracy."""
     return [f"velocity@{FAULT_LINES[row['race']]}", "velocity.rms", "outer_force.max"]
 
 
 def of_group(of: list[Replayed]) -> str:
-    """CPU time of a group, and which candidates were taken how often."""
+    """Summarise the CPU time of a group, and how often each candidate was chosen."""
     always = sum(one.row["results"][REFERENCE]["cpu_s"] for one in of)
     taken = sum(cost_of(one) for one in of)
     names = [one.choice.candidate for one in of]
@@ -334,13 +334,13 @@ def of_group(of: list[Replayed]) -> str:
 
 
 def cost_of(one: Replayed) -> float:
-    """CPU s of a scene's trials and of what was taken; a reference that repeats itself is its own trial."""
+    """Return the CPU time (s) of trials and choice of a scene; a periodic reference is its own trial."""
     own = float(one.row["results"][one.choice.candidate]["cpu_s"])
     return own if one.row["repeats"] else one.trials_s + own
 
 
 def main() -> None:
-    """Compute the scenes that are missing, then report."""
+    """Compute missing scenes, then report."""
     asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     asked.add_argument("--seed", type=int, default=1)
     asked.add_argument("--count", type=int, default=120)
@@ -355,7 +355,7 @@ def main() -> None:
         rows = Parallel(n_jobs=given.jobs, batch_size=1)(delayed(again)(row, given.out) for row in rows)
         path.write_text("".join(json.dumps(row) + "\n" for row in rows))
     there = {row["number"] for row in rows if row["seed"] == given.seed}
-    todo = sorted((n for n in range(given.count) if n not in there), key=is_off_the_middle)  # they take longest
+    todo = sorted((n for n in range(given.count) if n not in there), key=is_off_the_middle)  # these take longest
     pool = Parallel(n_jobs=given.jobs, batch_size=1, return_as="generator_unordered")
     for row in pool(delayed(scene)(n, given.seed, given.out) for n in todo):
         rows.append(row)

@@ -1,17 +1,17 @@
-"""What the default choice of method and step makes of random scenes: converged, or refused with a reason?
+"""Convergence of the default method and step in random scenes, which must converge or be refused.
 
     python benchmarks/random_scenes.py [--scenes 300] [--seed 5] [--jobs 2] [--csv FILE]
 
 Scenes are drawn over wide ranges (``draw``): load, clearance, speed, stiffness, damping, defects, models. Each is
-run with ``step_check: strict``, for so long that the fault's line can be read (0.15 s at least), and a job may
-take 20 s of CPU time. One that is refused as chaotic and too short is run for the duration it was told, if that is
-affordable. Then it is run again with the method that was chosen, half the step and a tenth of the tolerance; line
-and the RMS are compared. Outcomes:
+run with ``step_check: strict``, long enough to resolve the defect line (at least 0.15 s), with at most 20 s of CPU
+time. A scene refused as chaotic and too short is run for 1.5 times the requested duration, if that is affordable.
+Then it is run again with the chosen method, half the step and a tenth of the tolerance; line and RMS are compared.
+Outcomes:
 
 converged   the line changes by less than 1 % (a line under 1e-3 of the RMS: by less than 1e-5 of the RMS),
-            and the RMS too; where the run said that the motion is chaotic, the RMS alone
-refused     before the run or under way, with a reason; how many only because chaotic and so short is told beside
-else        the third outcome: there must be none; ``nothing to compare`` is one: no line could be read
+            and so does the RMS; for a motion reported as chaotic, the RMS alone
+refused     before or during the run, with a reason; refusals only because of a short chaotic record are counted
+else        any other outcome, of which there must be none; ``nothing to compare`` means that no line is available
 """
 
 import argparse
@@ -41,14 +41,14 @@ from bearingsim.simulation.run_setup import TooChaotic
 from bearingsim.simulation.simulate import Record, SimulationError, simulate
 
 HELD = 0.01
-RESOLVED = 2.1  # spacings of lines, times the duration: what tells them apart, and some slip
+RESOLVED = 2.1  # duration times spacing of lines, to separate them despite some slip
 TWO = {"converged", "refused"}
-LONGEST_JOB = 20.0  # s of CPU time, by the estimate before it runs
-LONGEST_CHAOS = 10.0  # the same, of a record that is made longer for its RMS
-MARGIN = 1.5  # times the duration that a chaotic record was told: 2.5 standard deviations become 3.1
-LONGER = 3  # times that it is tried
+LONGEST_JOB = 20.0  # s of estimated CPU time
+LONGEST_CHAOS = 10.0  # the same, for a record extended because of its RMS
+MARGIN = 1.5  # times the requested duration of a chaotic record (2.5 standard deviations become 3.1)
+LONGER = 3  # attempts with a longer record
 SHORTEST = 0.15  # s
-PASSES = 4.0  # at the kinematic speed of the cage
+PASSES = 4.0  # ball passes at the kinematic speed of the cage
 STEEL = 8.06e4 * 12.0 ** (8.0 / 9.0)  # N/mm^(10/9): Palmgren's line contact of the NF308's rollers
 LAWS = ("chi", "kraemer", "general")
 SCENE = ["scene", "model", "load_N", "clearance_um", "speed_rpm", "law", "stiffness", "damping", "m3"]
@@ -71,7 +71,7 @@ FOUND = [
 
 
 def draw(number: int, seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
-    """One scene: what describes it, and the fields of its case."""
+    """Draw a scene; return its description and the fields of its case."""
     rng = np.random.default_rng([seed, number])
 
     def log(low: float, high: float) -> float:
@@ -111,7 +111,7 @@ def draw(number: int, seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def case_of(fields: dict[str, Any]) -> Case:
-    """A scene in which three balls pass, though the cage slip, and the fault's line can be told from others."""
+    """Make a case long enough for three ball passes with cage slip, and for resolving the defect line."""
     case = Case.model_validate(fields | {"duration": 1.0, "step_check": "strict"})
     rate = case.bearing.ball_pass_frequency(case.speed)
     apart = min((spacing(case, name) for name in fault_lines(case) if name != "BPFO"), default=inf)
@@ -119,7 +119,7 @@ def case_of(fields: dict[str, Any]) -> Case:
 
 
 def spacing(case: Case, name: str) -> float:
-    """From a line to the next (Hz), or to zero, at kinematic speeds."""
+    """Compute the distance (Hz) of a line from the next line, or from zero, at kinematic speeds."""
     bearing, shaft = case.bearing, case.speed / (2.0 * pi)
     sizes = case.speed, bearing.roller_diameter, bearing.pitch_diameter
     units = (
@@ -134,7 +134,7 @@ def spacing(case: Case, name: str) -> float:
 
 
 def finer(case: Case, found: Record) -> Case:
-    """The case with the method that was chosen, half its step and a tenth of its tolerance."""
+    """Return the case with the chosen method, half the step and a tenth of the tolerance."""
     info = found.info
     update: dict[str, Any] = {"method": info["method"], "step": 0.5 * float(info["step_s"]), "step_check": False}
     if np.isfinite(float(info["tolerance"])):
@@ -143,7 +143,7 @@ def finer(case: Case, found: Record) -> Case:
 
 
 def changes(case: Case, found: Record, other: Record) -> tuple[float, float]:
-    """Relative change of the fault's line (the worst of several; nan if none could be read) and of the RMS."""
+    """Return the relative changes of the defect line (largest of several, or nan) and of the RMS."""
     rms = other.features["velocity.rms"] or 1.0
     names = [f"velocity@{name}" for name in fault_lines(case)]
     pairs = [(found.features[name], other.features[name]) for name in names]
@@ -152,7 +152,7 @@ def changes(case: Case, found: Record, other: Record) -> tuple[float, float]:
 
 
 def judge(number: int, seed: int) -> dict[str, Any]:
-    """A row of the table."""
+    """Return the row of a scene."""
     time_grid.MAX_CPU = LONGEST_JOB
     told, fields = draw(number, seed)
     case = case_of(fields)
@@ -176,7 +176,7 @@ def judge(number: int, seed: int) -> dict[str, Any]:
 
 
 def computed(case: Case) -> tuple[Case, Record]:
-    """A case and what it gives; a chaotic one for as long as it was told, if that is affordable."""
+    """Compute a case; a chaotic one for as long as requested, if affordable. Return case and record."""
     for _ in range(LONGER):
         try:
             return case, simulate(case)
@@ -189,14 +189,14 @@ def computed(case: Case) -> tuple[Case, Record]:
 
 
 def outcome(chaotic: bool, line: float, rms: float) -> str:
-    """The verdict on what half the step changes."""
+    """Classify the changes due to half the step."""
     if isnan(rms) or (isnan(line) and not chaotic):
         return "nothing to compare"
     return "converged" if (rms if chaotic else max(line, rms)) < HELD else "changed"
 
 
 def main() -> None:
-    """Run all scenes; print counts and every third outcome; write the table."""
+    """Run all scenes; print counts and all scenes neither converged nor refused; write the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scenes", type=int, default=300)
     parser.add_argument("--first", type=int, default=0)

@@ -1,15 +1,15 @@
-"""Does a motion that is said to repeat itself do so, and is its record what the whole run would have given?
+"""Test of periodicity detection: records completed periodically, compared with full runs.
 
     python benchmarks/repetition.py [--seed 1] [--ring 40] [--rollers 40] [--planar 20] [--spatial 20] [--jobs 2]
 
-Random scenes that may repeat (healthy or defects of the outer race, kinematic cage) are computed until they do,
-and in full, 60 ball passes at least. Told of each model:
+Random scenes that may be periodic (healthy or with outer-race defects, kinematic cage) are computed until they are
+periodic, and in full, for at least 60 ball passes. Printed for each model:
 
-stopped   of the scenes whose full run repeats (to 1e-8 through its last ten passes): how many were stopped early
-wrong     stopped, though the full run does not repeat, or with a feature further off than 1e-6: of itself, or of a
-          thousandth of the RMS of its quantity if that is more (phases: of lines over that, in rad)
-passes    computed until it stopped: median and largest; the median of the full run
-worst     the largest error of a feature, of all scenes that stopped
+stopped   number stopped early, among scenes whose full run is periodic (to 1e-8 over its last ten passes)
+wrong     number stopped although the full run is not periodic, or with an error of a feature above 1e-6 of the
+          larger of the feature and 1/1000 of the RMS of its quantity (phases: in rad, of lines above that)
+passes    computed until the stop: median and largest; median of the full run
+worst     largest error of a feature, over all scenes that stopped
 """
 
 import argparse
@@ -27,11 +27,11 @@ from bearingsim.simulation.repetition import Search
 
 PASSES, LAST = 60, 10
 REPEATS, HELD = 1e-8, 1e-6
-ROUNDING = {"tilt.max": 1e-12}  # rad: what is under it is zero
+ROUNDING = {"tilt.max": 1e-12}  # rad; smaller values count as zero
 
 
 def draw(model: str, number: int, seed: int) -> Case:
-    """A scene of the model; its record begins after 50 ms and holds 60 ball passes."""
+    """Draw a scene of the model with a record of 60 ball passes."""
     rng = np.random.default_rng([seed, number, len(model)])
 
     def log(low: float, high: float) -> float:
@@ -66,19 +66,19 @@ def draw(model: str, number: int, seed: int) -> Case:
 
 
 class Onlooker(Search):
-    """Sees how passes differ, and stops nothing."""
+    """Search that records differences between passes, and never stops a run."""
 
     last: list[float]
 
     def after_pass(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> tuple[int, float]:
-        """Never."""
+        """Record the differences and return no period."""
         super().after_pass(window, y, peaks)
         self.last = [max(d[-LAST:]) for d in self.differences.values() if len(d) >= LAST]
         return 0, 0.0
 
 
 def in_full(case: Case) -> tuple[Any, float]:
-    """The record of all passes, and how its last ones differ at the period that suits them best."""
+    """Return the full record, and the difference of its last passes at the best period."""
     seen: list[Onlooker] = []
 
     def made(*given: Any) -> Onlooker:
@@ -91,7 +91,7 @@ def in_full(case: Case) -> tuple[Any, float]:
 
 
 def errors(found: dict[str, float], right: dict[str, float]) -> Iterator[tuple[float, str]]:
-    """How far each feature is off, as the page's head says."""
+    """Yield the error of each feature, as defined above."""
     for name, value in right.items():
         if np.isnan(value) or name.endswith("-scatter"):
             continue
@@ -105,7 +105,7 @@ def errors(found: dict[str, float], right: dict[str, float]) -> Iterator[tuple[f
 
 
 def tried(model: str, number: int, seed: int) -> dict[str, Any]:
-    """One scene both ways."""
+    """Compute a scene with and without early stop."""
     case = draw(model, number, seed)
     try:
         short, (whole, last) = simulate(case), in_full(case)
@@ -131,7 +131,7 @@ def tried(model: str, number: int, seed: int) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Try the scenes and print what the head of this file announces."""
+    """Compute the scenes and print the table."""
     asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     asked.add_argument("--seed", type=int, default=1)
     asked.add_argument("--jobs", type=int, default=2)

@@ -1,14 +1,14 @@
-"""Bending of the outer ring: what harmonics, cap and step change, over random scenes; and what a step costs.
+"""Flexible outer ring: effect of harmonics, cap and step in random scenes, and cost of a step.
 
     python benchmarks/ring.py [--seed 1] [--harmonics 30] [--steps 50] [--chaos 11] [--cost] [--jobs 2]
 
-harmonics  scenes whose harmonics and cap are doubled: changes of line and RMS (under 10 kHz, sampled at 51.2 kHz)
-           over the largest line less healthy that the slot has from 0 to 60 deg at rest, and over the RMS; beside
-           them the changes of the scene as it is with its first roller displaced by 0.001 deg: what chaos scatters
-steps      scenes computed again with half the step: whether line, RMS and largest force stay within what the job
-           said; how many were refused
-chaos      scenes as they are, and with other damping, no clearance, no slot, a rigid ring: which are chaotic (1)
-cost       a step of Verlet's method with harmonics to 8, 20, 40, and in a housing, over a rigid ring's
+harmonics  changes of line and RMS (below 10 kHz, sampled at 51.2 kHz) if harmonics and cap are doubled, relative
+           to the largest defect contribution of the slot from 0 to 60 deg in static equilibrium, and to the RMS;
+           for comparison, changes due to a displacement of the first roller by 0.001 deg (chaotic scatter)
+steps      changes of line, RMS and largest force with half the step, compared with the stated step errors;
+           number of refused scenes
+chaos      original scenes, and variants with other damping, no clearance, no slot, a rigid ring: 1 if chaotic
+cost       a Verlet step with 8, 20 and 40 harmonics, and in a housing, relative to a rigid ring
 """
 
 import argparse
@@ -34,7 +34,7 @@ SUPPORTS = ("point", "pads", "points", "housing")
 
 
 def support(rng: np.random.Generator) -> dict[str, Any]:
-    """A way to load the ring, at random."""
+    """Draw the load introduction of the ring."""
     by, angle = str(rng.choice(SUPPORTS)), float(rng.uniform(20.0, 70.0)) * pi / 180.0
     if by == "pads":
         return {"by": by, "angles": [-angle, angle]}
@@ -48,7 +48,7 @@ def support(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def draw(number: int, seed: int, sampling: float) -> Case:
-    """A scene of `rollers`: NF308 with a slot, its ring bending, harmonics `auto`."""
+    """Draw a scene of `rollers`: NF308 with a slot and a flexible ring, harmonics `auto`."""
     rng = np.random.default_rng([seed, number])
     slot = {"shape": "rectangular", "length": 12e-3, "width": 1e-3 * float(rng.uniform(0.3, 2.0)), "depth": 50e-6}
     return Case.model_validate(
@@ -68,33 +68,33 @@ def draw(number: int, seed: int, sampling: float) -> Case:
 
 
 def forget() -> None:
-    """Make every bearing anew."""
+    """Clear the caches of bearings."""
     caches = (bending.made, assemble._made_by_field, rest._rest, limits._without_method, limits.loads_at_rest)
     for cache in caches:
         cache.cache_clear()
 
 
 def line(features: dict[str, float]) -> complex:
-    """The velocity's line at BPFO, m/s."""
+    """Return the complex velocity amplitude (m/s) at BPFO."""
     return cmath.rect(features["velocity@BPFO"], features["velocity@BPFO.phase"])
 
 
 def with_harmonics(case: Case, times: int) -> Case:
-    """The case with so many times its harmonics."""
+    """Return the case with its harmonics multiplied."""
     assert case.rig.ring is not None
     more = case.rig.ring.model_copy(update={"harmonics": min(100, times * int(case.rig.ring.harmonics))})
     return case.model_copy(update={"rig": case.rig.model_copy(update={"ring": more})})
 
 
 def less_healthy(case: Case) -> tuple[complex, float, dict[str, float]]:
-    """Line less healthy (m/s, complex), RMS (m/s), and all features."""
+    """Return the line minus that of the healthy bearing (m/s, complex), RMS (m/s), and all features."""
     found = simulate(case).features
     healthy = simulate(case.model_copy(update={"defects": ()})).features
     return line(found) - line(healthy), found["velocity.rms"], found
 
 
 def largest_at_rest(case: Case) -> float:
-    """The largest line less healthy (m/s) of `static` with the slot from 0 to 60 deg."""
+    """Return the largest defect contribution (m/s) of `static` with the slot from 0 to 60 deg."""
     lines = []
     for angle in (0.0, 15.0, 30.0, 45.0, 60.0):
         slot = case.defects[0].model_copy(update={"angle": angle * pi / 180.0})
@@ -104,7 +104,7 @@ def largest_at_rest(case: Case) -> float:
 
 
 def doubled(number: int, seed: int) -> str:
-    """One scene with its harmonics and the cap, and with twice both."""
+    """Compare a scene with one of twice the harmonics and cap."""
     case = draw(number, seed, 51.2e3)
     cap = bending.CAP
     try:
@@ -130,7 +130,7 @@ def doubled(number: int, seed: int) -> str:
 
 
 def halved(number: int, seed: int) -> str:
-    """One scene at its own step and at half of it."""
+    """Compare a scene at its own step and at half of it."""
     case = draw(number, seed, 10240.0)
     try:
         told = simulate(case)
@@ -144,7 +144,7 @@ def halved(number: int, seed: int) -> str:
 
 
 def changes(told: dict[str, float], finer: dict[str, float]) -> Iterator[str]:
-    """What half the step changes, relative, beside what the job said of it."""
+    """Yield the relative changes due to half the step, with the stated step errors."""
     for what, feature in (("line", "velocity@BPFO"), ("rms", "velocity.rms"), ("force", "outer_force.max")):
         change, size = abs(told[feature] - finer[feature]), finer[feature]
         if what == "line":
@@ -154,7 +154,7 @@ def changes(told: dict[str, float], finer: dict[str, float]) -> Iterator[str]:
 
 
 def varied(case: Case) -> Iterator[tuple[str, Case]]:
-    """The scene with one thing or two changed."""
+    """Yield the scene with one or two parameters changed."""
     given = case.model_dump()
     ring, contact = given["rig"]["ring"], given["contact"]
     heavy = {"contact": contact | {"damping": {"law": "kraemer", "beta": 10e-6}}}
@@ -173,7 +173,7 @@ def varied(case: Case) -> Iterator[tuple[str, Case]]:
 
 
 def chaotic(number: int, seed: int) -> str:
-    """One scene, varied: which are chaotic."""
+    """Report which variants of a scene are chaotic."""
     found = []
     for name, case in varied(draw(number, seed, 10240.0)):
         try:
@@ -184,7 +184,7 @@ def chaotic(number: int, seed: int) -> str:
 
 
 def cost() -> None:
-    """ns of a step."""
+    """Print the CPU time (ns) of a step."""
     base = {"bearing": "nf308", "speed": 188.5, "load": 150.0, "model": "rollers", "record": []}
     housing: dict[str, Any] = {"by": "housing", "stiffness": 1e10}
     rigs: dict[str, Any] = {"rigid": {}, **{f"to {n}": {"ring": {"harmonics": n}} for n in (8, 20, 40)}}
@@ -200,7 +200,7 @@ def cost() -> None:
         start_at_rest(model, 0.0, y)
         ready[name] = (model, y)
     places, out, best = np.array(RING_MOTION), np.empty((6, 20000)), dict.fromkeys(rigs, 1e9)
-    for n in range(15):  # one after the other, so that all meet the same machine
+    for n in range(15):  # alternate between variants to average over disturbances
         for name, (model, y) in ready.items():
             began = time.process_time()
             advance_and_sample(Verlet(2e-7), model, Monitor(8, 1.0), n * 20000, y, places, out, NoSamples())
@@ -210,7 +210,7 @@ def cost() -> None:
 
 
 def main() -> None:
-    """Print what the head of this file announces."""
+    """Run the requested comparisons."""
     asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     asked.add_argument("--seed", type=int, default=1)
     asked.add_argument("--harmonics", type=int, default=0)

@@ -1,11 +1,11 @@
-"""Whether two states of the code compute the same, to the last bit: what a change of structure must keep.
+"""Bitwise comparison of the results of two versions of the code, for refactoring.
 
     python benchmarks/same_numbers.py --write before.json       # in the checkout before the change
-    python benchmarks/same_numbers.py --against before.json     # in the one after it, on the same machine
+    python benchmarks/same_numbers.py --against before.json     # in the checkout after it, on the same machine
 
-Compared are the features of every scene below, the schema of study files, and of every study in ``studies/`` each
-job's id, model, method and step. A scene is short: it tells whether something has changed, not what is right.
-Exit code 1 and a list if anything differs. Needs nothing of bearingsim but its public names and `check --json`.
+The comparison covers the features of the scenes below, the schema of study files, and id, model, method and step
+of each job of the studies in ``studies/``. Scenes are short, since they detect changes, not errors. Differences
+are listed, with exit code 1. Only the public names of bearingsim and `check --json` are used.
 """
 
 import argparse
@@ -33,7 +33,7 @@ RECORDED = ["ring.velocity", "roller.1.outer_force", "roller.1.inner_force", "lo
 
 
 def general(exponent: float, coefficient: float) -> dict[str, Any]:
-    """A contact with damping of the multibody codes: coefficient in N (s/mm)/mm^m3."""
+    """Return a contact with the damping law of multibody codes; coefficient in N (s/mm)/mm^m3."""
     return {"damping": GENERAL | {"indentation_exponent": exponent, "coefficient": coefficient}}
 
 
@@ -101,7 +101,7 @@ SHORT = {
 
 
 def main() -> None:
-    """Write the numbers of this checkout, or compare them with those written before."""
+    """Write the numbers of this checkout, or compare them with stored ones."""
     asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     what = asked.add_mutually_exclusive_group(required=True)
     what.add_argument("--write", type=Path, metavar="FILE")
@@ -117,7 +117,7 @@ def main() -> None:
 
 
 def numbers() -> dict[str, str]:
-    """Everything that is compared, by name; floats by all their bits."""
+    """Collect all compared values by name; floats in exact hexadecimal form."""
     found: dict[str, str] = {}
     for gather in (of_scenes, of_studies, of_schema):
         found |= gather()
@@ -125,12 +125,12 @@ def numbers() -> dict[str, str]:
 
 
 def of_scenes() -> dict[str, str]:
-    """The features of every scene, and the steps they took."""
+    """Collect the features and methods of all scenes."""
     return {f"{name}: {what}": value for name in SCENES for what, value in told(name, of_scene(name)).items()}
 
 
 def of_scene(name: str) -> dict[str, str]:
-    """The features of one scene; a fresh process would give the same."""
+    """Compute the features of a scene."""
     import bearingsim as bs
 
     record = bs.simulate(bs.Case.model_validate(SHORT | SCENES[name]))
@@ -144,7 +144,7 @@ def of_scene(name: str) -> dict[str, str]:
 
 
 def of_studies() -> dict[str, str]:
-    """Id, model, method and step of every job of every study, and of its quick grid."""
+    """Collect id, model, method and step of all jobs of the studies and their quick grids."""
     found: dict[str, str] = {}
     for study in sorted((ROOT / "studies").glob("*.yaml")):
         for quick in ([], ["--quick"]):
@@ -157,30 +157,30 @@ def of_studies() -> dict[str, str]:
 
 
 def of_schema() -> dict[str, str]:
-    """The JSON schema of study files."""
+    """Return the JSON schema of study files."""
     return {"schema": json.dumps(json.loads(bearingsim("check", "--schema")), sort_keys=True)}
 
 
 def exact(step: float | None) -> str | None:
-    """All bits of a step; a job without one has none."""
+    """Format a step exactly; None for a job without a step."""
     return None if step is None else float(step).hex()
 
 
 def told(name: str, found: dict[str, str]) -> dict[str, str]:
-    """The same, a line on screen said."""
+    """Print a line on progress, and return ``found``."""
     print(f"{name}: {found.get('jobs', len(found))}", file=sys.stderr, flush=True)
     return found
 
 
 def bearingsim(*words: str) -> str:
-    """What a command of this checkout prints."""
+    """Run a command of this checkout; return its output."""
     run: Callable[..., Any] = subprocess.run
     done = run([sys.executable, "-m", "bearingsim", *words], cwd=ROOT, capture_output=True, text=True, check=True)
     return str(done.stdout)
 
 
 def differences(before: dict[str, str], now: dict[str, str]) -> list[str]:
-    """A line for each number that is new, gone or another."""
+    """List the numbers that are new, missing or different."""
     names = sorted(before.keys() | now.keys())
     return [f"{n}: {before.get(n)} -> {now.get(n)}"[:300] for n in names if before.get(n) != now.get(n)]
 

@@ -1,8 +1,8 @@
-"""Depth maps: the example scan, the accuracy of paths over any defect, and what tables cost.
+"""Depth maps: example scan, accuracy of roller paths over random defects, and cost of tables.
 
 python benchmarks/shapes.py scan studies/scans/spall.csv    write the example scan
-python benchmarks/shapes.py accuracy [--defects 200]           largest error of h, in parts of its maximum
-python benchmarks/shapes.py cost                            ns to look h up; ms to build a defect
+python benchmarks/shapes.py accuracy [--defects 200]           largest error of h, relative to its maximum
+python benchmarks/shapes.py cost                            ns to evaluate h; ms to build a defect
 """
 
 import argparse
@@ -42,13 +42,13 @@ R, L_W = outer_reduced_radius(0.006, 0.0385), 0.012
 SHAPES = (Rectangular, Triangular, Circular, Elliptical)
 
 
-# The example scan: what a profilometer might give of a spall
+# Example scan of a spall, as from a profilometer
 
 
 def example() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """s (n_s,) mm, z (n_z,) mm, depth (n_z, n_s) um: a spall of 6 mm by 2 mm, 50 um deep, on a real bench.
+    """Make a scan with s (n_s,) mm, z (n_z,) mm, depth (n_z, n_s) um of a spall of 6 mm by 2 mm, 50 um deep.
 
-    With the race's curvature, a tilt, a raised rim of about 1 um, roughness, noise, missing cells and a spike.
+    It has the curvature of the race, a tilt, a rim raised by 1 um, roughness, noise, missing cells and a spike.
     """
     draw = np.random.default_rng(20260)
     s, z = np.arange(-1.5, 1.501, 0.025), np.arange(-4.0, 4.001, 0.1)
@@ -66,7 +66,7 @@ def example() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _smoothed(values: np.ndarray, reach: int) -> np.ndarray:
-    """Mean over a square of 2 reach + 1 cells."""
+    """Average over squares with sides of 2 reach + 1 cells."""
     padded, size = np.pad(values, reach, mode="edge"), 2 * reach + 1
     rows, columns = values.shape
     shifted = [padded[i : i + rows, j : j + columns] for i in range(size) for j in range(size)]
@@ -74,7 +74,7 @@ def _smoothed(values: np.ndarray, reach: int) -> np.ndarray:
 
 
 def write_scan(path: str) -> None:
-    """The example as a grid in CSV."""
+    """Write the example as a grid in CSV."""
     s, z, depth = example()
     heads = [
         "# A made-up spall, as a profilometer might give it: benchmarks/shapes.py",
@@ -93,7 +93,7 @@ def write_scan(path: str) -> None:
 
 
 def random_defect(draw: np.random.Generator) -> Any:
-    """A shape, perhaps with eased edges, perhaps merged with one or two others."""
+    """Draw a shape, possibly with rounded or ramped edges, or merged with one or two others."""
     parts = [_random_part(draw) for _ in range(int(draw.integers(1, 4)))]
     if len(parts) == 1:
         return parts[0]
@@ -115,7 +115,7 @@ def _random_part(draw: np.random.Generator) -> Any:
 
 
 def rough_scan(seed: int) -> Scanned:
-    """A spall of 6 mm by 2 mm with roughness of 2 um and a rim raised by 2 um."""
+    """Make a spall of 6 mm by 2 mm with roughness of 2 um and a rim raised by 2 um."""
     draw = np.random.default_rng(seed)
     s, z = np.linspace(-2e-3, 2e-3, 401), np.linspace(-4e-3, 4e-3, 41)
     r = np.hypot(*np.meshgrid(s / 1e-3, z / 3e-3)) * (1.0 + 0.1 * draw.normal(size=(41, 1)))
@@ -124,7 +124,7 @@ def rough_scan(seed: int) -> Scanned:
 
 
 def brute(profile: Any, s: np.ndarray) -> np.ndarray:
-    """h by the smallest of p + (t - s)^2/(2 R) over 40001 places and all ends of pieces."""
+    """Compute h as the minimum of p + (t - s)^2/(2 R) over 40001 positions and all ends of pieces."""
     ends = profile.pieces[:, :2].ravel()
     t = np.linspace(min(ends.min(), s[0]) - 1e-3, max(ends.max(), s[-1]) + 1e-3, 40001)
     t = np.concatenate([t, s, ends, ends - 1e-12, ends + 1e-12])
@@ -133,7 +133,7 @@ def brute(profile: Any, s: np.ndarray) -> np.ndarray:
 
 
 def error(defect: Any, z: float) -> float:
-    """Largest error of h over one section, in parts of its largest value; 0 where there is none."""
+    """Compute the largest error of h over a section, relative to its largest value; 0 outside the defect."""
     profile = section(defect, z)
     if len(profile.pieces) == 0:
         return 0.0
@@ -144,7 +144,7 @@ def error(defect: Any, z: float) -> float:
 
 
 def print_accuracy(count: int) -> None:
-    """Largest and median errors."""
+    """Print the largest and median errors."""
     draw = np.random.default_rng(4)
     errors = [error(random_defect(draw), draw.uniform(-3e-3, 3e-3)) for _ in range(count)]
     rough = [error(rough_scan(seed), z) for seed in range(5) for z in (-2e-3, -1e-3, 0.0, 1e-3, 2e-3)]
@@ -158,7 +158,7 @@ def print_accuracy(count: int) -> None:
 
 @jit
 def evaluated(excitation, group, places, radius):
-    """Sum of h over places (n,) m."""
+    """Sum h over positions (n,) in m."""
     total = 0.0
     for s in places:
         _, h, slope = defect_response(excitation, group, s, radius)
@@ -167,7 +167,7 @@ def evaluated(excitation, group, places, radius):
 
 
 def nanoseconds(excitation: Any, group: np.ndarray, in_order: bool) -> float:
-    """Time of one evaluation (ns), at places across the defect."""
+    """Measure the time of an evaluation (ns) at positions across the defect."""
     places = np.linspace(-1.0, 1.0, 100_000) * group[GROUP_HALF_WIDTH]
     if not in_order:
         np.random.default_rng(0).shuffle(places)
@@ -181,7 +181,7 @@ def nanoseconds(excitation: Any, group: np.ndarray, in_order: bool) -> float:
 
 
 def print_cost() -> None:
-    """A table: groups of a whole defect, pieces of its middle path, ms to build, ns to evaluate one group."""
+    """Print groups of a defect, pieces of its middle path, ms to build it, ns to evaluate a group."""
     closed = {
         "rectangular": box(1e-3, 5e-6),
         "triangular": groove(1e-3, 5e-6, R),
@@ -207,7 +207,7 @@ def print_cost() -> None:
 
 
 def main() -> None:
-    """Do what is asked."""
+    """Run the requested command."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=["scan", "accuracy", "cost"])
     parser.add_argument("path", nargs="?", default="studies/scans/spall.csv")

@@ -1,9 +1,10 @@
-"""Slip of the cage against load and speed: simulated, and from a balance of forces (docs/slip.md).
+"""Cage slip against load and speed, simulated and from an equilibrium of friction and drag (docs/slip.md).
 
     python benchmarks/slip.py RESULTS [--csv FILE] [--png FILE] [--onsets FILE]
 
-RESULTS: of `bearingsim run studies/slip.yaml`. The onset of gross slip (the load at which the cage lags by 5 %,
-coming from rolling) is bisected for each friction law and speed, three seeds each; about 4 CPU minutes.
+RESULTS is the folder of `bearingsim run studies/slip.yaml`. The onset of gross slip (load at which the cage slip,
+from initial rolling, is 5 %) is determined by bisection for each friction law and speed, for three seeds each.
+About 4 minutes of CPU time.
 """
 
 import argparse
@@ -24,16 +25,16 @@ from bearingsim.core.models.equilibrium import find_rest, rest_from_scratch
 from bearingsim.core.parts.cage import land_drag, orbit_drag
 from bearingsim.plots.style import COLOURS, MARKERS, RC
 
-GROSS = 0.05  # slip of the cage from which it is called gross
-CREEPING = np.geomspace(5e-4, GROSS, 200)  # slips that are tried in turn
-CAGE_ANGLES = 16  # of a ball pass
+GROSS = 0.05  # least cage slip that counts as gross
+CREEPING = np.geomspace(5e-4, GROSS, 200)  # slips tried in turn
+CAGE_ANGLES = 16  # number of cage angles over a ball pass
 SEEDS = (1, 2, 3)
 SPEEDS = (600, 1800, 3000, 6000)  # rpm
 LAWS = ("static-dynamic", "traction")
 
 
 class Loads(NamedTuple):
-    """Forces of the rollers at rest, all cage angles together: sums over the entries are means over a ball pass.
+    """Static roller forces at all cage angles, scaled so that sums over the entries are means over a ball pass.
 
     angle: (n,) rad from the load line, in the sense of rotation; inner, outer: (n,) N.
     """
@@ -44,7 +45,7 @@ class Loads(NamedTuple):
 
 
 def loads(model: Any, slip: float) -> Loads:
-    """What each roller carries where, at the cage's speed with ``slip``."""
+    """Compute the roller forces and angles, with the cage speed reduced by ``slip``."""
     b = model.bearing._replace(omega_c=model.bearing.omega_c * (1.0 - slip))
     still, y, entries = assemble.static_model(model._replace(bearing=b)), assemble.empty_buffer(model), []
     for n in range(CAGE_ANGLES):
@@ -56,14 +57,14 @@ def loads(model: Any, slip: float) -> Loads:
 
 
 def drag_torque(model: Any, slip: float) -> float:
-    """Torque (N m) of the oil on cage and rollers."""
+    """Compute the drag torque (N m) of the oil on cage and rollers."""
     b, r = model.bearing, 0.5 * (model.bearing.R_o + model.bearing.R_i)
     omega = b.omega_c * (1.0 - slip)
     return float(-land_drag(model.drag, omega, b.omega_i) - b.Z * r * orbit_drag(model.drag, omega * r))
 
 
 def friction_torque(model: Any, found: Loads, slip: float) -> float:
-    """Torque (N m) that the races can exert at a slip, through the rollers that have crossed their pockets."""
+    """Compute the torque (N m) available from the races at a slip, from rollers in contact with the cage."""
     r = 0.5 * (model.bearing.R_o + model.bearing.R_i)
     entry = found.angle[found.inner > 0.0].min()
     pushing = (found.inner > 0.0) & ((found.angle - entry) * r * slip >= 2.0 * model.cage.play)
@@ -72,7 +73,7 @@ def friction_torque(model: Any, found: Loads, slip: float) -> float:
 
 
 def coefficient(model: Any, slip: float, ratio: float) -> float:
-    """Friction coefficient at the inner race, its force the same as at the outer: mu(v_i) Q_i = mu(v_o) Q_o.
+    """Compute the friction coefficient at the inner race from equal friction at both: mu(v_i) Q_i = mu(v_o) Q_o.
 
     v_i + v_o = slip R_i omega_i; ratio: Q_i/Q_o.
     """
@@ -83,7 +84,7 @@ def coefficient(model: Any, slip: float, ratio: float) -> float:
 
 
 def balance(case: Case) -> float:
-    """Slip of the cage at which friction first holds the drag; 1 if it never does."""
+    """Compute the smallest cage slip at which friction balances the drag; 1 if there is none."""
     model = assemble.model(case)
     found = loads(model, 0.0)
     for slip in CREEPING:
@@ -93,13 +94,13 @@ def balance(case: Case) -> float:
     def excess(slip: float) -> float:
         return friction_torque(model, loads(model, slip), slip) - drag_torque(model, slip)
 
-    if excess(GROSS) >= 0.0:  # with its own loads: the slip that was tried last, to the step
+    if excess(GROSS) >= 0.0:  # with loads at that slip; the last slip tried is accurate to its spacing
         return GROSS
     return float(brentq(excess, GROSS, 0.99, xtol=1e-4)) if excess(0.99) > 0.0 else 1.0
 
 
 def bisected(slip: Callable[[float], float], low: float, high: float) -> float:
-    """Load (N) between ``low`` (gross slip) and ``high`` (none) at which gross slip sets in, to 1 %; or nan."""
+    """Find the load (N) of onset of gross slip between ``low`` (slip) and ``high`` (none), to 1 %; or nan."""
     if not slip(low) > GROSS > slip(high):
         return float("nan")
     while high / low > 1.01:
@@ -109,12 +110,12 @@ def bisected(slip: Callable[[float], float], low: float, high: float) -> float:
 
 
 def onset_by_balance(case: Case, low: float = 0.2, high: float = 200.0) -> float:
-    """Load (N) under which a case slips grossly, by the balance."""
+    """Compute the load (N) below which a case has gross slip, from the balance."""
     return bisected(lambda load: balance(case.model_copy(update={"load": load})), low, high)
 
 
 def onset_by_simulation(case: Case, about: float) -> float:
-    """The same by simulation from rolling, looked for within a factor of 1.5 of a load (N)."""
+    """Find the same load by simulation from rolling, within a factor of 1.5 of a load (N)."""
     near = (about / 1.5, 1.5 * about)
     return bisected(
         lambda load: simulate(case.model_copy(update={"load": load})).features["cage.slip.mean"], *near
@@ -122,7 +123,7 @@ def onset_by_simulation(case: Case, about: float) -> float:
 
 
 def onsets(base: Case) -> list[dict[str, Any]]:
-    """Onset of gross slip for each law and speed, by both ways; and slip over load by the balance, to be drawn."""
+    """List the onset of gross slip for each law and speed by both methods, with slip over load by the balance."""
     rows: list[dict[str, Any]] = []
     for law in LAWS:
         for speed in SPEEDS:
@@ -140,7 +141,7 @@ def onsets(base: Case) -> list[dict[str, Any]]:
 
 
 def chart(folder: str, base: Case) -> pd.DataFrame:
-    """One row for each law, speed and load: mean over the seeds, their range, unsteadiness, balance."""
+    """Return a row per law, speed and load: mean and range over seeds, standard deviation in time, balance."""
     table = open_results(folder).table()
     grouped = table.groupby(["friction", "speed", "load"], sort=False)
     found = pd.DataFrame(grouped["cage.slip.mean"].agg(slip="mean", least="min", most="max"))
@@ -155,12 +156,12 @@ def chart(folder: str, base: Case) -> pd.DataFrame:
 
 
 def given(case: Case) -> dict[str, Any]:
-    """What was said of a case, to be said again with changes."""
+    """Return the fields set in a case."""
     return case.model_dump(exclude_unset=True)
 
 
 def draw(found: pd.DataFrame, at: list[dict[str, Any]], target: str) -> None:
-    """The chart: simulated (markers, bars over the seeds) and by the balance (lines)."""
+    """Draw slip as simulated (markers, bars over the seeds) and by the balance (lines)."""
     with plt.rc_context(RC):  # type: ignore[arg-type]
         figure, panels = plt.subplots(1, len(LAWS), figsize=(7.0, 3.4), sharey=True, layout="constrained")
         for axes, law in zip(panels, LAWS, strict=True):
@@ -174,7 +175,7 @@ def draw(found: pd.DataFrame, at: list[dict[str, Any]], target: str) -> None:
 
 
 def draw_law(axes: Any, found: pd.DataFrame, at: list[dict[str, Any]]) -> None:
-    """One panel."""
+    """Draw a panel."""
     for speed, colour, marker in zip(SPEEDS, COLOURS, MARKERS, strict=False):
         part = found[found["speed_rpm"] == speed]
         spread = 100.0 * np.abs(part[["least", "most"]].to_numpy().T - part["slip"].to_numpy())
@@ -185,7 +186,7 @@ def draw_law(axes: Any, found: pd.DataFrame, at: list[dict[str, Any]]) -> None:
 
 
 def main() -> None:
-    """Compare the results of the study with the balance; find the onsets; write tables and figure."""
+    """Compare the results of the study with the balance; determine the onsets; write tables and figure."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("results")
     parser.add_argument("--csv", default="docs/data/slip.csv")

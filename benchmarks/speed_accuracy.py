@@ -1,8 +1,8 @@
-"""docs/speed-accuracy.md: the chart of ``bearingsim bench``, with the peers of ``make bench`` in one scene.
+"""Chart of ``bearingsim bench`` for docs/speed-accuracy.md, with the peers of ``make bench`` in one scene.
 
     python -m benchmarks.speed_accuracy [--quick] [--jobs N] [--out results/bench-chart]
 
-The whole chart is written into docs/, text and figures; that of `--quick` stays in its folder.
+Text and figures of the full chart are copied into docs/; those of `--quick` are not.
 """
 
 import argparse
@@ -25,7 +25,7 @@ SOLVERS = {
     "numbalsoda lsoda": "numbalsoda",
     "numbalsoda dop853": "numbalsoda",
 }
-"""What ``peers.solvers`` gives beside SciPy's, and the package of each."""
+"""Solvers of ``peers.solvers`` other than SciPy's, with their packages."""
 OF_SCIPY: Settings = {
     "scipy-lsoda": (Setting(tolerance=1e-3), Setting(tolerance=1e-5)),
     "scipy-dop853": (Setting(tolerance=1e-3),),
@@ -34,13 +34,13 @@ TOLERANCES, FEW = (1e-4, 1e-5, 1e-6, 1e-7), (1e-5, 1e-6)
 
 
 def solver(name: str) -> outside.Solver:
-    """A peer as the chart calls it; it shows no steps, and so no largest force."""
+    """Adapt a peer to the chart; it gives no access to steps, and so no largest force."""
 
     def solve(given: outside.Equations) -> outside.Solution:
         problem = peers.problem(given.model, given.y, given.instants)
         problem.derivatives(
             0.0, problem.u, np.empty_like(problem.u), problem.y.copy()
-        )  # compiled before the clock
+        )  # compile before timing
         integrate = dict(peers.solvers(problem))[name]
         began = time.thread_time()
         try:
@@ -53,14 +53,14 @@ def solver(name: str) -> outside.Solver:
 
 
 def in_si(states: np.ndarray, Z: int) -> np.ndarray:
-    """States of a peer, (rollers, ring; um, then m/s) by instants, as the chart has them: ring first, in SI."""
+    """Convert the states of a peer (rollers, ring; um, then m/s) to those of the chart (ring first, SI)."""
     places, velocities = states[: Z + 2] * peers.MICRO, states[Z + 2 :]
     order = [Z, Z + 1, *range(Z)]
     return np.concatenate([places[order], velocities[order]])
 
 
 def settings(quick: bool) -> Settings:
-    """Peers that are here, at some tolerances."""
+    """Return the installed peers with some tolerances."""
     gone = peers.absent()
     of = tuple(Setting(tolerance=tolerance) for tolerance in (FEW if quick else TOLERANCES))
     theirs = {name: of for name, package in SOLVERS.items() if package not in gone}
@@ -68,7 +68,7 @@ def settings(quick: bool) -> Settings:
 
 
 def main() -> None:
-    """Make the chart, and the page."""
+    """Compute the chart and write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--jobs", type=int, default=2)
@@ -85,7 +85,7 @@ def main() -> None:
 
 
 def into_docs(folder: Path) -> None:
-    """Copy text and figures to where the documentation has them."""
+    """Copy text and figures into the documentation."""
     for figure in sorted(folder.glob("speed-accuracy-*.png")):
         shutil.copyfile(figure, DOCS / "figures" / figure.name)
     text = (folder / report.NAME).read_text(encoding="utf-8")

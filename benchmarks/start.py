@@ -1,11 +1,11 @@
-"""Does a run with `settle: auto` forget its start, and does `error.start` say what is left?
+"""Error due to the initial transient with `settle: auto`, compared with `error.start`.
 
     python -m benchmarks.start [--cases 40] [--seed 1] [--csv docs/data/start.csv]
 
-Housings of 1 to 60 kg on brackets of 1e6 to 1e8 N/m, bracket damping from 1 to 20 % of critical, drawn by chance.
-Line, RMS and largest force are compared with a run from rest, in full and at the same step, that settles ten times
-as long. An error is within what is said if it is at most `error.start` or 0.1 %; where neither record repeats, and
-they differ by chance, if it is at most two of their errors together.
+Random scenes have housings of 1 to 60 kg on brackets of 1e6 to 1e8 N/m, with bracket damping of 1 to 20 % of
+critical. Line, RMS and largest force are compared with a full run from static equilibrium with the same step and
+ten times the settling time. An error must be at most `error.start` or 0.1 %; if neither record is periodic, so
+that they differ at random, at most two combined errors.
 """
 
 import random
@@ -22,14 +22,14 @@ from bearingsim.simulation.settling import SlowModes
 from bearingsim.simulation.simulate import Record
 from benchmarks.campaign import table
 
-LONGER = 10.0  # times as long the other run settles
-PROMISED, NOTABLE = 1e-3, 0.01  # of line and RMS: what settling promises; what must not be off unsaid
-CHANCE = 2.0  # of the two errors together, where both records are drawn by chance
+LONGER = 10.0  # times the settling time, for the other run
+PROMISED, NOTABLE = 1e-3, 0.01  # relative errors of line and RMS: limit after settling; largest unreported error
+CHANCE = 2.0  # combined errors, allowed if both records are random
 LEAST_HELD = 0.95
 
 
 class Told(NamedTuple):
-    """A scene: its settling (s), ball passes computed, its errors and what was said of each, and CPU times (s)."""
+    """Result of a scene: settling time (s), ball passes computed, errors and stated errors, CPU times (s)."""
 
     scene: str
     model: str
@@ -82,7 +82,7 @@ def scene(chance: random.Random) -> dict[str, Any]:
 
 @contextmanager
 def from_rest() -> Iterator[None]:
-    """Let runs start from rest, whatever their slow modes."""
+    """Start runs from static equilibrium, without the treatment of slow modes."""
     usual = SlowModes.of
     SlowModes.of = classmethod(lambda *_: None)  # type: ignore[method-assign, assignment]
     try:
@@ -92,7 +92,7 @@ def from_rest() -> Iterator[None]:
 
 
 def measured(fields: dict[str, Any]) -> Told:
-    """Compute a scene with `settle: auto`, and from rest, and compare."""
+    """Compute a scene with `settle: auto` and from static equilibrium, and compare."""
     case = Case.model_validate(fields)
     found = simulate(case)
     same = {"method": found.info["method"], "step": found.info["step_s"], "periodic": False}
@@ -127,14 +127,14 @@ def measured(fields: dict[str, Any]) -> Told:
 
 
 def bound(found: Record, long: Record, name: str) -> float:
-    """What an error stays under, by what is said: of records of which neither repeats, also by chance."""
+    """Return the bound of an error, including random differences if neither record is periodic."""
     if float(found.info["period_passes"]) > 0:
         return found.features[name]
     return max(found.features[name], CHANCE * hypot(found.features[name], long.features[name]))
 
 
 def main() -> None:
-    """Measure all scenes, and write the table. Exit code 1 if too few hold what is said."""
+    """Measure all scenes and write the table. Exit code 1 if too few errors are within their bounds."""
     frame = table(__doc__, 40, scene, measured)
     held, unsaid = int(frame["held"].sum()), int(frame["unsaid"].sum())
     print(f"{held} of {len(frame)} within what is said, {unsaid} over 1 % unsaid; {frame['repeats'].sum()} repeat")

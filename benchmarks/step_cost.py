@@ -1,12 +1,12 @@
-"""What one integrator step costs, for each model and method, healthy and over a slot.
+"""Cost of an integrator step, for each model and method, healthy and with defects.
 
     python benchmarks/step_cost.py [--csv FILE] [--steps N] [--rounds N] [--only WORD]
 
-NF308, 1800 rpm, 150 N. Every variant is compiled and warmed first; then all take turns, each running the same N
-steps a round under the watch that `simulate` sets, and the fastest round of each counts: what disturbs a machine
-comes and goes, and hits all alike. A second block gives `rollers` other numbers of rollers, the price of padding;
-a third other laws of contact. ``--only``: variants whose scene begins with that word.
-Columns: ns per step; the step `auto` chooses (us); CPU s per simulated second that follows from the two.
+NF308, 1800 rpm, 150 N. All variants are compiled first. Then they run in turn, N steps per round with the monitor
+of `simulate`, and the fastest round of each counts, so that disturbances of the machine affect all variants
+equally. A second block has `rollers` with other numbers of rollers, to show the cost of padding; a third block has
+other contact laws. ``--only``: only variants whose scene begins with that word. Columns: ns per step; step chosen
+by `auto` (us); resulting CPU time (s) per simulated second.
 """
 
 import argparse
@@ -41,11 +41,11 @@ LAWS |= {"kraemer": {"damping": {"law": "kraemer", "beta": 1e-5}}}
 LAWS |= {f"m3 = {m3:g}": {"damping": GENERAL | {"indentation_exponent": m3}} for m3 in (0.0, 1.0, 1.5, 2.0)}
 LAWS |= {"m1 = 1.2": {"stiffness": {"law": "constant", "coefficient": 1e6, "exponent": 1.2}}}
 LAWS |= {"m1 = 1.2, m3 = 1.5": LAWS["m1 = 1.2"] | LAWS["m3 = 1.5"]}
-SLOWER = {"static": 50}  # a balance costs about as much as so many steps
+SLOWER = {"static": 50}  # steps that cost as much as one static equilibrium, approximately
 
 
 def variant(labels: dict[str, Any], case: Case, model: Any) -> dict[str, Any]:
-    """A variant ready to be timed: labels for the table, method, model, state at rest."""
+    """Prepare a variant for timing: labels for the table, method, model, static equilibrium."""
     cut = time_grid.grid(case)
     model = assemble.with_friction_lag(model, cut.step)
     y, _ = assemble.start(case, model)
@@ -55,7 +55,7 @@ def variant(labels: dict[str, Any], case: Case, model: Any) -> dict[str, Any]:
 
 
 def models_and_methods() -> Iterator[dict[str, Any]]:
-    """Every model with every method, in each scene."""
+    """Yield all models with all methods, in each scene."""
     for scene, defect in SCENES.items():
         for model, method in PAIRS:
             case = Case.model_validate(BASE | defect | {"model": model} | ({"method": method} if method else {}))
@@ -64,7 +64,7 @@ def models_and_methods() -> Iterator[dict[str, Any]]:
 
 
 def numbers_of_rollers() -> Iterator[dict[str, Any]]:
-    """`rollers` with other numbers of rollers: only the arithmetic matters here, they would not all fit."""
+    """Yield `rollers` with other numbers of rollers, not all of which would fit geometrically."""
     case = Case.model_validate(BASE | {"clearance": "-1 um", "method": "verlet"})
     for Z in ROLLERS:
         model = assemble.model(case)
@@ -73,7 +73,7 @@ def numbers_of_rollers() -> Iterator[dict[str, Any]]:
 
 
 def laws_of_contact() -> Iterator[dict[str, Any]]:
-    """`rollers` and `planar` with each law: what leaves the vector lanes."""
+    """Yield `rollers` and `planar` with each contact law, some of which prevent vectorisation."""
     for (name, law), model in product(LAWS.items(), ("rollers", "planar")):
         case = Case.model_validate(BASE | {"model": model, "method": "verlet", "contact": law})
         labels = {"scene": f"law {name}", "model": model, "method": "verlet", "rollers": case.bearing.rollers}
@@ -81,7 +81,7 @@ def laws_of_contact() -> Iterator[dict[str, Any]]:
 
 
 def run(one: dict[str, Any], steps: int) -> float:
-    """CPU time (ns) per step of one round; the variant's clock goes on from round to round."""
+    """Return the CPU time (ns) per step of a round; simulated time continues from round to round."""
     count = max(1, steps // SLOWER.get(one["row"]["model"], 1))
     places = np.array([*RING_MOTION, lay.Q_O, lay.Q_I])
     out = np.empty((len(places), count))

@@ -1,16 +1,17 @@
-"""Does the error of a run's step stay within what the run says of it?
+"""Step error of runs, compared with the stated step error.
 
     python benchmarks/step_error.py [--scenes 40] [--seed 1] [--jobs 2] [--each]
 
-Random scenes in `ring`, `rollers` and `planar` (``draw``) are run as the default does, and again with an eighth of
-the step that it took (of an adaptive method: a thousandth of the tolerance). Told of line, RMS and largest force:
+Random scenes of `ring`, `rollers` and `planar` (``draw``) are run by default, and again with an eighth of the step
+(for an adaptive method, a thousandth of the tolerance). Printed for line, RMS and largest force:
 
-within    of the scenes that are no chaos: how many change by no more than `step_error.line`, `.rms`, `.force` said
-ratio     the change over what was said: median, nineteen in twenty, largest
-change    the largest
+within    number of non-chaotic scenes whose change is at most `step_error.line`, `.rms`, `.force`
+ratio     change over stated error: median, 95 % quantile, largest
+change    largest change
 
-and in how many scenes all three were within. Of chaotic ones only the RMS is compared, within what was said and
-`rms_scatter`. The factors of ``simulation/step_check.py`` were calibrated with seed 11, and tested with others.
+and the number of scenes with all three within. For chaotic scenes only the RMS is compared, with the stated error
+plus `rms_scatter`. The factors of ``simulation/step_check.py`` were calibrated with seed 11, and tested with
+others.
 """
 
 import argparse
@@ -27,11 +28,11 @@ from bearingsim.simulation.simulate import Began, Record, _simulate
 
 QUANTITIES = ("line", "rms", "force")
 PART = 1 / 8
-SHORTEST, LONGEST, PASSES = 0.1, 0.5, 12.0  # s of a record, and ball passes
+SHORTEST, LONGEST, PASSES = 0.1, 0.5, 12.0  # limits of a record in s, and its number of ball passes
 
 
 def draw(number: int, seed: int) -> Case:
-    """A scene: model, bearing, load, clearance, speed, damping, and mostly a defect of any race."""
+    """Draw a scene: model, bearing, load, clearance, speed, damping, and mostly a defect of any race."""
     rng = np.random.default_rng([seed, number])
 
     def log(low: float, high: float) -> float:
@@ -67,14 +68,14 @@ def draw(number: int, seed: int) -> Case:
 
 
 def values(record: Record, case: Case) -> np.ndarray:
-    """Line (of several the largest), RMS and largest force."""
+    """Return the line (largest of several), RMS and largest force."""
     found = record.features
     line = max(found[f"velocity@{name}"] for name in fault_lines(case))
     return np.array([line, found["velocity.rms"], found["outer_force.max"]])
 
 
 def tried(number: int, seed: int) -> dict[str, Any]:
-    """One scene, both ways."""
+    """Compute a scene by default and with a finer step."""
     case = draw(number, seed)
     told: dict[str, Any] = {"scene": number, "model": case.model, "race": [one.race for one in case.defects]}
     try:
@@ -100,7 +101,7 @@ def tried(number: int, seed: int) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Try the scenes and print what the head of this file announces."""
+    """Compute the scenes and print the table."""
     asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     asked.add_argument("--scenes", type=int, default=40)
     asked.add_argument("--seed", type=int, default=1)

@@ -1,11 +1,10 @@
-"""How the error grows with the step, in fractions of the method's limit at impact.
+"""Error against step, in fractions of the step limit of the method at impact.
 
     python benchmarks/step_fraction.py [--csv FILE]
 
-For each scene and method the case is computed with steps of a few fractions of ``Limits.at_impact`` and compared
-with RK4 at a twentieth of it: relative error of the velocity line at BPFO, of its RMS, and of the largest contact
-force, as far as the run came. The fractions that automatic steps take, and
-the refusal near 1, rest on this table.
+Each scene is computed by each method with several fractions of ``Limits.at_impact``, and compared with RK4 at 1/20
+of it: relative errors of the velocity line at BPFO, of the RMS, and of the largest contact force. The fractions
+used for automatic steps, and the refusal near 1, are based on this table.
 """
 
 import argparse
@@ -41,7 +40,7 @@ SCENES: dict[str, dict] = {
 
 
 def features(case: Case, step: float) -> dict[str, float] | str:
-    """Features with a step that may be too long, or why the run was stopped."""
+    """Return the features at a step that may be too long, or the reason why the run stopped."""
     with mock.patch.object(time_grid, "requested_step", return_value=step):
         try:
             return simulate(case.model_copy(update={"step": step, "step_check": False})).features  # not halved
@@ -50,7 +49,7 @@ def features(case: Case, step: float) -> dict[str, float] | str:
 
 
 def compare(name: str, model: str) -> list[dict]:
-    """Rows of the table for one scene."""
+    """Compute the rows of a scene."""
     settings = BASE | SCENES[name] | {"model": model}
     exact_case = Case.model_validate(settings | {"method": "rk4"})
     exact = features(exact_case, choice.limits(exact_case).at_impact / 20.0)
@@ -73,7 +72,7 @@ def compare(name: str, model: str) -> list[dict]:
 
 
 def main() -> None:
-    """Print the table; write it to a file if asked."""
+    """Print the table, and write it to a file if requested."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--csv")
     parser.add_argument("--model", default="rollers")

@@ -1,14 +1,14 @@
-"""Is a record that ends `until` an accuracy as accurate as it says, and how much does it save?
+"""Accuracy and savings of records that end early by `until`.
 
     python benchmarks/until.py [--scenes 40] [--seed 1] [--accuracy 0.005] [--jobs 2]
 
-Random scenes of `rollers` that may repeat (``benchmarks/repetition.py``), 2 s long, are drawn until so many of
-them end early because line and RMS are known. Each is computed in full as well. Told are
+Random scenes of `rollers` that may be periodic (``benchmarks/repetition.py``), 2 s long, are drawn until enough of
+them end early because line and RMS are accurate. Each is also computed in full. Printed are
 
-within   how many have the full record's line and RMS within three of the standard errors that were said
-late     how many took more than twice the passes that were needed: as many as the scatter of the full record asks
-         for, and at least the fewest that are looked at
-saved    the part of the ball passes that was not computed: median
+within   number whose line and RMS are within three stated standard errors of those of the full record
+late     number with more than twice the needed passes, that is those required by the scatter of the full record,
+         but at least the minimum number of passes
+saved    median fraction of ball passes not computed
 """
 
 import argparse
@@ -26,7 +26,7 @@ ERRORS = {"standard_error_line": "velocity@BPFO", "standard_error_rms": "velocit
 
 
 def tried(number: int, seed: int, wanted: float) -> dict[str, Any]:
-    """One scene: ended as soon as it may, and in full."""
+    """Compute a scene with an early end, and in full."""
     case = draw("rollers", number, seed).model_copy(update={"duration": DURATION, "method": "auto"})
     try:
         short = simulate(case.model_copy(update={"until": wanted}))
@@ -48,7 +48,7 @@ def tried(number: int, seed: int, wanted: float) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Draw until enough end early, and print what the head of this file announces."""
+    """Draw scenes until enough end early, and print the table."""
     asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     asked.add_argument("--scenes", type=int, default=40)
     asked.add_argument("--seed", type=int, default=1)
