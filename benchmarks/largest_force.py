@@ -48,7 +48,7 @@ def scene(chance: random.Random) -> dict[str, Any]:
 
 
 def covered(forces: np.ndarray, passes: int, rollers: int) -> tuple[float, float, float]:
-    """Return scatter, stated error and covered fraction of pairs, for records cut from the forces (n,) of passes."""
+    """Return scatter, stated error and covered fraction of pairs, for records of ``passes`` forces each."""
     records = forces[: len(forces) // passes * passes].reshape(-1, passes)
     quarter = passes // PARTS // rollers * rollers or passes // PARTS
     largest = records.max(axis=1) / records.max(axis=1).mean()

@@ -40,7 +40,7 @@ def solver(name: str) -> outside.Solver:
         problem = peers.problem(given.model, given.y, given.instants)
         problem.derivatives(
             0.0, problem.u, np.empty_like(problem.u), problem.y.copy()
-        )  # compile before timing
+        )  # compiles, before the clock starts
         integrate = dict(peers.solvers(problem))[name]
         began = time.thread_time()
         try:
