@@ -84,8 +84,8 @@ def _low_passed_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
 def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """Return the largest force (N), tilt (rad) and line load (N/m) of any roller in the record's whole passes.
 
-    If the record has no whole pass, the pass in which it starts is used. Quantities that the model does not
-    compute are NaN.
+    If the record has no whole pass, the first pass to begin at or after its start is used. Quantities that the
+    model does not compute are NaN.
     """
     entry = MODELS[case.model]
     available = (entry.loaded, entry.loaded, entry.slips, entry.sliced, entry.sliced)

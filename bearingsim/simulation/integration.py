@@ -168,7 +168,7 @@ def _start(setup: Setup, nudge: float, state: np.ndarray | None = None) -> np.nd
 
 
 def _go_on_from(setup: Setup, t: float, y: np.ndarray) -> None:
-    """Complete a buffer after its positions and velocities have been written, at time ``t`` (s)."""
+    """Update accelerations and method state in a buffer with new positions and velocities at time ``t`` (s)."""
     start_at_rest(setup.model, t, y)
     if type(setup.method) in prepare.types:
         ready(setup.method, setup.model, t, y)

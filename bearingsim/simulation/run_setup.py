@@ -98,7 +98,7 @@ MAX_EVALUATIONS = 2e4  # model evaluations of an adaptive method after which it 
 
 
 def monitor_of(cut: time_grid.Grid, limits: Limits) -> Monitor:
-    """Return a monitor that checks the motion every quarter of a contact period or defect crossing, if shorter."""
+    """Return a monitor that checks the motion at least every quarter of a contact period and defect crossing."""
     patience = 0.5 / limits.contact_frequency if limits.contact_frequency > 0.0 else 1.0
     stride = int(min(patience, limits.crossing / 2.0) / (2.0 * cut.step))
     return Monitor(min(32, max(1, stride)), patience, limits.approach_bound, limits.energy_bound, MAX_EVALUATIONS)
