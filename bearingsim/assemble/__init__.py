@@ -106,8 +106,8 @@ def adaptive(case: Case) -> bool:
 def model(case: Case) -> Any:
     """Assemble the core's model of the case.
 
-    The bracket is anchored at the mean equilibrium of the healthy bearing, because it would carry a part of the
-    load otherwise. Raises ``NoEquilibrium`` if the healthy bearing has no equilibrium.
+    The bracket is anchored at the mean equilibrium of the healthy bearing; anchored elsewhere it would carry a
+    part of the load. Raises ``NoEquilibrium`` if the healthy bearing has no equilibrium.
     """
     entry = MODELS[case.model]
     if entry.build:

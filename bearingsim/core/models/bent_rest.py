@@ -206,9 +206,10 @@ def go(bending, model, t, y, part):
 
 @jit
 def search_along(bending, model, t, y, push):
-    """Move along WAY until the work of the force along it has vanished, at most by the full length.
+    """Apply the step WAY, or a part of it if the force along it would reverse.
 
-    push: that work (N m) at the start. Returns the norm of the force (N) at the end.
+    push: work of the force along WAY (N m) at the start; at a partial step its magnitude is at most half of this.
+    Returns the norm of the force (N) at the end.
     """
     for k in range(unknowns(bending)):
         i = cell(bending, k)

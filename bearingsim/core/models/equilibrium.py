@@ -58,7 +58,7 @@ def contact_force(contact, side, defects, y, j, delta):
 
 @jit
 def excess_force(model, y, j, touch, q):
-    """Return the net inward force (N) on a roller at ``q`` (m) and its derivative (N/m).
+    """Return the net inward force (N) on a roller at ``q`` (m), and the stiffness of its contacts (N/m).
 
     touch: position of first contact with the outer race (m).
     """
@@ -191,9 +191,10 @@ def force_at(model, t, y, x, z, d_x, d_y, part):
 
 @jit
 def line_search(model, t, y, d_x, d_y, push):
-    """Move along (d_x, d_y) (m) until the force along it has vanished, at most by the full length.
+    """Apply the step (d_x, d_y) (m), or a part of it if the force along it would reverse.
 
-    push: product of force and step (N m) at the start. Returns the net force (N) at the end.
+    push: product of force and step (N m) at the start; at a partial step its magnitude is at most half of this.
+    Returns the net force (N) at the end.
     """
     x, z = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
     f_x, f_y, end = force_at(model, t, y, x, z, d_x, d_y, 1.0)
@@ -298,7 +299,7 @@ def find_in_time(find, model, t, y):
 
 
 def given_load(model):
-    """Return the whole load (N) on a bearing."""
+    """Return the magnitude (N) of the load on a bearing."""
     return model.bending.load if isinstance(model.bending, Bending) else hypot(*model.support[:2])
 
 
@@ -310,8 +311,8 @@ def held_body_position(model, y):
 class Rest(NamedTuple):
     """Static equilibrium of a bearing over a ball pass.
 
-    x, y: mean position of the body held by the bracket, the ring or the carrier around it (m); load, approach:
-    largest force on a roller (N) and the sum of the approaches of its two contacts then (m); K_x, K_y: mean
+    x, y: mean position of the body held by the bracket, the ring or the carrier around it (m); load: largest force
+    on a roller (N); approach: sum of the approaches of its two contacts under this force (m); K_x, K_y: mean
     stiffness (N/m) of the rollers for the ring.
     """
 

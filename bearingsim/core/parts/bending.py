@@ -12,8 +12,8 @@ and sin of n phi_j are tabulated, with theta_j = theta_c + phi_j and
     w(theta_j) = sum_n A_n cos(n phi_j) + B_n sin(n phi_j),   A_n + i B_n = (a_n + i b_n) exp(-i n theta_c).
 
 A roller moves along the deformed race, so the closing rate of its outer contact is w_t + omega_c w_theta less than
-on a rigid race. Virtual work gives the forces on the amplitudes; the work of the cage in moving a roller along the
-deformed race balances the convective term of the rate (docs/ring.md).
+on a rigid race. Virtual work gives the forces on the amplitudes; this rate includes the power that the cage needs
+to move a roller along the deformed race (docs/ring.md).
 """
 
 from math import sqrt

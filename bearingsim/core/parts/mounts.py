@@ -77,7 +77,7 @@ def accelerate_mounted_ring(
 @accelerate_mounted_ring.register(ElasticMount)
 def _accelerate_mounted_ring_sprung(held, ring, f_z, m_x, m_y, m_z, y, z, tilt_x, tilt_y):
     b = ring
-    s_x = -held.k_tilt * (b.a_x - held.tilt_x) - held.c_tilt * b.w_x  # on the axis' tip, at 1 m
+    s_x = -held.k_tilt * (b.a_x - held.tilt_x) - held.c_tilt * b.w_x  # force on the tip of b, at 1 m
     s_y = -held.k_tilt * (b.a_y - held.tilt_y) - held.c_tilt * b.w_y
     m_x, m_y, m_z = m_x - b.a_z * s_y, m_y + b.a_z * s_x, m_z + b.a_x * s_y - b.a_y * s_x
     l_x, l_y = axis_acceleration(
@@ -130,7 +130,7 @@ def _mount_rates_sprung(held):
 def _mount_load_sprung(held, y, f_z, m_x, m_y, m_z, z, tilt_x, tilt_y):
     b_x, b_y = y[lay.POSITION + tilt_x], y[lay.POSITION + tilt_y]
     b_z = sqrt(1.0 - b_x * b_x - b_y * b_y)
-    on_x, on_y = m_y * b_z - m_z * b_y, m_z * b_x - m_x * b_z  # on the axis' tip, at 1 m
+    on_x, on_y = m_y * b_z - m_z * b_y, m_z * b_x - m_x * b_z  # equivalent force on the tip of b, at 1 m
     return (
         f_z - held.k_z * y[lay.POSITION + z],
         on_x - held.k_tilt * (b_x - held.tilt_x),

@@ -8,7 +8,7 @@ The middle of slice k of a roller is p = c + zeta_k a. With the ring's centre u 
 sigma = 1 on the outer race, -1 on the inner; g is -sigma times the tilt of the normal at a defect. X and its rate
 are linear along the roller, so only their values at its middle (OFFSET, OFFSET_V) and slopes (DIRECTION,
 DIRECTION_V) are stored. Sums over the slices: G of the forces, H of zeta times the forces, COUPLE_AXIAL and COUPLE
-of the moments of friction about p, so that
+of the moments about p by friction and by defects of the roller, so that
 
     moment on the roller = a x H + COUPLE_AXIAL b + COUPLE
 
