@@ -1,8 +1,8 @@
 """Rolling without slip: cage speed and the frequencies at which elements pass.
 
 Angles in rad, speeds in rad/s, frequencies in Hz, lengths in m. ``omega_i`` is the speed of the inner ring
-relative to the outer one; where both turn, so is the speed of the cage. ``angle`` is the contact angle: 0 in every
-model, all of which are of radial bearings.
+relative to the outer one; if both turn, the cage speed is relative, too. ``angle`` is the contact angle, 0 in all
+models, which are of radial bearings.
 Source: any bearing text, e.g. Harris, Rolling Bearing Analysis, ch. 8; Schaeffler's and CWRU's tables agree.
 """
 
@@ -10,8 +10,7 @@ from math import cos, pi
 
 
 def cage_speed(omega_i: float, D_w: float, d_m: float, angle: float = 0.0) -> float:
-    """Return the angular speed of the cage (rad/s) when the inner ring turns at ``omega_i`` and the outer
-    stands.
+    """Return the angular speed of the cage (rad/s) with the inner ring turning at ``omega_i`` and the outer fixed.
 
     Equation (M2) of docs/model.md, without slip.
     """
@@ -19,24 +18,24 @@ def cage_speed(omega_i: float, D_w: float, d_m: float, angle: float = 0.0) -> fl
 
 
 def fundamental_train_frequency(omega_i: float, D_w: float, d_m: float, angle: float = 0.0) -> float:
-    """Return FTF: the cage's turns per second (Hz)."""
+    """Return FTF, the cage's turns per second (Hz)."""
     return cage_speed(omega_i, D_w, d_m, angle) / (2.0 * pi)
 
 
 def ball_pass_frequency_outer(omega_i: float, D_w: float, d_m: float, Z: int, angle: float = 0.0) -> float:
-    """Return BPFO: rolling elements passing a point of the outer race per second (Hz)."""
+    """Return BPFO, rolling elements passing a point of the outer race per second (Hz)."""
     return Z * fundamental_train_frequency(omega_i, D_w, d_m, angle)
 
 
 def ball_pass_frequency_inner(omega_i: float, D_w: float, d_m: float, Z: int, angle: float = 0.0) -> float:
-    """Return BPFI: rolling elements passing a point of the inner race per second (Hz)."""
+    """Return BPFI, rolling elements passing a point of the inner race per second (Hz)."""
     return Z * (omega_i / (2.0 * pi) - fundamental_train_frequency(omega_i, D_w, d_m, angle))
 
 
 def ball_spin_frequency(omega_i: float, D_w: float, d_m: float, angle: float = 0.0) -> float:
-    """Return BSF: turns of a rolling element about its own axis relative to the cage, per second (Hz).
+    """Return BSF, turns of a rolling element about its own axis relative to the cage, per second (Hz).
 
-    A spot on the element meets a race twice a turn, so its line stands at 2 BSF.
+    A defect of the element touches a race twice per turn, so its spectral line is at 2 BSF.
     """
     ratio = D_w / d_m
     gamma = ratio * cos(angle)

@@ -1,4 +1,5 @@
-"""Rotation of the inner ring, at a steady speed or on a ramp. Every kinematic speed is proportional to it."""
+"""Rotation of the inner ring at constant or linearly changing speed. All kinematic speeds are proportional to
+it."""
 
 from typing import Any, NamedTuple
 
@@ -22,8 +23,8 @@ class Ramp(NamedTuple):
 def kinematic_time(motion: Any, t: float) -> tuple[float, float, float]:
     """Return the equivalent time (s) at the initial speed, its first derivative (1) and its second (1/s).
 
-    In the equivalent time the ring would have turned as far at its initial speed. Angles are omega_i times
-    this time, speeds omega_i times its first derivative; at a steady speed the three are t, 1, 0.
+    In the equivalent time the ring would turn by the same angle at its initial speed. Angles are omega_i times
+    this time, speeds omega_i times its first derivative; at constant speed the results are t, 1, 0.
     """
 
 
@@ -46,7 +47,7 @@ def _kinematic_time_ramp(motion, t):
 
 
 def motion_of(model: Any) -> Any:
-    """Return the model's motion; ``Steady`` for a model without."""
+    """Return the model's motion, ``Steady`` if it has none."""
     return getattr(model, "motion", Steady())
 
 

@@ -1,8 +1,8 @@
-"""Direction and rotation of a body's axis: symmetric tops.
+"""Direction and rotation of axisymmetric bodies (symmetric tops).
 
-The axis is a unit vector a of which two components in fixed directions are kept, a_z = sqrt(1 - a_x^2 - a_y^2).
-The body's angle beta counts about the axis, from where the smallest turn that brings e_z to a would leave it.
-Then its angular velocity is
+The axis is a unit vector a, of which the components a_x, a_y in fixed directions are stored,
+a_z = sqrt(1 - a_x^2 - a_y^2). The body's angle beta about the axis is measured from the orientation after the
+smallest rotation from e_z to a. Then its angular velocity is
 
     Omega = a x a' + omega a,     omega = beta' + winding,     winding = (a_x' a_y - a_x a_y')/(1 + a_z)
 
@@ -10,7 +10,7 @@ and, with I_a, I_t its moments of inertia about the axis and across it, M the mo
 
     omega' = M.a/I_a,     a'' = [(M - I_a omega a') x a]/I_t - |a'|^2 a
 
-both exact, without small angles. Regular while the axis tilts by less than a quarter turn.
+Both are exact, without small-angle approximation, and regular for tilts of the axis below a quarter turn.
 """
 
 from math import sqrt
@@ -21,7 +21,7 @@ from bearingsim.core.jit import jit
 
 
 class Body(NamedTuple):
-    """A ring or the cage as it is now, along e_0, e_90 and e_z.
+    """Current state of a ring or the cage, along e_0, e_90 and e_z.
 
     x, y, z: its centre (m), v_x, v_y, v_z (m/s); a_x, a_y, a_z: its axis, w_x, w_y, w_z: the axis' rate (1/s);
     omega: its speed about the axis (rad/s).
@@ -59,7 +59,7 @@ def axis_precession(a_x, a_y, a_z, w_x, w_y):
 
 @jit
 def axis_precession_rate(body, l_x, l_y):
-    """Compute the rate (rad/s^2) of ``axis_precession`` under accelerations ``l_x``, ``l_y`` (1/s^2) of the
+    """Compute the rate (rad/s^2) of ``axis_precession`` with accelerations ``l_x``, ``l_y`` (1/s^2) of the
     axis."""
     bent = 1.0 + body.a_z
     area = body.w_x * body.a_y - body.a_x * body.w_y
@@ -71,7 +71,7 @@ def axis_acceleration(m_x, m_y, m_z, spin, I_t, a_x, a_y, a_z, w_x, w_y, w_z):
     """Return the acceleration of the axis' x and y (1/s^2) under a moment (N m); spin: angular momentum about the
     axis.
 
-    All in the same directions, fixed or those of a frame now.
+    All components are along the same directions, fixed or those of the current frame.
 
     Equation (S1) of docs/spatial.md: a''.
     """
@@ -82,8 +82,7 @@ def axis_acceleration(m_x, m_y, m_z, spin, I_t, a_x, a_y, a_z, w_x, w_y, w_z):
 
 @jit
 def body_at(y, x, z, tilt_x, tilt_y, angle_rate):
-    """Return the body whose centre lies in the cells ``x``, ``x`` + 1 and ``z``, its axis in ``tilt_x``,
-    ``tilt_y``.
+    """Return the body with its centre in cells ``x``, ``x`` + 1 and ``z`` and its axis in ``tilt_x``, ``tilt_y``.
 
     angle_rate: of its angle about the axis (rad/s).
     """

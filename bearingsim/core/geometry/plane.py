@@ -1,6 +1,7 @@
-"""Positions and velocities of rollers in the plane and their approach to the races, without small angles.
+"""Positions and velocities of rollers in the plane and their approach to the races, for angles of any size.
 
-With rho = |c_j - u| the distance of a roller from a ring's centre, n from there to the roller, tau across it.
+rho = |c_j - u| is the distance of a roller from a ring's centre, n the direction from there to the roller, tau
+transverse to n.
 """
 
 from math import sqrt
@@ -23,7 +24,7 @@ class Centre(NamedTuple):
 
 @inlined
 def centre_at(cell, y):
-    """Return the centre whose coordinates are the shared ones ``cell`` and ``cell`` + 1."""
+    """Return the centre with the shared coordinates ``cell`` and ``cell`` + 1."""
     p, v = lay.POSITION + cell, lay.VELOCITY + cell
     return Centre(y[p], y[p + 1], y[v], y[v + 1])
 
@@ -32,7 +33,7 @@ def centre_at(cell, y):
 def roller_direction(C, S, y, j):
     """Fill the directions of roller ``j`` and of its pocket; C, S: cosine and sine of the first pocket's angle.
 
-    |EPS| stays under a hundredth, where the series are exact to rounding.
+    |EPS| remains below 0.01, where the series are exact to rounding.
     """
     pc = C * y[lay.COS_0 + j] - S * y[lay.SIN_0 + j]
     ps = S * y[lay.COS_0 + j] + C * y[lay.SIN_0 + j]
@@ -46,7 +47,7 @@ def roller_direction(C, S, y, j):
 
 @jit
 def roller_directions(theta_c, y, n):
-    """Fill the directions of all rollers and pockets, the first pocket standing at ``theta_c`` (rad).
+    """Fill the directions of all rollers and pockets, with the first pocket at ``theta_c`` (rad).
 
     Equation (P1) of docs/planar.md.
     """
@@ -57,7 +58,7 @@ def roller_directions(theta_c, y, n):
 
 @jit
 def relative_to_ring(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
-    """Compute position and velocity of a roller relative to a ring at u (m) that moves at ``v_x``, ``v_y`` (m/s).
+    """Compute position and velocity of a roller relative to a ring at u (m) with velocity ``v_x``, ``v_y`` (m/s).
 
     c, s: of the roller's angle; r, v: its radius (m) and radial speed (m/s); theta_v: its orbit (rad/s). Returns
     its distance rho from the centre (m), the direction n to it along e_r and e_theta, r - rho (m) without
@@ -75,7 +76,7 @@ def relative_to_ring(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
 def approach(side, bearing, ring, omega_cage, y, j):
     """Compute approach, its rate, normal and sideways speed of one contact of roller ``j`` over an undamaged race.
 
-    ring: its ``Centre``. The normal points from there to the roller.
+    ring: its ``Centre``, from which the normal points to the roller.
 
     Equation (P3) of docs/planar.md without h.
     """
@@ -96,13 +97,13 @@ def approach(side, bearing, ring, omega_cage, y, j):
     y[distance + j], y[normal_r + j], y[normal_t + j] = rho, n_r, n_t
     outwards, lost = (q, short) if sigma > 0.0 else (short, q)
     y[approaches + j] = outwards - bearing.gap - lost
-    y[rates + j] = sigma * n_t * d_t - -sigma * n_r * d_r  # sigma n.d; written otherwise it rounds otherwise
+    y[rates + j] = sigma * n_t * d_t - -sigma * n_r * d_r  # sigma n.d; another form would round differently
     y[across + j] = n_r * d_t - n_t * d_r
     y[tilts + j] = 0.0
 
 
 @inlined
 def small_angle(sine):
-    """Return the angle (rad) of this sine: its series, exact to rounding below a fiftieth."""
+    """Return the angle (rad) of a sine by its series, exact to rounding below 0.02."""
     z = sine * sine
     return sine * (1.0 + z * (1.0 / 6.0 + z * (3.0 / 40.0 + z * (15.0 / 336.0 + z * (105.0 / 3456.0)))))

@@ -1,4 +1,4 @@
-"""The two sides on which a roller touches a race, as types: the same code serves both, compiled for each."""
+"""The two sides on which a roller touches a race, as types, so that the same code is compiled for each."""
 
 from typing import Any, NamedTuple
 
@@ -16,12 +16,12 @@ class InnerSide(NamedTuple):
 
 @generic
 def sign(side: Any) -> float:
-    """Return 1 where the roller lies inside the race, -1 where outside."""
+    """Return 1 if the roller lies inside the race, -1 if outside."""
 
 
 @generic(inline="early")
 def side_rows(side: Any) -> int:
-    """Return the base of the rows of this side of the rollers."""
+    """Return the base of the rows of the rollers' side."""
 
 
 @generic(inline="early")
@@ -37,13 +37,13 @@ def normal_rows(side: Any) -> tuple[int, int, int, int, int]:
 
 @generic(inline="early")
 def load_cells(side: Any) -> tuple[int, int, int]:
-    """Return cells of a ring's loads: the first in the plane, the first of those beyond it, the moment about
-    the axis."""
+    """Return cells of a ring's loads: the first in the plane, the first out of the plane, the moment about the
+    axis."""
 
 
 @generic(inline="early")
 def slice_rows(side: Any) -> tuple[int, int]:
-    """Return the rows of the load and the approach on this side, among those of a slice."""
+    """Return the rows of load and approach on this side, among the rows of a slice."""
 
 
 @slice_rows.register(OuterSide)

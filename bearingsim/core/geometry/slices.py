@@ -1,9 +1,9 @@
-"""A roller cut across its axis into slices, and its profile.
+"""Slices of a roller across its axis, and its profile.
 
-A slice is a short disc of the roller; its middle stands zeta (m) along the axis from the roller's middle, it
-carries the part w of the roller's contact (its part of the length), and is smaller than the roller by the drop of
-the profile. Slices end where defects end, and are of even length in between: the midpoint rule, of second order
-however the load ends along the roller (docs/spatial.md).
+A slice is a short disc with its middle at zeta (m) along the axis from the roller's middle. It carries the share w
+of the roller's contact (its share of the length), and its radius is reduced by the drop of the profile. Slices end
+where defects end and have equal lengths in between. This is the midpoint rule, of second order whatever the load
+distribution at the roller's ends (docs/spatial.md).
 """
 
 from collections.abc import Callable, Iterable
@@ -14,11 +14,12 @@ import numpy as np
 
 ZETA, WEIGHT, DROP = range(3)  # columns of a slice
 MAX_SLICES = 64
-DEFECT_DENSITY = 3.0  # density of slices over a defect relative to elsewhere
+DEFECT_DENSITY = 3.0  # density of slices over a defect relative to the rest
 
 
 class Slices(NamedTuple):
-    """table: (n, 3): zeta (m), weight (1; the sum is 1), drop (m) of each slice, from -z to +z."""
+    """Slices of a roller. table: (n, 3): zeta (m), weight (1; the sum is 1), drop (m) of each slice, from -z to
+    +z."""
 
     table: np.ndarray
 
@@ -26,8 +27,8 @@ class Slices(NamedTuple):
 def slice_edges(L_w: float, defects: Iterable[tuple[float, float]], n: int) -> np.ndarray:
     """Return the ends (m, from the middle) of at least ``n`` slices of a roller of length ``L_w`` (m), (n + 1,).
 
-    defects: from where to where (m) each defect reaches along the roller. Every end of a defect is an end of a
-    slice, so there can be more than ``n``; at most ``MAX_SLICES``, else ``ValueError``.
+    defects: extent (m, m) of each along the roller. Every end of a defect is an end of a slice, so there can be
+    more than ``n`` slices. Raises ValueError if there are more than ``MAX_SLICES``.
     """
     inside = [(max(a, -L_w / 2.0), min(b, L_w / 2.0)) for a, b in defects]
     cuts = np.unique(np.round([-L_w / 2.0, L_w / 2.0, *(end for defect in inside for end in defect)], 12))
@@ -49,8 +50,8 @@ def slices(ends: np.ndarray, drop: Callable[[float], float]) -> Slices:
 
 
 def crowned(z: float, L_w: float, straight: float, most: float) -> float:
-    """Return the drop (m) at ``z`` (m) of a parabola that sinks from the ends of the ``straight`` part to
-    ``most`` (m)."""
+    """Return the drop (m) at ``z`` (m) of a parabolic profile, from 0 at the ends of the ``straight`` part to
+    ``most`` (m) at the roller's ends."""
     beyond = max(abs(z) - straight / 2.0, 0.0) / (L_w / 2.0 - straight / 2.0) if straight < L_w else 0.0
     return most * beyond * beyond
 

@@ -1,4 +1,4 @@
-"""Vectors by their components, along three directions at right angles."""
+"""Vectors by their components along three orthogonal directions."""
 
 from bearingsim.core.jit import jit
 
@@ -35,8 +35,8 @@ def combine_three(p, a, q, b, s, c):
 
 @jit
 def angular_velocity(body, c, s):
-    """Return the angular velocity (rad/s) of a ``Body`` along e_r, e_theta and e_z of the angle with cosine c
-    and sine s."""
+    """Return the angular velocity (rad/s) of a ``Body`` along e_r, e_theta and e_z at the angle with cosine c and
+    sine s."""
     o_x, o_y, o_z = cross_components(body.a_x, body.a_y, body.a_z, body.w_x, body.w_y, body.w_z)
     o_x, o_y = o_x + body.omega * body.a_x, o_y + body.omega * body.a_y
     return o_x * c + o_y * s, o_y * c - o_x * s, o_z + body.omega * body.a_z

@@ -1,13 +1,13 @@
-"""Hertz contact: from geometry and material to the constants of the contact laws. Plain Python, nothing compiled.
+"""Hertz contact: constants of the contact laws from geometry and material. Plain Python, not compiled.
 
-Elastic half-spaces, smooth and dry, contact small against the radii. Both bodies are of one material (E, nu).
+For smooth and dry elastic half-spaces of one material (E, nu), with a contact small compared to the radii.
 Source: K. L. Johnson, Contact Mechanics, Cambridge 1985, sections 4.1 and 4.2.
 """
 
 from math import exp, log, pi, sqrt
 from typing import Any, NamedTuple
 
-LONGEST_ELLIPSE = 1e4  # ratio of the axes; a longer contact is a line
+LONGEST_ELLIPSE = 1e4  # ratio of the axes; a longer contact is treated as a line
 
 
 def effective_modulus(E: float, nu: float) -> float:
@@ -39,7 +39,7 @@ def line_pressure(Q_per_m: float, R: float, E_star: float) -> float:
 
 
 class PointContact(NamedTuple):
-    """An elliptic contact, Q = k delta^(3/2), whose semi-axes are a Q^(1/3) >= b Q^(1/3).
+    """An elliptic contact, Q = k delta^(3/2), with semi-axes a Q^(1/3) >= b Q^(1/3).
 
     k: N/m^(3/2); a, b: m/N^(1/3).
     """
@@ -60,12 +60,11 @@ class PointContact(NamedTuple):
 
 
 def ball_on_race(E: float, nu: float, D_w: float, r_g: float, R: float) -> PointContact:
-    """Return the contact of a ball of diameter ``D_w`` (m) on a race whose groove has the radius ``r_g`` (m); E in
-    Pa.
+    """Return the contact of a ball of diameter ``D_w`` (m) on a race with groove radius ``r_g`` (m); E in Pa.
 
     ``R``: radius of the race at the bottom of its groove (m), positive for an inner race (convex), negative for
-    an outer (concave). The long axis lies across the direction of rolling. Raises ValueError if the ball does not
-    fit, or fits so closely that there is no ellipse.
+    an outer one (concave). The long axis is transverse to rolling. Raises ValueError if the ball does not fit, or
+    fits so closely that the contact is not an ellipse.
     """
     along, across = 2.0 / D_w + 1.0 / R, 2.0 / D_w - 1.0 / r_g  # curvatures relative to the race, 1/m
     if along <= 0.0 or across <= 0.0:
@@ -74,7 +73,7 @@ def ball_on_race(E: float, nu: float, D_w: float, r_g: float, R: float) -> Point
 
 
 def elliptic_contact(E_star: float, rho_1: float, rho_2: float) -> PointContact:
-    """Return the contact of two bodies of the relative principal curvatures ``rho_1``, ``rho_2`` > 0 (1/m), in any
+    """Return the contact of two bodies with relative principal curvatures ``rho_1``, ``rho_2`` > 0 (1/m), in any
     order.
 
     With kappa = a/b, the complete elliptic integrals K and E of the modulus e, e^2 = 1 - 1/kappa^2, and
@@ -82,8 +81,8 @@ def elliptic_contact(E_star: float, rho_1: float, rho_2: float) -> PointContact:
 
         k = (2 pi E*/3) kappa sqrt(E/(K^3 (A + B))),    a^3 = 3 Q kappa^2 E/(2 pi E* (A + B))
 
-    The integrals come from the arithmetic-geometric mean and kappa by bisection: exact to 1e-11. (The usual fits
-    of Hamrock and Brewe are good to a few per cent.)
+    The integrals are computed by the arithmetic-geometric mean and kappa by bisection, accurate to 1e-11. (The
+    usual fits of Hamrock and Brewe are accurate to a few per cent.)
 
     Equation (C2) of docs/contact.md; Johnson, Contact Mechanics 1985, sections 4.1 and 4.2.
     """
@@ -99,7 +98,7 @@ def elliptic_integrals(kappa: float) -> tuple[float, float]:
     """Return K, and 1 - E/K, of the modulus e with e^2 = 1 - 1/kappa^2.
 
     K = pi/(2 agm(1, 1/kappa)), 1 - E/K = sum of 2^(n-1) c_n^2 (Abramowitz and Stegun, 17.6). The second is
-    returned as it is summed, because differences such as K - E would lose it in rounding.
+    returned directly, because differences such as K - E would have large rounding errors.
     """
     high, low = 1.0, 1.0 / kappa
     total, weight = modulus_squared(kappa) / 2.0, 1.0
@@ -117,15 +116,16 @@ def modulus_squared(kappa: float) -> float:
 
 
 def curvature_ratio(kappa: float) -> float:
-    """Return B/A of the curvatures whose ellipse has the axes' ratio ``kappa`` > 1: (kappa^2 E - K)/(K - E)."""
+    """Return the ratio of curvatures B/A for an ellipse with the ratio of axes ``kappa`` > 1: (kappa^2
+    E - K)/(K - E)."""
     _, short_of_one = elliptic_integrals(kappa)
     return kappa * kappa * (modulus_squared(kappa) - short_of_one) / short_of_one
 
 
 def axis_ratio(ratio: float) -> float:
-    """Return kappa = a/b of the contact ellipse of bodies whose curvatures have the ratio B/A = ``ratio`` >= 1."""
+    """Return kappa = a/b of the contact ellipse of bodies with the ratio of curvatures B/A = ``ratio`` >= 1."""
     if ratio < 1.0 + 1e-12:
-        return 1.0  # a circle, where the ratio itself is 0/0
+        return 1.0  # a circle, for which the ratio is 0/0
     low, high = 0.0, log(LONGEST_ELLIPSE)
     if ratio > curvature_ratio(LONGEST_ELLIPSE):
         raise ValueError(f"curvatures in the ratio {ratio:.3g} make a line, not an ellipse")

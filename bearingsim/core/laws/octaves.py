@@ -1,8 +1,8 @@
-"""Tables of a function of one positive number: cubic pieces on a grid of 32 cells to the octave.
+"""Tables of a function of one positive number, in cubic pieces on a grid of 32 cells per octave.
 
-The cell of a number is read off its exponent bits: no logarithm, no search. A table is flat: the four coefficients
-of each cell in turn, in powers of the distance from the cell's left end. Below FLOOR there is one cell, from the
-origin (where the function is 0) on; above CEILING a straight line.
+The cell of a number follows from its exponent bits, without logarithm or search. A table is a flat array of four
+coefficients per cell, for powers of the distance from the cell's left end. Below FLOOR there is one cell from the
+origin (where the function is 0); above CEILING a straight line.
 """
 
 from collections.abc import Callable
@@ -13,12 +13,12 @@ from bearingsim.core.jit import jit
 
 FIRST, LAST = -36, -6  # octaves of the table
 CELL_BITS = 5
-CELLS = 1 << CELL_BITS  # to an octave
+CELLS = 1 << CELL_BITS  # per octave
 FLOOR, CEILING = 2.0**FIRST, 2.0**LAST
 COEFFICIENTS = 4
-_SHIFT = 52 - CELL_BITS  # bits of a double below those that name its cell
-_BELOW_FLOOR = ((1023 + FIRST) << CELL_BITS) - 1  # cell 0 reaches from the origin to FLOOR
-_LOWEST = float(np.nextafter(FLOOR, 0.0))  # its bits name cell 0
+_SHIFT = 52 - CELL_BITS  # bits of a double below those of its cell's index
+_BELOW_FLOOR = ((1023 + FIRST) << CELL_BITS) - 1  # cell 0 extends from the origin to FLOOR
+_LOWEST = float(np.nextafter(FLOOR, 0.0))  # its bits give cell 0
 
 
 def tabulate(function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
@@ -38,12 +38,11 @@ def tabulate(function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) ->
 
 @jit
 def cell(y):
-    """Return the index of the coefficients of the cell of ``y``, and the distance of ``y`` from the cell's left
-    end."""
-    inside = min(max(_LOWEST, y), CEILING)  # in this order NaN finds a cell, and stays in the distance
+    """Return the index of the coefficients of the cell of ``y``, and the distance of ``y`` from its left end."""
+    inside = min(max(_LOWEST, y), CEILING)  # in this order NaN gets a valid cell and remains in the distance
     number = np.float64(inside).view(np.int64) >> _SHIFT
     left = np.int64(number << _SHIFT).view(np.float64)
-    # one choice only: of two, Numba on Python 3.13 makes branches, and the loop over rollers loses its lanes
+    # only one conditional: with two, Numba on Python 3.13 creates branches, and the loop is not vectorised
     return COEFFICIENTS * (number - _BELOW_FLOOR), y - (0.0 if y < FLOOR else left)
 
 

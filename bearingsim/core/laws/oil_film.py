@@ -1,14 +1,14 @@
 """Oil between a rolling element and a race: film thickness and damping of a line contact. Plain Python and numpy.
 
-Smooth, flooded, isothermal, a Newtonian oil, pure rolling, small oscillations about rest. Loads, stiffnesses and
-frequencies are floats or arrays, in SI units.
+Assumptions: smooth surfaces, flooded and isothermal contact, Newtonian oil, pure rolling, small oscillations about
+equilibrium. Loads, stiffnesses and frequencies are floats or arrays, in SI units.
 
 Derivation, accuracy and limits: docs/damping.md, "The oil film". Sources:
 
 - H. Moes, Lubrication and Beyond, lecture notes, University of Twente 2000, and C. H. Venner, Multilevel Solution
   of the EHL Line and Point Contact Problems, thesis, Twente 1991: film thickness.
 - H. M. Martin, Engineering (London) 102, 1916: rigid cylinders.
-- The damping is derived here. Its fitted numbers come from the solutions of tests/independent/ehl.py.
+- The damping is derived here, with coefficients fitted to the solutions of tests/independent/ehl.py.
 """
 
 from typing import Any, NamedTuple
@@ -21,16 +21,15 @@ Number = Any  # a float or an array
 
 
 def entrainment_speed(omega_inner: float, D_m: float, D_w: float, omega_outer: float = 0.0) -> float:
-    """Return the mean speed u (m/s) at which oil is carried into both contacts of an element that rolls without
-    slip.
+    """Return the entrainment speed u (m/s) of both contacts of an element that rolls without slip.
 
     ``omega_inner``, ``omega_outer``: the rings (rad/s). ``D_m``: pitch diameter, ``D_w``: diameter of the element
-    (m). With g = D_w/D_m the cage turns at (omega_i (1 - g) + omega_o (1 + g))/2. Seen from it the inner race of
-    radius D_m (1 - g)/2, the outer race of D_m (1 + g)/2 and the element's surface run at one speed:
+    (m). With g = D_w/D_m the cage turns at (omega_i (1 - g) + omega_o (1 + g))/2. Relative to it the inner race of
+    radius D_m (1 - g)/2, the outer race of radius D_m (1 + g)/2 and the element's surface have the same speed:
 
         u = |omega_i - omega_o| (D_m^2 - D_w^2)/(4 D_m)
 
-    With a contact angle D_w is its projection, D_w cos(angle).
+    With a contact angle, use the projection D_w cos(angle) as D_w.
     """
     return abs(omega_inner - omega_outer) * (D_m**2 - D_w**2) / (4.0 * D_m)
 
@@ -45,8 +44,8 @@ class OiledLine(NamedTuple):
 
     ``L``: length (m). ``R``: relative radius (m), see ``hertz.half_width``. ``E_star``: E/(2 (1 - nu^2)) of two
     equal bodies (Pa); E' of Moes and Dowson is twice that. ``eta``: viscosity (Pa s) of the oil at the inlet,
-    ``alpha``: d(ln eta)/dp at p = 0 (1/Pa). ``u``: the mean speed of both surfaces relative to the contact (m/s),
-    not their sum.
+    ``alpha``: d(ln eta)/dp at p = 0 (1/Pa). ``u``: mean speed (not the sum) of both surfaces relative to the
+    contact (m/s).
     """
 
     L: float
@@ -58,7 +57,7 @@ class OiledLine(NamedTuple):
 
 
 class Thickness(NamedTuple):
-    """Film (m): ``central``, what the oil carries through per u and length, and ``least``, the narrowest gap."""
+    """Film thickness (m): ``central``, the flow per u and length, and ``least``, the narrowest gap."""
 
     central: Number
     least: Number
@@ -73,15 +72,15 @@ def moes_numbers(Q: Number, line: OiledLine) -> tuple[Number, float]:
 
 
 def film_thickness(Q: Number, line: OiledLine) -> Thickness:
-    """Return Moes' film thickness under the load ``Q`` > 0 (N): one formula between four asymptotes, in R U^(1/2):
+    """Return Moes' film thickness under the load ``Q`` > 0 (N): a blend of four asymptotes, in R U^(1/2):
 
         rigid, isoviscous       central 3.0 / M              least 2.45 / M
         elastic, isoviscous             2.621 M^(-1/5)             2.05 M^(-1/5)
         rigid, piezoviscous             1.287 L^(2/3)              1.05 L^(2/3)
         elastic, piezoviscous           1.311 M^(-1/8) L^(3/4)     0.96 M^(-1/8) L^(3/4)
 
-    The central film is the gap where the flow is u h, which of rigid cylinders is 1.226 times the narrowest. Both
-    are within 7 % of the solutions of tests/independent/ehl.py (M 0.1 to 120, L 7 to 26).
+    The central film is the gap at which the flow is u h; for rigid cylinders it is 1.226 times the narrowest gap.
+    Both are within 7 % of the solutions of tests/independent/ehl.py (M 0.1 to 120, L 7 to 26).
     """
     M, L = moes_numbers(Q, line)
     unit = line.R * (line.eta * line.u / (line.E_star * line.R)) ** 0.5
@@ -103,20 +102,21 @@ LAG = 0.946  # of rigid cylinders: damping over stiffness of the film, in sqrt(2
 STIFFER, SPREAD, SHARPNESS = 20.0, 21.3, 3.4  # fits, see ``transition``
 FLATTENED, FLATTENING = 2.25, 4.0  # fits, see ``carried``
 FASTER, PASSAGE, FALL = 0.79, 1.4, 1.3  # fits of the roll-off
-NOTHING = 1e-6  # N, a load under which there is no damping
+NOTHING = 1e-6  # N, load below which the damping is zero
 
 
 def film_damping(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, exponent: float = 0.5) -> Number:
-    """Return the damping c (N s/m) of the contact, beside its elastic law: Q + k x + c dx/dt for a small approach
-    x.
+    """Return the damping c (N s/m) of the contact in addition to its elastic law, Q + k x + c dx/dt for a small
+    approach x.
 
-    ``Q``: load (N); ``k``: dQ/d(delta) (N/m) there of the elastic law in use; ``omega``: of the oscillation
-    (rad/s), 0 for a slow one. ``exponent``: of the half width, b ~ Q^growth, 1/2 for lines, 1/3 for balls
-    (``ball_as_strip``). Smooth in Q; tends to zero as Q^(3/2) without load.
+    ``Q``: load (N); ``k``: tangent stiffness dQ/d(delta) (N/m) of the elastic law at this load; ``omega``: angular
+    frequency of the oscillation (rad/s), 0 for a slow one. ``exponent``: of the half width, b ~ Q^exponent, 1/2
+    for lines, 1/3 for balls (``ball_as_strip``). The result is smooth in Q and tends to zero as Q^(3/2).
 
-    The sum of ``squeezed`` and ``carried``. Of slow oscillations it is within a factor 1.25 of 9 in 10 solutions.
-    The rest have z from 1 to 1.8 (``transition``), where the film hardly damps: 0.7 to 11 times the solution. At
-    the element's own frequency on its contacts it is an order of magnitude.
+    It is the sum of ``squeezed`` and ``carried``. For slow oscillations it is within a factor 1.25 of 9 in 10
+    solutions. The others have z from 1 to 1.8 (``transition``), where the film has little damping, and the result
+    is 0.7 to 11 times the solution. At the natural frequency of the element on its contacts it is only an order of
+    magnitude.
     """
     load = np.maximum(Q, NOTHING)
     c = squeezed(load, k, line, omega) + carried(load, k, line, omega, exponent)
@@ -124,39 +124,40 @@ def film_damping(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, exp
 
 
 def inlet_squeeze(h: Number, line: OiledLine) -> Number:
-    """Return the damping (N s/m) of the film alone, *rigid* cylinders with the narrowest gap ``h`` (m), constant
+    """Return the damping (N s/m) of the film between *rigid* cylinders at the narrowest gap ``h`` (m), constant
     viscosity.
 
         6.551 eta L (R/h)^(3/2)
 
-    Reynolds' equation, oil leaving at x = 0.4751 sqrt(2 R h) as at rest. Half of the full film's 3 sqrt(2) pi
-    (half-Sommerfeld) is 6.664.
+    From Reynolds' equation, with the outlet at x = 0.4751 sqrt(2 R h) as in steady state. For comparison, half of
+    the full film's 3 sqrt(2) pi (half-Sommerfeld) is 6.664.
     """
     return LAG * MARTIN * 2.0**0.5 * line.eta * line.L * (line.R / h) ** 1.5
 
 
 def transition(Q: Number, line: OiledLine) -> Number:
-    """Return z = M (L + 20)/21.3: under 1 the film deflects like that of rigid cylinders, over 2 the contact is
+    """Return z = M (L + 20)/21.3: below 1 the film deflects as between rigid cylinders, above 2 the contact is
     flat."""
     M, L = moes_numbers(Q, line)
     return M * (L + STIFFER) / SPREAD
 
 
 def film_compliance(Q: Number, line: OiledLine) -> Number:
-    """Return -dh/dQ (m/N) of the film under slow changes of load: h/Q of rigid cylinders, times exp(-z^3.4).
+    """Return -dh/dQ (m/N) of the film for slow changes of load, h/Q of rigid cylinders times exp(-z^3.4).
 
-    h = 4.896 eta u R L/Q. Once pressure thickens the oil, the film no longer depends on load and is stiff.
+    h = 4.896 eta u R L/Q. When the viscosity increases with pressure, the film is independent of load and stiff.
     """
     h = MARTIN * line.eta * line.u * line.R * line.L / Q
     return h / Q * np.exp(-(transition(Q, line) ** SHARPNESS))
 
 
 def squeezed(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0) -> Number:
-    """Return the damping (N s/m) by squeezing the oil before the contact: a spring k in series with the film.
+    """Return the damping (N s/m) due to squeezing of the oil at the inlet, with a spring k in series with the
+    film.
 
-    The film is a spring k_f and a damper tau k_f in parallel, tau = 0.946 sqrt(2 R h)/u. In series with k they
-    damp by k tau s (1 - s), s = k_f/(k + k_f), rolling off as 1/(1 + (0.79 omega tau s)^2). A film that is much
-    softer than the contact has ``inlet_squeeze``.
+    The film is a spring k_f and a damper tau k_f in parallel, tau = 0.946 sqrt(2 R h)/u. In series with k their
+    damping is k tau s (1 - s), s = k_f/(k + k_f), with a roll-off of 1/(1 + (0.79 omega tau s)^2). For a film much
+    softer than the contact this is ``inlet_squeeze``.
     """
     ratio = k * film_compliance(Q, line)  # k/k_f
     lag = LAG * np.sqrt(2.0 * line.R * film_thickness(Q, line).least) / line.u
@@ -165,14 +166,14 @@ def squeezed(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0) -> Numb
 
 
 def carried(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, exponent: float = 0.5) -> Number:
-    """Return the damping (N s/m) by the film that a growing contact takes in: its edge meets the oil faster than
-    u.
+    """Return the damping (N s/m) due to the film entrained by a growing contact, with an inlet edge faster than u.
 
-    An edge that moves out at db/dt takes in a film thicker by n (h/u) db/dt, n = d(ln h)/d(ln u), so that
+    An edge moving outwards at db/dt entrains a film thicker by n (h/u) db/dt, n = d(ln h)/d(ln u), so that
 
         c = n (h/u) k db/d(delta),    db/d(delta) = exponent b k/Q
 
-    n = 1.1/(1 + L/30) and the flattening z^4/(2.25^4 + z^4), without which no edge carries a film in, are fits.
+    n = 1.1/(1 + L/30) and the flattening factor z^4/(2.25^4 + z^4), which is zero without a flat contact, are
+    fits.
     """
     z = transition(Q, line)
     _, L = moes_numbers(Q, line)
@@ -183,31 +184,31 @@ def carried(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, exponent
 
 
 def half_widths(Q: Number, line: OiledLine) -> Number:
-    """Return the half width b (m) of the dry contact, as ``hertz.half_width``; of a strip also where its length
-    varies."""
+    """Return the half width b (m) of the dry contact, as ``hertz.half_width``, but for varying lengths, too."""
     return np.sqrt(4.0 * Q * line.R / (np.pi * line.L * line.E_star))
 
 
 def roll_off(omega_T: Number) -> Number:
-    """Share of the ``carried`` damping that is left at the frequency times T = 2 b/u, the oil's way through.
+    """Return the remaining share of the ``carried`` damping at frequency times T = 2 b/u, the transit time of the
+    oil.
 
-    1/(1 + (omega T/1.4)^1.3). Beyond 3 the solutions swing about zero like sin(x)/x, then fall as 1/x: an order of
-    magnitude.
+    1/(1 + (omega T/1.4)^1.3). Above 3 the solutions oscillate about zero like sin(x)/x and then fall as 1/x, so
+    the result is only an order of magnitude.
     """
     return 1.0 / (1.0 + (omega_T / PASSAGE) ** FALL)
 
 
 def hysteresis(k: Number, omega: Number, loss_factor: float) -> Number:
-    """Return the damping (N s/m) of the bodies: c = loss_factor k/omega, losing pi loss_factor k X^2 a cycle at
-    any rate."""
+    """Return the damping (N s/m) of the bodies, c = loss_factor k/omega, with a loss of pi loss_factor k X^2 per
+    cycle at any frequency."""
     return loss_factor * k / omega
 
 
 def ball_as_strip(a: Number, b: Number, pressure: Number, E_star: float) -> tuple[Number, Number]:
     """Return L and R (m) of a line contact with the half width ``b``, largest pressure and load of an ellipse.
 
-    Semi-axes ``a`` > ``b`` in m, ``pressure`` in Pa; a is across the rolling. With Q = 2 pi a b p/3 = pi b p L/2
-    the strip is 4 a/3 long, and b = 2 p R/E*. Sideways flow, the falling pressure and film towards the ends of
-    the ellipse are left out: good to a factor 2 only.
+    Semi-axes ``a`` > ``b`` in m, ``pressure`` in Pa; a is transverse to rolling. With Q = 2 pi a b p/3 = pi b p
+    L/2 the strip is 4 a/3 long, and b = 2 p R/E*. Side flow and the decrease of pressure and film towards the ends
+    of the ellipse are neglected, so the accuracy is only a factor 2.
     """
     return 4.0 * a / 3.0, b * E_star / (2.0 * pressure)

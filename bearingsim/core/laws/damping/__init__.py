@@ -1,5 +1,5 @@
-"""The normal force of one contact: a damping law around an elastic one.
+"""The normal force of one contact: a damping law that contains an elastic one.
 
-A damping law holds the elastic law (``laws/stiffness``) it goes with, so one value names the whole contact:
-``HuntCrossley(TenNinths(k), chi)``. Each law gives what ``interface.py`` declares.
+A damping law stores its elastic law (``laws/stiffness``), so one value describes the whole contact:
+``HuntCrossley(TenNinths(k), chi)``. Each law implements the functions of ``interface.py``.
 """

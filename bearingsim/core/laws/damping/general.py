@@ -7,7 +7,7 @@ from bearingsim.core.jit import generic
 from bearingsim.core.laws.damping.interface import damping_bound, derivatives, normal_force, stiffness_bound
 from bearingsim.core.laws.stiffness.interface import SHALLOWEST, elastic, tangent
 
-SLOWEST = 1e-12  # m/s: rate below which a damping force that is infinitely steep at rest is taken there
+SLOWEST = 1e-12  # m/s: least rate for evaluating a derivative that is infinite at rest
 
 
 class General(NamedTuple):
@@ -28,14 +28,14 @@ def _force(contact, delta, v):
     d = max(delta, 0.0)
     drag = contact.c * raised(contact.m2, abs(v)) * raised(contact.m3, d)
     drag = drag if v > 0.0 else -drag
-    pressing = 1.0 if delta > 0.0 else 0.0  # with m3 = 0 the dashpot would act on a roller that is not there
+    pressing = 1.0 if delta > 0.0 else 0.0  # with m3 = 0 the dashpot would act without contact
     return pressing * max(elastic(contact.stiffness, d) + drag, 0.0)
 
 
 @derivatives.register(General)
 def _derivatives(contact, delta, v):
-    """Replace 0 by SLOWEST, SHALLOWEST in |v|^(m2-1) and delta^(m3-1), which are infinite there if the exponent
-    is below 1."""
+    """Return the derivatives with |v| >= SLOWEST and delta >= SHALLOWEST in |v|^(m2-1) and delta^(m3-1), which can
+    be infinite at 0."""
     d, speed = max(delta, 0.0), abs(v)
     deep = raised(contact.m3, d)
     drag = contact.c * raised(contact.m2, speed)
@@ -55,7 +55,7 @@ def _stiffness_bound(contact, delta, v):
 
 @damping_bound.register(General)
 def _damping_bound(contact, delta, v):
-    # at rest |v|^(m2-1) is 0 or infinite unless m2 = 1: a thousandth of a metre per second stands for "slow"
+    # at rest |v|^(m2-1) is 0 or infinite unless m2 = 1, so 1e-3 m/s is the least rate
     return contact.c * raised_derivative(contact.m2, max(abs(v), 1e-3)) * raised(contact.m3, delta)
 
 
@@ -75,7 +75,7 @@ class Power2(NamedTuple):
 
 
 class Power(NamedTuple):
-    """Any exponent m >= 0. Calls ``pow``: a loop over rollers loses its vector lanes."""
+    """Any exponent m >= 0. Calls ``pow``, so loops over rollers are not vectorised."""
 
     m: float
 
@@ -131,7 +131,7 @@ def _derivative(exponent, x):
 
 
 WHOLE = ((0.0, Power0), (1.0, Power1), (2.0, Power2))
-"""The exponents that have a type of their own."""
+"""Exponents with types of their own."""
 
 
 def power(m: float) -> Power0 | Power1 | Power2 | Power:
@@ -141,5 +141,5 @@ def power(m: float) -> Power0 | Power1 | Power2 | Power:
 
 
 def general(stiffness: Any, c: float, m2: float, m3: float) -> General:
-    """Return general damping with the fastest exponents that are m2 and m3."""
+    """Return general damping with the fastest types for the exponents m2 and m3."""
     return General(stiffness, c, power(m2), power(m3))

@@ -9,8 +9,8 @@ from bearingsim.core.laws.stiffness.interface import elastic, tangent
 class HuntCrossley(NamedTuple):
     """Damping proportional to the elastic force: Q = Q_e (1 + chi v). chi in s/m.
 
-    Continuous at touch-down. Source: Hunt and Crossley 1975. chi is the model's largest unknown: dry steel
-    0.1-0.5 s/m, a lubricated contact far more.
+    Continuous at touch-down. Source: Hunt and Crossley 1975. chi is the most uncertain parameter of the model:
+    0.1-0.5 s/m for dry steel, far more for a lubricated contact.
     """
 
     stiffness: Any

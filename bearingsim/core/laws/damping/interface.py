@@ -4,12 +4,13 @@
 
 delta: approach (m), positive in contact; v: its total rate (m/s), positive while closing.
 
-``derivatives`` are exact: methods solve with them. Where the force is clamped, or nothing touches, both are 0: at
-a kink one of its two sides is taken, as Newton's method for semismooth equations may (Qi and Sun, Mathematical
-Programming 58 (1993) 353). K can be negative: a dashpot that holds a contact back does so more the deeper it is.
+``derivatives`` are exact, for the solution of implicit steps. Both are 0 if the force is clamped or there is no
+contact; at a kink those of one side are used, as Newton's method for semismooth equations allows (Qi and Sun,
+Mathematical Programming 58 (1993) 353). K can be negative, because a dashpot's resistance to opening increases
+with the approach.
 
-The bounds are what the monitor over explicit steps takes for them: never negative, finite at rest and at
-touch-down, and regardless of the clamp.
+The bounds are used by the monitor of explicit steps. They are non-negative, finite at rest and at touch-down, and
+ignore the clamp.
 """
 
 from typing import Any
@@ -44,5 +45,5 @@ def damping_bound(contact: Any, delta: float, v: float) -> float:
 
 @jit
 def in_series(outer: float, inner: float) -> float:
-    """Return the stiffness or damping of two contacts in series; 0 where one of them is 0."""
+    """Return the stiffness or damping of two contacts in series; 0 if one of them is 0."""
     return outer * inner / max(outer + inner, 1e-300)

@@ -21,7 +21,7 @@ class Kraemer(NamedTuple):
 def _force(contact, delta, v):
     d = max(delta, 0.0)
     force = max(elastic(contact.stiffness, d) + contact.beta * tangent(contact.stiffness, d) * v, 0.0)
-    return force if delta > 0.0 else 0.0  # with a stiffness at touch-down (m1 = 1) damping would act across a gap
+    return force if delta > 0.0 else 0.0  # with stiffness at touch-down (m1 = 1) damping would act in a gap
 
 
 @derivatives.register(Kraemer)

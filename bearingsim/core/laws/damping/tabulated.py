@@ -1,4 +1,4 @@
-"""Damping that is any function of the approach: Q = Q_e + c(delta) v."""
+"""Damping as any function of the approach: Q = Q_e + c(delta) v."""
 
 from typing import Any, NamedTuple
 
@@ -12,8 +12,8 @@ from bearingsim.core.laws.stiffness.interface import elastic, tangent
 class Tabulated(NamedTuple):
     """Damping c (N s/m) by a table over the approach (``laws/octaves.py``), for 15 pm to 16 mm.
 
-    c goes to zero with the approach: the force does not jump as a contact closes. Loops over rollers lose their
-    vector lanes, since the compiler cannot know that a table is not written to.
+    c tends to zero with the approach, so the force does not jump when a contact closes. Loops over rollers are not
+    vectorised, because the compiler cannot prove that the table is not modified.
     """
 
     stiffness: Any

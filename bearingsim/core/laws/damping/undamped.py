@@ -1,4 +1,4 @@
-"""A contact that only springs."""
+"""Elastic contact without damping."""
 
 from typing import Any, NamedTuple
 
@@ -7,7 +7,7 @@ from bearingsim.core.laws.stiffness.interface import elastic, tangent
 
 
 class Undamped(NamedTuple):
-    """No damping, Q = Q_e: the law of what stands still, which so is compiled once for all damping laws."""
+    """No damping, Q = Q_e. Used for static equilibrium, so that its code is compiled once for all damping laws."""
 
     stiffness: Any
 

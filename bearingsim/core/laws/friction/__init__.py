@@ -1,4 +1,5 @@
 """The friction coefficient of one contact as a function of its slip.
 
-A law gives what ``interface.py`` declares; ``lag.py`` is what a step makes of it, whichever the law.
+A law implements the functions of ``interface.py``; ``lag.py`` makes the friction of any law implicit within a
+step.
 """

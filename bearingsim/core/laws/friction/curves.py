@@ -1,4 +1,4 @@
-"""Friction curves: none, dry friction of the multibody codes, traction of an oil film."""
+"""Friction curves: no friction, dry friction of the multibody codes, traction of an oil film."""
 
 from typing import NamedTuple
 
@@ -10,13 +10,13 @@ from bearingsim.core.laws.friction.interface import mu, mu_derivative, mu_deriva
 
 @absent
 class Frictionless(NamedTuple):
-    """mu = 0."""
+    """No friction, mu = 0."""
 
 
 @jit
 def cubic_step(x):
-    """Return -1 up to x = -1, 1 from x = 1, the odd cubic between: with a continuous derivative, which is 1.5 at x
-    = 0."""
+    """Return -1 for x <= -1, 1 for x >= 1 and an odd cubic between, with a continuous derivative of 1.5 at
+    x = 0."""
     x = min(max(x, -1.0), 1.0)
     return x * (1.5 - 0.5 * x * x)
 
@@ -29,11 +29,13 @@ def cubic_step_derivative(x):
 
 
 class StaticDynamic(NamedTuple):
-    """Dry friction of the multibody codes: up to mu_s at the slip v_s, down to mu_d at v_d, then level.
+    """Dry friction of the multibody codes: rising to mu_s at slip v_s, falling to mu_d at v_d, then constant.
 
-    Cubic steps, from -mu_s at -v_s to mu_s at v_s and from there to mu_d; 0 < v_s < v_d (m/s); whatever ``u``.
+    Cubic steps from -mu_s at -v_s to mu_s at v_s and from there to mu_d, with 0 < v_s < v_d (m/s), independent of
+    ``u``.
     Sources: the contact friction of Adams (STEP) and RecurDyn; written out by Wingertszahn et al., Lubricants 11
-    (2023) 369, eqs 21-27. v_s and v_d are numerical, not material: no surface slips at v_s under a static force.
+    (2023) 369, eqs 21-27. v_s and v_d are numerical parameters, not material properties; real surfaces do not slip
+    at v_s under a static force.
     """
 
     mu_s: float
@@ -61,9 +63,9 @@ def _mu_derivative_bound_static_dynamic(law, u):
     return 1.5 * law.mu_s / law.v_s
 
 
-MIN_ROLLING_SPEED = 0.01  # m/s: below it traction keeps its value; a film needs rolling
-JUMP_WIDTH = 1e-3  # slide-to-roll ratio over which a traction curve that jumps at zero slip is made to rise
-MAX_EXPONENT = 40.0  # e^-40 is less than rounding
+MIN_ROLLING_SPEED = 0.01  # m/s: lower bound of u in the traction curve; a film requires rolling
+JUMP_WIDTH = 1e-3  # slide-to-roll ratio over which a jump of a traction curve at zero slip is smoothed
+MAX_EXPONENT = 40.0  # e^-40 is below rounding
 
 
 class Traction(NamedTuple):
@@ -74,8 +76,8 @@ class Traction(NamedTuple):
     rises with the slope 40.4/u, peaks with 0.120 at s = 0.0100 and sinks to 0.1. Neither load nor temperature nor
     viscosity enters.
 
-    The curve starts from a + d, which is 0 in a fluid; otherwise it would jump there, and a cubic step over
-    ``JUMP_WIDTH`` takes the jump's position.
+    The curve starts from a + d, which is 0 for a fluid; otherwise a cubic step over ``JUMP_WIDTH`` replaces the
+    jump at zero slip.
     """
 
     a: float
@@ -90,7 +92,7 @@ KRAGELSKII = Traction(-0.1, 22.28, 181.46, 0.1)
 @mu.register(Traction)
 def _mu_traction(law, v, u):
     s = abs(v) / max(u, MIN_ROLLING_SPEED)
-    flowing = min(s, MAX_EXPONENT / law.c)  # beyond it only d is left
+    flowing = min(s, MAX_EXPONENT / law.c)  # beyond it mu = d
     level = (law.a + law.b * flowing) * exp_minus(law.c * flowing) + law.d
     level -= (law.a + law.d) * (1.0 - cubic_step(s * (1.0 / JUMP_WIDTH)))
     return level if v > 0.0 else -level
@@ -120,7 +122,7 @@ def exp_minus(x):
     """Return e^-x for 0 <= x <= 40 without a call, relative error below 2e-14.
 
     e^-x = 2^n e^r, n the whole number nearest to -x/ln 2, |r| <= ln(2)/2. Adding 1.5 * 2^52 rounds to whole
-    numbers and leaves n in the lowest bits, from where it is shifted into the exponent; e^r is its series.
+    numbers, with n in the lowest bits, which are shifted into the exponent; e^r is computed by its series.
     """
     shifted = x * -1.4426950408889634 + 6755399441055744.0
     n = shifted - 6755399441055744.0

@@ -1,10 +1,10 @@
 """Functions of every friction law: the coefficient mu(v, u) and its derivatives.
 
 mu is odd in the slip speed v (m/s) of one surface over the other: the friction force on the first is -mu(v, u) Q.
-u > 0 (m/s) is the mean of the speeds at which the two surfaces pass through the contact. Every law has a finite
-derivative at v = 0 and so no sticking: under a steady force less than mu Q a contact creeps.
+u > 0 (m/s) is the mean speed of the two surfaces through the contact. Every law has a finite derivative at v = 0
+and therefore no sticking, so a contact creeps under a constant force below mu Q.
 
-All laws keep the vector lanes of a loop over rollers.
+All laws allow the vectorisation of loops over rollers.
 """
 
 from typing import Any
@@ -14,8 +14,8 @@ from bearingsim.core.jit import generic
 
 @generic(absent=0.0)
 def mu(law: Any, v: float, u: float) -> float:
-    """Return the friction coefficient, of the sign of the slip speed ``v`` (m/s), at the rolling speed ``u`` >
-    0 (m/s)."""
+    """Return the friction coefficient, with the sign of the slip speed ``v`` (m/s), at the rolling speed ``u`` > 0
+    (m/s)."""
 
 
 @generic(absent=(0.0, 0.0))

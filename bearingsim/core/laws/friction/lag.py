@@ -1,39 +1,39 @@
-"""Friction with a lag: that of the slips as they will be, so that steep friction limits no explicit step."""
+"""Friction with a lag, evaluated at future slips, so that steep friction does not limit explicit steps."""
 
 from bearingsim.core.jit import jit
 
 
 @jit
 def implicit_fraction(t):
-    """Return the part of a lag that is taken where slip would die out ``t`` times within it, t/(1 + t).
+    """Return the fraction of the lag that is applied, t/(1 + t), if ``t`` is the lag times the decay rate of slip.
 
-    Friction that is slow beside the lag hardly needs it: so its error is of second order in the lag, t^2. Slip
-    still decays no faster than within the lag: at the rate t (1 + t)/(1 + t + t^2) of it.
+    Friction that is slow compared to the lag hardly needs it, and this fraction makes its error second order in
+    the lag, t^2. The decay rate of slip, t (1 + t)/(1 + t + t^2) over the lag, remains below 1 over the lag.
     """
     return t / (1.0 + t)
 
 
 @jit
 def lagged(rate, lag):
-    """Return the decay rate (1/s) of slip with the lag (s), ``rate`` being that without."""
+    """Return the decay rate (1/s) of slip with the lag (s); ``rate``: without it."""
     t = lag * rate
     return rate / (1.0 + implicit_fraction(t) * t)
 
 
 @jit
 def lagged_friction(k_o, k_i, s_o, s_i, a, b):
-    """Return the friction (N) at a roller's two contacts: that of the slips as they will be a lag later.
+    """Return the friction (N) at a roller's two contacts for the slips after the lag.
 
     k_o, k_i: friction over slip at either contact (N s/m); s_o, s_i: slip (m/s). A force F_o changes the slips at
     the rates -(1/m + R_w^2/I) F_o and -(1/m - R_w^2/I) F_o, crosswise F_i; a, b: these factors times the lag
-    (s/kg), of which a part is ``implicit_fraction``. The new slips follow from forces k s with the new s, in
-    closed form. So slip never decays faster than within the lag, however steep the friction's curve, and an
-    explicit step as long as the lag is stable; without lag the force is k s.
+    (s/kg), of which ``implicit_fraction`` is applied. The new slips follow in closed form from forces k s with the
+    new s. However steep the friction curve, the decay time of slip exceeds the lag, so an explicit step as long as
+    the lag is stable; without lag the force is k s.
 
     Equation (P9) of docs/planar.md, the solution of (P8).
     """
     t = a * (k_o + k_i)
-    D, a, b = 1.0 + t, t * a, t * b  # the part is t/D; D is multiplied out, for one division in place of two
+    D, a, b = 1.0 + t, t * a, t * b  # the fraction is t/D, multiplied by D for one division instead of two
     per = D / ((D + a * k_o) * (D + a * k_i) - b * b * k_o * k_i)
     f_o = k_o * ((D + a * k_i) * s_o - b * k_i * s_i)
     f_i = k_i * ((D + a * k_o) * s_i - b * k_o * s_o)

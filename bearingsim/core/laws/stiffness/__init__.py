@@ -1,6 +1,5 @@
-"""The elastic force of one contact, and how two in series share an approach.
+"""The elastic force of one contact, and the shares of two contacts in series in an approach.
 
-A law gives what ``interface.py`` declares. Two laws in series then balance by Newton's method (``series.py``);
-where the balance has a closed form, the law says so: a power law by ``as_power``, any other by its own
-``series_share``.
+A law implements the functions of ``interface.py``. The balance of two laws in series is then solved by Newton's
+method (``series.py``); for a closed form a power law defines ``as_power``, any other its own ``series_share``.
 """

@@ -1,7 +1,7 @@
-"""Functions of every elastic law: the force Q_e = k delta^m1, or one like it, and its derivatives.
+"""Functions of every elastic law: the force Q_e = k delta^m1, or a similar one, and its derivatives.
 
-delta: approach (m), positive in contact. All laws keep the vector lanes of a loop over rollers, but ``PowerLaw``,
-which calls the library's power.
+delta: approach (m), positive in contact. All laws except ``PowerLaw``, which calls the library's power, allow the
+vectorisation of loops over rollers.
 """
 
 from typing import Any
@@ -10,7 +10,7 @@ import numpy as np
 
 from bearingsim.core.jit import generic, jit
 
-SHALLOWEST = 1e-12  # m: approach below which a derivative that is infinite at touch-down is taken there
+SHALLOWEST = 1e-12  # m: least approach for evaluating a derivative that is infinite at touch-down
 
 
 @generic
@@ -30,7 +30,7 @@ def curvature(law: Any, delta: float) -> float:
 
 @jit
 def fill_curve(law: Any, delta: Any, Q: Any, k: Any) -> None:
-    """Fill ``curve`` into the arrays."""
+    """Fill the arrays ``Q`` and ``k`` with the result of ``curve``."""
     for i in range(len(delta)):
         Q[i], k[i] = elastic(law, delta[i]), tangent(law, delta[i])
 

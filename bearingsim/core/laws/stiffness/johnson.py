@@ -4,13 +4,13 @@ In reduced form one curve serves all radii, lengths and materials. With x = Q'/(
 
     y = -x (ln x + 1),    dy/dx = -(ln x + 2)
 
-so x(y) is a single function of one number. It cannot be written out, and a logarithm inside a loop over rollers
-would cost its vector lanes. So it is tabulated (``laws/octaves.py``). x is continuous with its derivative, and the
+so x(y) is one function of one number. It has no closed form, and a logarithm would prevent the vectorisation of
+loops over rollers, so it is tabulated (``laws/octaves.py``). x and its derivative are continuous, and the
 derivative returned is that of the interpolant.
 
-Relative error of x below 1e-9, of the derivative below 1e-6, for 2^-36 <= y <= 2^-6. Below, where 1/ln y tends to
-zero too slowly to matter, a parabola through the origin; above, a straight line. The formula itself ends at
-y = e^-2 = 0.135 (x = e^-2), where its stiffness is infinite.
+Relative error of x below 1e-9, of the derivative below 1e-6, for 2^-36 <= y <= 2^-6. Below, where the slow
+variation with 1/ln y is negligible, it is a parabola through the origin; above, a straight line. The formula ends
+at y = e^-2 = 0.135 (x = e^-2), where its stiffness is infinite.
 """
 
 from math import exp, log, pi
@@ -28,7 +28,7 @@ from bearingsim.core.laws.stiffness.series import series_share, series_share_by_
 def exact(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return x (n,) and dx/dy (n,), dimensionless, at each ``y`` (n,).
 
-    By Newton's method on w - ln w = -1 - ln y, where w = y/x = -(ln x + 1) > 1.
+    Uses Newton's method on w - ln w = -1 - ln y, where w = y/x = -(ln x + 1) > 1.
     """
     right = -1.0 - np.log(y)
     w = right + np.log(right)
@@ -65,12 +65,11 @@ class Johnson(NamedTuple):
     1985, section 5.6: a cylinder of radius R is compressed, from its axis to the contact of half width a, by
     Q'/(2 pi E*) [2 ln(4 R/a) - 1]. Twice, for R_1 and R_2, with a^2 = 4 Q' R_1 R_2/(pi E* (R_1 +- R_2)), gives the
     formula with dR = R_1 + R_2, or R_2 - R_1 inside a ring. (This pair form: Pereira, Ramalho and Ambrosio,
-    Nonlinear Dynamics 63 (2011) 681.) So the ring is taken to be as deep as its own radius; twice as deep would
-    add Q' ln 2/(pi E*), some 5 %.
+    Nonlinear Dynamics 63 (2011) 681.) This assumes a ring as thick as its own radius; twice the thickness would
+    add Q' ln 2/(pi E*), about 5 %.
 
     Plane strain: no end effects. The bracket must exceed 1, which it does for delta < 0.5 dR; the tabulated curve
-    (``TABLE``) is within 1e-9 of the formula for 6e-11 dR < delta < 0.06 dR,
-    beyond that extended smoothly.
+    (``TABLE``) is within 1e-9 of the formula for 6e-11 dR < delta < 0.06 dR and extended smoothly beyond.
     """
 
     force: float
@@ -108,7 +107,7 @@ def _share_unlike(inner, outer, delta):
 
 @generic(otherwise=_share_unlike)
 def series_share_with_johnson(inner: Any, outer: Any, delta: float) -> float:
-    """Return ``series_share`` where the outer contact is ``Johnson``'s."""
+    """Return ``series_share`` if the outer contact is ``Johnson``'s."""
 
 
 @series_share.register(Johnson)
@@ -118,7 +117,7 @@ def _series_share(outer, inner, delta):
 
 @series_share_with_johnson.register(Johnson)
 def _share_alike(inner, outer, delta):
-    """Treat two contacts in series as a third of this law.
+    """Treat two contacts of this law in series as one.
 
     With P = force/length, delta = Q (1/P_o + 1/P_i) [ln(F/Q) - 1].
     ln F is the mean of ln F_o and ln F_i weighted by 1/P; then part = Q/P_i [ln(F_i/Q) - 1].

@@ -1,4 +1,4 @@
-"""Powers of the approach: a linear spring, point contact after Hertz, line contact fits, any exponent."""
+"""Power laws of the approach: linear spring, Hertz point contact, line contact fits, any exponent."""
 
 from math import sqrt
 from typing import NamedTuple
@@ -11,7 +11,7 @@ from bearingsim.core.laws.stiffness.series import as_power
 
 
 class Linear(NamedTuple):
-    """Q = k delta; k in N/m."""
+    """Linear spring, Q = k delta; k in N/m."""
 
     k: float
 
@@ -71,8 +71,8 @@ LINE_CONTACT_EXPONENT = 10.0 / 9.0
 class TenNinths(NamedTuple):
     """Line contact of finite length, Q = k delta^(10/9); k in N/m^(10/9) for the full roller length.
 
-    One contact alone. Sources: Palmgren's delta = 3.84e-5 Q^0.9/L^0.8 mm, and ISO/TS 16281, whose constant
-    35948 L^(8/9) is for both contacts of a roller in series (one contact: times 2^(10/9)).
+    For one contact. Sources: Palmgren's delta = 3.84e-5 Q^0.9/L^0.8 mm, and ISO/TS 16281, whose constant 35948
+    L^(8/9) is for both contacts of a roller in series (one contact: times 2^(10/9)).
     """
 
     k: float
@@ -96,10 +96,10 @@ C_1, C_2, C_3, C_4, C_5 = 1 / 9, 5 / 81, 95 / 2187, 665 / 19683, 4921 / 177147
 
 @jit
 def ninth_root(x: float) -> float:
-    """Return x^(1/9) for x >= 0 without a call, so that a loop over rollers keeps its vector lanes.
+    """Return x^(1/9) for x >= 0 without a call, so that loops over rollers are vectorised.
 
-    r ~ x^(-1/9) is read off the exponent bits, then corrected by r <- r (1 - e)^(-1/9), e = 1 - x r^9, expanded to
-    e^3 and once more to e^5; relative error below 2e-15 over 1e-30 .. 1e3.
+    r ~ x^(-1/9) is estimated from the exponent bits, then corrected by r <- r (1 - e)^(-1/9), e = 1 - x r^9,
+    expanded to e^3 and once more to e^5; relative error below 2e-15 over 1e-30 .. 1e3.
     """
     x = max(x, 1e-300)
     high = np.float64(x).view(np.int64) >> 32
@@ -139,7 +139,8 @@ def _as_power_ten_ninths(law):
 
 
 class PowerLaw(NamedTuple):
-    """Q = k delta^m with any exponent m >= 1; k in N/m^m. Calls ``pow``: a loop over rollers loses its lanes."""
+    """Power law Q = k delta^m with any exponent m >= 1; k in N/m^m. Calls ``pow``, so loops over rollers are not
+    vectorised."""
 
     k: float
     m: float

@@ -1,11 +1,11 @@
-"""Two contacts in series, a roller without mass between the races: how they share an approach."""
+"""Shares in the approach of two contacts in series, of a massless roller between the races."""
 
 from typing import Any
 
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
 
-# from the secants at delta/2: 1e-10 of the force for exponents 1 to 1.5 and k a hundred times apart
+# steps, from the secants at delta/2; error 1e-10 of the force for exponents 1 to 1.5 and a ratio of k of 100
 NEWTON_STEPS = 4
 NO_POWER = (0.0, 0.0)
 
@@ -29,10 +29,10 @@ def series_share_by_newton(outer, inner, delta):
 
 
 def series_share_of_powers(outer, inner, delta):
-    """Compute ``series_share`` of two power laws of one exponent, in closed form; of any other two by Newton's
+    """Compute ``series_share`` of two power laws of equal exponent in closed form, of any other two by Newton's
     method."""
     (k_outer, m), (k_inner, m_inner) = as_power(outer), as_power(inner)
-    if m != m_inner or m == 0.0:  # known when this is compiled, but for ``PowerLaw``
+    if m != m_inner or m == 0.0:  # known at compile time, except for ``PowerLaw``
         return series_share_by_newton(outer, inner, delta)
     ratio = (k_outer / k_inner) ** (1.0 / m)
     return max(delta, 0.0) * (ratio / (1.0 + ratio))
@@ -42,7 +42,7 @@ def series_share_of_powers(outer, inner, delta):
 def series_share(outer: Any, inner: Any, delta: float) -> float:
     """Return the inner contact's part (m) of the approach ``delta`` >= 0 (m) of two contacts in series.
 
-    It balances the elastic forces, E_outer(delta - part) = E_inner(part). Closed for two power laws of one
-    exponent and for two of Johnson's; delta/2, exactly, if both contacts are equal. Any other pair takes Newton
-    steps, in a function of their own, whose call costs a loop over rollers its lanes.
+    It balances the elastic forces, E_outer(delta - part) = E_inner(part). In closed form for two power laws of
+    equal exponent and for two of Johnson's laws; exactly delta/2 if both contacts are equal. Any other pair is
+    solved by Newton steps in a separate function, whose call prevents the vectorisation of loops over rollers.
     """
