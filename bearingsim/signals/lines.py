@@ -168,7 +168,7 @@ def resolvable(frequencies: Sequence[float] | np.ndarray, duration: float) -> np
     """Check which lines (Hz) a Hann window over ``duration`` (s) resolves: (n,) bool.
 
     A line is resolved if it is at least 2/duration, half the window's main lobe, from all other lines and from
-    zero, where the mean and its negative frequency lie. Equal and non-finite lines are not resolved.
+    zero, because of the mean and the line's negative frequency. Equal and non-finite lines are not resolved.
     """
     values = np.asarray(frequencies, dtype=float)
     apart = np.abs(np.subtract.outer(values, values))

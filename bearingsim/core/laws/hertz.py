@@ -116,8 +116,7 @@ def modulus_squared(kappa: float) -> float:
 
 
 def curvature_ratio(kappa: float) -> float:
-    """Return the ratio of curvatures B/A for an ellipse with the ratio of axes ``kappa`` > 1: (kappa^2
-    E - K)/(K - E)."""
+    """Return the curvature ratio B/A = (kappa^2 E - K)/(K - E) of an ellipse with the axis ratio ``kappa`` > 1."""
     _, short_of_one = elliptic_integrals(kappa)
     return kappa * kappa * (modulus_squared(kappa) - short_of_one) / short_of_one
 

@@ -71,10 +71,11 @@ MAX_EXPONENT = 40.0  # e^-40 is below rounding
 class Traction(NamedTuple):
     """Lubricated traction, mu = (a + b s) e^(-c s) + d with the slide-to-roll ratio s = |v|/u; b, c > 0, a <= 0.
 
-    ``KRAGELSKII`` holds the constants that papers on bearing dynamics take from Kragelskii, Dobychin and Kombalov,
+    ``KRAGELSKII`` contains the constants that papers on bearing dynamics cite from Kragelskii, Dobychin and
+    Kombalov,
     Friction and Wear: Calculation Methods, Pergamon 1982. They have not been compared with the book. With them mu
-    rises with the slope 40.4/u, peaks with 0.120 at s = 0.0100 and sinks to 0.1. Neither load nor temperature nor
-    viscosity enters.
+    rises with the slope 40.4/u, has a maximum of 0.120 at s = 0.0100 and falls to 0.1. It is independent of load,
+    temperature and viscosity.
 
     The curve starts from a + d, which is 0 for a fluid; otherwise a cubic step over ``JUMP_WIDTH`` replaces the
     jump at zero slip.
