@@ -86,7 +86,7 @@ class Plan:
 
     @property
     def share(self) -> float:
-        """Number of jobs per priced job."""
+        """Number of jobs for each job that was looked at, priced or refused; at least 1."""
         return len(self.jobs) / (len(self.everything) + len(self.refusals))
 
     @property

@@ -267,7 +267,10 @@ def extend_back(case: Case, raw: RawRecord) -> None:
 
 
 def _pick_pass(case: Case, cut: Grid, p: int, window: np.ndarray, picked: np.ndarray) -> np.ndarray:
-    """Fill in and return the raw values at the instants within ball pass ``p`` (start excluded, end included)."""
+    """Fill in and return the raw values at the instants within ball pass ``p``.
+
+    Its end is included, its start only in pass 0.
+    """
     steps, tail = cut.steps_per_pass, window.shape[1] - cut.steps_per_pass
     ratio = 1.0 / (case.sampling * cut.step)  # steps per sample
     start = case.settle_s / cut.step
@@ -283,7 +286,10 @@ BLOCK = 1 << 15  # fine samples resampled at a time
 
 
 def sampled(case: Case, cut: Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
-    """Return the samples (R, n) of ``rows`` of the raw record, low-passed except for contact forces."""
+    """Return the samples (R, n) of ``rows`` of the raw record.
+
+    With ``antialias`` all rows except contact forces are low-passed.
+    """
     if not case.antialias:
         return raw.picked[rows]
     forces = channels.are_contact_forces(case, raw.places[rows])

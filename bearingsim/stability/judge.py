@@ -12,7 +12,7 @@ OK, INACCURATE, CHATTER, SKIPPED = "ok", "inaccurate", "chatter", "skipped"
 REFUSED, CHAOS, UNJUDGED = "refused", "within chaos", "no reference"
 CLASSES = (OK, INACCURATE, CHATTER, BLOW_UP, SKIPPED, STALL, REFUSED, TOO_SLOW, CHAOS, UNJUDGED)
 
-ACCURACY = 0.01  # largest relative error of the class `ok`
+ACCURACY = 0.01  # largest relative error of the class `ok`, or the reference's floor if that is larger
 CHAOS_FLOOR = 0.05  # relative; runs within a larger floor are classified as within chaos
 # relative L2 difference above which two solutions count as different paths of a chaotic motion
 SAME_PATH = 1e-3

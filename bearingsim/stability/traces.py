@@ -15,7 +15,7 @@ from bearingsim.stability.scene import SAMPLE_INTERVAL, SPAN
 
 MAX_DISPLACEMENT, MAX_SPEED = 1e-3, 50.0  # m, m/s, limits of the ring beyond which a run has blown up
 MAX_EVALUATIONS = 1e4  # evaluations by an adaptive method between two checks of the CPU time
-MAX_STEPS_AT_ONCE = 20_000  # steps between checks of the CPU time
+MAX_STEPS_AT_ONCE = 20_000  # steps of an explicit fixed-step method between checks of the CPU time
 
 BLOW_UP, STALL, TOO_SLOW = "blow-up", "stalled", "too slow"
 WHY = {

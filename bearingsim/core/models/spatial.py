@@ -8,7 +8,8 @@ components along e_r, e_theta, e_z at the roller's angle,
     q'' = r theta'^2 + F_r/m,  theta'' = (F_theta/m - 2 q' theta')/r,  z'' = F_z/m
     omega' = M.a/I_a,  a'' = [(M - I_a omega a') x a]/I_t - |a'|^2 a
 
-Without misalignment and tilting defects, all added quantities are zero and the rest equals ``planar`` to rounding.
+With straight rollers and without misalignment and tilting defects, all added quantities are zero and the rest
+equals ``planar`` to rounding.
 
 Neglected: bending of rollers, rings and cage; the elliptic section of a tilted slice (R_w (1 - cos tilt), 3 nm at
 1 mrad); moments of the cage's guide; stiffness of oil films.
