@@ -22,14 +22,11 @@ from math import hypot, nan
 from pathlib import Path
 from typing import Any
 
-from bearingsim import selection
 from bearingsim.config.names import FAULT_LINES
-from bearingsim.selection.choices import key
-from bearingsim.simulation import SimulationError, simulate, try_out, warm
+from bearingsim.simulation import SimulationError, simulate
 from bearingsim.simulation.simulate import Record
-from bearingsim.simulation.trial import Trial
 from bearingsim.study import case_id
-from benchmarks.friction import draw, study_of
+from benchmarks.friction import Asked, draw, study_of
 
 WITHIN, SHARE, COST = 0.02, 0.95, 0.25
 STANDARD_ERRORS = 2.0
@@ -90,33 +87,14 @@ def scene_of(number: int, seed: int) -> tuple[dict[str, Any], str]:
 def measured(number: int, seed: int, cpu_before: Callable[[dict[str, Any]], float]) -> dict[str, Any]:
     """Compute a scene as in a run with an accuracy, then in full, and compare."""
     scene, line = scene_of(number, seed)
-    study, done, of_trials = study_of(scene), dict[str, Record](), 0.0
-    choosing, known = selection.Choosing(study, [0]), dict[str, Trial | None]()
-    while wanted := choosing.wanted(known):
-        warm([one.case for one in wanted])
-        for one in wanted:
-            began = time.process_time()
-            try:
-                known[one.id], record = try_out(one.case, one.asked, one.passes, one.turn, *one.against)
-            except SimulationError:
-                known[one.id], record = None, None
-            of_trials += time.process_time() - began
-            if record is not None:
-                done[case_id(one.case)] = record
-    choices = choosing.decide(known).choices
-    [case] = selection.chosen(study, choices).cases()
-    of_job = 0.0
-    if case_id(case) not in done:
-        warm([case])
-        began = time.process_time()
-        done[case_id(case)] = simulate(case)
-        of_job = time.process_time() - began
-    early, whole = done[case_id(case)], simulate(case.model_copy(update={"until": IN_FULL}))
+    done: dict[str, tuple[Record, float]] = {}
+    asked = Asked(study_of(scene), done)
+    early, whole = done[case_id(asked.case)][0], simulate(asked.case.model_copy(update={"until": IN_FULL}))
     info = early.info
     row: dict[str, Any] = {"scene": number, "load": scene["load"], "speed": scene["speed"]}
-    row |= {"race": scene["defect"]["race"], "taken": choices[key(study, study.cases()[0])].candidate}
+    row |= {"race": scene["defect"]["race"], "taken": asked.choice.candidate}
     row |= {"passes": info["passes_computed"], "of": info["passes"], "period": info["period_passes"]}
-    row |= {"chaotic": early.features["chaotic"], "trials_s": of_trials, "job_s": of_job}
+    row |= {"chaotic": early.features["chaotic"], "trials_s": asked.trials_s, "job_s": asked.job_s}
     row |= {"before_s": cpu_before(scene)}
     for what, name in (("line", line), ("rms", "velocity.rms")):
         fact = f"standard_error_{what}"

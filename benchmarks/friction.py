@@ -90,12 +90,15 @@ def study_of(scene: dict[str, Any]) -> Study:
 
 
 class Asked:
-    """Study of one case with automatic model choice: choice, features, CPU time (s) of trials and job."""
+    """Study of one case with automatic model choice: choice, case and features.
+
+    trials_s, job_s, cpu_s: CPU time (s) of the trials, of the job, of both.
+    """
 
     def __init__(self, study: Study, done: dict[str, tuple[Record, float]]) -> None:
         """Compute the study. done: computed records with their CPU time (s), by the id of their case."""
         choosing, known = selection.Choosing(study, [0]), dict[str, Trial | None]()
-        self.cpu_s = 0.0
+        self.trials_s = 0.0
         while wanted := choosing.wanted(known):
             warm([one.case for one in wanted])
             for one in wanted:
@@ -105,13 +108,14 @@ class Asked:
                 except SimulationError:
                     known[one.id], record = None, None
                 took = time.process_time() - began
-                self.cpu_s += took
+                self.trials_s += took
                 if record is not None:
                     done[case_id(one.case)] = record, 0.0
         choices = choosing.decide(known).choices
         self.choice = choices[key(study, study.cases()[0])]
-        self.features, took = computed(selection.chosen(study, choices).cases()[0], done)
-        self.cpu_s += took
+        [self.case] = selection.chosen(study, choices).cases()
+        self.features, self.job_s = computed(self.case, done)
+        self.cpu_s = self.trials_s + self.job_s
 
 
 def computed(case: Case, done: dict[str, tuple[Record, float]]) -> tuple[dict[str, float], float]:

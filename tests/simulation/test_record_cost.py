@@ -116,6 +116,17 @@ FORCES = {
 REPEATS = {"model": "rollers", "duration": "1 s", **FORCES}
 
 
+def largest_memory(given: Case) -> int:
+    """Return the largest traced memory (bytes) of a case whose code is compiled."""
+    simulate(given.model_copy(update={"duration": 0.05}))
+    tracemalloc.start()
+    try:
+        simulate(given)
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
 OF_BANDS = {
     "model": "ring",
     "method": "verlet",
@@ -140,31 +151,17 @@ OF_BANDS = {
 def test_memory_is_that_which_is_taken(more: dict[str, Any]) -> None:
     """Of passes held while a period is sought, forces picked as they are, bands, and lines of bodies that slip."""
     given = case(**more)
-    simulate(given.model_copy(update={"duration": 0.05}))  # compiled
-    tracemalloc.start()
-    try:
-        simulate(given)
-        peak = tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
     priced = time_grid.estimate(given).memory
-    assert 0.6 * priced < peak < priced
+    assert 0.6 * priced < largest_memory(given) < priced
 
 
 def test_memory_of_a_long_search_for_a_period_is_priced() -> None:
     """Of a run in full whose period, on which its step is checked, is found after 101 of 160 ball passes."""
     slow = REPEATS | {"rig": {"ring_mass": "20 kg"}, "settle": "0 s", "periodic": False}
     given = case(**slow)
-    simulate(given.model_copy(update={"duration": 0.05}))  # compiled
-    tracemalloc.start()
-    try:
-        simulate(given)
-        peak = tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
     priced = time_grid.estimate(given)
     assert priced.memory < 0.95 * priced.most_memory
-    assert 0.6 * priced.most_memory < peak < priced.most_memory
+    assert 0.6 * priced.most_memory < largest_memory(given) < priced.most_memory
 
 
 def test_the_search_for_a_period_leaves_no_record_behind(monkeypatch: pytest.MonkeyPatch) -> None:
