@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from random import Random
 
-from benchmarks.malformed import with_
+from benchmarks.malformed import study_with
 
 HOME = Path(__file__).resolve().parents[1]
 UNITS = ["N", "kN", "mm", "um", "m", "rpm", "Hz", "kHz", "s", "ms", "us", "deg", "rad", "N/m", "kg", "%", "GPa"]
@@ -41,10 +41,10 @@ UNIT = re.compile(rb"(?<=\d )(N s/m|N/m|[A-Za-z%]+)")
 
 def flip(text: bytes, random: Random) -> bytes:
     """Flip some bits."""
-    found = bytearray(text)
+    content = bytearray(text)
     for _ in range(random.choice((1, 1, 2, 8))):
-        found[random.randrange(len(found))] ^= 1 << random.randrange(8)
-    return bytes(found)
+        content[random.randrange(len(content))] ^= 1 << random.randrange(8)
+    return bytes(content)
 
 
 def cut(text: bytes, random: Random) -> bytes:
@@ -56,38 +56,54 @@ def cut(text: bytes, random: Random) -> bytes:
 def line(text: bytes, random: Random) -> bytes:
     """Duplicate, delete or move a line."""
     lines = text.splitlines(keepends=True)
-    one = random.choice(lines)
+    chosen = random.choice(lines)
     if random.random() < 0.5:
-        lines.remove(one)
+        lines.remove(chosen)
     if random.random() < 0.7:
-        lines.insert(random.randrange(len(lines) + 1), one)
+        lines.insert(random.randrange(len(lines) + 1), chosen)
     return b"".join(lines)
 
 
-def swapped(pattern: re.Pattern[bytes], text: bytes, random: Random, other: bytes | None = None) -> bytes:
+def replace_match(pattern: re.Pattern[bytes], text: bytes, random: Random, other: bytes | None = None) -> bytes:
     """Replace one match of a pattern by another match, or by ``other``; flip bits if there is no match."""
-    found = list(pattern.finditer(text))
-    if not found:
+    matches = list(pattern.finditer(text))
+    if not matches:
         return flip(text, random)
-    there = random.choice(found)
-    new = random.choice(found)[0] if other is None else other
-    return text[: there.start()] + new + text[there.end() :]
+    match = random.choice(matches)
+    replacement = random.choice(matches)[0] if other is None else other
+    return text[: match.start()] + replacement + text[match.end() :]
 
 
 def value(text: bytes, random: Random) -> bytes:
     """Replace a value by another of the file."""
-    return swapped(VALUE, text, random)
+    return replace_match(VALUE, text, random)
 
 
 def unit(text: bytes, random: Random) -> bytes:
     """Replace the unit of a value."""
-    return swapped(UNIT, text, random, random.choice(UNITS).encode())
+    return replace_match(UNIT, text, random, random.choice(UNITS).encode())
 
 
 def number(text: bytes, random: Random) -> bytes:
     """Replace a number by an extreme or malformed one."""
-    odd = ("0", "-1", "1e9", "1e-9", "1e300", "1e400", "nan", "inf", "9" * 300, "", "1,5", "0x1", "1e", ".", "007")
-    return swapped(NUMBER, text, random, random.choice(odd).encode())
+    texts = (
+        "0",
+        "-1",
+        "1e9",
+        "1e-9",
+        "1e300",
+        "1e400",
+        "nan",
+        "inf",
+        "9" * 300,
+        "",
+        "1,5",
+        "0x1",
+        "1e",
+        ".",
+        "007",
+    )
+    return replace_match(NUMBER, text, random, random.choice(texts).encode())
 
 
 def syntax(text: bytes, random: Random) -> bytes:
@@ -114,21 +130,21 @@ def mutants(folder: Path, count: int, seed: int) -> Iterator[tuple[str, Path]]:
     """Write seeded mutants of the shipped files; yield the change and the study (or a study of the config)."""
     random = Random(seed)
     files = sorted([*HOME.glob("studies/*.yaml"), *HOME.glob("configs/*/*.yaml")])
-    for n in range(count):
-        source, change = random.choice(files), CHANGES[n % len(CHANGES)]
+    for number in range(count):
+        source, change = random.choice(files), CHANGES[number % len(CHANGES)]
         text = change(source.read_bytes(), random)
-        path = folder / f"mutant-{n}.yaml"
+        path = folder / f"mutant-{number}.yaml"
         path.write_bytes(text)
         kind = source.parent.name
         if kind != "studies":
-            says = with_(f"{KINDS[kind]}: {path}") if kind in KINDS else of_material(path)
-            path = folder / f"names-mutant-{n}.yaml"
-            path.write_text(says)
+            content = study_with(f"{KINDS[kind]}: {path}") if kind in KINDS else study_of_material(path)
+            path = folder / f"names-mutant-{number}.yaml"
+            path.write_text(content)
         yield f"{change.__name__} {kind} {source.stem}", path
 
 
-def of_material(path: Path) -> str:
+def study_of_material(path: Path) -> str:
     """Return a study whose bearing has the material of a file."""
     bearing = (HOME / "configs" / "bearings" / "nf308.yaml").read_text().replace("steel", str(path))
     indented = "".join(f"  {text}\n" for text in bearing.splitlines() if not text.startswith("#"))
-    return with_("bearing:") + indented
+    return study_with("bearing:") + indented

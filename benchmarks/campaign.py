@@ -31,9 +31,9 @@ def table(
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--csv", type=Path)
     options = parser.parse_args()
-    chance, waiting, rows = random.Random(options.seed), list(fixed), list[NamedTuple]()
-    while waiting or len(rows) < options.cases:
-        fields = waiting.pop(0) if waiting else scene(chance)
+    rng, queue, rows = random.Random(options.seed), list(fixed), list[NamedTuple]()
+    while queue or len(rows) < options.cases:
+        fields = queue.pop(0) if queue else scene(rng)
         try:
             rows.append(measure(fields))
         except SimulationError as error:

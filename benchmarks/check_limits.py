@@ -22,14 +22,14 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from benchmarks.crossed_blocks import write_crossed
-from benchmarks.hostile import HOME, Ended, Limits, alone, faults, in_here
+from benchmarks.hostile import HOME, CommandResult, Limits, faults, run_in_process, run_separately
 
-PLANNED = re.compile(r"^\S+: (\d+) jobs? \(", re.MULTILINE)
-PER_STUDY, PER_JOB = 1.0, 1e-3
+JOB_COUNT = re.compile(r"^\S+: (\d+) jobs? \(", re.MULTILINE)
+STUDY_CPU, JOB_CPU = 1.0, 1e-3
 """Limits of CPU time (s) for a valid study, and for each of its jobs."""
 
 
-class Checked(NamedTuple):
+class MutantResult(NamedTuple):
     """Result of a mutant: exit code, jobs, CPU time and its limit (s), memory (MB), faults."""
 
     number: int
@@ -42,52 +42,52 @@ class Checked(NamedTuple):
     wrong: str
 
 
-def warm(*words: str) -> Ended:
+def run_in_fork(*words: str) -> CommandResult:
     """Run a command in a fork of this process."""
     context = get_context("fork")
-    ours, theirs = context.Pipe(duplex=False)
-    process = context.Process(target=_typed, args=(theirs, words))
+    receiver, sender = context.Pipe(duplex=False)
+    process = context.Process(target=_send_result, args=(sender, words))
     process.start()
-    ended: Ended = ours.recv()
+    result: CommandResult = receiver.recv()
     process.join()
-    return ended
+    return result
 
 
-def _typed(answer: Connection, words: tuple[str, ...]) -> None:
-    answer.send(in_here(*words)._replace(memory=1024.0 * getrusage(RUSAGE_SELF).ru_maxrss))
+def _send_result(sender: Connection, words: tuple[str, ...]) -> None:
+    sender.send(run_in_process(*words)._replace(memory=1024.0 * getrusage(RUSAGE_SELF).ru_maxrss))
 
 
-def jobs_planned(ended: Ended) -> int:
+def jobs_planned(result: CommandResult) -> int:
     """Return the number of jobs planned by `check`, including refused jobs; 0 for a refused study."""
-    planned = PLANNED.search(ended.said)
-    return int(planned[1]) if planned else 0
+    match = JOB_COUNT.search(result.output)
+    return int(match[1]) if match else 0
 
 
 def limits(jobs: int) -> Limits:
     """Return the limits of `check` for a study with some jobs; without jobs, those of a refused study."""
-    return Limits(PER_STUDY + PER_JOB * jobs, inf) if jobs else Limits()
+    return Limits(STUDY_CPU + JOB_CPU * jobs, inf) if jobs else Limits()
 
 
-def checked(path: Path) -> Ended:
+def check(path: Path) -> CommandResult:
     """Check a study: in a warm process if it is valid, in a separate process if it is refused."""
-    ended = warm("check", str(path))
-    jobs = jobs_planned(ended)
-    if not jobs and ended.code:
-        return alone("check", str(path))
-    if ended.cpu > limits(jobs).cpu:  # it may have included compilation
-        return warm("check", str(path))
-    return ended
+    result = run_in_fork("check", str(path))
+    jobs = jobs_planned(result)
+    if not jobs and result.code:
+        return run_separately("check", str(path))
+    if result.cpu > limits(jobs).cpu:  # it may have included compilation
+        return run_in_fork("check", str(path))
+    return result
 
 
-def judged(number: int, change: str, path: Path, ended: Ended) -> Checked:
+def row_of(number: int, change: str, path: Path, result: CommandResult) -> MutantResult:
     """Return the row of a mutant."""
-    jobs = jobs_planned(ended)
-    most = limits(jobs)
-    wrong = faults(ended, path, most)
-    if ended.code == 0 and ended.cpu > most.cpu:
-        wrong.append(f"{ended.cpu:.1f} s")
-    cpu, memory = round(ended.cpu, 3), round(ended.memory / 1e6, 1)
-    return Checked(number, change, ended.code, jobs, cpu, round(most.cpu, 3), memory, "; ".join(wrong))
+    jobs = jobs_planned(result)
+    limit = limits(jobs)
+    violations = faults(result, path, limit)
+    if result.code == 0 and result.cpu > limit.cpu:
+        violations.append(f"{result.cpu:.1f} s")
+    cpu, memory = round(result.cpu, 3), round(result.memory / 1e6, 1)
+    return MutantResult(number, change, result.code, jobs, cpu, round(limit.cpu, 3), memory, "; ".join(violations))
 
 
 def seed_of_commit() -> int:
@@ -104,27 +104,29 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=300)
     parser.add_argument("--seed", type=int, default=seed_of_commit())
     parser.add_argument("--csv", type=Path, default=HOME / "docs" / "data" / "check_limits.csv")
-    asked = parser.parse_args()
-    for imports in ("slip", "sensitivity"):  # imports of all studies, and of designs
-        in_here("check", str(HOME / "studies" / f"{imports}.yaml"))
+    options = parser.parse_args()
+    for name in ("slip", "sensitivity"):  # imports of all studies, and of designs
+        run_in_process("check", str(HOME / "studies" / f"{name}.yaml"))
     rows = []
     with TemporaryDirectory() as folder:
-        for number, (change, path) in enumerate(write_crossed(Path(folder), asked.count, asked.seed)):
-            row = judged(number, change, path, checked(path))
+        for number, (change, path) in enumerate(write_crossed(Path(folder), options.count, options.seed)):
+            row = row_of(number, change, path, check(path))
             rows.append(row)
             if row.wrong:
                 print(*row, flush=True)
-    with asked.csv.open("w", newline="", encoding="utf-8") as file:
+    with options.csv.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
-        table.writerow([*Checked._fields, "seed"])
-        table.writerows([*row, asked.seed] for row in rows)
-    for what, part in (
+        table.writerow([*MutantResult._fields, "seed"])
+        table.writerows([*row, options.seed] for row in rows)
+    for outcome, group in (
         ("refused", [row for row in rows if not row.jobs]),
         ("valid", [row for row in rows if row.jobs]),
     ):
-        if part:
-            most, memory = max(row.cpu_s / row.limit_s for row in part), max(row.memory_mb for row in part)
-            print(f"{len(part)} {what}: at most {100 * most:.0f} % of the CPU time allowed, {memory:.0f} MB")
+        if group:
+            largest, memory = max(row.cpu_s / row.limit_s for row in group), max(row.memory_mb for row in group)
+            print(
+                f"{len(group)} {outcome}: at most {100 * largest:.0f} % of the CPU time allowed, {memory:.0f} MB"
+            )
     return int(any(row.wrong for row in rows))
 
 

@@ -33,10 +33,10 @@ SCENES: dict[str, dict[str, Any]] = {
     "ring, inner race, chi": {"model": "ring", "contact": CHI} | INNER,
     "planar, inner race": {"model": "planar"} | KINEMATIC | INNER,
 }
-PARTS = [4.0 * 2.0 ** (-n / 2) for n in range(13)]  # fractions of the step limit at impact
+STEP_FRACTIONS = [4.0 * 2.0 ** (-n / 2) for n in range(13)]  # fractions of the step limit at impact
 TOLERANCES = [1e-3 * 10.0 ** (-n / 2) for n in range(13)]
-FINE = 1.0 / 16.0
-SLOWEST = 3.0  # times the CPU time of `auto`, above which finer settings are not tried
+REFERENCE_FRACTION = 1.0 / 16.0
+MAX_COST_RATIO = 3.0  # times the CPU time of `auto`, above which finer settings are not tried
 
 
 class Run(NamedTuple):
@@ -49,8 +49,8 @@ class Run(NamedTuple):
 
 def scene(fields: dict[str, Any]) -> Case:
     """Return a case of the NF308 at 1800 rpm and 150 N, 0.3 s long."""
-    usual = {"bearing": "nf308", "speed": 1800.0 * 3.14159265 / 30.0, "load": 150.0, "duration": 0.3}
-    return Case.model_validate(usual | {"defects": [SLOT], "record": []} | fields)
+    defaults = {"bearing": "nf308", "speed": 1800.0 * 3.14159265 / 30.0, "load": 150.0, "duration": 0.3}
+    return Case.model_validate(defaults | {"defects": [SLOT], "record": []} | fields)
 
 
 def run(case: Case, name: str) -> Run:
@@ -60,59 +60,59 @@ def run(case: Case, name: str) -> Run:
     return Run(name, record.features, float(record.info["integrator_cpu_s"]))
 
 
-def by_hand(case: Case, most: float) -> Iterator[Run]:
+def manual_runs(case: Case, max_cpu: float) -> Iterator[Run]:
     """Yield runs of all applicable methods, from coarse to fine, until one takes more than ``most`` s."""
     for name, method in METHODS.items():
         if not choice.can_step(case, name):
             continue
-        named = choice.with_method(case, name)
-        step = choice.limits(named).at_impact
-        for part, tolerance in zip(PARTS, TOLERANCES, strict=True):
-            given = {"tolerance": tolerance} if method.adaptive else {"step": part * step}
+        method_case = choice.with_method(case, name)
+        step = choice.limits(method_case).at_impact
+        for fraction, tolerance in zip(STEP_FRACTIONS, TOLERANCES, strict=True):
+            setting = {"tolerance": tolerance} if method.adaptive else {"step": fraction * step}
             try:
-                found = run(
-                    named.model_copy(update=given | {"step_check": False}),
-                    f"{name} {next(iter(given.values())):.2g}",
+                result = run(
+                    method_case.model_copy(update=setting | {"step_check": False}),
+                    f"{name} {next(iter(setting.values())):.2g}",
                 )
             except SimulationError:
                 continue
-            yield found
-            if found.cpu > most:
+            yield result
+            if result.cpu > max_cpu:
                 break
 
 
-def error(case: Case, found: Run, right: Run) -> float:
+def error(case: Case, result: Run, reference: Run) -> float:
     """Return the largest relative error of line, RMS and largest force."""
     names = [*(f"velocity@{line}" for line in fault_lines(case)), "velocity.rms", "outer_force.max"]
-    return max(abs(found.features[name] / right.features[name] - 1.0) for name in names)
+    return max(abs(result.features[name] / reference.features[name] - 1.0) for name in names)
 
 
-def told(name: str, case: Case, each: bool) -> str:
+def summary(name: str, case: Case, each: bool) -> str:
     """Return the printed line of a scene."""
     auto = run(case, "auto")
     method = str(simulate(case).info["method"])
-    exact = choice.with_method(case, "verlet")
-    step = FINE * choice.limits(exact).at_impact
-    right = run(exact.model_copy(update={"step": step, "step_check": False}), "reference")
-    most, best = error(case, auto, right), Run("none", {}, inf)
-    for other in by_hand(case, SLOWEST * auto.cpu):
-        off = error(case, other, right)
+    verlet = choice.with_method(case, "verlet")
+    step = REFERENCE_FRACTION * choice.limits(verlet).at_impact
+    reference = run(verlet.model_copy(update={"step": step, "step_check": False}), "reference")
+    auto_error, best = error(case, auto, reference), Run("none", {}, inf)
+    for candidate in manual_runs(case, MAX_COST_RATIO * auto.cpu):
+        candidate_error = error(case, candidate, reference)
         if each:
-            print(f"    {other.name:32} {off:.1e} {other.cpu:.4f} s")
-        if off <= most and other.cpu < best.cpu:
-            best = other
-    ours, cheapest = f"{method:16} {most:.1e} {auto.cpu:.4f} s", f"{best.name:28} {best.cpu:.4f} s"
-    return f"{name:26} {ours}; {cheapest}; {auto.cpu / best.cpu:.2f}"
+            print(f"    {candidate.name:32} {candidate_error:.1e} {candidate.cpu:.4f} s")
+        if candidate_error <= auto_error and candidate.cpu < best.cpu:
+            best = candidate
+    auto_text, best_text = f"{method:16} {auto_error:.1e} {auto.cpu:.4f} s", f"{best.name:28} {best.cpu:.4f} s"
+    return f"{name:26} {auto_text}; {best_text}; {auto.cpu / best.cpu:.2f}"
 
 
 def main() -> None:
     """Print a line per scene."""
-    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    asked.add_argument("--scene", action="append", choices=list(SCENES))
-    asked.add_argument("--each", action="store_true", help="a line for each run")
-    given = asked.parse_args()
-    for name in given.scene or SCENES:
-        print(told(name, scene(SCENES[name]), given.each), flush=True)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scene", action="append", choices=list(SCENES))
+    parser.add_argument("--each", action="store_true", help="a line for each run")
+    options = parser.parse_args()
+    for name in options.scene or SCENES:
+        print(summary(name, scene(SCENES[name]), options.each), flush=True)
 
 
 if __name__ == "__main__":

@@ -35,12 +35,12 @@ load: 150 N
 model: rollers
 defect: {race: outer, shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 5 um}
 """
-ENGINE = Engine("benchmarks.cluster:record", warm="benchmarks.cluster:nothing")
+ENGINE = Engine("benchmarks.cluster:record", warm="benchmarks.cluster:skip_warm_up")
 FEATURES = {f"feature.{n}": float(n) for n in range(60)}
-TELL_EVERY = 10_000
+REPORT_INTERVAL = 10_000
 
 
-def nothing(cases: Any) -> None:
+def skip_warm_up(cases: Any) -> None:
     """Skip compilation."""
 
 
@@ -50,14 +50,14 @@ def record(case: Any) -> Any:
 
 
 @dataclass(frozen=True)
-class Used:
+class Usage:
     """Resources of a process: CPU time (s) and current memory (bytes)."""
 
     cpu: float
     memory: int
 
     @classmethod
-    def by(cls, process: psutil.Process) -> "Used":
+    def read(cls, process: psutil.Process) -> "Usage":
         times = process.cpu_times()
         return cls(times.user + times.system, process.memory_info().rss)
 
@@ -65,29 +65,29 @@ class Used:
 @contextmanager
 def cluster(folder: Path) -> Iterator[tuple[str, psutil.Process]]:
     """Start a scheduler and two workers; yield its address and its process."""
-    told = folder / "scheduler.json"
+    scheduler_file = folder / "scheduler.json"
     dask = (sys.executable, "-m", "dask")
     options = ("--no-dashboard", "--host", "127.0.0.1")
     commands: list[tuple[str, ...]] = [
-        (*dask, "scheduler", *options, "--port", "0", "--scheduler-file", str(told))
+        (*dask, "scheduler", *options, "--port", "0", "--scheduler-file", str(scheduler_file))
     ]
-    mine = ("--nthreads", "1", "--local-directory", str(folder))
-    commands += [(*dask, "worker", *options, *mine, "--scheduler-file", str(told))] * 2
+    worker_options = ("--nthreads", "1", "--local-directory", str(folder))
+    commands += [(*dask, "worker", *options, *worker_options, "--scheduler-file", str(scheduler_file))] * 2
     with (folder / "log").open("w") as log:
-        started = [subprocess.Popen(command, stdout=log, stderr=log) for command in commands]
+        processes = [subprocess.Popen(command, stdout=log, stderr=log) for command in commands]
         try:
-            while not (told.exists() and told.read_text().endswith("}")):
+            while not (scheduler_file.exists() and scheduler_file.read_text().endswith("}")):
                 time.sleep(0.1)
-            (address,) = (word for word in told.read_text().split('"') if word.startswith("tcp://"))
-            yield address, psutil.Process(started[0].pid)
+            (address,) = (word for word in scheduler_file.read_text().split('"') if word.startswith("tcp://"))
+            yield address, psutil.Process(processes[0].pid)
         finally:
-            for process in reversed(started):
+            for process in reversed(processes):
                 process.terminate()
-            for process in started:
+            for process in processes:
                 process.wait()
 
 
-def works(study: Study, root: Path, count: int) -> list[Work]:
+def work_units(study: Study, root: Path, count: int) -> list[Work]:
     """Make units of one job, each with a different load."""
     case, provenance = study.cases()[0], store.provenance(study)
     cases = (case.model_copy(update={"load": 100.0 + 1e-3 * n}) for n in range(count))
@@ -100,15 +100,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--units", type=int, default=100_000)
     parser.add_argument("--out", type=Path, help="results folder (default: a passing one)")
-    asked = parser.parse_args()
-    with tempfile.TemporaryDirectory() as place:
-        folder = Path(place)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
         (folder / "study.yaml").write_text(STUDY)
-        root = asked.out or folder / "results"
+        root = options.out or folder / "results"
         root.mkdir(parents=True, exist_ok=True)
         study = load_study(folder / "study.yaml", {}, False)
         with cluster(folder) as (address, scheduler):
-            measure(works(study, root, asked.units), address, scheduler)
+            measure(work_units(study, root, options.units), address, scheduler)
 
 
 def measure(units: list[Work], address: str, scheduler: psutil.Process) -> None:
@@ -118,18 +118,26 @@ def measure(units: list[Work], address: str, scheduler: psutil.Process) -> None:
     print(f"{'units':>8} {'ms/unit':>8}   CPU ms/unit of client, scheduler;  MB of client, scheduler")
     with joined(address) as workers:
         workers.assembled()
-        began, before = time.perf_counter(), {"client": Used.by(client), "scheduler": Used.by(scheduler)}
-        for done, _ in enumerate(workers.outcomes(units), 1):
-            if done % TELL_EVERY == 0 or done == len(units):
-                tell(done, time.perf_counter() - began, before, Used.by(client), Used.by(scheduler))
+        initial = {"client": Usage.read(client), "scheduler": Usage.read(scheduler)}
+        began = time.perf_counter()
+        for count, _ in enumerate(workers.outcomes(units), 1):
+            if count % REPORT_INTERVAL == 0 or count == len(units):
+                print_row(
+                    count,
+                    time.perf_counter() - began,
+                    initial,
+                    Usage.read(client),
+                    Usage.read(scheduler),
+                )
     print(f"load of the machine {os.getloadavg()[0]:.1f}")
 
 
-def tell(done: int, seconds: float, before: Mapping[str, Used], client: Used, scheduler: Used) -> None:
+def print_row(count: int, seconds: float, initial: Mapping[str, Usage], client: Usage, scheduler: Usage) -> None:
     cpu = [
-        1e3 * (now.cpu - before[name].cpu) / done for name, now in (("client", client), ("scheduler", scheduler))
+        1e3 * (current.cpu - initial[name].cpu) / count
+        for name, current in (("client", client), ("scheduler", scheduler))
     ]
-    row = f"{done:8} {1e3 * seconds / done:8.2f} {cpu[0]:8.2f} {cpu[1]:8.2f}"
+    row = f"{count:8} {1e3 * seconds / count:8.2f} {cpu[0]:8.2f} {cpu[1]:8.2f}"
     print(f"{row} {client.memory / 1e6:8.0f} {scheduler.memory / 1e6:8.0f}", flush=True)
 
 

@@ -15,7 +15,7 @@ import time
 VARIANTS = ("linked", "by numba", "in registers", "in loops")
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 SHORT = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "settle": "20 ms", "step_check": False}
-BENT = {"rig": {"ring": {"bends": True}}}
+FLEXIBLE_RING = {"rig": {"ring": {"bends": True}}}
 
 
 def main() -> None:
@@ -30,9 +30,9 @@ def main() -> None:
 
 def measure(variant: str) -> None:
     """Print the CPU time (s) of the first run of a case, with compilation, and the shortest of five others."""
-    bent = variant in VARIANTS[2:]
+    is_flexible = variant in VARIANTS[2:]
     if variant == "by numba":
-        link_nothing()
+        disable_linking()
     if variant == "in loops":
         sum_in_loops()
     import bearingsim as bs
@@ -44,7 +44,7 @@ def measure(variant: str) -> None:
         "periodic": False,
         "duration": "60 ms",
     }
-    case = bs.Case.model_validate(fields | (BENT if bent else {}))
+    case = bs.Case.model_validate(fields | (FLEXIBLE_RING if is_flexible else {}))
     seconds = []
     for _ in range(6):
         start = time.process_time()
@@ -53,7 +53,7 @@ def measure(variant: str) -> None:
     print(f"{variant}: first run {seconds[0]:.1f} s, others {min(seconds[1:]):.3f} s")
 
 
-def link_nothing() -> None:
+def disable_linking() -> None:
     """Disable linking, so that numba compiles by default."""
     from bearingsim.core import linking
 

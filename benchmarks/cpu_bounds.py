@@ -20,9 +20,9 @@ import pandas as pd
 
 from bearingsim import store
 
-GIVEN_S, ALLOWED_S = 5.0, 6.0
+LIMIT_S, MAX_PER_JOB_S = 5.0, 6.0
 """CPU limit of a job, and largest measured CPU time per job (s)."""
-ALIKE = {"bearing": "nf308", "speed": "1800 rpm", "settle": "0 s"}
+COMMON_FIELDS = {"bearing": "nf308", "speed": "1800 rpm", "settle": "0 s"}
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 INNER = SLOT | {"race": "inner"}
 LOADS = {"sweep": {"load": ["150 N", "165 N"]}}  # each load has a healthy case
@@ -106,7 +106,7 @@ PHASES = {
 """Phases of a job by a function in its traceback, in the order of the search."""
 
 
-class Bounded(NamedTuple):
+class StudyResult(NamedTuple):
     """Result of a study under a CPU limit: jobs and their outcome, CPU times, whether the limit was met.
 
     phase: phase in which jobs were stopped; priced_s: largest estimate of a job.
@@ -129,35 +129,37 @@ class Bounded(NamedTuple):
 def study_of(name: str, folder: Path) -> Path:
     """Write an extreme study file."""
     path = folder / f"{name.replace(' ', '-')}.yaml"
-    fields = {"study": path.stem, **ALIKE, **EXTREMES[name]}
+    fields = {"study": path.stem, **COMMON_FIELDS, **EXTREMES[name]}
     path.write_text(json.dumps(fields, indent=1))
     return path
 
 
-def bounded(name: str) -> Bounded:
+def measure(name: str) -> StudyResult:
     """Run an extreme study under the limit, after compilation."""
     with tempfile.TemporaryDirectory() as folder:
         study, out = study_of(name, Path(folder)), Path(folder) / "results"
-        first = command("run", str(study), "--jobs", "1", "--max-cpu", f"{GIVEN_S} s", "--out", f"{out}-first")
-        cpu = command("run", str(study), "--jobs", "1", "--max-cpu", f"{GIVEN_S} s", "--out", str(out))
+        first = cpu_of_command(
+            "run", str(study), "--jobs", "1", "--max-cpu", f"{LIMIT_S} s", "--out", f"{out}-first"
+        )
+        cpu = cpu_of_command("run", str(study), "--jobs", "1", "--max-cpu", f"{LIMIT_S} s", "--out", str(out))
         status = store.open_results(out).table()["status"].value_counts()
         failures = store.read_failures(out).values()
-        prices = json.loads(said("check", str(study), "--json"))["jobs"]
-    stopped = [one for one in failures if "--max-cpu" in one.reason]
+        jobs_planned = json.loads(output_of("check", str(study), "--json"))["jobs"]
+    stopped = [failure for failure in failures if "--max-cpu" in failure.reason]
     jobs = int(status.sum())
-    return Bounded(
+    return StudyResult(
         study=name,
         jobs=jobs,
         done=int(status.get("done", 0)),
         stopped=len(stopped),
         failed=len(failures) - len(stopped),
         left_out=int(status.get("missing", 0)),
-        phase=", ".join(sorted({phase(one.traceback) for one in stopped})),
-        priced_s=max((job["estimate"]["cpu_seconds"] for job in prices), default=float("nan")),
+        phase=", ".join(sorted({phase(failure.traceback) for failure in stopped})),
+        priced_s=max((job["estimate"]["cpu_seconds"] for job in jobs_planned), default=float("nan")),
         cpu_s=cpu,
         cpu_per_job_s=cpu / jobs,
         compile_s=max(0.0, first - cpu),
-        held=cpu <= ALLOWED_S * jobs,
+        held=cpu <= MAX_PER_JOB_S * jobs,
     )
 
 
@@ -166,18 +168,18 @@ def phase(traceback: str) -> str:
     return next(name for function, name in PHASES.items() if f"in {function}\n" in traceback)
 
 
-def command(*words: str) -> float:
+def cpu_of_command(*words: str) -> float:
     """Run a command; return the CPU time (s) of its processes."""
-    before = _cpu_of_children()
-    done = subprocess.run(
+    start = _cpu_of_children()
+    process = subprocess.run(
         [sys.executable, "-m", "bearingsim", *words], capture_output=True, text=True, check=False
     )
-    if done.returncode not in (0, 1) or "Traceback" in done.stderr:
-        raise RuntimeError(f"{' '.join(words)}: exit code {done.returncode}\n{done.stderr}")
-    return _cpu_of_children() - before
+    if process.returncode not in (0, 1) or "Traceback" in process.stderr:
+        raise RuntimeError(f"{' '.join(words)}: exit code {process.returncode}\n{process.stderr}")
+    return _cpu_of_children() - start
 
 
-def said(*words: str) -> str:
+def output_of(*words: str) -> str:
     """Run a command; return its output."""
     return subprocess.run(
         [sys.executable, "-m", "bearingsim", *words], capture_output=True, text=True, check=False
@@ -185,8 +187,8 @@ def said(*words: str) -> str:
 
 
 def _cpu_of_children() -> float:
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 def main() -> None:
@@ -194,14 +196,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", nargs="+", choices=EXTREMES, default=list(EXTREMES))
     parser.add_argument("--csv", type=Path)
-    asked = parser.parse_args()
+    options = parser.parse_args()
     rows = []
-    for name in asked.only:
-        rows.append(bounded(name))
+    for name in options.only:
+        rows.append(measure(name))
         print(*(f"{key}={value}" for key, value in rows[-1]._asdict().items()), flush=True)
     table = pd.DataFrame(rows)
-    if asked.csv:
-        table.to_csv(asked.csv, index=False, float_format="%.2f", lineterminator="\n")
+    if options.csv:
+        table.to_csv(options.csv, index=False, float_format="%.2f", lineterminator="\n")
     sys.exit(int(not table["held"].all()))
 
 

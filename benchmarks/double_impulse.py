@@ -25,9 +25,9 @@ OUTER_6205 = 0.02349  # m, radius of the outer race
 ARCS = (5.0, 8.0)  # degrees of the outer race, as for the measured bearings
 DEPTHS = (20e-6, 30e-6, 50e-6)  # m; unknown for the measured bearings
 SPEEDS = (600, 900, 1200)  # rpm
-LIFTED = 0.5  # of the force before the defect; the element has entered below it
-STRUCK = 0.1  # of that force; the element has struck the far edge above it (but not the floor)
-EARLY = 1.1  # times the expected distance of the impact from the far rim, where the search begins
+ENTRY_FRACTION = 0.5  # of the force before the defect; the element has entered below it
+IMPACT_FRACTION = 0.1  # of that force; the element has struck the far edge above it (but not the floor)
+SEARCH_MARGIN = 1.1  # times the expected distance of the impact from the far rim, where the search begins
 PASSES = 52  # ball passes of the record of the ring
 COLUMNS = (
     "bearing",
@@ -87,21 +87,21 @@ def crossings(case: Case, record: Record) -> Iterator[Crossing]:
     """Yield all complete crossings of a record, from contact forces at kinematic cage speed."""
     b, width, x = assemble.model(case).bearing, case.defects[0].width, reach(case)
     for j in range(b.Z):
-        turned = record.info["cage_angle_start_rad"] + b.omega_c * record.time + 2.0 * pi * j / b.Z
-        along = b.R_o * ((turned - case.defects[0].angle + pi) % (2.0 * pi) - pi) + width / 2.0
+        angle = record.info["cage_angle_start_rad"] + b.omega_c * record.time + 2.0 * pi * j / b.Z
+        along = b.R_o * ((angle - case.defects[0].angle + pi) % (2.0 * pi) - pi) + width / 2.0
         force = record.series[f"roller.{j + 1}.outer_force"]
-        near = np.flatnonzero((along > -0.15 * width) & (along < 1.15 * width))
-        for one in np.split(near, np.flatnonzero(np.diff(near) > 1) + 1):
-            if len(one) and along[one[0]] < -0.09 * width and along[one[-1]] > 1.09 * width:
-                yield crossed(along[one], force[one], width - EARLY * x)
+        indices = np.flatnonzero((along > -0.15 * width) & (along < 1.15 * width))
+        for group in np.split(indices, np.flatnonzero(np.diff(indices) > 1) + 1):
+            if len(group) and along[group[0]] < -0.09 * width and along[group[-1]] > 1.09 * width:
+                yield detect_events(along[group], force[group], width - SEARCH_MARGIN * x)
 
 
-def crossed(along: np.ndarray, force: np.ndarray, edge: float) -> Crossing:
+def detect_events(along: np.ndarray, force: np.ndarray, search_start: float) -> Crossing:
     """Detect the events of a crossing from positions (n,) in m and forces (n,) in N; ``edge`` precedes impact."""
-    sound = force[along < 0.0].mean()
-    lifted = np.flatnonzero((along > 0.0) & (force < LIFTED * sound))
-    struck = np.flatnonzero((along >= edge) & (force > STRUCK * sound))
-    return Crossing(along[lifted[0]] if len(lifted) else nan, along[struck[0]] if len(struck) else nan)
+    mean_force = force[along < 0.0].mean()
+    entries = np.flatnonzero((along > 0.0) & (force < ENTRY_FRACTION * mean_force))
+    impacts = np.flatnonzero((along >= search_start) & (force > IMPACT_FRACTION * mean_force))
+    return Crossing(along[entries[0]] if len(entries) else nan, along[impacts[0]] if len(impacts) else nan)
 
 
 def read(case: Case) -> Reading:
@@ -131,11 +131,11 @@ def rows() -> Iterator[dict[str, Any]]:
     slots = [("nf308", width, 30e-6, rpm) for width, rpm in product((2e-3, 3e-3, 4e-3, 6e-3), (900, 1800))]
     for bearing, width, depth, rpm in [*arcs, *slots]:
         case = scene(bearing, rpm, width, depth)
-        found, x = read(case), reach(case)
-        by_ring = [spacing_of_ring(case, quantity) / found.crossing for quantity in ("velocity", "acceleration")]
-        places = [found.entry / width, found.strike / width, 1.0 - x / width, (width - found.strike) / x]
-        times = [1e3 * found.spacing, 1e3 * found.crossing, found.spacing / found.crossing, *by_ring]
-        numbers = [round(float(value), 3) for value in [*places, *times]]
+        reading, x = read(case), reach(case)
+        ratios = [spacing_of_ring(case, quantity) / reading.crossing for quantity in ("velocity", "acceleration")]
+        positions = [reading.entry / width, reading.strike / width, 1.0 - x / width, (width - reading.strike) / x]
+        times = [1e3 * reading.spacing, 1e3 * reading.crossing, reading.spacing / reading.crossing, *ratios]
+        numbers = [round(float(value), 3) for value in [*positions, *times]]
         yield dict(zip(COLUMNS, [bearing, round(1e3 * width, 3), round(1e6 * depth), rpm, *numbers], strict=True))
 
 

@@ -26,14 +26,14 @@ from bearingsim.config.names import FAULT_LINES
 from bearingsim.simulation import SimulationError, simulate
 from bearingsim.simulation.simulate import Record
 from bearingsim.study import case_id
-from benchmarks.friction import Asked, draw, study_of
+from benchmarks.friction import AutomaticRun, draw, study_of
 
-WITHIN, SHARE, COST = 0.02, 0.95, 0.25
+ACCURACY, LEAST_SHARE, MAX_COST = 0.02, 0.95, 0.25
 STANDARD_ERRORS = 2.0
-IN_FULL = 1e-6
+UNREACHABLE = 1e-6
 """Value of `until` that is never reached, so that a record is analysed but not ended early."""
 
-BEFORE = """
+BASELINE_SCRIPT = """
 import json, sys, tempfile, time
 from pathlib import Path
 from bearingsim.simulation import simulate, warm
@@ -52,25 +52,27 @@ for line in sys.stdin:
 """
 
 
-def before(commit: str) -> Callable[[dict[str, Any]], float]:
+def baseline_cpu(commit: str) -> Callable[[dict[str, Any]], float]:
     """Return a function that measures the CPU time (s) of a scene in the default `planar` of a commit."""
-    tree = Path("results") / f"before-{commit}"
-    if not tree.exists():
-        subprocess.run(["git", "worktree", "add", "--detach", str(tree), commit], check=True, capture_output=True)
+    checkout = Path("results") / f"before-{commit}"
+    if not checkout.exists():
+        subprocess.run(
+            ["git", "worktree", "add", "--detach", str(checkout), commit], check=True, capture_output=True
+        )
     process = subprocess.Popen(
-        [sys.executable, "-c", BEFORE],
+        [sys.executable, "-c", BASELINE_SCRIPT],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
-        env=os.environ | {"PYTHONPATH": str(tree.resolve())},
-        cwd=tree,
+        env=os.environ | {"PYTHONPATH": str(checkout.resolve())},
+        cwd=checkout,
     )
 
     def measure(scene: dict[str, Any]) -> float:
         assert process.stdin is not None
         assert process.stdout is not None
-        plain = {name: value for name, value in scene.items() if name not in ("accuracy", "record")}
-        process.stdin.write(json.dumps(plain | {"model": "planar"}) + "\n")
+        fields = {name: value for name, value in scene.items() if name not in ("accuracy", "record")}
+        process.stdin.write(json.dumps(fields | {"model": "planar"}) + "\n")
         process.stdin.flush()
         return float(process.stdout.readline())
 
@@ -81,40 +83,41 @@ def scene_of(number: int, seed: int) -> tuple[dict[str, Any], str]:
     """Return the fields of a scene's study, and the name of its line."""
     scene = draw("light", number, seed)
     line = f"velocity@{FAULT_LINES[scene['defect']['race']]}"
-    return scene | {"accuracy": {"within": f"{WITHIN:.0%}", "of": [line, "velocity.rms"]}}, line
+    return scene | {"accuracy": {"within": f"{ACCURACY:.0%}", "of": [line, "velocity.rms"]}}, line
 
 
-def measured(number: int, seed: int, cpu_before: Callable[[dict[str, Any]], float]) -> dict[str, Any]:
+def compare_scene(number: int, seed: int, baseline: Callable[[dict[str, Any]], float]) -> dict[str, Any]:
     """Compute a scene as in a run with an accuracy, then in full, and compare."""
     scene, line = scene_of(number, seed)
-    done: dict[str, tuple[Record, float]] = {}
-    asked = Asked(study_of(scene), done)
-    early, whole = done[case_id(asked.case)][0], simulate(asked.case.model_copy(update={"until": IN_FULL}))
+    records: dict[str, tuple[Record, float]] = {}
+    automatic = AutomaticRun(study_of(scene), records)
+    early = records[case_id(automatic.case)][0]
+    full = simulate(automatic.case.model_copy(update={"until": UNREACHABLE}))
     info = early.info
     row: dict[str, Any] = {"scene": number, "load": scene["load"], "speed": scene["speed"]}
-    row |= {"race": scene["defect"]["race"], "taken": asked.choice.candidate}
+    row |= {"race": scene["defect"]["race"], "taken": automatic.choice.candidate}
     row |= {"passes": info["passes_computed"], "of": info["passes"], "period": info["period_passes"]}
-    row |= {"chaotic": early.features["chaotic"], "trials_s": asked.trials_s, "job_s": asked.job_s}
-    row |= {"before_s": cpu_before(scene)}
-    for what, name in (("line", line), ("rms", "velocity.rms")):
-        fact = f"standard_error_{what}"
-        row[f"{what}_off"] = abs(early.features[name] / whole.features[name] - 1.0)
-        row[f"{what}_stated"] = info[fact]
-        row[f"{what}_beside"] = STANDARD_ERRORS * hypot(float(info[fact]), float(whole.info[fact]))
+    row |= {"chaotic": early.features["chaotic"], "trials_s": automatic.trials_s, "job_s": automatic.job_s}
+    row |= {"before_s": baseline(scene)}
+    for kind, name in (("line", line), ("rms", "velocity.rms")):
+        key = f"standard_error_{kind}"
+        row[f"{kind}_off"] = abs(early.features[name] / full.features[name] - 1.0)
+        row[f"{kind}_stated"] = info[key]
+        row[f"{kind}_beside"] = STANDARD_ERRORS * hypot(float(info[key]), float(full.info[key]))
     return row
 
 
 def rows_of(count: int, seed: int, commit: str, out: Path, seconds: float) -> list[dict[str, Any]]:
     """Return the scenes, computing missing ones until ``seconds`` of CPU time are used."""
     rows: list[dict[str, Any]] = []
-    measure = before(commit)
+    measure = baseline_cpu(commit)
     for number in range(count):
         path = out / f"{seed}-{number}.json"
         if not path.exists():
             if time.process_time() > seconds:
                 break
             try:
-                row = measured(number, seed, measure)
+                row = compare_scene(number, seed, measure)
             except SimulationError as error:
                 row = {"scene": number, "refused": str(error)[:200]}
             path.write_text(json.dumps(row))
@@ -133,19 +136,19 @@ def report(rows: list[dict[str, Any]]) -> bool:
     """Print accuracy, coverage and cost of the scenes; return whether they meet the limits."""
     kinds = ("line", "rms")
     ended = [row for row in rows if not row["period"] and row["passes"] < row["of"]]
-    kept = sum(all(row[f"{what}_off"] <= WITHIN for what in kinds) for row in rows)
-    covered = {what: sum(row[f"{what}_off"] <= row[f"{what}_beside"] for row in ended) for what in kinds}
+    accurate = sum(all(row[f"{kind}_off"] <= ACCURACY for kind in kinds) for row in rows)
+    covered = {kind: sum(row[f"{kind}_off"] <= row[f"{kind}_beside"] for row in ended) for kind in kinds}
     chaotic = sum(row["chaotic"] == 1.0 for row in ended)
-    print(f"{kept} of {len(rows)} within {WITHIN:.0%}; {len(ended)} ended early, {chaotic} of them chaotic")
+    print(f"{accurate} of {len(rows)} within {ACCURACY:.0%}; {len(ended)} ended early, {chaotic} of them chaotic")
     print(f"within {STANDARD_ERRORS:g} standard errors, of those: line {covered['line']}, RMS {covered['rms']}")
     print(f"CPU time over that before: {cost(rows):.2f}, of those that ended early {cost(ended):.2f}")
-    return kept >= SHARE * len(rows) and cost(rows) <= COST
+    return accurate >= LEAST_SHARE * len(rows) and cost(rows) <= MAX_COST
 
 
 def cost(rows: list[dict[str, Any]]) -> float:
     """Return the CPU time of trials and jobs relative to that before; NaN without scenes."""
-    before_s = sum(row["before_s"] for row in rows)
-    return sum(row["trials_s"] + row["job_s"] for row in rows) / before_s if rows else nan
+    baseline_s = sum(row["before_s"] for row in rows)
+    return sum(row["trials_s"] + row["job_s"] for row in rows) / baseline_s if rows else nan
 
 
 def main() -> None:

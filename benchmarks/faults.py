@@ -73,76 +73,76 @@ def numbers(out: Path) -> pd.DataFrame:
 # Disks
 
 
-def typed(words: list[str], limit: int | None = None) -> tuple[int, str]:
+def run_command(words: list[str], limit: int | None = None) -> tuple[int, str]:
     """Run a command in a process; return its exit code (negative for a signal) and messages."""
-    ours, theirs = os.pipe()
+    reader, writer = os.pipe()
     child = os.fork()
     if child == 0:
-        os.dup2(theirs, 2)
+        os.dup2(writer, 2)
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         if limit is not None:
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
         sys.argv = ["bearingsim", *words]
         try:
             cli.main()
-        except SystemExit as end:
-            os._exit(int(end.code or 0))
+        except SystemExit as error:
+            os._exit(int(error.code or 0))
         os._exit(0)
-    os.close(theirs)
-    with os.fdopen(ours) as told:
-        said = told.read()
-    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), said
+    os.close(writer)
+    with os.fdopen(reader) as pipe:
+        messages = pipe.read()
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), messages
 
 
 def disks(folder: Path, seed: int) -> Iterator[str]:
-    study, whole = study_file(folder, "model: static", 12), folder / "whole"
-    run(load_study(study), whole, jobs=1, progress=False)
-    job = store.open_results(whole).jobs[0]
-    right = numbers(whole)
-    words = {
+    study, reference = study_file(folder, "model: static", 12), folder / "whole"
+    run(load_study(study), reference, jobs=1, progress=False)
+    job = store.open_results(reference).jobs[0]
+    expected = numbers(reference)
+    commands = {
         "run": lambda out: ["run", str(study), "--jobs", "1", "--out", str(out / "r")],
-        "plot": lambda out: ["plot", str(whole), "--out", str(out)],
-        "export": lambda out: ["export", str(whole), "--series", job, "--out", str(out / "s.mat")],
+        "plot": lambda out: ["plot", str(reference), "--out", str(out)],
+        "export": lambda out: ["export", str(reference), "--series", job, "--out", str(out / "s.mat")],
     }
-    for kind, placed in {"limit of a file": _limited, "small tmpfs": _mounted}.items():
-        for name, make in words.items():
-            found = Counter(placed(folder, size, name, make, right) for size in SIZES_KB)
-            yield f"{kind}, {name}: " + ", ".join(f"{count} {what}" for what, count in found.items())
+    for kind, run_on_disk in {"limit of a file": _run_limited, "small tmpfs": _run_mounted}.items():
+        for name, command in commands.items():
+            verdicts = Counter(run_on_disk(folder, size, name, command, expected) for size in SIZES_KB)
+            yield f"{kind}, {name}: " + ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
 
 
-Make = Callable[[Path], list[str]]
+Command = Callable[[Path], list[str]]
 
 
-def _limited(folder: Path, size: int, name: str, make: Make, right: pd.DataFrame) -> str:
+def _run_limited(folder: Path, size: int, name: str, command: Command, expected: pd.DataFrame) -> str:
     out = Path(tempfile.mkdtemp(dir=folder))
-    code, told = typed(make(out), 1000 * size)
-    return _verdict(out, name, code, told, make, right)
+    code, messages = run_command(command(out), 1000 * size)
+    return _verdict(out, name, code, messages, command, expected)
 
 
-def _mounted(folder: Path, size: int, name: str, make: Make, right: pd.DataFrame) -> str:
+def _run_mounted(folder: Path, size: int, name: str, command: Command, expected: pd.DataFrame) -> str:
     out = Path(tempfile.mkdtemp(dir=folder))
     if subprocess.run(
         ["mount", "-t", "tmpfs", "-o", f"size={size}k", "tmpfs", out], capture_output=True
     ).returncode:
         return "skipped: mounting is not allowed"
     try:
-        code, told = typed(make(out))
+        code, messages = run_command(command(out))
         subprocess.run(["mount", "-o", "remount,size=64m", out], check=True)
-        return _verdict(out, name, code, told, make, right)
+        return _verdict(out, name, code, messages, command, expected)
     finally:
         subprocess.run(["umount", out], check=True)
 
 
-def _verdict(out: Path, name: str, code: int, told: str, make: Make, right: pd.DataFrame) -> str:
-    last = told.strip().splitlines()[-1:]
+def _verdict(out: Path, name: str, code: int, messages: str, command: Command, expected: pd.DataFrame) -> str:
+    last_line = messages.strip().splitlines()[-1:]
     if code not in (0, 2):
         return f"LOST: exit code {code}"
-    if code == 2 and ("Traceback" in told or not last or str(out) not in last[0]):
+    if code == 2 and ("Traceback" in messages or not last_line or str(out) not in last_line[0]):
         return "LOST: no name of the place"
     if list(out.glob("r/failed/*")):
         return "LOST: a job is blamed"
-    again, _ = typed(make(out))
-    if again != 0 or (name == "run" and not numbers(out / "r").equals(right)):
+    second_code, _ = run_command(command(out))
+    if second_code != 0 or (name == "run" and not numbers(out / "r").equals(expected)):
         return "LOST: not made good"
     return "done" if code == 0 else "told, and made good with room"
 
@@ -151,88 +151,88 @@ def _verdict(out: Path, name: str, code: int, told: str, make: Make, right: pd.D
 
 
 def flips(folder: Path, seed: int) -> Iterator[str]:
-    study, whole = load_study(study_file(folder, "accuracy: 20 %", 3)), folder / "whole"
-    run(study, whole, jobs=1, progress=False)
-    store.Failure("0123456789abcdef", "diverged").write(whole)
-    right, chance = numbers(whole), random.Random(seed)
-    found = {kind: Counter[str]() for kind in KINDS}
+    study, reference = load_study(study_file(folder, "accuracy: 20 %", 3)), folder / "whole"
+    run(study, reference, jobs=1, progress=False)
+    store.Failure("0123456789abcdef", "diverged").write(reference)
+    expected, rng = numbers(reference), random.Random(seed)
+    verdicts = {kind: Counter[str]() for kind in KINDS}
     for number in range(FLIPS):
         kind = KINDS[number % len(KINDS)]
-        path = chance.choice(sorted(whole.glob(kind))).relative_to(whole)
-        found[kind][_flipped(folder, study, whole, path, chance, right)] += 1
-    for kind, counts in found.items():
-        yield f"{kind}: " + ", ".join(f"{count} {what}" for what, count in counts.items())
+        path = rng.choice(sorted(reference.glob(kind))).relative_to(reference)
+        verdicts[kind][_flip(folder, study, reference, path, rng, expected)] += 1
+    for kind, counts in verdicts.items():
+        yield f"{kind}: " + ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
 
 
-def _flipped(
-    folder: Path, study: Study, whole: Path, path: Path, chance: random.Random, right: pd.DataFrame
+def _flip(
+    folder: Path, study: Study, reference: Path, path: Path, rng: random.Random, expected: pd.DataFrame
 ) -> str:
     out = folder / "flipped"
     shutil.rmtree(out, ignore_errors=True)
-    shutil.copytree(whole, out)
-    if chance.random() < 0.5 and path.name != "study.h5":
+    shutil.copytree(reference, out)
+    if rng.random() < 0.5 and path.name != "study.h5":
         (out / "study.h5").unlink()
     content = bytearray((out / path).read_bytes())
-    content[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
+    content[rng.randrange(len(content))] ^= 1 << rng.randrange(8)
     (out / path).write_bytes(bytes(content))
     try:
         summary = run(study, out, jobs=1, progress=False)
-    except UserError as refused:
-        return "refused by name" if str(path) in str(refused) else "LOST: refused without its name"
-    if summary.missing or summary.failed or not numbers(out).equals(right):
+    except UserError as error:
+        return "refused by name" if str(path) in str(error) else "LOST: refused without its name"
+    if summary.missing or summary.failed or not numbers(out).equals(expected):
         return "LOST: another result"
-    told = "damaged" in str(summary)
-    return "set aside and made good" if told else "made good or without effect"
+    is_reported = "damaged" in str(summary)
+    return "set aside and made good" if is_reported else "made good or without effect"
 
 
 # Signals
 
 
 def signals(folder: Path, seed: int) -> Iterator[str]:
-    study, whole = study_file(folder, "model: static", 60), folder / "undisturbed"
-    run(load_study(study), whole, jobs=2, progress=False)
-    right, chance = numbers(whole), random.Random(seed)
+    study, reference = study_file(folder, "model: static", 60), folder / "undisturbed"
+    run(load_study(study), reference, jobs=2, progress=False)
+    expected, rng = numbers(reference), random.Random(seed)
     command = [sys.executable, "-m", "bearingsim", "run", str(study), "--jobs", "2", "--out"]
-    found, out, fresh = Counter[str](), folder / "r0", 0
+    counts, out, run_count = Counter[str](), folder / "r0", 0
     for number in range(ENDINGS):
-        how = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)[number % 3]
-        sealed = {path.name for path in out.glob("units/??/*.h5")}
+        sent = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)[number % 3]
+        stored = {path.name for path in out.glob("units/??/*.h5")}
         process = subprocess.Popen([*command, str(out)], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
-        time.sleep(chance.uniform(3.0, 9.0))
-        process.send_signal(how)
+        time.sleep(rng.uniform(3.0, 9.0))
+        process.send_signal(sent)
         code = process.wait()
-        found[f"{how.name} ({code})"] += 1
+        counts[f"{sent.name} ({code})"] += 1
         time.sleep(0.3)  # workers end with their parent
-        left = [len(path.read_text().split()) for path in out.glob("units/??/*.started")]
-        found[f"jobs lost to {how.name}"] += sum(left)
-        if not sealed <= {path.name for path in out.glob("units/??/*.h5")}:
-            found["LOST: a sealed unit"] += 1
+        unfinished = [len(path.read_text().split()) for path in out.glob("units/??/*.started")]
+        counts[f"jobs lost to {sent.name}"] += sum(unfinished)
+        if not stored <= {path.name for path in out.glob("units/??/*.h5")}:
+            counts["LOST: a sealed unit"] += 1
         if code == 0 or number == ENDINGS - 1:
             run(load_study(study), out, jobs=2, progress=False)
-            found["studies ended so"] += 1
-            found["LOST: other features"] += int(not numbers(out).equals(right))
-            fresh += 1
-            out = folder / f"r{fresh}"
-    yield ", ".join(f"{what}: {count}" for what, count in found.items())
+            counts["studies ended so"] += 1
+            counts["LOST: other features"] += int(not numbers(out).equals(expected))
+            run_count += 1
+            out = folder / f"r{run_count}"
+    yield ", ".join(f"{name}: {count}" for name, count in counts.items())
 
 
-PARTS = {"disks": disks, "flips": flips, "signals": signals}
+TESTS = {"disks": disks, "flips": flips, "signals": signals}
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("parts", nargs="*", metavar="PART", help="disks, flips, signals; default: all")
     parser.add_argument("--seed", type=int, default=1)
-    asked = parser.parse_args()
-    lost = False
-    for name in asked.parts or PARTS:
+    options = parser.parse_args()
+    is_lost = False
+    for name in options.parts or TESTS:
         began = time.monotonic()
         with tempfile.TemporaryDirectory() as folder:
-            for line in PARTS[name](Path(folder), asked.seed):
-                lost |= "LOST" in line.replace("LOST: other features: 0", "")
+            for line in TESTS[name](Path(folder), options.seed):
+                is_lost |= "LOST" in line.replace("LOST: other features: 0", "")
                 print(f"{name}: {line}", flush=True)
         print(f"{name}: {time.monotonic() - began:.0f} s")
-    sys.exit(lost)
+    sys.exit(is_lost)
 
 
 if __name__ == "__main__":

@@ -26,13 +26,13 @@ from bearingsim.simulation.spectral_lines import ball_pass_lines
 from bearingsim.store import NOTABLE, is_one_draw
 from bearingsim.store.spread import BY_BLOCKS
 
-DURATION_S, SETTLE_S, LONGER, RECORDS = 0.5, 0.1, 10, 4
-NEAR = 2.0
+DURATION_S, SETTLE_S, LENGTH_FACTOR, RECORDS = 0.5, 0.1, 10, 4
+NEAR_FACTOR = 2.0
 """Factor around the limit within which the estimate from a run may be on either side."""
 BEARINGS = ("6205", "nf308", "nu206")
 
 
-class Judged(NamedTuple):
+class FlagResult(NamedTuple):
     """Flag of a feature of a run, and its relative standard errors as stated and from longer records."""
 
     run: int
@@ -45,16 +45,16 @@ class Judged(NamedTuple):
     verdict: str
 
 
-def scene(chance: random.Random, model: str) -> dict[str, Any]:
+def scene(rng: random.Random, model: str) -> dict[str, Any]:
     """Draw the fields of a case, including light damping, for which motions are chaotic."""
-    width = chance.uniform(0.2, 2.0)
+    width = rng.uniform(0.2, 2.0)
     return {
-        "bearing": chance.choice(BEARINGS),
+        "bearing": rng.choice(BEARINGS),
         "model": model,
-        "speed": f"{chance.uniform(600, 3000):.0f} rpm",
-        "load": f"{10.0 ** chance.uniform(1.5, 2.7):.0f} N",
-        "clearance": f"{chance.uniform(0, 20):.1f} um",
-        "contact": {"damping": {"law": "kraemer", "beta": f"{10.0 ** chance.uniform(-1.0, 1.0):.2f} us"}},
+        "speed": f"{rng.uniform(600, 3000):.0f} rpm",
+        "load": f"{10.0 ** rng.uniform(1.5, 2.7):.0f} N",
+        "clearance": f"{rng.uniform(0, 20):.1f} um",
+        "contact": {"damping": {"law": "kraemer", "beta": f"{10.0 ** rng.uniform(-1.0, 1.0):.2f} us"}},
         "defect": {"shape": "rectangular", "length": "8 mm", "width": f"{width:.2f} mm", "depth": "0.05 mm"},
         "record": [],
     }
@@ -67,17 +67,17 @@ def case_of(fields: dict[str, Any]) -> Case:
     return case.model_copy(update={"duration": round(DURATION_S * rate) / rate})
 
 
-def judged(number: int, fields: dict[str, Any]) -> list[Judged]:
+def check_flags(number: int, fields: dict[str, Any]) -> list[FlagResult]:
     """Compute a run and the longer records."""
     case = case_of(fields)
     run = simulate(case)
-    table, scatters = pd.DataFrame([run.features]), standard_errors(case, run)
+    table, errors = pd.DataFrame([run.features]), standard_errors(case, run)
     name = f"{fields['bearing']} {fields['model']} {fields['load']} {fields['speed']}"
     rows = []
-    for feature, error in scatters.items():
+    for feature, error in errors.items():
         flagged, stated = bool(is_one_draw(table, feature).iloc[0]), run.features[BY_BLOCKS[feature]]
         chaotic = run.features["chaotic"] == 1.0
-        rows.append(Judged(number, name, feature, chaotic, flagged, stated, error, verdict(flagged, error)))
+        rows.append(FlagResult(number, name, feature, chaotic, flagged, stated, error, verdict(flagged, error)))
     return rows
 
 
@@ -85,9 +85,9 @@ def standard_errors(case: Case, run: Record) -> dict[str, float]:
     """Return relative standard errors of a run's features, from their scatter over parts of longer records."""
     if run.info["period_passes"] != 0:  # periodic
         return dict.fromkeys(BY_BLOCKS, 0.0)
-    count = LONGER * RECORDS
-    whole = {"duration": count * case.duration, "method": run.info["method"], "step_check": False}
-    setup = set_up(case.model_copy(update=whole), float(run.info["step_part"]))
+    count = LENGTH_FACTOR * RECORDS
+    changes = {"duration": count * case.duration, "method": run.info["method"], "step_check": False}
+    setup = set_up(case.model_copy(update=changes), float(run.info["step_part"]))
     raw = integrate(setup)
     parts = [
         setup.case.model_copy(
@@ -95,17 +95,17 @@ def standard_errors(case: Case, run: Record) -> dict[str, float]:
         )
         for n in range(count)
     ]
-    read = [
+    features = [
         ball_pass_lines(part, setup.model, setup.cut, raw) | statistics(part, setup.cut, raw) for part in parts
     ]
-    table = pd.DataFrame(read)
+    table = pd.DataFrame(features)
     return {name: float(table[name].std() / table[name].mean()) for name in BY_BLOCKS}
 
 
 def verdict(flagged: bool, error: float) -> str:
     """Return `right` or `wrong`, and whether the standard error is `near` the limit."""
-    near = NOTABLE / NEAR < error < NOTABLE * NEAR
-    return "near, " * near + ("right" if flagged == (error > NOTABLE) else "wrong")
+    is_near = NOTABLE / NEAR_FACTOR < error < NOTABLE * NEAR_FACTOR
+    return "near, " * is_near + ("right" if flagged == (error > NOTABLE) else "wrong")
 
 
 def main() -> None:
@@ -115,21 +115,21 @@ def main() -> None:
     parser.add_argument("--planar", type=int, default=10)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--csv", type=Path, default=Path("docs/data/flags.csv"))
-    asked = parser.parse_args()
-    chance = random.Random(asked.seed)
-    scenes = [scene(chance, "planar" if n < asked.planar else "rollers") for n in range(asked.runs)]
-    table = pd.read_csv(asked.csv) if asked.csv.exists() else pd.DataFrame(columns=Judged._fields)
-    for n, fields in enumerate(scenes):
-        if n in set(table["run"]):
+    options = parser.parse_args()
+    rng = random.Random(options.seed)
+    scenes = [scene(rng, "planar" if number < options.planar else "rollers") for number in range(options.runs)]
+    table = pd.read_csv(options.csv) if options.csv.exists() else pd.DataFrame(columns=FlagResult._fields)
+    for number, fields in enumerate(scenes):
+        if number in set(table["run"]):
             continue
         try:
-            rows = pd.DataFrame(judged(n, fields))
+            rows = pd.DataFrame(check_flags(number, fields))
         except SimulationError as error:
             print(f"left out: {fields}: {error}", flush=True)
             continue
         print(rows.to_string(index=False, header=False), flush=True)
         table = pd.concat([table, rows], ignore_index=True) if len(table) else rows
-        table.to_csv(asked.csv, index=False, float_format="%.3g", lineterminator="\n")
+        table.to_csv(options.csv, index=False, float_format="%.3g", lineterminator="\n")
     print(table.groupby(["feature", "chaotic", "flagged", "verdict"]).size().to_string())
     sys.exit(int((table["verdict"] == "wrong").any()))
 

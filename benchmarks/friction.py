@@ -37,34 +37,34 @@ from bearingsim.simulation.trial import Trial
 from bearingsim.study import Study, case_id, load_study
 from benchmarks.promise import standard_error
 
-WITHIN, MOVED = 0.02, 0.005
-SHARE, LIGHT_COST, LOADED_COST = 0.95, 1.3, 0.5
+ACCURACY, MAX_EFFECT = 0.02, 0.005
+LEAST_SHARE, LIGHT_COST, LOADED_COST = 0.95, 1.3, 0.5
 LOADS = {"light": (15.0, 300.0), "loaded": (500.0, 5000.0)}
-LONG = 3.0  # s, duration of a chaotic motion
+CHAOTIC_DURATION = 3.0  # s, duration of a chaotic motion
 STANDARD_ERRORS = 2.0
-MOST_LOADED = 2  # largest number of loaded scenes drawn per scene that counts
+MAX_DRAWS = 2  # largest number of loaded scenes drawn per scene that counts
 KINDS = {"light": ("line", "rms", "force"), "loaded": ("line", "force")}
 
 
 def seed_of_commit() -> int:
     """Return a number derived from the first digits of the commit."""
-    said = subprocess.run(["git", "rev-parse", "HEAD"], capture_output=True, text=True, check=True).stdout
-    return int(said[:6], 16)
+    commit = subprocess.run(["git", "rev-parse", "HEAD"], capture_output=True, text=True, check=True).stdout
+    return int(commit[:6], 16)
 
 
 def draw(kind: str, number: int, seed: int) -> dict[str, Any]:
     """Draw the fields of a scene's study."""
-    chance = np.random.default_rng([seed, len(kind), number])
-    load, rpm = (float(np.exp(chance.uniform(*np.log(ends)))) for ends in (LOADS[kind], (600.0, 6000.0)))
-    width = float(chance.uniform(0.2, 1.5))
-    race = str(chance.choice(["outer", "outer", "inner"]))
+    rng = np.random.default_rng([seed, len(kind), number])
+    load, rpm = (float(np.exp(rng.uniform(*np.log(limits)))) for limits in (LOADS[kind], (600.0, 6000.0)))
+    width = float(rng.uniform(0.2, 1.5))
+    race = str(rng.choice(["outer", "outer", "inner"]))
     defect = {
         "race": race,
-        "shape": str(chance.choice(["rectangular", "triangular", "circular"])),
-        "length": f"{float(chance.uniform(max(width, 2.0), 12.0)):.6g} mm",
+        "shape": str(rng.choice(["rectangular", "triangular", "circular"])),
+        "length": f"{float(rng.uniform(max(width, 2.0), 12.0)):.6g} mm",
         "width": f"{width:.6g} mm",
-        "depth": f"{float(np.exp(chance.uniform(*np.log((5.0, 100.0))))):.6g} um",
-        "angle": f"{float(chance.uniform(-20.0, 20.0)):.6g} deg",
+        "depth": f"{float(np.exp(rng.uniform(*np.log((5.0, 100.0))))):.6g} um",
+        "angle": f"{float(rng.uniform(-20.0, 20.0)):.6g} deg",
     }
     names = {"line": f"velocity@{FAULT_LINES[race]}", "rms": "velocity.rms", "force": "outer_force.max"}
     return {
@@ -73,11 +73,11 @@ def draw(kind: str, number: int, seed: int) -> dict[str, Any]:
         "rig": {"ring": {"bends": False}},
         "speed": f"{rpm:.6g} rpm",
         "load": f"{load:.6g} N",
-        "clearance": f"{float(chance.choice([0.0, chance.uniform(0.0, 15.0)])):.6g} um",
+        "clearance": f"{float(rng.choice([0.0, rng.uniform(0.0, 15.0)])):.6g} um",
         "defect": defect,
         "duration": "1 s",
         "record": [],
-        "accuracy": {"within": f"{WITHIN:.0%}", "of": [names[what] for what in KINDS[kind]]},
+        "accuracy": {"within": f"{ACCURACY:.0%}", "of": [names[kind_] for kind_ in KINDS[kind]]},
     }
 
 
@@ -89,97 +89,111 @@ def study_of(scene: dict[str, Any]) -> Study:
         return load_study(path)
 
 
-class Asked:
+class AutomaticRun:
     """Study of one case with automatic model choice: choice, case and features.
 
     trials_s, job_s, cpu_s: CPU time (s) of the trials, of the job, of both.
     """
 
-    def __init__(self, study: Study, done: dict[str, tuple[Record, float]]) -> None:
+    def __init__(self, study: Study, records: dict[str, tuple[Record, float]]) -> None:
         """Compute the study. done: computed records with their CPU time (s), by the id of their case."""
-        choosing, known = selection.Choosing(study, [0]), dict[str, Trial | None]()
+        choosing, trials = selection.Choosing(study, [0]), dict[str, Trial | None]()
         self.trials_s = 0.0
-        while wanted := choosing.wanted(known):
-            warm([one.case for one in wanted])
-            for one in wanted:
+        while pending := choosing.wanted(trials):
+            warm([trial.case for trial in pending])
+            for trial in pending:
                 began = time.process_time()
                 try:
-                    known[one.id], record = try_out(one.case, one.asked, one.passes, one.turn, *one.against)
+                    trials[trial.id], record = try_out(
+                        trial.case, trial.asked, trial.passes, trial.turn, *trial.against
+                    )
                 except SimulationError:
-                    known[one.id], record = None, None
+                    trials[trial.id], record = None, None
                 took = time.process_time() - began
                 self.trials_s += took
                 if record is not None:
-                    done[case_id(one.case)] = record, 0.0
-        choices = choosing.decide(known).choices
+                    records[case_id(trial.case)] = record, 0.0
+        choices = choosing.decide(trials).choices
         self.choice = choices[key(study, study.cases()[0])]
         [self.case] = selection.chosen(study, choices).cases()
-        self.features, self.job_s = computed(self.case, done)
+        self.features, self.job_s = features_of(self.case, records)
         self.cpu_s = self.trials_s + self.job_s
 
 
-def computed(case: Case, done: dict[str, tuple[Record, float]]) -> tuple[dict[str, float], float]:
+def features_of(case: Case, records: dict[str, tuple[Record, float]]) -> tuple[dict[str, float], float]:
     """Return the features of a case, and its CPU time (s) in addition to trials."""
-    if case_id(case) not in done:
+    if case_id(case) not in records:
         warm([case])
         began = time.process_time()
-        done[case_id(case)] = simulate(case), time.process_time() - began
-    record, took = done[case_id(case)]
+        records[case_id(case)] = simulate(case), time.process_time() - began
+    record, took = records[case_id(case)]
     return dict(record.features), took
 
 
-def measured(kind: str, number: int, seed: int) -> dict[str, Any]:
+def compare_scene(kind: str, number: int, seed: int) -> dict[str, Any]:
     """Compute a scene in all ways, and compare."""
     scene = draw(kind, number, seed)
-    open_study, none = study_of(scene), study_of(scene | {"friction": "none"})
-    case = with_friction(open_study.cases()[0])
+    study, frictionless_study = study_of(scene), study_of(scene | {"friction": "none"})
+    case = with_friction(study.cases()[0])
     assert case is not None
-    done: dict[str, tuple[Record, float]] = {}
-    always, always_s = computed(case, done)
-    asked = Asked(open_study, done)
-    long = case.model_copy(update={"duration": LONG})
-    truth = computed(long, done)[0] if always["chaotic"] == 1.0 else always
-    without = Asked(none, done)
-    plain = computed(reference(none.cases()[0]), done)[0]
-    row: dict[str, Any] = {"kind": kind, "scene": number, "chaotic": always["chaotic"]}
+    records: dict[str, tuple[Record, float]] = {}
+    full, full_s = features_of(case, records)
+    automatic = AutomaticRun(study, records)
+    long = case.model_copy(update={"duration": CHAOTIC_DURATION})
+    converged = features_of(long, records)[0] if full["chaotic"] == 1.0 else full
+    frictionless = AutomaticRun(frictionless_study, records)
+    frictionless_full = features_of(reference(frictionless_study.cases()[0]), records)[0]
+    row: dict[str, Any] = {"kind": kind, "scene": number, "chaotic": full["chaotic"]}
     row |= {name: scene[name] for name in ("load", "speed")} | {"race": scene["defect"]["race"]}
-    row |= {"taken": asked.choice.candidate, "cpu_s": asked.cpu_s, "always_s": always_s}
-    row |= {"none_taken": without.choice.candidate}
-    assert open_study.goal is not None
-    for what, name in zip(KINDS[kind], open_study.goal.of, strict=True):
-        row[f"{what}_moved"] = abs(plain[name] / always[name] - 1.0)
-        row |= _off(what, name, asked.features, truth) | _off(f"none_{what}", name, without.features, plain)
-        row[f"{what}_said"] = asked.choice.friction.get(name, 0.0)
+    row |= {"taken": automatic.choice.candidate, "cpu_s": automatic.cpu_s, "always_s": full_s}
+    row |= {"none_taken": frictionless.choice.candidate}
+    assert study.goal is not None
+    for quantity, name in zip(KINDS[kind], study.goal.of, strict=True):
+        row[f"{quantity}_moved"] = abs(frictionless_full[name] / full[name] - 1.0)
+        row |= _errors(quantity, name, automatic.features, converged) | _errors(
+            f"none_{quantity}", name, frictionless.features, frictionless_full
+        )
+        row[f"{quantity}_said"] = automatic.choice.friction.get(name, 0.0)
     return row
 
 
-def _off(what: str, name: str, own: dict[str, float], right: dict[str, float]) -> dict[str, float]:
+def _errors(
+    quantity: str, name: str, features: dict[str, float], reference_features: dict[str, float]
+) -> dict[str, float]:
     """Return the relative error of a feature, and two combined standard errors, relative to the right value."""
-    size = abs(right[name]) or 1.0
-    beside = STANDARD_ERRORS * hypot(*(standard_error(name, one) / size for one in (own, right)))
-    return {f"{what}_off": abs(own[name] - right[name]) / size, f"{what}_scatter": beside}
+    size = abs(reference_features[name]) or 1.0
+    scatter = STANDARD_ERRORS * hypot(
+        *(standard_error(name, source) / size for source in (features, reference_features))
+    )
+    return {
+        f"{quantity}_off": abs(features[name] - reference_features[name]) / size,
+        f"{quantity}_scatter": scatter,
+    }
 
 
-def kept(row: dict[str, Any], of: str = "") -> bool:
+def is_accurate(row: dict[str, Any], prefix: str = "") -> bool:
     """Check if all features of a scene meet the accuracy."""
-    return all(row[f"{of}{what}_off"] <= WITHIN + row[f"{of}{what}_scatter"] for what in KINDS[row["kind"]])
+    return all(
+        row[f"{prefix}{quantity}_off"] <= ACCURACY + row[f"{prefix}{quantity}_scatter"]
+        for quantity in KINDS[row["kind"]]
+    )
 
 
 def rows_of(kind: str, count: int, seed: int, out: Path) -> list[dict[str, Any]]:
     """Return the first scenes that count, computing missing ones."""
     rows: list[dict[str, Any]] = []
-    for number in range(count if kind == "light" else MOST_LOADED * count):
+    for number in range(count if kind == "light" else MAX_DRAWS * count):
         path = out / f"{seed}-{kind}-{number}.json"
         if not path.exists():
             try:
-                found = measured(kind, number, seed)
+                result = compare_scene(kind, number, seed)
             except SimulationError as error:
-                found = {"refused": str(error)[:200]}
-            path.write_text(json.dumps(found))
+                result = {"refused": str(error)[:200]}
+            path.write_text(json.dumps(result))
         row = json.loads(path.read_text())
         if "refused" in row:
             print(f"left out: {kind} {number}: {row['refused']}", flush=True)
-        elif kind == "light" or all(row[f"{what}_moved"] < MOVED for what in KINDS[kind]):
+        elif kind == "light" or all(row[f"{quantity}_moved"] < MAX_EFFECT for quantity in KINDS[kind]):
             print(*(f"{name}={_short(value)}" for name, value in row.items()), flush=True)
             rows.append(row)
         if len(rows) == count:
@@ -187,20 +201,21 @@ def rows_of(kind: str, count: int, seed: int, out: Path) -> list[dict[str, Any]]
     return rows
 
 
-def report(kind: str, rows: list[dict[str, Any]], most: float) -> bool:
+def report(kind: str, rows: list[dict[str, Any]], max_cost: float) -> bool:
     """Print how many scenes meet the accuracy, and their cost; return whether both meet the limits."""
-    whole = [sum(row[name] for row in rows) for name in ("cpu_s", "always_s")]
-    cost, held, plain = whole[0] / whole[1], sum(map(kept, rows)), sum(kept(row, "none_") for row in rows)
-    taken = [row["taken"] for row in rows]
-    counts = ", ".join(f"{name} {taken.count(name)}" for name in dict.fromkeys(taken))
+    totals = [sum(row[name] for row in rows) for name in ("cpu_s", "always_s")]
+    cost, accurate = totals[0] / totals[1], sum(map(is_accurate, rows))
+    accurate_frictionless = sum(is_accurate(row, "none_") for row in rows)
+    candidates = [row["taken"] for row in rows]
+    counts = ", ".join(f"{name} {candidates.count(name)}" for name in dict.fromkeys(candidates))
     print(
-        f"{kind}: {held} of {len(rows)} kept, {plain} with `friction: none`;"
+        f"{kind}: {accurate} of {len(rows)} kept, {accurate_frictionless} with `friction: none`;"
         f" CPU time {cost:.2f} of planar's; {counts}"
     )
     for row in rows:
-        if not kept(row) or not kept(row, "none_"):
+        if not is_accurate(row) or not is_accurate(row, "none_"):
             print("  miss:", *(f"{name}={_short(value)}" for name, value in row.items()))
-    return min(held, plain) >= SHARE * len(rows) and cost <= most
+    return min(accurate, accurate_frictionless) >= LEAST_SHARE * len(rows) and cost <= max_cost
 
 
 def _short(value: Any) -> Any:
@@ -215,24 +230,24 @@ def main() -> None:
     parser.add_argument("--seed", type=int)
     parser.add_argument("--out", type=Path, default=Path("results/friction"))
     parser.add_argument("--csv", type=Path)
-    asked = parser.parse_args()
-    asked.out.mkdir(parents=True, exist_ok=True)
-    seed = seed_of_commit() if asked.seed is None else asked.seed
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    seed = seed_of_commit() if options.seed is None else options.seed
     print(f"seed {seed}")
     groups = {
-        kind: rows_of(kind, count, seed, asked.out)
-        for kind, count in (("light", asked.light), ("loaded", asked.loaded))
+        kind: rows_of(kind, count, seed, options.out)
+        for kind, count in (("light", options.light), ("loaded", options.loaded))
     }
-    every = [row for rows in groups.values() for row in rows]
-    if asked.csv:
-        with asked.csv.open("w", newline="") as file:
-            names = dict.fromkeys(name for row in every for name in row)
+    all_rows = [row for rows in groups.values() for row in rows]
+    if options.csv:
+        with options.csv.open("w", newline="") as file:
+            names = dict.fromkeys(name for row in all_rows for name in row)
             writer = csv.DictWriter(file, names, lineterminator="\n")
             writer.writeheader()
-            writer.writerows({name: _short(value) for name, value in row.items()} for row in every)
-    most = {"light": LIGHT_COST, "loaded": LOADED_COST}
-    enough = [report(kind, rows, most[kind]) for kind, rows in groups.items() if rows]
-    sys.exit(int(not all(enough)))
+            writer.writerows({name: _short(value) for name, value in row.items()} for row in all_rows)
+    max_costs = {"light": LIGHT_COST, "loaded": LOADED_COST}
+    passed = [report(kind, rows, max_costs[kind]) for kind, rows in groups.items() if rows]
+    sys.exit(int(not all(passed)))
 
 
 if __name__ == "__main__":

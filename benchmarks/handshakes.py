@@ -31,11 +31,11 @@ model: static
 duration: 0.04 s
 defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 0.05 mm}
 """
-TOLD_S, INTERRUPTED_S = 30.0, 2.0
+REFUSAL_S, INTERRUPTED_S = 30.0, 2.0
 """Time limits (s) of a run, from its start and from its SIGINT."""
 EARLIEST_S = 0.2
 """Earliest time (s) of a SIGINT after the start; the latest is the duration of the preceding run."""
-GIVEN_UP_S = 60.0
+KILL_S = 60.0
 
 
 class Attempt(NamedTuple):
@@ -51,19 +51,19 @@ class Attempt(NamedTuple):
 
 def attempts(runs: int, seed: int) -> Iterator[Attempt]:
     """Yield ``runs`` runs for each kind of peer, every second one interrupted."""
-    chance = random.Random(seed)
+    rng = random.Random(seed)
     with tempfile.TemporaryDirectory() as folder, peers.scheduler() as scheduler:
         study = Path(folder) / "study.yaml"
         study.write_text(STUDY)
         for name, peer in peers.kinds(scheduler).items():
             latest = EARLIEST_S
             for number in range(runs):
-                moment = chance.uniform(EARLIEST_S, latest) if number % 2 else None
-                with peer(chance) as address:
+                moment = rng.uniform(EARLIEST_S, latest) if number % 2 else None
+                with peer(rng) as address:
                     out = Path(folder) / f"{name} {number}"
-                    found = attempt(name, ["run", str(study), "--scheduler", address, "--out", str(out)], moment)
-                latest = found.seconds if moment is None else latest
-                yield found
+                    result = attempt(name, ["run", str(study), "--scheduler", address, "--out", str(out)], moment)
+                latest = result.seconds if moment is None else latest
+                yield result
 
 
 def attempt(peer: str, words: list[str], moment: float | None) -> Attempt:
@@ -76,31 +76,33 @@ def attempt(peer: str, words: list[str], moment: float | None) -> Attempt:
         text=True,
     )
     try:
-        message = process.communicate(timeout=GIVEN_UP_S if moment is None else moment)[1]
+        message = process.communicate(timeout=KILL_S if moment is None else moment)[1]
         moment = None
     except subprocess.TimeoutExpired:
         began = time.monotonic()
         process.send_signal(signal.SIGINT)
-        message = _given_up(process)
+        message = _wait_or_kill(process)
     seconds, code = time.monotonic() - began, process.returncode
-    return Attempt(peer, moment, code, seconds, _last(message), _lost(moment is not None, code, seconds, message))
+    return Attempt(
+        peer, moment, code, seconds, _last_line(message), _violation(moment is not None, code, seconds, message)
+    )
 
 
-def _given_up(process: subprocess.Popen[str]) -> str:
+def _wait_or_kill(process: subprocess.Popen[str]) -> str:
     """Return the messages of a process that should end, killing it after a time limit."""
     try:
-        return process.communicate(timeout=GIVEN_UP_S)[1]
+        return process.communicate(timeout=KILL_S)[1]
     except subprocess.TimeoutExpired:
         process.kill()
         return process.communicate()[1]
 
 
-def _last(message: str) -> str:
+def _last_line(message: str) -> str:
     return message.strip().rpartition("\n")[2]
 
 
-def _lost(interrupted: bool, code: int, seconds: float, message: str) -> str:
-    if seconds > (INTERRUPTED_S if interrupted else TOLD_S):
+def _violation(interrupted: bool, code: int, seconds: float, message: str) -> str:
+    if seconds > (INTERRUPTED_S if interrupted else REFUSAL_S):
         return "too late"
     if code not in ((128 + signal.SIGINT, -signal.SIGINT) if interrupted else (2,)):  # a shell reports both as 130
         return f"exit code {code}"
@@ -112,16 +114,19 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=8, help="of each kind of peer")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--csv", default="docs/data/handshakes.csv")
-    asked = parser.parse_args()
+    options = parser.parse_args()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell ignores it in the background
-    tried = []
-    for one in attempts(asked.runs, asked.seed):
-        tried.append(one)
-        how = "waits" if one.sigint_s is None else f"SIGINT after {one.sigint_s:.1f} s"
-        print(f"{one.peer}, {how}: exit code {one.exit_code} after {one.seconds:.2f} s {one.lost}", flush=True)
-    table = pd.DataFrame(tried)
+    results = []
+    for result in attempts(options.runs, options.seed):
+        results.append(result)
+        action = "waits" if result.sigint_s is None else f"SIGINT after {result.sigint_s:.1f} s"
+        print(
+            f"{result.peer}, {action}: exit code {result.exit_code} after {result.seconds:.2f} s {result.lost}",
+            flush=True,
+        )
+    table = pd.DataFrame(results)
     table["message"] = table["message"].str.replace(r":\d+", ":PORT", regex=True)
-    table.to_csv(asked.csv, index=False, float_format="%.2f", lineterminator="\n")
+    table.to_csv(options.csv, index=False, float_format="%.2f", lineterminator="\n")
     sys.exit(int((table["lost"] != "").any()))
 
 

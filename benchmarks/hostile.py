@@ -28,18 +28,18 @@ from typer.testing import CliRunner
 
 from benchmarks import altered_studies, malformed
 
-MOST_CPU, MOST_MEMORY = 2.0, 300e6
+MAX_CPU, MAX_MEMORY = 2.0, 300e6
 """Limits of CPU time (s) and memory (bytes) for a refused file."""
 FUSE_CPU, FUSE_MEMORY = 60, 8 << 30
 """CPU time (s) and address space (bytes) at which the system ends a process."""
 HOME = Path(__file__).resolve().parents[1]
 
 
-class Ended(NamedTuple):
+class CommandResult(NamedTuple):
     """Result of a command: exit code, output, CPU time (s), memory (bytes; nan if not measured)."""
 
     code: int
-    said: str
+    output: str
     cpu: float
     memory: float = float("nan")
     crash: str = ""
@@ -48,39 +48,39 @@ class Ended(NamedTuple):
 # Commands
 
 
-class Endless(Exception):
+class CpuLimitExceeded(Exception):
     """Error of a command that exceeds the CPU limit."""
 
 
-def stop(*_: object) -> None:
+def raise_limit(*_: object) -> None:
     """Raise ``Endless`` in the running command."""
-    raise Endless(f"more than {FUSE_CPU} s")
+    raise CpuLimitExceeded(f"more than {FUSE_CPU} s")
 
 
-def in_here(*words: str) -> Ended:
+def run_in_process(*words: str) -> CommandResult:
     """Run a command in this process."""
     from bearingsim.cli import app
 
-    signal.signal(signal.SIGPROF, stop)
+    signal.signal(signal.SIGPROF, raise_limit)
     signal.setitimer(signal.ITIMER_PROF, FUSE_CPU)
-    before = time.process_time()
+    start = time.process_time()
     result = CliRunner().invoke(app, list(words))
     signal.setitimer(signal.ITIMER_PROF, 0)
     crash = "" if result.exception is None or isinstance(result.exception, SystemExit) else repr(result.exception)
-    return Ended(result.exit_code, result.stdout + result.stderr, time.process_time() - before, crash=crash)
+    return CommandResult(result.exit_code, result.stdout + result.stderr, time.process_time() - start, crash=crash)
 
 
-def alone(*words: str) -> Ended:
+def run_separately(*words: str) -> CommandResult:
     """Run a command in a separate process, with resource limits of the system."""
     command = [sys.executable, "-m", "bearingsim", *words]
     with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, preexec_fn=limited, env=environment()
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, preexec_fn=set_limits, env=environment()
     ) as process:
         assert process.stdout is not None
-        said = process.stdout.read().decode("utf-8", "replace")
-        _, status, used = os.wait4(process.pid, 0)
+        output = process.stdout.read().decode("utf-8", "replace")
+        _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
-    return Ended(process.returncode, said, used.ru_utime + used.ru_stime, 1024.0 * used.ru_maxrss)
+    return CommandResult(process.returncode, output, usage.ru_utime + usage.ru_stime, 1024.0 * usage.ru_maxrss)
 
 
 def environment() -> dict[str, str]:
@@ -88,33 +88,33 @@ def environment() -> dict[str, str]:
     return os.environ | {"PYTHONPATH": str(HOME), "OPENBLAS_NUM_THREADS": "1"}
 
 
-def limited() -> None:
+def set_limits() -> None:
     """Set the resource limits of this process."""
     resource.setrlimit(resource.RLIMIT_CPU, (FUSE_CPU, FUSE_CPU))
     resource.setrlimit(resource.RLIMIT_AS, (FUSE_MEMORY, FUSE_MEMORY))
 
 
-PLACED = re.compile(r"^.+\.ya?ml:\d+:\d+: ", re.MULTILINE)
+POSITION = re.compile(r"^.+\.ya?ml:\d+:\d+: ", re.MULTILINE)
 
 
 class Limits(NamedTuple):
     """Limits of CPU time (s) and memory (bytes) for refusing a file."""
 
-    cpu: float = MOST_CPU
-    memory: float = MOST_MEMORY
+    cpu: float = MAX_CPU
+    memory: float = MAX_MEMORY
 
 
-def faults(ended: Ended, path: Path, limits: Limits = Limits()) -> list[str]:  # noqa: B008 (it is immutable)
+def faults(result: CommandResult, path: Path, limits: Limits = Limits()) -> list[str]:  # noqa: B008 (it is immutable)
     """List the faults of a command's end."""
-    found = [ended.crash] if ended.crash else []
-    found += ["a traceback"] if "Traceback" in ended.said else []
-    if ended.code == 0:
+    found = [result.crash] if result.crash else []
+    found += ["a traceback"] if "Traceback" in result.output else []
+    if result.code == 0:
         return found
-    found += [f"exit code {ended.code}"] if ended.code != 2 else []
-    found += ["no place"] if not PLACED.search(ended.said) and str(path) not in ended.said else []
-    found += [f"{ended.cpu:.1f} s"] if ended.cpu > limits.cpu else []
-    found += [f"{ended.memory / 1e6:.0f} MB"] if ended.memory > limits.memory else []
-    found += [f"{len(ended.said)} letters"] if len(ended.said) > 100_000 else []
+    found += [f"exit code {result.code}"] if result.code != 2 else []
+    found += ["no place"] if not POSITION.search(result.output) and str(path) not in result.output else []
+    found += [f"{result.cpu:.1f} s"] if result.cpu > limits.cpu else []
+    found += [f"{result.memory / 1e6:.0f} MB"] if result.memory > limits.memory else []
+    found += [f"{len(result.output)} letters"] if len(result.output) > 100_000 else []
     return found
 
 
@@ -125,58 +125,69 @@ def main() -> int:
     parser.add_argument("--mutants", type=int, default=1000)
     parser.add_argument("--processes", type=int, default=60)
     parser.add_argument("--out", type=Path, default=Path("results/hostile"))
-    asked = parser.parse_args()
-    shutil.rmtree(asked.out / "files", ignore_errors=True)
-    folder = asked.out.resolve() / "files"
+    options = parser.parse_args()
+    shutil.rmtree(options.out / "files", ignore_errors=True)
+    folder = options.out.resolve() / "files"
     folder.mkdir(parents=True)
     files = [("malformed", *one) for one in malformed.malformed(folder)]
-    files += [("mutants", *one) for one in altered_studies.mutants(folder, asked.mutants, asked.seed)]
-    random = Random(asked.seed)
+    files += [("mutants", *one) for one in altered_studies.mutants(folder, options.mutants, options.seed)]
+    random = Random(options.seed)
     rows, misses = [], 0
-    in_here("check", str(HOME / "studies" / "slip.yaml"))  # imports must not count for the first file
+    run_in_process("check", str(HOME / "studies" / "slip.yaml"))  # imports must not count for the first file
 
-    def note(way: str, kind: str, name: str, path: Path, ended: Ended) -> None:
+    def note(mode: str, kind: str, name: str, path: Path, result: CommandResult) -> None:
         nonlocal misses
-        wrong = faults(ended, path)
-        misses += bool(wrong)
-        rows.append([way, kind, name, path.name, ended.code, f"{ended.cpu:.3f}", ended.memory, "; ".join(wrong)])
-        if wrong:
-            print(way, kind, name, path, *wrong, flush=True)
+        violations = faults(result, path)
+        misses += bool(violations)
+        rows.append(
+            [
+                mode,
+                kind,
+                name,
+                path.name,
+                result.code,
+                f"{result.cpu:.3f}",
+                result.memory,
+                "; ".join(violations),
+            ]
+        )
+        if violations:
+            print(mode, kind, name, path, *violations, flush=True)
 
     refused = []
     for kind, name, path in files:
-        ended = in_here("check", str(path))
-        note("check", kind, name, path, ended)
-        if ended.code:
+        result = run_in_process("check", str(path))
+        note("check", kind, name, path, result)
+        if result.code:
             refused.append((kind, name, path))
     for command in ("run", "bench", "show"):
-        for kind, name, path in random.sample(refused, min(asked.processes, len(refused))):
-            note(command, kind, name, path, in_here(command, str(path)))
-    for kind, name, path in random.sample(refused, min(asked.processes, len(refused))):
-        note("process", kind, name, path, alone("check", str(path)))
-    with (asked.out / "hostile.csv").open("w", newline="", encoding="utf-8") as file:
+        for kind, name, path in random.sample(refused, min(options.processes, len(refused))):
+            note(command, kind, name, path, run_in_process(command, str(path)))
+    for kind, name, path in random.sample(refused, min(options.processes, len(refused))):
+        note("process", kind, name, path, run_separately("check", str(path)))
+    with (options.out / "hostile.csv").open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(["way", "kind", "name", "file", "code", "cpu_s", "memory", "wrong"])
         table.writerows(rows)
-    for way in ("check", "run", "bench", "show", "process"):
+    for mode in ("check", "run", "bench", "show", "process"):
         for kind in ("malformed", "mutants"):
-            told(way, kind, [row for row in rows if row[:2] == [way, kind]])
-    own = 1024.0 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    print(f"{misses} misses of {len(rows)}; this process, that typed them all, had {own / 1e6:.0f} MB at most")
+            print_summary(mode, kind, [row for row in rows if row[:2] == [mode, kind]])
+    memory = 1024.0 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    print(f"{misses} misses of {len(rows)}; this process, that typed them all, had {memory / 1e6:.0f} MB at most")
     return int(misses > 0)
 
 
-def told(way: str, kind: str, rows: list[list]) -> None:
+def print_summary(mode: str, kind: str, rows: list[list]) -> None:
     """Print a summary line."""
-    for what in ("refused", "valid"):
-        part = [row for row in rows if bool(row[4]) == (what == "refused")]
-        if part:
-            cpu = sorted(float(row[5]) for row in part)
-            memory = max(row[6] for row in part) / 1e6
-            wrong = sum(bool(row[7]) for row in part)
+    for state in ("refused", "valid"):
+        group = [row for row in rows if bool(row[4]) == (state == "refused")]
+        if group:
+            cpu = sorted(float(row[5]) for row in group)
+            memory = max(row[6] for row in group) / 1e6
+            misses = sum(bool(row[7]) for row in group)
             print(
-                f"{way:8} {kind:10} {what:8} {len(part):5} files, CPU time {cpu[len(cpu) // 2]:.3f} s (median),"
-                f" {cpu[-1]:.2f} s (most), {memory:.0f} MB (most), {wrong} misses"
+                f"{mode:8} {kind:10} {state:8} {len(group):5} files, CPU time {cpu[len(cpu) // 2]:.3f} s (median),"
+                f" {cpu[-1]:.2f} s (most), {memory:.0f} MB (most), {misses} misses"
             )
 
 

@@ -17,9 +17,9 @@ from typing import TypeGuard
 
 LONG = 60
 """Lines of a function above which it is reported."""
-COUNTED = ("files", "lines", "code", "text", "blank", "import", "functions", "long")
+COLUMNS = ("files", "lines", "code", "text", "blank", "import", "functions", "long")
 PACKAGE = "bearingsim"
-OTHERS = ("benchmarks", "tests", "docs")
+OTHER_FOLDERS = ("benchmarks", "tests", "docs")
 
 
 def package_of(path: Path) -> str:
@@ -60,7 +60,7 @@ def count(source: str, tree: ast.Module) -> Counter[str]:
     return Counter(kinds.values()) + Counter(sizes)
 
 
-def imported(tree: ast.Module, modules: Collection[str]) -> set[str]:
+def imports_of(tree: ast.Module, modules: Collection[str]) -> set[str]:
     """Return the ``modules`` imported by a module; ``from a import b`` counts as ``a.b`` or, if none, ``a``."""
     names = set()
     for node in ast.walk(tree):
@@ -72,41 +72,43 @@ def imported(tree: ast.Module, modules: Collection[str]) -> set[str]:
     return names & set(modules)
 
 
-def circles(imports: dict[str, set[str]]) -> list[list[str]]:
+def import_cycles(imports: dict[str, set[str]]) -> list[list[str]]:
     """Return the sets of modules that reach one another (strongly connected components of two or more)."""
 
-    def reached(start: str) -> frozenset[str]:
-        seen, edge = set(), [start]
-        while edge:
-            for module in imports[edge.pop()] - seen:
-                seen.add(module)
-                edge.append(module)
-        return frozenset(seen)
+    def reachable_from(start: str) -> frozenset[str]:
+        visited, frontier = set(), [start]
+        while frontier:
+            for module in imports[frontier.pop()] - visited:
+                visited.add(module)
+                frontier.append(module)
+        return frozenset(visited)
 
-    reach = {module: reached(module) for module in imports}
-    groups = {frozenset(b for b in reach[a] if a in reach[b]) for a in imports if a in reach[a]}
+    reachable = {module: reachable_from(module) for module in imports}
+    groups = {frozenset(b for b in reachable[a] if a in reachable[b]) for a in imports if a in reachable[a]}
     return sorted(sorted(group) for group in groups if len(group) > 1)
 
 
 def report(root: Path) -> Iterator[str]:
     """Yield the lines of the report on a checkout."""
     packages: dict[str, Counter[str]] = defaultdict(Counter)
-    trees, long = {}, []
-    for path in sorted(path for top in (PACKAGE, *OTHERS) for path in (root / top).rglob("*.py")):
-        place, source = path.relative_to(root), path.read_text(encoding="utf-8")
+    trees, long_functions = {}, []
+    for path in sorted(path for top in (PACKAGE, *OTHER_FOLDERS) for path in (root / top).rglob("*.py")):
+        relative, source = path.relative_to(root), path.read_text(encoding="utf-8")
         tree = ast.parse(source)
-        packages[package_of(place)] += count(source, tree)
-        long += [f"{place}: {name} {length}" for name, length in functions(tree) if length > LONG]
-        if place.parts[0] == PACKAGE and place != Path(PACKAGE, "__init__.py"):
-            trees[".".join(place.with_suffix("").parts).removesuffix(".__init__")] = tree
-    loops = circles({name: imported(tree, trees) for name, tree in trees.items()})
-    packages[PACKAGE] = sum((packages[name] for name in packages if name not in OTHERS), Counter())
-    yield f"{'package':18}" + "".join(f"{name:>10}" for name in COUNTED) + f"{'blank+import':>14}"
+        packages[package_of(relative)] += count(source, tree)
+        long_functions += [f"{relative}: {name} {length}" for name, length in functions(tree) if length > LONG]
+        if relative.parts[0] == PACKAGE and relative != Path(PACKAGE, "__init__.py"):
+            trees[".".join(relative.with_suffix("").parts).removesuffix(".__init__")] = tree
+    cycles = import_cycles({name: imports_of(tree, trees) for name, tree in trees.items()})
+    packages[PACKAGE] = sum((packages[name] for name in packages if name not in OTHER_FOLDERS), Counter())
+    yield f"{'package':18}" + "".join(f"{name:>10}" for name in COLUMNS) + f"{'blank+import':>14}"
     for name, sizes in packages.items():
         share = 100.0 * (sizes["blank"] + sizes["import"]) / (sizes["lines"] or 1)
-        yield f"{name:18}" + "".join(f"{sizes[column]:>10}" for column in COUNTED) + f"{share:>12.1f} %"
-    yield f"\nfunctions over {LONG} lines: {len(long)}\n" + "".join(f"  {line}\n" for line in long)
-    yield f"circles of imports: {len(loops)}\n" + "".join(f"  {', '.join(loop)}\n" for loop in loops)
+        yield f"{name:18}" + "".join(f"{sizes[column]:>10}" for column in COLUMNS) + f"{share:>12.1f} %"
+    yield f"\nfunctions over {LONG} lines: {len(long_functions)}\n" + "".join(
+        f"  {line}\n" for line in long_functions
+    )
+    yield f"circles of imports: {len(cycles)}\n" + "".join(f"  {', '.join(cycle)}\n" for cycle in cycles)
 
 
 if __name__ == "__main__":

@@ -31,9 +31,9 @@ from bearingsim.simulation import choice
 from bearingsim.simulation.simulate import simulate
 
 SCENES, SEED, FACTOR = 60, 6, 2.0
-STRUCK = 1.5  # times the largest static force; larger forces are impacts
+IMPACT_RATIO = 1.5  # times the largest static force; larger forces are impacts
 PRESSURES = {"roller": 4.0e9, "ball": 4.2e9}  # Pa, contact pressure that defines the static load rating (ISO 76)
-SHARE_OF_ONE = 5.0  # load of the most loaded element, over the mean load
+LOAD_CONCENTRATION = 5.0  # load of the most loaded element, over the mean load
 DAMPINGS: tuple[dict[str, Any], ...] = ({"chi": 50.0}, {"beta": 2.5e-6}, {"beta": 25e-6})
 SHAPES = ("rectangular", "rectangular", "circular", "triangular", "elliptical")
 COLUMNS = (
@@ -55,54 +55,54 @@ def static_load_of_element(case: Case, on_outer: bool) -> float:
 
 def static_rating(case: Case) -> float:
     """Compute C0 (N) of the bearing from the pressure on its inner race."""
-    return case.bearing.rollers * static_load_of_element(case, on_outer=False) / SHARE_OF_ONE
+    return case.bearing.rollers * static_load_of_element(case, on_outer=False) / LOAD_CONCENTRATION
 
 
 def scene(number: int, **changes: Any) -> Case:
     """Draw the scene of a number."""
-    draw = Random(f"{SEED} {number}")
+    rng = Random(f"{SEED} {number}")
 
     def between(low: float, high: float) -> float:
-        return exp(draw.uniform(log(low), log(high)))
+        return exp(rng.uniform(log(low), log(high)))
 
-    bearing = draw.choice(library_names("bearings"))
-    speed = draw.uniform(600.0, 3000.0) * pi / 30.0
+    bearing = rng.choice(library_names("bearings"))
+    speed = rng.uniform(600.0, 3000.0) * pi / 30.0
     base: dict[str, Any] = {"bearing": bearing, "speed": speed, "load": 100.0, "model": "rollers"}
     b = Case.model_validate(base).bearing
-    share, light, shape = between(0.05, 0.30), between(100.0, 600.0), draw.choice(SHAPES)
+    share, light, shape = between(0.05, 0.30), between(100.0, 600.0), rng.choice(SHAPES)
     load = share * static_rating(Case.model_validate(base)) if number % 2 else light
     track = b.roller_length or 0.4 * b.roller_diameter
     size = between(0.3e-3, 0.2 * b.roller_diameter)
-    whole = shape in ("rectangular", "triangular") and draw.random() < 0.5
+    is_full_length = shape in ("rectangular", "triangular") and rng.random() < 0.5
     defect: dict[str, Any] = {
         "shape": shape,
-        "race": draw.choice(("outer", "outer", "inner")),
+        "race": rng.choice(("outer", "outer", "inner")),
         "width": size,
-        "length": size if shape == "circular" else track if whole else between(0.1, 1.0) * track,
+        "length": size if shape == "circular" else track if is_full_length else between(0.1, 1.0) * track,
         "depth": between(5e-6, 200e-6),
     }
-    given = base | {"load": load, "defect": defect, "clearance": draw.uniform(0.0, 20e-6)}
-    given |= {"contact": {"damping": DAMPINGS[number // 2 % 3]}}
-    given |= {"step_check": False, "settle": "50 ms", "duration": "0.3 s"}
-    return Case.model_validate(given | changes)
+    fields = base | {"load": load, "defect": defect, "clearance": rng.uniform(0.0, 20e-6)}
+    fields |= {"contact": {"damping": DAMPINGS[number // 2 % 3]}}
+    fields |= {"step_check": False, "settle": "50 ms", "duration": "0.3 s"}
+    return Case.model_validate(fields | changes)
 
 
 def forces(case: Case) -> tuple[float, float]:
     """Return the largest contact force (N) as predicted, and that of the run."""
-    found = simulate(case).features
-    return choice.limits(case).impact_force, max(found["outer_force.max"], found["inner_force.max"])
+    features = simulate(case).features
+    return choice.limits(case).impact_force, max(features["outer_force.max"], features["inner_force.max"])
 
 
 def row(number: int) -> dict[str, Any]:
     """Return the row of a scene."""
     case = scene(number)
-    foretold, largest = forces(case)
+    predicted, largest = forces(case)
     defect, damping = case.defects[0], case.contact.damping
     values = (
         number, case.bearing.name, getattr(damping, "chi", 0.0), 1e6 * getattr(damping, "beta", 0.0), defect.shape,
         defect.race, 1e3 * defect.width, 1e6 * defect.depth, 1e3 * defect.length, case.speed * 30.0 / pi,
-        case.load, case.load / static_rating(case), 1e6 * case.clearance, choice.limits(case).rest_load, foretold,
-        largest, foretold / largest,
+        case.load, case.load / static_rating(case), 1e6 * case.clearance, choice.limits(case).rest_load, predicted,
+        largest, predicted / largest,
     )  # fmt: skip
     return dict(zip(COLUMNS, values, strict=True))
 
@@ -110,23 +110,23 @@ def row(number: int) -> dict[str, Any]:
 def report(rows: Sequence[dict[str, Any]]) -> None:
     """Print the spread of the ratio, overall and by damping and load, and the scenes outside the factor."""
     groups: dict[str, list[float]] = {"all": [], "heavily loaded": [], "lightly loaded": [], "struck": []}
-    for one in rows:
-        told = f"chi {one['chi_s_m']:g} s/m" if one["chi_s_m"] else f"c/k {one['beta_us']:g} us"
-        load = "heavily loaded" if one["scene"] % 2 else "lightly loaded"
-        struck = ["struck"] if one["largest_N"] > STRUCK * one["rest_N"] else []
-        for name in ("all", load, told, *struck):
-            groups.setdefault(name, []).append(one["ratio"])
+    for entry in rows:
+        damping = f"chi {entry['chi_s_m']:g} s/m" if entry["chi_s_m"] else f"c/k {entry['beta_us']:g} us"
+        load = "heavily loaded" if entry["scene"] % 2 else "lightly loaded"
+        impact = ["struck"] if entry["largest_N"] > IMPACT_RATIO * entry["rest_N"] else []
+        for name in ("all", load, damping, *impact):
+            groups.setdefault(name, []).append(entry["ratio"])
     print("foretold over largest force of the run: 5, 50, 95 %, least, largest")
     for name, ratios in groups.items():
         spread = np.percentile(ratios, [5, 50, 95])
-        inside = sum(1.0 / FACTOR <= ratio <= FACTOR for ratio in ratios)
+        within = sum(1.0 / FACTOR <= ratio <= FACTOR for ratio in ratios)
         print(
             f"{name:16}", *(f"{value:7.3f}" for value in (*spread, min(ratios), max(ratios))),
-            f"  {inside} of {len(ratios)} within a factor {FACTOR:g}",
+            f"  {within} of {len(ratios)} within a factor {FACTOR:g}",
         )  # fmt: skip
-    for one in rows:
-        if not 1.0 / FACTOR <= one["ratio"] <= FACTOR:
-            print("outside:", {name: text(value) for name, value in one.items()})
+    for entry in rows:
+        if not 1.0 / FACTOR <= entry["ratio"] <= FACTOR:
+            print("outside:", {name: text(value) for name, value in entry.items()})
 
 
 def text(value: Any) -> str:
@@ -144,7 +144,7 @@ def main() -> None:
         with open(arguments.csv, "w", newline="") as file:
             writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
             writer.writeheader()
-            writer.writerows({name: text(value) for name, value in one.items()} for one in rows)
+            writer.writerows({name: text(value) for name, value in entry.items()} for entry in rows)
 
 
 if __name__ == "__main__":

@@ -41,31 +41,31 @@ class Coverage(NamedTuple):
     covered_long: float
 
 
-def scene(chance: random.Random) -> dict[str, Any]:
+def scene(rng: random.Random) -> dict[str, Any]:
     """Draw the fields of a case."""
-    load = f"{15.0 * 40.0 ** chance.random():.0f} N"
-    return start.scene(chance) | {"model": "planar", "load": load, "duration": DURATION_S, "record": []}
+    load = f"{15.0 * 40.0 ** rng.random():.0f} N"
+    return start.scene(rng) | {"model": "planar", "load": load, "duration": DURATION_S, "record": []}
 
 
-def covered(forces: np.ndarray, passes: int, rollers: int) -> tuple[float, float, float]:
+def coverage(forces: np.ndarray, passes: int, rollers: int) -> tuple[float, float, float]:
     """Return scatter, stated error and covered fraction of pairs, for records of ``passes`` forces each."""
     records = forces[: len(forces) // passes * passes].reshape(-1, passes)
     quarter = passes // PARTS // rollers * rollers or passes // PARTS
     largest = records.max(axis=1) / records.max(axis=1).mean()
     stated = np.array([error_of_largest(record, rollers, quarter) for record in records])
-    one, other = np.triu_indices(len(records), 1)
-    bounds = np.maximum(start.PROMISED, start.CHANCE * np.hypot(stated[one], stated[other]))
-    share = np.mean(np.abs(largest[one] - largest[other]) <= bounds)
-    return float(largest.std(ddof=1)), float(np.median(stated)), float(share)
+    first, second = np.triu_indices(len(records), 1)
+    bounds = np.maximum(start.PROMISED, start.CHANCE * np.hypot(stated[first], stated[second]))
+    fraction = np.mean(np.abs(largest[first] - largest[second]) <= bounds)
+    return float(largest.std(ddof=1)), float(np.median(stated)), float(fraction)
 
 
-def measured(fields: dict[str, Any]) -> Coverage:
+def compare_records(fields: dict[str, Any]) -> Coverage:
     """Compute a scene, and compare its records."""
     setup = set_up(choice.resolved(Case.model_validate(fields)))
     case, cut = setup.case, setup.cut
     forces = integrate(setup).peaks[int(case.settle_s * cut.rate) + 1 :, FORCE]
     rollers = case.bearing.rollers
-    short, long = (covered(forces, int(duration * cut.rate), rollers) for duration in RECORDS_S)
+    short, long = (coverage(forces, int(duration * cut.rate), rollers) for duration in RECORDS_S)
     rig = fields["rig"]
     name = f"{fields['bearing']} {rig['ring_mass']} {fields['speed']} {fields['load']} {fields['clearance']}"
     return Coverage(name, cut.rate / rollers, *short, *long)
@@ -73,7 +73,7 @@ def measured(fields: dict[str, Any]) -> Coverage:
 
 def main() -> None:
     """Measure all scenes and write the table. Exit code 1 if too few pairs are covered."""
-    frame = table(__doc__, 10, scene, measured)
+    frame = table(__doc__, 10, scene, compare_records)
     shares = frame[["covered_short", "covered_long"]].mean()
     print(f"covered: {shares.iloc[0]:.1%} of pairs of 0.5 s, {shares.iloc[1]:.1%} of 1 s")
     sys.exit(int(shares.min() < LEAST_COVERED))

@@ -30,7 +30,7 @@ from bearingsim.simulation.simulate import Record
 from bearingsim.study import load_study
 from bearingsim.study.jobs import identity
 
-ENGINE = Engine("benchmarks.many:made_up", "benchmarks.many:free", "benchmarks.many:nothing")
+ENGINE = Engine("benchmarks.many:noisy_copy", "benchmarks.many:free_estimate", "benchmarks.many:skip_warm_up")
 STUDY = """\
 study: many
 bearing: nf308
@@ -51,7 +51,7 @@ NOISE = 1e-6  # m/s
 
 
 @cache
-def one() -> Record:
+def base_record() -> Record:
     """Compute the record from which all others are made."""
     path = Path("results/many-one.yaml")
     path.parent.mkdir(exist_ok=True)
@@ -59,75 +59,79 @@ def one() -> Record:
     return simulate(load_study(path).cases()[0])
 
 
-def made_up(case: Case) -> Record:
+def noisy_copy(case: Case) -> Record:
     """Return a copy of the record with noise that depends on the case."""
     noise = np.random.default_rng(int(identity(case), 16))
-    series = {name: values + noise.normal(0.0, NOISE, values.shape) for name, values in one().series.items()}
+    series = {
+        name: values + noise.normal(0.0, NOISE, values.shape) for name, values in base_record().series.items()
+    }
     return replace(
-        one(), series=series, features={name: value * noise.random() for name, value in one().features.items()}
+        base_record(),
+        series=series,
+        features={name: value * noise.random() for name, value in base_record().features.items()},
     )
 
 
-class Free:
+class FreeEstimate:
     """Cost estimate of a job that is not computed."""
 
     cpu_seconds, bytes, most_memory = 1e-3, 3000, 0.0
 
 
-def free(case: Case) -> Any:
+def free_estimate(case: Case) -> Any:
     """Return the cost estimate of a job that is not computed."""
-    return Free
+    return FreeEstimate
 
 
-def nothing(cases: list[Case], about_to: Callable[..., Any] | None = None) -> None:
+def skip_warm_up(cases: list[Case], about_to: Callable[..., Any] | None = None) -> None:
     """Skip compilation."""
 
 
-def measured(*command: str) -> None:
+def print_cost(*command: str) -> None:
     """Print CPU time and peak memory of a command."""
-    with open(os.devnull) as nowhere:
+    with open(os.devnull) as devnull:
         began = time.perf_counter()
         child = subprocess.Popen(
-            [sys.executable, "-m", "bearingsim", *command], stdin=nowhere, stdout=subprocess.PIPE, text=True
+            [sys.executable, "-m", "bearingsim", *command], stdin=devnull, stdout=subprocess.PIPE, text=True
         )
         assert child.stdout is not None
-        said = child.stdout.read()
-        _, status, used = os.wait4(child.pid, 0)
+        output = child.stdout.read()
+        _, status, usage = os.wait4(child.pid, 0)
     took = time.perf_counter() - began
-    assert status == 0, f"bearingsim {' '.join(command)} ended with {status}:\n{said}"
-    cpu = used.ru_utime + used.ru_stime
-    print(f"{command[0]:6} {cpu:7.1f} s CPU, {took:6.1f} s, {used.ru_maxrss / 1e3:6.0f} MB", flush=True)
+    assert status == 0, f"bearingsim {' '.join(command)} ended with {status}:\n{output}"
+    cpu = usage.ru_utime + usage.ru_stime
+    print(f"{command[0]:6} {cpu:7.1f} s CPU, {took:6.1f} s, {usage.ru_maxrss / 1e3:6.0f} MB", flush=True)
 
 
 def fill(study: Path, results: Path) -> None:
     """Make the results, and print their size."""
     summary = runner.run(load_study(study), results, jobs=1, progress=False, engine=ENGINE)
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    print(f"made   {summary.done} jobs, {used.ru_utime:.0f} s CPU, {used.ru_maxrss / 1e3:.0f} MB")
+    usage = resource.getrusage(resource.RUSAGE_SELF)
+    print(f"made   {summary.done} jobs, {usage.ru_utime:.0f} s CPU, {usage.ru_maxrss / 1e3:.0f} MB")
     units = sum(path.stat().st_size for path in (results / "units").rglob("*.h5"))
-    every = sum(path.stat().st_size for path in results.rglob("*") if path.is_file())
+    total = sum(path.stat().st_size for path in results.rglob("*") if path.is_file())
     print(
-        f"disk   {units / summary.planned:.0f} bytes a job in units, {every / summary.planned:.0f} in all",
+        f"disk   {units / summary.planned:.0f} bytes a job in units, {total / summary.planned:.0f} in all",
         flush=True,
     )
 
 
 def main() -> None:
     """Make the results, then measure."""
-    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    asked.add_argument("--jobs", type=int, default=100_000)
-    asked.add_argument("--out", type=Path, default=Path("results/many"))
-    given = asked.parse_args()
-    given.out.mkdir(parents=True, exist_ok=True)
-    study = given.out / "many.yaml"
-    study.write_text(STUDY.format(widths=max(2, ceil(given.jobs / 2000))))
-    measured("check", str(study))
-    results = given.out / "results"
-    filling = multiprocessing.get_context("spawn").Process(target=fill, args=(study, results))
-    filling.start()  # in a process, since a child's peak memory includes that of its parent
-    filling.join()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--jobs", type=int, default=100_000)
+    parser.add_argument("--out", type=Path, default=Path("results/many"))
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    study = options.out / "many.yaml"
+    study.write_text(STUDY.format(widths=max(2, ceil(options.jobs / 2000))))
+    print_cost("check", str(study))
+    results = options.out / "results"
+    process = multiprocessing.get_context("spawn").Process(target=fill, args=(study, results))
+    process.start()  # in a process, since a child's peak memory includes that of its parent
+    process.join()
     for command in (["run", str(study), "--out"], ["show"], ["plot"]):
-        measured(*command, str(results))
+        print_cost(*command, str(results))
 
 
 if __name__ == "__main__":

@@ -133,68 +133,70 @@ def nodes(tree: ast.AST) -> Iterator[ast.AST]:
                 yield from nodes(child)
 
 
-def drawn(seed: int, count: int) -> list[Mutant]:
+def draw(seed: int, count: int) -> list[Mutant]:
     """Draw mutants from each module in turn."""
-    chance, of_modules = random.Random(seed), []
+    rng, groups = random.Random(seed), []
     for module in MODULES:
-        numbered = enumerate(nodes(parsed(module)))
-        mutants = [Mutant(module, n, *change) for n, node in numbered for change in changes(node)]
-        chance.shuffle(mutants)
-        of_modules.append(mutants)
-    return list(islice(chain.from_iterable(zip(*of_modules, strict=False)), count))
+        numbered = enumerate(nodes(parse(module)))
+        mutants = [Mutant(module, index, *change) for index, node in numbered for change in changes(node)]
+        rng.shuffle(mutants)
+        groups.append(mutants)
+    return list(islice(chain.from_iterable(zip(*groups, strict=False)), count))
 
 
-def parsed(module: str) -> ast.Module:
+def parse(module: str) -> ast.Module:
     """Parse a module of the package."""
     return ast.parse((HOME / "bearingsim" / module).read_text())
 
 
-def files(module: str) -> tuple[list[str], list[str], list[str]]:
+def list_test_files(module: str) -> tuple[list[str], list[str], list[str]]:
     """List test files: those that mention a module (by frequency), others of its package, its neighbour's."""
-    own, neighbour = (sorted((COPY / "tests" / name).glob("test_*.py")) for name in MODULES[module])
+    package, neighbour = (sorted((COPY / "tests" / name).glob("test_*.py")) for name in MODULES[module])
     word = re.compile(rf"\b{Path(module).stem}\b")
-    times = {str(path): len(word.findall(path.read_text())) for path in own}
-    of_its_name = str(COPY / "tests" / MODULES[module][0] / f"test_{Path(module).name}")
-    naming = sorted(filter(times.get, times), key=lambda path: (path != of_its_name, -times[path]))
-    return naming, [path for path in times if times[path] == 0], [str(path) for path in neighbour]
+    counts = {str(path): len(word.findall(path.read_text())) for path in package}
+    namesake = str(COPY / "tests" / MODULES[module][0] / f"test_{Path(module).name}")
+    mentioning = sorted(filter(counts.get, counts), key=lambda path: (path != namesake, -counts[path]))
+    return mentioning, [path for path in counts if counts[path] == 0], [str(path) for path in neighbour]
 
 
 def stages(module: str) -> Iterator[list[str]]:
     """Yield the arguments of successive pytest runs."""
-    return ([*paths, "-m", mark] for paths in files(module) if paths for mark in ("not slow", "slow"))
+    return ([*paths, "-m", mark] for paths in list_test_files(module) if paths for mark in ("not slow", "slow"))
 
 
-def failing(stages: Iterable[list[str]], limit_s: float = inf) -> str:
+def first_failure(stages: Iterable[list[str]], limit_s: float = inf) -> str:
     """Run pytest in the copy with the arguments of each stage; return the first failing test, or "".
 
     Tests still running after ``limit_s`` of total wall time count as passed.
     """
-    ends, environment = time.monotonic() + limit_s, os.environ | {"CI": "1", "PYTHONDONTWRITEBYTECODE": "1"}
+    deadline, environment = time.monotonic() + limit_s, os.environ | {"CI": "1", "PYTHONDONTWRITEBYTECODE": "1"}
     for arguments in stages:
         command = [sys.executable, "-m", "pytest", "-x", "-q", "-rfE", "-p", "no:cacheprovider", *arguments]
         pipes: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
         tests = subprocess.Popen(command, cwd=COPY, env=environment, start_new_session=True, **pipes)
         try:
-            said, _ = tests.communicate(timeout=None if ends == inf else max(ends - time.monotonic(), 0.0))
+            output, _ = tests.communicate(
+                timeout=None if deadline == inf else max(deadline - time.monotonic(), 0.0)
+            )
         except subprocess.TimeoutExpired:
             os.killpg(tests.pid, signal.SIGKILL)
             tests.communicate()
             return ""
         if tests.returncode not in (0, 5):  # 5: no tests selected
-            test = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", said, re.MULTILINE)
-            return test[1] if test else said.strip().splitlines()[-1]
+            test = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", output, re.MULTILINE)
+            return test[1] if test else output.strip().splitlines()[-1]
     return ""
 
 
 def cpu_of_children() -> float:
     """Return the CPU time (s) of finished child processes."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
-def tested(number: int, mutant: Mutant, limit_s: float) -> Outcome:
+def run_tests(number: int, mutant: Mutant, limit_s: float) -> Outcome:
     """Write a mutant into the copy and test it."""
-    module, tree = COPY / "bearingsim" / mutant.module, parsed(mutant.module)
+    module, tree = COPY / "bearingsim" / mutant.module, parse(mutant.module)
     old = list(nodes(tree))[mutant.node]
 
     class Change(ast.NodeTransformer):
@@ -205,7 +207,7 @@ def tested(number: int, mutant: Mutant, limit_s: float) -> Outcome:
     module.write_text(ast.unparse(ast.fix_missing_locations(Change().visit(tree))))
     began = cpu_of_children()
     try:
-        test = failing(stages(mutant.module), limit_s)
+        test = first_failure(stages(mutant.module), limit_s)
     finally:
         module.write_bytes(source)
     seconds = round(cpu_of_children() - began, 1)
@@ -216,8 +218,8 @@ def tested(number: int, mutant: Mutant, limit_s: float) -> Outcome:
 def copy() -> None:
     """Copy the tree again, with file times, which numba uses to validate its cache."""
     shutil.rmtree(COPY, ignore_errors=True)
-    left_out = shutil.ignore_patterns(".*", "results", "__pycache__")
-    shutil.copytree(HOME, COPY, ignore=left_out)
+    ignored = shutil.ignore_patterns(".*", "results", "__pycache__")
+    shutil.copytree(HOME, COPY, ignore=ignored)
 
 
 def main() -> int:
@@ -231,12 +233,12 @@ def main() -> int:
     copy()
     chosen = [
         (number, mutant)
-        for number, mutant in enumerate(drawn(options.seed, options.count), 1)
+        for number, mutant in enumerate(draw(options.seed, options.count), 1)
         if not options.only or number in options.only
     ]
     rows = []
     for number, mutant in chosen:
-        rows.append(tested(number, mutant, options.limit))
+        rows.append(run_tests(number, mutant, options.limit))
         print(*rows[-1], sep="  ", flush=True)
     killers = sorted({row.killed_by for row in rows if row.killed_by})
     print(f"{sum(bool(row.killed_by) for row in rows)} of {len(rows)} mutants are killed")
@@ -246,7 +248,7 @@ def main() -> int:
             before = pd.read_csv(options.csv, keep_default_na=False)
             table = pd.concat([before[~before["number"].isin(table["number"])], table]).sort_values("number")
         table.to_csv(options.csv, index=False, lineterminator="\n")
-    if killers and (test := failing([killers])):
+    if killers and (test := first_failure([killers])):
         print(f"{test} fails without a mutant, too")
         return 1
     return 0

@@ -21,30 +21,30 @@ from bearingsim import runner, store
 from bearingsim.simulation import SimulationError, simulate
 from bearingsim.study import load_study
 
-TIMES = 4
-SHARE = 0.95
+NODE_FACTOR = 4
+LEAST_SHARE = 0.95
 FEATURES = ("velocity@BPFO", "velocity.rms", "outer_force.max", "acceleration.rms")
 SHAPES = ("circular", "elliptical", "spall")
 
 
 def draw(number: int, seed: int) -> dict[str, Any]:
     """Draw the fields of a scene's study."""
-    chance = np.random.default_rng([seed, number])
-    width = float(chance.uniform(0.2, 1.5))
-    load, rpm = (float(np.exp(chance.uniform(*np.log(ends)))) for ends in ((50.0, 1000.0), (600.0, 4000.0)))
+    rng = np.random.default_rng([seed, number])
+    width = float(rng.uniform(0.2, 1.5))
+    load, rpm = (float(np.exp(rng.uniform(*np.log(limits)))) for limits in ((50.0, 1000.0), (600.0, 4000.0)))
     return {
         "study": f"nodes-{number}",
         "bearing": "nf308",
         "rig": {"ring": {"bends": False}},
         "speed": f"{rpm:.6g} rpm",
         "load": f"{load:.6g} N",
-        "clearance": f"{float(chance.uniform(0.0, 10.0)):.6g} um",
+        "clearance": f"{float(rng.uniform(0.0, 10.0)):.6g} um",
         "defect": {
             "shape": SHAPES[number % len(SHAPES)],
-            "length": f"{float(chance.uniform(width, 10.0)):.6g} mm",
+            "length": f"{float(rng.uniform(width, 10.0)):.6g} mm",
             "width": f"{width:.6g} mm",
-            "depth": f"{float(np.exp(chance.uniform(*np.log((5.0, 300.0))))):.6g} um",
-            "angle": f"{float(chance.uniform(-20.0, 20.0)):.6g} deg",
+            "depth": f"{float(np.exp(rng.uniform(*np.log((5.0, 300.0))))):.6g} um",
+            "angle": f"{float(rng.uniform(-20.0, 20.0)):.6g} deg",
         },
         "friction": "none",
         "duration": "0.5 s",
@@ -53,22 +53,27 @@ def draw(number: int, seed: int) -> dict[str, Any]:
     }
 
 
-def measured(number: int, seed: int, out: Path) -> list[dict[str, Any]]:
+def compare_scene(number: int, seed: int, out: Path) -> list[dict[str, Any]]:
     """Compute a scene, then with more nodes; return a row per feature."""
     folder = out / f"{seed}-{number}"
     folder.mkdir(parents=True, exist_ok=True)
-    told = draw(number, seed)
-    (folder / "scene.yaml").write_text(yaml.safe_dump(told))
+    fields = draw(number, seed)
+    (folder / "scene.yaml").write_text(yaml.safe_dump(fields))
     study = load_study(folder / "scene.yaml")
     runner.run(study, folder / "results", jobs=1, progress=False)
     results = store.open_results(folder / "results")
     row = results.table().iloc[0]
-    chosen = runner.with_models(study, folder / "results", 1, False).cases()[0]
-    more = {"length_nodes": TIMES * chosen.contact.length_nodes}
-    fine = simulate(chosen.model_copy(update={"contact": chosen.contact.model_copy(update=more)})).features
-    about = {"scene": number, "shape": told["defect"]["shape"], "model": row["model"], "chaotic": row["chaotic"]}
+    case = runner.with_models(study, folder / "results", 1, False).cases()[0]
+    finer = {"length_nodes": NODE_FACTOR * case.contact.length_nodes}
+    fine = simulate(case.model_copy(update={"contact": case.contact.model_copy(update=finer)})).features
+    labels = {
+        "scene": number,
+        "shape": fields["defect"]["shape"],
+        "model": row["model"],
+        "chaotic": row["chaotic"],
+    }
     return [
-        about
+        labels
         | {"feature": name, "off": abs(row[name] / fine[name] - 1.0), "error": float(row["error"])}
         | {part: float(row[part]) for part in ("error.model", "error.nodes", "error.step", "error.scatter")}
         for name in FEATURES
@@ -82,32 +87,32 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("results/nodes"))
     parser.add_argument("--csv", type=Path)
-    asked = parser.parse_args()
+    options = parser.parse_args()
     rows: list[dict[str, Any]] = []
-    for number in range(asked.count):
-        kept = asked.out / f"{asked.seed}-{number}.json"
-        if not kept.exists():
+    for number in range(options.count):
+        path = options.out / f"{options.seed}-{number}.json"
+        if not path.exists():
             try:
-                kept.parent.mkdir(parents=True, exist_ok=True)
-                kept.write_text(json.dumps(measured(number, asked.seed, asked.out)))
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(json.dumps(compare_scene(number, options.seed, options.out)))
             except SimulationError as error:
                 print(f"left out: scene {number}: {error}", flush=True)
                 continue
-        rows += json.loads(kept.read_text())
+        rows += json.loads(path.read_text())
         print(*(f"{key}={value}" for key, value in rows[-1].items()), flush=True)
     within = [row["off"] <= row["error"] for row in rows]
-    if asked.csv:
-        with asked.csv.open("w", newline="") as file:
+    if options.csv:
+        with options.csv.open("w", newline="") as file:
             writer = csv.DictWriter(file, rows[0], lineterminator="\n")
             writer.writeheader()
-            shown = ({k: f"{v:.3g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows)
-            writer.writerows(shown)
-    for row, one in zip(rows, within, strict=True):
-        if not one:
+            formatted = ({k: f"{v:.3g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows)
+            writer.writerows(formatted)
+    for row, is_within in zip(rows, within, strict=True):
+        if not is_within:
             print(f"miss: scene {row['scene']} {row['feature']}: {row['off']:.2%} off, {row['error']:.2%} said")
-    unsaid = sum(row["error"] != row["error"] for row in rows)
-    print(f"{sum(within)} of {len(rows)} within their error ({unsaid} have none)")
-    sys.exit(int(sum(within) < SHARE * len(rows)))
+    unstated = sum(row["error"] != row["error"] for row in rows)
+    print(f"{sum(within)} of {len(rows)} within their error ({unstated} have none)")
+    sys.exit(int(sum(within) < LEAST_SHARE * len(rows)))
 
 
 if __name__ == "__main__":

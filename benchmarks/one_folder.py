@@ -39,9 +39,9 @@ sweep: {{load: {{linspace: [100 N, 300 N, {loads}]}}}}
 """
 PLANS = {"original": (9, ()), "longer": (17, ()), "set": (9, ("--set", "load=[100 N, 150 N, 260 N, 300 N]"))}
 """Number of loads, and further arguments of the command."""
-LATEST_S = 8.0
+LATEST_START_S = 8.0
 """Latest start (s) of the three commands, while the first is still running."""
-LOOK_S = 1.0
+UPDATE_S = 1.0
 """Time (s) after a unit is stored within which another run may start one of its jobs, unaware of it."""
 
 
@@ -62,25 +62,25 @@ class Timing(NamedTuple):
 
 def timing(seed: int, folder: Path) -> Timing:
     """Run the three commands at moments drawn from ``seed``, and examine the folder."""
-    chance, out = random.Random(seed), folder / "out"
-    moments = {name: round(chance.uniform(0.0, LATEST_S), 2) for name in PLANS}
+    rng, out = random.Random(seed), folder / "out"
+    moments = {name: round(rng.uniform(0.0, LATEST_START_S), 2) for name in PLANS}
     planned, running = set[str](), dict[str, subprocess.Popen[str]]()
     for name, (loads, _) in PLANS.items():
         (folder / f"{name}.yaml").write_text(STUDY.format(loads=loads))
     began = time.monotonic()
     for name in sorted(PLANS, key=lambda name: moments[name]):
         time.sleep(max(0.0, began + moments[name] - time.monotonic()))
-        path, more = folder / f"{name}.yaml", PLANS[name][1]
-        command = ["run", str(path), "--jobs", str(chance.choice((1, 2))), "--out", str(out), *more]
+        path, arguments = folder / f"{name}.yaml", PLANS[name][1]
+        command = ["run", str(path), "--jobs", str(rng.choice((1, 2))), "--out", str(out), *arguments]
         running[name] = subprocess.Popen(
             [sys.executable, "-m", "bearingsim", *command],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
         )
-        overrides = dict(word.split("=", 1) for word in more if "=" in word)
+        overrides = dict(word.split("=", 1) for word in arguments if "=" in word)
         planned |= {job.id for job in load_study(path, overrides).jobs()}
-    said = [process.communicate()[0] for process in running.values()]
+    outputs = [process.communicate()[0] for process in running.values()]
     codes = [running[name].returncode for name in PLANS]
     units = {path.stem: check_unit(path) for path in (out / "units").glob("??/*.h5")}
     twice, in_vain = computed_twice(out, units)
@@ -94,7 +94,7 @@ def timing(seed: int, folder: Path) -> Timing:
         lost=len(planned - {job for jobs in units.values() for job in jobs}),
         twice=twice,
         in_vain=in_vain,
-        replaced=sum("has replaced the plan" in text for text in said),
+        replaced=sum("has replaced the plan" in output for output in outputs),
     )
 
 
@@ -109,13 +109,17 @@ def computed_twice(out: Path, units: dict[str, list[str]]) -> tuple[int, int]:
             if line["event"] == "unit":
                 end = datetime.fromisoformat(line["when"]).timestamp()
                 spans[line["unit"]] = (end - line["seconds"], end)
-    holders = defaultdict[str, list[str]](list)
+    units_of = defaultdict[str, list[str]](list)
     for unit, jobs in units.items():
         for job in jobs:
-            holders[job].append(unit)
-    several = [sorted(names, key=lambda name: spans[name]) for names in holders.values() if len(names) > 1]
-    late = [names for names in several if any(spans[b][0] > spans[a][1] + LOOK_S for a, b in pairwise(names))]
-    return len(several), len(late)
+            units_of[job].append(unit)
+    duplicates = [sorted(names, key=lambda name: spans[name]) for names in units_of.values() if len(names) > 1]
+    avoidable = [
+        names
+        for names in duplicates
+        if any(spans[second][0] > spans[first][1] + UPDATE_S for first, second in pairwise(names))
+    ]
+    return len(duplicates), len(avoidable)
 
 
 def main() -> None:
@@ -124,18 +128,18 @@ def main() -> None:
     parser.add_argument("--timings", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--csv", type=Path, default=Path("docs/data/one_folder.csv"))
-    asked = parser.parse_args()
+    options = parser.parse_args()
     rows = []
-    for seed in range(asked.seed, asked.seed + asked.timings):
+    for seed in range(options.seed, options.seed + options.timings):
         with tempfile.TemporaryDirectory() as folder:
             rows.append(timing(seed, Path(folder)))
             print(rows[-1], flush=True)
     table = pd.DataFrame(rows)
-    asked.csv.parent.mkdir(parents=True, exist_ok=True)
-    table.to_csv(asked.csv, index=False)
-    kept = (table["exit_codes"] == "0 0 0") & (table["lost"] == 0) & (table["in_vain"] == 0)
-    print(f"{kept.sum()} of {len(table)} timings hold; {table['twice'].sum()} jobs were in two hands at once")
-    sys.exit(int(not kept.all()))
+    options.csv.parent.mkdir(parents=True, exist_ok=True)
+    table.to_csv(options.csv, index=False)
+    passed = (table["exit_codes"] == "0 0 0") & (table["lost"] == 0) & (table["in_vain"] == 0)
+    print(f"{passed.sum()} of {len(table)} timings hold; {table['twice'].sum()} jobs were in two hands at once")
+    sys.exit(int(not passed.all()))
 
 
 if __name__ == "__main__":

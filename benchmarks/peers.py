@@ -13,15 +13,15 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
 
-HERE = "127.0.0.1"
-JOINED = 480
+HOST = "127.0.0.1"
+HANDSHAKE_BYTES = 480
 """Bytes (approximate) sent by a scheduler until a client and its plugin are registered."""
 
 Peer = AbstractContextManager[str]
 
 
 @contextmanager
-def listening(talk: Callable[[socket.socket], None]) -> Iterator[str]:
+def listen(talk: Callable[[socket.socket], None]) -> Iterator[str]:
     """Open a port that accepts all connections and calls ``talk`` for each in a thread."""
     accepted: list[socket.socket] = []
 
@@ -31,10 +31,10 @@ def listening(talk: Callable[[socket.socket], None]) -> Iterator[str]:
                 accepted.append(server.accept()[0])
                 threading.Thread(target=talk, args=(accepted[-1],), daemon=True).start()
 
-    with socket.create_server((HERE, 0)) as server:
+    with socket.create_server((HOST, 0)) as server:
         threading.Thread(target=accept, daemon=True).start()
         try:
-            yield f"tcp://{HERE}:{server.getsockname()[1]}"
+            yield f"tcp://{HOST}:{server.getsockname()[1]}"
         finally:
             with suppress(OSError):
                 server.shutdown(socket.SHUT_RDWR)
@@ -45,80 +45,80 @@ def listening(talk: Callable[[socket.socket], None]) -> Iterator[str]:
 @contextmanager
 def web_server() -> Iterator[str]:
     """Start an HTTP server."""
-    with HTTPServer((HERE, 0), BaseHTTPRequestHandler) as server:
+    with HTTPServer((HOST, 0), BaseHTTPRequestHandler) as server:
         threading.Thread(target=server.serve_forever, args=(0.05,), daemon=True).start()
         try:
-            yield f"tcp://{HERE}:{server.server_port}"
+            yield f"tcp://{HOST}:{server.server_port}"
         finally:
             server.shutdown()
 
 
 def silent() -> Peer:
     """Open a port that accepts connections and sends nothing."""
-    return listening(lambda peer: None)
+    return listen(lambda peer: None)
 
 
-def rubbish(chance: random.Random) -> Peer:
+def random_bytes(rng: random.Random) -> Peer:
     """Open a port that sends random bytes, in half of the cases after a valid length prefix."""
-    content = chance.randbytes(chance.randrange(1, 4096))
-    head = len(content).to_bytes(8, sys.byteorder) if chance.random() < 0.5 else b""
-    return listening(lambda peer: _send(peer, head + content))
+    content = rng.randbytes(rng.randrange(1, 4096))
+    prefix = len(content).to_bytes(8, sys.byteorder) if rng.random() < 0.5 else b""
+    return listen(lambda peer: _send(peer, prefix + content))
 
 
 @contextmanager
 def closed() -> Iterator[str]:
     """Return a port without a listener."""
-    with socket.create_server((HERE, 0)) as server:
+    with socket.create_server((HOST, 0)) as server:
         port = server.getsockname()[1]
-    yield f"tcp://{HERE}:{port}"
+    yield f"tcp://{HOST}:{port}"
 
 
 @contextmanager
-def cut(scheduler: str, count: int, hangs: bool) -> Iterator[str]:
+def truncate(scheduler: str, count: int, hangs: bool) -> Iterator[str]:
     """Forward ``count`` bytes of a scheduler, over all connections; then hang or disconnect."""
     host, port = scheduler.removeprefix("tcp://").split(":")
-    left, lock, ends = [count], threading.Lock(), list[socket.socket]()
+    remaining, lock, sockets = [count], threading.Lock(), list[socket.socket]()
 
     def forward(source: socket.socket, target: socket.socket, limited: bool) -> None:
         with suppress(OSError):
             while content := source.recv(1 << 16):
                 with lock:
-                    content = content[: left[0]] if limited else content
-                    left[0] -= len(content) * limited
+                    content = content[: remaining[0]] if limited else content
+                    remaining[0] -= len(content) * limited
                 target.sendall(content)
-                if left[0] == 0 and not hangs:
-                    for end in ends:
-                        end.shutdown(socket.SHUT_RDWR)
+                if remaining[0] == 0 and not hangs:
+                    for socket_ in sockets:
+                        socket_.shutdown(socket.SHUT_RDWR)
         if not hangs:
             with suppress(OSError):
                 target.shutdown(socket.SHUT_RDWR)
 
     def talk(peer: socket.socket) -> None:
-        if left[0] == 0 and not hangs:
+        if remaining[0] == 0 and not hangs:
             peer.close()
             return
-        there = socket.create_connection((host, int(port)))
-        ends.extend((peer, there))
-        threading.Thread(target=forward, args=(peer, there, False), daemon=True).start()
-        forward(there, peer, True)
+        upstream = socket.create_connection((host, int(port)))
+        sockets.extend((peer, upstream))
+        threading.Thread(target=forward, args=(peer, upstream, False), daemon=True).start()
+        forward(upstream, peer, True)
 
-    with listening(talk) as address:
+    with listen(talk) as address:
         try:
             yield address
         finally:
-            for end in ends:
-                end.close()
+            for socket_ in sockets:
+                socket_.close()
 
 
 def kinds(scheduler: str) -> dict[str, Callable[[random.Random], Peer]]:
     """Return all kinds of ports by name."""
     return {
-        "web server": lambda chance: web_server(),
-        "silent": lambda chance: silent(),
-        "rubbish": rubbish,
-        "closed": lambda chance: closed(),
-        "dies as it is joined": lambda chance: cut(scheduler, chance.randrange(JOINED), hangs=False),
-        "hangs as it is joined": lambda chance: cut(scheduler, chance.randrange(JOINED), hangs=True),
+        "web server": lambda rng: web_server(),
+        "silent": lambda rng: silent(),
+        "rubbish": random_bytes,
+        "closed": lambda rng: closed(),
+        "dies as it is joined": lambda rng: truncate(scheduler, rng.randrange(HANDSHAKE_BYTES), hangs=False),
+        "hangs as it is joined": lambda rng: truncate(scheduler, rng.randrange(HANDSHAKE_BYTES), hangs=True),
     }
 
 
@@ -127,8 +127,8 @@ def scheduler() -> Iterator[str]:
     """Start a scheduler without workers in a process."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scheduler.json"
-        words = ["scheduler", "--host", HERE, "--port", "0", "--no-dashboard", "--scheduler-file", str(file)]
-        process = subprocess.Popen([sys.executable, "-m", "dask", *words], stderr=subprocess.DEVNULL)
+        arguments = ["scheduler", "--host", HOST, "--port", "0", "--no-dashboard", "--scheduler-file", str(file)]
+        process = subprocess.Popen([sys.executable, "-m", "dask", *arguments], stderr=subprocess.DEVNULL)
         try:
             while not (file.exists() and file.read_text().endswith("}")):
                 time.sleep(0.1)

@@ -55,8 +55,8 @@ def test_ctrl_c_is_heard_while_an_answer_is_waited_for() -> None:
         (peers.web_server(), f"{STRANGER}no greeting"),
         (peers.silent(), f"{STRANGER}no greeting"),
         (peers.closed(), "no scheduler responds at"),
-        *((peers.rubbish(random.Random(seed)), f"{STRANGER}it uses another protocol)") for seed in (1, 2)),
-        (peers.listening(lambda peer: peer.close()), f"{STRANGER}it closes the connection)"),
+        *((peers.random_bytes(random.Random(seed)), f"{STRANGER}it uses another protocol)") for seed in (1, 2)),
+        (peers.listen(lambda peer: peer.close()), f"{STRANGER}it closes the connection)"),
     ],
 )
 def test_what_is_no_scheduler_is_told(peer: peers.Peer, told: str) -> None:
@@ -77,7 +77,7 @@ def test_an_invalid_address_is_refused(address: str) -> None:
 def test_a_greeting_and_nothing_more_is_told() -> None:
     greeting = b"\x20" + bytes(7) + handshake.WORD.ljust(32)
     with (
-        peers.listening(lambda peer: peer.sendall(greeting)) as address,
+        peers.listen(lambda peer: peer.sendall(greeting)) as address,
         pytest.raises(SchedulerGone, match="no scheduler responds"),
         client_of(address),
     ):
@@ -87,7 +87,7 @@ def test_a_greeting_and_nothing_more_is_told() -> None:
 def test_a_greeting_of_any_size_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its length is believed up to 64 kB; of a web page it would be 3e18 bytes."""
     monkeypatch.setattr(handshake, "GREETING_S", 60.0)
-    with peers.listening(lambda peer: peer.sendall(b"HTTP/1.1")) as address:
+    with peers.listen(lambda peer: peer.sendall(b"HTTP/1.1")) as address:
         began = time.monotonic()
         with pytest.raises(SchedulerGone, match="uses another protocol"), client_of(address):
             pass

@@ -6,7 +6,7 @@ import pytest
 
 from bearingsim.simulation import choice
 from bearingsim.study import StudyError, diagnose, load_study, plan
-from benchmarks.crossed_blocks import SLOW
+from benchmarks.crossed_blocks import SLOW_STUDIES
 from tests.scenes.study_text import BASE, Write
 
 MANY = "sweep: {defect.angle: {range: [0 deg, 360 deg, 0.01 deg]}, load: [150 N, 300 N]}\n"
@@ -63,7 +63,7 @@ def test_what_costs_nothing_is_refused_first(write: Write, made: list[Any], line
 
 
 def test_a_figure_without_its_path_is_refused_before_36000_cases(made: list[Any]) -> None:
-    (path,) = [path for path in SLOW if path.stem == "unswept_figure"]
+    (path,) = [path for path in SLOW_STUDIES if path.stem == "unswept_figure"]
     with pytest.raises(StudyError, match=r"no swept path `defect\.length`"):
         load_study(path)
     assert len(made) < FEW

@@ -28,7 +28,7 @@ def test_malformed_files_end_with_a_place(tmp_path: Path) -> None:
     """Each as `check` ends, in this process."""
     wrong, valid = {}, []
     for name, path in malformed.malformed(tmp_path):
-        ended = hostile.in_here("check", str(path))
+        ended = hostile.run_in_process("check", str(path))
         found = hostile.faults(ended, path, SLOWLY)
         if found:
             wrong[name] = found
@@ -42,7 +42,7 @@ def test_a_bomb_and_a_device_end_in_a_process_of_their_own(tmp_path: Path) -> No
     """Under limits of the system, which would end a process that reads on."""
     files = dict(malformed.malformed(tmp_path))
     for name in ("bomb in load", "a device", "a pipe"):
-        ended = hostile.alone("check", str(files[name]))
+        ended = hostile.run_separately("check", str(files[name]))
         assert (ended.code, hostile.faults(ended, files[name], SLOWLY)) == (2, [])
 
 
@@ -88,14 +88,14 @@ def test_studies_with_crossed_blocks_load_or_are_refused_soon(
         except StudyError as error:
             refused[path] = str(error)
     assert 10 < len(refused) < 35
-    assert all(map(hostile.PLACED.search, refused.values()))
+    assert all(map(hostile.POSITION.search, refused.values()))
     assert max(map(made.count, refused)) < MOST_MADE
 
 
 def test_limits_are_those_of_what_was_checked() -> None:
     def wrong(code: int, said: str, cpu: float, memory: float = 1e8) -> str:
-        ended = hostile.Ended(code, said, cpu, memory)
-        return check_limits.judged(1, "", Path("a.yaml"), ended).wrong
+        ended = hostile.CommandResult(code, said, cpu, memory)
+        return check_limits.row_of(1, "", Path("a.yaml"), ended).wrong
 
     valid, refused = "a: 500 jobs (400 cases, 100 healthy twins)", "a.yaml:1:1: no"
     assert [wrong(0, valid, cpu) for cpu in (1.4, 1.6)] == ["", "1.6 s"]
@@ -108,15 +108,15 @@ def test_limits_are_those_of_what_was_checked() -> None:
 
 
 def test_an_echo_is_clipped_and_the_caret_still_points(write: Write) -> None:
-    first, line, caret = told(write(malformed.with_(f"load: [{'150 N, ' * 100}&a &b]")))
+    first, line, caret = told(write(malformed.study_with(f"load: [{'150 N, ' * 100}&a &b]")))
     assert line[caret.index("^")] == "&"
     assert len(line) <= LONGEST_LINE + 4
-    first, *_ = told(write(malformed.with_(f"load: {'x' * 5000}")))
+    first, *_ = told(write(malformed.study_with(f"load: {'x' * 5000}")))
     assert f"`{'x' * LONGEST_ECHO}...`" in first
 
 
 def test_a_message_has_no_letters_of_control(write: Write) -> None:
-    said = "\n".join(told(write(malformed.with_('"load\u202e\u00a0": "a\\nb"'))))
+    said = "\n".join(told(write(malformed.study_with('"load\u202e\u00a0": "a\\nb"'))))
     assert r"unknown key `load\u202e\xa0`" in said
     assert all(letter.isprintable() or letter == "\n" for letter in said)
 
@@ -148,7 +148,7 @@ def test_twenty_levels_are_read_and_one_more_is_not() -> None:
 
 @pytest.mark.parametrize("tag", ["!!python/object/apply:os.system", "!!int", "!mine"])
 def test_a_tag_is_refused(write: Write, tag: str) -> None:
-    assert f"the tag `{tag}` means nothing here" in told(write(malformed.with_(f"load: {tag} 150 N")))[0]
+    assert f"the tag `{tag}` means nothing here" in told(write(malformed.study_with(f"load: {tag} 150 N")))[0]
 
 
 # Base values that a sweep replaces
@@ -169,7 +169,7 @@ def test_a_tag_is_refused(write: Write, tag: str) -> None:
     ],
 )  # fmt: skip
 def test_a_base_value_that_a_sweep_replaces_is_checked(write: Write, said: str, swept: str, message: str) -> None:
-    first, line, caret = told(write(f"{malformed.with_(said)}sweep: {{{swept.strip('{}')}}}\n"))
+    first, line, caret = told(write(f"{malformed.study_with(said)}sweep: {{{swept.strip('{}')}}}\n"))
     assert message in first
     assert line.strip() == said
     assert caret.strip() == "^"
@@ -187,10 +187,10 @@ def test_a_base_value_that_a_sweep_replaces_is_checked(write: Write, said: str, 
 def test_a_base_completed_by_the_sweep_is_valid(
     write: Write, base: str, path: str, value: str, number: float
 ) -> None:
-    study = load_study(write(f"{malformed.with_(base)}sweep: {{{path}: [{value}]}}\n"))
+    study = load_study(write(f"{malformed.study_with(base)}sweep: {{{path}: [{value}]}}\n"))
     ((case, swept),) = study.swept_cases
     assert swept == {path: pytest.approx(number)}
-    assert case == load_study(write(malformed.with_(base)), {path: value}).cases()[0]
+    assert case == load_study(write(malformed.study_with(base)), {path: value}).cases()[0]
 
 
 def test_both_words_of_a_key_are_refused(write: Write) -> None:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from bearingsim.study import NEW_STUDY, StudyError, json_schema, load_study
 from bearingsim.study.paths import known_paths
 from bearingsim.text.units import UNITS, UnitError, parse, pattern
-from benchmarks.crossed_blocks import SHIPPED, write_crossed
+from benchmarks.crossed_blocks import SHIPPED_STUDIES, write_crossed
 from tests.conftest import ROOT
 from tests.scenes.editor import marked
 from tests.scenes.study_text import BASE
@@ -28,7 +28,7 @@ def test_it_is_a_schema() -> None:
     jsonschema.Draft7Validator.check_schema(json_schema())
 
 
-@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", SHIPPED_STUDIES, ids=lambda path: path.stem)
 def test_every_shipped_study_passes(path: Path) -> None:
     assert marked(path.read_text()) == []
 
