@@ -15,12 +15,12 @@ import numpy as np
 from bearingsim.core.defects.closed_forms import bowl, box, groove
 from bearingsim.core.defects.depth import (
     Circular,
-    Eased,
+    EasedDefect,
     Elliptical,
-    Merged,
-    Placed,
+    MergedDefects,
     Rectangular,
-    Scanned,
+    ScannedDefect,
+    ShiftedDefect,
     Triangular,
     section,
 )
@@ -97,7 +97,7 @@ def random_defect(draw: np.random.Generator) -> Any:
     parts = [_random_part(draw) for _ in range(int(draw.integers(1, 4)))]
     if len(parts) == 1:
         return parts[0]
-    return Merged(tuple(Placed(part, *draw.uniform(-1.5e-3, 1.5e-3, 2)) for part in parts))
+    return MergedDefects(tuple(ShiftedDefect(part, *draw.uniform(-1.5e-3, 1.5e-3, 2)) for part in parts))
 
 
 def _random_part(draw: np.random.Generator) -> Any:
@@ -108,19 +108,19 @@ def _random_part(draw: np.random.Generator) -> Any:
     if edge == 0:
         return defect
     return (
-        Eased(defect, 10 ** draw.uniform(-5.7, -4), 0.0)
+        EasedDefect(defect, 10 ** draw.uniform(-5.7, -4), 0.0)
         if edge == 1
-        else Eased(defect, 0.0, 10 ** draw.uniform(-5.3, -4))
+        else EasedDefect(defect, 0.0, 10 ** draw.uniform(-5.3, -4))
     )
 
 
-def rough_scan(seed: int) -> Scanned:
+def rough_scan(seed: int) -> ScannedDefect:
     """Make a spall of 6 mm by 2 mm with roughness of 2 um and a rim raised by 2 um."""
     draw = np.random.default_rng(seed)
     s, z = np.linspace(-2e-3, 2e-3, 401), np.linspace(-4e-3, 4e-3, 41)
     r = np.hypot(*np.meshgrid(s / 1e-3, z / 3e-3)) * (1.0 + 0.1 * draw.normal(size=(41, 1)))
     depth = np.where(r < 1.0, 5e-5 * (1.0 - r**4) + draw.normal(0.0, 2e-6, r.shape), np.where(r < 1.1, -2e-6, 0.0))
-    return Scanned(f"rough {seed}", s, z, depth)
+    return ScannedDefect(f"rough {seed}", s, z, depth)
 
 
 def brute(profile: Any, s: np.ndarray) -> np.ndarray:
@@ -194,7 +194,7 @@ def print_cost() -> None:
         print(f"{name:20s}  {ns[0]:5.1f}  {ns[1]:5.1f}")
     print("table                 groups, pieces, ms to build, ns in order, at random")
     kinds = {kind.__name__.lower(): kind(6e-3, 1e-3, 5e-6) for kind in SHAPES}
-    more = {"rounded": Eased(kinds["elliptical"], 2e-5, 0.0), "spall": Spall(6e-3, 2e-3, 5e-5, 1.0, 3)}
+    more = {"rounded": EasedDefect(kinds["elliptical"], 2e-5, 0.0), "spall": Spall(6e-3, 2e-3, 5e-5, 1.0, 3)}
     for name, defect in (kinds | more | {"rough scan": rough_scan(1)}).items():
         began = time.perf_counter()
         rows, paths = grouped(defect, R, cut_along_roller(defect, L_W, 24))

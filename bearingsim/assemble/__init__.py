@@ -17,7 +17,7 @@ from bearingsim.config.sections.contact import Undamped as NoDamping
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.defects.pairs import ANGLE, CARRIER, CUSP, ON_OUTER, RADIUS, Defects
-from bearingsim.core.geometry.motion import steady
+from bearingsim.core.geometry.motion import is_steady
 from bearingsim.core.geometry.slices import ZETA
 from bearingsim.core.laws.damping.undamped import Undamped
 from bearingsim.core.methods.interface import MethodKind
@@ -31,11 +31,11 @@ from bearingsim.core.parts.bending import Stiff
 from bearingsim.errors import UserError
 
 __all__ = [
-    "adaptive",
-    "aligned_with_cusp",
+    "align_with_cusp",
     "empty_buffer",
     "find_equilibrium",
-    "healthy",
+    "healthy_case",
+    "is_adaptive",
     "kind",
     "kind_of_method",
     "kind_of_model",
@@ -98,7 +98,7 @@ def method_kind(case: Case) -> MethodKind:
     return loaded
 
 
-def adaptive(case: Case) -> bool:
+def is_adaptive(case: Case) -> bool:
     """Check if the case's method (not `auto`) controls its own step."""
     return case.method is not None and METHODS[case.method].adaptive
 
@@ -168,7 +168,7 @@ def support(case: Case) -> Support:
     return Support(case.load, case.load_across, case.rig.bracket_stiffness, case.rig.bracket_damping, x_0, y_0)
 
 
-def healthy(case: Case) -> Case:
+def healthy_case(case: Case) -> Case:
     """Return the case without defects, with fields reset that do not affect the static load."""
     same = {"defects": (), "record": (), "sampling": 1e4, "excitation": "envelope", "seed": 0}
     return case.model_copy(update=RESET_OPTIONS | same)
@@ -182,7 +182,7 @@ def _static_case(case: Case) -> Case:
         "rig": case.rig.model_copy(update=NO_BRACKET),
         "contact": case.contact.model_copy(update={"damping": NoDamping()}),
     }
-    return healthy(case).model_copy(update=still)
+    return healthy_case(case).model_copy(update=still)
 
 
 NO_BRACKET = {"bracket_stiffness": 0.0, "bracket_damping": 0.0, "sensor_angle": 0.0}
@@ -201,7 +201,7 @@ def anchor_in_space(case: Case) -> tuple[float, float]:
     return rest.x, rest.y
 
 
-def aligned_with_cusp(model: Any, steps_per_pass: int, fraction: float) -> Any:
+def align_with_cusp(model: Any, steps_per_pass: int, fraction: float) -> Any:
     """Shift the model's rollers so that they meet the cusp of the first defect a ``fraction`` of a step after the
     start of a step.
 
@@ -210,7 +210,7 @@ def aligned_with_cusp(model: Any, steps_per_pass: int, fraction: float) -> Any:
     step. Only the first of several defects is aligned, and only on the outer race at a steady speed; other cusps
     lie anywhere in a step, and their error averages out.
     """
-    if "defects" not in model._fields or not steady(model):
+    if "defects" not in model._fields or not is_steady(model):
         return model
     defects = model.defects
     if len(defects.head) == 0 or defects.head[0, CARRIER] != ON_OUTER:

@@ -103,7 +103,7 @@ def beam_matrices(section: Section, n: int) -> tuple[np.ndarray, np.ndarray]:
     return K, section.density * section.width * M
 
 
-class OfRing(NamedTuple):
+class RingParameters(NamedTuple):
     """Parameters that determine the bending of a ring: loads in N, mass in kg.
 
     bracket: stiffness (N/m), damping (N s/m) and anchor (m, m) of the bracket on a carrier.
@@ -119,12 +119,12 @@ class OfRing(NamedTuple):
     bracket: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
 
-def ring_parameters(case: Case) -> OfRing:
+def ring_parameters(case: Case) -> RingParameters:
     """Collect the parameters of the case's flexible ring, without a bracket."""
     rig = case.rig
     assert rig.ring is not None
     assert rig.load is not None
-    return OfRing(
+    return RingParameters(
         case.bearing, rig.ring, rig.load, rig.sensor, geometry.ring_mass(case), case.load, case.load_across
     )
 
@@ -134,7 +134,7 @@ def has_carrier(rig: Rig) -> bool:
     return rig.ring is not None and rig.load is not None and rig.load.carried
 
 
-def section_of(ring: OfRing) -> Section:
+def section_of(ring: RingParameters) -> Section:
     """Return section and material of a ring."""
     material, height, width = ring.bearing.material, ring.ring.section.height, ring.ring.section.width
     assert height is not None
@@ -157,7 +157,7 @@ class Harmonics(NamedTuple):
     real: int
 
 
-def harmonics(ring: OfRing) -> Harmonics:
+def harmonics(ring: RingParameters) -> Harmonics:
     """Compute the harmonics of a ring, padded to include a carrier."""
     section = section_of(ring)
     free = [harmonic(section, n) for n in (*range(2, int(ring.ring.harmonics) + 1), 0)]
@@ -169,7 +169,7 @@ def harmonics(ring: OfRing) -> Harmonics:
 
 
 @lru_cache(maxsize=256)
-def made(ring: OfRing) -> core.Bending:
+def made(ring: RingParameters) -> core.Bending:
     """Build the bending of a ring, cached."""
     of = harmonics(ring)
     angles = 2.0 * pi * np.arange(ring.bearing.rollers) / ring.bearing.rollers
@@ -194,7 +194,7 @@ def made(ring: OfRing) -> core.Bending:
     )
 
 
-def mobility(ring: OfRing, of: Harmonics, angles: np.ndarray) -> float:
+def mobility(ring: RingParameters, of: Harmonics, angles: np.ndarray) -> float:
     """Compute the largest eigenvalue (1/kg) of the matrix from forces at all rollers to the accelerations of the
     race there.
 
@@ -205,7 +205,7 @@ def mobility(ring: OfRing, of: Harmonics, angles: np.ndarray) -> float:
     return float(np.fft.fft(row).real.max())
 
 
-def rows_of(ring: OfRing, of: Harmonics) -> np.ndarray:
+def rows_of(ring: RingParameters, of: Harmonics) -> np.ndarray:
     """Return ``core.Bending.of_harmonic`` for the ring without a carrier."""
     alpha, rows = ring.sensor.angle or 0.0, np.zeros((10, len(of.n)))
     rows[core.N], rows[core.K], rows[core.K_M] = of.n, of.k, of.omega**2
@@ -220,7 +220,7 @@ def rows_of(ring: OfRing, of: Harmonics) -> np.ndarray:
     return rows
 
 
-def with_carrier(rows: np.ndarray, ring: OfRing, i: int) -> np.ndarray:
+def with_carrier(rows: np.ndarray, ring: RingParameters, i: int) -> np.ndarray:
     """Add the carrier's position as harmonic ``i``, with load and bracket acting on it."""
     mass, alpha, (k_b, c_b, x_0, y_0) = ring.load_path.mass or 0.0, ring.sensor.angle or 0.0, ring.bracket
     rows[core.K, i], rows[core.K_M, i], rows[core.C_M, i] = k_b, k_b / mass, c_b / mass
@@ -231,7 +231,7 @@ def with_carrier(rows: np.ndarray, ring: OfRing, i: int) -> np.ndarray:
     return rows
 
 
-def springs_of(ring: OfRing, of: Harmonics) -> core.Springs:
+def springs_of(ring: RingParameters, of: Harmonics) -> core.Springs:
     """Build the springs around the ring, with damping ratio ``ring.damping`` for the rigid ring on its springs."""
     angles, k, fit = spring_properties(ring)
     P = -(-len(angles) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
@@ -248,7 +248,7 @@ def springs_of(ring: OfRing, of: Harmonics) -> core.Springs:
     return core.Springs(np.array([padded(value, P) for value in values]), at_springs, by_spring, of.real)
 
 
-def spring_properties(ring: OfRing) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def spring_properties(ring: RingParameters) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return angles (rad), stiffnesses (N/m) and fits (m) of the springs."""
     load = ring.load_path
     if load.by == "points":

@@ -20,11 +20,11 @@ from bearingsim.core.defects import excitations
 from bearingsim.core.defects.closed_forms import groups_of, groups_of_slices
 from bearingsim.core.defects.depth import (
     EVEN,
-    Eased,
-    Merged,
-    Mirrored,
-    Placed,
-    Scanned,
+    EasedDefect,
+    MergedDefects,
+    MirroredDefect,
+    ScannedDefect,
+    ShiftedDefect,
     cuts,
     extent,
 )
@@ -151,7 +151,7 @@ def depth_map(d: config.Defect) -> Any:
     shape = SHAPES[d.shape]
     arguments = (d,) if shape.of_section else (d.length, d.width, d.depth)
     defect = call(shape.build, *arguments)
-    return defect if d.edge is None else Eased(defect, d.edge.radius or 0.0, d.edge.ramp or 0.0)
+    return defect if d.edge is None else EasedDefect(defect, d.edge.radius or 0.0, d.edge.ramp or 0.0)
 
 
 def varies_along_roller(d: config.Defect) -> bool:
@@ -162,21 +162,21 @@ def varies_along_roller(d: config.Defect) -> bool:
 def spall(d: config.Defect) -> Any:
     """Build a spall, mirrored on an inner race, where rollers come from +s and spalls grow towards -s."""
     defect = Spall(d.length, d.width, d.depth, float(d.grown or 0.0), int(d.seed or 0))
-    return Mirrored(defect) if d.race == "inner" else defect
+    return MirroredDefect(defect) if d.race == "inner" else defect
 
 
-def scan(d: config.Defect) -> Scanned:
+def scan(d: config.Defect) -> ScannedDefect:
     """Build a measured depth map."""
     return scanned(str(d.file), str(d.digest))
 
 
 @lru_cache(maxsize=CACHED_SCANS)
-def scanned(file: str, digest: str) -> Scanned:
+def scanned(file: str, digest: str) -> ScannedDefect:
     """Read the depth map in a file. Raises ValueError if the file has changed since the case was built."""
     surface = read_scan(BROUGHT.get(digest, file))
     if surface.digest != digest:
         raise ValueError(f"{file} has changed since the study was read")
-    return Scanned(digest, surface.s, surface.z, surface.depth)
+    return ScannedDefect(digest, surface.s, surface.z, surface.depth)
 
 
 def defect_clusters(case: Case) -> list[DefectCluster]:
@@ -228,15 +228,15 @@ def _merged(case: Case, cluster: Sequence[config.Defect]) -> DefectCluster:
     """Merge defects into one map, with s measured from the middle of their total extent."""
     leader, radius = cluster[0], carrier_radius(case, cluster[0])
     positions = [remainder(d.angle - leader.angle, 2.0 * pi) * radius for d in cluster]
-    maps = [Placed(depth_map(d), s, d.offset) for d, s in zip(cluster, positions, strict=True)]
+    maps = [ShiftedDefect(depth_map(d), s, d.offset) for d, s in zip(cluster, positions, strict=True)]
     if len(maps) == 1:
         return DefectCluster(leader, leader.angle, maps[0])
-    low, high, _, _ = extent(Merged(tuple(maps)))
+    low, high, _, _ = extent(MergedDefects(tuple(maps)))
     middle = (low + high) / 2.0
     return DefectCluster(
         leader,
         leader.angle + middle / radius,
-        Merged(tuple(placed._replace(s=placed.s - middle) for placed in maps)),
+        MergedDefects(tuple(placed._replace(s=placed.s - middle) for placed in maps)),
     )
 
 

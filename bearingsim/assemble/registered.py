@@ -44,7 +44,7 @@ def missing(case: Case, implicit: bool) -> Iterator[str]:
     yield from _missing(f"model `{case.model}`", model, MODEL, implicit)
     if "defects" not in model._fields and model not in count_crossings.types:
         yield f"the model `{case.model}` has neither `defects` nor a `count_crossings` of its own"
-    if not MODELS[case.model].own_method and not accelerations.serves(model):
+    if not MODELS[case.model].own_method and not accelerations.supports(model):
         yield f"the model `{case.model}` has no `accelerations`"
     if case.method not in (None, AUTO):
         method = assemble.kind_of_method(str(case.method)).parameters
@@ -60,11 +60,11 @@ def missing(case: Case, implicit: bool) -> Iterator[str]:
 def _missing(what: str, kind: type, called: tuple[tuple[Any, ...], ...], implicit: bool) -> Iterator[str]:
     always, solved_with = called
     for function in (*always, *(solved_with if implicit else ())):
-        if not function.serves(kind):
+        if not function.supports(kind):
             yield f"the {what} lacks `{function.__name__}`"
 
 
-def refuse_features() -> None:
+def check_features() -> None:
     """Raise UserError if a feature of an extension does not load, or was registered too late to be declared."""
     for feature in FEATURES.values():
         if not callable(code(feature.compute)):

@@ -62,7 +62,13 @@ def healthy_rest(case: Case) -> Rest:
 
 @lru_cache(maxsize=CACHED_RESTS)
 def _rest(
-    of_case: Bearing, outer: Any, inner: Any, named: str, F: float, F_across: float, ring: bending.OfRing | None
+    of_case: Bearing,
+    outer: Any,
+    inner: Any,
+    named: str,
+    F: float,
+    F_across: float,
+    ring: bending.RingParameters | None,
 ) -> Rest:
     """Compute ``healthy_rest``, cached; ``named`` distinguishes laws of different types that compare equal."""
     carried = ring is not None and ring.load_path.carried

@@ -119,11 +119,11 @@ def plan_of(study: "Study", workers: int | None, patience: Patience = QUIET) -> 
     """Price the jobs of a study, or a sample of many; refusals are collected, not raised."""
     from joblib import cpu_count
 
-    from bearingsim.core.jit import heard
+    from bearingsim.core.jit import compilation_callbacks
 
     patience.begin(ESTIMATING)
     jobs, priced, refusals = study.jobs(), [], []
-    with heard(lambda: patience.begin(COMPILING), lambda: patience.begin(ESTIMATING)):
+    with compilation_callbacks(lambda: patience.begin(COMPILING), lambda: patience.begin(ESTIMATING)):
         for job in drawn(jobs):
             try:
                 priced.append(_priced(job))

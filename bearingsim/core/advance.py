@@ -34,14 +34,14 @@ RING_MOTION = tuple(
 class Monitor(NamedTuple):
     """Limits of a run.
 
-    stride: steps between checks; patience: time (s) that a body may exceed the method's step limit;
+    stride: steps between checks; overrun_limit: time (s) that a body may exceed the method's step limit;
     approach_bound: approach of a contact (m), energy_bound: energy of radial motion (J), both above all values
     possible in the case; max_evaluations: evaluations of the model, for methods that count them, after which
     control returns to the caller.
     """
 
     stride: int
-    patience: float
+    overrun_limit: float
     approach_bound: float = np.inf
     energy_bound: float = np.inf
     max_evaluations: float = np.inf
@@ -69,14 +69,14 @@ def record(y, cells, n, out):
 
 
 @jit
-def ready(method, model, t, y):
+def prepare_first_step(method, model, t, y):
     """Prepare the buffer for a method's first step at time ``t`` (s); accelerations are already set."""
     y[lay.FAILED_BODY] = NO_BODY
     prepare(method, model, t, y)
 
 
 @jit
-def first_over(row, bound, y, n):
+def first_lane_above(row, bound, y, n):
     """Return the first lane (of n) of the buffer's ``row`` that is not at most ``bound``, or NO_BODY.
 
     Lanes are first counted, because a count is vectorised and a search is not, and most calls find none.
@@ -92,7 +92,7 @@ def first_over(row, bound, y, n):
 
 
 @jit
-def approaches_of_bodies(model, y, n):
+def fill_approaches(model, y, n):
     """Fill row APPROACH_NOW: the larger approach (m) of each roller to an undamaged race in the current state."""
     gap = model.bearing.gap
     u_x, u_y = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
@@ -115,7 +115,7 @@ def radial_energy(bearing, y, n):
 
 
 @jit
-def exceeded_limit(method, model, monitor, y):
+def body_over_step_limit(method, model, monitor, y):
     """Return the body that has been over the method's step limit for longer than allowed, or NO_BODY."""
     elapsed, bodies = monitor.stride * method.h, monitored(model)
     bodies = lanes(model.bearing) if bodies > 1 else bodies  # padded lanes have zero stiffness over mass
@@ -126,14 +126,14 @@ def exceeded_limit(method, model, monitor, y):
     for j in range(bodies):
         y[lay.OVERRUN + j] = 0.0 if y[lay.STEP_RATIO + j] <= 1.0 else y[lay.OVERRUN + j] + elapsed
         y[lay.OVERRUN_MAX + j] = max(y[lay.OVERRUN_MAX + j], y[lay.OVERRUN + j])
-    return first_over(lay.OVERRUN, monitor.patience, y, bodies)
+    return first_lane_above(lay.OVERRUN, monitor.overrun_limit, y, bodies)
 
 
 @jit
 def check_state(method, model, monitor, t, y):
     """Check the state at time ``t`` (s); return outcome and body (NO_BODY if none in particular)."""
     n = lanes(model.bearing)
-    slow = exceeded_limit(method, model, monitor, y)
+    slow = body_over_step_limit(method, model, monitor, y)
     energy = radial_energy(model.bearing, y, n)
     moving = energy
     for c in range(lay.FIRST_LANE):
@@ -142,8 +142,8 @@ def check_state(method, model, monitor, t, y):
         return NOT_FINITE, NO_BODY
     if slow != NO_BODY:
         return STEP_LIMIT_EXCEEDED, slow
-    approaches_of_bodies(model, y, n)
-    body = first_over(lay.APPROACH_NOW, monitor.approach_bound, y, n)
+    fill_approaches(model, y, n)
+    body = first_lane_above(lay.APPROACH_NOW, monitor.approach_bound, y, n)
     if body != NO_BODY:
         return TOO_DEEP, body
     if energy > monitor.energy_bound:

@@ -40,7 +40,7 @@ from bearingsim.core import linking, resolving
 from bearingsim.own_folder import Distrusted, own_folder
 
 numba_config: Any = config  # its attributes are created at run time
-resolving.resolve_once()
+resolving.cache_operator_signatures()
 
 CORE = Path(__file__).parent
 OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}, "_nrt": False, **linking.OPTIONS}
@@ -68,7 +68,7 @@ def cache_folder() -> Path | None:
     usable.
     """
     digest, why = source_digest(), ""
-    for candidate in (chosen_folder, temporary_folder, passing_folder):
+    for candidate in (user_cache_folder, temporary_folder, process_folder):
         with suppress(RuntimeError):  # no home folder
             try:
                 folder = own_folder(candidate(), "bearingsim", digest)
@@ -89,7 +89,7 @@ def report(message: str) -> None:
     print(f"bearingsim: {message}", file=sys.stderr)
 
 
-def chosen_folder() -> Path:
+def user_cache_folder() -> Path:
     """Return the folder named in the environment, or the user's cache."""
     named = os.environ.get("BEARINGSIM_CACHE") or os.environ.get("XDG_CACHE_HOME")
     return Path(named) if named else Path.home() / ".cache"
@@ -101,7 +101,7 @@ def temporary_folder() -> Path:
     return own_folder(Path(tempfile.gettempdir()), f"bearingsim-{user}")
 
 
-def passing_folder() -> Path:
+def process_folder() -> Path:
     """Make a folder that is removed when this process ends."""
     folder, maker = tempfile.mkdtemp(prefix="bearingsim-"), os.getpid()
 
@@ -114,27 +114,27 @@ def passing_folder() -> Path:
 
 
 _CACHE = cache_folder()
-COMPILING_S = 120.0
+COMPILATION_WAIT_S = 120.0
 """Longest wait (s) for another process that compiles the same function; then both compile it."""
-UNREADABLE = (ImportError, AttributeError)  # a type from a module that is missing or has changed
-SAVING_S = 10.0
+LOAD_ERRORS = (ImportError, AttributeError)  # a type from a module that is missing or has changed
+SAVING_WAIT_S = 10.0
 """Longest wait (s) for another process that saves and may be suspended; then nothing is saved."""
 
 
 @lru_cache(maxsize=1)
-def saving(process: int) -> Any:
+def saving_lock(process: int) -> Any:
     """Lock the cache for saving by this ``process``: a lock must not be inherited across a fork."""
-    return FileLock(_CACHE / "saving.lock", timeout=SAVING_S) if _CACHE else nullcontext()
+    return FileLock(_CACHE / "saving.lock", timeout=SAVING_WAIT_S) if _CACHE else nullcontext()
 
 
 @contextmanager
-def compiling(function: Callable) -> Iterator[None]:
+def compilation_lock(function: Callable) -> Iterator[None]:
     """Let one process at a time compile a function; the others load its code from the cache."""
     if _CACHE is None or not linking.is_outermost():
         yield
         return
     name = f"{function.__module__}.{function.__qualname__}.compiling.lock"
-    lock = FileLock(_CACHE / name, timeout=COMPILING_S)
+    lock = FileLock(_CACHE / name, timeout=COMPILATION_WAIT_S)
     with suppress(OSError, NotImplementedError):  # no locks in this folder, or timeout
         lock.acquire()
     try:
@@ -148,12 +148,12 @@ def jit(function: Callable, **options: Any) -> Any:
     before = numba_config.CACHE_DIR
     numba_config.CACHE_DIR = str(_CACHE)  # read while the decorator runs, so other users of numba are unaffected
     try:
-        return kept_safely(numba.njit(cache=_CACHE is not None, **(OPTIONS | options))(function))
+        return guard_cache(numba.njit(cache=_CACHE is not None, **(OPTIONS | options))(function))
     finally:
         numba_config.CACHE_DIR = before
 
 
-def kept_safely(dispatcher: Any) -> Any:
+def guard_cache(dispatcher: Any) -> Any:
     """Let one process at a time compile a function and save its code; compile anew if the cache cannot be read.
 
     Compiling and loading are not charged to the job that needs the code.
@@ -164,24 +164,24 @@ def kept_safely(dispatcher: Any) -> Any:
     """
     if not hasattr(dispatcher, "_cache"):  # plain Python, with NUMBA_DISABLE_JIT
         return dispatcher
-    cache = linking.ready_when_called(dispatcher)._cache
+    cache = linking.compile_on_call(dispatcher)._cache
     save, load, compile_for = cache.save_overload, cache.load_overload, dispatcher.compile
 
     def save_in_turn(signature: Any, code: Any) -> None:
         if linking.is_linked(code):
             return
         with (
-            suppress(OSError, NotImplementedError, *UNREADABLE),
-            saving(os.getpid()),
+            suppress(OSError, NotImplementedError, *LOAD_ERRORS),
+            saving_lock(os.getpid()),
         ):  # without locks nothing is saved
             save(signature, code)
 
     def load_if_readable(signature: Any, context: Any) -> Any:
-        with suppress(*UNREADABLE):
+        with suppress(*LOAD_ERRORS):
             return load(signature, context)
 
     def compile_uncharged(signature: Any) -> Any:
-        with cpu_time.uncharged(), compiling(dispatcher.py_func):
+        with cpu_time.uncharged(), compilation_lock(dispatcher.py_func):
             return compile_for(signature)
 
     cache.save_overload, cache.load_overload = save_in_turn, load_if_readable
@@ -190,7 +190,7 @@ def kept_safely(dispatcher: Any) -> Any:
 
 
 @contextmanager
-def heard(begins: Callable[[], None], ends: Callable[[], None]) -> Iterator[None]:
+def compilation_callbacks(begins: Callable[[], None], ends: Callable[[], None]) -> Iterator[None]:
     """Call ``begins`` before and ``ends`` after each compilation that is not loaded from the cache."""
     depth = 0  # callees are compiled during the compilation of their caller
 
@@ -212,7 +212,7 @@ def heard(begins: Callable[[], None], ends: Callable[[], None]) -> Iterator[None
 
 
 ABSENT: set[type] = set()
-REFUSED = object()
+NO_DEFAULT = object()
 Parameters = TypeVar("Parameters", bound=type)
 
 
@@ -235,8 +235,8 @@ def constant(value: Any, name: str) -> Callable:
 def generic(
     declaration: Callable | None = None,
     *,
-    absent: Any = REFUSED,
-    otherwise: Any = REFUSED,
+    absent: Any = NO_DEFAULT,
+    otherwise: Any = NO_DEFAULT,
     inline: Literal["never", "late", "early"] = "never",
 ) -> Any:
     """Turn ``declaration`` into a function that is dispatched on the type of its first argument.
@@ -245,7 +245,7 @@ def generic(
     added with ``@name.register(ParameterType)`` where ``ParameterType`` is a ``NamedTuple`` class.
 
     absent, otherwise: a value or an implementation; the first for types declared ``absent``, the second for all
-    that have no implementation of their own. Without them such a type raises TypeError; ``name.serves(type)``
+    that have no implementation of their own. Without them such a type raises TypeError; ``name.supports(type)``
     checks for it.
 
     inline: "late" puts the implementation's code into its caller (see ``inlined``), "early" its source, so that
@@ -258,12 +258,12 @@ def generic(
     implementations: dict[type, Callable] = {}
 
     def lookup(kind: type) -> Any:
-        default = absent if kind in ABSENT and absent is not REFUSED else otherwise
+        default = absent if kind in ABSENT and absent is not NO_DEFAULT else otherwise
         return implementations.get(kind, default)
 
     def implementation(kind: type) -> Callable:
         choice = lookup(kind)
-        if choice is REFUSED:
+        if choice is NO_DEFAULT:
             raise TypeError(f"`{name}` is not registered for {kind.__name__}: @{name}.register({kind.__name__})")
         return choice if callable(choice) else constant(choice, name)
 
@@ -287,7 +287,7 @@ def generic(
         setattr(dispatch, attribute, getattr(declaration, attribute))
     dispatch.register = register  # type: ignore[attr-defined]
     dispatch.types = implementations.keys()  # type: ignore[attr-defined]
-    dispatch.serves = lambda kind: lookup(kind) is not REFUSED  # type: ignore[attr-defined]
+    dispatch.supports = lambda kind: lookup(kind) is not NO_DEFAULT  # type: ignore[attr-defined]
     early: Literal["always", "never"] = "always" if inline == "early" else "never"
     overload(dispatch, jit_options=OPTIONS | {"forceinline": inline == "late"}, strict=False, inline=early)(choose)
     GENERICS.append(dispatch)

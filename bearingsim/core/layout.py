@@ -30,7 +30,7 @@ from functools import partial
 import numpy as np
 
 from bearingsim.core.jit import jit
-from bearingsim.core.rows import DECLARED, EVERYBODY, declare
+from bearingsim.core.rows import ALL_OWNERS, DECLARED, declare
 
 VECTOR_WIDTH = 8  # doubles in the widest vector register
 FIRST_LANE = 8  # first lane of a row; the shared coordinates precede it
@@ -39,10 +39,10 @@ ROW = FIRST_LANE + MAX_ROLLERS
 STATE = 6 * ROW
 
 rows = partial(declare, step=ROW, size=MAX_ROLLERS)  # lanes of rollers
-whole_rows = partial(declare, step=ROW, size=ROW)
+full_rows = partial(declare, step=ROW, size=ROW)
 cells = partial(declare, step=1, size=1)
 states = partial(declare, step=STATE, size=STATE)
-SPRINGY = "ring rollers bent"  # owners of rows of a flexible ring
+FLEXIBLE_RING = "ring rollers bent"  # owners of rows of a flexible ring
 BODIES = "planar spatial linearise differences rest"  # owners of coordinates beyond the radial ones
 
 # the state: positions (m, rad), velocities (m/s, rad/s), accelerations (m/s^2, rad/s^2)
@@ -65,7 +65,7 @@ Z, Z_C, Z_I = cells(3 * ROW, "m", BODIES, "run", count=3, bases=BLOCKS)
 RING_TILT_X, CAGE_TILT_X, INNER_TILT_X = cells(4 * ROW, "1", BODIES, "run", count=3, bases=BLOCKS)
 RING_TILT_Y, CAGE_TILT_Y, INNER_TILT_Y = cells(5 * ROW, "1", BODIES, "run", count=3, bases=BLOCKS)
 # cosine and sine amplitudes of a flexible ring's harmonics, in models whose rollers move only radially
-MODES_C, MODES_S = whole_rows(ROW, "m", SPRINGY, "run", count=2, bases=BLOCKS)
+MODES_C, MODES_S = full_rows(ROW, "m", FLEXIBLE_RING, "run", count=2, bases=BLOCKS)
 
 # constants and results of each roller
 _FIRST = 3 * STATE
@@ -91,7 +91,7 @@ NORMAL_I_R, NORMAL_I_T, RHO_I, TANGENTIAL_V_I = rows(WORK + 8 * ROW, "1, 1, m, m
 # on a roller: along e_r, e_theta, spin
 FORCE_R, FORCE_T, TORQUE = rows(WORK + 12 * ROW, "N, N, N m", f"{PLANE} spatial", "evaluation")
 # outward displacement of a flexible outer race at each roller, and its rate along the roller's path
-BEND, BEND_V = rows(WORK + 7 * ROW, "m, m/s", SPRINGY, "evaluation")
+BEND, BEND_V = rows(WORK + 7 * ROW, "m, m/s", FLEXIBLE_RING, "evaluation")
 # friction at the two contacts; rates of RHO_O, RHO_I of rollers over a defect
 FRICTION_O, FRICTION_I, RHO_V_O, RHO_V_I = rows(WORK + 15 * ROW, "N, N, m/s, m/s", PLANE, "evaluation")
 # forces and torques on outer ring, cage and inner ring: in the plane, out of it; on the inner ring about the axis
@@ -106,43 +106,43 @@ LOADS = 18  # cells from F_X to M_INNER
 # radial motion of a flexible ring at its sensor; forces of the springs on the ring's centre
 SENSOR, SENSOR_V, SENSOR_A = cells(WORK + 19 * ROW + MAX_ROLLERS, "m, m/s, m/s^2", "all", "evaluation")
 (DEFECT_TORQUE,) = rows(WORK + 20 * ROW, "N m", PLANE, "evaluation")  # on a roller, due to its own defects
-SPRINGS_X, SPRINGS_Y = cells(WORK + 20 * ROW + MAX_ROLLERS, "N", SPRINGY, "evaluation", count=2)
+SPRINGS_X, SPRINGS_Y = cells(WORK + 20 * ROW + MAX_ROLLERS, "N", FLEXIBLE_RING, "evaluation", count=2)
 
 # JACOBIAN_WORK: rows of one call of ``linearise``, also used by models without it
 JACOBIAN_WORK, JACOBIAN_WORK_ROWS = WORK + WORK_ROWS * ROW, 86
 # accelerations by force and torque on a roller, and (cells) on the bodies of the shared coordinates X to Y_I;
 # derivatives of a roller's position and velocity relative to a body, along e_r, e_theta; of the force along e_r,
 # e_theta and torque on it, and of the loads on these shared coordinates (a row each)
-of_linearise = partial(rows, owners="linearise", lifetime="linearise")
-MOBILITY_R, MOBILITY_T, MOBILITY_SPIN, MOBILITY_SHARED = of_linearise(
+linearise_rows = partial(rows, owners="linearise", lifetime="linearise")
+MOBILITY_R, MOBILITY_T, MOBILITY_SPIN, MOBILITY_SHARED = linearise_rows(
     JACOBIAN_WORK + FIRST_LANE, "1/kg, 1/kg, 1/(kg m^2), 1/kg"
 )
-D_POSITION_R, D_POSITION_T, D_VELOCITY_R, D_VELOCITY_T = of_linearise(MOBILITY_SHARED + ROW, "m, m, m/s, m/s")
-D_FORCE_R, D_FORCE_T, D_TORQUE = of_linearise(D_VELOCITY_T + ROW, "N, N, N m")
-D_FORCE_SHARED = of_linearise(D_TORQUE + ROW, "N", count=FIRST_LANE)[0]
+D_POSITION_R, D_POSITION_T, D_VELOCITY_R, D_VELOCITY_T = linearise_rows(MOBILITY_SHARED + ROW, "m, m, m/s, m/s")
+D_FORCE_R, D_FORCE_T, D_TORQUE = linearise_rows(D_VELOCITY_T + ROW, "N, N, N m")
+D_FORCE_SHARED = linearise_rows(D_TORQUE + ROW, "N", count=FIRST_LANE)[0]
 # rows of contacts: ``parts/races.py``, ``parts/cage_derivatives.py``
 OUTER_CONTACT, INNER_CONTACT, POCKET_CONTACT = (JACOBIAN_WORK + FIRST_LANE + n * ROW for n in (19, 43, 67))
 # loads of each roller on the cells F_X to M_INNER
-ROLLER_LOADS = whole_rows(
+ROLLER_LOADS = full_rows(
     JACOBIAN_WORK + 18 * ROW, "N", "ring rollers planar spatial differences", "evaluation", count=LOADS
 )[0]
 # differences (``models/differences.py``): the reference state; its ROLLER_LOADS; cells of their sums, and a mark
 # for each coordinate that moves
-(HERE,) = declare(JACOBIAN_WORK, "m", "differences", "linearise", size=3 * STATE, step=0)
-ROLLER_LOADS_HERE = whole_rows(JACOBIAN_WORK + 36 * ROW, "N", "differences", "linearise", count=LOADS)[0]
-(LOADS_HERE,) = whole_rows(JACOBIAN_WORK + 54 * ROW, "N", "differences", "linearise")
+(REFERENCE_STATE,) = declare(JACOBIAN_WORK, "m", "differences", "linearise", size=3 * STATE, step=0)
+REFERENCE_ROLLER_LOADS = full_rows(JACOBIAN_WORK + 36 * ROW, "N", "differences", "linearise", count=LOADS)[0]
+(REFERENCE_LOADS,) = full_rows(JACOBIAN_WORK + 54 * ROW, "N", "differences", "linearise")
 # flexible ring: cosine and sine of each harmonic's angle at the first roller; amplitudes and their rates in the
 # frame of the rollers; generalised forces of the rollers on the amplitudes
-TURN_C, TURN_S, SEEN_C, SEEN_S, SEEN_V_C, SEEN_V_S, PUSH_C, PUSH_S = whole_rows(
-    JACOBIAN_WORK + 54 * ROW, "1, 1, m, m, m/s, m/s, N, N", f"{SPRINGY} bent-search", "evaluation"
+PHASE_C, PHASE_S, AMPLITUDE_C, AMPLITUDE_S, AMPLITUDE_V_C, AMPLITUDE_V_S, ROLLER_FORCE_C, ROLLER_FORCE_S = (
+    full_rows(JACOBIAN_WORK + 54 * ROW, "1, 1, m, m, m/s, m/s, N, N", f"{FLEXIBLE_RING} bent-search", "evaluation")
 )
 # generalised forces of springs around the ring; compression, its rate and force of each of up to MAX_SPRINGS
-PULL_C, PULL_S = whole_rows(JACOBIAN_WORK + 71 * ROW, "N", SPRINGY, "evaluation", count=2)
+SPRING_FORCE_C, SPRING_FORCE_S = full_rows(JACOBIAN_WORK + 71 * ROW, "N", FLEXIBLE_RING, "evaluation", count=2)
 MAX_SPRINGS = 4 * ROW
-PRESSED, PRESSED_V, SPRING_FORCE = declare(
+COMPRESSION, COMPRESSION_V, SPRING_FORCE = declare(
     JACOBIAN_WORK + 73 * ROW,
     "m, m/s, N",
-    f"{SPRINGY} bent-search",
+    f"{FLEXIBLE_RING} bent-search",
     "evaluation",
     size=MAX_SPRINGS,
     step=MAX_SPRINGS,
@@ -167,17 +167,21 @@ NEXT_STOP, H_TAKEN, LAST_ERROR, DENSE_READY = cells(LOADED_ROLLERS + 11, "s, s, 
 )  # CPU time at which compiled loops end, 0: never (``clock.py``)
 # for each of the first roller-defect pairs: 1 + number of the roller in it, or 0; crossings counted. Step over the
 # method's step limit for each monitored body. Larger approach of each roller to an undamaged race, for the monitor
-ROLLER_IN_DEFECT, PAIR_CROSSINGS, STEP_RATIO, APPROACH_NOW = whole_rows(
+ROLLER_IN_DEFECT, PAIR_CROSSINGS, STEP_RATIO, APPROACH_NOW = full_rows(
     LOADED_ROLLERS + 2 * VECTOR_WIDTH, "1, 1, 1, m", "all", "run"
 )
 # forces Q_O, Q_I, |Q_P| at the start and at the end of an adaptive method's step
-FORCES_AT_START, FORCES_AT_END = whole_rows(APPROACH_NOW + ROW, "N", "adaptive", "step", count=6)[::3]
+FORCES_AT_START, FORCES_AT_END = full_rows(APPROACH_NOW + ROW, "N", "adaptive", "step", count=6)[::3]
 
 # arrow matrix (``methods/arrow.py``): rows of the rollers' own blocks, of the border's effect on a roller and of a
 # roller's effect on the border; cells of the border's own block
-MAX_OWN, MAX_SHARED = 6, 17  # numbers of coordinates of a roller and of shared ones
-DIAGONAL_BLOCK, BORDER_COLUMN, BORDER_ROW = 0, MAX_OWN * MAX_OWN * ROW, MAX_OWN * (MAX_OWN + MAX_SHARED) * ROW
-CORNER_BLOCK = MAX_OWN * (MAX_OWN + 2 * MAX_SHARED) * ROW
+MAX_PER_ROLLER, MAX_SHARED = 6, 17  # numbers of coordinates of a roller and of shared ones
+DIAGONAL_BLOCK, BORDER_COLUMN, BORDER_ROW = (
+    0,
+    MAX_PER_ROLLER * MAX_PER_ROLLER * ROW,
+    MAX_PER_ROLLER * (MAX_PER_ROLLER + MAX_SHARED) * ROW,
+)
+CORNER_BLOCK = MAX_PER_ROLLER * (MAX_PER_ROLLER + 2 * MAX_SHARED) * ROW
 ARROW_SIZE = CORNER_BLOCK + -(-MAX_SHARED * (MAX_SHARED + 2) // ROW) * ROW
 # d(acceleration)/d(position), d(acceleration)/d(velocity); the matrix that a method solves with
 POSITION_JACOBIAN, VELOCITY_JACOBIAN, SYSTEM = declare(
@@ -192,28 +196,28 @@ BUFFER_SIZE = SYSTEM + ARROW_SIZE
 
 # rows of a roller in ``spatial`` only
 _SPACE, _SPACE_ROWS = BUFFER_SIZE + FIRST_LANE, 36
-of_space = partial(rows, owners="spatial", lifetime="evaluation")
+spatial_rows = partial(rows, owners="spatial", lifetime="evaluation")
 # its axis along e_r, e_theta, e_z, and its rates; speed about the axis; surface speed
-TILT, SKEW, AXIS_Z, TILT_V, SKEW_V, AXIS_Z_V, OMEGA, ROLLING_SPEED = of_space(
+TILT, SKEW, AXIS_Z, TILT_V, SKEW_V, AXIS_Z_V, OMEGA, ROLLING_SPEED = spatial_rows(
     _SPACE, "1, 1, 1, 1/s, 1/s, 1/s, rad/s, m/s"
 )
 # force, moment on a roller; change of the skew's rate within the lag
-FORCE_Z, MOMENT_R, MOMENT_T, MOMENT_Z, SKEW_V_CHANGE = of_space(_SPACE + 8 * ROW, "N, N m, N m, N m, rad/s")
+FORCE_Z, MOMENT_R, MOMENT_T, MOMENT_Z, SKEW_V_CHANGE = spatial_rows(_SPACE + 8 * ROW, "N, N m, N m, N m, rad/s")
 # a roller in its pocket, at the roller's middle: distance from the pocket's middle, its rate, slip along the wall
 # and the axis; their derivatives along the roller (*_SLOPE); relative angular velocity about the cage's axis and
 # radius
-POCKET_OFFSET, POCKET_OFFSET_V, POCKET_SLIP, POCKET_SLIP_Z = of_space(_SPACE + 13 * ROW, "m, m/s, m/s, m/s")
-POCKET_OFFSET_SLOPE, POCKET_OFFSET_V_SLOPE, POCKET_SLIP_SLOPE, POCKET_SLIP_Z_SLOPE = of_space(
+POCKET_OFFSET, POCKET_OFFSET_V, POCKET_SLIP, POCKET_SLIP_Z = spatial_rows(_SPACE + 13 * ROW, "m, m/s, m/s, m/s")
+POCKET_OFFSET_SLOPE, POCKET_OFFSET_V_SLOPE, POCKET_SLIP_SLOPE, POCKET_SLIP_Z_SLOPE = spatial_rows(
     _SPACE + 17 * ROW, "1, 1/s, 1/s, 1/s"
 )
-POCKET_OMEGA_Z, POCKET_OMEGA_R = of_space(_SPACE + 21 * ROW, "rad/s, rad/s")
+POCKET_OMEGA_Z, POCKET_OMEGA_R = spatial_rows(_SPACE + 21 * ROW, "rad/s, rad/s")
 # sums over slices
-POCKET_FORCE_W, POCKET_FORCE_R, POCKET_FORCE_Z = of_space(_SPACE + 23 * ROW, "N", count=3)
-POCKET_ZETA_FORCE_W, POCKET_ZETA_FORCE_R, POCKET_ZETA_FORCE_Z = of_space(_SPACE + 26 * ROW, "N m", count=3)
-POCKET_COUPLE_Z, POCKET_COUPLE_R = of_space(_SPACE + 29 * ROW, "N m", count=2)
-(Q_F,) = of_space(_SPACE + 31 * ROW, "N")  # axial force of the flanges
+POCKET_FORCE_W, POCKET_FORCE_R, POCKET_FORCE_Z = spatial_rows(_SPACE + 23 * ROW, "N", count=3)
+POCKET_ZETA_FORCE_W, POCKET_ZETA_FORCE_R, POCKET_ZETA_FORCE_Z = spatial_rows(_SPACE + 26 * ROW, "N m", count=3)
+POCKET_COUPLE_Z, POCKET_COUPLE_R = spatial_rows(_SPACE + 29 * ROW, "N m", count=2)
+(Q_F,) = spatial_rows(_SPACE + 31 * ROW, "N")  # axial force of the flanges
 TILT_MAX, LINE_LOAD_MAX = rows(_SPACE + 32 * ROW, "rad, N/m", "spatial", "run")  # largest |tilt| and line load
-KAPPA_F, KAPPA_P = of_space(_SPACE + 34 * ROW, "N s/m", count=2)  # friction over slip: flanges, pocket
+KAPPA_F, KAPPA_P = spatial_rows(_SPACE + 34 * ROW, "N s/m", count=2)  # friction over slip: flanges, pocket
 
 # rows of one side of a roller, relative to OUTER_SIDE or INNER_SIDE (``parts/races_in_space.py``). A relative
 # offset alone lies far outside any buffer, so an index without its side raises an error or ends the process
@@ -221,7 +225,7 @@ KAPPA_F, KAPPA_P = of_space(_SPACE + 34 * ROW, "N s/m", count=2)  # friction ove
 RELATIVE = 2**40
 _SIDE, SIDE_ROWS = BUFFER_SIZE + _SPACE_ROWS * ROW + FIRST_LANE, 48
 OUTER_SIDE, INNER_SIDE = SIDES = _SIDE - RELATIVE, _SIDE + SIDE_ROWS * ROW - RELATIVE
-side_rows = partial(of_space, bases=SIDES)
+side_rows = partial(spatial_rows, bases=SIDES)
 # the ring's axis along e_r, e_theta; the contact line's middle and direction, and their rates
 RING_AXIS_R, RING_AXIS_T = side_rows(RELATIVE, "1, 1")
 OFFSET_R, OFFSET_T, OFFSET_Z, DIRECTION_R, DIRECTION_T, DIRECTION_Z = side_rows(
@@ -247,7 +251,7 @@ KAPPA_ARM, KAPPA_R, KAPPA_T, KAPPA_Z = side_rows(RELATIVE + 36 * ROW, "N s, N s/
 SLIP_CHANGE, SLIP_CHANGE_Z, DEFECT_REACH = side_rows(RELATIVE + 40 * ROW, "m/s, m/s, 1")
 # defect under the current slice: drop, tangent of the normal's tilt, 1 - its cosine, stiffness lost; 1 if it is
 # the roller's own
-ROLLER_DROP, NORMAL_SLOPE, NORMAL_VERSINE, STIFFNESS_LOSS, OWN_DEFECT = side_rows(
+ROLLER_DROP, NORMAL_SLOPE, NORMAL_VERSINE, STIFFNESS_LOSS, ROLLER_DEFECT = side_rows(
     RELATIVE + 43 * ROW, "m, 1, 1, 1, 1"
 )
 
@@ -260,7 +264,7 @@ SLICE_ROWS = 4
 @jit
 def diagonal_block(matrix, i, k):
     """Return the first lane of d(coordinate i of a roller)/d(its coordinate k) in the arrow at ``matrix``."""
-    return matrix + DIAGONAL_BLOCK + (i * MAX_OWN + k) * ROW + FIRST_LANE
+    return matrix + DIAGONAL_BLOCK + (i * MAX_PER_ROLLER + k) * ROW + FIRST_LANE
 
 
 @jit
@@ -272,7 +276,7 @@ def border_column(matrix, i, k):
 @jit
 def border_row(matrix, k, i):
     """Return the first lane of d(shared coordinate k)/d(coordinate i of a roller)."""
-    return matrix + BORDER_ROW + (k * MAX_OWN + i) * ROW + FIRST_LANE
+    return matrix + BORDER_ROW + (k * MAX_PER_ROLLER + i) * ROW + FIRST_LANE
 
 
 @jit
@@ -316,7 +320,7 @@ def free_rows(owner: str) -> dict[str, list[int]]:
 
     A new model passes the names of the models and parts whose functions it calls, separated by blanks.
     """
-    owners = {*owner.split(), EVERYBODY}
+    owners = {*owner.split(), ALL_OWNERS}
     taken = {
         cell // ROW
         for rows in DECLARED

@@ -8,9 +8,9 @@ when a caller is compiled. Results are bit-for-bit identical.
 Gain: 11.8 s instead of 20.0 s of CPU time for the first run of `rollers` in an empty cache (x86-64 server, 2
 cores; ``python -m benchmarks.compiler_gains``).
 
-Signals are deferred while LLVM generates machine code (``signals_held``).
+Signals are deferred while LLVM generates machine code (``defer_signals``).
 
-This relies on internals of numba's compiler. If one is missing, ``OPTIONS`` is empty and ``ready_when_called``
+This relies on internals of numba's compiler. If one is missing, ``OPTIONS`` is empty and ``compile_on_call``
 does nothing, so functions are compiled in numba's standard way.
 """
 
@@ -36,7 +36,7 @@ SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if 
 
 
 @contextmanager
-def signals_held() -> Iterator[None]:
+def defer_signals() -> Iterator[None]:
     """Defer the handlers of ``SIGNALS`` to the end of the block.
 
     LLVM calls back into Python while it generates machine code. A signal received meanwhile would be handled in
@@ -63,7 +63,7 @@ OPTIONS: dict[str, Any] = {}
 """Options of ``numba.njit`` for every function of the core."""
 
 if FOUND:
-    JITCodeLibrary._finalize_specific = signals_held()(JITCodeLibrary._finalize_specific)  # type: ignore[method-assign]
+    JITCodeLibrary._finalize_specific = defer_signals()(JITCodeLibrary._finalize_specific)  # type: ignore[method-assign]
 
     class LinkedLibrary(JITCodeLibrary):
         """Optimised code for linking into callers, without machine code of its own."""
@@ -107,7 +107,7 @@ def is_outermost() -> bool:
 
 
 @contextmanager
-def rare_collections() -> Iterator[None]:
+def raise_gc_thresholds() -> Iterator[None]:
     """Raise the thresholds of the garbage collector while compiling, because collections take 7 % of the time and
     free little."""
     before = gc.get_threshold()
@@ -123,7 +123,7 @@ def is_linked(compiled: Any) -> bool:
     return FOUND and isinstance(compiled.library, LinkedLibrary)
 
 
-def ready_when_called(dispatcher: Any) -> Any:
+def compile_on_call(dispatcher: Any) -> Any:
     """Compile a function completely when Python calls it, if it was compiled only for callers before."""
     if not FOUND:
         return dispatcher
@@ -141,7 +141,7 @@ def ready_when_called(dispatcher: Any) -> Any:
             stored = dispatcher.overloads.get(tuple(arguments))
             if stored is not None and is_linked(stored) and Compiler.depth == 0:
                 del dispatcher.overloads[tuple(arguments)]
-            with rare_collections():
+            with raise_gc_thresholds():
                 return compile_for(signature)
 
     dispatcher.add_overload, dispatcher.compile = add, compile_whole

@@ -19,7 +19,7 @@ except (ImportError, AttributeError):  # another version of numba
     FOUND = False
 
 
-def resolve_once() -> None:
+def cache_operator_signatures() -> None:
     """Cache the signatures of operators that numba lowers itself."""
     if FOUND:
         BaseFunction.get_call_type = keeping(resolve)  # type: ignore[method-assign]

@@ -11,7 +11,7 @@ Lifetime = Literal["constant", "run", "step", "evaluation", "linearise", "start"
 """Period over which values are valid: ``constant`` from the creation of the buffer, ``run`` between steps,
 ``step`` between evaluations of the model within a step, ``evaluation`` and ``linearise`` within one call,
 ``start`` during the search for static equilibrium."""
-EVERYBODY = "all"
+ALL_OWNERS = "all"
 """Owner of rows that no model and no method may use for anything else."""
 
 
@@ -61,17 +61,17 @@ def declare(
     location = f"{caller.f_code.co_filename}:{caller.f_lineno}"
     rows = Rows(starts, size, bases, units_of_rows, frozenset(owners.split()), lifetime, location)
     for other in (*DECLARED, rows):
-        check_apart(rows, other)
+        check_overlap(rows, other)
     DECLARED.append(rows)
     return starts
 
 
 def have_common_owner(a: Rows, b: Rows) -> bool:
     """Check if a common owner needs the values of both."""
-    return bool(a.owners & b.owners) or EVERYBODY in a.owners | b.owners
+    return bool(a.owners & b.owners) or ALL_OWNERS in a.owners | b.owners
 
 
-def check_apart(rows: Rows, other: Rows) -> None:
+def check_overlap(rows: Rows, other: Rows) -> None:
     """Raise ValueError if two declarations of a common owner share a cell, or one declaration has a cell twice."""
     if have_common_owner(rows, other):
         pairs = ((a, b) for a in enumerate(rows.spans(), 1) for b in enumerate(other.spans(), 1))

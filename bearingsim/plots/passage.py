@@ -87,11 +87,11 @@ def distinct_sections(defect: Defect) -> list[float]:
 def defects_of(case: "Case") -> Iterator[Defect]:
     """Yield the defects of a case in its order; overlapping defects count as one."""
     from bearingsim.assemble import defects
-    from bearingsim.core.defects.depth import Placed, extent
+    from bearingsim.core.defects.depth import ShiftedDefect, extent
 
     for cluster in defects.defect_clusters(case):
         race, R = cluster.leader.race, defects.reduced_radius(case, 1 if cluster.leader.race == "inner" else 0)
-        made = cluster.defect or Placed(defects.depth_map(cluster.leader), 0.0, cluster.leader.offset)
+        made = cluster.defect or ShiftedDefect(defects.depth_map(cluster.leader), 0.0, cluster.leader.offset)
         low, high, left, right = extent(made)
         yield Defect(race, R, cluster.angle, made, (low, high), (left, right))
 

@@ -11,7 +11,7 @@ from math import inf
 from typing import NamedTuple
 
 from bearingsim import assemble
-from bearingsim.assemble.registered import missing, refuse_features
+from bearingsim.assemble.registered import check_features, missing
 from bearingsim.catalogue import AUTO, EXPLICIT, METHODS, MODELS
 from bearingsim.config import Case
 from bearingsim.errors import Refused
@@ -163,7 +163,7 @@ def is_frictionless(case: Case) -> bool:
 
 def _refuse_incomplete(case: Case) -> None:
     """Raise ``Refused`` if laws or model lack a function that the method calls; UserError for invalid features."""
-    refuse_features()
+    check_features()
     implicit = case.method not in (None, AUTO) and METHODS[str(case.method)].implicit
     lacking = next(missing(case, implicit), "")
     if lacking:
@@ -192,7 +192,7 @@ def automatic_step(case: Case, limits: Limits) -> float:
     For an adaptive method, which controls its own error, this is the interval between recorded instants.
     """
     model, method = assemble.kind(case), assemble.method_kind(case)
-    if assemble.adaptive(case):
+    if assemble.is_adaptive(case):
         rings = 1.0 / limits.contact_frequency / RECORDED_PER_PERIOD if limits.damping_ratio < 1.0 else inf
         return min(limits.crossing / RECORDED_PER_CROSSING, rings, LONGEST)
     seen = min(limits.crossing / model.per_crossing, LONGEST)

@@ -16,7 +16,7 @@ from bearingsim import assemble, cpu_time
 from bearingsim.catalogue import MODELS
 from bearingsim.core import layout as lay
 from bearingsim.core import outcomes
-from bearingsim.core.advance import NoSamples, Samples, advance_and_sample, ready, start_at_rest
+from bearingsim.core.advance import NoSamples, Samples, advance_and_sample, prepare_first_step, start_at_rest
 from bearingsim.core.defects.crossings import missed_crossings, passages
 from bearingsim.core.methods.interface import prepare
 from bearingsim.core.models.interface import update_extremes
@@ -163,7 +163,7 @@ def _start(setup: Setup, nudge: float, state: np.ndarray | None = None) -> np.nd
         start_at_rest(model, 0.0, y)
     update_extremes(model, y)
     if type(setup.method) in prepare.types:
-        ready(setup.method, model, 0.0, y)
+        prepare_first_step(setup.method, model, 0.0, y)
     return y
 
 
@@ -171,7 +171,7 @@ def _go_on_from(setup: Setup, t: float, y: np.ndarray) -> None:
     """Update accelerations and method state in a buffer with new positions and velocities at time ``t`` (s)."""
     start_at_rest(setup.model, t, y)
     if type(setup.method) in prepare.types:
-        ready(setup.method, setup.model, t, y)
+        prepare_first_step(setup.method, setup.model, t, y)
 
 
 def _steady_start(
@@ -221,7 +221,7 @@ def _ball_passes(
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
         _record_steps(setup, samples, p * steps, y, places, window[:, tail:], pace)
-        if assemble.adaptive(case):
+        if assemble.is_adaptive(case):
             for motion in MOTIONS if case.rig.ring is not None else MOTIONS[:1]:
                 differentiate(window, motion, tail, cut.step)
         yield window

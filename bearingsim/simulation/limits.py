@@ -197,7 +197,7 @@ def unbalance_speed(case: Case) -> float:
 
 def loaded_at_rest(case: Case) -> Case:
     """Return the case without defects, with the lowest model that has contact forces if its own has none."""
-    same = assemble.healthy(case)
+    same = assemble.healthy_case(case)
     return same if MODELS[case.model].loaded else same.model_copy(update={"model": lowest("forces", "damping")})
 
 
@@ -217,7 +217,7 @@ def faster_than_monitored(healthy: Case) -> Rates:
     """Return the rates at rest of a body much faster than the monitored ones; zero if there is none."""
     load, *monitored = loads_at_rest(healthy)
     model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
-    if not MODELS[healthy.model].has_inertia or not degrees_of_freedom.serves(type(model)):
+    if not MODELS[healthy.model].has_inertia or not degrees_of_freedom.supports(type(model)):
         return Rates(0.0, 0.0)
     t, y = next(rest_states(model))[:2]
     deep = approach(model.outer, load)

@@ -238,7 +238,7 @@ def samples_between_steps(case: Case, picked: np.ndarray) -> NoSamples | Samples
 
     Methods of fixed step have steps short enough to interpolate between them.
     """
-    if not channels.picks(case) or not assemble.adaptive(case):
+    if not channels.picks(case) or not assemble.is_adaptive(case):
         return NoSamples()
     return Samples(case.settle_s, case.sampling, picked)
 

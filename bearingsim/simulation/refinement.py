@@ -70,7 +70,7 @@ def refined_orbit(case: Case, part: float) -> Refined | None:
 
 def _start(case: Case, part: float) -> float:
     """Return the multiple of the automatic step at which a refinement starts, limited to a stable step."""
-    if assemble.adaptive(case):
+    if assemble.is_adaptive(case):
         return START * part
     return part * min(START, SAFETY * choice.limits(case).at_impact / requested_step(case))
 

@@ -80,8 +80,8 @@ def set_up(case: Case, part: float = 1.0, max_cpu: float | None = None) -> Setup
     kind = assemble.method_kind(case)
     lag = kind.lag * cut.step
     model = assemble.with_friction_lag(assemble.model(case), lag)
-    if not assemble.adaptive(case):
-        model = assemble.aligned_with_cusp(model, cut.steps_per_pass, kind.cusp)
+    if not assemble.is_adaptive(case):
+        model = assemble.align_with_cusp(model, cut.steps_per_pass, kind.cusp)
     return Setup(
         case,
         part,
@@ -146,7 +146,7 @@ def needs_roller_mass(setup: Setup, outcome: int) -> bool:
 
 def advice(setup: Setup, outcome: int) -> str:
     """Return advice on a step, tolerance, model or duration with which the run may succeed."""
-    adaptive = assemble.adaptive(setup.case)
+    adaptive = assemble.is_adaptive(setup.case)
     if outcome == outcomes.TOO_SLOW:
         return "use a shorter `duration`" + ("" if adaptive else ", or give a `step` of your own")
     if needs_roller_mass(setup, outcome):

@@ -326,7 +326,7 @@ def _info(setup: Setup, raw: RawRecord, reached: StandardErrors) -> dict[str, fl
     """Return facts on the computation of a run; reached: standard errors of a record with `until`, else NaN."""
     case, cut, y = setup.case, setup.cut, raw.y
     steps = raw.repetition.computed * cut.steps_per_pass
-    adaptive = assemble.adaptive(case)
+    adaptive = assemble.is_adaptive(case)
     return {
         "method": case.method or "",
         "step_s": cut.step,

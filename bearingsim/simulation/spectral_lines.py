@@ -9,7 +9,7 @@ import numpy as np
 from bearingsim import cpu_time, signals
 from bearingsim.config import Case
 from bearingsim.config.names import HARMONICS, LINES, Line, line_name
-from bearingsim.core.geometry.motion import kinematic_times, steady
+from bearingsim.core.geometry.motion import is_steady, kinematic_times
 from bearingsim.simulation.channels import AT_SENSOR, BASE, CAGE_ANGLE, MOTION, along, base, cells_of
 from bearingsim.simulation.pricing import BLOCK
 from bearingsim.simulation.recording import LowPassed, RawRecord, first_sample, whole_passes, windows
@@ -157,7 +157,7 @@ def other_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, 
     """Return amplitude and phase of the lines other than BPFO and its multiples; NaN if not resolved."""
     length = max(2, floor(case.duration * cut.fine_rate + 1e-6))
     length = length if raw.end is None else min(length, raw.end - first_sample(case, cut))
-    read = _lines_as_they_turn if has_free_cage(case) or not steady(model) else _lines_at_constant_speed
+    read = _lines_as_they_turn if has_free_cage(case) or not is_steady(model) else _lines_at_constant_speed
     lines, frequencies = read(case, model, cut, raw, length)
     resolved = dict(
         zip(LINES, signals.resolvable(frequencies, min(case.duration, length / cut.fine_rate)), strict=True)

@@ -13,7 +13,7 @@ import numpy as np
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.config.names import LINES
-from bearingsim.core.geometry.motion import steady
+from bearingsim.core.geometry.motion import is_steady
 from bearingsim.core.sampling import sampling_kernel
 from bearingsim.simulation.accuracy import QUIET_LINE, StandardErrors
 from bearingsim.simulation.comparison import FORCE, fault_lines
@@ -65,7 +65,7 @@ def start_errors(setup: Setup, raw: RawRecord, standard: StandardErrors) -> Star
     if MODELS[case.model].memoryless:
         return StartErrors(0.0, 0.0, 0.0)
     of_record = windows(case, cut, raw, reach=len(sampling_kernel(cut.fine_rate / case.sampling)) // 2)
-    if len(of_record.index) < PARTS or not steady(setup.model):
+    if len(of_record.index) < PARTS or not is_steady(setup.model):
         return StartErrors(nan, nan, nan)
     passes = _passes(setup, raw, of_record)
     if raw.repetition.period > 0:

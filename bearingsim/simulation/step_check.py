@@ -144,7 +144,7 @@ def checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
 
 def refused(setup: Setup, check: StepCheck) -> tuple[str, str]:
     """Return the reason for refusing a step, and advice."""
-    refinement = "a shorter step" + " and a tenth of the tolerance" * assemble.adaptive(setup.case)
+    refinement = "a shorter step" + " and a tenth of the tolerance" * assemble.is_adaptive(setup.case)
     what = max(check.changes, key=check.changes.__getitem__)
     chaotic = ", and the motion is chaotic" if check.chaotic else ""
     changes = f"{refinement} changes the {what} by {100.0 * check.error:.2g} %{chaotic}"
@@ -156,7 +156,7 @@ def refused(setup: Setup, check: StepCheck) -> tuple[str, str]:
 
 def _tighter_advice(setup: Setup) -> str:
     """Return advice on a tighter tolerance or a shorter step."""
-    if assemble.adaptive(setup.case):
+    if assemble.is_adaptive(setup.case):
         return f"use a tighter `tolerance` than {setup.method.rtol:.2g}"
     return "give a `step` of your own" if setup.case.step == "auto" else "use a shorter `step`"
 
@@ -249,7 +249,7 @@ def check_on_pilot(
     )
     if not apart.max() > APART:
         return OnPilot(check, False, finer)
-    adaptive = assemble.adaptive(case)
+    adaptive = assemble.is_adaptive(case)
     twin, nudged = (fine, fine_run) if adaptive else (coarse, coarse_run)
     third = run_pilot(twin, passes, nudge=PERTURBATION)
     beside = by_pass(nudged.fine - third.fine, passes) / scale

@@ -122,7 +122,7 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
         )
     computed = 1.0 / rate if solved_once(case) else case.settle_s + case.duration
     seconds = computed * per_second(case, 1.0 / (rate * fine * decimation))
-    adaptive = assemble.adaptive(case)
+    adaptive = assemble.is_adaptive(case)
     most = max(max_cpu, MAX_CPU)
     if seconds > most and (case.step == "auto" or adaptive):
         what, hours = case.method or f"`{case.model}`", seconds / 3600.0

@@ -149,7 +149,7 @@ def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: i
     before = ceil(start / cut.fine_per_pass)
     peaks = raw.peaks[:, FORCE]
     sources = [int(p) if p < len(peaks) else int(raw.repetition.source(p)) for p in range(before, before + passes)]
-    step = float(setup.method.rtol) if assemble.adaptive(case) else cut.step
+    step = float(setup.method.rtol) if assemble.is_adaptive(case) else cut.step
     stepped = (case.method, step) if case.method is not None else ("", 0.0)
     periodic = raw.repetition.period > 0
     return Trial(passes, whole_turns(passes, turn), periodic, lines, powers, peaks[sources], *stepped)

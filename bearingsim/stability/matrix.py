@@ -138,7 +138,7 @@ def set_up(material: Material, defect: str) -> PreparedScene:
     """Prepare a scene for runs."""
     case = case_of(Scene(material.model, defect, material.k, material.c, material.m3))
     model = assemble.model(case)
-    _, K, C = limits.loads_at_rest(assemble.healthy(case))
+    _, K, C = limits.loads_at_rest(assemble.healthy_case(case))
     return PreparedScene(case, model, assemble.start(case, model)[0], K, C)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from bearingsim.assemble import kind_of_method
 from bearingsim.catalogue import METHODS
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor, NoSamples, advance_and_sample, ready
+from bearingsim.core.advance import Monitor, NoSamples, advance_and_sample, prepare_first_step
 from bearingsim.core.outcomes import NEWTON_FAILED, NOT_FINITE, STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS
 from bearingsim.stability.scene import SAMPLE_INTERVAL, SPAN
 
@@ -69,11 +69,11 @@ def trace(name: str, method: Any, model: Any, y: np.ndarray, limit: float) -> Tr
     at_once = per * (20 if METHODS[name].adaptive or METHODS[name].implicit else ceil(MAX_STEPS_AT_ONCE / per))
     # no early stop, so that diverging runs are recorded
     monitor = Monitor(
-        stride=16, patience=np.inf, max_evaluations=MAX_EVALUATIONS if METHODS[name].adaptive else np.inf
+        stride=16, overrun_limit=np.inf, max_evaluations=MAX_EVALUATIONS if METHODS[name].adaptive else np.inf
     )
     kept: list[np.ndarray] = []
     failure, reason, taken = "", "", 0
-    ready(method, model, 0.0, y)
+    prepare_first_step(method, model, 0.0, y)
     # compile or load before timing, by a discarded step (zero steps would have another array layout)
     advance_and_sample(method, model, monitor, 0, y.copy(), cells, _room(cells, 1), NoSamples())
     began = time.thread_time()

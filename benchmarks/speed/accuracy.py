@@ -20,7 +20,7 @@ import numpy as np
 from bearingsim import assemble
 from bearingsim.catalogue import METHODS
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor, advance, ready
+from bearingsim.core.advance import Monitor, advance, prepare_first_step
 from bearingsim.core.methods.interface import Tolerances, prepare
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import choice, time_grid
@@ -100,7 +100,7 @@ class Start:
         """What a method finds at so many instants, ``per`` of its steps between two."""
         y, out = self.y.copy(), np.empty((len(places), instants * per))
         if type(method) in prepare.types:
-            ready(method, self.model, 0.0, y)
+            prepare_first_step(method, self.model, 0.0, y)
         ended: list[tuple] = []
         took = clocked(lambda: ended.append(advance(method, self.model, self.monitor, 0, y, places, out)))
         return (took, out[:, per - 1 :: per]) if ended[0][1] == SUCCESS else FAILED
@@ -150,7 +150,7 @@ def rollers_start(method: str, h: float, cusp: float | None = None, steps_per_pa
     given = case("rollers", method=method)
     model = assemble.model(given)
     if cusp is not None:
-        model = assemble.aligned_with_cusp(model, steps_per_pass, cusp)
+        model = assemble.align_with_cusp(model, steps_per_pass, cusp)
     y, _ = assemble.start(given, model)
     monitor = monitor_of(replace(time_grid.grid(given), step=h), choice.limits(given))
     return Start(model, y, monitor._replace(max_evaluations=np.inf))

@@ -16,7 +16,7 @@ from bearingsim import assemble
 from bearingsim.assemble.contacts import powers
 from bearingsim.catalogue import METHODS
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import RING_MOTION, advance, ready
+from bearingsim.core.advance import RING_MOTION, advance, prepare_first_step
 from bearingsim.core.jit import jit
 from bearingsim.core.methods.interface import prepare
 from bearingsim.core.models.interface import accelerations
@@ -70,7 +70,7 @@ class Steps:
     def __init__(self, method: str, model: str = "rollers", instants: int = INSTANTS[0], **fields: Any) -> None:
         given = case(model, method=method if model != "static" else None, **fields)
         cut = time_grid.grid(given)
-        self.adaptive = assemble.adaptive(given)
+        self.adaptive = assemble.is_adaptive(given)
         h = DURATION / instants if self.adaptive else cut.step
         self.count = instants if self.adaptive else max(1, round(DURATION / h))
         self.model, self.method = assemble.model(given), assemble.method(given, h)
@@ -82,7 +82,7 @@ class Steps:
         """CPU time (s) of the run."""
         y, out = self.y.copy(), np.empty((len(PLACES), self.count))
         if type(self.method) in prepare.types:
-            ready(self.method, self.model, 0.0, y)
+            prepare_first_step(self.method, self.model, 0.0, y)
         ended: list[tuple] = []
         took = clocked(lambda: ended.append(advance(self.method, self.model, self.monitor, 0, y, PLACES, out)))
         if ended[0][1] != SUCCESS:

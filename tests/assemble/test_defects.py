@@ -9,7 +9,7 @@ from bearingsim import assemble
 from bearingsim.assemble.defects import packed_defects, roller_defect_pairs
 from bearingsim.core.defects.closed_forms import groups_of, roller_drop
 from bearingsim.core.defects.depth import Circular, Rectangular, Triangular
-from bearingsim.core.defects.excitations import Envelope, Traced, defect_response
+from bearingsim.core.defects.excitations import Envelope, TracedPath, defect_response
 from bearingsim.core.defects.on_roller import force_over_defect, mean_roller_drop
 from bearingsim.core.defects.pairs import (
     ANGLE,
@@ -161,14 +161,14 @@ def test_a_traced_defect_is_its_closed_form(shape, depth):
     defect = SHORT | {"shape": shape, "depth": depth}
     far = SHORT | {"shape": "spall", "angle": "90 deg"}
     found, expected = packed_defects(case(defects=[defect, far])), packed_defects(case(defect=defect))
-    assert isinstance(found.excitation, Traced)
+    assert isinstance(found.excitation, TracedPath)
     s = np.linspace(-5e-4, 5e-4, 101)
     assert [sunk(found, x) for x in s] == pytest.approx([sunk(expected, x) for x in s], rel=1e-9, abs=1e-18)
 
 
 def test_rollers_over_a_traced_slot_move_as_over_its_closed_form():
     """One ball pass; forces, that jump at the cusp, to 1e-6 of the largest."""
-    model = assemble.aligned_with_cusp(assemble.model(case(defect=SLOT)), 6289, 0.5)
+    model = assemble.align_with_cusp(assemble.model(case(defect=SLOT)), 6289, 0.5)
     (slot,) = roller_defect_pairs(case(defect=SLOT))
     defect = Rectangular(12e-3, 8e-4, 5e-5)
     rows, paths = grouped(defect, slot.R, cut_along_roller(defect, 12e-3, 6))
@@ -194,7 +194,7 @@ def test_defects_are_kept_in_step_by_their_cusp():
     model = assemble.model(case(defects=pair))
     head = model.defects.head[0]
     assert abs(head[CUSP]) > 1e-5
-    stepped = assemble.aligned_with_cusp(model, 1000, 0.5)
+    stepped = assemble.align_with_cusp(model, 1000, 0.5)
     place = head[ANGLE] + head[CUSP] / R_O
     steps = (stepped.bearing.theta_0 - place) / (2 * pi / 13) * 1000
     assert steps - np.floor(steps) == pytest.approx(0.5, abs=1e-6)

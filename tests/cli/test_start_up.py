@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from bearingsim import simulation
-from bearingsim.core.jit import heard
+from bearingsim.core.jit import compilation_callbacks
 from tests.scenes.commands import STUDY, type_
 
 READING = [
@@ -54,7 +54,7 @@ def test_what_a_study_needs_is_compiled_beforehand(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("small.yaml").write_text(STUDY.replace("[static, ring]", "[static]"))
     assert type_("warm", "small.yaml")[0] == "compiled and in the cache: `static`\n"
-    with heard(lambda: pytest.fail("compiled in the run"), lambda: None):
+    with compilation_callbacks(lambda: pytest.fail("compiled in the run"), lambda: None):
         type_("run", "small.yaml", "--jobs", 1)
 
 

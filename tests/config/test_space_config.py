@@ -193,7 +193,7 @@ def test_loads_at_rest_know_that_a_ring_leans() -> None:
 
     def at_rest(lean: str, **damping: Any) -> tuple[float, float, float]:
         given = {"load": "1 kN", "misalignment": {"inner": lean}, "contact": {"slices": 12} | damping}
-        return limits.loads_at_rest(assemble.healthy(case(**given)))
+        return limits.loads_at_rest(assemble.healthy_case(case(**given)))
 
     leaning, straight = (at_rest(lean, damping=CHI) for lean in ("1 mrad", "0 mrad"))
     assert straight[0] == pytest.approx(316, rel=0.01)

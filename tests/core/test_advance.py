@@ -8,7 +8,7 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import NoSamples, advance_and_sample, first_over
+from bearingsim.core.advance import NoSamples, advance_and_sample, first_lane_above
 from bearingsim.core.jit import OPTIONS
 from bearingsim.core.methods.interface import stability_ratio
 from bearingsim.core.models.interface import damping_per_mass, stiffness_per_mass
@@ -50,8 +50,8 @@ def test_the_monitor_looks_at_all_rollers_at_once() -> None:
 def test_the_first_body_over_a_bound_is_found() -> None:
     y = np.zeros(400)
     y[200:216] = 1.0
-    assert first_over(200, 1.0, y, 16) == NO_BODY
+    assert first_lane_above(200, 1.0, y, 16) == NO_BODY
     y[[205, 207]] = 2.0
-    assert first_over(200, 1.0, y, 16) == 5
+    assert first_lane_above(200, 1.0, y, 16) == 5
     y[203] = np.nan
-    assert first_over(200, 1.0, y, 16) == 3
+    assert first_lane_above(200, 1.0, y, 16) == 3

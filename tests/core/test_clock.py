@@ -8,7 +8,7 @@ import pytest
 from bearingsim import assemble
 from bearingsim.core import layout as lay
 from bearingsim.core import outcomes
-from bearingsim.core.advance import ready
+from bearingsim.core.advance import prepare_first_step
 from bearingsim.core.clock import is_over, thread_seconds
 from bearingsim.core.defects.passage import free_impact, passage_peak
 from bearingsim.core.jit import jit
@@ -60,7 +60,7 @@ def test_an_adaptive_method_ends_by_the_clock_between_two_recorded_instants(
     setup = set_up(choice.resolved(case(method="dop853", defect=SLOT, duration="20 ms")))
     method = setup.method._replace(h=1e-3, longest=1e-7)  # ten thousand steps to the first instant
     y = at_rest(setup.model)
-    ready(method, setup.model, 0.0, y)
+    prepare_first_step(method, setup.model, 0.0, y)
     y[lay.CPU_END] = PAST
     found = recorded(method, setup.model, setup.monitor, 0, y, PLACES, np.empty((len(PLACES), 3)))
     assert found[:2] == (1, outcomes.TOO_SLOW)

@@ -15,8 +15,15 @@ from bearingsim.core import jit
 from bearingsim.core.advance import Monitor, NoSamples, Samples
 from bearingsim.core.defects.closed_forms import section_of
 from bearingsim.core.defects.crossings import count_crossings
-from bearingsim.core.defects.depth import Eased, Elliptical, Merged, Mirrored, Placed, Scanned
-from bearingsim.core.defects.excitations import Traced, defect_response_gradient, response_groups
+from bearingsim.core.defects.depth import (
+    EasedDefect,
+    Elliptical,
+    MergedDefects,
+    MirroredDefect,
+    ScannedDefect,
+    ShiftedDefect,
+)
+from bearingsim.core.defects.excitations import TracedPath, defect_response_gradient, response_groups
 from bearingsim.core.defects.jumps import next_jump
 from bearingsim.core.defects.on_roller import roller_at_defect
 from bearingsim.core.defects.spall import Spall
@@ -100,8 +107,12 @@ IN_PLACE_OF: dict[type, type] = {
 """Types that stand for nothing, and one of the family that each belongs to: some need no implementation at all."""
 
 EXCEPTIONS: list[tuple[tuple[Any, ...], Any, str]] = [
-    ((response_groups,), {Traced}, "its groups are made with its table, from paths: `defects/traced.py`"),
-    ((section_of,), {Elliptical, Eased, Mirrored, Placed, Merged, Spall, Scanned}, "their paths are traced"),
+    ((response_groups,), {TracedPath}, "its groups are made with its table, from paths: `defects/traced.py`"),
+    (
+        (section_of,),
+        {Elliptical, EasedDefect, MirroredDefect, ShiftedDefect, MergedDefects, Spall, ScannedDefect},
+        "their paths are traced",
+    ),
     ((roller_at_defect,), {Impulse}, "it has no pits"),
     (
         (accelerations, degrees_of_freedom, linearise, next_jump),
@@ -142,8 +153,8 @@ def excepted(of: Any) -> set[type]:
 
 def served(of: Any, types: frozenset[type]) -> set[type]:
     """Those that need no implementation: all if there is one for any type, else those that stand for nothing."""
-    nothing = jit.ABSENT if of.serves(Nothing) else set()
-    return {one for one in types if of.serves(Anything) or one in nothing}
+    nothing = jit.ABSENT if of.supports(Nothing) else set()
+    return {one for one in types if of.supports(Anything) or one in nothing}
 
 
 def linked(types: frozenset[type]) -> frozenset[type]:
@@ -198,7 +209,7 @@ def test_nothing_is_missing() -> None:
 
 def test_any_one_that_is_taken_away_is_missed() -> None:
     """But of generics that say what holds for all other types."""
-    pairs = [(one, kind) for one, types in FOUND.items() for kind in types if not one.serves(Anything)]
+    pairs = [(one, kind) for one, types in FOUND.items() for kind in types if not one.supports(Anything)]
     unnoticed = [
         (one.__name__, kind.__name__) for one, kind in pairs if not complaints(FOUND | {one: FOUND[one] - {kind}})
     ]
@@ -206,7 +217,9 @@ def test_any_one_that_is_taken_away_is_missed() -> None:
     assert len(pairs) > 290
 
 
-@pytest.mark.parametrize(("one", "kind"), [(defect_response_gradient, Traced), (hold_mounted_ring, RigidMount)])
+@pytest.mark.parametrize(
+    ("one", "kind"), [(defect_response_gradient, TracedPath), (hold_mounted_ring, RigidMount)]
+)
 def test_a_type_that_is_taken_away_from_one_is_named(one: Any, kind: type) -> None:
     said = complaints(FOUND | {one: FOUND[one] - {kind}})
     assert said == [f"{one.__name__} has none for {kind.__name__}"]

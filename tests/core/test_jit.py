@@ -155,7 +155,7 @@ folder = Path(sys.argv[2])
 while not ((folder / "one").exists() and (folder / "other").exists()):
     time.sleep(1e-3)
 compiled = []
-with jit.heard(lambda: compiled.append(True), lambda: None):
+with jit.compilation_callbacks(lambda: compiled.append(True), lambda: None):
     ninth_root(2.0)
 print(len(compiled))
 """
@@ -177,7 +177,7 @@ def test_what_others_have_saved_and_took_away_is_compiled_anew() -> None:
 
     dispatcher: Any = numba.njit(cache=True)(halve)
     dispatcher._cache._load_overload = dispatcher._cache._save_overload = gone
-    assert jit.kept_safely(dispatcher)(3.0) == 1.5
+    assert jit.guard_cache(dispatcher)(3.0) == 1.5
 
 
 def halve(x: float) -> float:

@@ -9,7 +9,7 @@ import pytest
 from numba.core.codegen import JitEngine
 
 from bearingsim.core.jit import generic, jit
-from bearingsim.core.linking import FOUND, is_linked, signals_held
+from bearingsim.core.linking import FOUND, defer_signals, is_linked
 
 
 class Scaled(NamedTuple):
@@ -123,7 +123,7 @@ def test_signals_that_are_ignored_or_unhandled_stay_so() -> None:
     handlers = []
     before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
     try:
-        with signals_held():
+        with defer_signals():
             handlers.append(signal.getsignal(signal.SIGTERM))
             signal.raise_signal(signal.SIGTERM)
         handlers.append(signal.getsignal(signal.SIGTERM))
@@ -131,4 +131,4 @@ def test_signals_that_are_ignored_or_unhandled_stay_so() -> None:
         signal.signal(signal.SIGTERM, before)
     assert handlers == [signal.SIG_IGN, signal.SIG_IGN]
     with ThreadPoolExecutor() as threads:
-        threads.submit(signals_held().__enter__).result()
+        threads.submit(defer_signals().__enter__).result()

@@ -8,7 +8,7 @@ import pytest
 
 from bearingsim import store
 from bearingsim.core.defects.closed_forms import bowl, box, groove, roller_drop
-from bearingsim.core.defects.depth import Circular, Merged, Placed
+from bearingsim.core.defects.depth import Circular, MergedDefects, ShiftedDefect
 from bearingsim.plots import PlotError, plot
 from bearingsim.plots.defect import SECTION_IN, exaggeration
 from bearingsim.plots.passage import cut, defects_of, distinct_sections
@@ -59,10 +59,14 @@ def test_a_defect_stands_about_its_own_middle():
 def test_the_deepest_section_is_drawn_and_the_middle_if_it_is_another():
     made = defect()
     assert distinct_sections(made) == pytest.approx([0.0], abs=1e-12)
-    beside = Placed(Circular(1e-3, 0.5e-3, 60e-6), 0.0, 1e-3)
-    assert distinct_sections(made._replace(map=Merged((made.map, beside)))) == pytest.approx([1e-3, 0.0], abs=1e-5)
-    as_deep = Placed(Circular(1e-3, 0.5e-3, 50.5e-6), 0.0, 1e-3)
-    assert distinct_sections(made._replace(map=Merged((made.map, as_deep)))) == pytest.approx([0.0], abs=1e-12)
+    beside = ShiftedDefect(Circular(1e-3, 0.5e-3, 60e-6), 0.0, 1e-3)
+    assert distinct_sections(made._replace(map=MergedDefects((made.map, beside)))) == pytest.approx(
+        [1e-3, 0.0], abs=1e-5
+    )
+    as_deep = ShiftedDefect(Circular(1e-3, 0.5e-3, 50.5e-6), 0.0, 1e-3)
+    assert distinct_sections(made._replace(map=MergedDefects((made.map, as_deep)))) == pytest.approx(
+        [0.0], abs=1e-12
+    )
     alone = made._replace(map=beside)
     assert distinct_sections(alone) == pytest.approx([1e-3], abs=1e-5)
 

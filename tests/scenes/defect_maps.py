@@ -5,12 +5,12 @@ from hypothesis import strategies as st
 
 from bearingsim.core.defects.depth import (
     Circular,
-    Eased,
+    EasedDefect,
     Elliptical,
-    Merged,
-    Placed,
+    MergedDefects,
     Rectangular,
-    Scanned,
+    ScannedDefect,
+    ShiftedDefect,
     Triangular,
 )
 from bearingsim.core.defects.pairs import inner_reduced_radius, outer_reduced_radius
@@ -25,11 +25,11 @@ lengths, widths, depths = st.floats(1e-3, 12e-3), st.floats(5e-5, 4e-3), st.floa
 shapes = st.builds(lambda kind, *sizes: kind(*sizes), st.sampled_from(SMOOTH), lengths, widths, depths)
 spalls = st.builds(Spall, lengths, widths, depths, st.floats(0.0, 1.0), st.integers(0, 1000))
 plain = shapes | spalls
-eased = st.builds(lambda defect, r: Eased(defect, r, 0.0), plain, st.floats(2e-6, 1e-4)) | st.builds(
-    lambda defect, ramp: Eased(defect, 0.0, ramp), plain, st.floats(5e-6, 2e-4)
+eased = st.builds(lambda defect, r: EasedDefect(defect, r, 0.0), plain, st.floats(2e-6, 1e-4)) | st.builds(
+    lambda defect, ramp: EasedDefect(defect, 0.0, ramp), plain, st.floats(5e-6, 2e-4)
 )
-placed = st.builds(Placed, plain | eased, st.floats(-2e-3, 2e-3), st.floats(-2e-3, 2e-3))
-merged = st.builds(lambda defects: Merged(tuple(defects)), st.lists(placed, min_size=2, max_size=4))
+placed = st.builds(ShiftedDefect, plain | eased, st.floats(-2e-3, 2e-3), st.floats(-2e-3, 2e-3))
+merged = st.builds(lambda defects: MergedDefects(tuple(defects)), st.lists(placed, min_size=2, max_size=4))
 smooth_defects = shapes | spalls | eased | merged
 """Defects without a burr."""
 
@@ -42,7 +42,7 @@ def rough_scan(seed, burr=0.0):
     r *= 1.0 + 0.15 * np.cos(3.0 * np.arctan2(*np.meshgrid(z, s, indexing="ij")) + draw.uniform(0.0, 6.0))
     depth = np.where(r < 1.0, np.abs(4e-5 * (1.0 - r**4) + draw.normal(0.0, 2e-6, r.shape)), 0.0)
     depth -= np.where((r >= 1.0) & (r < 1.1), burr, 0.0)
-    return Scanned(f"scan {seed} {burr}", s, z, depth)
+    return ScannedDefect(f"scan {seed} {burr}", s, z, depth)
 
 
 def brute(profile, s, R, reach=1e-3):

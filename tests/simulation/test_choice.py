@@ -161,7 +161,7 @@ def test_defects_that_turn_are_crossed_at_the_same_speed_and_met_on_the_tighter_
 def test_only_a_defect_that_stands_is_put_in_step() -> None:
     models = [assemble.model(case(defect=SLOT | {"race": race})) for race in ("outer", "inner", "roller")]
     moved = [
-        assemble.aligned_with_cusp(model, 12345, 0.3).bearing.theta_0 != model.bearing.theta_0 for model in models
+        assemble.align_with_cusp(model, 12345, 0.3).bearing.theta_0 != model.bearing.theta_0 for model in models
     ]
     assert moved == [True, False, False]
 

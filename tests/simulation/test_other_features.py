@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from bearingsim import catalogue
-from bearingsim.assemble.registered import refuse_features
+from bearingsim.assemble.registered import check_features
 from bearingsim.catalogue import Feature
 from bearingsim.config import FEATURES
 from bearingsim.errors import UserError
@@ -131,13 +131,13 @@ def test_a_feature_that_cannot_be_computed_is_refused_first(function, monkeypatc
         "mean": "^feature `mine` is not declared; register it in the module of its entry point$",
     }
     with pytest.raises(UserError, match=told[function]):
-        refuse_features()
+        check_features()
 
 
 def test_a_declared_feature_is_accepted(monkeypatch) -> None:
     registered(monkeypatch, "mean")
     declared(monkeypatch)
-    refuse_features()
+    check_features()
     refuse_undeclared(["mine", "velocity.rms"])
 
 

@@ -436,7 +436,7 @@ def radians(angle: str) -> float:
 def test_the_cusp_lies_where_the_method_wants_it(method: str) -> None:
     given = case(model="rollers", method=method, defect=SLOT | {"angle": "7 deg"})
     cusp, steps = assemble.kind_of_method(method).cusp, 12345
-    moved = assemble.aligned_with_cusp(assemble.model(given), steps, cusp).bearing
+    moved = assemble.align_with_cusp(assemble.model(given), steps, cusp).bearing
     place = (moved.theta_0 - math.radians(7)) * moved.Z * steps / (2 * math.pi)
     assert abs(place + cusp - round(place + cusp)) < 1e-6
     assert 0.0 <= moved.theta_0 - given.start_angle < 2 * math.pi / (moved.Z * steps)

@@ -25,7 +25,7 @@ def bench(defect, late=0.0):
     case = crossing("rollers", defect, {}, late)
     model = assemble.model(case)
     return matrix.PreparedScene(
-        case, model, assemble.start(case, model)[0], *limits.loads_at_rest(assemble.healthy(case))[1:]
+        case, model, assemble.start(case, model)[0], *limits.loads_at_rest(assemble.healthy_case(case))[1:]
     )
 
 

@@ -81,7 +81,7 @@ class Elliptical(NamedTuple):
     depth: float
 
 
-class Eased(NamedTuple):
+class EasedDefect(NamedTuple):
     """A defect whose edges along rolling are rounded with ``radius`` (m), or whose walls extend over ``ramp`` (m)
     at least.
 
@@ -94,13 +94,13 @@ class Eased(NamedTuple):
     ramp: float
 
 
-class Mirrored(NamedTuple):
+class MirroredDefect(NamedTuple):
     """A defect with the direction of s reversed."""
 
     defect: Any
 
 
-class Placed(NamedTuple):
+class ShiftedDefect(NamedTuple):
     """A defect with its middle at s, z (m)."""
 
     defect: Any
@@ -108,14 +108,14 @@ class Placed(NamedTuple):
     z: float
 
 
-class Merged(NamedTuple):
+class MergedDefects(NamedTuple):
     """Several defects as one: the deepest of those present at each position."""
 
     defects: tuple[Any, ...]
 
 
 @dataclass(frozen=True)
-class Scanned:
+class ScannedDefect:
     """A measured grid: depth (n_z, n_s) in m at ``s`` (n_s,) and ``z`` (n_z,) in m, linear in between.
 
     digest: of the file; identifies the scan.
@@ -191,19 +191,19 @@ def _section_elliptical(defect, z):
 # Edges
 
 
-@extent.register(Eased)
+@extent.register(EasedDefect)
 def _extent_eased(eased):
     s_0, s_1, z_0, z_1 = extent(eased.defect)
     out = eased.radius + eased.ramp
     return s_0 - out, s_1 + out, z_0, z_1
 
 
-@cuts.register(Eased)
+@cuts.register(EasedDefect)
 def _cuts_eased(eased):
     return cuts(eased.defect)
 
 
-@section.register(Eased)
+@section.register(EasedDefect)
 def _section_eased(eased, z):
     sharp = section(eased.defect, z)
     if len(sharp.pieces) == 0:
@@ -247,45 +247,45 @@ def _back_of_radius(p: np.ndarray, radius: float) -> np.ndarray:
 # Mirrored, shifted and merged defects
 
 
-@extent.register(Mirrored)
+@extent.register(MirroredDefect)
 def _extent_mirrored(turned):
     s_0, s_1, z_0, z_1 = extent(turned.defect)
     return -s_1, -s_0, z_0, z_1
 
 
-@cuts.register(Mirrored)
+@cuts.register(MirroredDefect)
 def _cuts_mirrored(turned):
     return cuts(turned.defect)
 
 
-@section.register(Mirrored)
+@section.register(MirroredDefect)
 def _section_mirrored(turned, z):
     return mirrored(section(turned.defect, z))
 
 
-@extent.register(Placed)
+@extent.register(ShiftedDefect)
 def _extent_placed(placed):
     s_0, s_1, z_0, z_1 = extent(placed.defect)
     return s_0 + placed.s, s_1 + placed.s, z_0 + placed.z, z_1 + placed.z
 
 
-@cuts.register(Placed)
+@cuts.register(ShiftedDefect)
 def _cuts_placed(placed):
     return [(a + placed.z, b + placed.z, kind) for a, b, kind in cuts(placed.defect)]
 
 
-@section.register(Placed)
+@section.register(ShiftedDefect)
 def _section_placed(placed, z):
     return shifted(section(placed.defect, z - placed.z), placed.s)
 
 
-@extent.register(Merged)
+@extent.register(MergedDefects)
 def _extent_merged(merged):
     s_0, s_1, z_0, z_1 = np.array([extent(defect) for defect in merged.defects]).T
     return float(s_0.min()), float(s_1.max()), float(z_0.min()), float(z_1.max())
 
 
-@cuts.register(Merged)
+@cuts.register(MergedDefects)
 def _cuts_merged(merged):
     parts = [cut for defect in merged.defects for cut in cuts(defect)]
     ends = sorted({end for a, b, _ in parts for end in (a, b)})
@@ -297,7 +297,7 @@ def _cuts_merged(merged):
     return stretches
 
 
-@section.register(Merged)
+@section.register(MergedDefects)
 def _section_merged(merged, z):
     return reduce(deepest, (section(defect, z) for defect in merged.defects))
 
@@ -305,7 +305,7 @@ def _section_merged(merged, z):
 # Scans
 
 
-@extent.register(Scanned)
+@extent.register(ScannedDefect)
 def _extent_scanned(scan):
     along, across = np.any(scan.depth != 0.0, axis=0), np.any(scan.depth != 0.0, axis=1)
     return *_span(scan.s, along), *_span(scan.z, across)
@@ -317,13 +317,13 @@ def _span(positions: np.ndarray, there: np.ndarray) -> tuple[float, float]:
     return float(positions[max(k[0] - 1, 0)]), float(positions[min(k[-1] + 1, len(positions) - 1)])
 
 
-@cuts.register(Scanned)
+@cuts.register(ScannedDefect)
 def _cuts_scanned(scan):
     _, _, z_0, z_1 = extent(scan)
     return [(z_0, z_1, ROUGH)]
 
 
-@section.register(Scanned)
+@section.register(ScannedDefect)
 def _section_scanned(scan, z):
     if not scan.z[0] <= z <= scan.z[-1]:
         return RACE

@@ -73,7 +73,7 @@ def _response_groups_envelope(excitation, defect, rows, R):
     return rows
 
 
-class Traced(NamedTuple):
+class TracedPath(NamedTuple):
     """Roller path without a closed form, from a table built once per defect (``defects/traced.py``).
 
     Column KAPPA of a group is the offset of its path in ``table``. Neglected: as for ``Envelope``.
@@ -82,7 +82,7 @@ class Traced(NamedTuple):
     table: np.ndarray
 
 
-@defect_response.register(Traced)
+@defect_response.register(TracedPath)
 def _defect_response_traced(excitation, group, s, R):
     if abs(s) >= group[GROUP_HALF_WIDTH]:
         return 1.0, 0.0, 0.0
@@ -90,7 +90,7 @@ def _defect_response_traced(excitation, group, s, R):
     return 1.0, h, slope
 
 
-@defect_response_gradient.register(Traced)
+@defect_response_gradient.register(TracedPath)
 def _defect_response_gradient_traced(excitation, group, s, R):
     return 0.0, (
         drop_curvature_at(excitation.table, int(group[KAPPA]), s) if abs(s) < group[GROUP_HALF_WIDTH] else 0.0

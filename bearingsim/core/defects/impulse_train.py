@@ -157,7 +157,7 @@ def train(bearing: Bearing, zone: LoadZone, pairs: Sequence[RollerDefectPair], s
     """Return one impulse at each passage of a roller over a defect in (start, end], s, with all defects
     superposed."""
     parts = [defect_impulses(bearing, zone, pair, start, end) for pair in pairs]
-    return merged_trains(parts)
+    return merge_trains(parts)
 
 
 def defect_impulses(
@@ -196,10 +196,10 @@ def random_train(
         late = (u[:, :, 0] - 0.5) * width / crossing_speed(bearing, pair)
         strength = J[:, None] / N * -np.log1p(-u[:, :, 1])
         parts.append(((times[:, None] + late).ravel(), np.repeat(phi, N), strength.ravel()))
-    return merged_trains(parts)
+    return merge_trains(parts)
 
 
-def merged_trains(parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Train:
+def merge_trains(parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Train:
     """Merge all (times, angles, strengths) into one train; each impulse pushes the ring against e_r at its
     angle."""
     times, phi, J = (np.concatenate([np.zeros(0), *(part[n] for part in parts)]) for n in range(3))

@@ -143,7 +143,7 @@ def spacing(defects, d, Z):
     return 2.0 * pi * defects.head[d, RADIUS] / (1 if defects.head[d, CARRIER] >= 0.0 else Z)
 
 
-def next_jump_evenly(model, t, y):
+def next_jump_without_slip(model, t, y):
     """Implement ``next_jump`` for rollers that are evenly spaced and turn without slip: exact."""
     defects, b = model.defects, model.bearing
     soonest = inf
@@ -158,7 +158,7 @@ def next_jump_evenly(model, t, y):
     return soonest
 
 
-def next_jump_freely(model, t, y):
+def next_jump_with_slip(model, t, y):
     """Implement ``next_jump`` for rollers at any position, from the velocity of the roller nearest to each pair.
 
     The speed neglects the rings' transverse motion, a thousandth of it. The predicted distance is therefore

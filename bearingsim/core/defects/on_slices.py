@@ -91,7 +91,7 @@ def clear_defect_response(model, y):
                     lay.NORMAL_SLOPE,
                     lay.NORMAL_VERSINE,
                     lay.STIFFNESS_LOSS,
-                    lay.OWN_DEFECT,
+                    lay.ROLLER_DEFECT,
                 ):
                     y[side + row + j] = 0.0
 
@@ -128,4 +128,4 @@ def slice_defect_response(model, t, k, steep, b_z_outer, b_z_inner, y):
                         y[side + lay.STIFFNESS_LOSS + j],
                     ) = h, normal_slope, 1.0 - share
                     y[side + lay.NORMAL_VERSINE + j] = 1.0 - 1.0 / sqrt(1.0 + normal_slope * normal_slope)
-                    y[side + lay.OWN_DEFECT + j] = 1.0 if head[CARRIER] >= 0.0 else 0.0
+                    y[side + lay.ROLLER_DEFECT + j] = 1.0 if head[CARRIER] >= 0.0 else 0.0

@@ -9,9 +9,18 @@ from typing import Any
 import numpy as np
 
 from bearingsim.core.defects.closed_forms import NO_DEFECT
-from bearingsim.core.defects.depth import EVEN, SMOOTH, Merged, Placed, Scanned, cuts, extent, section
+from bearingsim.core.defects.depth import (
+    EVEN,
+    SMOOTH,
+    MergedDefects,
+    ScannedDefect,
+    ShiftedDefect,
+    cuts,
+    extent,
+    section,
+)
 from bearingsim.core.defects.envelope import FLAT, Path, cusp, packed, path_over, steepest
-from bearingsim.core.defects.excitations import Traced
+from bearingsim.core.defects.excitations import TracedPath
 from bearingsim.core.defects.pairs import KAPPA, Defects, RollerDefectPair, pack_defects
 from bearingsim.core.defects.profile import Profile, relief
 
@@ -104,7 +113,7 @@ def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) ->
 def span_of(defect: Any, R: float) -> float:
     """Return the extent (m) of a defect along its middle, the shortest of merged ones; ``R``: relative radius
     (m)."""
-    if isinstance(defect, Merged):
+    if isinstance(defect, MergedDefects):
         return min(span_of(part, R) for part in defect.defects)
     low, high, z_0, z_1 = extent(defect)
     path = path_over(section(defect, (z_0 + z_1) / 2.0), R)
@@ -113,16 +122,16 @@ def span_of(defect: Any, R: float) -> float:
 
 def burr(defect: Any) -> float:
     """Return the height (m) of a defect's highest point above the race; 0 except for a scan."""
-    if isinstance(defect, Placed):
+    if isinstance(defect, ShiftedDefect):
         return burr(defect.defect)
-    return max(0.0, -float(defect.depth.min())) if isinstance(defect, Scanned) else 0.0
+    return max(0.0, -float(defect.depth.min())) if isinstance(defect, ScannedDefect) else 0.0
 
 
 def traced_defects(pairs: Sequence[RollerDefectPair]) -> Defects:
     """Pack the roller-defect pairs, and their paths in one table."""
     paths = [path for pair in pairs for path in pair.paths if len(path.pieces)]
     table, offsets = packed(paths)
-    defects, left = pack_defects(pairs, Traced(table)), iter(offsets)
+    defects, left = pack_defects(pairs, TracedPath(table)), iter(offsets)
     for groups, pair in zip(defects.groups, pairs, strict=True):
         for row, path in zip(groups, pair.paths, strict=False):
             row[KAPPA] = next(left) if len(path.pieces) else 0.0

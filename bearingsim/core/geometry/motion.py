@@ -51,7 +51,7 @@ def motion_of(model: Any) -> Any:
     return getattr(model, "motion", Steady())
 
 
-def steady(model: Any) -> bool:
+def is_steady(model: Any) -> bool:
     """Check if the model's speed never changes."""
     return isinstance(motion_of(model), Steady)
 

@@ -79,7 +79,7 @@ def _attempt(method, model, t, h, y):
     return error
 
 
-def more_stages(method, model, y):
+def evaluate_dense_stages(method, model, y):
     """Compute the stages of the continuous extension (``complete_dense_output``)."""
     evaluate_stages(DENSE_ROWS, model, y[lay.T_START], y[lay.H_TAKEN], y, state_width(model))
 
@@ -89,6 +89,6 @@ def _interpolate(method, part, h, y, n):
     dense_state(F_Q, F_V, part, h, y, n)
 
 
-register_adaptive(Dop853, float(ORDER), more_stages)
+register_adaptive(Dop853, float(ORDER), evaluate_dense_stages)
 
 KIND = MethodKind(Dop853, evaluations=12, fraction=1.0, per_period=1, cusp=0.5, order=8, lag=0.0)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.core.methods.interface import MethodKind
-from bearingsim.core.methods.tableau import Tableau, cusp_of, register_fixed_step
+from bearingsim.core.methods.tableau import Tableau, cusp_fraction, register_fixed_step
 
 a, A = np.zeros((4, 4)), np.zeros((4, 4))
 a[1, 0], a[2, 1], a[3, 2] = 1 / 2, 1 / 2, 1
@@ -26,4 +26,4 @@ class Nystrom(NamedTuple):
 
 register_fixed_step(Nystrom, TABLE)
 
-KIND = MethodKind(Nystrom, evaluations=4, fraction=0.25, per_period=20, cusp=cusp_of(TABLE), order=4)
+KIND = MethodKind(Nystrom, evaluations=4, fraction=0.25, per_period=20, cusp=cusp_fraction(TABLE), order=4)

@@ -13,7 +13,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
 from bearingsim.core.methods.interface import MethodKind, no_preparation, prepare, stability_ratio, step
 from bearingsim.core.methods.limit import limit_over_h_c, step_over_limit
-from bearingsim.core.methods.tableau import cusp_of, runge_kutta
+from bearingsim.core.methods.tableau import cusp_fraction, runge_kutta
 from bearingsim.core.models.interface import accelerations, state_width
 
 TABLE = runge_kutta(np.diag([1 / 2, 1 / 2, 1.0], -1), np.array([1, 2, 2, 1]) / 6)
@@ -81,4 +81,4 @@ def _stability_ratio(method, K, C):
     return step_over_limit(LIMITS, method.h, K, C)
 
 
-KIND = MethodKind(RungeKutta4, evaluations=4, fraction=0.25, per_period=20, cusp=cusp_of(TABLE), order=4)
+KIND = MethodKind(RungeKutta4, evaluations=4, fraction=0.25, per_period=20, cusp=cusp_fraction(TABLE), order=4)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 
 from bearingsim.core.methods.interface import MethodKind
-from bearingsim.core.methods.tableau import Tableau, cusp_of, register_fixed_step, runge_kutta
+from bearingsim.core.methods.tableau import Tableau, cusp_fraction, register_fixed_step, runge_kutta
 
 STAGES, EPS = 8, 2 / 13
 
@@ -49,4 +49,4 @@ class Stabilised(NamedTuple):
 
 register_fixed_step(Stabilised, TABLE)
 
-KIND = MethodKind(Stabilised, evaluations=STAGES, fraction=0.25, per_period=40, cusp=cusp_of(TABLE), order=2)
+KIND = MethodKind(Stabilised, evaluations=STAGES, fraction=0.25, per_period=40, cusp=cusp_fraction(TABLE), order=2)

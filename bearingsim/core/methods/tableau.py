@@ -138,7 +138,7 @@ def dense_state(F_q, F_v, part, h, y, n):
     stage_state(part, weights_at(F_q, part), weights_at(F_v, part), h, y, n)
 
 
-def cusp_of(tableau: Tableau) -> float:
+def cusp_fraction(tableau: Tableau) -> float:
     """Return the last fraction of a step at which a jump of the force causes no first-order error.
 
     There the weights of later stages sum to the remaining time. Without such a fraction 0.99 is returned, which is

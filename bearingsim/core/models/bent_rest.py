@@ -47,8 +47,9 @@ from bearingsim.core.rows import declare
 FROM, WAY, FORCE = declare(
     lay.JACOBIAN_WORK + 62 * lay.ROW, "m, m, N", "bent bent-search", "start", size=3 * lay.ROW, step=3 * lay.ROW
 )
-# derivative of a contact's approach with respect to each unknown; overwrites PULL_C, PULL_S once FORCE is filled
-(PHI,) = declare(lay.PULL_C, "1", "bent-search", "start", size=2 * lay.ROW, step=0)
+# derivative of a contact's approach with respect to each unknown; overwrites SPRING_FORCE_C, SPRING_FORCE_S once
+# FORCE is filled
+(PHI,) = declare(lay.SPRING_FORCE_C, "1", "bent-search", "start", size=2 * lay.ROW, step=0)
 # matrix by rows, in memory of the Jacobian because implicit methods have no flexible ring
 (MATRIX,) = declare(lay.POSITION_JACOBIAN, "N/m", "bent bent-search", "start", size=lay.ARROW_SIZE, step=0)
 LONGEST_STEP = 1e-4  # m
@@ -120,7 +121,7 @@ def add_springs(springs: Any, y: np.ndarray, N: int) -> None:
 def _add_springs(springs, y, N):
     H = (N - 2) // 2
     for p in range(springs.by_spring.shape[1]):
-        if y[lay.PRESSED + p] > 0.0:
+        if y[lay.COMPRESSION + p] > 0.0:
             y[PHI], y[PHI + 1] = springs.of_spring[COS_S, p], springs.of_spring[SIN_S, p]
             for i in range(H):
                 y[PHI + 2 + i], y[PHI + 2 + H + i] = springs.by_spring[0, p, i], springs.by_spring[1, p, i]
@@ -134,7 +135,7 @@ def add_roller(bending, y, j, N):
     H = harmonics(bending)
     for i in range(H):
         c, s = bending.by_roller[0, j, i], bending.by_roller[1, j, i]
-        C, S = y[lay.TURN_C + i], y[lay.TURN_S + i]
+        C, S = y[lay.PHASE_C + i], y[lay.PHASE_S + i]
         y[PHI + 2 + i] = c * C - s * S if bending.of_harmonic[PER_MASS_C, i] > 0.0 else 0.0
         y[PHI + 2 + H + i] = s * C + c * S if bending.of_harmonic[PER_MASS_S, i] > 0.0 else 0.0
     add_contact(y[K_SERIES + j], y, N)

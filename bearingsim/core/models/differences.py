@@ -54,15 +54,15 @@ def clear_arrows(own, shared, y, n):
 def keep_here(own, model, y):
     """Store the state at which derivatives are computed, with absolute accelerations, and the rollers' loads."""
     for c in range(3 * lay.STATE):
-        y[lay.HERE + c] = y[lay.POSITION + c]
+        y[lay.REFERENCE_STATE + c] = y[lay.POSITION + c]
     for j in range(model.bearing.Z):
-        y[lay.HERE + lay.EPS_A + j] += y[lay.ACCELERATION + lay.PHI_C] if own > ORBIT else 0.0
+        y[lay.REFERENCE_STATE + lay.EPS_A + j] += y[lay.ACCELERATION + lay.PHI_C] if own > ORBIT else 0.0
     for c in range(lay.LOADS):
         row, total = lay.roller_load(lay.F_X + c), 0.0
         for j in range(model.bearing.Z):
-            y[row + lay.ROLLER_LOADS_HERE - lay.ROLLER_LOADS + j] = y[row + j]
+            y[row + lay.REFERENCE_ROLLER_LOADS - lay.ROLLER_LOADS + j] = y[row + j]
             total = add(total, y[row + j])
-        y[lay.LOADS_HERE + c] = total
+        y[lay.REFERENCE_LOADS + c] = total
 
 
 @jit
@@ -74,8 +74,8 @@ def load_bodies(model, t, y, j, per):
     """
     for c in range(lay.LOADS):
         row = lay.roller_load(lay.F_X + c) + j
-        change = y[row] - y[row + lay.ROLLER_LOADS_HERE - lay.ROLLER_LOADS]
-        y[lay.F_X + c] = y[lay.LOADS_HERE + c] + per * change
+        change = y[row] - y[row + lay.REFERENCE_ROLLER_LOADS - lay.ROLLER_LOADS]
+        y[lay.F_X + c] = y[lay.REFERENCE_LOADS + c] + per * change
     accelerate_bodies(model, t, y)
 
 
@@ -88,28 +88,28 @@ def roller_column(model, t, matrix, i, own, shared, y, cell):
         turned = y[lay.ACCELERATION + lay.PHI_C] if k == ORBIT else 0.0
         row = lay.ACCELERATION + k * lay.ROW + lay.FIRST_LANE
         for j in range(Z):
-            change = y[row + j] + turned - y[lay.HERE + row + j]
-            y[lay.diagonal_block(matrix, k, i) + j] = change / (y[cell + j] - y[lay.HERE + cell + j])
+            change = y[row + j] + turned - y[lay.REFERENCE_STATE + row + j]
+            y[lay.diagonal_block(matrix, k, i) + j] = change / (y[cell + j] - y[lay.REFERENCE_STATE + cell + j])
     for j in range(Z):
-        load_bodies(model, t, y, j, 1.0 / (y[cell + j] - y[lay.HERE + cell + j]))
+        load_bodies(model, t, y, j, 1.0 / (y[cell + j] - y[lay.REFERENCE_STATE + cell + j]))
         for k in range(shared):
             acceleration = lay.ACCELERATION + lay.shared_cell(k)
-            y[lay.border_row(matrix, k, i) + j] = y[acceleration] - y[lay.HERE + acceleration]
+            y[lay.border_row(matrix, k, i) + j] = y[acceleration] - y[lay.REFERENCE_STATE + acceleration]
 
 
 @jit
 def shared_column(model, t, matrix, m, own, shared, y, cell):
     """Compute the column of the shared coordinate ``m``; the state is displaced in ``cell``."""
-    per = 1.0 / (y[cell] - y[lay.HERE + cell])
+    per = 1.0 / (y[cell] - y[lay.REFERENCE_STATE + cell])
     accelerations(model, t, y)
     for k in range(own):
         turned = y[lay.ACCELERATION + lay.PHI_C] if k == ORBIT else 0.0
         row = lay.ACCELERATION + k * lay.ROW + lay.FIRST_LANE
         for j in range(model.bearing.Z):
-            y[lay.border_column(matrix, k, m) + j] = per * (y[row + j] + turned - y[lay.HERE + row + j])
+            y[lay.border_column(matrix, k, m) + j] = per * (y[row + j] + turned - y[lay.REFERENCE_STATE + row + j])
     for k in range(shared):
         acceleration = lay.ACCELERATION + lay.shared_cell(k)
-        y[lay.corner_block(matrix, k, m)] = per * (y[acceleration] - y[lay.HERE + acceleration])
+        y[lay.corner_block(matrix, k, m)] = per * (y[acceleration] - y[lay.REFERENCE_STATE + acceleration])
 
 
 @jit
@@ -117,7 +117,7 @@ def move_shared(own, Z, block, m, by, y):
     """Displace the shared coordinate ``m``; the absolute angles of the rollers do not change with the cage's."""
     y[block + lay.shared_cell(m)] += by
     if m == lay.PHI_C and own > ORBIT:
-        turned = y[block + lay.PHI_C] - y[lay.HERE + block + lay.PHI_C]
+        turned = y[block + lay.PHI_C] - y[lay.REFERENCE_STATE + block + lay.PHI_C]
         for j in range(Z):
             y[block + ORBIT * lay.ROW + lay.FIRST_LANE + j] -= turned
 
@@ -126,7 +126,7 @@ def move_shared(own, Z, block, m, by, y):
 def return_here(block, y):
     """Restore a block of the stored state after a displacement."""
     for c in range(lay.STATE):
-        y[block + c] = y[lay.HERE + block + c]
+        y[block + c] = y[lay.REFERENCE_STATE + block + c]
 
 
 @jit
@@ -138,12 +138,14 @@ def difference_jacobian(model, t, y):
     keep_here(own, model, y)
     by_roller, by_shared = roller_arms(b), shared_arms(b)
     for c in range(lay.LOADS):
-        y[lay.F_X + c] = y[lay.LOADS_HERE + c] + 1.0
+        y[lay.F_X + c] = y[lay.REFERENCE_LOADS + c] + 1.0
     accelerate_bodies(model, t, y)
     for k in range(shared):  # mark the coordinates that loads can accelerate
         coordinate = lay.shared_cell(k)
-        y[lay.LOADS_HERE + lay.LOADS + k] = (
-            1.0 if y[lay.ACCELERATION + coordinate] != y[lay.HERE + lay.ACCELERATION + coordinate] else 0.0
+        y[lay.REFERENCE_LOADS + lay.LOADS + k] = (
+            1.0
+            if y[lay.ACCELERATION + coordinate] != y[lay.REFERENCE_STATE + lay.ACCELERATION + coordinate]
+            else 0.0
         )
     for matrix, block, size in (
         (lay.POSITION_JACOBIAN, lay.POSITION, DISPLACEMENT),
@@ -157,7 +159,7 @@ def difference_jacobian(model, t, y):
                 roller_column(model, t, matrix, i, own, shared, y, cell)
                 return_here(block, y)
         for m in range(shared):
-            if y[lay.LOADS_HERE + lay.LOADS + m] > 0.0:
+            if y[lay.REFERENCE_LOADS + lay.LOADS + m] > 0.0:
                 move_shared(own, b.Z, block, m, size / by_shared[m], y)
                 shared_column(model, t, matrix, m, own, shared, y, block + lay.shared_cell(m))
                 return_here(block, y)

@@ -20,7 +20,7 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
-from bearingsim.core.defects.jumps import next_jump, next_jump_freely
+from bearingsim.core.defects.jumps import next_jump, next_jump_with_slip
 from bearingsim.core.defects.on_roller import correct_contact, is_masked, roller_at_defect
 from bearingsim.core.defects.pairs import (
     CARRIER,
@@ -116,7 +116,7 @@ def _monitored(model):
     return model.bearing.Z
 
 
-next_jump.register(Planar)(next_jump_freely)
+next_jump.register(Planar)(next_jump_with_slip)
 
 
 @roller_at_defect.register(Planar)

@@ -18,12 +18,12 @@ rollers' inertia and centrifugal load are neglected, too.
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
-from bearingsim.core.defects.jumps import next_jump, next_jump_evenly
+from bearingsim.core.defects.jumps import next_jump, next_jump_without_slip
 from bearingsim.core.defects.on_roller import (
     derivatives_over_defect,
     force_over_defect,
     roller_at_defect,
-    roller_at_defect_evenly,
+    roller_at_defect_without_slip,
     roller_drop_rate,
     roller_drop_rate_derivative,
     stiffness_over_defect,
@@ -87,8 +87,8 @@ def _monitored(model):
     return 1
 
 
-roller_at_defect.register(Ring)(roller_at_defect_evenly)
-next_jump.register(Ring)(next_jump_evenly)
+roller_at_defect.register(Ring)(roller_at_defect_without_slip)
+next_jump.register(Ring)(next_jump_without_slip)
 register_roller_model(Ring)
 
 

@@ -14,13 +14,13 @@ ring can be included (``parts/bending.py``), which subtracts w(theta_j) from del
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
-from bearingsim.core.defects.jumps import next_jump, next_jump_evenly
+from bearingsim.core.defects.jumps import next_jump, next_jump_without_slip
 from bearingsim.core.defects.on_roller import (
     correct_contact,
     derivatives_over_defect,
     is_masked,
     roller_at_defect,
-    roller_at_defect_evenly,
+    roller_at_defect_without_slip,
 )
 from bearingsim.core.defects.pairs import HALF_WIDTH, OUTER, SIDE, Defects, passing_speed
 from bearingsim.core.geometry.sides import InnerSide, OuterSide
@@ -87,8 +87,8 @@ def _monitored(model):
     return model.bearing.Z
 
 
-roller_at_defect.register(Rollers)(roller_at_defect_evenly)
-next_jump.register(Rollers)(next_jump_evenly)
+roller_at_defect.register(Rollers)(roller_at_defect_without_slip)
+next_jump.register(Rollers)(next_jump_without_slip)
 register_roller_model(Rollers)
 
 

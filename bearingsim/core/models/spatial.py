@@ -18,7 +18,7 @@ Neglected: bending of rollers, rings and cage; the elliptic section of a tilted 
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
-from bearingsim.core.defects.jumps import next_jump, next_jump_freely
+from bearingsim.core.defects.jumps import next_jump, next_jump_with_slip
 from bearingsim.core.defects.on_roller import roller_at_defect
 from bearingsim.core.defects.on_slices import (
     clear_defect_response,
@@ -234,7 +234,7 @@ def _update_extremes(model, y):
         keep_line_load(lay.slice_row(k, 0), model.slices.table[k, WEIGHT] * model.L_w, y, n)
 
 
-next_jump.register(Spatial)(next_jump_freely)
+next_jump.register(Spatial)(next_jump_with_slip)
 
 
 @roller_at_defect.register(Spatial)

@@ -7,7 +7,7 @@ compliance, and the displacement of the ring as rollers drop into a defect.
 from typing import Any, NamedTuple
 
 from bearingsim.core import layout as lay
-from bearingsim.core.defects.on_roller import roller_at_defect, roller_at_defect_evenly
+from bearingsim.core.defects.on_roller import roller_at_defect, roller_at_defect_without_slip
 from bearingsim.core.defects.pairs import Defects
 from bearingsim.core.models import bent_rest  # noqa: F401  (registers the equilibrium of a flexible ring)
 from bearingsim.core.models.extremes import update_forces
@@ -32,7 +32,7 @@ class Static(NamedTuple):
 
 
 solved(Static)
-roller_at_defect.register(Static)(roller_at_defect_evenly)
+roller_at_defect.register(Static)(roller_at_defect_without_slip)
 update_extremes.register(Static)(update_forces)
 
 

@@ -127,7 +127,9 @@ def accelerate_harmonics(bending: Any, m_o: float, y: np.ndarray) -> None:
 
 @generic(inline="late", absent=None)
 def press_springs(springs: Any, y: np.ndarray) -> None:
-    """Fill SPRING_FORCE and its loads: PULL on the amplitudes, SPRINGS_X, SPRINGS_Y on the ring's centre."""
+    """Fill SPRING_FORCE and its loads: SPRING_FORCE_C, SPRING_FORCE_S on the amplitudes, SPRINGS_X, SPRINGS_Y on
+    the ring's centre.
+    """
 
 
 def ring_position(springs, y):
@@ -148,7 +150,9 @@ def _held_position(springs, y):
 
 @generic(inline="late", absent=0.0)
 def pull(springs: Any, row: int, y: np.ndarray, i: int) -> float:
-    """Return entry ``i`` of a row filled by ``press_springs`` (N): PULL_C, PULL_S, SPRINGS_X or SPRINGS_Y."""
+    """Return entry ``i`` of a row that ``press_springs`` fills (N): SPRING_FORCE_C, SPRING_FORCE_S, SPRINGS_X or
+    SPRINGS_Y.
+    """
 
 
 @generic(inline="late", absent=None)
@@ -203,32 +207,32 @@ def _bend_rate(bending, y, j):
 
 @inlined
 def turn_harmonics(bending, C, S, y):
-    """Fill TURN_C, TURN_S: cosine and sine of n times the angle with cosine ``C`` and sine ``S``."""
+    """Fill PHASE_C, PHASE_S: cosine and sine of n times the angle with cosine ``C`` and sine ``S``."""
     c_2, s_2 = C * C - S * S, 2.0 * S * C
     c_4, s_4 = c_2 * c_2 - s_2 * s_2, 2.0 * s_2 * c_2
     c_8, s_8 = c_4 * c_4 - s_4 * s_4, 2.0 * s_4 * c_4
-    y[lay.TURN_C], y[lay.TURN_S] = c_2, s_2
-    y[lay.TURN_C + 1], y[lay.TURN_S + 1] = c_2 * C - s_2 * S, s_2 * C + c_2 * S
+    y[lay.PHASE_C], y[lay.PHASE_S] = c_2, s_2
+    y[lay.PHASE_C + 1], y[lay.PHASE_S + 1] = c_2 * C - s_2 * S, s_2 * C + c_2 * S
     for i in range(2, 8):  # (i + 2) theta = (i - 2) theta + 4 theta
-        c = C if i == 3 else (1.0 if i == 2 else y[lay.TURN_C + i - 4])
-        s = S if i == 3 else (0.0 if i == 2 else y[lay.TURN_S + i - 4])
-        y[lay.TURN_C + i], y[lay.TURN_S + i] = c * c_4 - s * s_4, s * c_4 + c * s_4
+        c = C if i == 3 else (1.0 if i == 2 else y[lay.PHASE_C + i - 4])
+        s = S if i == 3 else (0.0 if i == 2 else y[lay.PHASE_S + i - 4])
+        y[lay.PHASE_C + i], y[lay.PHASE_S + i] = c * c_4 - s * s_4, s * c_4 + c * s_4
     for i in range(8, bending.of_harmonic.shape[1]):
-        c, s = y[lay.TURN_C + i - 8], y[lay.TURN_S + i - 8]
-        y[lay.TURN_C + i], y[lay.TURN_S + i] = c * c_8 - s * s_8, s * c_8 + c * s_8
-    y[lay.TURN_C + bending.breathing], y[lay.TURN_S + bending.breathing] = 1.0, 0.0
+        c, s = y[lay.PHASE_C + i - 8], y[lay.PHASE_S + i - 8]
+        y[lay.PHASE_C + i], y[lay.PHASE_S + i] = c * c_8 - s * s_8, s * c_8 + c * s_8
+    y[lay.PHASE_C + bending.breathing], y[lay.PHASE_S + bending.breathing] = 1.0, 0.0
 
 
 @inlined
 def turn_amplitudes(bending, omega_c, y):
-    """Fill SEEN: the amplitudes in the frame of the rollers, and their rates along a roller's path."""
+    """Fill AMPLITUDE_C to AMPLITUDE_V_S: amplitudes in the frame of the rollers, rates along a roller's path."""
     for i in range(bending.of_harmonic.shape[1]):
-        c, s, turning = y[lay.TURN_C + i], y[lay.TURN_S + i], omega_c * bending.of_harmonic[N, i]
+        c, s, turning = y[lay.PHASE_C + i], y[lay.PHASE_S + i], omega_c * bending.of_harmonic[N, i]
         a, b = y[lay.POSITION + lay.MODES_C + i], y[lay.POSITION + lay.MODES_S + i]
         a_v = y[lay.VELOCITY + lay.MODES_C + i] + turning * b
         b_v = y[lay.VELOCITY + lay.MODES_S + i] - turning * a
-        y[lay.SEEN_C + i], y[lay.SEEN_S + i] = a * c + b * s, b * c - a * s
-        y[lay.SEEN_V_C + i], y[lay.SEEN_V_S + i] = a_v * c + b_v * s, b_v * c - a_v * s
+        y[lay.AMPLITUDE_C + i], y[lay.AMPLITUDE_S + i] = a * c + b * s, b * c - a * s
+        y[lay.AMPLITUDE_V_C + i], y[lay.AMPLITUDE_V_S + i] = a_v * c + b_v * s, b_v * c - a_v * s
 
 
 @bend_race.register(Bending)
@@ -237,14 +241,21 @@ def _bend_race(bending, C, S, omega_c, y, rollers):
     turn_amplitudes(bending, omega_c, y)
     for lane in range(0, rollers, lay.VECTOR_WIDTH):
         to = (lay.BEND + lane, lay.BEND_V + lane)
-        sum_harmonics(bending.at_rollers, (lay.SEEN_C, lay.SEEN_V_C), (lay.SEEN_S, lay.SEEN_V_S), y, lane, to)
+        sum_harmonics(
+            bending.at_rollers,
+            (lay.AMPLITUDE_C, lay.AMPLITUDE_V_C),
+            (lay.AMPLITUDE_S, lay.AMPLITUDE_V_S),
+            y,
+            lane,
+            to,
+        )
 
 
 @inlined
 def push_harmonics(bending, y):
-    """Fill PUSH: the generalised forces of Q_O on the amplitudes, in the frame of the rollers."""
+    """Fill ROLLER_FORCE_C, ROLLER_FORCE_S: generalised forces of Q_O on the amplitudes, in the rollers' frame."""
     for lane in range(0, bending.of_harmonic.shape[1], lay.VECTOR_WIDTH):
-        sum_rollers(bending.by_roller, lay.Q_O, y, lane, (lay.PUSH_C + lane, lay.PUSH_S + lane))
+        sum_rollers(bending.by_roller, lay.Q_O, y, lane, (lay.ROLLER_FORCE_C + lane, lay.ROLLER_FORCE_S + lane))
 
 
 @press_springs.register(Springs)
@@ -252,7 +263,9 @@ def _press_springs(springs, y):
     press_each_spring(springs, y)
     shape, x, z = springs.by_spring.shape, 0.0, 0.0
     for lane in range(0, shape[2], lay.VECTOR_WIDTH):
-        sum_rollers(springs.by_spring, lay.SPRING_FORCE, y, lane, (lay.PULL_C + lane, lay.PULL_S + lane))
+        sum_rollers(
+            springs.by_spring, lay.SPRING_FORCE, y, lane, (lay.SPRING_FORCE_C + lane, lay.SPRING_FORCE_S + lane)
+        )
     for p in range(shape[1]):
         x -= springs.of_spring[COS_S, p] * y[lay.SPRING_FORCE + p]
         z -= springs.of_spring[SIN_S, p] * y[lay.SPRING_FORCE + p]
@@ -261,20 +274,20 @@ def _press_springs(springs, y):
 
 @inlined
 def press_each_spring(springs, y):
-    """Fill PRESSED, PRESSED_V, SPRING_FORCE."""
+    """Fill COMPRESSION, COMPRESSION_V, SPRING_FORCE."""
     lanes = springs.of_spring.shape[1]
     rows_c = (lay.POSITION + lay.MODES_C, lay.VELOCITY + lay.MODES_C)
     rows_s = (lay.POSITION + lay.MODES_S, lay.VELOCITY + lay.MODES_S)
     for lane in range(0, lanes, lay.VECTOR_WIDTH):
-        sum_harmonics(springs.at, rows_c, rows_s, y, lane, (lay.PRESSED + lane, lay.PRESSED_V + lane))
+        sum_harmonics(springs.at, rows_c, rows_s, y, lane, (lay.COMPRESSION + lane, lay.COMPRESSION_V + lane))
     u_x, u_y = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
     w_x, w_y = y[lay.VELOCITY + lay.X], y[lay.VELOCITY + lay.Y]
     for p in range(lanes):
         c, s = springs.of_spring[COS_S, p], springs.of_spring[SIN_S, p]
-        pressed = springs.of_spring[FIT, p] + y[lay.PRESSED + p] + u_x * c + u_y * s
-        rate = y[lay.PRESSED_V + p] + w_x * c + w_y * s
+        pressed = springs.of_spring[FIT, p] + y[lay.COMPRESSION + p] + u_x * c + u_y * s
+        rate = y[lay.COMPRESSION_V + p] + w_x * c + w_y * s
         force = springs.of_spring[K_S, p] * pressed + springs.of_spring[C_S, p] * rate
-        y[lay.PRESSED + p] = pressed
+        y[lay.COMPRESSION + p] = pressed
         y[lay.SPRING_FORCE + p] = max(force, 0.0) if pressed > 0.0 else 0.0
 
 
@@ -287,11 +300,13 @@ def _pull(springs, row, y, i):
 def force_on_harmonic(bending, y, i):
     """Return the forces (N) of rollers, load and springs on the amplitudes of cosine and sine of harmonic
     ``i``."""
-    c, s = y[lay.TURN_C + i], y[lay.TURN_S + i]
-    push_c, push_s = y[lay.PUSH_C + i], y[lay.PUSH_S + i]
+    c, s = y[lay.PHASE_C + i], y[lay.PHASE_S + i]
+    push_c, push_s = y[lay.ROLLER_FORCE_C + i], y[lay.ROLLER_FORCE_S + i]
     f_c = bending.of_harmonic[LOAD_C, i] + push_c * c - push_s * s
     f_s = bending.of_harmonic[LOAD_S, i] + push_c * s + push_s * c
-    return f_c - pull(bending.springs, lay.PULL_C, y, i), f_s - pull(bending.springs, lay.PULL_S, y, i)
+    return f_c - pull(bending.springs, lay.SPRING_FORCE_C, y, i), f_s - pull(
+        bending.springs, lay.SPRING_FORCE_S, y, i
+    )
 
 
 @accelerate_harmonics.register(Bending)
@@ -324,11 +339,13 @@ def shift_to_sensor(bending, block, y):
 @read_sensor.register(Bending)
 def _read_sensor(bending, y):
     n = harmonics(bending)
-    for i in range(n):  # SEEN rows serve as work space: they are not needed after the evaluation
+    for i in range(n):  # AMPLITUDE rows serve as work space: they are not needed after the evaluation
         c, s = bending.of_harmonic[SENSOR_C, i], bending.of_harmonic[SENSOR_S, i]
-        y[lay.SEEN_C + i] = c * y[lay.POSITION + lay.MODES_C + i] + s * y[lay.POSITION + lay.MODES_S + i]
-        y[lay.SEEN_S + i] = c * y[lay.VELOCITY + lay.MODES_C + i] + s * y[lay.VELOCITY + lay.MODES_S + i]
-        y[lay.SEEN_V_C + i] = c * y[lay.ACCELERATION + lay.MODES_C + i] + s * y[lay.ACCELERATION + lay.MODES_S + i]
-    y[lay.SENSOR] = shift_to_sensor(bending, lay.POSITION, y) + lane_sum(lay.SEEN_C, y, n)
-    y[lay.SENSOR_V] = shift_to_sensor(bending, lay.VELOCITY, y) + lane_sum(lay.SEEN_S, y, n)
-    y[lay.SENSOR_A] = shift_to_sensor(bending, lay.ACCELERATION, y) + lane_sum(lay.SEEN_V_C, y, n)
+        y[lay.AMPLITUDE_C + i] = c * y[lay.POSITION + lay.MODES_C + i] + s * y[lay.POSITION + lay.MODES_S + i]
+        y[lay.AMPLITUDE_S + i] = c * y[lay.VELOCITY + lay.MODES_C + i] + s * y[lay.VELOCITY + lay.MODES_S + i]
+        y[lay.AMPLITUDE_V_C + i] = (
+            c * y[lay.ACCELERATION + lay.MODES_C + i] + s * y[lay.ACCELERATION + lay.MODES_S + i]
+        )
+    y[lay.SENSOR] = shift_to_sensor(bending, lay.POSITION, y) + lane_sum(lay.AMPLITUDE_C, y, n)
+    y[lay.SENSOR_V] = shift_to_sensor(bending, lay.VELOCITY, y) + lane_sum(lay.AMPLITUDE_S, y, n)
+    y[lay.SENSOR_A] = shift_to_sensor(bending, lay.ACCELERATION, y) + lane_sum(lay.AMPLITUDE_V_C, y, n)

@@ -110,8 +110,8 @@ def clear_sums(side, y, n):
 def add_slice(side, law, friction, bearing, ring, zeta, weight, drop, k, y, n):
     """Add the forces on slice ``k`` of every roller to the sums of this side; store its loads and approaches.
 
-    zeta, drop: m; weight: share of the contact. The rows ROLLER_DROP to OWN_DEFECT of the side contain the effect
-    of a defect on the slice.
+    zeta, drop: m; weight: share of the contact. The rows ROLLER_DROP to ROLLER_DEFECT of the side contain the
+    effect of a defect on the slice.
     """
     load_row, approach_row = slice_rows(side)
     row = lay.SLICES + lay.FIRST_LANE + (k & (MAX_SLICES - 1)) * (lay.SLICE_ROWS * lay.ROW)
@@ -149,7 +149,7 @@ def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
     across = t_r * v_r + t_t * v_t + t_z * v_z
 
     normal_slope, cosine = y[base + lay.NORMAL_SLOPE + j], 1.0 - y[base + lay.NORMAL_VERSINE + j]
-    own, rolls, sine = y[base + lay.OWN_DEFECT + j], y[base + lay.ROLL_SPEED + j], sigma * normal_slope * cosine
+    own, rolls, sine = y[base + lay.ROLLER_DEFECT + j], y[base + lay.ROLL_SPEED + j], sigma * normal_slope * cosine
     short += aside * (per_both * rho)
     delta = sigma * (y[lay.RADIAL + j] + short) - lacking - y[base + lay.ROLLER_DROP + j]
     arm = sigma * (radius - 0.5 * delta)

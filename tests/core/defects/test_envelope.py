@@ -11,11 +11,11 @@ from bearingsim.core.defects import traced
 from bearingsim.core.defects.closed_forms import bowl, box, groove, roller_drop, roller_drop_curvature
 from bearingsim.core.defects.depth import (
     Circular,
-    Eased,
+    EasedDefect,
     Elliptical,
-    Merged,
-    Placed,
+    MergedDefects,
     Rectangular,
+    ShiftedDefect,
     Triangular,
     extent,
     section,
@@ -233,21 +233,21 @@ def test_a_burr_is_felt_before_the_defect():
 
 
 def test_two_defects_are_one_where_they_overlap_and_themselves_elsewhere():
-    left = Placed(Rectangular(12e-3, 0.4e-3, 5e-6), -0.15e-3, 0.0)
-    right = Placed(Triangular(12e-3, 0.4e-3, 2e-5), 0.15e-3, 0.0)
+    left = ShiftedDefect(Rectangular(12e-3, 0.4e-3, 5e-6), -0.15e-3, 0.0)
+    right = ShiftedDefect(Triangular(12e-3, 0.4e-3, 2e-5), 0.15e-3, 0.0)
     s = np.linspace(-0.5e-3, 0.5e-3, 1001)
-    p = depth_at(section(Merged((left, right)), 0.0), s)
+    p = depth_at(section(MergedDefects((left, right)), 0.0), s)
     assert p == pytest.approx(
         np.maximum(depth_at(section(left, 0.0), s), depth_at(section(right, 0.0), s)), abs=1e-15
     )
-    apart = Merged((left._replace(s=-2e-3), right._replace(s=2e-3)))
+    apart = MergedDefects((left._replace(s=-2e-3), right._replace(s=2e-3)))
     h = path_drop(path_over(section(apart, 0.0), R_OUTER), s - 2e-3)[0]
     assert h == pytest.approx(path_drop(path_over(section(left, 0.0), R_OUTER), s - 0.15e-3)[0], abs=1e-18)
 
 
 def test_a_burr_stays_where_another_defect_does_not_reach():
     scan = rough_scan(2, 3e-6)
-    far = Merged((scan, Placed(Rectangular(8e-3, 4e-4, 5e-5), 4e-3, 0.0)))
+    far = MergedDefects((scan, ShiftedDefect(Rectangular(8e-3, 4e-4, 5e-5), 4e-3, 0.0)))
     s = np.linspace(-2e-3, 2e-3, 101)
     assert depth_at(section(far, 0.0), s) == pytest.approx(depth_at(section(scan, 0.0), s), abs=1e-15)
     assert depth_at(section(far, 0.0), s).min() == pytest.approx(-3e-6)
@@ -257,7 +257,9 @@ def test_a_burr_stays_where_another_defect_does_not_reach():
 def test_the_ridge_between_two_hollows_carries_the_roller(apart):
     """Each of them is more hollow than the roller, which hangs on its rims and on the ridge."""
     hollow = Circular(12e-3, 4e-4, 5e-5)
-    pair = section(Merged((Placed(hollow, -apart / 2, 0.0), Placed(hollow, apart / 2, 0.0))), 0.0)
+    pair = section(
+        MergedDefects((ShiftedDefect(hollow, -apart / 2, 0.0), ShiftedDefect(hollow, apart / 2, 0.0))), 0.0
+    )
     s = np.linspace(-4e-4, 4e-4, 201)
     ridge = 5e-5 * (1 - (apart / 4e-4) ** 2)
     path = path_over(pair, R_OUTER)
@@ -267,9 +269,9 @@ def test_the_ridge_between_two_hollows_carries_the_roller(apart):
 
 def test_the_edge_from_a_hollow_into_a_deeper_defect_carries_the_roller():
     """A bowl 2 um deep that a slot cuts off, 1.5 um deep there."""
-    bowl_, slot = Circular(12e-3, 2e-4, 2e-6), Placed(Rectangular(12e-3, 8e-4, 5e-5), 4.5e-4, 0.0)
+    bowl_, slot = Circular(12e-3, 2e-4, 2e-6), ShiftedDefect(Rectangular(12e-3, 8e-4, 5e-5), 4.5e-4, 0.0)
     s = np.linspace(-2e-4, 9e-4, 301)
-    for profile in (section(Merged((bowl_, slot)), 0.0), section(Merged((slot, bowl_)), 0.0)):
+    for profile in (section(MergedDefects((bowl_, slot)), 0.0), section(MergedDefects((slot, bowl_)), 0.0)):
         found = path_drop(path_over(profile, R_OUTER), s)[0]
         assert found == pytest.approx(brute(profile, s, R_OUTER), abs=1e-9)
         on_edge = path_drop(path_over(profile, R_OUTER), np.array([2e-4]))[0]
@@ -278,8 +280,11 @@ def test_the_edge_from_a_hollow_into_a_deeper_defect_carries_the_roller():
 
 def test_a_merged_wide_defect_lets_a_roller_deeper_than_its_halves():
     """Two slots of 0.4 mm side by side are one of 0.8 mm: four times the sag of one."""
-    halves = Merged(
-        (Placed(Rectangular(1, 4e-4, 5e-5), -2e-4, 0.0), Placed(Rectangular(1, 4e-4, 5e-5), 2e-4, 0.0))
+    halves = MergedDefects(
+        (
+            ShiftedDefect(Rectangular(1, 4e-4, 5e-5), -2e-4, 0.0),
+            ShiftedDefect(Rectangular(1, 4e-4, 5e-5), 2e-4, 0.0),
+        )
     )
     path = path_over(section(halves, 0.0), R_OUTER)
     assert path_drop(path, np.zeros(1))[0] == pytest.approx((4e-4) ** 2 / (2 * R_OUTER), rel=1e-9)
@@ -289,7 +294,7 @@ def test_a_merged_wide_defect_lets_a_roller_deeper_than_its_halves():
 def test_a_rounded_edge_lets_the_roller_in_earlier():
     """On an arc of radius r the roller feels x^2/(2 (R + r)) from where the arc begins, r before a deep wall."""
     radius = 20e-6
-    path = path_over(section(Eased(Rectangular(12e-3, 8e-4, 5e-5), radius, 0.0), 0.0), R_OUTER)
+    path = path_over(section(EasedDefect(Rectangular(12e-3, 8e-4, 5e-5), radius, 0.0), 0.0), R_OUTER)
     begin = -4e-4 - radius
     assert path.pieces[0, 0] == pytest.approx(begin, abs=1e-9)
     x = np.linspace(0.0, 4e-4, 50)
@@ -297,20 +302,20 @@ def test_a_rounded_edge_lets_the_roller_in_earlier():
 
 
 def test_a_shallow_rounded_edge_ends_at_the_floor():
-    profile = section(Eased(Rectangular(12e-3, 8e-4, 5e-6), 20e-6, 0.0), 0.0)
+    profile = section(EasedDefect(Rectangular(12e-3, 8e-4, 5e-6), 20e-6, 0.0), 0.0)
     assert -profile.pieces[0, 0] == pytest.approx(4e-4 + np.sqrt(5e-6 * (40e-6 - 5e-6)), rel=1e-9)
     assert depth_at(profile, np.array([0.0]))[0] == 5e-6
 
 
 def test_a_ramp_stands_before_the_wall():
-    profile = section(Eased(Rectangular(12e-3, 8e-4, 1e-5), 0.0, 5e-5), 0.0)
+    profile = section(EasedDefect(Rectangular(12e-3, 8e-4, 1e-5), 0.0, 5e-5), 0.0)
     t = np.array([-4.6e-4, -4.5e-4, -4.25e-4, -4.0e-4, 0.0, 4.25e-4])
     assert depth_at(profile, t) == pytest.approx([0.0, 0.0, 5e-6, 1e-5, 1e-5, 5e-6], abs=1e-15)
 
 
 def test_a_groove_flatter_than_the_ramp_keeps_its_edges():
     groove_ = Triangular(12e-3, 8e-4, 1e-5)
-    eased, t = section(Eased(groove_, 0.0, 5e-5), 0.0), np.linspace(-5e-4, 5e-4, 101)
+    eased, t = section(EasedDefect(groove_, 0.0, 5e-5), 0.0), np.linspace(-5e-4, 5e-4, 101)
     assert depth_at(eased, t) == pytest.approx(depth_at(section(groove_, 0.0), t), abs=1e-15)
 
 
@@ -320,7 +325,7 @@ def test_easing_an_edge_takes_material_off(defect, part, radius, ramp):
     sharp = at_height(defect, part)
     z = part * defect.length / 2
     t = np.linspace(sharp.pieces[0, 0] - 1e-4, sharp.pieces[-1, 1] + 1e-4, 501)
-    for eased in (Eased(defect, radius, 0.0), Eased(defect, 0.0, ramp)):
+    for eased in (EasedDefect(defect, radius, 0.0), EasedDefect(defect, 0.0, ramp)):
         found = depth_at(section(eased, z), t)
         assert np.all(found >= depth_at(sharp, t) - 1e-12)
         assert found.max() <= depth_at(sharp, t).max() + 1e-6 * defect.depth
@@ -354,11 +359,14 @@ def test_outside_a_defect_there_is_the_race():
 def test_slices_across_a_defect():
     """One for a box, off the middle or not; of one that extends beyond the roller's end what is on it."""
     assert cut_along_roller(Rectangular(3e-3, 1e-3, 1e-5), 12e-3, 6) == [pytest.approx((0.25, 0.0))]
-    assert cut_along_roller(Placed(Rectangular(3e-3, 1e-3, 1e-5), 0.0, 5e-3), 12e-3, 6) == [
+    assert cut_along_roller(ShiftedDefect(Rectangular(3e-3, 1e-3, 1e-5), 0.0, 5e-3), 12e-3, 6) == [
         pytest.approx((2.5 / 12, 4.75e-3))
     ]
-    two = Merged(
-        (Placed(Rectangular(4e-3, 1e-3, 1e-5), 0.0, -1e-3), Placed(Rectangular(4e-3, 1e-3, 1e-5), 5e-4, 1e-3))
+    two = MergedDefects(
+        (
+            ShiftedDefect(Rectangular(4e-3, 1e-3, 1e-5), 0.0, -1e-3),
+            ShiftedDefect(Rectangular(4e-3, 1e-3, 1e-5), 5e-4, 1e-3),
+        )
     )
     weights = [weight for weight, _ in cut_along_roller(two, 12e-3, 6)]
     assert weights == pytest.approx([2 / 12, 2 / 12, 2 / 12])
@@ -395,8 +403,11 @@ def test_a_slice_for_every_place_of_a_roller():
 
 def test_the_sharpest_cusp_of_an_uneven_defect():
     """Between a floor and a wall higher on the right the roller swings over off the middle."""
-    uneven = Merged(
-        (Placed(Rectangular(12e-3, 4e-4, 5e-5), 0.0, 0.0), Placed(Rectangular(12e-3, 4e-4, 2e-7), 4e-4, 0.0))
+    uneven = MergedDefects(
+        (
+            ShiftedDefect(Rectangular(12e-3, 4e-4, 5e-5), 0.0, 0.0),
+            ShiftedDefect(Rectangular(12e-3, 4e-4, 2e-7), 4e-4, 0.0),
+        )
     )
     groups, paths = grouped(uneven, R_OUTER, cut_along_roller(uneven, 12e-3, 6))
     s = np.linspace(-3e-4, 7e-4, 100001)

@@ -5,7 +5,7 @@ import pytest
 
 from bearingsim import assemble
 from bearingsim.core import layout as lay
-from bearingsim.core.advance import Monitor, ready
+from bearingsim.core.advance import Monitor, prepare_first_step
 from bearingsim.core.laws.damping.general import General, Power
 from bearingsim.core.methods.backward_euler import BackwardEuler
 from bearingsim.core.methods.rodas import Rodas
@@ -27,7 +27,7 @@ def follow(model, method, passes=2.0, seed=0):
         y[lay.RADIAL : lay.RADIAL + 13] *= 1.0 + 1e-14 * np.random.default_rng(seed).normal(size=13)
     out = np.empty((len(PLACES), times * round(passes * PASS / INSTANT)))
     if not isinstance(method, Verlet):
-        ready(method, model, 0.0, y)
+        prepare_first_step(method, model, 0.0, y)
     recorded(method, model, Monitor(8, 1.0), 0, y, PLACES, out)
     return out[[2, 3, 6], times - 1 :: times].T, y
 
