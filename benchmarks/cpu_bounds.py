@@ -99,7 +99,7 @@ EXTREMES: dict[str, dict[str, Any]] = {
 PHASES = {
     "check_step": "step check",
     "_record": "features and series",
-    "rest_from_scratch": "equilibrium",
+    "solve_initial_equilibrium": "equilibrium",
     "_record_steps": "steps",
     "simulate": "other",
 }

@@ -26,7 +26,7 @@ from bearingsim.assemble import bending, rest
 from bearingsim.config import Case
 from bearingsim.core.advance import RING_MOTION, Monitor, NoSamples, advance_and_sample, start_at_rest
 from bearingsim.core.methods.verlet import Verlet
-from bearingsim.core.models.equilibrium import rest_from_scratch
+from bearingsim.core.models.equilibrium import solve_initial_equilibrium
 from bearingsim.simulation import SimulationError, limits, simulate
 
 DISPLACED = 0.001 * pi / 180.0
@@ -196,7 +196,7 @@ def cost() -> None:
     for name, rig in rigs.items():
         model = assemble.model(Case.model_validate(base | {"rig": rig}))
         y = assemble.empty_buffer(model)
-        rest_from_scratch(assemble.static_model(model), 0.0, y)
+        solve_initial_equilibrium(assemble.static_model(model), 0.0, y)
         start_at_rest(model, 0.0, y)
         ready[name] = (model, y)
     places, out, best = np.array(RING_MOTION), np.empty((6, 20000)), dict.fromkeys(rigs, 1e9)

@@ -21,7 +21,7 @@ from bearingsim import assemble, load_study, open_results, simulate
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.core.laws.friction.interface import mu
-from bearingsim.core.models.equilibrium import find_rest, rest_from_scratch
+from bearingsim.core.models.equilibrium import solve_equilibrium, solve_initial_equilibrium
 from bearingsim.core.parts.cage import land_drag, orbit_drag
 from bearingsim.plots.style import COLOURS, MARKERS, RC
 
@@ -50,7 +50,7 @@ def loads(model: Any, slip: float) -> Loads:
     still, y, entries = assemble.static_model(model._replace(bearing=b)), assemble.empty_buffer(model), []
     for n in range(CAGE_ANGLES):
         turned = (n + 0.5) / CAGE_ANGLES * 2.0 * pi / b.Z
-        (rest_from_scratch if n == 0 else find_rest)(still, turned / b.omega_c, y)
+        (solve_initial_equilibrium if n == 0 else solve_equilibrium)(still, turned / b.omega_c, y)
         angle = (b.theta_0 + turned + 2.0 * pi * np.arange(b.Z) / b.Z + pi) % (2.0 * pi) - pi
         entries.append([angle, y[lay.Q_I : lay.Q_I + b.Z] / CAGE_ANGLES, y[lay.Q_O : lay.Q_O + b.Z] / CAGE_ANGLES])
     return Loads(*np.concatenate(entries, axis=1))

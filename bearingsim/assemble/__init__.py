@@ -22,12 +22,12 @@ from bearingsim.core.geometry.slices import ZETA
 from bearingsim.core.laws.damping.undamped import Undamped
 from bearingsim.core.methods.interface import MethodKind
 from bearingsim.core.models import spatial
-from bearingsim.core.models.equilibrium import find_in_time, find_rest, rest_from_scratch
+from bearingsim.core.models.equilibrium import solve_equilibrium, solve_in_cpu_time, solve_initial_equilibrium
 from bearingsim.core.models.interface import ModelKind
-from bearingsim.core.models.rest_in_space import mean_rest_in_space, rest_in_space
+from bearingsim.core.models.spatial_equilibrium import mean_spatial_equilibrium, solve_spatial_equilibrium
 from bearingsim.core.models.static import Static
 from bearingsim.core.parameters import Support
-from bearingsim.core.parts.bending import Stiff
+from bearingsim.core.parts.bending import RigidRing
 from bearingsim.errors import UserError
 
 __all__ = [
@@ -152,7 +152,7 @@ def defects_of_case(case: Case) -> Defects:
 def bending_of_case(case: Case) -> Any:
     """Build the bending of the case's outer ring; if there is a carrier, the bracket acts on it."""
     if case.rig.ring is None:
-        return Stiff()
+        return RigidRing()
     ring = bending.ring_parameters(case)
     if bending.has_carrier(case.rig):
         bracket = case.rig.bracket_stiffness, case.rig.bracket_damping, *bracket_anchor(case)
@@ -196,8 +196,8 @@ def anchor_in_space(case: Case) -> tuple[float, float]:
     parts = {name: PARAMETER_BUILDERS[name](case) for name in _made(spatial.Spatial) if name != "support"}
     bearing = undamped(spatial.Spatial(support=free_ring, **parts))
     y = empty_buffer(bearing)
-    find_in_time(rest_from_scratch, static_model(bearing), 0.0, y)
-    rest = mean_rest_in_space(bearing, y)
+    solve_in_cpu_time(solve_initial_equilibrium, static_model(bearing), 0.0, y)
+    rest = mean_spatial_equilibrium(bearing, y)
     return rest.x, rest.y
 
 
@@ -246,8 +246,10 @@ def find_equilibrium(model: Any, t: float, y: np.ndarray, from_scratch: bool = F
     """Find the static equilibrium at ``t`` (s), from the one in ``y`` or from scratch; return the residual force
     (N).
     """
-    left = find_in_time(rest_from_scratch if from_scratch else find_rest, static_model(model), t, y)
-    return rest_in_space(undamped(model), t, y) if isinstance(model, spatial.Spatial) else float(left)
+    left = solve_in_cpu_time(
+        solve_initial_equilibrium if from_scratch else solve_equilibrium, static_model(model), t, y
+    )
+    return solve_spatial_equilibrium(undamped(model), t, y) if isinstance(model, spatial.Spatial) else float(left)
 
 
 def undamped(model: Any) -> Any:

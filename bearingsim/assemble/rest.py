@@ -10,13 +10,13 @@ from bearingsim.core.defects.excitations import Envelope
 from bearingsim.core.defects.pairs import GROUP_WEIGHT, Defects, pack_defects
 from bearingsim.core.geometry.slices import WEIGHT
 from bearingsim.core.laws.damping.undamped import Undamped
-from bearingsim.core.models.equilibrium import Rest, mean_rest, mean_ring_damping
+from bearingsim.core.models.equilibrium import MeanEquilibrium, mean_equilibrium, mean_ring_damping
 from bearingsim.core.models.spatial import Spatial
 from bearingsim.core.models.static import Static
 from bearingsim.core.parameters import Bearing, Support
-from bearingsim.core.parts.bending import Stiff
+from bearingsim.core.parts.bending import RigidRing
 
-STIFF = Stiff()
+RIGID_RING = RigidRing()
 CACHED_RESTS = 1 << 14
 """Number of cached cases, large because a run needs all jobs of a study several times."""
 
@@ -31,12 +31,12 @@ def static_model(model: Any) -> Static:
         groups = defects.groups.copy()
         groups[:, :, GROUP_WEIGHT] *= model.slices.table[:, WEIGHT] if len(groups) else 1.0
         defects = defects._replace(groups=groups)
-    shape = bending.undamped_bending(model.bending) if "bending" in model._fields else Stiff()
+    shape = bending.undamped_bending(model.bending) if "bending" in model._fields else RigidRing()
     return static_bearing(model.bearing, model.support, model.outer, model.inner, defects, shape)
 
 
 def static_bearing(
-    bearing: Bearing, support: Support, outer: Any, inner: Any, defects: Defects, shape: Any = STIFF
+    bearing: Bearing, support: Support, outer: Any, inner: Any, defects: Defects, shape: Any = RIGID_RING
 ) -> Static:
     """Build the static model, with undamped contact laws; shape: bending of the outer ring."""
     return Static(bearing, support, Undamped(outer.stiffness), Undamped(inner.stiffness), defects, shape)
@@ -53,7 +53,7 @@ def largest_load(case: Case) -> float:
     return healthy_rest(case).load
 
 
-def healthy_rest(case: Case) -> Rest:
+def healthy_rest(case: Case) -> MeanEquilibrium:
     """Compute the static equilibrium of the healthy bearing without bracket, over a ball pass."""
     laws = [Undamped(contacts.stiffness(case, on_outer)) for on_outer in (True, False)]
     ring = None if case.rig.ring is None else bending.ring_parameters(case)
@@ -69,13 +69,13 @@ def _rest(
     F: float,
     F_across: float,
     ring: bending.RingParameters | None,
-) -> Rest:
+) -> MeanEquilibrium:
     """Compute ``healthy_rest``, cached; ``named`` distinguishes laws of different types that compare equal."""
     carried = ring is not None and ring.load_path.carried
     free = Support(*((0.0, 0.0) if carried else (F, F_across)), 0.0, 0.0, 0.0, 0.0)
-    bent = Stiff() if ring is None else bending.undamped_bending(bending.made(ring))
+    bent = RigidRing() if ring is None else bending.undamped_bending(bending.made(ring))
     model = static_bearing(of_case, free, outer, inner, pack_defects([], Envelope()), bent)
-    return mean_rest(model, lay.buffer(of_case.Z, of_case.m_r))
+    return mean_equilibrium(model, lay.buffer(of_case.Z, of_case.m_r))
 
 
 def healthy_damping(case: Case) -> tuple[float, float]:

@@ -34,7 +34,7 @@ from bearingsim.core.laws.damping.interface import damping_bound, normal_force, 
 from bearingsim.core.methods.interface import stability_ratio
 from bearingsim.core.models.equilibrium import NoEquilibrium
 from bearingsim.core.models.interface import damping_per_mass, degrees_of_freedom, stiffness_per_mass
-from bearingsim.core.parts.bending import Stiff
+from bearingsim.core.parts.bending import RigidRing
 from bearingsim.cpu_time import bounded
 from bearingsim.errors import Refused
 from bearingsim.simulation.fastest import SEARCH, Rates, fastest_rate, rates_at_rest
@@ -232,7 +232,7 @@ def contacts_alone(healthy: Case) -> tuple[float, float]:
     if healthy.rig.ring is None or not MODELS[healthy.model].has_inertia:
         return loads_at_rest(healthy)[1:]
     model, rates = assemble.model(healthy), []
-    stiff = model._replace(bending=Stiff())
+    stiff = model._replace(bending=RigidRing())
     for _, y, _, _ in rest_states(model):
         for j in range(model.bearing.Z):
             rates.append((stiffness_per_mass(stiff, y, j), damping_per_mass(stiff, y, j)))

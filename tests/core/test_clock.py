@@ -48,7 +48,7 @@ def test_the_search_for_an_equilibrium_ends_by_the_clock() -> None:
     for end in (np.inf, PAST):
         y = assemble.empty_buffer(model)
         y[lay.POSITION + lay.X], y[lay.CPU_END] = far, end
-        equilibrium.find_rest(model, 0.0, y)
+        equilibrium.solve_equilibrium(model, 0.0, y)
         left[end] = y[lay.POSITION + lay.X]
     assert left[np.inf] < 0.1 * far
     assert left[PAST] > 0.8 * far

@@ -47,7 +47,7 @@ from bearingsim.core.models.by_roller import (
     load_roller,
     shared,
 )
-from bearingsim.core.models.differences import accelerate_bodies, roller_moves
+from bearingsim.core.models.differences import accelerate_bodies, is_free_coordinate
 from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, linearise
 from bearingsim.core.models.outer_ring import Turning
@@ -56,7 +56,7 @@ from bearingsim.core.models.ring import Ring
 from bearingsim.core.models.rollers import Rollers
 from bearingsim.core.models.spatial import Spatial
 from bearingsim.core.models.static import Static
-from bearingsim.core.parts.bending import Bending, NoSprings, Springs, Stiff
+from bearingsim.core.parts.bending import Bending, NoSprings, RigidRing, Springs
 from bearingsim.core.parts.cage import Centred, FreeCage, KinematicCage, NoDrag, OilDrag, RingGuided
 from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace
 from bearingsim.core.parts.flanges import Flanges, NoFlanges, RollerInRing
@@ -101,7 +101,7 @@ IN_PLACE_OF: dict[type, type] = {
     NoDrag: OilDrag,
     NoSamples: Samples,
     Still: Verlet,
-    Stiff: Bending,
+    RigidRing: Bending,
     NoSprings: Springs,
 }
 """Types that stand for nothing, and one of the family that each belongs to: some need no implementation at all."""
@@ -122,7 +122,7 @@ EXCEPTIONS: list[tuple[tuple[Any, ...], Any, str]] = [
     (BY_ROLLER, {Static, Impulse, Spatial}, "they have no accelerations, or roll by slices"),
     ((prepare,), {Equilibrium, Impulses}, "they evaluate no accelerations, and start from the state alone"),
     (
-        (accelerate_bodies, roller_moves),
+        (accelerate_bodies, is_free_coordinate),
         {Static, Impulse, Ring, Rollers, Planar},
         "their derivatives are exact, or not needed",
     ),

@@ -8,7 +8,7 @@ from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import RING_MOTION, Monitor, NoSamples, advance_and_sample, start_at_rest
-from bearingsim.core.models.equilibrium import rest_from_scratch
+from bearingsim.core.models.equilibrium import solve_initial_equilibrium
 from bearingsim.core.outcomes import SUCCESS
 
 ON_INNER_RACE, ON_A_ROLLER = {"race": "inner"}, {"race": "roller"}  # of a defect: what carries it
@@ -47,7 +47,7 @@ def weightless(model: Any) -> Any:
 def at_rest(model: Any, t: float = 0.0) -> np.ndarray:
     """A buffer with the model at static equilibrium."""
     y = assemble.empty_buffer(model)
-    assert rest_from_scratch(assemble.static_model(model), t, y) <= 1e-8 * model.support.F
+    assert solve_initial_equilibrium(assemble.static_model(model), t, y) <= 1e-8 * model.support.F
     start_at_rest(model, t, y)
     return y
 

@@ -19,7 +19,7 @@ from bearingsim.core.laws.friction.interface import mu, mu_derivative_bound
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
 from bearingsim.core.laws.stiffness.power_laws import Linear, TenNinths
 from bearingsim.core.methods.rk4 import RungeKutta4
-from bearingsim.core.models.equilibrium import mean_rest, rest_from_scratch
+from bearingsim.core.models.equilibrium import mean_equilibrium, solve_initial_equilibrium
 from bearingsim.core.models.planar import Planar
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parameters import Bearing, Support
@@ -132,7 +132,7 @@ def carried(scene: planar.Scene) -> Planar:
     healthy = static_bearing(
         bearing, Support(load.real, load.imag, 0.0, 0.0, 0.0, 0.0), law, law, pack_defects([], Envelope())
     )
-    rest = mean_rest(healthy, lay.buffer(scene.Z, scene.m_r), samples=16)  # as many as the reference
+    rest = mean_equilibrium(healthy, lay.buffer(scene.Z, scene.m_r), samples=16)  # as many as the reference
     wall = HuntCrossley(Linear(max(scene.pocket_stiffness, 1.0)), scene.pocket_chi)
     free = FreeCage(
         m=scene.cage_mass,
@@ -162,7 +162,7 @@ def at_rest(scene: planar.Scene) -> tuple[Planar, np.ndarray]:
     """The scene as the package's model, and a buffer in its static start."""
     model = carried(scene)
     y = lay.buffer(scene.Z, scene.m_r)
-    assert rest_from_scratch(static_model(model), 0.0, y) <= 1e-8 * abs(scene.load)
+    assert solve_initial_equilibrium(static_model(model), 0.0, y) <= 1e-8 * abs(scene.load)
     if len(scene.eps):
         y[lay.EPS : lay.EPS + scene.Z] = scene.eps
     start_at_rest(model, 0.0, y)

@@ -14,7 +14,7 @@ from bearingsim import assemble
 from bearingsim.config import FEATURES, Case, dataset_names
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import Monitor, advance, advance_and_sample, record
-from bearingsim.core.models.equilibrium import rest_from_scratch
+from bearingsim.core.models.equilibrium import solve_initial_equilibrium
 from bearingsim.core.models.interface import begin
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import channels, choice, time_grid
@@ -140,7 +140,7 @@ def by_hand(given: Case, passes: int) -> tuple[np.ndarray, float]:
     given = choice.resolved(given)
     cut, model = time_grid.grid(given), assemble.model(given)
     y = assemble.empty_buffer(model)
-    rest_from_scratch(assemble.static_model(model), 0.0, y)
+    solve_initial_equilibrium(assemble.static_model(model), 0.0, y)
     begin(model, 0.0, y)
     cells = np.array([channels.cell(name) for name in ROW])
     wide = np.empty((len(ROW), passes * cut.steps_per_pass + 1))
@@ -186,7 +186,7 @@ def test_settle_zero_starts_at_static_equilibrium() -> None:
     given = case(model="rollers", settle=0.0, antialias=False, record=RING, sampling=50e3)
     model = assemble.model(given)
     y = assemble.empty_buffer(model)
-    rest_from_scratch(assemble.static_model(model), 0.0, y)
+    solve_initial_equilibrium(assemble.static_model(model), 0.0, y)
     found = simulate(given)
     assert found.displacement[0].tolist() == y[lay.POSITION : lay.POSITION + 2].tolist()
     assert found.displacement[0, 0] == pytest.approx(-3.4e-7, rel=0.1)

@@ -16,7 +16,7 @@ from bearingsim.core.laws.damping.interface import damping_bound, normal_force, 
 
 PASSAGE_STEPS = 400  # least number, from rim to rim
 PERIOD_STEP = 0.1  # of the time of one radian of contact oscillation
-STEPS_A_LOOK = 4096  # steps between readings of the clock
+STEPS_PER_CHECK = 4096  # steps between readings of the clock
 AFTERWARDS = 10.0  # such times, and one more passage, simulated behind the defect
 
 
@@ -34,7 +34,7 @@ def passage_peak(model, d, delta_o, delta_i, cpu_end):
     longest, end = 2.0 * half / (abs(speed) * PASSAGE_STEPS), 3.0 * half / abs(speed) + AFTERWARDS / resting
     t, x, v, peak = -half / abs(speed), 0.0, 0.0, normal_force(outer, delta_o, 0.0)
     n = 0
-    while t < end and not (n % STEPS_A_LOOK == STEPS_A_LOOK - 1 and is_over(cpu_end)):
+    while t < end and not (n % STEPS_PER_CHECK == STEPS_PER_CHECK - 1 and is_over(cpu_end)):
         n += 1
         s = speed * t
         over_defect = abs(s) < half
@@ -73,7 +73,7 @@ def free_impact(m, law, speed, cpu_end):
     longest = min(LONGEST_IMPACT_STEP, 1e-3 * pi * sqrt(m / stiffness_bound(law, 1e-7, 0.0)))
     delta, v, peak, K, C = FIRST_APPROACH, speed, 0.0, 0.0, 0.0
     n = 0
-    while v > 0.0 and not (n % STEPS_A_LOOK == STEPS_A_LOOK - 1 and is_over(cpu_end)):
+    while v > 0.0 and not (n % STEPS_PER_CHECK == STEPS_PER_CHECK - 1 and is_over(cpu_end)):
         n += 1
         peak = max(peak, normal_force(law, delta, v))
         damping = damping_bound(law, delta, v)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
 from bearingsim.core.methods.interface import MethodKind, no_limit, stability_ratio, step
-from bearingsim.core.models.equilibrium import find_rest
+from bearingsim.core.models.equilibrium import solve_equilibrium
 from bearingsim.core.parts.bending import read_sensor
 
 
@@ -24,7 +24,7 @@ class Equilibrium(NamedTuple):
 def position_at(model, t, y):
     """Find the equilibrium at time ``t`` (s); return the ring's position and a flexible ring's displacement at the
     sensor (m)."""
-    find_rest(model, t, y)
+    solve_equilibrium(model, t, y)
     read_sensor(model.bending, y)
     return y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y], y[lay.SENSOR]
 

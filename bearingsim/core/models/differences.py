@@ -21,7 +21,7 @@ ORBIT = 1  # coordinate of a roller that is an absolute angle in the arrow matri
 
 
 @generic
-def roller_moves(model: Any, i: int) -> bool:
+def is_free_coordinate(model: Any, i: int) -> bool:
     """Check if coordinate ``i`` of a roller is free."""
 
 
@@ -152,7 +152,7 @@ def difference_jacobian(model, t, y):
         (lay.VELOCITY_JACOBIAN, lay.VELOCITY, SPEED),
     ):
         for i in range(own):
-            if roller_moves(model, i):
+            if is_free_coordinate(model, i):
                 cell = block + i * lay.ROW + lay.FIRST_LANE
                 for j in range(b.Z):
                     y[cell + j] += size / by_roller[i]

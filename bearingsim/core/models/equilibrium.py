@@ -26,7 +26,7 @@ from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.laws.stiffness.series import series_share
 from bearingsim.core.models.outer_ring import static_force
 from bearingsim.core.parameters import kinematic_angles, lanes
-from bearingsim.core.parts.bending import Bending, NoSprings, Stiff, bend, bend_race, held_position
+from bearingsim.core.parts.bending import Bending, NoSprings, RigidRing, bend, bend_race, held_position
 
 (K_SERIES,) = lay.rows(lay.WORK, "N/m", "rest bent", "start")  # stiffness of a roller's two contacts in series
 # of the outer contact (of the inner one, one row further): roller-defect pair of the contact (-1 if none), and its
@@ -34,7 +34,7 @@ from bearingsim.core.parts.bending import Bending, NoSprings, Stiff, bend, bend_
 PAIR, _, DISTANCE, _ = lay.rows(lay.WORK + lay.ROW, "1, 1, m, m", "rest bent ring", "evaluation")
 RESIDUAL = 1e-10  # of the load: residual of the search, well under the 1e-8 allowed at the start of a run
 MAX_STEPS = 200
-STEPS_A_LOOK = 16  # steps between two checks of the CPU time and of the rounding error
+STEPS_PER_CHECK = 16  # steps between two checks of the CPU time and of the rounding error
 ROUNDING = 1e-14  # of the largest contact force: rounding error of a net force
 LONGEST_STEP = 1e-5  # m
 LIGHT = 1e-8  # m: first approach of an unloaded roller
@@ -214,7 +214,7 @@ def line_search(model, t, y, d_x, d_y, push):
 
 
 @jit
-def find_rest(model, t, y):
+def solve_equilibrium(model, t, y):
     """Find the static equilibrium of ring and rollers at time ``t`` (s), starting from the ring position in ``y``.
 
     Newton's method on the net force with a line search on the derivative of the energy. Returns the residual force
@@ -235,17 +235,17 @@ def is_futile(size, y):
 
 @generic
 def settle(bending: Any, model: Any, t: float, y: np.ndarray) -> float:
-    """Implement ``find_rest`` for a rigid or a flexible ring, by the type of ``bending``."""
+    """Implement ``solve_equilibrium`` for a rigid or a flexible ring, by the type of ``bending``."""
 
 
-@settle.register(Stiff)
+@settle.register(RigidRing)
 def _settle(bending, model, t, y):
     goal = RESIDUAL * (hypot(model.support.F, model.support.F_across) + 1e-3)
     balance_rollers(model, t, y)
     f_x, f_y = net_force(model, y)
     for n in range(MAX_STEPS):
         size = hypot(f_x, f_y)
-        if size <= goal or (n % STEPS_A_LOOK == STEPS_A_LOOK - 1 and is_futile(size, y)):
+        if size <= goal or (n % STEPS_PER_CHECK == STEPS_PER_CHECK - 1 and is_futile(size, y)):
             break
         k_xx, k_xy, k_yy = ring_stiffness(model, y)
         d_x, d_y = solve_2x2(k_xx, k_xy, k_yy, f_x, f_y)
@@ -280,16 +280,17 @@ def first_guess(model, t, y):
 
 
 @jit
-def rest_from_scratch(model, t, y):
-    """Run ``find_rest`` without an initial guess and with zero velocities. Return the residual force (N)."""
+def solve_initial_equilibrium(model, t, y):
+    """Run ``solve_equilibrium`` from zero displacements and velocities. Return the residual force (N)."""
     y[lay.POSITION : lay.POSITION + lay.STATE] = 0.0
     y[lay.VELOCITY : lay.VELOCITY + lay.STATE] = 0.0
     first_guess(model, t, y)
-    return find_rest(model, t, y)
+    return solve_equilibrium(model, t, y)
 
 
-def find_in_time(find, model, t, y):
-    """Run ``find_rest`` or ``rest_from_scratch`` from Python. Raises OutOfCpuTime at the end of the job's time."""
+def solve_in_cpu_time(find, model, t, y):
+    """Run ``solve_equilibrium`` or ``solve_initial_equilibrium`` from Python. Raises OutOfCpuTime at the
+    end of the job's time."""
 
     def find_until(end):
         y[lay.CPU_END] = end
@@ -308,8 +309,8 @@ def held_body_position(model, y):
     return held_position(model.bending.springs if isinstance(model.bending, Bending) else NoSprings(), y)
 
 
-class Rest(NamedTuple):
-    """Static equilibrium of a bearing over a ball pass.
+class MeanEquilibrium(NamedTuple):
+    """Static equilibrium of a bearing, averaged over a ball pass.
 
     x, y: mean position of the body held by the bracket, the ring or the carrier around it (m); load: largest force
     on a roller (N); approach: sum of the approaches of its two contacts under this force (m); K_x, K_y: mean
@@ -344,15 +345,16 @@ def rests_of_a_pass(model, y, samples):
     """
     pass_time, load = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c), given_load(model)
     for n in range(samples):
-        find = rest_from_scratch if n == 0 else find_rest
-        residual = find_in_time(find, model, (n + 0.5) / samples * pass_time, y)
+        find = solve_initial_equilibrium if n == 0 else solve_equilibrium
+        residual = solve_in_cpu_time(find, model, (n + 0.5) / samples * pass_time, y)
         if not residual <= 1e-8 * load:
             raise NoEquilibrium(f"no static equilibrium: {residual:g} N left of {load:g} N")
         yield n
 
 
-def mean_rest(model, y, samples=32):
-    """Return ``Rest`` of a bearing from ``samples`` equilibria over a ball pass. Raises ``NoEquilibrium``."""
+def mean_equilibrium(model, y, samples=32):
+    """Return ``MeanEquilibrium`` of a bearing from ``samples`` equilibria over a ball pass. Raises
+    ``NoEquilibrium``."""
     Z, rests, loads = model.bearing.Z, [], []
     for _ in rests_of_a_pass(model, y, samples):
         k_xx, _, k_yy = ring_stiffness(model, y)
@@ -361,7 +363,7 @@ def mean_rest(model, y, samples=32):
         loads.append((y[lay.Q_O + most], y[lay.DELTA_O + most] + y[lay.DELTA_I + most]))
     x, z, k_x, k_y = (float(value) for value in np.mean(rests, axis=0))
     load, approach = (float(value) for value in max(loads))
-    return Rest(x, z, load, approach, k_x, k_y)
+    return MeanEquilibrium(x, z, load, approach, k_x, k_y)
 
 
 def mean_ring_damping(model, outer, inner, y, samples=32):

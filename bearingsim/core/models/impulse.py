@@ -18,7 +18,7 @@ import numpy as np
 from bearingsim.core import layout as lay
 from bearingsim.core.defects.crossings import count_crossings
 from bearingsim.core.jit import jit
-from bearingsim.core.models.interface import ModelKind, solved, state_width, update_extremes
+from bearingsim.core.models.interface import ModelKind, register_solved_model, state_width, update_extremes
 from bearingsim.core.parameters import Bearing
 
 
@@ -69,7 +69,7 @@ def free_motion(m, K, C, t, x, v):
     return x * (c + beta * s) + v * s, v * (c - beta * s) - x * K / m * s
 
 
-solved(Impulse)
+register_solved_model(Impulse)
 
 
 @state_width.register(Impulse)

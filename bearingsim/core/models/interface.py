@@ -87,7 +87,7 @@ def linearise(model: Any, t: float, y: np.ndarray) -> None:
     """
 
 
-def solved(parameters: type) -> None:
+def register_solved_model(parameters: type) -> None:
     """Register a model that is solved, not integrated: ``begin`` does nothing, and no body limits the step."""
     begin.register(parameters)(lambda model, t, y: None)
     monitored.register(parameters)(lambda model: 0)

@@ -40,7 +40,7 @@ from bearingsim.core.models.bodies_in_space import accelerate_bodies_of, bodies,
 from bearingsim.core.models.differences import (
     accelerate_bodies,
     difference_jacobian,
-    roller_moves,
+    is_free_coordinate,
 )
 from bearingsim.core.models.extremes import update_largest_forces
 from bearingsim.core.models.interface import (
@@ -313,8 +313,8 @@ def _linearise(model, t, y):
     difference_jacobian(model, t, y)
 
 
-@roller_moves.register(Spatial)
-def _roller_moves(model, i):
+@is_free_coordinate.register(Spatial)
+def _is_free_coordinate(model, i):
     """Check if a coordinate is free: with a kinematic cage only radial position and axis direction are."""
     return i == 0 or i > 3 or cage_constraint(model.cage, 1.0) > 0.0
 

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 from bearingsim.core import layout as lay
 from bearingsim.core.defects.on_roller import roller_at_defect, roller_at_defect_without_slip
 from bearingsim.core.defects.pairs import Defects
-from bearingsim.core.models import bent_rest  # noqa: F401  (registers the equilibrium of a flexible ring)
+from bearingsim.core.models import flexible_equilibrium  # noqa: F401  (registers its equilibrium)
 from bearingsim.core.models.extremes import update_forces
-from bearingsim.core.models.interface import ModelKind, solved, state_width, update_extremes
+from bearingsim.core.models.interface import ModelKind, register_solved_model, state_width, update_extremes
 from bearingsim.core.parameters import Bearing, Support
 
 
@@ -31,7 +31,7 @@ class Static(NamedTuple):
     bending: Any
 
 
-solved(Static)
+register_solved_model(Static)
 roller_at_defect.register(Static)(roller_at_defect_without_slip)
 update_extremes.register(Static)(update_forces)
 

@@ -28,7 +28,7 @@ from bearingsim.core.vectors import sum_harmonics, sum_rollers
 
 
 @absent
-class Stiff(NamedTuple):
+class RigidRing(NamedTuple):
     """Rigid outer ring."""
 
 

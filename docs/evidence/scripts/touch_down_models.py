@@ -20,7 +20,7 @@ from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, state_width, update_extremes
 from bearingsim.core.models.rollers import Rollers
 from bearingsim.core.parameters import Bearing, Support
-from bearingsim.core.parts.bending import Stiff
+from bearingsim.core.parts.bending import RigidRing
 
 NAMES = {
     "verlet": Verlet,
@@ -127,7 +127,7 @@ KNOWN: dict[str, Any] = {"nothing": BlindRollers, "cusps": Rollers, "contacts": 
 @jit
 def plain(model):
     """The model as the package has it."""
-    return Rollers(model.bearing, model.support, model.outer, model.inner, model.defects, Stiff())
+    return Rollers(model.bearing, model.support, model.outer, model.inner, model.defects, RigidRing())
 
 
 for _model in (LocatedRollers, BlindRollers):

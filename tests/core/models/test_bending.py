@@ -13,7 +13,7 @@ from bearingsim.assemble import bending
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import start_at_rest
-from bearingsim.core.models.equilibrium import rest_from_scratch
+from bearingsim.core.models.equilibrium import solve_initial_equilibrium
 from bearingsim.core.models.interface import accelerations, read_sensor, state_width
 from bearingsim.core.parameters import lanes
 from bearingsim.core.parts import bending as core
@@ -96,7 +96,7 @@ def at_random(found: Case, seed: int, t: float = 0.0, apart: float = 1e-7) -> Sc
     """``found`` somewhere near its rest: places by ``apart`` (m), velocities by 1 mm/s."""
     model, draw = assemble.model(found), np.random.default_rng(seed)
     y = assemble.empty_buffer(model)
-    rest_from_scratch(assemble.static_model(model), t, y)
+    solve_initial_equilibrium(assemble.static_model(model), t, y)
     Z, H = model.bearing.Z, model.bending.of_harmonic.shape[1]
     cells = [lay.X, lay.Y, *range(lay.FIRST_LANE, lay.FIRST_LANE + Z)]
     for row, mass in ((lay.MODES_C, core.PER_MASS_C), (lay.MODES_S, core.PER_MASS_S)):
@@ -282,7 +282,7 @@ def test_the_step_limit_counts_what_rollers_do_together(bearing, harmonics):
     found = case(harmonics, bearing=bearing, clearance="-20 um", defect=None, rig={"bracket_damping": "0 N s/m"})
     model = assemble.model(found)
     y = assemble.empty_buffer(model)
-    rest_from_scratch(assemble.static_model(model), 0.0, y)
+    solve_initial_equilibrium(assemble.static_model(model), 0.0, y)
     K, C = start_at_rest(model, 0.0, y)
     b, modes = model.bearing, model.bending.of_harmonic
     cells = [lay.X, lay.Y, *range(lay.FIRST_LANE, lay.FIRST_LANE + b.Z)]
@@ -330,7 +330,7 @@ def test_the_path_at_rest_is_that_of_the_independent_solution(load):
     theirs = bent_static.over(scene, turned, bent_static.anchored(scene))
     y, found = assemble.empty_buffer(model), []
     for angle in turned:
-        left = rest_from_scratch(model, (angle - model.bearing.theta_0) / model.bearing.omega_c, y)
+        left = solve_initial_equilibrium(model, (angle - model.bearing.theta_0) / model.bearing.omega_c, y)
         assert left <= 1e-8 * 150.0
         core.read_sensor(model.bending, y)
         found.append(y[lay.SENSOR])
@@ -414,6 +414,6 @@ def test_doubling_the_springs_of_a_housing_changes_little(monkeypatch):
 def test_a_rigid_ring_knows_nothing_of_it():
     """Its model has no harmonics, and its state is as wide as before."""
     model = assemble.model(case(0))
-    assert isinstance(model.bending, core.Stiff)
+    assert isinstance(model.bending, core.RigidRing)
     assert core.harmonics(model.bending) == 0
     assert state_width(model) == lay.FIRST_LANE + lanes(model.bearing)

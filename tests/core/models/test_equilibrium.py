@@ -22,8 +22,8 @@ from bearingsim.core.models.equilibrium import (
     PAIR,
     ROUNDING,
     is_futile,
-    rest_from_scratch,
     roller_balance,
+    solve_initial_equilibrium,
 )
 from tests.independent import rollers
 from tests.scenes.nf308 import SLOT, at_rest, case, weightless
@@ -53,7 +53,7 @@ def unsupported(Z=13, load=150.0, clearance=0.0, first=0.0, model="static", **gi
 
 def forces(model):
     y = lay.buffer(model.bearing.Z, model.bearing.m_r)
-    assert rest_from_scratch(assemble.static_model(model), 0.0, y) <= 1e-8 * model.support.F
+    assert solve_initial_equilibrium(assemble.static_model(model), 0.0, y) <= 1e-8 * model.support.F
     return y[lay.Q_O : lay.Q_O + model.bearing.Z], y
 
 
@@ -108,7 +108,7 @@ def test_forces_balance_at_every_angle_load_and_clearance(load, clearance, first
     found = assemble.model(case(load=load, clearance=clearance, start_angle=first, model=model, defect=defect))
     y = at_rest(found) if model == "static" else forces(found)[1]
     if model == "static":
-        rest_from_scratch(assemble.static_model(found), 0.0, y)
+        solve_initial_equilibrium(assemble.static_model(found), 0.0, y)
     angle = first + 2 * pi * np.arange(13) / 13
     Q = y[lay.Q_O : lay.Q_O + 13]
     spring = found.support.k_b * (y[lay.POSITION + lay.X] - found.support.x_0)
@@ -134,7 +134,7 @@ def test_the_bracket_takes_no_share_of_the_load():
     pull = []
     for n in range(32):
         y = lay.buffer(13, model.bearing.m_r)
-        rest_from_scratch(assemble.static_model(model), (n + 0.5) / 32 / 159.0, y)
+        solve_initial_equilibrium(assemble.static_model(model), (n + 0.5) / 32 / 159.0, y)
         pull.append(model.support.k_b * (y[lay.POSITION + lay.X] - model.support.x_0))
     assert abs(np.mean(pull)) < 0.005 * model.support.F
 
@@ -159,7 +159,7 @@ def resting(speed, model="static", **given):
     """A model at ``speed`` (rpm), 150 N and 20 um of clearance, at rest: its buffer, outer and inner forces."""
     found = assemble.model(case(model=model, speed=f"{speed} rpm", clearance="20 um", **given))
     y = assemble.empty_buffer(found)
-    assert rest_from_scratch(assemble.static_model(found), 0.0, y) < 1e-7
+    assert solve_initial_equilibrium(assemble.static_model(found), 0.0, y) < 1e-7
     return found, y, y[lay.Q_O : lay.Q_O + 13], y[lay.Q_I : lay.Q_I + 13]
 
 

@@ -10,9 +10,9 @@ from bearingsim.core.advance import Monitor, start_at_rest
 from bearingsim.core.geometry.slices import WEIGHT
 from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
-from bearingsim.core.models.equilibrium import rest_from_scratch
+from bearingsim.core.models.equilibrium import solve_initial_equilibrium
 from bearingsim.core.models.interface import accelerations, update_extremes
-from bearingsim.core.models.rest_in_space import rest_in_space
+from bearingsim.core.models.spatial_equilibrium import solve_spatial_equilibrium
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parts.mounts import RigidMount
 from tests.scenes.nf308 import case, recorded
@@ -26,8 +26,8 @@ def shaken():
     planar = assemble.with_friction_lag(assemble.model(case(model="planar")), 3e-6)
     model = in_space(planar, even(4), mount_o=RigidMount(3e-4, -2e-4), mount_i=RigidMount(0.0, 1e-4))
     y = empty(model)
-    rest_from_scratch(assemble.static_model(model), 0.0, y)
-    assert rest_in_space(model, 0.0, y) < 1e-8 * model.support.F
+    solve_initial_equilibrium(assemble.static_model(model), 0.0, y)
+    assert solve_spatial_equilibrium(model, 0.0, y) < 1e-8 * model.support.F
     y[lay.RADIAL : lay.RADIAL + 13] += SHOVED * y[lay.SIN : lay.SIN + 13]
     start_at_rest(model, 0.0, y)
     return model, y

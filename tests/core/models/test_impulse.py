@@ -38,7 +38,7 @@ from bearingsim.core.defects.pairs import (
 from bearingsim.core.jit import jit
 from bearingsim.core.methods.impulses import Impulses
 from bearingsim.core.methods.interface import step
-from bearingsim.core.models.equilibrium import find_rest, rest_from_scratch, ring_stiffness
+from bearingsim.core.models.equilibrium import ring_stiffness, solve_equilibrium, solve_initial_equilibrium
 from bearingsim.core.models.impulse import Impulse, free_motion
 from tests.scenes.defect_maps import SHAPES
 from tests.scenes.nf308 import case
@@ -359,7 +359,7 @@ def healthy_and_struck(one):
     for model in (healthy, healthy._replace(defects=pack_defects([one], Envelope()))):
         y, places = assemble.empty_buffer(model), np.empty((2, count))
         for n in range(count):
-            (find_rest if n else rest_from_scratch)(model, (n + 1) / count * PASS, y)
+            (solve_equilibrium if n else solve_initial_equilibrium)(model, (n + 1) / count * PASS, y)
             places[:, n] = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
             if model is healthy:
                 stiffness += np.array(ring_stiffness(model, y)) / count

@@ -29,7 +29,7 @@ from bearingsim.core.defects.pairs import (
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.stiffness.power_laws import iso16281
 from bearingsim.core.methods.rk4 import RungeKutta4
-from bearingsim.core.models.equilibrium import rest_from_scratch
+from bearingsim.core.models.equilibrium import solve_initial_equilibrium
 from bearingsim.core.models.interface import accelerations
 from bearingsim.core.parameters import kinematic_angles
 from bearingsim.simulation import time_grid
@@ -275,7 +275,7 @@ def test_a_roller_between_defects_of_unequal_races(races, name):
     defects = [SLOT | {"width": "0.1 mm", "length": "6 mm", "race": race} for race in races]
     model = unequal(assemble.model(case(model=name, defects=defects, start_angle=0.0)), 3.0)
     y, k_o, k_i = assemble.empty_buffer(model), model.outer.stiffness.k, model.inner.stiffness.k
-    assert rest_from_scratch(assemble.static_model(model), 0.0, y) < 1e-6
+    assert solve_initial_equilibrium(assemble.static_model(model), 0.0, y) < 1e-6
     h_o = (0.05e-3) ** 2 / (2 * R_OUTER) if "outer" in races else 0.0
     h_i = (0.05e-3) ** 2 / (2 * R_INNER)
 
@@ -308,7 +308,7 @@ def test_iso16281_with_two_rollers_at_one_place():
     angle = np.append(2 * pi * np.arange(12) / 12, 0.0)
     y = lay.buffer(13, 0.0)
     y[lay.COS_0 : lay.COS_0 + 13], y[lay.SIN_0 : lay.SIN_0 + 13] = np.cos(angle), np.sin(angle)
-    assert rest_from_scratch(assemble.static_model(model), 0.0, y) < 1e-5
+    assert solve_initial_equilibrium(assemble.static_model(model), 0.0, y) < 1e-5
     assert y[lay.Q_O : lay.Q_O + 13].max() == pytest.approx(967.7, rel=2e-4)
 
 
@@ -347,7 +347,7 @@ def test_fast_rollers_press_outwards():
     """12 000 rpm: each presses on the outer race with m_r omega_c^2 r more than on the inner, loaded or not."""
     model = assemble.model(case(model="rollers", speed="12000 rpm", clearance="20 um"))
     b, y = model.bearing, assemble.empty_buffer(model)
-    assert rest_from_scratch(assemble.static_model(model), 0.0, y) < 1e-6
+    assert solve_initial_equilibrium(assemble.static_model(model), 0.0, y) < 1e-6
     outward = b.m_r * b.omega_c**2 * ((b.R_o + b.R_i) / 2 + y[lay.RADIAL : lay.RADIAL + 13])
     free = y[lay.Q_I : lay.Q_I + 13] == 0.0
     assert 8 <= free.sum() <= 11

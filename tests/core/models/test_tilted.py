@@ -14,10 +14,15 @@ from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.friction.curves import StaticDynamic
 from bearingsim.core.laws.stiffness.power_laws import Linear, TenNinths
 from bearingsim.core.methods.rk4 import RungeKutta4
-from bearingsim.core.models.equilibrium import rest_from_scratch
+from bearingsim.core.models.equilibrium import solve_initial_equilibrium
 from bearingsim.core.models.interface import damping_per_mass
-from bearingsim.core.models.rest_in_space import balance, eliminate, mean_rest_in_space, rest_in_space
-from bearingsim.core.models.still_in_space import room
+from bearingsim.core.models.spatial_equilibrium import (
+    balance,
+    eliminate,
+    mean_spatial_equilibrium,
+    solve_spatial_equilibrium,
+)
+from bearingsim.core.models.spatial_residuals import room
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parts.flanges import Flanges, NoFlanges, axial_position, half_chord
 from bearingsim.core.parts.mounts import RigidMount
@@ -90,8 +95,8 @@ def at_rest(model):
     y = empty(model)
     given = model.bearing
     y[lay.INVERSE_MASS : lay.INVERSE_MASS + given.Z] = 1 / given.m_r
-    rest_from_scratch(assemble.static_model(model), 0.0, y)
-    left = rest_in_space(model, 0.0, y)
+    solve_initial_equilibrium(assemble.static_model(model), 0.0, y)
+    left = solve_spatial_equilibrium(model, 0.0, y)
     return y, left / abs(model.support.F)
 
 
@@ -175,8 +180,8 @@ def test_the_mean_rest_of_a_misaligned_bearing():
     model = in_space(planar, even(6), mount_o=MISALIGNED)
     free = model._replace(support=model.support._replace(k_b=0.0))
     y, _ = at_rest(model)
-    found = mean_rest_in_space(free, y, samples=8)
-    straight = mean_rest_in_space(free._replace(mount_o=RigidMount(0.0, 0.0)), y, samples=8)
+    found = mean_spatial_equilibrium(free, y, samples=8)
+    straight = mean_spatial_equilibrium(free._replace(mount_o=RigidMount(0.0, 0.0)), y, samples=8)
     assert straight.x == pytest.approx(planar.support.x_0, rel=1e-3)
     assert straight.load == pytest.approx(assemble.rest.largest_load(case(model="planar")), rel=1e-2)
     assert found.x != pytest.approx(straight.x, rel=1e-2)
@@ -316,7 +321,7 @@ def test_equations_are_solved_whatever_the_order_of_their_rows():
 def test_the_search_for_a_rest_ends_with_the_cpu_time_of_its_job():
     model = misaligned()
     y = empty(model)
-    rest_from_scratch(assemble.static_model(model), 0.0, y)
+    solve_initial_equilibrium(assemble.static_model(model), 0.0, y)
     y[lay.CPU_END] = 1e-9
     assert balance(room(13), model, 0.0, y) > 1e-8 * model.support.F
     y[lay.CPU_END] = np.inf

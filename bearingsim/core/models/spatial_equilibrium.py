@@ -26,8 +26,8 @@ from bearingsim.core.clock import is_over
 from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.jit import jit
 from bearingsim.core.models.bodies_in_space import hold_mounted_rings
-from bearingsim.core.models.equilibrium import NoEquilibrium, find_in_time, solve_2x2
-from bearingsim.core.models.still_in_space import (
+from bearingsim.core.models.equilibrium import NoEquilibrium, solve_2x2, solve_in_cpu_time
+from bearingsim.core.models.spatial_residuals import (
     CELLS,
     RINGS,
     arm,
@@ -206,7 +206,7 @@ def balance(arrays, model, t, y):
     return max(size, largest_force(s, arrays))
 
 
-def rest_in_space(model: Any, t: float, y: np.ndarray, tilted: bool = False) -> float:
+def solve_spatial_equilibrium(model: Any, t: float, y: np.ndarray, tilted: bool = False) -> float:
     """Find the static equilibrium of rings and rollers at time ``t`` (s), starting from an equilibrium in ``y``.
 
     tilted: whether ``y`` is an equilibrium in space, with tilted rollers, not one in the plane.
@@ -219,14 +219,14 @@ def rest_in_space(model: Any, t: float, y: np.ndarray, tilted: bool = False) -> 
     y[lay.VELOCITY : lay.VELOCITY + lay.STATE] = 0.0
     if not tilted:
         y[lay.TILT : lay.TILT + b.Z] = 0.0
-    left = float(find_in_time(partial(balance, room(b.Z)), model, t, y))
+    left = float(solve_in_cpu_time(partial(balance, room(b.Z)), model, t, y))
     orbit = b.omega_c * kinematic_time(model.motion, t)[1]
     y[lay.AXIS_X_V : lay.AXIS_X_V + b.Z] = -orbit * y[lay.AXIS_Y : lay.AXIS_Y + b.Z]
     y[lay.AXIS_Y_V : lay.AXIS_Y_V + b.Z] = orbit * y[lay.AXIS_X : lay.AXIS_X + b.Z]
     return left
 
 
-class MeanRest(NamedTuple):
+class MeanSpatialEquilibrium(NamedTuple):
     """Static equilibrium over a ball pass: mean position of the ring (m), largest force on a roller (N)."""
 
     x: float
@@ -234,8 +234,10 @@ class MeanRest(NamedTuple):
     load: float
 
 
-def mean_rest_in_space(model: Any, y: np.ndarray, samples: int = 32) -> MeanRest:
-    """Return ``MeanRest`` from ``samples`` equilibria over a ball pass; ``y``: a buffer in plane equilibrium.
+def mean_spatial_equilibrium(model: Any, y: np.ndarray, samples: int = 32) -> MeanSpatialEquilibrium:
+    """Return ``MeanSpatialEquilibrium`` from ``samples`` equilibria over a ball pass.
+
+    ``y``: a buffer in plane equilibrium.
 
     Raises ``NoEquilibrium`` if an equilibrium is not found to 1e-8 of the load.
     """
@@ -243,9 +245,9 @@ def mean_rest_in_space(model: Any, y: np.ndarray, samples: int = 32) -> MeanRest
     pass_time = 2.0 * np.pi / (b.Z * b.omega_c)
     load, rests = hypot(model.support.F, model.support.F_across), []
     for n in range(samples):
-        residual = rest_in_space(model, (n + 0.5) / samples * pass_time, y, tilted=n > 0)
+        residual = solve_spatial_equilibrium(model, (n + 0.5) / samples * pass_time, y, tilted=n > 0)
         if not residual <= 1e-8 * load:
             raise NoEquilibrium(f"no static equilibrium in space: {residual:g} N left of {load:g} N")
         rests.append((y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y], y[lay.Q_O : lay.Q_O + b.Z].max()))
     x, across, _ = (float(value) for value in np.mean(rests, axis=0))
-    return MeanRest(x, across, float(max(most for _, _, most in rests)))
+    return MeanSpatialEquilibrium(x, across, float(max(most for _, _, most in rests)))

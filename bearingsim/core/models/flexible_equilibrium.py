@@ -20,7 +20,7 @@ from bearingsim.core.models.equilibrium import (
     K_SERIES,
     MAX_STEPS,
     RESIDUAL,
-    STEPS_A_LOOK,
+    STEPS_PER_CHECK,
     balance_rollers,
     is_futile,
     net_force,
@@ -239,7 +239,7 @@ def _settle(bending, model, t, y):
     balance_rollers(model, t, y)
     size = fill_force(bending, model, y)
     for n in range(MAX_STEPS):
-        if size <= goal or (n % STEPS_A_LOOK == STEPS_A_LOOK - 1 and is_futile(size, y)):
+        if size <= goal or (n % STEPS_PER_CHECK == STEPS_PER_CHECK - 1 and is_futile(size, y)):
             break
         push = choose_way(bending, model, y)
         size = search_along(bending, model, t, y, push)
