@@ -76,7 +76,7 @@ def test_a_job_that_cannot_fit_is_refused_before_it_runs(monkeypatch: pytest.Mon
     study: Any = SimpleNamespace(
         jobs=lambda: [SimpleNamespace(case=given, swept={}, is_baseline=False, is_variation=False)], units={}
     )
-    (text,) = plan_of(study, 1).refused
+    (text,) = plan_of(study, 1).refusal_texts
     assert "GB of memory" in text
     assert "use a shorter `duration`" in text
 

@@ -14,8 +14,7 @@ import typer
 from bearingsim import __version__, blas_threads
 from bearingsim.cli import streams
 from bearingsim.cli.group import Commands
-from bearingsim.cli.opening import job_meant, near, reading
-from bearingsim.cli.opening import opened as opened_results
+from bearingsim.cli.opening import find_job, find_results, reads_results, short_path
 from bearingsim.interruption import interrupt
 from bearingsim.text.patience import patient
 from bearingsim.text.terminal import say
@@ -123,22 +122,22 @@ def check(
         raise typer.BadParameter("name a study file (or --schema)", param_hint="STUDY")
     from bearingsim.cli import plan, plan_table
 
-    loaded = _loaded(study, set_, quick)
-    if pilots and loaded.goal is None:
+    loaded_study = _load(study, set_, quick)
+    if pilots and loaded_study.goal is None:
         raise typer.BadParameter("the study has no `accuracy`, so no model is chosen", param_hint="--pilots")
-    if loaded.goal is not None:
+    if loaded_study.goal is not None:
         from bearingsim import runner
 
-        loaded = runner.with_models(loaded, out, jobs, try_them=pilots)
+        loaded_study = runner.with_models(loaded_study, out, jobs, try_them=pilots)
     with patient(seconds=SILENCE_S) as patience:
-        priced = plan.plan_of(loaded, jobs, patience)
+        study_plan = plan.plan_of(loaded_study, jobs, patience)
     if as_json:
-        say(plan_table.as_json(priced))
+        say(plan_table.as_json(study_plan))
     else:
-        plan_table.show(priced, verbose=_verbose(ctx))
-    for refused in priced.refused:
-        say(f"{study}: {refused}", err=True)
-    if priced.refused:
+        plan_table.show(study_plan, verbose=_verbose(ctx))
+    for text in study_plan.refusal_texts:
+        say(f"{study}: {text}", err=True)
+    if study_plan.refusal_texts:
         raise typer.Exit(2)
 
 
@@ -174,28 +173,31 @@ def run(
 
     Exit code 1 if any job failed or was skipped; finished jobs are kept.
     """
-    share = _share(shard)
-    failures, cpu = _most_failures(fail_fast, max_failures), _time("--max-cpu", max_cpu) if max_cpu else inf
-    if fresh and share != (1, 1):
+    shard_numbers = _parse_shard(shard)
+    failure_limit, cpu_limit = (
+        _max_failures(fail_fast, max_failures),
+        _parse_time("--max-cpu", max_cpu) if max_cpu else inf,
+    )
+    if fresh and shard_numbers != (1, 1):
         raise typer.BadParameter(FRESH_SHARD, param_hint="--fresh")
     from bearingsim import runner
 
     summary = None
-    if share == (1, 1) and not (fresh or verify):
-        summary = runner.finished(study, out, dict(map(_assignment, set_ or [])), quick)
+    if shard_numbers == (1, 1) and not (fresh or verify):
+        summary = runner.finished(study, out, dict(map(_parse_assignment, set_ or [])), quick)
     if summary is None:
-        loaded = _loaded(study, set_, quick)
+        loaded_study = _load(study, set_, quick)
         summary = runner.run(
-            loaded,
+            loaded_study,
             out,
             jobs,
             fresh=fresh,
             retry_failed=retry_failed,
-            shard=share,
+            shard=shard_numbers,
             verify=verify,
             scheduler=scheduler,
-            max_failures=failures,
-            max_cpu=cpu,
+            max_failures=failure_limit,
+            max_cpu=cpu_limit,
         )
     from bearingsim.cli import ending
 
@@ -204,7 +206,7 @@ def run(
 
 
 @app.command()
-@reading
+@reads_results
 def plot(
     results: Results = None,
     kind: Annotated[
@@ -240,28 +242,28 @@ def plot(
     from bearingsim import plots
     from bearingsim.plots.plot import ALL, FORMATS
 
-    _one_of("--kind", kind, plots.KINDS)
-    _one_of("--format", file_format, FORMATS)
-    opened = opened_results(results)
-    ids = [ALL] if job == [ALL] else [job_meant(opened, word) for word in job or []]
-    chosen = dict(_assignment(word, "--where") for word in where or [])
-    changes = {
+    _check_choice("--kind", kind, plots.KINDS)
+    _check_choice("--format", file_format, FORMATS)
+    study_results = find_results(results)
+    ids = [ALL] if job == [ALL] else [find_job(study_results, text) for text in job or []]
+    filters = dict(_parse_assignment(text, "--where") for text in where or [])
+    options = {
         "y": y,
         "by": by,
         "panels": panels,
-        "where": chosen,
-        "span": _time("--span", span) if span else None,
+        "where": filters,
+        "span": _parse_time("--span", span) if span else None,
     }
-    with warnings.catch_warnings(record=True) as left_out:
+    with warnings.catch_warnings(record=True) as recorded_warnings:
         warnings.simplefilter("always", plots.PlotWarning)
-        files = plots.plot(opened, kind, x, ids, file_format, out, **changes)
-    say("\n".join(map(near, files)))
-    for warning in left_out:
+        files = plots.plot(study_results, kind, x, ids, file_format, out, **options)
+    say("\n".join(map(short_path, files)))
+    for warning in recorded_warnings:
         say(str(warning.message), err=True)
 
 
 @app.command()
-@reading
+@reads_results
 def show(
     results: Results = None,
     failed: Annotated[bool, typer.Option("--failed", help="list failed jobs, with reason and advice")] = False,
@@ -274,20 +276,20 @@ def show(
     """Print a table of the jobs with swept parameters, status and features."""
     from bearingsim.cli import tables
 
-    opened = opened_results(results)
+    study_results = find_results(results)
     if assumptions:
-        tables.show_assumptions(opened)
+        tables.show_assumptions(study_results)
     elif failed and not as_json:
-        tables.show_failures(opened.path)
+        tables.show_failures(study_results.path)
     else:
-        tables.show_jobs(opened, columns or [], failed, as_json)
+        tables.show_jobs(study_results, columns or [], failed, as_json)
 
 
 @app.command()
-@reading
+@reads_results
 def sensitivity(
     results: Results = None,
-    of: Annotated[
+    features: Annotated[
         list[str] | None,
         typer.Option("--of", metavar="FEATURE", help="default: amplitude at the defect frequency; repeatable"),
     ] = None,
@@ -298,13 +300,13 @@ def sensitivity(
     as_json: Json = False,
 ) -> None:
     """Rank parameters by their influence on a feature: Sobol' indices or Morris effects, with intervals."""
-    from bearingsim.cli import sensitivity as deciding
+    from bearingsim.cli import sensitivity as sensitivity_command
 
-    deciding.show(opened_results(results), of or [], as_json, out)
+    sensitivity_command.show(find_results(results), features or [], as_json, out)
 
 
 @app.command()
-@reading
+@reads_results
 def export(
     results: Results = None,
     features: Annotated[
@@ -325,17 +327,17 @@ def export(
     """Write features to csv or parquet, or the time series of chosen jobs to csv or mat."""
     from bearingsim.cli import exporting
 
-    opened = opened_results(results)
-    ids = [job_meant(opened, word) for word in series or []]
+    study_results = find_results(results)
+    ids = [find_job(study_results, text) for text in series or []]
     exporting.check(features, ids, out, file_format)
-    written = []
+    files = []
     if features or not ids:
-        written.append(exporting.features(opened, features, None if ids else file_format, force))
+        files.append(exporting.features(study_results, features, None if ids else file_format, force))
     if ids:
-        written.append(exporting.series(opened, ids, out, file_format, force))
-    for path in written:
+        files.append(exporting.series(study_results, ids, out, file_format, force))
+    for path in files:
         if path != exporting.STDOUT:
-            say(near(path), err=exporting.STDOUT in written)
+            say(short_path(path), err=exporting.STDOUT in files)
 
 
 @app.command()
@@ -349,7 +351,7 @@ def merge(
     from bearingsim import store
 
     say(str(store.merge(folders, out)))
-    say(f"results: {near(out)}")
+    say(f"results: {short_path(out)}")
 
 
 @app.command()
@@ -363,15 +365,15 @@ def prune(
     """Remove results that are no longer in the plan, and damaged and temporary files."""
     from bearingsim import store
 
-    root = opened_results(results).path
-    superfluous = store.superfluous(root) if dry_run else store.prune(root)
+    root = find_results(results).path
+    leftovers = store.superfluous(root) if dry_run else store.prune(root)
     if _verbose(ctx):
-        for path in superfluous.paths:
-            say(near(path))
-    say(str(superfluous))
-    if superfluous.paths:
-        later = f"nothing is removed yet; to remove: bearingsim prune {near(root)} --no-dry-run"
-        say(later if dry_run else "removed")
+        for path in leftovers.paths:
+            say(short_path(path))
+    say(str(leftovers))
+    if leftovers.paths:
+        note = f"nothing is removed yet; to remove: bearingsim prune {short_path(root)} --no-dry-run"
+        say(note if dry_run else "removed")
 
 
 @app.command()
@@ -384,8 +386,8 @@ def warm(
     from bearingsim.cli.warm import compile_solver
 
     with patient(seconds=SILENCE_S) as patience:
-        compiled = compile_solver(study, patience)
-    say(f"compiled and in the cache: {compiled}")
+        models = compile_solver(study, patience)
+    say(f"compiled and in the cache: {models}")
 
 
 @app.command()
@@ -438,9 +440,9 @@ def stability(
     jobs: Jobs = 1,
 ) -> None:
     """Map where each integrator fails, over step, stiffness, damping and defect, as a CSV file and figures."""
-    from bearingsim.cli import stability as mapping
+    from bearingsim.cli import stability as stability_command
 
-    mapping.show(model, method, defect, quick, out, jobs or 1)
+    stability_command.show(model, method, defect, quick, out, jobs or 1)
 
 
 @app.command()
@@ -457,40 +459,42 @@ def bench(
     jobs: Jobs = 1,
 ) -> None:
     """Chart speed against accuracy of models and integrators over their steps or tolerances."""
-    from bearingsim.cli import bench as charting
+    from bearingsim.cli import bench as bench_command
 
-    charting.show(study, scene or [], quick, out, jobs or 1)
+    bench_command.show(study, scene or [], quick, out, jobs or 1)
 
 
 def _verbose(ctx: typer.Context) -> bool:
     return bool(ctx.find_root().params["verbose"])
 
 
-def _loaded(path: Path, assignments: list[str] | None, quick: bool) -> "Study":
+def _load(path: Path, assignments: list[str] | None, quick: bool) -> "Study":
     """Load a study, with the assignments of `--set`."""
     from bearingsim.study import load_study
 
     with patient(seconds=SILENCE_S) as patience:
-        overrides = dict(map(_assignment, assignments or []))
-        study = load_study(path, overrides, quick, lambda count: patience.begin(f"reading {grouped(count)} cases"))
+        overrides = dict(map(_parse_assignment, assignments or []))
+        study = load_study(
+            path, overrides, quick, lambda count: patience.begin(f"reading {group_digits(count)} cases")
+        )
     if quick and not study.quick:
         say(f"{path} has no `quick:` section, so this is the whole study", err=True)
     return study
 
 
-def grouped(count: int) -> str:
+def group_digits(count: int) -> str:
     """Format a count with its digits in groups of three: `36 000`."""
     return f"{count:,}".replace(",", " ")
 
 
-def _assignment(text: str, option: str = "--set") -> tuple[str, str]:
+def _parse_assignment(text: str, option: str = "--set") -> tuple[str, str]:
     path, _, value = text.partition("=")
     if not path.strip() or not value.strip():
         raise typer.BadParameter(f"expected PATH=VALUE such as `load=200 N`, got `{text}`", param_hint=option)
     return path.strip(), value.strip()
 
 
-def _time(option: str, text: str) -> float:
+def _parse_time(option: str, text: str) -> float:
     from bearingsim.text.units import UnitError, parse
 
     try:
@@ -502,7 +506,7 @@ def _time(option: str, text: str) -> float:
     return seconds
 
 
-def _most_failures(fail_fast: bool, max_failures: int | None) -> float:
+def _max_failures(fail_fast: bool, max_failures: int | None) -> float:
     if fail_fast and max_failures:
         raise typer.BadParameter(
             "already stops at the first failure; omit `--max-failures`", param_hint="--fail-fast"
@@ -510,14 +514,14 @@ def _most_failures(fail_fast: bool, max_failures: int | None) -> float:
     return 1 if fail_fast else max_failures or inf
 
 
-def _share(text: str) -> tuple[int, int]:
+def _parse_shard(text: str) -> tuple[int, int]:
     k, _, n = text.partition("/")
     if not (k.isdecimal() and n.isdecimal() and 1 <= int(k) <= int(n)):
         raise typer.BadParameter(f"expected K/N such as 1/4, got `{text}`", param_hint="--shard")
     return int(k), int(n)
 
 
-def _one_of(option: str, word: str, choices: tuple[str, ...]) -> None:
-    if word not in choices:
-        words = f"{', '.join(choices[:-1])} or {choices[-1]}"
-        raise typer.BadParameter(f"expected {words}, got `{word}`", param_hint=option)
+def _check_choice(option: str, value: str, choices: tuple[str, ...]) -> None:
+    if value not in choices:
+        expected = f"{', '.join(choices[:-1])} or {choices[-1]}"
+        raise typer.BadParameter(f"expected {expected}, got `{value}`", param_hint=option)

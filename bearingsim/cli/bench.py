@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from bearingsim.cli.opening import near
+from bearingsim.cli.opening import short_path
 from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
@@ -17,10 +17,10 @@ def show(study: Path | None, scenes: Sequence[str], quick: bool, folder: Path | 
     """Compute, draw and print the chart of speed against accuracy."""
     if study is not None and scenes:
         raise typer.BadParameter("name a study or built-in scenes, not both", param_hint="--scene")
-    usual = "bench-chart-quick" if quick else "bench-chart"
-    target = folder or Path("results") / (f"bench-{study.stem}" if study is not None else usual)
+    default_folder = "bench-chart-quick" if quick else "bench-chart"
+    target = folder or Path("results") / (f"bench-{study.stem}" if study is not None else default_folder)
     for file in chart(study, scenes, quick, target, jobs):
-        say(near(file))
+        say(short_path(file))
 
 
 def chart(
@@ -54,7 +54,7 @@ def chart(
         )
         for entry in scenes
     ]
-    print_table(report.HEADS, [report.line_of(part) for part in parts], words=len(report.HEADS))
+    print_table(report.HEADS, [report.line_of(part) for part in parts], text_columns=len(report.HEADS))
     files = [table.written([row for part in parts for row in part.rows], folder / "chart.csv")]
     files += [speed_accuracy.draw(part.rows, part.title, folder / report.figure_name(part)) for part in parts]
     return [*files, report.write(parts, folder), folder / table.ABOUT]

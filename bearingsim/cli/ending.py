@@ -5,7 +5,7 @@ from contextlib import suppress
 from math import inf
 from typing import TYPE_CHECKING, NamedTuple
 
-from bearingsim.cli.opening import near
+from bearingsim.cli.opening import short_path
 from bearingsim.cli.screen import significant
 from bearingsim.text.terminal import say
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from bearingsim.runner import RunSummary
     from bearingsim.store import Results
 
-MOST_FEATURES = 3  # largest number of features printed in full; the rest are counted
+MAX_FEATURES = 3  # largest number of features printed in full; the rest are counted
 STEP_ERRORS = {"velocity.rms": "rms", "velocity@": "line", "outer_force.max": "force"}
 """Column ``step_error.*`` that bounds the step error of a feature, by the beginning of its name."""
 STANDARD_ERRORS = 2.0  # half width of the error bound of a chaotic response, for about 95 % confidence
@@ -36,51 +36,53 @@ def show(summary: "RunSummary", verbose: bool) -> None:
     """
     from bearingsim.store import ResultsError, open_results
 
-    say(f"{summary.headline}, in {near(summary.folder)}")
+    say(f"{summary.headline}, in {short_path(summary.folder)}")
     for text in summary.happened:
         say(text)
     if summary.findings is None:
         return
     for text in summary.findings.withdrawn:
         say(text)
-    named, quick = [], False
+    feature_list, quick = [], False
     with suppress(ResultsError):  # raised if another run has replaced the plan
         results = open_results(summary.folder)
-        named, quick = list(results_named(results)), results.plan["quick"]
-    for name, values, remarks in named[:MOST_FEATURES]:
+        feature_list, quick = list(feature_results(results)), results.plan["quick"]
+    for name, values, remarks in feature_list[:MAX_FEATURES]:
         say(f"  {name}: {values}")
         for remark in remarks:
             say(f"    {remark}")
-    if len(named) > MOST_FEATURES:
-        say(f"  and {len(named) - MOST_FEATURES} more: bearingsim show {near(summary.folder)}")
+    if len(feature_list) > MAX_FEATURES:
+        say(f"  and {len(feature_list) - MAX_FEATURES} more: bearingsim show {short_path(summary.folder)}")
     for text in (*summary.findings.held, *summary.findings.warnings):
         say(text)
     assumed = summary.findings.assumed
     if assumed:
         say(f"{len(assumed)} assumption{'s' * (len(assumed) != 1)} not varied: {', '.join(assumed)}")
-        say(f"  amplitudes depend on them: bearingsim show {near(summary.folder)} --assumptions")
+        say(f"  amplitudes depend on them: bearingsim show {short_path(summary.folder)} --assumptions")
     if quick:
         say("this was the reduced grid; run without --quick for the whole study")
     if verbose:
         for text in summary.details:
             say(text)
     if summary.done + summary.resumed:
-        say(f"next: bearingsim plot {near(summary.folder)}")
+        say(f"next: bearingsim plot {short_path(summary.folder)}")
     if verbose and summary.failed:
         from bearingsim.cli import tables
 
         tables.show_failures(summary.folder, tracebacks=True)
 
 
-def results_named(results: "Results") -> Iterator[Result]:
+def feature_results(results: "Results") -> Iterator[Result]:
     """Yield each feature named by the figures, with its range, healthy range and the cases of its extremes."""
     from bearingsim.plots import select
 
-    rows = select.case_rows(results)
-    done = rows[rows["status"] == "done"]
-    drawn = [name for figure in results.plan["figures"] for name in figure["y"]]
-    names = dict.fromkeys(drawn or select.default_y(results, rows))
-    yield from (_result(results, done, name) for name in names if name in done and done[name].notna().any())
+    case_rows = select.case_rows(results)
+    done_rows = case_rows[case_rows["status"] == "done"]
+    figure_features = [name for figure in results.plan["figures"] for name in figure["y"]]
+    names = dict.fromkeys(figure_features or select.default_y(results, case_rows))
+    yield from (
+        _result(results, done_rows, name) for name in names if name in done_rows and done_rows[name].notna().any()
+    )
 
 
 def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
@@ -89,22 +91,23 @@ def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
     values = rows[name].dropna()
     unit, factor = feature_axis(name, float(values.abs().max()))
     units = results.plan["units"]
-    several = [path for path in units if path in rows and rows[path].nunique(dropna=False) > 1]
-    low, high = (significant(factor * float(end)) for end in (values.min(), values.max()))
-    ends = {"largest": values.idxmax(), "smallest": values.idxmin()} if several and low != high else {}
+    paths = [path for path in units if path in rows and rows[path].nunique(dropna=False) > 1]
+    low, high = (significant(factor * float(value)) for value in (values.min(), values.max()))
+    extreme_rows = {"largest": values.idxmax(), "smallest": values.idxmin()} if paths and low != high else {}
     extremes = [
-        f"{end}: {described({path: rows[path][row] for path in several}, units)}" for end, row in ends.items()
+        f"{kind}: {described({path: rows[path][row] for path in paths}, units)}"
+        for kind, row in extreme_rows.items()
     ]
     texts = [_range(low, high, unit), _error(rows, name)]
     remarks = [*_healthy(results, name, unit, factor), *extremes]
-    return Result(_with_meaning(results, name), ", ".join(filter(None, texts)), remarks)
+    return Result(_describe(results, name), ", ".join(filter(None, texts)), remarks)
 
 
 def _range(low: str, high: str, unit: str) -> str:
     return f"{low} to {high} {unit}".strip() if low != high else f"{low} {unit}".strip()
 
 
-def _with_meaning(results: "Results", name: str) -> str:
+def _describe(results: "Results", name: str) -> str:
     """Append the meaning of a feature: `velocity@BPFO-healthy (159 Hz, defect minus healthy)`."""
     envelope = "squared envelope" if name.startswith("envelope@") else ""
     change = "defect minus healthy" if name.endswith("-healthy") else ""
@@ -131,10 +134,10 @@ def _band(results: "Results", name: str) -> str:
 
     feature = read_band(name)
     samplings = results.parameters()[["sampling", "antialias"]].drop_duplicates().to_dict("records")
-    by_sampling = name.removesuffix("-healthy").endswith(RECORD_SUFFIXES) or (
+    follows_sampling = name.removesuffix("-healthy").endswith(RECORD_SUFFIXES) or (
         feature is not None and not feature.band
     )
-    if not by_sampling or len(samplings) != 1 or samplings[0]["antialias"] != "true":
+    if not follows_sampling or len(samplings) != 1 or samplings[0]["antialias"] != "true":
         return ""
     return f"0-{FLAT * samplings[0]['sampling'] / 1e3:.2g} kHz"
 
@@ -145,7 +148,7 @@ def _healthy(results: "Results", name: str, unit: str, factor: float) -> Iterato
     table = results.table()
     values = table[table["job"].isin(baselines)][name].dropna()
     if len(values) and not name.endswith("-healthy"):
-        low, high = (significant(factor * float(end)) for end in (values.min(), values.max()))
+        low, high = (significant(factor * float(value)) for value in (values.min(), values.max()))
         yield f"healthy: {_range(low, high, unit)}"
 
 
@@ -157,13 +160,13 @@ def _error(rows: "pd.DataFrame", name: str) -> str:
     """
     from bearingsim.store import relative_error
 
-    plain = name.removesuffix("-healthy")
-    kind = next((kind for start, kind in STEP_ERRORS.items() if plain.startswith(start)), "")
-    step, largest = rows.get(f"step_error.{kind}"), float(rows[name].abs().max())
-    if step is None or plain not in rows or not step.notna().any() or not largest > 0.0:
+    base_name = name.removesuffix("-healthy")
+    error_kind = next((error_kind for start, error_kind in STEP_ERRORS.items() if base_name.startswith(start)), "")
+    step, largest = rows.get(f"step_error.{error_kind}"), float(rows[name].abs().max())
+    if step is None or base_name not in rows or not step.notna().any() or not largest > 0.0:
         return ""
-    scatter = relative_error(rows, plain).where(rows["chaotic"] == 1.0, 0.0).fillna(inf)
-    error = (step + STANDARD_ERRORS * scatter) * rows[plain].abs()
+    scatter = relative_error(rows, base_name).where(rows["chaotic"] == 1.0, 0.0).fillna(inf)
+    error = (step + STANDARD_ERRORS * scatter) * rows[base_name].abs()
     unknown = int((error == inf).sum())
     exception = f", of {unknown} chaotic jobs unknown" if unknown else ""
     if unknown == error.count():

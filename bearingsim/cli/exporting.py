@@ -42,11 +42,11 @@ def series(
     target = path or Path(f"{results.plan['study']}-series.{file_format or 'csv'}")
     suffix = _suffix(target, ("csv", "mat"))
     _refuse_existing(target, force)
-    recorded = {job: results.series(job) for job in jobs}
-    empty = [job for job, signals in recorded.items() if not signals.channels]
-    if empty:
-        raise UserError(f"job {empty[0]} has no series because the study has `record: []`")
-    _write(target, _csv(recorded) if suffix == "csv" else _mat(recorded, results.parameters()))
+    series_by_job = {job: results.series(job) for job in jobs}
+    empty_jobs = [job for job, job_series in series_by_job.items() if not job_series.channels]
+    if empty_jobs:
+        raise UserError(f"job {empty_jobs[0]} has no series because the study has `record: []`")
+    _write(target, _csv(series_by_job) if suffix == "csv" else _mat(series_by_job, results.parameters()))
     return target
 
 
@@ -105,7 +105,7 @@ def _parquet(table: "pd.DataFrame") -> bytes:
     return content
 
 
-def _csv(recorded: "dict[str, Series]") -> bytes:
+def _csv(series_by_job: "dict[str, Series]") -> bytes:
     """Return csv with a time column and a column per channel (and job, if there are several); heads have units.
 
     Raises UserError for jobs with different time axes.
@@ -113,33 +113,35 @@ def _csv(recorded: "dict[str, Series]") -> bytes:
     import numpy as np
     import pandas as pd
 
-    reference = next(iter(recorded.values()))
-    if not all(np.array_equal(signals.time, reference.time) for signals in recorded.values()):
+    reference = next(iter(series_by_job.values()))
+    if not all(np.array_equal(job_series.time, reference.time) for job_series in series_by_job.values()):
         raise UserError("the jobs have different time axes; export them to .mat, or one at a time")
     columns: dict[str, Any] = {"time [s]": reference.time}
-    for job, signals in recorded.items():
-        prefix = f"{job}/" if len(recorded) > 1 else ""
-        columns |= {f"{prefix}{name} [{signals.units[name]}]": values for name, values in signals.channels.items()}
+    for job, job_series in series_by_job.items():
+        prefix = f"{job}/" if len(series_by_job) > 1 else ""
+        columns |= {
+            f"{prefix}{name} [{job_series.units[name]}]": values for name, values in job_series.channels.items()
+        }
     return csv_text(pd.DataFrame(columns)).encode()
 
 
-def _mat(recorded: "dict[str, Series]", parameters: "pd.DataFrame") -> bytes:
+def _mat(series_by_job: "dict[str, Series]", parameters: "pd.DataFrame") -> bytes:
     """Return a mat file with a struct per job, `job_<id>`: time, channels, units, parameters (SI, or words)."""
     from scipy.io import savemat
 
     structs = {
         f"job_{job}": {
-            **_fields({"time": signals.time} | signals.channels),
-            "units": _fields({"time": "s"} | signals.units),
+            **_fields({"time": job_series.time} | job_series.channels),
+            "units": _fields({"time": "s"} | job_series.units),
             "parameters": _fields(parameters.loc[job].replace("", None).dropna().to_dict()),
         }
-        for job, signals in recorded.items()
+        for job, job_series in series_by_job.items()
     }
     file: Any = BytesIO()
     savemat(file, structs, oned_as="column", long_field_names=True)
     return bytes(file.getvalue())
 
 
-def _fields(named: Mapping[Any, Any]) -> dict[str, Any]:
+def _fields(entries: Mapping[Any, Any]) -> dict[str, Any]:
     """Replace the dots of names by underscores, as MATLAB requires for field names."""
-    return {str(name).replace(".", "_"): value for name, value in named.items()}
+    return {str(name).replace(".", "_"): value for name, value in entries.items()}

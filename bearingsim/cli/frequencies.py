@@ -5,7 +5,7 @@ from typing import Any
 from bearingsim.cli.screen import print_table
 from bearingsim.text.terminal import say
 
-NAMES = {
+DESCRIPTIONS = {
     "BPFO": "{}s over a point of the outer race",
     "BPFI": "{}s over a point of the inner race",
     "FTF": "turns of the cage",
@@ -35,32 +35,32 @@ def bearing_frequencies(
 
     parts, inner = load_rolling_parts(name), parse(speed, "rotation")
     outer = 0.0 if outer_speed is None else parse(outer_speed, "rotation")
-    _check_turning(speed, inner, outer_speed, outer)
+    _check_speeds(speed, inner, outer_speed, outer)
     angle = parts.contact_angle if contact_angle is None else _contact_angle(contact_angle)
     D_w, d_m, Z = parts.roller_diameter, parts.pitch_diameter, parts.rollers
-    cage = outer / (2.0 * pi) + kinematics.fundamental_train_frequency(inner - outer, D_w, d_m, angle)
+    cage_hz = outer / (2.0 * pi) + kinematics.fundamental_train_frequency(inner - outer, D_w, d_m, angle)
     hertz = {
         "BPFO": abs(kinematics.ball_pass_frequency_outer(inner - outer, D_w, d_m, Z, angle)),
         "BPFI": abs(kinematics.ball_pass_frequency_inner(inner - outer, D_w, d_m, Z, angle)),
-        "FTF": abs(cage),
+        "FTF": abs(cage_hz),
         "BSF": abs(kinematics.ball_spin_frequency(inner - outer, D_w, d_m, angle)),
     }
-    shaft = abs(inner or outer) / (2.0 * pi)
+    shaft_hz = abs(inner or outer) / (2.0 * pi)
     return {
         "bearing": parts.name,
         "element": parts.element,
         "contact_angle_deg": angle * 180.0 / pi,
         "inner_hz": inner / (2.0 * pi),
         "outer_hz": outer / (2.0 * pi),
-        "cage_hz": cage,
-        "shaft_hz": shaft,
+        "cage_hz": cage_hz,
+        "shaft_hz": shaft_hz,
         "frequencies": {
-            key: {"order": value / shaft, "hz": [k * value for k in HARMONICS]} for key, value in hertz.items()
+            key: {"order": value / shaft_hz, "hz": [k * value for k in HARMONICS]} for key, value in hertz.items()
         },
     }
 
 
-def _check_turning(speed: str, inner: float, outer_speed: str | None, outer: float) -> None:
+def _check_speeds(speed: str, inner: float, outer_speed: str | None, outer: float) -> None:
     """Refuse an inner ring speed that is not positive, unless the outer ring turns."""
     from bearingsim.text.units import UnitError
 
@@ -91,14 +91,15 @@ def show(name: str, speed: str, values: dict[str, Any], outer_speed: str | None 
     ring = "shaft" if values["inner_hz"] else "outer ring"
     say(f"{values['bearing'] or name} at {speed}{outer}{angle} ({ring} {values['shaft_hz']:.4g} Hz)")
     heads = ["", "what", "order", *(f"{k} x (Hz)" for k in HARMONICS)]
-    against = values["cage_hz"] * (values["inner_hz"] or values["outer_hz"]) < 0.0
+    cage_reversed = values["cage_hz"] * (values["inner_hz"] or values["outer_hz"]) < 0.0
     rows = [
         [
             key,
-            NAMES[key].format(values["element"]) + f", against the {ring}" * (against and key == "FTF"),
+            DESCRIPTIONS[key].format(values["element"])
+            + f", against the {ring}" * (cage_reversed and key == "FTF"),
             f"{entry['order']:.4f}",
             *(f"{hertz:.3f}" for hertz in entry["hz"]),
         ]
         for key, entry in values["frequencies"].items()
     ]
-    print_table(heads, rows, words=2)
+    print_table(heads, rows, text_columns=2)

@@ -21,7 +21,7 @@ def write_schema(folder: Path) -> Iterator[str]:
     try:
         _write(path, text)
     except FileExistsError:
-        if not _holds(path, text):
+        if not _has_content(path, text):
             yield (f"{path} is not this version's schema and is kept; `bearingsim check --schema` prints it")
 
 
@@ -36,7 +36,7 @@ def _write(path: Path, text: str) -> None:
             raise
 
 
-def _holds(path: Path, text: str) -> bool:
+def _has_content(path: Path, text: str) -> bool:
     """Compare the content of a file with a text; False for an unreadable file."""
     try:
         return path.stat().st_size == len(text.encode()) and path.read_text(encoding="utf-8") == text

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.cli.plan import Plan, Priced
+from bearingsim.cli.plan import Plan, PricedJob
 from bearingsim.cli.remarks import remarks
 from bearingsim.cli.screen import console, print_table, significant, span
 from bearingsim.study.ranges import frequency, pressure
@@ -15,17 +15,17 @@ if TYPE_CHECKING:
     from bearingsim.study.design import Drawn
 
 
-Line = tuple[str, Callable[[Priced], float]]
-CHOSEN: Line = ("step chosen (us)", lambda p: math.inf if takes_own_steps(p) else 1e6 * p.step)
-RECORDED: Line = ("adaptive, recorded every (us)", lambda p: 1e6 * p.step if takes_own_steps(p) else math.inf)
+Row = tuple[str, Callable[[PricedJob], float]]
+STEP_ROW: Row = ("step chosen (us)", lambda p: math.inf if is_adaptive(p) else 1e6 * p.step)
+SAMPLING_ROW: Row = ("adaptive, recorded every (us)", lambda p: 1e6 * p.step if is_adaptive(p) else math.inf)
 
 
-def line_frequency(name: str, share: float = 1.0) -> Callable[[Priced], float]:
+def line_frequency(name: str, share: float = 1.0) -> Callable[[PricedJob], float]:
     """Return a function that computes the frequency (Hz) of a line, times ``share``, at a job's highest speed."""
     return lambda p: share * frequency(p.job.case, name)
 
 
-LINES: tuple[Line, ...] = (
+CASE_ROWS: tuple[Row, ...] = (
     ("BPFO (Hz)", line_frequency("BPFO")),
     ("BPFI (Hz)", line_frequency("BPFI")),
     ("BSF (Hz)", line_frequency("2BSF", 0.5)),
@@ -33,14 +33,14 @@ LINES: tuple[Line, ...] = (
     ("largest force at rest (N)", lambda p: p.limits.rest_load),
     ("contact pressure (GPa)", lambda p: 1e-9 * pressure(p.job.case)),
 )
-DEFECTS: tuple[Line, ...] = (
+DEFECT_ROWS: tuple[Row, ...] = (
     ("impact force, estimated (N)", lambda p: p.limits.impact_force),
     ("crossing of the defect (us)", lambda p: 1e6 * p.limits.crossing),
     ("samples per crossing", lambda p: p.limits.crossing * p.job.case.sampling),
-    ("element drops by (um)", lambda p: 1e6 * p.sinking),
+    ("element drops by (um)", lambda p: 1e6 * p.roller_drop),
 )
 """Rows of studies with defects."""
-LIMITS: tuple[Line, ...] = (
+LIMIT_ROWS: tuple[Row, ...] = (
     ("step limit at rest (us)", lambda p: 1e6 * p.limits.at_rest),
     ("step limit at impact (us)", lambda p: 1e6 * p.limits.at_impact),
     ("contact frequency (kHz)", lambda p: 1e-3 * p.limits.contact_frequency),
@@ -49,10 +49,10 @@ LIMITS: tuple[Line, ...] = (
     ("closing speed (mm/s)", lambda p: 1e3 * p.limits.closing_speed),
 )
 """Step limits, and the contact properties that determine them."""
-COST: Line = ("CPU time per job (s)", lambda p: p.estimate.cpu_seconds)
-MEMORY: Line = ("memory per job, at most (MB)", lambda p: 1e-6 * p.estimate.most_memory)
-PROOF: Line = ("of it for the step check (s)", lambda p: p.estimate.check_seconds)
-FRICTION: tuple[Line, ...] = (
+COST_ROW: Row = ("CPU time per job (s)", lambda p: p.estimate.cpu_seconds)
+MEMORY_ROW: Row = ("memory per job, at most (MB)", lambda p: 1e-6 * p.estimate.most_memory)
+STEP_CHECK_ROW: Row = ("of it for the step check (s)", lambda p: p.estimate.check_seconds)
+FRICTION_ROWS: tuple[Row, ...] = (
     ("largest friction at rest (N)", lambda p: p.friction_scale[0]),
     ("slip time constant at rest (us)", lambda p: 1e6 * p.friction_scale[1]),
 )
@@ -65,39 +65,42 @@ def show(plan: Plan, verbose: bool) -> None:
     from bearingsim.runner.packing import fewer
     from bearingsim.runner.progress import duration
 
-    study, out = plan.study, console()
+    study, screen = plan.study, console()
     swept = ", ".join(study.units) or "nothing"
-    out.print(f"{study.name}: {_counts(plan)}; sweeps {swept}", markup=False)
+    screen.print(f"{study.name}: {_job_counts(plan)}; sweeps {swept}", markup=False)
     if study.drawn is not None:
-        out.print(f"design: {study.drawn}; {_rows(study.drawn)}", markup=False)
-    if plan.refusals or not plan.everything:
+        screen.print(f"design: {study.drawn}; {_design_counts(study.drawn)}", markup=False)
+    if plan.refusals or not plan.priced_jobs:
         return
     groups = _groups(plan.cases or plan.baselines)
-    out.print()
-    of_some = " in the estimate" * (len(plan.everything) < len(plan.jobs))
+    screen.print()
+    sample_note = " in the estimate" * (len(plan.priced_jobs) < len(plan.jobs))
     heads = ["", *groups]
     rows = [
-        [name, *(span(map(value, group)) for group in groups.values())] for name, value in _lines(plan, verbose)
+        [name, *(span(map(value, group)) for group in groups.values())]
+        for name, value in _table_rows(plan, verbose)
     ]
-    print_table(heads, [[f"cases{of_some}", *(str(len(group)) for group in groups.values())], *rows])
-    out.print()
-    if len(plan.everything) < len(plan.jobs):
-        out.print(f"estimated from {len(plan.everything)} of {len(plan.jobs)} jobs")
+    print_table(heads, [[f"cases{sample_note}", *(str(len(group)) for group in groups.values())], *rows])
+    screen.print()
+    if len(plan.priced_jobs) < len(plan.jobs):
+        screen.print(f"estimated from {len(plan.priced_jobs)} of {len(plan.jobs)} jobs")
     for text in [
-        *fewer(plan.costs, plan.asked_workers),
+        *fewer(plan.costs, plan.requested_workers),
         *remarks(plan, verbose),
         *study.notes,
         *notes(study.cases()),
     ]:
-        out.print(text, markup=False)
+        screen.print(text, markup=False)
     if verbose:
         _show_cases(plan)
-        out.print()
+        screen.print()
     time = f"{duration(plan.cpu_seconds)} of CPU time, {duration(plan.wall_seconds)} on {plan.workers}"
-    out.print(f"about {time} worker{'s' * (plan.workers > 1)}, at most {size(plan.bytes)} of series", markup=False)
+    screen.print(
+        f"about {time} worker{'s' * (plan.workers > 1)}, at most {byte_text(plan.bytes)} of series", markup=False
+    )
 
 
-def takes_own_steps(priced: Priced) -> bool:
+def is_adaptive(priced: PricedJob) -> bool:
     """Check if the method of a job adapts its step."""
     from bearingsim.catalogue import METHODS
 
@@ -105,36 +108,36 @@ def takes_own_steps(priced: Priced) -> bool:
     return method is not None and METHODS[method].adaptive
 
 
-def _lines(plan: Plan, verbose: bool) -> tuple[Line, ...]:
+def _table_rows(plan: Plan, verbose: bool) -> tuple[Row, ...]:
     """Return the rows of the table: frequencies, forces, defects, cost; verbose: also steps, limits, friction."""
-    defects = DEFECTS if any(priced.job.case.defects for priced in plan.everything) else ()
+    defects = DEFECT_ROWS if any(priced.job.case.defects for priced in plan.priced_jobs) else ()
     if not verbose:
-        return (*LINES, *defects, COST)
-    rubs = any(math.isfinite(priced.friction_scale[1]) for priced in plan.everything)
-    proves = any(priced.job.case.checks_step for priced in plan.everything)
-    own = [takes_own_steps(priced) for priced in plan.everything]
-    steps = (*((CHOSEN,) if not all(own) else ()), *((RECORDED,) if any(own) else ()))
-    of_methods = (*steps, *LIMITS, *(FRICTION if rubs else ()))
-    return (*LINES, *defects, *of_methods, COST, *((PROOF,) if proves else ()), MEMORY)
+        return (*CASE_ROWS, *defects, COST_ROW)
+    has_friction = any(math.isfinite(priced.friction_scale[1]) for priced in plan.priced_jobs)
+    checks_step = any(priced.job.case.checks_step for priced in plan.priced_jobs)
+    adaptive = [is_adaptive(priced) for priced in plan.priced_jobs]
+    steps = (*((STEP_ROW,) if not all(adaptive) else ()), *((SAMPLING_ROW,) if any(adaptive) else ()))
+    method_rows = (*steps, *LIMIT_ROWS, *(FRICTION_ROWS if has_friction else ()))
+    return (*CASE_ROWS, *defects, *method_rows, COST_ROW, *((STEP_CHECK_ROW,) if checks_step else ()), MEMORY_ROW)
 
 
-def _counts(plan: Plan) -> str:
-    refused = len(plan.refusals)
-    cases, baselines, varied = plan.counted
-    every = cases + baselines + varied
+def _job_counts(plan: Plan) -> str:
+    refusal_count = len(plan.refusals)
+    cases, baselines, variations = plan.job_counts
+    total = cases + baselines + variations
     kinds = [f"{cases} case{'s' * (cases != 1)}", f"{baselines} healthy twin{'s' * (baselines != 1)}"]
-    kinds += [f"{varied} variation{'s' * (varied != 1)}"] if varied else []
-    rejected = f", {refused} refused" if refused else ""
-    return f"{every} job{'s' * (every != 1)} ({', '.join(kinds)}){rejected}"
+    kinds += [f"{variations} variation{'s' * (variations != 1)}"] if variations else []
+    refusals = f", {refusal_count} refused" if refusal_count else ""
+    return f"{total} job{'s' * (total != 1)} ({', '.join(kinds)}){refusals}"
 
 
-def _rows(drawn: "Drawn") -> str:
-    rows, cases = len(drawn.cases), len(set(drawn.cases))
+def _design_counts(design: "Drawn") -> str:
+    rows, cases = len(design.cases), len(set(design.cases))
     return f"{rows} row{'s' * (rows != 1)}, {cases} case{'s' * (cases != 1)}"
 
 
-def _groups(jobs: Sequence[Priced]) -> dict[str, list[Priced]]:
-    groups: dict[str, list[Priced]] = {}
+def _groups(jobs: Sequence[PricedJob]) -> dict[str, list[PricedJob]]:
+    groups: dict[str, list[PricedJob]] = {}
     for priced in jobs:
         groups.setdefault(" ".join(filter(None, [priced.job.case.model, priced.choice.method])), []).append(priced)
     return groups
@@ -144,7 +147,7 @@ def _show_cases(plan: Plan) -> None:
     from bearingsim.plots.labels import value_text
 
     units = plan.study.units
-    lines = _lines(plan, verbose=True)
+    lines = _table_rows(plan, verbose=True)
     heads = [*units, *(name for name, _ in lines)]
     rows = [
         [
@@ -153,10 +156,10 @@ def _show_cases(plan: Plan) -> None:
         ]
         for priced in plan.cases
     ]
-    print_table(heads, rows, words=len(units))
+    print_table(heads, rows, text_columns=len(units))
 
 
-def size(count: int) -> str:
+def byte_text(count: int) -> str:
     """Format a number of bytes as `12 kB`, `3.4 MB`, `1.2 GB`."""
     for unit, scale in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
         if count >= scale:
@@ -168,32 +171,32 @@ def as_json(plan: Plan) -> str:
     """Return the plan as JSON, in SI; null means no limit."""
     from bearingsim.config.scan.repair import notes
 
-    cases, baselines, varied = plan.counted
+    cases, baselines, variations = plan.job_counts
     entries = {
         "study": plan.study.name,
         "cases": cases,
         "twins": baselines,
-        "variations": varied,
+        "variations": variations,
         "cpu_seconds": plan.cpu_seconds,
         "wall_seconds": plan.wall_seconds,
         "workers": plan.workers,
         "bytes": plan.bytes,
         "design": None if plan.study.design is None else asdict(plan.study.design),
         "refused_jobs": len(plan.refusals),
-        "refused": list(plan.refused),
+        "refused": list(plan.refusal_texts),
         "notes": [*plan.study.assumptions, *plan.study.notes, *notes(plan.study.cases())],
-        "jobs": [_job_entry(priced) for priced in plan.everything],
+        "jobs": [_job_entry(priced) for priced in plan.priced_jobs],
     }
     return json.dumps(entries, indent=1)
 
 
-def _job_entry(priced: Priced) -> dict[str, Any]:
+def _job_entry(priced: PricedJob) -> dict[str, Any]:
     from bearingsim.config.rules import hierarchy
 
     job = priced.job
     friction = dict(zip(("friction", "slip_settles"), priced.friction_scale, strict=True))
-    named = asdict(priced.limits) | friction
-    limits = {name: value if math.isfinite(value) else None for name, value in named.items()}
+    values = asdict(priced.limits) | friction
+    limits = {name: value if math.isfinite(value) else None for name, value in values.items()}
     return {
         "job": job.id,
         "healthy": job.healthy,

@@ -3,55 +3,58 @@
 import math
 from collections.abc import Iterator
 
-from bearingsim.cli.plan import Plan, Priced
+from bearingsim.cli.plan import Plan, PricedJob
 from bearingsim.cli.screen import span
 from bearingsim.config.rules.damping import WARNING
 
-OPENS = 2.0  # times the static force; a larger impact force means that contacts have opened
+OPENING_RATIO = 2.0  # times the static force; a larger impact force means that contacts have opened
 
 
 def remarks(plan: Plan, verbose: bool) -> Iterator[str]:
     """Yield the remarks, one text each; verbose: also on methods, periodicity and the variation of damping."""
-    yield from choices(plan)
-    yield from in_full(plan)
+    yield from model_choices(plan)
+    yield from series_cost(plan)
     if verbose:
-        yield from methods(plan)
-        yield from repeating(plan)
+        yield from method_choices(plan)
+        yield from periodic_jobs(plan)
     yield from (text for text in damping(plan) if verbose or text.startswith(WARNING))
-    yield from hanging(plan)
-    yield from varied(plan)
+    yield from unreached_floors(plan)
+    yield from varied_parameters(plan)
     if verbose:
-        yield from unvaried(plan)
+        yield from unvaried_damping(plan)
     yield from plan.study.assumptions
-    yield from unsettled(plan)
+    yield from initial_transients(plan)
 
 
-WORTH_SAYING = 0.1  # fraction of the CPU time of a study, from which a cost is reported
-HANGS = 0.999  # of a defect's depth; a roller with a smaller drop does not reach the floor
-CLEARS_WALLS = 0.5  # of the depth of a V; below it the walls (slope 2 depth/width) are steeper than the roller
+NOTABLE_SHARE = 0.1  # fraction of the CPU time of a study, from which a cost is reported
+HANGING_RATIO = 0.999  # of a defect's depth; a roller with a smaller drop does not reach the floor
+WALL_CLEARANCE_RATIO = 0.5
+"""Of the depth of a V; below it the walls (slope 2 depth/width) are steeper than the roller."""
 
 
-def hanging(plan: Plan) -> Iterator[str]:
+def unreached_floors(plan: Plan) -> Iterator[str]:
     """Yield a remark if rollers rest on the rims of all defects, so that depth has no influence."""
-    damaged = [
+    envelope_jobs = [
         priced for priced in plan.cases if priced.job.case.defects and priced.job.case.excitation == "envelope"
     ]
-    depths = [min(defect.depth for defect in priced.job.case.defects) for priced in damaged]
-    prisms = all(
-        defect.shape in ("rectangular", "triangular") and priced.sinking < CLEARS_WALLS * defect.depth
-        for priced in damaged
+    depths = [min(defect.depth for defect in priced.job.case.defects) for priced in envelope_jobs]
+    same_result = all(
+        defect.shape in ("rectangular", "triangular") and priced.roller_drop < WALL_CLEARANCE_RATIO * defect.depth
+        for priced in envelope_jobs
         for defect in priced.job.case.defects
     )
-    if damaged and all(priced.sinking < HANGS * depth for priced, depth in zip(damaged, depths, strict=True)):
-        reached, floors = (
-            span(1e6 * d for d in part) for part in ([priced.sinking for priced in damaged], depths)
+    if envelope_jobs and all(
+        priced.roller_drop < HANGING_RATIO * depth for priced, depth in zip(envelope_jobs, depths, strict=True)
+    ):
+        drops, depth_range = (
+            span(1e6 * d for d in values) for values in ([priced.roller_drop for priced in envelope_jobs], depths)
         )
-        same = "; rectangle and triangle give equal results" if prisms else ""
-        element = damaged[0].job.case.bearing.element
-        yield f"{element}s drop {reached} um and do not reach the floor at {floors} um{same}"
+        note = "; rectangle and triangle give equal results" if same_result else ""
+        element = envelope_jobs[0].job.case.bearing.element
+        yield f"{element}s drop {drops} um and do not reach the floor at {depth_range} um{note}"
 
 
-def choices(plan: Plan) -> list[str]:
+def model_choices(plan: Plan) -> list[str]:
     """Return the models chosen for an `accuracy`, with the reasons, or a note that they are not chosen yet."""
     goal, selection = plan.study.goal, plan.study.selection
     if goal is None:
@@ -59,15 +62,18 @@ def choices(plan: Plan) -> list[str]:
     if selection is None:
         models = ", ".join(f"`{name}`" for name in dict.fromkeys(priced.job.case.model for priced in plan.cases))
         return [f"model not chosen yet (`check --pilots` does it); estimate for the reference, {models}"]
-    why: dict[str, list[str]] = {}
+    reasons_by_model: dict[str, list[str]] = {}
     for chosen in selection.jobs.values():
-        why.setdefault(chosen.model, []).append(chosen.why)
+        reasons_by_model.setdefault(chosen.model, []).append(chosen.why)
     count = len(selection.jobs)
-    texts = [f"`{model}` in {len(reasons)} of {count} cases: {reasons[0]}" for model, reasons in why.items()]
+    texts = [
+        f"`{model}` in {len(reasons)} of {count} cases: {reasons[0]}"
+        for model, reasons in reasons_by_model.items()
+    ]
     return [*texts, *selection.notes]
 
 
-def in_full(plan: Plan) -> Iterator[str]:
+def series_cost(plan: Plan) -> Iterator[str]:
     """Yield the cost of stored series in a study with an `accuracy`, for which jobs are computed in full."""
     from bearingsim.runner.progress import duration
     from bearingsim.simulation.time_grid import estimate
@@ -76,53 +82,55 @@ def in_full(plan: Plan) -> Iterator[str]:
     goal = plan.study.goal
     if goal is None:
         return
-    stores = [priced for priced in plan.everything if priced.job.case.record]
-    plain = [priced.job.case.model_copy(update={"record": ()}) for priced in stores]
-    early = [ended_early(case, goal, plan.study.figures) for case in plain]
-    saved = sum(
+    series_jobs = [priced for priced in plan.priced_jobs if priced.job.case.record]
+    bare_cases = [priced.job.case.model_copy(update={"record": ()}) for priced in series_jobs]
+    cases = [ended_early(case, goal, plan.study.figures) for case in bare_cases]
+    extra = sum(
         priced.estimate.cpu_seconds - estimate(case).cpu_seconds
-        for priced, case in zip(stores, early, strict=True)
+        for priced, case in zip(series_jobs, cases, strict=True)
         if case.until is not None and priced.job.case.until is None
     )
-    if saved > WORTH_SAYING * sum(priced.estimate.cpu_seconds for priced in plan.everything):
-        yield f"`record` stores series: about {duration(plan.share * saved)} of CPU time more than `record: []`"
+    if extra > NOTABLE_SHARE * sum(priced.estimate.cpu_seconds for priced in plan.priced_jobs):
+        yield f"`record` stores series: about {duration(plan.scale * extra)} of CPU time more than `record: []`"
 
 
-def methods(plan: Plan) -> list[str]:
+def method_choices(plan: Plan) -> list[str]:
     """Return the methods chosen by `method: auto` with the reasons, and the scope of the step check."""
-    automatic = [priced for priced in plan.everything if priced.job.case.method == "auto"]
+    automatic = [priced for priced in plan.priced_jobs if priced.job.case.method == "auto"]
     reasons: dict[str, list[str]] = {}
     for priced in automatic:
         reasons.setdefault(str(priced.choice.method), []).append(priced.choice.why)
     texts = [
-        f"`{name}`{f' in {len(why)} of {len(automatic)} jobs' if len(reasons) > 1 else ''}: {why[0]}"
-        for name, why in reasons.items()
+        f"`{name}`{f' in {len(whys)} of {len(automatic)} jobs' if len(reasons) > 1 else ''}: {whys[0]}"
+        for name, whys in reasons.items()
     ]
-    checks_step = [priced.job.case.checks_step for priced in plan.everything]
+    checks_step = [priced.job.case.checks_step for priced in plan.priced_jobs]
     if any(checks_step):
-        whole = all(
-            priced.job.case.step_check == "strict" for priced in plan.everything if priced.job.case.checks_step
+        is_strict = all(
+            priced.job.case.step_check == "strict" for priced in plan.priced_jobs if priced.job.case.checks_step
         )
-        where = "the whole run" if whole else "one period or the start of the run"
-        texts.append(f"time step: checked on {where}; a 2.24 times shorter one must agree within 0.5 %")
+        scope = "the whole run" if is_strict else "one period or the start of the run"
+        texts.append(f"time step: checked on {scope}; a 2.24 times shorter one must agree within 0.5 %")
     return texts
 
 
-def repeating(plan: Plan) -> Iterator[str]:
+def periodic_jobs(plan: Plan) -> Iterator[str]:
     """Yield the number of jobs that may be periodic or end early, and the CPU time if none of them does."""
     from bearingsim.runner.progress import duration
     from bearingsim.simulation.choice import resolved
     from bearingsim.simulation.repetition import may_repeat
 
-    shorter = [priced for priced in plan.everything if priced.estimate.most_seconds > priced.estimate.cpu_seconds]
-    periodic = [priced for priced in shorter if may_repeat(resolved(priced.job.case))]
-    early = [priced for priced in shorter if priced not in periodic]
-    texts = (periodic, "responses may be periodic", "is"), (early, "records may end early", "does")
+    short_jobs = [
+        priced for priced in plan.priced_jobs if priced.estimate.most_seconds > priced.estimate.cpu_seconds
+    ]
+    repeating = [priced for priced in short_jobs if may_repeat(resolved(priced.job.case))]
+    early_ends = [priced for priced in short_jobs if priced not in repeating]
+    texts = (repeating, "responses may be periodic", "is"), (early_ends, "records may end early", "does")
     for jobs, text, verb in texts:
         if jobs:
-            more = sum(priced.estimate.most_seconds - priced.estimate.cpu_seconds for priced in jobs)
-            most = duration(plan.cpu_seconds + plan.share * more)
-            yield f"{len(jobs)} of {len(plan.everything)} {text}; CPU time if none {verb}: {most}"
+            extra_seconds = sum(priced.estimate.most_seconds - priced.estimate.cpu_seconds for priced in jobs)
+            longest = duration(plan.cpu_seconds + plan.scale * extra_seconds)
+            yield f"{len(jobs)} of {len(plan.priced_jobs)} {text}; CPU time if none {verb}: {longest}"
 
 
 def damping(plan: Plan) -> Iterator[str]:
@@ -130,55 +138,57 @@ def damping(plan: Plan) -> Iterator[str]:
     from bearingsim.catalogue import MODELS
     from bearingsim.config.rules.damping import Damped, sentences
 
-    everything = plan.cases + plan.baselines
-    acts = [priced for priced in everything if "damping" in MODELS[priced.job.case.model].abilities]
-    limits = [priced.limits for priced in acts]
+    jobs = plan.cases + plan.baselines
+    damped_jobs = [priced for priced in jobs if "damping" in MODELS[priced.job.case.model].abilities]
+    limits = [priced.limits for priced in damped_jobs]
     yield from sentences([Damped(bounds.damping_time, bounds.damping_ratio, bounds.crossing) for bounds in limits])
-    yield from dict.fromkeys(filter(None, map(caveat, acts)))
+    yield from dict.fromkeys(filter(None, map(caveat, damped_jobs)))
 
 
-def caveat(priced: Priced) -> str:
+def caveat(priced: PricedJob) -> str:
     """Return the caveat of a case's damping law, or "" if it has none."""
     limits, law = priced.limits, priced.job.case.contact.damping
-    opens = limits.impact_force > OPENS * limits.rest_load
-    return str(law.caveat(opens)) if hasattr(law, "caveat") else ""
+    contact_opens = limits.impact_force > OPENING_RATIO * limits.rest_load
+    return str(law.caveat(contact_opens)) if hasattr(law, "caveat") else ""
 
 
-def varied(plan: Plan) -> Iterator[str]:
+def varied_parameters(plan: Plan) -> Iterator[str]:
     """Yield the unknown quantities that the study varies, with their values and the number of cases."""
     from bearingsim.study.uncertainty import UNKNOWNS, group_by_kind
 
-    tried = group_by_kind((variation.what, variation.value) for variation in plan.study.variations())
-    for what, values in tried.items():
-        jobs = {id(variation.case) for variation in plan.study.variations() if variation.what == what}
-        cases, *_ = plan.counted
-        of = f"{len(jobs)} of {cases} cases" if len(jobs) < cases else "each case"
-        yield f"`uncertainty`: {UNKNOWNS[what].tried_text(what, values)}, in {of}"
+    values_by_kind = group_by_kind((variation.what, variation.value) for variation in plan.study.variations())
+    for kind, values in values_by_kind.items():
+        jobs = {id(variation.case) for variation in plan.study.variations() if variation.what == kind}
+        cases, *_ = plan.job_counts
+        scope = f"{len(jobs)} of {cases} cases" if len(jobs) < cases else "each case"
+        yield f"`uncertainty`: {UNKNOWNS[kind].tried_text(kind, values)}, in {scope}"
 
 
-def unvaried(plan: Plan) -> Iterator[str]:
+def unvaried_damping(plan: Plan) -> Iterator[str]:
     """Yield the cost of varying the damping, if the study does not vary it."""
     from bearingsim.runner.progress import duration
     from bearingsim.study.uncertainty import acts, sweeps_damping, unexamined
 
-    tried = {variation.what for variation in plan.study.variations()}
-    if "damping" not in tried and plan.study.uncertainty != () and not sweeps_damping(plan.study.units):
-        damped = [priced for priced in plan.cases if acts("damping", priced.job.case)]
-        if damped:
-            yield unexamined(len(damped), duration, sum(priced.estimate.cpu_seconds for priced in damped))
+    varied_kinds = {variation.what for variation in plan.study.variations()}
+    if "damping" not in varied_kinds and plan.study.uncertainty != () and not sweeps_damping(plan.study.units):
+        damped_jobs = [priced for priced in plan.cases if acts("damping", priced.job.case)]
+        if damped_jobs:
+            yield unexamined(
+                len(damped_jobs), duration, sum(priced.estimate.cpu_seconds for priced in damped_jobs)
+            )
 
 
-def unsettled(plan: Plan) -> Iterator[str]:
+def initial_transients(plan: Plan) -> Iterator[str]:
     """Yield a remark on jobs whose initial transient has not decayed when their record begins."""
     from bearingsim.simulation.choice import resolved
     from bearingsim.simulation.settling import MOST, needed, remembered, remembers_start
 
-    cases = [resolved(priced.job.case) for priced in plan.everything]
-    slow = [case for case in cases if remembers_start(case)]
-    if slow:
-        jobs = f" ({len(slow)} of {len(cases)} jobs)" if len(slow) < len(cases) else ""
-        left = f"{span(1e2 * remembered(case) for case in slow)} % of the initial transient is left"
-        times = [needed(case) for case in slow]
-        advice = f"needs {span(times)} s" if max(times) < math.inf else "is never damped"
-        longer = "`settle: auto`" if max(times) <= MOST else "more damping"
-        yield f"{left} when the record begins; the slowest mode {advice}; use {longer}{jobs}"
+    cases = [resolved(priced.job.case) for priced in plan.priced_jobs]
+    slow_cases = [case for case in cases if remembers_start(case)]
+    if slow_cases:
+        jobs = f" ({len(slow_cases)} of {len(cases)} jobs)" if len(slow_cases) < len(cases) else ""
+        remainder = f"{span(1e2 * remembered(case) for case in slow_cases)} % of the initial transient is left"
+        times = [needed(case) for case in slow_cases]
+        time_text = f"needs {span(times)} s" if max(times) < math.inf else "is never damped"
+        remedy = "`settle: auto`" if max(times) <= MOST else "more damping"
+        yield f"{remainder} when the record begins; the slowest mode {time_text}; use {remedy}{jobs}"

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from rich.text import Text
 
 PIPED_WIDTH = 1000  # characters in a line without a terminal
-LONGEST_WORDS = 24  # characters; only longer texts are folded on a narrow terminal
-GAP = 3  # characters between columns
+MAX_TEXT_WIDTH = 24  # characters; only longer texts are folded on a narrow terminal
+COLUMN_GAP = 3  # characters between columns
 
 
 def terminal_width() -> int | None:
@@ -23,43 +23,45 @@ def terminal_width() -> int | None:
     return Console().width if sys.stdout.isatty() else None
 
 
-def console(least: int = 0) -> "Console":
+def console(min_width: int = 0) -> "Console":
     """Return the console of stdout, at least ``least`` letters wide (NO_COLOR honoured)."""
     from rich.console import Console
 
     class Screen(Console):
         """Console that strips control characters from texts."""
 
-        def render_str(self, text: str, **more: Any) -> "Text":
-            return super().render_str(plain(text), **more)
+        def render_str(self, text: str, **options: Any) -> "Text":
+            return super().render_str(plain(text), **options)
 
-    return Screen(width=max(terminal_width() or PIPED_WIDTH, least), highlight=False)
+    return Screen(width=max(terminal_width() or PIPED_WIDTH, min_width), highlight=False)
 
 
-def print_table(heads: Sequence[str], rows: Iterable[Sequence[str]], words: int = 1) -> None:
-    """Print a table; the first ``words`` columns are text, the others numbers. Cells are never cropped."""
+def print_table(heads: Sequence[str], rows: Iterable[Sequence[str]], text_columns: int = 1) -> None:
+    """Print a table; the first ``text_columns`` columns are text, the others numbers. Cells are never cropped."""
     from rich import box
     from rich.table import Table
 
-    lines = list(rows)
+    cells = list(rows)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
-    for number, (head, least) in enumerate(zip(heads, least_widths(heads, lines, words), strict=True)):
-        text = number < words
-        table.add_column(head, justify="left" if text else "right", overflow="fold", min_width=least)
-    for line in lines:
-        table.add_row(*line)
-    console(needed_width(heads, lines, words)).print(table, markup=False)
+    for index, (head, min_width) in enumerate(zip(heads, min_widths(heads, cells, text_columns), strict=True)):
+        is_text = index < text_columns
+        table.add_column(head, justify="left" if is_text else "right", overflow="fold", min_width=min_width)
+    for row in cells:
+        table.add_row(*row)
+    console(table_width(heads, cells, text_columns)).print(table, markup=False)
 
 
-def needed_width(heads: Sequence[str], rows: Iterable[Sequence[str]], words: int = 1) -> int:
+def table_width(heads: Sequence[str], rows: Iterable[Sequence[str]], text_columns: int = 1) -> int:
     """Compute the width in letters of a table without cropped cells."""
-    return sum(width + GAP for width in least_widths(heads, rows, words)) - GAP
+    return sum(width + COLUMN_GAP for width in min_widths(heads, rows, text_columns)) - COLUMN_GAP
 
 
-def least_widths(heads: Sequence[str], rows: Iterable[Sequence[str]], words: int = 1) -> list[int]:
-    """Compute the least width of each column: its longest entry, at most LONGEST_WORDS for text."""
+def min_widths(heads: Sequence[str], rows: Iterable[Sequence[str]], text_columns: int = 1) -> list[int]:
+    """Compute the least width of each column: its longest entry, at most MAX_TEXT_WIDTH for text."""
     longest = [max(map(len, "\n".join(column).split("\n"))) for column in zip(heads, *rows, strict=True)]
-    return [min(length, LONGEST_WORDS) if i < words else length for i, length in enumerate(longest)]
+    return [
+        min(length, MAX_TEXT_WIDTH) if index < text_columns else length for index, length in enumerate(longest)
+    ]
 
 
 def significant(value: float, digits: int = 3) -> str:

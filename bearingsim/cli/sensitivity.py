@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.cli.opening import near
+from bearingsim.cli.opening import short_path
 from bearingsim.cli.screen import print_table, significant
 from bearingsim.errors import UserError
 from bearingsim.text.terminal import say
@@ -25,15 +25,15 @@ def show(results: "Results", features: Sequence[str], as_json: bool, out: Path |
     from bearingsim.sensitivity import analysed, collect_blocks, design_of
 
     design_of(results)
-    wanted = list(dict.fromkeys(features)) or list(select.default_y(results, results.table()))
-    target = _target(results, wanted, out)
-    all_blocks = [collect_blocks(results, feature) for feature in wanted]
+    feature_names = list(dict.fromkeys(features)) or list(select.default_y(results, results.table()))
+    target = _target(results, feature_names, out)
+    all_blocks = [collect_blocks(results, feature) for feature in feature_names]
     answers = [(blocks, analysed(blocks)) for blocks in all_blocks]
     if as_json:
-        say(json.dumps({blocks.feature: _plain(blocks, analysis) for blocks, analysis in answers}, indent=1))
+        say(json.dumps({blocks.feature: _json_entry(blocks, analysis) for blocks, analysis in answers}, indent=1))
     else:
         for number, answer in enumerate(answers):
-            say("\n" * bool(number) + _head(*answer))
+            say("\n" * bool(number) + _heading(*answer))
             _print(*answer)
             say(_verdict(*answer))
             for text in _remarks(answer[0]):
@@ -61,20 +61,20 @@ def _draw(results: "Results", answers: "Sequence[Answer]", target: Path, quiet: 
     target.parent.mkdir(exist_ok=True)
     file = sensitivity.draw(results, answers, target)
     if not quiet:
-        say(near(file))
+        say(short_path(file))
 
 
-def _head(blocks: "Blocks", analysis: "Indices | Effects") -> str:
+def _heading(blocks: "Blocks", analysis: "Indices | Effects") -> str:
     """Format mean, standard deviation and design of a feature.
 
     `velocity@BPFO: mean 14.6 um/s, standard deviation 10.1 um/s; Sobol' indices from 128 blocks, 1024 jobs`.
     """
     unit, factor = _unit(blocks)
-    numbers = (blocks.values.mean(), blocks.values.std())
-    mean, deviation = (f"{significant(factor * float(number))} {unit}".strip() for number in numbers)
-    what = "Sobol' indices" if blocks.kind == "saltelli" else "Morris' effects"
-    of = f"{what} from {len(blocks.values)} blocks, {blocks.jobs} jobs"
-    return f"{blocks.feature}: mean {mean}, standard deviation {deviation}; {of}"
+    moments = (blocks.values.mean(), blocks.values.std())
+    mean, deviation = (f"{significant(factor * float(number))} {unit}".strip() for number in moments)
+    measures = "Sobol' indices" if blocks.kind == "saltelli" else "Morris' effects"
+    origin = f"{measures} from {len(blocks.values)} blocks, {blocks.jobs} jobs"
+    return f"{blocks.feature}: mean {mean}, standard deviation {deviation}; {origin}"
 
 
 def _print(blocks: "Blocks", analysis: "Indices | Effects") -> None:
@@ -86,8 +86,8 @@ def _print(blocks: "Blocks", analysis: "Indices | Effects") -> None:
     heads = ["parameter"]
     for name in columns:
         heads += [f"{name} ({unit})" if unit else name, f"{100 * LEVEL:.0f} %"]
-    ranked = next(iter(columns.values())).value
-    order = sorted(range(len(blocks.paths)), key=lambda index: -ranked[index])
+    ranking = next(iter(columns.values())).value
+    order = sorted(range(len(blocks.paths)), key=lambda index: -ranking[index])
     rows = [
         [
             blocks.paths[index],
@@ -108,7 +108,7 @@ def _columns(analysis: "Indices | Effects") -> "dict[str, Estimate]":
 
 
 def _cells(estimate: "Estimate", index: int, digits: str, factor: float) -> tuple[str, str]:
-    value, low, high = (f"{factor * float(ends[index]):{digits}}" for ends in estimate)
+    value, low, high = (f"{factor * float(bounds[index]):{digits}}" for bounds in estimate)
     return value, f"{low} .. {high}"
 
 
@@ -139,7 +139,7 @@ def _unit(blocks: "Blocks") -> tuple[str, float]:
     return feature_axis(blocks.feature, float(abs(blocks.values).max()))
 
 
-def _plain(blocks: "Blocks", analysis: "Indices | Effects") -> dict[str, Any]:
+def _json_entry(blocks: "Blocks", analysis: "Indices | Effects") -> dict[str, Any]:
     """Convert an analysis for JSON, in SI."""
     from bearingsim.sensitivity import Indices
 
@@ -154,13 +154,13 @@ def _plain(blocks: "Blocks", analysis: "Indices | Effects") -> dict[str, Any]:
         "mean": float(blocks.values.mean()),
         "standard_deviation": float(blocks.values.std()),
         "parameters": {
-            path: {name: _ends(estimate, index) for name, estimate in _columns(analysis).items()}
+            path: {name: _interval(estimate, index) for name, estimate in _columns(analysis).items()}
             for index, path in enumerate(blocks.paths)
         },
         "says": _verdict(blocks, analysis),
     }
-    return entries | ({"together": _ends(analysis.together, 0)} if isinstance(analysis, Indices) else {})
+    return entries | ({"together": _interval(analysis.together, 0)} if isinstance(analysis, Indices) else {})
 
 
-def _ends(estimate: "Estimate", index: int) -> dict[str, float]:
-    return {name: float(ends[index]) for name, ends in zip(("value", "low", "high"), estimate, strict=True)}
+def _interval(estimate: "Estimate", index: int) -> dict[str, float]:
+    return {name: float(bounds[index]) for name, bounds in zip(("value", "low", "high"), estimate, strict=True)}

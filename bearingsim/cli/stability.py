@@ -5,22 +5,20 @@ from pathlib import Path
 
 import typer
 
-from bearingsim.cli.opening import near
+from bearingsim.cli.opening import short_path
 from bearingsim.text.terminal import say
 
 
-def chosen(
-    option: str, requested: Sequence[str] | None, choices: Sequence[str], usual: Sequence[str]
-) -> list[str]:
+def select(option: str, names: Sequence[str] | None, choices: Sequence[str], defaults: Sequence[str]) -> list[str]:
     """Return the requested words without duplicates, or ``usual`` if none are requested.
 
     Raises BadParameter for a word that is not in ``choices``.
     """
-    for word in requested or []:
-        if word not in choices:
-            words = f"{', '.join(choices[:-1])} or {choices[-1]}"
-            raise typer.BadParameter(f"expected {words}, got `{word}`", param_hint=option)
-    return list(dict.fromkeys(requested or usual))
+    for name in names or []:
+        if name not in choices:
+            expected = f"{', '.join(choices[:-1])} or {choices[-1]}"
+            raise typer.BadParameter(f"expected {expected}, got `{name}`", param_hint=option)
+    return list(dict.fromkeys(names or defaults))
 
 
 def show(
@@ -38,14 +36,16 @@ def show(
     from bearingsim.stability.scene import DEFECTS
 
     grid = matrix.QUICK if quick else matrix.FULL
-    usual = matrix.QUICK_METHODS if quick else matrix.methods_known()
-    every_method = matrix.methods_known()
-    grid = grid._replace(defects=tuple(chosen("--pit", defects, tuple(DEFECTS), grid.defects)))
-    of_models = chosen("--model", models, matrix.models_known(), matrix.QUICK_MODELS if quick else matrix.USUAL)
-    by_methods = chosen("--method", methods, every_method, [name for name in usual if name in every_method])
+    default_methods = matrix.QUICK_METHODS if quick else matrix.methods_known()
+    all_methods = matrix.methods_known()
+    grid = grid._replace(defects=tuple(select("--pit", defects, tuple(DEFECTS), grid.defects)))
+    model_names = select("--model", models, matrix.models_known(), matrix.QUICK_MODELS if quick else matrix.USUAL)
+    method_names = select(
+        "--method", methods, all_methods, [name for name in default_methods if name in all_methods]
+    )
     target = folder or Path("results") / ("stability-quick" if quick else "stability")
-    path = mapping.compute(of_models, by_methods, grid, target, jobs)
-    print_table(("model", "method", *judge.CLASSES), mapping.summary(path), words=2)
-    say(near(path))
+    path = mapping.compute(model_names, method_names, grid, target, jobs)
+    print_table(("model", "method", *judge.CLASSES), mapping.summary(path), text_columns=2)
+    say(short_path(path))
     for file in maps.draw_all(path):
-        say(near(file))
+        say(short_path(file))

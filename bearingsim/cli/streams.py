@@ -7,7 +7,7 @@ import sys
 from io import TextIOWrapper
 from typing import Any
 
-SPELL = "bearingsim.spell"
+ERROR_HANDLER = "bearingsim.spell"
 """Name of the error handler of both streams."""
 
 
@@ -32,14 +32,14 @@ class Messages(TextIOWrapper):
 def prepare() -> None:
     """Connect closed streams to the null device, and set an encoder that never fails on stdout and stderr."""
     _reserve_descriptors()
-    codecs.register_error(SPELL, _spelled)
+    codecs.register_error(ERROR_HANDLER, _spell_out)
     sys.stdout = sys.stdout or os.fdopen(1, "w", closefd=False)
     if isinstance(sys.stdout, TextIOWrapper):
-        sys.stdout.reconfigure(errors=SPELL)
+        sys.stdout.reconfigure(errors=ERROR_HANDLER)
     if sys.stderr is None:
-        sys.stderr = Messages(os.fdopen(2, "wb", closefd=False), errors=SPELL)
+        sys.stderr = Messages(os.fdopen(2, "wb", closefd=False), errors=ERROR_HANDLER)
     elif type(sys.stderr) is TextIOWrapper:
-        sys.stderr = Messages(sys.stderr.buffer, sys.stderr.encoding, SPELL, line_buffering=True)
+        sys.stderr = Messages(sys.stderr.buffer, sys.stderr.encoding, ERROR_HANDLER, line_buffering=True)
 
 
 def _reserve_descriptors() -> None:
@@ -49,18 +49,18 @@ def _reserve_descriptors() -> None:
     os.close(descriptor)
 
 
-def _spelled(error: UnicodeError) -> tuple[str, int]:
+def _spell_out(error: UnicodeError) -> tuple[str, int]:
     """Spell units as study files may (µm: um), and escape other characters missing from an encoding."""
     from bearingsim.text.units import SPELLING
 
     if not isinstance(error, UnicodeEncodeError):
         raise error
-    letters = error.object[error.start : error.end].translate(SPELLING)
-    return letters.encode("ascii", "backslashreplace").decode(), error.end
+    text = error.object[error.start : error.end].translate(SPELLING)
+    return text.encode("ascii", "backslashreplace").decode(), error.end
 
 
-def reader_is_gone() -> bool:
+def stdout_is_closed() -> bool:
     """Return True if stdout is a pipe closed at the other end, as after `| head`."""
-    stdout: Any = select.poll()
-    stdout.register(1, 0)
-    return any(event & (select.POLLERR | select.POLLHUP) for _, event in stdout.poll(0))
+    poller: Any = select.poll()
+    poller.register(1, 0)
+    return any(event & (select.POLLERR | select.POLLHUP) for _, event in poller.poll(0))

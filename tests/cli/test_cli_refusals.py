@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from bearingsim.cli import app
-from bearingsim.cli.group import sentence
+from bearingsim.cli.group import error_text
 from tests.scenes.commands import STUDY, type_
 
 
@@ -39,11 +39,11 @@ def test_a_file_is_no_results_folder(here):
     ],
 )
 def test_errors_of_the_system_are_sentences(number, message):
-    assert sentence(OSError(number, "what the system says", "here/plan.json")) == message
+    assert error_text(OSError(number, "what the system says", "here/plan.json")) == message
 
 
 def test_a_full_disk_is_named():
-    told = sentence(OSError(errno.ENOSPC, "what the system says", "here/plan.json"))
+    told = error_text(OSError(errno.ENOSPC, "what the system says", "here/plan.json"))
     assert re.match(
         r"the disk \S+ is full \(\d+ kB are left\); plan\.json in \S+ cannot be written: make room", told
     )

@@ -142,8 +142,8 @@ def test_a_broken_pipe_that_is_not_stdout_is_told(here, monkeypatch) -> None:
 def test_stdout_that_nobody_reads_is_seen() -> None:
     """A child sees the pipe of its stdout before and after the reader closes it."""
     script = (
-        "import sys; from bearingsim.cli.streams import reader_is_gone; print(reader_is_gone(), flush=True);"
-        "sys.stdin.readline(); print(reader_is_gone(), file=sys.stderr)"
+        "import sys; from bearingsim.cli.streams import stdout_is_closed; print(stdout_is_closed(), flush=True);"
+        "sys.stdin.readline(); print(stdout_is_closed(), file=sys.stderr)"
     )
     with subprocess.Popen(
         [sys.executable, "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
@@ -158,7 +158,7 @@ def test_stdout_that_nobody_reads_is_seen() -> None:
 
 def test_units_are_spelt_in_ascii_and_other_letters_escaped() -> None:
     error = UnicodeEncodeError("ascii", "µm/s² at Gießen, \udcff", 0, 20, "")
-    assert streams._spelled(error) == ("um/s^2 at Gie\\xdfen, \\udcff", 20)
+    assert streams._spell_out(error) == ("um/s^2 at Gie\\xdfen, \\udcff", 20)
 
 
 def test_messages_that_cannot_be_written_are_dropped() -> None:
@@ -177,6 +177,6 @@ def test_messages_that_cannot_be_written_are_dropped() -> None:
 def test_a_full_disk_is_told_from_one_without_inodes(tmp_path, monkeypatch) -> None:
     disk = SimpleNamespace(f_files=1000, f_favail=0)
     error = OSError(errno.ENOSPC, "No space left on device", str(tmp_path / "file"))
-    assert "is full" in group.sentence(error)
+    assert "is full" in group.error_text(error)
     monkeypatch.setattr("bearingsim.store.files._inodes_are_out", lambda folder: disk.f_favail == 0)
-    assert "has no inodes left" in group.sentence(error)
+    assert "has no inodes left" in group.error_text(error)

@@ -26,16 +26,16 @@ sweep:
 def many(tmp_path, monkeypatch):
     path = tmp_path / "many.yaml"
     path.write_text(STUDY)
-    monkeypatch.setattr(plan, "MOST_PRICED", 20)
+    monkeypatch.setattr(plan, "MAX_PRICED", 20)
     return path
 
 
 def test_some_jobs_stand_for_all(many, monkeypatch):
     some = plan.plan_of(load_study(many), 1)
-    monkeypatch.setattr(plan, "MOST_PRICED", 1000)
+    monkeypatch.setattr(plan, "MAX_PRICED", 1000)
     every = plan.plan_of(load_study(many), 1)
-    assert (len(some.everything), len(every.everything)) == (20, 55)
-    assert some.counted == every.counted
+    assert (len(some.priced_jobs), len(every.priced_jobs)) == (20, 55)
+    assert some.job_counts == every.job_counts
     assert some.cpu_seconds == pytest.approx(every.cpu_seconds, rel=0.3)
     assert some.bytes == every.bytes
 
@@ -50,17 +50,17 @@ def test_it_is_said_that_some_were_priced(many):
 
 def test_the_first_and_the_last_job_are_priced(many):
     jobs = load_study(many).jobs()
-    found = plan.drawn(jobs)
+    found = plan.sample_jobs(jobs)
     assert (found[0], found[-1]) == (jobs[0], jobs[-1])
     assert len({job.id for job in found}) == 20
-    assert found == plan.drawn(jobs)
+    assert found == plan.sample_jobs(jobs)
 
 
 def test_the_ends_of_swept_ranges_are_priced(many, monkeypatch):
     """A step may be refused at one of them only."""
-    monkeypatch.setattr(plan, "MOST_PRICED", 5)
+    monkeypatch.setattr(plan, "MAX_PRICED", 5)
     jobs = load_study(many).jobs()
-    found = {id(job) for job in plan.drawn(jobs)}
+    found = {id(job) for job in plan.sample_jobs(jobs)}
     for path in ("load", "defect.width"):
         values = [job.swept[path] for job in jobs if path in job.swept]
         for end in (min, max):
@@ -69,12 +69,12 @@ def test_the_ends_of_swept_ranges_are_priced(many, monkeypatch):
 
 
 def test_fewer_are_priced_where_rollers_tilt(many, monkeypatch):
-    monkeypatch.setattr(plan, "MOST_PRICED", 55)
-    assert len(plan.drawn(load_study(many).jobs())) == 55
+    monkeypatch.setattr(plan, "MAX_PRICED", 55)
+    assert len(plan.sample_jobs(load_study(many).jobs())) == 55
     leaning = {"model": "spatial", "misalignment.inner": "0.1 mrad"}
     jobs = load_study(many, leaning).jobs()
     assert len(jobs) == 55
-    assert len(plan.drawn(jobs)) == 55 // plan.IN_SPACE
+    assert len(plan.sample_jobs(jobs)) == 55 // plan.UNEVEN_LOAD_WEIGHT
 
 
 def test_cases_share_the_healthy_twin(many):
@@ -83,7 +83,7 @@ def test_cases_share_the_healthy_twin(many):
 
 
 def test_a_long_table_is_cut(done, monkeypatch):
-    monkeypatch.setattr(tables, "MOST_ROWS", 3)
+    monkeypatch.setattr(tables, "MAX_ROWS", 3)
     said, _ = type_("show", done)
     assert "and 5 more jobs in results.csv (or use `--json`)" in said
     assert "8 jobs: 8 done" in said

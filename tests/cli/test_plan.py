@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from bearingsim import assemble
-from bearingsim.cli.plan import _grouped, friction_scale
+from bearingsim.cli.plan import _group_refusals, friction_scale
 from tests.scenes.short_cases import case
 
 FORCE = 50.0  # N
@@ -35,7 +35,7 @@ def test_refusals_that_differ_in_numbers_only_are_one_message() -> None:
     first, second, only = (SimpleNamespace(swept=swept) for swept in ({"load": 150.0}, {"load": 300.0}, {}))
     study: Any = SimpleNamespace(units={"load": "N"})
     refusals: Any = [(first, "a step of 2 us"), (second, "a step of 3 us"), (only, "no method")]
-    assert list(_grouped(refusals, study)) == [
+    assert list(_group_refusals(refusals, study)) == [
         "2 jobs refused, the first at load 150 N: a step of 2 us",
         "refused: the only case: no method",
     ]

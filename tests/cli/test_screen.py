@@ -67,7 +67,9 @@ def test_columns_asked_for_are_all_printed(done, terminal):
 
 def test_long_texts_are_folded(terminal, capsys):
     terminal(40)
-    screen.print_table(["", "what", "order"], [["FTF", "turns of the cage, and some more words", "1.25"]], words=2)
+    screen.print_table(
+        ["", "what", "order"], [["FTF", "turns of the cage, and some more words", "1.25"]], text_columns=2
+    )
     said = capsys.readouterr().out
     assert max(map(len, said.splitlines())) <= 40
     assert "1.25" in said

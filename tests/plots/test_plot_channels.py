@@ -47,7 +47,7 @@ def planar(results, monkeypatch):
 
 
 def test_show_tells_the_slip_of_a_cage_that_can_slip(planar):
-    chosen = tables.usual_features(planar, planar.table())
+    chosen = tables.default_features(planar, planar.table())
     assert chosen == ["velocity@BPFO", "cage.slip.mean", "velocity@BPFO-healthy"]
 
 

@@ -82,7 +82,7 @@ def test_figures_of_their_own_plot_the_line_of_the_defect(of_race, race, line):
 
 def test_show_tells_the_line_of_the_defect(of_race):
     opened = of_race("inner")
-    chosen = tables.usual_features(opened, opened.table())
+    chosen = tables.default_features(opened, opened.table())
     assert chosen == ["velocity@BPFI", "velocity@BPFI-healthy", "velocity.rms"]
 
 

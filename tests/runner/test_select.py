@@ -15,7 +15,7 @@ import pytest
 
 from bearingsim import selection, store
 from bearingsim.cli.plan import plan_of
-from bearingsim.cli.remarks import choices as choices_told
+from bearingsim.cli.remarks import model_choices as choices_told
 from bearingsim.runner import Interrupted, RunSummary, run
 from bearingsim.runner.select import NoChoices, selected
 from bearingsim.selection import Choosing

@@ -19,7 +19,7 @@ import xarray as xr
 from filelock import FileLock
 
 from bearingsim import store
-from bearingsim.cli.opening import job_meant
+from bearingsim.cli.opening import find_job
 from bearingsim.config import Case
 from bearingsim.store import files
 from bearingsim.store.columns import columns
@@ -97,7 +97,7 @@ def test_jobs_are_the_rows_of_the_table_and_the_plan_names_variations_too(tmp_pa
     assert store.planned_jobs(tmp_path) == set(ids)
     assert not store.superfluous(tmp_path).paths  # variations are not pruned
     one = study.variations()[0].job.id
-    assert job_meant(results, one) == one
+    assert find_job(results, one) == one
     assert len(results.series(one)) == 2
 
 
