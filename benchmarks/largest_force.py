@@ -54,7 +54,7 @@ def coverage(forces: np.ndarray, passes: int, rollers: int) -> tuple[float, floa
     largest = records.max(axis=1) / records.max(axis=1).mean()
     stated = np.array([error_of_largest(record, rollers, quarter) for record in records])
     first, second = np.triu_indices(len(records), 1)
-    bounds = np.maximum(start.PROMISED, start.CHANCE * np.hypot(stated[first], stated[second]))
+    bounds = np.maximum(start.MAX_ERROR, start.ERROR_MULTIPLE * np.hypot(stated[first], stated[second]))
     fraction = np.mean(np.abs(largest[first] - largest[second]) <= bounds)
     return float(largest.std(ddof=1)), float(np.median(stated)), float(fraction)
 

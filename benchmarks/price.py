@@ -57,123 +57,121 @@ def main() -> None:
     parser.add_argument("--csv", type=Path)
     parser.add_argument("--kept", type=Path)
     parser.add_argument("--job", help=argparse.SUPPRESS)
-    asked = parser.parse_args()
-    if asked.job:
-        print(json.dumps(measured(case_of(json.loads(asked.job)))))
+    options = parser.parse_args()
+    if options.job:
+        print(json.dumps(measure_case(case_of(json.loads(options.job)))))
         return
-    jobs = kept(asked.kept) if asked.kept and asked.kept.exists() else measure(asked)
-    priced = [(drawn, found, prices(case_of(drawn), found)) for drawn, found in jobs]
-    machine = median(found["cpu_s"] / price["seconds"] for _, found, price in priced[: len(REFERENCES)])
-    print(f"this machine takes {machine:.2f} times the priced CPU time ({len(REFERENCES)} reference jobs)")
-    rows = [row(*one, machine) for one in priced[len(REFERENCES) :]]
-    for one in [FIELDS, *rows]:
-        print(*(f"{value:>12.3g}" if isinstance(value, float) else f"{value:>15}" for value in one))
-    told(rows)
-    if asked.csv:
-        with asked.csv.open("w", newline="") as file:
+    jobs = read_measurements(options.kept) if options.kept and options.kept.exists() else measure(options)
+    estimated = [(fields, result, prices(case_of(fields), result)) for fields, result in jobs]
+    speed_ratio = median(result["cpu_s"] / price["seconds"] for _, result, price in estimated[: len(REFERENCES)])
+    print(f"this machine takes {speed_ratio:.2f} times the priced CPU time ({len(REFERENCES)} reference jobs)")
+    rows = [row(*entry, speed_ratio) for entry in estimated[len(REFERENCES) :]]
+    for entry in [FIELDS, *rows]:
+        print(*(f"{value:>12.3g}" if isinstance(value, float) else f"{value:>15}" for value in entry))
+    print_ratios(rows)
+    if options.csv:
+        with options.csv.open("w", newline="") as file:
             csv.writer(file, lineterminator="\n").writerows([FIELDS, *rows])
 
 
-Measured = tuple[dict[str, Any], dict[str, Any]]
+Measurement = tuple[dict[str, Any], dict[str, Any]]
 """Fields of a job, and its measurements."""
 
 
-def kept(file: Path) -> list[Measured]:
+def read_measurements(file: Path) -> list[Measurement]:
     """Read stored measurements."""
     return [tuple(json.loads(line)) for line in file.read_text(encoding="utf-8").splitlines()]
 
 
-def measure(asked: argparse.Namespace) -> list[Measured]:
+def measure(options: argparse.Namespace) -> list[Measurement]:
     """Measure the reference jobs and random jobs, each in a separate process."""
-    chance, found = random.Random(asked.seed), []
+    rng, jobs = random.Random(options.seed), []
     full = {"periodic": False, "defect": SLOT, "load": 150.0, "speed": "1800 rpm", "step_check": False}
-    drawn = [one | full for one in REFERENCES]
-    for one in chain(drawn, (affordable(chance, asked.most) for _ in range(asked.jobs))):
-        found.append((one, apart(one)))
-        if asked.kept:
-            with asked.kept.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(found[-1]) + "\n")
-    return found
+    references = [fields | full for fields in REFERENCES]
+    for fields in chain(references, (draw_affordable(rng, options.most) for _ in range(options.jobs))):
+        jobs.append((fields, measure_separately(fields)))
+        if options.kept:
+            with options.kept.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(jobs[-1]) + "\n")
+    return jobs
 
 
-def prices(case: Case, found: dict[str, Any]) -> dict[str, float]:
+def prices(case: Case, result: dict[str, Any]) -> dict[str, float]:
     """Return the estimated CPU time (s) and memory (bytes), given whether the response is periodic."""
     price = time_grid.estimate(case)
-    if found["repeats"]:
+    if result["repeats"]:
         return {"seconds": price.cpu_seconds, "bytes": PROGRAM + price.memory}
     return {"seconds": price.most_seconds, "bytes": PROGRAM + price.most_memory}
 
 
-def case_of(drawn: dict[str, Any]) -> Case:
+def case_of(fields: dict[str, Any]) -> Case:
     """Make the case of drawn fields."""
-    return Case.model_validate(FIXED | drawn)
+    return Case.model_validate(FIXED | fields)
 
 
-def affordable(chance: random.Random, most: float) -> dict[str, Any]:
+def draw_affordable(rng: random.Random, most: float) -> dict[str, Any]:
     """Draw a job that can run and takes less than ``most`` s."""
     while True:
-        drawn = draw(chance)
+        fields = draw(rng)
         try:
-            if time_grid.estimate(case_of(drawn)).most_seconds < most:
-                return drawn
+            if time_grid.estimate(case_of(fields)).most_seconds < most:
+                return fields
         except ValueError:
             continue
 
 
-def draw(chance: random.Random) -> dict[str, Any]:
+def draw(rng: random.Random) -> dict[str, Any]:
     """Draw the fields of a job."""
-    model = chance.choice([*MODELS])
-    drawn: dict[str, Any] = {
+    model = rng.choice([*MODELS])
+    fields: dict[str, Any] = {
         "model": model,
-        "duration": exp(chance.uniform(0.0, log(300.0))),
-        "speed": f"{chance.uniform(300.0, 3000.0)} rpm",
-        "load": chance.uniform(100.0, 1000.0),
-        "sampling": chance.choice([5120.0, 10240.0, 20480.0, 51200.0]),
-        "periodic": chance.random() < 0.5,
-        "antialias": chance.random() < 0.8,
-        "step_check": chance.random() < 0.3,
-        "record": chance.choice(
-            [["ring.velocity"], [], ["ring.displacement", "ring.velocity", "ring.acceleration"]]
-        ),
+        "duration": exp(rng.uniform(0.0, log(300.0))),
+        "speed": f"{rng.uniform(300.0, 3000.0)} rpm",
+        "load": rng.uniform(100.0, 1000.0),
+        "sampling": rng.choice([5120.0, 10240.0, 20480.0, 51200.0]),
+        "periodic": rng.random() < 0.5,
+        "antialias": rng.random() < 0.8,
+        "step_check": rng.random() < 0.3,
+        "record": rng.choice([["ring.velocity"], [], ["ring.displacement", "ring.velocity", "ring.acceleration"]]),
     }
     if not MODELS[model].memoryless and not MODELS[model].own_method:
-        drawn["method"] = chance.choice(["auto", *METHODS])
-    if chance.random() < 0.8:
-        drawn["defect"] = SLOT | {"race": chance.choice(["outer", "outer", "inner"])}
+        fields["method"] = rng.choice(["auto", *METHODS])
+    if rng.random() < 0.8:
+        fields["defect"] = SLOT | {"race": rng.choice(["outer", "outer", "inner"])}
     if MODELS[model].slips:
-        drawn["cage"] = {"motion": chance.choice(["free", "kinematic"])}
-        if chance.random() < 0.2:
-            drawn["ramp"] = {"to": "3600 rpm", "time": "0.5 s"}
-    return drawn
+        fields["cage"] = {"motion": rng.choice(["free", "kinematic"])}
+        if rng.random() < 0.2:
+            fields["ramp"] = {"to": "3600 rpm", "time": "0.5 s"}
+    return fields
 
 
-def apart(drawn: dict[str, Any]) -> dict[str, Any]:
+def measure_separately(fields: dict[str, Any]) -> dict[str, Any]:
     """Measure a job in a separate process."""
-    command = [sys.executable, "-m", "benchmarks.price", "--job", json.dumps(drawn)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    found: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
-    return found
+    command = [sys.executable, "-m", "benchmarks.price", "--job", json.dumps(fields)]
+    process = subprocess.run(command, capture_output=True, text=True, check=True)
+    result: dict[str, Any] = json.loads(process.stdout.splitlines()[-1])
+    return result
 
 
-def measured(case: Case) -> dict[str, Any]:
+def measure_case(case: Case) -> dict[str, Any]:
     """Measure CPU time (s) and memory (bytes) of a case; the result states whether it gave a record."""
     warm([case])
     for flags in ({}, {"periodic": False}):
-        moment = {"duration": 6.0 / case.bearing.ball_pass_frequency(case.speed), "settle": 0.0}
-        _run(case.model_copy(update=moment | flags))
-    before, began = _peak(), time.process_time()
+        short = {"duration": 6.0 / case.bearing.ball_pass_frequency(case.speed), "settle": 0.0}
+        _run(case.model_copy(update=short | flags))
+    start_peak, began = _peak(), time.process_time()
     record = _run(case)
-    found = {
+    result = {
         "cpu_s": time.process_time() - began,
-        "bytes": PROGRAM + _peak() - before,
+        "bytes": PROGRAM + _peak() - start_peak,
         "given": record is not None,
     }
     if record is None:
-        return found | {"repeats": False, "method": "", "held": False}
-    told = {name: float(record.info[name]) for name in ("period_passes", "step_part", "integrator_cpu_s")}
-    method, first = str(record.info["method"] or ""), choice.resolved(case).method or ""
-    held = told["step_part"] == 1.0 and method == first
-    return found | told | {"repeats": told["period_passes"] > 0, "method": method, "held": held}
+        return result | {"repeats": False, "method": "", "held": False}
+    facts = {name: float(record.info[name]) for name in ("period_passes", "step_part", "integrator_cpu_s")}
+    method, chosen = str(record.info["method"] or ""), choice.resolved(case).method or ""
+    has_full_step = facts["step_part"] == 1.0 and method == chosen
+    return result | facts | {"repeats": facts["period_passes"] > 0, "method": method, "held": has_full_step}
 
 
 def _run(case: Case) -> Record | None:
@@ -193,33 +191,33 @@ def _peak() -> float:
     return 1024.0 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
-def row(drawn: dict[str, Any], found: dict[str, Any], price: dict[str, float], machine: float) -> list[Any]:
+def row(fields: dict[str, Any], result: dict[str, Any], price: dict[str, float], speed_ratio: float) -> list[Any]:
     """Return a row of the table; failed jobs have no ratio of CPU times."""
-    cpu = found["cpu_s"] / machine
+    cpu = result["cpu_s"] / speed_ratio
     return [
-        drawn["model"],
-        found["method"] or ("-" if found["given"] else "no record"),
-        round(drawn["duration"], 2),
-        drawn["sampling"],
-        "yes" if found["repeats"] else "no",
-        "yes" if found["held"] else "no",
+        fields["model"],
+        result["method"] or ("-" if result["given"] else "no record"),
+        round(fields["duration"], 2),
+        fields["sampling"],
+        "yes" if result["repeats"] else "no",
+        "yes" if result["held"] else "no",
         cpu,
         price["seconds"],
-        cpu / price["seconds"] if found["given"] else float("nan"),
-        found["bytes"] / 1e6,
+        cpu / price["seconds"] if result["given"] else float("nan"),
+        result["bytes"] / 1e6,
         price["bytes"] / 1e6,
-        found["bytes"] / price["bytes"],
+        result["bytes"] / price["bytes"],
     ]
 
 
-def told(rows: list[list[Any]]) -> None:
+def print_ratios(rows: list[list[Any]]) -> None:
     """Print how many ratios are within a factor of 2."""
-    sure = [one for one in rows if one[FIELDS.index("step_held")] == "yes"]
-    for name, of in ("cpu_ratio", sure), ("memory_ratio", rows):
-        ratios = [one[FIELDS.index(name)] for one in of] or [float("nan")]
+    exact = [row_ for row_ in rows if row_[FIELDS.index("step_held")] == "yes"]
+    for name, group in ("cpu_ratio", exact), ("memory_ratio", rows):
+        ratios = [row_[FIELDS.index(name)] for row_ in group] or [float("nan")]
         within = sum(0.5 <= ratio <= 2.0 for ratio in ratios)
         print(f"{name}: {within} of {len(ratios)} within a factor of 2; {min(ratios):.2f} to {max(ratios):.2f}")
-    print(f"{len(rows) - len(sure)} jobs were given another step or method than was priced, or no record")
+    print(f"{len(rows) - len(exact)} jobs were given another step or method than was priced, or no record")
 
 
 if __name__ == "__main__":

@@ -40,20 +40,20 @@ from bearingsim.simulation.comparison import fault_lines
 from bearingsim.simulation.run_setup import TooChaotic
 from bearingsim.simulation.simulate import Record, SimulationError, simulate
 
-HELD = 0.01
-RESOLVED = 2.1  # duration times spacing of lines, to separate them despite some slip
-TWO = {"converged", "refused"}
+MAX_CHANGE = 0.01
+RESOLUTION = 2.1  # duration times spacing of lines, to separate them despite some slip
+PASSING_OUTCOMES = {"converged", "refused"}
 LONGEST_JOB = 20.0  # s of estimated CPU time
 LONGEST_CHAOS = 10.0  # the same, for a record extended because of its RMS
 MARGIN = 1.5  # times the requested duration of a chaotic record (2.5 standard deviations become 3.1)
-LONGER = 3  # attempts with a longer record
+ATTEMPTS = 3  # attempts with a longer record
 SHORTEST = 0.15  # s
 PASSES = 4.0  # ball passes at the kinematic speed of the cage
 STEEL = 8.06e4 * 12.0 ** (8.0 / 9.0)  # N/mm^(10/9): Palmgren's line contact of the NF308's rollers
 LAWS = ("chi", "kraemer", "general")
-SCENE = ["scene", "model", "load_N", "clearance_um", "speed_rpm", "law", "stiffness", "damping", "m3"]
-DEFECT = ["race", "shape", "width_mm", "depth_um"]
-FOUND = [
+SCENE_COLUMNS = ["scene", "model", "load_N", "clearance_um", "speed_rpm", "law", "stiffness", "damping", "m3"]
+DEFECT_COLUMNS = ["race", "shape", "width_mm", "depth_um"]
+RESULT_COLUMNS = [
     "outcome",
     "method",
     "step_us",
@@ -79,43 +79,43 @@ def draw(number: int, seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
 
     model = str(rng.choice(["rollers", "ring", "planar"], p=[0.75, 0.15, 0.1]))
     law = str(rng.choice(LAWS, p=[0.5, 0.2, 0.3])) if model == "rollers" else "chi"
-    told: dict[str, Any] = {"scene": number, "model": model, "law": law}
-    told |= {"load_N": log(5.0, 3000.0), "clearance_um": float(rng.uniform(-10.0, 60.0))}
-    told |= {"speed_rpm": log(60.0, 12000.0), "stiffness": log(0.1, 100.0)}
+    row: dict[str, Any] = {"scene": number, "model": model, "law": law}
+    row |= {"load_N": log(5.0, 3000.0), "clearance_um": float(rng.uniform(-10.0, 60.0))}
+    row |= {"speed_rpm": log(60.0, 12000.0), "stiffness": log(0.1, 100.0)}
     damping: dict[str, Any]
     if law == "chi":
-        told["damping"] = log(0.3, 200.0)
-        damping = {"law": "hunt-crossley", "chi": told["damping"]}
+        row["damping"] = log(0.3, 200.0)
+        damping = {"law": "hunt-crossley", "chi": row["damping"]}
     elif law == "kraemer":
-        told["damping"] = log(1e-6, 3e-5)
-        damping = {"law": "kraemer", "beta": told["damping"]}
+        row["damping"] = log(1e-6, 3e-5)
+        damping = {"law": "kraemer", "beta": row["damping"]}
     else:
-        told |= {"damping": log(0.1, 1e6), "m3": int(rng.integers(0, 3))}
-        damping = {"law": "general", "coefficient": told["damping"], "indentation_exponent": float(told["m3"])}
-    stiffness = {"law": "constant", "coefficient": STEEL * told["stiffness"], "exponent": 10.0 / 9.0}
+        row |= {"damping": log(0.1, 1e6), "m3": int(rng.integers(0, 3))}
+        damping = {"law": "general", "coefficient": row["damping"], "indentation_exponent": float(row["m3"])}
+    stiffness = {"law": "constant", "coefficient": STEEL * row["stiffness"], "exponent": 10.0 / 9.0}
     race = str(rng.choice(["none", "outer", "inner", "roller"], p=[0.1, 0.5, 0.2, 0.2]))
-    told |= {"race": race, "shape": str(rng.choice(["rectangular", "triangular", "circular"], p=[0.6, 0.2, 0.2]))}
-    told |= {"width_mm": log(0.1, 4.0), "depth_um": log(0.1, 1000.0)}
-    defect = {"race": race, "shape": told["shape"], "length": 12e-3}
-    defect |= {"width": 1e-3 * told["width_mm"], "depth": 1e-6 * told["depth_um"]}
+    row |= {"race": race, "shape": str(rng.choice(["rectangular", "triangular", "circular"], p=[0.6, 0.2, 0.2]))}
+    row |= {"width_mm": log(0.1, 4.0), "depth_um": log(0.1, 1000.0)}
+    defect = {"race": race, "shape": row["shape"], "length": 12e-3}
+    defect |= {"width": 1e-3 * row["width_mm"], "depth": 1e-6 * row["depth_um"]}
     fields = {
         "bearing": "nf308",
         "model": model,
-        "load": told["load_N"],
-        "clearance": 1e-6 * told["clearance_um"],
-        "speed": told["speed_rpm"] * pi / 30.0,
+        "load": row["load_N"],
+        "clearance": 1e-6 * row["clearance_um"],
+        "speed": row["speed_rpm"] * pi / 30.0,
         "contact": {"stiffness": stiffness, "damping": damping},
         "defects": [] if race == "none" else [defect],
     }
-    return told, fields
+    return row, fields
 
 
 def case_of(fields: dict[str, Any]) -> Case:
     """Make a case long enough for three ball passes with cage slip, and for resolving the defect line."""
     case = Case.model_validate(fields | {"duration": 1.0, "step_check": "strict"})
     rate = case.bearing.ball_pass_frequency(case.speed)
-    apart = min((spacing(case, name) for name in fault_lines(case) if name != "BPFO"), default=inf)
-    return case.model_copy(update={"duration": max(SHORTEST, PASSES / rate, RESOLVED / apart)})
+    least_spacing = min((spacing(case, name) for name in fault_lines(case) if name != "BPFO"), default=inf)
+    return case.model_copy(update={"duration": max(SHORTEST, PASSES / rate, RESOLUTION / least_spacing)})
 
 
 def spacing(case: Case, name: str) -> float:
@@ -129,55 +129,57 @@ def spacing(case: Case, name: str) -> float:
         fundamental_train_frequency(*sizes),
         shaft,
     )
-    at = {line: float(np.dot(multiples, units)) for line, multiples in LINES.items()}
-    return min(at[name], *(abs(at[name] - other) for line, other in at.items() if line != name))
+    frequencies = {line: float(np.dot(multiples, units)) for line, multiples in LINES.items()}
+    return min(
+        frequencies[name], *(abs(frequencies[name] - other) for line, other in frequencies.items() if line != name)
+    )
 
 
-def finer(case: Case, found: Record) -> Case:
+def finer(case: Case, record: Record) -> Case:
     """Return the case with the chosen method, half the step and a tenth of the tolerance."""
-    info = found.info
+    info = record.info
     update: dict[str, Any] = {"method": info["method"], "step": 0.5 * float(info["step_s"]), "step_check": False}
     if np.isfinite(float(info["tolerance"])):
         update["tolerance"] = 0.1 * float(info["tolerance"])
     return case.model_copy(update=update)
 
 
-def changes(case: Case, found: Record, other: Record) -> tuple[float, float]:
+def changes(case: Case, record: Record, finer_record: Record) -> tuple[float, float]:
     """Return the relative changes of the defect line (largest of several, or nan) and of the RMS."""
-    rms = other.features["velocity.rms"] or 1.0
+    rms = finer_record.features["velocity.rms"] or 1.0
     names = [f"velocity@{name}" for name in fault_lines(case)]
-    pairs = [(found.features[name], other.features[name]) for name in names]
-    known = [abs(a - b) / max(b, QUIET_LINE * rms) for a, b in pairs if np.isfinite(a) and np.isfinite(b)]
-    return max(known, default=nan), abs(found.features["velocity.rms"] / rms - 1.0)
+    pairs = [(record.features[name], finer_record.features[name]) for name in names]
+    line_changes = [abs(a - b) / max(b, QUIET_LINE * rms) for a, b in pairs if np.isfinite(a) and np.isfinite(b)]
+    return max(line_changes, default=nan), abs(record.features["velocity.rms"] / rms - 1.0)
 
 
 def judge(number: int, seed: int) -> dict[str, Any]:
     """Return the row of a scene."""
     time_grid.MAX_CPU = LONGEST_JOB
-    told, fields = draw(number, seed)
+    row, fields = draw(number, seed)
     case = case_of(fields)
     began = time.process_time()
     try:
-        case, found = computed(case)
+        case, record = compute(case)
     except SimulationError as error:
-        told |= {"outcome": "refused", "reason": str(error), "cpu_s": time.process_time() - began}
-        return told | {"only_chaotic": int(isinstance(error, TooChaotic))}
-    info, features = found.info, found.features
-    told |= {"method": info["method"], "step_us": 1e6 * float(info["step_s"]), "part": info["step_part"]}
-    told["duration_s"] = case.duration
-    told |= {"chaotic": int(features["chaotic"]), "cpu_s": time.process_time() - began}
-    told |= {"said_line": features["step_error.line"], "said_rms": features["step_error.rms"]}
+        row |= {"outcome": "refused", "reason": str(error), "cpu_s": time.process_time() - began}
+        return row | {"only_chaotic": int(isinstance(error, TooChaotic))}
+    info, features = record.info, record.features
+    row |= {"method": info["method"], "step_us": 1e6 * float(info["step_s"]), "part": info["step_part"]}
+    row["duration_s"] = case.duration
+    row |= {"chaotic": int(features["chaotic"]), "cpu_s": time.process_time() - began}
+    row |= {"said_line": features["step_error.line"], "said_rms": features["step_error.rms"]}
     try:
         time_grid.MAX_CPU = inf
-        line, rms = changes(case, found, simulate(finer(case, found)))
+        line, rms = changes(case, record, simulate(finer(case, record)))
     except SimulationError as error:
-        return told | {"outcome": "finer run failed", "reason": str(error)}
-    return told | {"line": line, "rms": rms, "outcome": outcome(bool(told["chaotic"]), line, rms)}
+        return row | {"outcome": "finer run failed", "reason": str(error)}
+    return row | {"line": line, "rms": rms, "outcome": outcome(bool(row["chaotic"]), line, rms)}
 
 
-def computed(case: Case) -> tuple[Case, Record]:
+def compute(case: Case) -> tuple[Case, Record]:
     """Compute a case; a chaotic one for as long as requested, if affordable. Return case and record."""
-    for _ in range(LONGER):
+    for _ in range(ATTEMPTS):
         try:
             return case, simulate(case)
         except TooChaotic as error:
@@ -192,7 +194,7 @@ def outcome(chaotic: bool, line: float, rms: float) -> str:
     """Classify the changes due to half the step."""
     if isnan(rms) or (isnan(line) and not chaotic):
         return "nothing to compare"
-    return "converged" if (rms if chaotic else max(line, rms)) < HELD else "changed"
+    return "converged" if (rms if chaotic else max(line, rms)) < MAX_CHANGE else "changed"
 
 
 def main() -> None:
@@ -208,20 +210,20 @@ def main() -> None:
     counts: Counter[str] = Counter()
     only_chaotic = 0
     with open(options.csv or os.devnull, "w", newline="") as target:
-        table = csv.DictWriter(target, SCENE + DEFECT + FOUND, lineterminator="\n")
+        table = csv.DictWriter(target, SCENE_COLUMNS + DEFECT_COLUMNS + RESULT_COLUMNS, lineterminator="\n")
         table.writeheader()
         pool = Parallel(options.jobs, return_as="generator_unordered")
         for row in pool(delayed(judge)(n, options.seed) for n in numbers):
             counts[row["outcome"]] += 1
             only_chaotic += row.get("only_chaotic", 0)
-            told = {key: f"{value:.4g}" if isinstance(value, float) else value for key, value in row.items()}
-            table.writerow(told)
+            formatted = {key: f"{value:.4g}" if isinstance(value, float) else value for key, value in row.items()}
+            table.writerow(formatted)
             target.flush()
-            if row["outcome"] not in TWO:
-                print(", ".join(f"{key} {value}" for key, value in told.items()), flush=True)
+            if row["outcome"] not in PASSING_OUTCOMES:
+                print(", ".join(f"{key} {value}" for key, value in formatted.items()), flush=True)
     print(", ".join(f"{count} {outcome}" for outcome, count in sorted(counts.items())))
     print(f"refused only because chaotic and too short for their RMS: {only_chaotic}")
-    sys.exit(not set(counts) <= TWO)
+    sys.exit(not set(counts) <= PASSING_OUTCOMES)
 
 
 if __name__ == "__main__":

@@ -25,8 +25,8 @@ from bearingsim.config import Case
 from bearingsim.simulation import SimulationError, integration, simulate
 from bearingsim.simulation.repetition import Search
 
-PASSES, LAST = 60, 10
-REPEATS, HELD = 1e-8, 1e-6
+PASSES, LAST_PASSES = 60, 10
+PERIODIC_DIFFERENCE, MAX_ERROR = 1e-8, 1e-6
 ROUNDING = {"tilt.max": 1e-12}  # rad; smaller values count as zero
 
 
@@ -41,14 +41,14 @@ def draw(model: str, number: int, seed: int) -> Case:
     laws = [{"law": "kraemer", "beta": log(1e-6, 3e-5)}, {"law": "hunt-crossley", "chi": log(2.0, 80.0)}]
 
     def defect(low: float, high: float) -> dict[str, Any]:
-        long = rng.random() < 0.5
-        length = (3e-3 if ball else 12e-3) if long else (2e-3 if ball else 4e-3)
-        found = {"shape": str(rng.choice(["rectangular", "triangular", "circular"])), "length": length}
-        found |= {"width": 1e-3 * log(0.1, 3.0), "depth": 1e-6 * log(0.5, 50.0)}
-        return found | {"angle": float(rng.uniform(low, high)) * pi / 180.0}
+        is_long = rng.random() < 0.5
+        length = (3e-3 if ball else 12e-3) if is_long else (2e-3 if ball else 4e-3)
+        fields_ = {"shape": str(rng.choice(["rectangular", "triangular", "circular"])), "length": length}
+        fields_ |= {"width": 1e-3 * log(0.1, 3.0), "depth": 1e-6 * log(0.5, 50.0)}
+        return fields_ | {"angle": float(rng.uniform(low, high)) * pi / 180.0}
 
-    many = rng.random()
-    defects = [defect(0.0, 60.0)] * (many > 0.1) + [defect(-60.0, 0.0)] * (many > 0.85)
+    drawn_share = rng.random()
+    defects = [defect(0.0, 60.0)] * (drawn_share > 0.1) + [defect(-60.0, 0.0)] * (drawn_share > 0.85)
     fields = {
         "bearing": "6205" if ball else "nf308",
         "model": model,
@@ -65,53 +65,53 @@ def draw(model: str, number: int, seed: int) -> Case:
     return case.model_copy(update={"duration": (PASSES + 0.5) / case.bearing.ball_pass_frequency(case.speed)})
 
 
-class Onlooker(Search):
+class RecordingSearch(Search):
     """Search that records differences between passes, and never stops a run."""
 
-    last: list[float]
+    last_differences: list[float]
 
     def after_pass(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> tuple[int, float]:
         """Record the differences and return no period."""
         super().after_pass(window, y, peaks)
-        self.last = [max(d[-LAST:]) for d in self.differences.values() if len(d) >= LAST]
+        self.last_differences = [max(d[-LAST_PASSES:]) for d in self.differences.values() if len(d) >= LAST_PASSES]
         return 0, 0.0
 
 
-def in_full(case: Case) -> tuple[Any, float]:
+def full_record(case: Case) -> tuple[Any, float]:
     """Return the full record, and the difference of its last passes at the best period."""
-    seen: list[Onlooker] = []
+    searches: list[RecordingSearch] = []
 
-    def made(*given: Any) -> Onlooker:
-        seen.append(Onlooker(*given))
-        return seen[-1]
+    def make_search(*arguments: Any) -> RecordingSearch:
+        searches.append(RecordingSearch(*arguments))
+        return searches[-1]
 
-    with mock.patch.object(integration, "Search", made):
+    with mock.patch.object(integration, "Search", make_search):
         record = simulate(case)
-    return record, min(seen[-1].last, default=inf)
+    return record, min(searches[-1].last_differences, default=inf)
 
 
-def errors(found: dict[str, float], right: dict[str, float]) -> Iterator[tuple[float, str]]:
+def errors(features: dict[str, float], reference: dict[str, float]) -> Iterator[tuple[float, str]]:
     """Yield the error of each feature, as defined above."""
-    for name, value in right.items():
+    for name, value in reference.items():
         if np.isnan(value) or name.endswith("-scatter"):
             continue
-        rms = right.get(f"{name.partition('@')[0].partition('.')[0]}.rms", 0.0)
+        rms = reference.get(f"{name.partition('@')[0].partition('.')[0]}.rms", 0.0)
         if name.endswith(".phase"):
-            if right[name.removesuffix(".phase")] > 1e-3 * rms:
-                turn = found[name] - value
-                yield abs((turn + pi) % (2.0 * pi) - pi), name
-        elif max(abs(value), abs(found[name])) > ROUNDING.get(name, 0.0):
-            yield abs(found[name] - value) / max(abs(value), 1e-3 * rms), name
+            if reference[name.removesuffix(".phase")] > 1e-3 * rms:
+                difference = features[name] - value
+                yield abs((difference + pi) % (2.0 * pi) - pi), name
+        elif max(abs(value), abs(features[name])) > ROUNDING.get(name, 0.0):
+            yield abs(features[name] - value) / max(abs(value), 1e-3 * rms), name
 
 
-def tried(model: str, number: int, seed: int) -> dict[str, Any]:
+def compare_scene(model: str, number: int, seed: int) -> dict[str, Any]:
     """Compute a scene with and without early stop."""
     case = draw(model, number, seed)
     try:
-        short, (whole, last) = simulate(case), in_full(case)
+        short, (full, last_difference) = simulate(case), full_record(case)
     except SimulationError as error:
         return {"model": model, "scene": number, "failed": str(error)}
-    worst, name = max(errors(short.features, whole.features))
+    worst, name = max(errors(short.features, full.features))
     computed, passes, period = (short.info[key] for key in ("passes_computed", "passes", "period_passes"))
     stopped = bool(period)
     return {
@@ -121,10 +121,10 @@ def tried(model: str, number: int, seed: int) -> dict[str, Any]:
         "computed": computed,
         "passes": passes,
         "period": period,
-        "last": last,
+        "last": last_difference,
         "stopped": stopped,
-        "repeats": last <= REPEATS,
-        "wrong": stopped and (worst > HELD or (last > REPEATS and worst > HELD)),
+        "repeats": last_difference <= PERIODIC_DIFFERENCE,
+        "wrong": stopped and (worst > MAX_ERROR or (last_difference > PERIODIC_DIFFERENCE and worst > MAX_ERROR)),
         "worst": worst if stopped else 0.0,
         "name": name,
     }
@@ -132,33 +132,37 @@ def tried(model: str, number: int, seed: int) -> dict[str, Any]:
 
 def main() -> None:
     """Compute the scenes and print the table."""
-    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    asked.add_argument("--seed", type=int, default=1)
-    asked.add_argument("--jobs", type=int, default=2)
-    asked.add_argument("--each", action="store_true", help="a line for each scene")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--each", action="store_true", help="a line for each scene")
     for model, count in (("ring", 40), ("rollers", 40), ("planar", 20), ("spatial", 20)):
-        asked.add_argument(f"--{model}", type=int, default=count)
-    given = asked.parse_args()
+        parser.add_argument(f"--{model}", type=int, default=count)
+    options = parser.parse_args()
     scenes = [
-        (model, n) for model in ("spatial", "planar", "rollers", "ring") for n in range(getattr(given, model))
+        (model, number)
+        for model in ("spatial", "planar", "rollers", "ring")
+        for number in range(getattr(options, model))
     ]
-    found = Parallel(n_jobs=given.jobs, batch_size=1)(delayed(tried)(*scene, given.seed) for scene in scenes)
+    all_rows = Parallel(n_jobs=options.jobs, batch_size=1)(
+        delayed(compare_scene)(*scene, options.seed) for scene in scenes
+    )
     for model in ("ring", "rollers", "planar", "spatial"):
-        rows = [row for row in found if row["model"] == model and not row["failed"]]
-        failed = sum(row["model"] == model for row in found) - len(rows)
+        rows = [row for row in all_rows if row["model"] == model and not row["failed"]]
+        failed = sum(row["model"] == model for row in all_rows) - len(rows)
         stops = [row for row in rows if row["stopped"]]
-        right = [row for row in rows if row["repeats"]]
+        periodic = [row for row in rows if row["repeats"]]
         worst = max(stops, key=lambda row: row["worst"], default={"worst": 0.0, "name": "-", "scene": "-"})
         passes = sorted(row["computed"] for row in stops)
         print(
-            f"{model:8} {len(rows)} scenes ({failed} failed): {len(right)} repeat,"
-            f" {sum(row['stopped'] for row in right)} of them stopped; {len(stops)} stopped,"
+            f"{model:8} {len(rows)} scenes ({failed} failed): {len(periodic)} repeat,"
+            f" {sum(row['stopped'] for row in periodic)} of them stopped; {len(stops)} stopped,"
             f" {sum(row['wrong'] for row in stops)} wrong; passes {np.median(passes or [0]):.0f}"
             f" (most {max(passes, default=0)}) of {np.median([row['passes'] for row in rows] or [0]):.0f};"
             f" worst {worst['worst']:.1e} ({worst['name']}, scene {worst['scene']})"
         )
-    for row in found:
-        if row["failed"] or row["wrong"] or (row["repeats"] and not row["stopped"]) or given.each:
+    for row in all_rows:
+        if row["failed"] or row["wrong"] or (row["repeats"] and not row["stopped"]) or options.each:
             print(row)
 
 

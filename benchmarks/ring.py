@@ -29,7 +29,7 @@ from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.equilibrium import solve_initial_equilibrium
 from bearingsim.simulation import SimulationError, limits, simulate
 
-DISPLACED = 0.001 * pi / 180.0
+DISPLACEMENT = 0.001 * pi / 180.0
 SUPPORTS = ("point", "pads", "points", "housing")
 
 
@@ -67,7 +67,7 @@ def draw(number: int, seed: int, sampling: float) -> Case:
     )
 
 
-def forget() -> None:
+def clear_caches() -> None:
     """Clear the caches of bearings."""
     caches = (bending.made, assemble._made_by_field, rest._rest, limits._without_method, limits.loads_at_rest)
     for cache in caches:
@@ -86,11 +86,11 @@ def with_harmonics(case: Case, times: int) -> Case:
     return case.model_copy(update={"rig": case.rig.model_copy(update={"ring": more})})
 
 
-def less_healthy(case: Case) -> tuple[complex, float, dict[str, float]]:
+def subtract_healthy(case: Case) -> tuple[complex, float, dict[str, float]]:
     """Return the line minus that of the healthy bearing (m/s, complex), RMS (m/s), and all features."""
-    found = simulate(case).features
+    features = simulate(case).features
     healthy = simulate(case.model_copy(update={"defects": ()})).features
-    return line(found) - line(healthy), found["velocity.rms"], found
+    return line(features) - line(healthy), features["velocity.rms"], features
 
 
 def largest_at_rest(case: Case) -> float:
@@ -98,89 +98,91 @@ def largest_at_rest(case: Case) -> float:
     lines = []
     for angle in (0.0, 15.0, 30.0, 45.0, 60.0):
         slot = case.defects[0].model_copy(update={"angle": angle * pi / 180.0})
-        still = case.model_copy(update={"model": "static", "method": None, "defects": (slot,)})
-        lines.append(abs(less_healthy(still)[0]))
+        static_case = case.model_copy(update={"model": "static", "method": None, "defects": (slot,)})
+        lines.append(abs(subtract_healthy(static_case)[0]))
     return max(lines)
 
 
-def doubled(number: int, seed: int) -> str:
+def compare_harmonics(number: int, seed: int) -> str:
     """Compare a scene with one of twice the harmonics and cap."""
     case = draw(number, seed, 51.2e3)
     cap = bending.CAP
     try:
-        forget()
+        clear_caches()
         scale = largest_at_rest(case)
-        once, rms, told = less_healthy(case)
-        again, rms_again, _ = less_healthy(case.model_copy(update={"start_angle": case.start_angle + DISPLACED}))
+        base_line, rms, features = subtract_healthy(case)
+        shifted, shifted_rms, _ = subtract_healthy(
+            case.model_copy(update={"start_angle": case.start_angle + DISPLACEMENT})
+        )
         bending.CAP = 2.0 * cap
-        forget()
-        twice, rms_twice, told_twice = less_healthy(with_harmonics(case, 2))
+        clear_caches()
+        doubled_line, doubled_rms, doubled_features = subtract_healthy(with_harmonics(case, 2))
     except SimulationError as error:
         return f"{number:3} refused: {error}"
     finally:
         bending.CAP = cap
-    scale = max(scale, abs(once))
-    of_line, of_rms = abs(twice - once) / scale, abs(rms_twice / rms - 1.0)
-    displaced = f"line {abs(again - once) / scale:.4f} rms {abs(rms_again / rms - 1.0):.4f}"
-    said = max(told["step_error.line"], told["step_error.rms"])
-    chaotic = " chaotic" * bool(told["chaotic"] or told_twice["chaotic"])
+    scale = max(scale, abs(base_line))
+    line_change, rms_change = abs(doubled_line - base_line) / scale, abs(doubled_rms / rms - 1.0)
+    scatter = f"line {abs(shifted - base_line) / scale:.4f} rms {abs(shifted_rms / rms - 1.0):.4f}"
+    stated = max(features["step_error.line"], features["step_error.rms"])
+    suffix = " chaotic" * bool(features["chaotic"] or doubled_features["chaotic"])
     assert case.rig.load is not None
-    told_of = f"{number:3} {case.rig.load.by:8} line {of_line:.4f} rms {of_rms:.4f} said {said:.4f}"
-    return f"{told_of}, displaced: {displaced}{chaotic}"
+    text = f"{number:3} {case.rig.load.by:8} line {line_change:.4f} rms {rms_change:.4f} said {stated:.4f}"
+    return f"{text}, displaced: {scatter}{suffix}"
 
 
-def halved(number: int, seed: int) -> str:
+def compare_steps(number: int, seed: int) -> str:
     """Compare a scene at its own step and at half of it."""
     case = draw(number, seed, 10240.0)
     try:
-        told = simulate(case)
-        step = 0.5 * float(told.info["step_s"])
-        named = {"method": str(told.info["method"]), "step_check": False}
-        finer = simulate(case.model_copy(update=named | {"step": step})).features
+        record = simulate(case)
+        step = 0.5 * float(record.info["step_s"])
+        settings = {"method": str(record.info["method"]), "step_check": False}
+        finer = simulate(case.model_copy(update=settings | {"step": step})).features
     except SimulationError as error:
         return f"{number:3} refused: {error}"
-    chaotic = "chaotic " * bool(told.features["chaotic"])
-    return f"{number:3} {chaotic}{told.info['method']} " + "; ".join(changes(told.features, finer))
+    prefix = "chaotic " * bool(record.features["chaotic"])
+    return f"{number:3} {prefix}{record.info['method']} " + "; ".join(changes(record.features, finer))
 
 
-def changes(told: dict[str, float], finer: dict[str, float]) -> Iterator[str]:
+def changes(features: dict[str, float], finer: dict[str, float]) -> Iterator[str]:
     """Yield the relative changes due to half the step, with the stated step errors."""
-    for what, feature in (("line", "velocity@BPFO"), ("rms", "velocity.rms"), ("force", "outer_force.max")):
-        change, size = abs(told[feature] - finer[feature]), finer[feature]
-        if what == "line":
-            change, size = abs(line(told) - line(finer)), max(size, 1e-3 * finer["velocity.rms"])
-        said = told[f"step_error.{what}"]
-        yield f"{what} {change / size:.5f}/{said:.5f}" + " OUT" * (change / size > said)
+    for quantity, feature in (("line", "velocity@BPFO"), ("rms", "velocity.rms"), ("force", "outer_force.max")):
+        change, size = abs(features[feature] - finer[feature]), finer[feature]
+        if quantity == "line":
+            change, size = abs(line(features) - line(finer)), max(size, 1e-3 * finer["velocity.rms"])
+        stated = features[f"step_error.{quantity}"]
+        yield f"{quantity} {change / size:.5f}/{stated:.5f}" + " OUT" * (change / size > stated)
 
 
-def varied(case: Case) -> Iterator[tuple[str, Case]]:
+def variants_of(case: Case) -> Iterator[tuple[str, Case]]:
     """Yield the scene with one or two parameters changed."""
-    given = case.model_dump()
-    ring, contact = given["rig"]["ring"], given["contact"]
-    heavy = {"contact": contact | {"damping": {"law": "kraemer", "beta": 10e-6}}}
-    changed: dict[str, dict[str, Any]] = {
+    base = case.model_dump()
+    ring, contact = base["rig"]["ring"], base["contact"]
+    damped = {"contact": contact | {"damping": {"law": "kraemer", "beta": 10e-6}}}
+    variants: dict[str, dict[str, Any]] = {
         "as it is": {},
-        "modal 3 %": {"rig": given["rig"] | {"ring": ring | {"damping": 0.03}}},
-        "modal 10 %": {"rig": given["rig"] | {"ring": ring | {"damping": 0.1}}},
+        "modal 3 %": {"rig": base["rig"] | {"ring": ring | {"damping": 0.03}}},
+        "modal 10 %": {"rig": base["rig"] | {"ring": ring | {"damping": 0.1}}},
         "no clearance": {"clearance": 0.0},
-        "contacts 10 us": heavy,
-        "contacts 10 us, no clearance": heavy | {"clearance": 0.0},
+        "contacts 10 us": damped,
+        "contacts 10 us, no clearance": damped | {"clearance": 0.0},
         "no slot": {"defects": []},
         "rigid ring": {"rig": {}},
     }
-    for name, fields in changed.items():
-        yield name, Case.model_validate(given | fields)
+    for name, fields in variants.items():
+        yield name, Case.model_validate(base | fields)
 
 
-def chaotic(number: int, seed: int) -> str:
+def report_chaos(number: int, seed: int) -> str:
     """Report which variants of a scene are chaotic."""
-    found = []
-    for name, case in varied(draw(number, seed, 10240.0)):
+    results = []
+    for name, case in variants_of(draw(number, seed, 10240.0)):
         try:
-            found.append(f"{name}: {simulate(case).features['chaotic']:.0f}")
+            results.append(f"{name}: {simulate(case).features['chaotic']:.0f}")
         except SimulationError as error:
-            found.append(f"{name}: {error}")
-    return f"{number:3} " + "; ".join(found)
+            results.append(f"{name}: {error}")
+    return f"{number:3} " + "; ".join(results)
 
 
 def cost() -> None:
@@ -192,39 +194,43 @@ def cost() -> None:
         "to 20, housing": {"ring": {"harmonics": 20}, "load": housing},
         "to 20, housing with a gap": {"ring": {"harmonics": 20}, "load": housing | {"fit": -5e-6}},
     }
-    ready = {}
+    states = {}
     for name, rig in rigs.items():
         model = assemble.model(Case.model_validate(base | {"rig": rig}))
         y = assemble.empty_buffer(model)
         solve_initial_equilibrium(assemble.static_model(model), 0.0, y)
         start_at_rest(model, 0.0, y)
-        ready[name] = (model, y)
-    places, out, best = np.array(RING_MOTION), np.empty((6, 20000)), dict.fromkeys(rigs, 1e9)
+        states[name] = (model, y)
+    rows, out, best = np.array(RING_MOTION), np.empty((6, 20000)), dict.fromkeys(rigs, 1e9)
     for n in range(15):  # alternate between variants to average over disturbances
-        for name, (model, y) in ready.items():
+        for name, (model, y) in states.items():
             began = time.process_time()
-            advance_and_sample(Verlet(2e-7), model, Monitor(8, 1.0), n * 20000, y, places, out, NoSamples())
+            advance_and_sample(Verlet(2e-7), model, Monitor(8, 1.0), n * 20000, y, rows, out, NoSamples())
             best[name] = min(best[name], (time.process_time() - began) / 20000) if n else best[name]
-    for name, took in best.items():
-        print(f"{name:28} {1e9 * took:7.1f} ns {took / best['rigid']:6.2f}")
+    for name, seconds in best.items():
+        print(f"{name:28} {1e9 * seconds:7.1f} ns {seconds / best['rigid']:6.2f}")
 
 
 def main() -> None:
     """Run the requested comparisons."""
-    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    asked.add_argument("--seed", type=int, default=1)
-    asked.add_argument("--harmonics", type=int, default=0)
-    asked.add_argument("--steps", type=int, default=0)
-    asked.add_argument("--chaos", type=int, default=0)
-    asked.add_argument("--cost", action="store_true")
-    asked.add_argument("--jobs", type=int, default=2)
-    given = asked.parse_args()
-    if given.cost:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--harmonics", type=int, default=0)
+    parser.add_argument("--steps", type=int, default=0)
+    parser.add_argument("--chaos", type=int, default=0)
+    parser.add_argument("--cost", action="store_true")
+    parser.add_argument("--jobs", type=int, default=2)
+    options = parser.parse_args()
+    if options.cost:
         cost()
-    for what, count in ((doubled, given.harmonics), (halved, given.steps), (chaotic, given.chaos)):
-        scenes = Parallel(n_jobs=given.jobs, batch_size=1, return_as="generator")
-        for told in scenes(delayed(what)(n, given.seed) for n in range(count)):
-            print(told, flush=True)
+    for compare, count in (
+        (compare_harmonics, options.harmonics),
+        (compare_steps, options.steps),
+        (report_chaos, options.chaos),
+    ):
+        scenes = Parallel(n_jobs=options.jobs, batch_size=1, return_as="generator")
+        for text in scenes(delayed(compare)(n, options.seed) for n in range(count)):
+            print(text, flush=True)
 
 
 if __name__ == "__main__":

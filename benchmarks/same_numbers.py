@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[1]
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 OVAL = SLOT | {"shape": "circular", "length": "6 mm", "angle": "10 deg"}
 GROOVE = SLOT | {"shape": "triangular", "depth": "5 um", "angle": "-20 deg"}
-ASIDE = SLOT | {"length": "3 mm", "offset": "3 mm"}
+OFFSET_SLOT = SLOT | {"length": "3 mm", "offset": "3 mm"}
 GENERAL = {"law": "general", "coefficient": 1.0, "velocity_exponent": 1}
 BALL = {"bearing": "6205", "defect": {"shape": "circular", "length": "1 mm", "width": "1 mm", "depth": "20 um"}}
 SLIPPING = {
@@ -84,7 +84,7 @@ SCENES: dict[str, dict[str, Any]] = {
     | SLIPPING,
     "spatial, misaligned": {
         "model": "spatial",
-        "defect": ASIDE,
+        "defect": OFFSET_SLOT,
         "misalignment": {"inner": "0.2 mrad"},
         "contact": {"slices": 6},
         "record": ["roller.1.tilt", "roller.1.skew", "roller.1.outer_line_load"],
@@ -102,61 +102,65 @@ SHORT = {
 
 def main() -> None:
     """Write the numbers of this checkout, or compare them with stored ones."""
-    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    what = asked.add_mutually_exclusive_group(required=True)
-    what.add_argument("--write", type=Path, metavar="FILE")
-    what.add_argument("--against", type=Path, metavar="FILE")
-    given = asked.parse_args()
-    if given.write:
-        given.write.write_text(json.dumps(numbers(), indent=1, sort_keys=True))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    modes = parser.add_mutually_exclusive_group(required=True)
+    modes.add_argument("--write", type=Path, metavar="FILE")
+    modes.add_argument("--against", type=Path, metavar="FILE")
+    options = parser.parse_args()
+    if options.write:
+        options.write.write_text(json.dumps(numbers(), indent=1, sort_keys=True))
         return
-    before, now = json.loads(given.against.read_text()), numbers()
-    found = differences(before, now)
-    print("\n".join(found) or f"{len(now)} numbers and words, all the same")
-    sys.exit(1 if found else 0)
+    before, current = json.loads(options.against.read_text()), numbers()
+    changes = differences(before, current)
+    print("\n".join(changes) or f"{len(current)} numbers and words, all the same")
+    sys.exit(1 if changes else 0)
 
 
 def numbers() -> dict[str, str]:
     """Collect all compared values by name; floats in exact hexadecimal form."""
-    found: dict[str, str] = {}
-    for gather in (of_scenes, of_studies, of_schema):
-        found |= gather()
-    return found
+    values: dict[str, str] = {}
+    for gather in (collect_scenes, collect_studies, collect_schema):
+        values |= gather()
+    return values
 
 
-def of_scenes() -> dict[str, str]:
+def collect_scenes() -> dict[str, str]:
     """Collect the features and methods of all scenes."""
-    return {f"{name}: {what}": value for name in SCENES for what, value in told(name, of_scene(name)).items()}
+    return {
+        f"{name}: {key}": value
+        for name in SCENES
+        for key, value in print_progress(name, compute_scene(name)).items()
+    }
 
 
-def of_scene(name: str) -> dict[str, str]:
+def compute_scene(name: str) -> dict[str, str]:
     """Compute the features of a scene."""
     import bearingsim as bs
 
     record = bs.simulate(bs.Case.model_validate(SHORT | SCENES[name]))
-    found = {what: float(value).hex() for what, value in record.features.items()}
-    series = {what: float(values.sum()).hex() for what, values in record.series.items()}
+    features = {key: float(value).hex() for key, value in record.features.items()}
+    series = {key: float(values.sum()).hex() for key, values in record.series.items()}
     return (
-        found
-        | {f"sum of {what}": value for what, value in series.items()}
+        features
+        | {f"sum of {key}": value for key, value in series.items()}
         | {"method": str(record.info["method"])}
     )
 
 
-def of_studies() -> dict[str, str]:
+def collect_studies() -> dict[str, str]:
     """Collect id, model, method and step of all jobs of the studies and their quick grids."""
-    found: dict[str, str] = {}
+    values: dict[str, str] = {}
     for study in sorted((ROOT / "studies").glob("*.yaml")):
         for quick in ([], ["--quick"]):
             name = " ".join([study.stem, *quick])
             plan = json.loads(bearingsim("check", str(study), "--json", *quick))
-            ways = [[job["job"], job["model"], job["method"], exact(job["step"])] for job in plan["jobs"]]
-            found[name] = json.dumps([*ways, plan["refused"]])
-            told(name, {"jobs": str(len(ways))})
-    return found
+            jobs = [[job["job"], job["model"], job["method"], exact(job["step"])] for job in plan["jobs"]]
+            values[name] = json.dumps([*jobs, plan["refused"]])
+            print_progress(name, {"jobs": str(len(jobs))})
+    return values
 
 
-def of_schema() -> dict[str, str]:
+def collect_schema() -> dict[str, str]:
     """Return the JSON schema of study files."""
     return {"schema": json.dumps(json.loads(bearingsim("check", "--schema")), sort_keys=True)}
 
@@ -166,23 +170,29 @@ def exact(step: float | None) -> str | None:
     return None if step is None else float(step).hex()
 
 
-def told(name: str, found: dict[str, str]) -> dict[str, str]:
+def print_progress(name: str, values: dict[str, str]) -> dict[str, str]:
     """Print a line on progress, and return ``found``."""
-    print(f"{name}: {found.get('jobs', len(found))}", file=sys.stderr, flush=True)
-    return found
+    print(f"{name}: {values.get('jobs', len(values))}", file=sys.stderr, flush=True)
+    return values
 
 
 def bearingsim(*words: str) -> str:
     """Run a command of this checkout; return its output."""
     run: Callable[..., Any] = subprocess.run
-    done = run([sys.executable, "-m", "bearingsim", *words], cwd=ROOT, capture_output=True, text=True, check=True)
-    return str(done.stdout)
+    process = run(
+        [sys.executable, "-m", "bearingsim", *words], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    return str(process.stdout)
 
 
-def differences(before: dict[str, str], now: dict[str, str]) -> list[str]:
+def differences(before: dict[str, str], current: dict[str, str]) -> list[str]:
     """List the numbers that are new, missing or different."""
-    names = sorted(before.keys() | now.keys())
-    return [f"{n}: {before.get(n)} -> {now.get(n)}"[:300] for n in names if before.get(n) != now.get(n)]
+    names = sorted(before.keys() | current.keys())
+    return [
+        f"{name}: {before.get(name)} -> {current.get(name)}"[:300]
+        for name in names
+        if before.get(name) != current.get(name)
+    ]
 
 
 if __name__ == "__main__":

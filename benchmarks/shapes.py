@@ -50,15 +50,15 @@ def example() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
     It has the curvature of the race, a tilt, a rim raised by 1 um, roughness, noise, missing cells and a spike.
     """
-    draw = np.random.default_rng(20260)
+    rng = np.random.default_rng(20260)
     s, z = np.arange(-1.5, 1.501, 0.025), np.arange(-4.0, 4.001, 0.1)
     defect = Spall(6e-3, 2e-3, 50e-6, 1.0, 3)
-    depth = np.array([1e6 * depth_at(section(defect, 1e-3 * place), 1e-3 * s) for place in z])
+    depth = np.array([1e6 * depth_at(section(defect, 1e-3 * z_mm), 1e-3 * s) for z_mm in z])
     hollow = depth > 0.0
-    rough = _smoothed(draw.normal(size=depth.shape), 1) * 3.0
+    rough = _smoothed(rng.normal(size=depth.shape), 1) * 3.0
     depth += np.where(hollow, np.maximum(rough, -depth), -1.2 * _smoothed(hollow.astype(float), 2) * ~hollow)
     x, y = np.meshgrid(s, z)
-    depth += 6.0 + 0.8 * x - 0.5 * y - 1e3 * x**2 / (2 * 38.5) + draw.normal(scale=0.08, size=depth.shape)
+    depth += 6.0 + 0.8 * x - 0.5 * y - 1e3 * x**2 / (2 * 38.5) + rng.normal(scale=0.08, size=depth.shape)
     depth[12, 70] += 140.0
     for row, column in ((30, 41), (30, 42), (51, 88), (9, 20)):
         depth[row, column] = np.nan
@@ -76,54 +76,54 @@ def _smoothed(values: np.ndarray, reach: int) -> np.ndarray:
 def write_scan(path: str) -> None:
     """Write the example as a grid in CSV."""
     s, z, depth = example()
-    heads = [
+    comments = [
         "# A made-up spall, as a profilometer might give it: benchmarks/shapes.py",
         "# s along rolling, z along the axis; tilted, on a race of 38.5 mm radius, with noise, gaps and a spike",
     ]
-    first = "depth [um] | z [mm] | s [mm]," + ",".join(f"{x:.3f}" for x in s)
+    header = "depth [um] | z [mm] | s [mm]," + ",".join(f"{x:.3f}" for x in s)
     rows = [
         f"{y:.2f}," + ",".join("" if np.isnan(p) else f"{p:.2f}" for p in row)
         for y, row in zip(z, depth, strict=True)
     ]
     with open(path, "w", encoding="utf-8") as file:
-        file.write("\n".join([*heads, first, *rows, ""]))
+        file.write("\n".join([*comments, header, *rows, ""]))
 
 
 # Accuracy
 
 
-def random_defect(draw: np.random.Generator) -> Any:
+def random_defect(rng: np.random.Generator) -> Any:
     """Draw a shape, possibly with rounded or ramped edges, or merged with one or two others."""
-    parts = [_random_part(draw) for _ in range(int(draw.integers(1, 4)))]
+    parts = [_random_part(rng) for _ in range(int(rng.integers(1, 4)))]
     if len(parts) == 1:
         return parts[0]
-    return MergedDefects(tuple(ShiftedDefect(part, *draw.uniform(-1.5e-3, 1.5e-3, 2)) for part in parts))
+    return MergedDefects(tuple(ShiftedDefect(part, *rng.uniform(-1.5e-3, 1.5e-3, 2)) for part in parts))
 
 
-def _random_part(draw: np.random.Generator) -> Any:
-    sizes = draw.uniform(1e-3, 12e-3), 10 ** draw.uniform(-4.3, log10(4e-3)), 10 ** draw.uniform(-7, -4)
-    kind = int(draw.integers(5))
-    defect: Any = Spall(*sizes, draw.uniform(), int(draw.integers(1000))) if kind == 4 else SHAPES[kind](*sizes)
-    edge = int(draw.integers(3))
+def _random_part(rng: np.random.Generator) -> Any:
+    sizes = rng.uniform(1e-3, 12e-3), 10 ** rng.uniform(-4.3, log10(4e-3)), 10 ** rng.uniform(-7, -4)
+    kind = int(rng.integers(5))
+    defect: Any = Spall(*sizes, rng.uniform(), int(rng.integers(1000))) if kind == 4 else SHAPES[kind](*sizes)
+    edge = int(rng.integers(3))
     if edge == 0:
         return defect
     return (
-        EasedDefect(defect, 10 ** draw.uniform(-5.7, -4), 0.0)
+        EasedDefect(defect, 10 ** rng.uniform(-5.7, -4), 0.0)
         if edge == 1
-        else EasedDefect(defect, 0.0, 10 ** draw.uniform(-5.3, -4))
+        else EasedDefect(defect, 0.0, 10 ** rng.uniform(-5.3, -4))
     )
 
 
 def rough_scan(seed: int) -> ScannedDefect:
     """Make a spall of 6 mm by 2 mm with roughness of 2 um and a rim raised by 2 um."""
-    draw = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     s, z = np.linspace(-2e-3, 2e-3, 401), np.linspace(-4e-3, 4e-3, 41)
-    r = np.hypot(*np.meshgrid(s / 1e-3, z / 3e-3)) * (1.0 + 0.1 * draw.normal(size=(41, 1)))
-    depth = np.where(r < 1.0, 5e-5 * (1.0 - r**4) + draw.normal(0.0, 2e-6, r.shape), np.where(r < 1.1, -2e-6, 0.0))
+    r = np.hypot(*np.meshgrid(s / 1e-3, z / 3e-3)) * (1.0 + 0.1 * rng.normal(size=(41, 1)))
+    depth = np.where(r < 1.0, 5e-5 * (1.0 - r**4) + rng.normal(0.0, 2e-6, r.shape), np.where(r < 1.1, -2e-6, 0.0))
     return ScannedDefect(f"rough {seed}", s, z, depth)
 
 
-def brute(profile: Any, s: np.ndarray) -> np.ndarray:
+def brute_force(profile: Any, s: np.ndarray) -> np.ndarray:
     """Compute h as the minimum of p + (t - s)^2/(2 R) over 40001 positions and all ends of pieces."""
     ends = profile.pieces[:, :2].ravel()
     t = np.linspace(min(ends.min(), s[0]) - 1e-3, max(ends.max(), s[-1]) + 1e-3, 40001)
@@ -139,28 +139,28 @@ def error(defect: Any, z: float) -> float:
         return 0.0
     low, high = profile.pieces[0, 0], profile.pieces[-1, 1]
     s = np.linspace(low - 0.2 * (high - low), high + 0.2 * (high - low), 401)
-    exact = brute(profile, s)
+    exact = brute_force(profile, s)
     return float(np.abs(path_drop(path_over(profile, R), s)[0] - exact).max() / np.abs(exact).max())
 
 
 def print_accuracy(count: int) -> None:
     """Print the largest and median errors."""
-    draw = np.random.default_rng(4)
-    errors = [error(random_defect(draw), draw.uniform(-3e-3, 3e-3)) for _ in range(count)]
-    rough = [error(rough_scan(seed), z) for seed in range(5) for z in (-2e-3, -1e-3, 0.0, 1e-3, 2e-3)]
-    felt_ = [one for one in errors if one > 0.0]
-    print(f"{count} random pits: largest {max(felt_):.1e}, median {np.median(felt_):.1e}")
-    print(f"5 rough scans, 5 sections each: largest {max(rough):.1e}, median {np.median(rough):.1e}")
+    rng = np.random.default_rng(4)
+    errors = [error(random_defect(rng), rng.uniform(-3e-3, 3e-3)) for _ in range(count)]
+    rough_errors = [error(rough_scan(seed), z) for seed in range(5) for z in (-2e-3, -1e-3, 0.0, 1e-3, 2e-3)]
+    nonzero = [error_ for error_ in errors if error_ > 0.0]
+    print(f"{count} random pits: largest {max(nonzero):.1e}, median {np.median(nonzero):.1e}")
+    print(f"5 rough scans, 5 sections each: largest {max(rough_errors):.1e}, median {np.median(rough_errors):.1e}")
 
 
 # Cost
 
 
 @jit
-def evaluated(excitation, group, places, radius):
+def sum_responses(excitation, group, positions, radius):
     """Sum h over positions (n,) in m."""
     total = 0.0
-    for s in places:
+    for s in positions:
         _, h, slope = defect_response(excitation, group, s, radius)
         total += h + slope
     return total
@@ -168,16 +168,16 @@ def evaluated(excitation, group, places, radius):
 
 def nanoseconds(excitation: Any, group: np.ndarray, in_order: bool) -> float:
     """Measure the time of an evaluation (ns) at positions across the defect."""
-    places = np.linspace(-1.0, 1.0, 100_000) * group[GROUP_HALF_WIDTH]
+    positions = np.linspace(-1.0, 1.0, 100_000) * group[GROUP_HALF_WIDTH]
     if not in_order:
-        np.random.default_rng(0).shuffle(places)
-    evaluated(excitation, group, places, R)
+        np.random.default_rng(0).shuffle(positions)
+    sum_responses(excitation, group, positions, R)
     times = []
     for _ in range(7):
         began = time.perf_counter()
-        evaluated(excitation, group, places, R)
+        sum_responses(excitation, group, positions, R)
         times.append(time.perf_counter() - began)
-    return 1e9 * min(times) / len(places)
+    return 1e9 * min(times) / len(positions)
 
 
 def print_cost() -> None:
@@ -189,21 +189,23 @@ def print_cost() -> None:
     }
     print("closed form           ns in order, at random")
     for name, row in closed.items():
-        found = pack_defects([RollerDefectPair(0, -1, 0.0, 0.0385, R, [(1.0, *row)])], Envelope())
-        ns = [nanoseconds(found.excitation, found.groups[0, 0], in_order) for in_order in (True, False)]
+        packed = pack_defects([RollerDefectPair(0, -1, 0.0, 0.0385, R, [(1.0, *row)])], Envelope())
+        ns = [nanoseconds(packed.excitation, packed.groups[0, 0], in_order) for in_order in (True, False)]
         print(f"{name:20s}  {ns[0]:5.1f}  {ns[1]:5.1f}")
     print("table                 groups, pieces, ms to build, ns in order, at random")
     kinds = {kind.__name__.lower(): kind(6e-3, 1e-3, 5e-6) for kind in SHAPES}
-    more = {"rounded": EasedDefect(kinds["elliptical"], 2e-5, 0.0), "spall": Spall(6e-3, 2e-3, 5e-5, 1.0, 3)}
-    for name, defect in (kinds | more | {"rough scan": rough_scan(1)}).items():
+    further = {"rounded": EasedDefect(kinds["elliptical"], 2e-5, 0.0), "spall": Spall(6e-3, 2e-3, 5e-5, 1.0, 3)}
+    for name, defect in (kinds | further | {"rough scan": rough_scan(1)}).items():
         began = time.perf_counter()
         rows, paths = grouped(defect, R, cut_along_roller(defect, L_W, 24))
-        spent = 1e3 * (time.perf_counter() - began)
-        found = traced_defects([RollerDefectPair(0, -1, 0.0, 0.0385, R, rows, paths)])
+        build_ms = 1e3 * (time.perf_counter() - began)
+        packed = traced_defects([RollerDefectPair(0, -1, 0.0, 0.0385, R, rows, paths)])
         k = max(range(len(rows)), key=lambda i: len(paths[i].pieces))
-        ns = [nanoseconds(found.excitation, found.groups[0, k], in_order) for in_order in (True, False)]
+        ns = [nanoseconds(packed.excitation, packed.groups[0, k], in_order) for in_order in (True, False)]
         assert abs(sum(row[GROUP_WEIGHT] for row in rows) - 1.0) < 1e-9
-        print(f"{name:20s}  {len(rows):3d}  {len(paths[k].pieces):4d}  {spent:7.1f}  {ns[0]:5.1f}  {ns[1]:5.1f}")
+        print(
+            f"{name:20s}  {len(rows):3d}  {len(paths[k].pieces):4d}  {build_ms:7.1f}  {ns[0]:5.1f}  {ns[1]:5.1f}"
+        )
 
 
 def main() -> None:
@@ -212,11 +214,11 @@ def main() -> None:
     parser.add_argument("what", choices=["scan", "accuracy", "cost"])
     parser.add_argument("path", nargs="?", default="studies/scans/spall.csv")
     parser.add_argument("--pits", type=int, default=200)
-    given = parser.parse_args()
-    if given.what == "scan":
-        write_scan(given.path)
-    elif given.what == "accuracy":
-        print_accuracy(given.defects)
+    options = parser.parse_args()
+    if options.what == "scan":
+        write_scan(options.path)
+    elif options.what == "accuracy":
+        print_accuracy(options.defects)
     else:
         print_cost()
 

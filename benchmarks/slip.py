@@ -26,7 +26,7 @@ from bearingsim.core.parts.cage import land_drag, orbit_drag
 from bearingsim.plots.style import COLOURS, MARKERS, RC
 
 GROSS = 0.05  # least cage slip that counts as gross
-CREEPING = np.geomspace(5e-4, GROSS, 200)  # slips tried in turn
+SMALL_SLIPS = np.geomspace(5e-4, GROSS, 200)  # slips tried in turn
 CAGE_ANGLES = 16  # number of cage angles over a ball pass
 SEEDS = (1, 2, 3)
 SPEEDS = (600, 1800, 3000, 6000)  # rpm
@@ -47,11 +47,11 @@ class Loads(NamedTuple):
 def loads(model: Any, slip: float) -> Loads:
     """Compute the roller forces and angles, with the cage speed reduced by ``slip``."""
     b = model.bearing._replace(omega_c=model.bearing.omega_c * (1.0 - slip))
-    still, y, entries = assemble.static_model(model._replace(bearing=b)), assemble.empty_buffer(model), []
+    static, y, entries = assemble.static_model(model._replace(bearing=b)), assemble.empty_buffer(model), []
     for n in range(CAGE_ANGLES):
-        turned = (n + 0.5) / CAGE_ANGLES * 2.0 * pi / b.Z
-        (solve_initial_equilibrium if n == 0 else solve_equilibrium)(still, turned / b.omega_c, y)
-        angle = (b.theta_0 + turned + 2.0 * pi * np.arange(b.Z) / b.Z + pi) % (2.0 * pi) - pi
+        cage_angle = (n + 0.5) / CAGE_ANGLES * 2.0 * pi / b.Z
+        (solve_initial_equilibrium if n == 0 else solve_equilibrium)(static, cage_angle / b.omega_c, y)
+        angle = (b.theta_0 + cage_angle + 2.0 * pi * np.arange(b.Z) / b.Z + pi) % (2.0 * pi) - pi
         entries.append([angle, y[lay.Q_I : lay.Q_I + b.Z] / CAGE_ANGLES, y[lay.Q_O : lay.Q_O + b.Z] / CAGE_ANGLES])
     return Loads(*np.concatenate(entries, axis=1))
 
@@ -63,12 +63,12 @@ def drag_torque(model: Any, slip: float) -> float:
     return float(-land_drag(model.drag, omega, b.omega_i) - b.Z * r * orbit_drag(model.drag, omega * r))
 
 
-def friction_torque(model: Any, found: Loads, slip: float) -> float:
+def friction_torque(model: Any, static_loads: Loads, slip: float) -> float:
     """Compute the torque (N m) available from the races at a slip, from rollers in contact with the cage."""
     r = 0.5 * (model.bearing.R_o + model.bearing.R_i)
-    entry = found.angle[found.inner > 0.0].min()
-    pushing = (found.inner > 0.0) & ((found.angle - entry) * r * slip >= 2.0 * model.cage.play)
-    inner, outer = found.inner[pushing].sum(), found.outer[pushing].sum()
+    entry = static_loads.angle[static_loads.inner > 0.0].min()
+    is_pushing = (static_loads.inner > 0.0) & ((static_loads.angle - entry) * r * slip >= 2.0 * model.cage.play)
+    inner, outer = static_loads.inner[is_pushing].sum(), static_loads.outer[is_pushing].sum()
     return float(2.0 * r * coefficient(model, slip, inner / outer) * inner) if inner > 0.0 else 0.0
 
 
@@ -86,9 +86,9 @@ def coefficient(model: Any, slip: float, ratio: float) -> float:
 def balance(case: Case) -> float:
     """Compute the smallest cage slip at which friction balances the drag; 1 if there is none."""
     model = assemble.model(case)
-    found = loads(model, 0.0)
-    for slip in CREEPING:
-        if friction_torque(model, found, slip) >= drag_torque(model, slip):
+    static_loads = loads(model, 0.0)
+    for slip in SMALL_SLIPS:
+        if friction_torque(model, static_loads, slip) >= drag_torque(model, slip):
             return float(slip)
 
     def excess(slip: float) -> float:
@@ -99,7 +99,7 @@ def balance(case: Case) -> float:
     return float(brentq(excess, GROSS, 0.99, xtol=1e-4)) if excess(0.99) > 0.0 else 1.0
 
 
-def bisected(slip: Callable[[float], float], low: float, high: float) -> float:
+def bisect_onset(slip: Callable[[float], float], low: float, high: float) -> float:
     """Find the load (N) of onset of gross slip between ``low`` (slip) and ``high`` (none), to 1 %; or nan."""
     if not slip(low) > GROSS > slip(high):
         return float("nan")
@@ -111,14 +111,14 @@ def bisected(slip: Callable[[float], float], low: float, high: float) -> float:
 
 def onset_by_balance(case: Case, low: float = 0.2, high: float = 200.0) -> float:
     """Compute the load (N) below which a case has gross slip, from the balance."""
-    return bisected(lambda load: balance(case.model_copy(update={"load": load})), low, high)
+    return bisect_onset(lambda load: balance(case.model_copy(update={"load": load})), low, high)
 
 
-def onset_by_simulation(case: Case, about: float) -> float:
+def onset_by_simulation(case: Case, load_estimate: float) -> float:
     """Find the same load by simulation from rolling, within a factor of 1.5 of a load (N)."""
-    near = (about / 1.5, 1.5 * about)
-    return bisected(
-        lambda load: simulate(case.model_copy(update={"load": load})).features["cage.slip.mean"], *near
+    limits = (load_estimate / 1.5, 1.5 * load_estimate)
+    return bisect_onset(
+        lambda load: simulate(case.model_copy(update={"load": load})).features["cage.slip.mean"], *limits
     )
 
 
@@ -127,16 +127,21 @@ def onsets(base: Case) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     for law in LAWS:
         for speed in SPEEDS:
-            case = Case.model_validate(given(base) | {"friction": law, "speed": speed * pi / 30.0})
+            case = Case.model_validate(set_fields(base) | {"friction": law, "speed": speed * pi / 30.0})
             balanced = onset_by_balance(case)
-            found = [onset_by_simulation(case.model_copy(update={"seed": seed}), balanced) for seed in SEEDS]
+            simulated = [onset_by_simulation(case.model_copy(update={"seed": seed}), balanced) for seed in SEEDS]
             rows.append({"friction": law, "speed_rpm": speed, "balance_N": round(balanced, 2)})
-            rows[-1] |= {f"seed_{seed}_N": round(one, 2) for seed, one in zip(SEEDS, found, strict=True)}
-            rows[-1]["simulated_over_balance"] = round(float(np.mean(found)) / balanced, 3)
+            rows[-1] |= {f"seed_{seed}_N": round(load, 2) for seed, load in zip(SEEDS, simulated, strict=True)}
+            rows[-1]["simulated_over_balance"] = round(float(np.mean(simulated)) / balanced, 3)
             print(rows[-1], flush=True)
-            near = np.concatenate([np.geomspace(1.0, 300.0, 40), balanced * np.array([0.98, 0.995, 1.005, 1.02])])
-            near.sort()
-            rows[-1]["curve"] = [near, [balance(case.model_copy(update={"load": float(load)})) for load in near]]
+            loads_N = np.concatenate(
+                [np.geomspace(1.0, 300.0, 40), balanced * np.array([0.98, 0.995, 1.005, 1.02])]
+            )
+            loads_N.sort()
+            rows[-1]["curve"] = [
+                loads_N,
+                [balance(case.model_copy(update={"load": float(load)})) for load in loads_N],
+            ]
     return rows
 
 
@@ -144,28 +149,30 @@ def chart(folder: str, base: Case) -> pd.DataFrame:
     """Return a row per law, speed and load: mean and range over seeds, standard deviation in time, balance."""
     table = open_results(folder).table()
     grouped = table.groupby(["friction", "speed", "load"], sort=False)
-    found = pd.DataFrame(grouped["cage.slip.mean"].agg(slip="mean", least="min", most="max"))
-    found["std_in_time"] = grouped["cage.slip.std"].max()
-    found["balance"] = [
-        balance(Case.model_validate(given(base) | {"friction": law, "speed": speed, "load": load}))
-        for law, speed, load in found.index
+    summary = pd.DataFrame(grouped["cage.slip.mean"].agg(slip="mean", least="min", most="max"))
+    summary["std_in_time"] = grouped["cage.slip.std"].max()
+    summary["balance"] = [
+        balance(Case.model_validate(set_fields(base) | {"friction": law, "speed": speed, "load": load}))
+        for law, speed, load in summary.index
     ]
-    found = found.reset_index()
-    found["speed"] = (found["speed"] * 30.0 / pi).round()
-    return found.rename(columns={"speed": "speed_rpm", "load": "load_N"}).round(5)
+    summary = summary.reset_index()
+    summary["speed"] = (summary["speed"] * 30.0 / pi).round()
+    return summary.rename(columns={"speed": "speed_rpm", "load": "load_N"}).round(5)
 
 
-def given(case: Case) -> dict[str, Any]:
+def set_fields(case: Case) -> dict[str, Any]:
     """Return the fields set in a case."""
     return case.model_dump(exclude_unset=True)
 
 
-def draw(found: pd.DataFrame, at: list[dict[str, Any]], target: str) -> None:
+def draw(summary: pd.DataFrame, onset_rows: list[dict[str, Any]], target: str) -> None:
     """Draw slip as simulated (markers, bars over the seeds) and by the balance (lines)."""
     with plt.rc_context(RC):  # type: ignore[arg-type]
         figure, panels = plt.subplots(1, len(LAWS), figsize=(7.0, 3.4), sharey=True, layout="constrained")
         for axes, law in zip(panels, LAWS, strict=True):
-            draw_law(axes, found[found["friction"] == law], [row for row in at if row["friction"] == law])
+            draw_law(
+                axes, summary[summary["friction"] == law], [row for row in onset_rows if row["friction"] == law]
+            )
             axes.set(
                 title=law, xlabel="load (N)", xscale="log", yscale="log", ylim=(0.1, 110.0), xlim=(0.9, 360.0)
             )
@@ -174,14 +181,16 @@ def draw(found: pd.DataFrame, at: list[dict[str, Any]], target: str) -> None:
         figure.savefig(target)
 
 
-def draw_law(axes: Any, found: pd.DataFrame, at: list[dict[str, Any]]) -> None:
+def draw_law(axes: Any, summary: pd.DataFrame, onset_rows: list[dict[str, Any]]) -> None:
     """Draw a panel."""
     for speed, colour, marker in zip(SPEEDS, COLOURS, MARKERS, strict=False):
-        part = found[found["speed_rpm"] == speed]
-        spread = 100.0 * np.abs(part[["least", "most"]].to_numpy().T - part["slip"].to_numpy())
-        axes.errorbar(part["load_N"], 100.0 * part["slip"], spread, fmt=marker, color=colour, ms=4.5, capsize=2)
+        points = summary[summary["speed_rpm"] == speed]
+        spread = 100.0 * np.abs(points[["least", "most"]].to_numpy().T - points["slip"].to_numpy())
+        axes.errorbar(
+            points["load_N"], 100.0 * points["slip"], spread, fmt=marker, color=colour, ms=4.5, capsize=2
+        )
         axes.plot([], [], color=colour, marker=marker, ms=4.5, label=f"{speed} rpm")
-        curve = np.array(next(row["curve"] for row in at if row["speed_rpm"] == speed))
+        curve = np.array(next(row["curve"] for row in onset_rows if row["speed_rpm"] == speed))
         axes.plot(curve[0], 100.0 * curve[1], color=colour, lw=1.0)
 
 
@@ -194,11 +203,11 @@ def main() -> None:
     parser.add_argument("--png", default="docs/figures/slip.png")
     options = parser.parse_args()
     base = load_study("studies/slip.yaml").cases()[0]
-    at = onsets(base)
-    found = chart(options.results, base)
-    found.to_csv(options.csv, index=False, lineterminator="\n")
-    draw(found, at, options.png)
-    pd.DataFrame(at).drop(columns="curve").to_csv(options.onsets, index=False, lineterminator="\n")
+    onset_rows = onsets(base)
+    summary = chart(options.results, base)
+    summary.to_csv(options.csv, index=False, lineterminator="\n")
+    draw(summary, onset_rows, options.png)
+    pd.DataFrame(onset_rows).drop(columns="curve").to_csv(options.onsets, index=False, lineterminator="\n")
 
 
 if __name__ == "__main__":

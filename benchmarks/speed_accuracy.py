@@ -26,45 +26,45 @@ SOLVERS = {
     "numbalsoda dop853": "numbalsoda",
 }
 """Solvers of ``peers.solvers`` other than SciPy's, with their packages."""
-OF_SCIPY: Settings = {
+SCIPY_SETTINGS: Settings = {
     "scipy-lsoda": (Setting(tolerance=1e-3), Setting(tolerance=1e-5)),
     "scipy-dop853": (Setting(tolerance=1e-3),),
 }
-TOLERANCES, FEW = (1e-4, 1e-5, 1e-6, 1e-7), (1e-5, 1e-6)
+TOLERANCES, QUICK_TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7), (1e-5, 1e-6)
 
 
 def solver(name: str) -> outside.Solver:
     """Adapt a peer to the chart; it gives no access to steps, and so no largest force."""
 
-    def solve(given: outside.Equations) -> outside.Solution:
-        problem = peers.problem(given.model, given.y, given.instants)
+    def solve(equations: outside.Equations) -> outside.Solution:
+        problem = peers.problem(equations.model, equations.y, equations.instants)
         problem.derivatives(
             0.0, problem.u, np.empty_like(problem.u), problem.y.copy()
         )  # compiles, before the clock starts
         integrate = dict(peers.solvers(problem))[name]
         began = time.thread_time()
         try:
-            states = integrate(float(given.tolerances.rtol))
+            states = integrate(float(equations.tolerances.rtol))
         except RuntimeError as error:
             raise outside.GaveUp(str(error)) from error
-        return outside.Solution(in_si(states.T, int(given.model.bearing.Z)), time.thread_time() - began)
+        return outside.Solution(to_si(states.T, int(equations.model.bearing.Z)), time.thread_time() - began)
 
     return solve
 
 
-def in_si(states: np.ndarray, Z: int) -> np.ndarray:
+def to_si(states: np.ndarray, Z: int) -> np.ndarray:
     """Convert the states of a peer (rollers, ring; um, then m/s) to those of the chart (ring first, SI)."""
-    places, velocities = states[: Z + 2] * peers.MICRO, states[Z + 2 :]
+    positions, velocities = states[: Z + 2] * peers.MICRO, states[Z + 2 :]
     order = [Z, Z + 1, *range(Z)]
-    return np.concatenate([places[order], velocities[order]])
+    return np.concatenate([positions[order], velocities[order]])
 
 
 def settings(quick: bool) -> Settings:
     """Return the installed peers with some tolerances."""
-    gone = peers.absent()
-    of = tuple(Setting(tolerance=tolerance) for tolerance in (FEW if quick else TOLERANCES))
-    theirs = {name: of for name, package in SOLVERS.items() if package not in gone}
-    return theirs if quick else {**OF_SCIPY, **theirs}
+    missing = peers.absent()
+    points = tuple(Setting(tolerance=tolerance) for tolerance in (QUICK_TOLERANCES if quick else TOLERANCES))
+    peer_settings = {name: points for name, package in SOLVERS.items() if package not in missing}
+    return peer_settings if quick else {**SCIPY_SETTINGS, **peer_settings}
 
 
 def main() -> None:
@@ -73,18 +73,18 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--out", type=Path)
-    asked = parser.parse_args()
-    folder = asked.out or Path("results") / ("bench-chart-quick" if asked.quick else "bench-chart")
-    others = settings(asked.quick)
-    outside.SOLVERS.update({name: solver(name) for name in others if name in SOLVERS})
-    left_out = {name: why for name, why in peers.absent().items() if name in SOLVERS.values()}
-    files = chart(None, [], asked.quick, folder, asked.jobs, {SCENE: others}, left_out)
+    options = parser.parse_args()
+    folder = options.out or Path("results") / ("bench-chart-quick" if options.quick else "bench-chart")
+    peer_settings = settings(options.quick)
+    outside.SOLVERS.update({name: solver(name) for name in peer_settings if name in SOLVERS})
+    missing = {name: reason for name, reason in peers.absent().items() if name in SOLVERS.values()}
+    files = chart(None, [], options.quick, folder, options.jobs, {SCENE: peer_settings}, missing)
     print(*files, sep="\n")
-    if not asked.quick:
-        into_docs(folder)
+    if not options.quick:
+        copy_to_docs(folder)
 
 
-def into_docs(folder: Path) -> None:
+def copy_to_docs(folder: Path) -> None:
     """Copy text and figures into the documentation."""
     for figure in sorted(folder.glob("speed-accuracy-*.png")):
         shutil.copyfile(figure, DOCS / "figures" / figure.name)

@@ -41,7 +41,7 @@ LAWS |= {"kraemer": {"damping": {"law": "kraemer", "beta": 1e-5}}}
 LAWS |= {f"m3 = {m3:g}": {"damping": GENERAL | {"indentation_exponent": m3}} for m3 in (0.0, 1.0, 1.5, 2.0)}
 LAWS |= {"m1 = 1.2": {"stiffness": {"law": "constant", "coefficient": 1e6, "exponent": 1.2}}}
 LAWS |= {"m1 = 1.2, m3 = 1.5": LAWS["m1 = 1.2"] | LAWS["m3 = 1.5"]}
-SLOWER = {"static": 50}  # steps that cost as much as one static equilibrium, approximately
+RELATIVE_COST = {"static": 50}  # steps that cost as much as one static equilibrium, approximately
 
 
 def variant(labels: dict[str, Any], case: Case, model: Any) -> dict[str, Any]:
@@ -80,18 +80,18 @@ def laws_of_contact() -> Iterator[dict[str, Any]]:
         yield variant(labels, case, assemble.model(case))
 
 
-def run(one: dict[str, Any], steps: int) -> float:
+def run(entry: dict[str, Any], steps: int) -> float:
     """Return the CPU time (ns) per step of a round; simulated time continues from round to round."""
-    count = max(1, steps // SLOWER.get(one["row"]["model"], 1))
-    places = np.array([*RING_MOTION, lay.Q_O, lay.Q_I])
-    out = np.empty((len(places), count))
+    count = max(1, steps // RELATIVE_COST.get(entry["row"]["model"], 1))
+    rows = np.array([*RING_MOTION, lay.Q_O, lay.Q_I])
+    out = np.empty((len(rows), count))
     began = time.thread_time_ns()
-    _, outcome, _ = advance(one["method"], one["model"], one["watch"], one["at"], one["y"], places, out)
-    took = time.thread_time_ns() - began
+    _, outcome, _ = advance(entry["method"], entry["model"], entry["watch"], entry["at"], entry["y"], rows, out)
+    elapsed = time.thread_time_ns() - began
     if outcome != SUCCESS:
-        raise RuntimeError(f"{one['row']}: the run was stopped")
-    one["at"] += count
-    return took / count
+        raise RuntimeError(f"{entry['row']}: the run was stopped")
+    entry["at"] += count
+    return elapsed / count
 
 
 def main() -> None:
@@ -102,19 +102,19 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=15)
     parser.add_argument("--only", default="")
     options = parser.parse_args()
-    every = chain(models_and_methods(), numbers_of_rollers(), laws_of_contact())
-    variants = [one for one in every if one["row"]["scene"].startswith(options.only)]
-    for one in variants:
-        run(one, options.steps)
-    times = [[run(one, options.steps) for one in variants] for _ in range(options.rounds)]
+    all_variants = chain(models_and_methods(), numbers_of_rollers(), laws_of_contact())
+    variants = [entry for entry in all_variants if entry["row"]["scene"].startswith(options.only)]
+    for entry in variants:
+        run(entry, options.steps)
+    times = [[run(entry, options.steps) for entry in variants] for _ in range(options.rounds)]
     best = np.min(times, axis=0)
     columns = [*variants[0]["row"], "ns_per_step", "cpu_s_per_simulated_s"]
     with open(options.csv, "w", newline="") if options.csv else sys.stdout as target:
         table = csv.DictWriter(target, columns, lineterminator="\n")
         table.writeheader()
-        for one, ns in zip(variants, best, strict=True):
-            cost = round(1e-9 * float(ns) / one["method"].h, 4)
-            table.writerow(one["row"] | {"ns_per_step": round(float(ns), 1), "cpu_s_per_simulated_s": cost})
+        for entry, ns in zip(variants, best, strict=True):
+            cost = round(1e-9 * float(ns) / entry["method"].h, 4)
+            table.writerow(entry["row"] | {"ns_per_step": round(float(ns), 1), "cpu_s_per_simulated_s": cost})
 
 
 if __name__ == "__main__":

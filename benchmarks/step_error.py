@@ -27,7 +27,7 @@ from bearingsim.simulation.comparison import fault_lines
 from bearingsim.simulation.simulate import Began, Record, _simulate
 
 QUANTITIES = ("line", "rms", "force")
-PART = 1 / 8
+STEP_FACTOR = 1 / 8
 SHORTEST, LONGEST, PASSES = 0.1, 0.5, 12.0  # limits of a record in s, and its number of ball passes
 
 
@@ -69,61 +69,63 @@ def draw(number: int, seed: int) -> Case:
 
 def values(record: Record, case: Case) -> np.ndarray:
     """Return the line (largest of several), RMS and largest force."""
-    found = record.features
-    line = max(found[f"velocity@{name}"] for name in fault_lines(case))
-    return np.array([line, found["velocity.rms"], found["outer_force.max"]])
+    features = record.features
+    line = max(features[f"velocity@{name}"] for name in fault_lines(case))
+    return np.array([line, features["velocity.rms"], features["outer_force.max"]])
 
 
-def tried(number: int, seed: int) -> dict[str, Any]:
+def compare_steps(number: int, seed: int) -> dict[str, Any]:
     """Compute a scene by default and with a finer step."""
     case = draw(number, seed)
-    told: dict[str, Any] = {"scene": number, "model": case.model, "race": [one.race for one in case.defects]}
+    row: dict[str, Any] = {"scene": number, "model": case.model, "race": [defect.race for defect in case.defects]}
     try:
-        found = simulate(case)
-        method, part = str(found.info["method"]), PART * float(found.info["step_part"])
+        record = simulate(case)
+        method, step_part = str(record.info["method"]), STEP_FACTOR * float(record.info["step_part"])
         unchecked = choice.with_method(case.model_copy(update={"step_check": False}), method)
-        finer = _simulate(choice.Attempt(unchecked, part), Began.now())
+        finer = _simulate(choice.Attempt(unchecked, step_part), Began.now())
     except SimulationError as error:
-        return told | {"failed": str(error)}
-    right = values(finer, case)
-    change = np.abs(values(found, case) - right) / np.where(right == 0.0, 1.0, right)
-    said = [found.features[f"step_error.{name}"] for name in QUANTITIES]
-    if found.features["chaotic"]:
-        change[[0, 2]], said[1] = 0.0, said[1] + found.features["rms_scatter"]
+        return row | {"failed": str(error)}
+    reference = values(finer, case)
+    change = np.abs(values(record, case) - reference) / np.where(reference == 0.0, 1.0, reference)
+    stated = [record.features[f"step_error.{name}"] for name in QUANTITIES]
+    if record.features["chaotic"]:
+        change[[0, 2]], stated[1] = 0.0, stated[1] + record.features["rms_scatter"]
     change = np.where(np.isnan(change), 0.0, change)
-    return told | {
+    return row | {
         "failed": "",
         "method": method,
-        "chaotic": found.features["chaotic"],
-        "said": said,
+        "chaotic": record.features["chaotic"],
+        "said": stated,
         "change": change,
     }
 
 
 def main() -> None:
     """Compute the scenes and print the table."""
-    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    asked.add_argument("--scenes", type=int, default=40)
-    asked.add_argument("--seed", type=int, default=1)
-    asked.add_argument("--jobs", type=int, default=2)
-    asked.add_argument("--each", action="store_true", help="a line for each scene")
-    given = asked.parse_args()
-    rows = Parallel(n_jobs=given.jobs, batch_size=1)(delayed(tried)(n, given.seed) for n in range(given.scenes))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scenes", type=int, default=40)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--each", action="store_true", help="a line for each scene")
+    options = parser.parse_args()
+    rows = Parallel(n_jobs=options.jobs, batch_size=1)(
+        delayed(compare_steps)(number, options.seed) for number in range(options.scenes)
+    )
     done = [row for row in rows if not row["failed"]]
-    said, change = (np.array([row[name] for row in done]) for name in ("said", "change"))
-    ratio = change / said
-    calm = np.array([not row["chaotic"] for row in done])
-    print(f"{len(rows)} scenes, {len(rows) - len(done)} failed, {np.sum(~calm)} chaotic")
+    stated, change = (np.array([row[name] for row in done]) for name in ("said", "change"))
+    ratio = change / stated
+    regular = np.array([not row["chaotic"] for row in done])
+    print(f"{len(rows)} scenes, {len(rows) - len(done)} failed, {np.sum(~regular)} chaotic")
     for k, name in enumerate(QUANTITIES):
-        of = ratio[calm, k]
+        ratios = ratio[regular, k]
         print(
-            f"{name:6} within {np.sum(of <= 1.0)} of {len(of)}; ratio {np.median(of):.2f},"
-            f" {np.percentile(of, 95):.2f}, {of.max():.2f}; change at most {change[calm, k].max():.2g}"
+            f"{name:6} within {np.sum(ratios <= 1.0)} of {len(ratios)}; ratio {np.median(ratios):.2f},"
+            f" {np.percentile(ratios, 95):.2f}, {ratios.max():.2f}; change at most {change[regular, k].max():.2g}"
         )
-    held = np.all(ratio <= 1.0, axis=1)
-    print(f"all within: {held.sum()} of {len(done)}")
-    for row, ok in zip(done, held, strict=True):
-        if given.each or not ok:
+    within = np.all(ratio <= 1.0, axis=1)
+    print(f"all within: {within.sum()} of {len(done)}")
+    for row, is_within in zip(done, within, strict=True):
+        if options.each or not is_within:
             numbers = {key: [f"{x:.1e}" for x in row[key]] for key in ("said", "change")}
             print({**row, **numbers})
     for row in rows:

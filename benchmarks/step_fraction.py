@@ -60,13 +60,13 @@ def compare(name: str, model: str) -> list[dict]:
         case = Case.model_validate(settings | {"method": method})
         limit = choice.limits(case).at_impact
         for fraction in FRACTIONS:
-            found = features(case, fraction * limit)
+            result = features(case, fraction * limit)
             row: dict = {"scene": name, "model": model, "method": method, "fraction": fraction}
             row["step_us"] = round(1e6 * fraction * limit, 3)
-            if isinstance(found, str):
-                row["stopped"] = found
+            if isinstance(result, str):
+                row["stopped"] = result
             else:
-                row |= {key: f"{abs(found[key] / exact[key] - 1.0):.1e}" for key in FEATURES}
+                row |= {key: f"{abs(result[key] / exact[key] - 1.0):.1e}" for key in FEATURES}
             rows.append(row)
     return rows
 

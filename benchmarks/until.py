@@ -21,60 +21,67 @@ from bearingsim.simulation import SimulationError, ending, simulate
 from bearingsim.simulation.settling import settled
 from benchmarks.repetition import draw
 
-DURATION, MOST = 2.0, 600
-ERRORS = {"standard_error_line": "velocity@BPFO", "standard_error_rms": "velocity.rms"}
+DURATION, MAX_SCENES = 2.0, 600
+FEATURES = {"standard_error_line": "velocity@BPFO", "standard_error_rms": "velocity.rms"}
 
 
-def tried(number: int, seed: int, wanted: float) -> dict[str, Any]:
+def compare_scene(number: int, seed: int, accuracy: float) -> dict[str, Any]:
     """Compute a scene with an early end, and in full."""
     case = draw("rollers", number, seed).model_copy(update={"duration": DURATION, "method": "auto"})
     try:
-        short = simulate(case.model_copy(update={"until": wanted}))
+        short = simulate(case.model_copy(update={"until": accuracy}))
         computed, passes = int(short.info["passes_computed"]), int(short.info["passes"])
         if short.info["period_passes"] or computed == passes:
             return {"scene": number, "early": False}
-        whole = simulate(case.model_copy(update={"until": 1e-9, "method": short.info["method"]}))
+        full = simulate(case.model_copy(update={"until": 1e-9, "method": short.info["method"]}))
     except SimulationError as error:
         return {"scene": number, "early": False, "failed": str(error)}
-    off = {
-        error: abs(short.features[name] / whole.features[name] - 1.0) / float(short.info[error])
-        for error, name in ERRORS.items()
+    errors = {
+        error: abs(short.features[name] / full.features[name] - 1.0) / float(short.info[error])
+        for error, name in FEATURES.items()
     }
-    scatter = max(float(whole.info[error]) for error in ERRORS)
+    scatter = max(float(full.info[error]) for error in FEATURES)
     settle = settled(case).settle_s
-    begun = int(settle * passes / (settle + case.duration))
-    needed = begun + max(ending.fewest(case), (passes - begun) * (scatter / wanted) ** 2)
-    return {"scene": number, "early": True, "off": off, "computed": computed, "needed": needed, "passes": passes}
+    settling = int(settle * passes / (settle + case.duration))
+    needed = settling + max(ending.fewest(case), (passes - settling) * (scatter / accuracy) ** 2)
+    return {
+        "scene": number,
+        "early": True,
+        "off": errors,
+        "computed": computed,
+        "needed": needed,
+        "passes": passes,
+    }
 
 
 def main() -> None:
     """Draw scenes until enough end early, and print the table."""
-    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    asked.add_argument("--scenes", type=int, default=40)
-    asked.add_argument("--seed", type=int, default=1)
-    asked.add_argument("--accuracy", type=float, default=0.005)
-    asked.add_argument("--jobs", type=int, default=2)
-    given = asked.parse_args()
-    found: list[dict[str, Any]] = []
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scenes", type=int, default=40)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--accuracy", type=float, default=0.005)
+    parser.add_argument("--jobs", type=int, default=2)
+    options = parser.parse_args()
+    early_rows: list[dict[str, Any]] = []
     drawn = 0
-    while len(found) < given.scenes and drawn < MOST:
-        some = range(drawn, drawn + 8 * given.jobs)
-        each = (delayed(tried)(n, given.seed, given.accuracy) for n in some)
-        rows = Parallel(n_jobs=given.jobs, batch_size=1)(each)
-        found += [row for row in rows if row["early"]]
-        drawn += len(some)
-    found = found[: given.scenes]
-    worst = np.array([max(row["off"].values()) for row in found])
-    late = np.array([row["computed"] / row["needed"] for row in found])
-    saved = np.array([1.0 - row["computed"] / row["passes"] for row in found])
-    print(f"{drawn} drawn, {len(found)} end early")
+    while len(early_rows) < options.scenes and drawn < MAX_SCENES:
+        numbers = range(drawn, drawn + 8 * options.jobs)
+        tasks = (delayed(compare_scene)(number, options.seed, options.accuracy) for number in numbers)
+        rows = Parallel(n_jobs=options.jobs, batch_size=1)(tasks)
+        early_rows += [row for row in rows if row["early"]]
+        drawn += len(numbers)
+    early_rows = early_rows[: options.scenes]
+    worst = np.array([max(row["off"].values()) for row in early_rows])
+    late = np.array([row["computed"] / row["needed"] for row in early_rows])
+    saved = np.array([1.0 - row["computed"] / row["passes"] for row in early_rows])
+    print(f"{drawn} drawn, {len(early_rows)} end early")
     print(f"within three standard errors: {np.sum(worst <= 3.0)} (largest {worst.max():.2f})")
     print(
         f"over twice the passes needed: {np.sum(late > 2.0)} (median {np.median(late):.2f}, most {late.max():.2f})"
     )
     print(f"saved: {np.median(saved):.0%}")
-    for row, off in zip(found, worst, strict=True):
-        if off > 3.0 or row["computed"] > 2.0 * row["needed"]:
+    for row, error in zip(early_rows, worst, strict=True):
+        if error > 3.0 or row["computed"] > 2.0 * row["needed"]:
             print(row)
 
 
