@@ -1,8 +1,8 @@
 """Depth maps: example scan, accuracy of roller paths over random defects, and cost of tables.
 
-python benchmarks/shapes.py scan studies/scans/spall.csv    write the example scan
-python benchmarks/shapes.py accuracy [--defects 200]           largest error of h, relative to its maximum
-python benchmarks/shapes.py cost                            ns to evaluate h; ms to build a defect
+python benchmarks/shapes.py scan studies/scans/spall.csv   # write the example scan
+python benchmarks/shapes.py accuracy [--defects 200]       # largest error of h, relative to its maximum
+python benchmarks/shapes.py cost                           # ns to evaluate h; ms to build a defect
 """
 
 import argparse
@@ -149,7 +149,7 @@ def print_accuracy(count: int) -> None:
     errors = [error(random_defect(rng), rng.uniform(-3e-3, 3e-3)) for _ in range(count)]
     rough_errors = [error(rough_scan(seed), z) for seed in range(5) for z in (-2e-3, -1e-3, 0.0, 1e-3, 2e-3)]
     nonzero = [error_ for error_ in errors if error_ > 0.0]
-    print(f"{count} random pits: largest {max(nonzero):.1e}, median {np.median(nonzero):.1e}")
+    print(f"{count} random defects: largest {max(nonzero):.1e}, median {np.median(nonzero):.1e}")
     print(f"5 rough scans, 5 sections each: largest {max(rough_errors):.1e}, median {np.median(rough_errors):.1e}")
 
 
@@ -213,7 +213,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=["scan", "accuracy", "cost"])
     parser.add_argument("path", nargs="?", default="studies/scans/spall.csv")
-    parser.add_argument("--pits", type=int, default=200)
+    parser.add_argument("--defects", type=int, default=200)
     options = parser.parse_args()
     if options.what == "scan":
         write_scan(options.path)
