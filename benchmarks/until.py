@@ -43,7 +43,7 @@ def compare_scene(number: int, seed: int, accuracy: float) -> dict[str, Any]:
     scatter = max(float(full.info[error]) for error in FEATURES)
     settle = settled(case).settle_s
     settling = int(settle * passes / (settle + case.duration))
-    needed = settling + max(ending.fewest(case), (passes - settling) * (scatter / accuracy) ** 2)
+    needed = settling + max(ending.min_passes(case), (passes - settling) * (scatter / accuracy) ** 2)
     return {
         "scene": number,
         "early": True,

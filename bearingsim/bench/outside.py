@@ -156,13 +156,13 @@ def _features(setup: Setup, y: np.ndarray, states: np.ndarray) -> dict[str, floa
     kept = Recording(setup.case, cut, model.bearing.Z, y)
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
     times = cut.step * np.arange(1, cut.passes * steps + 1)
-    window = np.empty((len(kept.places), tail + steps))
-    window[:] = y[kept.places][:, np.newaxis]
+    window = np.empty((len(kept.cells), tail + steps))
+    window[:] = y[kept.cells][:, np.newaxis]
     places, state, states = moving(model), np.empty(len(states)), np.ascontiguousarray(states)
-    recorded = np.empty((len(kept.places), steps))
+    recorded = np.empty((len(kept.cells), steps))
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
-        _observe(model, times, states, p * steps, places, kept.places, state, y, recorded)
+        _observe(model, times, states, p * steps, places, kept.cells, state, y, recorded)
         window[:, tail:] = recorded
         differentiate(window, MOTIONS[0], tail, cut.step)
         kept.keep(p, window, y)

@@ -8,7 +8,7 @@ from bearingsim import signals
 from bearingsim.config import Case
 from bearingsim.core.sampling import sampling_kernel
 from bearingsim.simulation.recording import RawRecord, Windows, windows
-from bearingsim.simulation.spectral_lines import has_other_lines, lines_of_passes, sensed
+from bearingsim.simulation.spectral_lines import has_other_lines, lines_of_passes, sensor_samples
 from bearingsim.simulation.time_grid import Grid
 
 MIN_PASSES = 16  # smallest number of ball passes for a standard error
@@ -35,37 +35,40 @@ def standard_errors(case: Case, model: Any, cut: Grid, raw: RawRecord) -> Standa
     if raw.repetition.period > 0:
         return StandardErrors(0.0, 0.0)
     taps = sampling_kernel(cut.fine_rate / case.sampling)
-    of_record = windows(case, cut, raw, reach=len(taps) // 2)
-    M, n = of_record.M, len(of_record.index)
+    record_windows = windows(case, cut, raw, reach=len(taps) // 2)
+    M, n = record_windows.M, len(record_windows.index)
     if n < MIN_PASSES:
         return StandardErrors(np.inf, np.inf)
-    low = sensed(case, raw.through(taps), "velocity", of_record.start, n * M)
-    power = np.mean(low.reshape(n, M) ** 2, axis=1, keepdims=True)
-    least = QUIET_LINE * np.sqrt(power.mean())
-    error_of_line = _error_from_passes if has_other_lines(case) else _error_from_samples
+    velocity = sensor_samples(case, raw.through(taps), "velocity", record_windows.start, n * M)
+    powers = np.mean(velocity.reshape(n, M) ** 2, axis=1, keepdims=True)
+    min_amplitude = QUIET_LINE * np.sqrt(powers.mean())
+    line_error = _error_from_passes if has_other_lines(case) else _error_from_samples
     return StandardErrors(
-        error_of_line(case, model, cut, raw, of_record, least),
-        float(0.5 * standard_error(power) / (power.mean() or 1.0)),
+        line_error(case, model, cut, raw, record_windows, min_amplitude),
+        float(0.5 * standard_error(powers) / (powers.mean() or 1.0)),
     )
 
 
 def _error_from_samples(
-    case: Case, model: Any, cut: Grid, raw: RawRecord, of_record: Windows, least: float
+    case: Case, model: Any, cut: Grid, raw: RawRecord, record_windows: Windows, min_amplitude: float
 ) -> float:
     """Estimate the relative standard error of a line that is a plain mean, from all samples of its passes.
 
     An impact divided between two passes adds to one pass what the other lacks, so the scatter of whole passes
     would overestimate the error of their mean several times.
     """
-    M, n, start = of_record.M, len(of_record.index), of_record.start
-    velocity, Z_theta_0 = sensed(case, raw, "velocity", start, n * M), case.bearing.rollers * model.bearing.theta_0
+    M, n, start = record_windows.M, len(record_windows.index), record_windows.start
+    velocity, Z_theta_0 = (
+        sensor_samples(case, raw, "velocity", start, n * M),
+        case.bearing.rollers * model.bearing.theta_0,
+    )
     line = signals.lines_by_pass(velocity, M, [1], start, Z_theta_0).mean()
-    along = 2.0 * np.cos(signals.pass_angles(M, start, Z_theta_0) + np.angle(line))
-    return _relative(standard_error(velocity.reshape(n, M) * along), line, least)
+    carrier = 2.0 * np.cos(signals.pass_angles(M, start, Z_theta_0) + np.angle(line))
+    return _relative(standard_error(velocity.reshape(n, M) * carrier), line, min_amplitude)
 
 
 def _error_from_passes(
-    case: Case, model: Any, cut: Grid, raw: RawRecord, of_record: Windows, least: float
+    case: Case, model: Any, cut: Grid, raw: RawRecord, record_windows: Windows, min_amplitude: float
 ) -> float:
     """Estimate the relative standard error of BPFO if there are other lines, from weighted passes."""
     lines = lines_of_passes(case, model, cut, raw).get("velocity", np.empty((1, 0)))[0]
@@ -73,12 +76,12 @@ def _error_from_passes(
         return np.inf
     weights = signals.pass_weights(len(lines), neighbours=True)
     line = np.average(lines, weights=weights)
-    along = (lines * np.exp(-1j * np.angle(line))).real
-    return _relative(standard_error(along[:, np.newaxis], weights), line, least)
+    in_phase = (lines * np.exp(-1j * np.angle(line))).real
+    return _relative(standard_error(in_phase[:, np.newaxis], weights), line, min_amplitude)
 
 
-def _relative(error: float, line: complex, least: float) -> float:
-    return float(error / (max(abs(line), least) or 1.0))
+def _relative(error: float, line: complex, min_amplitude: float) -> float:
+    return float(error / (max(abs(line), min_amplitude) or 1.0))
 
 
 def standard_error(values: np.ndarray, weights: np.ndarray | None = None) -> float:
@@ -95,7 +98,7 @@ def standard_error(values: np.ndarray, weights: np.ndarray | None = None) -> flo
 
     passes, M = values.shape
     weights = np.ones(passes) if weights is None else weights
-    lowest = dct((values - values.mean(axis=0)).ravel(), norm="ortho")[1 : COSINES + 1]
-    spectrum = np.mean(lowest**2) / M
-    student = stdtrit(float(len(lowest)), THREE_SIGMA) / 3.0
-    return float(student * np.sqrt(spectrum * np.sum(weights**2)) / np.sum(weights))
+    coefficients = dct((values - values.mean(axis=0)).ravel(), norm="ortho")[1 : COSINES + 1]
+    spectrum = np.mean(coefficients**2) / M
+    t_factor = stdtrit(float(len(coefficients)), THREE_SIGMA) / 3.0
+    return float(t_factor * np.sqrt(spectrum * np.sum(weights**2)) / np.sum(weights))

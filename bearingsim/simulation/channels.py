@@ -55,21 +55,21 @@ ROLLER_ROWS = {
     "flange_force": lay.Q_F,
 }
 SLICE_ROWS = {"outer_line_load": lay.LOAD_O, "inner_line_load": lay.LOAD_I}
-BASE = (*RING_MOTION, lay.LOADED_ROLLERS, CAGE_ANGLE, CAGE_SPEED)
+FEATURE_CELLS = (*RING_MOTION, lay.LOADED_ROLLERS, CAGE_ANGLE, CAGE_SPEED)
 """Cells from which features are computed; the first rows of every recording, even if not requested."""
-AT_SENSOR = (lay.SENSOR, lay.SENSOR_V, lay.SENSOR_A)
+SENSOR_CELLS = (lay.SENSOR, lay.SENSOR_V, lay.SENSOR_A)
 """Rows after BASE for a flexible ring: its radial displacement, velocity and acceleration at the sensor."""
 
 
-def base(case: Case) -> tuple[int, ...]:
+def feature_cells(case: Case) -> tuple[int, ...]:
     """Return the buffer cells from which features are computed, which are the first rows of a case's recording."""
-    return BASE if case.rig.ring is None else BASE + AT_SENSOR
+    return FEATURE_CELLS if case.rig.ring is None else FEATURE_CELLS + SENSOR_CELLS
 
 
 def cells_of(case: Case, name: str) -> tuple[int, ...]:
     """List the buffer cells of a dataset; for the sensor on a rigid ring, those of both coordinates."""
-    of, _, quantity = name.partition(".")
-    if of == "sensor" and case.rig.ring is None:
+    body, _, quantity = name.partition(".")
+    if body == "sensor" and case.rig.ring is None:
         return tuple(CELLS[component] for component in dataset_names(f"ring.{quantity}"))
     return (cell(name),)
 
@@ -85,38 +85,40 @@ def cell(name: str) -> int:
     return row + roller - 1
 
 
-def recorded(case: Case) -> np.ndarray:
-    """Return the buffer cells (C,) recorded for a case: ``base``, then its channels.
+def recorded_cells(case: Case) -> np.ndarray:
+    """Return the buffer cells (C,) recorded for a case: ``feature_cells``, then its channels.
 
     If the motion may be periodic, a channel of one roller is recorded for all rollers, because the roller repeats
     the motion of the others.
     """
     names = [name for channel in case.record for name in dataset_names(channel)]
-    requested = np.array([p for name in names for p in cells_of(case, name)], dtype=np.int64)
+    requested_cells = np.array([p for name in names for p in cells_of(case, name)], dtype=np.int64)
     if may_repeat(case):
-        roller_cells = requested[lay.lane_of(requested) >= 0]
+        roller_cells = requested_cells[lay.lane_of(requested_cells) >= 0]
         rows = np.unique(roller_cells - lay.lane_of(roller_cells))
-        requested = np.concatenate([requested, np.add.outer(rows, np.arange(case.bearing.rollers)).ravel()])
-    base_cells = base(case)
+        requested_cells = np.concatenate(
+            [requested_cells, np.add.outer(rows, np.arange(case.bearing.rollers)).ravel()]
+        )
+    first_cells = feature_cells(case)
     return np.array(
-        [*base_cells, *dict.fromkeys(p for p in requested.tolist() if p not in base_cells)], dtype=np.int64
+        [*first_cells, *dict.fromkeys(p for p in requested_cells.tolist() if p not in first_cells)], dtype=np.int64
     )
 
 
 def requested_rows(case: Case, cells: np.ndarray) -> np.ndarray:
-    """Return the row numbers of the case's own channels among ``recorded``."""
+    """Return the row numbers of the case's own channels among ``recorded_cells``."""
     row_of = {int(p): row for row, p in enumerate(cells)}
     names = [name for channel in case.record for name in dataset_names(channel)]
     rows = [row_of[p] for name in names for p in cells_of(case, name)]
     return np.array([*dict.fromkeys(rows)], dtype=np.int64)
 
 
-def picks(case: Case) -> bool:
+def stores_raw_values(case: Case) -> bool:
     """Check if raw values are stored at the sampling instants (of all channels, or of contact forces)."""
     return not case.antialias or any(map(is_contact_force, case.record))
 
 
-def are_contact_forces(case: Case, cells: np.ndarray) -> np.ndarray:
+def contact_force_mask(case: Case, cells: np.ndarray) -> np.ndarray:
     """Return a mask (R,) of the cells (R,) of contact forces that the case records."""
     names = [name for channel in case.record if is_contact_force(channel) for name in dataset_names(channel)]
     return np.isin(cells, [p for name in names for p in cells_of(case, name)])
@@ -126,13 +128,15 @@ def series(case: Case, model: Any, rows: np.ndarray, cells: np.ndarray, time: np
     """Return the recorded channels by dataset name, from rows (C, n) sampled at ``time`` (n,), s into the run."""
     row_of = {int(p): row for p, row in zip(cells, rows, strict=True)}
     return {
-        name: _channel_values(name, along(case, [row_of[p] for p in cells_of(case, name)]), model, time)
+        name: _channel_values(
+            name, project_on_sensor(case, [row_of[p] for p in cells_of(case, name)]), model, time
+        )
         for channel in case.record
         for name in dataset_names(channel)
     }
 
 
-def along(case: Case, rows: list[np.ndarray]) -> np.ndarray:
+def project_on_sensor(case: Case, rows: list[np.ndarray]) -> np.ndarray:
     """Return the values of a single row, or the projection of two coordinates on the sensor axis."""
     if len(rows) == 1:
         return rows[0]

@@ -36,30 +36,30 @@ class Changes(NamedTuple):
     record: float
 
 
-class Compared(NamedTuple):
+class RunSignals(NamedTuple):
     """Signals of a run over the ball passes that are compared.
 
-    fine: (n,) velocity (m/s) along the sensor at fine samples; recorded: (m,) the same velocity as recorded,
-    low-passed or raw; rest: (C, m) all low-passed rows (motion along the sensor, requested channels); picked:
-    (P, k) all raw rows at the sampling instants; lines: (L, parts) contribution of each part to the complex
-    amplitudes of the defects' lines; force: largest outer contact force (N).
+    fine_velocity: (n,) velocity (m/s) along the sensor at fine samples; recorded_velocity: (m,) the same velocity
+    as recorded, low-passed or raw; low_passed: (C, m) all low-passed rows (motion along the sensor, requested
+    channels); raw_values: (P, k) all raw rows at the sampling instants; lines: (L, parts) contribution of each
+    part to the complex amplitudes of the defects' lines; force: largest outer contact force (N).
     """
 
-    fine: np.ndarray
-    recorded: np.ndarray
-    rest: np.ndarray
-    picked: np.ndarray
+    fine_velocity: np.ndarray
+    recorded_velocity: np.ndarray
+    low_passed: np.ndarray
+    raw_values: np.ndarray
     lines: np.ndarray
     force: float
 
 
-def compare(run: Compared, reference: Compared) -> Changes:
+def compare(run: RunSignals, reference: RunSignals) -> Changes:
     """Return the changes of a run relative to a reference run."""
-    quiet = QUIET_LINE * float(np.std(reference.recorded)) or 1.0
+    min_amplitude = QUIET_LINE * float(np.std(reference.recorded_velocity)) or 1.0
     return Changes(
         line=float(
             max(
-                line_change(a, b) / max(abs(b.sum()), quiet)
+                line_change(a, b) / max(abs(b.sum()), min_amplitude)
                 for a, b in zip(run.lines, reference.lines, strict=True)
             )
         ),
@@ -67,8 +67,8 @@ def compare(run: Compared, reference: Compared) -> Changes:
         force=abs(run.force - reference.force) / (reference.force or 1.0),
         record=max(
             (
-                *(rms_change(a, b) for a, b in zip(run.rest, reference.rest, strict=True)),
-                *(change_of_picks(a, b) for a, b in zip(run.picked, reference.picked, strict=True)),
+                *(rms_change(a, b) for a, b in zip(run.low_passed, reference.low_passed, strict=True)),
+                *(raw_value_change(a, b) for a, b in zip(run.raw_values, reference.raw_values, strict=True)),
             )
         ),
     )
@@ -80,27 +80,29 @@ def rms_change(series: np.ndarray, reference: np.ndarray) -> float:
     return float(abs(np.std(series) - np.std(reference)) / (size or 1.0))
 
 
-def change_of_picks(picks: np.ndarray, reference: np.ndarray) -> float:
+def raw_value_change(values: np.ndarray, reference: np.ndarray) -> float:
     """Return the relative change of the RMS about the mean of raw values, sampled at the same instants.
 
     Samples lie on the flanks of an impact by chance, and another step shifts the impact. Changes of single values
     may cancel in the sum by chance, so the change is at least their root sum of squares.
     """
-    of_reference, of_picks = ((series - np.mean(reference)) ** 2 for series in (reference, picks))
-    least = (QUIET_LINE * float(np.abs(reference).max(initial=0.0))) ** 2 * len(reference)
-    change = of_picks - of_reference
-    return float(0.5 * max(abs(change.sum()), np.linalg.norm(change)) / (max(of_reference.sum(), least) or 1.0))
+    reference_squares, squares = ((series - np.mean(reference)) ** 2 for series in (reference, values))
+    min_sum = (QUIET_LINE * float(np.abs(reference).max(initial=0.0))) ** 2 * len(reference)
+    change = squares - reference_squares
+    return float(
+        0.5 * max(abs(change.sum()), np.linalg.norm(change)) / (max(reference_squares.sum(), min_sum) or 1.0)
+    )
 
 
 def amplitudes(setup: Setup, name: str, passes: int, series: np.ndarray) -> np.ndarray:
     """Return the contribution (passes,) of each ball pass to a line's complex amplitude (Hann, kinematic cage)."""
     start = recording.first_sample(setup.case, setup.cut)
-    turning = spectral_lines.sample_angles(setup.model, setup.cut, start, np.zeros(len(series)))
-    angle = turning.along(LINES[name], setup.case.bearing.rollers)
-    window = np.hanning(len(angle))
-    turn = 2.0 * window * np.exp(-1j * angle) / window.sum()
-    contributions = turn * (series - window @ series / window.sum())
-    return np.add.reduceat(contributions, np.arange(0, len(angle) - 1, (len(angle) - 1) // passes)[:passes])
+    angles = spectral_lines.sample_angles(setup.model, setup.cut, start, np.zeros(len(series)))
+    phase = angles.phase(LINES[name], setup.case.bearing.rollers)
+    window = np.hanning(len(phase))
+    kernel = 2.0 * window * np.exp(-1j * phase) / window.sum()
+    contributions = kernel * (series - window @ series / window.sum())
+    return np.add.reduceat(contributions, np.arange(0, len(phase) - 1, (len(phase) - 1) // passes)[:passes])
 
 
 def line_change(parts: np.ndarray, reference: np.ndarray) -> float:
@@ -113,12 +115,12 @@ def line_change(parts: np.ndarray, reference: np.ndarray) -> float:
     return float(max(abs(difference.sum()), np.linalg.norm(difference)))
 
 
-def steady_from(setup: Setup, raw: RawRecord) -> float:
+def steady_time(setup: Setup, raw: RawRecord) -> float:
     """Return the time (s) from which a periodic motion is steady."""
     return (raw.repetition.computed - raw.repetition.period) / setup.cut.rate
 
 
-def of_orbit(setup: Setup, raw: RawRecord, steady: float) -> Compared:
+def orbit_signals(setup: Setup, raw: RawRecord, steady: float) -> RunSignals:
     """Return the compared signals of a periodic motion, over a period or, if rollers are recorded, a cage turn.
 
     Raw rows are compared over the whole record from ``steady`` (s) on, because one period has samples at only a
@@ -129,35 +131,42 @@ def of_orbit(setup: Setup, raw: RawRecord, steady: float) -> Compared:
     taps = sampling_kernel(cut.fine_rate / case.sampling)
     turns = ceil((raw.repetition.computed + ceil(len(taps) / M)) / raw.Z)  # whole turns of the cage
     start = turns * raw.Z * M
-    fine = spectral_lines.along_sensor(case, raw.read(start, period * M), "velocity")
-    length = raw.Z * M if np.any(lay.lane_of(raw.places) >= 0) else period * M
-    low = raw.through(taps).read(start, length) if case.antialias else None
+    fine = spectral_lines.sensor_series(case, raw.read(start, period * M), "velocity")
+    length = raw.Z * M if np.any(lay.lane_of(raw.cells) >= 0) else period * M
+    filtered = raw.through(taps).read(start, length) if case.antialias else None
     lines = signals.lines_by_pass(fine, M, [1], start, case.bearing.rollers * model.bearing.theta_0)
-    picked = raw.picked[:, max(0, ceil((steady - case.settle_s) * case.sampling)) :]
-    return _compared(case, raw, fine, low, picked, lines.mean(axis=1, keepdims=True), raw.peaks[-period:])
+    raw_values = raw.raw_values[:, max(0, ceil((steady - case.settle_s) * case.sampling)) :]
+    return _collect_signals(
+        case, raw, fine, filtered, raw_values, lines.mean(axis=1, keepdims=True), raw.peaks[-period:]
+    )
 
 
-def _compared(
+def _collect_signals(
     case: Case,
     raw: RawRecord,
     fine: np.ndarray,
-    low: np.ndarray | None,
-    picked: np.ndarray,
+    filtered: np.ndarray | None,
+    raw_values: np.ndarray,
     lines: np.ndarray,
     peaks: np.ndarray,
-) -> Compared:
-    """Collect the compared signals; low, picked: all recorded rows, low-passed (or None) and raw."""
-    rows = picked if low is None else low
-    along = {quantity: spectral_lines.along_sensor(case, rows, quantity) for quantity in MOTION}
-    motion = np.stack([*along.values()])
-    channel_rows = channels.requested_rows(case, raw.places)
-    channel_rows = channel_rows[channel_rows >= len(channels.base(case))]
-    raws = channels.are_contact_forces(case, raw.places[channel_rows])
-    if low is None:
-        rest, picks = motion[:0], np.concatenate([motion, picked[channel_rows]])
+) -> RunSignals:
+    """Collect the compared signals. filtered, raw_values: all recorded rows, low-passed (or None) and raw."""
+    rows = raw_values if filtered is None else filtered
+    sensor_motion = {quantity: spectral_lines.sensor_series(case, rows, quantity) for quantity in MOTION}
+    motion = np.stack([*sensor_motion.values()])
+    channel_rows = channels.requested_rows(case, raw.cells)
+    channel_rows = channel_rows[channel_rows >= len(channels.feature_cells(case))]
+    raw_mask = channels.contact_force_mask(case, raw.cells[channel_rows])
+    if filtered is None:
+        filtered_rows, raw_rows = motion[:0], np.concatenate([motion, raw_values[channel_rows]])
     else:
-        rest, picks = np.concatenate([motion, low[channel_rows[~raws]]]), picked[channel_rows[raws]]
-    return Compared(fine, along["velocity"], rest, picks, lines, float(peaks[:, FORCE].max()))
+        filtered_rows, raw_rows = (
+            np.concatenate([motion, filtered[channel_rows[~raw_mask]]]),
+            raw_values[channel_rows[raw_mask]],
+        )
+    return RunSignals(
+        fine, sensor_motion["velocity"], filtered_rows, raw_rows, lines, float(peaks[:, FORCE].max())
+    )
 
 
 def fault_lines(case: Case) -> list[str]:
@@ -165,19 +174,21 @@ def fault_lines(case: Case) -> list[str]:
     return list(dict.fromkeys(FAULT_LINES[defect.race] for defect in case.defects)) or ["BPFO"]
 
 
-def of_pilot(setup: Setup, raw: RawRecord, passes: int) -> Compared:
+def pilot_signals(setup: Setup, raw: RawRecord, passes: int) -> RunSignals:
     """Return the compared signals of a pilot over its ``passes`` ball passes after settling."""
     case, cut = setup.case, setup.cut
     start, length = recording.first_sample(case, cut), passes * cut.fine_per_pass + 1
-    fine = spectral_lines.sensed(case, raw, "velocity", start, length)
-    low = low_passed(setup, raw, start, length) if case.antialias else None
-    picked = raw.picked[:, : floor(passes / cut.rate * case.sampling) + 1]
+    fine = spectral_lines.sensor_samples(case, raw, "velocity", start, length)
+    filtered = low_pass_rows(setup, raw, start, length) if case.antialias else None
+    raw_values = raw.raw_values[:, : floor(passes / cut.rate * case.sampling) + 1]
     lines = np.stack([amplitudes(setup, name, passes, fine) for name in fault_lines(case)])
-    before = floor(case.settle_s * cut.rate + 1e-6)
-    return _compared(case, raw, fine, low, picked, lines, raw.peaks[before : before + passes])
+    settling_passes = floor(case.settle_s * cut.rate + 1e-6)
+    return _collect_signals(
+        case, raw, fine, filtered, raw_values, lines, raw.peaks[settling_passes : settling_passes + passes]
+    )
 
 
-def low_passed(setup: Setup, raw: RawRecord, start: int, length: int) -> np.ndarray:
+def low_pass_rows(setup: Setup, raw: RawRecord, start: int, length: int) -> np.ndarray:
     """Return all rows (C, ``length``) at fine samples from number ``start``, low-passed like the record."""
     taps = sampling_kernel(setup.cut.fine_rate / setup.case.sampling)
     return raw.through(taps).read(start, length)

@@ -27,12 +27,12 @@ from bearingsim.simulation.repetition import EXTREMES
 from bearingsim.simulation.spectral_lines import (
     ROW_OF,
     SampleAngles,
-    along_sensor,
     angles_of_record,
     ball_pass_lines,
     blocks,
     other_lines,
-    sensed,
+    sensor_samples,
+    sensor_series,
 )
 from bearingsim.simulation.time_grid import Grid
 
@@ -68,8 +68,8 @@ Motion = Callable[[str], tuple[np.ndarray, np.ndarray | None]]
 
 def _raw_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
     passes = len(windows(case, cut, raw, reach=0).index)
-    picked = raw.picked[:, : round(passes / cut.rate * case.sampling)]
-    return lambda quantity: (along_sensor(case, picked, quantity), None)
+    raw_values = raw.raw_values[:, : round(passes / cut.rate * case.sampling)]
+    return lambda quantity: (sensor_series(case, raw_values, quantity), None)
 
 
 def _low_passed_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
@@ -78,7 +78,7 @@ def _low_passed_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
     of_record, low = windows(case, cut, raw, reach=len(taps) // 2), raw.through(taps)
     count, weights = of_record.distinct * of_record.M, of_record.weights
     often = np.repeat(weights, of_record.M) if np.any(weights > 1) else None
-    return lambda quantity: (sensed(case, low, quantity, of_record.start, count), often)
+    return lambda quantity: (sensor_samples(case, low, quantity, of_record.start, count), often)
 
 
 def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
@@ -129,7 +129,7 @@ def band_features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str
     start, count = of_record.start, len(of_record.index) * of_record.M
     if not requested or not count:
         return dict.fromkeys(requested, nan)
-    series = {f.quantity: sensed(case, raw, f.quantity, start, count) for f in requested.values()}
+    series = {f.quantity: sensor_samples(case, raw, f.quantity, start, count) for f in requested.values()}
     angles = angles_of_record(case, model, cut, raw, start, count)
     values = {}
     for name, feature in requested.items():
@@ -159,13 +159,13 @@ def _envelope_line(
 ) -> float:
     """Return the amplitude of a line of the squared envelope; NaN if the band or record does not resolve it."""
     Z, name, duration = case.bearing.rollers, feature.line, (len(series) - 1) / fs
-    ends = np.array([angles.ends().along(line, Z) for line in LINES.values()])
+    ends = np.array([angles.ends().phase(line, Z) for line in LINES.values()])
     frequencies = (ends[:, 1] - ends[:, 0]) / (2.0 * pi * duration)
     resolved = zip(frequencies, signals.resolvable(frequencies, duration), strict=True)
     frequency, is_resolved = dict(zip(LINES, resolved, strict=True))[name]
     if not (is_resolved or LINES[name].outer) or not 0.0 < frequency < band.high - band.low:
         return nan
-    angle = angles.along(LINES[name], Z)
+    angle = angles.phase(LINES[name], Z)
     return float(abs(signals.line_at(signals.squared_envelope(series, fs, band), angle)))
 
 

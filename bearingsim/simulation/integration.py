@@ -22,15 +22,15 @@ from bearingsim.core.methods.interface import prepare
 from bearingsim.core.models.interface import update_extremes
 from bearingsim.core.sampling import DECIMATION_REACH
 from bearingsim.simulation import channels
-from bearingsim.simulation.channels import BASE
-from bearingsim.simulation.recording import RawRecord, Recording, extend_back, take_peaks
+from bearingsim.simulation.channels import FEATURE_CELLS
+from bearingsim.simulation.recording import RawRecord, Recording, extend_back, pop_peaks
 from bearingsim.simulation.repetition import (
-    OF_A_RECORD,
+    RECORD_CLOSENESS,
     Closeness,
     Repetition,
     Search,
     may_repeat,
-    turned_state,
+    rotate_state,
 )
 from bearingsim.simulation.run_setup import (
     MethodFailure,
@@ -101,7 +101,7 @@ def integrate(
     setup: Setup,
     nudge: float = 0.0,
     start: np.ndarray | None = None,
-    close: Closeness = OF_A_RECORD,
+    close: Closeness = RECORD_CLOSENESS,
     patience: int = 0,
     most: int | None = None,
     look: Looks | None = None,
@@ -117,10 +117,10 @@ def integrate(
     case, cut, pace = setup.case, setup.cut, Pace()
     y = _start(setup, nudge, _steady_start(setup, pace, start, close, most))
     kept = Recording(case, cut, setup.model.bearing.Z, y)
-    search, period, difference = _search(setup, kept.places, close), 0, nan
+    search, period, difference = _search(setup, kept.cells, close), 0, nan
     passes = 0
     began_at = _defect_passages(setup, 0.0, y)
-    for p, window in enumerate(_ball_passes(setup, kept.samples, y, kept.places, pace)):
+    for p, window in enumerate(_ball_passes(setup, kept.samples, y, kept.cells, pace)):
         kept.keep(p, window, y)
         passes = p + 1
         if search is not None and period == 0:
@@ -134,18 +134,18 @@ def integrate(
             raise NotRepeating(f"no ball pass of {passes} repeats another", "name a `method`", passes / cut.rate)
     _check_end(setup, began_at, y, passes)
     raw = kept.raw(Repetition(passes, period, difference), y)
-    if period > 0 and kept.picks:
+    if period > 0 and kept.stores_raw_values:
         kept.pick_repeated(raw.repetition)
     if MODELS[case.model].memoryless:  # the motion does not start from rest
         extend_back(case, raw)
     return raw
 
 
-def _search(setup: Setup, places: np.ndarray, close: Closeness) -> Search | None:
+def _search(setup: Setup, cells: np.ndarray, close: Closeness) -> Search | None:
     if not may_repeat(setup.case):
         return None
     memoryless, keeps = MODELS[setup.case.model].memoryless, exp(-slowest_decay(setup.case) / setup.cut.rate)
-    return Search(places, setup.cut.steps_per_pass, setup.model, memoryless, close, keeps)
+    return Search(cells, setup.cut.steps_per_pass, setup.model, memoryless, close, keeps)
 
 
 def _start(setup: Setup, nudge: float, state: np.ndarray | None = None) -> np.ndarray:
@@ -189,21 +189,21 @@ def _steady_start(
     if start is not None:
         moving = slice(lay.POSITION, lay.POSITION + 2 * lay.STATE)
         slow.set_out_from(y[moving], _start(setup, 0.0)[moving])
-    places = channels.recorded(setup.case)
+    cells = channels.recorded_cells(setup.case)
     shortened = replace(setup, cut=replace(setup.cut, passes=min(slow.passes, most or slow.passes)))
     with suppress(MethodFailure):  # unless the extrapolation caused it, the run itself fails in the same way
-        for _ in _ball_passes(shortened, NoSamples(), y, places, pace):
+        for _ in _ball_passes(shortened, NoSamples(), y, cells, pace):
             passes += 1
             if slow.after_pass(y):
                 _go_on_from(setup, passes * setup.cut.steps_per_pass * setup.cut.step, y)
             if slow.reached:
                 break
     state = y[lay.POSITION : lay.POSITION + 2 * lay.STATE].reshape(2, 6, lay.ROW)
-    return turned_state(state, setup.model, passes) if slow.steady and np.isfinite(state).all() else start
+    return rotate_state(state, setup.model, passes) if slow.steady and np.isfinite(state).all() else start
 
 
 def _ball_passes(
-    setup: Setup, samples: NoSamples | Samples, y: np.ndarray, places: np.ndarray, pace: Pace
+    setup: Setup, samples: NoSamples | Samples, y: np.ndarray, cells: np.ndarray, pace: Pace
 ) -> Iterator[np.ndarray]:
     """Yield the recording of each ball pass, (C, tail + steps), preceded by the end of the pass before.
 
@@ -211,16 +211,16 @@ def _ball_passes(
     """
     case, cut = setup.case, setup.cut
     steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
-    window = np.empty((len(places), tail + steps))
-    window[:] = y[places][:, np.newaxis]
-    _warm_up(setup, samples, y, places)
+    window = np.empty((len(cells), tail + steps))
+    window[:] = y[cells][:, np.newaxis]
+    _warm_up(setup, samples, y, cells)
     if MODELS[case.model].memoryless:  # does not start from rest, so the model also gives samples before t = 0
         before = window[:, steps:]
-        _record_steps(setup, NoSamples(), -tail, y, places, before, pace)
-        take_peaks(y)
+        _record_steps(setup, NoSamples(), -tail, y, cells, before, pace)
+        pop_peaks(y)
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
-        _record_steps(setup, samples, p * steps, y, places, window[:, tail:], pace)
+        _record_steps(setup, samples, p * steps, y, cells, window[:, tail:], pace)
         if assemble.is_adaptive(case):
             for motion in MOTIONS if case.rig.ring is not None else MOTIONS[:1]:
                 differentiate(window, motion, tail, cut.step)
@@ -237,12 +237,12 @@ def _check_end(setup: Setup, began_at: list[float], y: np.ndarray, passes: int) 
         raise stopped(setup, outcomes.SKIPPED, unseen, end)
 
 
-def _warm_up(setup: Setup, samples: NoSamples | Samples, y: np.ndarray, places: np.ndarray) -> None:
+def _warm_up(setup: Setup, samples: NoSamples | Samples, y: np.ndarray, cells: np.ndarray) -> None:
     """Compile or load the integrator outside of the measured CPU time, by a step that is discarded."""
     y = y.copy()
     y[lay.CPU_END] = cpu_time.end()
-    part = np.empty((len(places), 2))[:, :1]  # strided like a recording, because numba compiles for the layout
-    advance_and_sample(setup.method, setup.model, setup.monitor, 0, y, places, part, samples)
+    part = np.empty((len(cells), 2))[:, :1]  # strided like a recording, because numba compiles for the layout
+    advance_and_sample(setup.method, setup.model, setup.monitor, 0, y, cells, part, samples)
 
 
 def _record_steps(
@@ -250,7 +250,7 @@ def _record_steps(
     samples: NoSamples | Samples,
     start: int,
     y: np.ndarray,
-    places: np.ndarray,
+    cells: np.ndarray,
     out: np.ndarray,
     pace: Pace,
 ) -> None:
@@ -260,7 +260,7 @@ def _record_steps(
         y[lay.CPU_END], began = cpu_time.end(), cpu_time.now()
         part = out[:, n : n + pace.steps]
         count, outcome, body = advance_and_sample(
-            setup.method, setup.model, setup.monitor, start + n, y, places, part, samples
+            setup.method, setup.model, setup.monitor, start + n, y, cells, part, samples
         )
         n += count
         seconds = cpu_time.now() - began
@@ -276,7 +276,11 @@ def _record_steps(
 
 MOTIONS = (
     (slice(0, 2), slice(2, 4), slice(4, 6)),
-    (slice(len(BASE), len(BASE) + 1), slice(len(BASE) + 1, len(BASE) + 2), slice(len(BASE) + 2, len(BASE) + 3)),
+    (
+        slice(len(FEATURE_CELLS), len(FEATURE_CELLS) + 1),
+        slice(len(FEATURE_CELLS) + 1, len(FEATURE_CELLS) + 2),
+        slice(len(FEATURE_CELLS) + 2, len(FEATURE_CELLS) + 3),
+    ),
 )
 """Rows of position, velocity, acceleration in a recording: of the ring, and of a flexible ring at its sensor."""
 NEIGHBOURS = 4  # columns on each side of a difference

@@ -140,7 +140,7 @@ def cost(case: Case, step: float, passes: int | None = None) -> Cost:
     in_a_period = min(whole, int(price("passes")))
     if may_repeat(case):
         computed = in_a_period
-    elif (record := next(ending.looks(case), None)) is not None:
+    elif (record := next(ending.inspection_passes(case), None)) is not None:
         computed = min(whole, ceil(case.settle_s * rate) + record)
         shortest = case.model_copy(update={"duration": record / rate})
         proof = check_cost(shortest) * computed if case.checks_step else 0.0
@@ -226,7 +226,7 @@ class Size(NamedTuple):
 def size(case: Case, fine: int, decimation: int, computed: int, checked: float) -> Size:
     """Return the size of a case with a named method and the ball passes ``computed`` and ``checked``."""
     whole = case.duration * case.bearing.ball_pass_frequency(full_speed_case(case).speed) * fine
-    cells = channels.recorded(case)
+    cells = channels.recorded_cells(case)
     requested = len(channels.requested_rows(case, cells))
     columns = sum(len(CHANNELS[name].components) for name in case.record)
     samples = int(case.duration * case.sampling + 1e-6)
@@ -252,7 +252,7 @@ def counts(case: Case, of: Size) -> Counts:
         turning_sample=of.read if turns or ramps else 0.0,
         ramp_sample=of.read if ramps else 0.0,
         band_sample=of.whole * _bands(case),
-        sample=float(of.samples * (of.requested + (of.rows if channels.picks(case) else 0))),
+        sample=float(of.samples * (of.requested + (of.rows if channels.stores_raw_values(case) else 0))),
         written=float(of.samples * of.columns),
     )
 
@@ -263,7 +263,7 @@ def memory(case: Case, of: Size) -> float:
     lines = TURNING * of.read + TURNED * min(of.read, BLOCK) if turning else STEADY * of.read
     lead = RESAMPLE_REACH * of.whole / max(1, of.samples)
     window = of.rows * (of.steps + 2 * DECIMATION_REACH * of.steps / of.fine)
-    picked = float(of.rows * of.samples) if channels.picks(case) else 0.0
+    picked = float(of.rows * of.samples) if channels.stores_raw_values(case) else 0.0
     recording = of.rows * (of.computed * of.fine + lead) + picked
     banded = BANDED * of.whole if _bands(case) else 0.0
     series = (of.requested + WRITTEN * of.columns + 2.0) * of.samples
@@ -289,4 +289,4 @@ def _held(case: Case, window: float, rows: int) -> float:
     One pass more is stored while the next replaces the oldest.
     """
     compared = min(MOST_HELD / FLOAT, (1 + LONGEST_PERIOD) * window * (1.0 - NOT_COMPARED / rows))
-    return compared + window + (LONGEST_PERIOD * window if channels.picks(case) else 0.0)
+    return compared + window + (LONGEST_PERIOD * window if channels.stores_raw_values(case) else 0.0)

@@ -32,20 +32,20 @@ from bearingsim.simulation.time_grid import Grid, samples
 class RawRecord:
     """Fine samples of a run.
 
-    places: (C,) recorded cells of the buffer; fine: (C, n) their fine samples over the computed passes, with t = 0
+    cells: (C,) recorded cells of the buffer; fine: (C, n) their fine samples over the computed passes, with t = 0
     in column ``zero``, the first pass from column ``lead`` on, and ``M`` samples per pass; Z: number of rollers;
-    picked: (C, m) raw values at the sampling instants, empty if not requested; peaks: (passes, E) largest values
-    of ``EXTREMES`` in each computed pass; y: the buffer at the end.
+    raw_values: (C, m) raw values at the sampling instants, empty if not requested; peaks: (passes, E) largest
+    values of ``EXTREMES`` in each computed pass; y: the buffer at the end.
     """
 
-    places: np.ndarray
+    cells: np.ndarray
     fine: np.ndarray
     lead: int
     zero: int
     M: int
     Z: int
     repetition: Repetition
-    picked: np.ndarray
+    raw_values: np.ndarray
     peaks: np.ndarray
     y: np.ndarray
 
@@ -63,7 +63,7 @@ class RawRecord:
 
     def read(self, start: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
         """Return fine samples (R, count) from number ``start`` on, of all rows or ``rows`` (R,)."""
-        rows = np.arange(len(self.places)) if rows is None else np.asarray(rows)
+        rows = np.arange(len(self.cells)) if rows is None else np.asarray(rows)
         column, computed = self.zero + start, self.lead + self.repetition.computed * self.M
         if column < 0 or (column + count > computed and self.repetition.period == 0):
             raise IndexError(f"fine samples {start} to {start + count} were not computed")
@@ -88,9 +88,9 @@ class RawRecord:
     @cached_property
     def _partners(self) -> np.ndarray:
         """Rows (Z, C): element [m, c] is the row with the quantity of row c, m passes before."""
-        if np.all(lay.lane_of(self.places) < 0):  # no quantity of a roller is recorded
-            return np.broadcast_to(np.arange(len(self.places)), (self.Z, len(self.places)))
-        return np.array([turned(self.places, self.Z, m) for m in range(self.Z)])
+        if np.all(lay.lane_of(self.cells) < 0):  # no quantity of a roller is recorded
+            return np.broadcast_to(np.arange(len(self.cells)), (self.Z, len(self.cells)))
+        return np.array([turned(self.cells, self.Z, m) for m in range(self.Z)])
 
     def through(self, taps: np.ndarray) -> "RawRecord | LowPassed":
         """Return the record filtered by the low-pass ``taps`` (odd number), with the same ``read``.
@@ -184,17 +184,19 @@ class Recording:
     def __init__(self, case: Case, cut: Grid, Z: int, y: np.ndarray) -> None:
         """Allocate the arrays. y: the buffer at t = 0, whose values also stand for all earlier times."""
         self.case, self.cut, self.Z = case, cut, Z
-        self.places = channels.recorded(self.case)
+        self.cells = channels.recorded_cells(self.case)
         self.lead = ceil(RESAMPLE_REACH * self.cut.fine_rate / self.case.sampling) + INTERPOLATION_REACH + 1
         self.taps = decimation_kernel(self.cut.decimation)
-        self.fine = np.empty((len(self.places), self.lead + self.cut.passes * self.cut.fine_per_pass))
-        self.fine[:, : self.lead] = y[self.places][:, np.newaxis]
-        self.picks = channels.picks(self.case)
-        self.picked = np.empty((len(self.places), samples(self.case) if self.picks else 0))
-        self.picked[:, :1] = y[self.places][:, np.newaxis]  # t = 0, if the record begins there
+        self.fine = np.empty((len(self.cells), self.lead + self.cut.passes * self.cut.fine_per_pass))
+        self.fine[:, : self.lead] = y[self.cells][:, np.newaxis]
+        self.stores_raw_values = channels.stores_raw_values(self.case)
+        self.raw_values = np.empty((len(self.cells), samples(self.case) if self.stores_raw_values else 0))
+        self.raw_values[:, :1] = y[self.cells][:, np.newaxis]  # t = 0, if the record begins there
         self.peaks = np.empty((self.cut.passes, len(EXTREMES)))
-        self.samples = samples_between_steps(self.case, self.picked)
-        keeps = self.picks and may_repeat(self.case)  # store the last passes, for raw values of repeated ones
+        self.samples = samples_between_steps(self.case, self.raw_values)
+        keeps = self.stores_raw_values and may_repeat(
+            self.case
+        )  # store the last passes, for raw values of repeated ones
         self.last: deque[np.ndarray] = deque(maxlen=LONGEST_PERIOD if keeps else 0)
 
     def keep(self, p: int, window: np.ndarray, y: np.ndarray) -> None:
@@ -202,48 +204,50 @@ class Recording:
         M, D = self.cut.fine_per_pass, self.cut.decimation
         start = self.lead + p * M
         decimate(window, self.taps, D, self.fine[:, start : start + M])
-        if self.picks and type(self.samples) is NoSamples:
-            _pick_pass(self.case, self.cut, p, window, self.picked)
+        if self.stores_raw_values and type(self.samples) is NoSamples:
+            _pick_pass(self.case, self.cut, p, window, self.raw_values)
             if self.last.maxlen:
                 self.last.append(window.copy())
-        self.peaks[p] = take_peaks(y)
+        self.peaks[p] = pop_peaks(y)
 
     def pick_repeated(self, repetition: Repetition) -> None:
         """Sample raw values of the passes that were not computed."""
         for p in range(repetition.computed, self.cut.passes):
             cpu_time.check()
             source = int(repetition.source(p))
-            picked = _pick_pass(self.case, self.cut, p, self.last[source - repetition.computed], self.picked)
-            picked[:] = picked[turned(self.places, self.Z, p - source)]
+            raw_values = _pick_pass(
+                self.case, self.cut, p, self.last[source - repetition.computed], self.raw_values
+            )
+            raw_values[:] = raw_values[turned(self.cells, self.Z, p - source)]
 
     def raw(self, repetition: Repetition, y: np.ndarray) -> RawRecord:
         """Return the record as far as it has been computed."""
         M, passes = self.cut.fine_per_pass, repetition.computed
         return RawRecord(
-            places=self.places,
+            cells=self.cells,
             fine=self.fine[:, : self.lead + passes * M],
             lead=self.lead,
             zero=self.lead + DECIMATION_REACH - 1,
             M=M,
             Z=self.Z,
             repetition=repetition,
-            picked=self.picked,
+            raw_values=self.raw_values,
             peaks=self.peaks[:passes],
             y=y,
         )
 
 
-def samples_between_steps(case: Case, picked: np.ndarray) -> NoSamples | Samples:
-    """Return the samples that an adaptive method writes into ``picked`` at the sampling instants of raw values.
+def samples_between_steps(case: Case, raw_values: np.ndarray) -> NoSamples | Samples:
+    """Return the samples that an adaptive method writes into ``raw_values`` at the sampling instants.
 
     Methods of fixed step have steps short enough to interpolate between them.
     """
-    if not channels.picks(case) or not assemble.is_adaptive(case):
+    if not channels.stores_raw_values(case) or not assemble.is_adaptive(case):
         return NoSamples()
-    return Samples(case.settle_s, case.sampling, picked)
+    return Samples(case.settle_s, case.sampling, raw_values)
 
 
-def take_peaks(y: np.ndarray) -> list[float]:
+def pop_peaks(y: np.ndarray) -> list[float]:
     """Return the largest value of each of ``EXTREMES`` over all rollers since the last call, and reset them."""
     rows = [y[row : row + lay.MAX_ROLLERS] for row in EXTREMES.values()]  # empty if the model lacks them
     peaks = [float(row.max(initial=0.0)) for row in rows]
@@ -255,18 +259,18 @@ def take_peaks(y: np.ndarray) -> list[float]:
 def extend_back(case: Case, raw: RawRecord) -> None:
     """Fill in the samples before t = 0 with those of whole cage revolutions later.
 
-    If the motion is not periodic, only the ring's motion and the other ``base`` rows are extended, by their first
-    pass. Filters use these samples, but features do not.
+    If the motion is not periodic, only the ring's motion and the other ``feature_cells`` rows are extended, by
+    their first pass. Filters use these samples, but features do not.
     """
     fine, zero, turn = raw.fine, raw.zero, raw.Z * raw.M
     if raw.repetition.period > 0:
         fine[:, :zero] = raw.read(-zero % turn, zero)
     else:
-        rows = len(channels.base(case))
+        rows = len(channels.feature_cells(case))
         fine[:rows, :zero] = fine[:rows, zero + np.arange(-zero, 0) % raw.M]
 
 
-def _pick_pass(case: Case, cut: Grid, p: int, window: np.ndarray, picked: np.ndarray) -> np.ndarray:
+def _pick_pass(case: Case, cut: Grid, p: int, window: np.ndarray, raw_values: np.ndarray) -> np.ndarray:
     """Fill in and return the raw values at the instants within ball pass ``p``.
 
     Its end is included, its start only in pass 0.
@@ -275,11 +279,11 @@ def _pick_pass(case: Case, cut: Grid, p: int, window: np.ndarray, picked: np.nda
     ratio = 1.0 / (case.sampling * cut.step)  # steps per sample
     start = case.settle_s / cut.step
     begin, end = (max(0, floor((q * steps - start) / ratio) + 1) for q in (p, p + 1))
-    begin = 0 if p == 0 else min(begin, picked.shape[1])
-    end = min(end, picked.shape[1])
+    begin = 0 if p == 0 else min(begin, raw_values.shape[1])
+    end = min(end, raw_values.shape[1])
     if end > begin:
-        pick(window, start - p * steps + tail - 1, ratio, picked, begin, end)
-    return picked[:, begin : max(begin, end)]
+        pick(window, start - p * steps + tail - 1, ratio, raw_values, begin, end)
+    return raw_values[:, begin : max(begin, end)]
 
 
 BLOCK = 1 << 15  # fine samples resampled at a time
@@ -291,11 +295,11 @@ def sampled(case: Case, cut: Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarr
     With ``antialias`` all rows except contact forces are low-passed.
     """
     if not case.antialias:
-        return raw.picked[rows]
-    forces = channels.are_contact_forces(case, raw.places[rows])
+        return raw.raw_values[rows]
+    forces = channels.contact_force_mask(case, raw.cells[rows])
     sampled = np.empty((len(rows), samples(case)))
     if forces.any():
-        sampled[forces] = raw.picked[rows[forces]]
+        sampled[forces] = raw.raw_values[rows[forces]]
     sampled[~forces] = _low_passed(case, cut, raw, rows[~forces])
     return sampled
 

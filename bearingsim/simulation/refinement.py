@@ -12,7 +12,7 @@ from bearingsim import assemble
 from bearingsim.config import Case
 from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.simulation import choice
-from bearingsim.simulation.comparison import Compared, steady_from
+from bearingsim.simulation.comparison import RunSignals, steady_time
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.pilot import pilot
 from bearingsim.simulation.pricing import price
@@ -84,7 +84,7 @@ def _on_orbit(coarse: Setup) -> Refined | None:
     case = coarse.case
     setup = replace(coarse, case=case.model_copy(update={"periodic": True}))
     raw = integrate(setup, most=max(int(price("patience")), extrapolation_passes(case)))
-    is_steady = steady_from(setup, raw) <= case.settle_s or needed(case) <= case.settle_s
+    is_steady = steady_time(setup, raw) <= case.settle_s or needed(case) <= case.settle_s
     while raw.repetition.period > 0:
         finer, finer_raw = finer_orbit(setup, raw)
         check = check_on_orbit((setup, raw), (finer, finer_raw))
@@ -104,7 +104,7 @@ def _on_pilots(coarse: Setup, is_stable: bool) -> Refined:
     is_stable: whether the first step is not limited by stability.
     """
     case, part, times = Inspections(coarse).earliest.case, coarse.part, 1.0
-    last: tuple[Setup, Compared] | None = None
+    last: tuple[Setup, RunSignals] | None = None
     while True:
         beginning = pilot(case, times)
         check, doubtful, finer = check_on_pilot(case, part, *beginning, last)

@@ -44,7 +44,7 @@ def may_repeat(case: Case) -> bool:
     return fields.issuperset(type(case).model_fields) and all(holds(case) for holds in CONDITIONS.values())
 
 
-def passes_are_alike(case: Case) -> bool:
+def may_be_periodic(case: Case) -> bool:
     """Check if the motion of a case may be periodic, even if `periodic: false` computes it in full."""
     return may_repeat(case.model_copy(update={"periodic": True}))
 
@@ -52,7 +52,7 @@ def passes_are_alike(case: Case) -> bool:
 def period_is_sought(case: Case) -> bool:
     """Check if a case is first computed until periodic, for its record or to check its step on one period."""
     wanted = case.periodic or case.checks_step
-    return wanted and case.step_check != "strict" and passes_are_alike(case)
+    return wanted and case.step_check != "strict" and may_be_periodic(case)
 
 
 EXTREMES = {
@@ -100,7 +100,7 @@ class Closeness(NamedTuple):
     times: int
 
 
-OF_A_RECORD = Closeness(1e-7, 1e-10, times=2)
+RECORD_CLOSENESS = Closeness(1e-7, 1e-10, times=2)
 """Limits for a record computed with one step."""
 SLOWEST = 0.98  # ratio of successive differences above which they do not count as decaying
 NEAR = 1e3  # factor on the limit within which the ends of passes must agree before whole passes are compared
@@ -119,27 +119,27 @@ class Search:
     """
 
     def __init__(
-        self, places: np.ndarray, steps: int, model: Any, memoryless: bool, close: Closeness, keeps: float = 0.0
+        self, cells: np.ndarray, steps: int, model: Any, memoryless: bool, close: Closeness, keeps: float = 0.0
     ) -> None:
         """Prepare the comparison of passes.
 
-        places: (C,) recorded cells of the buffer, beginning with position and velocity of the ring; steps: number
+        cells: (C,) recorded cells of the buffer, beginning with position and velocity of the ring; steps: number
         in a pass; memoryless: whether the first pass is already periodic; close: limits of the differences; keeps:
         part of the slowest mode at equilibrium that is left after a pass.
         """
-        self.places, self.memoryless, self.close, self.Z = places, memoryless, close, model.bearing.Z
+        self.cells, self.memoryless, self.close, self.Z = cells, memoryless, close, model.bearing.Z
         self.keeps = keeps
         self.model = model
-        self.compared = np.r_[0:4, 9 : len(places)]  # accelerations jump; the cage is part of the state
-        self.compared = self.compared[places[self.compared] != lay.SENSOR_A]
+        self.compared = np.r_[0:4, 9 : len(cells)]  # accelerations jump; the cage is part of the state
+        self.compared = self.compared[cells[self.compared] != lay.SENSOR_A]
         self.weights = np.zeros(12 * lay.ROW) if memoryless else lengths(model)
         self.least_peaks = np.array([name == "tilt.max" for name in EXTREMES]) / model.bearing.R_o
-        held = int(MOST_HELD // (8 * len(places) * steps))
+        held = int(MOST_HELD // (8 * len(cells) * steps))
         self.periods = range(1, 1 + min(LONGEST_PERIOD, held))
         self.recordings: deque[np.ndarray] = deque(maxlen=len(self.periods) + 1)
         self.ends: deque[np.ndarray] = deque(maxlen=len(self.periods) + 1)
         self.peaks: deque[np.ndarray] = deque(maxlen=len(self.periods) + 1)
-        of_compared = places[self.compared]
+        of_compared = cells[self.compared]
         self.partners = {period: turned(of_compared, self.Z, period) for period in self.periods}
         self.differences: dict[int, list[float]] = {period: [] for period in self.periods}
 
@@ -178,9 +178,9 @@ class Search:
         ranges = high - low
         for pair in (ranges[:2], ranges[2:4]):
             pair[:] = np.maximum(pair, LEAST_RANGE * pair.max())
-        lane = lay.lane_of(self.places)
-        for kind in set((self.places - lane)[lane >= 0].tolist()):  # one range for all rollers
-            rows = (lane >= 0) & (self.places - lane == kind)
+        lane = lay.lane_of(self.cells)
+        for kind in set((self.cells - lane)[lane >= 0].tolist()):  # one range for all rollers
+            rows = (lane >= 0) & (self.cells - lane == kind)
             ranges[rows] = high[rows].max() - low[rows].min()
         return ranges
 
@@ -199,7 +199,7 @@ class Search:
     def _end_difference(self, period: int, ranges: np.ndarray) -> float:
         """Return the largest difference between the final states of two passes, as lengths and speeds."""
         now, before = (self.ends[-1 - n].reshape(2, 6, lay.ROW) for n in (0, period))
-        before = turned_state(before, self.model, -period)
+        before = rotate_state(before, self.model, -period)
         lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + self.Z)
         ring_ranges = np.array([[ranges[:2].max()], [ranges[2:4].max()]])
         roller_ranges = now[:, :, lanes].max(axis=2) - now[:, :, lanes].min(axis=2)
@@ -214,7 +214,7 @@ def turned(cells: np.ndarray, Z: int, m: int) -> np.ndarray:
     return np.array([row_of[int(cell)] for cell in partner])
 
 
-def turned_state(state: np.ndarray, model: Any, passes: int) -> np.ndarray:
+def rotate_state(state: np.ndarray, model: Any, passes: int) -> np.ndarray:
     """Return positions and velocities (2, 6, ROW) with the rollers rotated by ``passes`` ball passes."""
     moved, own = state.copy(), degrees_of_freedom(model)[0]
     lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + model.bearing.Z)

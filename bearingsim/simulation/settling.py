@@ -23,7 +23,7 @@ from bearingsim.core.models.interface import harmonics
 from bearingsim.errors import Refused
 from bearingsim.simulation.fastest import lengths
 from bearingsim.simulation.limits import LONGEST, loaded_at_rest, loads_at_rest, rest_states
-from bearingsim.simulation.repetition import passes_are_alike, turned_state
+from bearingsim.simulation.repetition import may_be_periodic, rotate_state
 
 REMEMBERED = 5e-5
 """Largest part of the initial transient left at the start of the record. The transient is initially up to ten
@@ -100,7 +100,7 @@ def slow_modes(case: Case) -> int:
 
     All ball passes must be alike, and `settle`, a time, must be longer than ``LEAST``.
     """
-    if case.settle_s <= LEAST or not passes_are_alike(case):
+    if case.settle_s <= LEAST or not may_be_periodic(case):
         return 0
     rate = case.bearing.ball_pass_frequency(case.speed)
     return sum(mode.real > log(FAST) * rate for mode in modes(case))
@@ -247,7 +247,7 @@ class SlowModes:
     def _rolled_back(self) -> np.ndarray:
         """Return the stored states (2 STATE, n), with rollers renumbered to the positions of the last state."""
         turned = (
-            turned_state(state.reshape(2, 6, lay.ROW), self.model, n + 1 - len(self.states))
+            rotate_state(state.reshape(2, 6, lay.ROW), self.model, n + 1 - len(self.states))
             for n, state in enumerate(self.states)
         )
         return np.stack([state.ravel() for state in turned], axis=1)

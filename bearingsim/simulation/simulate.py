@@ -24,13 +24,13 @@ from bearingsim.simulation import (
     trial,
 )
 from bearingsim.simulation.accuracy import StandardErrors
-from bearingsim.simulation.channels import BASE, CAGE_ANGLE
+from bearingsim.simulation.channels import CAGE_ANGLE, FEATURE_CELLS
 from bearingsim.simulation.features import band_features, extension_features, features, refuse_undeclared
 from bearingsim.simulation.integration import Look, Taken, integrate, taken
 from bearingsim.simulation.pricing import price
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.refinement import refined, refined_orbit
-from bearingsim.simulation.repetition import may_repeat, passes_are_alike, period_is_sought
+from bearingsim.simulation.repetition import may_be_periodic, may_repeat, period_is_sought
 from bearingsim.simulation.run_setup import (
     MethodFailure,
     NotRepeating,
@@ -255,10 +255,10 @@ def _record(inspections: Inspections, raw: RawRecord, checks_step: StepCheck, be
     """Return the record of a run."""
     whole, setup = inspections.setup, inspections.ended(raw)
     case = setup.case
-    rows = channels.requested_rows(case, raw.places)
+    rows = channels.requested_rows(case, raw.cells)
     sampled = recording.sampled(case, setup.cut, raw, rows)
     instants = np.arange(time_grid.samples(case)) / case.sampling
-    series = channels.series(case, setup.model, sampled, raw.places[rows], case.settle_s + instants)
+    series = channels.series(case, setup.model, sampled, raw.cells[rows], case.settle_s + instants)
     own = features(case, setup.model, setup.cut, raw) | band_features(case, setup.model, setup.cut, raw)
     by_chance = _is_by_chance(setup, raw, checks_step.chaotic)
     standard = unknown = StandardErrors(nan, nan)
@@ -355,7 +355,7 @@ def _info(setup: Setup, raw: RawRecord, reached: StandardErrors) -> dict[str, fl
 def _is_by_chance(setup: Setup, raw: RawRecord, chaotic: bool) -> bool:
     """Check if line and RMS may scatter at random, and the record has enough ball passes to show it."""
     enough = len(recording.windows(setup.case, setup.cut, raw, reach=0).index) > accuracy.MIN_PASSES
-    return enough and (chaotic or passes_are_alike(setup.case) or has_free_cage(setup.case))
+    return enough and (chaotic or may_be_periodic(setup.case) or has_free_cage(setup.case))
 
 
 def _start_features(errors: StartErrors) -> dict[str, float]:
@@ -377,7 +377,7 @@ def _damping(setup: Setup) -> dict[str, float]:
 def _cage_angle(setup: Setup, raw: RawRecord) -> float:
     """Return the angle (rad) of the first roller's pocket at the start of the record, cage slip included."""
     bearing, position = setup.model.bearing, setup.case.settle_s * setup.cut.fine_rate
-    before, after = raw.read(floor(position), 2, np.array([BASE.index(CAGE_ANGLE)]))[0]
+    before, after = raw.read(floor(position), 2, np.array([FEATURE_CELLS.index(CAGE_ANGLE)]))[0]
     slipped = before + (position - floor(position)) * (after - before)
     return float(bearing.theta_0 + bearing.omega_c * setup.case.settle_s + slipped)
 
@@ -395,7 +395,7 @@ def warm(cases: Iterable[Case], about_to: Callable[[int, int, float], None] | No
     kinds: dict[tuple, Case] = {}
     for case in cases:
         laws = assemble.contacts.outer(case), assemble.contacts.inner(case)
-        kinds.setdefault((_words(choice.resolved(case)), _types(laws), channels.picks(case)), case)
+        kinds.setdefault((_words(choice.resolved(case)), _types(laws), channels.stores_raw_values(case)), case)
     new = {kind: case for kind, case in kinds.items() if kind not in _WARM}
     for number, (kind, case) in enumerate(new.items(), 1):
         if about_to is not None:

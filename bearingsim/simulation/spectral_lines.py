@@ -10,7 +10,15 @@ from bearingsim import cpu_time, signals
 from bearingsim.config import Case
 from bearingsim.config.names import HARMONICS, LINES, Line, line_name
 from bearingsim.core.geometry.motion import is_steady, kinematic_times
-from bearingsim.simulation.channels import AT_SENSOR, BASE, CAGE_ANGLE, MOTION, along, base, cells_of
+from bearingsim.simulation.channels import (
+    CAGE_ANGLE,
+    FEATURE_CELLS,
+    MOTION,
+    SENSOR_CELLS,
+    cells_of,
+    feature_cells,
+    project_on_sensor,
+)
 from bearingsim.simulation.pricing import BLOCK
 from bearingsim.simulation.recording import LowPassed, RawRecord, first_sample, whole_passes, windows
 from bearingsim.simulation.settling import has_free_cage
@@ -19,7 +27,7 @@ from bearingsim.simulation.time_grid import Grid
 MIN_PASSES = 3
 """Smallest number of ball passes for lines with a free cage, because interpolation uses up the ends."""
 
-ROW_OF = {cell: row for row, cell in enumerate(BASE + AT_SENSOR)}
+ROW_OF = {cell: row for row, cell in enumerate(FEATURE_CELLS + SENSOR_CELLS)}
 OTHER_LINES = {name: line for name, line in LINES.items() if not line.outer}
 
 
@@ -34,7 +42,7 @@ class SampleAngles(NamedTuple):
         """Return the first and the last angles."""
         return SampleAngles(self.cage[[0, -1]], self.inner[[0, -1]], self.roll[[0, -1]])
 
-    def along(self, line: Line, Z: int) -> np.ndarray:
+    def phase(self, line: Line, Z: int) -> np.ndarray:
         """Return the phase angle of a line."""
         return (
             line.outer * Z * self.cage
@@ -47,12 +55,12 @@ class SampleAngles(NamedTuple):
 
 def feature_rows(case: Case) -> np.ndarray:
     """Return the rows of a recording from which features are computed."""
-    return np.arange(len(base(case)))
+    return np.arange(len(feature_cells(case)))
 
 
-def along_sensor(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
+def sensor_series(case: Case, rows: np.ndarray, quantity: str) -> np.ndarray:
     """Project a quantity of the ring on the sensor axis; for a flexible ring, return its value at the sensor."""
-    return along(case, [rows[ROW_OF[cell]] for cell in cells_of(case, f"sensor.{quantity}")])
+    return project_on_sensor(case, [rows[ROW_OF[cell]] for cell in cells_of(case, f"sensor.{quantity}")])
 
 
 def blocks(count: int) -> Iterator[tuple[int, int]]:
@@ -62,11 +70,11 @@ def blocks(count: int) -> Iterator[tuple[int, int]]:
         yield begin, min(begin + BLOCK, count)
 
 
-def sensed(case: Case, raw: RawRecord | LowPassed, quantity: str, start: int, count: int) -> np.ndarray:
-    """Return ``along_sensor`` of fine samples (count,) from number ``start`` on."""
+def sensor_samples(case: Case, raw: RawRecord | LowPassed, quantity: str, start: int, count: int) -> np.ndarray:
+    """Return ``sensor_series`` of fine samples (count,) from number ``start`` on."""
     rows, out = np.array([ROW_OF[cell] for cell in cells_of(case, f"sensor.{quantity}")]), np.empty(count)
     for begin, end in blocks(count):
-        out[begin:end] = along(case, list(raw.read(start + begin, end - begin, rows)))
+        out[begin:end] = project_on_sensor(case, list(raw.read(start + begin, end - begin, rows)))
     return out
 
 
@@ -90,11 +98,11 @@ def angles_of_record(case: Case, model: Any, cut: Grid, raw: RawRecord, start: i
 def ball_pass_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """Return amplitude, phase and scatter of the lines at BPFO and its multiples."""
     columns = {}
-    beside = has_other_lines(case)
+    has_others = has_other_lines(case)
     for quantity, lines in lines_of_passes(case, model, cut, raw).items():
         for harmonic, values in zip(HARMONICS, lines, strict=True):
             name = f"{quantity}@{line_name(harmonic)}"
-            columns[name], columns[f"{name}.phase"], columns[f"{name}-scatter"] = signals.line(values, beside)
+            columns[name], columns[f"{name}.phase"], columns[f"{name}-scatter"] = signals.line(values, has_others)
     return columns or dict.fromkeys(_ball_pass_names(), float("nan"))
 
 
@@ -110,11 +118,13 @@ def lines_of_passes(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[s
 
 def _lines_at_equal_times(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
     """Return the lines (harmonics, passes) of each quantity for a kinematic cage, with passes of equal length."""
-    of_record = windows(case, cut, raw, reach=1)
-    M, start = of_record.M, of_record.start
-    position, speed = (sensed(case, raw, quantity, start, of_record.distinct * M + 1) for quantity in MOTION[:2])
+    record_windows = windows(case, cut, raw, reach=1)
+    M, start = record_windows.M, record_windows.start
+    position, speed = (
+        sensor_samples(case, raw, quantity, start, record_windows.distinct * M + 1) for quantity in MOTION[:2]
+    )
     lines = _lines_from_samples(position, speed, M, start, cut.rate, case.bearing.rollers * model.bearing.theta_0)
-    return {quantity: amplitudes[:, of_record.index] for quantity, amplitudes in lines.items()}
+    return {quantity: amplitudes[:, record_windows.index] for quantity, amplitudes in lines.items()}
 
 
 def _lines_at_equal_angles(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, np.ndarray]:
@@ -123,15 +133,15 @@ def _lines_at_equal_angles(case: Case, model: Any, cut: Grid, raw: RawRecord) ->
     length = whole_passes(case, cut) * M + 1
     (slip,) = raw.read(start, length, np.array([ROW_OF[CAGE_ANGLE]]))
     angle = Z * model.bearing.theta_0
-    ball_pass = Z * sample_angles(model, cut, start, slip).cage - angle
-    enough = 2.0 * pi * MIN_PASSES * (1.0 - 1e-9)  # tolerates rounding
-    if ball_pass[-1] - ball_pass[0] < enough or np.any(np.diff(ball_pass) <= 0.0):
+    pass_angle = Z * sample_angles(model, cut, start, slip).cage - angle
+    min_angle = 2.0 * pi * MIN_PASSES * (1.0 - 1e-9)  # tolerates rounding
+    if pass_angle[-1] - pass_angle[0] < min_angle or np.any(np.diff(pass_angle) <= 0.0):
         return {}
-    M *= ceil(2.0 * pi / (M * np.diff(ball_pass).min()))  # the longest pass keeps all its samples
-    motion = np.stack([sensed(case, raw, quantity, start, length) for quantity in MOTION[:2]])
-    (position, speed), first_pass = signals.at_equal_angles(motion, ball_pass, M)
+    M *= ceil(2.0 * pi / (M * np.diff(pass_angle).min()))  # the longest pass keeps all its samples
+    motion = np.stack([sensor_samples(case, raw, quantity, start, length) for quantity in MOTION[:2]])
+    (position, speed), first_pass = signals.at_equal_angles(motion, pass_angle, M)
     passes = first_pass + np.arange((len(position) - 1) // M + 1)
-    rate = 1.0 / np.diff(np.interp(2.0 * pi * passes, ball_pass, np.arange(length) / cut.fine_rate))
+    rate = 1.0 / np.diff(np.interp(2.0 * pi * passes, pass_angle, np.arange(length) / cut.fine_rate))
     return _lines_from_samples(position, speed, M, 0, rate, angle)
 
 
@@ -157,8 +167,10 @@ def other_lines(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, 
     """Return amplitude and phase of the lines other than BPFO and its multiples; NaN if not resolved."""
     length = max(2, floor(case.duration * cut.fine_rate + 1e-6))
     length = length if raw.end is None else min(length, raw.end - first_sample(case, cut))
-    read = _lines_as_they_turn if has_free_cage(case) or not is_steady(model) else _lines_at_constant_speed
-    lines, frequencies = read(case, model, cut, raw, length)
+    compute_lines = (
+        _lines_at_varying_speed if has_free_cage(case) or not is_steady(model) else _lines_at_constant_speed
+    )
+    lines, frequencies = compute_lines(case, model, cut, raw, length)
     resolved = dict(
         zip(LINES, signals.resolvable(frequencies, min(case.duration, length / cut.fine_rate)), strict=True)
     )
@@ -176,26 +188,26 @@ def _lines_at_constant_speed(
     case: Case, model: Any, cut: Grid, raw: RawRecord, length: int
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Return complex amplitudes (lines,) of each quantity, and the lines' frequencies (Hz)."""
-    of_record = windows(case, cut, raw, reach=0)
-    M, start = of_record.M, of_record.start
-    count = min(len(of_record.index), length // M)
-    W = min(of_record.distinct, count)
-    series = np.stack([sensed(case, raw, q, start, W * M) for q in MOTION[:2]])
-    rest = np.stack([sensed(case, raw, q, start + count * M, length - count * M) for q in MOTION[:2]])
-    turning = sample_angles(model, cut, start, np.zeros(1))
-    angle = np.array([turning.along(line, case.bearing.rollers) for line in LINES.values()])
-    from_zero = sample_angles(model, cut, 0, np.zeros(2))  # small angles, for full precision
-    turn = np.diff([from_zero.along(line, case.bearing.rollers) for line in LINES.values()])[:, 0]
+    record_windows = windows(case, cut, raw, reach=0)
+    M, start = record_windows.M, record_windows.start
+    count = min(len(record_windows.index), length // M)
+    window_count = min(record_windows.distinct, count)
+    series = np.stack([sensor_samples(case, raw, q, start, window_count * M) for q in MOTION[:2]])
+    tail = np.stack([sensor_samples(case, raw, q, start + count * M, length - count * M) for q in MOTION[:2]])
+    angles = sample_angles(model, cut, start, np.zeros(1))
+    phases = np.array([angles.phase(line, case.bearing.rollers) for line in LINES.values()])
+    initial_angles = sample_angles(model, cut, 0, np.zeros(2))  # small angles, for full precision
+    phase_step = np.diff([initial_angles.phase(line, case.bearing.rollers) for line in LINES.values()])[:, 0]
     displacement, velocity = signals.lines_of_windows(
-        series.reshape(2, W, M), count, of_record.period, rest, angle[:, 0], turn
+        series.reshape(2, window_count, M), count, record_windows.period, tail, phases[:, 0], phase_step
     )
     # from the velocity, integrated by parts, because impacts alias into the line less than from the acceleration
-    acceleration = 1j * turn * cut.fine_rate * velocity
+    acceleration = 1j * phase_step * cut.fine_rate * velocity
     lines = dict(zip(MOTION, (displacement, velocity, acceleration), strict=True))
-    return lines, turn / (2.0 * pi) * cut.fine_rate
+    return lines, phase_step / (2.0 * pi) * cut.fine_rate
 
 
-def _lines_as_they_turn(
+def _lines_at_varying_speed(
     case: Case, model: Any, cut: Grid, raw: RawRecord, length: int
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Return complex amplitudes and mean frequencies (Hz) of the lines at varying speed."""
@@ -203,20 +215,22 @@ def _lines_as_they_turn(
 
     def angles(begin: int, end: int) -> np.ndarray:
         (slip,) = raw.read(start + begin, end - begin, np.array([ROW_OF[CAGE_ANGLE]]))
-        turning = sample_angles(model, cut, start + begin, slip)
-        return np.array([turning.along(line, Z) for line in LINES.values()])
+        sample = sample_angles(model, cut, start + begin, slip)
+        return np.array([sample.phase(line, Z) for line in LINES.values()])
 
     def parts() -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         for begin, end in blocks(length):
             before, after = max(0, begin - 1), min(length, end + 1)  # neighbours for gradients
             inside = slice(begin - before, end - before)
-            wide = angles(before, after)
-            gradient = np.gradient(wide, axis=1)[:, inside]
-            position, speed = (sensed(case, raw, quantity, start + begin, end - begin) for quantity in MOTION[:2])
+            extended = angles(before, after)
+            gradient = np.gradient(extended, axis=1)[:, inside]
+            position, speed = (
+                sensor_samples(case, raw, quantity, start + begin, end - begin) for quantity in MOTION[:2]
+            )
             motion = (np.broadcast_to(position, gradient.shape), np.broadcast_to(speed, gradient.shape))
-            yield np.stack([*motion, gradient * cut.fine_rate * speed], axis=1), wide[:, inside], gradient
+            yield np.stack([*motion, gradient * cut.fine_rate * speed], axis=1), extended[:, inside], gradient
 
-    begin, end = angles(0, 1)[:, 0], angles(length - 1, length)[:, 0]
-    displacement, velocity, by_parts = signals.lines_of_blocks(parts(), begin, end).T
-    lines = dict(zip(MOTION, (displacement, velocity, 1j * by_parts), strict=True))
-    return lines, (end - begin) / (2.0 * pi * (length - 1)) * cut.fine_rate
+    first_angles, last_angles = angles(0, 1)[:, 0], angles(length - 1, length)[:, 0]
+    displacement, velocity, weighted_velocity = signals.lines_of_blocks(parts(), first_angles, last_angles).T
+    lines = dict(zip(MOTION, (displacement, velocity, 1j * weighted_velocity), strict=True))
+    return lines, (last_angles - first_angles) / (2.0 * pi * (length - 1)) * cut.fine_rate

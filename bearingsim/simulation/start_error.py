@@ -20,7 +20,7 @@ from bearingsim.simulation.comparison import FORCE, fault_lines
 from bearingsim.simulation.recording import RawRecord, Windows, windows
 from bearingsim.simulation.run_setup import Setup
 from bearingsim.simulation.settling import slowest_decay
-from bearingsim.simulation.spectral_lines import angles_of_record, sensed
+from bearingsim.simulation.spectral_lines import angles_of_record, sensor_samples
 from bearingsim.simulation.trial import defect_turn
 
 PARTS = 4  # parts of a record whose successive changes are used to extrapolate the decay
@@ -77,13 +77,13 @@ def start_errors(setup: Setup, raw: RawRecord, standard: StandardErrors) -> Star
 
 def _passes(setup: Setup, raw: RawRecord, of_record: Windows) -> Passes:
     case, cut, M, n = setup.case, setup.cut, of_record.M, of_record.distinct
-    velocity = sensed(case, raw, "velocity", of_record.start, n * M)
+    velocity = sensor_samples(case, raw, "velocity", of_record.start, n * M)
     taps = sampling_kernel(cut.fine_rate / case.sampling)
-    low = sensed(case, raw.through(taps), "velocity", of_record.start, n * M)
+    low = sensor_samples(case, raw.through(taps), "velocity", of_record.start, n * M)
     angles = angles_of_record(case, setup.model, cut, raw, of_record.start, n * M)
     lines = np.stack(
         [
-            2.0 * (velocity * np.exp(-1j * angles.along(LINES[name], raw.Z))).reshape(n, M).mean(axis=1)
+            2.0 * (velocity * np.exp(-1j * angles.phase(LINES[name], raw.Z))).reshape(n, M).mean(axis=1)
             for name in fault_lines(case)
         ]
     )

@@ -26,11 +26,11 @@ from bearingsim.config import Case
 from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.core import layout as lay
 from bearingsim.simulation import channels, choice, time_grid
-from bearingsim.simulation.comparison import Compared, compare, of_orbit, of_pilot, steady_from
+from bearingsim.simulation.comparison import RunSignals, compare, orbit_signals, pilot_signals, steady_time
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.pilot import longer_duration, pilot, sees_defect_turns
 from bearingsim.simulation.recording import RawRecord
-from bearingsim.simulation.repetition import Closeness, turned_state
+from bearingsim.simulation.repetition import Closeness, rotate_state
 from bearingsim.simulation.run_setup import MethodFailure, Setup, TooChaotic, set_up
 
 
@@ -61,7 +61,7 @@ GROWN, PARTED = 3.0, 1e-4  # growth of a perturbation over the pilot; its size i
 NO_LESS = 0.3  # ratio of the change by the perturbation to that by the shorter step (or tenth of the tolerance)
 MIN_BLOCKS = 16  # smallest number of blocks of passes for the scatter of the RMS
 SECOND_PILOT = 4.0  # length ratio of the second pilot, used if the first two runs diverge without chaos
-CLOSE_TO_ORBIT = Closeness(1e-5, 1e-5, times=1)
+ORBIT_CLOSENESS = Closeness(1e-5, 1e-5, times=1)
 """Closeness at which the finer run counts as periodic."""
 MOST_FINER_PASSES = 4, 16  # factor on the passes of the run, and passes added: limit of the finer run
 FEW_PASSES = 120
@@ -193,7 +193,7 @@ def finer_orbit(coarse: Setup, raw: RawRecord) -> tuple[Setup, RawRecord]:
     """Return a finer run of a periodic motion, started from the end of the coarse run to become periodic soon."""
     fine = set_up(coarse.case, coarse.part * shorter(coarse.cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU)
     start = rewound_state(coarse, raw)
-    return fine, integrate(fine, start=start, close=CLOSE_TO_ORBIT, most=most_finer_passes(raw))
+    return fine, integrate(fine, start=start, close=ORBIT_CLOSENESS, most=most_finer_passes(raw))
 
 
 def check_on_orbit(coarse: tuple[Setup, RawRecord], fine: tuple[Setup, RawRecord]) -> StepCheck | None:
@@ -204,10 +204,10 @@ def check_on_orbit(coarse: tuple[Setup, RawRecord], fine: tuple[Setup, RawRecord
     """
     if fine[1].repetition.period == 0:
         return None
-    steady = max(steady_from(*coarse), steady_from(*fine))
-    if channels.picks(coarse[0].case) and steady >= length(coarse[0].case):
+    steady = max(steady_time(*coarse), steady_time(*fine))
+    if channels.stores_raw_values(coarse[0].case) and steady >= length(coarse[0].case):
         return None
-    return StepCheck(*compare(*(of_orbit(setup, run, steady) for setup, run in (coarse, fine))))
+    return StepCheck(*compare(*(orbit_signals(setup, run, steady) for setup, run in (coarse, fine))))
 
 
 def most_finer_passes(raw: RawRecord) -> int:
@@ -220,7 +220,7 @@ def most_finer_passes(raw: RawRecord) -> int:
 def rewound_state(coarse: Setup, raw: RawRecord) -> np.ndarray:
     """Return the state (2, 6, ROW) at the end of a periodic run, rotated back to t = 0."""
     state = raw.y[lay.POSITION : lay.POSITION + 2 * lay.STATE].reshape(2, 6, lay.ROW).copy()
-    return turned_state(state, coarse.model, raw.repetition.computed)
+    return rotate_state(state, coarse.model, raw.repetition.computed)
 
 
 class OnPilot(NamedTuple):
@@ -228,11 +228,11 @@ class OnPilot(NamedTuple):
 
     check: StepCheck
     doubtful: bool
-    finer: tuple[Setup, Compared]
+    finer: tuple[Setup, RunSignals]
 
 
 def check_on_pilot(
-    case: Case, part: float, short: Case, passes: int, before: tuple[Setup, Compared] | None = None
+    case: Case, part: float, short: Case, passes: int, before: tuple[Setup, RunSignals] | None = None
 ) -> OnPilot:
     """Check the step of a case by a pilot ``short`` of ``passes``; before: its coarse run, if already computed."""
     allowed = time_grid.MAX_CPU * length(short) / length(case)
@@ -243,16 +243,20 @@ def check_on_pilot(
     fine_run = run_pilot(fine, passes)
     finer = fine, fine_run
     check = StepCheck(*compare(coarse_run, fine_run))
-    scale = float(np.std(fine_run.fine)) or 1.0
+    scale = float(np.std(fine_run.fine_velocity)) or 1.0
     apart = (
-        by_pass(coarse_run.fine - shifted(fine_run.fine, ahead(coarse, fine) * fine.cut.fine_rate), passes) / scale
+        by_pass(
+            coarse_run.fine_velocity - shifted(fine_run.fine_velocity, ahead(coarse, fine) * fine.cut.fine_rate),
+            passes,
+        )
+        / scale
     )
     if not apart.max() > APART:
         return OnPilot(check, False, finer)
     adaptive = assemble.is_adaptive(case)
     twin, nudged = (fine, fine_run) if adaptive else (coarse, coarse_run)
     third = run_pilot(twin, passes, nudge=PERTURBATION)
-    beside = by_pass(nudged.fine - third.fine, passes) / scale
+    beside = by_pass(nudged.fine_velocity - third.fine_velocity, passes) / scale
     if not is_chaotic_motion(beside, apart, adaptive):
         return OnPilot(check, True, finer)
     # pilots agree at first: the signal that diverges sooner, usually of the wider band, is more informative
@@ -266,9 +270,9 @@ def check_on_pilot(
     return OnPilot(replace(check, chaotic=True, noise=noise / sqrt(passes), scatter=worth), False, finer)
 
 
-def run_pilot(setup: Setup, passes: int, nudge: float = 0.0) -> Compared:
+def run_pilot(setup: Setup, passes: int, nudge: float = 0.0) -> RunSignals:
     """Run a pilot; return its compared signals."""
-    return of_pilot(setup, integrate(setup, nudge), passes)
+    return pilot_signals(setup, integrate(setup, nudge), passes)
 
 
 def scatter(series: Sequence[np.ndarray], passes: int) -> tuple[float, float]:

@@ -24,7 +24,7 @@ from bearingsim.simulation.accuracy import QUIET_LINE, StandardErrors
 from bearingsim.simulation.comparison import fault_lines
 from bearingsim.simulation.recording import RawRecord, first_sample, whole_passes
 from bearingsim.simulation.run_setup import Setup
-from bearingsim.simulation.spectral_lines import angles_of_record, has_other_lines, lines_of_passes, sensed
+from bearingsim.simulation.spectral_lines import angles_of_record, has_other_lines, lines_of_passes, sensor_samples
 
 FEWEST_BATCHES = 4
 TWO_SIGMA = 0.97725  # probability of a deviation below two sigma
@@ -39,7 +39,7 @@ class Inspections:
 
     def __init__(self, setup: Setup) -> None:
         self.setup = setup
-        self.of_record = {trial.last_pass(setup, count): count for count in ending.looks(setup.case)}
+        self.of_record = {trial.last_pass(setup, count): count for count in ending.inspection_passes(setup.case)}
         self.passes = self.of_record.keys()
         self.errors: dict[int, StandardErrors] = {}
 
@@ -103,11 +103,16 @@ def errors_of(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> dict[st
     if len(spans) <= FEWEST_BATCHES:
         return dict.fromkeys(requested, inf)
     low = raw.through(sampling_kernel(cut.fine_rate / case.sampling))
-    fine = cache(partial(sensed, case, raw, start=start, count=length))
+    fine = cache(partial(sensor_samples, case, raw, start=start, count=length))
     turning = angles_of_record(case, setup.model, cut, raw, start, length)
     by_window = [name for name in requested if not (has_other_lines(case) and _harmonic(name))]
     lines, powers = trial.parts_of_features(
-        setup, by_window, fine, cache(partial(sensed, case, low, start=start, count=length)), turning, spans
+        setup,
+        by_window,
+        fine,
+        cache(partial(sensor_samples, case, low, start=start, count=length)),
+        turning,
+        spans,
     )
     by_pass = {} if len(by_window) == len(requested) else lines_of_passes(case, setup.model, cut, raw)
     for name in set(requested).difference(by_window) if by_pass else ():

@@ -18,7 +18,7 @@ from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
 from bearingsim.config.names import LINES, Line, read_band
 from bearingsim.simulation import recording, spectral_lines
-from bearingsim.simulation.comparison import FORCE, low_passed
+from bearingsim.simulation.comparison import FORCE, low_pass_rows
 from bearingsim.simulation.features import band_of
 from bearingsim.simulation.pilot import DEFECT_TURN, PILOT_PART, ROUNDING
 from bearingsim.simulation.recording import RawRecord
@@ -140,11 +140,11 @@ def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: i
     passes = passes if raw.repetition.period > 0 else min(passes, most_passes(case))
     start, length = recording.first_sample(case, cut), passes * cut.fine_per_pass + 1
     fine = raw.read(start, length, spectral_lines.feature_rows(case))
-    rows = low_passed(setup, raw, start, length) if case.antialias else fine
+    rows = low_pass_rows(setup, raw, start, length) if case.antialias else fine
     turning = spectral_lines.sample_angles(setup.model, cut, start, np.zeros(length))
     turn = max(1.0, turn * cut.rate)  # in ball passes
     spans = spans_of(passes, turn, cut.fine_per_pass)
-    along = partial(spectral_lines.along_sensor, case)
+    along = partial(spectral_lines.sensor_series, case)
     lines, powers = parts_of_features(setup, requested, partial(along, fine), partial(along, rows), turning, spans)
     before = ceil(start / cut.fine_per_pass)
     peaks = raw.peaks[:, FORCE]
@@ -221,7 +221,7 @@ def whole_turns(passes: int, turn: float) -> int:
 
 def angles_near(case: Case, turning: SampleAngles, name: str, span: slice) -> np.ndarray:
     """Return the angles (1 + L, n) of a line and of L excited lines too near to resolve over ``span``."""
-    angles = {line: turning.along(LINES[line], case.bearing.rollers) for line in (name, *excited(case))}
+    angles = {line: turning.phase(LINES[line], case.bearing.rollers) for line in (name, *excited(case))}
     turns = {line: float(angle[span][-1] - angle[span][0]) / (2.0 * pi) for line, angle in angles.items()}
     return np.stack([angles[line] for line in angles if abs(turns[line] - turns[name]) < NEAR])
 

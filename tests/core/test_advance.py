@@ -23,10 +23,10 @@ from tests.scenes.short_cases import case
 def test_the_loop_counts_no_references(method: str) -> None:
     """Counting them takes a third to a half of a step of `ring` and `rollers`."""
     setup = set_up(case(model="rollers", method=method))
-    y, places = assemble.start(setup.case, setup.model)[0], channels.recorded(setup.case)
+    y, cells = assemble.start(setup.case, setup.model)[0], channels.recorded_cells(setup.case)
     loop = numba.njit(**OPTIONS)(advance_and_sample.py_func)
-    out = np.empty((len(places), 4))
-    arguments = setup.method, setup.model, setup.monitor, 0, y, places, out, NoSamples()
+    out = np.empty((len(cells), 4))
+    arguments = setup.method, setup.model, setup.monitor, 0, y, cells, out, NoSamples()
     loop(*arguments)
     code = loop.inspect_llvm(tuple(numba.typeof(one) for one in arguments))
     calls = [line for line in code.splitlines() if " call " in line and "NRT_" in line]

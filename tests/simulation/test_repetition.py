@@ -13,7 +13,14 @@ from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
 from bearingsim.simulation import channels, choice, repetition
-from bearingsim.simulation.repetition import OF_A_RECORD, Repetition, Search, may_repeat, remaining_sum, turned
+from bearingsim.simulation.repetition import (
+    RECORD_CLOSENESS,
+    Repetition,
+    Search,
+    may_repeat,
+    remaining_sum,
+    turned,
+)
 from tests.scenes.short_cases import FORCES, RING, SLOT, case
 
 KINEMATIC = {"cage": {"motion": "kinematic"}}
@@ -85,9 +92,9 @@ def test_passes_are_those_of_the_last_period() -> None:
 
 
 def test_a_roller_stands_where_the_next_stood_a_pass_before() -> None:
-    rows = channels.recorded(resolved(model="rollers", record=["roller.3.outer_force", "ring.velocity"]))
+    rows = channels.recorded_cells(resolved(model="rollers", record=["roller.3.outer_force", "ring.velocity"]))
     before = turned(rows, 13, 1)
-    assert np.array_equal(before[: len(channels.BASE)], np.arange(len(channels.BASE)))
+    assert np.array_equal(before[: len(channels.FEATURE_CELLS)], np.arange(len(channels.FEATURE_CELLS)))
     assert [int(rows[before[list(rows).index(lay.Q_O + j)]]) - lay.Q_O for j in (2, 12)] == [3, 0]
 
 
@@ -129,7 +136,10 @@ STEPS = 40
 def period_of(motion: Callable[[int], np.ndarray], passes: int = 40) -> tuple[int, int]:
     """The period found of ``motion`` (of a pass's number: (9, STEPS)), and after how many passes."""
     setup = RUN_SETUP.set_up(resolved(model="ring"))
-    search, y = Search(channels.recorded(setup.case), STEPS, setup.model, False, OF_A_RECORD), lay.buffer(13, 0.0)
+    search, y = (
+        Search(channels.recorded_cells(setup.case), STEPS, setup.model, False, RECORD_CLOSENESS),
+        lay.buffer(13, 0.0),
+    )
     for p in range(passes):
         window = motion(p)
         y[[lay.POSITION + lay.X, lay.POSITION + lay.Y, lay.VELOCITY + lay.X, lay.VELOCITY + lay.Y]] = window[
@@ -144,11 +154,11 @@ def period_of(motion: Callable[[int], np.ndarray], passes: int = 40) -> tuple[in
 def test_passes_are_compared_in_ring_motion_and_recorded_channels_only() -> None:
     """Accelerations jump; loaded rollers and the cage are compared in the state at the end of a pass."""
     setup = RUN_SETUP.set_up(resolved(model="rollers", record=["roller.3.outer_force"]))
-    places = channels.recorded(setup.case)
-    search = Search(places, STEPS, setup.model, False, OF_A_RECORD)
+    cells = channels.recorded_cells(setup.case)
+    search = Search(cells, STEPS, setup.model, False, RECORD_CLOSENESS)
     ring = [lay.POSITION + lay.X, lay.POSITION + lay.Y, lay.VELOCITY + lay.X, lay.VELOCITY + lay.Y]
-    assert places[search.compared][:5].tolist() == [*ring, lay.Q_O + 2]
-    assert set(search.compared) == set(range(len(places))) - {*range(4, len(channels.BASE))}
+    assert cells[search.compared][:5].tolist() == [*ring, lay.Q_O + 2]
+    assert set(search.compared) == set(range(len(cells))) - {*range(4, len(channels.FEATURE_CELLS))}
 
 
 def waves(p: int, period: int = 1) -> np.ndarray:
@@ -246,18 +256,18 @@ def test_what_is_to_come_is_the_sum_of_a_geometric_series() -> None:
 def test_recordings_are_held_up_to_a_size(passes: int, part: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of doubles: periods are sought as far as the passes before are held; none is found without any."""
     setup = RUN_SETUP.set_up(resolved(model="ring"))
-    places = channels.recorded(setup.case)
-    monkeypatch.setattr(repetition, "MOST_HELD", (passes + part) * 8 * len(places) * STEPS)
-    search = Search(places, STEPS, setup.model, False, OF_A_RECORD)
+    cells = channels.recorded_cells(setup.case)
+    monkeypatch.setattr(repetition, "MOST_HELD", (passes + part) * 8 * len(cells) * STEPS)
+    search = Search(cells, STEPS, setup.model, False, RECORD_CLOSENESS)
     assert list(search.periods) == list(range(1, passes + 1))
 
 
 def test_a_motion_without_memory_is_periodic_from_its_first_pass() -> None:
     setup = RUN_SETUP.set_up(resolved(model="static"))
-    search = Search(channels.recorded(setup.case), STEPS, setup.model, True, OF_A_RECORD)
+    search = Search(channels.recorded_cells(setup.case), STEPS, setup.model, True, RECORD_CLOSENESS)
     assert search.after_pass(waves(0), lay.buffer(13, 0.0), np.ones(5)) == (1, 0.0)
 
 
 def test_a_difference_at_its_limit_counts_as_none() -> None:
-    assert repetition._settled([OF_A_RECORD.anyhow], OF_A_RECORD, 0.0)
-    assert not repetition._settled([1.01 * OF_A_RECORD.anyhow], OF_A_RECORD, 0.0)
+    assert repetition._settled([RECORD_CLOSENESS.anyhow], RECORD_CLOSENESS, 0.0)
+    assert not repetition._settled([1.01 * RECORD_CLOSENESS.anyhow], RECORD_CLOSENESS, 0.0)

@@ -136,7 +136,7 @@ def test_a_start_near_the_steady_motion_needs_little_extrapolation(
         return plain(slow, y)
 
     monkeypatch.setattr(SlowModes, "after_pass", counted)
-    integrate(setup, start=step_check.rewound_state(setup, raw), close=step_check.CLOSE_TO_ORBIT)
+    integrate(setup, start=step_check.rewound_state(setup, raw), close=step_check.ORBIT_CLOSENESS)
     assert 0 < passes[0] <= settling.WAIT + 4 + 2
     passes[0] = 0
     integrate(setup, most=5)
@@ -190,11 +190,11 @@ def test_no_error_of_a_free_cage_is_under_its_standard_error() -> None:
 def test_a_slow_decay_is_no_repetition() -> None:
     """A difference of 1e-8 that shrinks by half, but of a mode that may keep 0.995 of itself, is not the last."""
     seen = [4e-8, 2e-8, 1e-8]
-    assert repetition._settled(seen, repetition.OF_A_RECORD, 0.0)
-    assert not repetition._settled(seen, repetition.OF_A_RECORD, 0.995)
+    assert repetition._settled(seen, repetition.RECORD_CLOSENESS, 0.0)
+    assert not repetition._settled(seen, repetition.RECORD_CLOSENESS, 0.995)
     tiny = [1e-9, 1e-9, 0.9e-10]
-    assert repetition._settled(tiny, repetition.OF_A_RECORD, 0.99)
-    assert not repetition._settled(tiny, repetition.OF_A_RECORD, 0.9999)
+    assert repetition._settled(tiny, repetition.RECORD_CLOSENESS, 0.99)
+    assert not repetition._settled(tiny, repetition.RECORD_CLOSENESS, 0.9999)
 
 
 @pytest.mark.parametrize("rig", [{}, {"ring_mass": "20 kg"}])

@@ -12,7 +12,7 @@ from bearingsim.simulation.accuracy import COSINES, THREE_SIGMA, standard_error,
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.recording import first_sample
 from bearingsim.simulation.run_setup import set_up
-from bearingsim.simulation.spectral_lines import lines_of_passes, sensed
+from bearingsim.simulation.spectral_lines import lines_of_passes, sensor_samples
 from tests.scenes.short_cases import SLOT, case
 
 STUDENT = stdtrit(COSINES, THREE_SIGMA) / 3.0
@@ -107,7 +107,7 @@ def test_the_line_of_a_kinematic_cage_is_judged_by_the_samples_along_it() -> Non
     raw = integrate(setup)
     start, M = first_sample(setup.case, setup.cut), setup.cut.fine_per_pass
     passes = len(lines_of_passes(setup.case, setup.model, setup.cut, raw)["velocity"][0])
-    velocity = sensed(setup.case, raw, "velocity", start, passes * M)
+    velocity = sensor_samples(setup.case, raw, "velocity", start, passes * M)
     angle = (
         setup.case.bearing.rollers * setup.model.bearing.theta_0 + 2.0 * pi * (start + np.arange(passes * M)) / M
     )

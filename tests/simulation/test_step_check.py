@@ -168,12 +168,12 @@ def test_errors_that_cancel_by_luck_are_not_taken_for_small() -> None:
     assert comparison.line_change(calm + np.abs(errors), calm) == pytest.approx(0.4)
 
 
-@pytest.mark.parametrize("louder", ["fine", "recorded"])
+@pytest.mark.parametrize("louder", ["fine_velocity", "recorded_velocity"])
 def test_the_rms_of_the_record_and_of_the_wide_band_must_both_hold(louder: str) -> None:
     given = rollers(method="verlet")
     fine, recorded = np.random.default_rng(1).normal(size=(2, 4 * time_grid.grid(given).fine_per_pass + 1))
     rows = recorded[np.newaxis]
-    heard = comparison.Compared(fine, recorded, rows, rows[:0], np.ones((1, 4), dtype=complex), 1.0)
+    heard = comparison.RunSignals(fine, recorded, rows, rows[:0], np.ones((1, 4), dtype=complex), 1.0)
     other = heard._replace(**{louder: 1.02 * getattr(heard, louder)})
     with mock.patch.object(step_check, "run_pilot", side_effect=[other, heard, heard]):
         assert step_check.check_step(set_up(given, 1.0)).rms == pytest.approx(0.02)
@@ -183,13 +183,15 @@ def test_all_that_is_recorded_is_compared_but_does_not_decide() -> None:
     given = choice.resolved(rollers(record=["ring.velocity", "roller.1.outer_force", "roller.3.radial"]))
     short, passes = pilot.pilot(given)
     heard = step_check.run_pilot(set_up(short), passes)
-    assert heard.rest.shape == (3 + 1, len(heard.recorded))
-    assert len(heard.picked) == 1
-    assert np.array_equal(heard.rest[1], heard.recorded)
-    louder = [heard._replace(picked=heard.picked.mean() + 1.03 * (heard.picked - heard.picked.mean()))]
+    assert heard.low_passed.shape == (3 + 1, len(heard.recorded_velocity))
+    assert len(heard.raw_values) == 1
+    assert np.array_equal(heard.low_passed[1], heard.recorded_velocity)
+    louder = [
+        heard._replace(raw_values=heard.raw_values.mean() + 1.03 * (heard.raw_values - heard.raw_values.mean()))
+    ]
     for row in range(4):
         times = np.where(np.arange(4) == row, 1.03, 1.0)[:, np.newaxis]
-        louder.append(heard._replace(rest=heard.rest * times))
+        louder.append(heard._replace(low_passed=heard.low_passed * times))
     for other in louder:
         with mock.patch.object(step_check, "run_pilot", side_effect=[other, heard, heard]):
             found = step_check.check_step(set_up(given, 1.0))
@@ -203,8 +205,8 @@ def test_changes_of_raw_values_that_cancel_by_luck_are_not_taken_for_small() -> 
     before, after = np.zeros((2, 101))
     before[50], after[51] = 1.0, 1.0
     assert np.std(before) == pytest.approx(np.std(after))
-    assert comparison.change_of_picks(before, after) == pytest.approx(0.5 * 2.0**0.5, rel=0.02)
-    assert comparison.change_of_picks(1.01 * after, after) == pytest.approx(0.01, rel=0.05)
+    assert comparison.raw_value_change(before, after) == pytest.approx(0.5 * 2.0**0.5, rel=0.02)
+    assert comparison.raw_value_change(1.01 * after, after) == pytest.approx(0.01, rel=0.05)
 
 
 @pytest.mark.parametrize(
@@ -304,8 +306,8 @@ def test_the_rms_that_is_proven_is_that_of_the_record() -> None:
     short, passes = pilot.pilot(given)
     heard = step_check.run_pilot(set_up(short), passes)
     read = simulate(short.model_copy(update={"step_check": False})).features["velocity.rms"]
-    assert np.std(heard.recorded) == pytest.approx(read, rel=0.05)
-    assert np.std(heard.fine) > 1.5 * read
+    assert np.std(heard.recorded_velocity) == pytest.approx(read, rel=0.05)
+    assert np.std(heard.fine_velocity) > 1.5 * read
 
 
 def test_a_step_that_is_too_long_is_halved_until_it_is_proven() -> None:

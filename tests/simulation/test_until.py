@@ -27,7 +27,7 @@ def test_a_record_ends_when_it_is_accurate_enough() -> None:
         simulate(case(**CHATTERS, until="2 %")),
     )
     assert whole.info["passes_computed"] == whole.info["passes"]
-    assert ending.FEWEST_PASSES < float(short.info["passes_computed"]) < 0.7 * float(whole.info["passes_computed"])
+    assert ending.MIN_PASSES < float(short.info["passes_computed"]) < 0.7 * float(whole.info["passes_computed"])
     for name, error in (("velocity@BPFO", "standard_error_line"), ("velocity.rms", "standard_error_rms")):
         stated = float(short.info[error])
         assert 0.0 < stated <= 0.02
@@ -45,7 +45,7 @@ def test_what_is_not_accurate_enough_takes_its_whole_duration() -> None:
 def test_what_repeats_is_known_exactly() -> None:
     found = simulate(case(defect=SLOT, record=[], until="0.5 %"))
     assert (found.info["standard_error_line"], found.info["standard_error_rms"]) == (0.0, 0.0)
-    assert float(found.info["passes_computed"]) < ending.FEWEST_PASSES
+    assert float(found.info["passes_computed"]) < ending.MIN_PASSES
 
 
 @pytest.mark.parametrize(
@@ -89,11 +89,11 @@ def turning(race: str) -> Case:
 @pytest.mark.parametrize("race", ["inner", "roller"])
 def test_a_record_over_a_defect_that_turns_holds_nearly_whole_turns(race: str) -> None:
     given = turning(race)
-    [turn] = ending.turns(given)
-    looks = [*ending.looks(given)]
+    [turn] = ending.turn_lengths(given)
+    looks = [*ending.inspection_passes(given)]
     assert len(looks) > 4
     for passes in looks:
-        assert passes >= max(ending.FEWEST_PASSES, 5 * given.bearing.rollers)
+        assert passes >= max(ending.MIN_PASSES, 5 * given.bearing.rollers)
         assert abs(passes / turn - round(passes / turn)) * turn <= 0.001 * passes + 1e-9
 
 
@@ -102,7 +102,7 @@ def test_a_unit_of_passes_holds_nearly_whole_turns() -> None:
 
 
 def test_a_record_without_until_is_not_inspected() -> None:
-    assert [*ending.looks(case(**FREE))] == []
+    assert [*ending.inspection_passes(case(**FREE))] == []
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.9])
