@@ -57,7 +57,7 @@ def disable_linking() -> None:
     """Disable linking, so that numba compiles by default."""
     from bearingsim.core import linking
 
-    linking.FOUND = False
+    linking.HAS_INTERNALS = False
     linking.OPTIONS.clear()
 
 

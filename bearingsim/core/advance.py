@@ -133,15 +133,15 @@ def body_over_step_limit(method, model, monitor, y):
 def check_state(method, model, monitor, t, y):
     """Check the state at time ``t`` (s); return outcome and body (NO_BODY if none in particular)."""
     n = lanes(model.bearing)
-    slow = body_over_step_limit(method, model, monitor, y)
+    unstable_body = body_over_step_limit(method, model, monitor, y)
     energy = radial_energy(model.bearing, y, n)
-    moving = energy
+    state_sum = energy
     for c in range(lay.FIRST_LANE):
-        moving += y[lay.POSITION + c] + y[lay.VELOCITY + c]
-    if not np.isfinite(moving):
+        state_sum += y[lay.POSITION + c] + y[lay.VELOCITY + c]
+    if not np.isfinite(state_sum):
         return NOT_FINITE, NO_BODY
-    if slow != NO_BODY:
-        return STEP_LIMIT_EXCEEDED, slow
+    if unstable_body != NO_BODY:
+        return STEP_LIMIT_EXCEEDED, unstable_body
     fill_approaches(model, y, n)
     body = first_lane_above(lay.APPROACH_NOW, monitor.approach_bound, y, n)
     if body != NO_BODY:
@@ -175,9 +175,9 @@ def take_samples(samples: Any, method: Any, model: Any, t: float, until: float, 
 
 @take_samples.register(Samples)
 def _take_samples(samples, method, model, t, until, y, cells):
-    begin = max(0, floor((t - samples.first) * samples.rate) + 1)
-    end = min(samples.out.shape[1], floor((until - samples.first) * samples.rate) + 1)
-    for k in range(begin, end):
+    start = max(0, floor((t - samples.first) * samples.rate) + 1)
+    stop = min(samples.out.shape[1], floor((until - samples.first) * samples.rate) + 1)
+    for k in range(start, stop):
         reach(method, model, samples.first + k / samples.rate, y)
         read_sensor(model, y)
         record(y, cells, k, samples.out)
@@ -197,7 +197,7 @@ def advance_and_sample(method, model, monitor, start, y, cells, out, samples):
     all steps and SUCCESS; the steps up to a failure of the method or a stop by the monitor; or fewer steps and
     SUCCESS after ``monitor.max_evaluations``.
     """
-    before = y[lay.EVALUATIONS]
+    start_evaluations = y[lay.EVALUATIONS]
     for n in range(out.shape[1]):
         take_samples(samples, method, model, (start + n) * method.h, (start + n + 1) * method.h, y, cells)
         step(method, model, (start + n) * method.h, y)
@@ -210,6 +210,6 @@ def advance_and_sample(method, model, monitor, start, y, cells, out, samples):
             outcome, body = check_state(method, model, monitor, (start + n + 1) * method.h, y)
             if outcome != SUCCESS:
                 return n + 1, outcome, body
-        if y[lay.EVALUATIONS] - before > monitor.max_evaluations:
+        if y[lay.EVALUATIONS] - start_evaluations > monitor.max_evaluations:
             return n + 1, SUCCESS, NO_BODY
     return out.shape[1], SUCCESS, NO_BODY

@@ -13,8 +13,8 @@ from numba.extending import intrinsic, overload
 
 from bearingsim.core.jit import OPTIONS, jit
 
-CLOCK = getattr(time, "CLOCK_THREAD_CPUTIME_ID", None)  # of clock_gettime; None where the system has no such call
-LONG, INT = ir.IntType(64), ir.IntType(32)
+CLOCK_ID = getattr(time, "CLOCK_THREAD_CPUTIME_ID", None)  # of clock_gettime; None if the system lacks it
+INT64, INT32 = ir.IntType(64), ir.IntType(32)
 
 
 def thread_seconds() -> float:
@@ -23,29 +23,29 @@ def thread_seconds() -> float:
 
 
 @intrinsic
-def seconds_by_system(typing_context: Any) -> Any:
+def system_thread_seconds(typing_context: Any) -> Any:
     """Read ``thread_seconds`` by the system's ``clock_gettime``."""
 
-    def written(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        if CLOCK is None:
+    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        if CLOCK_ID is None:
             return context.get_constant(types.float64, 0.0)
-        parts = ir.LiteralStructType([LONG, LONG])  # seconds, nanoseconds
-        pointer = cgutils.alloca_once(builder, parts)
-        kind = ir.FunctionType(INT, [INT, parts.as_pointer()])
-        call = cgutils.get_or_insert_function(builder.module, kind, "clock_gettime")
-        builder.call(call, [ir.Constant(INT, CLOCK), pointer])
-        whole, rest = (
+        timespec = ir.LiteralStructType([INT64, INT64])  # seconds, nanoseconds
+        pointer = cgutils.alloca_once(builder, timespec)
+        function_type = ir.FunctionType(INT32, [INT32, timespec.as_pointer()])
+        call = cgutils.get_or_insert_function(builder.module, function_type, "clock_gettime")
+        builder.call(call, [ir.Constant(INT32, CLOCK_ID), pointer])
+        seconds, nanoseconds = (
             builder.sitofp(builder.load(cgutils.gep_inbounds(builder, pointer, 0, n)), ir.DoubleType())
             for n in (0, 1)
         )
-        return builder.fadd(whole, builder.fmul(rest, ir.Constant(ir.DoubleType(), 1e-9)))
+        return builder.fadd(seconds, builder.fmul(nanoseconds, ir.Constant(ir.DoubleType(), 1e-9)))
 
-    return types.float64(), written
+    return types.float64(), codegen
 
 
 @overload(thread_seconds, jit_options=OPTIONS, strict=False)
 def _thread_seconds():
-    return lambda: seconds_by_system()
+    return lambda: system_thread_seconds()
 
 
 @jit

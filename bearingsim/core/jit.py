@@ -67,20 +67,20 @@ def cache_folder() -> Path | None:
     is used, also by child processes, and one line on stderr reports the first such folder. None if no folder is
     usable.
     """
-    digest, why = source_digest(), ""
-    for candidate in (user_cache_folder, temporary_folder, process_folder):
+    digest, reason = source_digest(), ""
+    for make_folder in (user_cache_folder, temporary_folder, process_folder):
         with suppress(RuntimeError):  # no home folder
             try:
-                folder = own_folder(candidate(), "bearingsim", digest)
+                folder = own_folder(make_folder(), "bearingsim", digest)
             except OSError as error:  # no such folder, or others can write there
-                why = why or (str(error) if isinstance(error, Distrusted) else "")
+                reason = reason or (str(error) if isinstance(error, Distrusted) else "")
                 continue
             if os.access(folder, os.W_OK):
-                if why:
-                    report(f"compiled code is cached in {folder.parent}: {why}")
+                if reason:
+                    report(f"compiled code is cached in {folder.parent}: {reason}")
                     os.environ["BEARINGSIM_CACHE"] = str(folder.parent.parent)
                 return folder
-    report(f"compiled code is not cached, so every process compiles again: {why or 'no folder can be written'}")
+    report(f"compiled code is not cached, so every process compiles again: {reason or 'no folder can be written'}")
     return None
 
 
@@ -91,8 +91,8 @@ def report(message: str) -> None:
 
 def user_cache_folder() -> Path:
     """Return the folder named in the environment, or the user's cache."""
-    named = os.environ.get("BEARINGSIM_CACHE") or os.environ.get("XDG_CACHE_HOME")
-    return Path(named) if named else Path.home() / ".cache"
+    folder = os.environ.get("BEARINGSIM_CACHE") or os.environ.get("XDG_CACHE_HOME")
+    return Path(folder) if folder else Path.home() / ".cache"
 
 
 def temporary_folder() -> Path:
@@ -103,10 +103,10 @@ def temporary_folder() -> Path:
 
 def process_folder() -> Path:
     """Make a folder that is removed when this process ends."""
-    folder, maker = tempfile.mkdtemp(prefix="bearingsim-"), os.getpid()
+    folder, creator = tempfile.mkdtemp(prefix="bearingsim-"), os.getpid()
 
     def remove() -> None:
-        if os.getpid() == maker:  # not a forked child, which ends earlier
+        if os.getpid() == creator:  # not a forked child, which ends earlier
             shutil.rmtree(folder, ignore_errors=True)
 
     atexit.register(remove)
@@ -145,12 +145,12 @@ def compilation_lock(function: Callable) -> Iterator[None]:
 
 def jit(function: Callable, **options: Any) -> Any:
     """Compile ``function`` on first call, or load it from the cache; options: further ones of ``numba.njit``."""
-    before = numba_config.CACHE_DIR
+    cache_dir = numba_config.CACHE_DIR
     numba_config.CACHE_DIR = str(_CACHE)  # read while the decorator runs, so other users of numba are unaffected
     try:
         return guard_cache(numba.njit(cache=_CACHE is not None, **(OPTIONS | options))(function))
     finally:
-        numba_config.CACHE_DIR = before
+        numba_config.CACHE_DIR = cache_dir
 
 
 def guard_cache(dispatcher: Any) -> Any:
@@ -167,7 +167,7 @@ def guard_cache(dispatcher: Any) -> Any:
     cache = linking.compile_on_call(dispatcher)._cache
     save, load, compile_for = cache.save_overload, cache.load_overload, dispatcher.compile
 
-    def save_in_turn(signature: Any, code: Any) -> None:
+    def save_locked(signature: Any, code: Any) -> None:
         if linking.is_linked(code):
             return
         with (
@@ -184,14 +184,14 @@ def guard_cache(dispatcher: Any) -> Any:
         with cpu_time.uncharged(), compilation_lock(dispatcher.py_func):
             return compile_for(signature)
 
-    cache.save_overload, cache.load_overload = save_in_turn, load_if_readable
+    cache.save_overload, cache.load_overload = save_locked, load_if_readable
     dispatcher.compile = compile_uncharged
     return dispatcher
 
 
 @contextmanager
-def compilation_callbacks(begins: Callable[[], None], ends: Callable[[], None]) -> Iterator[None]:
-    """Call ``begins`` before and ``ends`` after each compilation that is not loaded from the cache."""
+def compilation_callbacks(on_begin: Callable[[], None], on_end: Callable[[], None]) -> Iterator[None]:
+    """Call ``on_begin`` before and ``on_end`` after each compilation that is not loaded from the cache."""
     depth = 0  # callees are compiled during the compilation of their caller
 
     class Compilation(event.Listener):
@@ -199,13 +199,13 @@ def compilation_callbacks(begins: Callable[[], None], ends: Callable[[], None]) 
             nonlocal depth
             depth += 1
             if depth == 1:
-                begins()
+                on_begin()
 
         def on_end(self, _: event.Event) -> None:
             nonlocal depth
             depth -= 1
             if depth == 0:
-                ends()
+                on_end()
 
     with event.install_listener("numba:compile", Compilation()):
         yield
@@ -262,10 +262,10 @@ def generic(
         return implementations.get(kind, default)
 
     def implementation(kind: type) -> Callable:
-        choice = lookup(kind)
-        if choice is NO_DEFAULT:
+        entry = lookup(kind)
+        if entry is NO_DEFAULT:
             raise TypeError(f"`{name}` is not registered for {kind.__name__}: @{name}.register({kind.__name__})")
-        return choice if callable(choice) else constant(choice, name)
+        return entry if callable(entry) else constant(entry, name)
 
     def dispatch(*arguments: Any) -> Any:
         return implementation(type(arguments[0]))(*arguments)
@@ -277,19 +277,21 @@ def generic(
             raise numba.TypingError(str(error)) from None
 
     def register(parameters: type) -> Callable:
-        def keep(implementation: Callable) -> Callable:
+        def decorator(implementation: Callable) -> Callable:
             implementations[parameters] = implementation
             return implementation
 
-        return keep
+        return decorator
 
     for attribute in ("__name__", "__qualname__", "__doc__", "__module__"):
         setattr(dispatch, attribute, getattr(declaration, attribute))
     dispatch.register = register  # type: ignore[attr-defined]
     dispatch.types = implementations.keys()  # type: ignore[attr-defined]
     dispatch.supports = lambda kind: lookup(kind) is not NO_DEFAULT  # type: ignore[attr-defined]
-    early: Literal["always", "never"] = "always" if inline == "early" else "never"
-    overload(dispatch, jit_options=OPTIONS | {"forceinline": inline == "late"}, strict=False, inline=early)(choose)
+    inlining: Literal["always", "never"] = "always" if inline == "early" else "never"
+    overload(dispatch, jit_options=OPTIONS | {"forceinline": inline == "late"}, strict=False, inline=inlining)(
+        choose
+    )
     GENERICS.append(dispatch)
     return dispatch
 

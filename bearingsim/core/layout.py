@@ -310,8 +310,8 @@ def slice_row(k, i):
 
 def lane_of(cells: np.ndarray) -> np.ndarray:
     """Return the roller (from 0) in whose lane each of ``cells`` of the buffer lies; -1 for shared cells."""
-    of_contacts = (cells >= COS_0) & (cells < LOADED_ROLLERS)  # rows that begin with the lanes
-    lane = cells % ROW - np.where(of_contacts, 0, FIRST_LANE)
+    starts_with_lanes = (cells >= COS_0) & (cells < LOADED_ROLLERS)  # rows that begin with the lanes
+    lane = cells % ROW - np.where(starts_with_lanes, 0, FIRST_LANE)
     return np.where((lane >= 0) & (lane < MAX_ROLLERS), lane, -1)
 
 
@@ -321,16 +321,16 @@ def free_rows(owner: str) -> dict[str, list[int]]:
     A new model passes the names of the models and parts whose functions it calls, separated by blanks.
     """
     owners = {*owner.split(), ALL_OWNERS}
-    taken = {
+    occupied = {
         cell // ROW
         for rows in DECLARED
         if owners & rows.owners
-        for start_of_row, end in rows.spans()
-        for cell in range(start_of_row, end)
+        for begin, end in rows.spans()
+        for cell in range(begin, end)
     }
     regions = {"WORK": (WORK, WORK_ROWS), "JACOBIAN_WORK": (JACOBIAN_WORK, JACOBIAN_WORK_ROWS)}
     return {
-        name: [n for n in range(count) if start // ROW + n not in taken]
+        name: [n for n in range(count) if start // ROW + n not in occupied]
         for name, (start, count) in regions.items()
     }
 

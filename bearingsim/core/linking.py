@@ -26,9 +26,9 @@ try:
     from numba.core.codegen import JITCodeLibrary
     from numba.core.compiler_lock import global_compiler_lock
 
-    FOUND = True
+    HAS_INTERNALS = True
 except ImportError:  # another version of numba
-    FOUND = False
+    HAS_INTERNALS = False
 
 
 SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
@@ -45,24 +45,24 @@ def defer_signals() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():  # only the main thread handles signals
         yield
         return
-    arrived: list[int] = []
+    received: list[int] = []
     handlers = {number: signal.getsignal(number) for number in SIGNALS}
-    held = {number: handler for number, handler in handlers.items() if callable(handler)}
-    for number in held:
-        signal.signal(number, lambda number, frame: arrived.append(number))
+    callable_handlers = {number: handler for number, handler in handlers.items() if callable(handler)}
+    for number in callable_handlers:
+        signal.signal(number, lambda number, frame: received.append(number))
     try:
         yield
     finally:
-        for number, handler in held.items():
+        for number, handler in callable_handlers.items():
             signal.signal(number, handler)
-        for number in arrived:
+        for number in received:
             signal.raise_signal(number)
 
 
 OPTIONS: dict[str, Any] = {}
 """Options of ``numba.njit`` for every function of the core."""
 
-if FOUND:
+if HAS_INTERNALS:
     JITCodeLibrary._finalize_specific = defer_signals()(JITCodeLibrary._finalize_specific)  # type: ignore[method-assign]
 
     class LinkedLibrary(JITCodeLibrary):
@@ -80,69 +80,69 @@ if FOUND:
 
         def compile_extra(self, function: Any) -> Any:
             """Compile ``function``."""
-            linked = Compiler.depth > 0
-            if linked:
+            is_callee = Compiler.depth > 0
+            if is_callee:
                 flags = self.state.flags
                 flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
                 self.state.library = LinkedLibrary(self.state.targetctx.codegen(), function.__qualname__)
             Compiler.depth += 1
             try:
-                compiled = super().compile_extra(function)
+                result = super().compile_extra(function)
             finally:
                 Compiler.depth -= 1
-            return self._known_to_callers(compiled) if linked else compiled
+            return self._register_for_callers(result) if is_callee else result
 
-        def _known_to_callers(self, compiled: Any) -> Any:
+        def _register_for_callers(self, result: Any) -> Any:
             """Register code for its callers under its entry point, here any builtin that equals no other."""
             entry = object().__reduce_ex__
-            self.state.targetctx.insert_user_function(entry, compiled.fndesc, [compiled.library])
-            return compiled._replace(entry_point=entry)
+            self.state.targetctx.insert_user_function(entry, result.fndesc, [result.library])
+            return result._replace(entry_point=entry)
 
     OPTIONS = {"pipeline_class": Compiler}
 
 
 def is_outermost() -> bool:
     """Check that a function to be compiled is not a callee of one being compiled; False if unknown."""
-    return FOUND and Compiler.depth == 0
+    return HAS_INTERNALS and Compiler.depth == 0
 
 
 @contextmanager
 def raise_gc_thresholds() -> Iterator[None]:
     """Raise the thresholds of the garbage collector while compiling, because collections take 7 % of the time and
     free little."""
-    before = gc.get_threshold()
+    thresholds = gc.get_threshold()
     gc.set_threshold(50_000, 20, 20)
     try:
         yield
     finally:
-        gc.set_threshold(*before)
+        gc.set_threshold(*thresholds)
 
 
-def is_linked(compiled: Any) -> bool:
+def is_linked(result: Any) -> bool:
     """Check if a compiled function has no machine code of its own."""
-    return FOUND and isinstance(compiled.library, LinkedLibrary)
+    return HAS_INTERNALS and isinstance(result.library, LinkedLibrary)
 
 
 def compile_on_call(dispatcher: Any) -> Any:
     """Compile a function completely when Python calls it, if it was compiled only for callers before."""
-    if not FOUND:
+    if not HAS_INTERNALS:
         return dispatcher
     add_overload, compile_for = dispatcher.add_overload, dispatcher.compile
 
-    def add(compiled: Any) -> None:
-        if is_linked(compiled):  # not visible to calls from Python
-            dispatcher.overloads[tuple(compiled.signature.args)] = compiled
+    def add(result: Any) -> None:
+        if is_linked(result):  # not visible to calls from Python
+            dispatcher.overloads[tuple(result.signature.args)] = result
         else:
-            add_overload(compiled)
+            add_overload(result)
 
-    def compile_whole(signature: Any) -> Any:
+    def compile_fully(signature: Any) -> Any:
         with global_compiler_lock:
             arguments, _ = sigutils.normalize_signature(signature)
-            stored = dispatcher.overloads.get(tuple(arguments))
-            if stored is not None and is_linked(stored) and Compiler.depth == 0:
+            existing = dispatcher.overloads.get(tuple(arguments))
+            if existing is not None and is_linked(existing) and Compiler.depth == 0:
                 del dispatcher.overloads[tuple(arguments)]
             with raise_gc_thresholds():
                 return compile_for(signature)
 
-    dispatcher.add_overload, dispatcher.compile = add, compile_whole
+    dispatcher.add_overload, dispatcher.compile = add, compile_fully
     return dispatcher

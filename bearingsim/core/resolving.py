@@ -14,34 +14,34 @@ try:
     from numba.core.types.functions import BaseFunction
 
     resolve: Any = BaseFunction.get_call_type
-    FOUND = True
+    HAS_INTERNALS = True
 except (ImportError, AttributeError):  # another version of numba
-    FOUND = False
+    HAS_INTERNALS = False
 
 
 def cache_operator_signatures() -> None:
     """Cache the signatures of operators that numba lowers itself."""
-    if FOUND:
-        BaseFunction.get_call_type = keeping(resolve)  # type: ignore[method-assign]
+    if HAS_INTERNALS:
+        BaseFunction.get_call_type = cache_signatures(resolve)  # type: ignore[method-assign]
 
 
-def keeping(resolve: Any) -> Any:
+def cache_signatures(resolve: Any) -> Any:
     """Cache ``resolve`` (function, context, arguments, keywords) for each combination of types."""
-    kept: dict[tuple, tuple[Any, Any]] = {}
+    signatures: dict[tuple, tuple[Any, Any]] = {}
 
     def get_call_type(function: Any, context: Any, arguments: Any, keywords: Any) -> Any:
-        call = (function.typing_key, context, tuple(arguments), tuple(keywords.items()))
-        of, signature = kept.get(call, (None, None))
-        if of is function:  # not if templates were added since
+        key = (function.typing_key, context, tuple(arguments), tuple(keywords.items()))
+        owner, signature = signatures.get(key, (None, None))
+        if owner is function:  # not if templates were added since
             return signature
         signature = resolve(function, context, arguments, keywords)
-        if lowered_by_numba(function, signature):
-            kept[call] = function, signature
+        if is_lowered_by_numba(function, signature):
+            signatures[key] = function, signature
         return signature
 
     return get_call_type
 
 
-def lowered_by_numba(function: Any, signature: Any) -> bool:
+def is_lowered_by_numba(function: Any, signature: Any) -> bool:
     """Check if a signature belongs to an operator lowered by numba, not to an implementation compiled for it."""
     return getattr(function, "_impl_keys", {}).get(signature.args) is function.typing_key

@@ -64,7 +64,7 @@ def test_an_adaptive_method_ends_by_the_clock_between_two_recorded_instants(
     y[lay.CPU_END] = PAST
     found = recorded(method, setup.model, setup.monitor, 0, y, PLACES, np.empty((len(PLACES), 3)))
     assert found[:2] == (1, outcomes.TOO_SLOW)
-    assert y[lay.STEPS_TAKEN] <= adaptive.ATTEMPTS_A_LOOK
+    assert y[lay.STEPS_TAKEN] <= adaptive.CLOCK_INTERVAL
 
 
 def test_estimates_of_an_impact_end_by_the_clock() -> None:

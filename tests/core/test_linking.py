@@ -9,7 +9,7 @@ import pytest
 from numba.core.codegen import JitEngine
 
 from bearingsim.core.jit import generic, jit
-from bearingsim.core.linking import FOUND, defer_signals, is_linked
+from bearingsim.core.linking import HAS_INTERNALS, defer_signals, is_linked
 
 
 class Scaled(NamedTuple):
@@ -55,7 +55,7 @@ def code(function: Any) -> Any:
 
 def test_the_numba_of_the_lock_file_is_made_as_is_expected_of_it() -> None:
     """With another one nothing is linked only; then ``linking.py`` is to be looked at."""
-    assert FOUND
+    assert HAS_INTERNALS
 
 
 def test_only_what_python_calls_is_made_ready() -> None:

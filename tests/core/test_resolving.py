@@ -8,7 +8,7 @@ from numba import float64, int64, typeof
 from numba.core.registry import cpu_target
 
 from bearingsim.core.jit import generic
-from bearingsim.core.resolving import FOUND, keeping, resolve
+from bearingsim.core.resolving import HAS_INTERNALS, cache_signatures, resolve
 
 CONTEXT = cpu_target.typing_context
 
@@ -38,7 +38,7 @@ class Counted:
 
     def __init__(self) -> None:
         self.calls = 0
-        self.resolve = keeping(self)
+        self.resolve = cache_signatures(self)
 
     def __call__(self, *call: Any) -> Any:
         self.calls += 1
@@ -51,7 +51,7 @@ class Counted:
 
 def test_the_numba_of_the_lock_file_is_made_as_is_expected_of_it() -> None:
     """With another one nothing is kept; then ``resolving.py`` is to be looked at."""
-    assert FOUND
+    assert HAS_INTERNALS
 
 
 @pytest.mark.parametrize("types", [(float64, float64), (int64, float64), (float64, int64)])

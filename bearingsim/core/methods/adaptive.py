@@ -51,7 +51,7 @@ TIME_ROUNDING = 8 * 2.0**-52
 JUMP_STEP = 1e-13  # s: in steps shorter than this an L-stable method need not locate the jump
 JUMP_GAP = 1e-12  # s: distance from a jump at which a step ends or begins
 MAX_ATTEMPTS = 100_000  # steps between two recorded instants
-ATTEMPTS_A_LOOK = 64  # steps between readings of the clock
+CLOCK_INTERVAL = 64  # steps between readings of the clock
 TIME_TOLERANCE = 1e-9  # part of the recording interval within which a step's end is used for the instant
 
 
@@ -88,22 +88,26 @@ def no_completion(method, model, y):
 
 
 def register_adaptive(
-    parameters: type, order: float, more: Callable = no_completion, end: int = STEP_TOO_SMALL, across: float = 1.0
+    parameters: type,
+    order: float,
+    completion: Callable = no_completion,
+    failure: int = STEP_TOO_SMALL,
+    weight: float = 1.0,
 ) -> None:
     """Register a method with ``attempt`` and ``interpolate`` as adaptive; parameters: type with the fields of
     ``Tolerances``.
 
-    order: exponent of the step in its error estimate; more: its ``complete_dense_output``; end: its
-    ``failure_outcome``; across: its ``jump_weight``.
+    order: exponent of the step in its error estimate; completion: its ``complete_dense_output``; failure: its
+    ``failure_outcome``; weight: its ``jump_weight``.
     """
     prepare.register(parameters)(_prepare)
     step.register(parameters)(_step)
     reach.register(parameters)(_reach)
     stability_ratio.register(parameters)(no_limit)  # limited by its error
     estimate_order.register(parameters)(lambda method: order)
-    complete_dense_output.register(parameters)(more)
-    failure_outcome.register(parameters)(lambda method: end)
-    jump_weight.register(parameters)(lambda method: across)
+    complete_dense_output.register(parameters)(completion)
+    failure_outcome.register(parameters)(lambda method: failure)
+    jump_weight.register(parameters)(lambda method: weight)
 
 
 # The state, in blocks
@@ -143,15 +147,15 @@ def start_from_end(y, n):
 def fill_length_scales(model, y):
     """Fill LENGTH_SCALE: 1 for lengths, the lever arm for angles and axes."""
     b = model.bearing
-    own, shared = degrees_of_freedom(model)
-    shared_scales, own_scales = shared_arms(b), roller_arms(b)
+    per_roller, shared = degrees_of_freedom(model)
+    shared_scales, roller_scales = shared_arms(b), roller_arms(b)
     for j in range(lay.STATE):
         y[LENGTH_SCALE + j] = 0.0
     for k in range(shared):
         y[LENGTH_SCALE + lay.shared_cell(k)] = shared_scales[k]
-    for i in range(own):
+    for i in range(per_roller):
         for j in range(b.Z):
-            y[LENGTH_SCALE + lay.FIRST_LANE + i * lay.ROW + j] = own_scales[i]
+            y[LENGTH_SCALE + lay.FIRST_LANE + i * lay.ROW + j] = roller_scales[i]
     for i in range(harmonics(model)):
         y[LENGTH_SCALE + lay.MODES_C + i] = y[LENGTH_SCALE + lay.MODES_S + i] = 1.0
 
@@ -173,7 +177,7 @@ def error_norm(method, error_q, error_v, y, n):
 
 
 @jit
-def error_past_jumps(error, h):
+def limit_jump_error(error, h):
     """Return the error of an L-stable method, limited to 1 in a step so short that only a jump of the force can
     cause it.
 
@@ -203,8 +207,8 @@ def scaled_norm(method, q, v, y, n):
 @jit
 def first_step(method, model, t, y, n):
     """Return the length (s) of the first step from the state at START, from the change over an Euler step."""
-    moving = scaled_norm(method, START_V, START_A, y, n)
-    h = 1e-2 * scaled_norm(method, START_Q, START_V, y, n) / moving if moving > 0.0 else method.longest
+    norm_1 = scaled_norm(method, START_V, START_A, y, n)
+    h = 1e-2 * scaled_norm(method, START_Q, START_V, y, n) / norm_1 if norm_1 > 0.0 else method.longest
     h = min(max(h, 1e-3 * method.longest), method.longest)
     for j in range(n):
         y[lay.POSITION + j] = y[START_Q + j] + h * y[START_V + j]
@@ -216,9 +220,9 @@ def first_step(method, model, t, y, n):
         y[METHOD_STATES + lay.STATE + j] = y[lay.ACCELERATION + j] - y[START_A + j]
     restore_state(y, START_Q, n)
     accelerations(model, t, y)
-    bent = scaled_norm(method, METHOD_STATES, METHOD_STATES + lay.STATE, y, n) / h
-    steepest = max(bent, moving)
-    return min(100.0 * h, (1e-2 / steepest) ** (1.0 / estimate_order(method)) if steepest > 0.0 else inf)
+    norm_2 = scaled_norm(method, METHOD_STATES, METHOD_STATES + lay.STATE, y, n) / h
+    norm_max = max(norm_2, norm_1)
+    return min(100.0 * h, (1e-2 / norm_max) ** (1.0 / estimate_order(method)) if norm_max > 0.0 else inf)
 
 
 @jit
@@ -228,19 +232,19 @@ def shrink_factor(method, error):
 
 
 @jit
-def growth_factor(method, error, before):
-    """Return the factor for the next step's length, from this step's error and the previous one, ``before``."""
+def growth_factor(method, error, last):
+    """Return the factor for the next step's length, from the errors of this and of the previous step."""
     k = estimate_order(method)
-    return min(MAX_FACTOR, max(MIN_FACTOR, SAFETY * max(error, SMALL_ERROR) ** (-0.7 / k) * before ** (0.4 / k)))
+    return min(MAX_FACTOR, max(MIN_FACTOR, SAFETY * max(error, SMALL_ERROR) ** (-0.7 / k) * last ** (0.4 / k)))
 
 
 @jit
-def fit_to_stop(h, left):
-    """Return a step of about ``h`` (s) that ends on a stop ``left`` (s) ahead, or leaves at least its own
+def fit_to_stop(h, distance):
+    """Return a step of about ``h`` (s) that ends on a stop ``distance`` (s) ahead, or leaves at least its own
     length."""
-    if h >= left:
-        return left
-    return 0.5 * left if 2.0 * h > left else h
+    if h >= distance:
+        return distance
+    return 0.5 * distance if 2.0 * h > distance else h
 
 
 # Steps
@@ -267,27 +271,27 @@ def take_step(method, model, y, n):
     """Attempt steps from END until one is accepted or the least step is reached; return the number of attempts."""
     t = y[lay.T_END]
     start_from_end(y, n)
-    wanted = min(y[lay.H_NEXT], method.longest)
-    h = fit_to_stop(wanted, y[lay.NEXT_STOP] - t - 0.5 * JUMP_GAP)
-    floor = max(MIN_STEP, TIME_ROUNDING * abs(t))
+    h_wanted = min(y[lay.H_NEXT], method.longest)
+    h = fit_to_stop(h_wanted, y[lay.NEXT_STOP] - t - 0.5 * JUMP_GAP)
+    h_min = max(MIN_STEP, TIME_ROUNDING * abs(t))
     error = attempt(method, model, t, h, y)
-    tries = 1
+    attempts = 1
     while not error <= 1.0:
         y[lay.STEPS_REJECTED] += 1.0
         h *= shrink_factor(method, error)
-        wanted = 0.0
-        if h < floor:
+        h_wanted = 0.0
+        if h < h_min:
             y[lay.FAILED] = failure_outcome(method)
-            return tries
+            return attempts
         error = attempt(method, model, t, h, y)
-        tries += 1
+        attempts += 1
     factor = growth_factor(method, error, y[lay.LAST_ERROR])
-    y[lay.H_NEXT] = max(h * (factor if tries == 1 else min(factor, 1.0)), wanted if h < wanted else 0.0)
+    y[lay.H_NEXT] = max(h * (factor if attempts == 1 else min(factor, 1.0)), h_wanted if h < h_wanted else 0.0)
     y[lay.LAST_ERROR] = max(error, SMALL_ERROR)
     y[lay.T_START], y[lay.T_END], y[lay.H_TAKEN] = t, t + h, h
     y[lay.DENSE_READY] = 0.0
     y[lay.STEPS_TAKEN] += 1.0
-    return tries
+    return attempts
 
 
 @jit
@@ -296,22 +300,22 @@ def advance_once(method, model, y):
     n, rollers = state_width(model), lanes(model.bearing)
     if y[lay.NEXT_STOP] - y[lay.T_END] <= JUMP_GAP:
         cross_jump(method, model, y, n)
-        arrive(model, y, n)
+        store_step_end(model, y, n)
         copy_forces(lay.FORCES_AT_START, y, rollers)
         return 1
-    tries = take_step(method, model, y, n)
+    attempts = take_step(method, model, y, n)
     if y[lay.FAILED] == SUCCESS:
-        arrive(model, y, n)
+        store_step_end(model, y, n)
         copy_forces(lay.FORCES_AT_END, y, rollers)
-        middle_state(model, y, n)
+        set_middle_state(model, y, n)
         update_forces_within(y, rollers)
         for k in range(3 * lay.ROW):
             y[lay.FORCES_AT_START + k] = y[lay.FORCES_AT_END + k]
-    return tries
+    return attempts
 
 
 @jit
-def arrive(model, y, n):
+def store_step_end(model, y, n):
     """Store the state at the end of a step or a crossed jump, and predict the next jump."""
     save_state(y, END_Q, n)
     update_extremes(model, y)
@@ -319,7 +323,7 @@ def arrive(model, y, n):
 
 
 @jit
-def middle_state(model, y, n):
+def set_middle_state(model, y, n):
     """Set the state in the middle of the last step, contacts included, by Hermite's quintic through both ends.
 
     It interpolates positions (m, rad), velocities and accelerations at both ends with an error of sixth order in
@@ -338,22 +342,22 @@ def middle_state(model, y, n):
 
 
 @jit
-def state_within(method, model, part, y, n):
-    """Set the state at ``part`` (0 to 1) of the last step, contacts included."""
+def interpolate_state(method, model, fraction, y, n):
+    """Set the state at ``fraction`` (0 to 1) of the last step, contacts included."""
     if y[lay.DENSE_READY] == 0.0:
         complete_dense_output(method, model, y)
         y[lay.DENSE_READY] = 1.0
-    interpolate(method, part, y[lay.H_TAKEN], y, n)
-    accelerations(model, y[lay.T_START] + part * y[lay.H_TAKEN], y)
+    interpolate(method, fraction, y[lay.H_TAKEN], y, n)
+    accelerations(model, y[lay.T_START] + fraction * y[lay.H_TAKEN], y)
     y[lay.EVALUATIONS] += 1.0
 
 
 @jit
-def show_instant(method, model, t, y):
+def set_recorded_state(method, model, t, y):
     """Set the state at a recorded instant ``t`` (s) within the last step, contacts included."""
     n = state_width(model)
     if y[lay.H_TAKEN] > 0.0 and abs(t - y[lay.T_END]) > TIME_TOLERANCE * method.h:
-        state_within(method, model, (t - y[lay.T_START]) / y[lay.H_TAKEN], y, n)
+        interpolate_state(method, model, (t - y[lay.T_START]) / y[lay.H_TAKEN], y, n)
     else:
         restore_state(y, END_Q, n)
         accelerations(model, t, y)
@@ -380,14 +384,14 @@ def _step(method, model, t, y):
 
 def _reach(method, model, t, y):
     """Implement ``reach`` for every adaptive method: step up to or past the instant, then use dense output."""
-    tries, look = 0, ATTEMPTS_A_LOOK
+    attempts, next_reading = 0, CLOCK_INTERVAL
     while y[lay.FAILED] == SUCCESS and y[lay.T_END] < t - TIME_TOLERANCE * method.h:
-        tries += advance_once(method, model, y)
-        if tries > MAX_ATTEMPTS and y[lay.FAILED] == SUCCESS:
+        attempts += advance_once(method, model, y)
+        if attempts > MAX_ATTEMPTS and y[lay.FAILED] == SUCCESS:
             y[lay.FAILED] = TOO_MANY_STEPS
-        if tries >= look:
-            look = tries + ATTEMPTS_A_LOOK
+        if attempts >= next_reading:
+            next_reading = attempts + CLOCK_INTERVAL
             if is_over(y[lay.CPU_END]):
                 y[lay.FAILED] = TOO_SLOW
     if y[lay.FAILED] == SUCCESS:
-        show_instant(method, model, t, y)
+        set_recorded_state(method, model, t, y)

@@ -30,36 +30,36 @@ PIVOTS = (
 @jit
 def roller_lanes(model):
     """Return the number of lanes used by the model's rollers; 0 if they have no coordinates of their own."""
-    own, _ = degrees_of_freedom(model)
-    return state_width(model) - max(own - 1, 0) * lay.ROW - lay.FIRST_LANE
+    per_roller, _ = degrees_of_freedom(model)
+    return state_width(model) - max(per_roller - 1, 0) * lay.ROW - lay.FIRST_LANE
 
 
 @jit
-def angles_follow_cage(model):
+def has_relative_angles(model):
     """Check if a roller's angle is relative to the cage."""
-    own, shared = degrees_of_freedom(model)
-    return own > 1 and shared > lay.PHI_C
+    per_roller, shared = degrees_of_freedom(model)
+    return per_roller > 1 and shared > lay.PHI_C
 
 
 # assembly
 
 
 @jit
-def combine_row(to, of_velocity, of_position, alpha, beta, y, n):
+def combine_row(target, velocity_row, position_row, alpha, beta, y, n):
     """Compute one row of -beta A_v - alpha A_q."""
-    made = y[to : to + n]
-    by_velocity, by_position = y[of_velocity : of_velocity + n], y[of_position : of_position + n]
+    row = y[target : target + n]
+    A_v, A_q = y[velocity_row : velocity_row + n], y[position_row : position_row + n]
     for j in range(n):
-        made[j] = -(beta * by_velocity[j] + alpha * by_position[j])
+        row[j] = -(beta * A_v[j] + alpha * A_q[j])
 
 
 @jit
 def assemble_system(model, alpha, beta, y):
     """Fill SYSTEM = I - beta A_v - alpha A_q; alpha in s^2, beta in s."""
-    own, shared = degrees_of_freedom(model)
+    per_roller, shared = degrees_of_freedom(model)
     n = roller_lanes(model)
-    for i in range(own):
-        for k in range(own):
+    for i in range(per_roller):
+        for k in range(per_roller):
             row = lay.diagonal_block(0, i, k)
             combine_row(
                 lay.SYSTEM + row, lay.VELOCITY_JACOBIAN + row, lay.POSITION_JACOBIAN + row, alpha, beta, y, n
@@ -72,7 +72,7 @@ def assemble_system(model, alpha, beta, y):
         for j in range(n):
             y[lay.diagonal_block(lay.SYSTEM, i, i) + j] += 1.0
     for k in range(shared):
-        for i in range(own):
+        for i in range(per_roller):
             row = lay.border_row(0, k, i)
             combine_row(
                 lay.SYSTEM + row, lay.VELOCITY_JACOBIAN + row, lay.POSITION_JACOBIAN + row, alpha, beta, y, n
@@ -88,9 +88,9 @@ def assemble_system(model, alpha, beta, y):
 
 
 @jit
-def subtract_product(to, of, by, y, n):
+def subtract_product(target_row, left_row, right_row, y, n):
     """Subtract the elementwise product of two rows from a row."""
-    target, left, right = y[to : to + n], y[of : of + n], y[by : by + n]
+    target, left, right = y[target_row : target_row + n], y[left_row : left_row + n], y[right_row : right_row + n]
     for j in range(n):
         target[j] -= left[j] * right[j]
 
@@ -98,28 +98,28 @@ def subtract_product(to, of, by, y, n):
 @jit
 def factorise(model, y):
     """Factor SYSTEM in place: D_j = L U (reciprocals on U's diagonal), W_j replaces U_j, C = P L U replaces B."""
-    own, shared = degrees_of_freedom(model)
+    per_roller, shared = degrees_of_freedom(model)
     n = roller_lanes(model)
-    for p in range(own):
+    for p in range(per_roller):
         pivot = lay.diagonal_block(lay.SYSTEM, p, p)
         for j in range(n):
             y[pivot + j] = 1.0 / y[pivot + j]
-        for i in range(p + 1, own):
+        for i in range(p + 1, per_roller):
             part = lay.diagonal_block(lay.SYSTEM, i, p)
             for j in range(n):
                 y[part + j] *= y[pivot + j]
-            for k in range(p + 1, own):
+            for k in range(p + 1, per_roller):
                 subtract_product(
                     lay.diagonal_block(lay.SYSTEM, i, k), part, lay.diagonal_block(lay.SYSTEM, p, k), y, n
                 )
     for k in range(shared):
-        solve_rollers(own, lay.border_column(lay.SYSTEM, 0, k), lay.MAX_SHARED * lay.ROW, y, n)
+        solve_rollers(per_roller, lay.border_column(lay.SYSTEM, 0, k), lay.MAX_SHARED * lay.ROW, y, n)
     for k in range(shared):
         for m in range(shared):
             total = 0.0
             for j in range(n):
                 part = 0.0
-                for i in range(own):
+                for i in range(per_roller):
                     part += y[lay.border_row(lay.SYSTEM, k, i) + j] * y[lay.border_column(lay.SYSTEM, i, m) + j]
                 total = add(total, part)
             y[lay.corner_block(lay.SYSTEM, k, m)] -= total
@@ -127,19 +127,19 @@ def factorise(model, y):
 
 
 @jit
-def solve_rollers(own, column, apart, y, n):
+def solve_rollers(per_roller, column, stride, y, n):
     """Apply D_j^-1 of every roller to one column, in place: coordinate i in the row at ``column`` + i
-    ``apart``."""
-    for i in range(own):
+    ``stride``."""
+    for i in range(per_roller):
         for k in range(i):
-            subtract_product(column + i * apart, lay.diagonal_block(lay.SYSTEM, i, k), column + k * apart, y, n)
-    for back in range(own):
-        i = own - 1 - back
-        for k in range(i + 1, own):
-            subtract_product(column + i * apart, lay.diagonal_block(lay.SYSTEM, i, k), column + k * apart, y, n)
+            subtract_product(column + i * stride, lay.diagonal_block(lay.SYSTEM, i, k), column + k * stride, y, n)
+    for m in range(per_roller):
+        i = per_roller - 1 - m
+        for k in range(i + 1, per_roller):
+            subtract_product(column + i * stride, lay.diagonal_block(lay.SYSTEM, i, k), column + k * stride, y, n)
         pivot = lay.diagonal_block(lay.SYSTEM, i, i)
         for j in range(n):
-            y[column + i * apart + j] *= y[pivot + j]
+            y[column + i * stride + j] *= y[pivot + j]
 
 
 @jit
@@ -151,20 +151,20 @@ def factor_border(shared, y):
             largest = max(largest, abs(y[lay.corner_block(lay.SYSTEM, k, m)]))
         y[PIVOTS + lay.MAX_SHARED + k] = 1.0 / max(largest, 1e-300)
     for p in range(shared):
-        best, size = p, 0.0
+        pivot, largest_ratio = p, 0.0
         for k in range(p, shared):
             candidate = abs(y[lay.corner_block(lay.SYSTEM, k, p)]) * y[PIVOTS + lay.MAX_SHARED + k]
-            if candidate > size:
-                best, size = k, candidate
-        y[PIVOTS + p] = best
-        if best != p:
-            swap(lay.corner_block(lay.SYSTEM, p, 0), lay.corner_block(lay.SYSTEM, best, 0), y, shared)
-            swap(PIVOTS + lay.MAX_SHARED + p, PIVOTS + lay.MAX_SHARED + best, y, 1)
+            if candidate > largest_ratio:
+                pivot, largest_ratio = k, candidate
+        y[PIVOTS + p] = pivot
+        if pivot != p:
+            swap(lay.corner_block(lay.SYSTEM, p, 0), lay.corner_block(lay.SYSTEM, pivot, 0), y, shared)
+            swap(PIVOTS + lay.MAX_SHARED + p, PIVOTS + lay.MAX_SHARED + pivot, y, 1)
         for k in range(p + 1, shared):
-            part = y[lay.corner_block(lay.SYSTEM, k, p)] / y[lay.corner_block(lay.SYSTEM, p, p)]
-            y[lay.corner_block(lay.SYSTEM, k, p)] = part
+            factor = y[lay.corner_block(lay.SYSTEM, k, p)] / y[lay.corner_block(lay.SYSTEM, p, p)]
+            y[lay.corner_block(lay.SYSTEM, k, p)] = factor
             for m in range(p + 1, shared):
-                y[lay.corner_block(lay.SYSTEM, k, m)] -= part * y[lay.corner_block(lay.SYSTEM, p, m)]
+                y[lay.corner_block(lay.SYSTEM, k, m)] -= factor * y[lay.corner_block(lay.SYSTEM, p, m)]
 
 
 @jit
@@ -178,54 +178,54 @@ def swap(a, b, y, n):
 
 
 @jit
-def to_absolute(model, block, sign, y):
+def convert_angles(model, block, sign, y):
     """Convert the angles of a state block from relative to the pocket to absolute (``sign`` 1) or back (-1),
     except in padded lanes."""
-    turned = sign * y[block + lay.PHI_C]
+    cage_angle = sign * y[block + lay.PHI_C]
     for j in range(roller_lanes(model)):
-        y[block + lay.ROW + lay.FIRST_LANE + j] += turned if y[lay.INVERSE_MASS + j] > 0.0 else 0.0
+        y[block + lay.ROW + lay.FIRST_LANE + j] += cage_angle if y[lay.INVERSE_MASS + j] > 0.0 else 0.0
 
 
 @jit
 def solve(model, block, y):
     """Solve SYSTEM x = b in place on the state block at ``block``; SYSTEM must be factored."""
-    own, shared = degrees_of_freedom(model)
+    per_roller, shared = degrees_of_freedom(model)
     n = roller_lanes(model)
-    if angles_follow_cage(model):
-        to_absolute(model, block, 1.0, y)
-    solve_rollers(own, block + lay.FIRST_LANE, lay.ROW, y, n)
+    if has_relative_angles(model):
+        convert_angles(model, block, 1.0, y)
+    solve_rollers(per_roller, block + lay.FIRST_LANE, lay.ROW, y, n)
     for k in range(shared):
         total = 0.0
         for j in range(n):
-            part = 0.0
-            for i in range(own):
-                part += y[lay.border_row(lay.SYSTEM, k, i) + j] * y[block + i * lay.ROW + lay.FIRST_LANE + j]
-            total = add(total, part)
+            product = 0.0
+            for i in range(per_roller):
+                product += y[lay.border_row(lay.SYSTEM, k, i) + j] * y[block + i * lay.ROW + lay.FIRST_LANE + j]
+            total = add(total, product)
         y[block + lay.shared_cell(k)] -= total
     solve_border(shared, block, y)
     for k in range(shared):
-        moved = y[block + lay.shared_cell(k)]
-        for i in range(own):
+        x_k = y[block + lay.shared_cell(k)]
+        for i in range(per_roller):
             for j in range(n):
-                y[block + i * lay.ROW + lay.FIRST_LANE + j] -= y[lay.border_column(lay.SYSTEM, i, k) + j] * moved
-    if angles_follow_cage(model):
-        to_absolute(model, block, -1.0, y)
+                y[block + i * lay.ROW + lay.FIRST_LANE + j] -= y[lay.border_column(lay.SYSTEM, i, k) + j] * x_k
+    if has_relative_angles(model):
+        convert_angles(model, block, -1.0, y)
 
 
 @jit
 def solve_border(shared, block, y):
     """Solve the border's system in place on the shared cells of ``block``."""
     for k in range(shared):
-        best = lay.shared_cell(int(y[PIVOTS + k]))
+        pivot = lay.shared_cell(int(y[PIVOTS + k]))
         cell = lay.shared_cell(k)
-        y[block + cell], y[block + best] = y[block + best], y[block + cell]
+        y[block + cell], y[block + pivot] = y[block + pivot], y[block + cell]
     for k in range(shared):
         total = y[block + lay.shared_cell(k)]
         for m in range(k):
             total -= y[lay.corner_block(lay.SYSTEM, k, m)] * y[block + lay.shared_cell(m)]
         y[block + lay.shared_cell(k)] = total
-    for back in range(shared):
-        k = shared - 1 - back
+    for n in range(shared):
+        k = shared - 1 - n
         total = y[block + lay.shared_cell(k)]
         for m in range(k + 1, shared):
             total -= y[lay.corner_block(lay.SYSTEM, k, m)] * y[block + lay.shared_cell(m)]
@@ -236,34 +236,34 @@ def solve_border(shared, block, y):
 def multiply(model, matrix, source, target, y):
     """Set the state block at ``target`` to ``matrix`` (POSITION_JACOBIAN, VELOCITY_JACOBIAN) times the block at
     ``source``."""
-    own, shared = degrees_of_freedom(model)
+    per_roller, shared = degrees_of_freedom(model)
     n = roller_lanes(model)
-    turned = y[source + lay.PHI_C] if angles_follow_cage(model) else 0.0
-    for i in range(own):
+    cage_angle = y[source + lay.PHI_C] if has_relative_angles(model) else 0.0
+    for i in range(per_roller):
         row = target + i * lay.ROW + lay.FIRST_LANE
         for j in range(n):
             y[row + j] = 0.0
-        for k in range(own):
-            extra = turned if k == 1 else 0.0
+        for k in range(per_roller):
+            shift = cage_angle if k == 1 else 0.0
             for j in range(n):
                 y[row + j] += y[lay.diagonal_block(matrix, i, k) + j] * (
-                    y[source + k * lay.ROW + lay.FIRST_LANE + j] + extra
+                    y[source + k * lay.ROW + lay.FIRST_LANE + j] + shift
                 )
         for k in range(shared):
-            moved = y[source + lay.shared_cell(k)]
+            x_k = y[source + lay.shared_cell(k)]
             for j in range(n):
-                y[row + j] += y[lay.border_column(matrix, i, k) + j] * moved
+                y[row + j] += y[lay.border_column(matrix, i, k) + j] * x_k
     for k in range(shared):
         total = 0.0
         for m in range(shared):
             total += y[lay.corner_block(matrix, k, m)] * y[source + lay.shared_cell(m)]
-        for i in range(own):
-            extra = turned if i == 1 else 0.0
+        for i in range(per_roller):
+            shift = cage_angle if i == 1 else 0.0
             for j in range(n):
                 total = add(
                     total,
-                    y[lay.border_row(matrix, k, i) + j] * (y[source + i * lay.ROW + lay.FIRST_LANE + j] + extra),
+                    y[lay.border_row(matrix, k, i) + j] * (y[source + i * lay.ROW + lay.FIRST_LANE + j] + shift),
                 )
         y[target + lay.shared_cell(k)] = total
-    if angles_follow_cage(model):
-        to_absolute(model, target, -1.0, y)
+    if has_relative_angles(model):
+        convert_angles(model, target, -1.0, y)

@@ -24,16 +24,16 @@ from bearingsim.core.methods.adaptive import (
     START_Q,
     START_V,
     error_norm,
-    error_past_jumps,
+    limit_jump_error,
     register_adaptive,
 )
 from bearingsim.core.methods.arrow import multiply, solve
 from bearingsim.core.methods.interface import MethodKind, attempt, interpolate
-from bearingsim.core.methods.newton import BASE_Q, BASE_V, OFFSET, SPARE, UNKNOWN, Equation, solve_step
+from bearingsim.core.methods.newton import BASE_Q, BASE_V, FREE_BLOCKS, OFFSET, UNKNOWN, Equation, solve_step
 from bearingsim.core.models.interface import state_width
 from bearingsim.core.outcomes import NEWTON_FAILED
 
-ERROR_Q, ERROR_V = lay.states(SPARE, "m, m/s", "backward-euler", "step")
+ERROR_Q, ERROR_V = lay.states(FREE_BLOCKS, "m, m/s", "backward-euler", "step")
 
 
 class BackwardEuler(NamedTuple):
@@ -79,17 +79,17 @@ def _attempt(method, model, t, h, y):
     for j in range(n):
         y[lay.ACCELERATION + j] = y[UNKNOWN + j]
     estimate(model, h, y, n)
-    return error_past_jumps(error_norm(method, ERROR_Q, ERROR_V, y, n), h)
+    return limit_jump_error(error_norm(method, ERROR_Q, ERROR_V, y, n), h)
 
 
 @interpolate.register(BackwardEuler)
-def _interpolate(method, part, h, y, n):
+def _interpolate(method, fraction, h, y, n):
     for j in range(n):
-        y[lay.POSITION + j] = y[START_Q + j] + part * (y[END_Q + j] - y[START_Q + j])
-        y[lay.VELOCITY + j] = y[START_V + j] + part * (y[END_V + j] - y[START_V + j])
+        y[lay.POSITION + j] = y[START_Q + j] + fraction * (y[END_Q + j] - y[START_Q + j])
+        y[lay.VELOCITY + j] = y[START_V + j] + fraction * (y[END_V + j] - y[START_V + j])
 
 
-register_adaptive(BackwardEuler, order=2.0, end=NEWTON_FAILED, across=0.0)
+register_adaptive(BackwardEuler, order=2.0, failure=NEWTON_FAILED, weight=0.0)
 
 KIND = MethodKind(
     BackwardEuler,

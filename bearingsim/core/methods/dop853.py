@@ -19,9 +19,9 @@ from bearingsim.core.methods.tableau import (
     dense_state,
     estimate,
     evaluate_stages,
-    rows_of,
     runge_kutta,
     save_accelerations,
+    stage_rows,
     stage_state,
     weights,
 )
@@ -30,7 +30,7 @@ from bearingsim.core.models.interface import accelerations, state_width
 ORDER, STAGES, DENSE_STAGES = 8, 12, 16  # stages of a step, and including those of dense output
 
 
-def full(rows: dict[int, dict[int, float]], count: int, columns: int) -> np.ndarray:
+def expand(rows: dict[int, dict[int, float]], count: int, columns: int) -> np.ndarray:
     """Return the rows of a table as an array (count, columns)."""
     table = np.zeros((count, columns))
     for i, row in rows.items():
@@ -38,15 +38,15 @@ def full(rows: dict[int, dict[int, float]], count: int, columns: int) -> np.ndar
     return table
 
 
-TABLE = runge_kutta(full(STAGE_ROWS, DENSE_STAGES, DENSE_STAGES), np.zeros(DENSE_STAGES))
+TABLE = runge_kutta(expand(STAGE_ROWS, DENSE_STAGES, DENSE_STAGES), np.zeros(DENSE_STAGES))
 _, a, A, _, _ = TABLE
-ROWS, DENSE_ROWS = rows_of(TABLE, 1, STAGES), rows_of(TABLE, STAGES + 1, DENSE_STAGES)
+ROWS, DENSE_ROWS = stage_rows(TABLE, 1, STAGES), stage_rows(TABLE, STAGES + 1, DENSE_STAGES)
 b, B = weights(a[STAGES, :STAGES]), weights(A[STAGES, :STAGES])
-FIFTH = full({0: E_5}, 1, DENSE_STAGES)[0]
-THIRD = a[STAGES] - full({0: B_3}, 1, DENSE_STAGES)[0]
+FIFTH = expand({0: E_5}, 1, DENSE_STAGES)[0]
+THIRD = a[STAGES] - expand({0: B_3}, 1, DENSE_STAGES)[0]
 E_5_V, E_5_Q = weights(FIFTH[:STAGES]), weights((FIFTH @ a)[:STAGES])
 E_3_V, E_3_Q = weights(THIRD[:STAGES]), weights((THIRD @ a)[:STAGES])
-EXTENSION_V = continuous_extension(a[STAGES], STAGES, full(EXTENSION_ROWS, len(EXTENSION_ROWS), DENSE_STAGES))
+EXTENSION_V = continuous_extension(a[STAGES], STAGES, expand(EXTENSION_ROWS, len(EXTENSION_ROWS), DENSE_STAGES))
 EXTENSION_Q = EXTENSION_V @ a
 F_Q, F_V = tuple(map(weights, EXTENSION_Q)), tuple(map(weights, EXTENSION_V))
 
@@ -68,10 +68,10 @@ def _attempt(method, model, t, h, y):
         y[METHOD_STATES + k] = y[START_A + k]
     evaluate_stages(ROWS, model, t, h, y, n)
     stage_state(1.0, B, b, h, y, n)
-    fifth = error_norm(method, *estimate(E_5_Q, E_5_V, h, y, n), y, n)
-    third = error_norm(method, *estimate(E_3_Q, E_3_V, h, y, n), y, n)
-    scale = sqrt(fifth * fifth + 0.01 * third * third)
-    error = fifth * fifth / scale if scale != 0.0 else 0.0
+    norm_5 = error_norm(method, *estimate(E_5_Q, E_5_V, h, y, n), y, n)
+    norm_3 = error_norm(method, *estimate(E_3_Q, E_3_V, h, y, n), y, n)
+    scale = sqrt(norm_5 * norm_5 + 0.01 * norm_3 * norm_3)
+    error = norm_5 * norm_5 / scale if scale != 0.0 else 0.0
     if error <= 1.0:
         accelerations(model, t + h, y)
         save_accelerations(METHOD_STATES + STAGES * lay.STATE, y, n)
@@ -85,8 +85,8 @@ def evaluate_dense_stages(method, model, y):
 
 
 @interpolate.register(Dop853)
-def _interpolate(method, part, h, y, n):
-    dense_state(F_Q, F_V, part, h, y, n)
+def _interpolate(method, fraction, h, y, n):
+    dense_state(F_Q, F_V, fraction, h, y, n)
 
 
 register_adaptive(Dop853, float(ORDER), evaluate_dense_stages)

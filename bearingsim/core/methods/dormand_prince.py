@@ -15,8 +15,8 @@ from bearingsim.core.methods.tableau import (
     dense_state,
     estimate,
     evaluate_stages,
-    rows_of,
     runge_kutta,
+    stage_rows,
     weights,
 )
 from bearingsim.core.models.interface import state_width
@@ -31,7 +31,7 @@ a[4, :4] = 19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729
 a[5, :5] = 9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656
 a[6, :6] = 35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84
 TABLE = runge_kutta(a, a[6])
-ROWS, b = rows_of(TABLE, 1, STAGES), TABLE.b  # the last stage is the new state
+ROWS, b = stage_rows(TABLE, 1, STAGES), TABLE.b  # the last stage is the new state
 EMBEDDED = np.array([5179 / 57600, 0.0, 7571 / 16695, 393 / 640, -92097 / 339200, 187 / 2100, 1 / 40])
 E_V, E_Q = weights(b - EMBEDDED), weights((b - EMBEDDED) @ a)
 MIDDLE = np.array(
@@ -70,8 +70,8 @@ def _attempt(method, model, t, h, y):
 
 
 @interpolate.register(DormandPrince)
-def _interpolate(method, part, h, y, n):
-    dense_state(F_Q, F_V, part, h, y, n)
+def _interpolate(method, fraction, h, y, n):
+    dense_state(F_Q, F_V, fraction, h, y, n)
 
 
 register_adaptive(DormandPrince, float(ORDER))

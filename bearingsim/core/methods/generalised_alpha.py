@@ -19,7 +19,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.jit import jit
 from bearingsim.core.methods.adaptive import START_Q, START_V, fill_length_scales, restore_state, save_state
 from bearingsim.core.methods.interface import MethodKind, Tolerances, no_limit, prepare, stability_ratio, step
-from bearingsim.core.methods.newton import BASE_Q, BASE_V, OFFSET, SPARE, UNKNOWN, Equation, solve_step
+from bearingsim.core.methods.newton import BASE_Q, BASE_V, FREE_BLOCKS, OFFSET, UNKNOWN, Equation, solve_step
 from bearingsim.core.models.interface import accelerations, state_width
 from bearingsim.core.outcomes import NEWTON_FAILED
 
@@ -27,7 +27,7 @@ RHO = 0.8  # per step, of infinitely fast motion
 A_M, A_F = (2.0 * RHO - 1.0) / (RHO + 1.0), RHO / (RHO + 1.0)
 """Weights of the start of a step in its equation."""
 GAMMA, BETA = 0.5 - A_M + A_F, 0.25 * (1.0 - A_M + A_F) ** 2
-(METHOD_ACCELERATION,) = lay.states(SPARE, "m/s^2", "generalized-alpha", "step")  # the method's own acceleration
+(METHOD_ACCELERATION,) = lay.states(FREE_BLOCKS, "m/s^2", "generalized-alpha", "step")  # the method's own
 
 
 class GeneralisedAlpha(NamedTuple):
@@ -47,14 +47,14 @@ def tight_tolerances(h):
 def equation(method, t, y, n):
     """Return the step's equation for a1, with the last a as the initial guess."""
     h = method.h
-    part, weight = 1.0 - A_F, 1.0 / (1.0 - A_M)
+    fraction, weight = 1.0 - A_F, 1.0 / (1.0 - A_M)
     for j in range(n):
         a = y[METHOD_ACCELERATION + j]
-        y[BASE_V + j] = y[START_V + j] + part * h * (1.0 - GAMMA) * a
-        y[BASE_Q + j] = y[START_Q + j] + part * h * (y[START_V + j] + h * (0.5 - BETA) * a)
+        y[BASE_V + j] = y[START_V + j] + fraction * h * (1.0 - GAMMA) * a
+        y[BASE_Q + j] = y[START_Q + j] + fraction * h * (y[START_V + j] + h * (0.5 - BETA) * a)
         y[OFFSET + j] = -A_M * weight * a
         y[UNKNOWN + j] = a
-    return Equation(t + part * h, part * h * h * BETA, part * h * GAMMA, weight)
+    return Equation(t + fraction * h, fraction * h * h * BETA, fraction * h * GAMMA, weight)
 
 
 @jit

@@ -18,7 +18,7 @@ from bearingsim.core.jit import jit
 from bearingsim.core.methods.interface import MethodKind, no_limit, stability_ratio, step
 from bearingsim.core.models.impulse import free_motion
 
-(SPEED,) = lay.states(lay.STAGE, "m/s", "impulses", "step")  # true velocity, beginning with the ring's x
+(TRUE_VELOCITY,) = lay.states(lay.STAGE, "m/s", "impulses", "step")  # true velocity, beginning with the ring's x
 
 
 class Impulses(NamedTuple):
@@ -35,30 +35,30 @@ def motion_with_impulses(m, K, C, times, J, start, end, x, v):
     Impulses in (start, end] are included.
     """
     x, v = free_motion(m, K, C, end - start, x, v)
-    begin, end_of_step = np.searchsorted(times, start, side="right"), np.searchsorted(times, end, side="right")
-    for k in range(begin, end_of_step):
-        more_x, more_v = free_motion(m, K, C, end - times[k], 0.0, J[k] / m)
-        x += more_x
-        v += more_v
+    begin, stop = np.searchsorted(times, start, side="right"), np.searchsorted(times, end, side="right")
+    for k in range(begin, stop):
+        x_k, v_k = free_motion(m, K, C, end - times[k], 0.0, J[k] / m)
+        x += x_k
+        v += v_k
     return x, v
 
 
 @jit
-def step_along(m, K, C, times, J, t, h, y, axis):
+def advance_mode(m, K, C, times, J, t, h, y, axis):
     """Advance one mode by a step of ``h`` (s) from ``t`` (s), a whole number of steps."""
     n = np.rint(t / h)  # all intervals begin and end at n h, so that rounding causes no overlap
-    x_0, v_0 = y[lay.POSITION + axis], y[SPEED + axis]
+    x_0, v_0 = y[lay.POSITION + axis], y[TRUE_VELOCITY + axis]
     x_1, v_1 = motion_with_impulses(m, K, C, times, J, n * h, (n + 1.0) * h, x_0, v_0)
     x_2, _ = motion_with_impulses(m, K, C, times, J, (n + 1.0) * h, (n + 2.0) * h, x_1, v_1)
-    y[lay.POSITION + axis], y[SPEED + axis] = x_1, v_1
+    y[lay.POSITION + axis], y[TRUE_VELOCITY + axis] = x_1, v_1
     y[lay.VELOCITY + axis] = (x_2 - x_0) / (2.0 * h)
     y[lay.ACCELERATION + axis] = (x_2 - 2.0 * x_1 + x_0) / (h * h)
 
 
 @step.register(Impulses)
 def _step(method, model, t, y):
-    step_along(model.m, model.K_x, model.C_x, model.times, model.J_x, t, method.h, y, lay.X)
-    step_along(model.m, model.K_y, model.C_y, model.times, model.J_y, t, method.h, y, lay.Y)
+    advance_mode(model.m, model.K_x, model.C_x, model.times, model.J_x, t, method.h, y, lay.X)
+    advance_mode(model.m, model.K_y, model.C_y, model.times, model.J_y, t, method.h, y, lay.Y)
 
 
 stability_ratio.register(Impulses)(no_limit)

@@ -60,8 +60,8 @@ def attempt(method: Any, model: Any, t: float, h: float, y: np.ndarray) -> float
 
 
 @generic
-def interpolate(method: Any, part: float, h: float, y: np.ndarray, n: int) -> None:
-    """Set positions and velocities (``n`` entries) at ``part`` (0 to 1) of the last step of ``h`` (s)."""
+def interpolate(method: Any, fraction: float, h: float, y: np.ndarray, n: int) -> None:
+    """Set positions and velocities (``n`` entries) at ``fraction`` (0 to 1) of the last step of ``h`` (s)."""
 
 
 @generic(inline="late")

@@ -56,30 +56,30 @@ def step_over_limit(limits, h, K, C):
 def oscillators() -> tuple[np.ndarray, np.ndarray]:
     """Return K and C of the oscillators of the table, each with h_c = 1: (NODES,)."""
     positions = np.linspace(0.0, 1.0, NODES)
-    slower = np.minimum(2.0 * (1.0 - positions), 1.0)  # omega over the faster root
-    zeta = np.where(positions < 0.5, np.sin(pi * positions), 0.5 * (slower + 1.0 / np.maximum(slower, 1e-9)))
+    ratio = np.minimum(2.0 * (1.0 - positions), 1.0)  # omega over the faster root
+    zeta = np.where(positions < 0.5, np.sin(pi * positions), 0.5 * (ratio + 1.0 / np.maximum(ratio, 1e-9)))
     C = 4.0 / (1.0 + np.sqrt(1.0 + 1.0 / np.maximum(zeta, 1e-9) ** 2))
     return np.where(zeta > 0.0, (C / np.maximum(2.0 * zeta, 1e-9)) ** 2, 4.0), C
 
 
 def amplification(tableau: Any, K: np.ndarray, C: np.ndarray) -> np.ndarray:
     """Return the tableau's amplification matrices (2, 2, ...) of q and v for a step of 1 s; K, C: (...)."""
-    made = np.empty((2, 2, *K.shape))
+    matrices = np.empty((2, 2, *K.shape))
     for column, (q, v) in enumerate(((1.0, 0.0), (0.0, 1.0))):
         f = np.zeros((len(tableau.c), K.size))
         for i, c in enumerate(tableau.c):
             q_i, v_i = q + c * v + tableau.A[i] @ f, v + tableau.a[i] @ f
             f[i] = -K.ravel() * q_i - C.ravel() * v_i
-        made[0, column] = (q + v + tableau.B @ f).reshape(K.shape)
-        made[1, column] = (v + tableau.b @ f).reshape(K.shape)
-    return made
+        matrices[0, column] = (q + v + tableau.B @ f).reshape(K.shape)
+        matrices[1, column] = (v + tableau.b @ f).reshape(K.shape)
+    return matrices
 
 
 def spectral_radius(M: np.ndarray) -> np.ndarray:
     """Return the spectral radius of each 2 x 2 matrix (2, 2, ...)."""
     half, det = 0.5 * (M[0, 0] + M[1, 1]), M[0, 0] * M[1, 1] - M[0, 1] * M[1, 0]
-    below = half * half - det
-    return np.where(below < 0.0, np.sqrt(np.abs(det)), np.abs(half) + np.sqrt(np.maximum(below, 0.0)))
+    D = half * half - det
+    return np.where(D < 0.0, np.sqrt(np.abs(det)), np.abs(half) + np.sqrt(np.maximum(D, 0.0)))
 
 
 def limit_over_h_c(tableau: Any) -> np.ndarray:
@@ -93,10 +93,10 @@ def limit_over_h_c(tableau: Any) -> np.ndarray:
             > 1.0 + ROUNDING
         )
 
-    tried = TRIAL_SPACING * np.arange(1, round(MAX_REACH * len(tableau.c) ** 2 / TRIAL_SPACING) + 1)
-    over = is_unstable(tried)
-    high = tried[np.where(over.any(axis=1), over.argmax(axis=1), -1)]
-    low = high - tried[0]
+    trial_steps = TRIAL_SPACING * np.arange(1, round(MAX_REACH * len(tableau.c) ** 2 / TRIAL_SPACING) + 1)
+    unstable = is_unstable(trial_steps)
+    high = trial_steps[np.where(unstable.any(axis=1), unstable.argmax(axis=1), -1)]
+    low = high - trial_steps[0]
     for _ in range(30):
         middle = 0.5 * (low + high)
         above = is_unstable(middle[:, None])[:, 0]

@@ -22,7 +22,7 @@ from bearingsim.core.models.interface import accelerations, degrees_of_freedom, 
 BASE_Q, BASE_V, OFFSET, UNKNOWN, NEWTON_STEP, RESIDUAL = lay.states(
     METHOD_STATES, "m, m/s, m/s^2, m/s^2, m/s^2, m/s^2", "backward-euler generalized-alpha", "step"
 )
-SPARE = RESIDUAL + lay.STATE  # first block that an implicit method may declare for itself
+FREE_BLOCKS = RESIDUAL + lay.STATE  # first block that an implicit method may declare for itself
 
 MAX_ITERATIONS = 15
 STEP_TOLERANCE = 1e-2  # of the tolerance: the iteration ends with a Newton step below this
@@ -46,11 +46,11 @@ def step_norm(tolerance, equation, y, n):
     total = 0.0
     for j in range(n):
         lever = y[LENGTH_SCALE + j]
-        far, fast = abs(y[lay.POSITION + j]), max(abs(y[START_V + j]), abs(y[lay.VELOCITY + j]))
-        pushed = abs(y[UNKNOWN + j])
-        of_q = lever * alpha / (tolerance.atol_q + ROUNDING * lever * (far + alpha * pushed))
-        of_v = lever * beta / (tolerance.atol_v + lever * (tolerance.rtol * fast + ROUNDING * beta * pushed))
-        total = add(total, y[NEWTON_STEP + j] * y[NEWTON_STEP + j] * (of_q * of_q + of_v * of_v))
+        q, v = abs(y[lay.POSITION + j]), max(abs(y[START_V + j]), abs(y[lay.VELOCITY + j]))
+        x = abs(y[UNKNOWN + j])
+        scale_q = lever * alpha / (tolerance.atol_q + ROUNDING * lever * (q + alpha * x))
+        scale_v = lever * beta / (tolerance.atol_v + lever * (tolerance.rtol * v + ROUNDING * beta * x))
+        total = add(total, y[NEWTON_STEP + j] * y[NEWTON_STEP + j] * (scale_q * scale_q + scale_v * scale_v))
     return sqrt(total)
 
 
@@ -82,20 +82,20 @@ def factor_jacobian(model, equation, y):
 
 
 @jit
-def worst_residual(model, y):
+def store_worst_body(model, y):
     """Set FAILED_BODY to the roller of the largest remaining Newton step, or -1 for ring or cage."""
-    own, _ = degrees_of_freedom(model)
+    per_roller, _ = degrees_of_freedom(model)
     lanes = roller_lanes(model)
     worst, body = 0.0, -1
     for j in range(lay.FIRST_LANE):
         worst = max(worst, y[LENGTH_SCALE + j] * abs(y[NEWTON_STEP + j]))
-    for i in range(own):
+    for i in range(per_roller):
         for j in range(lanes):
-            size = y[LENGTH_SCALE + lay.FIRST_LANE + i * lay.ROW + j] * abs(
+            step = y[LENGTH_SCALE + lay.FIRST_LANE + i * lay.ROW + j] * abs(
                 y[NEWTON_STEP + lay.FIRST_LANE + i * lay.ROW + j]
             )
-            if size > worst:
-                worst, body = size, j
+            if step > worst:
+                worst, body = step, j
     y[lay.FAILED_BODY] = body
 
 
@@ -113,14 +113,14 @@ def solve_step(tolerance, model, equation, y, n):
         for j in range(n):
             y[NEWTON_STEP + j] = -y[RESIDUAL + j]
         solve(model, NEWTON_STEP, y)
-        left = step_norm(tolerance, equation, y, n)
-        if not isfinite(left):
+        norm = step_norm(tolerance, equation, y, n)
+        if not isfinite(norm):
             break
         for j in range(n):
             y[UNKNOWN + j] += y[NEWTON_STEP + j]
-        if left <= STEP_TOLERANCE:
+        if norm <= STEP_TOLERANCE:
             set_state(equation, y, n)
             return True
         evaluate(model, equation, y, n)
-    worst_residual(model, y)
+    store_worst_body(model, y)
     return False

@@ -38,15 +38,15 @@ def save_start(y, n):
 
 
 @jit
-def stage(weight, ahead, y, n):
-    """Add the rates at this stage with their weight (s) and advance the start state by ``ahead`` (s) along
+def stage(weight, dt, y, n):
+    """Add the rates at this stage with their weight (s) and advance the start state by ``dt`` (s) along
     them."""
     for j in range(n):
         rate_q, rate_v = y[lay.VELOCITY + j], y[lay.ACCELERATION + j]
         y[SUM_Q + j] += weight * rate_q
         y[SUM_V + j] += weight * rate_v
-        y[lay.POSITION + j] = y[START_Q + j] + ahead * rate_q
-        y[lay.VELOCITY + j] = y[START_V + j] + ahead * rate_v
+        y[lay.POSITION + j] = y[START_Q + j] + dt * rate_q
+        y[lay.VELOCITY + j] = y[START_V + j] + dt * rate_v
 
 
 @jit

@@ -29,7 +29,7 @@ from bearingsim.core.methods.adaptive import (
     START_V,
     TIME_ROUNDING,
     error_norm,
-    error_past_jumps,
+    limit_jump_error,
     register_adaptive,
 )
 from bearingsim.core.methods.arrow import assemble_system, factorise, multiply, solve
@@ -72,7 +72,7 @@ TIME_INCREMENT = 1e-6
 
 # df/dt; right-hand sides of the current stage
 TIME_DERIVATIVE, RIGHT_Q, RIGHT_V = lay.states(METHOD_STATES, "m/s^3, m, m/s", "rodas", "step")
-FIRST = lay.states(RIGHT_V + lay.STATE, "m, m/s", "rodas", "step", count=STAGES)[0]  # p and r of each stage
+STAGE_BLOCKS = lay.states(RIGHT_V + lay.STATE, "m, m/s", "rodas", "step", count=STAGES)[0]  # p and r of each stage
 
 
 class Rodas(NamedTuple):
@@ -92,11 +92,11 @@ def time_derivative(model, t, h, y, n):
     for j in range(n):
         y[lay.POSITION + j] = y[START_Q + j]
         y[lay.VELOCITY + j] = y[START_V + j]
-    later = t + max(TIME_INCREMENT * h, TIME_ROUNDING * abs(t))
-    accelerations(model, later, y)
-    linearise(model, later, y)
+    t_later = t + max(TIME_INCREMENT * h, TIME_ROUNDING * abs(t))
+    accelerations(model, t_later, y)
+    linearise(model, t_later, y)
     for j in range(n):
-        y[TIME_DERIVATIVE + j] = (y[lay.ACCELERATION + j] - y[START_A + j]) / (later - t)
+        y[TIME_DERIVATIVE + j] = (y[lay.ACCELERATION + j] - y[START_A + j]) / (t_later - t)
 
 
 @jit
@@ -109,7 +109,7 @@ def begin_stage(i, h, y, n):
         y[RIGHT_V + j] = D[i] * h * y[TIME_DERIVATIVE + j]
     for k in range(i):
         a, e = A[i, k], E[i, k] / h
-        block = FIRST + 2 * k * lay.STATE
+        block = STAGE_BLOCKS + 2 * k * lay.STATE
         p, r = y[block : block + n], y[block + lay.STATE : block + lay.STATE + n]
         for j in range(n):
             y[lay.POSITION + j] += a * p[j]
@@ -121,18 +121,18 @@ def begin_stage(i, h, y, n):
 @jit
 def end_stage(model, i, h, y, n):
     """Solve for p and r of stage ``i`` from its right-hand sides and the derivatives of the state."""
-    within = GAMMA * h
-    p, r = FIRST + 2 * i * lay.STATE, FIRST + (2 * i + 1) * lay.STATE
+    h_gamma = GAMMA * h
+    p, r = STAGE_BLOCKS + 2 * i * lay.STATE, STAGE_BLOCKS + (2 * i + 1) * lay.STATE
     for j in range(n):
         y[RIGHT_Q + j] += y[lay.VELOCITY + j]
         y[RIGHT_V + j] += y[lay.ACCELERATION + j]
         y[r + j] = 0.0  # also where there is no coordinate, to remove values of a non-finite state
     multiply(model, lay.POSITION_JACOBIAN, RIGHT_Q, r, y)
     for j in range(n):
-        y[r + j] = within * (y[RIGHT_V + j] + within * y[r + j])
+        y[r + j] = h_gamma * (y[RIGHT_V + j] + h_gamma * y[r + j])
     solve(model, r, y)
     for j in range(n):
-        y[p + j] = within * (y[r + j] + y[RIGHT_Q + j])
+        y[p + j] = h_gamma * (y[r + j] + y[RIGHT_Q + j])
 
 
 @attempt.register(Rodas)
@@ -148,30 +148,30 @@ def _attempt(method, model, t, h, y):
         if i > 0:
             accelerations(model, t + C[i] * h, y)
         end_stage(model, i, h, y, n)
-    last = FIRST + 2 * (STAGES - 1) * lay.STATE
+    last_stage = STAGE_BLOCKS + 2 * (STAGES - 1) * lay.STATE
     for j in range(n):
-        y[lay.POSITION + j] += y[last + j]
-        y[lay.VELOCITY + j] += y[last + lay.STATE + j]
+        y[lay.POSITION + j] += y[last_stage + j]
+        y[lay.VELOCITY + j] += y[last_stage + lay.STATE + j]
     accelerations(model, t + h, y)
     y[lay.EVALUATIONS] += STAGES + 1.0
-    return error_past_jumps(error_norm(method, last, last + lay.STATE, y, n), h)
+    return limit_jump_error(error_norm(method, last_stage, last_stage + lay.STATE, y, n), h)
 
 
 @interpolate.register(Rodas)
-def _interpolate(method, part, h, y, n):
+def _interpolate(method, s, h, y, n):
     """Interpolate with third order: (1 - s) y + s (y1 + (1 - s) sum_k (DENSE_0k + s DENSE_1k) u_k)."""
     for j in range(n):
-        y[lay.POSITION + j] = (1.0 - part) * y[START_Q + j] + part * y[END_Q + j]
-        y[lay.VELOCITY + j] = (1.0 - part) * y[START_V + j] + part * y[END_V + j]
+        y[lay.POSITION + j] = (1.0 - s) * y[START_Q + j] + s * y[END_Q + j]
+        y[lay.VELOCITY + j] = (1.0 - s) * y[START_V + j] + s * y[END_V + j]
     for k in range(STAGES):
-        weight = part * (1.0 - part) * (DENSE[0, k] + part * DENSE[1, k])
-        block = FIRST + 2 * k * lay.STATE
+        weight = s * (1.0 - s) * (DENSE[0, k] + s * DENSE[1, k])
+        block = STAGE_BLOCKS + 2 * k * lay.STATE
         for j in range(n):
             y[lay.POSITION + j] += weight * y[block + j]
             y[lay.VELOCITY + j] += weight * y[block + lay.STATE + j]
 
 
-register_adaptive(Rodas, order=4.0, across=0.0)
+register_adaptive(Rodas, order=4.0, weight=0.0)
 
 KIND = MethodKind(
     Rodas,

@@ -41,7 +41,7 @@ Row = tuple[float, tuple[float, ...], tuple[float, ...]]
 """Stage: c_i, and the weights A_ij and a_ij of the preceding stages."""
 
 
-def rows_of(tableau: Tableau, begin: int, end: int) -> tuple[Row, ...]:
+def stage_rows(tableau: Tableau, begin: int, end: int) -> tuple[Row, ...]:
     """Return stages ``begin`` to ``end`` (excluded) of a table as tuples, which the compiler unrolls."""
     c, a, A, _, _ = tableau
     return tuple((float(c[i]), weights(A[i, :i]), weights(a[i, :i])) for i in range(begin, end))
@@ -74,10 +74,10 @@ def weighted_accelerations(weights_q, weights_v, y, k):
 @inlined
 def stage_state(c, weights_q, weights_v, h, y, n):
     """Set the state of a stage at ``c`` of the step from START by the preceding stages."""
-    ahead, h_2 = c * h, h * h
+    dt, h_2 = c * h, h * h
     for k in range(n):
         sum_q, sum_v = weighted_accelerations(weights_q, weights_v, y, k)
-        y[lay.POSITION + k] = y[START_Q + k] + ahead * y[START_V + k] + h_2 * sum_q
+        y[lay.POSITION + k] = y[START_Q + k] + dt * y[START_V + k] + h_2 * sum_q
         y[lay.VELOCITY + k] = y[START_V + k] + h * sum_v
 
 
@@ -90,7 +90,7 @@ def save_accelerations(block, y, n):
 
 @jit
 def evaluate_stages(rows, model, t, h, y, n):
-    """Evaluate the stages of ``rows`` (``rows_of``) of the step of ``h`` (s) from ``t`` (s)."""
+    """Evaluate the stages of ``rows`` (``stage_rows``) of the step of ``h`` (s) from ``t`` (s)."""
     for row in literal_unroll(rows):
         stage_state(row[0], row[1], row[2], h, y, n)
         accelerations(model, t + row[0] * h, y)
@@ -109,33 +109,33 @@ def estimate(weights_q, weights_v, h, y, n):
     return ERROR_Q, ERROR_V
 
 
-def continuous_extension(b: np.ndarray, last: int, higher: np.ndarray) -> np.ndarray:
+def continuous_extension(b: np.ndarray, last: int, own_rows: np.ndarray) -> np.ndarray:
     """Return rows F (3 + m, s) of v(x) = v + h x (F_0 + (1 - x) (F_1 + x (F_2 + (1 - x) (F_3 + ...)))) f, x from 0
     to 1.
 
-    The first three are Hermite's; ``last``: the stage at the end of the step; higher: (m, s), the method's own.
+    The first three are Hermite's; ``last``: the stage at the end of the step; own_rows: (m, s), the method's own.
     Source: Hairer, Norsett and Wanner, Solving ODEs I, sec. II.6.
     """
-    at_start, at_end = np.eye(len(b))[0], np.eye(len(b))[last]
-    return np.array([b, at_start - b, 2.0 * b - at_start - at_end, *higher])
+    start_row, end_row = np.eye(len(b))[0], np.eye(len(b))[last]
+    return np.array([b, start_row - b, 2.0 * b - start_row - end_row, *own_rows])
 
 
 @inlined
-def weights_at(F, part):
-    """Return the weights of a continuous extension at ``part`` (0 to 1) of the step; F: its rows, tuples."""
-    at_part = F[0]
-    for j in range(len(at_part)):
+def weights_at(F, fraction):
+    """Return the weights of a continuous extension at ``fraction`` (0 to 1) of the step; F: its rows, tuples."""
+    result = F[0]
+    for j in range(len(result)):
         weight = 0.0
         for i in range(len(F) - 1, -1, -1):
-            weight = (weight + F[i][j]) * (part if i % 2 == 0 else 1.0 - part)
-        at_part = tuple_setitem(at_part, j, weight)
-    return at_part
+            weight = (weight + F[i][j]) * (fraction if i % 2 == 0 else 1.0 - fraction)
+        result = tuple_setitem(result, j, weight)
+    return result
 
 
 @inlined
-def dense_state(F_q, F_v, part, h, y, n):
-    """Set the state at ``part`` (0 to 1) of the step of ``h`` (s) from START, by a continuous extension."""
-    stage_state(part, weights_at(F_q, part), weights_at(F_v, part), h, y, n)
+def dense_state(F_q, F_v, fraction, h, y, n):
+    """Set the state at ``fraction`` (0 to 1) of the step of ``h`` (s) from START, by a continuous extension."""
+    stage_state(fraction, weights_at(F_q, fraction), weights_at(F_v, fraction), h, y, n)
 
 
 def cusp_fraction(tableau: Tableau) -> float:
@@ -145,17 +145,21 @@ def cusp_fraction(tableau: Tableau) -> float:
     just before the step's end in case of rounding errors.
     """
     nodes = np.unique(np.append(tableau.c, 1.0))
-    parts = [float(1.0 - tableau.b[tableau.c > node + 1e-12].sum()) for node in nodes[:-1]]
-    inside = [part for part, low, high in zip(parts, nodes[:-1], nodes[1:], strict=True) if low < part < high]
-    return max(inside, default=0.99)
+    fractions = [float(1.0 - tableau.b[tableau.c > node + 1e-12].sum()) for node in nodes[:-1]]
+    valid = [
+        fraction
+        for fraction, low, high in zip(fractions, nodes[:-1], nodes[1:], strict=True)
+        if low < fraction < high
+    ]
+    return max(valid, default=0.99)
 
 
 def register_fixed_step(parameters: type, tableau: Tableau) -> None:
     """Register a fixed-step method with its table; parameters: its ``NamedTuple`` (h,)."""
-    rows, limits = rows_of(tableau, 1, len(tableau.c)), limit_over_h_c(tableau)
+    rows, limits = stage_rows(tableau, 1, len(tableau.c)), limit_over_h_c(tableau)
     b, B = weights(tableau.b), weights(tableau.B)
 
-    def take(method, model, t, y):
+    def take_step(method, model, t, y):
         h, n = method.h, state_width(model)
         for k in range(n):
             y[START_Q + k] = y[lay.POSITION + k]
@@ -166,6 +170,6 @@ def register_fixed_step(parameters: type, tableau: Tableau) -> None:
         accelerations(model, t + h, y)
         y[lay.EVALUATIONS] += 1.0
 
-    step.register(parameters)(take)
+    step.register(parameters)(take_step)
     prepare.register(parameters)(no_preparation)
     stability_ratio.register(parameters)(lambda method, K, C: step_over_limit(limits, method.h, K, C))

@@ -15,7 +15,7 @@ from bearingsim.core.methods.arrow import assemble_system, factorise, solve
 from bearingsim.core.methods.interface import MethodKind, no_preparation, prepare, stability_ratio, step
 from bearingsim.core.models.interface import accelerations, linearise, state_width
 
-CHANGE = METHOD_STATES  # change of the velocities
+VELOCITY_CHANGE = METHOD_STATES  # change of the velocities
 
 
 class VelocityImplicitEuler(NamedTuple):
@@ -34,10 +34,10 @@ def _step(method, model, t, y):
     assemble_system(model, 0.0, h, y)
     factorise(model, y)
     for j in range(n):
-        y[CHANGE + j] = h * y[lay.ACCELERATION + j]
-    solve(model, CHANGE, y)
+        y[VELOCITY_CHANGE + j] = h * y[lay.ACCELERATION + j]
+    solve(model, VELOCITY_CHANGE, y)
     for j in range(n):
-        y[lay.VELOCITY + j] += y[CHANGE + j]
+        y[lay.VELOCITY + j] += y[VELOCITY_CHANGE + j]
         y[lay.POSITION + j] += h * y[lay.VELOCITY + j]
     accelerations(model, t + h, y)
     y[lay.EVALUATIONS] += 1.0

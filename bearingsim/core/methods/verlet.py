@@ -13,7 +13,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.methods.interface import MethodKind, no_preparation, prepare, stability_ratio, step
 from bearingsim.core.models.by_roller import drift, evaluate, kick
 
-(KICKED_V,) = lay.states(lay.STAGE, "m/s", "verlet", "step")  # velocity in the middle of a step
+(MIDDLE_V,) = lay.states(lay.STAGE, "m/s", "verlet", "step")  # velocity in the middle of a step
 
 
 class Verlet(NamedTuple):
@@ -27,16 +27,16 @@ def _drift(method, y, i):
     """Advance the position to the step's end and the velocity to its prediction; store the velocity at
     mid-step."""
     h, v, a = method.h, y[lay.VELOCITY + i], y[lay.ACCELERATION + i]
-    kicked = v + 0.5 * h * a
-    y[KICKED_V + i] = kicked
-    y[lay.POSITION + i] += h * kicked
+    v_middle = v + 0.5 * h * a
+    y[MIDDLE_V + i] = v_middle
+    y[lay.POSITION + i] += h * v_middle
     y[lay.VELOCITY + i] = v + h * a
 
 
 @kick.register(Verlet)
 def _kick(method, y, i):
     """Complete the velocity step with the new acceleration."""
-    y[lay.VELOCITY + i] = y[KICKED_V + i] + 0.5 * method.h * y[lay.ACCELERATION + i]
+    y[lay.VELOCITY + i] = y[MIDDLE_V + i] + 0.5 * method.h * y[lay.ACCELERATION + i]
 
 
 prepare.register(Verlet)(no_preparation)
