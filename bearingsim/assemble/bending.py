@@ -177,16 +177,16 @@ def made(ring: RingParameters) -> core.Bending:
     at_rollers[:, of.real :] = 0.0
     rows = with_carrier(rows_of(ring, of), ring, of.real) if ring.load_path.carried else rows_of(ring, of)
     springs = springs_of(ring, of) if ring.load_path.carried else core.NoSprings()
-    highest, highest_damping = fastest(ring.ring_mass, rows, springs)
+    max_stiffness, max_damping = fastest(ring.ring_mass, rows, springs)
     on_ring, alpha = ring.sensor.on_ring, ring.sensor.angle or 0.0
     return core.Bending(
-        of_harmonic=rows,
-        at_rollers=np.ascontiguousarray(at_rollers[:, : of.real]),
-        by_roller=np.ascontiguousarray(at_rollers.transpose(0, 2, 1)[:, : ring.bearing.rollers]),
-        breathing=of.real - 1,
+        harmonic_table=rows,
+        shapes=np.ascontiguousarray(at_rollers[:, : of.real]),
+        transposed_shapes=np.ascontiguousarray(at_rollers.transpose(0, 2, 1)[:, : ring.bearing.rollers]),
+        breathing_index=of.real - 1,
         mobility=mobility(ring, of, angles),
-        highest=highest,
-        highest_damping=highest_damping,
+        max_stiffness=max_stiffness,
+        max_damping=max_damping,
         sensor_x=cos(alpha) * on_ring,
         sensor_y=sin(alpha) * on_ring,
         load=hypot(ring.load, ring.load_across),
@@ -206,7 +206,7 @@ def mobility(ring: RingParameters, of: Harmonics, angles: np.ndarray) -> float:
 
 
 def rows_of(ring: RingParameters, of: Harmonics) -> np.ndarray:
-    """Return ``core.Bending.of_harmonic`` for the ring without a carrier."""
+    """Return ``core.Bending.harmonic_table`` for the ring without a carrier."""
     alpha, rows = ring.sensor.angle or 0.0, np.zeros((10, len(of.n)))
     rows[core.N], rows[core.K], rows[core.K_M] = of.n, of.k, of.omega**2
     rows[core.C_M] = 2.0 * ring.ring.damping * of.omega
@@ -266,8 +266,10 @@ def fastest(ring_mass: float, rows: np.ndarray, springs: Any) -> tuple[float, fl
     K = np.diag(np.r_[0.0, 0.0, rows[core.K_M], rows[core.K_M]])
     C = np.diag(np.r_[0.0, 0.0, rows[core.C_M], rows[core.C_M]])
     if isinstance(springs, core.Springs):
-        cosines, sines, k, c, _ = springs.of_spring[:, : springs.by_spring.shape[1]]
-        shapes = np.column_stack([cosines, sines, *springs.by_spring.transpose(0, 2, 1).reshape(-1, len(k))])
+        cosines, sines, k, c, _ = springs.spring_table[:, : springs.transposed_shapes.shape[1]]
+        shapes = np.column_stack(
+            [cosines, sines, *springs.transposed_shapes.transpose(0, 2, 1).reshape(-1, len(k))]
+        )
         shapes = shapes * np.sqrt(per_mass)
         K, C = K + shapes.T @ (k[:, np.newaxis] * shapes), C + shapes.T @ (c[:, np.newaxis] * shapes)
     return float(np.linalg.eigvalsh(K)[-1]), float(np.linalg.eigvalsh(C)[-1])
@@ -277,9 +279,9 @@ def undamped_bending(bent: Any) -> Any:
     """Return the bending of a ring with undamped springs, for static equilibrium."""
     if not (isinstance(bent, core.Bending) and isinstance(bent.springs, core.Springs)):
         return bent
-    undamped = bent.springs.of_spring.copy()
+    undamped = bent.springs.spring_table.copy()
     undamped[core.C_S] = 0.0
-    return bent._replace(springs=bent.springs._replace(of_spring=undamped))
+    return bent._replace(springs=bent.springs._replace(spring_table=undamped))
 
 
 def padded(values: Any, length: int) -> np.ndarray:

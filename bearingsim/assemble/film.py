@@ -16,7 +16,13 @@ from bearingsim.core.defects.pairs import inner_reduced_radius, outer_reduced_ra
 from bearingsim.core.laws.damping.tabulated import Tabulated
 from bearingsim.core.laws.hertz import PointContact, effective_modulus
 from bearingsim.core.laws.octaves import tabulate
-from bearingsim.core.laws.oil_film import OiledLine, ball_as_strip, entrainment_speed, film_damping, hysteresis
+from bearingsim.core.laws.oil_film import (
+    LubricatedLine,
+    ball_as_strip,
+    entrainment_speed,
+    film_damping,
+    hysteresis,
+)
 from bearingsim.core.laws.stiffness.interface import curve
 
 DEEPEST = 1e-4  # m, largest approach of the table, larger than in any bearing; damping is constant above it
@@ -35,7 +41,7 @@ class OiledContact(NamedTuple):
     stiffness: Any
     other: Any
     point: PointContact | None
-    line: OiledLine
+    line: LubricatedLine
     mass: float
     loss_factor: float
     own_frequency: bool
@@ -45,7 +51,7 @@ def film(case: Case, stiffness: Any, other: Any, point: PointContact | None, on_
     """Build the contact law of one race; point: contact of a ball, None for a roller."""
     b, section = case.bearing, cast(Film, case.contact.damping)
     reduced, race = (outer_reduced_radius, outer_radius) if on_outer else (inner_reduced_radius, inner_radius)
-    line = OiledLine(
+    line = LubricatedLine(
         L=float(b.roller_length or 0.0),
         R=reduced(b.roller_diameter / 2.0, race(case)),
         E_star=effective_modulus(b.material.young_modulus, b.material.poisson_ratio),
@@ -89,7 +95,7 @@ def own_frequency(contact: OiledContact, Q: np.ndarray, k: np.ndarray) -> np.nda
     return np.sqrt((k + beyond) / contact.mass)
 
 
-def oiled_line(contact: OiledContact, Q: np.ndarray) -> tuple[OiledLine, float]:
+def oiled_line(contact: OiledContact, Q: np.ndarray) -> tuple[LubricatedLine, float]:
     """Return the equivalent line contact under the loads ``Q`` (N), and the exponent of the load in the formula
     of its half width.
     """

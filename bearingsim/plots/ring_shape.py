@@ -155,8 +155,8 @@ def _spring_angles(bent: Any) -> Reals:
 
     if bent is None or not isinstance(bent.springs, Springs):
         return np.zeros(0)
-    real = bent.springs.by_spring.shape[1]
-    return np.asarray(np.arctan2(bent.springs.of_spring[SIN_S, :real], bent.springs.of_spring[COS_S, :real]))
+    real = bent.springs.transposed_shapes.shape[1]
+    return np.asarray(np.arctan2(bent.springs.spring_table[SIN_S, :real], bent.springs.spring_table[COS_S, :real]))
 
 
 def _pushes(case: "Case") -> Iterator[Push]:
@@ -230,10 +230,10 @@ def _amplitudes(bent: Any, y: np.ndarray) -> tuple[Reals, Reals, Reals]:
 
     if bent is None:
         return np.zeros(0), np.zeros(0), np.zeros(0)
-    real = bent.breathing + 1
+    real = bent.breathing_index + 1
     first_c, first_s = lay.POSITION + lay.MODES_C, lay.POSITION + lay.MODES_S
     return (
-        bent.of_harmonic[N, :real].copy(),
+        bent.harmonic_table[N, :real].copy(),
         y[first_c : first_c + real].copy(),
         y[first_s : first_s + real].copy(),
     )
@@ -242,12 +242,12 @@ def _amplitudes(bent: Any, y: np.ndarray) -> tuple[Reals, Reals, Reals]:
 def _springs(bent: Any, y: np.ndarray) -> tuple[Reals, tuple[float, float]]:
     """Return the spring forces (P,) in N and the position (m, m) of the carrier around them."""
     from bearingsim.core import layout as lay
-    from bearingsim.core.parts.bending import held_position
+    from bearingsim.core.parts.bending import supported_position
 
     count = len(_spring_angles(bent))
     if not count:
         return np.zeros(0), (0.0, 0.0)
-    x, z = held_position(bent.springs, y)
+    x, z = supported_position(bent.springs, y)
     return y[lay.SPRING_FORCE : lay.SPRING_FORCE + count].copy(), (float(x), float(z))
 
 

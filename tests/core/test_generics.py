@@ -39,7 +39,7 @@ from bearingsim.core.methods.symplectic_euler import SymplecticEuler
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.bodies_in_space import Bodies
 from bearingsim.core.models.by_roller import (
-    Still,
+    NoUpdate,
     accelerate_roller,
     accelerate_shared,
     drift,
@@ -50,7 +50,7 @@ from bearingsim.core.models.by_roller import (
 from bearingsim.core.models.differences import accelerate_bodies, is_free_coordinate
 from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.models.interface import accelerations, degrees_of_freedom, linearise
-from bearingsim.core.models.outer_ring import Turning
+from bearingsim.core.models.outer_ring import RingMotion
 from bearingsim.core.models.planar import Planar, Plane
 from bearingsim.core.models.ring import Ring
 from bearingsim.core.models.rollers import Rollers
@@ -60,7 +60,7 @@ from bearingsim.core.parts.bending import Bending, NoSprings, RigidRing, Springs
 from bearingsim.core.parts.cage import Centred, FreeCage, KinematicCage, NoDrag, OilDrag, RingGuided
 from bearingsim.core.parts.cage_in_space import CageInPlane, CageInSpace
 from bearingsim.core.parts.flanges import Flanges, NoFlanges, RollerInRing
-from bearingsim.core.parts.mounts import ElasticMount, RigidMount, hold_mounted_ring
+from bearingsim.core.parts.mounts import ElasticMount, RigidMount, set_mounted_ring
 from bearingsim.core.parts.shaft import (
     ElasticShaft,
     FixedRing,
@@ -100,7 +100,7 @@ IN_PLACE_OF: dict[type, type] = {
     Centred: RingGuided,
     NoDrag: OilDrag,
     NoSamples: Samples,
-    Still: Verlet,
+    NoUpdate: Verlet,
     RigidRing: Bending,
     NoSprings: Springs,
 }
@@ -127,14 +127,14 @@ EXCEPTIONS: list[tuple[tuple[Any, ...], Any, str]] = [
         "their derivatives are exact, or not needed",
     ),
     (ADAPTIVE, STEPPED_EVENLY, "`adaptive.py` does not drive them"),
-    ((*ADAPTIVE, step, prepare, stability_ratio), {Still}, "it is no method, but how none moves the state"),
+    ((*ADAPTIVE, step, prepare, stability_ratio), {NoUpdate}, "it is no method, but how none moves the state"),
     ((drift, kick), FOUND[step] - {Verlet, SymplecticEuler}, "their stages are more than a drift and a kick"),
     ((accelerate_inner_ring,), {TorsionSpring}, "a bracket holds the outer ring"),
     ((accelerate_ring_rotation,), {ElasticShaft}, "a shaft carries the inner ring"),
 ]
 """Generics, the types that they have no implementation for, and why."""
 
-BESIDE = {RollerInRing, Bodies, Monitor, Plane, Turning}
+BESIDE = {RollerInRing, Bodies, Monitor, Plane, RingMotion}
 """Tuples that no generic is chosen by, though they stand in one module with types of a family."""
 
 
@@ -217,9 +217,7 @@ def test_any_one_that_is_taken_away_is_missed() -> None:
     assert len(pairs) > 290
 
 
-@pytest.mark.parametrize(
-    ("one", "kind"), [(defect_response_gradient, TracedPath), (hold_mounted_ring, RigidMount)]
-)
+@pytest.mark.parametrize(("one", "kind"), [(defect_response_gradient, TracedPath), (set_mounted_ring, RigidMount)])
 def test_a_type_that_is_taken_away_from_one_is_named(one: Any, kind: type) -> None:
     said = complaints(FOUND | {one: FOUND[one] - {kind}})
     assert said == [f"{one.__name__} has none for {kind.__name__}"]

@@ -28,7 +28,7 @@ from bearingsim.config.fields import (
     whole,
 )
 from bearingsim.config.sections.laws import laws_of
-from bearingsim.core.laws.oil_viscosity import COLDEST, GRADES, HOTTEST, ZERO_CELSIUS, iso_viscosity
+from bearingsim.core.laws.oil_viscosity import GRADES, MAX_CELSIUS, MIN_CELSIUS, ZERO_CELSIUS, iso_viscosity
 
 MOST_SLICES = 48  # with more, the model's own errors dominate
 
@@ -128,8 +128,11 @@ class Film(Section):
             refuse("missing", "`film` needs the oil", hint)
         elif self.temperature is None:
             refuse("missing", "an oil needs its temperature, such as `temperature: 55 C`", at="oil")
-        elif not COLDEST <= self.temperature - ZERO_CELSIUS <= HOTTEST:
-            temperature, limits = f"{self.temperature - ZERO_CELSIUS:g} C", f"{COLDEST:g} C to {HOTTEST:g} C"
+        elif not MIN_CELSIUS <= self.temperature - ZERO_CELSIUS <= MAX_CELSIUS:
+            temperature, limits = (
+                f"{self.temperature - ZERO_CELSIUS:g} C",
+                f"{MIN_CELSIUS:g} C to {MAX_CELSIUS:g} C",
+            )
             message = f"the viscosity of oils is known from {limits}, not at {temperature}"
             refuse("bound", message, "use `viscosity`", at="temperature")
         return self

@@ -61,7 +61,7 @@ def derivative(table, y):
 
 
 @jit
-def bend(table, y):
+def second_derivative(table, y):
     """Return the second derivative of ``value``, slightly discontinuous between cells."""
     k, s = cell(y)
     return 2.0 * table[k + 2] + s * (6.0 * table[k + 3])

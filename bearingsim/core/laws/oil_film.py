@@ -39,7 +39,7 @@ def entrainment_speed(omega_inner: float, D_m: float, D_w: float, omega_outer: f
 MARTIN = 4.896  # rigid cylinders, constant viscosity: least gap h = 4.896 eta u R/(Q/L)
 
 
-class OiledLine(NamedTuple):
+class LubricatedLine(NamedTuple):
     """A lubricated line contact.
 
     ``L``: length (m). ``R``: relative radius (m), see ``hertz.half_width``. ``E_star``: E/(2 (1 - nu^2)) of two
@@ -57,13 +57,13 @@ class OiledLine(NamedTuple):
 
 
 class Thickness(NamedTuple):
-    """Film thickness (m): ``central``, the flow per u and length, and ``least``, the narrowest gap."""
+    """Film thickness (m): ``central``, the flow per u and length, and ``minimum``, the narrowest gap."""
 
     central: Number
-    least: Number
+    minimum: Number
 
 
-def moes_numbers(Q: Number, line: OiledLine) -> tuple[Number, float]:
+def moes_numbers(Q: Number, line: LubricatedLine) -> tuple[Number, float]:
     """Return Moes' load M = W U^(-1/2) and oil L = alpha E' U^(1/4), with W = (Q/L)/(E' R), U = eta (2 u)/(E'
     R)."""
     E = 2.0 * line.E_star
@@ -71,10 +71,10 @@ def moes_numbers(Q: Number, line: OiledLine) -> tuple[Number, float]:
     return Q / (line.L * E * line.R * U**0.5), line.alpha * E * U**0.25
 
 
-def film_thickness(Q: Number, line: OiledLine) -> Thickness:
+def film_thickness(Q: Number, line: LubricatedLine) -> Thickness:
     """Return Moes' film thickness under the load ``Q`` > 0 (N): a blend of four asymptotes, in R U^(1/2):
 
-        rigid, isoviscous       central 3.0 / M              least 2.45 / M
+        rigid, isoviscous       central 3.0 / M            minimum 2.45 / M
         elastic, isoviscous             2.621 M^(-1/5)             2.05 M^(-1/5)
         rigid, piezoviscous             1.287 L^(2/3)              1.05 L^(2/3)
         elastic, piezoviscous           1.311 M^(-1/8) L^(3/4)     0.96 M^(-1/8) L^(3/4)
@@ -85,8 +85,8 @@ def film_thickness(Q: Number, line: OiledLine) -> Thickness:
     M, L = moes_numbers(Q, line)
     unit = line.R * (line.eta * line.u / (line.E_star * line.R)) ** 0.5
     central = _regime_blend(3.0 / M, 2.621 * M**-0.2, 1.287 * L ** (2 / 3), 1.311 * M**-0.125 * L**0.75)
-    least = _regime_blend(2.45 / M, 2.05 * M**-0.2, 1.05 * L ** (2 / 3), 0.96 * M**-0.125 * L**0.75)
-    return Thickness(unit * central, unit * least)
+    minimum = _regime_blend(2.45 / M, 2.05 * M**-0.2, 1.05 * L ** (2 / 3), 0.96 * M**-0.125 * L**0.75)
+    return Thickness(unit * central, unit * minimum)
 
 
 def _regime_blend(rigid: Number, elastic: Number, rigid_thickening: Number, elastic_thickening: Number) -> Number:
@@ -99,13 +99,13 @@ def _regime_blend(rigid: Number, elastic: Number, rigid_thickening: Number, elas
 # Damping
 
 LAG = 0.946  # of rigid cylinders: damping over stiffness of the film, in sqrt(2 R h)/u; exact
-STIFFER, SPREAD, SHARPNESS = 20.0, 21.3, 3.4  # fits, see ``transition``
-FLATTENED, FLATTENING = 2.25, 4.0  # fits, see ``carried``
-FASTER, PASSAGE, FALL = 0.79, 1.4, 1.3  # fits of the roll-off
-NOTHING = 1e-6  # N, load below which the damping is zero
+L_OFFSET, Z_SCALE, Z_EXPONENT = 20.0, 21.3, 3.4  # fits, see ``transition``
+FLATTENING_Z, FLATTENING_EXPONENT = 2.25, 4.0  # fits, see ``entrainment_damping``
+ROLL_OFF_FACTOR, ROLL_OFF_PHASE, ROLL_OFF_EXPONENT = 0.79, 1.4, 1.3  # fits of the roll-off
+MIN_LOAD = 1e-6  # N, load below which the damping is zero
 
 
-def film_damping(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, exponent: float = 0.5) -> Number:
+def film_damping(Q: Number, k: Number, line: LubricatedLine, omega: Number = 0.0, exponent: float = 0.5) -> Number:
     """Return the damping c (N s/m) of the contact in addition to its elastic law, Q + k x + c dx/dt for a small
     approach x.
 
@@ -113,17 +113,17 @@ def film_damping(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, exp
     frequency of the oscillation (rad/s), 0 for a slow one. ``exponent``: of the half width, b ~ Q^exponent, 1/2
     for lines, 1/3 for balls (``ball_as_strip``). The result is smooth in Q and tends to zero as Q^(3/2).
 
-    It is the sum of ``squeezed`` and ``carried``. For slow oscillations it is within a factor 1.25 of 9 in 10
-    solutions. The others have z from 1 to 1.8 (``transition``), where the film has little damping, and the result
-    is 0.7 to 11 times the solution. At the natural frequency of the element on its contacts it is only an order of
-    magnitude.
+    It is the sum of ``squeeze_damping`` and ``entrainment_damping``. For slow oscillations it is within a factor
+    1.25 of 9 in 10 solutions. The others have z from 1 to 1.8 (``transition``), where the film has little damping,
+    and the result is 0.7 to 11 times the solution. At the natural frequency of the element on its contacts it is
+    only an order of magnitude.
     """
-    load = np.maximum(Q, NOTHING)
-    c = squeezed(load, k, line, omega) + carried(load, k, line, omega, exponent)
-    return np.where(np.asarray(Q) > NOTHING, c, 0.0)[()]
+    load = np.maximum(Q, MIN_LOAD)
+    c = squeeze_damping(load, k, line, omega) + entrainment_damping(load, k, line, omega, exponent)
+    return np.where(np.asarray(Q) > MIN_LOAD, c, 0.0)[()]
 
 
-def inlet_squeeze(h: Number, line: OiledLine) -> Number:
+def inlet_squeeze(h: Number, line: LubricatedLine) -> Number:
     """Return the damping (N s/m) of the film between *rigid* cylinders at the narrowest gap ``h`` (m), constant
     viscosity.
 
@@ -135,23 +135,23 @@ def inlet_squeeze(h: Number, line: OiledLine) -> Number:
     return LAG * MARTIN * 2.0**0.5 * line.eta * line.L * (line.R / h) ** 1.5
 
 
-def transition(Q: Number, line: OiledLine) -> Number:
+def transition(Q: Number, line: LubricatedLine) -> Number:
     """Return z = M (L + 20)/21.3: below 1 the film deflects as between rigid cylinders, above 2 the contact is
     flat."""
     M, L = moes_numbers(Q, line)
-    return M * (L + STIFFER) / SPREAD
+    return M * (L + L_OFFSET) / Z_SCALE
 
 
-def film_compliance(Q: Number, line: OiledLine) -> Number:
+def film_compliance(Q: Number, line: LubricatedLine) -> Number:
     """Return -dh/dQ (m/N) of the film for slow changes of load, h/Q of rigid cylinders times exp(-z^3.4).
 
     h = 4.896 eta u R L/Q. When the viscosity increases with pressure, the film is independent of load and stiff.
     """
     h = MARTIN * line.eta * line.u * line.R * line.L / Q
-    return h / Q * np.exp(-(transition(Q, line) ** SHARPNESS))
+    return h / Q * np.exp(-(transition(Q, line) ** Z_EXPONENT))
 
 
-def squeezed(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0) -> Number:
+def squeeze_damping(Q: Number, k: Number, line: LubricatedLine, omega: Number = 0.0) -> Number:
     """Return the damping (N s/m) due to squeezing of the oil at the inlet, with a spring k in series with the
     film.
 
@@ -160,12 +160,14 @@ def squeezed(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0) -> Numb
     softer than the contact this is ``inlet_squeeze``.
     """
     ratio = k * film_compliance(Q, line)  # k/k_f
-    lag = LAG * np.sqrt(2.0 * line.R * film_thickness(Q, line).least) / line.u
+    lag = LAG * np.sqrt(2.0 * line.R * film_thickness(Q, line).minimum) / line.u
     share = 1.0 / (1.0 + ratio)
-    return k * lag * ratio * share**2 / (1.0 + (FASTER * omega * lag * share) ** 2)
+    return k * lag * ratio * share**2 / (1.0 + (ROLL_OFF_FACTOR * omega * lag * share) ** 2)
 
 
-def carried(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, exponent: float = 0.5) -> Number:
+def entrainment_damping(
+    Q: Number, k: Number, line: LubricatedLine, omega: Number = 0.0, exponent: float = 0.5
+) -> Number:
     """Return the damping (N s/m) due to the film entrained by a growing contact, with an inlet edge faster than u.
 
     An edge moving outwards at db/dt entrains a film thicker by n (h/u) db/dt, n = d(ln h)/d(ln u), so that
@@ -177,25 +179,24 @@ def carried(Q: Number, k: Number, line: OiledLine, omega: Number = 0.0, exponent
     """
     z = transition(Q, line)
     _, L = moes_numbers(Q, line)
-    n = 1.1 / (1.0 + L / 30.0) / (1.0 + (FLATTENED / z) ** FLATTENING)
+    n = 1.1 / (1.0 + L / 30.0) / (1.0 + (FLATTENING_Z / z) ** FLATTENING_EXPONENT)
     b = half_widths(Q, line)
     c = n * film_thickness(Q, line).central / line.u * k * exponent * b * k / Q
     return c * roll_off(omega * 2.0 * b / line.u)
 
 
-def half_widths(Q: Number, line: OiledLine) -> Number:
+def half_widths(Q: Number, line: LubricatedLine) -> Number:
     """Return the half width b (m) of the dry contact, as ``hertz.half_width``, but for varying lengths, too."""
     return np.sqrt(4.0 * Q * line.R / (np.pi * line.L * line.E_star))
 
 
 def roll_off(omega_T: Number) -> Number:
-    """Return the remaining share of the ``carried`` damping at frequency times T = 2 b/u, the transit time of the
-    oil.
+    """Return the remaining share of ``entrainment_damping`` at frequency times T = 2 b/u, the oil's transit time.
 
     1/(1 + (omega T/1.4)^1.3). Above 3 the solutions oscillate about zero like sin(x)/x and then fall as 1/x, so
     the result is only an order of magnitude.
     """
-    return 1.0 / (1.0 + (omega_T / PASSAGE) ** FALL)
+    return 1.0 / (1.0 + (omega_T / ROLL_OFF_PHASE) ** ROLL_OFF_EXPONENT)
 
 
 def hysteresis(k: Number, omega: Number, loss_factor: float) -> Number:

@@ -29,7 +29,7 @@ GRADES = {  # kinematic viscosity, mm2/s: midpoint at 40 C (ISO 3448), at 100 C 
     3200: (3200.0, 101.6),
 }
 ZERO_CELSIUS = 273.15  # K
-COLDEST, HOTTEST = -20.0, 150.0  # C
+MIN_CELSIUS, MAX_CELSIUS = -20.0, 150.0  # C
 DENSITY_15 = 880.0  # kg/m3 at 15 C
 
 
@@ -46,8 +46,8 @@ def iso_viscosity(grade: int, celsius: float) -> float:
     """
     if grade not in GRADES:
         raise ValueError(f"ISO VG {grade} is no grade of ISO 3448, which has {', '.join(map(str, GRADES))}")
-    if not COLDEST <= celsius <= HOTTEST:
-        raise ValueError(f"viscosity at {celsius} C: known from {COLDEST:g} to {HOTTEST:g} C")
+    if not MIN_CELSIUS <= celsius <= MAX_CELSIUS:
+        raise ValueError(f"viscosity at {celsius} C: known from {MIN_CELSIUS:g} to {MAX_CELSIUS:g} C")
     return walther(*GRADES[grade], celsius) * 1e-6 * oil_density(celsius)
 
 

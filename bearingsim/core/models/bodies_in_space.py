@@ -9,7 +9,7 @@ from bearingsim.core.jit import jit
 from bearingsim.core.models.outer_ring import accelerate_outer_ring
 from bearingsim.core.parts.cage import accelerate_cage
 from bearingsim.core.parts.cage_in_space import accelerate_cage_axis, cage_body
-from bearingsim.core.parts.mounts import accelerate_mounted_ring, hold_mounted_ring
+from bearingsim.core.parts.mounts import accelerate_mounted_ring, set_mounted_ring
 from bearingsim.core.parts.shaft import accelerate_inner_ring, accelerate_ring_rotation
 
 
@@ -52,14 +52,14 @@ def bodies(model, t, y):
 
 
 @jit
-def hold_mounted_rings(model, y):
+def set_mounted_rings(model, y):
     """Set the rings on rigid mounts to their mounted positions."""
-    hold_mounted_ring(model.mount_o, y, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y)
-    hold_mounted_ring(model.mount_i, y, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y)
+    set_mounted_ring(model.mount_o, y, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y)
+    set_mounted_ring(model.mount_i, y, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y)
 
 
 @jit
-def accelerate_bodies_of(model, common, y):
+def accelerate_rings_and_cage(model, common, y):
     """Write the accelerations of rings and cage from their load cells; return the cage's angular acceleration."""
     b = model.bearing
     wound = accelerate_cage_axis(model.cage_z, model.cage, common.cage, y)

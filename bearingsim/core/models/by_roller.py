@@ -50,7 +50,7 @@ def accelerate_roller(model: Any, common: Any, felt: Any, y: np.ndarray, j: int)
 
 
 @absent
-class Still(NamedTuple):
+class NoUpdate(NamedTuple):
     """Motion without drift and kick: the state is evaluated as it is."""
 
 
@@ -64,7 +64,7 @@ def kick(motion: Any, y: np.ndarray, i: int) -> None:
     """Update the velocity of coordinate ``i`` with its acceleration."""
 
 
-def as_a_whole(model, motion, t, y):
+def evaluate_at_once(model, motion, t, y):
     """Implement ``evaluate`` for a model that computes all its ``accelerations`` in one call."""
     n = state_width(model)
     for i in range(n):
@@ -74,7 +74,7 @@ def as_a_whole(model, motion, t, y):
         kick(motion, y, i)
 
 
-@generic(inline="late", otherwise=as_a_whole)
+@generic(inline="late", otherwise=evaluate_at_once)
 def evaluate(model: Any, motion: Any, t: float, y: np.ndarray) -> None:
     """Apply ``drift``, fill the rows of ``accelerations`` at time ``t`` (s), and apply ``kick``."""
 
@@ -148,7 +148,7 @@ def accelerate_rollers(model, motion, common, felt, y, n):
         kick_roller(motion, own, y, j)
 
 
-def roller_by_roller(model, motion, t, y):
+def evaluate_by_roller(model, motion, t, y):
     """Implement ``evaluate`` for a model that has the four functions of the module's docstring."""
     n, (_, coordinates) = lanes(model.bearing), degrees_of_freedom(model)
     for k in range(coordinates):
@@ -165,10 +165,10 @@ def roller_by_roller(model, motion, t, y):
 
 def accelerations_by_roller(model, t, y):
     """Implement ``accelerations`` for a model that has these four functions."""
-    evaluate(model, Still(), t, y)
+    evaluate(model, NoUpdate(), t, y)
 
 
 def register_roller_model(parameters: type) -> None:
     """Register a model that has ``shared``, ``load_roller``, ``accelerate_shared`` and ``accelerate_roller``."""
-    evaluate.register(parameters)(roller_by_roller)
+    evaluate.register(parameters)(evaluate_by_roller)
     accelerations.register(parameters)(accelerations_by_roller)

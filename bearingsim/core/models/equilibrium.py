@@ -26,7 +26,7 @@ from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.laws.stiffness.series import series_share
 from bearingsim.core.models.outer_ring import static_force
 from bearingsim.core.parameters import kinematic_angles, lanes
-from bearingsim.core.parts.bending import Bending, NoSprings, RigidRing, bend, bend_race, held_position
+from bearingsim.core.parts.bending import Bending, NoSprings, RigidRing, bend, bend_race, supported_position
 
 (K_SERIES,) = lay.rows(lay.WORK, "N/m", "rest bent", "start")  # stiffness of a roller's two contacts in series
 # of the outer contact (of the inner one, one row further): roller-defect pair of the contact (-1 if none), and its
@@ -220,7 +220,7 @@ def solve_equilibrium(model, t, y):
     Newton's method on the net force with a line search on the derivative of the energy. Returns the residual force
     (N); velocities are not changed.
     """
-    return settle(model.bending, model, t, y)
+    return balance_ring(model.bending, model, t, y)
 
 
 @jit
@@ -234,12 +234,12 @@ def is_futile(size, y):
 
 
 @generic
-def settle(bending: Any, model: Any, t: float, y: np.ndarray) -> float:
+def balance_ring(bending: Any, model: Any, t: float, y: np.ndarray) -> float:
     """Implement ``solve_equilibrium`` for a rigid or a flexible ring, by the type of ``bending``."""
 
 
-@settle.register(RigidRing)
-def _settle(bending, model, t, y):
+@balance_ring.register(RigidRing)
+def _balance_ring(bending, model, t, y):
     goal = RESIDUAL * (hypot(model.support.F, model.support.F_across) + 1e-3)
     balance_rollers(model, t, y)
     f_x, f_y = net_force(model, y)
@@ -299,14 +299,14 @@ def solve_in_cpu_time(find, model, t, y):
     return cpu_time.bounded(find_until)
 
 
-def given_load(model):
+def load_magnitude(model):
     """Return the magnitude (N) of the load on a bearing."""
     return model.bending.load if isinstance(model.bending, Bending) else hypot(*model.support[:2])
 
 
-def held_body_position(model, y):
+def supported_body_position(model, y):
     """Return the position (m, m) of the body held by the bracket: the ring, or the carrier around it."""
-    return held_position(model.bending.springs if isinstance(model.bending, Bending) else NoSprings(), y)
+    return supported_position(model.bending.springs if isinstance(model.bending, Bending) else NoSprings(), y)
 
 
 class MeanEquilibrium(NamedTuple):
@@ -338,12 +338,12 @@ def ring_damping(Z, outer, inner, y):
     return c_xx, c_yy
 
 
-def rests_of_a_pass(model, y, samples):
+def equilibria_over_pass(model, y, samples):
     """Yield the index of each of ``samples`` equilibria, evenly spaced over a ball pass, with ``y`` in it.
 
     Raises ``NoEquilibrium`` if an equilibrium is not found to 1e-8 of the load.
     """
-    pass_time, load = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c), given_load(model)
+    pass_time, load = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c), load_magnitude(model)
     for n in range(samples):
         find = solve_initial_equilibrium if n == 0 else solve_equilibrium
         residual = solve_in_cpu_time(find, model, (n + 0.5) / samples * pass_time, y)
@@ -356,9 +356,9 @@ def mean_equilibrium(model, y, samples=32):
     """Return ``MeanEquilibrium`` of a bearing from ``samples`` equilibria over a ball pass. Raises
     ``NoEquilibrium``."""
     Z, rests, loads = model.bearing.Z, [], []
-    for _ in rests_of_a_pass(model, y, samples):
+    for _ in equilibria_over_pass(model, y, samples):
         k_xx, _, k_yy = ring_stiffness(model, y)
-        rests.append((*held_body_position(model, y), k_xx, k_yy))
+        rests.append((*supported_body_position(model, y), k_xx, k_yy))
         most = int(np.argmax(y[lay.Q_I : lay.Q_I + Z]))
         loads.append((y[lay.Q_O + most], y[lay.DELTA_O + most] + y[lay.DELTA_I + most]))
     x, z, k_x, k_y = (float(value) for value in np.mean(rests, axis=0))
@@ -370,6 +370,6 @@ def mean_ring_damping(model, outer, inner, y, samples=32):
     """Return ``ring_damping`` of a bearing with the contact laws ``outer`` and ``inner``, averaged over a ball
     pass."""
     Z = model.bearing.Z
-    dampings = [ring_damping(Z, outer, inner, y) for _ in rests_of_a_pass(model, y, samples)]
+    dampings = [ring_damping(Z, outer, inner, y) for _ in equilibria_over_pass(model, y, samples)]
     c_x, c_y = np.mean(dampings, axis=0)
     return float(c_x), float(c_y)

@@ -21,10 +21,10 @@ from bearingsim.core.models.equilibrium import (
     MAX_STEPS,
     RESIDUAL,
     STEPS_PER_CHECK,
+    balance_ring,
     balance_rollers,
     is_futile,
     net_force,
-    settle,
 )
 from bearingsim.core.parts.bending import (
     COS_S,
@@ -37,9 +37,9 @@ from bearingsim.core.parts.bending import (
     Springs,
     force_on_harmonic,
     harmonics,
-    press_springs,
-    pull,
+    load_springs,
     push_harmonics,
+    spring_load,
 )
 from bearingsim.core.rows import declare
 
@@ -75,17 +75,17 @@ def fill_force(bending, model, y):
     """Fill FORCE from the rows filled by ``balance_rollers``; return its norm (N)."""
     f_x, f_y = net_force(model, y)
     push_harmonics(bending, y)
-    press_springs(bending.springs, y)
-    y[FORCE + lay.X] = f_x + pull(bending.springs, lay.SPRINGS_X, y, 0)
-    y[FORCE + lay.Y] = f_y + pull(bending.springs, lay.SPRINGS_Y, y, 0)
+    load_springs(bending.springs, y)
+    y[FORCE + lay.X] = f_x + spring_load(bending.springs, lay.SPRINGS_X, y, 0)
+    y[FORCE + lay.Y] = f_y + spring_load(bending.springs, lay.SPRINGS_Y, y, 0)
     for i in range(harmonics(bending)):
         f_c, f_s = force_on_harmonic(bending, y, i)
-        there_c, there_s = bending.of_harmonic[PER_MASS_C, i] > 0.0, bending.of_harmonic[PER_MASS_S, i] > 0.0
+        there_c, there_s = bending.harmonic_table[PER_MASS_C, i] > 0.0, bending.harmonic_table[PER_MASS_S, i] > 0.0
         y[FORCE + lay.MODES_C + i] = (
-            f_c - bending.of_harmonic[K, i] * y[lay.POSITION + lay.MODES_C + i] if there_c else 0.0
+            f_c - bending.harmonic_table[K, i] * y[lay.POSITION + lay.MODES_C + i] if there_c else 0.0
         )
         y[FORCE + lay.MODES_S + i] = (
-            f_s - bending.of_harmonic[K, i] * y[lay.POSITION + lay.MODES_S + i] if there_s else 0.0
+            f_s - bending.harmonic_table[K, i] * y[lay.POSITION + lay.MODES_S + i] if there_s else 0.0
         )
     total = 0.0
     for k in range(unknowns(bending)):
@@ -103,9 +103,9 @@ def fill_matrix(bending, model, y):
     trace = UNSUPPORTED * tangent(model.outer.stiffness, 1e-7)
     y[MATRIX] = y[MATRIX + N + 1] = model.support.k_b + trace
     for i in range(H):
-        k = bending.of_harmonic[K, i] + trace
-        y[MATRIX + (2 + i) * (N + 1)] = k if bending.of_harmonic[PER_MASS_C, i] > 0.0 else 1.0
-        y[MATRIX + (2 + H + i) * (N + 1)] = k if bending.of_harmonic[PER_MASS_S, i] > 0.0 else 1.0
+        k = bending.harmonic_table[K, i] + trace
+        y[MATRIX + (2 + i) * (N + 1)] = k if bending.harmonic_table[PER_MASS_C, i] > 0.0 else 1.0
+        y[MATRIX + (2 + H + i) * (N + 1)] = k if bending.harmonic_table[PER_MASS_S, i] > 0.0 else 1.0
     for j in range(model.bearing.Z):
         if y[K_SERIES + j] > 0.0:
             add_roller(bending, y, j, N)
@@ -120,12 +120,15 @@ def add_springs(springs: Any, y: np.ndarray, N: int) -> None:
 @add_springs.register(Springs)
 def _add_springs(springs, y, N):
     H = (N - 2) // 2
-    for p in range(springs.by_spring.shape[1]):
+    for p in range(springs.transposed_shapes.shape[1]):
         if y[lay.COMPRESSION + p] > 0.0:
-            y[PHI], y[PHI + 1] = springs.of_spring[COS_S, p], springs.of_spring[SIN_S, p]
+            y[PHI], y[PHI + 1] = springs.spring_table[COS_S, p], springs.spring_table[SIN_S, p]
             for i in range(H):
-                y[PHI + 2 + i], y[PHI + 2 + H + i] = springs.by_spring[0, p, i], springs.by_spring[1, p, i]
-            add_contact(springs.of_spring[K_S, p], y, N)
+                y[PHI + 2 + i], y[PHI + 2 + H + i] = (
+                    springs.transposed_shapes[0, p, i],
+                    springs.transposed_shapes[1, p, i],
+                )
+            add_contact(springs.spring_table[K_S, p], y, N)
 
 
 @jit
@@ -134,10 +137,10 @@ def add_roller(bending, y, j, N):
     y[PHI], y[PHI + 1] = y[lay.COS + j], y[lay.SIN + j]
     H = harmonics(bending)
     for i in range(H):
-        c, s = bending.by_roller[0, j, i], bending.by_roller[1, j, i]
+        c, s = bending.transposed_shapes[0, j, i], bending.transposed_shapes[1, j, i]
         C, S = y[lay.PHASE_C + i], y[lay.PHASE_S + i]
-        y[PHI + 2 + i] = c * C - s * S if bending.of_harmonic[PER_MASS_C, i] > 0.0 else 0.0
-        y[PHI + 2 + H + i] = s * C + c * S if bending.of_harmonic[PER_MASS_S, i] > 0.0 else 0.0
+        y[PHI + 2 + i] = c * C - s * S if bending.harmonic_table[PER_MASS_C, i] > 0.0 else 0.0
+        y[PHI + 2 + H + i] = s * C + c * S if bending.harmonic_table[PER_MASS_S, i] > 0.0 else 0.0
     add_contact(y[K_SERIES + j], y, N)
 
 
@@ -233,8 +236,8 @@ def search_along(bending, model, t, y, push):
     return size
 
 
-@settle.register(Bending)
-def _settle(bending, model, t, y):
+@balance_ring.register(Bending)
+def _balance_ring(bending, model, t, y):
     goal = RESIDUAL * (bending.load + 1e-3)
     balance_rollers(model, t, y)
     size = fill_force(bending, model, y)

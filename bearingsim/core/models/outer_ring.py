@@ -12,12 +12,12 @@ from bearingsim.core.parameters import kinematic_angles, lanes
 from bearingsim.core.sums import sum_loads
 
 
-class Turning(NamedTuple):
+class RingMotion(NamedTuple):
     """Quantities common to all rollers under a kinematic cage and a moving ring.
 
     C, S: cosine and sine of the first roller's angle; u_x, u_y: the ring's centre (m); w_x, w_y: its velocity
-    relative to the rotating cage, u' - omega_c x u, so that w.e_r = d(u.e_r)/dt (m/s); held_x, held_y: force on
-    the ring (N) except that of the rollers.
+    relative to the rotating cage, u' - omega_c x u, so that w.e_r = d(u.e_r)/dt (m/s); external_x, external_y:
+    force on the ring (N) except that of the rollers.
     """
 
     C: float
@@ -26,23 +26,23 @@ class Turning(NamedTuple):
     u_y: float
     w_x: float
     w_y: float
-    held_x: float
-    held_y: float
+    external_x: float
+    external_y: float
 
 
 @inlined
-def turning(model, t, y):
-    """Return ``Turning`` at time ``t`` (s)."""
+def ring_motion(model, t, y):
+    """Return ``RingMotion`` at time ``t`` (s)."""
     theta_c, omega_c = kinematic_angles(model.bearing, t)[0], model.bearing.omega_c
     u_x, u_y = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
     w_x, w_y = y[lay.VELOCITY + lay.X] + omega_c * u_y, y[lay.VELOCITY + lay.Y] - omega_c * u_x
-    held_x, held_y = dynamic_force(model.support, 0.0, 0.0, y)
+    external_x, external_y = dynamic_force(model.support, 0.0, 0.0, y)
     C, S = cos_sin(theta_c)
-    return Turning(C, S, u_x, u_y, w_x, w_y, held_x, held_y)
+    return RingMotion(C, S, u_x, u_y, w_x, w_y, external_x, external_y)
 
 
 @inlined
-def turn_roller(common, y, j):
+def fill_roller_angle(common, y, j):
     """Fill and return cosine and sine of the angle of roller ``j``."""
     c = common.C * y[lay.COS_0 + j] - common.S * y[lay.SIN_0 + j]
     s = common.S * y[lay.COS_0 + j] + common.C * y[lay.SIN_0 + j]
@@ -51,7 +51,7 @@ def turn_roller(common, y, j):
 
 
 @inlined
-def push_ring(y, j):
+def load_ring(y, j):
     """Fill the load of roller ``j`` on the ring, along a normal through the bearing's centre."""
     y[lay.roller_load(lay.F_X) + j] = y[lay.Q_O + j] * y[lay.COS + j]
     y[lay.roller_load(lay.F_Y) + j] = y[lay.Q_O + j] * y[lay.SIN + j]
@@ -84,12 +84,12 @@ def accelerate(m_o, f_x, f_y, y):
 
 @inlined
 def accelerate_ring(model, common, y):
-    """Fill the ring's acceleration under the loads that ``push_ring`` filled.
+    """Fill the ring's acceleration under the loads that ``load_ring`` filled.
 
     Equation (M8) of docs/model.md, second line.
     """
     sum_loads(lay.F_X, lay.F_Y, y, lanes(model.bearing))
-    accelerate(model.bearing.m_o, y[lay.F_X] + common.held_x, y[lay.F_Y] + common.held_y, y)
+    accelerate(model.bearing.m_o, y[lay.F_X] + common.external_x, y[lay.F_Y] + common.external_y, y)
 
 
 @jit

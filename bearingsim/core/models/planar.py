@@ -79,7 +79,7 @@ from bearingsim.core.parts.shaft import (
 )
 from bearingsim.core.sums import sum_loads
 
-AT_REST = 1e-12  # m/s, added to the slip so that friction/slip stays finite at zero slip
+SLIP_OFFSET = 1e-12  # m/s, added to the slip so that friction/slip stays finite at zero slip
 
 
 class Planar(NamedTuple):
@@ -187,11 +187,11 @@ def _load_roller(model, common, y, j):
     y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
     y[lay.Q_I + j] = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
     y[lay.DEFECT_TORQUE + j] = 0.0
-    move_sideways(model, common, 0.0, 0.0, y, j)
+    tangential_forces(model, common, 0.0, 0.0, y, j)
 
 
 @inlined
-def move_sideways(model, common, normal_slope_o, normal_slope_i, y, j):
+def tangential_forces(model, common, normal_slope_o, normal_slope_i, y, j):
     """Compute slip, friction, drag and pocket force of roller ``j``.
 
     Fills FORCE_R, FORCE_T, TORQUE and the roller's loads on the rings.
@@ -218,8 +218,8 @@ def move_sideways(model, common, normal_slope_o, normal_slope_i, y, j):
     s_o = y[lay.TANGENTIAL_V_O + j] * cos_o + y[lay.RHO_V_O + j] * sin_o + beta_v * arm_o - common.turning * on_o
     s_i = y[lay.TANGENTIAL_V_I + j] * cos_i - y[lay.RHO_V_I + j] * sin_i - beta_v * arm_i - common.omega_i * on_i
     y[lay.SLIP_O + j], y[lay.SLIP_I + j] = s_o, s_i
-    s_o += AT_REST if s_o > 0.0 else -AT_REST
-    s_i += AT_REST if s_i > 0.0 else -AT_REST
+    s_o += SLIP_OFFSET if s_o > 0.0 else -SLIP_OFFSET
+    s_i += SLIP_OFFSET if s_i > 0.0 else -SLIP_OFFSET
     per = 1.0 / (s_o * s_i)
     k_o, k_i = mu(friction, s_o, u) * y[lay.Q_O + j] * s_i * per, mu(friction, s_i, u) * y[lay.Q_I + j] * s_o * per
     f_o, f_i = lagged_friction(k_o, k_i, s_o, s_i, along, across)
@@ -277,7 +277,7 @@ def correct_for_defect(model, common, d, j, s, t, y):
     y[lay.DEFECT_TORQUE + j] -= torque if own else 0.0
     normal_slope_o = y[lay.DEFECT_FORCE_O + j] / max(y[lay.Q_O + j], 1e-300)
     normal_slope_i = y[lay.DEFECT_FORCE_I + j] / max(y[lay.Q_I + j], 1e-300)
-    move_sideways(model, common, normal_slope_o, normal_slope_i, y, j)
+    tangential_forces(model, common, normal_slope_o, normal_slope_i, y, j)
     return -torque if outer and not own else 0.0
 
 

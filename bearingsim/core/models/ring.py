@@ -60,7 +60,13 @@ from bearingsim.core.models.interface import (
     stiffness_per_mass,
     update_extremes,
 )
-from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, push_ring, turn_roller, turning
+from bearingsim.core.models.outer_ring import (
+    accelerate_ring,
+    fill_roller_angle,
+    linearise_ring,
+    load_ring,
+    ring_motion,
+)
 from bearingsim.core.parameters import Bearing, Support, lanes
 
 # tangent stiffness and damping of a roller's two contacts in series
@@ -94,7 +100,7 @@ register_roller_model(Ring)
 
 @shared.register(Ring)
 def _shared(model, t, y):
-    return turning(model, t, y)
+    return ring_motion(model, t, y)
 
 
 @inlined
@@ -112,11 +118,11 @@ def share_approach(model, common, c, s, y, j):
 
 @load_roller.register(Ring)
 def _load_roller(model, common, y, j):
-    c, s = turn_roller(common, y, j)
+    c, s = fill_roller_angle(common, y, j)
     share_approach(model, common, c, s, y, j)
     y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
     y[lay.Q_I + j] = y[lay.Q_O + j]
-    push_ring(y, j)
+    load_ring(y, j)
 
 
 @jit
@@ -166,7 +172,7 @@ def correct_for_defects(model, t, y):
         if y[PAIR + j] >= 0.0 or y[PAIR + lay.ROW + j] >= 0.0:
             correct_for_defect(model, y, j)
             y[lay.Q_I + j] = y[lay.Q_O + j]
-            push_ring(y, j)
+            load_ring(y, j)
 
 
 @accelerate_shared.register(Ring)

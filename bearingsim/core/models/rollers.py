@@ -49,7 +49,13 @@ from bearingsim.core.models.interface import (
     stiffness_per_mass,
     update_extremes,
 )
-from bearingsim.core.models.outer_ring import accelerate_ring, linearise_ring, push_ring, turn_roller, turning
+from bearingsim.core.models.outer_ring import (
+    accelerate_ring,
+    fill_roller_angle,
+    linearise_ring,
+    load_ring,
+    ring_motion,
+)
 from bearingsim.core.parameters import Bearing, Support, lanes
 from bearingsim.core.parts import bending
 
@@ -94,7 +100,7 @@ register_roller_model(Rollers)
 
 @shared.register(Rollers)
 def _shared(model, t, y):
-    common = turning(model, t, y)
+    common = ring_motion(model, t, y)
     bending.bend_race(model.bending, common.C, common.S, model.bearing.omega_c, y, lanes(model.bearing))
     return common
 
@@ -114,11 +120,11 @@ def approach_races(model, common, c, s, y, j):
 
 @load_roller.register(Rollers)
 def _load_roller(model, common, y, j):
-    c, s = turn_roller(common, y, j)
+    c, s = fill_roller_angle(common, y, j)
     approach_races(model, common, c, s, y, j)
     y[lay.Q_O + j] = normal_force(model.outer, y[lay.DELTA_O + j], y[lay.V_O + j])
     y[lay.Q_I + j] = normal_force(model.inner, y[lay.DELTA_I + j], y[lay.V_I + j])
-    push_ring(y, j)
+    load_ring(y, j)
 
 
 @inlined
@@ -138,7 +144,7 @@ def correct_for_defect(model, d, j, s, t, y):
     defects, speed = model.defects, passing_speed(model.defects, d, model.bearing)
     if defects.head[d, SIDE] == OUTER:
         correct_contact(OuterSide(), model.outer, defects, d, j, s, speed, y)
-        push_ring(y, j)
+        load_ring(y, j)
     else:
         correct_contact(InnerSide(), model.inner, defects, d, j, s, speed, y)
 
@@ -189,7 +195,7 @@ def _stiffness_per_mass(model, y, j):
 def _damping_per_mass(model, y, j):
     outer = damping_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = damping_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
-    return y[lay.INVERSE_MASS + j] * (outer + inner) + bending.damping_of_race(model.bending, outer)
+    return y[lay.INVERSE_MASS + j] * (outer + inner) + bending.race_damping(model.bending, outer)
 
 
 @degrees_of_freedom.register(Rollers)

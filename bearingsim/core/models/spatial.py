@@ -36,7 +36,7 @@ from bearingsim.core.jit import jit
 from bearingsim.core.laws.damping.interface import damping_bound, stiffness_bound
 from bearingsim.core.laws.friction.interface import mu_derivative_bound
 from bearingsim.core.laws.friction.lag import lagged
-from bearingsim.core.models.bodies_in_space import accelerate_bodies_of, bodies, hold_mounted_rings
+from bearingsim.core.models.bodies_in_space import accelerate_rings_and_cage, bodies, set_mounted_rings
 from bearingsim.core.models.differences import (
     accelerate_bodies,
     difference_jacobian,
@@ -66,11 +66,11 @@ from bearingsim.core.parts.mounts import mount_damping, mount_stiffness
 from bearingsim.core.parts.races_in_space import (
     add_slice,
     clear_sums,
-    keep_line_load,
     race_frame,
     relax_friction,
     side_loads,
     slip_relaxation,
+    update_line_load,
 )
 from bearingsim.core.parts.shaft import (
     damper_per_mass,
@@ -214,13 +214,13 @@ def _accelerations(model, t, y):
     side_loads(InnerSide(), b, common.inner, y, n)
     pocket_forces_in_space(model.cage, model, common.cage, common.omega_cage, common.spin, y, n)
     sum_loads(lay.F_X, lay.M_INNER, y, n)
-    alpha_cage = accelerate_bodies_of(model, common, y)
+    alpha_cage = accelerate_rings_and_cage(model, common, y)
     accelerate_rollers(model, common.omega_cage, alpha_cage, (b.omega_c - b.omega_b) * common.ramp_rate, y, n)
 
 
 @begin.register(Spatial)
 def _begin(model, t, y):
-    hold_mounted_rings(model, y)
+    set_mounted_rings(model, y)
     accelerations(model, t, y)
 
 
@@ -231,7 +231,7 @@ def _update_extremes(model, y):
     for j in range(n):
         y[lay.TILT_MAX + j] = max(y[lay.TILT_MAX + j], abs(y[lay.TILT + j]))
     for k in range(len(model.slices.table)):
-        keep_line_load(lay.slice_row(k, 0), model.slices.table[k, WEIGHT] * model.L_w, y, n)
+        update_line_load(lay.slice_row(k, 0), model.slices.table[k, WEIGHT] * model.L_w, y, n)
 
 
 next_jump.register(Spatial)(next_jump_with_slip)
@@ -321,7 +321,7 @@ def _is_free_coordinate(model, i):
 
 @accelerate_bodies.register(Spatial)
 def _accelerate_bodies(model, t, y):
-    accelerate_bodies_of(model, bodies(model, t, y), y)
+    accelerate_rings_and_cage(model, bodies(model, t, y), y)
 
 
 KIND = ModelKind(Spatial, per_crossing=100)

@@ -25,7 +25,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.clock import is_over
 from bearingsim.core.geometry.motion import kinematic_time
 from bearingsim.core.jit import jit
-from bearingsim.core.models.bodies_in_space import hold_mounted_rings
+from bearingsim.core.models.bodies_in_space import set_mounted_rings
 from bearingsim.core.models.equilibrium import NoEquilibrium, solve_2x2, solve_in_cpu_time
 from bearingsim.core.models.spatial_residuals import (
     CELLS,
@@ -189,7 +189,7 @@ def balance(arrays, model, t, y):
 
     Moments are divided by half a roller's length.
     """
-    hold_mounted_rings(model, y)
+    set_mounted_rings(model, y)
     s = scales(model, t)
     goal = LOOSE * s.load
     size = settle(model, t, y, s, arrays, goal)

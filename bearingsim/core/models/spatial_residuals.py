@@ -23,7 +23,7 @@ from bearingsim.core.models.equilibrium import solve_2x2
 from bearingsim.core.models.spatial import race_contacts, roller_axes
 from bearingsim.core.parameters import lanes
 from bearingsim.core.parts.flanges import axial_position
-from bearingsim.core.parts.mounts import mount_load, mount_rates
+from bearingsim.core.parts.mounts import mount_load, mount_spring_rates
 from bearingsim.core.parts.races_in_space import side_loads
 from bearingsim.core.sums import sum_loads
 
@@ -227,7 +227,7 @@ def stiffen_rings(model, y, arrays):
 def hold_rings(model, arrays):
     """Add the stiffness of the rings' supports to ``arrays.stiff``; fix the coordinates without a spring."""
     k_b = model.support.k_b + 1e-8 * tangent(model.outer.stiffness, 1e-7)
-    (z_o, tilt_o), (z_i, tilt_i) = mount_rates(model.mount_o), mount_rates(model.mount_i)
+    (z_o, tilt_o), (z_i, tilt_i) = mount_spring_rates(model.mount_o), mount_spring_rates(model.mount_i)
     held = (k_b, k_b, z_o, tilt_o, tilt_o, z_i, tilt_i, tilt_i)
     for v in range(RINGS):
         if held[v] == 0.0:

@@ -35,21 +35,21 @@ class RigidRing(NamedTuple):
 class Bending(NamedTuple):
     """Flexible ring with H harmonics: n = 2, 3, ..., then n = 0, a carrier if any, and padding to a multiple of 8.
 
-    of_harmonic: (10, H), rows as named below; at_rollers: (2, harmonics of the ring, lanes) cos(n phi_j) and
-    sin(n phi_j); by_roller: (2, Z, H), the same; breathing: index of harmonic n = 0; mobility: largest eigenvalue
-    (1/kg) of the matrix from forces at the rollers to the accelerations of the race there; highest,
-    highest_damping: largest stiffness (1/s^2) and damping (1/s) over mass of any motion of the ring with its
-    springs; sensor_x, sensor_y: cosine and sine of the angle of a sensor on the ring; load: magnitude of the load
-    (N); springs: springs around the ring.
+    harmonic_table: (10, H), rows as named below; shapes: (2, harmonics of the ring, lanes) cos(n phi_j) and
+    sin(n phi_j); transposed_shapes: (2, Z, H), the same; breathing_index: index of harmonic n = 0; mobility:
+    largest eigenvalue (1/kg) of the matrix from forces at the rollers to the accelerations of the race there;
+    max_stiffness, max_damping: largest stiffness (1/s^2) and damping (1/s) over mass of any motion of the ring
+    with its springs; sensor_x, sensor_y: cosine and sine of the angle of a sensor on the ring; load: magnitude of
+    the load (N); springs: springs around the ring.
     """
 
-    of_harmonic: np.ndarray
-    at_rollers: np.ndarray
-    by_roller: np.ndarray
-    breathing: int
+    harmonic_table: np.ndarray
+    shapes: np.ndarray
+    transposed_shapes: np.ndarray
+    breathing_index: int
     mobility: float
-    highest: float
-    highest_damping: float
+    max_stiffness: float
+    max_damping: float
     sensor_x: float
     sensor_y: float
     load: float
@@ -70,13 +70,14 @@ class NoSprings(NamedTuple):
 class Springs(NamedTuple):
     """P compression-only springs between the ring and a rigid carrier, whose position is stored as a harmonic.
 
-    of_spring: (5, P padded to 8), rows as named below; at: (2, n, P padded) compression of a spring per amplitude,
-    n counting the harmonics and the carrier; by_spring: (2, P, H) the same; carrier: index of the carrier in H.
+    spring_table: (5, P padded to 8), rows as named below; shapes: (2, n, P padded) compression of a spring per
+    amplitude, n counting the harmonics and the carrier; transposed_shapes: (2, P, H) the same; carrier: index of
+    the carrier in H.
     """
 
-    of_spring: np.ndarray
-    at: np.ndarray
-    by_spring: np.ndarray
+    spring_table: np.ndarray
+    shapes: np.ndarray
+    transposed_shapes: np.ndarray
     carrier: int
 
 
@@ -92,7 +93,7 @@ def harmonics(bending: Any) -> int:
 
 @harmonics.register(Bending)
 def _harmonics(bending):
-    return bending.of_harmonic.shape[1]
+    return bending.harmonic_table.shape[1]
 
 
 @generic(inline="late", absent=None)
@@ -126,31 +127,31 @@ def accelerate_harmonics(bending: Any, m_o: float, y: np.ndarray) -> None:
 
 
 @generic(inline="late", absent=None)
-def press_springs(springs: Any, y: np.ndarray) -> None:
+def load_springs(springs: Any, y: np.ndarray) -> None:
     """Fill SPRING_FORCE and its loads: SPRING_FORCE_C, SPRING_FORCE_S on the amplitudes, SPRINGS_X, SPRINGS_Y on
     the ring's centre.
     """
 
 
 def ring_position(springs, y):
-    """Return ``held_position`` of a ring without springs: that of the ring's centre."""
+    """Return ``supported_position`` of a ring without springs: that of the ring's centre."""
     return y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
 
 
 @generic(absent=ring_position)
-def held_position(springs: Any, y: np.ndarray) -> tuple[float, float]:
+def supported_position(springs: Any, y: np.ndarray) -> tuple[float, float]:
     """Return the position (m, m) of the body held by the bracket: the ring, or the carrier around it."""
 
 
-@held_position.register(Springs)
-def _held_position(springs, y):
+@supported_position.register(Springs)
+def _supported_position(springs, y):
     i = springs.carrier
     return y[lay.POSITION + lay.MODES_C + i], y[lay.POSITION + lay.MODES_S + i]
 
 
 @generic(inline="late", absent=0.0)
-def pull(springs: Any, row: int, y: np.ndarray, i: int) -> float:
-    """Return entry ``i`` of a row that ``press_springs`` fills (N): SPRING_FORCE_C, SPRING_FORCE_S, SPRINGS_X or
+def spring_load(springs: Any, row: int, y: np.ndarray, i: int) -> float:
+    """Return entry ``i`` of a row that ``load_springs`` fills (N): SPRING_FORCE_C, SPRING_FORCE_S, SPRINGS_X or
     SPRINGS_Y.
     """
 
@@ -175,7 +176,7 @@ def race_stiffness_bound(bending: Any, K: float, per_mass: float, k: float) -> f
 
 
 @generic(inline="late", absent=0.0)
-def damping_of_race(bending: Any, c: float) -> float:
+def race_damping(bending: Any, c: float) -> float:
     """Return the damping over mass (1/s) that a flexible race adds to a roller's.
 
     c: damping of the roller's outer contact, N s/m.
@@ -185,14 +186,14 @@ def damping_of_race(bending: Any, c: float) -> float:
 @race_stiffness_bound.register(Bending)
 def _bent_race_bound(bending, K, per_mass, k):
     k = k if per_mass > 0.0 else 0.0  # a padded lane
-    of_race = bending.highest + k * bending.mobility
+    of_race = bending.max_stiffness + k * bending.mobility
     half = 0.5 * (K - of_race)
     return 0.5 * (K + of_race) + sqrt(half * half + k * k * bending.mobility * per_mass)
 
 
-@damping_of_race.register(Bending)
-def _damping_of_race(bending, c):
-    return bending.highest_damping + bending.mobility * c
+@race_damping.register(Bending)
+def _race_damping(bending, c):
+    return bending.max_damping + bending.mobility * c
 
 
 @bend.register(Bending)
@@ -217,17 +218,17 @@ def turn_harmonics(bending, C, S, y):
         c = C if i == 3 else (1.0 if i == 2 else y[lay.PHASE_C + i - 4])
         s = S if i == 3 else (0.0 if i == 2 else y[lay.PHASE_S + i - 4])
         y[lay.PHASE_C + i], y[lay.PHASE_S + i] = c * c_4 - s * s_4, s * c_4 + c * s_4
-    for i in range(8, bending.of_harmonic.shape[1]):
+    for i in range(8, bending.harmonic_table.shape[1]):
         c, s = y[lay.PHASE_C + i - 8], y[lay.PHASE_S + i - 8]
         y[lay.PHASE_C + i], y[lay.PHASE_S + i] = c * c_8 - s * s_8, s * c_8 + c * s_8
-    y[lay.PHASE_C + bending.breathing], y[lay.PHASE_S + bending.breathing] = 1.0, 0.0
+    y[lay.PHASE_C + bending.breathing_index], y[lay.PHASE_S + bending.breathing_index] = 1.0, 0.0
 
 
 @inlined
 def turn_amplitudes(bending, omega_c, y):
     """Fill AMPLITUDE_C to AMPLITUDE_V_S: amplitudes in the frame of the rollers, rates along a roller's path."""
-    for i in range(bending.of_harmonic.shape[1]):
-        c, s, turning = y[lay.PHASE_C + i], y[lay.PHASE_S + i], omega_c * bending.of_harmonic[N, i]
+    for i in range(bending.harmonic_table.shape[1]):
+        c, s, turning = y[lay.PHASE_C + i], y[lay.PHASE_S + i], omega_c * bending.harmonic_table[N, i]
         a, b = y[lay.POSITION + lay.MODES_C + i], y[lay.POSITION + lay.MODES_S + i]
         a_v = y[lay.VELOCITY + lay.MODES_C + i] + turning * b
         b_v = y[lay.VELOCITY + lay.MODES_S + i] - turning * a
@@ -242,7 +243,7 @@ def _bend_race(bending, C, S, omega_c, y, rollers):
     for lane in range(0, rollers, lay.VECTOR_WIDTH):
         to = (lay.BEND + lane, lay.BEND_V + lane)
         sum_harmonics(
-            bending.at_rollers,
+            bending.shapes,
             (lay.AMPLITUDE_C, lay.AMPLITUDE_V_C),
             (lay.AMPLITUDE_S, lay.AMPLITUDE_V_S),
             y,
@@ -254,45 +255,51 @@ def _bend_race(bending, C, S, omega_c, y, rollers):
 @inlined
 def push_harmonics(bending, y):
     """Fill ROLLER_FORCE_C, ROLLER_FORCE_S: generalised forces of Q_O on the amplitudes, in the rollers' frame."""
-    for lane in range(0, bending.of_harmonic.shape[1], lay.VECTOR_WIDTH):
-        sum_rollers(bending.by_roller, lay.Q_O, y, lane, (lay.ROLLER_FORCE_C + lane, lay.ROLLER_FORCE_S + lane))
+    for lane in range(0, bending.harmonic_table.shape[1], lay.VECTOR_WIDTH):
+        sum_rollers(
+            bending.transposed_shapes, lay.Q_O, y, lane, (lay.ROLLER_FORCE_C + lane, lay.ROLLER_FORCE_S + lane)
+        )
 
 
-@press_springs.register(Springs)
-def _press_springs(springs, y):
+@load_springs.register(Springs)
+def _load_springs(springs, y):
     press_each_spring(springs, y)
-    shape, x, z = springs.by_spring.shape, 0.0, 0.0
+    shape, x, z = springs.transposed_shapes.shape, 0.0, 0.0
     for lane in range(0, shape[2], lay.VECTOR_WIDTH):
         sum_rollers(
-            springs.by_spring, lay.SPRING_FORCE, y, lane, (lay.SPRING_FORCE_C + lane, lay.SPRING_FORCE_S + lane)
+            springs.transposed_shapes,
+            lay.SPRING_FORCE,
+            y,
+            lane,
+            (lay.SPRING_FORCE_C + lane, lay.SPRING_FORCE_S + lane),
         )
     for p in range(shape[1]):
-        x -= springs.of_spring[COS_S, p] * y[lay.SPRING_FORCE + p]
-        z -= springs.of_spring[SIN_S, p] * y[lay.SPRING_FORCE + p]
+        x -= springs.spring_table[COS_S, p] * y[lay.SPRING_FORCE + p]
+        z -= springs.spring_table[SIN_S, p] * y[lay.SPRING_FORCE + p]
     y[lay.SPRINGS_X], y[lay.SPRINGS_Y] = x, z
 
 
 @inlined
 def press_each_spring(springs, y):
     """Fill COMPRESSION, COMPRESSION_V, SPRING_FORCE."""
-    lanes = springs.of_spring.shape[1]
+    lanes = springs.spring_table.shape[1]
     rows_c = (lay.POSITION + lay.MODES_C, lay.VELOCITY + lay.MODES_C)
     rows_s = (lay.POSITION + lay.MODES_S, lay.VELOCITY + lay.MODES_S)
     for lane in range(0, lanes, lay.VECTOR_WIDTH):
-        sum_harmonics(springs.at, rows_c, rows_s, y, lane, (lay.COMPRESSION + lane, lay.COMPRESSION_V + lane))
+        sum_harmonics(springs.shapes, rows_c, rows_s, y, lane, (lay.COMPRESSION + lane, lay.COMPRESSION_V + lane))
     u_x, u_y = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
     w_x, w_y = y[lay.VELOCITY + lay.X], y[lay.VELOCITY + lay.Y]
     for p in range(lanes):
-        c, s = springs.of_spring[COS_S, p], springs.of_spring[SIN_S, p]
-        pressed = springs.of_spring[FIT, p] + y[lay.COMPRESSION + p] + u_x * c + u_y * s
+        c, s = springs.spring_table[COS_S, p], springs.spring_table[SIN_S, p]
+        pressed = springs.spring_table[FIT, p] + y[lay.COMPRESSION + p] + u_x * c + u_y * s
         rate = y[lay.COMPRESSION_V + p] + w_x * c + w_y * s
-        force = springs.of_spring[K_S, p] * pressed + springs.of_spring[C_S, p] * rate
+        force = springs.spring_table[K_S, p] * pressed + springs.spring_table[C_S, p] * rate
         y[lay.COMPRESSION + p] = pressed
         y[lay.SPRING_FORCE + p] = max(force, 0.0) if pressed > 0.0 else 0.0
 
 
-@pull.register(Springs)
-def _pull(springs, row, y, i):
+@spring_load.register(Springs)
+def _spring_load(springs, row, y, i):
     return y[row + i]
 
 
@@ -302,9 +309,9 @@ def force_on_harmonic(bending, y, i):
     ``i``."""
     c, s = y[lay.PHASE_C + i], y[lay.PHASE_S + i]
     push_c, push_s = y[lay.ROLLER_FORCE_C + i], y[lay.ROLLER_FORCE_S + i]
-    f_c = bending.of_harmonic[LOAD_C, i] + push_c * c - push_s * s
-    f_s = bending.of_harmonic[LOAD_S, i] + push_c * s + push_s * c
-    return f_c - pull(bending.springs, lay.SPRING_FORCE_C, y, i), f_s - pull(
+    f_c = bending.harmonic_table[LOAD_C, i] + push_c * c - push_s * s
+    f_s = bending.harmonic_table[LOAD_S, i] + push_c * s + push_s * c
+    return f_c - spring_load(bending.springs, lay.SPRING_FORCE_C, y, i), f_s - spring_load(
         bending.springs, lay.SPRING_FORCE_S, y, i
     )
 
@@ -312,19 +319,19 @@ def force_on_harmonic(bending, y, i):
 @accelerate_harmonics.register(Bending)
 def _accelerate_harmonics(bending, m_o, y):
     push_harmonics(bending, y)
-    press_springs(bending.springs, y)
-    y[lay.ACCELERATION + lay.X] += pull(bending.springs, lay.SPRINGS_X, y, 0) / m_o
-    y[lay.ACCELERATION + lay.Y] += pull(bending.springs, lay.SPRINGS_Y, y, 0) / m_o
-    for i in range(bending.of_harmonic.shape[1]):
+    load_springs(bending.springs, y)
+    y[lay.ACCELERATION + lay.X] += spring_load(bending.springs, lay.SPRINGS_X, y, 0) / m_o
+    y[lay.ACCELERATION + lay.Y] += spring_load(bending.springs, lay.SPRINGS_Y, y, 0) / m_o
+    for i in range(bending.harmonic_table.shape[1]):
         f_c, f_s = force_on_harmonic(bending, y, i)
-        k, c = bending.of_harmonic[K_M, i], bending.of_harmonic[C_M, i]
+        k, c = bending.harmonic_table[K_M, i], bending.harmonic_table[C_M, i]
         y[lay.ACCELERATION + lay.MODES_C + i] = (
-            bending.of_harmonic[PER_MASS_C, i] * f_c
+            bending.harmonic_table[PER_MASS_C, i] * f_c
             - k * y[lay.POSITION + lay.MODES_C + i]
             - c * y[lay.VELOCITY + lay.MODES_C + i]
         )
         y[lay.ACCELERATION + lay.MODES_S + i] = (
-            bending.of_harmonic[PER_MASS_S, i] * f_s
+            bending.harmonic_table[PER_MASS_S, i] * f_s
             - k * y[lay.POSITION + lay.MODES_S + i]
             - c * y[lay.VELOCITY + lay.MODES_S + i]
         )
@@ -340,7 +347,7 @@ def shift_to_sensor(bending, block, y):
 def _read_sensor(bending, y):
     n = harmonics(bending)
     for i in range(n):  # AMPLITUDE rows serve as work space: they are not needed after the evaluation
-        c, s = bending.of_harmonic[SENSOR_C, i], bending.of_harmonic[SENSOR_S, i]
+        c, s = bending.harmonic_table[SENSOR_C, i], bending.harmonic_table[SENSOR_S, i]
         y[lay.AMPLITUDE_C + i] = c * y[lay.POSITION + lay.MODES_C + i] + s * y[lay.POSITION + lay.MODES_S + i]
         y[lay.AMPLITUDE_S + i] = c * y[lay.VELOCITY + lay.MODES_C + i] + s * y[lay.VELOCITY + lay.MODES_S + i]
         y[lay.AMPLITUDE_V_C + i] = (

@@ -21,7 +21,7 @@ from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.stiffness.interface import tangent
 from bearingsim.core.parts.cage import FreeCage, radial_stop
-from bearingsim.core.parts.races_in_space import AT_REST
+from bearingsim.core.parts.races_in_space import SLIP_OFFSET
 
 
 @absent
@@ -239,7 +239,7 @@ def pocket_slice_force(cage, bearing, spin, zeta, weight, drop, y, n):
             + zeta * y[lay.POCKET_SLIP_Z_SLOPE + j]
             + side * radius * y[lay.POCKET_OMEGA_R + j]
         )
-        speed = sqrt(slip * slip + drift * drift + AT_REST * AT_REST)
+        speed = sqrt(slip * slip + drift * drift + SLIP_OFFSET * SLIP_OFFSET)
         kappa = mu(cage.friction, speed, bearing.R_w * spin) * N / speed
         f, f_b = kappa * slip, kappa * drift
         y[lay.POCKET_FORCE_W + j] -= side * N

@@ -25,7 +25,7 @@ from bearingsim.core.jit import absent, add, generic, jit
 from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.stiffness.interface import tangent
-from bearingsim.core.parts.races_in_space import AT_REST
+from bearingsim.core.parts.races_in_space import SLIP_OFFSET
 
 
 @absent
@@ -200,7 +200,7 @@ def slip_at(view, ring, Y, tips, omega):
     turns = combine_three(1.0, cross(view.a, tips), rolls, view.a, -ring.omega, view.b)
     x = combine_three(1.0, cross(turns, Y), 1.0, view.moves, -ring.omega * view.rho, view.tau)
     x = combine(1.0, x, -dot(x, view.a), view.a)
-    return (x[0], x[1], x[2], sqrt(dot(x, x) + AT_REST * AT_REST)), abs(rolls)
+    return (x[0], x[1], x[2], sqrt(dot(x, x) + SLIP_OFFSET * SLIP_OFFSET)), abs(rolls)
 
 
 @jit

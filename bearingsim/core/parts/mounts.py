@@ -45,22 +45,22 @@ class ElasticMount(NamedTuple):
 
 
 @generic
-def hold_mounted_ring(held: Any, y: Any, z: int, tilt_x: int, tilt_y: int) -> None:
+def set_mounted_ring(held: Any, y: Any, z: int, tilt_x: int, tilt_y: int) -> None:
     """Set a ring on a rigid mount to its mounted position, where it stays because it has no acceleration.
 
     z, tilt_x, tilt_y: shared coordinates of the ring.
     """
 
 
-@hold_mounted_ring.register(RigidMount)
-def _hold_mounted_ring_held(held, y, z, tilt_x, tilt_y):
+@set_mounted_ring.register(RigidMount)
+def _set_mounted_ring_rigid(held, y, z, tilt_x, tilt_y):
     y[lay.POSITION + z], y[lay.POSITION + tilt_x], y[lay.POSITION + tilt_y] = 0.0, held.tilt_x, held.tilt_y
     for block in (lay.VELOCITY, lay.ACCELERATION):
         y[block + z], y[block + tilt_x], y[block + tilt_y] = 0.0, 0.0, 0.0
 
 
-@hold_mounted_ring.register(ElasticMount)
-def _hold_mounted_ring_sprung(held, y, z, tilt_x, tilt_y):
+@set_mounted_ring.register(ElasticMount)
+def _set_mounted_ring_elastic(held, y, z, tilt_x, tilt_y):
     return None
 
 
@@ -75,7 +75,7 @@ def accelerate_mounted_ring(
 
 
 @accelerate_mounted_ring.register(ElasticMount)
-def _accelerate_mounted_ring_sprung(held, ring, f_z, m_x, m_y, m_z, y, z, tilt_x, tilt_y):
+def _accelerate_mounted_ring_elastic(held, ring, f_z, m_x, m_y, m_z, y, z, tilt_x, tilt_y):
     b = ring
     s_x = -held.k_tilt * (b.a_x - held.tilt_x) - held.c_tilt * b.w_x  # force on the tip of b, at 1 m
     s_y = -held.k_tilt * (b.a_y - held.tilt_y) - held.c_tilt * b.w_y
@@ -100,17 +100,17 @@ def mount_springs(held: Any) -> tuple[float, float, float, float]:
 
 
 @mount_mobility.register(ElasticMount)
-def _mount_mobility_sprung(held):
+def _mount_mobility_elastic(held):
     return 1.0 / held.m, 1.0 / held.I_t, held.I_a
 
 
 @mount_springs.register(ElasticMount)
-def _mount_springs_sprung(held):
+def _mount_springs_elastic(held):
     return held.k_z / held.m, held.c_z / held.m, held.k_tilt / held.I_t, held.c_tilt / held.I_t
 
 
 @generic(absent=(0.0, 0.0))
-def mount_rates(held: Any) -> tuple[float, float]:
+def mount_spring_rates(held: Any) -> tuple[float, float]:
     """Return the axial (N/m) and the tilting stiffness (N m/rad) of the mount; zero if it is rigid."""
 
 
@@ -121,13 +121,13 @@ def mount_load(
     """Return the net axial force (N) and the net moments (N m) that drive b_x and b_y, without dampers."""
 
 
-@mount_rates.register(ElasticMount)
-def _mount_rates_sprung(held):
+@mount_spring_rates.register(ElasticMount)
+def _mount_rates_elastic(held):
     return held.k_z, held.k_tilt
 
 
 @mount_load.register(ElasticMount)
-def _mount_load_sprung(held, y, f_z, m_x, m_y, m_z, z, tilt_x, tilt_y):
+def _mount_load_elastic(held, y, f_z, m_x, m_y, m_z, z, tilt_x, tilt_y):
     b_x, b_y = y[lay.POSITION + tilt_x], y[lay.POSITION + tilt_y]
     b_z = sqrt(1.0 - b_x * b_x - b_y * b_y)
     on_x, on_y = m_y * b_z - m_z * b_y, m_z * b_x - m_x * b_z  # equivalent force on the tip of b, at 1 m
@@ -149,10 +149,10 @@ def mount_damping(held: Any) -> float:
 
 
 @mount_stiffness.register(ElasticMount)
-def _mount_stiffness_sprung(held):
+def _mount_stiffness_elastic(held):
     return max(held.k_z / held.m, held.k_tilt / held.I_t)
 
 
 @mount_damping.register(ElasticMount)
-def _mount_damping_sprung(held):
+def _mount_damping_elastic(held):
     return max(held.c_z / held.m, held.c_tilt / held.I_t)

@@ -26,7 +26,7 @@ from bearingsim.core.laws.damping.interface import normal_force
 from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.friction.lag import implicit_fraction
 
-AT_REST = 1e-12  # m/s, added in quadrature to the slip so that friction/slip stays finite at zero slip
+SLIP_OFFSET = 1e-12  # m/s, added in quadrature to the slip so that friction/slip stays finite at zero slip
 NONNEGATIVE = 0x7FFFFFFF  # mask that shows the compiler that a buffer index is not negative
 FEW = 127  # mask that shows it the bound on the number of rollers, so that rows of slices cannot overlap others
 
@@ -165,7 +165,7 @@ def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
     rate = sigma * apart - normal_slope * (across - (turning + own * (rolls - turning)) * rho)
 
     force = weight * (1.0 - y[base + lay.STIFFNESS_LOSS + j]) * normal_force(law, delta, rate)
-    speed = sqrt(slip * slip + drift * drift + AT_REST * AT_REST)
+    speed = sqrt(slip * slip + drift * drift + SLIP_OFFSET * SLIP_OFFSET)
     kappa = mu(friction, speed, y[lay.ROLLING_SPEED + j]) * force / speed
     push, shove, f, f_b = -sigma * force, normal_slope * force, kappa * slip, kappa * drift
     g_r = push * n_r + shove * t_r - f * e_r - f_b * b_r
@@ -201,7 +201,7 @@ def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
 
 
 @jit
-def keep_line_load(row, width, y, n):
+def update_line_load(row, width, y, n):
     """Update the largest line load with the loads of a slice of ``width`` (m) whose rows begin at ``row``."""
     row &= NONNEGATIVE
     per_width = 1.0 / width

@@ -21,7 +21,7 @@ import numpy as np
 
 from bearingsim.core.laws.hertz import effective_modulus
 from bearingsim.core.laws.oil_film import (
-    OiledLine,
+    LubricatedLine,
     entrainment_speed,
     film_damping,
     film_thickness,
@@ -52,7 +52,7 @@ class Drawn(NamedTuple):
     share: float
     rpm: float
     Q: float
-    line: OiledLine
+    line: LubricatedLine
 
     @property
     def k(self) -> float:
@@ -75,7 +75,7 @@ def contact(
     R = relative_radius(race, D, D_m)
     u = entrainment_speed(rpm * pi / 30.0, D_m, D)
     return Drawn(race, D, share, rpm, share * STATIC_PRESSURE**2 * pi * R / STEEL * L,
-                 OiledLine(L, R, STEEL, eta, alpha, u))  # fmt: skip
+                 LubricatedLine(L, R, STEEL, eta, alpha, u))  # fmt: skip
 
 
 def draw() -> Iterator[Drawn]:
@@ -97,11 +97,11 @@ def measure(case: Drawn) -> dict[str, Any]:
     slow, fast = K.imag / omega
     closed, (M, L), thickness = film_damping(Q, k, line), moes_numbers(Q, line), film_thickness(Q, line)
     b = half_widths(Q, line)
-    A, B = inlet_squeeze(thickness.least, line), 0.69 * thickness.central / line.u * k * k * b / (2.0 * Q)
+    A, B = inlet_squeeze(thickness.minimum, line), 0.69 * thickness.central / line.u * k * k * b / (2.0 * Q)
     row = (
         case.race, case.D * 1e3, line.L * 1e3, case.share, Q, case.rpm, line.eta * 1e3, line.alpha * 1e9,
         line.u, M, L, transition(Q, line), film.contact.hertz / 1e9, film.flow * 1e6, thickness.central * 1e6,
-        film.thinnest * 1e6, thickness.least * 1e6, K[0].real / k, slow, closed, closed / slow,
+        film.thinnest * 1e6, thickness.minimum * 1e6, K[0].real / k, slow, closed, closed / slow,
         min(A, B) / slow, slow / k * 1e6, case.own / (2.0 * pi), case.own * T, fast,
         film_damping(Q, k, line, case.own),
     )  # fmt: skip

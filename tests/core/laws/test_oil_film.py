@@ -11,9 +11,9 @@ from bearingsim.core.laws.hertz import ball_on_race, effective_modulus, half_wid
 from bearingsim.core.laws.oil_film import (
     LAG,
     MARTIN,
-    OiledLine,
+    LubricatedLine,
     ball_as_strip,
-    carried,
+    entrainment_damping,
     entrainment_speed,
     film_compliance,
     film_damping,
@@ -23,14 +23,14 @@ from bearingsim.core.laws.oil_film import (
     inlet_squeeze,
     moes_numbers,
     roll_off,
-    squeezed,
+    squeeze_damping,
 )
 from bearingsim.core.laws.oil_viscosity import iso_viscosity, oil_density, walther
 from tests.independent.ehl import Contact, at_rest, light, loss_in_time, stiffness
 
 E, NU = 207e9, 0.3
 STEEL = effective_modulus(E, NU)
-NF308 = OiledLine(0.012, 7.1e-3, STEEL, 0.03, 2.0e-8, 2.96)
+NF308 = LubricatedLine(0.012, 7.1e-3, STEEL, 0.03, 2.0e-8, 2.96)
 LOADS = (20.0, 60.0, 150.0, 500.0, 1500.0, 5000.0)
 
 
@@ -82,13 +82,13 @@ def test_the_solution_meets_rigid_cylinders():
     film = solved(Q, line)
     h = MARTIN * line.eta * line.u * line.R * line.L / Q
     assert film.thinnest == pytest.approx(h, rel=0.02, abs=0.0)
-    assert film_thickness(Q, line).least == pytest.approx(h, rel=0.02, abs=0.0)
+    assert film_thickness(Q, line).minimum == pytest.approx(h, rel=0.02, abs=0.0)
     assert stiffness(film, 1e15, 1.0)[0].imag == pytest.approx(inlet_squeeze(h, line), rel=0.05, abs=0.0)
 
 
 def test_a_soft_film_has_the_damping_of_rigid_cylinders():
     Q = 1.0
-    h = film_thickness(Q, NF308).least
+    h = film_thickness(Q, NF308).minimum
     assert film_damping(Q, palmgren(Q, NF308), NF308) == pytest.approx(inlet_squeeze(h, NF308), rel=0.02, abs=0.0)
 
 
@@ -111,14 +111,14 @@ def test_the_four_asymptotes_of_moes(M, L, central, least):
     unit = line.R * sqrt(line.eta * line.u / (line.E_star * line.R))
     film = film_thickness(Q, line)
     assert film.central / unit == pytest.approx(central, rel=0.03, abs=0.0)
-    assert film.least / unit == pytest.approx(least, rel=0.03, abs=0.0)
+    assert film.minimum / unit == pytest.approx(least, rel=0.03, abs=0.0)
 
 
 @pytest.mark.parametrize("Q", LOADS)
 def test_film_and_damping_against_solutions(Q):
     film, k, omega = solved(Q, NF308), palmgren(Q, NF308), 10.0
     assert film_thickness(Q, NF308).central == pytest.approx(film.flow, rel=0.07, abs=0.0)
-    assert film_thickness(Q, NF308).least == pytest.approx(film.thinnest, rel=0.07, abs=0.0)
+    assert film_thickness(Q, NF308).minimum == pytest.approx(film.thinnest, rel=0.07, abs=0.0)
     c = stiffness(film, k, omega)[0].imag / omega
     assert 0.8 * c < film_damping(Q, k, NF308) < 1.25 * c
 
@@ -145,20 +145,22 @@ def test_the_film_is_a_spring_and_a_damper_in_series_with_the_contact():
     """At a load so light that both are rigid: 1/k + 1/(k_f + i omega c_f), but for the faster roll-off."""
     Q, k, omega = 20.0, 3e8, 2e4
     k_f = 1.0 / film_compliance(Q, NF308)
-    lag = LAG * sqrt(2.0 * NF308.R * film_thickness(Q, NF308).least) / NF308.u
+    lag = LAG * sqrt(2.0 * NF308.R * film_thickness(Q, NF308).minimum) / NF308.u
     slow = 1.0 / (1.0 / k + 1.0 / (k_f * (1.0 + 1e-4j * lag)))
-    assert squeezed(Q, k, NF308) == pytest.approx(slow.imag / 1e-4, rel=1e-6, abs=0.0)
+    assert squeeze_damping(Q, k, NF308) == pytest.approx(slow.imag / 1e-4, rel=1e-6, abs=0.0)
     fast = 1.0 / (1.0 / k + 1.0 / (k_f * (1.0 + 0.79j * omega * lag)))
-    assert squeezed(Q, k, NF308, omega) == pytest.approx(fast.imag / (0.79 * omega), rel=1e-6, abs=0.0)
+    assert squeeze_damping(Q, k, NF308, omega) == pytest.approx(fast.imag / (0.79 * omega), rel=1e-6, abs=0.0)
 
 
 def test_what_a_growing_contact_carries_in():
     """n (h/u) k db/d(delta) with db/d(delta) from the half widths of two loads."""
     Q, k = 2e3, 4e8
     db = (half_widths(Q + 1.0, NF308) - half_widths(Q - 1.0, NF308)) / (2.0 / k)
-    n = carried(Q, k, NF308) / (film_thickness(Q, NF308).central / NF308.u * k * db)
+    n = entrainment_damping(Q, k, NF308) / (film_thickness(Q, NF308).central / NF308.u * k * db)
     assert 0.6 < n < 0.9
-    assert carried(Q, k, NF308, exponent=1 / 3) == pytest.approx(2 / 3 * carried(Q, k, NF308), rel=1e-12, abs=0.0)
+    assert entrainment_damping(Q, k, NF308, exponent=1 / 3) == pytest.approx(
+        2 / 3 * entrainment_damping(Q, k, NF308), rel=1e-12, abs=0.0
+    )
     assert half_widths(Q, NF308) == pytest.approx(half_width(Q, NF308.L, NF308.R, E, NU), rel=1e-12, abs=0.0)
 
 

@@ -16,7 +16,13 @@ from bearingsim.core.laws.damping.interface import damping_bound, derivatives, n
 from bearingsim.core.laws.damping.tabulated import Tabulated
 from bearingsim.core.laws.hertz import effective_modulus
 from bearingsim.core.laws.octaves import FLOOR, tabulate, value
-from bearingsim.core.laws.oil_film import OiledLine, ball_as_strip, entrainment_speed, film_damping, hysteresis
+from bearingsim.core.laws.oil_film import (
+    LubricatedLine,
+    ball_as_strip,
+    entrainment_speed,
+    film_damping,
+    hysteresis,
+)
 from bearingsim.core.laws.stiffness.interface import elastic, tangent
 from tests.scenes.laws import STEEL
 
@@ -103,7 +109,7 @@ def expected(given: Case, on_outer: bool, Q: float) -> tuple[float, float]:
         point = contacts.point_contact(given, on_outer)
         a, short = point.semi_axes(Q)
         (L, R), growth = ball_as_strip(a, short, 1.5 * Q / (pi * a * short), E_star), 1.0 / 3.0
-    line = OiledLine(L, R, E_star, film.inlet_viscosity, film.pressure_coefficient, u)
+    line = LubricatedLine(L, R, E_star, film.inlet_viscosity, film.pressure_coefficient, u)
     oil = film_damping(Q, k, line, omega if film.at == "own" else 0.0, growth)
     return float(oil), float(hysteresis(k, omega, film.loss_factor))
 

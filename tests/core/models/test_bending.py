@@ -97,10 +97,10 @@ def at_random(found: Case, seed: int, t: float = 0.0, apart: float = 1e-7) -> Sc
     model, draw = assemble.model(found), np.random.default_rng(seed)
     y = assemble.empty_buffer(model)
     solve_initial_equilibrium(assemble.static_model(model), t, y)
-    Z, H = model.bearing.Z, model.bending.of_harmonic.shape[1]
+    Z, H = model.bearing.Z, model.bending.harmonic_table.shape[1]
     cells = [lay.X, lay.Y, *range(lay.FIRST_LANE, lay.FIRST_LANE + Z)]
     for row, mass in ((lay.MODES_C, core.PER_MASS_C), (lay.MODES_S, core.PER_MASS_S)):
-        cells += [row + i for i in range(H) if model.bending.of_harmonic[mass, i] > 0.0]
+        cells += [row + i for i in range(H) if model.bending.harmonic_table[mass, i] > 0.0]
     y[[lay.POSITION + c for c in cells]] += apart * draw.normal(size=len(cells))
     y[[lay.VELOCITY + c for c in cells]] = 1e-3 * draw.normal(size=len(cells))
     accelerations(model, t, y)
@@ -110,8 +110,8 @@ def at_random(found: Case, seed: int, t: float = 0.0, apart: float = 1e-7) -> Sc
 def in_their_order(found: Scene, block: int) -> np.ndarray:
     """A block of the state as the independent solution has it: x, y, a_0, a_2, b_2, ..., then the rollers."""
     y, b = found.y[block:], found.model.bending
-    modes = [y[lay.MODES_C + b.breathing]]
-    for i in range(b.breathing):
+    modes = [y[lay.MODES_C + b.breathing_index]]
+    for i in range(b.breathing_index):
         modes += [y[lay.MODES_C + i], y[lay.MODES_S + i]]
     return np.r_[y[lay.X], y[lay.Y], modes, y[lay.FIRST_LANE : lay.FIRST_LANE + found.model.bearing.Z]]
 
@@ -136,13 +136,13 @@ def test_accelerations_are_those_of_the_independent_solution(harmonics, load, ou
 def of_springs(found: Scene) -> dict[str, np.ndarray]:
     """How far each spring is pressed (m), how fast, its stiffness and damping: by a direct sum over harmonics."""
     y, b = found.y, found.model.bending
-    cosines, sines, k, c, fit = b.springs.of_spring[:, : b.springs.by_spring.shape[1]]
+    cosines, sines, k, c, fit = b.springs.spring_table[:, : b.springs.transposed_shapes.shape[1]]
     angles = np.arctan2(sines, cosines)
     values = []
     for block in (lay.POSITION, lay.VELOCITY):
         total = y[block + lay.X] * cosines + y[block + lay.Y] * sines
-        for i in range(b.breathing + 1):
-            n = b.of_harmonic[core.N, i]
+        for i in range(b.breathing_index + 1):
+            n = b.harmonic_table[core.N, i]
             total += y[block + lay.MODES_C + i] * np.cos(n * angles) + y[block + lay.MODES_S + i] * np.sin(
                 n * angles
             )
@@ -165,7 +165,7 @@ def test_power_balance(load):
     for seed in range(6):
         found = at_random(case(8, load, defect=None), seed, apart=1e-6)
         y, model = found.y, found.model
-        b, modes = model.bearing, model.bending.of_harmonic
+        b, modes = model.bearing, model.bending.harmonic_table
         v = {cell: y[lay.VELOCITY + cell] for cell in (lay.X, lay.Y)}
         gained = b.m_o * sum(v[cell] * y[lay.ACCELERATION + cell] for cell in v)
         stored = given = taken = 0.0
@@ -216,7 +216,7 @@ def test_what_a_force_moves_elsewhere_a_force_there_moves_here(load):
     """
     found = at_random(case(8, load, defect=None), 0, t=1.1e-3, apart=0.0)
     model, y, Z = found.model, found.y, found.model.bearing.Z
-    modes = model.bending.of_harmonic
+    modes = model.bending.harmonic_table
     cells, per_mass = [lay.X, lay.Y], [1.0 / model.bearing.m_o] * 2
     for row, mass in ((lay.MODES_C, core.PER_MASS_C), (lay.MODES_S, core.PER_MASS_S)):
         for i in np.flatnonzero(modes[mass]).tolist():
@@ -249,8 +249,8 @@ def climbed(found: Scene) -> np.ndarray:
     y, b, bent = found.y, found.model.bearing, found.model.bending
     theta = np.arctan2(y[lay.SIN : lay.SIN + b.Z], y[lay.COS : lay.COS + b.Z])
     slope = -y[lay.X] * np.sin(theta) + y[lay.Y] * np.cos(theta)
-    for i in range(bent.breathing + 1):
-        n = bent.of_harmonic[core.N, i]
+    for i in range(bent.breathing_index + 1):
+        n = bent.harmonic_table[core.N, i]
         slope += n * (y[lay.MODES_S + i] * np.cos(n * theta) - y[lay.MODES_C + i] * np.sin(n * theta))
     return b.omega_c * slope
 
@@ -266,8 +266,8 @@ def test_the_sensor_reads_the_sum_of_all_harmonics():
         (lay.ACCELERATION, lay.SENSOR_A),
     ):
         total = found.y[block + lay.X] * np.cos(alpha) + found.y[block + lay.Y] * np.sin(alpha)
-        for i in range(b.breathing + 1):
-            n = b.of_harmonic[core.N, i]
+        for i in range(b.breathing_index + 1):
+            n = b.harmonic_table[core.N, i]
             total += found.y[block + lay.MODES_C + i] * np.cos(n * alpha)
             total += found.y[block + lay.MODES_S + i] * np.sin(n * alpha)
         assert found.y[cell] == pytest.approx(total, rel=1e-12)
@@ -284,7 +284,7 @@ def test_the_step_limit_counts_what_rollers_do_together(bearing, harmonics):
     y = assemble.empty_buffer(model)
     solve_initial_equilibrium(assemble.static_model(model), 0.0, y)
     K, C = start_at_rest(model, 0.0, y)
-    b, modes = model.bearing, model.bending.of_harmonic
+    b, modes = model.bearing, model.bending.harmonic_table
     cells = [lay.X, lay.Y, *range(lay.FIRST_LANE, lay.FIRST_LANE + b.Z)]
     for row, mass in ((lay.MODES_C, core.PER_MASS_C), (lay.MODES_S, core.PER_MASS_S)):
         cells += [row + i for i in range(modes.shape[1]) if modes[mass, i] > 0.0]

@@ -13,7 +13,7 @@ from bearingsim.core.methods.symplectic_euler import SymplecticEuler
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models import by_roller
 from bearingsim.core.models.by_roller import (
-    Still,
+    NoUpdate,
     accelerate_roller,
     accelerate_shared,
     load_roller,
@@ -77,14 +77,14 @@ def run(method, model, count, y):
         step(method, model, n * method.h, y)
 
 
-as_a_whole = jit(by_roller.as_a_whole)
+evaluate_at_once = jit(by_roller.evaluate_at_once)
 
 
 @jit
 def run_whole(method, model, count, y):
     begin(model, 0.0, y)
     for n in range(count):
-        as_a_whole(model, method, (n + 1) * method.h, y)
+        evaluate_at_once(model, method, (n + 1) * method.h, y)
 
 
 def beads() -> tuple[Beads, np.ndarray]:
@@ -129,7 +129,7 @@ def test_one_passage_is_the_steps_one_after_the_other(name: str, method: Any) ->
 
 
 @needs_vectors
-@pytest.mark.parametrize("motion", [Verlet(4e-7), Still()])
+@pytest.mark.parametrize("motion", [Verlet(4e-7), NoUpdate()])
 @pytest.mark.parametrize("name", ["ring", "rollers", "planar", "beads"])
 def test_both_loops_over_rollers_keep_their_lanes(name: str, motion: Any) -> None:
     model, y = beads() if name == "beads" else of_case(name)

@@ -108,7 +108,7 @@ def test_loops_over_rollers_keep_their_lanes():
         assert keeps_lanes(slice_of, side, model.outer, model.friction, b, ring, 0.0, 0.5, 0.0, 1, y, n)
         assert keeps_lanes(compiled(races_in_space.side_loads.py_func), side, b, ring, y, n)
     assert keeps_lanes(compiled(races_in_space.slip_relaxation.py_func), 1e-6, 1.0, 1.0, 1.0, 1.0, y, n)
-    assert keeps_lanes(compiled(races_in_space.keep_line_load.py_func), lay.slice_row(1, 0), 1e-3, y, n)
+    assert keeps_lanes(compiled(races_in_space.update_line_load.py_func), lay.slice_row(1, 0), 1e-3, y, n)
     assert keeps_lanes(compiled(cage_in_space.pocket_slice_force.py_func), model.cage, b, 1.0, 0.0, 0.5, 0.0, y, n)
     assert keeps_lanes(compiled(spatial.roller_axes.py_func), 1.0, 1.0, 1.0, y, n)
     assert keeps_lanes(compiled(spatial.accelerate_rollers.py_func), model, 1.0, 1.0, 1.0, y, n)

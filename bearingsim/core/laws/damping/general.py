@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 from bearingsim.core.jit import generic
 from bearingsim.core.laws.damping.interface import damping_bound, derivatives, normal_force, stiffness_bound
-from bearingsim.core.laws.stiffness.interface import SHALLOWEST, elastic, tangent
+from bearingsim.core.laws.stiffness.interface import MIN_APPROACH, elastic, tangent
 
-SLOWEST = 1e-12  # m/s: least rate for evaluating a derivative that is infinite at rest
+MIN_RATE = 1e-12  # m/s: least rate for evaluating a derivative that is infinite at rest
 
 
 class General(NamedTuple):
@@ -26,7 +26,7 @@ class General(NamedTuple):
 @normal_force.register(General)
 def _force(contact, delta, v):
     d = max(delta, 0.0)
-    drag = contact.c * raised(contact.m2, abs(v)) * raised(contact.m3, d)
+    drag = contact.c * monomial(contact.m2, abs(v)) * monomial(contact.m3, d)
     drag = drag if v > 0.0 else -drag
     pressing = 1.0 if delta > 0.0 else 0.0  # with m3 = 0 the dashpot would act without contact
     return pressing * max(elastic(contact.stiffness, d) + drag, 0.0)
@@ -34,29 +34,29 @@ def _force(contact, delta, v):
 
 @derivatives.register(General)
 def _derivatives(contact, delta, v):
-    """Return the derivatives with |v| >= SLOWEST and delta >= SHALLOWEST in |v|^(m2-1) and delta^(m3-1), which can
-    be infinite at 0."""
+    """Return the derivatives with |v| >= MIN_RATE and delta >= MIN_APPROACH in |v|^(m2-1) and delta^(m3-1), which
+    can be infinite at 0."""
     d, speed = max(delta, 0.0), abs(v)
-    deep = raised(contact.m3, d)
-    drag = contact.c * raised(contact.m2, speed)
+    deep = monomial(contact.m3, d)
+    drag = contact.c * monomial(contact.m2, speed)
     drag = drag if v > 0.0 else -drag
     pressing = 1.0 if delta > 0.0 else 0.0
     pressing = pressing if elastic(contact.stiffness, d) + drag * deep > 0.0 else 0.0
-    K = tangent(contact.stiffness, d) + drag * raised_derivative(contact.m3, max(d, SHALLOWEST))
-    C = contact.c * raised_derivative(contact.m2, max(speed, SLOWEST)) * deep
+    K = tangent(contact.stiffness, d) + drag * monomial_derivative(contact.m3, max(d, MIN_APPROACH))
+    C = contact.c * monomial_derivative(contact.m2, max(speed, MIN_RATE)) * deep
     return pressing * K, pressing * C
 
 
 @stiffness_bound.register(General)
 def _stiffness_bound(contact, delta, v):
-    K_drag = contact.c * raised(contact.m2, abs(v)) * raised_derivative(contact.m3, max(delta, 1e-12))
+    K_drag = contact.c * monomial(contact.m2, abs(v)) * monomial_derivative(contact.m3, max(delta, 1e-12))
     return tangent(contact.stiffness, delta) + max(K_drag if v > 0.0 else -K_drag, 0.0)
 
 
 @damping_bound.register(General)
 def _damping_bound(contact, delta, v):
     # at rest |v|^(m2-1) is 0 or infinite unless m2 = 1, so 1e-3 m/s is the least rate
-    return contact.c * raised_derivative(contact.m2, max(abs(v), 1e-3)) * raised(contact.m3, delta)
+    return contact.c * monomial_derivative(contact.m2, max(abs(v), 1e-3)) * monomial(contact.m3, delta)
 
 
 # Exponents
@@ -81,62 +81,62 @@ class Power(NamedTuple):
 
 
 @generic
-def raised(exponent: Any, x: float) -> float:
+def monomial(exponent: Any, x: float) -> float:
     """Return x^m, for x >= 0."""
 
 
 @generic
-def raised_derivative(exponent: Any, x: float) -> float:
+def monomial_derivative(exponent: Any, x: float) -> float:
     """Return the derivative of x^m, m x^(m-1), for x > 0."""
 
 
-@raised.register(Power0)
-def _raised_0(exponent, x):
+@monomial.register(Power0)
+def _monomial_0(exponent, x):
     return 1.0
 
 
-@raised_derivative.register(Power0)
+@monomial_derivative.register(Power0)
 def _derivative_0(exponent, x):
     return 0.0
 
 
-@raised.register(Power1)
-def _raised_1(exponent, x):
+@monomial.register(Power1)
+def _monomial_1(exponent, x):
     return x
 
 
-@raised_derivative.register(Power1)
+@monomial_derivative.register(Power1)
 def _derivative_1(exponent, x):
     return 1.0
 
 
-@raised.register(Power2)
-def _raised_2(exponent, x):
+@monomial.register(Power2)
+def _monomial_2(exponent, x):
     return x * x
 
 
-@raised_derivative.register(Power2)
+@monomial_derivative.register(Power2)
 def _derivative_2(exponent, x):
     return 2.0 * x
 
 
-@raised.register(Power)
-def _raised(exponent, x):
+@monomial.register(Power)
+def _monomial(exponent, x):
     return x**exponent.m
 
 
-@raised_derivative.register(Power)
+@monomial_derivative.register(Power)
 def _derivative(exponent, x):
     return exponent.m * x ** (exponent.m - 1.0)
 
 
-WHOLE = ((0.0, Power0), (1.0, Power1), (2.0, Power2))
+INTEGER_EXPONENTS = ((0.0, Power0), (1.0, Power1), (2.0, Power2))
 """Exponents with types of their own."""
 
 
 def power(m: float) -> Power0 | Power1 | Power2 | Power:
     """Choose the fastest exponent type that equals ``m``."""
-    kinds = [kind for whole, kind in WHOLE if isclose(m, whole, rel_tol=1e-12, abs_tol=1e-12)]
+    kinds = [kind for exponent, kind in INTEGER_EXPONENTS if isclose(m, exponent, rel_tol=1e-12, abs_tol=1e-12)]
     return kinds[0]() if kinds else Power(float(m))
 
 

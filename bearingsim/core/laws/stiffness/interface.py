@@ -10,7 +10,7 @@ import numpy as np
 
 from bearingsim.core.jit import generic, jit
 
-SHALLOWEST = 1e-12  # m: least approach for evaluating a derivative that is infinite at touch-down
+MIN_APPROACH = 1e-12  # m: least approach for evaluating a derivative that is infinite at touch-down
 
 
 @generic

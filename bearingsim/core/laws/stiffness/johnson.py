@@ -20,12 +20,12 @@ import numpy as np
 
 from bearingsim.core.jit import generic, jit
 from bearingsim.core.laws.hertz import effective_modulus
-from bearingsim.core.laws.octaves import bend, derivative, tabulate, value
+from bearingsim.core.laws.octaves import derivative, second_derivative, tabulate, value
 from bearingsim.core.laws.stiffness.interface import curvature, elastic, tangent
 from bearingsim.core.laws.stiffness.series import series_share, series_share_by_newton
 
 
-def exact(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def reduced_curve(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return x (n,) and dx/dy (n,), dimensionless, at each ``y`` (n,).
 
     Uses Newton's method on w - ln w = -1 - ln y, where w = y/x = -(ln x + 1) > 1.
@@ -37,7 +37,7 @@ def exact(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return y / w, 1.0 / (w - 1.0)
 
 
-TABLE = tabulate(exact)
+TABLE = tabulate(reduced_curve)
 
 
 @jit
@@ -55,7 +55,7 @@ def reduced_derivative(y):
 @jit
 def reduced_curvature(y):
     """Return d2x/dy2, the derivative of ``reduced_derivative``, slightly discontinuous between cells."""
-    return bend(TABLE, y)
+    return second_derivative(TABLE, y)
 
 
 class Johnson(NamedTuple):

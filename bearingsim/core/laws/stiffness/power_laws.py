@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.core.jit import jit
-from bearingsim.core.laws.stiffness.interface import SHALLOWEST, curvature, elastic, tangent
+from bearingsim.core.laws.stiffness.interface import MIN_APPROACH, curvature, elastic, tangent
 from bearingsim.core.laws.stiffness.series import as_power
 
 
@@ -54,7 +54,7 @@ def _tangent_three_halves(law, delta):
 
 @curvature.register(ThreeHalves)
 def _curvature_three_halves(law, delta):
-    return tangent(law, delta) / (2.0 * max(delta, SHALLOWEST))
+    return tangent(law, delta) / (2.0 * max(delta, MIN_APPROACH))
 
 
 @as_power.register(ThreeHalves)
@@ -130,7 +130,7 @@ def _tangent_ten_ninths(law, delta):
 
 @curvature.register(TenNinths)
 def _curvature_ten_ninths(law, delta):
-    return tangent(law, delta) / (9.0 * max(delta, SHALLOWEST))
+    return tangent(law, delta) / (9.0 * max(delta, MIN_APPROACH))
 
 
 @as_power.register(TenNinths)
@@ -158,7 +158,7 @@ def _tangent_power_law(law, delta):
 
 @curvature.register(PowerLaw)
 def _curvature_power_law(law, delta):
-    return (law.m - 1.0) * tangent(law, delta) / max(delta, SHALLOWEST)
+    return (law.m - 1.0) * tangent(law, delta) / max(delta, MIN_APPROACH)
 
 
 @as_power.register(PowerLaw)
