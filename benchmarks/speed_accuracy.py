@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bearingsim.bench import outside, report
+from bearingsim.bench import external, report
 from bearingsim.bench.plan import Setting, Settings
 from bearingsim.cli.bench import chart
 from benchmarks.speed import peers
@@ -33,10 +33,10 @@ SCIPY_SETTINGS: Settings = {
 TOLERANCES, QUICK_TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7), (1e-5, 1e-6)
 
 
-def solver(name: str) -> outside.Solver:
+def solver(name: str) -> external.Solver:
     """Adapt a peer to the chart; it gives no access to steps, and so no largest force."""
 
-    def solve(equations: outside.Equations) -> outside.Solution:
+    def solve(equations: external.Equations) -> external.Solution:
         problem = peers.problem(equations.model, equations.y, equations.instants)
         problem.derivatives(
             0.0, problem.u, np.empty_like(problem.u), problem.y.copy()
@@ -46,8 +46,8 @@ def solver(name: str) -> outside.Solver:
         try:
             states = integrate(float(equations.tolerances.rtol))
         except RuntimeError as error:
-            raise outside.GaveUp(str(error)) from error
-        return outside.Solution(to_si(states.T, int(equations.model.bearing.Z)), time.thread_time() - began)
+            raise external.SolverStopped(str(error)) from error
+        return external.Solution(to_si(states.T, int(equations.model.bearing.Z)), time.thread_time() - began)
 
     return solve
 
@@ -76,7 +76,7 @@ def main() -> None:
     options = parser.parse_args()
     folder = options.out or Path("results") / ("bench-chart-quick" if options.quick else "bench-chart")
     peer_settings = settings(options.quick)
-    outside.SOLVERS.update({name: solver(name) for name in peer_settings if name in SOLVERS})
+    external.SOLVERS.update({name: solver(name) for name in peer_settings if name in SOLVERS})
     missing = {name: reason for name, reason in peers.absent().items() if name in SOLVERS.values()}
     files = chart(None, [], options.quick, folder, options.jobs, {SCENE: peer_settings}, missing)
     print(*files, sep="\n")
@@ -88,8 +88,8 @@ def copy_to_docs(folder: Path) -> None:
     """Copy text and figures into the documentation."""
     for figure in sorted(folder.glob("speed-accuracy-*.png")):
         shutil.copyfile(figure, DOCS / "figures" / figure.name)
-    text = (folder / report.NAME).read_text(encoding="utf-8")
-    page = DOCS / report.NAME
+    text = (folder / report.FILE_NAME).read_text(encoding="utf-8")
+    page = DOCS / report.FILE_NAME
     page.write_text(text.replace("](speed-accuracy-", "](figures/speed-accuracy-"), encoding="utf-8")
     print(page)
 

@@ -17,12 +17,12 @@ from bearingsim.bench.measure import QUANTITIES, Row
 from bearingsim.bench.plan import JOB, JUDGE
 
 NUMERICAL, TOTAL = "numerical", "total"
-CHAOS = 0.02
+CHAOTIC_DIFFERENCE = 0.02
 """Relative difference of reference runs above which the motion counts as chaotic, with their scatter as floor."""
-LEAST = 1e-6  # least floor of a solution (relative)
+MIN_FLOOR = 1e-6  # least floor of a solution (relative)
 
 
-class Truth(NamedTuple):
+class ConvergedSolution(NamedTuple):
     """Converged solution of a model in a scene: compared quantities, their floors, names of the reference runs."""
 
     values: dict[str, float]
@@ -31,48 +31,54 @@ class Truth(NamedTuple):
     chaotic: bool
 
 
-def apart(row: Row, other: Row) -> dict[str, float]:
+def differences(row: Row, other: Row) -> dict[str, float]:
     """Compute the relative differences of two rows."""
-    return {name: relative(row[name], other[name]) for name in QUANTITIES}
+    return {name: relative_error(row[name], other[name]) for name in QUANTITIES}
 
 
-def relative(value: float, right: float) -> float:
+def relative_error(value: float, exact: float) -> float:
     """Compute the relative error; 0 if both values are zero."""
-    return abs(value - right) / abs(right) if right else (0.0 if value == right else float("inf"))
+    return abs(value - exact) / abs(exact) if exact else (0.0 if value == exact else float("inf"))
 
 
-def truth(rows: Sequence[Row]) -> Truth | None:
+def converged_solution(rows: Sequence[Row]) -> ConvergedSolution | None:
     """Combine the reference rows of one model in one scene into its solution; None if there are none.
 
     The solution of a memoryless model is its run with more instants, with the least floor.
     """
-    judges = [row for row in rows if row["role"] == JUDGE and not row["failure"] and isfinite(row["line"])]
-    if not judges:
+    references = [row for row in rows if row["role"] == JUDGE and not row["failure"] and isfinite(row["line"])]
+    if not references:
         return None
     chaotic = any(row["chaotic"] == 1.0 for row in rows)
-    if len(judges) == 1:
-        unknown = dict.fromkeys(QUANTITIES, LEAST if not judges[0]["method"] else nan)
-        return Truth({name: judges[0][name] for name in QUANTITIES}, unknown, _name(judges[0]), chaotic)
-    pairs = list(combinations(judges, 2))
-    closest, second = min(pairs, key=lambda pair: max(apart(*pair).values()))
-    floor = apart(closest, second)
-    if chaotic or max(floor.values()) > CHAOS:
-        chosen, chaotic = judges, True
-        floor = {name: max(apart(*pair)[name] for pair in pairs) for name in QUANTITIES}
+    if len(references) == 1:
+        floor = dict.fromkeys(QUANTITIES, MIN_FLOOR if not references[0]["method"] else nan)
+        return ConvergedSolution(
+            {name: references[0][name] for name in QUANTITIES}, floor, _name(references[0]), chaotic
+        )
+    pairs = list(combinations(references, 2))
+    closest, partner = min(pairs, key=lambda pair: max(differences(*pair).values()))
+    floor = differences(closest, partner)
+    if chaotic or max(floor.values()) > CHAOTIC_DIFFERENCE:
+        solutions, chaotic = references, True
+        floor = {name: max(differences(*pair)[name] for pair in pairs) for name in QUANTITIES}
     else:
-        chosen = [closest, second]
-    values = {name: sum(row[name] for row in chosen) / len(chosen) for name in QUANTITIES}
-    named = " and ".join(_name(row) for row in chosen)
-    return Truth(values, {name: max(value, LEAST) for name, value in floor.items()}, named, chaotic)
+        solutions = [closest, partner]
+    values = {name: sum(row[name] for row in solutions) / len(solutions) for name in QUANTITIES}
+    names = " and ".join(_name(row) for row in solutions)
+    return ConvergedSolution(
+        values, {name: max(value, MIN_FLOOR) for name, value in floor.items()}, names, chaotic
+    )
 
 
 def _name(row: Row) -> str:
     return f"{row['method']} ({row['setting']})".strip()
 
 
-def error(row: Row, right: Truth, name: str) -> float:
+def error(row: Row, solution: ConvergedSolution, name: str) -> float:
     """Return the relative error of a row's quantity, at least the floor."""
-    return max(relative(row[name], right.values[name]), right.floor[name]) if isfinite(row[name]) else nan
+    return (
+        max(relative_error(row[name], solution.values[name]), solution.floor[name]) if isfinite(row[name]) else nan
+    )
 
 
 def with_errors(rows: Sequence[Row]) -> list[Row]:
@@ -81,47 +87,47 @@ def with_errors(rows: Sequence[Row]) -> list[Row]:
     chaotic: whether the motion of the row's model is chaotic; against: solutions for the numerical error.
     """
     variants = list(dict.fromkeys(row["variant"] for row in rows))
-    truths = {name: truth([row for row in rows if row["variant"] == name]) for name in variants}
-    judged = truths[variants[0]] if variants else None
-    results = [_with_error(row, truths[row["variant"]], judged) for row in rows if row["role"] != JUDGE]
-    of_model = {name: _total_errors(own, judged) for name, own in truths.items()}
-    return [row | _counted(row, results, of_model[row["variant"]]) for row in results]
+    solutions = {name: converged_solution([row for row in rows if row["variant"] == name]) for name in variants}
+    reference = solutions[variants[0]] if variants else None
+    results = [_with_error(row, solutions[row["variant"]], reference) for row in rows if row["role"] != JUDGE]
+    model_errors = {name: _total_errors(solution, reference) for name, solution in solutions.items()}
+    return [row | _counted_errors(row, results, model_errors[row["variant"]]) for row in results]
 
 
-def _total_errors(own: Truth | None, judged: Truth | None) -> dict[str, float]:
+def _total_errors(solution: ConvergedSolution | None, reference: ConvergedSolution | None) -> dict[str, float]:
     """Compute the total errors of a converged model; 0 if its solution is unknown."""
-    if own is None or judged is None:
+    if solution is None or reference is None:
         return dict.fromkeys(QUANTITIES, 0.0)
-    return {name: relative(own.values[name], judged.values[name]) for name in QUANTITIES}
+    return {name: relative_error(solution.values[name], reference.values[name]) for name in QUANTITIES}
 
 
-def _counted(row: Row, rows: Sequence[Row], of_model: dict[str, float]) -> Row:
+def _counted_errors(row: Row, rows: Sequence[Row], model_errors: dict[str, float]) -> Row:
     """Compute the counted errors of a row: the largest of its own, of all finer runs and of its model."""
-    no_better = [row, *(other for other in rows if _finer(other, row))]
-    counted = {}
-    for kind, least in ((NUMERICAL, dict.fromkeys(QUANTITIES, 0.0)), (TOTAL, of_model)):
+    finer_rows = [row, *(other for other in rows if _is_finer(other, row))]
+    columns = {}
+    for kind, lower_bounds in ((NUMERICAL, dict.fromkeys(QUANTITIES, 0.0)), (TOTAL, model_errors)):
         for name in QUANTITIES:
-            errors = [other[f"{kind}.{name}"] for other in no_better if isfinite(other[f"{kind}.{name}"])]
-            own = row[f"{kind}.{name}"]
-            counted[f"{kind}.{name}.counted"] = max(*errors, least[name]) if isfinite(own) else own
-    return counted
+            errors = [other[f"{kind}.{name}"] for other in finer_rows if isfinite(other[f"{kind}.{name}"])]
+            value = row[f"{kind}.{name}"]
+            columns[f"{kind}.{name}.counted"] = max(*errors, lower_bounds[name]) if isfinite(value) else value
+    return columns
 
 
-def _finer(other: Row, row: Row) -> bool:
+def _is_finer(other: Row, row: Row) -> bool:
     """Check if a run in full differs from another only in a smaller step or tolerance."""
-    same = (other["variant"], other["method"]) == (row["variant"], row["method"]) and JOB not in (
+    comparable = (other["variant"], other["method"]) == (row["variant"], row["method"]) and JOB not in (
         other["role"],
         row["role"],
     )
-    return same and (other["step_s"] < row["step_s"] or other["tolerance"] < row["tolerance"])
+    return comparable and (other["step_s"] < row["step_s"] or other["tolerance"] < row["tolerance"])
 
 
-def _with_error(row: Row, own: Truth | None, judged: Truth | None) -> Row:
+def _with_error(row: Row, model_solution: ConvergedSolution | None, reference: ConvergedSolution | None) -> Row:
     result = dict(row)
-    for kind, right in ((NUMERICAL, own if row["method"] else None), (TOTAL, judged)):
+    for kind, solution in ((NUMERICAL, model_solution if row["method"] else None), (TOTAL, reference)):
         for name in QUANTITIES:
-            result[f"{kind}.{name}"] = error(row, right, name) if right and not row["failure"] else nan
-            result[f"{kind}.{name}.floor"] = right.floor[name] if right else nan
-    result["chaotic"] = nan if own is None else float(own.chaotic)
-    result["against"] = "" if own is None else own.names
+            result[f"{kind}.{name}"] = error(row, solution, name) if solution and not row["failure"] else nan
+            result[f"{kind}.{name}.floor"] = solution.floor[name] if solution else nan
+    result["chaotic"] = nan if model_solution is None else float(model_solution.chaotic)
+    result["against"] = "" if model_solution is None else model_solution.names
     return result

@@ -4,7 +4,7 @@ from dataclasses import replace
 from math import nan
 from typing import Any
 
-from bearingsim.bench import outside
+from bearingsim.bench import external
 from bearingsim.bench.plan import AUTOMATIC, JOB, JUDGE, Run, Setting
 from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
@@ -15,8 +15,8 @@ from bearingsim.simulation.choice import automatic_step
 from bearingsim.simulation.settling import settled
 from bearingsim.simulation.simulate import Record, SimulationError, warm
 
-IN_FULL = {"periodic": False, "step_check": False}
-CHEAP = 0.3  # s; shorter runs are timed twice, and the smaller time counts
+FULL_RUN = {"periodic": False, "step_check": False}
+SHORT_TIME = 0.3  # s; shorter runs are timed twice, and the smaller time counts
 QUANTITIES = ("line", "rms", "force")
 """Compared quantities: the defect line (m/s), the RMS of the velocity (m/s), the largest outer force (N)."""
 COLUMNS = (
@@ -31,44 +31,44 @@ Row = dict[str, Any]
 def rows(run: Run) -> list[Row]:
     """Compute a run; return its row, and for the automatic choice also that of its method and step in full."""
     if run.case is None:
-        return [_failed(run, "refused", run.refused)]
+        return [_failed_row(run, "refused", run.refused)]
     try:
-        if run.method in outside.SOLVERS:
-            return [_solve_outside(run, run.case)]
-        return _job(run, run.case) if run.role == JOB else [_compute_fully(run, configured(run, run.case))]
+        if run.method in external.SOLVERS:
+            return [_solve_externally(run, run.case)]
+        return _job_rows(run, run.case) if run.role == JOB else [_compute_fully(run, configure(run, run.case))]
     except (Refused, SimulationError) as error:
-        late = getattr(error, "time", None) is not None
-        return [_failed(run, "stopped" if late else "refused", str(error))]
-    except outside.GaveUp as error:
-        return [_failed(run, "gave up", str(error))]
+        has_begun = getattr(error, "time", None) is not None
+        return [_failed_row(run, "stopped" if has_begun else "refused", str(error))]
+    except external.SolverStopped as error:
+        return [_failed_row(run, "gave up", str(error))]
 
 
-def configured(run: Run, case: Case) -> Case:
+def configure(run: Run, case: Case) -> Case:
     """Return the case with a run's method and setting, in full."""
-    case = case.model_copy(update=IN_FULL | {"method": run.method or None})
+    case = case.model_copy(update=FULL_RUN | {"method": run.method or None})
     if run.method and METHODS[run.method].adaptive:
         return case.model_copy(update={"step": "auto", "tolerance": run.setting.tolerance})
-    usual = automatic_step(case, case_limits.step_limits(case))
-    return case.model_copy(update={"step": run.setting.step * usual, "tolerance": "auto"})
+    automatic_step_s = automatic_step(case, case_limits.step_limits(case))
+    return case.model_copy(update={"step": run.setting.step * automatic_step_s, "tolerance": "auto"})
 
 
-def _job(run: Run, case: Case) -> list[Row]:
+def _job_rows(run: Run, case: Case) -> list[Row]:
     """Compute a case with the automatic choice, then the chosen method in full."""
     case = case.model_copy(update={"step": "auto", "tolerance": "auto"})
     warm([case])
     record = simulate(case)
-    seconds = _cpu(case, record, "cpu_s")
-    took = [_row(run, record, seconds / (settled(case).settle_s + case.duration))]
+    seconds = _cpu_seconds(case, record, "cpu_s")
+    job_rows = [_row(run, record, seconds / (settled(case).settle_s + case.duration))]
     if case.method is None:
-        full = _compute_fully(replace(run, role=AUTOMATIC), case.model_copy(update=IN_FULL))
-        return [*took, full | {"key": run.key}]
+        full_row = _compute_fully(replace(run, role=AUTOMATIC), case.model_copy(update=FULL_RUN))
+        return [*job_rows, full_row | {"key": run.key}]
     method = str(record.info["method"])
-    same = {"method": method, "step": float(record.info["step_s"])}
+    settings = {"method": method, "step": float(record.info["step_s"])}
     if METHODS[method].adaptive:
-        same = {"method": method, "tolerance": float(record.info["tolerance"])}
-    chosen = replace(run, role=AUTOMATIC, method=method)
-    full = _compute_fully(chosen, case.model_copy(update=IN_FULL | same))
-    return [*took, full | {"key": run.key, "chaotic": took[0]["chaotic"]}]
+        settings = {"method": method, "tolerance": float(record.info["tolerance"])}
+    automatic_run = replace(run, role=AUTOMATIC, method=method)
+    full_row = _compute_fully(automatic_run, case.model_copy(update=FULL_RUN | settings))
+    return [*job_rows, full_row | {"key": run.key, "chaotic": job_rows[0]["chaotic"]}]
 
 
 def _compute_fully(run: Run, case: Case) -> Row:
@@ -77,20 +77,22 @@ def _compute_fully(run: Run, case: Case) -> Row:
     record = simulate(case)
     rate = case.bearing.ball_pass_frequency(case.speed)
     is_reference = run.role == JUDGE  # reference runs are not timed
-    seconds = float(record.info["integrator_cpu_s"]) if is_reference else _cpu(case, record, "integrator_cpu_s")
+    seconds = (
+        float(record.info["integrator_cpu_s"]) if is_reference else _cpu_seconds(case, record, "integrator_cpu_s")
+    )
     return _row(run, record, seconds / (float(record.info["passes"]) / rate))
 
 
-def _cpu(case: Case, record: Record, name: str) -> float:
+def _cpu_seconds(case: Case, record: Record, name: str) -> float:
     """Return the CPU time of a run (s), the smaller of two if it is short."""
-    measured = float(record.info[name])
-    return measured if measured > CHEAP else min(measured, float(simulate(case).info[name]))
+    seconds = float(record.info[name])
+    return seconds if seconds > SHORT_TIME else min(seconds, float(simulate(case).info[name]))
 
 
 def _row(run: Run, record: Record, cpu_per_s: float) -> Row:
     features, info = record.features, record.info
     adaptive = run.role != JOB and bool(info["method"]) and METHODS[str(info["method"])].adaptive
-    return _about(run) | {
+    return _identity(run) | {
         "method": info["method"] or "",
         "step_s": nan if adaptive else float(info["step_s"]),
         "tolerance": float(info["tolerance"]),
@@ -101,12 +103,12 @@ def _row(run: Run, record: Record, cpu_per_s: float) -> Row:
     }
 
 
-def _solve_outside(run: Run, case: Case) -> Row:
+def _solve_externally(run: Run, case: Case) -> Row:
     """Compute a case with a solver of another package."""
-    features, cpu, simulated = outside.solve(case, outside.SOLVERS[run.method], run.setting.tolerance)
-    return _about(run) | {
+    features, cpu_s, simulated_s = external.solve(case, external.SOLVERS[run.method], run.setting.tolerance)
+    return _identity(run) | {
         "tolerance": run.setting.tolerance,
-        "cpu_per_s": cpu / simulated,
+        "cpu_per_s": cpu_s / simulated_s,
         **_values(run, features),
     }
 
@@ -117,7 +119,7 @@ def _values(run: Run, features: dict[str, float]) -> Row:
     )
 
 
-def _about(run: Run) -> Row:
+def _identity(run: Run) -> Row:
     """Return a row that identifies its run, without results."""
     empty: Row = dict.fromkeys(COLUMNS, nan)
     return empty | {
@@ -140,20 +142,20 @@ def _setting(setting: Setting) -> str:
     return f"{setting.tolerance:g}" if setting.tolerance == setting.tolerance else ""
 
 
-def _failed(run: Run, failure: str, reason: str) -> Row:
-    return _about(run) | {"failure": failure, "reason": reason, "tolerance": run.setting.tolerance}
+def _failed_row(run: Run, failure: str, reason: str) -> Row:
+    return _identity(run) | {"failure": failure, "reason": reason, "tolerance": run.setting.tolerance}
 
 
-def ready(run: Run) -> str:
+def compile_run(run: Run) -> str:
     """Compile (or load) the code of a run; return its model."""
     if run.case is None:
         return run.model
     try:
-        if run.method in outside.SOLVERS:
-            short = run.case.model_copy(update={"duration": 0.01, "settle": 0.0})
-            outside.solve(short, outside.SOLVERS[run.method], 1e-3)
+        if run.method in external.SOLVERS:
+            short_case = run.case.model_copy(update={"duration": 0.01, "settle": 0.0})
+            external.solve(short_case, external.SOLVERS[run.method], 1e-3)
         else:
-            warm([run.case if run.role == JOB else configured(run, run.case)])
-    except (Refused, SimulationError, outside.GaveUp):
+            warm([run.case if run.role == JOB else configure(run, run.case)])
+    except (Refused, SimulationError, external.SolverStopped):
         pass  # reported in the row of the run
     return run.model

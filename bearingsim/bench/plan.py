@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from bearingsim.bench import outside
+from bearingsim.bench import external
 from bearingsim.bench.provenance import code_version, processor
 from bearingsim.bench.scene import ORDER, Scene, Variant
 from bearingsim.catalogue import AUTO, METHODS, MODELS, USUAL_MODEL
@@ -63,13 +63,13 @@ class Run:
 
 
 @cache
-def _read() -> dict[str, Any]:
+def _read_plan() -> dict[str, Any]:
     return dict(yaml.safe_load((Path(__file__).parent / "plan.yaml").read_text(encoding="utf-8")))
 
 
-def scenes_of(quick: bool) -> tuple[str, ...]:
+def default_scenes(quick: bool) -> tuple[str, ...]:
     """Return the scenes computed by default."""
-    return tuple(_read()["quick"]["scenes"]) if quick else ORDER
+    return tuple(_read_plan()["quick"]["scenes"]) if quick else ORDER
 
 
 def plan_of(case: Case, quick: bool) -> Plan:
@@ -79,30 +79,30 @@ def plan_of(case: Case, quick: bool) -> Plan:
         kind = "sliced"
     elif case.rig.ring is not None:
         kind = "bent"
-    entries = _read()[kind]
-    return Plan(*(_settings(entries.get(part, {})) for part in Plan._fields))
+    entries = _read_plan()[kind]
+    return Plan(*(_settings(entries.get(field, {})) for field in Plan._fields))
 
 
 def _settings(entries: Mapping[str, Mapping[str, Sequence[float]]]) -> Settings:
     return {
         name: tuple(
-            [Setting(step=float(s)) for s in of.get("steps", ())]
-            + [Setting(tolerance=float(t)) for t in of.get("tolerances", ())]
+            [Setting(step=float(step)) for step in values.get("steps", ())]
+            + [Setting(tolerance=float(tolerance)) for tolerance in values.get("tolerances", ())]
         )
-        for name, of in entries.items()
+        for name, values in entries.items()
     }
 
 
-def runs(scene: Scene, quick: bool, others: Settings | None = None) -> Iterator[Run]:
-    """Yield all runs of a scene. others: solvers of other packages, in addition to the plan's."""
+def runs(scene: Scene, quick: bool, peers: Settings | None = None) -> Iterator[Run]:
+    """Yield all runs of a scene. peers: solvers of other packages, in addition to the plan's."""
     for variant in scene.variants:
-        yield from _variant_runs(scene, variant, quick, others or {})
+        yield from _variant_runs(scene, variant, quick, peers or {})
 
 
-def _variant_runs(scene: Scene, variant: Variant, quick: bool, others: Settings) -> Iterator[Run]:
+def _variant_runs(scene: Scene, variant: Variant, quick: bool, peers: Settings) -> Iterator[Run]:
     def run(role: str, method: str, setting: Setting) -> Run:
-        about = scene.name, variant.name, variant.model
-        return Run(*about, role, method, setting, scene.line, variant.case, variant.refused)
+        identity_ = scene.name, variant.name, variant.model
+        return Run(*identity_, role, method, setting, scene.line, variant.case, variant.refused)
 
     yield run(JOB, AUTO, Setting())
     if variant.case is None:
@@ -111,24 +111,24 @@ def _variant_runs(scene: Scene, variant: Variant, quick: bool, others: Settings)
         yield run(JUDGE, "", Setting(step=0.25))  # evaluated at more instants
         return
     plan = plan_of(variant.case, quick)
-    for role, settings in ((POINT, plan.methods), (JUDGE, _solvable(variant, plan.judges))):
-        for method, of in settings.items():
-            yield from (run(role, method, setting) for setting in of)
-    for method, of in _solvable(variant, {**plan.peers, **others}).items():
-        yield from (run(PEER, method, setting) for setting in of)
+    for role, settings in ((POINT, plan.methods), (JUDGE, _solvable_settings(variant, plan.judges))):
+        for method, values in settings.items():
+            yield from (run(role, method, setting) for setting in values)
+    for method, values in _solvable_settings(variant, {**plan.peers, **peers}).items():
+        yield from (run(PEER, method, setting) for setting in values)
 
 
-def _solvable(variant: Variant, settings: Settings) -> Settings:
+def _solvable_settings(variant: Variant, settings: Settings) -> Settings:
     """Drop methods of other packages, unless the case has the usual model and they can integrate it."""
-    if variant.model == USUAL_MODEL and variant.case is not None and outside.can_solve(variant.case):
+    if variant.model == USUAL_MODEL and variant.case is not None and external.can_solve(variant.case):
         return settings
-    return {name: of for name, of in settings.items() if name in METHODS}
+    return {name: values for name, values in settings.items() if name in METHODS}
 
 
-def kinds(todo: Sequence[Run]) -> list[list[Run]]:
+def compile_groups(missing: Sequence[Run]) -> list[list[Run]]:
     """Group runs by model, keeping one run for each distinct code to compile."""
     groups: dict[str, dict[tuple, Run]] = {}
-    for run in todo:
+    for run in missing:
         if run.case is not None:
             groups.setdefault(run.model, {}).setdefault((run.scene, run.variant, run.role, run.method), run)
-    return [list(of.values()) for of in groups.values()]
+    return [list(group.values()) for group in groups.values()]

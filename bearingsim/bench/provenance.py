@@ -15,7 +15,7 @@ from bearingsim.core import MODEL_VERSION
 
 PACKAGE = Path(__file__).parents[1]
 PACKAGES = ("core", "assemble", "config", "signals", "simulation")
-FILES = ("simulation/prices.csv", "stability/references.py", "bench/measure.py", "bench/outside.py")
+FILES = ("simulation/prices.csv", "stability/references.py", "bench/measure.py", "bench/external.py")
 """Sources that affect a row, in addition to ``PACKAGES``."""
 
 
@@ -47,8 +47,8 @@ def commit() -> str:
         return ""
 
 
-def provenance(left_out: dict[str, str]) -> dict[str, Any]:
-    """Collect versions, machine and date of a run; ``left_out``: peers that are not installed, with reasons."""
+def provenance(missing_peers: dict[str, str]) -> dict[str, Any]:
+    """Collect versions, machine and date of a run; missing_peers: peers that are not installed, with reasons."""
     return {
         "bearingsim": __version__,
         "commit": commit() or "unknown",
@@ -58,5 +58,5 @@ def provenance(left_out: dict[str, str]) -> dict[str, Any]:
         "python": platform.python_version(),
         **{name: version(name) for name in ("numpy", "numba", "scipy")},
         "date": time.strftime("%Y-%m-%d"),
-        "left_out": left_out,
+        "left_out": missing_peers,
     }

@@ -9,23 +9,23 @@ from typing import Any, NamedTuple
 from bearingsim.bench.errors import NUMERICAL, TOTAL
 from bearingsim.bench.measure import QUANTITIES, Row
 from bearingsim.bench.plan import AUTOMATIC, PEER, POINT
-from bearingsim.bench.table import ABOUT
+from bearingsim.bench.table import PROVENANCE_FILE
 from bearingsim.bench.verdict import (
-    WITHIN,
-    WORDS,
+    ACCURACIES,
+    QUANTITY_NAMES,
     Verdict,
     automatic_rows,
-    chosen,
+    compare_with_front,
     method_text,
-    off_the_front,
     percent,
     seconds,
+    step_text,
     verdict,
-    why,
-    worst,
+    verdict_texts,
+    worst_error,
 )
 
-CHOICES = (
+CHOICE_HEADS = (
     "automatic choice",
     "method",
     "step or tolerance",
@@ -36,18 +36,21 @@ CHOICES = (
     "RMS",
     "force",
 )
-NAME = "speed-accuracy.md"
-QUESTIONS = [(of, within) for of in (("line",), QUANTITIES) for within in WITHIN]
+FILE_NAME = "speed-accuracy.md"
+QUESTIONS = [(quantities, accuracy) for quantities in (("line",), QUANTITIES) for accuracy in ACCURACIES]
 """Quantities and accuracies of the columns of the first table."""
 HEADS = (
     "scene",
-    *(f"{'line' if len(of) == 1 else 'all three'} within {percent(within)}" for of, within in QUESTIONS),
+    *(
+        f"{'line' if len(quantities) == 1 else 'all three'} within {percent(accuracy)}"
+        for quantities, accuracy in QUESTIONS
+    ),
 )
 WIDTH = 138  # characters in a line
 NOTABLE = 1.5  # cost ratio to the cheapest run of equal accuracy, from which a choice is off the front
 
 
-class Part(NamedTuple):
+class Section(NamedTuple):
     """Scene of the report: rows with errors, and duration of its record (s)."""
 
     name: str
@@ -56,14 +59,16 @@ class Part(NamedTuple):
     duration: float
 
 
-def figure_name(part: Part) -> str:
+def figure_name(section: Section) -> str:
     """Return the file name of a scene's chart."""
-    return f"speed-accuracy-{part.name}.png"
+    return f"speed-accuracy-{section.name}.png"
 
 
-def line_of(part: Part) -> tuple[str, ...]:
+def summary_row(section: Section) -> tuple[str, ...]:
     """Return a scene's row of the table of verdicts."""
-    return part.title, *(_cell(verdict(part.rows, within, of)) for of, within in QUESTIONS)
+    return section.title, *(
+        _cell(verdict(section.rows, accuracy, quantities)) for quantities, accuracy in QUESTIONS
+    )
 
 
 def _cell(best: Verdict) -> str:
@@ -74,35 +79,42 @@ def _cell(best: Verdict) -> str:
     return "not to be told" if best.unknown else "none"
 
 
-def write(parts: Sequence[Part], folder: Path) -> Path:
+def write(sections: Sequence[Section], folder: Path) -> Path:
     """Write the text into the folder of the figures; return its path."""
-    about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
-    path = folder / NAME
-    path.write_text("\n".join(lines(parts, about)) + "\n", encoding="utf-8")
+    provenance = json.loads((folder / PROVENANCE_FILE).read_text(encoding="utf-8"))
+    path = folder / FILE_NAME
+    path.write_text("\n".join(lines(sections, provenance)) + "\n", encoding="utf-8")
     return path
 
 
-def lines(parts: Sequence[Part], about: dict[str, Any]) -> Iterator[str]:
-    """Yield the lines of the text in Markdown. about: provenance of the numbers."""
-    how = Path(__file__).with_name("how_to_read.md").read_text(encoding="utf-8")
-    yield from ("# Speed against accuracy", "", how.rstrip(), "", "## What to take", "")
+def lines(sections: Sequence[Section], provenance: dict[str, Any]) -> Iterator[str]:
+    """Yield the lines of the text in Markdown. provenance: that of the numbers."""
+    instructions = Path(__file__).with_name("how_to_read.md").read_text(encoding="utf-8")
+    yield from ("# Speed against accuracy", "", instructions.rstrip(), "", "## What to take", "")
     yield "The cheapest automatic choice within the accuracy, and its CPU time per second of signal, as a job."
     yield "All three: the line, the RMS and the largest force at once."
     yield ""
-    yield from _table(HEADS, [line_of(part) for part in parts])
-    for part in parts:
-        yield from ("", f"## {part.title}", "")
-        yield f"![Error against CPU time: {part.title}]({figure_name(part)})"
+    yield from _table(HEADS, [summary_row(section) for section in sections])
+    for section in sections:
+        yield from ("", f"## {section.title}", "")
+        yield f"![Error against CPU time: {section.title}]({figure_name(section)})"
         yield ""
-        for sentence in (*why(part.rows), *_method(part), *_peers(part), *_remarks(part)):
+        for sentence in (
+            *verdict_texts(section.rows),
+            *_method_texts(section),
+            *_peer_texts(section),
+            *_remarks(section),
+        ):
             yield from wrap(
                 f"- {sentence}", WIDTH, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
             )
         yield ""
-        yield from _table(CHOICES, _ladder(part))
+        yield from _table(CHOICE_HEADS, _choice_rows(section))
         yield ""
-        yield from _table(("asked of", *(f"within {percent(within)}" for within in WITHIN)), _taken(part))
-    yield from ("", "## Where these numbers come from", "", *_origin(about))
+        yield from _table(
+            ("asked of", *(f"within {percent(accuracy)}" for accuracy in ACCURACIES)), _verdict_rows(section)
+        )
+    yield from ("", "## Where these numbers come from", "", *_provenance_lines(provenance))
 
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
@@ -111,99 +123,112 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]
     yield from (f"| {' | '.join(row)} |" for row in rows)
 
 
-def _ladder(part: Part) -> list[tuple[str, ...]]:
+def _choice_rows(section: Section) -> list[tuple[str, ...]]:
     """List the automatic choice of each model with its costs and its total errors as a job."""
-    full = {row["variant"]: row["cpu_per_s"] for row in part.rows if row["role"] == AUTOMATIC}
+    full_cost = {row["variant"]: row["cpu_per_s"] for row in section.rows if row["role"] == AUTOMATIC}
     return [
         (
             row["variant"],
             row["method"] or "none",
-            chosen(row, part.rows),
+            step_text(row, section.rows),
             "yes" if row["period_passes"] > 0 else "no",
             seconds(row["cpu_per_s"]),
-            seconds(full[row["variant"]]),
+            seconds(full_cost[row["variant"]]),
             *(percent(row[f"{TOTAL}.{name}"]) for name in QUANTITIES),
         )
-        for row in automatic_rows(part.rows)
+        for row in automatic_rows(section.rows)
     ]
 
 
-def _taken(part: Part) -> list[tuple[str, ...]]:
+def _verdict_rows(section: Section) -> list[tuple[str, ...]]:
     """List the verdicts for each quantity alone, and for all."""
-    questions = [(WORDS[name], (name,)) for name in QUANTITIES] + [("all three", QUANTITIES)]
-    return [(words, *(_cell(verdict(part.rows, within, of)) for within in WITHIN)) for words, of in questions]
+    questions = [(QUANTITY_NAMES[name], (name,)) for name in QUANTITIES] + [("all three", QUANTITIES)]
+    return [
+        (words, *(_cell(verdict(section.rows, accuracy, quantities)) for accuracy in ACCURACIES))
+        for words, quantities in questions
+    ]
 
 
-def _method(part: Part) -> Iterator[str]:
+def _method_texts(section: Section) -> Iterator[str]:
     """Compare the automatic choice of the cheapest model within 1 % (or 5 %) with its other runs in full."""
-    named = [best.model for best in (verdict(part.rows, w) for w in reversed(WITHIN)) if best.model]
-    for off in off_the_front(part.rows, NUMERICAL):
-        if named and off.row["variant"] == named[0] and worst(off.row, NUMERICAL) < 1.0:
-            which = f"of `{named[0]}` the automatic choice, {off.row['method']}"
-            error = f"{percent(worst(off.row, NUMERICAL))} numerical error of the worst of the three"
-            text = f"**Method, in full:** {which} ({seconds(off.row['cpu_per_s'])}, {error})"
-            if off.times < NOTABLE:
+    models = [
+        best.model for best in (verdict(section.rows, accuracy) for accuracy in reversed(ACCURACIES)) if best.model
+    ]
+    for comparison in compare_with_front(section.rows, NUMERICAL):
+        if models and comparison.row["variant"] == models[0] and worst_error(comparison.row, NUMERICAL) < 1.0:
+            choice = f"of `{models[0]}` the automatic choice, {comparison.row['method']}"
+            error = f"{percent(worst_error(comparison.row, NUMERICAL))} numerical error of the worst of the three"
+            text = f"**Method, in full:** {choice} ({seconds(comparison.row['cpu_per_s'])}, {error})"
+            if comparison.cost_ratio < NOTABLE:
                 yield f"{text}, is near the front: nothing as close costs less by over {NOTABLE} times."
             else:
-                cheaper = method_text(off.cheapest)
-                yield f"{text}, is off the front: {cheaper} is as close for {_cost(off.cheapest)}."
+                cheaper = method_text(comparison.cheapest)
+                yield f"{text}, is off the front: {cheaper} is as close for {_cost(comparison.cheapest)}."
 
 
-def _peers(part: Part) -> Iterator[str]:
+def _peer_texts(section: Section) -> Iterator[str]:
     """Describe the cheapest solver of another package within 1 % of its model, and the cheapest own run."""
-    rows = [row for row in part.rows if not row["failure"]]
+    rows = [row for row in section.rows if not row["failure"]]
     peers = [row for row in rows if row["role"] == PEER]
-    close = [row for row in peers if _both(row) <= WITHIN[-1]]
-    if peers and not close:
-        names = _words(sorted({row["method"] for row in peers}))
-        yield f"**Peers:** none of {names} is within 1 % (numerical) of line and RMS."
-    if close:
-        best = min(close, key=lambda row: row["cpu_per_s"])
-        own = [r for r in rows if r["variant"] == best["variant"] and r["role"] in (POINT, AUTOMATIC)]
-        in_full = min((r for r in own if _both(r) <= WITHIN[-1]), key=lambda row: row["cpu_per_s"], default=None)
+    accurate = [row for row in peers if _line_and_rms_error(row) <= ACCURACIES[-1]]
+    if peers and not accurate:
+        methods = _quote(sorted({row["method"] for row in peers}))
+        yield f"**Peers:** none of {methods} is within 1 % (numerical) of line and RMS."
+    if accurate:
+        best = min(accurate, key=lambda row: row["cpu_per_s"])
+        own_rows = [r for r in rows if r["variant"] == best["variant"] and r["role"] in (POINT, AUTOMATIC)]
+        cheapest_own = min(
+            (r for r in own_rows if _line_and_rms_error(r) <= ACCURACIES[-1]),
+            key=lambda row: row["cpu_per_s"],
+            default=None,
+        )
         text = (
             f"**Peers:** the cheapest within 1 % (numerical) of line and RMS is {method_text(best)}, {_cost(best)}"
         )
-        yield f"{text}; of our methods " + (f"{method_text(in_full)}, {_cost(in_full)}." if in_full else "none.")
+        yield f"{text}; of our methods " + (
+            f"{method_text(cheapest_own)}, {_cost(cheapest_own)}." if cheapest_own else "none."
+        )
 
 
 def _cost(row: Row) -> str:
     return seconds(row["cpu_per_s"])
 
 
-def _both(row: Row) -> float:
+def _line_and_rms_error(row: Row) -> float:
     """Return the larger numerical error of line and RMS, since some peers have no largest force."""
-    return worst(row, NUMERICAL, QUANTITIES[:2])
+    return worst_error(row, NUMERICAL, QUANTITIES[:2])
 
 
-def _remarks(part: Part) -> Iterator[str]:
+def _remarks(section: Section) -> Iterator[str]:
     """Describe chaotic models, record, reference and refused models."""
-    chaotic = list(dict.fromkeys(row["variant"] for row in part.rows if row["chaotic"] == 1.0))
+    chaotic = list(dict.fromkeys(row["variant"] for row in section.rows if row["chaotic"] == 1.0))
     if chaotic:
         yield (
-            f"**Chaotic** in {_words(chaotic)}: no step holds the motion pass by pass. Errors count against the"
+            f"**Chaotic** in {_quote(chaotic)}: no step holds the motion pass by pass. Errors count against the"
             " mean of all solutions, and what these scatter by is the floor."
         )
-    judged = part.rows[0]
-    floors = ", ".join(f"{percent(judged[f'{TOTAL}.{name}.floor'])} ({WORDS[name]})" for name in QUANTITIES)
-    yield f"**The record** is {part.duration:g} s."
-    yield f"**The reference** is `{judged['variant']}`, by {judged['against']}, which lie apart by {floors}."
-    refused = [row for row in part.rows if row["failure"] and row["role"] == "job"]
+    reference = section.rows[0]
+    floors = ", ".join(
+        f"{percent(reference[f'{TOTAL}.{name}.floor'])} ({QUANTITY_NAMES[name]})" for name in QUANTITIES
+    )
+    yield f"**The record** is {section.duration:g} s."
+    yield f"**The reference** is `{reference['variant']}`, by {reference['against']}, which lie apart by {floors}."
+    refused = [row for row in section.rows if row["failure"] and row["role"] == "job"]
     if refused:
-        yield f"**Cannot do this:** {_words([row['variant'] for row in refused])}."
+        yield f"**Cannot do this:** {_quote([row['variant'] for row in refused])}."
 
 
-def _words(names: Sequence[str]) -> str:
+def _quote(names: Sequence[str]) -> str:
     return ", ".join(f"`{name}`" for name in names)
 
 
-def _origin(about: dict[str, Any]) -> Iterator[str]:
+def _provenance_lines(provenance: dict[str, Any]) -> Iterator[str]:
     """Describe the provenance."""
-    yield f"bearingsim {about['bearingsim']} ({about['commit']}), {about['date']}."
-    yield f"{about['processor']}, {about['cores']} cores."
-    packages = ", ".join(f"{name} {about[name]}" for name in ("python", "numpy", "numba", "scipy"))
+    yield f"bearingsim {provenance['bearingsim']} ({provenance['commit']}), {provenance['date']}."
+    yield f"{provenance['processor']}, {provenance['cores']} cores."
+    packages = ", ".join(f"{name} {provenance[name]}" for name in ("python", "numpy", "numba", "scipy"))
     yield f"{packages[0].upper()}{packages[1:]}."
-    yield f"{about['runs']} runs, {about['jobs']} at a time. CPU times are of the thread."
+    yield f"{provenance['runs']} runs, {provenance['jobs']} at a time. CPU times are of the thread."
     yield "Other work on the machine makes them longer: compare within a scene."
-    for name, reason in about["left_out"].items():
+    for name, reason in provenance["left_out"].items():
         yield f"Left out: {name} ({reason})."

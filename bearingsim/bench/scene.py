@@ -20,8 +20,8 @@ ORDER = (
     *("bent-ring", "speed-6000", "light-load", "off-centre", "inner-race"),
 )
 """Built-in scenes in the order of the report."""
-MOST_CASES = 3
-LONGEST = 0.5  # s, limit of the record of a case
+MAX_CASES = 3
+MAX_RECORD = 0.5  # s, limit of the record of a case
 
 
 @dataclass(frozen=True)
@@ -59,32 +59,36 @@ class Scene:
         return f"velocity@{FAULT_LINES[defects[0].race if defects else 'outer']}"
 
 
-def own(names: Sequence[str], quick: bool) -> list[Scene]:
+def built_in_scenes(names: Sequence[str], quick: bool) -> list[Scene]:
     """Load built-in scenes by name. Raises UserError for an unknown name."""
     for name in names:
         if name not in ORDER:
-            near = suggestion(name, ORDER) or f"known: {', '.join(ORDER)}"
-            raise UserError(f"unknown scene `{name}`; {near}")
+            hint = suggestion(name, ORDER) or f"known: {', '.join(ORDER)}"
+            raise UserError(f"unknown scene `{name}`; {hint}")
     return [scene for name in dict.fromkeys(names) for scene in load_scenes(FOLDER / f"{name}.yaml", quick)]
 
 
 def load_scenes(path: Path, quick: bool) -> list[Scene]:
     """Load the first cases of a study file, one scene each. Raises StudyError with all problems of the file."""
     study = load_study(path, quick=quick)
-    judged = _all_by(study, path, {"model": REFERENCE}, quick)
-    if any(case.ramp is not None for case in judged if case is not None):
+    reference_cases = _changed_cases(study, path, {"model": REFERENCE}, quick)
+    if any(case.ramp is not None for case in reference_cases if case is not None):
         raise UserError(f"{path}: no spectral line can be compared while the speed changes; omit `ramp`")
     return [
         Scene(
-            *_named(study, n), (Variant(_label(shown), shown.model, shown), *_lower(study, path, n, case, quick))
+            *_name_and_title(study, n),
+            (
+                Variant(_label(reference_case), reference_case.model, reference_case),
+                *_cheaper_variants(study, path, n, case, quick),
+            ),
         )
-        for n, case in enumerate(judged[:MOST_CASES])
+        for n, case in enumerate(reference_cases[:MAX_CASES])
         if case is not None
-        for shown in [reference(case)]
+        for reference_case in [reference(case)]
     ]
 
 
-def _named(study: Study, n: int) -> tuple[str, str]:
+def _name_and_title(study: Study, n: int) -> tuple[str, str]:
     """Return name and title of a case; a comment in the file's first line becomes the title."""
     heading = study.text.partition("\n")[0]
     title = heading.lstrip("# ").strip() if heading.startswith("#") else study.name
@@ -93,17 +97,19 @@ def _named(study: Study, n: int) -> tuple[str, str]:
     return f"{study.name}-{n + 1}", f"{title} (case {n + 1})"
 
 
-def _lower(study: Study, path: Path, n: int, judged: Case, quick: bool) -> list[Variant]:
+def _cheaper_variants(study: Study, path: Path, n: int, reference_case: Case, quick: bool) -> list[Variant]:
     """List cheaper models than the reference, from the most detailed down."""
     variants = []
-    for candidate, changes in ladder(judged).items():
+    for candidate, changes in ladder(reference_case).items():
         fields = {"model": REFERENCE} | changes
         try:
-            case, why = _all_by(study, path, fields, quick)[n], ""
+            case, reason = _changed_cases(study, path, fields, quick)[n], ""
         except StudyError as error:
-            case, why = None, error.problems[0].message
+            case, reason = None, error.problems[0].message
         if case is None:
-            variants.append(Variant(candidate, changes.get("model", candidate), None, why or "it cannot do this"))
+            variants.append(
+                Variant(candidate, changes.get("model", candidate), None, reason or "it cannot do this")
+            )
         else:
             variants.append(Variant(_label(case), case.model, case))
     return variants
@@ -116,26 +122,26 @@ def _label(case: Case) -> str:
     return f"{case.model}, {case.contact.slices} slices" if MODELS[case.model].sliced else case.model
 
 
-def _all_by(study: Study, path: Path, changes: Mapping[str, str], quick: bool) -> list[Case | None]:
+def _changed_cases(study: Study, path: Path, changes: Mapping[str, str], quick: bool) -> list[Case | None]:
     """Return the cases of a study with other values at some paths and shorter records."""
     if study.goal is not None:
-        cases = study.cases() if changes == {"model": REFERENCE} else _otherwise(study, changes)
+        cases = study.cases() if changes == {"model": REFERENCE} else _goal_cases(study, changes)
     else:
-        cases = list(_loaded(path, tuple(changes.items()), quick).cases())
-    return [case and _shortened(case) for case in cases]
+        cases = list(_load(path, tuple(changes.items()), quick).cases())
+    return [case and _shorten(case) for case in cases]
 
 
-def _otherwise(study: Study, changes: Mapping[str, str]) -> list[Case | None]:
+def _goal_cases(study: Study, changes: Mapping[str, str]) -> list[Case | None]:
     assert study.otherwise is not None
     return study.otherwise(changes)
 
 
 @cache
-def _loaded(path: Path, changes: tuple[tuple[str, str], ...], quick: bool) -> Study:
+def _load(path: Path, changes: tuple[tuple[str, str], ...], quick: bool) -> Study:
     return load_study(path, dict(changes), quick)
 
 
-def _shortened(case: Case) -> Case:
+def _shorten(case: Case) -> Case:
     """Limit a case to a short record of the compared quantities."""
-    plain = {"duration": min(case.duration, LONGEST), "until": None, "record": ("ring.velocity",)}
-    return case.model_copy(update=plain)
+    changes = {"duration": min(case.duration, MAX_RECORD), "until": None, "record": ("ring.velocity",)}
+    return case.model_copy(update=changes)

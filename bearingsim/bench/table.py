@@ -8,9 +8,9 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from bearingsim.bench import measure, outside
+from bearingsim.bench import external, measure
 from bearingsim.bench.measure import COLUMNS, Row
-from bearingsim.bench.plan import JOB, Run, Settings, kinds, runs
+from bearingsim.bench.plan import JOB, Run, Settings, compile_groups, runs
 from bearingsim.bench.provenance import provenance
 from bearingsim.bench.scene import Scene
 from bearingsim.runner.pool import spread
@@ -18,9 +18,9 @@ from bearingsim.runner.progress import duration
 from bearingsim.store import claim
 from bearingsim.text.terminal import say
 
-RUNS, ABOUT = "runs.csv", "provenance.json"
-LINE_EVERY_S = 5.0
-NUMBERS = ("step_s", "tolerance", "cpu_per_s", *measure.QUANTITIES, "chaotic", "period_passes")
+RUNS_FILE, PROVENANCE_FILE = "runs.csv", "provenance.json"
+PROGRESS_INTERVAL_S = 5.0
+NUMERIC_COLUMNS = ("step_s", "tolerance", "cpu_per_s", *measure.QUANTITIES, "chaotic", "period_passes")
 
 
 def compute(
@@ -28,28 +28,33 @@ def compute(
     folder: Path,
     quick: bool = False,
     jobs: int = 1,
-    others: Mapping[str, Settings] | None = None,
-    left_out: dict[str, str] | None = None,
+    peers: Mapping[str, Settings] | None = None,
+    missing_peers: dict[str, str] | None = None,
 ) -> list[Row]:
     """Compute the runs missing in ``folder``; return all rows of the scenes, in the order of the plan.
 
-    others: by scene, solvers of other packages (``outside.SOLVERS``) at their settings; left_out: solvers
+    peers: by scene, solvers of other packages (``external.SOLVERS``) at their settings; missing_peers: those
     not installed, with reasons. Reports progress on stderr. Finished rows survive an interruption.
     """
     claim(folder, "a chart", "bearingsim bench", "results/bench-chart-2")
-    wanted = [run for scene in scenes for run in runs(scene, quick, (others or {}).get(scene.name))]
-    path, began = folder / RUNS, (time.monotonic(), time.process_time())
+    planned_runs = [run for scene in scenes for run in runs(scene, quick, (peers or {}).get(scene.name))]
+    path, start = folder / RUNS_FILE, (time.monotonic(), time.process_time())
     stored = read(path)
-    todo = [run for run in wanted if run.key not in stored]
-    if todo:
-        _compile(todo, jobs)
-        _append(path, todo, jobs)
+    missing_runs = [run for run in planned_runs if run.key not in stored]
+    if missing_runs:
+        _compile(missing_runs, jobs)
+        _append_rows(path, missing_runs, jobs)
         stored = read(path)
-    about = provenance(left_out or {}) | {"runs": len(wanted), "computed": len(todo), "jobs": jobs, "quick": quick}
-    about["wall_s"] = round(time.monotonic() - began[0], 1)
-    if todo or not (folder / ABOUT).exists():
-        (folder / ABOUT).write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
-    return [row for run in wanted for row in stored.get(run.key, [])]
+    entries = provenance(missing_peers or {}) | {
+        "runs": len(planned_runs),
+        "computed": len(missing_runs),
+        "jobs": jobs,
+        "quick": quick,
+    }
+    entries["wall_s"] = round(time.monotonic() - start[0], 1)
+    if missing_runs or not (folder / PROVENANCE_FILE).exists():
+        (folder / PROVENANCE_FILE).write_text(json.dumps(entries, indent=1) + "\n", encoding="utf-8")
+    return [row for run in planned_runs for row in stored.get(run.key, [])]
 
 
 def read(path: Path) -> dict[str, list[Row]]:
@@ -60,79 +65,85 @@ def read(path: Path) -> dict[str, list[Row]]:
     with path.open(newline="", encoding="utf-8") as file:
         for row in csv.DictReader(file):
             if set(row) == set(COLUMNS) and all(value is not None for value in row.values()):
-                stored.setdefault(row["key"], []).append(_with_numbers(row))
-    return {key: rows for key, rows in stored.items() if len(rows) == _rows_of(rows[0])}
+                stored.setdefault(row["key"], []).append(_parse_row(row))
+    return {key: rows for key, rows in stored.items() if len(rows) == _row_count(rows[0])}
 
 
-def _rows_of(leading: Row) -> int:
+def _row_count(leading_row: Row) -> int:
     """Return the number of rows of a run, given the first."""
-    return 2 if leading["role"] == JOB and not leading["failure"] else 1
+    return 2 if leading_row["role"] == JOB and not leading_row["failure"] else 1
 
 
-def _with_numbers(row: dict[str, str]) -> Row:
-    return {name: (float(value or "nan") if name in NUMBERS else value) for name, value in row.items()}
+def _parse_row(row: dict[str, str]) -> Row:
+    return {name: (float(value or "nan") if name in NUMERIC_COLUMNS else value) for name, value in row.items()}
 
 
-def _append(path: Path, todo: Sequence[Run], jobs: int) -> None:
+def _append_rows(path: Path, missing_runs: Sequence[Run], jobs: int) -> None:
     """Compute runs, writing rows as runs finish."""
-    new, done, began = not path.exists(), 0, time.monotonic()
-    last = began
+    is_new, done, start = not path.exists(), 0, time.monotonic()
+    last_report = start
     with path.open("a", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, COLUMNS)
-        if new:
-            table.writeheader()
+        writer = csv.DictWriter(file, COLUMNS)
+        if is_new:
+            writer.writeheader()
         elif not path.read_text(encoding="utf-8").endswith("\n"):
             file.write("\n")  # a previous run was stopped in the middle of a row
         try:
-            for rows in spread(_rows, [(run, outside.SOLVERS.get(run.method)) for run in todo], jobs):
-                table.writerows({name: _text(value) for name, value in row.items()} for row in rows)
+            for rows in spread(
+                _rows_in_worker, [(run, external.SOLVERS.get(run.method)) for run in missing_runs], jobs
+            ):
+                writer.writerows({name: _format(value) for name, value in row.items()} for row in rows)
                 file.flush()
                 done += 1
-                if time.monotonic() - last > LINE_EVERY_S:
-                    last = time.monotonic()
-                    left = duration((last - began) * (len(todo) - done) / done)
-                    say(f"{done}/{len(todo)} runs, about {left} left", err=True)
+                if time.monotonic() - last_report > PROGRESS_INTERVAL_S:
+                    last_report = time.monotonic()
+                    time_left = duration((last_report - start) * (len(missing_runs) - done) / done)
+                    say(f"{done}/{len(missing_runs)} runs, about {time_left} left", err=True)
         except KeyboardInterrupt:
-            raise KeyboardInterrupt(f"interrupted: {path} has {done} of {len(todo)} runs; run it again") from None
+            raise KeyboardInterrupt(
+                f"interrupted: {path} has {done} of {len(missing_runs)} runs; run it again"
+            ) from None
 
 
-def _rows(run: Run, solver: outside.Solver | None) -> list[Row]:
+def _rows_in_worker(run: Run, solver: external.Solver | None) -> list[Row]:
     """Call ``measure.rows`` in a process that may lack the run's solver."""
     if solver is not None:
-        outside.SOLVERS.setdefault(run.method, solver)
+        external.SOLVERS.setdefault(run.method, solver)
     return measure.rows(run)
 
 
-def _compile(todo: Sequence[Run], jobs: int) -> None:
+def _compile(missing_runs: Sequence[Run], jobs: int) -> None:
     """Compile the code before timing, each model in one process."""
-    groups = kinds(todo)
-    say(f"compiling {len(groups)} models for {len(todo)} runs", err=True)
-    for done, model in enumerate(spread(_ready, [(group, dict(outside.SOLVERS)) for group in groups], jobs), 1):
+    groups = compile_groups(missing_runs)
+    say(f"compiling {len(groups)} models for {len(missing_runs)} runs", err=True)
+    for done, model in enumerate(
+        spread(_compile_group, [(group, dict(external.SOLVERS)) for group in groups], jobs), 1
+    ):
         say(f"ready, {done} of {len(groups)}: {model}", err=True)
 
 
-def _ready(group: Sequence[Run], solvers: dict[str, outside.Solver]) -> str:
-    outside.SOLVERS.update(solvers)
-    return [measure.ready(run) for run in group][-1]
+def _compile_group(group: Sequence[Run], solvers: dict[str, external.Solver]) -> str:
+    external.SOLVERS.update(solvers)
+    return [measure.compile_run(run) for run in group][-1]
 
 
-def _text(value: Any) -> Any:
+def _format(value: Any) -> Any:
     """Format numbers with seven digits."""
     if isinstance(value, float):
         return "" if value != value else f"{value:.7g}"
     return value
 
 
-def written(rows: Sequence[Row], path: Path) -> Path:
+def write_csv(rows: Sequence[Row], path: Path) -> Path:
     """Write rows as a CSV file; return its path."""
     names = list(dict.fromkeys(chain.from_iterable(rows)))
     with path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, names)
-        table.writeheader()
-        table.writerows(_texts(rows))
+        writer = csv.DictWriter(file, names)
+        writer.writeheader()
+        writer.writerows(_formatted_rows(rows))
     return path
 
 
-def _texts(rows: Sequence[Row]) -> Iterator[Row]:
+def _formatted_rows(rows: Sequence[Row]) -> Iterator[Row]:
     for row in rows:
-        yield {name: _text(value) for name, value in row.items()}
+        yield {name: _format(value) for name, value in row.items()}

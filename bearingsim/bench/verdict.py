@@ -8,22 +8,22 @@ from bearingsim.bench.errors import TOTAL
 from bearingsim.bench.measure import QUANTITIES, Row
 from bearingsim.bench.plan import AUTOMATIC, JOB, POINT
 
-WITHIN = (0.05, 0.01)
-WORDS = {"line": "line", "rms": "RMS", "force": "largest force"}
+ACCURACIES = (0.05, 0.01)
+QUANTITY_NAMES = {"line": "line", "rms": "RMS", "force": "largest force"}
 
 
 class Verdict(NamedTuple):
-    """Cheapest sufficient choice in a scene for an accuracy ``within`` of the quantities ``of``.
+    """Cheapest sufficient choice in a scene for an ``accuracy`` of some ``quantities``.
 
     job: the cheapest sufficient automatic choice; point: the cheapest sufficient run in full, of any method and
     setting; unknown: reason if there is no verdict.
     """
 
-    within: float
+    accuracy: float
     job: Row | None
     point: Row | None
     unknown: str = ""
-    of: Sequence[str] = QUANTITIES
+    quantities: Sequence[str] = QUANTITIES
 
     @property
     def model(self) -> str:
@@ -32,29 +32,36 @@ class Verdict(NamedTuple):
         return best["variant"] if best else ""
 
 
-def worst(row: Row, kind: str = TOTAL, of: Sequence[str] = QUANTITIES) -> float:
+def worst_error(row: Row, kind: str = TOTAL, quantities: Sequence[str] = QUANTITIES) -> float:
     """Return the largest counted error of a row; infinite if an error is unknown."""
-    errors = [row[f"{kind}.{name}.counted"] for name in of]
+    errors = [row[f"{kind}.{name}.counted"] for name in quantities]
     return max(errors) if all(map(isfinite, errors)) else inf
 
 
-def verdict(rows: Sequence[Row], within: float, of: Sequence[str] = QUANTITIES) -> Verdict:
+def verdict(rows: Sequence[Row], accuracy: float, quantities: Sequence[str] = QUANTITIES) -> Verdict:
     """Find the cheapest sufficient rows of a scene for an accuracy of some quantities."""
-    floors = {name: max((row[f"{TOTAL}.{name}.floor"] for row in rows), default=inf) for name in of}
+    floors = {name: max((row[f"{TOTAL}.{name}.floor"] for row in rows), default=inf) for name in quantities}
     name = max(floors, key=floors.__getitem__)
-    if not floors[name] <= within:
-        unknown = f"the reference's {WORDS[name]} is known to {percent(floors[name])} only"
-        return Verdict(within, None, None, unknown, of)
-    enough = [row for row in rows if not row["failure"] and worst(row, of=of) <= within]
-    job = _cheapest([row for row in enough if row["role"] == JOB])
-    return Verdict(within, job, _cheapest([row for row in enough if row["role"] in (POINT, AUTOMATIC)]), of=of)
+    if not floors[name] <= accuracy:
+        unknown = f"the reference's {QUANTITY_NAMES[name]} is known to {percent(floors[name])} only"
+        return Verdict(accuracy, None, None, unknown, quantities)
+    sufficient = [
+        row for row in rows if not row["failure"] and worst_error(row, quantities=quantities) <= accuracy
+    ]
+    job = _cheapest([row for row in sufficient if row["role"] == JOB])
+    return Verdict(
+        accuracy,
+        job,
+        _cheapest([row for row in sufficient if row["role"] in (POINT, AUTOMATIC)]),
+        quantities=quantities,
+    )
 
 
 def _cheapest(rows: Sequence[Row]) -> Row | None:
     return min(rows, key=lambda row: row["cpu_per_s"], default=None)
 
 
-def front(rows: Sequence[Row], column: str) -> list[Row]:
+def pareto_front(rows: Sequence[Row], column: str) -> list[Row]:
     """Select the Pareto-optimal rows in CPU time and the error of a column, cheapest first."""
     optimal: list[Row] = []
     for row in sorted(rows, key=lambda row: (row["cpu_per_s"], row[column])):
@@ -91,37 +98,37 @@ def setting(row: Row) -> str:
     """Describe the step or tolerance of a row, with a leading blank."""
     if row["role"] == AUTOMATIC:
         return " as it is chosen by `auto`"
-    part, of_step, _ = row["setting"].partition(" of the step")
-    if of_step:
-        return " at its first step" if part == "1" else f" at {part} times its first step"
-    return f" at a tolerance of {part}" if part else ""
+    value, is_step, _ = row["setting"].partition(" of the step")
+    if is_step:
+        return " at its first step" if value == "1" else f" at {value} times its first step"
+    return f" at a tolerance of {value}" if value else ""
 
 
 def label(row: Row) -> str:
     """Abbreviate a row's step or tolerance: `2x`, `1e-3`; `auto` for the automatic choice."""
     if row["role"] == AUTOMATIC:
         return "auto"
-    part, of_step, _ = row["setting"].partition(" of the step")
-    return f"{part}x" if of_step else f"{float(part):.0e}".replace("e-0", "e-") if part else ""
+    value, is_step, _ = row["setting"].partition(" of the step")
+    return f"{value}x" if is_step else f"{float(value):.0e}".replace("e-0", "e-") if value else ""
 
 
-def chosen(row: Row, rows: Sequence[Row]) -> str:
+def step_text(row: Row, rows: Sequence[Row]) -> str:
     """Format the step of an automatic choice relative to the automatic step of its method, or its tolerance."""
-    firsts = [
+    base_steps = [
         other["step_s"]
         for other in rows
         if (other["variant"], other["method"], label(other)) == (row["variant"], row["method"], "1x")
     ]
     if isfinite(row["tolerance"]):
         return f"{row['tolerance']:.0e}".replace("e-0", "e-")
-    if firsts and isfinite(row["step_s"]):
-        return f"{row['step_s'] / firsts[0]:.2g} x {1e6 * firsts[0]:.2g} us"
+    if base_steps and isfinite(row["step_s"]):
+        return f"{row['step_s'] / base_steps[0]:.2g} x {1e6 * base_steps[0]:.2g} us"
     return f"{1e6 * row['step_s']:.2g} us" if isfinite(row["step_s"]) else ""
 
 
-def short(best: Verdict) -> str:
+def short_text(best: Verdict) -> str:
     """Abbreviate a verdict: `5 %: rollers`."""
-    return f"{percent(best.within)}: {best.model or (best.unknown and 'not to be told') or 'none'}"
+    return f"{percent(best.accuracy)}: {best.model or (best.unknown and 'not to be told') or 'none'}"
 
 
 def automatic_rows(rows: Sequence[Row]) -> list[Row]:
@@ -129,15 +136,15 @@ def automatic_rows(rows: Sequence[Row]) -> list[Row]:
     return [row for row in rows if row["role"] == JOB and not row["failure"]]
 
 
-def why(rows: Sequence[Row]) -> list[str]:
+def verdict_texts(rows: Sequence[Row]) -> list[str]:
     """Describe the cheapest sufficient model of a scene and its error, and those of the next cheaper model."""
     jobs = automatic_rows(rows)
     if not jobs:
         return ["Nothing could be computed."]
     sentences = []
-    for within in WITHIN:
-        best = verdict(rows, within)
-        sentences.append(f"**Within {percent(within)}:** {_verdict_text(best, rows, jobs)}")
+    for accuracy in ACCURACIES:
+        best = verdict(rows, accuracy)
+        sentences.append(f"**Within {percent(accuracy)}:** {_verdict_text(best, rows, jobs)}")
     return sentences
 
 
@@ -145,10 +152,8 @@ def _verdict_text(best: Verdict, rows: Sequence[Row], jobs: Sequence[Row]) -> st
     if best.unknown:
         return f"not to be told: {best.unknown}."
     if best.job is None and best.point is None:
-        near = min(jobs, key=worst)
-        return (
-            f"nothing that was run; the nearest automatic choice, `{near['variant']}`, is off by {_errors(near)}."
-        )
+        job = min(jobs, key=worst_error)
+        return f"nothing that was run; the nearest automatic choice, `{job['variant']}`, is off by {_errors(job)}."
     if best.job is None:
         assert best.point is not None
         return (
@@ -158,10 +163,10 @@ def _verdict_text(best: Verdict, rows: Sequence[Row], jobs: Sequence[Row]) -> st
     text = f"`{best.job['variant']}`, {seconds(best.job['cpu_per_s'])} as a job. It is off by {_errors(best.job)}."
     cheaper = [row for row in jobs if row["cpu_per_s"] < best.job["cpu_per_s"] and row is not best.job]
     if cheaper:
-        next_one = max(cheaper, key=lambda row: row["cpu_per_s"])
+        next_row = max(cheaper, key=lambda row: row["cpu_per_s"])
         text += (
-            f" The next cheaper will not do: `{next_one['variant']}` costs {seconds(next_one['cpu_per_s'])} and is"
-            f" off by {_errors(next_one)}."
+            f" The next cheaper will not do: `{next_row['variant']}` costs {seconds(next_row['cpu_per_s'])} and is"
+            f" off by {_errors(next_row)}."
         )
     else:
         text += " No job costs less."
@@ -174,30 +179,30 @@ def _verdict_text(best: Verdict, rows: Sequence[Row], jobs: Sequence[Row]) -> st
 
 
 def _errors(row: Row) -> str:
-    return ", ".join(f"{percent(row[f'{TOTAL}.{name}'])} ({WORDS[name]})" for name in QUANTITIES)
+    return ", ".join(f"{percent(row[f'{TOTAL}.{name}'])} ({QUANTITY_NAMES[name]})" for name in QUANTITIES)
 
 
-class OffFront(NamedTuple):
+class FrontComparison(NamedTuple):
     """Automatic choice of a model, cheapest run of that model with no larger error, and ratio of costs."""
 
     row: Row
     cheapest: Row
-    times: float
+    cost_ratio: float
 
 
-def off_the_front(rows: Sequence[Row], kind: str) -> list[OffFront]:
+def compare_with_front(rows: Sequence[Row], kind: str) -> list[FrontComparison]:
     """Compare each model's automatic choice in full with its cheapest run of no larger worst error."""
     pairs = []
     for row in rows:
         if row["role"] == AUTOMATIC and row["method"]:
-            as_close = [
+            candidates = [
                 other
                 for other in rows
                 if other["variant"] == row["variant"]
                 and other["role"] in (POINT, AUTOMATIC)
                 and not other["failure"]
-                and worst(other, kind) <= worst(row, kind)
+                and worst_error(other, kind) <= worst_error(row, kind)
             ]
-            best = min(as_close, key=lambda other: other["cpu_per_s"], default=row)
-            pairs.append(OffFront(row, best, row["cpu_per_s"] / best["cpu_per_s"]))
+            best = min(candidates, key=lambda other: other["cpu_per_s"], default=row)
+            pairs.append(FrontComparison(row, best, row["cpu_per_s"] / best["cpu_per_s"]))
     return pairs

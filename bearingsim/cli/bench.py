@@ -29,12 +29,12 @@ def chart(
     quick: bool,
     folder: Path,
     jobs: int,
-    others: "Mapping[str, Settings] | None" = None,
-    left_out: Mapping[str, str] | None = None,
+    peers: "Mapping[str, Settings] | None" = None,
+    missing_peers: Mapping[str, str] | None = None,
 ) -> list[Path]:
     """Compute the missing rows of a chart and return its files.
 
-    others, left_out: as of ``bench.table.compute``.
+    peers, missing_peers: as of ``bench.table.compute``.
     """
     from bearingsim.bench import plan, report, scene, table
     from bearingsim.bench.errors import with_errors
@@ -42,11 +42,13 @@ def chart(
     from bearingsim.plots import speed_accuracy
 
     scenes = (
-        scene.load_scenes(study, quick) if study is not None else scene.own(names or plan.scenes_of(quick), quick)
+        scene.load_scenes(study, quick)
+        if study is not None
+        else scene.built_in_scenes(names or plan.default_scenes(quick), quick)
     )
-    rows = table.compute(scenes, folder, quick, jobs, others, dict(left_out or {}))
-    parts = [
-        report.Part(
+    rows = table.compute(scenes, folder, quick, jobs, peers, dict(missing_peers or {}))
+    sections = [
+        report.Section(
             entry.name,
             entry.title,
             with_errors([row for row in rows if row["scene"] == entry.name]),
@@ -54,7 +56,12 @@ def chart(
         )
         for entry in scenes
     ]
-    print_table(report.HEADS, [report.line_of(part) for part in parts], text_columns=len(report.HEADS))
-    files = [table.written([row for part in parts for row in part.rows], folder / "chart.csv")]
-    files += [speed_accuracy.draw(part.rows, part.title, folder / report.figure_name(part)) for part in parts]
-    return [*files, report.write(parts, folder), folder / table.ABOUT]
+    print_table(
+        report.HEADS, [report.summary_row(section) for section in sections], text_columns=len(report.HEADS)
+    )
+    files = [table.write_csv([row for section in sections for row in section.rows], folder / "chart.csv")]
+    files += [
+        speed_accuracy.draw(section.rows, section.title, folder / report.figure_name(section))
+        for section in sections
+    ]
+    return [*files, report.write(sections, folder), folder / table.PROVENANCE_FILE]

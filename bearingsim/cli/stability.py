@@ -39,7 +39,9 @@ def show(
     default_methods = matrix.QUICK_METHODS if quick else matrix.methods_known()
     all_methods = matrix.methods_known()
     grid = grid._replace(defects=tuple(select("--pit", defects, tuple(DEFECTS), grid.defects)))
-    model_names = select("--model", models, matrix.models_known(), matrix.QUICK_MODELS if quick else matrix.USUAL)
+    model_names = select(
+        "--model", models, matrix.models_known(), matrix.QUICK_MODELS if quick else matrix.DEFAULT_MODELS
+    )
     method_names = select(
         "--method", methods, all_methods, [name for name in default_methods if name in all_methods]
     )

@@ -20,7 +20,7 @@ from PIL import Image
 from bearingsim.bench.errors import NUMERICAL, TOTAL
 from bearingsim.bench.measure import QUANTITIES, Row
 from bearingsim.bench.plan import AUTOMATIC, JOB, PEER, POINT
-from bearingsim.bench.verdict import WITHIN, front, label, method_text, percent, seconds, verdict
+from bearingsim.bench.verdict import ACCURACIES, label, method_text, pareto_front, percent, seconds, verdict
 from bearingsim.catalogue import MODELS
 from bearingsim.plots.style import COLOURS, MARKERS, RC, drawing
 
@@ -92,7 +92,7 @@ def _paler(colour: str, part: float) -> str:
 def _verdicts(rows: Sequence[Row]) -> str:
     """Format the verdicts, one per line."""
     lines = []
-    for within in WITHIN:
+    for within in ACCURACIES:
         cheapest = verdict(rows, within)
         if cheapest.job is not None:
             what = f"{cheapest.job['variant']} ({cheapest.job['method'] or 'no method'}, "
@@ -110,7 +110,7 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
     good = [row for row in rows if not row["failure"] and row[column] == row[column]]
     ax.set(xscale="log", yscale="log", ymargin=0.09)
     if kind == TOTAL:
-        best = front([row for row in good if row["role"] in (POINT, AUTOMATIC)], f"{column}.counted")
+        best = pareto_front([row for row in good if row["role"] in (POINT, AUTOMATIC)], f"{column}.counted")
         ax.step(
             [_shown(row[f"{column}.counted"]) for row in best], [row["cpu_per_s"] for row in best],
             where="pre", color="0.75", linewidth=4.0, zorder=1, solid_capstyle="round",
@@ -120,7 +120,7 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
         floor = max((row[f"{column}.floor"] for row in rows), default=0.0)
         if floor > LEAST:
             ax.axvspan(LEAST / 2.0, _shown(floor), color="0.94", zorder=0)
-    for within in WITHIN:
+    for within in ACCURACIES:
         ax.axvline(within, color="0.45", linewidth=0.8, linestyle=(0, (4, 2)), zorder=0)
         ax.text(
             within, 1.0, percent(within), transform=ax.get_xaxis_transform(),

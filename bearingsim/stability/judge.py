@@ -15,10 +15,10 @@ CLASSES = (OK, INACCURATE, CHATTER, BLOW_UP, SKIPPED, STALL, REFUSED, TOO_SLOW, 
 ACCURACY = 0.01  # largest relative error of the class `ok`, or the reference's floor if that is larger
 CHAOS_FLOOR = 0.05  # relative; runs within a larger floor are classified as within chaos
 # relative L2 difference above which two solutions count as different paths of a chaotic motion
-SAME_PATH = 1e-3
-SEEN_PART = 0.5  # fraction of the reference's response to a crossing, below which the defect was skipped
-ANSWER_TIME = 60e-6  # s, duration of the ring's response after a crossing
-MORE_OFTEN, OFTEN = 2.0, 10  # contacts chatter beyond this times the reference's openings plus this
+DIVERGENCE = 1e-3
+RESPONSE_FRACTION = 0.5  # fraction of the reference's response to a crossing, below which the defect was skipped
+RESPONSE_TIME = 60e-6  # s, duration of the ring's response after a crossing
+OPENINGS_FACTOR, OPENINGS_OFFSET = 2.0, 10  # contacts chatter beyond this times the reference's openings plus this
 
 
 class Reference(NamedTuple):
@@ -29,7 +29,7 @@ class Reference(NamedTuple):
     """
 
     velocity: np.ndarray
-    touching: np.ndarray
+    contacts: np.ndarray
     names: str
     chaotic: bool
     floor: float
@@ -44,7 +44,7 @@ class Verdict(NamedTuple):
     error: float
     seen: int
     openings: int
-    openings_of_reference: int
+    reference_openings: int
 
 
 def l2(a: np.ndarray, b: np.ndarray) -> float:
@@ -63,39 +63,43 @@ def agreeing_solutions(solutions: dict[str, Trace]) -> Reference | None:
     If all solutions diverge in spite of tight tolerances, the motion is chaotic: RMS values are compared, and the
     floor is the largest difference between any two.
     """
-    whole = {name: trace for name, trace in solutions.items() if not trace.failure}
-    pairs = [(l2(whole[a].velocity, whole[b].velocity), a, b) for a, b in combinations(whole, 2)]
+    complete = {name: trace for name, trace in solutions.items() if not trace.failure}
+    pairs = [(l2(complete[a].velocity, complete[b].velocity), a, b) for a, b in combinations(complete, 2)]
     if not pairs:
         return None
-    least, best, second = min(pairs)
-    chaotic = least > SAME_PATH
-    worst = max(rms(whole[a].velocity, whole[b].velocity) for _, a, b in pairs)
-    names = " + ".join(whole) if chaotic else f"{best} + {second}"
-    return Reference(whole[best].velocity, whole[best].touching, names, chaotic, worst if chaotic else least)
+    difference, best, partner = min(pairs)
+    chaotic = difference > DIVERGENCE
+    worst = max(rms(complete[a].velocity, complete[b].velocity) for _, a, b in pairs)
+    names = " + ".join(complete) if chaotic else f"{best} + {partner}"
+    return Reference(
+        complete[best].velocity, complete[best].contacts, names, chaotic, worst if chaotic else difference
+    )
 
 
-def openings(touching: np.ndarray) -> int:
+def openings(contacts: np.ndarray) -> int:
     """Count the openings of contacts."""
-    return int((touching[:, :-1] & ~touching[:, 1:]).sum())
+    return int((contacts[:, :-1] & ~contacts[:, 1:]).sum())
 
 
 def crossings_seen(
     trace: Trace, reference: Reference, healthy: Reference, windows: list[tuple[float, float]]
 ) -> int:
-    """Count the crossings with a ring response of at least ``SEEN_PART`` of the reference's.
+    """Count the crossings with a ring response of at least ``RESPONSE_FRACTION`` of the reference's.
 
     The count uses the ring, not the positions of rollers, because the interpolated result of a solver that steps
     over a defect still has a roller in it.
     """
     count = 0
     for start, end in windows:
-        begin = round(start / SAMPLE_INTERVAL) // trace.every
-        last = round((end + ANSWER_TIME) / SAMPLE_INTERVAL) // trace.every
-        samples = trace.every * np.arange(begin + 1, min(last, trace.velocity.shape[1])) - 1
-        sound = healthy.velocity[:, samples]
-        answer = trace.velocity[:, (samples + 1) // trace.every - 1] - sound
+        begin = round(start / SAMPLE_INTERVAL) // trace.stride
+        last = round((end + RESPONSE_TIME) / SAMPLE_INTERVAL) // trace.stride
+        samples = trace.stride * np.arange(begin + 1, min(last, trace.velocity.shape[1])) - 1
+        healthy_velocity = healthy.velocity[:, samples]
+        response = trace.velocity[:, (samples + 1) // trace.stride - 1] - healthy_velocity
         count += bool(
-            np.linalg.norm(answer) >= SEEN_PART * np.linalg.norm(reference.velocity[:, samples] - sound) > 0.0
+            np.linalg.norm(response)
+            >= RESPONSE_FRACTION * np.linalg.norm(reference.velocity[:, samples] - healthy_velocity)
+            > 0.0
         )
     return count
 
@@ -105,26 +109,26 @@ def judge(
     reference: Reference | None,
     healthy: Reference | None,
     windows: list[tuple[float, float]],
-    strides: bool,
+    long_steps: bool,
 ) -> Verdict:
     """Classify a run and return the supporting numbers. The class of a failed run is its failure.
 
-    strides: whether steps may be longer than half a crossing; a crossing without response is then skipped.
+    long_steps: whether steps may be longer than half a crossing; a crossing without response is then skipped.
     """
-    missing = Verdict(trace.failure or UNJUDGED, np.nan, 0, openings(trace.touching), 0)
+    no_verdict = Verdict(trace.failure or UNJUDGED, np.nan, 0, openings(trace.contacts), 0)
     if reference is None or trace.failure:
-        return missing
-    every = trace.every
-    exact, touching = reference.velocity[:, every - 1 :: every], reference.touching[:, every - 1 :: every]
+        return no_verdict
+    stride = trace.stride
+    exact, contacts = reference.velocity[:, stride - 1 :: stride], reference.contacts[:, stride - 1 :: stride]
     error = (rms if reference.chaotic else l2)(trace.velocity, exact)
-    opened, of_reference = openings(trace.touching), openings(touching)
+    run_openings, reference_openings = openings(trace.contacts), openings(contacts)
     seen = crossings_seen(trace, reference, healthy, windows) if healthy is not None else len(windows)
     if error <= max(ACCURACY, reference.floor):
         outcome = OK if reference.floor <= CHAOS_FLOOR else CHAOS
-    elif strides and seen < len(windows):
+    elif long_steps and seen < len(windows):
         outcome = SKIPPED
-    elif opened > MORE_OFTEN * of_reference + OFTEN:
+    elif run_openings > OPENINGS_FACTOR * reference_openings + OPENINGS_OFFSET:
         outcome = CHATTER
     else:
         outcome = INACCURATE
-    return Verdict(outcome, error, seen, opened, of_reference)
+    return Verdict(outcome, error, seen, run_openings, reference_openings)

@@ -10,12 +10,12 @@ from typing import Any
 from bearingsim import extensions
 from bearingsim.runner.pool import spread
 from bearingsim.runner.progress import duration
-from bearingsim.stability.matrix import Grid, Material, count, judges, map_of, materials, warm
+from bearingsim.stability.matrix import Grid, Material, count, map_rows, materials, reference_methods, warm
 from bearingsim.store import claim
 from bearingsim.text.terminal import say
 
-NAME = "stability.csv"
-LINE_EVERY_S = 5.0
+FILE_NAME = "stability.csv"
+PROGRESS_INTERVAL_S = 5.0
 
 
 def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: Path, jobs: int) -> Path:
@@ -26,24 +26,24 @@ def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: P
     """
     extensions.refuse_broken()
     claim(folder, "a map", "bearingsim stability", "results/stability-2")
-    path = folder / NAME
+    path = folder / FILE_NAME
     _compile(models, methods, grid, jobs)
-    units = [(unit, methods, grid) for unit in materials(models, grid)]
-    total, done, began = count(models, methods, grid), 0, time.monotonic()
-    last = began
+    tasks = [(material, methods, grid) for material in materials(models, grid)]
+    total, done, start = count(models, methods, grid), 0, time.monotonic()
+    last_report = start
     with path.open("w", newline="", encoding="utf-8") as file:
-        table: csv.DictWriter | None = None
+        writer: csv.DictWriter | None = None
         try:
-            for row in chain.from_iterable(spread(map_of if jobs == 1 else _whole, units, jobs)):
-                if table is None:
-                    table = csv.DictWriter(file, list(row))
-                    table.writeheader()
-                table.writerow({name: _text(value) for name, value in row.items()})
+            for row in chain.from_iterable(spread(map_rows if jobs == 1 else _map_rows, tasks, jobs)):
+                if writer is None:
+                    writer = csv.DictWriter(file, list(row))
+                    writer.writeheader()
+                writer.writerow({name: _format(value) for name, value in row.items()})
                 done += 1
-                if time.monotonic() - last > LINE_EVERY_S:
+                if time.monotonic() - last_report > PROGRESS_INTERVAL_S:
                     file.flush()
-                    last = time.monotonic()
-                    _tell(done, total, last - began)
+                    last_report = time.monotonic()
+                    _report_progress(done, total, last_report - start)
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"interrupted: {path} has {done} of {total} cells") from None
     return path
@@ -51,32 +51,32 @@ def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: P
 
 def _compile(models: Sequence[str], methods: Sequence[str], grid: Grid, jobs: int) -> None:
     """Compile all code before running cells, to keep compilation out of their CPU time."""
-    units = [(model, method, grid) for model in models for method in (*methods, *judges(methods))]
-    say(f"getting ready: {len(units)} pairs of model and method", err=True)
-    for done, (model, method) in enumerate(spread(_warmed, units, jobs), 1):
-        say(f"ready, {done} of {len(units)}: {model}, {method}", err=True)
+    tasks = [(model, method, grid) for model in models for method in (*methods, *reference_methods(methods))]
+    say(f"getting ready: {len(tasks)} pairs of model and method", err=True)
+    for done, (model, method) in enumerate(spread(_warm, tasks, jobs), 1):
+        say(f"ready, {done} of {len(tasks)}: {model}, {method}", err=True)
 
 
-def _warmed(model: str, method: str, grid: Grid) -> tuple[str, str]:
+def _warm(model: str, method: str, grid: Grid) -> tuple[str, str]:
     warm(model, method, grid)
     return model, method
 
 
-def _whole(unit: Material, methods: Sequence[str], grid: Grid) -> list[dict[str, Any]]:
-    """Collect the rows of ``map_of``, since a worker process cannot return a generator."""
-    return list(map_of(unit, methods, grid))
+def _map_rows(material: Material, methods: Sequence[str], grid: Grid) -> list[dict[str, Any]]:
+    """Collect the rows of ``map_rows``, since a worker process cannot return a generator."""
+    return list(map_rows(material, methods, grid))
 
 
-def _text(value: Any) -> Any:
+def _format(value: Any) -> Any:
     """Format numbers with six digits."""
     if isinstance(value, float):
         return "" if value != value else f"{value:.6g}"
     return value
 
 
-def _tell(done: int, total: int, elapsed: float) -> None:
-    left = duration(elapsed * (total - done) / done)
-    say(f"{done}/{total} cells, about {left} left", err=True)
+def _report_progress(done: int, total: int, elapsed: float) -> None:
+    time_left = duration(elapsed * (total - done) / done)
+    say(f"{done}/{total} cells, about {time_left} left", err=True)
 
 
 def summary(path: Path) -> Iterator[tuple[str, ...]]:

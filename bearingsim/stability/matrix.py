@@ -23,24 +23,24 @@ from bearingsim.stability.judge import REFUSED, Reference, Verdict, agreeing_sol
 from bearingsim.stability.references import SCIPY, solve
 from bearingsim.stability.scene import (
     DEFECTS,
-    NAMED,
+    DURATION,
     PRINTED,
     SAMPLE_INTERVAL,
-    SPAN,
     STEEL,
+    STIFFNESS_NAMES,
     Scene,
-    case_of,
-    crossings,
+    crossing_windows,
+    scene_case,
 )
-from bearingsim.stability.traces import TOO_SLOW, Trace, not_run, trace
+from bearingsim.stability.traces import TOO_SLOW, Trace, skipped_trace, trace
 
 HEALTHY = "healthy"
 
 
 class Grid(NamedTuple):
     """Varied parameters. k: N/mm^(10/9); damping: (m3, c in N s/mm^(1 + m3)); steps: s, of fixed-step methods;
-    tolerances: of adaptive methods; scipys: of SciPy's; limit: CPU time (s) of a cell; patience: CPU time (s) of a
-    solution of the reference.
+    tolerances: of adaptive methods; scipy_tolerances: of SciPy's; limit: CPU time (s) of a cell; reference_limit:
+    CPU time (s) of a solution of the reference.
     """
 
     k: tuple[float, ...]
@@ -48,9 +48,9 @@ class Grid(NamedTuple):
     defects: tuple[str, ...]
     steps: tuple[float, ...]
     tolerances: tuple[float, ...]
-    scipys: tuple[float, ...]
+    scipy_tolerances: tuple[float, ...]
     limit: float
-    patience: float
+    reference_limit: float
 
 
 FULL = Grid(
@@ -59,9 +59,9 @@ FULL = Grid(
     defects=tuple(DEFECTS),
     steps=(20e-6, 10e-6, 5e-6, 2e-6, 1e-6, 0.5e-6, 0.2e-6, 0.1e-6, 0.05e-6, 0.02e-6),
     tolerances=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7),
-    scipys=(1e-2, 1e-4, 1e-6),
+    scipy_tolerances=(1e-2, 1e-4, 1e-6),
     limit=0.5,
-    patience=6.0,
+    reference_limit=6.0,
 )
 QUICK = Grid(
     k=(STEEL, PRINTED),
@@ -69,17 +69,17 @@ QUICK = Grid(
     defects=(HEALTHY, "0.2 mm slot"),
     steps=(10e-6, 5e-6, 2e-6, 1e-6, 0.2e-6),
     tolerances=(1e-2, 1e-4, 1e-6),
-    scipys=(1e-2, 1e-4),
+    scipy_tolerances=(1e-2, 1e-4),
     limit=0.2,
-    patience=2.0,
+    reference_limit=2.0,
 )
 QUICK_METHODS = ("verlet", "symplectic-euler", "dop853", "rodas", "backward-euler", "scipy-lsoda", "scipy-radau")
-USUAL = tuple(model.name for model in MODELS.values() if "damping" in model.abilities and not model.slips)
+DEFAULT_MODELS = tuple(model.name for model in MODELS.values() if "damping" in model.abilities and not model.slips)
 QUICK_MODELS = (USUAL_MODEL,)
 
 REFERENCES = (("dop853", 1e-9), ("scipy-lsoda", 1e-9), ("rodas", 1e-8), ("scipy-lsoda", 1e-6))
 """Methods and tolerances of the solutions, computed in turn until two agree."""
-COARSE = ("backward-euler", 1e-2)
+FALLBACK = ("backward-euler", 1e-2)
 """Additional solution if only one of the others succeeds."""
 
 
@@ -117,75 +117,77 @@ def materials(models: Sequence[str], grid: Grid) -> list[Material]:
     return [Material(model, k, m3, c) for model, k, (m3, c) in product(models, grid.k, grid.damping)]
 
 
-def has_step(method: str) -> bool:
+def has_fixed_step(method: str) -> bool:
     """Check if the method has a fixed step, not a tolerance."""
     return method in METHODS and not METHODS[method].adaptive
 
 
-def cells(method: str, grid: Grid) -> tuple[float, ...]:
+def settings(method: str, grid: Grid) -> tuple[float, ...]:
     """Return the steps (s) or tolerances of a method, coarsest first."""
     if method in SCIPY:
-        return grid.scipys
-    return grid.steps if has_step(method) else grid.tolerances
+        return grid.scipy_tolerances
+    return grid.steps if has_fixed_step(method) else grid.tolerances
 
 
 def count(models: Sequence[str], methods: Sequence[str], grid: Grid) -> int:
     """Count the cells of a whole map."""
-    return len(materials(models, grid)) * len(grid.defects) * sum(len(cells(method, grid)) for method in methods)
+    return (
+        len(materials(models, grid)) * len(grid.defects) * sum(len(settings(method, grid)) for method in methods)
+    )
 
 
 def set_up(material: Material, defect: str) -> PreparedScene:
     """Prepare a scene for runs."""
-    case = case_of(Scene(material.model, defect, material.k, material.c, material.m3))
+    case = scene_case(Scene(material.model, defect, material.k, material.c, material.m3))
     model = assemble.model(case)
     _, K, C = limits.loads_at_rest(assemble.healthy_case(case))
     return PreparedScene(case, model, assemble.start(case, model)[0], K, C)
 
 
-def run(bench: PreparedScene, method: str, setting: float, limit: float) -> Trace:
+def run(scene: PreparedScene, method: str, setting: float, limit: float) -> Trace:
     """Run one cell; ``setting`` is its step (s) or tolerance."""
     if method in SCIPY:
-        return solve(method, bench.model, bench.y, scene_tolerances(bench, setting)._replace(longest=inf), limit)
-    if METHODS[method].implicit and type(bench.model) not in linearise.types:
-        return not_run(REFUSED, "the model has no derivatives")
-    h = setting if has_step(method) else SAMPLE_INTERVAL
-    model = assemble.with_friction_lag(bench.model, assemble.kind_of_method(method).lag * h)
-    return trace(method, parameters(bench, method, setting), model, bench.y, limit)
+        return solve(method, scene.model, scene.y, scene_tolerances(scene, setting)._replace(longest=inf), limit)
+    if METHODS[method].implicit and type(scene.model) not in linearise.types:
+        return skipped_trace(REFUSED, "the model has no derivatives")
+    step = setting if has_fixed_step(method) else SAMPLE_INTERVAL
+    model = assemble.with_friction_lag(scene.model, assemble.kind_of_method(method).lag * step)
+    return trace(method, parameters(scene, method, setting), model, scene.y, limit)
 
 
-def parameters(bench: PreparedScene, method: str, setting: float) -> Any:
+def parameters(scene: PreparedScene, method: str, setting: float) -> Any:
     """Build the compiled method of a cell."""
-    made: Any = assemble.kind_of_method(method).parameters
-    return made(setting) if has_step(method) else made(*scene_tolerances(bench, setting))
+    method_type: Any = assemble.kind_of_method(method).parameters
+    return method_type(setting) if has_fixed_step(method) else method_type(*scene_tolerances(scene, setting))
 
 
-def scene_tolerances(bench: PreparedScene, tolerance: float) -> Tolerances:
+def scene_tolerances(scene: PreparedScene, tolerance: float) -> Tolerances:
     """Compute the tolerances of a scene from its relative one."""
-    return Tolerances(*scales.tolerances(bench.case, bench.model, bench.model, SAMPLE_INTERVAL, tolerance))
+    return Tolerances(*scales.tolerances(scene.case, scene.model, scene.model, SAMPLE_INTERVAL, tolerance))
 
 
-def reference(bench: PreparedScene, patience: float) -> Reference | None:
+def reference(scene: PreparedScene, reference_limit: float) -> Reference | None:
     """Compute solutions of a scene until two agree; see ``agreeing_solutions``."""
     solutions: dict[str, Trace] = {}
-    for method, tolerance in (*REFERENCES, COARSE):
-        best = agreeing_solutions(solutions)
-        if best is not None and (not best.chaotic or (method, tolerance) == COARSE):
-            return best
+    for method, tolerance in (*REFERENCES, FALLBACK):
+        agreement = agreeing_solutions(solutions)
+        if agreement is not None and (not agreement.chaotic or (method, tolerance) == FALLBACK):
+            return agreement
         if method in methods_known():
-            solutions[f"{method} {tolerance:.0e}"] = reference_solution(bench, method, tolerance, patience)
+            solutions[f"{method} {tolerance:.0e}"] = reference_solution(scene, method, tolerance, reference_limit)
     return agreeing_solutions(solutions)
 
 
-def reference_solution(bench: PreparedScene, method: str, tolerance: float, patience: float) -> Trace:
+def reference_solution(scene: PreparedScene, method: str, tolerance: float, reference_limit: float) -> Trace:
     """Compute a solution for the reference, with a limit on SciPy's steps that prevents skipping a defect."""
     if method not in SCIPY:
-        return run(bench, method, tolerance, patience)
-    return solve(method, bench.model, bench.y, scene_tolerances(bench, tolerance), patience)
+        return run(scene, method, tolerance, reference_limit)
+    return solve(method, scene.model, scene.y, scene_tolerances(scene, tolerance), reference_limit)
 
 
-def judges(methods: Sequence[str]) -> tuple[str, ...]:
+def reference_methods(methods: Sequence[str]) -> tuple[str, ...]:
     """List the reference methods that are not mapped themselves."""
-    names = dict.fromkeys(name for name, _ in (*REFERENCES, COARSE))
+    names = dict.fromkeys(name for name, _ in (*REFERENCES, FALLBACK))
     return tuple(name for name in names if name not in methods and name in methods_known())
 
 
@@ -194,87 +196,89 @@ def warm(model: str, method: str, grid: Grid) -> None:
     exponents = dict(grid.damping)  # each exponent has its own compiled code
     kinds = {DEFECTS[defect].get("excitation", "envelope"): defect for defect in grid.defects}
     for (m3, c), defect in product(exponents.items(), kinds.values()):
-        run(set_up(Material(model, grid.k[0], m3, c), defect), method, cells(method, grid)[0], 0.0)
+        run(set_up(Material(model, grid.k[0], m3, c), defect), method, settings(method, grid)[0], 0.0)
 
 
-def map_of(material: Material, methods: Sequence[str], grid: Grid) -> Iterator[dict[str, Any]]:
+def map_rows(material: Material, methods: Sequence[str], grid: Grid) -> Iterator[dict[str, Any]]:
     """Yield the rows of a material: every defect, method and setting."""
-    sound: Reference | None = None
+    healthy: Reference | None = None
     for defect in (HEALTHY, *(defect for defect in grid.defects if defect != HEALTHY)):
-        bench = set_up(material, defect)
-        exact = reference(bench, grid.patience)
-        sound = exact if defect == HEALTHY else sound
+        scene = set_up(material, defect)
+        scene_reference = reference(scene, grid.reference_limit)
+        healthy = scene_reference if defect == HEALTHY else healthy
         if defect in grid.defects:
             for method in methods:
-                yield from row_by_row(material, defect, bench, method, grid, exact, sound)
+                yield from method_rows(material, defect, scene, method, grid, scene_reference, healthy)
 
 
-def row_by_row(
+def method_rows(
     material: Material,
     defect: str,
-    bench: PreparedScene,
+    scene: PreparedScene,
     method: str,
     grid: Grid,
-    exact: Reference | None,
-    sound: Reference | None,
+    scene_reference: Reference | None,
+    healthy: Reference | None,
 ) -> Iterator[dict[str, Any]]:
     """Yield the rows of one method in one scene, skipping cells that would exceed the time limit."""
-    windows = crossings(bench.model)
-    limit = limits.step_limit(method, bench.K, bench.C) if has_step(method) else inf
+    windows = crossing_windows(scene.model)
+    limit = limits.step_limit(method, scene.K, scene.C) if has_fixed_step(method) else inf
     per_step = 0.0
-    for setting in cells(method, grid):
-        if has_step(method) and scene_steps(setting) * per_step > 2.0 * grid.limit:
-            made = not_run(TOO_SLOW, f"{scene_steps(setting) * per_step:.2g} s expected")
+    for setting in settings(method, grid):
+        if has_fixed_step(method) and scene_steps(setting) * per_step > 2.0 * grid.limit:
+            result = skipped_trace(TOO_SLOW, f"{scene_steps(setting) * per_step:.2g} s expected")
         else:
-            made = run(bench, method, setting, grid.limit)
-            per_step = made.cpu / max(made.steps, 1)
+            result = run(scene, method, setting, grid.limit)
+            per_step = result.cpu / max(result.steps, 1)
         shortest = min((end - start for start, end in windows), default=inf)
-        strides = longest_step(bench, method, setting) > shortest / 2.0
-        verdict = judge.judge(made, exact, sound, windows, strides)
+        long_steps = longest_step(scene, method, setting) > shortest / 2.0
+        verdict = judge.judge(result, scene_reference, healthy, windows, long_steps)
         yield {
             "model": material.model,
             "method": method,
             "pit": defect,
-            "stiffness": NAMED.get(material.k, ""),
+            "stiffness": STIFFNESS_NAMES.get(material.k, ""),
             "k": material.k,
             "m3": material.m3,
             "c": material.c,
-            "damping_ratio": limits.damping_ratio_at_rest(bench.case),
-            "step": setting if has_step(method) else np.nan,
-            "tolerance": np.nan if has_step(method) else setting,
+            "damping_ratio": limits.damping_ratio_at_rest(scene.case),
+            "step": setting if has_fixed_step(method) else np.nan,
+            "tolerance": np.nan if has_fixed_step(method) else setting,
             "step_limit": limit,
-            **row_values(made, verdict, exact, len(windows)),
+            **row_values(result, verdict, scene_reference, len(windows)),
         }
 
 
-def longest_step(bench: PreparedScene, method: str, setting: float) -> float:
+def longest_step(scene: PreparedScene, method: str, setting: float) -> float:
     """Return the longest step (s) of a run; SciPy's solvers have no limit."""
     if method in SCIPY:
         return inf
-    return setting if has_step(method) else scene_tolerances(bench, setting).longest
+    return setting if has_fixed_step(method) else scene_tolerances(scene, setting).longest
 
 
 def scene_steps(h: float) -> int:
     """Return the number of steps of ``h`` (s) in a scene."""
-    return round(SPAN / h)
+    return round(DURATION / h)
 
 
-def row_values(made: Trace, verdict: Verdict, exact: Reference | None, expected: int) -> dict[str, Any]:
+def row_values(
+    result: Trace, verdict: Verdict, scene_reference: Reference | None, expected: int
+) -> dict[str, Any]:
     """Collect the values of a row from a run and its verdict."""
     return {
         "class": verdict.outcome,
         "error": verdict.error,
-        "measure": "" if exact is None else "RMS" if exact.chaotic else "L2",
-        "floor": np.nan if exact is None else exact.floor,
-        "reference": "" if exact is None else exact.names,
+        "measure": "" if scene_reference is None else "RMS" if scene_reference.chaotic else "L2",
+        "floor": np.nan if scene_reference is None else scene_reference.floor,
+        "reference": "" if scene_reference is None else scene_reference.names,
         "seen": verdict.seen,
         "expected": expected,
         "openings": verdict.openings,
-        "openings_of_reference": verdict.openings_of_reference,
-        "steps": made.steps,
-        "refused_steps": made.refused,
-        "evaluations": made.evaluations,
-        "iterations": made.iterations,
-        "cpu_s": made.cpu,
-        "reason": made.reason,
+        "openings_of_reference": verdict.reference_openings,
+        "steps": result.steps,
+        "refused_steps": result.rejected,
+        "evaluations": result.evaluations,
+        "iterations": result.iterations,
+        "cpu_s": result.cpu,
+        "reason": result.reason,
     }

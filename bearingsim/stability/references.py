@@ -25,18 +25,18 @@ SCIPY = {"scipy-lsoda": "LSODA", "scipy-radau": "Radau", "scipy-bdf": "BDF", "sc
 """SciPy's solvers by their names in the map."""
 
 
-class OutOfTime(Exception):
+class CpuLimitExceeded(Exception):
     """Error of a solver that exceeds its CPU time."""
 
 
-def moving(model: Any) -> np.ndarray:
+def moving_coordinates(model: Any) -> np.ndarray:
     """Return the offsets (n,), within a block of the state, of the variables of the model's equations."""
     own, shared = degrees_of_freedom(model)
     rollers = [i * lay.ROW + lay.FIRST_LANE + j for i in range(own) for j in range(model.bearing.Z)]
     return np.array([lay.shared_cell(k) for k in range(shared)] + rollers)
 
 
-def packed(y: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
+def pack(y: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
     """Copy the state of a buffer into a vector (2 n,)."""
     return np.concatenate([y[lay.POSITION + coordinates], y[lay.VELOCITY + coordinates]])
 
@@ -64,20 +64,20 @@ def state_rate(
 
 
 class StateRate:
-    """Right-hand side dx/dt for SciPy; raises ``OutOfTime`` after ``limit`` (s of CPU)."""
+    """Right-hand side dx/dt for SciPy; raises ``CpuLimitExceeded`` after ``limit`` (s of CPU)."""
 
     def __init__(self, model: Any, y: np.ndarray, limit: float) -> None:
-        self.model, self.y, self.coordinates = model, y.copy(), moving(model)
+        self.model, self.y, self.coordinates = model, y.copy(), moving_coordinates(model)
         fill_length_scales(model, self.y)
         x = np.zeros(2 * len(self.coordinates))
         state_rate(model, 0.0, x, self.coordinates, self.y.copy(), np.empty_like(x))  # compiles, or loads
-        self.began, self.limit, self.calls = time.thread_time(), limit, 0
+        self.start_time, self.limit, self.calls = time.thread_time(), limit, 0
 
     def __call__(self, t: float, x: np.ndarray) -> np.ndarray:
         """Compute dx/dt (2 n,)."""
         self.calls += 1
         if self.calls % 64 == 0 and self.cpu > self.limit:
-            raise OutOfTime
+            raise CpuLimitExceeded
         out = np.empty_like(x)
         state_rate(self.model, t, x, self.coordinates, self.y, out)
         return out
@@ -85,7 +85,7 @@ class StateRate:
     @property
     def cpu(self) -> float:
         """CPU time (s) since the start."""
-        return time.thread_time() - self.began
+        return time.thread_time() - self.start_time
 
 
 def solve(solver: str, model: Any, y: np.ndarray, tolerances: Tolerances, limit: float) -> Trace:
@@ -95,61 +95,63 @@ def solve(solver: str, model: Any, y: np.ndarray, tolerances: Tolerances, limit:
     tolerances: as for own methods, with one rtol for positions and velocities. The success reported by a solver
     does not exclude that it stepped over a defect.
     """
-    f = StateRate(model, y, limit)
-    lever = f.y[LENGTH_SCALE + f.coordinates]
-    atol = np.concatenate([tolerances.atol_q / lever, tolerances.atol_v / lever])
+    right_side = StateRate(model, y, limit)
+    length_scales = right_side.y[LENGTH_SCALE + right_side.coordinates]
+    atol = np.concatenate([tolerances.atol_q / length_scales, tolerances.atol_v / length_scales])
     columns: list[np.ndarray] = []
     with np.errstate(all="ignore"), warnings.catch_warnings():  # failures are reported in the row
         warnings.simplefilter("ignore")
         failure, reason, steps = march(
-            SCIPY[solver], f, packed(y, f.coordinates), atol, tolerances, columns, TIMES
+            SCIPY[solver], right_side, pack(y, right_side.coordinates), atol, tolerances, columns, TIMES
         )
-    cpu, calls = f.cpu, f.calls
-    x = np.concatenate(columns, axis=1) if columns else np.empty((2 * len(lever), 0))
-    velocity = x[len(lever) : len(lever) + 2]
-    return Trace(1, velocity, touching(f, x), failure, reason, steps, 0, calls, 0, cpu)
+    cpu, calls = right_side.cpu, right_side.calls
+    states = np.concatenate(columns, axis=1) if columns else np.empty((2 * len(length_scales), 0))
+    velocity = states[len(length_scales) : len(length_scales) + 2]
+    return Trace(1, velocity, loaded_contacts(right_side, states), failure, reason, steps, 0, calls, 0, cpu)
 
 
 def march(
     name: str,
-    f: StateRate,
+    right_side: StateRate,
     x_0: np.ndarray,
     atol: np.ndarray,
     tolerances: Tolerances,
     columns: list[np.ndarray],
     times: np.ndarray,
-    after: Callable[[float, np.ndarray], None] = lambda t, x: None,
+    on_step: Callable[[float, np.ndarray], None] = lambda t, x: None,
 ) -> tuple[str, str, int]:
     """Step to the last of ``times`` (s), appending the states there, (2 n, k) per step, to ``columns``.
 
     after: function called with time and state at the end of each step. Returns failure, reason, number of steps.
     """
-    steps, due = 0, 0
+    steps, stop = 0, 0
     try:
         solver = getattr(integrate, name)(
-            f, 0.0, x_0, times[-1], rtol=tolerances.rtol, atol=atol, max_step=tolerances.longest
+            right_side, 0.0, x_0, times[-1], rtol=tolerances.rtol, atol=atol, max_step=tolerances.longest
         )
         while solver.status == "running":
             reason = solver.step()
             steps += 1
             if reason:
                 return STALL, str(reason), steps
-            after(solver.t, solver.y)
-            before, due = due, int(np.searchsorted(times, solver.t, side="right"))
-            if due > before:
-                columns.append(solver.dense_output()(times[before:due]))
-    except OutOfTime:
-        return TOO_SLOW, f"not done after {f.limit:g} s", steps
+            on_step(solver.t, solver.y)
+            start, stop = stop, int(np.searchsorted(times, solver.t, side="right"))
+            if stop > start:
+                columns.append(solver.dense_output()(times[start:stop]))
+    except CpuLimitExceeded:
+        return TOO_SLOW, f"not done after {right_side.limit:g} s", steps
     except (ValueError, np.linalg.LinAlgError, FloatingPointError) as error:
         return STALL, str(error), steps  # infinities in the Jacobian
     return "", "", steps
 
 
-def touching(f: StateRate, x: np.ndarray) -> np.ndarray:
+def loaded_contacts(right_side: StateRate, states: np.ndarray) -> np.ndarray:
     """Evaluate whether each roller is loaded at the outer race, (Z, samples)."""
-    loaded = np.empty((f.model.bearing.Z, x.shape[1]), dtype=bool)
-    unused = np.empty(len(x))
-    for n in range(x.shape[1]):
-        state_rate(f.model, TIMES[n], x[:, n].copy(), f.coordinates, f.y, unused)
-        loaded[:, n] = f.y[lay.Q_O : lay.Q_O + len(loaded)] > 0.0
+    loaded = np.empty((right_side.model.bearing.Z, states.shape[1]), dtype=bool)
+    rates = np.empty(len(states))
+    for sample in range(states.shape[1]):
+        state_rate(
+            right_side.model, TIMES[sample], states[:, sample].copy(), right_side.coordinates, right_side.y, rates
+        )
+        loaded[:, sample] = right_side.y[lay.Q_O : lay.Q_O + len(loaded)] > 0.0
     return loaded

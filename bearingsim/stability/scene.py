@@ -16,15 +16,15 @@ from bearingsim.config import Case
 from bearingsim.core.defects.pairs import HALF_WIDTH, passing_speed
 from bearingsim.core.laws.stiffness.power_laws import LINE_CONTACT_EXPONENT, PALMGREN_N_MM
 
-SPAN = 2.2e-3  # s, duration
+DURATION = 2.2e-3  # s, duration
 SAMPLE_INTERVAL = 1e-6  # s between compared samples
-MIDDLES = (0.5e-3, 1.1e-3, 1.7e-3)  # s, times of the roller at the middle of each defect
+CROSSING_TIMES = (0.5e-3, 1.1e-3, 1.7e-3)  # s, times of the roller at the middle of each defect
 LOAD = 150.0  # N
 
 STEEL = PALMGREN_N_MM * 12.0 ** (8.0 / 9.0)
 """Palmgren's coefficient of a roller of 12 mm, N/mm^(10/9)."""
 PRINTED = 1e8  # N/mm^(10/9), as printed in the paper
-NAMED = {STEEL: "steel", PRINTED: "printed"}
+STIFFNESS_NAMES = {STEEL: "steel", PRINTED: "printed"}
 """Names of stiffnesses."""
 
 SLOT = {"race": "outer", "shape": "rectangular", "length": "12 mm", "depth": "0.05 mm"}
@@ -50,33 +50,33 @@ class Scene(NamedTuple):
     m3: float
 
 
-def case_of(scene: Scene) -> Case:
+def scene_case(scene: Scene) -> Case:
     """Build the case of a scene, without method and step."""
     law = {"law": "general", "coefficient": scene.c, "indentation_exponent": scene.m3}
     stiffness = {"law": "constant", "coefficient": scene.k, "exponent": LINE_CONTACT_EXPONENT}
-    return crossing(scene.model, scene.defect, {"stiffness": stiffness, "damping": law})
+    return crossing_case(scene.model, scene.defect, {"stiffness": stiffness, "damping": law})
 
 
-def crossing(model: str, defect: str, contact: dict[str, Any], late: float = 0.0) -> Case:
-    """Build the case of a loaded roller crossing three defects, ``late`` s later than at ``MIDDLES``."""
+def crossing_case(model: str, defect: str, contact: dict[str, Any], delay: float = 0.0) -> Case:
+    """Build the case of a loaded roller crossing three defects, ``delay`` s later than at ``CROSSING_TIMES``."""
     base = {"bearing": "nf308", "speed": "1800 rpm", "load": LOAD, "model": model, "contact": contact}
     omega_c = assemble.geometry.bearing(Case.model_validate(base)).omega_c
     shape = dict(DEFECTS[defect])
     excitation = shape.pop("excitation", "envelope")
-    middle = MIDDLES[len(MIDDLES) // 2]
-    defects = [SLOT | shape | {"angle": f"{degrees(omega_c * (t - middle))} deg"} for t in MIDDLES if shape]
-    start = f"{degrees(-omega_c * (middle + late))} deg"
+    middle = CROSSING_TIMES[len(CROSSING_TIMES) // 2]
+    defects = [SLOT | shape | {"angle": f"{degrees(omega_c * (t - middle))} deg"} for t in CROSSING_TIMES if shape]
+    start = f"{degrees(-omega_c * (middle + delay))} deg"
     return Case.model_validate(base | {"defects": defects, "excitation": excitation, "start_angle": start})
 
 
-SAMPLES = round(SPAN / SAMPLE_INTERVAL)
+SAMPLES = round(DURATION / SAMPLE_INTERVAL)
 TIMES = SAMPLE_INTERVAL * np.arange(1, SAMPLES + 1)
 """Times (s) of the samples of a scene, without the start."""
 
 
-def crossings(model: Any) -> list[tuple[float, float]]:
+def crossing_windows(model: Any) -> list[tuple[float, float]]:
     """Compute entry and exit times (s) of the roller at each defect, at kinematic speeds."""
     if len(model.defects.head) == 0:
         return []
-    half = float(model.defects.head[0, HALF_WIDTH]) / passing_speed(model.defects, 0, model.bearing)
-    return [(t - half, t + half) for t in MIDDLES]
+    half_time = float(model.defects.head[0, HALF_WIDTH]) / passing_speed(model.defects, 0, model.bearing)
+    return [(t - half_time, t + half_time) for t in CROSSING_TIMES]

@@ -11,14 +11,14 @@ from bearingsim.catalogue import METHODS
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import Monitor, NoSamples, advance_and_sample, prepare_first_step
 from bearingsim.core.outcomes import NEWTON_FAILED, NOT_FINITE, STEP_TOO_SMALL, SUCCESS, TOO_MANY_STEPS
-from bearingsim.stability.scene import SAMPLE_INTERVAL, SPAN
+from bearingsim.stability.scene import DURATION, SAMPLE_INTERVAL
 
 MAX_DISPLACEMENT, MAX_SPEED = 1e-3, 50.0  # m, m/s, limits of the ring beyond which a run has blown up
 MAX_EVALUATIONS = 1e4  # evaluations by an adaptive method between two checks of the CPU time
-MAX_STEPS_AT_ONCE = 20_000  # steps of an explicit fixed-step method between checks of the CPU time
+MAX_CHUNK_STEPS = 20_000  # steps of an explicit fixed-step method between checks of the CPU time
 
 BLOW_UP, STALL, TOO_SLOW = "blow-up", "stalled", "too slow"
-WHY = {
+FAILURES = {
     NOT_FINITE: (BLOW_UP, "not finite"),
     STEP_TOO_SMALL: (STALL, "its step became too short"),
     TOO_MANY_STEPS: (STALL, "too many steps for one sample"),
@@ -29,24 +29,24 @@ WHY = {
 class Trace(NamedTuple):
     """Outcome of a run.
 
-    every: columns are ``every`` times ``SAMPLE_INTERVAL`` apart; velocity: of the ring (2, n), m/s; touching:
+    stride: columns are ``stride`` times ``SAMPLE_INTERVAL`` apart; velocity: of the ring (2, n), m/s; contacts:
     whether each roller is loaded at the outer race (Z, n); failure: a class of ``judge``, empty on success; then
     its reason, numbers of accepted and rejected steps, evaluations of the model and Newton iterations; cpu: s.
     """
 
-    every: int
+    stride: int
     velocity: np.ndarray
-    touching: np.ndarray
+    contacts: np.ndarray
     failure: str = ""
     reason: str = ""
     steps: int = 0
-    refused: int = 0
+    rejected: int = 0
     evaluations: int = 0
     iterations: int = 0
     cpu: float = 0.0
 
 
-def not_run(failure: str, reason: str) -> Trace:
+def skipped_trace(failure: str, reason: str) -> Trace:
     """Return the trace of a run that was skipped."""
     return Trace(1, np.empty((2, 0)), np.empty((0, 0), dtype=bool), failure, reason)
 
@@ -63,48 +63,59 @@ def trace(name: str, method: Any, model: Any, y: np.ndarray, limit: float) -> Tr
             *range(lay.Q_O, lay.Q_O + Z),
         ]
     )
-    steps = round(SPAN / method.h)
-    per = max(1, round(SAMPLE_INTERVAL / method.h))
-    every = max(1, round(method.h / SAMPLE_INTERVAL))
-    at_once = per * (20 if METHODS[name].adaptive or METHODS[name].implicit else ceil(MAX_STEPS_AT_ONCE / per))
+    steps = round(DURATION / method.h)
+    steps_per_sample = max(1, round(SAMPLE_INTERVAL / method.h))
+    stride = max(1, round(method.h / SAMPLE_INTERVAL))
+    chunk_steps = steps_per_sample * (
+        20 if METHODS[name].adaptive or METHODS[name].implicit else ceil(MAX_CHUNK_STEPS / steps_per_sample)
+    )
     # no early stop, so that diverging runs are recorded
     monitor = Monitor(
         stride=16, overrun_limit=np.inf, max_evaluations=MAX_EVALUATIONS if METHODS[name].adaptive else np.inf
     )
-    kept: list[np.ndarray] = []
-    failure, reason, taken = "", "", 0
+    chunks: list[np.ndarray] = []
+    failure, reason, step_count = "", "", 0
     prepare_first_step(method, model, 0.0, y)
     # compile or load before timing, by a discarded step (zero steps would have another array layout)
-    advance_and_sample(method, model, monitor, 0, y.copy(), cells, _room(cells, 1), NoSamples())
-    began = time.thread_time()
-    while taken < steps and not failure:
-        out = _room(cells, min(at_once, steps - taken))
-        got, outcome, _ = advance_and_sample(method, model, monitor, taken, y, cells, out, NoSamples())
-        taken += got
-        failure, reason = WHY[outcome] if outcome != SUCCESS else _beyond(out[:, :got])
-        if not failure and taken < steps and time.thread_time() - began > limit:
-            failure, reason = TOO_SLOW, f"{taken / steps:.0%} done after {limit:g} s"
-        kept.append(out[:, per - 1 : got : per])
-    cpu = time.thread_time() - began
-    rows = np.concatenate(kept, axis=1)
+    advance_and_sample(method, model, monitor, 0, y.copy(), cells, _allocate(cells, 1), NoSamples())
+    start = time.thread_time()
+    while step_count < steps and not failure:
+        out = _allocate(cells, min(chunk_steps, steps - step_count))
+        advanced, outcome, _ = advance_and_sample(method, model, monitor, step_count, y, cells, out, NoSamples())
+        step_count += advanced
+        failure, reason = FAILURES[outcome] if outcome != SUCCESS else _check_limits(out[:, :advanced])
+        if not failure and step_count < steps and time.thread_time() - start > limit:
+            failure, reason = TOO_SLOW, f"{step_count / steps:.0%} done after {limit:g} s"
+        chunks.append(out[:, steps_per_sample - 1 : advanced : steps_per_sample])
+    cpu = time.thread_time() - start
+    samples = np.concatenate(chunks, axis=1)
     counts = (
         y[lay.STEPS_TAKEN],
         y[lay.STEPS_REJECTED],
-        y[lay.EVALUATIONS] or taken * kind_of_method(name).evaluations,
+        y[lay.EVALUATIONS] or step_count * kind_of_method(name).evaluations,
         y[lay.NEWTON_ITERATIONS],
     )
-    own, refused, evaluations, iterations = (int(count) for count in counts)
+    accepted, rejected, evaluations, iterations = (int(count) for count in counts)
     return Trace(
-        every, rows[:2], rows[4:] > 0.0, failure, reason, own or taken, refused, evaluations, iterations, cpu
+        stride,
+        samples[:2],
+        samples[4:] > 0.0,
+        failure,
+        reason,
+        accepted or step_count,
+        rejected,
+        evaluations,
+        iterations,
+        cpu,
     )
 
 
-def _room(cells: np.ndarray, steps: int) -> np.ndarray:
+def _allocate(cells: np.ndarray, steps: int) -> np.ndarray:
     """Allocate a record as a part of a larger one, as in a simulation, to use the same compiled code."""
     return np.empty((len(cells), steps + 1))[:, 1:]
 
 
-def _beyond(out: np.ndarray) -> tuple[str, str]:
+def _check_limits(out: np.ndarray) -> tuple[str, str]:
     """Check if the ring exceeds its limits; return failure and reason, empty if not."""
     if not np.isfinite(out[:4]).all():
         return BLOW_UP, "not finite"

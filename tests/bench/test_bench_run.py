@@ -4,7 +4,7 @@ import csv
 
 import pytest
 
-from bearingsim.bench import measure, outside, plan, scene
+from bearingsim.bench import external, measure, plan, scene
 from bearingsim.bench.plan import POINT, Run, Setting
 from tests.scenes.commands import type_
 
@@ -55,7 +55,7 @@ def test_a_solver_of_another_package_finds_what_ours_does(write):
     one = scene.load_scenes(write(STUDY), quick=False)[0]
     case = next(variant.case for variant in one.variants if variant.name == "rollers")
     assert case is not None
-    found, cpu, simulated = outside.solve(case, outside.SOLVERS["scipy-dop853"], 1e-7)
+    found, cpu, simulated = external.solve(case, external.SOLVERS["scipy-dop853"], 1e-7)
     run = Run("s", "rollers", "rollers", POINT, "dop853", Setting(tolerance=1e-7), one.line, case)
     ours = measure.rows(run)[0]
     assert found[one.line] == pytest.approx(ours["line"], rel=1e-4)

@@ -72,15 +72,15 @@ def test_a_model_without_steps_has_no_numerical_error():
 
 def test_judges_that_part_make_a_chaotic_truth_as_wide_as_all_of_them():
     rows = [row(role=JUDGE, value=value) for value in (1.0, 1.03, 1.08)]
-    found = errors.truth(rows)
+    found = errors.converged_solution(rows)
     assert found.chaotic
     assert found.values["line"] == pytest.approx(1.11 / 1.08 * 1.0, rel=0.02)
     assert found.floor["line"] == pytest.approx(0.08, rel=0.1)
-    calm = errors.truth([row(role=JUDGE, value=value) for value in (1.0, 1.0001, 1.08)])
+    calm = errors.converged_solution([row(role=JUDGE, value=value) for value in (1.0, 1.0001, 1.08)])
     assert not calm.chaotic
     assert calm.values["line"] == pytest.approx(1.00005)
     close = [row(role=JUDGE, value=value) for value in (1.0, 1.0001, 1.01)]
-    told = errors.truth([*close, row(role=JOB, chaotic=1.0)])  # by the step check of the job
+    told = errors.converged_solution([*close, row(role=JOB, chaotic=1.0)])  # by the step check of the job
     assert told.values["line"] == pytest.approx(3.0101 / 3.0)
     assert told.floor["line"] == pytest.approx(0.01, rel=0.02)
 
@@ -142,28 +142,28 @@ def test_a_quantity_alone_may_take_less_than_all_three():
 
 def test_an_automatic_choice_is_told_as_a_part_of_the_first_step():
     rows = [row(step_s=8e-7), row(role=JOB, setting="", step_s=2e-7), row(role=JOB, setting="", tolerance=1e-5)]
-    assert verdict.chosen(rows[1], rows) == "0.25 x 0.8 us"
-    assert verdict.chosen(rows[2], rows) == "1e-5"
+    assert verdict.step_text(rows[1], rows) == "0.25 x 0.8 us"
+    assert verdict.step_text(rows[2], rows) == "1e-5"
 
 
 def test_the_front_holds_what_nothing_beats():
     rows = [
         row(cpu=cpu, value=value) for cpu, value in ((1.0, 0.3), (2.0, 0.4), (3.0, 0.1), (4.0, nan), (5.0, 0.1))
     ]
-    assert [one["cpu_per_s"] for one in verdict.front(rows, "line")] == [1.0, 3.0]
+    assert [one["cpu_per_s"] for one in verdict.pareto_front(rows, "line")] == [1.0, 3.0]
 
 
 def test_an_automatic_choice_off_the_front_is_found():
     rows = ladder()
     of_planar = next(
-        off for off in verdict.off_the_front(rows, errors.NUMERICAL) if off.row["variant"] == "planar"
+        off for off in verdict.compare_with_front(rows, errors.NUMERICAL) if off.row["variant"] == "planar"
     )
-    assert of_planar.times == pytest.approx(2.0 / 1.5)
+    assert of_planar.cost_ratio == pytest.approx(2.0 / 1.5)
     assert of_planar.cheapest["method"] == "rodas"
 
 
 def test_the_text_says_which_to_take_and_why():
-    part = report.Part("s", "a scene", ladder(), 0.3)
+    part = report.Section("s", "a scene", ladder(), 0.3)
     about = provenance.provenance({"numbalsoda": "not here"}) | {"runs": 9, "jobs": 1}
     lines = list(report.lines([part], about))
     assert max(len(line) for one in lines for line in one.splitlines()) <= 140
@@ -225,11 +225,11 @@ def counted(monkeypatch):
         return rows_of(run)
 
     monkeypatch.setattr(measure, "rows", rows)
-    monkeypatch.setattr(measure, "ready", lambda run: run.model)
+    monkeypatch.setattr(measure, "compile_run", lambda run: run.model)
     return made
 
 
-SCENES = scene.own(["healthy"], quick=True)
+SCENES = scene.built_in_scenes(["healthy"], quick=True)
 
 
 def test_what_is_there_is_not_computed_again(tmp_path, counted, monkeypatch):
@@ -246,7 +246,7 @@ def test_what_is_there_is_not_computed_again(tmp_path, counted, monkeypatch):
 
 def test_a_row_that_was_cut_off_is_computed_again(tmp_path, counted):
     table.compute(SCENES, tmp_path, quick=True)
-    made, path = len(counted), tmp_path / table.RUNS
+    made, path = len(counted), tmp_path / table.RUNS_FILE
     path.write_text(path.read_text()[:-20])
     table.compute(SCENES, tmp_path, quick=True)
     assert len(counted) == made + 1
@@ -255,7 +255,7 @@ def test_a_row_that_was_cut_off_is_computed_again(tmp_path, counted):
 
 def test_a_job_whose_second_row_is_missing_is_computed_again(tmp_path, counted):
     table.compute(SCENES, tmp_path, quick=True)
-    made, path = len(counted), tmp_path / table.RUNS
+    made, path = len(counted), tmp_path / table.RUNS_FILE
     lines = path.read_text().splitlines(keepends=True)
     first = next(n for n, line in enumerate(lines) if f",{AUTOMATIC}," in line)
     path.write_text("".join(lines[:first] + lines[first + 1 :]))
@@ -274,14 +274,14 @@ def test_another_step_or_model_is_another_run():
 
 def test_every_scene_is_listed_and_can_be_computed_by_its_reference():
     assert {path.stem for path in scene.FOLDER.glob("*.yaml")} == set(scene.ORDER)
-    for one in scene.own(scene.ORDER, quick=False):
-        assert one.reference.duration <= scene.LONGEST
+    for one in scene.built_in_scenes(scene.ORDER, quick=False):
+        assert one.reference.duration <= scene.MAX_RECORD
         assert len(one.variants) >= 4
-    assert set(plan.scenes_of(quick=True)) < set(scene.ORDER)
+    assert set(plan.default_scenes(quick=True)) < set(scene.ORDER)
 
 
 def test_what_a_model_cannot_do_stands_on_the_rail_with_the_reason():
-    bent = scene.own(["bent-ring"], quick=True)[0]
+    bent = scene.built_in_scenes(["bent-ring"], quick=True)[0]
     refused = [variant for variant in bent.variants if variant.case is None]
     assert [variant.name for variant in refused] == ["ring"]
     run = next(run for run in plan.runs(bent, quick=True) if run.variant == "ring")

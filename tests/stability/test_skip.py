@@ -12,7 +12,7 @@ from bearingsim.catalogue import METHODS
 from bearingsim.core.advance import advance_and_sample
 from bearingsim.simulation import choice, limits
 from bearingsim.stability import judge, matrix, references, traces
-from bearingsim.stability.scene import MIDDLES, SAMPLE_INTERVAL, TIMES, crossing, crossings
+from bearingsim.stability.scene import CROSSING_TIMES, SAMPLE_INTERVAL, TIMES, crossing_case, crossing_windows
 from bearingsim.stability.traces import trace
 
 AUTOMATIC = [name for name, method in METHODS.items() if method.automatic]
@@ -22,7 +22,7 @@ POSITIONS = 50
 
 def bench(defect, late=0.0):
     """The scene of the map with the default contact, the roller ``late`` s later."""
-    case = crossing("rollers", defect, {}, late)
+    case = crossing_case("rollers", defect, {}, late)
     model = assemble.model(case)
     return matrix.PreparedScene(
         case, model, assemble.start(case, model)[0], *limits.loads_at_rest(assemble.healthy_case(case))[1:]
@@ -33,7 +33,7 @@ def reference(scene):
     """The scene by DOP853 at a tolerance that all others are compared with."""
     made = matrix.run(scene, "dop853", 1e-8, np.inf)
     assert not made.failure
-    return judge.Reference(made.velocity, made.touching, "", False, 0.0)
+    return judge.Reference(made.velocity, made.contacts, "", False, 0.0)
 
 
 def setting(scene, name):
@@ -74,7 +74,9 @@ def test_every_crossing_is_seen_wherever_in_a_step_it_comes(name, sound):
         scene = bench("0.2 mm slot", late=n / POSITIONS * step)
         made = matrix.run(scene, name, setting(scene, name), np.inf)
         assert not made.failure
-        assert judge.crossings_seen(made, reference(scene), sound, crossings(scene.model)) == len(MIDDLES)
+        assert judge.crossings_seen(made, reference(scene), sound, crossing_windows(scene.model)) == len(
+            CROSSING_TIMES
+        )
 
 
 def test_a_solver_that_knows_of_no_defect_steps_over_it(sound):
@@ -83,7 +85,7 @@ def test_a_solver_that_knows_of_no_defect_steps_over_it(sound):
     made = matrix.run(scene, "scipy-radau", 1e-2, np.inf)
     assert not made.failure
     assert len(made.velocity[0]) == len(TIMES)
-    assert judge.crossings_seen(made, reference(scene), sound, crossings(scene.model)) == 0
+    assert judge.crossings_seen(made, reference(scene), sound, crossing_windows(scene.model)) == 0
 
 
 @pytest.mark.parametrize("name", ADAPTIVE)
@@ -107,8 +109,8 @@ def test_a_ring_that_does_not_answer_has_seen_no_crossing():
     still = exact.velocity * 0.0 + healthy.velocity
     verlet = assemble.kind_of_method("verlet").parameters(5e-7)
     blind = trace("verlet", verlet, scene.model, scene.y, np.inf)
-    assert judge.crossings_seen(blind, exact, healthy, crossings(scene.model)) == 3
-    assert judge.crossings_seen(blind._replace(velocity=still), exact, healthy, crossings(scene.model)) == 0
+    assert judge.crossings_seen(blind, exact, healthy, crossing_windows(scene.model)) == 3
+    assert judge.crossings_seen(blind._replace(velocity=still), exact, healthy, crossing_windows(scene.model)) == 0
 
 
 def test_its_clock_runs_for_code_that_is_compiled():

@@ -111,7 +111,7 @@ def test_no_cell_of_the_map_is_left_out(tmp_path):
 
 
 SMALL = matrix.QUICK._replace(
-    k=matrix.QUICK.k[:1], damping=((1.0, 1e4),), steps=(2e-5, 2e-6), scipys=(1e-2, 1e-6), limit=10.0
+    k=matrix.QUICK.k[:1], damping=((1.0, 1e4),), steps=(2e-5, 2e-6), scipy_tolerances=(1e-2, 1e-6), limit=10.0
 )
 
 
@@ -120,7 +120,7 @@ def small(monkeypatch, tmp_path):
     """A map of six cells, with references that need no compiled method."""
     monkeypatch.setattr(matrix, "QUICK", SMALL)
     monkeypatch.setattr(matrix, "REFERENCES", (("scipy-lsoda", 1e-9), ("scipy-dop853", 1e-9)))
-    monkeypatch.setattr(matrix, "COARSE", ("scipy-bdf", 1e-6))
+    monkeypatch.setattr(matrix, "FALLBACK", ("scipy-bdf", 1e-6))
     monkeypatch.chdir(tmp_path)
     return ("stability", "--quick", "--model", "ring", "--method", "verlet", "--method", "scipy-lsoda")
 
@@ -128,7 +128,7 @@ def small(monkeypatch, tmp_path):
 def test_a_small_map_has_a_row_for_each_cell(small):
     said, told = type_(*small)
     rows = pd.read_csv("results/stability-quick/stability.csv")
-    assert len(rows) == 2 * (len(SMALL.steps) + len(SMALL.scipys))
+    assert len(rows) == 2 * (len(SMALL.steps) + len(SMALL.scipy_tolerances))
     assert set(rows["class"]) <= set(CLASSES)
     fine = rows[(rows["method"] == "verlet") & (rows["step"] == 2e-6)]
     assert list(fine["class"]) == ["ok", "ok"]

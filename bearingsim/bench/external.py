@@ -23,9 +23,9 @@ from bearingsim.simulation.integration import MOTIONS, differentiate
 from bearingsim.simulation.recording import Recording
 from bearingsim.simulation.repetition import Repetition
 from bearingsim.simulation.run_setup import Setup, set_up
-from bearingsim.stability.references import SCIPY, StateRate, march, moving, packed, state_rate, unpack
+from bearingsim.stability.references import SCIPY, StateRate, march, moving_coordinates, pack, state_rate, unpack
 
-MOST_CPU = 120.0  # s, limit of CPU time of a solver
+MAX_CPU = 120.0  # s, limit of CPU time of a solver
 
 
 class Equations(NamedTuple):
@@ -45,7 +45,7 @@ class Equations(NamedTuple):
 class Solution(NamedTuple):
     """Result of a solver.
 
-    states: (2 m, n) in SI, positions then velocities of the ``moving`` coordinates; cpu: s; force: largest outer
+    states: (2 m, n) in SI, positions then velocities of the ``moving_coordinates``; cpu: s; force: largest outer
     force (N) at the ends of steps after settling, nan for a solver without access to steps.
     """
 
@@ -55,14 +55,14 @@ class Solution(NamedTuple):
 
 
 Solver = Callable[[Equations], Solution]
-"""Function that solves a problem; raises ``GaveUp``."""
+"""Function that solves a problem; raises ``SolverStopped``."""
 
 
-class GaveUp(Exception):
+class SolverStopped(Exception):
     """Error of a solver that ended early, with the reason."""
 
 
-class Watched(StateRate):
+class ForceTracker(StateRate):
     """Right-hand side dx/dt that also tracks the largest outer force (N) at the ends of steps after ``settled``
     (s).
 
@@ -70,34 +70,43 @@ class Watched(StateRate):
     """
 
     def __init__(self, problem: Equations) -> None:
-        super().__init__(problem.model, problem.y, MOST_CPU)
+        super().__init__(problem.model, problem.y, MAX_CPU)
         self.settled, self.force, self.rate = problem.settled, 0.0, np.empty(2 * len(self.coordinates))
 
-    def look(self, t: float, x: np.ndarray) -> None:
+    def update_force(self, t: float, x: np.ndarray) -> None:
         """Update the largest force with the state at the end of a step."""
         if t < self.settled:
             return
-        began = time.thread_time()
+        start = time.thread_time()
         state_rate(self.model, t, x, self.coordinates, self.y, self.rate)
         self.force = max(self.force, float(self.y[lay.Q_O : lay.Q_O + self.model.bearing.Z].max()))
-        self.began += time.thread_time() - began
+        self.start_time += time.thread_time() - start
 
 
 def scipy_solver(name: str) -> Solver:
     """Wrap one of SciPy's solvers, called as in its documentation."""
 
     def solve(problem: Equations) -> Solution:
-        f = Watched(problem)
-        lever = f.y[LENGTH_SCALE + f.coordinates]
-        atol = np.concatenate([problem.tolerances.atol_q / lever, problem.tolerances.atol_v / lever])
+        right_side = ForceTracker(problem)
+        length_scales = right_side.y[LENGTH_SCALE + right_side.coordinates]
+        atol = np.concatenate(
+            [problem.tolerances.atol_q / length_scales, problem.tolerances.atol_v / length_scales]
+        )
         columns: list[np.ndarray] = []
-        start = packed(problem.y, f.coordinates)
+        start = pack(problem.y, right_side.coordinates)
         failure, reason, _ = march(
-            SCIPY[name], f, start, atol, problem.tolerances, columns, problem.instants, f.look
+            SCIPY[name],
+            right_side,
+            start,
+            atol,
+            problem.tolerances,
+            columns,
+            problem.instants,
+            right_side.update_force,
         )
         if failure:
-            raise GaveUp(f"{failure}: {reason}")
-        return Solution(np.concatenate(columns, axis=1), f.cpu, f.force)
+            raise SolverStopped(f"{failure}: {reason}")
+        return Solution(np.concatenate(columns, axis=1), right_side.cpu, right_side.force)
 
     return solve
 
@@ -113,8 +122,8 @@ def can_solve(case: Case) -> bool:
 
 def solve(case: Case, solver: Solver, tolerance: float) -> tuple[dict[str, float], float, float]:
     """Solve a case; return its features, the CPU time (s) of the solver and the simulated time (s)."""
-    named = next(m.name for m in METHODS.values() if m.adaptive and not m.implicit)
-    options = {"method": named, "tolerance": tolerance, "step": "auto", "periodic": False, "step_check": False}
+    method = next(m.name for m in METHODS.values() if m.adaptive and not m.implicit)
+    options = {"method": method, "tolerance": tolerance, "step": "auto", "periodic": False, "step_check": False}
     setup = set_up(case.model_copy(update=options))
     y, _ = assemble.start(setup.case, setup.model)
     update_extremes(setup.model, y)
@@ -152,19 +161,19 @@ def _observe(
 
 def _features(setup: Setup, y: np.ndarray, states: np.ndarray) -> dict[str, float]:
     """Compute the features of a run from its states at the instants of the record."""
-    cut, model = setup.cut, setup.model
-    kept = Recording(setup.case, cut, model.bearing.Z, y)
-    steps, tail = cut.steps_per_pass, 2 * DECIMATION_REACH * cut.decimation
-    times = cut.step * np.arange(1, cut.passes * steps + 1)
-    window = np.empty((len(kept.cells), tail + steps))
-    window[:] = y[kept.cells][:, np.newaxis]
-    places, state, states = moving(model), np.empty(len(states)), np.ascontiguousarray(states)
-    recorded = np.empty((len(kept.cells), steps))
-    for p in range(cut.passes):
+    grid, model = setup.cut, setup.model
+    recording = Recording(setup.case, grid, model.bearing.Z, y)
+    steps, tail = grid.steps_per_pass, 2 * DECIMATION_REACH * grid.decimation
+    times = grid.step * np.arange(1, grid.passes * steps + 1)
+    window = np.empty((len(recording.cells), tail + steps))
+    window[:] = y[recording.cells][:, np.newaxis]
+    coordinates, state, states = moving_coordinates(model), np.empty(len(states)), np.ascontiguousarray(states)
+    recorded = np.empty((len(recording.cells), steps))
+    for p in range(grid.passes):
         window[:, :tail] = window[:, steps:].copy()
-        _observe(model, times, states, p * steps, places, kept.cells, state, y, recorded)
+        _observe(model, times, states, p * steps, coordinates, recording.cells, state, y, recorded)
         window[:, tail:] = recorded
-        differentiate(window, MOTIONS[0], tail, cut.step)
-        kept.keep(p, window, y)
-    raw = kept.raw(Repetition(cut.passes, 0, float("nan")), y)
-    return features(setup.case, model, cut, raw)
+        differentiate(window, MOTIONS[0], tail, grid.step)
+        recording.keep(p, window, y)
+    raw = recording.raw(Repetition(grid.passes, 0, float("nan")), y)
+    return features(setup.case, model, grid, raw)
