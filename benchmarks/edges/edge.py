@@ -1,4 +1,4 @@
-"""A roller that crosses the edge of a slot: the elastic contact beside the product's reduced one."""
+"""Contact of a roller with the edge of a slot: elastic solution, compared with the reduced contact."""
 
 from collections.abc import Iterable
 from math import inf
@@ -10,80 +10,82 @@ from bearingsim.core.defects.closed_forms import groups_of
 from bearingsim.core.defects.depth import Rectangular
 from bearingsim.core.defects.edge_contact import EdgeContact
 from bearingsim.core.defects.excitations import defect_response, response_groups
-from benchmarks.edges.damaged import damaged, finite_elements, half_planes, on_race, race_of
-from benchmarks.edges.pressed import Body, Pressed, press, press_to
+from benchmarks.edges.contact import Body, Contact, press, press_to
 from benchmarks.edges.race import Grading, Slot, depth_at, envelope
 from benchmarks.edges.steel import Pair
+from benchmarks.edges.surfaces import body_on_race, finite_elements, half_planes, race_below, slotted_surface
 
-WIDE = 1.0  # m: width that stands for one edge alone in the reduced contact
+SINGLE_EDGE_WIDTH = 1.0  # m, width of a slot that represents one edge in the reduced contact
 
 
 class Crossing(NamedTuple):
-    """One place of the roller. s: m behind the rim; force: N/m; lengths in m, pressure in Pa.
+    """Contact at one position of the roller. s: m behind the rim; force: N/m; lengths in m, pressure in Pa.
 
-    approach: of the elastic contact; h: the envelope; smooth: approach on the race under this force; stiffness:
-    dQ'/d(delta) over that on the race; pressure: the largest.
+    approach: of the elastic contact; h: of the envelope; smooth_approach: on the race without defect under this
+    force; stiffness: dQ'/d(delta) relative to that on the race; pressure: the largest.
     """
 
     s: float
     force: float
     approach: float
     h: float
-    smooth: float
+    smooth_approach: float
     stiffness: float
     pressure: float
 
     @property
     def ratio(self) -> float:
-        """Approach beyond the envelope, elastic over reduced: 1 where the reduced contact is right."""
-        return (self.approach - self.h) / self.smooth
+        """Approach beyond the envelope, elastic over reduced contact; 1 if the reduced contact is exact."""
+        return (self.approach - self.h) / self.smooth_approach
 
 
-def crossed(pair: Pair, slot: Slot, body: Body, force: float, s: float) -> Crossing:
-    """The contact under ``force`` (N/m), the roller's middle ``s`` (m) behind the slot's left rim."""
-    return described(pair, slot, s, press(body, gap(pair, slot, body, s), force))
+def contact_under_force(pair: Pair, slot: Slot, body: Body, force: float, s: float) -> Crossing:
+    """Solve the contact under ``force`` (N/m) with the roller centre ``s`` (m) behind the left rim of the slot."""
+    return crossing_of(pair, slot, s, press(body, gap(pair, slot, body, s), force))
 
 
-def crossed_at(pair: Pair, slot: Slot, body: Body, approach: float, s: float) -> Pressed:
-    """The contact at ``approach`` (m)."""
+def contact_at_approach(pair: Pair, slot: Slot, body: Body, approach: float, s: float) -> Contact:
+    """Solve the contact at ``approach`` (m)."""
     return press_to(body, gap(pair, slot, body, s), approach)
 
 
 def gap(pair: Pair, slot: Slot, body: Body, s: float) -> np.ndarray:
-    """(n,) m between roller and race before they are pressed."""
+    """Compute the gap (n,) (m) between the undeformed roller and race."""
     return depth_at(slot, body.t) + (body.t - s) ** 2 / (2.0 * pair.R)
 
 
-def described(pair: Pair, slot: Slot, s: float, found: Pressed) -> Crossing:
-    """A solution with what it is compared with."""
-    smooth, force = pair.approach(found.force), found.force
-    ahead = pair.approach(1.001 * force) - pair.approach(0.999 * force)
-    stiffness = found.stiffness * ahead / (0.002 * force)
+def crossing_of(pair: Pair, slot: Slot, s: float, contact: Contact) -> Crossing:
+    """Compare a solution with the reduced contact."""
+    smooth_approach, force = pair.approach(contact.force), contact.force
+    difference = pair.approach(1.001 * force) - pair.approach(0.999 * force)
+    stiffness = contact.stiffness * difference / (0.002 * force)
     h = envelope(slot, pair.R, s)
-    return Crossing(s, force, found.approach, h, smooth, stiffness, float(found.pressure.max()))
+    return Crossing(s, force, contact.approach, h, smooth_approach, stiffness, float(contact.pressure.max()))
 
 
-def bodies(pair: Pair, slot: Slot, grading: Grading | None = None, cut_out: bool = True) -> Body:
-    """Roller and damaged race: the defect cut out of finite elements, or only a gap between half-planes."""
-    made = damaged(slot, grading or Grading())
-    return finite_elements(made, pair) if cut_out else half_planes(made, pair)
+def make_body(pair: Pair, slot: Slot, grading: Grading | None = None, cut_out: bool = True) -> Body:
+    """Combine roller and race, with the defect cut out of finite elements or as a gap between half-planes."""
+    surface = slotted_surface(slot, grading or Grading())
+    return finite_elements(surface, pair) if cut_out else half_planes(surface, pair)
 
 
-def stressed(pair: Pair, slot: Slot, force: float, places: Iterable[float]) -> list[tuple[Crossing, float]]:
-    """Each contact at ``places`` (m behind the rim) with the largest von Mises stress (Pa) in the race."""
-    made = damaged(slot, Grading())
-    below = race_of(made, pair)
-    body, found = on_race(made, pair, below), []
-    for s in places:
-        solved = press(body, gap(pair, slot, body, s), force)
-        found.append((described(pair, slot, s, solved), below.largest_mises(solved.pressure)))
-    return found
+def contact_stresses(
+    pair: Pair, slot: Slot, force: float, positions: Iterable[float]
+) -> list[tuple[Crossing, float]]:
+    """Return contact and largest von Mises stress (Pa) in the race at each position (m behind the rim)."""
+    surface = slotted_surface(slot, Grading())
+    race = race_below(surface, pair)
+    body, results = body_on_race(surface, pair, race), []
+    for s in positions:
+        contact = press(body, gap(pair, slot, body, s), force)
+        results.append((crossing_of(pair, slot, s, contact), race.largest_mises(contact.pressure)))
+    return results
 
 
-def corrected(pair: Pair, slot: Slot, reference: float, s: float) -> tuple[float, float]:
-    """Share and h (m) of ``EdgeContact`` with the reference load ``reference`` (N/m)."""
+def edge_contact_response(pair: Pair, slot: Slot, reference: float, s: float) -> tuple[float, float]:
+    """Return share and h (m) of ``EdgeContact`` for the reference load ``reference`` (N/m)."""
     excitation = EdgeContact(reference / (np.pi * pair.E_star), pair.D, slot.rho)
-    width = WIDE if slot.width == inf else slot.width
+    width = SINGLE_EDGE_WIDTH if slot.width == inf else slot.width
     defect = Rectangular(1.0, width, slot.depth)
     (row,) = response_groups(excitation, defect, groups_of(defect, 1.0, pair.R, 1), pair.R)
     share, h, _ = defect_response(excitation, np.array(row), s - width / 2.0, pair.R)
@@ -91,6 +93,6 @@ def corrected(pair: Pair, slot: Slot, reference: float, s: float) -> tuple[float
 
 
 def corrected_ratio(pair: Pair, slot: Slot, reference: float, force: float, s: float) -> float:
-    """What ``Crossing.ratio`` would be if ``EdgeContact`` were true, for a power law of exponent 10/9."""
-    share, h = corrected(pair, slot, reference, s)
+    """Compute ``Crossing.ratio`` as predicted by ``EdgeContact``, for a power law of exponent 10/9."""
+    share, h = edge_contact_response(pair, slot, reference, s)
     return share**-0.9 + (h - envelope(slot, pair.R, s)) / pair.approach(force)

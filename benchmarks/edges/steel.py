@@ -1,4 +1,4 @@
-"""The material, and the pair of bodies that are pressed together."""
+"""Material and geometry of the contacting bodies."""
 
 from typing import NamedTuple
 
@@ -8,14 +8,14 @@ from benchmarks.edges.half_space import hertz_approach, johnson_datum
 
 
 class Steel(NamedTuple):
-    """E: Pa; nu: 1."""
+    """Elastic constants. E: Pa; nu: 1."""
 
     E: float = 207e9
     nu: float = 0.3
 
 
 class Pair(NamedTuple):
-    """A roller in an outer race. Radii in m; the defaults are those of an NF308 without clearance."""
+    """Roller in an outer race. Radii in m; the defaults are those of an NF308 without clearance."""
 
     R_w: float = 0.006
     R_o: float = 0.0385
@@ -23,12 +23,12 @@ class Pair(NamedTuple):
 
     @property
     def R(self) -> float:
-        """Radius (m) of the roller relative to the race."""
+        """Relative radius (m) of roller and race."""
         return outer_reduced_radius(self.R_w, self.R_o)
 
     @property
     def D(self) -> float:
-        """Datum (m) of the displacements: Johnson's."""
+        """Johnson's datum (m) of the displacements."""
         return johnson_datum(self.R_w, self.R_o)
 
     @property
@@ -37,9 +37,9 @@ class Pair(NamedTuple):
         return effective_modulus(*self.steel)
 
     def half_width(self, force: float) -> float:
-        """Hertz's half width b (m) on the race under ``force`` (N/m)."""
+        """Compute Hertz's half width b (m) on the race under ``force`` (N/m)."""
         return half_width(force, 1.0, self.R, *self.steel)
 
     def approach(self, force: float) -> float:
-        """Approach (m) of the contact on the race under ``force`` (N/m)."""
+        """Compute the approach (m) on the race under ``force`` (N/m)."""
         return hertz_approach(force, self.half_width(force), self.E_star, self.D)

@@ -12,9 +12,9 @@ from bearingsim.core.defects.edge_contact import EdgeContact, edge_contact, narr
 from bearingsim.core.defects.excitations import Envelope, defect_response, response_groups
 from bearingsim.core.defects.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, X_E
 from bearingsim.core.jit import jit
-from benchmarks.edges.edge import bodies, corrected_ratio, crossed
+from benchmarks.edges.contact import press
+from benchmarks.edges.edge import contact_under_force, corrected_ratio, make_body
 from benchmarks.edges.half_space import two_half_planes
-from benchmarks.edges.pressed import press
 from benchmarks.edges.race import Grading as Graded
 from benchmarks.edges.race import Slot, graded
 from benchmarks.edges.steel import Pair
@@ -39,12 +39,12 @@ def rows_of(shape, width, depth, length=L_W, excitation=EDGES):
 def test_a_sharp_edge_of_a_half_plane():
     """f is exact: half-planes, an edge without radius, the material behind it there."""
     slot = Slot(inf, 5e-5, 0.0)
-    body = bodies(PAIR, slot, cut_out=False)
+    body = make_body(PAIR, slot, cut_out=False)
     unit = FORCE / (np.pi * PAIR.E_star)
     for xi in (-1.0, -0.5, 0.0, 0.5, 1.0, 3.0, 10.0):
-        found = crossed(PAIR, slot, body, FORCE, xi * HALF)
+        found = contact_under_force(PAIR, slot, body, FORCE, xi * HALF)
         f, _ = narrowed_contact(xi)
-        assert (found.approach - found.h - found.smooth) / unit == pytest.approx(f, abs=0.02)
+        assert (found.approach - found.h - found.smooth_approach) / unit == pytest.approx(f, abs=0.02)
     assert narrowed_contact(0.0)[0] == pytest.approx(log(3.0), rel=1e-12)
     assert narrowed_contact(-1.0)[0] == pytest.approx(0.0, abs=1e-12)
 
@@ -82,9 +82,9 @@ def test_a_flat_wall(shape, width, depth):
 
 def test_half_planes_are_followed_over_a_shallow_defect():
     slot = Slot(0.2e-3, 1e-6, 1e-5)
-    body = bodies(PAIR, slot, cut_out=False)
+    body = make_body(PAIR, slot, cut_out=False)
     for s in np.linspace(-2.0, 5.0, 15) * HALF:
-        found = crossed(PAIR, slot, body, FORCE, s).ratio
+        found = contact_under_force(PAIR, slot, body, FORCE, s).ratio
         assert corrected_ratio(PAIR, slot, FORCE, FORCE, s) == pytest.approx(found, rel=0.02)
 
 

@@ -9,18 +9,26 @@ import pytest
 pytest.importorskip("skfem")
 
 from bearingsim.core.laws.hertz import line_pressure
-from benchmarks.edges.damaged import damaged, finite_elements, half_planes, meshed, on_race, race_of, smooth
-from benchmarks.edges.edge import bodies, corrected_ratio, crossed, stressed
+from benchmarks.edges.contact import Body, press
+from benchmarks.edges.edge import contact_stresses, contact_under_force, corrected_ratio, make_body
 from benchmarks.edges.finite_elements import Race, flamant
 from benchmarks.edges.mesh import quality
-from benchmarks.edges.pressed import Body, press
 from benchmarks.edges.race import Grading, Slot
 from benchmarks.edges.steel import Pair, Steel
+from benchmarks.edges.surfaces import (
+    body_on_race,
+    finite_elements,
+    half_planes,
+    mesh_below,
+    race_below,
+    slotted_surface,
+    smooth_surface,
+)
 
 PAIR, LENGTH = Pair(), 0.012
 REFERENCE = 47.0 / LENGTH
 B = PAIR.half_width(REFERENCE)
-SMOOTH = smooth(Grading(4e-7, 0.035, 1.5e-4))
+SMOOTH = smooth_surface(Grading(4e-7, 0.035, 1.5e-4))
 COARSE = Grading(3.3e-8, 0.058)  # the benchmark's own elements have 0.6 times this size
 NARROW = Slot(0.1e-3, 5e-5, 2e-5)
 SLOTS = [Slot(width, depth, rho) for width in (inf, 0.2e-3) for depth in (5e-6, 5e-5) for rho in (0.0, 1e-5, 5e-5)]
@@ -28,17 +36,17 @@ SLOTS = [Slot(width, depth, rho) for width in (inf, 0.2e-3) for depth in (5e-6, 
 
 @lru_cache
 def smooth_race() -> Race:
-    return race_of(SMOOTH, PAIR)
+    return race_below(SMOOTH, PAIR)
 
 
 @lru_cache
 def smooth_body() -> Body:
-    return on_race(SMOOTH, PAIR, smooth_race())
+    return body_on_race(SMOOTH, PAIR, smooth_race())
 
 
 @lru_cache
 def elastic(slot: Slot) -> Body:
-    return bodies(PAIR, slot, COARSE)
+    return make_body(PAIR, slot, COARSE)
 
 
 @pytest.mark.parametrize("load", [5.0, 47.0, 500.0])
@@ -59,7 +67,7 @@ def test_a_smooth_race_is_a_half_plane():
 
 def test_stress_under_hertz_s_pressure():
     """Largest von Mises stress 0.558 of the largest pressure, in plane strain with nu = 0.3."""
-    t = SMOOTH.points[SMOOTH.carries, 0]
+    t = SMOOTH.points[SMOOTH.contact_nodes, 0]
     pressure = 1e9 * np.sqrt(np.maximum(1.0 - (t / B) ** 2, 0.0))
     assert smooth_race().largest_mises(pressure) == pytest.approx(0.558e9, rel=5e-3)
 
@@ -75,10 +83,10 @@ def test_flamant_s_surface():
 @pytest.mark.parametrize("slot", SLOTS)
 def test_meshes_are_sound(slot):
     """No flat triangle, every side of the surface there, no area lost."""
-    made = damaged(slot, Grading())
-    mesh = meshed(made)
+    surface = slotted_surface(slot, Grading())
+    mesh = mesh_below(surface)
     assert quality(mesh).min() > 0.3
-    x, y = made.points.T
+    x, y = surface.points.T
     a, b, c = (mesh.points[mesh.triangles[:, k]] @ [1.0, 1j] for k in range(3))
     area = np.abs(((b - a).conj() * (c - a)).imag).sum() / 2.0
     assert area == pytest.approx(np.trapezoid(y - x[0], x), rel=1e-12, abs=0.0)
@@ -93,11 +101,11 @@ def test_the_edge_is_converged(rho):
     The coarser elements are those of the tests below, the finer ones those of the benchmark.
     """
     slot = Slot(inf, 5e-5, rho)
-    fine = bodies(PAIR, slot)
-    larger = finite_elements(damaged(slot, COARSE, 4e-3), PAIR)
+    fine = make_body(PAIR, slot)
+    larger = finite_elements(slotted_surface(slot, COARSE, 4e-3), PAIR)
     for s in (-B, 0.0, 3.0 * B):
         one, two, three = (
-            crossed(PAIR, slot, body, REFERENCE, s).approach for body in (elastic(slot), fine, larger)
+            contact_under_force(PAIR, slot, body, REFERENCE, s).approach for body in (elastic(slot), fine, larger)
         )
         assert one == pytest.approx(two, rel=5e-4)
         assert one == pytest.approx(three, rel=1e-3)
@@ -106,7 +114,7 @@ def test_the_edge_is_converged(rho):
 def test_the_left_half_is_like_the_right():
     for s in (-1e-5, 2e-5, 4.8e-5):
         places = (s, NARROW.width - s)
-        left, right = (crossed(PAIR, NARROW, elastic(NARROW), REFERENCE, place) for place in places)
+        left, right = (contact_under_force(PAIR, NARROW, elastic(NARROW), REFERENCE, place) for place in places)
         assert left.approach == pytest.approx(right.approach, rel=1e-3)
 
 
@@ -114,13 +122,15 @@ def test_missing_material_makes_the_edge_softer():
     """Half-planes are the lower bound, and right for a defect that is shallow against b and the edge's radius."""
     for depth, low, high in ((1e-6, -1e-3, 3e-3), (5e-5, 0.05, 0.2)):
         slot = Slot(inf, depth, 1e-5)
-        half = bodies(PAIR, slot, COARSE, cut_out=False)
-        ratio, bound = (crossed(PAIR, slot, body, REFERENCE, 2.0 * B).ratio for body in (elastic(slot), half))
+        half = make_body(PAIR, slot, COARSE, cut_out=False)
+        ratio, bound = (
+            contact_under_force(PAIR, slot, body, REFERENCE, 2.0 * B).ratio for body in (elastic(slot), half)
+        )
         assert low < ratio - bound < high
 
 
 def test_pressure_and_stress_grow_towards_the_edge():
-    (far, at_far), (near, at_near) = stressed(PAIR, Slot(inf, 5e-5, 1e-5), REFERENCE, (-3.0 * B, 3.0 * B))
+    (far, at_far), (near, at_near) = contact_stresses(PAIR, Slot(inf, 5e-5, 1e-5), REFERENCE, (-3.0 * B, 3.0 * B))
     assert far.pressure == pytest.approx(line_pressure(REFERENCE, PAIR.R, PAIR.E_star), rel=5e-3)
     assert near.pressure > 10.0 * far.pressure
     assert at_near > 10.0 * at_far
@@ -133,7 +143,7 @@ def test_the_correction_at_its_reference_load(slot):
     middle, off = slot.width / 2.0, []
     for s in (*np.linspace(-3.0, 3.0, 7) * B, middle - 1e-6, middle - 3e-7, middle):
         if s <= middle and s * s < 1.6 * PAIR.R * slot.depth:
-            found = crossed(PAIR, slot, body, REFERENCE, s)
+            found = contact_under_force(PAIR, slot, body, REFERENCE, s)
             off.append(found.ratio)
             assert corrected_ratio(PAIR, slot, REFERENCE, REFERENCE, s) == pytest.approx(found.ratio, rel=0.03)
     assert max(off) > 1.2
@@ -145,5 +155,5 @@ def test_the_correction_at_other_loads(load):
     slot = Slot(inf, 5e-5, 2e-5)
     body = elastic(slot)
     for s in np.linspace(-3.0, 6.0, 10) * B:
-        found = crossed(PAIR, slot, body, load / LENGTH, s)
+        found = contact_under_force(PAIR, slot, body, load / LENGTH, s)
         assert corrected_ratio(PAIR, slot, REFERENCE, load / LENGTH, s) == pytest.approx(found.ratio, rel=0.06)

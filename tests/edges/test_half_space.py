@@ -9,9 +9,9 @@ from bearingsim.core.laws.hertz import line_pressure
 from bearingsim.core.laws.stiffness.interface import elastic
 from bearingsim.core.laws.stiffness.johnson import johnson
 from bearingsim.core.laws.stiffness.power_laws import palmgren
-from benchmarks.edges.edge import bodies, crossed, crossed_at
-from benchmarks.edges.half_space import half_plane, hats, two_half_planes
-from benchmarks.edges.pressed import press, press_to
+from benchmarks.edges.contact import press, press_to
+from benchmarks.edges.edge import contact_at_approach, contact_under_force, make_body
+from benchmarks.edges.half_space import half_plane, hat_integrals, two_half_planes
 from benchmarks.edges.race import Slot
 from benchmarks.edges.steel import Pair, Steel
 
@@ -71,7 +71,7 @@ def test_a_flat_punch():
 def test_compliance_is_flamant_s_far_away():
     t = np.array([0.0, 1e-6, 2e-6, 5e-4])
     one = half_plane(t, PAIR.E_star, PAIR.D)[3, 1]
-    assert one == pytest.approx(hats(t)[1] * np.log(PAIR.D / 4.99e-4) / (pi * PAIR.E_star), rel=1e-5)
+    assert one == pytest.approx(hat_integrals(t)[1] * np.log(PAIR.D / 4.99e-4) / (pi * PAIR.E_star), rel=1e-5)
 
 
 def test_given_force_and_given_approach_agree():
@@ -84,7 +84,7 @@ def test_given_force_and_given_approach_agree():
 def test_complementary():
     """Pressure nowhere negative, no overlap, and no pressure across a gap."""
     slot, force = Slot(0.1e-3, 5e-5, 1e-5), 4000.0
-    body = bodies(PAIR, slot, cut_out=False)
+    body = make_body(PAIR, slot, cut_out=False)
     gap = (body.t - 4.9e-5) ** 2 / (2.0 * PAIR.R) + np.where(
         np.minimum(body.t, slot.width - body.t) > 0.0, np.minimum(body.t, slot.width - body.t) ** 2 / 2e-5, 0.0
     )
@@ -99,23 +99,23 @@ def test_complementary():
 def test_in_the_middle_of_a_sharp_slot_two_edges_are_as_stiff_as_the_race(width):
     """Exact for half-planes: u = t^2 maps the problem with two edges onto that of the smooth race."""
     slot, force = Slot(width, 5e-5, 0.0), 47.0 / LENGTH
-    body = bodies(PAIR, slot, cut_out=False)
-    assert crossed(PAIR, slot, body, force, width / 2.0).ratio == pytest.approx(1.0, abs=2e-3)
+    body = make_body(PAIR, slot, cut_out=False)
+    assert contact_under_force(PAIR, slot, body, force, width / 2.0).ratio == pytest.approx(1.0, abs=2e-3)
 
 
 def test_the_left_half_is_like_the_right():
     slot, force = Slot(1e-4, 2e-5, 1e-5), 47.0 / LENGTH
-    body = bodies(PAIR, slot, cut_out=False)
+    body = make_body(PAIR, slot, cut_out=False)
     for s in (-1e-5, 2e-5, 4.8e-5):
-        left, right = (crossed(PAIR, slot, body, force, place) for place in (s, slot.width - s))
+        left, right = (contact_under_force(PAIR, slot, body, force, place) for place in (s, slot.width - s))
         assert left.approach == pytest.approx(right.approach, rel=1e-9)
         assert left.h == pytest.approx(right.h, abs=1e-18)
 
 
 def test_one_edge_at_a_given_approach():
     slot = Slot(inf, 5e-5, 1e-5)
-    body = bodies(PAIR, slot, cut_out=False)
-    one = crossed(PAIR, slot, body, 4000.0, 2e-5)
-    assert crossed_at(PAIR, slot, body, one.approach, 2e-5).force == pytest.approx(4000.0, rel=1e-9)
+    body = make_body(PAIR, slot, cut_out=False)
+    one = contact_under_force(PAIR, slot, body, 4000.0, 2e-5)
+    assert contact_at_approach(PAIR, slot, body, one.approach, 2e-5).force == pytest.approx(4000.0, rel=1e-9)
     assert one.ratio > 1.1
     assert one.stiffness < 0.95

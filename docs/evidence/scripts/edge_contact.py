@@ -23,7 +23,14 @@ from bearingsim.assemble.rest import largest_load
 from bearingsim.config import Case
 from bearingsim.core.defects.edge_contact import edge_contact
 from bearingsim.plots.style import COLOURS, MARKERS, RC
-from benchmarks.edges.edge import bodies, corrected, corrected_ratio, crossed, crossed_at, stressed
+from benchmarks.edges.edge import (
+    contact_at_approach,
+    contact_stresses,
+    contact_under_force,
+    corrected_ratio,
+    edge_contact_response,
+    make_body,
+)
 from benchmarks.edges.race import Slot, slope_reach
 from benchmarks.edges.steel import Pair
 
@@ -40,7 +47,7 @@ ANSWERS = ("velocity@BPFO", "velocity.rms", "acceleration.rms", "outer_force.max
 
 def rows_of(slot: Slot, loads: Iterable[float], places: Iterable[float], cut_out: bool = True) -> list[dict]:
     """One row for each load (N) and place (m behind the rim) where the roller does not reach the floor."""
-    body, rows = bodies(PAIR, slot, cut_out=cut_out), []
+    body, rows = make_body(PAIR, slot, cut_out=cut_out), []
     for load in loads:
         for s in places:
             if min(s, slot.width - s) < 0.9 * slope_reach(PAIR.R, slot.depth):
@@ -51,7 +58,7 @@ def rows_of(slot: Slot, loads: Iterable[float], places: Iterable[float], cut_out
 def row_of(slot: Slot, body: Any, load: float, s: float) -> dict:
     """What the table says of one contact."""
     force = load / LENGTH
-    found = crossed(PAIR, slot, body, force, s)
+    found = contact_under_force(PAIR, slot, body, force, s)
     corrected = corrected_ratio(PAIR, slot, REFERENCE, force, s) if slot.rho > 0.0 else np.nan
     return {
         "width (um)": 1e6 * slot.width,
@@ -62,7 +69,7 @@ def row_of(slot: Slot, body: Any, load: float, s: float) -> dict:
         "half width (um)": 1e6 * PAIR.half_width(force),
         "approach (um)": 1e6 * found.approach,
         "envelope (um)": 1e6 * found.h,
-        "approach on the race (um)": 1e6 * found.smooth,
+        "approach on the race (um)": 1e6 * found.smooth_approach,
         "approach, elastic over reduced": found.ratio,
         "the same, corrected": corrected,
         "stiffness, elastic over reduced": found.stiffness,
@@ -167,11 +174,11 @@ def chart_panel(axes: Axes, found: pd.DataFrame) -> None:
 def force_panel(axes: Axes) -> None:
     """A 0.2 mm slot at the approach that gives 47 N on the race: force across it."""
     slot = Slot(0.2e-3, DEEP, 20e-6)
-    body, b = bodies(PAIR, slot), PAIR.half_width(REFERENCE)
+    body, b = make_body(PAIR, slot), PAIR.half_width(REFERENCE)
     full = PAIR.approach(REFERENCE)
     places = np.linspace(-3.0 * b, 4.2 * b, 160)
-    elastic = [crossed_at(PAIR, slot, body, full, s).force / REFERENCE for s in places[::4]]
-    h = np.array([corrected(PAIR, slot, REFERENCE, s) for s in places])
+    elastic = [contact_at_approach(PAIR, slot, body, full, s).force / REFERENCE for s in places[::4]]
+    h = np.array([edge_contact_response(PAIR, slot, REFERENCE, s) for s in places])
     rigid = np.maximum(1.0 - np.maximum(places, 0.0) ** 2 / (2.0 * PAIR.R) / full, 0.0) ** (10.0 / 9.0)
     axes.plot(1e6 * places[::4], elastic, "ko", ms=5, label="elastic")
     axes.plot(1e6 * places, rigid, color=COLOURS[0], label="envelope")
@@ -190,7 +197,7 @@ def stresses() -> None:
         for load in LOADS[1::2]:
             b = PAIR.half_width(load / LENGTH)
             places = np.array([-3.0, 0.0, 1.0, 3.0, 10.0]) * b
-            for one, mises in stressed(PAIR, Slot(inf, DEEP, rho), load / LENGTH, places):
+            for one, mises in contact_stresses(PAIR, Slot(inf, DEEP, rho), load / LENGTH, places):
                 print(
                     f"{1e6 * rho:.0f}, {load:g}, {one.s / b:+.0f}: {1e-9 * one.pressure:.2f}, {1e-9 * mises:.2f}"
                 )

@@ -20,7 +20,7 @@ from bearingsim.config import Case
 from bearingsim.config.names import FAULT_LINES
 from bearingsim.simulation import SimulationError, simulate
 from bearingsim.study import load_study
-from benchmarks.promise import KINDS, OF_RMS_SCATTER, draw, kind_of
+from benchmarks.promise import KINDS, RMS_SCATTER_FACTOR, draw, kind_of
 
 FREE: dict[str, dict[str, Any]] = {
     "dry friction": {"friction": "static-dynamic"},
@@ -52,7 +52,7 @@ def standard_error(feature: str, found: dict[str, float]) -> float:
     """That of a feature (SI), as far as the record tells."""
     scatter = found.get(f"{feature}-scatter", nan)
     if feature.endswith(".rms"):
-        scatter = found[feature] * found["rms_scatter"] / OF_RMS_SCATTER
+        scatter = found[feature] * found["rms_scatter"] / RMS_SCATTER_FACTOR
     return scatter if isfinite(scatter) else 0.0
 
 
