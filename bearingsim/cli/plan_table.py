@@ -12,7 +12,7 @@ from bearingsim.cli.screen import console, print_table, significant, span
 from bearingsim.study.ranges import frequency, pressure
 
 if TYPE_CHECKING:
-    from bearingsim.study.design import Drawn
+    from bearingsim.study.design import SampledDesign
 
 
 Row = tuple[str, Callable[[PricedJob], float]]
@@ -68,8 +68,8 @@ def show(plan: Plan, verbose: bool) -> None:
     study, screen = plan.study, console()
     swept = ", ".join(study.units) or "nothing"
     screen.print(f"{study.name}: {_job_counts(plan)}; sweeps {swept}", markup=False)
-    if study.drawn is not None:
-        screen.print(f"design: {study.drawn}; {_design_counts(study.drawn)}", markup=False)
+    if study.sampled_design is not None:
+        screen.print(f"design: {study.sampled_design}; {_design_counts(study.sampled_design)}", markup=False)
     if plan.refusals or not plan.priced_jobs:
         return
     groups = _groups(plan.cases or plan.baselines)
@@ -131,7 +131,7 @@ def _job_counts(plan: Plan) -> str:
     return f"{total} job{'s' * (total != 1)} ({', '.join(kinds)}){refusals}"
 
 
-def _design_counts(design: "Drawn") -> str:
+def _design_counts(design: "SampledDesign") -> str:
     rows, cases = len(design.cases), len(set(design.cases))
     return f"{rows} row{'s' * (rows != 1)}, {cases} case{'s' * (cases != 1)}"
 

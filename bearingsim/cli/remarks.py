@@ -77,14 +77,14 @@ def series_cost(plan: Plan) -> Iterator[str]:
     """Yield the cost of stored series in a study with an `accuracy`, for which jobs are computed in full."""
     from bearingsim.runner.progress import duration
     from bearingsim.simulation.time_grid import estimate
-    from bearingsim.study.goal import ended_early
+    from bearingsim.study.goal import add_early_end
 
     goal = plan.study.goal
     if goal is None:
         return
     series_jobs = [priced for priced in plan.priced_jobs if priced.job.case.record]
     bare_cases = [priced.job.case.model_copy(update={"record": ()}) for priced in series_jobs]
-    cases = [ended_early(case, goal, plan.study.figures) for case in bare_cases]
+    cases = [add_early_end(case, goal, plan.study.figures) for case in bare_cases]
     extra = sum(
         priced.estimate.cpu_seconds - estimate(case).cpu_seconds
         for priced, case in zip(series_jobs, cases, strict=True)

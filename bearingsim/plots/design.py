@@ -36,7 +36,7 @@ from bearingsim.plots.axes import (
 )
 from bearingsim.plots.style import COLUMN_IN
 from bearingsim.study import Figure
-from bearingsim.study.design import COUNTED
+from bearingsim.study.design import COUNT_NOUNS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -84,7 +84,7 @@ def trend(x: Sequence[float], y: Sequence[float]) -> Trend | None:
 def description(design: Mapping[str, Any]) -> str:
     """Describe a design in a caption: `sobol design of 64 points, seed 1`, and how many are drawn if not all."""
     left = f"{len(design['ids'])} of " * (len(design["ids"]) < design["n"])
-    return f"{design['kind']} design of {left}{design['n']} {COUNTED[design['kind']]}, seed {design['seed']}"
+    return f"{design['kind']} design of {left}{design['n']} {COUNT_NOUNS[design['kind']]}, seed {design['seed']}"
 
 
 def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:

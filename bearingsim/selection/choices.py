@@ -15,7 +15,7 @@ from bearingsim.selection.curves import curves
 from bearingsim.selection.trials import required_healthy_case
 from bearingsim.store.choices import Choice, Choices
 from bearingsim.study import Job, Study
-from bearingsim.study.jobs import Audit, Chosen, Selection, case_id, identity
+from bearingsim.study.jobs import Audit, ModelChoice, Selection, case_id, identity
 
 AUDITED, FEWEST_AUDITED = 0.05, 3
 
@@ -36,7 +36,7 @@ def chosen(study: Study, choices: Choices) -> Study:
     ids = [case_id(case) for case in cases]
     drawn = tuple((curve.feature, tuple(ids[n] for n in curve.cases)) for curve in curves(study))
     reasons = {
-        name: Chosen(choice.model, choice.why, dict(choice.error), dict(choice.nodes), dict(choice.friction))
+        name: ModelChoice(choice.model, choice.why, dict(choice.error), dict(choice.nodes), dict(choice.friction))
         for name, choice in zip(ids, taken, strict=True)
     }
     judges = [_judge(case, choice) for case, choice in zip(own, taken, strict=True)]

@@ -19,7 +19,7 @@ class Curve:
 def curves(study: Study) -> list[Curve]:
     """List the curves in a study's figures whose feature has a requested accuracy."""
     features = study.goal.of if study.goal is not None else ()
-    design = study.drawn.paths if study.drawn is not None else ()
+    design = study.sampled_design.paths if study.sampled_design is not None else ()
     swept = [values for _, values in study.swept_cases]
     return [
         Curve(feature, cases)

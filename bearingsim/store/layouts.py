@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, TypeAdapte
 from bearingsim.designs import Kind, block
 from bearingsim.store.own_files import ID
 from bearingsim.store.regular import Unreadable
-from bearingsim.study.design import IN_BLOCKS
+from bearingsim.study.design import BLOCK_DESIGNS
 from bearingsim.study.load import NAME
 
 __all__ = ["Choices", "Failure", "Trials", "check", "check_plan"]
@@ -175,7 +175,7 @@ def check_plan(plan: Mapping[str, Any]) -> None:
         raise Unreadable(f"jobs: there is no {lacking}, which the plan names elsewhere")
     design = plan.get("design")
     if design is not None:
-        rows = block(design["kind"], len(design["paths"])) if design["kind"] in IN_BLOCKS else 1
+        rows = block(design["kind"], len(design["paths"])) if design["kind"] in BLOCK_DESIGNS else 1
         if not design["paths"] or len(design["ranges"]) != len(design["paths"]) or len(design["ids"]) % rows:
             raise Unreadable("design: its paths, ranges and jobs do not fit each other")
 

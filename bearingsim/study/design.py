@@ -11,24 +11,24 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from bearingsim.designs import EXTENDED, Kind, block, cube
-from bearingsim.study.distributions import at_key, ends, range_of
+from bearingsim.study.distributions import at_key, range_of, si_bounds
 from bearingsim.study.sweep import Axis, Wrong
 from bearingsim.study.words import Words
 from bearingsim.text.units import suggestion
 from bearingsim.text.yamlfile import Node, Problem, problem
 
 MAX_SEED = 999_999_999
-VALUES_A_ROW = 10
+VALUES_PER_ROW = 10
 """Limit of the values of a design, relative to the limit of rows: designs of more paths have fewer rows."""
 KEYS = ("n", "seed", "over")
 EXAMPLE = "{n: 64, over: {load: [100 N, 200 N]}}"
-COUNTED: dict[Kind, str] = {
+COUNT_NOUNS: dict[Kind, str] = {
     "lhs": "points",
     "sobol": "points",
     "saltelli": "base points",
     "morris": "trajectories",
 }
-IN_BLOCKS: tuple[Kind, ...] = ("saltelli", "morris")
+BLOCK_DESIGNS: tuple[Kind, ...] = ("saltelli", "morris")
 """Designs whose rows can only be evaluated in whole blocks."""
 
 
@@ -49,11 +49,11 @@ class Design:
     ids: tuple[str, ...]
 
     def __str__(self) -> str:
-        return _described(self.kind, self.n, self.seed, self.paths)
+        return _description(self.kind, self.n, self.seed, self.paths)
 
 
 @dataclass(frozen=True)
-class Drawn:
+class SampledDesign:
     """Design with the index of each row's case in ``cases``, which is empty before the cases are built."""
 
     kind: Kind
@@ -64,7 +64,7 @@ class Drawn:
     cases: tuple[int, ...] = ()
 
     def __str__(self) -> str:
-        return _described(self.kind, self.n, self.seed, self.paths)
+        return _description(self.kind, self.n, self.seed, self.paths)
 
     def notes(self) -> Iterator[str]:
         """Yield remarks on the choice of ``n``."""
@@ -74,45 +74,49 @@ class Drawn:
             yield f"{self.kind}: points are evenly spread only if `n` is a power of two, unlike {self.n}"
 
 
-def _described(kind: Kind, n: int, seed: int, paths: Sequence[str]) -> str:
-    count = f"{n} {COUNTED[kind]}" if n > 1 else f"1 {COUNTED[kind][:-1]}"
+def _description(kind: Kind, n: int, seed: int, paths: Sequence[str]) -> str:
+    count = f"{n} {COUNT_NOUNS[kind]}" if n > 1 else f"1 {COUNT_NOUNS[kind][:-1]}"
     return f"{kind}, {count} of {len(paths)} path{'s' * (len(paths) > 1)}, seed {seed}"
 
 
-def drawn(kind: Kind, entry: Node, most: int, problems: list[Problem]) -> tuple[Drawn, Axis] | None:
+def draw_design(
+    kind: Kind, entry: Node, max_rows: int, problems: list[Problem]
+) -> tuple[SampledDesign, Axis] | None:
     """Draw a design and its axis. For an invalid entry, add a problem and return None.
 
-    entry: section of the design, with valid paths in `over`; most: limit of the rows of a study.
+    entry: section of the design, with valid paths in `over`; max_rows: limit of the rows of a study.
     """
     try:
-        return _drawn(kind, entry, most)
-    except Wrong as wrong:
-        problems.append(problem(wrong.node.mark, f"sweep.{kind}{wrong}", wrong.hint))
+        return _read_design(kind, entry, max_rows)
+    except Wrong as error:
+        problems.append(problem(error.node.mark, f"sweep.{kind}{error}", error.hint))
         return None
 
 
-def _drawn(kind: Kind, entry: Node, most: int) -> tuple[Drawn, Axis]:
+def _read_design(kind: Kind, entry: Node, max_rows: int) -> tuple[SampledDesign, Axis]:
     if not isinstance(entry.value, dict):
         raise Wrong(entry, f": expected a mapping such as `{EXAMPLE}`")
     for key, node in entry.mapping.items():
         if key not in KEYS:
-            near = suggestion(key, KEYS) or f"known: {', '.join(KEYS)}"
-            raise Wrong(at_key(node), f": unknown key `{key}`", near)
+            hint = suggestion(key, KEYS) or f"known: {', '.join(KEYS)}"
+            raise Wrong(at_key(node), f": unknown key `{key}`", hint)
     missing = next((key for key in ("n", "over") if key not in entry.mapping), None)
     if missing:
         raise Wrong(at_key(entry), f": `{missing}` is missing", f"as in `{kind}: {EXAMPLE}`")
     over = entry.mapping["over"]
     if not over.mapping:
         raise Wrong(over, ".over: expected paths with their ranges, as in `{load: [100 N, 200 N]}`")
-    n, seed = _count(kind, entry, most), _seed(entry)
+    n, seed = _count(kind, entry, max_rows), _seed(entry)
     ranges = [range_of(path, node) for path, node in over.mapping.items()]
-    columns = [each.nodes(column) for each, column in zip(ranges, cube(kind, n, len(ranges), seed).T, strict=True)]
+    columns = [
+        bounds.nodes(column) for bounds, column in zip(ranges, cube(kind, n, len(ranges), seed).T, strict=True)
+    ]
     paths = tuple(over.mapping)
     axis = Axis(paths, tuple(zip(*columns, strict=True)), tuple(over.mapping.values()))
-    return Drawn(kind, n, seed, paths, tuple(map(ends, paths, ranges))), axis
+    return SampledDesign(kind, n, seed, paths, tuple(map(si_bounds, paths, ranges))), axis
 
 
-def _count(kind: Kind, entry: Node, most: int) -> int:
+def _count(kind: Kind, entry: Node, max_rows: int) -> int:
     node = entry.mapping["n"]
     if (
         not isinstance(node.value, str)
@@ -120,16 +124,17 @@ def _count(kind: Kind, entry: Node, most: int) -> int:
         or int(node.text) < 1
     ):
         raise Wrong(
-            node, f".n: expected the number of {COUNTED[kind]}, a whole number above zero, got `{node.text}`"
+            node, f".n: expected the number of {COUNT_NOUNS[kind]}, a whole number above zero, got `{node.text}`"
         )
     n, d = int(node.text), len(entry.mapping["over"].mapping)
     rows = n * block(kind, d)
-    if rows > most:
-        every = f"{node.text} {COUNTED[kind]} of {d} path{'s' * (d > 1)} are {rows} cases"
-        raise Wrong(node, f".n: {every}; at most {most} are possible")
-    if rows * d > VALUES_A_ROW * most:
+    if rows > max_rows:
+        size = f"{node.text} {COUNT_NOUNS[kind]} of {d} path{'s' * (d > 1)} are {rows} cases"
+        raise Wrong(node, f".n: {size}; at most {max_rows} are possible")
+    if rows * d > VALUES_PER_ROW * max_rows:
         message = (
-            f".n: {rows} cases of {d} paths are {rows * d} values; at most {VALUES_A_ROW * most} are possible"
+            f".n: {rows} cases of {d} paths are {rows * d} values;"
+            f" at most {VALUES_PER_ROW * max_rows} are possible"
         )
         raise Wrong(node, message)
     return n
@@ -144,18 +149,18 @@ def _seed(entry: Node) -> int:
     return int(node.text)
 
 
-def breaking_axes(kind: Kind, axes: Sequence[Axis], words: Words) -> Iterator[Problem]:
+def block_conflicts(kind: Kind, axes: Sequence[Axis], words: Words) -> Iterator[Problem]:
     """Yield a problem for each other axis or key of a sweep that would split the blocks of a design."""
-    why = f"beside `{kind}`, whose rows are compared in whole blocks"
+    reason = f"beside `{kind}`, whose rows are compared in whole blocks"
     for axis in (axis for axis in axes if len(axis.rows) > 1):
         mark = axis.keys[0].key or axis.keys[0].mark
-        yield problem(mark, f"`{axis.paths[0]}` is swept {why}", "give it one value, or a range in `over`")
-    for word, advice in NOT_IN_BLOCKS.items():
-        if word in words:
-            yield problem(words[word].key or words[word].mark, f"`{word}` {why}", advice)
+        yield problem(mark, f"`{axis.paths[0]}` is swept {reason}", "give it one value, or a range in `over`")
+    for key, advice in NON_BLOCK_KEYS.items():
+        if key in words:
+            yield problem(words[key].key or words[key].mark, f"`{key}` {reason}", advice)
 
 
-NOT_IN_BLOCKS = {
+NON_BLOCK_KEYS = {
     "where": "omit it; ranges and `derived` can restrict parameters",
     "repeat": "leave it out, or take `sobol`",
 }

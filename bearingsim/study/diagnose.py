@@ -12,24 +12,33 @@ from bearingsim.config import Case
 from bearingsim.config.case import LAWS
 from bearingsim.config.fields import Conflict, Path
 from bearingsim.config.sections.contact import WORD
-from bearingsim.study.paths import advice_on, all_paths, label
+from bearingsim.study.paths import all_paths, label, path_hint
 from bearingsim.text.units import EXPECTED
 from bearingsim.text.yamlfile import MAX_TOLD, Mark, Node, Problem, plain, problem
 
 STUDY_KEYS = ("study", "figures", "sweep", "quick", "uncertainty", "accuracy")
 
-_WITH_NAME: tuple[Path, ...] = (("bearing",), ("bearing", "material"), ("rig",))
+_NAMED_SECTIONS: tuple[Path, ...] = (("bearing",), ("bearing", "material"), ("rig",))
 """Sections with the keys `name` and `source`."""
 
-NO_SECTION = ("word", "list", "mapping", "tuple_type", "model_type", "model_attributes_type", "dict_type")
+NON_SECTION_ERRORS = ("word", "list", "mapping", "tuple_type", "model_type", "model_attributes_type", "dict_type")
 """Kinds of errors of a section that is not a mapping, so that no swept value can be set in it."""
-ALONE = (*NO_SECTION, "quantity", "bound", "whole", "text", "scan", "value_error", "extra_forbidden")
+SINGLE_VALUE_ERRORS = (
+    *NON_SECTION_ERRORS,
+    "quantity",
+    "bound",
+    "whole",
+    "text",
+    "scan",
+    "value_error",
+    "extra_forbidden",
+)
 """Kinds of errors of a single value, independent of all others."""
 
 Problems = dict[tuple[Mark, str, str], Problem]
 """Problems by position, path and kind. Of a problem shared by many cases only the first is kept."""
 
-_STAND_INS: dict[str, Any] = {
+_PLACEHOLDERS: dict[str, Any] = {
     "bearing": "nf308",
     "speed": 100.0,
     "load": 1.0,
@@ -46,23 +55,25 @@ class Sections:
 
     validated: dict[int, tuple[Node, Any]] = field(default_factory=dict)
 
-    def of(self, tree: Node) -> dict[str, Any]:
+    def convert(self, tree: Node) -> dict[str, Any]:
         """Convert a tree to plain values and validated sections; invalid sections are left plain."""
         return {key: self._section(key, node) for key, node in tree.mapping.items()}
 
     def _section(self, key: str, node: Node) -> Any:
-        if key not in _ALONE:
+        if key not in _INDEPENDENT_SECTIONS:
             return plain(node)
         if id(node) not in self.validated:
-            self.validated[id(node)] = node, _validated(key, plain(node))
+            self.validated[id(node)] = node, _validate(key, plain(node))
         return self.validated[id(node)][1]
 
 
-_ALONE = frozenset({"bearing", "rig", "contact", "friction", "cage", "drag", "shaft", "unbalance", "misalignment"})
+_INDEPENDENT_SECTIONS = frozenset(
+    {"bearing", "rig", "contact", "friction", "cage", "drag", "shaft", "unbalance", "misalignment"}
+)
 """Sections whose validity does not depend on other sections."""
 
 
-def _validated(key: str, value: Any) -> Any:
+def _validate(key: str, value: Any) -> Any:
     try:
         return _adapter(key).validate_python(value)
     except ValidationError:
@@ -82,7 +93,7 @@ def case_of(tree: Node, swept: frozenset[Path], problems: Problems, sections: Se
     A conflict is reported at a swept value if it involves one.
     """
     try:
-        return Case.model_validate(sections.of(tree))
+        return Case.model_validate(sections.convert(tree))
     except ValidationError:
         pass
     data = plain(tree)
@@ -109,8 +120,8 @@ def check_replaced(tree: Node, swept: frozenset[Path], problems: Problems) -> No
     except ValidationError as error:
         for details in error.errors(include_url=False)[:MAX_TOLD]:
             for path, kind, entry in _problems(details, tree, swept):
-                above = kind in NO_SECTION and any(s[: len(path)] == path for s in swept)
-                if above or (kind in ALONE and any(path[: len(s)] == s for s in swept)):
+                is_parent = kind in NON_SECTION_ERRORS and any(s[: len(path)] == path for s in swept)
+                if is_parent or (kind in SINGLE_VALUE_ERRORS and any(path[: len(s)] == s for s in swept)):
                     problems.setdefault((mark_of(entry), label(path, 0), kind), entry)
 
 
@@ -142,18 +153,18 @@ def _problems(details: ErrorDetails, tree: Node, swept: frozenset[Path]) -> Iter
 def _problem(details: ErrorDetails, path: Path, tree: Node) -> Problem:
     name, defects = str(path[-1]) if path else "", len(tree.mapping.get("defects", tree).items)
     if details["type"] == "missing":
-        what, size = all_paths().get(label(path, 0)), SIZES.get(label(path, 0))
-        hint = f"expected {EXPECTED[what]}{f', {size}' if size else ''}" if what else None
-        return _at(_key_mark(tree, path[:-1]), path[:-1], defects, f"`{name}` is missing", hint)
+        dimension, size = all_paths().get(label(path, 0)), SIZES.get(label(path, 0))
+        hint = f"expected {EXPECTED[dimension]}{f', {size}' if size else ''}" if dimension else None
+        return _located_problem(_key_mark(tree, path[:-1]), path[:-1], defects, f"`{name}` is missing", hint)
     if details["type"] == "extra_forbidden":
-        return _at(_key_mark(tree, path), path[:-1], defects, *_unknown_key(name, path, tree))
+        return _located_problem(_key_mark(tree, path), path[:-1], defects, *_unknown_key(name, path, tree))
     message, hint = _message(details)
-    return _at(_nearest_node(tree, path).mark, path, defects, message, hint)
+    return _located_problem(_nearest_node(tree, path).mark, path, defects, message, hint)
 
 
-def _at(mark: Mark, path: Path, defects: int, message: str, hint: str | None) -> Problem:
-    where = label(path, defects)
-    return problem(mark, f"{where}: {message}" if where else message, hint)
+def _located_problem(mark: Mark, path: Path, defects: int, message: str, hint: str | None) -> Problem:
+    location = label(path, defects)
+    return problem(mark, f"{location}: {message}" if location else message, hint)
 
 
 def _message(details: ErrorDetails) -> tuple[str, str | None]:
@@ -171,7 +182,7 @@ def _message(details: ErrorDetails) -> tuple[str, str | None]:
 
 def _unknown_key(name: str, path: Path, tree: Node) -> tuple[str, str]:
     keys = _keys_at(path[:-1], tree)
-    return f"unknown key `{name}`", advice_on(name, keys, label(path[:-1], 0)) or f"known: {', '.join(keys)}"
+    return f"unknown key `{name}`", path_hint(name, keys, label(path[:-1], 0)) or f"known: {', '.join(keys)}"
 
 
 def _keys_at(path: Path, tree: Node) -> list[str]:
@@ -181,9 +192,9 @@ def _keys_at(path: Path, tree: Node) -> list[str]:
         law = entries["law"].text if "law" in entries else LAWS[path].told_by(entries)
         return list(LAWS[path].sections[law].model_fields)
     prefix = label(path, 0) + "." if path else ""
-    inner = [key.removeprefix(prefix) for key in all_paths() if key.startswith(prefix)]
-    extra = ["name", "source"] if path in _WITH_NAME else [] if path else list(STUDY_KEYS)
-    return [key for key in inner if "." not in key] + extra
+    keys = [key.removeprefix(prefix) for key in all_paths() if key.startswith(prefix)]
+    extra = ["name", "source"] if path in _NAMED_SECTIONS else [] if path else list(STUDY_KEYS)
+    return [key for key in keys if "." not in key] + extra
 
 
 def _path_of(details: ErrorDetails) -> Path:
@@ -201,12 +212,12 @@ def _is_tag(loc: Path, index: int) -> bool:
 def _nearest_node(tree: Node, path: Path) -> Node:
     """Return the node at a path, or its deepest existing parent."""
     for step in path:
-        below = tree.mapping.get(str(step))
+        child = tree.mapping.get(str(step))
         if isinstance(step, int) and step < len(tree.items):
-            below = tree.items[step]
-        if below is None:
+            child = tree.items[step]
+        if child is None:
             break
-        tree = below
+        tree = child
     return tree
 
 
@@ -217,11 +228,11 @@ def _key_mark(tree: Node, path: Path) -> Mark:
 
 def _conflict_problem(conflict: Conflict, tree: Node, swept: frozenset[Path]) -> Problem:
     """Locate a conflict at a swept value if it involves one, else at the first value written in the file."""
-    written = [path for path in conflict.paths if _is_written(tree, path)] or [conflict.paths[0]]
-    moving = [path for path in written if any(path[: len(s)] == s for s in swept)]
-    path = (moving or written)[0]
+    written_paths = [path for path in conflict.paths if _is_written(tree, path)] or [conflict.paths[0]]
+    swept_paths = [path for path in written_paths if any(path[: len(s)] == s for s in swept)]
+    path = (swept_paths or written_paths)[0]
     defects = len(tree.mapping.get("defects", tree).items)
-    return _at(_nearest_node(tree, path).mark, path, defects, conflict.message, conflict.hint)
+    return _located_problem(_nearest_node(tree, path).mark, path, defects, conflict.message, conflict.hint)
 
 
 def _is_written(tree: Node, path: Path) -> bool:
@@ -230,39 +241,39 @@ def _is_written(tree: Node, path: Path) -> bool:
 
 def _hidden_conflicts(data: dict[str, Any], errors: list[ErrorDetails]) -> list[Conflict]:
     """List the conflicts among valid values, after replacing invalid ones by valid placeholders."""
-    bad = [_path_of(details) for details in errors]
-    if () in bad:
+    invalid = [_path_of(details) for details in errors]
+    if () in invalid:
         return []
-    for path, details in zip(bad, errors, strict=True):
-        _mend(data, path, details["type"] == "extra_forbidden")
+    for path, details in zip(invalid, errors, strict=True):
+        _replace_invalid(data, path, details["type"] == "extra_forbidden")
     try:
         Case.model_validate(data)
     except ValidationError as error:
         context = error.errors(include_url=False)[0].get("ctx", {})
-        return [c for c in context.get("conflicts", []) if not _touches(c.paths, bad)]
+        return [c for c in context.get("conflicts", []) if not _overlap(c.paths, invalid)]
     return []
 
 
-def _touches(paths: tuple[Path, ...], bad: list[Path]) -> bool:
-    return any(p[: len(b)] == b or b[: len(p)] == p for p in paths for b in bad)
+def _overlap(paths: tuple[Path, ...], others: list[Path]) -> bool:
+    return any(path[: len(other)] == other or other[: len(path)] == path for path in paths for other in others)
 
 
-def _mend(data: dict[str, Any], path: Path, unknown: bool) -> None:
+def _replace_invalid(data: dict[str, Any], path: Path, unknown: bool) -> None:
     """Replace an invalid value by a placeholder, or remove it."""
     if path[0] == "defects" and len(path) > 1:
-        _mend_defect(data, path, unknown)
+        _replace_in_defect(data, path, unknown)
     elif unknown and len(path) == 1:
         data.pop(str(path[0]), None)
     else:
         data.pop(str(path[0]), None)
-        data |= {key: value for key, value in _STAND_INS.items() if key == path[0]}
+        data |= {key: value for key, value in _PLACEHOLDERS.items() if key == path[0]}
 
 
-def _mend_defect(data: dict[str, Any], path: Path, unknown: bool) -> None:
+def _replace_in_defect(data: dict[str, Any], path: Path, unknown: bool) -> None:
     defects, number = data["defects"], int(path[1])
     if len(path) == 2 or not isinstance(defects[number], dict):
-        defects[number] = {key: _STAND_INS[key] for key in ("shape", "length", "width", "depth")}
+        defects[number] = {key: _PLACEHOLDERS[key] for key in ("shape", "length", "width", "depth")}
         return
     defects[number].pop(path[2], None)
-    if not unknown and path[2] in _STAND_INS:
-        defects[number][path[2]] = _STAND_INS[str(path[2])]
+    if not unknown and path[2] in _PLACEHOLDERS:
+        defects[number][path[2]] = _PLACEHOLDERS[str(path[2])]

@@ -28,13 +28,13 @@ class Range(NamedTuple):
     unit: str
     quantiles: Callable[["NDArray"], Sequence[float]]
 
-    def nodes(self, shares: "NDArray") -> tuple[Node, ...]:
-        """Return the values at cumulative probabilities ``shares`` (n,) as nodes; equal values share a node."""
+    def nodes(self, probabilities: "NDArray") -> tuple[Node, ...]:
+        """Return the values at cumulative ``probabilities`` (n,) as nodes; equal values share a node."""
         import numpy as np
 
-        different, indices = np.unique(shares, return_inverse=True)
-        made = [self._node(number) for number in self.quantiles(different)]
-        return tuple(made[index] for index in indices.tolist())
+        unique, indices = np.unique(probabilities, return_inverse=True)
+        nodes = [self._node(number) for number in self.quantiles(unique)]
+        return tuple(nodes[index] for index in indices.tolist())
 
     def _node(self, number: float) -> Node:
         value = written(number, self.unit, self.lower)
@@ -48,8 +48,8 @@ def range_of(path: str, node: Node) -> Range:
     """Read the range of a path. Raises Wrong."""
     try:
         return _read(path, node)
-    except Wrong as wrong:
-        raise Wrong(wrong.node, f".over.{path}: {wrong}", wrong.hint) from None
+    except Wrong as error:
+        raise Wrong(error.node, f".over.{path}: {error}", error.hint) from None
 
 
 def _read(path: str, node: Node) -> Range:
@@ -57,18 +57,20 @@ def _read(path: str, node: Node) -> Range:
         raise Wrong(at_key(node), "only a quantity has a range", f"list values, as in `{path}: [...]` in `sweep`")
     if isinstance(node.value, tuple):
         return _uniform(path, node)
-    for word, make in DISTRIBUTIONS.items():
-        if word in node.mapping:
-            extra = next((k for k in node.mapping if k != word and (word, k) != ("normal", "within")), None)
-            if extra is not None:
-                raise Wrong(at_key(node.mapping[extra]), f"unknown key `{extra}` beside `{word}`")
-            return make(path, node)
-    words = list(node.mapping)
-    near = suggestion(words[0], DISTRIBUTIONS) if words else ""
+    for kind, reader in DISTRIBUTIONS.items():
+        if kind in node.mapping:
+            extra_key = next(
+                (key for key in node.mapping if key != kind and (kind, key) != ("normal", "within")), None
+            )
+            if extra_key is not None:
+                raise Wrong(at_key(node.mapping[extra_key]), f"unknown key `{extra_key}` beside `{kind}`")
+            return reader(path, node)
+    keys = list(node.mapping)
+    hint = suggestion(keys[0], DISTRIBUTIONS) if keys else ""
     expected = (
         "expected a range such as `[a, b]`, `{log: [a, b]}` or `{normal: [mean, deviation], within: [a, b]}`"
     )
-    raise Wrong(node, expected, near or None)
+    raise Wrong(node, expected, hint or None)
 
 
 def at_key(node: Node) -> Node:
@@ -88,7 +90,7 @@ def _pair(path: str, node: Node) -> tuple[Node, Node, float, float, str]:
     return low, high, a, b, unit
 
 
-def ends(path: str, bounds: Range) -> tuple[float, float]:
+def si_bounds(path: str, bounds: Range) -> tuple[float, float]:
     """Return the bounds of a range in SI."""
     kind = dimension(path)
     assert kind is not None
@@ -117,7 +119,14 @@ def _bounds(path: str, node: Node) -> tuple[Node, Node, float, float, str]:
 
 def _uniform(path: str, node: Node) -> Range:
     lower, upper, low, high, unit = _bounds(path, node.mapping.get("uniform", node))
-    return Range(lower, upper, low, high, unit, lambda shares: [low + (high - low) * t for t in shares.tolist()])
+    return Range(
+        lower,
+        upper,
+        low,
+        high,
+        unit,
+        lambda probabilities: [low + (high - low) * t for t in probabilities.tolist()],
+    )
 
 
 def _log(path: str, node: Node) -> Range:
@@ -126,17 +135,19 @@ def _log(path: str, node: Node) -> Range:
         raise Wrong(lower, "`log` needs values above zero")
     if unit in UNITS["temperature"]:
         raise Wrong(lower, "a temperature has no logarithm", "take `uniform`")
-    return Range(lower, upper, low, high, unit, lambda shares: _geometric(low, high, shares.tolist()))
+    return Range(
+        lower, upper, low, high, unit, lambda probabilities: _geometric(low, high, probabilities.tolist())
+    )
 
 
-_DIGITS = Context(prec=25)
+_CONTEXT = Context(prec=25)
 """Context for correctly rounded logarithms and exponentials; those of floats depend on the machine."""
 
 
-def _geometric(low: float, high: float, shares: Sequence[float]) -> list[float]:
-    a, b = (_DIGITS.ln(Decimal(bound)) for bound in (low, high))
-    ratio = _DIGITS.subtract(b, a)
-    return [float(_DIGITS.exp(_DIGITS.fma(ratio, Decimal(t), a))) for t in shares]
+def _geometric(low: float, high: float, probabilities: Sequence[float]) -> list[float]:
+    a, b = (_CONTEXT.ln(Decimal(bound)) for bound in (low, high))
+    ratio = _CONTEXT.subtract(b, a)
+    return [float(_CONTEXT.exp(_CONTEXT.fma(ratio, Decimal(t), a))) for t in probabilities]
 
 
 NORMAL_DIGITS = 9
@@ -150,38 +161,38 @@ def _normal(path: str, node: Node) -> Range:
         raise Wrong(
             at_key(node.mapping["normal"]), "`within` is missing", "a normal distribution is cut at bounds"
         )
-    _, spread, mean, _, unit = _pair(path, node.mapping["normal"])
-    deviation = _difference(spread, unit)
+    _, deviation_node, mean, _, unit = _pair(path, node.mapping["normal"])
+    deviation = _difference(deviation_node, unit)
     if deviation <= 0.0:
-        raise Wrong(spread, f"expected a standard deviation above zero, got `{spread.text}`")
-    lower, upper, low, high, own = _bounds(path, node.mapping["within"])
-    if own != unit:
+        raise Wrong(deviation_node, f"expected a standard deviation above zero, got `{deviation_node.text}`")
+    lower, upper, low, high, bounds_unit = _bounds(path, node.mapping["within"])
+    if bounds_unit != unit:
         low, high = number_in(lower, unit)[0], number_in(upper, unit)[0]
-    if deviation > MOST_RANGES * (high - low):
-        message = f"a standard deviation over {MOST_RANGES} times the range has no effect"
-        raise Wrong(spread, message, "take `uniform`")
+    if deviation > MAX_DEVIATION_RATIO * (high - low):
+        message = f"a standard deviation over {MAX_DEVIATION_RATIO} times the range has no effect"
+        raise Wrong(deviation_node, message, "take `uniform`")
     a, b = (low - mean) / deviation, (high - mean) / deviation
-    if a > MOST_DEVIATIONS or b < -MOST_DEVIATIONS:
-        raise Wrong(node.mapping["within"], f"these are over {MOST_DEVIATIONS} standard deviations from the mean")
+    if a > MAX_DEVIATIONS or b < -MAX_DEVIATIONS:
+        raise Wrong(node.mapping["within"], f"these are over {MAX_DEVIATIONS} standard deviations from the mean")
 
-    def quantiles(shares: "NDArray") -> Sequence[float]:
-        deviates = truncnorm.ppf(shares, a, b).tolist()
+    def quantiles(probabilities: "NDArray") -> Sequence[float]:
+        deviates = truncnorm.ppf(probabilities, a, b).tolist()
         return [mean + deviation * round(z, NORMAL_DIGITS) for z in deviates]
 
     return Range(lower, upper, low, high, unit, quantiles)
 
 
-MOST_DEVIATIONS = 8
+MAX_DEVIATIONS = 8
 """Limit of the distance from the mean to the nearer bound, in standard deviations; the tail beyond contains less
 than 1e-15 of the distribution."""
-MOST_RANGES = 1000
+MAX_DEVIATION_RATIO = 1000
 """Limit of the ratio of standard deviation to range; with larger ones the density is practically uniform."""
 
 
 def _difference(node: Node, unit: str) -> float:
     """Return a temperature or other difference in `unit`; 5 K is the same difference as 5 C."""
-    word = split(node.text)[1]
-    zero = Node(f"0 {word}".strip(), node.mark)
+    node_unit = split(node.text)[1]
+    zero = Node(f"0 {node_unit}".strip(), node.mark)
     return number_in(node, unit)[0] - number_in(zero, unit)[0]
 
 

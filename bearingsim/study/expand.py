@@ -12,40 +12,40 @@ from bearingsim.text.files_read import note
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, problem
 
 
-def expanded(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
+def expand_tree(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
     """Expand a tree; relative paths are also searched in ``folder``. The operation is idempotent.
 
     A name without a file is left unchanged, because the validation of the case reports it with its position.
     """
-    tree = _with_scans(_listed_defects(tree, problems), folder)
-    tree = _with_default(tree, "rig", "bvt5")
+    tree = _locate_scans(_list_defects(tree, problems), folder)
+    tree = _add_default(tree, "rig", "bvt5")
     for section, kind in _REFERENCES:
         if section in tree.mapping:
-            opened = _opened(tree.mapping[section], kind, folder, problems)
-            tree = put(tree, (section,), opened)
-    return _laws_by_name(_opened_material(_with_one_sensor_angle(tree), folder, problems))
+            content = _open_file(tree.mapping[section], kind, folder, problems)
+            tree = put(tree, (section,), content)
+    return _expand_laws(_open_material(_merge_sensor_angles(tree), folder, problems))
 
 
-_NOTHING = Node("", Mark(""))
+_EMPTY = Node("", Mark(""))
 
 _REFERENCES: tuple[tuple[str, Kind], ...] = (("bearing", "bearings"), ("rig", "rigs"))
 
 
-def _listed_defects(tree: Node, problems: list[Problem]) -> Node:
+def _list_defects(tree: Node, problems: list[Problem]) -> Node:
     single = tree.mapping.get("defect")
     if single is None:
         return tree
     if "defects" in tree.mapping:
         message = "use `defect` (one mapping) or `defects` (a list), not both"
         problems.append(problem(single.key or single.mark, message))
-    rest = {key: node for key, node in tree.mapping.items() if key != "defect"}
-    listed = Node((single,), single.mark, single.key)
-    return Node({"defects": listed} | rest, tree.mark, tree.key)
+    others = {key: node for key, node in tree.mapping.items() if key != "defect"}
+    defects = Node((single,), single.mark, single.key)
+    return Node({"defects": defects} | others, tree.mark, tree.key)
 
 
-def _with_scans(tree: Node, folder: FilePath) -> Node:
+def _locate_scans(tree: Node, folder: FilePath) -> Node:
     """Replace the files of scans by absolute paths, searched in the working directory, then in ``folder``."""
-    for number, defect in enumerate(tree.mapping.get("defects", _NOTHING).items):
+    for number, defect in enumerate(tree.mapping.get("defects", _EMPTY).items):
         file = defect.mapping.get("file")
         if file is not None and isinstance(file.value, str):
             candidates = [base / file.value for base in (FilePath(), folder)]
@@ -57,13 +57,13 @@ def _with_scans(tree: Node, folder: FilePath) -> Node:
     return tree
 
 
-def _with_default(tree: Node, key: str, name: str) -> Node:
+def _add_default(tree: Node, key: str, name: str) -> Node:
     if not isinstance(tree.value, dict) or key in tree.value:
         return tree
     return put(tree, (key,), Node(name, tree.mark))
 
 
-def _opened(node: Node, kind: Kind, folder: FilePath, problems: list[Problem]) -> Node:
+def _open_file(node: Node, kind: Kind, folder: FilePath, problems: list[Problem]) -> Node:
     if not isinstance(node.value, str):
         return node
     try:
@@ -78,21 +78,21 @@ def _opened(node: Node, kind: Kind, folder: FilePath, problems: list[Problem]) -
     return replace(document.root, mark=node.mark)  # problems of the whole file are located where it is named
 
 
-def _opened_material(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
+def _open_material(tree: Node, folder: FilePath, problems: list[Problem]) -> Node:
     bearing = tree.mapping.get("bearing")
     if bearing is None or not isinstance(bearing.value, dict):
         return tree
-    bearing = _with_default(bearing, "material", "steel")
-    material = _opened(bearing.mapping["material"], "materials", folder, problems)
+    bearing = _add_default(bearing, "material", "steel")
+    material = _open_file(bearing.mapping["material"], "materials", folder, problems)
     return put(tree, ("bearing",), put(bearing, ("material",), material))
 
 
-def _with_one_sensor_angle(tree: Node) -> Node:
+def _merge_sensor_angles(tree: Node) -> Node:
     """Rename `rig.sensor_angle` to `rig.sensor.angle`, so that a sweep of either replaces the same value.
 
     Two different values are left unchanged, because the validation of the case rejects them.
     """
-    rig = tree.mapping.get("rig", _NOTHING)
+    rig = tree.mapping.get("rig", _EMPTY)
     angle, sensor = rig.mapping.get("sensor_angle"), rig.mapping.get("sensor", Node({}, rig.mark))
     if angle is None or not isinstance(sensor.value, dict):
         return tree
@@ -102,11 +102,11 @@ def _with_one_sensor_angle(tree: Node) -> Node:
     return put(put(tree, ("rig",), replace(rig, value=others)), ("rig", "sensor", "angle"), angle)
 
 
-def _laws_by_name(tree: Node) -> Node:
+def _expand_laws(tree: Node) -> Node:
     """Replace `damping: kraemer` by the mapping `{law: kraemer}`, whose keys can be swept."""
     for path in LAWS:
-        section = reduce(lambda node, step: node.mapping.get(str(step), _NOTHING), path, tree)
-        if section is not _NOTHING and isinstance(section.value, str):
+        section = reduce(lambda node, step: node.mapping.get(str(step), _EMPTY), path, tree)
+        if section is not _EMPTY and isinstance(section.value, str):
             law = Node({"law": Node(section.value, section.mark)}, section.mark, section.key)
             tree = put(tree, path, law)
     return tree

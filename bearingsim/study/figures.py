@@ -11,12 +11,12 @@ from bearingsim.config.vocabulary import sentence
 from bearingsim.text.units import suggestion
 from bearingsim.text.yamlfile import MAX_TOLD, Node, Problem, problem
 
-DRAWN = (*FEATURES, "seconds")
+PLOT_COLUMNS = (*FEATURES, "seconds")
 """Columns of the results table that can be plotted on a y axis: features, and the CPU time of a job."""
 
 HEALTHY = "-healthy"
 
-KNOWN_TO: dict[str, tuple[str, ...]] = {
+COMPUTING_MODELS: dict[str, tuple[str, ...]] = {
     "cage": tuple(model.name for model in MODELS.values() if model.slips),
     **dict.fromkeys(("tilt", "line_load"), tuple(model.name for model in MODELS.values() if model.sliced)),
     **dict.fromkeys(
@@ -44,25 +44,25 @@ class Figure:
 def band_features(root: Node) -> dict[str, Node]:
     """Return the band features in figures and `accuracy` of a study, without the suffix `-healthy`."""
     features: dict[str, Node] = {}
-    for node in _named(root):
+    for node in _named_features(root):
         name = node.text.removesuffix(HEALTHY)
         if read_band(name) is not None:
             features.setdefault(name, Node(name, node.mark))
     return features
 
 
-def with_features(base: Node, wanted: Mapping[str, Node]) -> Node:
-    """Add ``wanted`` to the `features` of a case's tree; `features` that is not a list is left unchanged."""
-    own = base.mapping.get("features")
-    items = own.items if own is not None else ()
-    missing = [node for name, node in wanted.items() if name not in {item.text for item in items}]
-    if not missing or (own is not None and not isinstance(own.value, tuple)):
+def with_features(base: Node, requested: Mapping[str, Node]) -> Node:
+    """Add ``requested`` to the `features` of a case's tree; `features` that is not a list is left unchanged."""
+    section = base.mapping.get("features")
+    items = section.items if section is not None else ()
+    missing = [node for name, node in requested.items() if name not in {item.text for item in items}]
+    if not missing or (section is not None and not isinstance(section.value, tuple)):
         return base
-    mark, key = (own.mark, own.key) if own is not None else (missing[0].mark, missing[0].key)
+    mark, key = (section.mark, section.key) if section is not None else (missing[0].mark, missing[0].key)
     return Node(base.mapping | {"features": Node((*items, *missing), mark, key)}, base.mark, base.key)
 
 
-def _named(root: Node) -> Iterator[Node]:
+def _named_features(root: Node) -> Iterator[Node]:
     """Yield the features named by figures and by `accuracy`."""
     figures, accuracy = root.mapping.get("figures"), root.mapping.get("accuracy")
     entries = [figure.mapping.get("y") for figure in (figures.items if figures is not None else ())]
@@ -82,31 +82,32 @@ def parse_figures(section: Node | None, swept: Collection[str], problems: list[P
     return tuple(figure for figure in figures if figure is not None)
 
 
-def check_known(section: Node | None, models: Collection[str], problems: list[Problem]) -> None:
+def check_computed(section: Node | None, models: Collection[str], problems: list[Problem]) -> None:
     """Add a problem for each feature in a figure that none of the study's models computes."""
     for figure in section.items if section is not None else ():
         node = figure.mapping.get("y")
         for feature in () if node is None else node.items or (node,):
-            able = next(
-                (able for beginning, able in KNOWN_TO.items() if feature.text.startswith(beginning)), models
+            candidates = next(
+                (candidates for prefix, candidates in COMPUTING_MODELS.items() if feature.text.startswith(prefix)),
+                models,
             )
-            if not set(able) & set(models):
-                words = " or ".join(f"`model: {model}`" for model in able)
+            if not set(candidates) & set(models):
+                words = " or ".join(f"`model: {model}`" for model in candidates)
                 message = f"figures: no model of the study has `{feature.text}`"
                 problems.append(problem(feature.mark, message, f"it takes {words}"))
 
 
 def _figure(node: Node, swept: Collection[str], problems: list[Problem]) -> Figure | None:
-    before = len(problems)
+    problem_count = len(problems)
     _check_keys(node, problems)
     for name in ("x", "by", "panels"):
         _check_words(name, node, swept, "swept path", problems)
-    _check_words("y", node, DRAWN, "feature", problems)
+    _check_words("y", node, PLOT_COLUMNS, "feature", problems)
     _check_words("log", node, ("x", "y"), "axis", problems)
     where = node.mapping.get("where")
     for path, value in (where.mapping if where else {}).items():
         _check_word("where", path, value, swept, "swept path", problems)
-    if len(problems) > before:
+    if len(problems) > problem_count:
         return None
     entries = node.mapping
     return Figure(
@@ -137,25 +138,25 @@ def _check_keys(node: Node, problems: list[Problem]) -> None:
         problems.append(problem(node.mapping["where"].mark, "figures.where: expected `{path: value}`"))
 
 
-def _check_words(key: str, node: Node, words: Collection[str], what: str, problems: list[Problem]) -> None:
+def _check_words(key: str, node: Node, words: Collection[str], noun: str, problems: list[Problem]) -> None:
     entry = node.mapping.get(key)
     for word in (entry.items or (entry,)) if entry else ():
         if key != "y" or read_band(word.text) is None:
-            _check_word(f"figures.{key}", word.text, word, words, what, problems)
+            _check_word(f"figures.{key}", word.text, word, words, noun, problems)
 
 
 def _check_word(
-    where: str, word: str, node: Node, words: Collection[str], what: str, problems: list[Problem]
+    where: str, word: str, node: Node, words: Collection[str], noun: str, problems: list[Problem]
 ) -> None:
     if word not in words:
-        few = "known: " + ", ".join(words) if 0 < len(words) < 10 else None
-        band = f"bands are named as in {EXAMPLES}" if words is DRAWN and _asks_for_band(word) else ""
-        hint = (sentence(word) or band or suggestion(word, words) or few) if len(problems) < MAX_TOLD else None
+        choices = "known: " + ", ".join(words) if 0 < len(words) < 10 else None
+        band = f"bands are named as in {EXAMPLES}" if words is PLOT_COLUMNS and _resembles_band(word) else ""
+        hint = (sentence(word) or band or suggestion(word, words) or choices) if len(problems) < MAX_TOLD else None
         mark = node.key if node.key and node.key.column and where in ("figures", "where") else node.mark
-        problems.append(problem(mark, f"{where}: no {what} `{word}`", hint))
+        problems.append(problem(mark, f"{where}: no {noun} `{word}`", hint))
 
 
-def _asks_for_band(word: str) -> bool:
+def _resembles_band(word: str) -> bool:
     return word.startswith("envelope") or ".rms@" in word or word.endswith("Hz")
 
 

@@ -19,24 +19,24 @@ from bearingsim.study.figures import Figure
 from bearingsim.text.units import UnitError, parse, show, suggestion
 from bearingsim.text.yamlfile import Mark, Node, Problem, problem
 
-FINEST, COARSEST = 0.005, 0.5
+MIN_WITHIN, MAX_WITHIN = 0.005, 0.5
 """Limits of `accuracy`; the reference itself is not more accurate than the first."""
 HEALTHY = "-healthy"
 QUANTITIES = ("displacement", "velocity", "acceleration")
-JUDGED = (
+GOAL_FEATURES = (
     *(f"{quantity}@{line}{ending}" for quantity in QUANTITIES for line in LINES for ending in ("", HEALTHY)),
     *(f"{quantity}.rms" for quantity in QUANTITIES),
     "outer_force.max",
 )
 """Features for which an accuracy can be required, besides those of bands."""
-KNOWN_TO = 0.25
+EARLY_END_RATIO = 0.25
 """Standard error at which a record ends early, relative to the accuracy: four of them equal the accuracy."""
 CPU_SECONDS = "seconds"
 """Column of the CPU time, which is not a feature of the record."""
-CHOSEN, STEPPED = "which chooses it", "which needs the error bound of an automatic step"
-NOT_BESIDE = {"model": CHOSEN, "method": CHOSEN, "step": STEPPED, "tolerance": STEPPED}
+MODEL_REASON, STEP_REASON = "which chooses it", "which needs the error bound of an automatic step"
+EXCLUDED_KEYS = {"model": MODEL_REASON, "method": MODEL_REASON, "step": STEP_REASON, "tolerance": STEP_REASON}
 """Keys that exclude `accuracy`, with the reason."""
-NOT_SWEPT = dict.fromkeys(("contact.slices", "rig.ring.harmonics"), "which varies it itself")
+SINGLE_VALUE_KEYS = dict.fromkeys(("contact.slices", "rig.ring.harmonics"), "which varies it itself")
 """Keys that may have only one value with `accuracy`, with the reason."""
 
 
@@ -53,82 +53,88 @@ class Goal:
         return f"{100.0 * self.within:.3g} % of {', '.join(self.of)}"
 
 
-def is_judged(name: str) -> bool:
-    """Return True if an accuracy can be required for a feature, one of ``JUDGED`` or of a band."""
-    return name in JUDGED or read_band(name) is not None
+def is_goal_feature(name: str) -> bool:
+    """Return True if an accuracy can be required for a feature, one of ``GOAL_FEATURES`` or of a band."""
+    return name in GOAL_FEATURES or read_band(name) is not None
 
 
-def in_full(drawn: Iterable[str]) -> str:
+def full_record_feature(plotted: Iterable[str]) -> str:
     """Return the first feature that needs the whole record because it is no mean; empty if there is none."""
-    return next((name for name in drawn if not is_mean(name) and name != CPU_SECONDS), "")
+    return next((name for name in plotted if not is_mean(name) and name != CPU_SECONDS), "")
 
 
-def ended_early(case: Case, goal: Goal, figures: Iterable[Figure]) -> Case:
+def add_early_end(case: Case, goal: Goal, figures: Iterable[Figure]) -> Case:
     """Add `until` to a case, a quarter of the accuracy, for all features of goal and figures.
 
     The case is unchanged if it records series, has an `until`, needs features that are not means, or has a
     conflict with `until`.
     """
     names = dict.fromkeys((*goal.of, *(name for figure in figures for name in figure.y)))
-    if case.record or case.until is not None or in_full(names):
+    if case.record or case.until is not None or full_record_feature(names):
         return case
     races = [defect.race for defect in case.defects] or ["outer"]
-    watched = {CPU_SECONDS, "velocity.rms", *(f"velocity@{FAULT_LINES[race]}" for race in races)}
-    others = tuple(name for name in names if name not in watched and name not in case.features)
-    early = case.model_copy(update={"until": KNOWN_TO * goal.within, "features": case.features + others})
-    return early if next(until_conflicts(early), None) is None else case
+    monitored = {CPU_SECONDS, "velocity.rms", *(f"velocity@{FAULT_LINES[race]}" for race in races)}
+    others = tuple(name for name in names if name not in monitored and name not in case.features)
+    shortened = case.model_copy(
+        update={"until": EARLY_END_RATIO * goal.within, "features": case.features + others}
+    )
+    return shortened if next(until_conflicts(shortened), None) is None else case
 
 
 def parse_goal(section: Node | None, figures: Iterable[Figure], problems: list[Problem]) -> Goal | None:
     """Parse the section `accuracy`; None if it is absent or invalid, with its problems added."""
     if section is None:
         return None
-    before, mark = len(problems), section.key or section.mark
+    problem_count, mark = len(problems), section.key or section.mark
     entries = section.mapping if isinstance(section.value, dict) else {"within": section}
     for key, node in entries.items():
         if key not in ("within", "of"):
-            near = suggestion(key, ["within", "of"]) or "known: within, of"
-            problems.append(problem(node.key or node.mark, f"accuracy: unknown key `{key}`", near))
+            hint = suggestion(key, ["within", "of"]) or "known: within, of"
+            problems.append(problem(node.key or node.mark, f"accuracy: unknown key `{key}`", hint))
     if "within" not in entries:
         problems.append(problem(mark, "accuracy: `within` is missing", "as in `{within: 2 %}`"))
-    within = _share(entries["within"], problems) if "within" in entries else 0.0
-    of = _features(entries.get("of"), problems) if "of" in entries else _drawn(figures)
-    if not of and len(problems) == before:
-        what = "name the features, as in `accuracy: {within: 2 %, of: [velocity.rms]}`, or name `figures`"
+    within = _parse_within(entries["within"], problems) if "within" in entries else 0.0
+    features = _parse_features(entries.get("of"), problems) if "of" in entries else _plotted_features(figures)
+    if not features and len(problems) == problem_count:
+        example = "name the features, as in `accuracy: {within: 2 %, of: [velocity.rms]}`, or name `figures`"
         problems.append(
-            problem(mark, "accuracy: no figure shows a spectral line, an RMS or the largest force", what)
+            problem(mark, "accuracy: no figure shows a spectral line, an RMS or the largest force", example)
         )
-    return Goal(within, of) if len(problems) == before else None
+    return Goal(within, features) if len(problems) == problem_count else None
 
 
-def _share(node: Node, problems: list[Problem]) -> float:
+def _parse_within(node: Node, problems: list[Problem]) -> float:
     """Parse `within`, a share; 0 if it is invalid."""
     try:
         share = parse(node.text, "share")
     except UnitError as error:
         problems.append(problem(node.mark, f"accuracy: {error}", "as in `accuracy: 2 %`"))
         return 0.0
-    if not FINEST <= share <= COARSEST:
-        message = f"accuracy: expected {show(FINEST, '%')} to {show(COARSEST, '%')}, got `{node.text}`"
-        why = "the reference itself is not more accurate than that (docs/accuracy.md)" if share < FINEST else None
-        problems.append(problem(node.mark, message, why))
+    if not MIN_WITHIN <= share <= MAX_WITHIN:
+        message = f"accuracy: expected {show(MIN_WITHIN, '%')} to {show(MAX_WITHIN, '%')}, got `{node.text}`"
+        reason = (
+            "the reference itself is not more accurate than that (docs/accuracy.md)"
+            if share < MIN_WITHIN
+            else None
+        )
+        problems.append(problem(node.mark, message, reason))
     return share
 
 
-def _features(node: Node | None, problems: list[Problem]) -> tuple[str, ...]:
+def _parse_features(node: Node | None, problems: list[Problem]) -> tuple[str, ...]:
     """Parse the names of the features."""
     items = () if node is None else node.items or (node,)
     for item in items:
-        if not is_judged(item.text):
+        if not is_goal_feature(item.text):
             examples = "lines such as `velocity@BPFO`, an RMS such as `velocity.rms`, `outer_force.max`"
             message = f"accuracy.of: accuracy is not defined for `{item.text}`"
-            problems.append(problem(item.mark, message, suggestion(item.text, JUDGED) or examples))
+            problems.append(problem(item.mark, message, suggestion(item.text, GOAL_FEATURES) or examples))
     return tuple(dict.fromkeys(item.text for item in items))
 
 
-def _drawn(figures: Iterable[Figure]) -> tuple[str, ...]:
+def _plotted_features(figures: Iterable[Figure]) -> tuple[str, ...]:
     """List the features in the figures for which an accuracy can be required."""
-    return tuple(dict.fromkeys(name for figure in figures for name in figure.y if is_judged(name)))
+    return tuple(dict.fromkeys(name for figure in figures for name in figure.y if is_goal_feature(name)))
 
 
 def check_goal(
@@ -144,19 +150,19 @@ def check_goal(
     """
     section = root.mapping["accuracy"]
     mark = section.key or section.mark
-    for path, why in NOT_BESIDE.items():
+    for path, reason in EXCLUDED_KEYS.items():
         message, advice = (
-            f"`{path}` cannot be combined with `accuracy`, {why}",
+            f"`{path}` cannot be combined with `accuracy`, {reason}",
             f"leave `{path}` out, or `accuracy`",
         )
-        harmless = AUTO if why == STEPPED else None
-        entries = [entry for entry in _entries(root, path, swept) if entry.value != harmless]
+        allowed = AUTO if reason == STEP_REASON else None
+        entries = [entry for entry in _entries(root, path, swept) if entry.value != allowed]
         problems += [problem(_mark_of(entry), message, advice) for entry in entries]
-        if overrides.get(path, harmless) != harmless and path not in swept:
+        if overrides.get(path, allowed) != allowed and path not in swept:
             problems.append(problem(mark, message, f"leave out --set {path}"))
-    for path, why in NOT_SWEPT.items():
+    for path, reason in SINGLE_VALUE_KEYS.items():
         if path in swept:
-            message = f"`{path}` cannot be swept with `accuracy`, {why}"
+            message = f"`{path}` cannot be swept with `accuracy`, {reason}"
             problems.append(problem(_mark_of(swept[path]), message, "give it one value"))
     if not all(case.step_check for case in cases):
         message = "`accuracy` needs `step_check`, which bounds the error of the step"
@@ -180,9 +186,9 @@ def _mark_of(entry: Node) -> Mark:
     return entry.key or entry.mark
 
 
-def asks_for_reference(root: Node) -> Node:
+def with_reference_model(root: Node) -> Node:
     """Replace the keys excluded by `accuracy` by the reference model; by default no series is recorded."""
     section = root.mapping["accuracy"]
-    rest = {key: node for key, node in root.mapping.items() if key not in NOT_BESIDE}
+    others = {key: node for key, node in root.mapping.items() if key not in EXCLUDED_KEYS}
     model, record = (Node(value, section.mark, section.key) for value in (REFERENCE, ()))
-    return Node({"record": record} | rest | {"model": model}, root.mark, root.key)
+    return Node({"record": record} | others | {"model": model}, root.mark, root.key)

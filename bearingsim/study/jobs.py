@@ -11,7 +11,7 @@ from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
 from bearingsim.config.names import MEANS
 from bearingsim.config.rules.hierarchy import leaves_friction_open, speaks_of_slip
-from bearingsim.study.design import Design, Drawn
+from bearingsim.study.design import Design, SampledDesign
 from bearingsim.study.figures import Figure
 from bearingsim.study.goal import Goal
 from bearingsim.study.uncertainty import (
@@ -79,7 +79,7 @@ class Audit:
     baseline: Job | None = None
 
 
-class Chosen(NamedTuple):
+class ModelChoice(NamedTuple):
     """Model chosen for a case, the reason, and its relative errors by feature.
 
     error: deviation from the reference; nodes: discretisation error of nodes along defects, slices and harmonics;
@@ -101,7 +101,7 @@ class Selection:
     that were made for an earlier plan.
     """
 
-    jobs: Mapping[str, Chosen]
+    jobs: Mapping[str, ModelChoice]
     curves: tuple[tuple[str, tuple[str, ...]], ...]
     audits: tuple[Audit, ...]
     notes: tuple[str, ...] = ()
@@ -112,9 +112,9 @@ class Study:
     """Validated study: ``text`` of its file, and ``units`` of the swept paths as written in it.
 
     notes: remarks on the file for the user; goal: required accuracy, with which the swept cases have the reference
-    model, and ``otherwise`` returns the same cases with other values at some paths, None for invalid ones; drawn:
-    swept design, by indices of cases, whereas ``design`` contains the ids of the jobs; files: files read
-    (``text/files_read.py``); left_out: parameters of `uncertainty` that `quick` omits.
+    model, and ``otherwise`` returns the same cases with other values at some paths, None for invalid ones;
+    sampled_design: swept design, by indices of cases, whereas ``design`` contains the ids of the jobs;
+    files: those read (``text/files_read.py``); left_out: parameters of `uncertainty` that `quick` omits.
     """
 
     name: str
@@ -132,7 +132,7 @@ class Study:
     goal: Goal | None = None
     selection: Selection | None = None
     otherwise: "Callable[[Mapping[str, str]], list[Case | None]] | None" = field(default=None, repr=False)
-    drawn: Drawn | None = None
+    sampled_design: SampledDesign | None = None
 
     def cases(self) -> list[Case]:
         """List the swept cases; the last entry of `sweep` varies fastest."""
@@ -140,9 +140,9 @@ class Study:
 
     def jobs(self) -> list[Job]:
         """List every job once: the cases, their healthy baselines, their variations, then the audits."""
-        audited = () if self.selection is None else self.selection.audits
-        again = [job for audit in audited for job in (audit.job, audit.baseline) if job is not None]
-        return _each_once([*self._planned, *(variation.job for variation in self.variations()), *again])
+        audits = () if self.selection is None else self.selection.audits
+        audit_jobs = [job for audit in audits for job in (audit.job, audit.baseline) if job is not None]
+        return _unique([*self._planned, *(variation.job for variation in self.variations()), *audit_jobs])
 
     def planned(self) -> list[Job]:
         """List the cases, then their healthy baselines."""
@@ -151,11 +151,11 @@ class Study:
     @cached_property
     def design(self) -> Design | None:
         """Design that the study sweeps, with the ids of its rows; None without a design."""
-        drawn = self.drawn
-        if drawn is None:
+        design = self.sampled_design
+        if design is None:
             return None
-        ids = tuple(case_id(self.swept_cases[number][0]) for number in drawn.cases)
-        return Design(drawn.kind, drawn.n, drawn.seed, drawn.paths, drawn.ranges, ids)
+        ids = tuple(case_id(self.swept_cases[number][0]) for number in design.cases)
+        return Design(design.kind, design.n, design.seed, design.paths, design.ranges, ids)
 
     @cached_property
     def _planned(self) -> tuple[Job, ...]:
@@ -166,26 +166,30 @@ class Study:
             jobs.append(
                 Job(case, swept, healthy_job and healthy_jobs.setdefault(identity(healthy_job.case), healthy_job))
             )
-        return tuple(_each_once([*jobs, *healthy_jobs.values()]))
+        return tuple(_unique([*jobs, *healthy_jobs.values()]))
 
     @cached_property
     def assumptions(self) -> tuple[str, ...]:
         """Assumptions about effects that the study does not specify, and warnings of its cases, in words."""
         from bearingsim.study.ranges import beyond, unheld  # imports the core, which takes a second
 
-        drawn = [name for figure in self.figures for name in figure.y]
-        rigid = assumes_rigid_ring(self.cases(), drawn, self.uncertainty)
+        plotted = [name for figure in self.figures for name in figure.y]
+        rigid = assumes_rigid_ring(self.cases(), plotted, self.uncertainty)
         cases = self.cases()
-        named = unheld(cases) if self.goal is None else ()
-        return (RIGID,) * rigid + self._slip_assumption() + (*named, *beyond(cases, drawn))
+        warnings = unheld(cases) if self.goal is None else ()
+        return (RIGID,) * rigid + self._slip_assumption() + (*warnings, *beyond(cases, plotted))
 
     def _slip_assumption(self) -> tuple[str, ...]:
         """Return the assumption on friction and oil of a study with `accuracy`, in words."""
         if self.goal is None or any(case.drag is not None for case in self.cases()):
             return ()
-        tried = self.selection is not None and any(chosen.friction for chosen in self.selection.jobs.values())
-        rubs = tried or any(speaks_of_slip(case) or leaves_friction_open(case) for case in self.cases())
-        return (NO_OIL,) if rubs else (NO_SLIP,)
+        friction_tested = self.selection is not None and any(
+            chosen.friction for chosen in self.selection.jobs.values()
+        )
+        has_friction = friction_tested or any(
+            speaks_of_slip(case) or leaves_friction_open(case) for case in self.cases()
+        )
+        return (NO_OIL,) if has_friction else (NO_SLIP,)
 
     def variations(self) -> list[Variation]:
         """List the variations of all cases by `uncertainty`, or without it, of the damping in a few cases.
@@ -196,7 +200,7 @@ class Study:
 
     @cached_property
     def _variations(self) -> list[Variation]:
-        if self.uncertainty is not None or self.drawn is not None:  # none for a design
+        if self.uncertainty is not None or self.sampled_design is not None:  # none for a design
             cases, uncertain = self.cases(), self.uncertainty or ()
         else:
             cases, uncertain = sampled(self.cases(), len(self.planned())), (USUAL,)
@@ -207,7 +211,7 @@ class Study:
         ]
 
 
-def _each_once(jobs: Iterable[Job]) -> list[Job]:
+def _unique(jobs: Iterable[Job]) -> list[Job]:
     """Remove duplicate jobs, preserving the order."""
     unique: dict[str, Job] = {}
     for job in jobs:
@@ -236,16 +240,16 @@ def identity(case: Case, extra: Mapping[str, Any] | None = None) -> str:
     """
     from bearingsim.core import MODEL_VERSION
 
-    besides = ((name, tuple(value) if isinstance(value, list) else value) for name, value in (extra or {}).items())
-    return _digest(case, tuple(besides), MODEL_VERSION)
+    entries = ((name, tuple(value) if isinstance(value, list) else value) for name, value in (extra or {}).items())
+    return _digest(case, tuple(entries), MODEL_VERSION)
 
 
 @lru_cache(maxsize=1 << 18)
 def _digest(case: Case, extra: tuple[tuple[str, Any], ...], version: int) -> str:
-    besides = {"model_version": version} | extensions(case) | dict(extra)
-    texts = used(case) | {name: json_text(value) for name, value in besides.items()}
-    whole = ",".join(f'"{name}":{texts[name]}' for name in sorted(texts))
-    return hashlib.sha256(f"{{{whole}}}".encode()).hexdigest()[:16]
+    entries = {"model_version": version} | extensions(case) | dict(extra)
+    texts = used(case) | {name: json_text(value) for name, value in entries.items()}
+    text = ",".join(f'"{name}":{texts[name]}' for name in sorted(texts))
+    return hashlib.sha256(f"{{{text}}}".encode()).hexdigest()[:16]
 
 
 def _baseline(case: Case, swept: dict[str, float | str]) -> Job | None:
@@ -253,21 +257,22 @@ def _baseline(case: Case, swept: dict[str, float | str]) -> Job | None:
     healthy = healthy_case(case)
     if healthy is None:
         return None
-    dropped = _defect_keys(case)
-    kept = {path: value for path, value in swept.items() if path.split(".")[0] not in dropped}
-    return Job(healthy, kept, is_baseline=True)
+    excluded = _defect_keys(case)
+    values = {path: value for path, value in swept.items() if path.split(".")[0] not in excluded}
+    return Job(healthy, values, is_baseline=True)
 
 
 def healthy_case(case: Case) -> Case | None:
     """Return the case without its defects; None if it has none, or for the impulse model."""
     if not case.defects or not MODELS[case.model].takes_defects:
         return None
-    plain: dict[str, Any] = {
+    changes: dict[str, Any] = {
         name: Case.model_fields[name].default for name in _defect_keys(case) & Case.model_fields.keys()
     }
-    plain["record"] = tuple(name for name in case.record if slice_number(name) is None)  # slices depend on defects
-    plain["features"] = tuple(name for name in case.features if name not in MEANS)  # a defect's line is absent
-    return case.model_copy(update=plain)
+    # slices and the lines of defects depend on the defects
+    changes["record"] = tuple(name for name in case.record if slice_number(name) is None)
+    changes["features"] = tuple(name for name in case.features if name not in MEANS)
+    return case.model_copy(update=changes)
 
 
 def _defect_keys(case: Case) -> set[str]:

@@ -54,10 +54,10 @@ def fields_at() -> dict[str, list[Field]]:
 def dimension(path: str) -> Dimension | None:
     """Return the dimension of the values at a path. Raises KeyError for an unknown path."""
     head, dot, rest = _without_number(path).partition(".")
-    in_new_words = OLD_WORDS.get(head, head) + dot + rest  # older results contain deprecated keys
-    if in_new_words.startswith("rig.load."):  # in results the items of a list are numbered
-        in_new_words = ".".join(step for step in in_new_words.split(".") if not step.isdecimal())
-    return all_paths()[in_new_words]
+    current = OLD_WORDS.get(head, head) + dot + rest  # older results contain deprecated keys
+    if current.startswith("rig.load."):  # in results the items of a list are numbered
+        current = ".".join(step for step in current.split(".") if not step.isdecimal())
+    return all_paths()[current]
 
 
 @cache
@@ -71,8 +71,8 @@ def parse_path(text: str, defects: int) -> Path:
     """Parse a path into a case with ``defects`` defects. Raises ValueError for an unknown path."""
     plain = _without_number(text)
     if plain not in known_paths():
-        near = advice_on(plain, known_paths())
-        raise ValueError(f"no such path `{text}`" + (f" ({near})" if near else ""))
+        hint = path_hint(plain, known_paths())
+        raise ValueError(f"no such path `{text}`" + (f" ({hint})" if hint else ""))
     head, *rest = text.split(".")
     if head == "defect":
         return ("defects", _only_defect(text, defects), *rest)
@@ -81,10 +81,10 @@ def parse_path(text: str, defects: int) -> Path:
     return SYNONYMS.get((head, *rest), (head, *rest))
 
 
-MOST_SECTIONS = 4  # limit of the sections with the same key that a hint lists
+MAX_SECTIONS = 4  # limit of the sections with the same key that a hint lists
 
 
-def advice_on(path: str, valid: Collection[str], section: str | None = None) -> str:
+def path_hint(path: str, valid: Collection[str], section: str | None = None) -> str:
     """Return a hint for an unknown path, or unknown key of a section; empty if there is none.
 
     The hint is the glossary entry of the last word, the other sections with that key, or similar valid words.
@@ -96,14 +96,14 @@ def advice_on(path: str, valid: Collection[str], section: str | None = None) -> 
 def _sections_with(word: str, section: str | None) -> str:
     """Describe the sections that have a key; empty for too many, or if ``section`` has it with another law."""
     paths = [path.rpartition(".") for path in all_paths()]
-    sections = sorted((above for above, _, key in paths if key == word), key=lambda above: above.count("."))
-    if section in sections or not 0 < len(sections) <= MOST_SECTIONS:
+    sections = sorted((parent for parent, _, key in paths if key == word), key=lambda parent: parent.count("."))
+    if section in sections or not 0 < len(sections) <= MAX_SECTIONS:
         return ""
-    *others, last = (f"`{above}`" if above else "the study" for above in sections)
+    *others, last = (f"`{parent}`" if parent else "the study" for parent in sections)
     return f"`{word}` is a key of {', '.join(others)}{' and ' * bool(others)}{last}"
 
 
-def unspelled(text: str) -> Path:
+def normal_form(text: str) -> Path:
     """Return a normal form of a path, valid or not: equal for `defect.width` and `defects.1.width`."""
     head, *rest = text.split(".")
     if head == "defect":
@@ -138,10 +138,10 @@ def put(tree: Node, path: Path, value: Node) -> Node:
 def node_at(tree: Node, path: Path) -> Node | None:
     """Return the node at a path of a tree; None if there is none."""
     for step in path:
-        below = tree.mapping.get(step) if isinstance(step, str) else dict(enumerate(tree.items)).get(step)
-        if below is None:
+        child = tree.mapping.get(step) if isinstance(step, str) else dict(enumerate(tree.items)).get(step)
+        if child is None:
             return None
-        tree = below
+        tree = child
     return tree
 
 
@@ -161,12 +161,12 @@ def _walk(section: type[Section], prefix: str) -> Iterator[tuple[str, Field]]:
             continue
         field = Field(section, name)
         yield prefix + name, field
-        below = prefix + ("defect" if name == "defects" else name)
+        child_prefix = prefix + ("defect" if name == "defects" else name)
         if name == "defects":
-            yield below, field
+            yield child_prefix, field
         for inner in field.marks if name != "at" else ():  # that list is swept as a whole
             if isinstance(inner, type) and issubclass(inner, Section):
-                yield from _walk(inner, below + ".")
+                yield from _walk(inner, child_prefix + ".")
 
 
 def _leaves(annotation: Any) -> Iterator[Any]:

@@ -11,13 +11,13 @@ from bearingsim.catalogue import USUAL_MODEL
 from bearingsim.config import Case
 from bearingsim.config.fields import Path
 from bearingsim.designs import KINDS
-from bearingsim.study.design import IN_BLOCKS, Drawn, breaking_axes, drawn
+from bearingsim.study.design import BLOCK_DESIGNS, SampledDesign, block_conflicts, draw_design
 from bearingsim.study.diagnose import STUDY_KEYS, Problems, Sections, case_of, check_replaced, mark_of
-from bearingsim.study.expand import expanded
+from bearingsim.study.expand import expand_tree
 from bearingsim.study.figures import with_features
 from bearingsim.study.first_look import one_at_a_time
 from bearingsim.study.jobs import identity
-from bearingsim.study.paths import dimension, parse_path, put, unspelled, value_at
+from bearingsim.study.paths import dimension, normal_form, parse_path, put, value_at
 from bearingsim.study.relations import Relations, Row, Valueless, parse_relations
 from bearingsim.study.sweep import (
     Axis,
@@ -51,16 +51,16 @@ Swept = dict[str, float | str]
 class Plan:
     """Study under construction: base tree, axes, and problems so far.
 
-    words: keys of the sweep that are not paths, from which ``drawn`` and ``relations`` are built; case_problems:
-    problems of single cases; named: paths named by a sweep, valid or not; key_paths: locations of the valid ones
-    in a case; others: cache of ``otherwise``.
+    words: keys of the sweep that are not paths, from which ``sampled_design`` and ``relations`` are built;
+    case_problems: problems of single cases; named: paths named by a sweep, valid or not; key_paths: locations of
+    the valid ones in a case; others: cache of ``otherwise``.
     """
 
     base: Node
     folder: FilePath
     axes: list[Axis] = field(default_factory=list)
     words: Words = field(default_factory=dict)
-    drawn: Drawn | None = None
+    sampled_design: SampledDesign | None = None
     relations: Relations = field(default_factory=Relations)
     problems: list[Problem] = field(default_factory=list)
     case_problems: Problems = field(default_factory=dict)
@@ -97,7 +97,7 @@ class Plan:
 
     def expand(self) -> None:
         """Read the files referenced by the base tree."""
-        self.base = expanded(self.base, self.folder, self.problems)
+        self.base = expand_tree(self.base, self.folder, self.problems)
 
     def take_sweep(self, sweep: Node) -> list[Axis]:
         """Parse a section `sweep`; return its axes."""
@@ -177,7 +177,7 @@ class Plan:
     def spelled(self, path: str) -> str:
         """Return a path in the spelling of the axes, which figures and results use."""
         swept = (spelling for axis in self.axes for spelling in axis.paths)
-        return next((spelling for spelling in swept if unspelled(spelling) == unspelled(path)), path)
+        return next((spelling for spelling in swept if normal_form(spelling) == normal_form(path)), path)
 
     def key_path(self, path: str, mark: Mark) -> Path | None:
         """Locate a path in a case. For an invalid path, add a problem and return None."""
@@ -190,8 +190,8 @@ class Plan:
     def draw(self) -> None:
         """Add the axes of the design, which varies slowest, and of `repeat`, which varies fastest."""
         kind = next((kind for kind in KINDS if kind in self.words), None)
-        if kind in IN_BLOCKS:
-            self.problems += breaking_axes(kind, self.axes, self.words)
+        if kind in BLOCK_DESIGNS:
+            self.problems += block_conflicts(kind, self.axes, self.words)
         if "repeat" in self.words:
             self.axes += repeated(self.words["repeat"], self.problems)
         if kind is None:
@@ -199,9 +199,9 @@ class Plan:
         entry = self.words[kind]
         marks = {path: node.key or node.mark for path, node in entries_of(kind, entry).items()}
         if None not in [self.key_path(path, mark) for path, mark in marks.items()]:
-            design = drawn(kind, entry, MAX_CASES, self.problems)
+            design = draw_design(kind, entry, MAX_CASES, self.problems)
             if design is not None:
-                self.drawn, axis = design
+                self.sampled_design, axis = design
                 self.axes.insert(0, axis)
 
     def relate(self) -> None:
@@ -237,7 +237,7 @@ class Plan:
         for row in axis.rows:
             with suppress(StudyError):  # reported when the case is built
                 value = row[axis.paths.index(path)]
-                expanded(put(self.base, self.key_paths[path], value), self.folder, [])
+                expand_tree(put(self.base, self.key_paths[path], value), self.folder, [])
 
     @property
     def count(self) -> int:
@@ -280,8 +280,8 @@ class Plan:
                 order.append(numbers.setdefault(name, len(numbers)))
             elif (wrong := wrong + 1) == MAX_WRONG:
                 break
-        if self.drawn is not None:
-            self.drawn = replace(self.drawn, cases=tuple(order))
+        if self.sampled_design is not None:
+            self.sampled_design = replace(self.sampled_design, cases=tuple(order))
         return list(cases.values())
 
     def check_words(self) -> None:
@@ -341,7 +341,7 @@ class Plan:
         for path, value in sorted(row, key=lambda pair: len(self.key_paths[pair[0]])):  # sections before parts
             tree = put(tree, self.key_paths[path], value)
             if dimension(path) is None:
-                tree = expanded(tree, self.folder, self.problems)
+                tree = expand_tree(tree, self.folder, self.problems)
         return tree
 
     def case(self, row: Row) -> Case | None:

@@ -18,8 +18,8 @@ from bearingsim.config.fields import POSITIVE, Schema, quantity_schema, whole_sc
 from bearingsim.designs import KINDS
 from bearingsim.study.design import MAX_SEED
 from bearingsim.study.distributions import DISTRIBUTIONS
-from bearingsim.study.figures import DRAWN
-from bearingsim.study.goal import JUDGED, NOT_BESIDE, STEPPED
+from bearingsim.study.figures import PLOT_COLUMNS
+from bearingsim.study.goal import EXCLUDED_KEYS, GOAL_FEATURES, STEP_REASON
 from bearingsim.study.load import NAME
 from bearingsim.study.paths import fields_at, known_paths
 from bearingsim.study.sweep import GENERATORS, MAX_VALUES
@@ -49,7 +49,7 @@ def json_schema() -> Schema:
         return _one_of(_ref(names, *field) for field in fields_at()[OLD_WORDS.get(path, path)])
 
     shared = {
-        "Feature": {"anyOf": [{"enum": list(DRAWN)}, BAND_NAME]},
+        "Feature": {"anyOf": [{"enum": list(PLOT_COLUMNS)}, BAND_NAME]},
         "Path": {"anyOf": [{"enum": _paths()}, {"type": "string", "pattern": _NUMBERED}]},
         "Values": _path_mapping(_paths(), lambda path: _values(path, value_at(path))),
         "Ranges": _path_mapping(
@@ -232,7 +232,8 @@ def _accuracy() -> Schema:
         [
             share,
             _closed(
-                {"within": share, "of": _some({"anyOf": [{"enum": list(JUDGED)}, BAND_NAME]})}, required=["within"]
+                {"within": share, "of": _some({"anyOf": [{"enum": list(GOAL_FEATURES)}, BAND_NAME]})},
+                required=["within"],
             ),
         ]
     )
@@ -245,7 +246,7 @@ def _together() -> Iterator[Schema]:
     """Yield the conditions on keys that exclude each other."""
     for words in (("defect", "defects"), *OLD_WORDS.items()):
         yield {"not": {"required": [*words]}}
-    beside = {path: {"const": AUTO} if why == STEPPED else False for path, why in NOT_BESIDE.items()}
+    beside = {path: {"const": AUTO} if why == STEP_REASON else False for path, why in EXCLUDED_KEYS.items()}
     yield {"if": {"required": ["accuracy"]}, "then": {"properties": beside}}
 
 

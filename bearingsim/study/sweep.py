@@ -9,7 +9,7 @@ from itertools import product
 
 from bearingsim.config.fields import described
 from bearingsim.designs import KINDS
-from bearingsim.study.paths import unspelled
+from bearingsim.study.paths import normal_form
 from bearingsim.study.words import WORDS, named_by
 from bearingsim.text.units import UnitError, common_dimension, display, parse, split, suggestion
 from bearingsim.text.yamlfile import Node, Problem, plain, problem
@@ -78,7 +78,7 @@ def replaced(axes: list[Axis], new: Axis) -> list[Axis]:
     axes_left: list[Axis] = []
     placed = False
     for axis in axes:
-        clashes = not set(map(unspelled, axis.paths)).isdisjoint(map(unspelled, new.paths))
+        clashes = not set(map(normal_form, axis.paths)).isdisjoint(map(normal_form, new.paths))
         if clashes and not placed:
             axes_left.append(new)
             placed = True
@@ -88,8 +88,8 @@ def replaced(axes: list[Axis], new: Axis) -> list[Axis]:
 
 def _remove_paths(axis: Axis, paths: Collection[str]) -> list[Axis]:
     """Remove paths, in any spelling, from an axis; return an empty list if no path is left."""
-    gone = set(map(unspelled, paths))
-    kept = [i for i, path in enumerate(axis.paths) if unspelled(path) not in gone]
+    gone = set(map(normal_form, paths))
+    kept = [i for i, path in enumerate(axis.paths) if normal_form(path) not in gone]
     if not kept:
         return []
     rows = tuple(tuple(row[i] for i in kept) for row in axis.rows)

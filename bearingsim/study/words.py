@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from bearingsim.designs import KINDS
-from bearingsim.study.paths import unspelled
+from bearingsim.study.paths import normal_form
 from bearingsim.text.yamlfile import Node
 
 WORDS = (*KINDS, "derived", "where", "repeat")
@@ -34,7 +34,7 @@ def remove_path(words: Words, path: str) -> Words:
     remaining: Words = {}
     for word, node in words.items():
         entries = entries_of(word, node)
-        rest = {name: entry for name, entry in entries.items() if unspelled(name) != unspelled(path)}
+        rest = {name: entry for name, entry in entries.items() if normal_form(name) != normal_form(path)}
         if len(rest) == len(entries):
             remaining[word] = node
         elif rest:
