@@ -22,7 +22,7 @@ from typing import Any
 import psutil
 
 from bearingsim import store
-from bearingsim.runner.cluster import joined
+from bearingsim.runner.cluster import connect_cluster
 from bearingsim.runner.work import Engine, Work
 from bearingsim.study import Job, Study, load_study
 
@@ -116,7 +116,7 @@ def measure(units: list[Work], address: str, scheduler: psutil.Process) -> None:
     client = psutil.Process()
     print(f"load of the machine {os.getloadavg()[0]:.1f} on {os.cpu_count()} CPUs")
     print(f"{'units':>8} {'ms/unit':>8}   CPU ms/unit of client, scheduler;  MB of client, scheduler")
-    with joined(address) as workers:
+    with connect_cluster(address) as workers:
         workers.assembled()
         initial = {"client": Usage.read(client), "scheduler": Usage.read(scheduler)}
         began = time.perf_counter()

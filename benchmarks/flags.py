@@ -23,7 +23,7 @@ from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.simulate import Record
 from bearingsim.simulation.spectral_lines import ball_pass_lines
-from bearingsim.store import NOTABLE, is_one_draw
+from bearingsim.store import NOTABLE_ERROR, is_uncertain
 from bearingsim.store.spread import BY_BLOCKS
 
 DURATION_S, SETTLE_S, LENGTH_FACTOR, RECORDS = 0.5, 0.1, 10, 4
@@ -75,7 +75,7 @@ def check_flags(number: int, fields: dict[str, Any]) -> list[FlagResult]:
     name = f"{fields['bearing']} {fields['model']} {fields['load']} {fields['speed']}"
     rows = []
     for feature, error in errors.items():
-        flagged, stated = bool(is_one_draw(table, feature).iloc[0]), run.features[BY_BLOCKS[feature]]
+        flagged, stated = bool(is_uncertain(table, feature).iloc[0]), run.features[BY_BLOCKS[feature]]
         chaotic = run.features["chaotic"] == 1.0
         rows.append(FlagResult(number, name, feature, chaotic, flagged, stated, error, verdict(flagged, error)))
     return rows
@@ -104,8 +104,8 @@ def standard_errors(case: Case, run: Record) -> dict[str, float]:
 
 def verdict(flagged: bool, error: float) -> str:
     """Return `right` or `wrong`, and whether the standard error is `near` the limit."""
-    is_near = NOTABLE / NEAR_FACTOR < error < NOTABLE * NEAR_FACTOR
-    return "near, " * is_near + ("right" if flagged == (error > NOTABLE) else "wrong")
+    is_near = NOTABLE_ERROR / NEAR_FACTOR < error < NOTABLE_ERROR * NEAR_FACTOR
+    return "near, " * is_near + ("right" if flagged == (error > NOTABLE_ERROR) else "wrong")
 
 
 def main() -> None:

@@ -11,7 +11,7 @@ from bearingsim import memory
 from bearingsim.cli.plan import plan_of
 from bearingsim.config import Case
 from bearingsim.errors import Refused
-from bearingsim.runner.packing import Cost, fewer, fitting
+from bearingsim.runner.packing import Cost, worker_note, workers_in_memory
 from bearingsim.simulation import SimulationError, simulate, time_grid
 
 GB = 1e9
@@ -55,8 +55,8 @@ def test_workers_are_as_few_as_the_heaviest_jobs_leave_memory_for(
     monkeypatch: pytest.MonkeyPatch, jobs: list[Cost], workers: int
 ) -> None:
     monkeypatch.setattr(memory, "limit", lambda: 8 * GB)
-    assert fitting(jobs, 4) == workers
-    told = [line.partition(":")[0] for line in fewer(jobs, 4)]
+    assert workers_in_memory(jobs, 4) == workers
+    told = [line.partition(":")[0] for line in worker_note(jobs, 4)]
     assert told == ([] if workers == 4 else [f"{workers} worker{'s' * (workers > 1)} in place of 4"])
 
 

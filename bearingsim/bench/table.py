@@ -13,7 +13,7 @@ from bearingsim.bench.measure import COLUMNS, Row
 from bearingsim.bench.plan import JOB, Run, Settings, compile_groups, runs
 from bearingsim.bench.provenance import provenance
 from bearingsim.bench.scene import Scene
-from bearingsim.runner.pool import spread
+from bearingsim.runner.pool import map_unordered
 from bearingsim.runner.progress import duration
 from bearingsim.store import claim
 from bearingsim.text.terminal import say
@@ -89,7 +89,7 @@ def _append_rows(path: Path, missing_runs: Sequence[Run], jobs: int) -> None:
         elif not path.read_text(encoding="utf-8").endswith("\n"):
             file.write("\n")  # a previous run was stopped in the middle of a row
         try:
-            for rows in spread(
+            for rows in map_unordered(
                 _rows_in_worker, [(run, external.SOLVERS.get(run.method)) for run in missing_runs], jobs
             ):
                 writer.writerows({name: _format(value) for name, value in row.items()} for row in rows)
@@ -117,7 +117,7 @@ def _compile(missing_runs: Sequence[Run], jobs: int) -> None:
     groups = compile_groups(missing_runs)
     say(f"compiling {len(groups)} models for {len(missing_runs)} runs", err=True)
     for done, model in enumerate(
-        spread(_compile_group, [(group, dict(external.SOLVERS)) for group in groups], jobs), 1
+        map_unordered(_compile_group, [(group, dict(external.SOLVERS)) for group in groups], jobs), 1
     ):
         say(f"ready, {done} of {len(groups)}: {model}", err=True)
 

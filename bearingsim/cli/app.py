@@ -128,7 +128,7 @@ def check(
     if loaded_study.goal is not None:
         from bearingsim import runner
 
-        loaded_study = runner.with_models(loaded_study, out, jobs, try_them=pilots)
+        loaded_study = runner.with_models(loaded_study, out, jobs, run_trials=pilots)
     with patient(seconds=SILENCE_S) as patience:
         study_plan = plan.plan_of(loaded_study, jobs, patience)
     if as_json:
@@ -184,7 +184,7 @@ def run(
 
     summary = None
     if shard_numbers == (1, 1) and not (fresh or verify):
-        summary = runner.finished(study, out, dict(map(_parse_assignment, set_ or [])), quick)
+        summary = runner.completed_summary(study, out, dict(map(_parse_assignment, set_ or [])), quick)
     if summary is None:
         loaded_study = _load(study, set_, quick)
         summary = runner.run(
@@ -366,7 +366,7 @@ def prune(
     from bearingsim import store
 
     root = find_results(results).path
-    leftovers = store.superfluous(root) if dry_run else store.prune(root)
+    leftovers = store.find_removable(root) if dry_run else store.prune(root)
     if _verbose(ctx):
         for path in leftovers.paths:
             say(short_path(path))

@@ -37,7 +37,7 @@ def show(summary: "RunSummary", verbose: bool) -> None:
     from bearingsim.store import ResultsError, open_results
 
     say(f"{summary.headline}, in {short_path(summary.folder)}")
-    for text in summary.happened:
+    for text in summary.events:
         say(text)
     if summary.findings is None:
         return
@@ -53,9 +53,9 @@ def show(summary: "RunSummary", verbose: bool) -> None:
             say(f"    {remark}")
     if len(feature_list) > MAX_FEATURES:
         say(f"  and {len(feature_list) - MAX_FEATURES} more: bearingsim show {short_path(summary.folder)}")
-    for text in (*summary.findings.held, *summary.findings.warnings):
+    for text in (*summary.findings.accuracy, *summary.findings.warnings):
         say(text)
-    assumed = summary.findings.assumed
+    assumed = summary.findings.assumptions
     if assumed:
         say(f"{len(assumed)} assumption{'s' * (len(assumed) != 1)} not varied: {', '.join(assumed)}")
         say(f"  amplitudes depend on them: bearingsim show {short_path(summary.folder)} --assumptions")

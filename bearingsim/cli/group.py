@@ -41,9 +41,9 @@ def error_text(error: OSError) -> str:
         return f"bearingsim: {CAUSES.get(error.errno or 0, error)}{target}"
     path = Path(os.fsdecode(error.filename))
     if error.errno in NO_ROOM:
-        from bearingsim.store.files import what_is_full
+        from bearingsim.store.files import describe_full_disk
 
-        return f"{what_is_full(path, error.errno)}: make room, or name another folder"
+        return f"{describe_full_disk(path, error.errno)}: make room, or name another folder"
     if error.errno == errno.ENOENT and not path.parent.exists():
         return f"{path}: there is no folder {path.parent}"
     return f"{path}: {CAUSES.get(error.errno, error.strerror)}"

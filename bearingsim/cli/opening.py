@@ -40,14 +40,14 @@ def find_results(folder: Path | None) -> "Results":
 
     Raises UserError, as ``open_results``.
     """
-    from bearingsim.store import LinkWithin, ResultsError, open_results
+    from bearingsim.store import LinkInFolder, ResultsError, open_results
 
     if folder is not None:
         return open_results(folder)
     for results_folder in _result_folders():
         try:
             return open_results(results_folder)
-        except (ResultsError, LinkWithin) as error:
+        except (ResultsError, LinkInFolder) as error:
             say(f"{error} (left out)", err=True)
     raise UserError("no results in ./results; name a folder, or run a study first")
 

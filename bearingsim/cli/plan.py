@@ -69,9 +69,9 @@ class Plan:
     @property
     def workers(self) -> int:
         """Number of worker processes: the requested number, or fewer if memory limits it."""
-        from bearingsim.runner.packing import fitting
+        from bearingsim.runner.packing import workers_in_memory
 
-        return fitting(self.costs, self.requested_workers)
+        return workers_in_memory(self.costs, self.requested_workers)
 
     @property
     def refusal_texts(self) -> tuple[str, ...]:
@@ -214,11 +214,11 @@ def max_friction_coefficient(law: Any, u: float) -> float:
 def _group_refusals(refusals: Iterable[tuple["Job", str]], study: "Study") -> Iterable[str]:
     """Yield a message for each group of refusals that differ only in numbers: count, first job and its reason."""
     from bearingsim.plots.labels import described
-    from bearingsim.runner.summary import kind_of
+    from bearingsim.runner.summary import failure_kind
 
     groups: dict[str, list[tuple[Job, str]]] = {}
     for job, text in refusals:
-        groups.setdefault(kind_of(text), []).append((job, text))
+        groups.setdefault(failure_kind(text), []).append((job, text))
     for group in groups.values():
         job, text = group[0]
         position = described(job.swept, study.units)

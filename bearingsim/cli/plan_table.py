@@ -62,7 +62,7 @@ FRICTION_ROWS: tuple[Row, ...] = (
 def show(plan: Plan, verbose: bool) -> None:
     """Print the plan; verbose: also a row per case."""
     from bearingsim.config.scan.repair import notes
-    from bearingsim.runner.packing import fewer
+    from bearingsim.runner.packing import worker_note
     from bearingsim.runner.progress import duration
 
     study, screen = plan.study, console()
@@ -85,7 +85,7 @@ def show(plan: Plan, verbose: bool) -> None:
     if len(plan.priced_jobs) < len(plan.jobs):
         screen.print(f"estimated from {len(plan.priced_jobs)} of {len(plan.jobs)} jobs")
     for text in [
-        *fewer(plan.costs, plan.requested_workers),
+        *worker_note(plan.costs, plan.requested_workers),
         *remarks(plan, verbose),
         *study.notes,
         *notes(study.cases()),

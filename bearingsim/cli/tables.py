@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from bearingsim.cli.screen import print_table, significant, table_width, terminal_width
 from bearingsim.config.rules import damping
 from bearingsim.errors import UserError
-from bearingsim.runner.findings import repetitions
+from bearingsim.runner.findings import periodicity_notes
 from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     info = results.info().reindex(table["job"])
     choice_notes = (results.plan.get("accuracy") or {}).get("notes", ())
     assumptions = results.plan.get("assumptions", ())
-    for text in (*choice_notes, *repetitions(info), *assumptions, *damping.job_sentences(info)):
+    for text in (*choice_notes, *periodicity_notes(info), *assumptions, *damping.job_sentences(info)):
         say(text)
     if len(printed_columns) < len(all_columns):
         printed_heads = {_stack_heading(head) for head, _ in printed_columns}
@@ -75,12 +75,12 @@ EXAMPLE_VALUES = {"clearance": "0 um, 10 um", "bracket": "0.5, 2"}
 
 def show_assumptions(results: "Results") -> None:
     """Print a sentence for each assumption of a study, and the setting that varies it."""
-    from bearingsim.runner.findings import assumed, findings
+    from bearingsim.runner.findings import assumption_notes, findings
     from bearingsim.store import job_frame
 
     frame = job_frame(results.path)
-    texts = [*assumed(results.plan, frame), *damping.job_sentences(results.info())]
-    unvaried_names = [name for name in findings(results.plan, frame).assumed if name in EXAMPLE_VALUES]
+    texts = [*assumption_notes(results.plan, frame), *damping.job_sentences(results.info())]
+    unvaried_names = [name for name in findings(results.plan, frame).assumptions if name in EXAMPLE_VALUES]
     texts += [
         f"{name} has one value per case; to vary it: `uncertainty: {{{name}: [{EXAMPLE_VALUES[name]}]}}` varies it"
         for name in unvaried_names

@@ -13,7 +13,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocato
 
 from bearingsim.plots import labels, select
 from bearingsim.plots.style import COLUMN_IN, CurveStyle, curve_styles
-from bearingsim.store import is_one_draw
+from bearingsim.store import is_uncertain
 from bearingsim.study import Figure
 
 if TYPE_CHECKING:
@@ -165,7 +165,7 @@ def legend_entries(
     entries += [Line2D([], [], ls="", marker=m, color=colour, label=text) for m, colour, text in lost]
     marks = {model: MODEL_MARK | {"marker": mark} for model, mark in models_of(rows).items()}
     entries += [Line2D([], [], label=model, **mark) for model, mark in marks.items() if len(marks) > 1]
-    drawn = [is_one_draw(rows, name).any() for name in figure.y if name in rows]
+    drawn = [is_uncertain(rows, name).any() for name in figure.y if name in rows]
     return entries + [Line2D([], [], **RING, label="chaotic, uncertain")] * any(drawn)
 
 
@@ -196,7 +196,7 @@ def positions(x: str, part: "pd.DataFrame", rows: "pd.DataFrame", units: Mapping
 
 def mark_chaotic(ax: "Axes", x: Sequence[float], y: Sequence[float], rows: "pd.DataFrame", name: str) -> None:
     """Draw a ring around each point of a chaotic motion, whose value is one random draw."""
-    draws = is_one_draw(rows, name)
+    draws = is_uncertain(rows, name)
     points = [(a, b) for a, b, is_so in zip(x, y, draws, strict=True) if is_so and math.isfinite(a * b)]
     if points:
         ax.plot(*zip(*points, strict=True), **RING)

@@ -30,7 +30,7 @@ from bearingsim.plots.axes import (
     y_label,
 )
 from bearingsim.plots.style import CurveStyle
-from bearingsim.store import PARTS
+from bearingsim.store import ERROR_PARTS
 from bearingsim.study import Figure
 
 if TYPE_CHECKING:
@@ -84,10 +84,10 @@ def mark_errors(ax: "Axes", x: Sequence[float], y: Sequence[float], curve: Curve
 
     Draws nothing unless the study names an accuracy.
     """
-    if not all(name in curve.rows for name in (*PARTS, "error")):
+    if not all(name in curve.rows for name in (*ERROR_PARTS, "error")):
         return
     largest = max((abs(value) for value in y if math.isfinite(value)), default=0.0)
-    parts = curve.rows[[*PARTS]].sum(axis=1, min_count=1)
+    parts = curve.rows[[*ERROR_PARTS]].sum(axis=1, min_count=1)
     off = largest * parts.where(~(curve.rows["error"] > parts), curve.rows["error"])  # larger if an audit failed
     bounded = [(a, b, e) for a, b, e in zip(x, y, off, strict=True) if math.isfinite(b * e)]
     if bounded:

@@ -7,21 +7,30 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from bearingsim.runner.pool import WorkersDie
+    from bearingsim.runner.pool import RepeatedWorkerDeaths
     from bearingsim.runner.running import run, with_models
     from bearingsim.runner.summary import FailureGroup, Interrupted, RunSummary
-    from bearingsim.runner.tally import finished
+    from bearingsim.runner.tally import completed_summary
     from bearingsim.runner.work import Engine
 
-__all__ = ["Engine", "FailureGroup", "Interrupted", "RunSummary", "WorkersDie", "finished", "run", "with_models"]
+__all__ = [
+    "Engine",
+    "FailureGroup",
+    "Interrupted",
+    "RepeatedWorkerDeaths",
+    "RunSummary",
+    "completed_summary",
+    "run",
+    "with_models",
+]
 
 _HOME = {
     "Engine": "work",
     "FailureGroup": "summary",
     "Interrupted": "summary",
     "RunSummary": "summary",
-    "WorkersDie": "pool",
-    "finished": "tally",
+    "RepeatedWorkerDeaths": "pool",
+    "completed_summary": "tally",
     "run": "running",
     "with_models": "running",
 }

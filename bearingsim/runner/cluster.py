@@ -27,19 +27,19 @@ from bearingsim.errors import UserError
 from bearingsim.runner.delivery import (
     LOADING,
     Delivery,
-    OtherInstallation,
+    InstallationMismatch,
     Parcel,
     WorkerFailed,
     deliver,
     installation,
-    needed,
     refuse_installation,
     refuse_threads,
+    required_installation,
     stop,
 )
-from bearingsim.runner.handshake import SchedulerGone, answer_in_time, client_of
-from bearingsim.runner.pool import RESTARTS_WITHOUT_PROGRESS, WorkersDie
-from bearingsim.runner.stopping import heeding, stop_requested
+from bearingsim.runner.handshake import SchedulerUnreachable, call_with_timeout, connect
+from bearingsim.runner.pool import RESTARTS_WITHOUT_PROGRESS, RepeatedWorkerDeaths
+from bearingsim.runner.stopping import defer_signals, stop_requested
 from bearingsim.runner.work import Outcome, Work
 from bearingsim.text.terminal import say
 
@@ -60,12 +60,12 @@ ADVICE = (
 
 
 @contextmanager
-def joined(address: str) -> Iterator["Cluster"]:
+def connect_cluster(address: str) -> Iterator["Cluster"]:
     """Connect to the workers of the scheduler at ``tcp://HOST:PORT``.
 
-    Raises SchedulerGone if the scheduler does not answer in time.
+    Raises SchedulerUnreachable if the scheduler does not answer in time.
     """
-    with client_of(address) as client:
+    with connect(address) as client:
         yield Cluster(client, address)
 
 
@@ -80,8 +80,13 @@ class Cluster:
     """Workers of a scheduler during one run; workers may join and leave."""
 
     def __init__(self, client: Client, address: str) -> None:
-        """Raise OtherInstallation if this process requests several threads for linear algebra."""
-        self.client, self.address, self.run, self.installed = client, address, token_hex(8), needed()
+        """Raise InstallationMismatch if this process requests several threads for linear algebra."""
+        self.client, self.address, self.run, self.installed = (
+            client,
+            address,
+            token_hex(8),
+            required_installation(),
+        )
         self.landed: SimpleQueue[Future] = SimpleQueue()
         self.lost: list[Future] = []
         self.looked, self.count, self.deaths, self.alone, self.number = 0.0, 0, 0, False, count()
@@ -89,13 +94,13 @@ class Cluster:
     def assembled(self) -> int:
         """Wait for a worker, and return the number of workers.
 
-        Raises OtherInstallation if the installation of a worker differs from that of this process.
+        Raises InstallationMismatch if the installation of a worker differs from that of this process.
         """
         with self._reached():
             while not self.count:
                 self._look()
                 time.sleep(WAITING_S)
-            for address, threads in answer_in_time(ANSWER_S, self.client.nthreads).items():
+            for address, threads in call_with_timeout(ANSWER_S, self.client.nthreads).items():
                 refuse_threads(address, threads)
             self._run_on_all(asyncio.to_thread, exec, LOADING, {})
             for address, versions in self._run_on_all(installation).items():
@@ -111,14 +116,14 @@ class Cluster:
         """Compute units of work on the workers, store the results, and yield the outcomes in order of arrival.
 
         If a worker dies, each job of its unit is repeated at the end, alone on a worker, because any of them may
-        be the cause. A job whose worker dies again becomes a failure. Raises WorkersDie if too many workers die
-        without a result in between, SchedulerGone, OtherInstallation, WorkerFailed.
+        be the cause. A job whose worker dies again becomes a failure. Raises RepeatedWorkerDeaths if too many
+        workers die without a result in between, SchedulerUnreachable, InstallationMismatch, WorkerFailed.
         """
         if not works:
             return
         suspects: list[Work] = []
         marker = store.start_marker(works[0].root, works[0].unit)  # so that the folder cannot be cleared
-        with heeding(), self._reached(), marker:
+        with defer_signals(), self._reached(), marker:
             for result in self._computed(works, at_once=None):
                 if isinstance(result, Outcome):
                     yield result
@@ -183,13 +188,13 @@ class Cluster:
     def _stop(self, flying: dict[Future, Work]) -> None:
         """Request all workers to start no more jobs, and cancel the units that have not been started."""
         with suppress(TimeoutError):  # repeated after the next ``_look``
-            answer_in_time(ANSWER_S, partial(self.client.run, stop, self.run, on_error="ignore"))
-        held = {key for keys in answer_in_time(ANSWER_S, self.client.processing).values() for key in keys}
-        holders = answer_in_time(ANSWER_S, partial(self.client.who_has, list(flying)))
+            call_with_timeout(ANSWER_S, partial(self.client.run, stop, self.run, on_error="ignore"))
+        held = {key for keys in call_with_timeout(ANSWER_S, self.client.processing).values() for key in keys}
+        holders = call_with_timeout(ANSWER_S, partial(self.client.who_has, list(flying)))
         held |= {key for key, workers in holders.items() if workers}  # finished meanwhile
         left = [future for future in flying if future.key not in held]
         if left:
-            answer_in_time(ANSWER_S, partial(self.client.cancel, left))
+            call_with_timeout(ANSWER_S, partial(self.client.cancel, left))
         for future in left:
             del flying[future]
 
@@ -209,7 +214,7 @@ class Cluster:
         ]
         if files:
             with ThreadPoolExecutor(SEALING) as threads:  # each file waits for its fsync
-                list(threads.map(store.take_unit, *zip(*files, strict=True)))
+                list(threads.map(store.store_unit, *zip(*files, strict=True)))
         for delivery in fetched.values():
             self.deaths = 0
             yield delivery.outcome
@@ -240,7 +245,7 @@ class Cluster:
         wanted = {future.key: future for future in done}
         while wanted:
             gather = partial(self.client.sync, self.client.scheduler.gather, keys=list(wanted))
-            answer = answer_in_time(WORKERS_S, gather)
+            answer = call_with_timeout(WORKERS_S, gather)
             if answer["status"] == "OK":
                 return {wanted[key]: delivery for key, delivery in answer["data"].items()}
             self.lost += [wanted.pop(key) for key in answer["keys"]]
@@ -252,19 +257,19 @@ class Cluster:
         if isinstance(error, KilledWorker):
             return str(error.last_worker.address)
         if isinstance(error, (ImportError, AttributeError)) and not isinstance(error, UserError):
-            raise OtherInstallation(
+            raise InstallationMismatch(
                 f"a worker cannot load a unit ({error}); install the same bearingsim there"
             ) from error
         raise error
 
     def _count_deaths(self, killed: Sequence[Killed]) -> None:
-        """Count deaths of workers. Raises WorkersDie if too many died since the last result."""
+        """Count deaths of workers. Raises RepeatedWorkerDeaths if too many died since the last result."""
         for death in killed:
             suspects = sorted(job.id for job in death.work.jobs)
             store.log(death.work.root, "worker died", worker=death.address, suspects=suspects)
         self.deaths += len({death.address for death in killed})
         if self.deaths >= RESTARTS_WITHOUT_PROGRESS * self.workers:
-            raise WorkersDie(f"{self.deaths} workers died without finishing a job: {ADVICE}")
+            raise RepeatedWorkerDeaths(f"{self.deaths} workers died without finishing a job: {ADVICE}")
 
     def _look(self) -> bool:
         """Update the number of workers, at most every LOOK_S; return True after an update.
@@ -273,7 +278,7 @@ class Cluster:
         """
         if time.monotonic() - self.looked < LOOK_S:
             return False
-        self.count, self.looked = len(answer_in_time(ANSWER_S, self.client.nthreads)), time.monotonic()
+        self.count, self.looked = len(call_with_timeout(ANSWER_S, self.client.nthreads)), time.monotonic()
         if not self.count and not self.alone:
             text = f"waiting for workers at {self.address} (`dask worker {self.address} --nthreads 1` starts one)"
             say(text, err=True)
@@ -285,21 +290,23 @@ class Cluster:
     def _run_on_all(self, function: Callable, *arguments: Any) -> dict[str, Any]:
         """Call a function on each worker; return the results by address, except of workers lost meanwhile.
 
-        Raises OtherInstallation if the function fails, WorkerFailed if a worker does not answer in time.
+        Raises InstallationMismatch if the function fails, WorkerFailed if a worker does not answer in time.
         """
         try:
-            answers = answer_in_time(WORKERS_S, partial(self.client.run, function, *arguments, on_error="return"))
+            answers = call_with_timeout(
+                WORKERS_S, partial(self.client.run, function, *arguments, on_error="return")
+            )
         except TimeoutError:
             silent = f"of {self.count} workers some do not respond within {WORKERS_S:.0f} s"
             raise WorkerFailed(f"{silent}; stop those with stalled logs") from None
         for address, answer in answers.items():
             if isinstance(answer, Exception) and not isinstance(answer, OSError):  # an OSError is a lost worker
-                raise OtherInstallation(f"worker {address} cannot load bearingsim: {answer}")
+                raise InstallationMismatch(f"worker {address} cannot load bearingsim: {answer}")
         return {address: answer for address, answer in answers.items() if not isinstance(answer, OSError)}
 
     @contextmanager
     def _reached(self) -> Iterator[None]:
-        """Convert errors due to a lost scheduler to SchedulerGone."""
+        """Convert errors due to a lost scheduler to SchedulerUnreachable."""
         try:
             yield
         except Exception as error:
@@ -310,7 +317,7 @@ class Cluster:
             lost = f"the scheduler at {self.address} " + ("does not respond" if silent else "is gone")
             kept = "finished units are stored, running ones are lost"
             advice = "restart it and its workers, then run the command again"
-            raise SchedulerGone(f"{lost}: {kept}; {advice}") from error
+            raise SchedulerUnreachable(f"{lost}: {kept}; {advice}") from error
 
 
 def _blamed(killed: Killed) -> Outcome:
@@ -339,4 +346,4 @@ def _short(work: Work) -> Work:
 
 def _scans(work: Work) -> dict[str, bytes]:
     """Read the scans needed by a unit of work from the results folder; return their contents by file name."""
-    return store.kept_scans(work.root, [job.case for job in work.jobs])
+    return store.read_scans(work.root, [job.case for job in work.jobs])

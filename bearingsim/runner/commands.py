@@ -11,10 +11,10 @@ if TYPE_CHECKING:
 
 def command(verb: str, study: "Study", root: Path, *options: str) -> str:
     """Return a command line such as `bearingsim run study.yaml --out ... --set ... --quick`, plus ``options``."""
-    return typed(verb, study.path, root, study.overrides, bool(study.quick), *options)
+    return command_line(verb, study.path, root, study.overrides, bool(study.quick), *options)
 
 
-def typed(
+def command_line(
     verb: str, file: str | Path | None, root: Path, overrides: Mapping[str, str], quick: bool, *options: str
 ) -> str:
     """Return a command line for a study given by the entries of its plan.

@@ -18,7 +18,7 @@ from distributed import get_worker
 
 from bearingsim import blas_threads, extensions, store
 from bearingsim.errors import UserError
-from bearingsim.runner.stopping import heed
+from bearingsim.runner.stopping import set_stop_flag
 from bearingsim.runner.work import Outcome, Work, compute
 from bearingsim.store.provenance import versions
 
@@ -32,7 +32,7 @@ LOADING = "import bearingsim.runner.delivery"
 SOURCES = (".py", ".csv")  # suffixes of the program's files that influence results
 
 
-class OtherInstallation(UserError):
+class InstallationMismatch(UserError):
     """A worker's installation or configuration differs from that of this process."""
 
 
@@ -59,11 +59,11 @@ class Delivery:
 
 
 def deliver(parcel: Parcel) -> Delivery:
-    """Compute a unit in a worker. Raises OtherInstallation, WorkerFailed, and any bug."""
+    """Compute a unit in a worker. Raises InstallationMismatch, WorkerFailed, and any bug."""
     worker = get_worker()
     refuse_threads(worker.address, worker.state.nthreads)
     refuse_installation(worker.address, installation(), parcel.installed)
-    heed(_stops[parcel.run])
+    set_stop_flag(_stops[parcel.run])
     work: Work = pickle.loads(parcel.work)
     folder, files = Path(worker.local_directory), dict[str, bytes]()
     made_by = {**work.provenance, "host": socket.gethostname(), "platform": platform.platform()}
@@ -128,14 +128,14 @@ def installation() -> dict[str, str]:
     }
 
 
-def needed() -> dict[str, str]:
+def required_installation() -> dict[str, str]:
     """Return the installation required of a worker: that of this process, with one thread for linear algebra.
 
-    Raises OtherInstallation if this process, which chooses the models, is set to use several threads.
+    Raises InstallationMismatch if this process, which chooses the models, is set to use several threads.
     """
     several = " and ".join(f"{name}={count}" for name, count in blas_threads.several().items())
     if several:
-        raise OtherInstallation(
+        raise InstallationMismatch(
             f"{several} is set, but workers use one thread to keep results reproducible; unset it"
         )
     return installation() | {"threads of linear algebra": "1"}
@@ -150,7 +150,7 @@ def _sources() -> str:
 
 
 def refuse_installation(address: str, present: Mapping[str, str], required: Mapping[str, str]) -> None:
-    """Raise OtherInstallation if the installation of a worker differs from the required one."""
+    """Raise InstallationMismatch if the installation of a worker differs from the required one."""
     names = dict.fromkeys((*required, *present))
     other = ", ".join(
         f"{name} {present.get(name, 'absent')} in place of {required.get(name, 'none')}"
@@ -158,13 +158,15 @@ def refuse_installation(address: str, present: Mapping[str, str], required: Mapp
         if present.get(name) != required.get(name)
     )
     if other:
-        raise OtherInstallation(f"worker {address}: {other} (workers need the same packages as `bearingsim run`)")
+        raise InstallationMismatch(
+            f"worker {address}: {other} (workers need the same packages as `bearingsim run`)"
+        )
 
 
 def refuse_threads(address: str, threads: int) -> None:
-    """Raise OtherInstallation if a worker has several threads, and so would run several units in one process."""
+    """Raise InstallationMismatch if a worker has several threads: it would run several units in one process."""
     if threads != 1:
-        raise OtherInstallation(
+        raise InstallationMismatch(
             f"worker {address} has {threads} threads, but each job needs a process; start it by"
             f" `dask worker --nthreads 1 --nworkers {threads}`"
         )

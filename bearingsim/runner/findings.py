@@ -8,9 +8,9 @@ from bearingsim import store
 from bearingsim.config.names import NO_VALUE, STEP_ACCURACY
 from bearingsim.config.rules import damping
 from bearingsim.runner.progress import duration
-from bearingsim.runner.promises import held, promises, withdrawals
+from bearingsim.runner.promises import accuracy_notes, selection_notes, withdrawals
 from bearingsim.runner.summary import Findings
-from bearingsim.store import NOTABLE, errors, is_one_draw, relative_error
+from bearingsim.store import NOTABLE_ERROR, errors, is_uncertain, relative_error
 from bearingsim.study.uncertainty import (
     NO_OIL,
     NO_SLIP,
@@ -33,23 +33,26 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
     warned = [text for text in (*of_damping, *_assumptions(plan)) if text.startswith(damping.WARNING)]
     drawn = list(dict.fromkeys(name for figure in plan["figures"] for name in figure["y"]))
     within = plan["accuracy"]["within"] if plan.get("accuracy") else inf
-    flagged = chaos(own, drawn, min(NOTABLE, within / 2.0))
+    flagged = scatter_warnings(own, drawn, min(NOTABLE_ERROR, within / 2.0))
     return Findings(
         withdrawn=tuple(withdrawals(plan, frame)),
-        held=(*(held(plan, frame) if plan.get("accuracy") else _largest_step_errors(own)), *moved(plan, frame)),
+        accuracy=(
+            *(accuracy_notes(plan, frame) if plan.get("accuracy") else _largest_step_errors(own)),
+            *variation_effects(plan, frame),
+        ),
         warnings=(
             *warned,
             *flagged,
-            *step_errors(own),
-            *unsettled(own),
+            *step_warnings(own),
+            *transient_warnings(own),
             *missing_values(info),
         ),
-        assumed=tuple(_assumption_names(plan, own)),
+        assumptions=tuple(_assumption_names(plan, own)),
         details=(
-            *promises(plan, frame),
-            *repetitions(info),
+            *selection_notes(plan, frame),
+            *periodicity_notes(info),
             *(text for text in of_damping if text not in warned),
-            *(text for text in assumed(plan, frame) if text not in warned),
+            *(text for text in assumption_notes(plan, frame) if text not in warned),
         ),
     )
 
@@ -108,7 +111,9 @@ def missing_values(info: "pd.DataFrame") -> Iterator[str]:
 LINE_AND_RMS = ("velocity@BPFO", "velocity.rms")
 
 
-def chaos(frame: "pd.DataFrame", drawn: Sequence[str] = (), notable: float = NOTABLE) -> Iterator[str]:
+def scatter_warnings(
+    frame: "pd.DataFrame", drawn: Sequence[str] = (), notable: float = NOTABLE_ERROR
+) -> Iterator[str]:
     """Yield the standard error of the results of chaotic jobs, and the duration that would reduce it.
 
     frame: from ``store.build_table``; drawn: features of the figures; notable: smallest relative standard error
@@ -121,7 +126,7 @@ def chaos(frame: "pd.DataFrame", drawn: Sequence[str] = (), notable: float = NOT
     if not names or "chaotic" not in table:
         return
     standard = pd.DataFrame(
-        {name: relative_error(table, name).where(is_one_draw(table, name, notable), 0.0) for name in names}
+        {name: relative_error(table, name).where(is_uncertain(table, name, notable), 0.0) for name in names}
     )
     unknown = standard.isna() | (standard == inf)
     bounded = standard.mask(unknown, 0.0)
@@ -147,7 +152,7 @@ LESS_SURE = {
 }
 
 
-def step_errors(frame: "pd.DataFrame") -> Iterator[str]:
+def step_warnings(frame: "pd.DataFrame") -> Iterator[str]:
     """Yield step errors above ``STEP_ACCURACY`` of the largest force and of the RMS of other channels."""
     for name, what in LESS_SURE.items():
         if f"features/{name}" not in frame:
@@ -159,7 +164,7 @@ def step_errors(frame: "pd.DataFrame") -> Iterator[str]:
             yield f"{jobs}: {what} has a step error of up to {100.0 * error.max():.2g} % (`{name}`)"
 
 
-def unsettled(frame: "pd.DataFrame") -> Iterator[str]:
+def transient_warnings(frame: "pd.DataFrame") -> Iterator[str]:
     """Yield the number of jobs whose initial transient changes line or RMS by more than ``STEP_ACCURACY``.
 
     Jobs with random scatter (a standard error, or cage slip) are left out.
@@ -178,7 +183,7 @@ def unsettled(frame: "pd.DataFrame") -> Iterator[str]:
         )
 
 
-def repetitions(info: "pd.DataFrame") -> Iterator[str]:
+def periodicity_notes(info: "pd.DataFrame") -> Iterator[str]:
     """Yield the numbers of periodic and non-periodic responses; info: one row per finished job."""
     if "period_passes" not in info:
         return
@@ -211,7 +216,7 @@ BRIEFLY = {"": "line amplitude", ".rms": "RMS", ".force": "largest force"}
 """Names of the features with `error.*` columns, by suffix of the column."""
 
 
-def moved(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
+def variation_effects(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     """Yield the change of the results over the variations of each uncertain quantity.
 
     plan: from ``store.read_plan``; frame: from ``store.build_table``.
@@ -230,7 +235,7 @@ def moved(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
             yield from _chaotic(plan, frame, what)
 
 
-def assumed(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
+def assumption_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     """Yield the assumptions of a study, and the cost of varying the damping if it is not varied."""
     values = {variation["what"] for variation in plan.get("variations", ())}
     if "damping" not in values and not plan.get("nothing_uncertain") and not sweeps_damping(plan["units"]):

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 Answer = TypeVar("Answer")
 
-GREETING_S, JOINING_S, CLOSING_S = 10.0, 15.0, 1.5
+GREETING_S, CONNECTION_S, CLOSING_S = 10.0, 15.0, 1.5
 """Deadlines in s for the greeting of a scheduler; for greeting and registration together; for closing a client."""
 TALKING = ("distributed", "distributed.client")
 """Loggers that are silenced during the connection; each has its own level."""
@@ -38,7 +38,7 @@ WORD = b"pickle-protocol"
 """Key that every greeting of distributed contains."""
 
 
-class SchedulerGone(UserError):
+class SchedulerUnreachable(UserError):
     """The scheduler does not answer."""
 
 
@@ -46,7 +46,7 @@ class NotDask(OSError):
     """The program that listens at an address is not dask."""
 
 
-def answer_in_time(seconds: float, question: Callable[[], Answer]) -> Answer:
+def call_with_timeout(seconds: float, question: Callable[[], Answer]) -> Answer:
     """Call a function with a deadline; return its result or raise its error. Raises TimeoutError at the deadline.
 
     The function runs in a daemon thread, so that Ctrl-C interrupts the wait, and the thread ends with the process.
@@ -73,7 +73,7 @@ def _fail(error: Exception) -> NoReturn:
     raise error
 
 
-def refuse_strangers(address: str, seconds: float) -> None:
+def check_greeting(address: str, seconds: float) -> None:
     """Exchange greetings as distributed does, but with limits of time and size.
 
     Raises NotDask if a program other than dask listens at the address, OSError if none does, and ValueError for an
@@ -130,11 +130,11 @@ class _Client(Client):
 
 
 @contextmanager
-def client_of(address: str) -> Iterator[Client]:
+def connect(address: str) -> Iterator[Client]:
     """Connect a client to the scheduler at ``tcp://HOST:PORT`` or ``tls://HOST:PORT``.
 
-    Raises SchedulerGone if no scheduler answers within JOINING_S, another program answers, or the address is
-    invalid.
+    Raises SchedulerUnreachable if no scheduler answers within CONNECTION_S, another program answers, or the
+    address is invalid.
     """
     with _silence():
         client = _joined(address)
@@ -142,32 +142,34 @@ def client_of(address: str) -> Iterator[Client]:
             yield client
         finally:
             with suppress(TimeoutError):  # a lost scheduler does not answer
-                answer_in_time(CLOSING_S, client.close)
+                call_with_timeout(CLOSING_S, client.close)
 
 
 def _joined(address: str) -> Client:
     raise_lost()  # a signal may have been lost while distributed was imported
-    end = time.monotonic() + JOINING_S
+    end = time.monotonic() + CONNECTION_S
     try:
-        answer_in_time(JOINING_S, partial(refuse_strangers, address, GREETING_S))
-        return answer_in_time(end - time.monotonic(), partial(_registered, address))
+        call_with_timeout(CONNECTION_S, partial(check_greeting, address, GREETING_S))
+        return call_with_timeout(end - time.monotonic(), partial(_registered, address))
     except NotDask as error:
         advice = "use the tcp:// or tls:// address that `dask scheduler` prints, not its dashboard (port 8787)"
-        raise SchedulerGone(f"what listens at {address} is not a dask scheduler ({error}): {advice}") from None
+        raise SchedulerUnreachable(
+            f"what listens at {address} is not a dask scheduler ({error}): {advice}"
+        ) from None
     except ValueError as error:
-        raise SchedulerGone(f"`{address}` cannot be used: {error}") from None
+        raise SchedulerUnreachable(f"`{address}` cannot be used: {error}") from None
     except Exception as error:  # distributed raises many types for a peer that dies or is a worker
         advice = "`dask scheduler` starts one and prints its address"
-        raise SchedulerGone(f"no scheduler responds at {address} ({error}): {advice}") from None
+        raise SchedulerUnreachable(f"no scheduler responds at {address} ({error}): {advice}") from None
 
 
 def _registered(address: str) -> Client:
     """Register a client, and the plugin for dead workers, with the scheduler."""
     try:
-        client = _Client(address, timeout=JOINING_S, set_as_default=False)
+        client = _Client(address, timeout=CONNECTION_S, set_as_default=False)
     except TypeError as error:
         raise NotDask(f"a worker, perhaps: {error}") from None
-    client.register_plugin(back_at_first_death())
+    client.register_plugin(no_reschedule_plugin())
     return client
 
 
@@ -188,13 +190,13 @@ def _silence() -> Iterator[None]:
 # At the scheduler
 
 
-def back_at_first_death() -> SchedulerPlugin:
+def no_reschedule_plugin() -> SchedulerPlugin:
     """Make a scheduler plugin that fails a task at the first death of its worker instead of rescheduling it.
 
     The local class is pickled by value, so bearingsim need not be installed at the scheduler.
     """
 
-    class BackAtFirstDeath(SchedulerPlugin):
+    class NoReschedule(SchedulerPlugin):
         name = "bearingsim"
         idempotent = True  # registered once for all runs
 
@@ -203,4 +205,4 @@ def back_at_first_death() -> SchedulerPlugin:
                 if isinstance(key, tuple) and str(key[0]).startswith("bearingsim-"):
                     scheduler.tasks[key].suspicious = scheduler.allowed_failures  # the next death fails the task
 
-    return BackAtFirstDeath()
+    return NoReschedule()

@@ -63,7 +63,7 @@ def unit_seconds(total: float, workers: int) -> float:
     return min(max(wanted, SHORTEST_UNIT_S), LONGEST_UNIT_S)
 
 
-def fitting(costs: Sequence[Cost], workers: int) -> int:
+def workers_in_memory(costs: Sequence[Cost], workers: int) -> int:
     """Compute the number of workers that fit into memory whichever jobs they run at a time, at least 1.
 
     Besides the running job, a worker stores the results of its unit in double precision.
@@ -74,9 +74,9 @@ def fitting(costs: Sequence[Cost], workers: int) -> int:
     return next((n for n in range(workers, 1, -1) if PROGRAM + sum(each[:n]) <= memory.limit()), 1)
 
 
-def fewer(costs: Sequence[Cost], workers: int) -> Iterator[str]:
+def worker_note(costs: Sequence[Cost], workers: int) -> Iterator[str]:
     """Yield a note if memory allows fewer workers than requested."""
-    able = fitting(costs, workers)
+    able = workers_in_memory(costs, workers)
     if able < workers:
         most = max(cost.memory for cost in costs)
         yield (
@@ -107,7 +107,7 @@ def _cut(group: Sequence[int], costs: Sequence[Cost], target: float) -> Iterator
         yield unit
 
 
-class Affordable(NamedTuple):
+class AffordableJobs(NamedTuple):
     """Jobs within the limit of CPU time, with their costs; notes: a line on the skipped jobs, if any."""
 
     jobs: list["Job"]
@@ -115,7 +115,7 @@ class Affordable(NamedTuple):
     notes: list[str]
 
 
-def refuse_bounds(max_failures: float, max_cpu: float) -> None:
+def check_limits(max_failures: float, max_cpu: float) -> None:
     """Raise ValueError for limits that no job can satisfy."""
     if max_failures < 1:
         raise ValueError(f"expected at least 1 failed job that ends the run, got {max_failures}")
@@ -123,7 +123,9 @@ def refuse_bounds(max_failures: float, max_cpu: float) -> None:
         raise ValueError(f"expected a CPU time above zero, got {max_cpu} s")
 
 
-def affordable(jobs: Sequence["Job"], costs: Sequence[Cost], max_cpu: float, shown: bool | None) -> Affordable:
+def select_affordable(
+    jobs: Sequence["Job"], costs: Sequence[Cost], max_cpu: float, shown: bool | None
+) -> AffordableJobs:
     """Select the jobs whose estimated CPU time is at most ``max_cpu`` s; shown: False to print nothing."""
     longer = [cost.seconds for cost in costs if cost.seconds > max_cpu]
     kept = [pair for pair in zip(jobs, costs, strict=True) if pair[1].seconds <= max_cpu]
@@ -135,10 +137,10 @@ def affordable(jobs: Sequence["Job"], costs: Sequence[Cost], max_cpu: float, sho
         notes.append(f"{count} skipped: estimated at {most}over {bound} (`--max-cpu`)")
         if shown is not False:
             say(" ".join(notes), err=True)
-    return Affordable([job for job, _ in kept], [cost for _, cost in kept], notes)
+    return AffordableJobs([job for job, _ in kept], [cost for _, cost in kept], notes)
 
 
-def ended_early(failed: int, max_failures: float) -> str:
+def early_end_note(failed: int, max_failures: float) -> str:
     """Return a note on a run that ended because too many jobs failed."""
     jobs = f"{failed} jobs" if failed > 1 else "1 job"
     allowed = "`--fail-fast`" if max_failures == 1 else f"`--max-failures {max_failures:g}`"

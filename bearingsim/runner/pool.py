@@ -11,7 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from bearingsim.errors import UserError
-from bearingsim.runner.stopping import flag_for_workers, heeding, ignoring, in_shared_memory, stop_requested
+from bearingsim.runner.stopping import (
+    check_shared_memory,
+    defer_signals,
+    flag_for_workers,
+    ignore_signals,
+    stop_requested,
+)
 from bearingsim.runner.work import Outcome, Work, compute, die_with_parent
 from bearingsim.store import Failure, log, take_suspects
 
@@ -19,11 +25,11 @@ RESTARTS_WITHOUT_PROGRESS = 3  # number of worker deaths without a result in bet
 ADVICE = "no job is blamed; run again, with fewer --jobs if memory was short"
 
 
-class WorkersDie(UserError):
+class RepeatedWorkerDeaths(UserError):
     """Worker processes die repeatedly, and no single job can be the cause."""
 
 
-class Deaths:
+class DeathCounter:
     """Count of worker deaths since the last result; the third cannot be due to a single job."""
 
     def __init__(self, root: Path, doing: str) -> None:
@@ -34,13 +40,15 @@ class Deaths:
         self.root, self.doing, self.count = root, doing, 0
 
     def add(self, death: BrokenProcessPool, suspects: Iterable[str] = ()) -> None:
-        """Count a death; suspects: jobs running then. Raises WorkersDie at the third since the last result."""
+        """Count a death; suspects: jobs running then. Raises RepeatedWorkerDeaths at the third in a row."""
         self.count += 1
         cause = _exit_codes(death)
         log(self.root, "worker died", exit=cause, suspects=sorted(suspects))
         if self.count == RESTARTS_WITHOUT_PROGRESS:
             often = f"{RESTARTS_WITHOUT_PROGRESS} times without finishing a job"
-            raise WorkersDie(f"worker processes died {self.doing} {often} ({cause}): {ADVICE}") from death
+            raise RepeatedWorkerDeaths(
+                f"worker processes died {self.doing} {often} ({cause}): {ADVICE}"
+            ) from death
 
     def end(self) -> None:
         """Reset the count after a result."""
@@ -52,14 +60,14 @@ def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
 
     One worker means this process; several are always separate processes, even for one unit. The death of a worker
     breaks the pool, and any of the running jobs may be the cause. They are therefore repeated at the end, one at a
-    time, and a job whose worker dies again becomes a failure. Raises WorkersDie after three deaths without a
-    result in between.
+    time, and a job whose worker dies again becomes a failure. Raises RepeatedWorkerDeaths after three deaths
+    without a result in between.
     """
     if workers == 1 or not works:
         yield from _compute_serially(works)
         return
     waiting, suspected = list(works), list[Work]()
-    deaths = Deaths(works[0].root, "at work")
+    deaths = DeathCounter(works[0].root, "at work")
     while waiting:
         returned: set[str] = set()
         try:
@@ -82,12 +90,12 @@ def _compute_serially(works: Sequence[Work]) -> Iterator[Outcome]:
     """Compute units of work in this process, one after another; failures count over all units."""
     failed = 0
     arguments = ((replace(work, max_failures=work.max_failures - failed),) for work in works)  # evaluated lazily
-    for outcome in spread(compute, arguments, workers=1):
+    for outcome in map_unordered(compute, arguments, workers=1):
         failed += len(outcome.failed)
         yield outcome
 
 
-def _one_by_one(works: Sequence[Work], deaths: Deaths, workers: int) -> Iterator[Outcome]:
+def _one_by_one(works: Sequence[Work], deaths: DeathCounter, workers: int) -> Iterator[Outcome]:
     """Compute jobs one at a time, so that a worker death is due to one job, unless three follow each other."""
     blamed: list[Outcome] = []
     for work in takewhile(lambda _: not stop_requested(), works):
@@ -121,16 +129,16 @@ def _ids(work: Work) -> set[str]:
 
 def _compute_in_pool(works: Sequence[Work], workers: int) -> Generator[Outcome, None, None]:
     """Yield outcomes in order of completion. Raises BrokenProcessPool if a worker dies, which ends the pool."""
-    yield from spread(compute, [(work,) for work in works], max(2, min(workers, len(works))))
+    yield from map_unordered(compute, [(work,) for work in works], max(2, min(workers, len(works))))
 
 
-def spread(function: Callable, arguments: Iterable[tuple], workers: int) -> Generator[Any, None, None]:
+def map_unordered(function: Callable, arguments: Iterable[tuple], workers: int) -> Generator[Any, None, None]:
     """Yield the result of a function for each tuple of arguments, in order of completion.
 
     workers: number of processes; 1 means this process. After a signal the running calls finish, then Signalled is
     raised.
     """
-    with heeding():
+    with defer_signals():
         if workers == 1:
             # not `map`, which would swallow a StopIteration raised by the function
             for values in _until_stop(arguments):
@@ -145,7 +153,7 @@ def _map_in_workers(function: Callable, arguments: Iterable[tuple], workers: int
     identity = (os.getpid(), flag_for_workers())
     with parallel_config("loky", inner_max_num_threads=1, initializer=die_with_parent, initargs=identity):
         pool = Parallel(n_jobs=workers, return_as="generator_unordered", batch_size=1, max_nbytes=None)
-    with in_shared_memory(), ignoring():
+    with check_shared_memory(), ignore_signals():
         results = pool(delayed(function)(*values) for values in _until_stop(arguments))
     try:
         yield from results

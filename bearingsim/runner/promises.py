@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-def promises(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
+def selection_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     """Yield the models chosen for an accuracy, the result of audits, and uncertainties not included in it."""
     accuracy = plan.get("accuracy")
     if accuracy is None:
@@ -37,26 +37,26 @@ def promises(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
 
 def withdrawals(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     """Yield the worst result of failed audits, and the number of cases whose accuracy is withdrawn."""
-    refuted = store.withdrawn(plan, frame)
+    refuted = store.withdrawn_errors(plan, frame)
     if not refuted:
         return
     accuracy = plan["accuracy"]
-    worst = max(store.audited(plan, frame), key=lambda audit: audit.off - audit.scatter)
+    worst = max(store.audit_results(plan, frame), key=lambda audit: audit.off - audit.scatter)
     cases = f"{len(refuted)} of {len(accuracy['jobs'])} cases"
     off = f"{worst.feature} is {100.0 * worst.off:.2g} % off its reference"
     yield f"accuracy of {_percent(accuracy)} withdrawn for {cases}: {off}"
     yield f"  in job {worst.job}; `model: reference` in place of `accuracy` computes all by it"
 
 
-def held(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
+def accuracy_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     """Yield the number of cases within the accuracy, and remedies for the others; omit withdrawn cases."""
     accuracy = plan.get("accuracy")
     if accuracy is None:
         return
-    refuted, near = store.withdrawn(plan, frame), store.nearness(plan, frame)
+    refuted, near = store.withdrawn_errors(plan, frame), store.error_bounds(plan, frame)
     jobs = [job for job in accuracy["jobs"] if job not in refuted]
     done = [job for job in jobs if frame["status"].get(job) == "done"]
-    sums = near.loc[done, [*store.PARTS]].sum(axis=1, skipna=False).dropna()
+    sums = near.loc[done, [*store.ERROR_PARTS]].sum(axis=1, skipna=False).dropna()
     over = sums[sums > accuracy["within"]]
     close = len(sums) - len(over)
     others = f", the others within {100.0 * over.max():.2g} %" if len(over) else ""
@@ -73,10 +73,10 @@ def _percent(accuracy: Mapping[str, Any]) -> str:
     return f"{100.0 * accuracy['within']:.3g} %"
 
 
-def _audits_by_job(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, list[store.Audited]]:
+def _audits_by_job(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, list[store.AuditResult]]:
     """Return the results of audits by audited job."""
-    audits: dict[str, list[store.Audited]] = {}
-    for audit in store.audited(plan, frame):
+    audits: dict[str, list[store.AuditResult]] = {}
+    for audit in store.audit_results(plan, frame):
         audits.setdefault(audit.job, []).append(audit)
     return audits
 
@@ -87,7 +87,7 @@ def _remedies(near: "pd.DataFrame", over: "pd.Series[float]", accuracy: Mapping[
     near: parts of the error by job; over: total error of the cases that exceed the accuracy.
     """
     parts = near.loc[over.index]
-    left = accuracy["within"] - parts[[name for name in store.PARTS if name != "error.scatter"]].sum(axis=1)
+    left = accuracy["within"] - parts[[name for name in store.ERROR_PARTS if name != "error.scatter"]].sum(axis=1)
     scatter = parts["error.scatter"]
     longer = ((scatter / left) ** 2)[(left > 0.0) & (scatter > left)]
     if len(longer):

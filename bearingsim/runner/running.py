@@ -15,23 +15,23 @@ from bearingsim.errors import UserError
 from bearingsim.runner.commands import command
 from bearingsim.runner.findings import findings
 from bearingsim.runner.packing import (
-    Affordable,
-    affordable,
+    AffordableJobs,
+    check_limits,
     costs,
-    ended_early,
-    fewer,
-    fitting,
+    early_end_note,
     pack,
-    refuse_bounds,
+    select_affordable,
     shard_of,
+    worker_note,
+    workers_in_memory,
 )
 from bearingsim.runner.pool import outcomes
 from bearingsim.runner.progress import compiling
 from bearingsim.runner.progress import progress as shown_progress
-from bearingsim.runner.select import NoChoices, Stopped, selected
-from bearingsim.runner.stopping import ending, flag_for_workers
+from bearingsim.runner.select import MissingChoices, TrialsInterrupted, choose_models
+from bearingsim.runner.stopping import flag_for_workers, stop_switch
 from bearingsim.runner.summary import Interrupted, RunSummary
-from bearingsim.runner.tally import Plan, Tally, before_jobs, notes_on_others, plan_of
+from bearingsim.runner.tally import Plan, Tally, interrupted_summary, make_plan, other_run_notes
 from bearingsim.runner.work import BEARINGSIM, Engine, OtherRuns, Outcome, Work, load
 from bearingsim.text.patience import Patience, patient
 from bearingsim.text.terminal import say
@@ -70,20 +70,20 @@ class Options:
     scheduler: str | None = None
 
     def __post_init__(self) -> None:
-        refuse_bounds(self.max_failures, self.max_cpu)
+        check_limits(self.max_failures, self.max_cpu)
         shard_of([], self.shard)
         if self.fresh and self.shard != (1, 1):
             raise ValueError("a fresh start would delete the results of other shards: remove the folder first")
 
 
 class _Setting(NamedTuple):
-    """Folder, study, options and number of processes of a run; joined: connects to a scheduler, None without."""
+    """Folder, study, options and number of processes of a run; connect: connects to a scheduler, None without."""
 
     root: Path
     study: "Study"
     options: Options
     workers: int
-    joined: "Callable[[], AbstractContextManager[Cluster]] | None"
+    connect: "Callable[[], AbstractContextManager[Cluster]] | None"
 
 
 def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, **options: Any) -> RunSummary:
@@ -93,25 +93,25 @@ def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, 
     number of worker processes, by default that of CPUs; 1 computes in this process.
 
     Raises Interrupted (with the summary; finished jobs are stored), ValueError for contradictory options,
-    store.FolderInUse, WorkersDie, ScanError if the file of a scan is missing or has changed, and OSError if the
-    folder cannot be written.
+    store.FolderInUse, RepeatedWorkerDeaths, ScanError if the file of a scan is missing or has changed, and OSError
+    if the folder cannot be written.
     """
     started, wanted = time.perf_counter(), Options(**options)
     root = store.results_folder(study.name, study.quick, out)
     # The notes are collected first, because they read files that may be removed below.
     notes = [*study.notes, *load(wanted.engine.notes)(study.cases())]
-    workers, joined = _workers(jobs), _joined(wanted.scheduler)
-    if wanted.fresh and workers > 1 and joined is None:
+    workers, connect = _workers(jobs), _joined(wanted.scheduler)
+    if wanted.fresh and workers > 1 and connect is None:
         flag_for_workers()  # raises without shared memory, before results are deleted
     with _prepared(root, study, wanted):
         before = store.holdings(root).sealed if study.goal is not None else None  # trials may compute some jobs
-        setting = _choose_models(_Setting(root, study, wanted, workers, joined), started)
+        setting = _choose_models(_Setting(root, study, wanted, workers, connect), started)
         study, every = setting.study, setting.study.jobs()
         ours = shard_of(every, wanted.shard)
-        store.keep_scans(root, [job.case for job in every])
+        store.store_scans(root, [job.case for job in every])
         earlier = store.planned_jobs(root)
         written = store.write_plan(root, study, every, notes)
-        plan = plan_of(root, ours, wanted.retry_failed, wanted.verify, before)
+        plan = make_plan(root, ours, wanted.retry_failed, wanted.verify, before)
         store.log(root, "run", study=study.name, jobs=len(ours), resumed=plan.resumed, shard=list(wanted.shard))
         tally = Tally(root, command("run", study, root, "--retry-failed"), plan.failures, wanted.max_failures)
         interrupted = 0
@@ -121,14 +121,18 @@ def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, 
         except KeyboardInterrupt as stop:
             interrupted = getattr(stop, "number", signal.SIGINT)
         store.sweep(root)
-        store.build_table(root, plan.held.rows)
-        frame = store.own_frame(root, written, plan.held.rows)
+        store.build_table(root, plan.holdings.rows)
+        frame = store.plan_frame(root, written, plan.holdings.rows)
     seconds = time.perf_counter() - started
-    left_out = len((earlier & plan.held.sealed) - {job.id for job in every})
+    left_out = len((earlier & plan.holdings.sealed) - {job.id for job in every})
     status = frame["status"].loc[[job.id for job in ours]]
     if tally.full and (status == "missing").any():
-        notes.insert(0, ended_early(tally.failed, wanted.max_failures))
-    all_notes = (*_notes(left_out, plan.held.damaged), *notes_on_others(root, written, tally.elsewhere), *notes)
+        notes.insert(0, early_end_note(tally.failed, wanted.max_failures))
+    all_notes = (
+        *_notes(left_out, plan.holdings.damaged),
+        *other_run_notes(root, written, tally.done_by_others),
+        *notes,
+    )
     summary = tally.summary(
         study.name, status, plan.resumed, seconds, interrupted, all_notes, findings(written, frame)
     )
@@ -140,51 +144,53 @@ def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, 
 
 def _choose_models(setting: _Setting, started: float) -> _Setting:
     """Choose the models of a study with `accuracy`. Raises Interrupted."""
-    root, study, wanted, workers, joined = setting
+    root, study, wanted, workers, connect = setting
     try:
-        reach = partial(_reach, joined)
+        reach = partial(_reach, connect)
         alone = wanted.shard == (1, 1)
-        chosen = selected(study, root, workers, wanted.engine, alone=alone, shown=wanted.progress, begin=reach)
-    except Stopped as stop:
-        raise Interrupted(before_jobs(study, root, stop, time.perf_counter() - started)) from None
+        chosen = choose_models(
+            study, root, workers, wanted.engine, alone=alone, shown=wanted.progress, begin=reach
+        )
+    except TrialsInterrupted as stop:
+        raise Interrupted(interrupted_summary(study, root, stop, time.perf_counter() - started)) from None
     return setting._replace(study=chosen)
 
 
 def _compute(setting: _Setting, plan: Plan, tally: Tally, notes: list[str]) -> None:
     """Compute the remaining jobs on the workers of a scheduler or in processes of this machine."""
-    root, _, wanted, workers, joined = setting
+    root, _, wanted, workers, connect = setting
 
-    def affordable_jobs() -> Affordable:
+    def affordable_jobs() -> AffordableJobs:
         prices = costs(load(wanted.engine.estimate), plan.todo, wanted.max_cpu)
-        return affordable(plan.todo, prices, wanted.max_cpu, wanted.progress)
+        return select_affordable(plan.todo, prices, wanted.max_cpu, wanted.progress)
 
-    if joined is not None:
-        with joined() as cluster:  # before the estimates, which may compile code
+    if connect is not None:
+        with connect() as cluster:  # before the estimates, which may compile code
             todo = affordable_jobs()
             notes += todo.notes
-            works = _works(setting, todo, cluster.assembled(), plan.held.units)
+            works = _works(setting, todo, cluster.assembled(), plan.holdings.units)
             _follow(works, cluster.outcomes(works), tally, wanted.progress)
         return
     with patient(wanted.progress) as patience:
         patience.begin("estimating what the jobs take")
         todo = affordable_jobs()
-        notes += [*todo.notes, *fewer(todo.costs, workers)]
-        workers = fitting(todo.costs, workers)
-        works = _works(setting, todo, workers, plan.held.units)
+        notes += [*todo.notes, *worker_note(todo.costs, workers)]
+        workers = workers_in_memory(todo.costs, workers)
+        works = _works(setting, todo, workers, plan.holdings.units)
         _warm(root, wanted.engine, todo.jobs, patience)
     _follow(works, outcomes(works, workers), tally, wanted.progress)
 
 
 def with_models(
-    study: "Study", out: str | Path | None, jobs: int | None, try_them: bool, engine: Engine = BEARINGSIM
+    study: "Study", out: str | Path | None, jobs: int | None, run_trials: bool, engine: Engine = BEARINGSIM
 ) -> "Study":
     """Return the study with the models chosen in its results folder; unchanged if a case has no chosen model.
 
-    try_them: choose missing models by trials, and store the choice.
+    run_trials: choose missing models by trials, and store the choice.
     """
     root = store.results_folder(study.name, study.quick, out)
-    with _prepared(root, study, Options()) if try_them else nullcontext(), suppress(NoChoices):
-        return selected(study, root, _workers(jobs), engine, alone=try_them)
+    with _prepared(root, study, Options()) if run_trials else nullcontext(), suppress(MissingChoices):
+        return choose_models(study, root, _workers(jobs), engine, alone=run_trials)
     return study
 
 
@@ -216,16 +222,16 @@ def _joined(scheduler: str | None) -> "Callable[[], AbstractContextManager[Clust
     if scheduler is None:
         return None
     try:
-        from bearingsim.runner.cluster import joined
+        from bearingsim.runner.cluster import connect_cluster
     except ModuleNotFoundError as error:
         raise UserError(f"--scheduler needs `{error.name}`: pip install 'bearingsim[cluster]'") from None
-    return partial(joined, scheduler)
+    return partial(connect_cluster, scheduler)
 
 
-def _reach(joined: "Callable[[], AbstractContextManager[Cluster]] | None") -> None:
+def _reach(connect: "Callable[[], AbstractContextManager[Cluster]] | None") -> None:
     """Connect to the scheduler once, so that a wrong address is reported before the trials of models."""
-    if joined is not None:
-        with joined():
+    if connect is not None:
+        with connect():
             pass
 
 
@@ -234,7 +240,7 @@ def _prepared(root: Path, study: "Study", wanted: Options) -> Iterator[None]:
     """Claim the folder, clear it if requested, and mark it as in use within the context."""
     store.claim_results(root, study.name, bool(study.quick), wanted.fresh)
     store.refuse_links(root)
-    store.refuse_users_study(root, study)
+    store.refuse_own_study_file(root, study)
     store.sweep(root)
     thrown_away = store.discard(root, study.name) if wanted.fresh else ""
     if thrown_away and wanted.progress is not False:
@@ -244,7 +250,7 @@ def _prepared(root: Path, study: "Study", wanted: Options) -> Iterator[None]:
         yield
 
 
-def _works(setting: _Setting, todo: Affordable, workers: int, judged: frozenset[str]) -> list[Work]:
+def _works(setting: _Setting, todo: AffordableJobs, workers: int, judged: frozenset[str]) -> list[Work]:
     """Pack the remaining jobs into units of work; judged: units in the folder when the jobs were planned.
 
     Raises DiskFull if the disk has too little space even for well compressed series.
@@ -267,7 +273,7 @@ def _works(setting: _Setting, todo: Affordable, workers: int, judged: frozenset[
         )
         for unit in units
     ]
-    store.check_room(root, LEAST_PART * sum(work.bytes for work in works))
+    store.check_free_space(root, LEAST_PART * sum(work.bytes for work in works))
     return works
 
 
@@ -285,11 +291,11 @@ def _follow(
     """Add the outcome of each unit of work to the tally on arrival, and show the progress."""
     price = {job.id: seconds for work in works for job, seconds in zip(work.jobs, work.seconds, strict=True)}
     bar = shown_progress(shown, len(price), sum(price.values()))
-    with bar as report, ending() as end, closing(outcomes) as coming:
+    with bar as report, stop_switch() as end, closing(outcomes) as coming:
         for outcome in coming:
             tally.add(outcome)
             if tally.full:
                 end()
-            done = (*outcome.done, *outcome.elsewhere)
+            done = (*outcome.done, *outcome.done_by_others)
             ids = [*done, *(failure.job for failure in outcome.failed)]
             report(len(done), len(outcome.failed), sum(price[job] for job in ids))

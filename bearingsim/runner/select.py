@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from bearingsim import selection, store
 from bearingsim.errors import UserError
 from bearingsim.runner.commands import command
-from bearingsim.runner.pool import Deaths, spread
+from bearingsim.runner.pool import DeathCounter, map_unordered
 from bearingsim.runner.progress import compiling, progress
 from bearingsim.runner.stopping import stop_requested
 from bearingsim.runner.work import Engine, load
@@ -36,23 +36,25 @@ LONGEST_BATCH_S = 10.0
 """Largest estimated CPU time (s) of the cases of a batch, which limits the loss if a process is killed."""
 
 
-class NoChoices(UserError):
+class MissingChoices(UserError):
     """A shard was requested, but the models of the study have not been chosen."""
 
 
-class Stopped(KeyboardInterrupt):
+class TrialsInterrupted(KeyboardInterrupt):
     """Interruption during the trials of models; finished trials are stored.
 
     what: description of the state; number: the signal number.
     """
 
-    def __init__(self, root: Path, kept: int, number: int) -> None:
-        self.what = f"models were being compared, before the first job: {kept} trial{'s' * (kept != 1)} kept"
+    def __init__(self, root: Path, trial_count: int, number: int) -> None:
+        self.what = (
+            f"models were being compared, before the first job: {trial_count} trial{'s' * (trial_count != 1)} kept"
+        )
         self.number = number
         super().__init__(f"interrupted: {self.what} in {root}; run the same command to continue")
 
 
-def selected(
+def choose_models(
     study: "Study",
     root: Path,
     workers: int,
@@ -64,7 +66,7 @@ def selected(
     """Choose a model for each case of a study; return a study without `accuracy` unchanged.
 
     Choices stored in the folder are kept. alone: False if this run computes one shard of the study, for which no
-    models are tried; begin: called before the trials. Raises NoChoices, and Stopped on interruption.
+    models are tried; begin: called before the trials. Raises MissingChoices, and Stopped on interruption.
     """
     if study.goal is None:
         return study
@@ -72,7 +74,7 @@ def selected(
     keys = [key(study, case) for case in study.cases()]
     missing = [n for n, name in enumerate(keys) if name not in choices]
     if missing and not alone:
-        raise NoChoices(
+        raise MissingChoices(
             f"{root} holds no choice of a model for {len(missing)} of {len(keys)} cases:"
             f" run `{command('check', study, root, '--pilots')}` first"
         )
@@ -83,7 +85,7 @@ def selected(
         store.log(root, "models chosen", cases=len(missing), repeating=decision.repeating)
     done = selection.chosen(study, choices)
     assert done.selection is not None
-    notes = tuple(kept(study, keys, choices, plans))
+    notes = tuple(earlier_choice_notes(study, keys, choices, plans))
     return replace(done, selection=replace(done.selection, notes=notes))
 
 
@@ -101,7 +103,7 @@ def _decided(
         store.sweep(root)
         store.log(root, "interrupted while models were compared")
         number = getattr(stop, "number", signal.SIGINT)
-        raise Stopped(root, len(selection.read_trials(root)), number) from None
+        raise TrialsInterrupted(root, len(selection.read_trials(root)), number) from None
     return choosing.decide(trials)
 
 
@@ -110,7 +112,7 @@ def _tried(
 ) -> "dict[str, Trial | None]":
     """Compute the wanted trials in batches, each stored when finished; return all trials in the folder."""
     provenance = store.provenance(study)
-    deaths = Deaths(root, "while models were tried")
+    deaths = DeathCounter(root, "while models were tried")
     while todo := _untried(root, wanted, study):
         with (
             patient(shown) as patience,
@@ -122,7 +124,7 @@ def _tried(
         try:
             with (
                 progress(shown, len(todo), sum(costs.values())) as report,
-                closing(spread(_compute, arguments, workers)) as coming,
+                closing(map_unordered(_compute, arguments, workers)) as coming,
             ):
                 for done, failed in coming:
                     deaths.end()
@@ -212,7 +214,9 @@ def plan_name(study: "Study", keys: Sequence[str]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def kept(study: "Study", keys: Sequence[str], choices: "Choices", plans: Mapping[str, str]) -> Iterator[str]:
+def earlier_choice_notes(
+    study: "Study", keys: Sequence[str], choices: "Choices", plans: Mapping[str, str]
+) -> Iterator[str]:
     """Yield notes on models chosen for an earlier plan: number of cases, and curves with different models.
 
     keys: ``selection.choices.key`` of each case; plans: ``plan_name`` for which each choice was made, by key.

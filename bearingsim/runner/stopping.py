@@ -37,26 +37,26 @@ def flag_for_workers() -> Any:
     if _flag is None:
         from joblib.externals.loky.backend.context import get_context
 
-        with in_shared_memory():
+        with check_shared_memory():
             _flag = get_context("loky").Event()
     return _flag
 
 
-def heed(flag: Any) -> None:
+def set_stop_flag(flag: Any) -> None:
     """Use this event as the stop request in a worker."""
     global _flag
     _flag = flag
 
 
-def take_flag(flag: Any) -> None:
+def init_worker(flag: Any) -> None:
     """Heed the event and ignore signals in a worker, because a terminal sends signals to all processes."""
-    heed(flag)
+    set_stop_flag(flag)
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)
 
 
 @contextmanager
-def heeding() -> Iterator[None]:
+def defer_signals() -> Iterator[None]:
     """Record the first signal, and raise Signalled on exit, after the running jobs have finished."""
     global _received
     if threading.current_thread() is not threading.main_thread():
@@ -75,7 +75,7 @@ def heeding() -> Iterator[None]:
 
 
 @contextmanager
-def ending() -> Iterator[Callable[[], None]]:
+def stop_switch() -> Iterator[Callable[[], None]]:
     """Yield a function that requests a stop as a signal does; the request is reset on exit."""
     global _enough
 
@@ -94,7 +94,7 @@ def ending() -> Iterator[Callable[[], None]]:
 
 
 @contextmanager
-def ignoring() -> Iterator[None]:
+def ignore_signals() -> Iterator[None]:
     """Ignore signals while workers start; they inherit this, so that only this process handles interrupts."""
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -143,7 +143,7 @@ class NoSharedMemory(UserError):
 
 
 @contextmanager
-def in_shared_memory() -> Iterator[None]:
+def check_shared_memory() -> Iterator[None]:
     """Convert errors of locks in shared memory to NoSharedMemory, which states the cause."""
     try:
         yield

@@ -23,15 +23,15 @@ class FailureGroup:
         return f"{count} failed: {self.reason}{advice}, for example {self.jobs[0]}"
 
 
-def grouped(failures: Iterable[Failure]) -> tuple[FailureGroup, ...]:
+def group_failures(failures: Iterable[Failure]) -> tuple[FailureGroup, ...]:
     """Group failures whose reasons differ only in numbers, largest group first."""
-    ordered = sorted(failures, key=lambda failure: (kind_of(failure.reason), failure.job))
-    groups = [list(group) for _, group in groupby(ordered, key=lambda failure: kind_of(failure.reason))]
+    ordered = sorted(failures, key=lambda failure: (failure_kind(failure.reason), failure.job))
+    groups = [list(group) for _, group in groupby(ordered, key=lambda failure: failure_kind(failure.reason))]
     kinds = [FailureGroup(g[0].reason, g[0].advice, tuple(failure.job for failure in g)) for g in groups]
     return tuple(sorted(kinds, key=lambda group: -len(group.jobs)))
 
 
-def kind_of(reason: str) -> str:
+def failure_kind(reason: str) -> str:
     """Replace the numbers in a reason by `#`, so that failures of one kind compare equal."""
     return re.sub(r"[-+]?\d[\d.]*(e[-+]?\d+)?", "#", reason)
 
@@ -40,19 +40,19 @@ def kind_of(reason: str) -> str:
 class Findings:
     """Statements on results.
 
-    withdrawn: accuracies refuted by audits; held: accuracy of the results; assumed: names of assumptions.
+    withdrawn: accuracies refuted by audits; accuracy: accuracy of the results; assumptions: names of assumptions.
     """
 
     withdrawn: tuple[str, ...] = ()
-    held: tuple[str, ...] = ()
+    accuracy: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
-    assumed: tuple[str, ...] = ()
+    assumptions: tuple[str, ...] = ()
     details: tuple[str, ...] = ()
 
     @property
-    def everything(self) -> tuple[str, ...]:
+    def statements(self) -> tuple[str, ...]:
         """All statements except the names of assumptions."""
-        return (*self.withdrawn, *self.held, *self.warnings, *self.details)
+        return (*self.withdrawn, *self.accuracy, *self.warnings, *self.details)
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class RunSummary:
         return 128 + self.interrupted if self.interrupted else int(self.failed > 0 or self.missing > 0)
 
     def __str__(self) -> str:
-        return "\n".join([self.headline, *self.happened, *self.details])
+        return "\n".join([self.headline, *self.events, *self.details])
 
     @property
     def headline(self) -> str:
@@ -114,14 +114,14 @@ class RunSummary:
         return ", ".join([line, *parts])
 
     @property
-    def happened(self) -> tuple[str, ...]:
+    def events(self) -> tuple[str, ...]:
         """Failures, and notes on earlier results."""
         return (*map(str, self.failures), *self.notes)
 
     @property
     def details(self) -> tuple[str, ...]:
         """All statements on the results, and the share of CPU time spent in the integrator."""
-        texts = () if self.findings is None else self.findings.everything
+        texts = () if self.findings is None else self.findings.statements
         if not self.cpu_s > 0.0:
             return texts
         apart = f"{self.start_cpu_s:.1f} s of start-up apart"

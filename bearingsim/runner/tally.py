@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
 from bearingsim.runner.findings import findings
-from bearingsim.runner.summary import Findings, RunSummary, grouped
+from bearingsim.runner.summary import Findings, RunSummary, group_failures
 from bearingsim.runner.work import Outcome
 from bearingsim.study import outline
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from bearingsim.runner.select import Stopped
+    from bearingsim.runner.select import TrialsInterrupted
     from bearingsim.study import Job, Study
 
 
@@ -25,27 +25,29 @@ class Plan:
     """Plan of a run.
 
     todo: jobs to compute; resumed: number of jobs done by earlier runs; failures: earlier failures of jobs without
-    a result, by id; held: contents of the results folder.
+    a result, by id; holdings: contents of the results folder.
     """
 
     todo: list["Job"]
     resumed: int
     failures: dict[str, store.Failure]
-    held: store.Holdings
+    holdings: store.Holdings
 
 
-def plan_of(root: Path, jobs: Sequence["Job"], retry_failed: bool, verify: bool, before: set[str] | None) -> Plan:
+def make_plan(
+    root: Path, jobs: Sequence["Job"], retry_failed: bool, verify: bool, before: set[str] | None
+) -> Plan:
     """Determine the jobs to compute.
 
     before: ids of the jobs stored when the run began, None if no trials may have added some since.
     """
-    held = store.holdings(root, verify)
-    left = [job for job in jobs if job.id not in held.sealed]
+    holdings = store.holdings(root, verify)
+    left = [job for job in jobs if job.id not in holdings.sealed]
     ids = {job.id for job in left}
-    failures = {job: failure for job, failure in held.failures.items() if job in ids}
+    failures = {job: failure for job, failure in holdings.failures.items() if job in ids}
     todo = left if retry_failed else [job for job in left if job.id not in failures]
-    resumed = [job for job in jobs if job.id in held.sealed and (before is None or job.id in before)]
-    return Plan(todo, len(resumed), failures, held)
+    resumed = [job for job in jobs if job.id in holdings.sealed and (before is None or job.id in before)]
+    return Plan(todo, len(resumed), failures, holdings)
 
 
 @dataclass
@@ -57,7 +59,7 @@ class Tally:
     failures: dict[str, store.Failure]
     max_failures: float = inf
     failed: int = 0
-    elsewhere: int = 0
+    done_by_others: int = 0
     start_cpu_s: float = 0.0
     cpu_s: float = 0.0
     integrator_cpu_s: float = 0.0
@@ -70,11 +72,11 @@ class Tally:
     def add(self, outcome: Outcome) -> None:
         """Add the outcome of a unit of work."""
         self.failed += len(outcome.failed)
-        self.elsewhere += len(outcome.elsewhere)
+        self.done_by_others += len(outcome.done_by_others)
         self.start_cpu_s += outcome.start_cpu_s
         self.cpu_s += outcome.cpu_s
         self.integrator_cpu_s += outcome.integrator_cpu_s
-        for job in (*outcome.done, *outcome.elsewhere):
+        for job in (*outcome.done, *outcome.done_by_others):
             if self.failures.pop(job, None) is not None:
                 store.clear_failure(self.root, job)
         for failure in outcome.failed:
@@ -100,7 +102,7 @@ class Tally:
             planned=len(status),
             resumed=resumed,
             done=int((status == "done").sum()) - resumed,
-            failures=grouped(
+            failures=group_failures(
                 self.failures[job] for job in status.index[status == "failed"] if job in self.failures
             ),
             seconds=seconds,
@@ -120,7 +122,7 @@ class Tally:
         completed.write(self.root)
 
 
-def before_jobs(study: "Study", root: Path, stop: "Stopped", seconds: float) -> RunSummary:
+def interrupted_summary(study: "Study", root: Path, stop: "TrialsInterrupted", seconds: float) -> RunSummary:
     """Summarise a run that was interrupted during the trials of models; trials may have stored some jobs."""
     jobs = {job.id for job in study.jobs()}
     sealed = store.holdings(root).sealed
@@ -137,7 +139,9 @@ def before_jobs(study: "Study", root: Path, stop: "Stopped", seconds: float) -> 
     )
 
 
-def finished(path: Path, out: Path | None, overrides: Mapping[str, str], quick: bool) -> RunSummary | None:
+def completed_summary(
+    path: Path, out: Path | None, overrides: Mapping[str, str], quick: bool
+) -> RunSummary | None:
     """Summarise a completed study without expanding it; None if jobs are missing or the stored plan may not apply.
 
     It applies if the study has no `accuracy`, and files, overrides, program and working folder are unchanged.
@@ -149,7 +153,7 @@ def finished(path: Path, out: Path | None, overrides: Mapping[str, str], quick: 
     root = store.results_folder(about.name, quick, out)
     try:
         plan = store.read_plan(root)
-        made_of = store.made_of(about.files, about.overrides, quick)
+        made_of = store.study_digest(about.files, about.overrides, quick)
         same = made_of != "" and made_of == plan["made_of"] and plan["accuracy"] is None
         frame = store.job_frame(root) if same else None
     except store.UNREADABLE:
@@ -169,7 +173,7 @@ def finished(path: Path, out: Path | None, overrides: Mapping[str, str], quick: 
     )
 
 
-def notes_on_others(root: Path, plan: Mapping[str, Any], count: int) -> Iterator[str]:
+def other_run_notes(root: Path, plan: Mapping[str, Any], count: int) -> Iterator[str]:
     """Yield notes on other runs in the folder; plan: plan of this run; count: number of its jobs done by them."""
     if count:
         jobs = f"{count} jobs were" if count > 1 else "1 job was"

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim import cpu_time, store
 from bearingsim.errors import UserError
-from bearingsim.runner.stopping import stop_requested, take_flag
-from bearingsim.store import DiskFull, Failure, room, start_marker, unit_name, write_units
+from bearingsim.runner.stopping import init_worker, stop_requested
+from bearingsim.store import DiskFull, Failure, full_disk_errors, start_marker, unit_name, write_units
 from bearingsim.store.columns import Value
 
 if TYPE_CHECKING:
@@ -115,8 +115,8 @@ class Work:
 class Outcome:
     """Outcome of a unit of work.
 
-    done: ids of the stored jobs; elsewhere: ids of jobs stored by another run; seconds: elapsed time; start_cpu_s:
-    CPU time (s) of imports and of compilation or loading its cache; cpu_s: CPU time (s) after that;
+    done: ids of the stored jobs; done_by_others: ids of jobs stored by another run; seconds: elapsed time;
+    start_cpu_s: CPU time (s) of imports and of compilation or loading its cache; cpu_s: CPU time (s) after that;
     integrator_cpu_s: the part of ``cpu_s`` spent in the integrator.
     """
 
@@ -127,7 +127,7 @@ class Outcome:
     start_cpu_s: float = 0.0
     cpu_s: float = 0.0
     integrator_cpu_s: float = 0.0
-    elsewhere: tuple[str, ...] = ()
+    done_by_others: tuple[str, ...] = ()
 
 
 def load(path: str) -> Callable[..., Any]:
@@ -150,19 +150,19 @@ def compute(work: Work, seal: Seal = write_units) -> Outcome:
     cpu = time.process_time()
     done: list[tuple[Job, Record]] = []
     failed: list[Failure] = []
-    elsewhere: list[str] = []
+    done_by_others: list[str] = []
     simulate, unit = load(work.engine.simulate), work.unit
     with start_marker(work.root, unit) as note:
         for job in work.jobs:
             if stop_requested() or len(failed) >= work.max_failures:
                 break
             if work.others is not None and work.others.have(job.id):
-                elsewhere.append(job.id)
+                done_by_others.append(job.id)
                 continue
             note(job.id)
             bound = cpu_time.at_most(work.max_cpu, work.spent.get(job.id, 0.0))
             try:
-                with room(work.root / unit), bound:  # a full disk is not a failure of the job
+                with full_disk_errors(work.root / unit), bound:  # a full disk is not a failure of the job
                     done.append((job, simulate(job.case)))
             except DiskFull:
                 raise
@@ -176,7 +176,7 @@ def compute(work: Work, seal: Seal = write_units) -> Outcome:
         unit=unit,
         done=tuple(job.id for job, _ in done),
         failed=tuple(failed),
-        elsewhere=tuple(elsewhere),
+        done_by_others=tuple(done_by_others),
         seconds=time.perf_counter() - started,
         start_cpu_s=start_cpu_s,
         cpu_s=time.process_time() - cpu,
@@ -210,7 +210,7 @@ def _failure(job: str, error: Exception) -> Failure:
 
 def die_with_parent(parent: int, flag: Any) -> None:
     """Make this worker end when its parent dies, and stop when the event of the parent is set."""
-    take_flag(flag)
+    init_worker(flag)
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     else:
@@ -229,6 +229,6 @@ def _watch(parent: int) -> None:
 def _jobs(path: Path) -> list[str]:
     """Return the ids of the jobs of a unit, or an empty list if it cannot be read. Units never change."""
     try:
-        return store.jobs_named(path)
+        return store.read_job_ids(path)
     except store.DamagedUnit:
         return []

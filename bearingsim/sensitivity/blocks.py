@@ -9,7 +9,7 @@ import numpy as np
 from bearingsim import designs
 from bearingsim.config import FEATURES
 from bearingsim.errors import UserError
-from bearingsim.runner.commands import typed
+from bearingsim.runner.commands import command_line
 from bearingsim.sensitivity.estimates import Array
 from bearingsim.text.units import suggestion
 
@@ -135,7 +135,7 @@ def _check_computed(results: "Results", jobs: "pd.DataFrame") -> None:
     missing = int((jobs["status"] == "missing").sum())
     if missing:
         plan = results.plan
-        again = typed("run", plan["file"], results.path, plan["overrides"], plan["quick"])
+        again = command_line("run", plan["file"], results.path, plan["overrides"], plan["quick"])
         raise SensitivityError(f"{missing} of {len(jobs)} jobs are not computed yet: {again}")
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from bearingsim import extensions
-from bearingsim.runner.pool import spread
+from bearingsim.runner.pool import map_unordered
 from bearingsim.runner.progress import duration
 from bearingsim.stability.matrix import Grid, Material, count, map_rows, materials, reference_methods, warm
 from bearingsim.store import claim
@@ -34,7 +34,7 @@ def compute(models: Sequence[str], methods: Sequence[str], grid: Grid, folder: P
     with path.open("w", newline="", encoding="utf-8") as file:
         writer: csv.DictWriter | None = None
         try:
-            for row in chain.from_iterable(spread(map_rows if jobs == 1 else _map_rows, tasks, jobs)):
+            for row in chain.from_iterable(map_unordered(map_rows if jobs == 1 else _map_rows, tasks, jobs)):
                 if writer is None:
                     writer = csv.DictWriter(file, list(row))
                     writer.writeheader()
@@ -53,7 +53,7 @@ def _compile(models: Sequence[str], methods: Sequence[str], grid: Grid, jobs: in
     """Compile all code before running cells, to keep compilation out of their CPU time."""
     tasks = [(model, method, grid) for model in models for method in (*methods, *reference_methods(methods))]
     say(f"getting ready: {len(tasks)} pairs of model and method", err=True)
-    for done, (model, method) in enumerate(spread(_warm, tasks, jobs), 1):
+    for done, (model, method) in enumerate(map_unordered(_warm, tasks, jobs), 1):
         say(f"ready, {done} of {len(tasks)}: {model}, {method}", err=True)
 
 

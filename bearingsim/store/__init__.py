@@ -15,11 +15,11 @@ from bearingsim.store.choices import (
 )
 from bearingsim.store.files import (
     DiskFull,
-    LinkWithin,
-    check_room,
+    LinkInFolder,
+    check_free_space,
+    full_disk_errors,
     lock,
     refuse_links,
-    room,
     sweep,
     write_bytes,
     write_text,
@@ -31,28 +31,28 @@ from bearingsim.store.folder import (
     discard,
     holdings,
     in_use,
-    refuse_users_study,
+    refuse_own_study_file,
 )
 from bearingsim.store.journal import Failure, clear_failure, log, now, read_failures, start_marker, take_suspects
-from bearingsim.store.marker import NotOurs, OtherStudy, claim
-from bearingsim.store.merge import Merged, Unmergeable, merge
+from bearingsim.store.marker import ForeignFolder, OtherStudy, claim
+from bearingsim.store.merge import MergeSummary, Unmergeable, merge
 from bearingsim.store.names import case_of, flat_parameters
-from bearingsim.store.nearness import PARTS, Audited, audited, nearness, withdrawn
-from bearingsim.store.provenance import made_of, provenance
-from bearingsim.store.prune import Superfluous, prune, superfluous
+from bearingsim.store.nearness import ERROR_PARTS, AuditResult, audit_results, error_bounds, withdrawn_errors
+from bearingsim.store.provenance import provenance, study_digest
+from bearingsim.store.prune import RemovableFiles, find_removable, prune
 from bearingsim.store.results import Results, ResultsError, open_results, planned_jobs, results_folder
-from bearingsim.store.scans import keep_scans, kept_scans, with_short_paths
+from bearingsim.store.scans import read_scans, store_scans, with_short_paths
 from bearingsim.store.sealed import UNREADABLE
-from bearingsim.store.spread import NOTABLE, errors, is_one_draw, relative_error, spread
-from bearingsim.store.table import build_table, info, job_frame, own_frame, plan_of, read_plan, write_plan
+from bearingsim.store.spread import NOTABLE_ERROR, errors, is_uncertain, relative_error, spread
+from bearingsim.store.table import build_table, info, job_frame, make_plan, plan_frame, read_plan, write_plan
 from bearingsim.store.units import (
     DamagedUnit,
     Series,
     check_unit,
-    jobs_named,
+    read_job_ids,
     read_series,
     sealed_units,
-    take_unit,
+    store_unit,
     unit_name,
     unit_names,
     unit_path,
@@ -60,10 +60,10 @@ from bearingsim.store.units import (
 )
 
 __all__ = [
-    "NOTABLE",
-    "PARTS",
+    "ERROR_PARTS",
+    "NOTABLE_ERROR",
     "UNREADABLE",
-    "Audited",
+    "AuditResult",
     "Choice",
     "Choices",
     "DamagedChoices",
@@ -71,70 +71,70 @@ __all__ = [
     "DiskFull",
     "Failure",
     "FolderInUse",
+    "ForeignFolder",
     "Holdings",
-    "LinkWithin",
-    "Merged",
-    "NotOurs",
+    "LinkInFolder",
+    "MergeSummary",
     "OtherStudy",
+    "RemovableFiles",
     "Results",
     "ResultsError",
     "Series",
-    "Superfluous",
     "Unmergeable",
     "add_choices",
-    "audited",
+    "audit_results",
     "build_table",
     "case_of",
-    "check_room",
+    "check_free_space",
     "check_unit",
     "claim",
     "claim_results",
     "clear_failure",
     "discard",
+    "error_bounds",
     "errors",
+    "find_removable",
     "flat_parameters",
+    "full_disk_errors",
     "holdings",
     "in_use",
     "info",
-    "is_one_draw",
+    "is_uncertain",
     "job_frame",
-    "jobs_named",
-    "keep_scans",
-    "kept_scans",
     "lock",
     "log",
-    "made_of",
+    "make_plan",
     "merge",
-    "nearness",
     "now",
     "open_results",
-    "own_frame",
-    "plan_of",
+    "plan_frame",
     "planned_jobs",
     "provenance",
     "prune",
     "read_choices",
     "read_failures",
+    "read_job_ids",
     "read_plan",
     "read_plans",
+    "read_scans",
     "read_series",
     "refuse_links",
-    "refuse_users_study",
+    "refuse_own_study_file",
     "relative_error",
     "results_folder",
-    "room",
     "sealed_units",
     "spread",
     "start_marker",
-    "superfluous",
+    "store_scans",
+    "store_unit",
+    "study_digest",
     "sweep",
     "take_suspects",
-    "take_unit",
     "unit_name",
     "unit_names",
     "unit_path",
     "with_short_paths",
-    "withdrawn",
+    "withdrawn_errors",
     "write_bytes",
     "write_choices",
     "write_plan",

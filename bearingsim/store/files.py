@@ -32,28 +32,28 @@ class DiskFull(UserError):
     """The disk has too little space for a file."""
 
 
-class LinkWithin(UserError):
+class LinkInFolder(UserError):
     """An entry of a results folder is a link."""
 
 
-def writer() -> str:
+def writer_name() -> str:
     """Return ``host-pid`` of this process, used in the names of its files."""
     host = "".join(c if c.isalnum() or c == "-" else "_" for c in socket.gethostname())
     return f"{host or 'host'}-{os.getpid()}"
 
 
 @contextmanager
-def room(path: Path) -> Iterator[None]:
+def full_disk_errors(path: Path) -> Iterator[None]:
     """Convert errors due to missing disk space for ``path`` to DiskFull, which names the disk."""
     try:
         yield
     except OSError as error:
         if error.errno not in NO_ROOM:
             raise
-        raise DiskFull(f"{what_is_full(path, error.errno)}: {ADVICE}") from error
+        raise DiskFull(f"{describe_full_disk(path, error.errno)}: {ADVICE}") from error
 
 
-def what_is_full(path: Path, number: int) -> str:
+def describe_full_disk(path: Path, number: int) -> str:
     """Describe why a file does not fit on the disk; number: the error number, one of NO_ROOM."""
     folder = _nearest(path.parent)
     if number == errno.EFBIG:
@@ -80,7 +80,7 @@ def _mount(folder: Path) -> Path:
     return next(path for path in (whole, *whole.parents) if path.is_mount() or path == path.parent)
 
 
-def check_room(root: Path, wanted: float) -> None:
+def check_free_space(root: Path, wanted: float) -> None:
     """Raise DiskFull if the disk of ``root`` has less than ``wanted`` bytes of free space."""
     left = shutil.disk_usage(root).free
     if left < wanted:
@@ -93,7 +93,7 @@ def write_bytes(path: Path, content: bytes | BinaryIO) -> None:
 
     content: bytes, or an open file to copy.
     """
-    with room(path), temporary(path.parent, path.name, "part") as file:
+    with full_disk_errors(path), temporary(path.parent, path.name, "part") as file:
         if isinstance(content, bytes):
             file.write(content)
         else:
@@ -128,7 +128,7 @@ def temporary(folder: Path, name: str, end: str) -> Iterator[BinaryIO]:
 
 def _locked(folder: Path, name: str, end: str) -> BinaryIO:
     while True:
-        path = folder / f"{name}.{writer()}-{secrets.token_hex(4)}.{end}"
+        path = folder / f"{name}.{writer_name()}-{secrets.token_hex(4)}.{end}"
         file = path.open("xb")
         _take(file, wait=True)
         if path.exists():
@@ -148,7 +148,7 @@ def _take(file: BinaryIO, wait: bool) -> bool:
 
 
 @contextmanager
-def left_behind(path: Path) -> Iterator[bool]:
+def lock_leftover(path: Path) -> Iterator[bool]:
     """Yield True if the writer of a temporary file has ended; the file stays locked within the context."""
     flags = os.O_RDWR | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
     try:
@@ -187,12 +187,12 @@ def lock(root: Path, wait: bool = True) -> Iterator[None]:
 
     The lock is released when its process ends; a file system without locks is not locked. A long wait is reported
     with the processes that run in the folder. Raises filelock.Timeout if another process has the lock and ``wait``
-    is False, and LinkWithin if the lock file is a link.
+    is False, and LinkInFolder if the lock file is a link.
     """
     _refuse_link(root / LOCK)
     held = FileLock(root / LOCK, timeout=PATIENCE_S if wait else 0)
     try:
-        with room(root / LOCK):
+        with full_disk_errors(root / LOCK):
             held.acquire()
     except Timeout:
         if not wait:
@@ -211,19 +211,19 @@ def lock(root: Path, wait: bool = True) -> Iterator[None]:
 
 def _other_runs(root: Path) -> str:
     """Name the other processes that run in a folder, from their start markers."""
-    names = {path.name.split(".")[1].rpartition("-")[0] for path in root.glob("run.*.started")} - {writer()}
+    names = {path.name.split(".")[1].rpartition("-")[0] for path in root.glob("run.*.started")} - {writer_name()}
     return f"another run ({', '.join(sorted(names))})" if names else "another process"
 
 
 def refuse_links(root: Path) -> None:
-    """Raise LinkWithin if a subfolder or the lock file is a link: it may point outside the results folder."""
+    """Raise LinkInFolder if a subfolder or the lock file is a link: it may point outside the results folder."""
     for path in (path for name in (*FOLDERS, LOCK) for path in root.glob(name)):
         _refuse_link(path)
 
 
 def _refuse_link(path: Path) -> None:
     if path.is_symlink():
-        raise LinkWithin(
+        raise LinkInFolder(
             f"{path} is a link out of the results folder: remove it, or replace it by a copy of its target"
             " (`cp -rL`)"
         )
@@ -234,7 +234,7 @@ def sweep(root: Path) -> list[Path]:
     removed = []
     with lock(root):
         for path in temporary_files(root):
-            with left_behind(path) as left:
+            with lock_leftover(path) as left:
                 if left:
                     path.unlink()
                     removed.append(path)

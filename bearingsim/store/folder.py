@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 from bearingsim.errors import UserError
 from bearingsim.store import own_files
-from bearingsim.store.files import left_behind, lock, room, temporary
-from bearingsim.store.journal import Failure, judged_failures, log
-from bearingsim.store.marker import NotOurs, OtherStudy, claim, mark, owner
+from bearingsim.store.files import full_disk_errors, lock, lock_leftover, temporary
+from bearingsim.store.journal import Failure, load_failures, log
+from bearingsim.store.marker import ForeignFolder, OtherStudy, claim, mark, owner
 from bearingsim.store.results import ResultsError, open_results, results_folder
-from bearingsim.store.sealed import set_aside
-from bearingsim.store.stock import judged
-from bearingsim.store.table import STUDY, read_frame
+from bearingsim.store.sealed import mark_damaged
+from bearingsim.store.stock import check_units
+from bearingsim.store.table import STUDY_FILE, read_frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -51,11 +51,11 @@ def holdings(root: Path, verify: bool = False) -> Holdings:
     """
     frame = read_frame(root, groups=())
     units = own_files.UNITS.of(root)
-    stock = judged(units, frame, {}, verify)
-    failures, unreadable = judged_failures(root)
+    stock = check_units(units, frame, {}, verify)
+    failures, unreadable = load_failures(root)
     damaged = stock.damaged | unreadable
     for path, reason in damaged.items():
-        set_aside(path)
+        mark_damaged(path)
         log(root, "damaged", file=str(path.relative_to(root)), reason=reason)
     jobs = set() if frame is None else set(frame.index[frame["unit"].isin(stock.in_table)])
     jobs = jobs.union(*(rows.index for rows in stock.read.values()))
@@ -70,15 +70,15 @@ def in_use(root: Path) -> Iterator[None]:
     Other runs may use the folder at the same time.
     """
     with ExitStack() as held:
-        with room(root / "run"), lock(root):  # clearing takes this lock, too, and checks for runs
+        with full_disk_errors(root / "run"), lock(root):  # clearing takes this lock, too, and checks for runs
             held.enter_context(temporary(root, "run", "started"))
         yield
 
 
-def refuse_use(root: Path) -> None:
+def refuse_folder_in_use(root: Path) -> None:
     """Raise FolderInUse if another run uses a folder."""
     for path in own_files.temporary_files(root):
-        with left_behind(path) as left:
+        with lock_leftover(path) as left:
             if not left and path.exists():
                 advice = "wait for it, or use another folder (on a disk without locks, remove this file)"
                 raise FolderInUse(f"another run is writing {path}: {advice}")
@@ -87,8 +87,8 @@ def refuse_use(root: Path) -> None:
 def claim_results(root: Path, study: str, quick: bool, fresh: bool = False) -> None:
     """Mark a folder as the results folder of a study; create it if it is missing.
 
-    Raises NotOurs for a folder with files of the user, and OtherStudy for a folder of another kind or, unless
-    ``fresh``, of another study. The folder is then left unchanged.
+    Raises ForeignFolder for a folder with files of the user, and OtherStudy for a folder of another kind or,
+    unless ``fresh``, of another study. The folder is then left unchanged.
     """
     instead = _instead(root, study, quick)
     before = _study_in(root)
@@ -103,16 +103,16 @@ def claim_results(root: Path, study: str, quick: bool, fresh: bool = False) -> N
         mark(root, RESULTS, before)
 
 
-def refuse_users_study(root: Path, study: "Study") -> None:
-    """Raise NotOurs if ``study.yaml`` in the folder is the study file of an earlier run, but not of this run."""
-    copy = (root / STUDY).resolve()
+def refuse_own_study_file(root: Path, study: "Study") -> None:
+    """Raise ForeignFolder if ``study.yaml`` in the folder is the study file of an earlier run, not of this one."""
+    copy = (root / STUDY_FILE).resolve()
     try:
         before = open_results(root).plan.get("file")
     except ResultsError:
         return
     if copy.is_file() and _is_of(before, copy) and not _is_of(study.path, copy):
         instead = _instead(root, study.name, bool(study.quick))
-        raise NotOurs(
+        raise ForeignFolder(
             f"{copy} is the study file of an earlier run and would be overwritten: use another folder, such as"
             f" --out {instead}, or move the file"
         )
@@ -146,7 +146,7 @@ def _held(root: Path) -> str:
     return ", ".join(f"{count} {what}{'s' * (count != 1)}" for what, count in counts.items())
 
 
-THROWN_AWAY = (
+DISCARDED = (
     own_files.UNITS,
     own_files.FAILURES,
     *own_files.DAMAGED,
@@ -163,9 +163,9 @@ def discard(root: Path, study: str) -> str:
     removed, else "". Raises FolderInUse if another run uses the folder.
     """
     with lock(root):
-        refuse_use(root)
+        refuse_folder_in_use(root)
         before, held = _study_in(root), _held(root)
-        own_files.remove(root, *THROWN_AWAY)
+        own_files.remove(root, *DISCARDED)
         if before == study:
             return ""
         mark(root, RESULTS, study)

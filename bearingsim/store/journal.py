@@ -12,7 +12,7 @@ from typing import Any
 
 from bearingsim.errors import DamageWarning
 from bearingsim.store import layouts
-from bearingsim.store.files import left_behind, open_to_append, room, temporary, writer
+from bearingsim.store.files import full_disk_errors, lock_leftover, open_to_append, temporary, writer_name
 from bearingsim.store.layouts import check
 from bearingsim.store.own_files import FAILURES, temporary_files
 from bearingsim.store.regular import read_regular
@@ -28,8 +28,8 @@ def now() -> str:
 def log(root: Path, event: str, **facts: Any) -> None:
     """Append one line to the journal of this process, ``journal-<host>-<pid>.jsonl``."""
     line = json.dumps({"when": now(), "event": event, **facts}, ensure_ascii=False)
-    path = root / f"journal-{writer()}.jsonl"
-    with room(path), open_to_append(path) as journal:
+    path = root / f"journal-{writer_name()}.jsonl"
+    with full_disk_errors(path), open_to_append(path) as journal:
         journal.write(line + "\n")
 
 
@@ -55,7 +55,7 @@ def _failure_path(root: Path, job: str) -> Path:
     return root / "failed" / f"{job}.json"
 
 
-def judged_failures(root: Path) -> tuple[dict[str, Failure], dict[Path, str]]:
+def load_failures(root: Path) -> tuple[dict[str, Failure], dict[Path, str]]:
     """Read the stored failures; return them by job id, and the error of each unreadable file by path."""
     failures, damaged = dict[str, Failure](), dict[Path, str]()
     for path in FAILURES.of(root):
@@ -88,7 +88,7 @@ def _own_command(text: str) -> str:
 
 def read_failures(root: Path) -> dict[str, Failure]:
     """Read the stored failures by job id; warn of unreadable files."""
-    failures, damaged = judged_failures(root)
+    failures, damaged = load_failures(root)
     for path, reason in damaged.items():
         text = f"{path} cannot be read ({reason}), its job counts as missing: run the study again"
         warnings.warn(text, DamageWarning, stacklevel=2)
@@ -107,7 +107,7 @@ def start_marker(root: Path, unit: str) -> Iterator[Callable[[str], None]]:
     The marker of a killed process remains, with the running job in its last line.
     """
     folder = root / "units" / unit[:2]
-    with room(folder / unit), temporary(folder, unit, "started") as marker:
+    with full_disk_errors(folder / unit), temporary(folder, unit, "started") as marker:
 
         def note(job: str) -> None:
             marker.write(f"{job}\n".encode())
@@ -121,7 +121,7 @@ def take_suspects(root: Path, units: Iterable[str]) -> set[str]:
     suspects, wanted = set[str](), set(units)
     markers = [path for path in temporary_files(root) if path.suffix == ".started"]
     for path in (path for path in markers if path.name.partition(".")[0] in wanted):
-        with left_behind(path) as left:
+        with lock_leftover(path) as left:
             if left:
                 with suppress(*UNREADABLE):
                     suspects.update(read_regular(path).decode().split()[-1:])

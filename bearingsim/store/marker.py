@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from bearingsim.errors import UserError
-from bearingsim.store.files import LinkWithin, lock
-from bearingsim.store.own_files import strangers
+from bearingsim.store.files import LinkInFolder, lock
+from bearingsim.store.own_files import foreign_entries
 from bearingsim.store.sealed import UNREADABLE, read_json, write_json
 from bearingsim.text.terminal import is_line
 
@@ -19,7 +19,7 @@ NAMED = 3
 """Largest number of the user's files that a message names."""
 
 
-class NotOurs(UserError):
+class ForeignFolder(UserError):
     """A folder is not empty and has no marker of the program."""
 
 
@@ -40,8 +40,8 @@ def owner(folder: Path) -> tuple[str, str] | None:
 def claim(folder: Path, kind: str, name: str, instead: str) -> None:
     """Mark a folder with the ``kind`` of its results and the ``name`` of the study; create it if it is missing.
 
-    instead: folder suggested in error messages. Raises NotOurs for a folder with other files, OtherStudy for a
-    folder with another marker, LinkWithin for a folder with a link to a file. Nothing is written then.
+    instead: folder suggested in error messages. Raises ForeignFolder for a folder with other files, OtherStudy for
+    a folder with another marker, LinkInFolder for a folder with a link to a file. Nothing is written then.
     """
     names = _strangers(folder, instead)
     # The marker is read after the files are listed: another run may mark the folder and write to it meanwhile.
@@ -71,24 +71,24 @@ def _is_marked(folder: Path, kind: str, name: str, instead: str) -> bool:
 
 
 def _strangers(folder: Path, instead: str) -> list[str]:
-    """List the files of a folder except those of a killed run. Raises NotOurs if ``folder`` is a file."""
+    """List the files of a folder except those of a killed run. Raises ForeignFolder if ``folder`` is a file."""
     if folder.exists() and not folder.is_dir():
-        raise NotOurs(f"{folder} is a file: use a folder, such as --out {instead}")
-    return strangers(folder) if folder.exists() else []
+        raise ForeignFolder(f"{folder} is a file: use a folder, such as --out {instead}")
+    return foreign_entries(folder) if folder.exists() else []
 
 
 def _refuse_links_to_files(folder: Path) -> None:
-    """Raise LinkWithin if an entry of a folder is a link to a file, or a dangling link."""
+    """Raise LinkInFolder if an entry of a folder is a link to a file, or a dangling link."""
     for path in sorted(folder.iterdir()):
         if path.is_symlink() and not path.is_dir():
-            raise LinkWithin(f"{path} is a link out of the folder: remove it")
+            raise LinkInFolder(f"{path} is a link out of the folder: remove it")
 
 
 def _refuse(folder: Path, names: Sequence[str], instead: str) -> None:
-    """Raise NotOurs if there are files of the user in a folder."""
+    """Raise ForeignFolder if there are files of the user in a folder."""
     if names:
         more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-        raise NotOurs(
+        raise ForeignFolder(
             f"{folder} holds files of your own ({', '.join(names[:NAMED])}{more}):"
             f" use a separate folder for the results, such as --out {instead}"
         )

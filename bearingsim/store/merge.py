@@ -23,10 +23,10 @@ from bearingsim.store.journal import Failure, clear_failure, log, read_failures
 from bearingsim.store.own_files import TRIALS, UNITS
 from bearingsim.store.regular import digest, read_regular
 from bearingsim.store.results import Results, open_results
-from bearingsim.store.scans import copy_scans, held_scans
+from bearingsim.store.scans import check_scans, copy_scans
 from bearingsim.store.sealed import UNREADABLE, read_json
 from bearingsim.store.table import build_table
-from bearingsim.store.units import DamagedUnit, check_unit, computed, unit_path
+from bearingsim.store.units import DamagedUnit, check_unit, result_digests, unit_path
 
 RUN_ENTRIES = {"file", "made_of", "notes"}
 """Entries of a plan that may differ between runs of one study."""
@@ -41,7 +41,7 @@ class Unmergeable(UserError):
 
 
 @dataclass(frozen=True)
-class Merged:
+class MergeSummary:
     """Result of a merge.
 
     folders: number of merged folders; copied: units copied; there: units present before; jobs: number of jobs of
@@ -62,7 +62,7 @@ class Merged:
         return f"{self.folders} folder{'s' * (self.folders > 1)} merged: {units}; {jobs} of {whole} jobs"
 
 
-def merge(folders: Sequence[Path], out: Path) -> Merged:
+def merge(folders: Sequence[Path], out: Path) -> MergeSummary:
     """Copy the results of some folders into ``out``, and build its table.
 
     ``out`` may already contain results of the same plan. Results of a job in several folders must be bitwise equal
@@ -77,7 +77,7 @@ def merge(folders: Sequence[Path], out: Path) -> Merged:
         _refuse_other_plan(opened[0], other)
     units = {folder: UNITS.of(folder) for folder in (out, *folders)}
     sealed = _judged([path for paths in units.values() for path in paths])
-    scans = [path for folder in folders for path in held_scans(folder)]
+    scans = [path for folder in folders for path in check_scans(folder)]
     choices, plans = _choices(held)
     claim_results(out, opened[0].plan["study"], opened[0].plan["quick"])
     refuse_links(out)
@@ -100,7 +100,7 @@ def merge(folders: Sequence[Path], out: Path) -> Merged:
     if new:
         log(out, "merged", folders=[str(folder) for folder in folders], units=len(new))
     counts = {name: int((status == name).sum()) for name in ("done", "failed", "missing")}
-    return Merged(len(folders), len(new), len(units[out]), counts)
+    return MergeSummary(len(folders), len(new), len(units[out]), counts)
 
 
 def _refuse_among(folders: Sequence[Path], out: Path) -> None:
@@ -175,7 +175,7 @@ def _jobs(path: Path) -> list[str]:
 
 
 def _refuse_other_results(unit: Path, other: Path, jobs: Sequence[str]) -> None:
-    digests, other_digests = computed(unit, jobs), computed(other, jobs)
+    digests, other_digests = result_digests(unit, jobs), result_digests(other, jobs)
     for job in jobs:
         for name in sorted({*digests[job], *other_digests[job]}):
             a, b = digests[job].get(name), other_digests[job].get(name)

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.store.scans import own_scan, short_path
+from bearingsim.store.scans import find_scan_copy, short_path
 from bearingsim.text.units import UNITS, Dimension
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def case_of(parameters: Mapping[Any, Any], root: Path | None = None) -> "Case":
 def _take_kept(root: Path, defect: dict[str, Any]) -> None:
     """Set the file of a scanned defect to its stored copy. Raises ScanError if there is no copy."""
     if "file" in defect:
-        defect["file"] = str(own_scan(root, str(defect.get("digest")), str(defect["file"])))
+        defect["file"] = str(find_scan_copy(root, str(defect.get("digest")), str(defect["file"])))
 
 
 def _plain(value: Any) -> Any:
@@ -138,7 +138,7 @@ def feature_attributes(name: str) -> dict[str, str]:
     return {"units": feature.unit or "1", "long_name": feature.long_name}
 
 
-def in_feature_order(names: Iterable[str]) -> list[str]:
+def sort_features(names: Iterable[str]) -> list[str]:
     """Sort feature names in the order of ``FEATURES``; unknown names come last, sorted by name."""
     from bearingsim.config import FEATURES
 

@@ -9,7 +9,7 @@ from math import inf, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bearingsim.config.names import read_band
-from bearingsim.store.spread import scatters_unknown, standard_error
+from bearingsim.store.spread import has_unknown_scatter, standard_error
 from bearingsim.study.goal import HEALTHY
 from bearingsim.study.uncertainty import RIGID
 
@@ -21,12 +21,12 @@ RECORD_FEATURES = ("acceleration.rms", "displacement.rms")
 """Features bounded by the largest step error of all recorded channels, not by that of the velocity RMS."""
 START_OF = {"line": "", "rms": ".rms", "force": ".force"}
 """Suffixes of the column `error.start`, by kind of feature."""
-PARTS = ("error.model", "error.friction", "error.nodes", "error.start", "error.step", "error.scatter")
+ERROR_PARTS = ("error.model", "error.friction", "error.nodes", "error.start", "error.step", "error.scatter")
 """Columns whose sum is ``error``."""
 STANDARD_ERRORS = 2.0
 
 
-class Audited(NamedTuple):
+class AuditResult(NamedTuple):
     """Difference of a feature between an audited job and the same job computed with the reference model.
 
     job: id of the audited job; off: relative difference; scatter: relative difference that random scatter explains
@@ -55,7 +55,7 @@ def scales(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
     return largest.where(largest < float("inf"), values)
 
 
-def nearness(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
+def error_bounds(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     """Return ``PARTS`` and their sum ``error`` by case, each the largest over the requested features.
 
     ``error`` is NaN if a rigid ring is among the assumptions of the study, because ring bending may change the
@@ -66,18 +66,18 @@ def nearness(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     import pandas as pd
 
     accuracy = plan.get("accuracy")
-    table = pd.DataFrame(index=frame.index, columns=[*PARTS, "error"], dtype=float)
+    table = pd.DataFrame(index=frame.index, columns=[*ERROR_PARTS, "error"], dtype=float)
     if accuracy is None:
         return table.iloc[:, :0]
     cases = [job for job in accuracy["jobs"] if job in frame.index]
     parts = {feature: _parts(plan, frame, feature) for feature in accuracy["of"] if f"features/{feature}" in frame}
-    for name in PARTS:
+    for name in ERROR_PARTS:
         of_features = pd.DataFrame({feature: part[name] for feature, part in parts.items()})
         table.loc[cases, name] = of_features.max(axis=1).replace(inf, nan).reindex(cases)
     if RIGID not in plan.get("assumptions", ()):
         sums = pd.DataFrame({feature: part.sum(axis=1, skipna=False) for feature, part in parts.items()})
         table.loc[cases, "error"] = sums.max(axis=1).replace(inf, nan).reindex(cases)
-    refuted = pd.Series(withdrawn(plan, frame), dtype=float).reindex(table.index)
+    refuted = pd.Series(withdrawn_errors(plan, frame), dtype=float).reindex(table.index)
     table["error"] = table["error"].where(~(refuted > table["error"].fillna(0.0)), refuted)
     return table.where(frame["status"] == "done")
 
@@ -94,7 +94,7 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
         return pd.Series(errors, dtype=float).fillna(inf).reindex(frame.index)
 
     step = _step_errors(frame, plain) * frame[f"features/{plain}"].abs() / size
-    scatter = standard_error(frame, plain).where(~scatters_unknown(frame, plain), inf) / size
+    scatter = standard_error(frame, plain).where(~has_unknown_scatter(frame, plain), inf) / size
     of_trials = {"error.model": tried("error"), "error.friction": tried("friction"), "error.nodes": tried("nodes")}
     start = _relative(frame, f"error.start{START_OF[_kind(plain)]}") * frame[f"features/{plain}"].abs() / size
     beyond = (start - scatter.fillna(0.0)).clip(lower=0.0)  # for non-periodic motion it includes scatter
@@ -123,7 +123,7 @@ def _relative(frame: "pd.DataFrame", name: str) -> "pd.Series[float]":
     return frame.get(f"features/{name}", pd.Series(0.0, frame.index)).fillna(0.0)
 
 
-def audited(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[Audited]:
+def audit_results(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[AuditResult]:
     """Yield the differences found by audits, by job and feature, for pairs of finished jobs."""
     accuracy = plan.get("accuracy") or {"audits": [], "of": []}
     features = [feature for feature in accuracy["of"] if f"features/{feature}" in frame]
@@ -139,10 +139,10 @@ def audited(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[Audited]
             size = float(sizes[feature][audit["of"]]) or 1.0
             errors = standard_error(frame, feature.removesuffix(HEALTHY)).reindex(pair)
             scatter = STANDARD_ERRORS * float((errors**2).sum() ** 0.5) / size
-            yield Audited(audit["of"], feature, abs(float(own - reference)) / size, scatter)
+            yield AuditResult(audit["of"], feature, abs(float(own - reference)) / size, scatter)
 
 
-def withdrawn(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, float]:
+def withdrawn_errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, float]:
     """Return by job the largest difference found by failed audits on the curves of the job.
 
     The accuracy of these jobs is withdrawn. Jobs without a failed audit on one of their curves are left out. A
@@ -150,7 +150,7 @@ def withdrawn(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, float
     """
     accuracy = plan.get("accuracy") or {"within": inf, "curves": []}
     largest: dict[str, float] = {}
-    for audit in audited(plan, frame):
+    for audit in audit_results(plan, frame):
         if not audit.fails(accuracy["within"]):
             continue
         drawn = [curve["jobs"] for curve in accuracy["curves"] if curve["feature"] == audit.feature]

@@ -49,7 +49,7 @@ def temporary_files(root: Path) -> list[Path]:
     return [path for folder in folders for path in sorted(folder.iterdir()) if TEMPORARY.fullmatch(path.name)]
 
 
-def strangers(root: Path) -> list[str]:
+def foreign_entries(root: Path) -> list[str]:
     """List the entries of a folder, except temporary files and the lock of a run that was killed at its start."""
     return sorted(path.name for path in root.iterdir() if not (TEMPORARY.fullmatch(path.name) or _is_lock(path)))
 

@@ -37,7 +37,7 @@ def provenance(study: "Study") -> dict[str, str | int]:
     return {name: value for name, value in facts.items() if value != ""}
 
 
-def made_of(files: Mapping[str, str | None], overrides: Mapping[str, str], quick: bool) -> str:
+def study_digest(files: Mapping[str, str | None], overrides: Mapping[str, str], quick: bool) -> str:
     """Return the SHA-256 of everything that determines the expansion of a study.
 
     "" if the files are unknown or the checkout has uncommitted changes. files: digests of the files read, from

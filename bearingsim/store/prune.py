@@ -8,8 +8,8 @@ from typing import NamedTuple
 from filelock import Timeout
 
 from bearingsim.store import own_files
-from bearingsim.store.files import left_behind, lock
-from bearingsim.store.folder import FolderInUse, refuse_use
+from bearingsim.store.files import lock, lock_leftover
+from bearingsim.store.folder import FolderInUse, refuse_folder_in_use
 from bearingsim.store.journal import log
 from bearingsim.store.results import Results, open_results
 from bearingsim.store.sealed import UNREADABLE, read_json
@@ -18,7 +18,7 @@ from bearingsim.store.units import DamagedUnit, read_unit
 
 
 @dataclass(frozen=True)
-class Superfluous:
+class RemovableFiles:
     """Files to remove, with their sizes in bytes, by kind; notes: files that are kept, with the reason."""
 
     files: dict[str, dict[Path, int]]
@@ -57,7 +57,7 @@ class _Unit(NamedTuple):
     scans: set[str]
 
 
-def superfluous(root: Path) -> Superfluous:
+def find_removable(root: Path) -> RemovableFiles:
     """List the files that can be removed from a results folder, without removing them.
 
     Raises ResultsError without an intact plan.
@@ -90,7 +90,7 @@ def superfluous(root: Path) -> Superfluous:
         "temporary files of ended processes": [path for path in temporary if _is_left(path)],
     }
     sizes = {what: {path: path.lstat().st_size for path in sorted(paths)} for what, paths in by_kind.items()}
-    return Superfluous({what: files for what, files in sizes.items() if files}, (*notes, *_whole(units)))
+    return RemovableFiles({what: files for what, files in sizes.items() if files}, (*notes, *_whole(units)))
 
 
 def _unit(path: Path, planned: set[str]) -> _Unit:
@@ -117,7 +117,7 @@ def _whole(units: Iterable[_Unit]) -> Iterator[str]:
 
 
 def _is_left(path: Path) -> bool:
-    with left_behind(path) as left:
+    with lock_leftover(path) as left:
         return left
 
 
@@ -136,15 +136,15 @@ def _reads(path: Path) -> bool:
     return True
 
 
-def prune(root: Path) -> Superfluous:
+def prune(root: Path) -> RemovableFiles:
     """Remove the files listed by ``superfluous``, and rebuild the table; return the list.
 
     Raises FolderInUse if a run uses the folder.
     """
     try:
         with lock(root, wait=False):
-            refuse_use(root)
-            removed = superfluous(root)
+            refuse_folder_in_use(root)
+            removed = find_removable(root)
             for path in removed.paths:
                 path.unlink(missing_ok=True)
     except Timeout:

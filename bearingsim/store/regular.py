@@ -13,9 +13,9 @@ from pathlib import Path
 from bearingsim import memory
 from bearingsim.errors import UserError
 
-COST = 32
+MEMORY_RATIO = 32
 """Largest ratio of the memory for the contents of a file to its size; results need up to 13."""
-BLOCK = 1 << 20  # bytes read at a time
+BLOCK_BYTES = 1 << 20  # bytes read at a time
 _FLAGS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 
 
@@ -53,7 +53,7 @@ def read_regular(path: Path) -> bytes:
     """Read a text file. Raises the errors of ``open_regular``, and Unreadable for a zero byte."""
     blocks = []
     with open_regular(path) as file:
-        while block := file.read(BLOCK):
+        while block := file.read(BLOCK_BYTES):
             if b"\0" in block:  # a sparse file may state any size, and reads as zeros
                 raise Unreadable("it is no text")
             blocks.append(block)

@@ -29,7 +29,7 @@ class ResultsError(UserError):
 def open_results(path: str | Path) -> "Results":
     """Open the results folder of a study.
 
-    Raises ResultsError if the folder has no plan or a damaged one, and LinkWithin if a subfolder is a link.
+    Raises ResultsError if the folder has no plan or a damaged one, and LinkInFolder if a subfolder is a link.
     """
     results = Results(Path(path))
     plan = results.path / "plan.json"

@@ -13,20 +13,20 @@ if TYPE_CHECKING:
     from bearingsim.config import Case
 
 
-def keep_scans(root: Path, cases: Iterable["Case"]) -> None:
+def store_scans(root: Path, cases: Iterable["Case"]) -> None:
     """Copy the scans of some cases to ``scans/<digest>.<ext>``, unless intact copies exist.
 
     Raises ScanError if a scan is missing, or has changed since the study was read.
     """
     for digest, file in _scans(cases):
-        kept = kept_scan(root, digest, file)
+        kept = scan_path(root, digest, file)
         if not _holds(kept, digest):
             write_bytes(kept, _content(Path(file), digest))
 
 
-def kept_scans(root: Path, cases: Iterable["Case"]) -> dict[str, bytes]:
+def read_scans(root: Path, cases: Iterable["Case"]) -> dict[str, bytes]:
     """Read the stored scans of some cases, by file name ``<digest>.<ext>``."""
-    copies = (kept_scan(root, digest, file) for digest, file in _scans(cases))
+    copies = (scan_path(root, digest, file) for digest, file in _scans(cases))
     return {copy.name: copy.read_bytes() for copy in copies}
 
 
@@ -43,7 +43,7 @@ def _scans(cases: Iterable["Case"]) -> list[tuple[str, str]]:
     return sorted({(d.digest, d.file) for case in cases for d in case.defects if d.file and d.digest})
 
 
-def held_scans(root: Path) -> list[Path]:
+def check_scans(root: Path) -> list[Path]:
     """List the scans stored in a results folder. Raises ScanError if one has been changed."""
     from bearingsim.config.scan.file import ScanError
 
@@ -62,17 +62,17 @@ def copy_scans(scans: Iterable[Path], root: Path) -> None:
             copy(path, kept)
 
 
-def own_scan(root: Path, digest: str, file: str) -> Path:
+def find_scan_copy(root: Path, digest: str, file: str) -> Path:
     """Return the path of the copy of a scan in a results folder. Raises ScanError without an intact copy."""
     from bearingsim.config.scan.file import ScanError
 
-    kept = kept_scan(root, digest, file)
+    kept = scan_path(root, digest, file)
     if not re.fullmatch(ID, digest) or not _holds(kept, digest):
         raise ScanError(f"its scan is not kept in {root / 'scans'}", "run the study again where the scan is")
     return kept
 
 
-def kept_scan(root: Path, digest: str, file: str) -> Path:
+def scan_path(root: Path, digest: str, file: str) -> Path:
     """Return the path for the copy of a scan in a results folder, whether it exists or not."""
     return root / "scans" / f"{digest}{Path(file).suffix.lower()}"
 

@@ -17,7 +17,7 @@ import h5py
 
 from bearingsim.hdf5 import Hdf5
 from bearingsim.store.files import write_bytes
-from bearingsim.store.regular import BLOCK, COST, Unreadable, open_regular, read_regular
+from bearingsim.store.regular import BLOCK_BYTES, MEMORY_RATIO, Unreadable, open_regular, read_regular
 
 SCHEMA = 2  # version of the layout of all files
 LIBVER = ("v108", "v108")  # object headers with checksums and no 64 kB limit on attributes
@@ -39,7 +39,7 @@ def _check_schema(schema: Any) -> None:
         raise Unreadable(f"it has schema {schema}, and this version reads {SCHEMA}")
 
 
-def set_aside(path: Path) -> None:
+def mark_damaged(path: Path) -> None:
     """Rename a damaged file to ``.damaged``, unless another run has already done so."""
     with suppress(FileNotFoundError):
         path.replace(path.with_suffix(".damaged"))
@@ -87,7 +87,7 @@ def open_unverified(path: Path) -> Hdf5:
     """Open a file without checking its digest. Raises one of UNREADABLE."""
     stream = open_regular(path)
     try:
-        return Hdf5(stream, COST * stream.seek(0, io.SEEK_END))
+        return Hdf5(stream, MEMORY_RATIO * stream.seek(0, io.SEEK_END))
     except BaseException:
         stream.close()
         raise
@@ -104,7 +104,7 @@ def open_sealed(stream: BinaryIO) -> Hdf5:
             raise Unreadable("its checksum is missing")
         if seal != _as_seal(digest):
             raise Unreadable("its content does not match its checksum")
-        file = Hdf5(stream, COST * size)
+        file = Hdf5(stream, MEMORY_RATIO * size)
         _check_schema(file.attribute("schema"))
     except BaseException:
         stream.close()
@@ -117,7 +117,7 @@ def _read_through(stream: BinaryIO) -> tuple[int, str, bytes]:
     size = stream.seek(0, io.SEEK_END)
     left, digest = max(size - SEAL_BYTES, 0), hashlib.sha256()
     stream.seek(0)
-    while left and (block := stream.read(min(left, BLOCK))):
+    while left and (block := stream.read(min(left, BLOCK_BYTES))):
         digest.update(block)
         left -= len(block)
     return size, digest.hexdigest(), stream.read()
@@ -144,7 +144,7 @@ def read_json(path: Path) -> dict[str, Any]:
         raise Unreadable("its checksum is missing")
     if text != body + _json_seal(body):
         raise Unreadable("its content does not match its checksum")
-    if LEAST_BYTES * (text.count("[") + text.count("{")) > max(len(text), BLOCK):
+    if LEAST_BYTES * (text.count("[") + text.count("{")) > max(len(text), BLOCK_BYTES):
         raise Unreadable("it holds more lists and mappings than any file of its size")
     entries = json.loads(text)
     _check_schema(entries["schema"])

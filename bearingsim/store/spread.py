@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 BY_BLOCKS = {"velocity@BPFO": "standard_error.line", "velocity.rms": "standard_error.rms"}
 """Columns with relative standard errors from blocks of ball passes; results of earlier versions lack them."""
-NOTABLE = 0.005
+NOTABLE_ERROR = 0.005
 """Relative standard error above which a result of a chaotic motion is reported as a random sample."""
 
 STANDARD_DEVIATIONS = 2.5  # standard deviations in `rms_scatter`; it has more if few passes were compared
@@ -90,7 +90,7 @@ def is_line(feature: str) -> bool:
     return "@" in feature and ".rms@" not in feature
 
 
-def is_one_draw(table: "pd.DataFrame", feature: str, notable: float = NOTABLE) -> "pd.Series[bool]":
+def is_uncertain(table: "pd.DataFrame", feature: str, notable: float = NOTABLE_ERROR) -> "pd.Series[bool]":
     """Mark chaotic jobs in which the relative standard error of a feature is unknown or above ``notable``."""
     return _chaotic(table.add_prefix("features/")) & ~(relative_error(table, feature) <= notable)
 
@@ -116,7 +116,7 @@ def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     return relative
 
 
-def scatters_unknown(frame: "pd.DataFrame", feature: str) -> "pd.Series[bool]":
+def has_unknown_scatter(frame: "pd.DataFrame", feature: str) -> "pd.Series[bool]":
     """Mark chaotic jobs in which the feature is a spectral line without a standard error."""
     has_scatter = not is_line(feature) or f"features/{feature}-scatter" in frame
     reached = early_end_errors(frame, feature)

@@ -28,7 +28,9 @@ class Stock:
     damaged: dict[Path, str] = field(default_factory=dict)
 
 
-def judged(units: Iterable[Path], table: "pd.DataFrame | None", read: Rows, everything: bool = False) -> Stock:
+def check_units(
+    units: Iterable[Path], table: "pd.DataFrame | None", read: Rows, everything: bool = False
+) -> Stock:
     """Check units.
 
     table: with the columns ``unit`` and ``stamp``; read: rows read before, by unit; everything: also read the

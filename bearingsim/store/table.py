@@ -22,13 +22,13 @@ from bearingsim.store.columns import GROUPS, TEXT, read_columns, write_columns, 
 from bearingsim.store.files import DiskFull, lock, write_text
 from bearingsim.store.journal import Failure, read_failures
 from bearingsim.store.layouts import check_plan
-from bearingsim.store.names import in_feature_order
-from bearingsim.store.nearness import nearness
+from bearingsim.store.names import sort_features
+from bearingsim.store.nearness import error_bounds
 from bearingsim.store.own_files import FAILURES, UNITS
-from bearingsim.store.provenance import made_of
+from bearingsim.store.provenance import study_digest
 from bearingsim.store.sealed import UNREADABLE, new_hdf5, open_hdf5, read_json, write_json
 from bearingsim.store.spread import errors
-from bearingsim.store.stock import Rows, judged
+from bearingsim.store.stock import Rows, check_units
 from bearingsim.text.spreadsheets import csv_text
 
 if TYPE_CHECKING:
@@ -36,22 +36,22 @@ if TYPE_CHECKING:
 
     from bearingsim.study import Job, Study
 
-PER_JOB = ("status", "reason", "healthy", "unit", "stamp")
-STUDY = "study.yaml"
+JOB_COLUMNS = ("status", "reason", "healthy", "unit", "stamp")
+STUDY_FILE = "study.yaml"
 DIGESTS = ("fingerprint", "csv")
 """Digests stored in ``study.h5``: of the sources of the table, and of ``results.csv``."""
 
 
 def write_plan(root: Path, study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) -> dict[str, Any]:
     """Write ``study.yaml`` (unless the study was read from there) and ``plan.json``; return the plan."""
-    plan = plan_of(study, jobs, notes)
-    if study.path is None or Path(study.path).resolve() != (root / STUDY).resolve():
-        write_text(root / STUDY, study.text)
+    plan = make_plan(study, jobs, notes)
+    if study.path is None or Path(study.path).resolve() != (root / STUDY_FILE).resolve():
+        write_text(root / STUDY_FILE, study.text)
     write_json(root / "plan.json", plan)
     return plan
 
 
-def plan_of(study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) -> dict[str, Any]:
+def make_plan(study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) -> dict[str, Any]:
     """Return the expansion of a study as plain data: name, overrides, figures, jobs and so on.
 
     notes: remarks on the study.
@@ -64,7 +64,7 @@ def plan_of(study: "Study", jobs: Iterable["Job"], notes: Sequence[str] = ()) ->
         "overrides": dict(study.overrides),
         "quick": bool(study.quick),
         "model_version": MODEL_VERSION,
-        "made_of": made_of(study.files, study.overrides, bool(study.quick)),
+        "made_of": study_digest(study.files, study.overrides, bool(study.quick)),
         "notes": list(notes),
         "units": dict(study.units),
         "figures": [asdict(figure) for figure in study.figures],
@@ -131,7 +131,7 @@ def job_frame(root: Path) -> "pd.DataFrame":
     return _make_frame(root, read_plan(root), stored, {}, read_failures(root))
 
 
-def own_frame(root: Path, plan: Mapping[str, Any], rows: Rows) -> "pd.DataFrame":
+def plan_frame(root: Path, plan: Mapping[str, Any], rows: Rows) -> "pd.DataFrame":
     """Return the frame of ``job_frame`` for a plan that may differ from the one in the folder.
 
     rows: rows of units read before, by unit.
@@ -171,12 +171,12 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     import pandas as pd
 
     ours = rows_of(plan)
-    spreads, near = errors(plan, frame), nearness(plan, frame)  # these need the jobs without a row, too
+    spreads, near = errors(plan, frame), error_bounds(plan, frame)  # these need the jobs without a row, too
     frame = frame.loc[[entry["job"] for entry in ours]]
     swept = pd.DataFrame([entry["swept"] for entry in ours], index=frame.index)
     features = frame.filter(regex="^features/").rename(columns=lambda name: name.partition("/")[2])
     features = pd.concat([features, spreads.reindex(frame.index)], axis=1)
-    features = features[in_feature_order(features.columns)]
+    features = features[sort_features(features.columns)]
     models_chosen = (plan.get("accuracy") or {"jobs": {}})["jobs"]
     if models_chosen:
         names = [models_chosen[job]["model"] if job in models_chosen else "" for job in frame.index]
@@ -227,7 +227,7 @@ def _collect(root: Path, table_rows: "pd.DataFrame | None", rows: Rows) -> "pd.D
     """Collect the rows of all intact units; a job in several units is read from the first."""
     import pandas as pd
 
-    stock = judged(UNITS.of(root), table_rows, rows)
+    stock = check_units(UNITS.of(root), table_rows, rows)
     for path, reason in stock.damaged.items():
         text = f"{path} cannot be read ({reason}), its jobs count as missing: run the study again"
         warnings.warn(text, DamageWarning, stacklevel=2)
@@ -281,7 +281,7 @@ def _digest(path: Path) -> str:
 def _write_frame(root: Path, frame: "pd.DataFrame", fingerprint: str) -> None:
     with new_hdf5(root / "study.h5") as file:
         jobs = write_jobs(file, list(frame.index))
-        for name in PER_JOB:
+        for name in JOB_COLUMNS:
             column = file.create_dataset(name, data=frame[name].to_numpy(object), dtype=TEXT)
             column.dims[0].attach_scale(jobs)
         for group in GROUPS:
@@ -304,8 +304,8 @@ def read_frame(root: Path, groups: Sequence[str] = tuple(GROUPS)) -> "pd.DataFra
 
     try:
         with open_hdf5(root / "study.h5") as file:
-            file.afford("its columns", file.cost("job", *PER_JOB))
-            columns = read_columns(file, groups) | {name: file.texts(name) for name in PER_JOB}
+            file.afford("its columns", file.cost("job", *JOB_COLUMNS))
+            columns = read_columns(file, groups) | {name: file.texts(name) for name in JOB_COLUMNS}
             digests = {name: file.attribute(name) for name in DIGESTS}
     except UNREADABLE:
         return None

@@ -99,7 +99,7 @@ def sealed_units(
         yield _sealed(list(group), provenance)
 
 
-def take_unit(root: Path, unit: str, content: bytes) -> Path:
+def store_unit(root: Path, unit: str, content: bytes) -> Path:
     """Write a unit received from another machine, unchanged. Raises DamagedUnit if its digest does not match."""
     path = unit_path(root, unit)
     try:
@@ -192,7 +192,7 @@ def check_unit(path: Path) -> list[str]:
         return list(file.texts("job"))
 
 
-def jobs_named(path: Path) -> list[str]:
+def read_job_ids(path: Path) -> list[str]:
     """Read the ids of the jobs of a unit without checking its digest. Raises DamagedUnit."""
     try:
         with open_unverified(path) as file:
@@ -201,7 +201,7 @@ def jobs_named(path: Path) -> list[str]:
         raise DamagedUnit(f"{path.name}: {error}") from error
 
 
-def computed(path: Path, jobs: Collection[str]) -> dict[str, dict[str, bytes]]:
+def result_digests(path: Path, jobs: Collection[str]) -> dict[str, dict[str, bytes]]:
     """Return digests or bytes of the features, time and channels of some jobs of a unit, by job and name.
 
     They are equal if and only if the values are bitwise equal. Date, host and CPU time are not included. Raises

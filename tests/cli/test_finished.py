@@ -34,14 +34,14 @@ def folder(tmp_path, monkeypatch):
 
 def repeated(*words):
     """What a second run says, and whether it made the cases of the study."""
-    made, usual = [], running.plan_of
+    made, usual = [], running.make_plan
 
     def planned(*given):
         made.append(True)
         return usual(*given)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(running, "plan_of", planned)
+        patch.setattr(running, "make_plan", planned)
         said, _ = type_("run", "told.yaml", "--jobs", 1, *words)
     return said, bool(made)
 

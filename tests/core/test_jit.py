@@ -138,7 +138,7 @@ def test_compiled_code_goes_into_that_folder_and_nowhere_else() -> None:
 
 def test_compiled_code_is_saved_by_one_process_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
     held = mock.MagicMock()
-    monkeypatch.setattr(jit, "saving", lambda process: held)
+    monkeypatch.setattr(jit, "saving_lock", lambda process: held)
     halved = jit.jit(halve)
     halved._cache._save_overload = lambda *given: held.saved(held.__enter__.call_count, held.__exit__.call_count)
     assert halved(3.0) == 1.5

@@ -71,7 +71,7 @@ def results(tmp_path):
         study, root = load_study(file, **options), tmp_path / "results"
         root.mkdir()
         jobs, lost = study.jobs(), lost or {}
-        store.keep_scans(root, [job.case for job in jobs])
+        store.store_scans(root, [job.case for job in jobs])
         store.write_plan(root, study, jobs)
         done = [(job, record(job.case)) for number, job in enumerate(jobs) if number not in lost]
         store.write_units(root, done, {})
@@ -196,7 +196,7 @@ def test_what_moves_chaotically_is_ringed_and_the_legend_says_so(results):
 def test_of_an_accuracy_bars_show_the_error_and_marks_the_model(results, total, shown):
     made = results()
     table = made.table()
-    errors = {**dict.fromkeys(store.PARTS, 0.0), "error.model": 0.03, "error.step": 0.01, "error": total}
+    errors = {**dict.fromkeys(store.ERROR_PARTS, 0.0), "error.model": 0.03, "error.step": 0.01, "error": total}
     for name, share in errors.items():
         table[name] = share
     table["model"] = "planar"

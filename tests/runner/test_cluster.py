@@ -20,7 +20,7 @@ import pandas as pd
 import pytest
 
 from bearingsim import store
-from bearingsim.runner import Interrupted, RunSummary, WorkersDie, run
+from bearingsim.runner import Interrupted, RepeatedWorkerDeaths, RunSummary, run
 from bearingsim.runner.work import Outcome, Work
 from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy
@@ -31,12 +31,12 @@ from distributed import Client
 from bearingsim.runner import cluster, delivery, handshake, packing, select
 from bearingsim.runner.delivery import (
     Delivery,
-    OtherInstallation,
+    InstallationMismatch,
     Parcel,
     WorkerFailed,
     deliver,
     installation,
-    needed,
+    required_installation,
     stop,
 )
 
@@ -289,7 +289,7 @@ def test_where_all_die_no_job_is_blamed(
     monkeypatch.setattr(cluster, "RESTARTS_WITHOUT_PROGRESS", 1)
     study: Any = FakeStudy(deeds=dict.fromkeys(range(3), "kill"))
     until(lambda: workers_at(machines) == 2, "a worker that died was not started anew")
-    with pytest.raises(WorkersDie, match="no job is blamed"):
+    with pytest.raises(RepeatedWorkerDeaths, match="no job is blamed"):
         compute(study, tmp_path, machines.address)
     assert not store.read_failures(tmp_path)
 
@@ -319,12 +319,12 @@ def test_stopping_lets_jobs_in_hand_end(tmp_path: Path, machines: Machines) -> N
 def test_another_installation_is_refused(
     tmp_path: Path, machines: Machines, monkeypatch: pytest.MonkeyPatch, late: bool
 ) -> None:
-    ours = needed() | {"numpy": "1.0", "model version": "0"}
-    monkeypatch.setattr(cluster, "needed", lambda: ours)
+    ours = required_installation() | {"numpy": "1.0", "model version": "0"}
+    monkeypatch.setattr(cluster, "required_installation", lambda: ours)
     if late:  # it came when the others had been asked
         monkeypatch.setattr(cluster.Cluster, "assembled", lambda self: 2)
     told = rf"worker tcp://\S+: numpy {np.__version__} in place of 1.0, model version \d+ in place of 0"
-    with pytest.raises(OtherInstallation, match=told):
+    with pytest.raises(InstallationMismatch, match=told):
         compute(FakeStudy(), tmp_path, machines.address)
     assert not [*tmp_path.glob("units/??/*.h5")]
 
@@ -333,7 +333,7 @@ def test_a_worker_of_several_threads_is_refused(tmp_path: Path, machines: Machin
     extra = machines.worker("--nthreads", "2", "--no-nanny")
     try:
         until(lambda: workers_at(machines) == 3)
-        with pytest.raises(OtherInstallation, match=r"has 2 threads.*--nthreads 1 --nworkers 2"):
+        with pytest.raises(InstallationMismatch, match=r"has 2 threads.*--nthreads 1 --nworkers 2"):
             compute(FakeStudy(), tmp_path, machines.address)
     finally:
         kill_all(extra)
@@ -343,14 +343,14 @@ def test_a_worker_of_several_threads_is_refused(tmp_path: Path, machines: Machin
 def test_a_worker_of_several_threads_that_comes_late_refuses(monkeypatch: pytest.MonkeyPatch) -> None:
     worker = SimpleNamespace(address="tcp://late:1", state=SimpleNamespace(nthreads=2))
     monkeypatch.setattr(delivery, "get_worker", lambda: worker)
-    with pytest.raises(OtherInstallation, match=r"worker tcp://late:1 has 2 threads"):
+    with pytest.raises(InstallationMismatch, match=r"worker tcp://late:1 has 2 threads"):
         deliver(Parcel(b"", {}, "", {}))
 
 
 def test_several_threads_here_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "4")
-    with pytest.raises(OtherInstallation, match=r"OPENBLAS_NUM_THREADS=4 is set.*unset it"):
-        needed()
+    with pytest.raises(InstallationMismatch, match=r"OPENBLAS_NUM_THREADS=4 is set.*unset it"):
+        required_installation()
 
 
 def test_who_dies_while_it_is_asked_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -359,7 +359,7 @@ def test_who_dies_while_it_is_asked_is_left_out(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(client, "run", lambda *told, on_error: answers)
     assert flock(client)._run_on_all(installation) == {"there": {"numpy": "1"}}
     answers["broken"] = ImportError("numba")
-    with pytest.raises(OtherInstallation, match="worker broken cannot load bearingsim: numba"):
+    with pytest.raises(InstallationMismatch, match="worker broken cannot load bearingsim: numba"):
         flock(client).assembled()
 
 
@@ -436,7 +436,7 @@ def test_a_wrong_address_is_told_before_models_are_tried(here: Path, monkeypatch
     def tried(*told: Any) -> None:
         raise AssertionError("models are tried")
 
-    monkeypatch.setattr(handshake, "JOINING_S", 0.5)
+    monkeypatch.setattr(handshake, "CONNECTION_S", 0.5)
     monkeypatch.setattr(select, "_decided", tried)
     text = Path("small.yaml").read_text().partition("figures:")[0].replace("  model: [static, ring]\n", "")
     Path("wanted.yaml").write_text(f"{text}accuracy: {{within: 5 %, of: [velocity.rms]}}\n")
@@ -452,14 +452,14 @@ def test_no_client_is_made_where_nobody_listens(monkeypatch: pytest.MonkeyPatch,
         raise AssertionError("a client is made")
 
     monkeypatch.setattr(handshake, "_Client", made)
-    with pytest.raises(handshake.SchedulerGone) as refused, cluster.joined(address):
+    with pytest.raises(handshake.SchedulerUnreachable) as refused, cluster.connect_cluster(address):
         pass
     reason = "no scheduler responds" if address == "tcp://127.0.0.1:9" else "cannot be used"
     assert reason in str(refused.value)
 
 
 def test_nobody_there_and_nothing_installed(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(handshake, "JOINING_S", 0.5)
+    monkeypatch.setattr(handshake, "CONNECTION_S", 0.5)
     words = ("run", "small.yaml", "--scheduler", "tcp://127.0.0.1:9")
     assert "no scheduler responds at tcp://127.0.0.1:9" in type_(*words, code=2)[1]
     monkeypatch.delitem(sys.modules, "bearingsim.runner.cluster")
@@ -487,7 +487,7 @@ def test_a_worker_dies_and_then_the_scheduler(
         until(lambda: counted(count).total() > seen + 20)
         machines.die()
 
-    with meanwhile(disaster), pytest.raises(handshake.SchedulerGone, match="run the command again"):
+    with meanwhile(disaster), pytest.raises(handshake.SchedulerUnreachable, match="run the command again"):
         compute(study, out, machines.address)
     assert not caplog.records  # the message says it all
     until(lambda: machines.started[2].poll() is not None, "a worker stays when its scheduler has gone")

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from bearingsim import store
-from bearingsim.runner import RunSummary, WorkersDie, run
+from bearingsim.runner import RepeatedWorkerDeaths, RunSummary, run
 from bearingsim.store import DiskFull, files
 from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy
@@ -78,7 +78,7 @@ def test_figures_and_exports_meet_a_full_disk(done: Path, tmp_path: Path, words:
 
 
 def test_a_full_disk_is_named(tmp_path: Path) -> None:
-    with pytest.raises(DiskFull, match=r"the disk /\S* is full"), files.room(tmp_path / "new" / "a"):
+    with pytest.raises(DiskFull, match=r"the disk /\S* is full"), files.full_disk_errors(tmp_path / "new" / "a"):
         raise OSError(28, "No space left on device")
 
 
@@ -88,7 +88,7 @@ def test_a_full_disk_is_named(tmp_path: Path) -> None:
 def test_three_deaths_with_nothing_finished_between_blame_no_job(tmp_path: Path) -> None:
     study = FakeStudy([1e-3 * (i + 1) for i in range(6)], deeds=dict.fromkeys(range(6), "exit"))
     study.deeds[3] = "kill"
-    with pytest.raises(WorkersDie, match=r"3 times without finishing a job \((EXIT\(3\)|SIGKILL)"):
+    with pytest.raises(RepeatedWorkerDeaths, match=r"3 times without finishing a job \((EXIT\(3\)|SIGKILL)"):
         compute(study, tmp_path, jobs=2)
     assert not list(tmp_path.glob("failed/*"))
 
@@ -103,5 +103,5 @@ def test_deaths_while_models_are_tried_are_told(
     write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv(DIE, "1")
-    with pytest.raises(WorkersDie, match="while models were tried 3 times"):
+    with pytest.raises(RepeatedWorkerDeaths, match="while models were tried 3 times"):
         run(near(write), tmp_path / "out", jobs=2, progress=False, engine=TRIALS)

@@ -12,7 +12,7 @@ import pytest
 pytest.importorskip("distributed", reason="needs the extra `cluster`")
 
 from bearingsim.runner import handshake
-from bearingsim.runner.handshake import SchedulerGone, answer_in_time, client_of
+from bearingsim.runner.handshake import SchedulerUnreachable, call_with_timeout, connect
 from benchmarks import handshakes, peers
 
 STRANGER = "is not a dask scheduler ("
@@ -22,19 +22,19 @@ STRANGER = "is not a dask scheduler ("
 def soon(monkeypatch: pytest.MonkeyPatch) -> None:
     """Deadlines that a test can wait for."""
     monkeypatch.setattr(handshake, "GREETING_S", 0.3)
-    monkeypatch.setattr(handshake, "JOINING_S", 0.6)
+    monkeypatch.setattr(handshake, "CONNECTION_S", 0.6)
 
 
 def test_an_answer_in_time_is_given_and_so_is_an_error() -> None:
-    assert answer_in_time(5.0, lambda: 3) == 3
+    assert call_with_timeout(5.0, lambda: 3) == 3
     with pytest.raises(ZeroDivisionError):
-        answer_in_time(5.0, lambda: 1 / 0)
+        call_with_timeout(5.0, lambda: 1 / 0)
 
 
 def test_a_question_without_an_answer_is_given_up() -> None:
     answer = threading.Event()
     with pytest.raises(TimeoutError, match="no answer within"):
-        answer_in_time(0.05, answer.wait)
+        call_with_timeout(0.05, answer.wait)
     answer.set()
 
 
@@ -43,7 +43,7 @@ def test_ctrl_c_is_heard_while_an_answer_is_waited_for() -> None:
     threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
     began = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
-        answer_in_time(30.0, answer.wait)
+        call_with_timeout(30.0, answer.wait)
     answer.set()
     assert time.monotonic() - began < 2.0
 
@@ -60,7 +60,7 @@ def test_ctrl_c_is_heard_while_an_answer_is_waited_for() -> None:
     ],
 )
 def test_what_is_no_scheduler_is_told(peer: peers.Peer, told: str) -> None:
-    with peer as address, pytest.raises(SchedulerGone) as refused, client_of(address):
+    with peer as address, pytest.raises(SchedulerUnreachable) as refused, connect(address):
         pass
     assert told in str(refused.value)
     assert address in str(refused.value)
@@ -69,7 +69,7 @@ def test_what_is_no_scheduler_is_told(peer: peers.Peer, told: str) -> None:
 
 @pytest.mark.parametrize("address", ["http://127.0.0.1:8786", "tcp://127.0.0.1:port"])
 def test_an_invalid_address_is_refused(address: str) -> None:
-    with pytest.raises(SchedulerGone, match=f"`{address}` cannot be used"), client_of(address):
+    with pytest.raises(SchedulerUnreachable, match=f"`{address}` cannot be used"), connect(address):
         pass
 
 
@@ -78,8 +78,8 @@ def test_a_greeting_and_nothing_more_is_told() -> None:
     greeting = b"\x20" + bytes(7) + handshake.WORD.ljust(32)
     with (
         peers.listen(lambda peer: peer.sendall(greeting)) as address,
-        pytest.raises(SchedulerGone, match="no scheduler responds"),
-        client_of(address),
+        pytest.raises(SchedulerUnreachable, match="no scheduler responds"),
+        connect(address),
     ):
         pass
 
@@ -89,7 +89,7 @@ def test_a_greeting_of_any_size_is_not_waited_for(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(handshake, "GREETING_S", 60.0)
     with peers.listen(lambda peer: peer.sendall(b"HTTP/1.1")) as address:
         began = time.monotonic()
-        with pytest.raises(SchedulerGone, match="uses another protocol"), client_of(address):
+        with pytest.raises(SchedulerUnreachable, match="uses another protocol"), connect(address):
             pass
     assert time.monotonic() - began < 5.0
 

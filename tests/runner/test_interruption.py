@@ -6,7 +6,7 @@ import pytest
 
 from bearingsim import interruption
 from bearingsim.errors import Signalled
-from bearingsim.runner.stopping import heeding
+from bearingsim.runner.stopping import defer_signals
 
 
 class Destructor:
@@ -29,7 +29,7 @@ def lost_signal(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.usefixtures("lost_signal")
 def test_work_does_not_begin_after_a_lost_signal() -> None:
-    with pytest.raises(Signalled) as raised, heeding():
+    with pytest.raises(Signalled) as raised, defer_signals():
         pytest.fail("began")
     assert raised.value.number == signal.SIGTERM
 
@@ -44,5 +44,5 @@ def test_no_scheduler_is_joined_after_a_lost_signal() -> None:
 
 def test_work_begins_without_a_signal(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(interruption, "_received", 0)
-    with heeding():
+    with defer_signals():
         pass

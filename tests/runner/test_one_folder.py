@@ -80,16 +80,16 @@ def test_a_plan_that_is_gone_at_the_end_is_told(tmp_path: Path) -> None:
     compute(MM, tmp_path)
     plan = store.read_plan(tmp_path)
     (tmp_path / "plan.json").unlink()
-    assert "lacks 5 of this run's 5 jobs" in "".join(tally.notes_on_others(tmp_path, plan, 0))
+    assert "lacks 5 of this run's 5 jobs" in "".join(tally.other_run_notes(tmp_path, plan, 0))
 
 
 def test_what_another_run_has_just_set_aside_is_no_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     store.Failure("0123456789abcdef", "none").write(tmp_path)
     gone = own_files.FAILURES.of(tmp_path)
     gone[0].unlink()
-    sealed.set_aside(gone[0])
+    sealed.mark_damaged(gone[0])
     monkeypatch.setattr(own_files.OwnFiles, "of", lambda *_: gone)
-    assert journal.judged_failures(tmp_path) == ({}, {})
+    assert journal.load_failures(tmp_path) == ({}, {})
 
 
 def test_a_folder_that_a_run_beside_has_just_marked_is_claimed_too(

@@ -20,9 +20,9 @@ import pytest
 
 from bearingsim import store
 from bearingsim.runner import Interrupted, RunSummary, progress, run
-from bearingsim.runner.findings import chaos, step_errors
+from bearingsim.runner.findings import scatter_warnings, step_warnings
 from bearingsim.runner.packing import Cost, pack, shard_of, unit_seconds
-from bearingsim.runner.summary import grouped
+from bearingsim.runner.summary import group_failures
 from bearingsim.text import patience
 from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
 
@@ -86,9 +86,9 @@ def test_chaotic_jobs_are_told_of_with_what_would_tell_more(
     frame = pd.DataFrame(
         {**features, "standard_error.line": line, "standard_error.rms": rms, "chaotic": 1.0}, range(len(line))
     )
-    assert list(chaos(frame.add_prefix("features/"))) == texts
-    assert not list(chaos(frame.assign(chaotic=0.0).add_prefix("features/")))
-    assert not list(chaos(pd.DataFrame({"status": ["failed"]})))
+    assert list(scatter_warnings(frame.add_prefix("features/"))) == texts
+    assert not list(scatter_warnings(frame.assign(chaotic=0.0).add_prefix("features/")))
+    assert not list(scatter_warnings(pd.DataFrame({"status": ["failed"]})))
 
 
 @pytest.mark.parametrize(
@@ -99,10 +99,10 @@ def test_what_half_the_step_changes_of_a_record_is_told_of_jobs_that_are_not_cha
     errors: list[float], said: list[str]
 ) -> None:
     columns = {"features/step_error.record": [*errors, 0.5], "features/chaotic": [0.0, 0.0, 1.0]}
-    found = list(step_errors(pd.DataFrame(columns)))
+    found = list(step_warnings(pd.DataFrame(columns)))
     assert len(found) == bool(said)
     assert all(part in found[0] for part in said)
-    assert not list(step_errors(pd.DataFrame({"status": ["failed"]})))
+    assert not list(step_warnings(pd.DataFrame({"status": ["failed"]})))
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
@@ -181,7 +181,7 @@ def test_summary_tells_what_is_to_be_known_of_the_cases(tmp_path: Path) -> None:
     """Each thing once, whatever the number of cases."""
     summary = compute(FakeStudy(deeds={0: "told a", 1: "told b", 2: "told a"}), tmp_path)
     assert summary.notes == ("the deed is told a", "the deed is told b")
-    assert summary.happened == summary.notes
+    assert summary.events == summary.notes
     assert str(summary).splitlines()[1:3] == list(summary.notes)
 
 
@@ -279,7 +279,7 @@ def test_failed_jobs_are_tried_again_only_when_asked(tmp_path: Path) -> None:
 
 def test_failures_are_grouped_by_reason_whatever_the_numbers() -> None:
     reasons = ["diverged at 0.12 s", "no such law", "diverged at 3e-05 s"]
-    groups = grouped(store.Failure(f"job{i}", reason, "halve the step") for i, reason in enumerate(reasons))
+    groups = group_failures(store.Failure(f"job{i}", reason, "halve the step") for i, reason in enumerate(reasons))
     assert [len(group.jobs) for group in groups] == [2, 1]
     assert str(groups[0]) == "2 jobs failed: diverged at 0.12 s (halve the step), for example job0"
 

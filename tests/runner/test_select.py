@@ -17,7 +17,7 @@ from bearingsim import selection, store
 from bearingsim.cli.plan import plan_of
 from bearingsim.cli.remarks import model_choices as choices_told
 from bearingsim.runner import Interrupted, RunSummary, run
-from bearingsim.runner.select import NoChoices, selected
+from bearingsim.runner.select import MissingChoices, choose_models
 from bearingsim.selection import Choosing
 from bearingsim.selection.choices import key
 from bearingsim.study import Study, case_id, load_study
@@ -99,7 +99,9 @@ def test_later_runs_and_shards_read_them_and_try_nothing(write: Write, tmp_path:
 def test_a_share_does_not_choose_for_all(write: Write, tmp_path: Path, log: Path) -> None:
     """What is to be typed first is told as it is to be typed."""
     quick = load_study(write(TEXT + "quick: {duration: 0.1 s}\n"), {"load": "[150 N, 300 N]"}, quick=True)
-    with pytest.raises(NoChoices, match=r"no choice of a model for 2 of 2 cases: run `bearingsim check ") as said:
+    with pytest.raises(
+        MissingChoices, match=r"no choice of a model for 2 of 2 cases: run `bearingsim check "
+    ) as said:
         compute(quick, tmp_path / "out", shard=(1, 3))
     typed = shlex.split(str(said.value).split("`")[1])
     assert typed[1:] == [
@@ -121,7 +123,7 @@ def test_shards_come_to_what_one_run_does(write: Write, tmp_path: Path) -> None:
     one, shared = tmp_path / "one", tmp_path / "shared"
     compute(near(write), one)
     store.claim_results(shared, "near", quick=False)
-    selected(near(write), shared, 1, ENGINE, shown=False)  # as `check --pilots` does
+    choose_models(near(write), shared, 1, ENGINE, shown=False)  # as `check --pilots` does
     for number in (1, 2, 3):
         compute(near(write), shared, shard=(number, 3))
     assert choices(one) == choices(shared)
@@ -212,7 +214,7 @@ def test_who_extends_a_study_is_told_what_is_kept(write: Write, tmp_path: Path) 
     assert told in str(summary).splitlines()
     assert told in type_("show", out)[0].splitlines()
     assert told in str(compute(study, out)).splitlines()  # as long as it is so
-    assert told in [*choices_told(plan_of(selected(study, out, 1, ENGINE, shown=False), 1))]
+    assert told in [*choices_told(plan_of(choose_models(study, out, 1, ENGINE, shown=False), 1))]
     (out / "choices.json").unlink()
     assert told not in str(compute(study, out))
     assert notes(out) == []
@@ -491,11 +493,11 @@ def test_no_sum_is_told_where_the_ring_is_only_assumed_to_be_rigid(write: Write,
 
 
 def test_nothing_holds_an_accuracy_before_it_is_computed(write: Write, tmp_path: Path) -> None:
-    from bearingsim.runner.promises import held
+    from bearingsim.runner.promises import accuracy_notes
 
     compute(near(write), tmp_path / "out")
     frame = store.job_frame(tmp_path / "out").assign(status="missing")
-    assert not list(held(store.read_plan(tmp_path / "out"), frame))
+    assert not list(accuracy_notes(store.read_plan(tmp_path / "out"), frame))
 
 
 def test_audits_of_what_is_measured_against_a_twin_compare_that(

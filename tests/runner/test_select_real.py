@@ -125,7 +125,7 @@ def test_two_workers_come_to_the_same(whole: Path, tmp_path: Path) -> None:
 
 def test_pilots_and_shards_come_to_the_same(whole: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    with_models(study(tmp_path), out, 1, try_them=True, engine=ENGINE)
+    with_models(study(tmp_path), out, 1, run_trials=True, engine=ENGINE)
     assert (out / "choices.json").read_bytes() == (whole / "choices.json").read_bytes()
     for number in (3, 1, 2):
         compute(tmp_path, out, shard=(number, 3))

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from bearingsim.plots import stability as maps
-from bearingsim.runner.pool import spread
+from bearingsim.runner.pool import map_unordered
 from bearingsim.stability import judge, mapping, matrix
 from bearingsim.stability.judge import CLASSES, Reference, agreeing_solutions
 from bearingsim.stability.scene import SAMPLE_INTERVAL, SAMPLES, TIMES
@@ -150,7 +150,7 @@ def test_each_exponent_and_kind_of_defect_is_made_ready(monkeypatch):
 
 
 def test_units_are_spread_over_processes():
-    found = spread(os.path.join, [("a", "b"), ("c", "d")], workers=2)
+    found = map_unordered(os.path.join, [("a", "b"), ("c", "d")], workers=2)
     assert sorted(found) == ["a/b", "c/d"]
 
 
@@ -159,7 +159,7 @@ def test_a_map_that_is_interrupted_keeps_its_rows(small, monkeypatch):
         yield [{"model": "ring", "class": "ok"}, {"model": "ring", "class": "blow-up"}]
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(mapping, "spread", some)
+    monkeypatch.setattr(mapping, "map_unordered", some)
     monkeypatch.setattr(mapping, "_compile", lambda *given: None)
     _, told = type_(*small, code=130)
     assert "has 2 of 8 cells" in told

@@ -106,7 +106,7 @@ def test_a_leftover_of_a_dead_writer_is_swept(tmp_path: Path) -> None:
     left = (
         tmp_path
         / "scans"
-        / f"0123456789abcdef.csv.{store.files.writer().rpartition('-')[0]}-4194304-0123abcd.part"
+        / f"0123456789abcdef.csv.{store.files.writer_name().rpartition('-')[0]}-4194304-0123abcd.part"
     )
     left.touch()
     assert store.sweep(tmp_path) == [left]

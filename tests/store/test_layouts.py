@@ -35,7 +35,7 @@ TRIAL |= {"powers": {}, "forces": [1.0] * 4}
 @pytest.fixture(scope="module")
 def plan() -> dict[str, Any]:
     study: Any = FakeStudy()
-    return store.plan_of(study, study.jobs())
+    return store.make_plan(study, study.jobs())
 
 
 def changed(plan: dict[str, Any], place: str, value: Any) -> dict[str, Any]:

@@ -8,8 +8,8 @@ import pytest
 from bearingsim import store
 from bearingsim.errors import DamageWarning, UserError
 from bearingsim.runner import run
-from bearingsim.store import LinkWithin
-from bearingsim.store.files import writer
+from bearingsim.store import LinkInFolder
+from bearingsim.store.files import writer_name
 from bearingsim.store.own_files import FOLDERS, LOCK
 from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy
@@ -30,7 +30,7 @@ def test_a_link_for_a_folder_is_refused(tmp_path: Any, name: str) -> None:
     link.unlink(missing_ok=True)
     link.symlink_to(outside)
     study: Any = FakeStudy()
-    with pytest.raises(LinkWithin, match=f"{link} is a link"):
+    with pytest.raises(LinkInFolder, match=f"{link} is a link"):
         run(study, root, jobs=1, progress=False, engine=ENGINE)
     assert not list(outside.iterdir())
 
@@ -64,7 +64,7 @@ def test_no_table_or_map_is_written_through_a_link(tmp_path: Any, name: str) -> 
     precious.write_text("precious")
     store.claim(folder, "a map", "bearingsim stability", "elsewhere")
     (folder / name).symlink_to(precious)
-    with pytest.raises(LinkWithin, match=f"{name} is a link"):
+    with pytest.raises(LinkInFolder, match=f"{name} is a link"):
         store.claim(folder, "a map", "bearingsim stability", "elsewhere")
 
 
@@ -72,7 +72,7 @@ def test_no_table_or_map_is_written_through_a_link(tmp_path: Any, name: str) -> 
 def test_no_journal_is_written_through_a_link(tmp_path: Any) -> None:
     precious, root = tmp_path / "precious", marked(tmp_path / "results")
     precious.write_text("precious")
-    (root / f"journal-{writer()}.jsonl").symlink_to(precious)
+    (root / f"journal-{writer_name()}.jsonl").symlink_to(precious)
     study: Any = FakeStudy()
     with pytest.raises(OSError, match="journal"):
         run(study, root, jobs=1, progress=False, engine=ENGINE)
@@ -84,7 +84,7 @@ def test_no_lock_is_taken_through_a_link(tmp_path: Any) -> None:
     precious.write_text("precious")
     root.mkdir()
     (root / LOCK).symlink_to(precious)
-    with pytest.raises(LinkWithin, match="is a link"), store.lock(root):
+    with pytest.raises(LinkInFolder, match="is a link"), store.lock(root):
         pass
     assert precious.read_text() == "precious"
 

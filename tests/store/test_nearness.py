@@ -6,8 +6,8 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from bearingsim.runner.promises import held, withdrawals
-from bearingsim.store.nearness import audited, nearness, scales, withdrawn
+from bearingsim.runner.promises import accuracy_notes, withdrawals
+from bearingsim.store.nearness import audit_results, error_bounds, scales, withdrawn_errors
 from bearingsim.study.uncertainty import RIGID
 
 LINE, RMS, FORCE = "velocity@BPFO", "velocity.rms", "outer_force.max"
@@ -35,7 +35,7 @@ def frame(columns: dict[str, list[float]], **others: list[Any]) -> pd.DataFrame:
 
 
 def test_without_an_accuracy_nothing_is_said() -> None:
-    assert nearness({}, frame({LINE: [1.0]})).shape == (1, 0)
+    assert error_bounds({}, frame({LINE: [1.0]})).shape == (1, 0)
 
 
 def test_errors_count_over_the_lowest_curves_largest_value() -> None:
@@ -59,7 +59,7 @@ def test_errors_count_over_the_lowest_curves_largest_value() -> None:
 )
 def test_each_feature_has_its_step_error(feature: str, column: str) -> None:
     steps = {f"step_error.{name}": [0.5, 0.5, 0.5] for name in ("line", "rms", "force", "record")}
-    found = nearness(
+    found = error_bounds(
         plan([feature]), frame({feature: [1.0, 2.0, 4.0]} | steps | {f"step_error.{column}": [0.01] * 3})
     )
     assert found["error.step"].tolist() == pytest.approx([0.005, 0.01, 0.01])
@@ -74,7 +74,7 @@ def test_model_step_and_scatter_add_up_and_the_worst_feature_counts() -> None:
         "step_error.line": [0.01, 0.01, math.nan],
         "step_error.rms": [0.02, 0.0, 0.0],
     }
-    found = nearness(plan([LINE, RMS], {LINE: 0.03, RMS: 0.001}), frame(columns))
+    found = error_bounds(plan([LINE, RMS], {LINE: 0.03, RMS: 0.001}), frame(columns))
     assert found["error.model"].tolist() == pytest.approx([0.03] * 3)
     assert found["error.step"].tolist() == pytest.approx([0.02, 0.01, 0.0])
     assert found["error.scatter"].tolist() == pytest.approx([0.05, 0.1, 0.0])
@@ -87,7 +87,7 @@ def test_the_error_of_the_start_is_added(feature: str, ending: str) -> None:
     columns = {f"error.start{one}": [0.5, 0.5, 0.5] for one in ("", ".rms", ".force")}
     columns |= {feature: [1.0, 2.0, 4.0], f"error.start{ending}": [0.01, 0.02, 0.02], "chaotic": [0.0, 1.0, 1.0]}
     columns |= {f"{feature}-scatter": [0.0, 0.01, 0.2]} if feature == LINE else {}
-    found = nearness(plan([feature]), frame(columns))
+    found = error_bounds(plan([feature]), frame(columns))
     assert found["error.start"].tolist() == pytest.approx(
         [0.005, 0.015, 0.0] if feature == LINE else [0.005, 0.02, 0.02]
     )
@@ -100,7 +100,7 @@ def test_errors_of_nodes_are_added_and_where_unknown_there_is_no_sum() -> None:
     asked = plan([LINE], {LINE: 0.01})
     asked["accuracy"]["jobs"]["a"]["nodes"] = {LINE: 0.02}
     asked["accuracy"]["jobs"]["b"]["nodes"] = {LINE: None}
-    found = nearness(asked, frame({LINE: [1.0, 2.0, 2.0]}))
+    found = error_bounds(asked, frame({LINE: [1.0, 2.0, 2.0]}))
     assert found["error.nodes"].tolist() == pytest.approx([0.02, math.nan, 0.0], nan_ok=True)
     assert found["error"].tolist() == pytest.approx([0.03, math.nan, 0.01], nan_ok=True)
 
@@ -110,7 +110,7 @@ def test_it_is_told_where_more_nodes_would_do() -> None:
     for job, nodes in {"a": 0.03, "b": 0.045, "c": 0.5}.items():
         asked["accuracy"]["jobs"][job]["nodes"] = {LINE: nodes}
     asked["accuracy"]["jobs"]["c"]["error"] = {LINE: 0.06}  # too far off without
-    assert list(held(asked, frame({LINE: [1.0, 2.0, 2.0]}))) == [
+    assert list(accuracy_notes(asked, frame({LINE: [1.0, 2.0, 2.0]}))) == [
         "1 of 3 cases are within 5 % of the reference, a model, the others within 56 %",
         "  1 more would be with more `contact.length_nodes` (slices, harmonics)",
     ]
@@ -119,23 +119,25 @@ def test_it_is_told_where_more_nodes_would_do() -> None:
 def test_a_chaotic_line_whose_scatter_nothing_tells_has_no_sum() -> None:
     columns = {"velocity@2BSF": [1.0, 2.0, 2.0], RMS: [1.0, 1.0, 1.0], "chaotic": [1.0, 0.0, 0.0]}
     asked = plan(["velocity@2BSF", RMS], {RMS: 0.03})
-    found = nearness(asked, frame(columns))
+    found = error_bounds(asked, frame(columns))
     assert found["error.scatter"].isna().tolist() == [True, False, False]
     assert found["error"].isna().tolist() == [True, False, False]
     assert found["error.model"].tolist() == [0.03] * 3
-    told = list(held(asked, frame(columns)))
+    told = list(accuracy_notes(asked, frame(columns)))
     assert "2 of 3 cases are within 5 % of the reference, a model" in told
     assert "1 chaotic cases: standard error of a line, and so accuracy, unknown" in told
 
 
 def test_no_sum_where_the_ring_is_only_assumed_to_be_rigid() -> None:
-    found = nearness(plan([LINE], {LINE: 0.03}) | {"assumptions": [RIGID]}, frame({LINE: [1.0, 2.0, 2.0]}))
+    found = error_bounds(plan([LINE], {LINE: 0.03}) | {"assumptions": [RIGID]}, frame({LINE: [1.0, 2.0, 2.0]}))
     assert found["error"].isna().all()
     assert found["error.model"].tolist() == [0.03] * 3
 
 
 def test_what_failed_has_no_errors() -> None:
-    found = nearness(plan([LINE], {LINE: 0.03}), frame({LINE: [1.0, 2.0, 2.0]}, status=["done", "failed", "done"]))
+    found = error_bounds(
+        plan([LINE], {LINE: 0.03}), frame({LINE: [1.0, 2.0, 2.0]}, status=["done", "failed", "done"])
+    )
     assert found.loc["b"].isna().all()
     assert found["error"].notna().sum() == 2
 
@@ -144,7 +146,7 @@ AUDIT = [{"of": "a", "job": "d"}]
 
 
 def test_an_audit_is_off_by_what_differs_over_the_curve() -> None:
-    (found,) = audited(plan([LINE], audits=AUDIT), frame({LINE: [1.0, 2.0, 2.0, 1.1]}))
+    (found,) = audit_results(plan([LINE], audits=AUDIT), frame({LINE: [1.0, 2.0, 2.0, 1.1]}))
     assert found == ("a", LINE, pytest.approx(0.05), 0.0)
 
 
@@ -153,9 +155,9 @@ def test_an_audit_that_compares_nothing_is_none(audit: float | None) -> None:
     """It would else count as one that kept its accuracy."""
     healthy = f"{LINE}-healthy"
     given = frame({healthy: [1.0, 2.0, 2.0, math.nan]} if audit is not None else {LINE: [1.0] * 4})
-    assert not list(audited(plan([healthy], audits=AUDIT), given))
+    assert not list(audit_results(plan([healthy], audits=AUDIT), given))
     missing = frame({LINE: [1.0, 2.0, 2.0, 1.1]}, status=["done", "done", "done", "failed"])
-    assert not list(audited(plan([LINE], audits=AUDIT), missing))
+    assert not list(audit_results(plan([LINE], audits=AUDIT), missing))
 
 
 # An audit that fails
@@ -165,27 +167,27 @@ def test_a_failed_audit_withdraws_the_promise_of_its_curve() -> None:
     """Of that curve alone: `c` is on none, and keeps its own error."""
     asked = plan([LINE], {LINE: 0.01}, audits=AUDIT)
     given = frame({LINE: [1.0, 2.0, 2.0, 1.4]})  # a is 20 % of the curve's largest value off
-    assert withdrawn(asked, given) == pytest.approx({"a": 0.2, "b": 0.2})
-    found = nearness(asked, given)
+    assert withdrawn_errors(asked, given) == pytest.approx({"a": 0.2, "b": 0.2})
+    found = error_bounds(asked, given)
     assert found["error"].iloc[:3].tolist() == pytest.approx([0.2, 0.2, 0.01])
     assert found["error.model"].iloc[:3].tolist() == pytest.approx([0.01] * 3)
     assert list(withdrawals(asked, given)) == [
         "accuracy of 5 % withdrawn for 2 of 3 cases: velocity@BPFO is 20 % off its reference",
         "  in job a; `model: reference` in place of `accuracy` computes all by it",
     ]
-    assert list(held(asked, given)) == ["of the other 1 cases 1 are within 5 % by their trials"]
+    assert list(accuracy_notes(asked, given)) == ["of the other 1 cases 1 are within 5 % by their trials"]
 
 
 @pytest.mark.parametrize(("audit", "fails"), [(1.099, False), (1.101, True), (0.901, False), (0.899, True)])
 def test_an_audit_fails_beyond_what_was_asked(audit: float, fails: bool) -> None:
     asked, given = plan([LINE], audits=AUDIT), frame({LINE: [1.0, 2.0, 2.0, audit]})
-    assert bool(withdrawn(asked, given)) == fails
-    assert any("of the reference" in text for text in held(asked, given)) != fails
+    assert bool(withdrawn_errors(asked, given)) == fails
+    assert any("of the reference" in text for text in accuracy_notes(asked, given)) != fails
 
 
 def test_scatter_of_both_runs_excuses_an_audit() -> None:
     columns = {LINE: [1.0, 2.0, 2.0, 1.4], f"{LINE}-scatter": [0.15, 0.0, 0.0, 0.1], "chaotic": [1.0] * 4}
-    assert not withdrawn(plan([LINE], audits=AUDIT), frame(columns))
+    assert not withdrawn_errors(plan([LINE], audits=AUDIT), frame(columns))
 
 
 def test_each_feature_has_a_curve_of_its_own_to_lose() -> None:
@@ -194,16 +196,16 @@ def test_each_feature_has_a_curve_of_its_own_to_lose() -> None:
     asked = plan([LINE, RMS], audits=AUDIT, curves=curves)
     given = {LINE: [1.0, 2.0, 2.0, 1.0], RMS: [1.0, 1.0, 1.0, 1.3]}
     noisy = {f"{LINE}-scatter": [9.0] * 4, "chaotic": [1.0] * 4, "rms_scatter": [0.0] * 4}
-    assert withdrawn(asked, frame(given | noisy)) == pytest.approx({"a": 0.3, "c": 0.3})
+    assert withdrawn_errors(asked, frame(given | noisy)) == pytest.approx({"a": 0.3, "c": 0.3})
 
 
 def test_a_feature_on_no_curve_loses_its_own_case_alone() -> None:
     asked = plan([LINE], audits=AUDIT, curves=[])
-    assert withdrawn(asked, frame({LINE: [1.0, 2.0, 2.0, 1.4]})) == {"a": pytest.approx(0.4)}
+    assert withdrawn_errors(asked, frame({LINE: [1.0, 2.0, 2.0, 1.4]})) == {"a": pytest.approx(0.4)}
 
 
 def test_what_an_audit_found_is_in_the_table_though_the_ring_is_only_assumed_to_be_rigid() -> None:
     asked = plan([LINE], audits=AUDIT) | {"assumptions": [RIGID]}
-    found = nearness(asked, frame({LINE: [1.0, 2.0, 2.0, 1.4]}))
+    found = error_bounds(asked, frame({LINE: [1.0, 2.0, 2.0, 1.4]}))
     assert found["error"].iloc[:2].tolist() == pytest.approx([0.2, 0.2])
     assert math.isnan(found["error"].iloc[2])

@@ -5,8 +5,8 @@ import math
 import pandas as pd
 import pytest
 
-from bearingsim.store import is_one_draw
-from bearingsim.store.spread import scatters_unknown, standard_error
+from bearingsim.store import is_uncertain
+from bearingsim.store.spread import has_unknown_scatter, standard_error
 
 LINE, RMS = "velocity@BPFO", "velocity.rms"
 
@@ -36,23 +36,23 @@ def table(chaotic: float = 1.0, line: float = 0.0, rms: float = 0.0) -> pd.DataF
     ],
 )
 def test_a_result_is_flagged_by_its_own_standard_error(feature: str, found: pd.DataFrame, is_so: bool) -> None:
-    assert bool(is_one_draw(found, feature).iloc[0]) == is_so
+    assert bool(is_uncertain(found, feature).iloc[0]) == is_so
 
 
 def test_a_closer_look_may_be_asked_for() -> None:
-    assert is_one_draw(table(line=0.004), LINE, notable=0.003).iloc[0]
+    assert is_uncertain(table(line=0.004), LINE, notable=0.003).iloc[0]
 
 
 def test_results_that_were_not_checked_are_not_flagged() -> None:
-    assert not is_one_draw(pd.DataFrame([{LINE: 2.0}]), LINE).iloc[0]
+    assert not is_uncertain(pd.DataFrame([{LINE: 2.0}]), LINE).iloc[0]
 
 
 def test_blocks_of_passes_tell_more_than_single_ones() -> None:
     found = table(line=0.1, rms=0.1).assign(**{"standard_error.line": [0.004], "standard_error.rms": [0.006]})
-    assert not is_one_draw(found, LINE).iloc[0]
-    assert is_one_draw(found, RMS).iloc[0]
-    assert is_one_draw(found.assign(**{"standard_error.line": [math.nan]}), LINE).iloc[0]
-    assert is_one_draw(found.assign(**{"standard_error.line": [math.inf]}), LINE).iloc[0]
+    assert not is_uncertain(found, LINE).iloc[0]
+    assert is_uncertain(found, RMS).iloc[0]
+    assert is_uncertain(found.assign(**{"standard_error.line": [math.nan]}), LINE).iloc[0]
+    assert is_uncertain(found.assign(**{"standard_error.line": [math.inf]}), LINE).iloc[0]
 
 
 def test_a_record_that_ended_early_has_the_standard_error_it_ended_by() -> None:
@@ -65,5 +65,5 @@ def test_a_record_that_ended_early_has_the_standard_error_it_ended_by() -> None:
     assert standard_error(early, "outer_force.max").iloc[0] == 0.0
     assert standard_error(full, LINE).iloc[0] == 0.0
     chaotic = early.assign(**{"features/chaotic": 1.0})
-    assert not scatters_unknown(chaotic, "velocity@BPFI").iloc[0]
-    assert scatters_unknown(full.assign(**{"features/chaotic": 1.0}), "velocity@BPFI").iloc[0]
+    assert not has_unknown_scatter(chaotic, "velocity@BPFI").iloc[0]
+    assert has_unknown_scatter(full.assign(**{"features/chaotic": 1.0}), "velocity@BPFI").iloc[0]

@@ -56,7 +56,7 @@ def narrowed(tmp_path: Path) -> Path:
 def test_what_is_not_planned_is_told_and_nothing_changes(narrowed: Path) -> None:
     before = {path: path.read_bytes() for path in files_of(narrowed)}
     said, _ = type_("prune", narrowed)
-    found = store.superfluous(narrowed)
+    found = store.find_removable(narrowed)
     assert {what: len(paths) for what, paths in found.files.items()} == {UNITS: 1, FAILURES: 1}
     assert found.bytes == sum(len(before[path]) for path in found.paths)
     assert f"in all 2 files, {found.bytes} bytes" in said
@@ -67,7 +67,7 @@ def test_what_is_not_planned_is_told_and_nothing_changes(narrowed: Path) -> None
 
 def test_what_is_not_planned_is_removed_and_nothing_else(narrowed: Path) -> None:
     before, table = files_of(narrowed), store.open_results(narrowed).table()
-    found = store.superfluous(narrowed)
+    found = store.find_removable(narrowed)
     said, _ = type_("prune", narrowed, "--no-dry-run", "-v")
     assert said.splitlines()[-1] == "removed"
     assert all(path.name in said for path in found.paths)
@@ -129,8 +129,8 @@ def test_scans_go_once_all_jobs_are_done_and_none_is_made_from_them(
     monkeypatch.setattr("bearingsim.store.units.flat_parameters", with_digest)
     compute(study, root)
     kept = [with_scan(root, b"1 2"), with_scan(root, orphan)]
-    assert "scans are kept (2 files): 1 job that may need them is not done" in str(store.superfluous(root))
-    assert not store.superfluous(root).paths
+    assert "scans are kept (2 files): 1 job that may need them is not done" in str(store.find_removable(root))
+    assert not store.find_removable(root).paths
     flag.touch()
     run(study, root, jobs=1, progress=False, engine=ENGINE, retry_failed=True)
     assert store.prune(root).paths == [kept[1]]
@@ -141,13 +141,13 @@ def test_trials_go_with_the_accuracy_that_asked_for_them(tmp_path: Path, monkeyp
     compute(FakeStudy(), tmp_path)
     selection.write_trials(tmp_path, ID, {"one": None})
     (tmp_path / f"trials/{OTHER}.json").write_text("{")
-    assert [path.name for path in store.superfluous(tmp_path).paths] == [f"{ID}.json", f"{OTHER}.json"]
+    assert [path.name for path in store.find_removable(tmp_path).paths] == [f"{ID}.json", f"{OTHER}.json"]
     monkeypatch.setattr(store.Results, "plan", store.read_plan(tmp_path) | {"accuracy": {"within": 0.05}})
     assert [path.name for path in store.prune(tmp_path).paths] == [f"{OTHER}.json"]
 
 
 def test_a_folder_in_use_is_refused(narrowed: Path) -> None:
-    found = store.superfluous(narrowed)
+    found = store.find_removable(narrowed)
     with FileLock(narrowed / ".lock"):
         assert "another run holds" in type_("prune", narrowed, "--no-dry-run", code=2)[1]
     with temporary(narrowed / "units/00", ID, "started"):
@@ -223,8 +223,8 @@ def test_nothing_goes_while_a_check_tries_models(
         seen.append(True)
         return study
 
-    monkeypatch.setattr(sys.modules[with_models.__module__], "selected", selected)
+    monkeypatch.setattr(sys.modules[with_models.__module__], "choose_models", selected)
     near = trials.near(write)
-    with_models(replace(near, name="fake"), narrowed, 1, try_them=True)
+    with_models(replace(near, name="fake"), narrowed, 1, run_trials=True)
     assert seen
     assert store.prune(narrowed).paths

@@ -95,7 +95,7 @@ def test_jobs_are_the_rows_of_the_table_and_the_plan_names_variations_too(tmp_pa
     assert results.planned == tuple(ids)
     assert len(ids) > len(own)
     assert store.planned_jobs(tmp_path) == set(ids)
-    assert not store.superfluous(tmp_path).paths  # variations are not pruned
+    assert not store.find_removable(tmp_path).paths  # variations are not pruned
     one = study.variations()[0].job.id
     assert find_job(results, one) == one
     assert len(results.series(one)) == 2
@@ -497,12 +497,12 @@ def test_what_is_not_there_is_said(tmp_path: Path, study: FakeStudy) -> None:
 def test_a_unit_sealed_elsewhere_is_taken_as_it_is(tmp_path: Path, study: FakeStudy) -> None:
     [path] = seal(tmp_path / "there", study)
     content = path.read_bytes()
-    taken = store.take_unit(tmp_path / "here", path.stem, content)
+    taken = store.store_unit(tmp_path / "here", path.stem, content)
     assert taken.read_bytes() == content
     assert taken.relative_to(tmp_path / "here") == path.relative_to(tmp_path / "there")
     for wrong, unit in ((content[:-200], path.stem), (flipped(content), path.stem), (content, "0" * 16)):
         with pytest.raises(store.DamagedUnit, match="as it came"):
-            store.take_unit(tmp_path / "other", unit, wrong)
+            store.store_unit(tmp_path / "other", unit, wrong)
     assert not (tmp_path / "other").exists()
 
 

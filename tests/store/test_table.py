@@ -21,19 +21,19 @@ def test_the_plan_of_an_accuracy_names_the_models_that_were_chosen(write: Write)
     study = near(write)
     choices = {key(study, case): Choice("static", "static", "near enough", {}) for case in study.cases()}
     chosen = selection.chosen(study, choices)
-    plan = json.loads(json.dumps(store.plan_of(chosen, chosen.jobs())))
+    plan = json.loads(json.dumps(store.make_plan(chosen, chosen.jobs())))
     layouts.check_plan(plan)
     accuracy = plan["accuracy"]
     assert accuracy["within"] == 0.05
     assert [choice["model"] for choice in accuracy["jobs"].values()] == 3 * ["static"]
     assert accuracy["curves"][0]["jobs"] == list(accuracy["jobs"])
     assert {audit["of"] for audit in accuracy["audits"]} <= set(accuracy["jobs"])
-    assert store.plan_of(study, [])["accuracy"] is None
+    assert store.make_plan(study, [])["accuracy"] is None
 
 
 @pytest.mark.parametrize(("said", "nothing"), [("", False), ("uncertainty: none\n", True)])
 def test_a_plan_tells_nothing_uncertain_from_nothing_said(write: Write, said: str, nothing: bool) -> None:
-    assert store.plan_of(near(write, TEXT + said), [])["nothing_uncertain"] is nothing
+    assert store.make_plan(near(write, TEXT + said), [])["nothing_uncertain"] is nothing
 
 
 def test_a_damaged_plan_is_not_read(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 
 from bearingsim import store
 from bearingsim.plots.plot import drawn
-from bearingsim.runner.findings import moved
+from bearingsim.runner.findings import variation_effects
 from bearingsim.store.spread import errors, spread, standard_error
 from bearingsim.store.table import job_frame
 from bearingsim.study import StudyError, case_id, json_schema, load_study
@@ -392,9 +392,9 @@ def test_one_job_is_told_without_at_most() -> None:
     plan |= {"jobs": [SimpleNamespace(job=name) for name in "abc"], "units": {}}
     said = "damping 1 to 10 us changes line amplitude by 37 %, RMS by 24 %, largest force by 10 %"
     chaotic = "1 of 2 damping variations are chaotic; the change includes their standard error"
-    assert list(moved(plan, frame)) == [said, chaotic]
+    assert list(variation_effects(plan, frame)) == [said, chaotic]
     frame["features/chaotic"] = 0.0
-    assert list(moved(plan, frame)) == [said.replace("37", "30").replace("24", "15")]
+    assert list(variation_effects(plan, frame)) == [said.replace("37", "30").replace("24", "15")]
 
 
 def test_a_value_with_which_no_case_could_be_is_refused(write: Write) -> None:

@@ -9,7 +9,7 @@ from matplotlib.collections import PolyCollection
 
 from bearingsim import store
 from bearingsim.plots.plot import drawn
-from bearingsim.runner.findings import assumed
+from bearingsim.runner.findings import assumption_notes
 from bearingsim.store.table import job_frame
 from bearingsim.study import case_id, load_study
 from bearingsim.study.uncertainty import RIGID, SUPPORTS, UNKNOWNS, Uncertain
@@ -153,7 +153,7 @@ def test_its_figure_has_a_band_from_the_least_to_the_largest(ran: tuple[Path, st
 
 
 @pytest.mark.parametrize(
-    ("said", "assumed"),
+    ("said", "is_assumed"),
     [
         ("", True),
         ("rig: {bracket_stiffness: 1e6 N/m}", True),
@@ -170,9 +170,9 @@ def test_its_figure_has_a_band_from_the_least_to_the_largest(ran: tuple[Path, st
         ("record: []\nsweep: {load: [1 N, 2 N]}\nfigures: [{y: acceleration.rms, x: load}]", True),
     ],
 )
-def test_a_rigid_ring_is_told_where_its_motion_is_read(write: Write, said: str, assumed: bool) -> None:
+def test_a_rigid_ring_is_told_where_its_motion_is_read(write: Write, said: str, is_assumed: bool) -> None:
     text = BASE if not said.partition("sweep: {load")[1] else BASE.replace("load: 150 N\n", "")
-    assert load_study(write(f"{text}{said}\n")).assumptions.count(RIGID) == assumed
+    assert load_study(write(f"{text}{said}\n")).assumptions.count(RIGID) == is_assumed
 
 
 def test_check_says_it_once(write: Write) -> None:
@@ -190,6 +190,6 @@ def test_old_results_assume_nothing(ran: tuple[Path, str]) -> None:
     """Their plan does not speak of it."""
     plan = json.loads((ran[0] / "out" / "plan.json").read_text())
     frame = job_frame(ran[0] / "out")
-    assert RIGID in list(assumed(plan | {"assumptions": [RIGID]}, frame))
+    assert RIGID in list(assumption_notes(plan | {"assumptions": [RIGID]}, frame))
     del plan["assumptions"]
-    assert RIGID not in list(assumed(plan, frame))
+    assert RIGID not in list(assumption_notes(plan, frame))
