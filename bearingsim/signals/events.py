@@ -4,12 +4,12 @@ import numpy as np
 
 from bearingsim.signals.spectra import analytic
 
-SMOOTHED = 40  # the period over this is the shortest distance of two events
-WHITENED = 20  # harmonics of the passes on either side for levelling the spectrum
-FLOOR = 1e-3  # of the mean power: weaker lines are not levelled
-LEAST = 0.08  # least height of an entry, relative to the exit
-STILL = 1e-6  # of the envelope: smaller changes are rounding errors
-NOISE = 7.0  # least height of an event, in standard errors of the mean over passes
+SMOOTHING = 40  # the period over this is the shortest distance of two events
+WHITENING_HARMONICS = 20  # harmonics of the passes on either side for levelling the spectrum
+POWER_FLOOR = 1e-3  # of the mean power: weaker lines are not levelled
+MIN_ENTRY_HEIGHT = 0.08  # least height of an entry, relative to the exit
+MIN_VARIATION = 1e-6  # of the envelope: smaller changes are rounding errors
+MIN_SIGNIFICANCE = 7.0  # least height of an event, in standard errors of the mean over passes
 
 
 def spacing(series: np.ndarray, fs: float, period: float) -> float:
@@ -28,43 +28,45 @@ def spacing(series: np.ndarray, fs: float, period: float) -> float:
     exit is measured 0.2 ms late. Raises ValueError if the record has fewer than two passes, or a pass fewer than
     40 samples.
     """
-    if len(series) < 2.0 * period * fs or period * fs < SMOOTHED:
+    if len(series) < 2.0 * period * fs or period * fs < SMOOTHING:
         raise ValueError(
-            f"{len(series)} samples at {fs:g} Hz are not two passes of {period:g} s, {SMOOTHED} samples in each"
+            f"{len(series)} samples at {fs:g} Hz are not two passes of {period:g} s, {SMOOTHING} samples in each"
         )
-    envelope = smoothed(levelled_envelope(series, fs, WHITENED / period), period * fs / SMOOTHED)
-    passes = about_exits(np.sqrt(np.maximum(envelope, 0.0)), int(period * fs / 2.0))
+    envelope = smooth(levelled_envelope(series, fs, WHITENING_HARMONICS / period), period * fs / SMOOTHING)
+    passes = passes_around_exits(np.sqrt(np.maximum(envelope, 0.0)), int(period * fs / 2.0))
     if len(passes) < 2:
         return float("nan")
     mean, error = passes.mean(axis=0), passes.std(axis=0) / np.sqrt(len(passes) - 1)
-    if np.ptp(mean) <= STILL * mean.mean():
+    if np.ptp(mean) <= MIN_VARIATION * mean.mean():
         return float("nan")
-    half = len(mean) // 2
-    entry = most_prominent(mean[: half + 1], np.maximum(LEAST * np.ptp(mean), NOISE * error))
-    return (summit(mean, half) - summit(mean, entry)) / fs if entry else float("nan")
+    centre = len(mean) // 2
+    entry = most_prominent(
+        mean[: centre + 1], np.maximum(MIN_ENTRY_HEIGHT * np.ptp(mean), MIN_SIGNIFICANCE * error)
+    )
+    return (interpolate_peak(mean, centre) - interpolate_peak(mean, entry)) / fs if entry else float("nan")
 
 
-def about_exits(envelope: np.ndarray, half: int) -> np.ndarray:
+def passes_around_exits(envelope: np.ndarray, half: int) -> np.ndarray:
     """Return passes (p, 2 half + 1) centred on the values of an envelope (n,) that are highest within half a
     pass."""
-    tops = maxima(envelope)
-    tops = tops[(tops >= half) & (tops < len(envelope) - half)]
-    around = np.lib.stride_tricks.sliding_window_view(envelope, 2 * half + 1)[tops - half]
-    return around[envelope[tops] >= around.max(axis=1)]
+    peaks = maxima(envelope)
+    peaks = peaks[(peaks >= half) & (peaks < len(envelope) - half)]
+    windows = np.lib.stride_tricks.sliding_window_view(envelope, 2 * half + 1)[peaks - half]
+    return windows[envelope[peaks] >= windows.max(axis=1)]
 
 
-def levelled_envelope(series: np.ndarray, fs: float, reach: float) -> np.ndarray:
-    """Compute the squared envelope (n,) of a series with its power levelled over +-``reach`` (Hz)."""
+def levelled_envelope(series: np.ndarray, fs: float, half_band: float) -> np.ndarray:
+    """Compute the squared envelope (n,) of a series with its power levelled over +-``half_band`` (Hz)."""
     transform = np.fft.rfft(series - series.mean())
     power = np.abs(transform) ** 2
-    wide = min(max(1, round(reach * len(series) / fs)), len(power) - 1)
-    total = np.cumsum(np.concatenate([[0.0], np.pad(power, wide, mode="reflect")]))
-    local = (total[2 * wide + 1 :] - total[: -2 * wide - 1]) / (2 * wide + 1)
-    level = np.sqrt(local + FLOOR * power.mean())
+    half_width = min(max(1, round(half_band * len(series) / fs)), len(power) - 1)
+    cumulative = np.cumsum(np.concatenate([[0.0], np.pad(power, half_width, mode="reflect")]))
+    local_mean = (cumulative[2 * half_width + 1 :] - cumulative[: -2 * half_width - 1]) / (2 * half_width + 1)
+    level = np.sqrt(local_mean + POWER_FLOOR * power.mean())
     return np.abs(analytic(transform / np.where(level > 0.0, level, 1.0), len(series))) ** 2
 
 
-def smoothed(series: np.ndarray, width: float) -> np.ndarray:
+def smooth(series: np.ndarray, width: float) -> np.ndarray:
     """Smooth a series (n,) with a bell of ``width`` samples at half height."""
     frequencies = np.fft.rfftfreq(len(series))
     bell = np.exp(-((np.pi * width * frequencies) ** 2) / (4.0 * np.log(2.0)))
@@ -76,27 +78,27 @@ def maxima(values: np.ndarray) -> np.ndarray:
     return 1 + np.flatnonzero((values[1:-1] > values[:-2]) & (values[1:-1] >= values[2:]))
 
 
-def most_prominent(values: np.ndarray, least: np.ndarray) -> int:
+def most_prominent(values: np.ndarray, min_prominence: np.ndarray) -> int:
     """Return the index of the most prominent inner maximum; 0 if there is none.
 
-    values: (n,); least: (n,) or more, least prominence. The prominence is the height above the higher of the two
+    values: (n,); min_prominence: (n,) or more. The prominence is the height above the higher of the two
     minima between the maximum and a higher value on either side.
     """
-    tops = maxima(values)
-    heights = np.array([height(values, int(top)) for top in tops])
-    heights[heights < least[tops]] = 0.0
-    return int(tops[np.argmax(heights)]) if np.any(heights) else 0
+    peaks = maxima(values)
+    prominences = np.array([prominence(values, int(peak)) for peak in peaks])
+    prominences[prominences < min_prominence[peaks]] = 0.0
+    return int(peaks[np.argmax(prominences)]) if np.any(prominences) else 0
 
 
-def summit(values: np.ndarray, top: int) -> float:
-    """Interpolate the position of the local maximum at index ``top`` by a parabola through three values."""
-    left, middle, right = values[top - 1 : top + 2]
-    return float(top + 0.5 * (left - right) / (left - 2.0 * middle + right))
+def interpolate_peak(values: np.ndarray, peak: int) -> float:
+    """Interpolate the position of the local maximum at index ``peak`` by a parabola through three values."""
+    left, middle, right = values[peak - 1 : peak + 2]
+    return float(peak + 0.5 * (left - right) / (left - 2.0 * middle + right))
 
 
-def height(values: np.ndarray, top: int) -> float:
+def prominence(values: np.ndarray, peak: int) -> float:
     """Compute the prominence of a maximum; the ends of the series count as higher."""
-    higher = np.flatnonzero(values > values[top])
-    left = higher[higher < top].max(initial=0)
-    right = higher[higher > top].min(initial=len(values))
-    return float(values[top] - max(values[left : top + 1].min(), values[top:right].min()))
+    higher = np.flatnonzero(values > values[peak])
+    left = higher[higher < peak].max(initial=0)
+    right = higher[higher > peak].min(initial=len(values))
+    return float(values[peak] - max(values[left : peak + 1].min(), values[peak:right].min()))

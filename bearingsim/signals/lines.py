@@ -56,8 +56,8 @@ def line(by_pass: np.ndarray, neighbours: bool = False) -> tuple[float, float, f
     n = len(by_pass)
     weights = pass_weights(n, neighbours)
     mean = (weights * by_pass).sum() / weights.sum()
-    scatter = np.sqrt(np.mean(np.abs(by_pass - mean) ** 2) / (n - 1)) if n > 1 else np.nan
-    return float(abs(mean)), float(np.angle(mean)), float(scatter)
+    standard_error = np.sqrt(np.mean(np.abs(by_pass - mean) ** 2) / (n - 1)) if n > 1 else np.nan
+    return float(abs(mean)), float(np.angle(mean)), float(standard_error)
 
 
 def line_at(series: np.ndarray, angle: np.ndarray) -> np.ndarray:
@@ -82,31 +82,31 @@ def line_at(series: np.ndarray, angle: np.ndarray) -> np.ndarray:
 
 
 def lines_of_windows(
-    windows: np.ndarray, count: int, period: int, rest: np.ndarray, angle: np.ndarray, turn: np.ndarray
+    windows: np.ndarray, count: int, period: int, tail: np.ndarray, angle: np.ndarray, turn: np.ndarray
 ) -> np.ndarray:
     """Compute ``line_at`` of L lines at constant speed in a series of windows, the last of which repeat.
 
     windows: (..., W, M); the series consists of ``count`` consecutive windows, of which those after the first W
-    repeat the last ``period`` windows, and of ``rest`` (..., r) at the end. angle: (L,) rad of each line at the
+    repeat the last ``period`` windows, and of ``tail`` (..., r) at the end. angle: (L,) rad of each line at the
     first sample; turn: (L,) rad per sample. A Hann window is a sum of three exponentials, so three sums per window
     and line suffice, whatever the window's positions and number of repetitions. Returns (..., L) complex.
     """
     W, M = windows.shape[-2:]
-    N = count * M + rest.shape[-1]
-    to_window = 2.0 * pi / (N - 1) * np.array([0.0, -1.0, 1.0])
-    frequency = (np.append(turn, 0.0)[:, np.newaxis] + to_window).ravel()  # the last one for the mean
+    N = count * M + tail.shape[-1]
+    window_frequencies = 2.0 * pi / (N - 1) * np.array([0.0, -1.0, 1.0])
+    frequency = (np.append(turn, 0.0)[:, np.newaxis] + window_frequencies).ravel()  # the last one for the mean
     w = np.arange(W)
-    again = w >= W - period
-    times = np.where(again, (count - 1 - w) // max(1, period) + 1, 1)
-    occurs = _turns(M * w, frequency) * _sum_of_turns(M * period * frequency, times[:, np.newaxis])
-    within = _consecutive_turns(max(M, rest.shape[-1]), frequency)
-    total = (rest @ within[: rest.shape[-1]]) * _turn(count * M * frequency)
-    within = within[:M]
-    for some in np.array_split(w, 1 + W * M // BLOCK):  # products of real windows are complex and twice as large
-        total += np.einsum("...wf,wf->...f", windows[..., some, :] @ within, occurs[some])
+    repeats = w >= W - period
+    counts = np.where(repeats, (count - 1 - w) // max(1, period) + 1, 1)
+    occurrences = _phasors(M * w, frequency) * _phasor_sum(M * period * frequency, counts[:, np.newaxis])
+    phasors = _consecutive_phasors(max(M, tail.shape[-1]), frequency)
+    total = (tail @ phasors[: tail.shape[-1]]) * _phasor(count * M * frequency)
+    phasors = phasors[:M]
+    for chunk in np.array_split(w, 1 + W * M // BLOCK):  # products of real windows are complex and twice as large
+        total += np.einsum("...wf,wf->...f", windows[..., chunk, :] @ phasors, occurrences[chunk])
     hann = np.array([0.5, -0.25, -0.25]) / (0.5 * (N - 1))
     sums = total.reshape(*total.shape[:-1], -1, 3) @ hann
-    kernel = _sum_of_turns(frequency, np.array(N)).reshape(-1, 3) @ hann
+    kernel = _phasor_sum(frequency, np.array(N)).reshape(-1, 3) @ hann
     lines = 2.0 * np.exp(-1j * angle) * (sums[..., :-1] - sums[..., -1:] * kernel[:-1])
     return np.where(np.abs(turn) * (N - 1) >= 4.0 * pi, lines, complex(np.nan, np.nan))
 
@@ -124,34 +124,36 @@ def lines_of_blocks(
     for series, angle, increments in blocks:
         shift = series.mean(axis=2, keepdims=True) if shift is None else shift
         weight = np.sin((angle - begin[:, np.newaxis]) / (2.0 * turns[:, np.newaxis])) ** 2 * increments
-        kernel = weight * _turn(angle)
-        moving = series - shift  # the mean can be a thousand times a line
+        kernel = weight * _phasor(angle)
+        centred = series - shift  # the mean can be a thousand times a line
         weights, kernels = weights + weight.sum(axis=1), kernels + kernel.sum(axis=1)
-        mean = mean + np.einsum("lqn,ln->lq", moving, weight)
-        total = total + np.einsum("lqn,ln->lq", moving, kernel)
+        mean = mean + np.einsum("lqn,ln->lq", centred, weight)
+        total = total + np.einsum("lqn,ln->lq", centred, kernel)
     lines = 2.0 * (total - mean * (kernels / weights)[:, np.newaxis]) / np.expand_dims(weights, 1)
     return np.where(np.abs(turns)[:, np.newaxis] >= 2.0, lines, complex(np.nan, np.nan))
 
 
-def _turn(angle: np.ndarray) -> np.ndarray:
+def _phasor(angle: np.ndarray) -> np.ndarray:
     """Compute exp(-i angle)."""
     return np.cos(angle) - 1j * np.sin(angle)
 
 
-def _turns(n: np.ndarray, frequency: np.ndarray) -> np.ndarray:
+def _phasors(n: np.ndarray, frequency: np.ndarray) -> np.ndarray:
     """Compute exp(-i f n), (n, f)."""
-    return _turn(np.multiply.outer(n, frequency))
+    return _phasor(np.multiply.outer(n, frequency))
 
 
-def _consecutive_turns(count: int, frequency: np.ndarray) -> np.ndarray:
+def _consecutive_phasors(count: int, frequency: np.ndarray) -> np.ndarray:
     """Compute exp(-i f n) for n = 0 ... ``count`` - 1, (count, f), as products of two, which is cheaper than
     cosines."""
-    few = isqrt(count) + 1
-    turns = _turns(few * np.arange(-(-count // few)), frequency)[:, np.newaxis] * _turns(np.arange(few), frequency)
-    return turns.reshape(-1, len(frequency))[:count]
+    stride = isqrt(count) + 1
+    phasors = _phasors(stride * np.arange(-(-count // stride)), frequency)[:, np.newaxis] * _phasors(
+        np.arange(stride), frequency
+    )
+    return phasors.reshape(-1, len(frequency))[:count]
 
 
-def _sum_of_turns(frequency: np.ndarray, N: np.ndarray) -> np.ndarray:
+def _phasor_sum(frequency: np.ndarray, N: np.ndarray) -> np.ndarray:
     """Sum exp(-i f n) over n = 0 ... N - 1, for frequencies and numbers N that broadcast."""
     half = 0.5 * np.remainder(frequency + pi, 2.0 * pi) - 0.5 * pi  # without whole turns, where the sum is N
     sine = np.sin(half)
@@ -171,7 +173,7 @@ def resolvable(frequencies: Sequence[float] | np.ndarray, duration: float) -> np
     zero, because of the mean and the line's negative frequency. Equal and non-finite lines are not resolved.
     """
     values = np.asarray(frequencies, dtype=float)
-    apart = np.abs(np.subtract.outer(values, values))
-    np.fill_diagonal(apart, np.inf)
-    nearest = np.minimum(np.nan_to_num(apart, nan=np.inf).min(axis=1, initial=np.inf), np.abs(values))
+    distances = np.abs(np.subtract.outer(values, values))
+    np.fill_diagonal(distances, np.inf)
+    nearest = np.minimum(np.nan_to_num(distances, nan=np.inf).min(axis=1, initial=np.inf), np.abs(values))
     return np.isfinite(values) & (nearest * duration >= 2.0 * (1.0 - 1e-9))

@@ -9,15 +9,15 @@ def statistics(series: np.ndarray, weights: np.ndarray | None = None) -> dict[st
     weights: (n,) number of occurrences of each value, 1 by default. Crest and kurtosis of a constant series are
     nan.
     """
-    moving = series - np.average(series, weights=weights)
-    peak, level = (max(values.max(), -values.min()) for values in (moving, series))
-    power = np.square(moving, out=moving)
-    square = np.average(power, weights=weights)
-    alive = peak > 1e-12 * level  # smaller values are rounding errors
-    fourth = np.average(np.square(power, out=power), weights=weights)
+    centred = series - np.average(series, weights=weights)
+    peak, largest = (max(values.max(), -values.min()) for values in (centred, series))
+    squares = np.square(centred, out=centred)
+    mean_square = np.average(squares, weights=weights)
+    varies = peak > 1e-12 * largest  # smaller values are rounding errors
+    fourth_moment = np.average(np.square(squares, out=squares), weights=weights)
     return {
-        "rms": float(np.sqrt(square)),
+        "rms": float(np.sqrt(mean_square)),
         "peak": float(peak),
-        "crest": float(peak / np.sqrt(square)) if alive else float("nan"),
-        "kurtosis": float(fourth / square**2) if alive else float("nan"),
+        "crest": float(peak / np.sqrt(mean_square)) if varies else float("nan"),
+        "kurtosis": float(fourth_moment / mean_square**2) if varies else float("nan"),
     }

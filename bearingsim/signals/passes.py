@@ -30,28 +30,28 @@ def at_equal_angles(fine: np.ndarray, angle: np.ndarray, M: int) -> tuple[np.nda
     )
     if end <= begin:
         raise ValueError(f"no whole pass lies within the record, {TAPS // 2} samples spared at both ends")
-    equal = 2.0 * pi * (begin + np.arange((end - begin) * M + 1) / M)
-    return interpolated(fine, np.interp(equal, angle, np.arange(len(angle)))), begin
+    angles = 2.0 * pi * (begin + np.arange((end - begin) * M + 1) / M)
+    return interpolate(fine, np.interp(angles, angle, np.arange(len(angle)))), begin
 
 
-def interpolated(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
+def interpolate(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
     """Interpolate rows (C, n) at ``positions`` (P,), in samples, from 15 to n - 16: (C, P). See
     ``at_equal_angles``.
     """
     values = np.empty((len(rows), len(positions)))
     for begin in range(0, len(positions), BLOCK):
         block = slice(begin, begin + BLOCK)
-        values[:, block] = _interpolated(rows, positions[block])
+        values[:, block] = _interpolate_block(rows, positions[block])
     return values
 
 
-def _interpolated(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
-    before = np.minimum(np.floor(positions).astype(int), rows.shape[1] - TAPS // 2 - 1)
-    beyond = positions - before
+def _interpolate_block(rows: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    indices = np.minimum(np.floor(positions).astype(int), rows.shape[1] - TAPS // 2 - 1)
+    fractions = positions - indices
     values, total = np.zeros((len(rows), len(positions))), np.zeros(len(positions))
     for tap in range(1 - TAPS // 2, TAPS // 2 + 1):
-        weight = kernel(beyond - tap)
-        values += rows[:, before + tap] * weight
+        weight = kernel(fractions - tap)
+        values += rows[:, indices + tap] * weight
         total += weight
     return values / total  # preserves a constant, which may be a thousand times the rest
 

@@ -7,15 +7,15 @@ import numpy as np
 
 from bearingsim.signals.spectra import hann
 
-LEAST_PROMINENCE = 2.0  # ratio to the local median; leakage and ripple can reach 1.5
-TOLD = 0.75  # bins, half width of the narrowest resolvable frequency window
+MIN_PROMINENCE = 2.0  # ratio to the local median; leakage and ripple can reach 1.5
+MIN_HALF_WIDTH = 0.75  # bins, half width of the narrowest resolvable frequency window
 PADDING = 4  # least samples of the spectrum per bin
-REACH = 6.0  # bins beyond the frequency window in which lines are resolved together
-ONE = 1.5  # bins, least distance of two lines
+MARGIN = 6.0  # bins beyond the frequency window in which lines are resolved together
+MIN_SEPARATION = 1.5  # bins, least distance of two lines
 SHOULDER = 3.0, 0.05  # bins, and share of a line: a weaker line within this distance is its shoulder
 MIN_LINE = 1e-3  # relative to the strongest line nearby
 MAX_LINES = 12  # lines resolved together
-BENT = 0.23  # power at which Hann's main lobe is closest to a parabola
+PARABOLA_POWER = 0.23  # power at which Hann's main lobe is closest to a parabola
 
 
 class PickedLine(NamedTuple):
@@ -50,24 +50,26 @@ def pick_line(series: np.ndarray, fs: float, expected: float, tolerance: float =
     of a ten times weaker neighbour by 8 %, one of 0.1 % by 30 %, and one of 0.2 % turns a shoulder into a false
     line (at 159 Hz, in 1 s).
     """
-    duration, half = len(series) / fs, tolerance * expected
-    if half * duration < TOLD:
+    duration, half_width = len(series) / fs, tolerance * expected
+    if half_width * duration < MIN_HALF_WIDTH:
         raise ValueError(
             f"a record of {duration:.4g} s is too short to tell a line at {expected:g} Hz within "
-            f"{100 * tolerance:g} % from its neighbours: it takes {TOLD / half:.4g} s"
+            f"{100 * tolerance:g} % from its neighbours: it takes {MIN_HALF_WIDTH / half_width:.4g} s"
         )
-    if expected + half + (REACH + 2.0) / duration > fs / 2.0:
+    if expected + half_width + (MARGIN + 2.0) / duration > fs / 2.0:
         raise ValueError(f"{expected:g} Hz is too near half the sample rate, {fs / 2.0:g} Hz")
     bins, values = _centred_spectrum(series, expected * duration)
-    around = np.abs(bins) <= _surroundings(expected, tolerance, 1.0 / duration) * duration
-    median = float(np.median(np.abs(values[around])))
-    near = np.abs(bins) <= half * duration + REACH
-    positions, amplitudes = _resolved(bins[near], values[near], LEAST_PROMINENCE * median)
-    stands = _stand(positions, amplitudes, LEAST_PROMINENCE * median) & (np.abs(positions) <= half * duration)
-    if not stands.any():
+    in_median = np.abs(bins) <= _median_half_width(expected, tolerance, 1.0 / duration) * duration
+    median = float(np.median(np.abs(values[in_median])))
+    in_window = np.abs(bins) <= half_width * duration + MARGIN
+    positions, amplitudes = _resolve(bins[in_window], values[in_window], MIN_PROMINENCE * median)
+    accepted = _are_lines(positions, amplitudes, MIN_PROMINENCE * median) & (
+        np.abs(positions) <= half_width * duration
+    )
+    if not accepted.any():
         return None
-    best = int(np.argmax(np.where(stands, amplitudes, 0.0)))
-    return _picked(expected + positions[best] / duration, amplitudes[best], median)
+    best = int(np.argmax(np.where(accepted, amplitudes, 0.0)))
+    return _picked_line(expected + positions[best] / duration, amplitudes[best], median)
 
 
 def pick_from(
@@ -84,36 +86,36 @@ def pick_from(
     Hann window use ``pick_line``.
     """
     step = float(frequencies[1] - frequencies[0])
-    close = np.abs(frequencies - expected) <= _surroundings(expected, tolerance, step)
-    median = float(np.median(amplitudes[close])) if close.any() else 0.0
-    tops = 1 + np.flatnonzero((amplitudes[1:-1] > amplitudes[:-2]) & (amplitudes[1:-1] >= amplitudes[2:]))
-    candidates = [_top(frequencies, amplitudes, top) for top in tops[close[tops]]]
-    inside = [
+    in_median = np.abs(frequencies - expected) <= _median_half_width(expected, tolerance, step)
+    median = float(np.median(amplitudes[in_median])) if in_median.any() else 0.0
+    peaks = 1 + np.flatnonzero((amplitudes[1:-1] > amplitudes[:-2]) & (amplitudes[1:-1] >= amplitudes[2:]))
+    candidates = [_interpolate_peak(frequencies, amplitudes, peak) for peak in peaks[in_median[peaks]]]
+    candidate_lines = [
         (amplitude, frequency)
         for frequency, amplitude in candidates
-        if abs(frequency - expected) <= tolerance * expected and amplitude >= LEAST_PROMINENCE * median
+        if abs(frequency - expected) <= tolerance * expected and amplitude >= MIN_PROMINENCE * median
     ]
-    if not inside:
+    if not candidate_lines:
         return None
-    amplitude, frequency = max(inside)
-    return _picked(frequency, amplitude, median)
+    amplitude, frequency = max(candidate_lines)
+    return _picked_line(frequency, amplitude, median)
 
 
-def _surroundings(expected: float, tolerance: float, step: float) -> float:
+def _median_half_width(expected: float, tolerance: float, step: float) -> float:
     """Return the half width (Hz) of the band for a line's median, for bins ``step`` (Hz) wide."""
     return max(0.1 * expected, 5.0 * tolerance * expected, 20.0 * step)
 
 
-def _picked(frequency: float, amplitude: float, median: float) -> PickedLine:
+def _picked_line(frequency: float, amplitude: float, median: float) -> PickedLine:
     return PickedLine(float(frequency), float(amplitude), float(amplitude / median) if median > 0.0 else inf)
 
 
-def _top(frequencies: np.ndarray, amplitudes: np.ndarray, top: int) -> tuple[float, float]:
+def _interpolate_peak(frequencies: np.ndarray, amplitudes: np.ndarray, peak: int) -> tuple[float, float]:
     """Interpolate frequency and amplitude of a local maximum between samples."""
-    left, middle, right = amplitudes[top - 1 : top + 2] ** BENT
+    left, middle, right = amplitudes[peak - 1 : peak + 2] ** PARABOLA_POWER
     shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
-    frequency = frequencies[top] + shift * (frequencies[1] - frequencies[0])
-    return float(frequency), float((middle - 0.25 * (left - right) * shift) ** (1.0 / BENT))
+    frequency = frequencies[peak] + shift * (frequencies[1] - frequencies[0])
+    return float(frequency), float((middle - 0.25 * (left - right) * shift) ** (1.0 / PARABOLA_POWER))
 
 
 def _centred_spectrum(series: np.ndarray, expected: float) -> tuple[np.ndarray, np.ndarray]:
@@ -132,44 +134,46 @@ def _line_shape(distance: np.ndarray) -> np.ndarray:
     return np.sinc(distance) + 0.5 * (np.sinc(distance - 1.0) + np.sinc(distance + 1.0))
 
 
-def _resolved(bins: np.ndarray, values: np.ndarray, floor: float) -> tuple[np.ndarray, np.ndarray]:
+def _resolve(bins: np.ndarray, values: np.ndarray, floor: float) -> tuple[np.ndarray, np.ndarray]:
     """Resolve a piece of a spectrum into lines; return their positions (bins) and amplitudes, the strongest first.
 
     A guess that converges within 1.5 bins of another line is part of a broad line, so it is dropped and its
     position excluded.
     """
-    positions, lines, left = np.zeros(0), np.zeros(0, dtype=complex), values
-    open_bins = np.ones(len(bins))
+    positions, lines, residual = np.zeros(0), np.zeros(0, dtype=complex), values
+    is_open = np.ones(len(bins))
     for _ in range(MAX_LINES):
-        strongest = int(np.argmax(np.abs(left) * open_bins))
-        if abs(left[strongest]) * open_bins[strongest] <= max(floor, MIN_LINE * np.abs(lines).max(initial=0.0)):
+        strongest = int(np.argmax(np.abs(residual) * is_open))
+        if abs(residual[strongest]) * is_open[strongest] <= max(floor, MIN_LINE * np.abs(lines).max(initial=0.0)):
             break
-        refined = _refined(bins, values, np.append(positions, bins[strongest]))
-        if np.diff(np.sort(refined[0])).min(initial=ONE) < ONE:
-            open_bins[np.abs(bins - bins[strongest]) < ONE] = 0.0
+        refined_lines = _refine(bins, values, np.append(positions, bins[strongest]))
+        if np.diff(np.sort(refined_lines[0])).min(initial=MIN_SEPARATION) < MIN_SEPARATION:
+            is_open[np.abs(bins - bins[strongest]) < MIN_SEPARATION] = 0.0
         else:
-            positions, lines, left = refined
+            positions, lines, residual = refined_lines
     return positions, np.abs(lines)
 
 
-def _refined(
+def _refine(
     bins: np.ndarray, values: np.ndarray, positions: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Refine line positions (k,) by Gauss-Newton; return them, complex amplitudes (k,) and the residual (n,)."""
     for _ in range(30):
-        shape, lines, left = _remove_peaks(bins, values, positions)
+        shape, lines, residual = _fit_lines(bins, values, positions)
         distance = bins[:, np.newaxis] - positions
         derivative = (_line_shape(distance - 1e-4) - _line_shape(distance + 1e-4)) / 2e-4
         columns = np.hstack([shape, 1j * shape, derivative * lines])
-        moves = np.linalg.lstsq(_parts(columns), _parts(left), rcond=1e-10)[0][2 * len(positions) :]
-        positions = positions + np.clip(moves, -0.25, 0.25)
-        if np.abs(moves).max() < 1e-8:
+        shifts = np.linalg.lstsq(_stack_parts(columns), _stack_parts(residual), rcond=1e-10)[0][
+            2 * len(positions) :
+        ]
+        positions = positions + np.clip(shifts, -0.25, 0.25)
+        if np.abs(shifts).max() < 1e-8:
             break
-    _, lines, left = _remove_peaks(bins, values, positions)
-    return positions, lines, left
+    _, lines, residual = _fit_lines(bins, values, positions)
+    return positions, lines, residual
 
 
-def _remove_peaks(
+def _fit_lines(
     bins: np.ndarray, values: np.ndarray, positions: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Fit lines at positions; return shapes (n, k), amplitudes (k,) by least squares, and the residual (n,)."""
@@ -178,16 +182,16 @@ def _remove_peaks(
     return shape, lines, values - shape @ lines
 
 
-def _parts(values: np.ndarray) -> np.ndarray:
+def _stack_parts(values: np.ndarray) -> np.ndarray:
     """Stack real and imaginary parts, for complex least squares with real unknowns."""
     return np.concatenate([values.real, values.imag])
 
 
-def _stand(positions: np.ndarray, amplitudes: np.ndarray, floor: float) -> np.ndarray:
+def _are_lines(positions: np.ndarray, amplitudes: np.ndarray, floor: float) -> np.ndarray:
     """Check which lines (k,) exceed ``floor`` and are not part or shoulder of a stronger one."""
-    apart = np.abs(np.subtract.outer(positions, positions))
+    distances = np.abs(np.subtract.outer(positions, positions))
     stronger = amplitudes > amplitudes[:, np.newaxis]
-    part = stronger & (apart < ONE)
-    shoulder = (apart < SHOULDER[0]) & (amplitudes * SHOULDER[1] > amplitudes[:, np.newaxis])
-    enough = amplitudes >= max(floor, MIN_LINE * amplitudes.max(initial=0.0))
-    return enough & ~np.any(part | shoulder, axis=1)
+    is_part = stronger & (distances < MIN_SEPARATION)
+    is_shoulder = (distances < SHOULDER[0]) & (amplitudes * SHOULDER[1] > amplitudes[:, np.newaxis])
+    is_strong = amplitudes >= max(floor, MIN_LINE * amplitudes.max(initial=0.0))
+    return is_strong & ~np.any(is_part | is_shoulder, axis=1)

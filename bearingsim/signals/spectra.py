@@ -39,18 +39,18 @@ def squared_envelope(series: np.ndarray, fs: float, band: tuple[float, float] | 
     if not 0.0 <= low < high <= fs / 2.0:
         raise ValueError(f"a band from {low:g} to {high:g} Hz is not within 0 to {fs / 2.0:g} Hz")
     frequencies = np.fft.rfftfreq(len(series), 1.0 / fs)
-    kept = np.fft.rfft(series) * ((frequencies >= low) & (frequencies <= high) & (frequencies > 0.0))
-    return np.abs(analytic(kept, len(series))) ** 2
+    transform = np.fft.rfft(series) * ((frequencies >= low) & (frequencies <= high) & (frequencies > 0.0))
+    return np.abs(analytic(transform, len(series))) ** 2
 
 
-def analytic(positive: np.ndarray, n: int) -> np.ndarray:
+def analytic(one_sided: np.ndarray, n: int) -> np.ndarray:
     """Compute the analytic signal (n,) of a real series of n samples, from its one-sided transform (n//2 + 1,)."""
-    both = np.zeros(n, dtype=complex)
-    both[: len(positive)] = 2.0 * positive
-    both[0] = positive[0]
+    transform = np.zeros(n, dtype=complex)
+    transform[: len(one_sided)] = 2.0 * one_sided
+    transform[0] = one_sided[0]
     if n % 2 == 0:
-        both[n // 2] = positive[-1]
-    return np.fft.ifft(both)
+        transform[n // 2] = one_sided[-1]
+    return np.fft.ifft(transform)
 
 
 FLAT = 0.4
@@ -91,11 +91,11 @@ def band_rms(series: np.ndarray, fs: float, band: tuple[float, float]) -> float:
     return float(np.sqrt(2.0 * power.sum() / (len(series) * np.sum(weight**2))))
 
 
-MIRRORED = 64
+MIRROR_LENGTH = 64
 """Samples by which a series is extended at both ends for filtering."""
 PHASE_POINTS, PHASE_RATES = 1 << 14, 4
 """Points at which the gain is evaluated, up to ``PHASE_RATES``/2 times the sampling rate."""
-STOPPED = 1e-4
+STOP_GAIN = 1e-4
 """Gain above half of the sampling rate."""
 
 
@@ -108,23 +108,23 @@ def causal(series: np.ndarray) -> np.ndarray:
     Signal Processing, ch. 13). Both ends are extended by their mirror image, so some samples there are distorted.
     """
     n = series.shape[-1]
-    reach = min(n - 1, MIRRORED)
-    wide = np.concatenate([series[..., reach:0:-1], series, series[..., -2 : -2 - reach : -1]], axis=-1)
-    frequencies = np.fft.rfftfreq(wide.shape[-1])
-    response = _gain(frequencies) * np.exp(1j * _least_phase(frequencies))
-    return np.fft.irfft(np.fft.rfft(wide) * response, wide.shape[-1])[..., reach : reach + n]
+    margin = min(n - 1, MIRROR_LENGTH)
+    extended = np.concatenate([series[..., margin:0:-1], series, series[..., -2 : -2 - margin : -1]], axis=-1)
+    frequencies = np.fft.rfftfreq(extended.shape[-1])
+    response = _gain(frequencies) * np.exp(1j * _minimum_phase(frequencies))
+    return np.fft.irfft(np.fft.rfft(extended) * response, extended.shape[-1])[..., margin : margin + n]
 
 
 def _gain(frequency: np.ndarray) -> np.ndarray:
     """Compute the gain of the low-pass; frequency: relative to the sampling rate."""
-    falling = np.clip((frequency - FLAT) / (0.5 - FLAT), 0.0, 1.0)
-    return np.maximum(np.cos(0.5 * np.pi * falling) ** 2, STOPPED)
+    transition = np.clip((frequency - FLAT) / (0.5 - FLAT), 0.0, 1.0)
+    return np.maximum(np.cos(0.5 * np.pi * transition) ** 2, STOP_GAIN)
 
 
-def _least_phase(frequency: np.ndarray) -> np.ndarray:
+def _minimum_phase(frequency: np.ndarray) -> np.ndarray:
     """Compute the phase (rad) of the minimum-phase filter with that gain."""
-    whole, half = np.fft.fftfreq(PHASE_POINTS, 1.0 / PHASE_RATES), PHASE_POINTS // 2
-    cepstrum = np.fft.ifft(np.log(_gain(np.abs(whole)))).real
+    frequencies, half = np.fft.fftfreq(PHASE_POINTS, 1.0 / PHASE_RATES), PHASE_POINTS // 2
+    cepstrum = np.fft.ifft(np.log(_gain(np.abs(frequencies)))).real
     cepstrum[1:half] *= 2.0
     cepstrum[half + 1 :] = 0.0
-    return np.interp(frequency, whole[:half], np.fft.fft(cepstrum).imag[:half])
+    return np.interp(frequency, frequencies[:half], np.fft.fft(cepstrum).imag[:half])
