@@ -35,7 +35,7 @@ from bearingsim.core.defects.pairs import (
 )
 from bearingsim.core.defects.profile import depth_at
 from bearingsim.core.defects.spall import Spall
-from bearingsim.core.defects.traced import cut_along_roller, grouped, traced_defects
+from bearingsim.core.defects.traced import cut_along_roller, group_paths, pack_traced_defects
 from bearingsim.core.jit import jit
 
 R, L_W = outer_reduced_radius(0.006, 0.0385), 0.012
@@ -197,9 +197,9 @@ def print_cost() -> None:
     further = {"rounded": EasedDefect(kinds["elliptical"], 2e-5, 0.0), "spall": Spall(6e-3, 2e-3, 5e-5, 1.0, 3)}
     for name, defect in (kinds | further | {"rough scan": rough_scan(1)}).items():
         began = time.perf_counter()
-        rows, paths = grouped(defect, R, cut_along_roller(defect, L_W, 24))
+        rows, paths = group_paths(defect, R, cut_along_roller(defect, L_W, 24))
         build_ms = 1e3 * (time.perf_counter() - began)
-        packed = traced_defects([RollerDefectPair(0, -1, 0.0, 0.0385, R, rows, paths)])
+        packed = pack_traced_defects([RollerDefectPair(0, -1, 0.0, 0.0385, R, rows, paths)])
         k = max(range(len(rows)), key=lambda i: len(paths[i].pieces))
         ns = [nanoseconds(packed.excitation, packed.groups[0, k], in_order) for in_order in (True, False)]
         assert abs(sum(row[GROUP_WEIGHT] for row in rows) - 1.0) < 1e-9

@@ -43,13 +43,13 @@ from bearingsim.core.defects.pairs import (
 )
 from bearingsim.core.defects.spall import Spall
 from bearingsim.core.defects.traced import (
-    burr,
+    burr_height,
     cut_along_roller,
-    grouped,
+    group_paths,
+    pack_traced_defects,
     sharpest_cusp,
-    sliced,
+    slice_paths,
     span_of,
-    traced_defects,
 )
 from bearingsim.core.laws import hertz
 from bearingsim.errors import Refused
@@ -89,7 +89,7 @@ def packed_defects(case: Case, zetas: Positions | None = None) -> Defects:
     """
     chosen, pairs = excitation(case), roller_defect_pairs(case, zetas)
     if any(pair.paths for pair in pairs):
-        return traced_defects(pairs)
+        return pack_traced_defects(pairs)
     return pack_defects(pairs, chosen, 1 if zetas is None else len(zetas))
 
 
@@ -214,7 +214,7 @@ def _response_range(case: Case, d: config.Defect) -> tuple[float, float]:
     """Return the largest range (m) along rolling, from a defect's middle, in which it acts on a roller."""
     defect = depth_map(d)
     low, high, _, _ = extent(defect)
-    lifted = sqrt(2.0 * reduced_radius(case, OUTER) * burr(defect))
+    lifted = sqrt(2.0 * reduced_radius(case, OUTER) * burr_height(defect))
     return low - lifted, high + lifted
 
 
@@ -317,5 +317,5 @@ def traced_groups(case: Case, defect: Any, side: int, zetas: Positions | None) -
     """Build groups and paths of a traced defect along the contact, or at given slices."""
     L_w, R = contact_length(case, side), reduced_radius(case, side)
     if zetas is not None:
-        return sliced(defect, R, zetas)
-    return grouped(defect, R, cut_along_roller(defect, L_w, case.contact.length_nodes))
+        return slice_paths(defect, R, zetas)
+    return group_paths(defect, R, cut_along_roller(defect, L_w, case.contact.length_nodes))

@@ -31,9 +31,9 @@ def drop(case: Case, z: float) -> float:
     L_w, profile = roller_length(case), b.roller_profile
     match profile.shape:
         case "crowned":
-            return cut.crowned(z, L_w, profile.straight_length or 0.0, profile.drop or 0.0)
+            return cut.crowned_drop(z, L_w, profile.straight_length or 0.0, profile.drop or 0.0)
         case "logarithmic":
-            return cut.logarithmic(z, L_w, b.roller_diameter)
+            return cut.logarithmic_drop(z, L_w, b.roller_diameter)
     return 0.0
 
 

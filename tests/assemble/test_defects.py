@@ -22,7 +22,7 @@ from bearingsim.core.defects.pairs import (
     SPAN,
     passing_speed,
 )
-from bearingsim.core.defects.traced import cut_along_roller, grouped, traced_defects
+from bearingsim.core.defects.traced import cut_along_roller, group_paths, pack_traced_defects
 from bearingsim.core.laws.damping.hunt_crossley import HuntCrossley
 from bearingsim.core.laws.stiffness.power_laws import palmgren
 from bearingsim.core.methods.verlet import Verlet
@@ -171,8 +171,8 @@ def test_rollers_over_a_traced_slot_move_as_over_its_closed_form():
     model = assemble.align_with_cusp(assemble.model(case(defect=SLOT)), 6289, 0.5)
     (slot,) = roller_defect_pairs(case(defect=SLOT))
     defect = Rectangular(12e-3, 8e-4, 5e-5)
-    rows, paths = grouped(defect, slot.R, cut_along_roller(defect, 12e-3, 6))
-    by_table = model._replace(defects=traced_defects([slot._replace(groups=rows, paths=paths)]))
+    rows, paths = group_paths(defect, slot.R, cut_along_roller(defect, 12e-3, 6))
+    by_table = model._replace(defects=pack_traced_defects([slot._replace(groups=rows, paths=paths)]))
     expected, found = (drive(one, Verlet(1e-6), 6289, at_rest(one)) for one in (model, by_table))
     scale = np.abs(expected).max(axis=1, keepdims=True) + 1e-12
     assert expected[4].max() > 1000.0  # the ring is struck
@@ -183,7 +183,7 @@ def test_shapes_of_the_same_sizes_are_told_apart():
     """Tuples of the same numbers are equal in Python."""
     sizes = (3e-3, 8e-4, 2e-6)
     box, groove, bowl = (
-        grouped(kind(*sizes), 7e-3, [(1.0, 0.0)])[1][0] for kind in (Rectangular, Triangular, Circular)
+        group_paths(kind(*sizes), 7e-3, [(1.0, 0.0)])[1][0] for kind in (Rectangular, Triangular, Circular)
     )
     assert len({path.pieces.tobytes() for path in (box, groove, bowl)}) == 3
 

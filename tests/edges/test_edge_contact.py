@@ -8,7 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from bearingsim.core.defects.closed_forms import groups_of
-from bearingsim.core.defects.edge_contact import EdgeContact, edge_contact, narrowed_contact, one_edge, two_edges
+from bearingsim.core.defects.edge_contact import EdgeContact, edge_contact, narrow_contact, one_edge, two_edges
 from bearingsim.core.defects.excitations import Envelope, defect_response, response_groups
 from bearingsim.core.defects.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, X_E
 from bearingsim.core.jit import jit
@@ -43,17 +43,17 @@ def test_a_sharp_edge_of_a_half_plane():
     unit = FORCE / (np.pi * PAIR.E_star)
     for xi in (-1.0, -0.5, 0.0, 0.5, 1.0, 3.0, 10.0):
         found = contact_under_force(PAIR, slot, body, FORCE, xi * HALF)
-        f, _ = narrowed_contact(xi)
+        f, _ = narrow_contact(xi)
         assert (found.approach - found.h - found.smooth_approach) / unit == pytest.approx(f, abs=0.02)
-    assert narrowed_contact(0.0)[0] == pytest.approx(log(3.0), rel=1e-12)
-    assert narrowed_contact(-1.0)[0] == pytest.approx(0.0, abs=1e-12)
+    assert narrow_contact(0.0)[0] == pytest.approx(log(3.0), rel=1e-12)
+    assert narrow_contact(-1.0)[0] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_where_the_pressure_s_centre_lies():
     """b before the rim as Hertz, a third of the contact at the rim, s before it from farther away."""
-    assert narrowed_contact(-1.0)[1] == pytest.approx(1.0)
-    assert narrowed_contact(0.0)[1] == pytest.approx(2.0 / sqrt(3.0) / 3.0)
-    assert narrowed_contact(-4.0)[1] == pytest.approx(4.0)
+    assert narrow_contact(-1.0)[1] == pytest.approx(1.0)
+    assert narrow_contact(0.0)[1] == pytest.approx(2.0 / sqrt(3.0) / 3.0)
+    assert narrow_contact(-4.0)[1] == pytest.approx(4.0)
 
 
 def test_far_behind_the_rim_it_is_hertz_on_the_edge():

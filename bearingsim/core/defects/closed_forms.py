@@ -74,12 +74,12 @@ def bowl(width: float, depth: float, R: float, zeta: float) -> tuple[float, floa
     The section is a smaller bowl of the same curvature. If it is flatter than the roller (radius w^2/(8 d) above
     R), the roller touches its wall, otherwise only its rims.
     """
-    rest = 1.0 - zeta * zeta
-    b = width / 2.0 * sqrt(rest)
+    scale = 1.0 - zeta * zeta
+    b = width / 2.0 * sqrt(scale)
     R_defect = width * width / (8.0 * depth)
     if R_defect <= R:
-        return b, NO_WALL, 0.0, depth * rest
-    return b, b * R / R_defect, 1.0 / (R_defect - R), depth * rest
+        return b, NO_WALL, 0.0, depth * scale
+    return b, b * R / R_defect, 1.0 / (R_defect - R), depth * scale
 
 
 NO_DEFECT = (0.0, NO_WALL, 0.0, 0.0)
@@ -114,13 +114,13 @@ def groups_of(defect: Any, L_w: float, R: float, nodes: int, offset: float = 0.0
     """
     low, high = max(-defect.length / 2.0, -L_w / 2.0 - offset), min(defect.length / 2.0, L_w / 2.0 - offset)
     share = min(1.0, max(high - low, 0.0) / L_w)
-    untouched = [(1.0 - share, *NO_DEFECT)] if share < 1.0 else []
+    undamaged = [(1.0 - share, *NO_DEFECT)] if share < 1.0 else []
     if share == 0.0:
-        return untouched
+        return undamaged
     if not isinstance(defect, Circular):
-        return [*untouched, (share, *section_of(defect, R, 0.0))]
+        return [*undamaged, (share, *section_of(defect, R, 0.0))]
     halves = [(0.0, high, share)] if low == -high else _halves(low, high, L_w)
-    return [*untouched, *(row for half in halves for row in _bowls(half, defect, R, nodes))]
+    return [*undamaged, *(row for half in halves for row in _bowls(half, defect, R, nodes))]
 
 
 def _halves(low: float, high: float, L_w: float) -> list[tuple[float, float, float]]:

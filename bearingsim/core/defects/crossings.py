@@ -18,11 +18,11 @@ def count_defect_crossings(model, t, y):
     """Implement ``count_crossings`` for models with defects; pairs beyond the length of a row are not counted."""
     for d in range(min(len(model.defects.head), lay.ROW)):
         j, s = roller_at_defect(model, d, t, y)
-        there = j + 1.0 if abs(s) < model.defects.head[d, HALF_WIDTH] else 0.0
-        if there != y[lay.ROLLER_IN_DEFECT + d]:
-            y[lay.PAIR_CROSSINGS + d] += 1.0 if there > 0.0 else 0.0
-            y[lay.DEFECT_CROSSINGS] += 1.0 if there > 0.0 else 0.0
-            y[lay.ROLLER_IN_DEFECT + d] = there
+        roller = j + 1.0 if abs(s) < model.defects.head[d, HALF_WIDTH] else 0.0
+        if roller != y[lay.ROLLER_IN_DEFECT + d]:
+            y[lay.PAIR_CROSSINGS + d] += 1.0 if roller > 0.0 else 0.0
+            y[lay.DEFECT_CROSSINGS] += 1.0 if roller > 0.0 else 0.0
+            y[lay.ROLLER_IN_DEFECT + d] = roller
 
 
 @generic(otherwise=count_defect_crossings)
@@ -33,22 +33,22 @@ def count_crossings(model: Any, t: float, y: np.ndarray) -> None:
 def passages(model: Any, d: int, t: float, y: np.ndarray) -> float:
     """Return the rotation of roller-defect pair ``d`` at time ``t`` (s), in roller passages, from the angles in
     ``y``."""
-    b, on = model.bearing, int(model.defects.head[d, CARRIER])
+    b, carrier = model.bearing, int(model.defects.head[d, CARRIER])
     time = float(kinematic_times(model, np.array([t]))[0])
     slip = float(y[lay.POSITION + lay.PHI_C])
-    if on >= 0:
-        return (b.omega_b * time + slip - float(y[lay.SPIN + on])) / (2.0 * np.pi)
-    past = b.theta_0 + b.omega_c * time + slip - (b.omega_i * time if on == ON_INNER else 0.0)
-    return past * b.Z / (2.0 * np.pi)
+    if carrier >= 0:
+        return (b.omega_b * time + slip - float(y[lay.SPIN + carrier])) / (2.0 * np.pi)
+    angle = b.theta_0 + b.omega_c * time + slip - (b.omega_i * time if carrier == ON_INNER else 0.0)
+    return angle * b.Z / (2.0 * np.pi)
 
 
-def missed_crossings(model: Any, t: float, before: list[float], y: np.ndarray) -> int:
-    """Return the number of crossings since ``before`` (``passages`` of each pair) that the run did not count.
+def missed_crossings(model: Any, t: float, initial_passages: list[float], y: np.ndarray) -> int:
+    """Return the number of crossings that a run did not count since ``initial_passages`` (``passages`` of pairs).
 
     One crossing per pair may be missing, because the ends of the run may cut a crossing.
     """
-    unseen = 0
+    missed = 0
     for d in range(min(len(model.defects.head), lay.ROW)):
-        passed = abs(passages(model, d, t, y) - before[d])
-        unseen += max(0, floor(passed) - 1 - int(y[lay.PAIR_CROSSINGS + d]))
-    return unseen
+        count = abs(passages(model, d, t, y) - initial_passages[d])
+        missed += max(0, floor(count) - 1 - int(y[lay.PAIR_CROSSINGS + d]))
+    return missed

@@ -14,17 +14,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingsim.core.defects.profile import (
-    FROM,
+    END,
     RACE,
-    TO,
+    START,
     Profile,
     curve,
-    deepest,
+    deeper_profile,
     depth_at,
-    mirrored,
+    mirror_profile,
     polygon,
     quadratic,
-    shifted,
+    shift_profile,
 )
 from bearingsim.core.jit import generic
 
@@ -35,17 +35,17 @@ EDGE_POINTS = 401  # candidate positions for the intersection of edge and wall
 
 
 @generic
-def section(of_map: Any, z: float) -> Profile:
+def section(depth_map: Any, z: float) -> Profile:
     """Return the profile at ``z`` (m) from the defect's middle; ``RACE`` beyond the defect."""
 
 
 @generic
-def extent(of_map: Any) -> tuple[float, float, float, float]:
+def extent(depth_map: Any) -> tuple[float, float, float, float]:
     """Return the extent (m, m) of the defect along rolling, then along the axis, burrs included."""
 
 
 @generic
-def cuts(of_map: Any) -> list[tuple[float, float, int]]:
+def cuts(depth_map: Any) -> list[tuple[float, float, int]]:
     """Return stretches (m, m) along z and how the section changes within them: EVEN, SMOOTH or ROUGH."""
 
 
@@ -170,8 +170,8 @@ def _section_circular(defect, z):
     zeta = 2.0 * z / defect.length
     if abs(zeta) >= 1.0:
         return RACE
-    b, bend = defect.width / 2.0 * sqrt(1.0 - zeta * zeta), 8.0 * defect.depth / defect.width**2
-    return quadratic(-b, b, 0.0, bend * b, -bend)
+    b, curvature = defect.width / 2.0 * sqrt(1.0 - zeta * zeta), 8.0 * defect.depth / defect.width**2
+    return quadratic(-b, b, 0.0, curvature * b, -curvature)
 
 
 @section.register(Elliptical)
@@ -179,9 +179,9 @@ def _section_elliptical(defect, z):
     zeta = 2.0 * z / defect.length
     if abs(zeta) >= 1.0:
         return RACE
-    rest = sqrt(1.0 - zeta * zeta)
+    scale = sqrt(1.0 - zeta * zeta)
     theta = np.linspace(-pi / 2.0, pi / 2.0, ELLIPSE_POINTS)
-    t, p = defect.width / 2.0 * rest * np.sin(theta), defect.depth * rest * np.cos(theta)
+    t, p = defect.width / 2.0 * scale * np.sin(theta), defect.depth * scale * np.cos(theta)
     p[[0, -1]] = 0.0
     slope = np.full(len(t), inf)
     slope[1:-1] = -2.0 * defect.depth / defect.width * np.tan(theta[1:-1])
@@ -194,8 +194,8 @@ def _section_elliptical(defect, z):
 @extent.register(EasedDefect)
 def _extent_eased(eased):
     s_0, s_1, z_0, z_1 = extent(eased.defect)
-    out = eased.radius + eased.ramp
-    return s_0 - out, s_1 + out, z_0, z_1
+    margin = eased.radius + eased.ramp
+    return s_0 - margin, s_1 + margin, z_0, z_1
 
 
 @cuts.register(EasedDefect)
@@ -205,41 +205,41 @@ def _cuts_eased(eased):
 
 @section.register(EasedDefect)
 def _section_eased(eased, z):
-    sharp = section(eased.defect, z)
-    if len(sharp.pieces) == 0:
-        return sharp
-    for profile in (sharp, mirrored(sharp)):
-        edge = _edge(profile, eased.radius, eased.ramp)
-        sharp = deepest(sharp, edge if profile is sharp else mirrored(edge))
-    return sharp
+    profile = section(eased.defect, z)
+    if len(profile.pieces) == 0:
+        return profile
+    for side in (profile, mirror_profile(profile)):
+        removed = _edge_profile(side, eased.radius, eased.ramp)
+        profile = deeper_profile(profile, removed if side is profile else mirror_profile(removed))
+    return profile
 
 
-def _edge(profile: Profile, radius: float, ramp: float) -> Profile:
+def _edge_profile(profile: Profile, radius: float, ramp: float) -> Profile:
     """Return the material removed before and at the first rim of a profile.
 
     At depth p an edge lies back(p) (m) before the wall. It begins where it is tangent to the wall; for a radius,
     where a disc rolling below the race touches the wall.
     """
-    start = profile.pieces[0, FROM]
-    part = np.linspace(0.0, 1.0, EDGE_POINTS) ** 2  # dense at the rim, where an edge meets a steep wall
-    part[1] = min(part[1], 1e-9)  # behind a vertical wall
-    t = start + (profile.pieces[-1, TO] - start) * part
+    start = profile.pieces[0, START]
+    x = np.linspace(0.0, 1.0, EDGE_POINTS) ** 2  # dense at the rim, where an edge meets a steep wall
+    x[1] = min(x[1], 1e-9)  # behind a vertical wall
+    t = start + (profile.pieces[-1, END] - start) * x
     p = depth_at(profile, t)
     floor = float(p.max())
-    back = _back_of_radius(p, radius) if radius > 0.0 else ramp * np.maximum(p, 0.0) / floor
-    k = int(np.argmin(t - back))
-    begin, reach = t[k] - back[k], back[k]
-    if reach <= 0.0:
+    setback = _setback_of_radius(p, radius) if radius > 0.0 else ramp * np.maximum(p, 0.0) / floor
+    k = int(np.argmin(t - setback))
+    begin, length = t[k] - setback[k], setback[k]
+    if length <= 0.0:
         return RACE
     if radius == 0.0:
-        return quadratic(begin, begin + reach, 0.0, floor / ramp)
-    steepest = np.arcsin(min(reach / radius, 1.0))
+        return quadratic(begin, begin + length, 0.0, floor / ramp)
+    steepest = np.arcsin(min(length / radius, 1.0))
     theta = steepest * np.linspace(0.0, 1.0, ARC_POINTS) ** 2
     slope = np.append(np.tan(theta[:-1]), tan(steepest) if steepest < 1.5 else inf)
     return curve(begin + radius * np.sin(theta), radius * (1.0 - np.cos(theta)), slope)
 
 
-def _back_of_radius(p: np.ndarray, radius: float) -> np.ndarray:
+def _setback_of_radius(p: np.ndarray, radius: float) -> np.ndarray:
     low = np.clip(p, 0.0, radius)
     return np.sqrt(low * (2.0 * radius - low))
 
@@ -248,19 +248,19 @@ def _back_of_radius(p: np.ndarray, radius: float) -> np.ndarray:
 
 
 @extent.register(MirroredDefect)
-def _extent_mirrored(turned):
-    s_0, s_1, z_0, z_1 = extent(turned.defect)
+def _extent_mirrored(mirrored):
+    s_0, s_1, z_0, z_1 = extent(mirrored.defect)
     return -s_1, -s_0, z_0, z_1
 
 
 @cuts.register(MirroredDefect)
-def _cuts_mirrored(turned):
-    return cuts(turned.defect)
+def _cuts_mirrored(mirrored):
+    return cuts(mirrored.defect)
 
 
 @section.register(MirroredDefect)
-def _section_mirrored(turned, z):
-    return mirrored(section(turned.defect, z))
+def _section_mirrored(mirrored, z):
+    return mirror_profile(section(mirrored.defect, z))
 
 
 @extent.register(ShiftedDefect)
@@ -276,7 +276,7 @@ def _cuts_placed(placed):
 
 @section.register(ShiftedDefect)
 def _section_placed(placed, z):
-    return shifted(section(placed.defect, z - placed.z), placed.s)
+    return shift_profile(section(placed.defect, z - placed.z), placed.s)
 
 
 @extent.register(MergedDefects)
@@ -287,19 +287,19 @@ def _extent_merged(merged):
 
 @cuts.register(MergedDefects)
 def _cuts_merged(merged):
-    parts = [cut for defect in merged.defects for cut in cuts(defect)]
-    ends = sorted({end for a, b, _ in parts for end in (a, b)})
+    all_cuts = [cut for defect in merged.defects for cut in cuts(defect)]
+    ends = sorted({end for a, b, _ in all_cuts for end in (a, b)})
     stretches = []
     for a, b in pairwise(ends):
-        over = [kind for low, high, kind in parts if low < (a + b) / 2.0 < high]
-        if over:
-            stretches.append((a, b, max(over)))
+        kinds = [kind for low, high, kind in all_cuts if low < (a + b) / 2.0 < high]
+        if kinds:
+            stretches.append((a, b, max(kinds)))
     return stretches
 
 
 @section.register(MergedDefects)
 def _section_merged(merged, z):
-    return reduce(deepest, (section(defect, z) for defect in merged.defects))
+    return reduce(deeper_profile, (section(defect, z) for defect in merged.defects))
 
 
 # Scans
@@ -308,12 +308,12 @@ def _section_merged(merged, z):
 @extent.register(ScannedDefect)
 def _extent_scanned(scan):
     along, across = np.any(scan.depth != 0.0, axis=0), np.any(scan.depth != 0.0, axis=1)
-    return *_span(scan.s, along), *_span(scan.z, across)
+    return *_marked_extent(scan.s, along), *_marked_extent(scan.z, across)
 
 
-def _span(positions: np.ndarray, there: np.ndarray) -> tuple[float, float]:
-    """Return the extent from the last position before to the first position after those marked in ``there``."""
-    k = np.flatnonzero(there)
+def _marked_extent(positions: np.ndarray, marked: np.ndarray) -> tuple[float, float]:
+    """Return the extent from the last position before to the first position after those in ``marked``."""
+    k = np.flatnonzero(marked)
     return float(positions[max(k[0] - 1, 0)]), float(positions[min(k[-1] + 1, len(positions) - 1)])
 
 
@@ -328,5 +328,5 @@ def _section_scanned(scan, z):
     if not scan.z[0] <= z <= scan.z[-1]:
         return RACE
     k = min(max(int(np.searchsorted(scan.z, z, side="right")) - 1, 0), len(scan.z) - 2)
-    part = (z - scan.z[k]) / (scan.z[k + 1] - scan.z[k])
-    return polygon(scan.s, (1.0 - part) * scan.depth[k] + part * scan.depth[k + 1])
+    x = (z - scan.z[k]) / (scan.z[k + 1] - scan.z[k])
+    return polygon(scan.s, (1.0 - x) * scan.depth[k] + x * scan.depth[k + 1])

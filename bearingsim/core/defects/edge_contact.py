@@ -67,7 +67,7 @@ def half_contact(excitation, R):
 
 
 @jit
-def narrowed_contact(xi):
+def narrow_contact(xi):
     """Return f of a sharp edge of a half-plane, xi half widths b behind the rim, and the centre of the pressure.
 
     The contact is c half widths wide, c = 2/3 (sqrt(xi^2 + 3) - xi), and f = 2 ln(2/c) + xi c + 2 min(xi, 0)^2;
@@ -83,8 +83,8 @@ def narrowed_contact(xi):
 def softening(from_rim, wall, rho):
     """Return f of the material missing behind a wall (m), with the pressure's centre ``from_rim`` (m) before its
     rim."""
-    part = HEIGHT_WEIGHT * wall / (from_rim + RADIUS_WEIGHT * rho)
-    return log(1.0 + part * part)
+    ratio = HEIGHT_WEIGHT * wall / (from_rim + RADIUS_WEIGHT * rho)
+    return log(1.0 + ratio * ratio)
 
 
 @jit
@@ -94,38 +94,38 @@ def one_edge(x, b, wall, rho, R):
 
     Far behind the rim the contact is Hertz's on the edge itself, ln(R/rho) softer than on the race.
     """
-    sharp, centre = narrowed_contact(x / b)
-    blunt = min(rho / R, 1.0)
-    f = -log((1.0 - blunt) * exp(-sharp) + blunt)
+    sharp, centre = narrow_contact(x / b)
+    bluntness = min(rho / R, 1.0)
+    f = -log((1.0 - bluntness) * exp(-sharp) + bluntness)
     return f + max(softening(centre * b, wall, rho) - softening(max(INFLUENCE_HEIGHTS * wall, b), wall, rho), 0.0)
 
 
 @jit
-def ridge(x, beyond, b, rho, R):
-    """Return f of the ridge between race and flat wall; roller ``x`` (m) behind the rim, ``beyond`` (m) past its
+def ridge(x, x_end, b, rho, R):
+    """Return f of the ridge between race and flat wall; roller ``x`` (m) behind the rim, ``x_end`` (m) past its
     end.
 
     The roller rests on the ridge for 0 < x, beyond < 0. From either side the ridge acts as one edge, of the same
     form.
     """
-    before, after = exp(-one_edge(x, b, 0.0, rho, R)), exp(-one_edge(-beyond, b, 0.0, rho, R))
+    before, after = exp(-one_edge(x, b, 0.0, rho, R)), exp(-one_edge(-x_end, b, 0.0, rho, R))
     return -log(1.0 - (1.0 - before) * (1.0 - after))
 
 
 @jit
 def two_edges(width, b, wall, rho, R, D):
     """Return f in the middle of a slot of ``width`` (m), half of the load on either edge."""
-    less = sqrt(0.5) * b
-    _, centre = narrowed_contact(0.5 * width / less)
-    alone = 2.0 * log(2.0 * D / less) + 1.0 + one_edge(0.5 * width, less, wall, rho, R)
-    return 0.5 * alone + log(D / (width + 2.0 * centre * less)) - (2.0 * log(2.0 * D / b) + 1.0)
+    b_half = sqrt(0.5) * b
+    _, centre = narrow_contact(0.5 * width / b_half)
+    single = 2.0 * log(2.0 * D / b_half) + 1.0 + one_edge(0.5 * width, b_half, wall, rho, R)
+    return 0.5 * single + log(D / (width + 2.0 * centre * b_half)) - (2.0 * log(2.0 * D / b) + 1.0)
 
 
 @jit
 def remaining_share(f, b, D):
     """Return the remaining share of a force k delta^(10/9) if the approach increases by ``f``."""
-    part = 1.0 / max(1.0 + f / (2.0 * log(2.0 * D / b) + 1.0), 0.1)
-    return part * ninth_root(part)
+    ratio = 1.0 / max(1.0 + f / (2.0 * log(2.0 * D / b) + 1.0), 0.1)
+    return ratio * ninth_root(ratio)
 
 
 @defect_response.register(EdgeContact)
@@ -135,15 +135,15 @@ def _defect_response_edge_contact(excitation, group, s, R):
         return 1.0, 0.0, 0.0
     wall = group[DEPTH] if group[KAPPA] == VERTICAL_WALL else 0.0
     reach = max(b, INFLUENCE_HEIGHTS * wall)
-    half = group[GROUP_HALF_WIDTH] - reach
+    rim = group[GROUP_HALF_WIDTH] - reach
     h, slope = roller_drop(group, abs(s) + reach, R + rho)
-    _, in_the_middle = roller_drop(group, reach, R + rho)  # its slope: one edge's
-    x = half - abs(s)
+    _, middle_slope = roller_drop(group, reach, R + rho)  # its slope: one edge's
+    x = rim - abs(s)
     f = one_edge(x, b, wall, rho, R) if wall > 0.0 else ridge(x, x - group[X_E], b, rho, R)
     f = min(f, (group[DEPTH] - h) / excitation.load)
-    if in_the_middle < 0.0:
-        least = two_edges(2.0 * min(half, group[X_E]), b, wall, rho, R, D)
-        f = min(f, least - in_the_middle * abs(s) / excitation.load)
+    if middle_slope < 0.0:
+        f_middle = two_edges(2.0 * min(rim, group[X_E]), b, wall, rho, R, D)
+        f = min(f, f_middle - middle_slope * abs(s) / excitation.load)
     return remaining_share(f, b, D), h, (slope if s > 0.0 else -slope)
 
 
@@ -151,8 +151,8 @@ def _defect_response_edge_contact(excitation, group, s, R):
 
 
 @jit
-def narrowed_contact_derivatives(xi):
-    """Return the derivatives of ``narrowed_contact`` with respect to ``xi``: of f, and of the centre of the
+def narrow_contact_derivatives(xi):
+    """Return the derivatives of ``narrow_contact`` with respect to ``xi``: of f, and of the centre of the
     pressure (half widths)."""
     if xi <= -1.0:
         return 0.0, -1.0
@@ -168,46 +168,46 @@ def narrowed_contact_derivatives(xi):
 def softening_derivative(from_rim, wall, rho):
     """Return the derivative of ``softening`` (1/m)."""
     reach = from_rim + RADIUS_WEIGHT * rho
-    part = HEIGHT_WEIGHT * wall / reach
-    return -2.0 * part * part / ((1.0 + part * part) * reach)
+    ratio = HEIGHT_WEIGHT * wall / reach
+    return -2.0 * ratio * ratio / ((1.0 + ratio * ratio) * reach)
 
 
 @jit
 def one_edge_derivative(x, b, wall, rho, R):
     """Return the derivative of ``one_edge`` with respect to ``x`` (1/m)."""
     (sharp, centre), (sharp_derivative, centre_derivative) = (
-        narrowed_contact(x / b),
-        narrowed_contact_derivatives(x / b),
+        narrow_contact(x / b),
+        narrow_contact_derivatives(x / b),
     )
-    blunt = min(rho / R, 1.0)
-    narrow = (1.0 - blunt) * exp(-sharp)
-    slope = narrow / (narrow + blunt) * sharp_derivative / b
+    bluntness = min(rho / R, 1.0)
+    weight = (1.0 - bluntness) * exp(-sharp)
+    slope = weight / (weight + bluntness) * sharp_derivative / b
     if softening(centre * b, wall, rho) > softening(max(INFLUENCE_HEIGHTS * wall, b), wall, rho):
         slope += softening_derivative(centre * b, wall, rho) * centre_derivative
     return slope
 
 
 @jit
-def ridge_derivative(x, beyond, b, rho, R):
-    """Return the derivative of ``ridge`` (1/m) along the path, with respect to ``x`` and ``beyond`` together."""
-    before, after = exp(-one_edge(x, b, 0.0, rho, R)), exp(-one_edge(-beyond, b, 0.0, rho, R))
+def ridge_derivative(x, x_end, b, rho, R):
+    """Return the derivative of ``ridge`` (1/m) along the path, with respect to ``x`` and ``x_end`` together."""
+    before, after = exp(-one_edge(x, b, 0.0, rho, R)), exp(-one_edge(-x_end, b, 0.0, rho, R))
     before_derivative = -before * one_edge_derivative(x, b, 0.0, rho, R)
-    after_derivative = after * one_edge_derivative(-beyond, b, 0.0, rho, R)
-    either = 1.0 - (1.0 - before) * (1.0 - after)
-    return -(before_derivative * (1.0 - after) + after_derivative * (1.0 - before)) / either
+    after_derivative = after * one_edge_derivative(-x_end, b, 0.0, rho, R)
+    total = 1.0 - (1.0 - before) * (1.0 - after)
+    return -(before_derivative * (1.0 - after) + after_derivative * (1.0 - before)) / total
 
 
 @jit
 def remaining_share_derivative(f, b, D):
     """Return the derivative of ``remaining_share``."""
-    race = 2.0 * log(2.0 * D / b) + 1.0
-    if 1.0 + f / race <= 0.1:
+    Lambda = 2.0 * log(2.0 * D / b) + 1.0
+    if 1.0 + f / Lambda <= 0.1:
         return 0.0
-    return -10.0 / 9.0 * remaining_share(f, b, D) / (race + f)
+    return -10.0 / 9.0 * remaining_share(f, b, D) / (Lambda + f)
 
 
 @jit
-def reach_of(group, b):
+def wall_and_reach(group, b):
     """Return the height (m) of an upright wall, else 0, and the distance (m) before the rim at which the edge
     deflects."""
     wall = group[DEPTH] if group[KAPPA] == VERTICAL_WALL else 0.0
@@ -215,38 +215,38 @@ def reach_of(group, b):
 
 
 @jit
-def one_edge_contact(group, away, b, rho, R):
-    """Return f on the nearer edge, ``away`` (m) from the defect's middle, and its slope (1/m)."""
-    wall, reach = reach_of(group, b)
-    x = group[GROUP_HALF_WIDTH] - reach - away
+def one_edge_contact(group, distance, b, rho, R):
+    """Return f on the nearer edge, ``distance`` (m) from the defect's middle, and its slope (1/m)."""
+    wall, reach = wall_and_reach(group, b)
+    x = group[GROUP_HALF_WIDTH] - reach - distance
     if wall > 0.0:
         return one_edge(x, b, wall, rho, R), -one_edge_derivative(x, b, wall, rho, R)
     return ridge(x, x - group[X_E], b, rho, R), -ridge_derivative(x, x - group[X_E], b, rho, R)
 
 
 @jit
-def two_edge_contact(group, away, b, rho, R, D, load):
+def two_edge_contact(group, distance, b, rho, R, D, load):
     """Return f on the two edges and its slope (1/m), infinite where a floor or wall is in the middle."""
-    wall, reach = reach_of(group, b)
-    _, in_the_middle = roller_drop(group, reach, R + rho)
-    if in_the_middle >= 0.0:
+    wall, reach = wall_and_reach(group, b)
+    _, middle_slope = roller_drop(group, reach, R + rho)
+    if middle_slope >= 0.0:
         return inf, 0.0
-    least = two_edges(2.0 * min(group[GROUP_HALF_WIDTH] - reach, group[X_E]), b, wall, rho, R, D)
-    return least - in_the_middle * away / load, -in_the_middle / load
+    f_middle = two_edges(2.0 * min(group[GROUP_HALF_WIDTH] - reach, group[X_E]), b, wall, rho, R, D)
+    return f_middle - middle_slope * distance / load, -middle_slope / load
 
 
 @jit
-def softness(excitation, group, away, R):
-    """Return f at ``away`` (m) from the defect's middle and its slope (1/m): on one edge, on the floor or on
+def edge_softening(excitation, group, distance, R):
+    """Return f at ``distance`` (m) from the defect's middle and its slope (1/m): on one edge, on the floor or on
     both edges."""
     b, D, rho, load = half_contact(excitation, R), excitation.D, excitation.rho, excitation.load
-    h, h_derivative = roller_drop(group, away + reach_of(group, b)[1], R + rho)
-    f, slope = one_edge_contact(group, away, b, rho, R)
-    on_floor = (group[DEPTH] - h) / load
-    if on_floor < f:
-        f, slope = on_floor, -h_derivative / load
-    apart, apart_derivative = two_edge_contact(group, away, b, rho, R, D, load)
-    return (apart, apart_derivative) if apart < f else (f, slope)
+    h, h_derivative = roller_drop(group, distance + wall_and_reach(group, b)[1], R + rho)
+    f, slope = one_edge_contact(group, distance, b, rho, R)
+    f_floor = (group[DEPTH] - h) / load
+    if f_floor < f:
+        f, slope = f_floor, -h_derivative / load
+    f_two, f_two_derivative = two_edge_contact(group, distance, b, rho, R, D, load)
+    return (f_two, f_two_derivative) if f_two < f else (f, slope)
 
 
 @defect_response_gradient.register(EdgeContact)
@@ -254,10 +254,10 @@ def _defect_response_gradient_edge_contact(excitation, group, s, R):
     if group[DEPTH] == 0.0 or abs(s) >= group[GROUP_HALF_WIDTH]:
         return 0.0, 0.0
     b = half_contact(excitation, R)
-    f, f_derivative = softness(excitation, group, abs(s), R)
+    f, f_derivative = edge_softening(excitation, group, abs(s), R)
     share_derivative = remaining_share_derivative(f, b, excitation.D) * f_derivative
-    bent = roller_drop_curvature(group, abs(s) + reach_of(group, b)[1], R + excitation.rho)
-    return (share_derivative if s > 0.0 else -share_derivative), bent
+    curvature = roller_drop_curvature(group, abs(s) + wall_and_reach(group, b)[1], R + excitation.rho)
+    return (share_derivative if s > 0.0 else -share_derivative), curvature
 
 
 @response_groups.register(EdgeContact)

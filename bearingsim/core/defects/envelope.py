@@ -46,7 +46,7 @@ For s between LOW and HIGH (m) the roller touches it between its ends.
 """
 
 
-def parts_of(profile: Profile, R: float) -> np.ndarray:
+def touchable_parts(profile: Profile, R: float) -> np.ndarray:
     """Return the parts (n, 8) that a roller of relative radius ``R`` (m) can touch, in order, including the
     surrounding race.
 
@@ -67,14 +67,14 @@ def parts_of(profile: Profile, R: float) -> np.ndarray:
 
 def _part(t_0: float, t_1: float, p: float, m: float, c: float, R: float) -> tuple[float, ...]:
     x = t_1 - t_0
-    return t_0, p, m, c, t_1, _levelled(p + x * (m + x * c / 2.0)), t_0 + R * m, t_1 + R * (m + c * x)
+    return t_0, p, m, c, t_1, _without_rounding(p + x * (m + x * c / 2.0)), t_0 + R * m, t_1 + R * (m + c * x)
 
 
 def _corner(t: float, p: float) -> tuple[float, ...]:
-    return t, _levelled(p), 0.0, 0.0, t, _levelled(p), t, t
+    return t, _without_rounding(p), 0.0, 0.0, t, _without_rounding(p), t, t
 
 
-def _levelled(p: float) -> float:
+def _without_rounding(p: float) -> float:
     return p if abs(p) > ROUNDING_DEPTH else 0.0
 
 
@@ -83,8 +83,10 @@ def drop_over_part(part, s, R):
     """Return h (m) and its slope (1) at ``s`` (m) over one part alone."""
     if part[LOW] < s < part[HIGH]:
         x = (s - part[T_0] - R * part[SLOPE_0]) / (1.0 + R * part[CURVATURE])
-        away = s - part[T_0] - x
-        return part[P_0] + x * (part[SLOPE_0] + x * part[CURVATURE] / 2.0) + away * away / (2.0 * R), away / R
+        distance = s - part[T_0] - x
+        return part[P_0] + x * (part[SLOPE_0] + x * part[CURVATURE] / 2.0) + distance * distance / (
+            2.0 * R
+        ), distance / R
     t, p = (part[T_0], part[P_0]) if s <= part[LOW] else (part[T_1], part[P_1])
     return p + (s - t) * (s - t) / (2.0 * R), (s - t) / R
 
@@ -112,16 +114,16 @@ def takeover(left, right, R):
 
     The excess never decreases, and is quadratic between the limits of contact.
     """
-    before = -inf
-    inner, outer = min(left[HIGH], right[HIGH]), max(left[LOW], right[LOW])
+    previous = -inf
+    min_high, max_low = min(left[HIGH], right[HIGH]), max(left[LOW], right[LOW])
     low, high = min(left[LOW], right[LOW]), max(left[HIGH], right[HIGH])
-    for end in (low, min(inner, outer), max(inner, outer), high):
+    for end in (low, min(min_high, max_low), max(min_high, max_low), high):
         D, rate = excess(left, right, end, R)
         if D >= 0.0:
-            return root(left, right, before, end, R)
-        before = end
-    D, rate = excess(left, right, before, R)
-    return before - D / rate if rate > 0.0 else inf
+            return root(left, right, previous, end, R)
+        previous = end
+    D, rate = excess(left, right, previous, R)
+    return previous - D / rate if rate > 0.0 else inf
 
 
 @jit
@@ -130,10 +132,10 @@ def root(left, right, low, high, R):
     D, rate = excess(left, right, high, R)
     middle = max(0.5 * (low + high), high - RACE_REACH)
     curvature = part_curvature(left, middle, R) - part_curvature(right, middle, R)
-    below = rate + sqrt(max(rate * rate - 2.0 * curvature * D, 0.0))
-    if D == 0.0 or below == 0.0:
+    denominator = rate + sqrt(max(rate * rate - 2.0 * curvature * D, 0.0))
+    if D == 0.0 or denominator == 0.0:
         return high if low > -inf or rate > 0.0 else -inf
-    return max(high - 2.0 * D / below, low)
+    return max(high - 2.0 * D / denominator, low)
 
 
 @jit
@@ -161,7 +163,7 @@ def path_over(profile: Profile, R: float) -> Path:
 
     Equation (M4) of docs/model.md.
     """
-    parts = parts_of(profile, R)
+    parts = touchable_parts(profile, R)
     pieces = np.empty((2, len(parts)))
     count = touched_parts(parts, R, pieces)
     touched, starts = parts[pieces[0, :count].astype(int)], pieces[1, :count].tolist()
@@ -172,8 +174,8 @@ def path_over(profile: Profile, R: float) -> Path:
         if s == start or start < s < end
     ]
     begin, end_of_path = min(touched[0][HIGH], *starts[1:], RACE_REACH), max(touched[-1][LOW], starts[-1])
-    kept = [row for row in rows if begin <= row[S] < end_of_path]
-    return Path(np.array(kept), float(end_of_path)) if kept else FLAT
+    path_rows = [row for row in rows if begin <= row[S] < end_of_path]
+    return Path(np.array(path_rows), float(end_of_path)) if path_rows else FLAT
 
 
 def _row(part: np.ndarray, s: float, R: float) -> tuple[float, float, float, float]:
@@ -187,29 +189,31 @@ def path_drop(path: Path, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     if len(path.pieces) == 0:
         return np.zeros(len(s)), np.zeros(len(s))
     k = np.maximum(np.searchsorted(path.pieces[:, S], s) - 1, 0)
-    start, h, slope, half = path.pieces[k].T
+    start, h, slope, half_curvature = path.pieces[k].T
     x, inside = s - start, (s >= path.pieces[0, S]) & (s < path.end)
-    return np.where(inside, h + x * (slope + x * half), 0.0), np.where(inside, slope + 2.0 * x * half, 0.0)
+    return np.where(inside, h + x * (slope + x * half_curvature), 0.0), np.where(
+        inside, slope + 2.0 * x * half_curvature, 0.0
+    )
 
 
-def ends_of(path: Path) -> np.ndarray:
+def piece_ends(path: Path) -> np.ndarray:
     """Return h and slope (n, 2) at the end of each piece."""
-    start, h, slope, half = path.pieces.T
+    start, h, slope, half_curvature = path.pieces.T
     x = np.append(start[1:], path.end) - start
-    return np.stack([h + x * (slope + x * half), slope + 2.0 * x * half], axis=1)
+    return np.stack([h + x * (slope + x * half_curvature), slope + 2.0 * x * half_curvature], axis=1)
 
 
 def steepest(path: Path) -> float:
     """Return the steepest slope (1) of a path, up or down."""
-    return float(max(np.abs(path.pieces[:, SLOPE]).max(), np.abs(ends_of(path)[:, 1]).max()))
+    return float(max(np.abs(path.pieces[:, SLOPE]).max(), np.abs(piece_ends(path)[:, 1]).max()))
 
 
 def cusp(path: Path) -> tuple[float, float]:
     """Return the position (m) of the sharpest cusp of a path, and by how much its slope falls there (1)."""
-    after = np.append(path.pieces[1:, SLOPE], 0.0)
-    falls = ends_of(path)[:, 1] - after
-    k = int(np.argmax(falls))
-    return float(np.append(path.pieces[1:, S], path.end)[k]), float(max(falls[k], 0.0))
+    next_slopes = np.append(path.pieces[1:, SLOPE], 0.0)
+    slope_drops = piece_ends(path)[:, 1] - next_slopes
+    k = int(np.argmax(slope_drops))
+    return float(np.append(path.pieces[1:, S], path.end)[k]), float(max(slope_drops[k], 0.0))
 
 
 # Tables: paths one after the other in one array, each addressed by its offset
@@ -219,7 +223,7 @@ FIRST, LAST, BINS_PER_METRE, ROWS = range(4)  # of a table's head; then the bins
 HEAD_OF_TABLE, ROW_OF_TABLE = 4, 4
 
 
-def packed(paths: Sequence[Path]) -> tuple[np.ndarray, list[int]]:
+def pack_paths(paths: Sequence[Path]) -> tuple[np.ndarray, list[int]]:
     """Return all paths in one array (n,), and the offset at which each begins."""
     tables = [_table(path) for path in paths]
     offsets = np.cumsum([0, *(len(table) for table in tables)])

@@ -26,7 +26,7 @@ from bearingsim.core.defects.envelope import drop_at, drop_curvature_at
 from bearingsim.core.defects.pairs import DEPTH, GROUP_HALF_WIDTH, GROUP_WEIGHT, KAPPA, NO_WALL, X_E
 from bearingsim.core.jit import generic, jit
 
-REMAINING, UNLOADED = -1.0, 1.0  # in column KAPPA of ``PressureShare``: a group's part of the pressure
+LOADED_PART, UNLOADED_PART = -1.0, 1.0  # in column KAPPA of ``PressureShare``: a group's part of the pressure
 
 
 @generic
@@ -195,7 +195,7 @@ def _defect_response_gradient_piecewise(excitation, group, s, R):
 def _response_groups_piecewise(excitation, defect, rows, R):
     floors = [sqrt(2.0 * R * row[DEPTH]) if isinstance(defect, Rectangular) else NO_WALL for row in rows]
     return [
-        (w, b, min(b, floor), 0.0, sag) for (w, b, _, _, sag), floor in zip(pulses(rows, R), floors, strict=True)
+        (w, b, min(b, floor), 0.0, drop) for (w, b, _, _, drop), floor in zip(pulses(rows, R), floors, strict=True)
     ]
 
 
@@ -252,7 +252,7 @@ def pressure_before(x):
 def _defect_response_pressure_share(excitation, group, s, R):
     half_width, b = group[GROUP_HALF_WIDTH] - excitation.b, excitation.b
     rho = pressure_before((half_width - s) / b) - pressure_before((-half_width - s) / b)
-    if group[KAPPA] == UNLOADED:
+    if group[KAPPA] == UNLOADED_PART:
         return rho, group[DEPTH], 0.0
     return 1.0 - max(rho, 0.0), 0.0, 0.0
 
@@ -266,9 +266,9 @@ def pressure_at(x):
 @defect_response_gradient.register(PressureShare)
 def _defect_response_gradient_pressure_share(excitation, group, s, R):
     half_width, b = group[GROUP_HALF_WIDTH] - excitation.b, excitation.b
-    ahead, behind = (half_width - s) / b, (-half_width - s) / b
-    rho_derivative = (pressure_at(behind) - pressure_at(ahead)) / b
-    return (rho_derivative if group[KAPPA] == UNLOADED else -rho_derivative), 0.0
+    front, back = (half_width - s) / b, (-half_width - s) / b
+    rho_derivative = (pressure_at(back) - pressure_at(front)) / b
+    return (rho_derivative if group[KAPPA] == UNLOADED_PART else -rho_derivative), 0.0
 
 
 @response_groups.register(PressureShare)
@@ -276,18 +276,18 @@ def _response_groups_pressure_share(excitation, defect, rows, R):
     response = []
     for row in rows:
         if row[DEPTH] == 0.0:
-            response.append((row[GROUP_WEIGHT], 0.0, NO_WALL, REMAINING, 0.0))
+            response.append((row[GROUP_WEIGHT], 0.0, NO_WALL, LOADED_PART, 0.0))
         else:
             reach = row[GROUP_HALF_WIDTH] + excitation.b
             response += [
-                (row[GROUP_WEIGHT], reach, NO_WALL, REMAINING, 0.0),
-                (row[GROUP_WEIGHT], reach, NO_WALL, UNLOADED, row[DEPTH]),
+                (row[GROUP_WEIGHT], reach, NO_WALL, LOADED_PART, 0.0),
+                (row[GROUP_WEIGHT], reach, NO_WALL, UNLOADED_PART, row[DEPTH]),
             ]
     return response
 
 
 class SoftEdge(NamedTuple):
-    """Roller path with the contact stiffness reduced to the share ``kept`` (1) while the roller rests on a rim.
+    """Roller path with the contact stiffness reduced to ``stiffness_share`` (1) while the roller rests on a rim.
 
     After Niu, Cao, He and Li 2014 and 2015, whose ball of finite size has a lower contact stiffness in the defect,
     with slip and traction (here included by the model ``planar``). 0.65 is the middle of 0.6 to 0.7, which a
@@ -296,7 +296,7 @@ class SoftEdge(NamedTuple):
     of a narrow defect, where the stiffness remains that of one.
     """
 
-    kept: float = 0.65
+    stiffness_share: float = 0.65
 
 
 @defect_response.register(SoftEdge)
@@ -304,7 +304,7 @@ def _defect_response_soft_edge(excitation, group, s, R):
     h, slope = roller_drop(group, s, R)
     x = group[GROUP_HALF_WIDTH] - abs(s)
     on_rim = 0.0 < x <= group[X_E] and h < group[DEPTH]
-    return (excitation.kept if on_rim else 1.0), h, slope
+    return (excitation.stiffness_share if on_rim else 1.0), h, slope
 
 
 @defect_response_gradient.register(SoftEdge)

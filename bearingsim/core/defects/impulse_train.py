@@ -31,7 +31,7 @@ from bearingsim.core.defects.envelope import path_drop
 from bearingsim.core.defects.pairs import GROUP_WEIGHT, INNER, ON_INNER, RollerDefectPair
 from bearingsim.core.parameters import Bearing
 
-SHED_SAMPLES = 200  # samples of the lost load over half a defect
+WIDTH_SAMPLES = 200  # samples of the lost load over half a defect
 NEWTON_STEPS = 8  # steps; the function is convex and the iteration starts above its root
 MAX_STIFFNESS_SHARE = 0.5  # of kappa; a ring supported mainly by one roller would fall instead of vibrating
 
@@ -95,11 +95,11 @@ def defect_passages(
     return times, np.full(len(times), pair.angle)
 
 
-def instants(offset: float, between: float, speed: float, start: float, end: float) -> np.ndarray:
+def instants(offset: float, period: float, speed: float, start: float, end: float) -> np.ndarray:
     """Return the instants (n,) in (start, end], s, at which ``speed`` t is ``offset`` plus a whole number of
-    ``between``."""
-    low, high = (np.floor((speed * t - offset) / between) for t in (start, end))
-    return (offset + between * np.arange(low + 1, high + 1)) / speed
+    ``period``."""
+    low, high = (np.floor((speed * t - offset) / period) for t in (start, end))
+    return (offset + period * np.arange(low + 1, high + 1)) / speed
 
 
 def crossing_speed(bearing: Bearing, pair: RollerDefectPair) -> float:
@@ -121,16 +121,16 @@ def stiffness_share(zone: LoadZone, phi: np.ndarray) -> np.ndarray:
 def unloaded_width(pair: RollerDefectPair, delta: np.ndarray, kappa: np.ndarray, n: float) -> np.ndarray:
     """Return the integral of P over the defect (n,), m: the unloaded distance of rollers with approach
     ``delta`` > 0 (n,) m."""
-    s = ((np.arange(2 * SHED_SAMPLES) + 0.5) / SHED_SAMPLES - 1.0) * pair.half_width
+    s = ((np.arange(2 * WIDTH_SAMPLES) + 0.5) / WIDTH_SAMPLES - 1.0) * pair.half_width
     h = roller_drops(pair, s)
     delta, kappa = delta[:, None], kappa[:, None]
-    P = np.repeat(1.0 / (1.0 - kappa), 2 * SHED_SAMPLES, axis=1)
+    P = np.repeat(1.0 / (1.0 - kappa), 2 * WIDTH_SAMPLES, axis=1)
     for _ in range(NEWTON_STEPS):
         excess, derivative = (1.0 - kappa) * P - 1.0, 1.0 - kappa
-        for row, sunk in zip(pair.groups, h, strict=True):
-            left = np.maximum(1.0 - sunk / delta + kappa * P / n, 0.0)
-            force = row[GROUP_WEIGHT] * left ** (n - 1.0)
-            excess, derivative = excess + force * left, derivative + force * kappa
+        for row, drop in zip(pair.groups, h, strict=True):
+            load_share = np.maximum(1.0 - drop / delta + kappa * P / n, 0.0)
+            force = row[GROUP_WEIGHT] * load_share ** (n - 1.0)
+            excess, derivative = excess + force * load_share, derivative + force * kappa
         P = P - excess / derivative
     return 2.0 * pair.half_width * P.mean(axis=1)
 
@@ -145,12 +145,12 @@ def roller_drops(pair: RollerDefectPair, s: np.ndarray) -> list[np.ndarray]:
 def impulse_strengths(bearing: Bearing, zone: LoadZone, pair: RollerDefectPair, phi: np.ndarray) -> np.ndarray:
     """Return the impulse J (n,) N s of the load that a roller at ``phi`` (n,) rad loses over the defect; 0 outside
     the load zone."""
-    angles, which = np.unique(phi, return_inverse=True)
+    angles, inverse = np.unique(phi, return_inverse=True)
     J, loaded = np.zeros(len(angles)), approach(zone, angles) > 0.0
-    there = angles[loaded]
-    width = unloaded_width(pair, approach(zone, there), stiffness_share(zone, there), zone.n)
-    J[loaded] = load(zone, there) * width / crossing_speed(bearing, pair)
-    return J[which]
+    loaded_angles = angles[loaded]
+    width = unloaded_width(pair, approach(zone, loaded_angles), stiffness_share(zone, loaded_angles), zone.n)
+    J[loaded] = load(zone, loaded_angles) * width / crossing_speed(bearing, pair)
+    return J[inverse]
 
 
 def train(bearing: Bearing, zone: LoadZone, pairs: Sequence[RollerDefectPair], start: float, end: float) -> Train:
@@ -188,14 +188,14 @@ def random_train(
     The same generator state gives the same train, and a longer train begins with the shorter one.
     """
     parts = []
-    for pair, draw in zip(pairs, generator.spawn(len(pairs)), strict=True):
+    for pair, rng in zip(pairs, generator.spawn(len(pairs)), strict=True):
         times, phi, J = defect_impulses(bearing, zone, pair, start, end)
         width = 2.0 * pair.half_width
         N = max(1, round(width / spacing))
-        u = draw.random((len(times), N, 2))
-        late = (u[:, :, 0] - 0.5) * width / crossing_speed(bearing, pair)
+        u = rng.random((len(times), N, 2))
+        delay = (u[:, :, 0] - 0.5) * width / crossing_speed(bearing, pair)
         strength = J[:, None] / N * -np.log1p(-u[:, :, 1])
-        parts.append(((times[:, None] + late).ravel(), np.repeat(phi, N), strength.ravel()))
+        parts.append(((times[:, None] + delay).ravel(), np.repeat(phi, N), strength.ravel()))
     return merge_trains(parts)
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from bearingsim.core import layout as lay
-from bearingsim.core.defects.envelope import Path, S, ends_of
+from bearingsim.core.defects.envelope import Path, S, piece_ends
 from bearingsim.core.defects.excitations import defect_response
 from bearingsim.core.defects.on_roller import roller_at_defect
 from bearingsim.core.defects.pairs import (
@@ -75,13 +75,13 @@ def jumps_of_group(excitation: Any, group: np.ndarray, R: float) -> list[tuple[f
     }:
         before, after = (np.array(defect_response(excitation, group, position + d, R)) for d in (-PROBE, PROBE))
         jump = np.abs(after - before)
-        smooth = (
+        smooth_change = (
             10.0 * PROBE * np.array([1.0 / group[GROUP_HALF_WIDTH], 1.0, 1.0 / R])
             if group[GROUP_HALF_WIDTH] > 0.0
             else np.full(3, inf)
         )
-        if (jump > smooth).any():
-            jumps.append((position, np.where(jump > smooth, jump, 0.0)))
+        if (jump > smooth_change).any():
+            jumps.append((position, np.where(jump > smooth_change, jump, 0.0)))
     return jumps
 
 
@@ -104,12 +104,12 @@ def cusps_of(path: Path) -> list[tuple[float, np.ndarray]]:
     """Return the positions (m) where the slope of a path drops, with the jumps as in ``jumps_of_group``."""
     if len(path.pieces) == 0:
         return []
-    positions, after = np.append(path.pieces[1:, S], path.end), np.append(path.pieces[1:, 2], 0.0)
-    falls = ends_of(path)[:, 1] - after
+    positions, next_slopes = np.append(path.pieces[1:, S], path.end), np.append(path.pieces[1:, 2], 0.0)
+    slope_drops = piece_ends(path)[:, 1] - next_slopes
     return [
-        (float(position), np.array([0.0, 0.0, fall]))
-        for position, fall in zip(positions, falls, strict=True)
-        if fall > 1e-6
+        (float(position), np.array([0.0, 0.0, drop]))
+        for position, drop in zip(positions, slope_drops, strict=True)
+        if drop > 1e-6
     ]
 
 
@@ -129,12 +129,12 @@ def distance_to_jump(defects, d, s, forwards):
     """Return the distance (m) from ``s`` to the next jump of roller-defect pair ``d``, in the direction of
     increasing s if ``forwards``; inf if there is none ahead.
     """
-    least = inf
+    shortest = inf
     for k in range(int(defects.head[d, JUMP_COUNT])):
-        way = defects.head[d, FIRST_JUMP + k] - s
-        way = way if forwards else -way
-        least = min(least, way if way >= 0.0 else inf)
-    return least
+        distance = defects.head[d, FIRST_JUMP + k] - s
+        distance = distance if forwards else -distance
+        shortest = min(shortest, distance if distance >= 0.0 else inf)
+    return shortest
 
 
 @jit
@@ -146,16 +146,18 @@ def spacing(defects, d, Z):
 def next_jump_without_slip(model, t, y):
     """Implement ``next_jump`` for rollers that are evenly spaced and turn without slip: exact."""
     defects, b = model.defects, model.bearing
-    soonest = inf
+    t_jump = inf
     for d in range(len(defects.head)):
         speed = passing_speed(defects, d, b)
         if speed != 0.0:
             _, s = roller_at_defect(model, d, t, y)
-            follows = spacing(defects, d, b.Z)
-            next_one = distance_to_jump(defects, d, s - follows if speed > 0.0 else s + follows, speed > 0.0)
-            way = min(distance_to_jump(defects, d, s, speed > 0.0), next_one)
-            soonest = min(soonest, t + way / abs(speed))
-    return soonest
+            roller_spacing = spacing(defects, d, b.Z)
+            next_distance = distance_to_jump(
+                defects, d, s - roller_spacing if speed > 0.0 else s + roller_spacing, speed > 0.0
+            )
+            distance = min(distance_to_jump(defects, d, s, speed > 0.0), next_distance)
+            t_jump = min(t_jump, t + distance / abs(speed))
+    return t_jump
 
 
 def next_jump_with_slip(model, t, y):
@@ -166,17 +168,17 @@ def next_jump_with_slip(model, t, y):
     """
     defects, b = model.defects, model.bearing
     _, rate, _ = kinematic_time(model.motion, t)
-    soonest = inf
+    t_jump = inf
     for d in range(len(defects.head)):
         j, s = roller_at_defect(model, d, t, y)
-        on = defects.head[d, CARRIER]
-        turning = b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C] + y[lay.EPS_V + j]
-        if on >= 0.0:
-            turning -= (b.omega_c - b.omega_b) * rate + y[lay.SPIN_V + j]
+        carrier = defects.head[d, CARRIER]
+        angular_speed = b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C] + y[lay.EPS_V + j]
+        if carrier >= 0.0:
+            angular_speed -= (b.omega_c - b.omega_b) * rate + y[lay.SPIN_V + j]
         else:
-            turning -= b.omega_i * rate if on == ON_INNER else y[lay.VELOCITY + lay.PSI]
-        speed = defects.head[d, RADIUS] * turning
+            angular_speed -= b.omega_i * rate if carrier == ON_INNER else y[lay.VELOCITY + lay.PSI]
+        speed = defects.head[d, RADIUS] * angular_speed
         if speed != 0.0:
-            way = distance_to_jump(defects, d, s, speed > 0.0)
-            soonest = min(soonest, t + (way if way < NEAR_JUMP else 0.99 * way) / abs(speed))
-    return soonest
+            distance = distance_to_jump(defects, d, s, speed > 0.0)
+            t_jump = min(t_jump, t + (distance if distance < NEAR_JUMP else 0.99 * distance) / abs(speed))
+    return t_jump

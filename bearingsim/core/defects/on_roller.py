@@ -22,7 +22,7 @@ from bearingsim.core.parameters import kinematic_angles
 
 
 @inlined
-def touching_stiffness(stiffness, delta):
+def contact_stiffness(stiffness, delta):
     """Return the derivative (N/m) of the elastic force at any approach ``delta`` (m); zero out of contact for
     every law."""
     return tangent(stiffness, delta) if delta > 0.0 else 0.0
@@ -38,14 +38,14 @@ def elastic_over_defect(stiffness, defects, d, s, delta):
     Equation (M10) of docs/model.md, either side.
     """
     if d < 0:
-        return elastic(stiffness, max(delta, 0.0)), touching_stiffness(stiffness, delta), max(delta, 0.0)
+        return elastic(stiffness, max(delta, 0.0)), contact_stiffness(stiffness, delta), max(delta, 0.0)
     force, spring_rate, mean = 0.0, 0.0, 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
         share, h, _ = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
         weight, approach = share * group[GROUP_WEIGHT], max(delta - h, 0.0)
         force += weight * elastic(stiffness, approach)
-        spring_rate += weight * touching_stiffness(stiffness, delta - h)
+        spring_rate += weight * contact_stiffness(stiffness, delta - h)
         mean += weight * approach
     return force, spring_rate, mean
 
@@ -113,9 +113,9 @@ def derivatives_over_defect(contact, defects, d, s, speed, delta, v):
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
         share, h, slope = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
-        by_approach, by_rate = derivatives(contact, delta - h, v - slope * speed)
-        K += share * group[GROUP_WEIGHT] * by_approach
-        C += share * group[GROUP_WEIGHT] * by_rate
+        K_group, C_group = derivatives(contact, delta - h, v - slope * speed)
+        K += share * group[GROUP_WEIGHT] * K_group
+        C += share * group[GROUP_WEIGHT] * C_group
     return K, C
 
 
@@ -123,19 +123,19 @@ def derivatives_over_defect(contact, defects, d, s, speed, delta, v):
 def stiffness_over_defect(stiffness, defects, d, s, delta):
     """Return the derivative (N/m) of the elastic force of the groups in contact; ``d`` = -1: no defect."""
     if d < 0:
-        return touching_stiffness(stiffness, delta)
+        return contact_stiffness(stiffness, delta)
     spring_rate = 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
         share, h, _ = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
-        spring_rate += share * group[GROUP_WEIGHT] * touching_stiffness(stiffness, delta - h)
+        spring_rate += share * group[GROUP_WEIGHT] * contact_stiffness(stiffness, delta - h)
     return spring_rate
 
 
 @jit
 def roller_drop_rate_derivative(stiffness, defects, d, s, speed, delta):
     """Return the derivative of ``roller_drop_rate`` with respect to the approach (1/s)."""
-    force, moment, stiff, stiff_moment = 0.0, 0.0, 0.0, 0.0
+    force, moment, K_sum, K_moment = 0.0, 0.0, 0.0, 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
         share, h, slope = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
@@ -144,9 +144,9 @@ def roller_drop_rate_derivative(stiffness, defects, d, s, speed, delta):
         K_group = weight * tangent(stiffness, approach) if approach > 0.0 else 0.0
         force += part
         moment += part * slope * speed
-        stiff += K_group
-        stiff_moment += K_group * slope * speed
-    return (stiff_moment - stiff * moment / force) / force if force > 0.0 else 0.0
+        K_sum += K_group
+        K_moment += K_group * slope * speed
+    return (K_moment - K_sum * moment / force) / force if force > 0.0 else 0.0
 
 
 @jit
@@ -179,9 +179,9 @@ def is_masked(model, d, j, s, t, y):
     defects = model.defects
     for e in range(len(defects.head)):
         if e != d and defects.head[e, SIDE] == defects.head[d, SIDE]:
-            other, along = roller_at_defect(model, e, t, y)
-            if other == j and abs(along) < defects.head[e, HALF_WIDTH]:
-                drop, other_drop = mean_roller_drop(defects, d, s), mean_roller_drop(defects, e, along)
+            other, other_s = roller_at_defect(model, e, t, y)
+            if other == j and abs(other_s) < defects.head[e, HALF_WIDTH]:
+                drop, other_drop = mean_roller_drop(defects, d, s), mean_roller_drop(defects, e, other_s)
                 if other_drop > drop or (other_drop == drop and e < d):
                     return True
     return False

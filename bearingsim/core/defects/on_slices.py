@@ -50,11 +50,11 @@ def roller_near_defect(model, d, t, y):
     """
     b, head = model.bearing, model.defects.head[d]
     time, _, _ = kinematic_time(model.motion, t)
-    turned = b.omega_c * time + y[lay.POSITION + lay.PHI_C]
-    own, outer = head[CARRIER] >= 0.0, head[SIDE] == OUTER
-    roll = turned - (b.omega_c - b.omega_b) * time - (y[lay.SPIN + int(head[CARRIER])] if own else 0.0)
-    j, s = nearest_roller(model.defects, d, b.theta_0 + turned, b.omega_i * time, roll, b.Z)
-    return j, s + head[RADIUS] * (y[lay.EPS + j] - (y[lay.POSITION + lay.PSI] if outer and not own else 0.0))
+    cage_angle = b.omega_c * time + y[lay.POSITION + lay.PHI_C]
+    on_roller, outer = head[CARRIER] >= 0.0, head[SIDE] == OUTER
+    roll = cage_angle - (b.omega_c - b.omega_b) * time - (y[lay.SPIN + int(head[CARRIER])] if on_roller else 0.0)
+    j, s = nearest_roller(model.defects, d, b.theta_0 + cage_angle, b.omega_i * time, roll, b.Z)
+    return j, s + head[RADIUS] * (y[lay.EPS + j] - (y[lay.POSITION + lay.PSI] if outer and not on_roller else 0.0))
 
 
 @jit
@@ -97,12 +97,12 @@ def clear_defect_response(model, y):
 
 
 @jit
-def slice_defect_response(model, t, k, steep, b_z_outer, b_z_inner, y):
+def slice_defect_response(model, t, k, tilt_factor, b_z_outer, b_z_inner, y):
     """Fill the response of slice ``k`` of the marked rollers: drop, tilt of the normal, share of stiffness lost.
 
-    steep: 0.0 to leave out the tilt; b_z_outer, b_z_inner: third components of the rings' axes. Of the defects
-    within reach the deepest acts, as in ``on_roller.is_masked``; the first of equal ones, and a burr only where no
-    other defect reaches.
+    tilt_factor: 0.0 to leave out the tilt; b_z_outer, b_z_inner: third components of the rings' axes. Of the
+    defects within reach the deepest acts, as in ``on_roller.is_masked``; the first of equal ones, and a burr only
+    where no other defect reaches.
     """
     defects, zeta, middle = (
         model.defects,
@@ -121,7 +121,7 @@ def slice_defect_response(model, t, k, steep, b_z_outer, b_z_inner, y):
                 share, h, slope = defect_response(defects.excitation, group, s, head[REDUCED_RADIUS])
                 if y[side + lay.DEFECT_REACH + j] == ROLLER_REACHED or h > y[side + lay.ROLLER_DROP + j]:
                     y[side + lay.DEFECT_REACH + j] = SLICE_REACHED
-                    normal_slope = steep * slope * head[RADIUS] / rho
+                    normal_slope = tilt_factor * slope * head[RADIUS] / rho
                     (
                         y[side + lay.ROLLER_DROP + j],
                         y[side + lay.NORMAL_SLOPE + j],

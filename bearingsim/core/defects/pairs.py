@@ -70,15 +70,15 @@ class Defects(NamedTuple):
     excitation: Any
 
 
-def pack_defects(pairs: Sequence[RollerDefectPair], excitation: Any, most: int = 1) -> Defects:
-    """Pack the roller-defect pairs into the arrays the core reads, with room for ``most`` groups each or more."""
-    deepest = max([most, *(len(pair.groups) for pair in pairs)])
-    groups = np.zeros((len(pairs), deepest, GROUP))
+def pack_defects(pairs: Sequence[RollerDefectPair], excitation: Any, min_groups: int = 1) -> Defects:
+    """Pack the roller-defect pairs into the arrays the core reads, each with room for ``min_groups`` or more."""
+    group_count = max([min_groups, *(len(pair.groups) for pair in pairs)])
+    groups = np.zeros((len(pairs), group_count, GROUP))
     for row, pair in zip(groups, pairs, strict=True):
         row[: len(pair.groups)] = pair.groups
     head = np.zeros((len(pairs), FIRST_JUMP + max((len(pair.jumps) for pair in pairs), default=0)))
     for row, pair in zip(head, pairs, strict=True):
-        reach, used = pair.half_width, len(pair.groups)
+        reach, count = pair.half_width, len(pair.groups)
         span = pair.span or 2.0 * reach
         row[:FIRST_JUMP] = (
             pair.side,
@@ -87,7 +87,7 @@ def pack_defects(pairs: Sequence[RollerDefectPair], excitation: Any, most: int =
             pair.radius,
             pair.R,
             reach,
-            used,
+            count,
             pair.cusp,
             span,
             len(pair.jumps),
@@ -107,7 +107,7 @@ def inner_reduced_radius(R_w: float, R_i: float) -> float:
 
 
 @jit
-def nearest_roller(packed, d, theta_c, theta_i, roll, Z):
+def nearest_roller(defects, d, theta_c, theta_i, roll, Z):
     """Return the roller nearest to roller-defect pair ``d``, and its distance s (m) along rolling from the
     defect's middle.
 
@@ -116,12 +116,12 @@ def nearest_roller(packed, d, theta_c, theta_i, roll, Z):
     roller 0 if the motion has diverged and the angles are not finite or too large to resolve, so that the index is
     always valid.
     """
-    head = packed.head[d]
-    on = head[CARRIER]
-    if on >= 0.0:
+    head = defects.head[d]
+    carrier = head[CARRIER]
+    if carrier >= 0.0:
         turn = (roll - head[ANGLE]) / (2.0 * pi) - 0.5 * head[SIDE]
-        return int(on), (turn - np.floor(turn + 0.5)) * 2.0 * pi * head[RADIUS]
-    angle = head[ANGLE] + (theta_i if on == ON_INNER else 0.0)
+        return int(carrier), (turn - np.floor(turn + 0.5)) * 2.0 * pi * head[RADIUS]
+    angle = head[ANGLE] + (theta_i if carrier == ON_INNER else 0.0)
     turn = (theta_c - angle) * Z / (2.0 * pi)
     nearest = np.floor(turn + 0.5)
     number = -nearest - Z * np.floor(-nearest / Z)
@@ -130,9 +130,9 @@ def nearest_roller(packed, d, theta_c, theta_i, roll, Z):
 
 
 @jit
-def passing_speed(packed, d, bearing):
+def passing_speed(defects, d, bearing):
     """Return the speed (m/s) of rollers past the defect, ds/dt, at kinematic speeds."""
-    on = packed.head[d, CARRIER]
-    if on >= 0.0:
-        return packed.head[d, RADIUS] * bearing.omega_b
-    return packed.head[d, RADIUS] * (bearing.omega_c - (bearing.omega_i if on == ON_INNER else 0.0))
+    carrier = defects.head[d, CARRIER]
+    if carrier >= 0.0:
+        return defects.head[d, RADIUS] * bearing.omega_b
+    return defects.head[d, RADIUS] * (bearing.omega_c - (bearing.omega_i if carrier == ON_INNER else 0.0))

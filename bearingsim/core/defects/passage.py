@@ -17,7 +17,7 @@ from bearingsim.core.laws.damping.interface import damping_bound, normal_force, 
 PASSAGE_STEPS = 400  # least number, from rim to rim
 PERIOD_STEP = 0.1  # of the time of one radian of contact oscillation
 STEPS_PER_CHECK = 4096  # steps between readings of the clock
-AFTERWARDS = 10.0  # such times, and one more passage, simulated behind the defect
+DECAY_TIMES = 10.0  # such times, and one more passage, simulated behind the defect
 
 
 @jit
@@ -27,17 +27,20 @@ def passage_peak(model, d, delta_o, delta_i, cpu_end):
     delta_o, delta_i: the approaches (m) of its contacts at rest; cpu_end: as of ``cpu_time.bounded``.
     """
     outer, inner, defects, m = model.outer, model.inner, model.defects, model.bearing.m_r
-    speed, half = passing_speed(defects, d, model.bearing), defects.head[d, HALF_WIDTH]
+    speed, half_width = passing_speed(defects, d, model.bearing), defects.head[d, HALF_WIDTH]
     on_outer = defects.head[d, SIDE] == OUTER
     balance = normal_force(outer, delta_o, 0.0) - normal_force(inner, delta_i, 0.0)
-    resting = sqrt((stiffness_bound(outer, delta_o, 0.0) + stiffness_bound(inner, delta_i, 0.0)) / m)
-    longest, end = 2.0 * half / (abs(speed) * PASSAGE_STEPS), 3.0 * half / abs(speed) + AFTERWARDS / resting
-    t, x, v, peak = -half / abs(speed), 0.0, 0.0, normal_force(outer, delta_o, 0.0)
+    omega_rest = sqrt((stiffness_bound(outer, delta_o, 0.0) + stiffness_bound(inner, delta_i, 0.0)) / m)
+    h_max, end = (
+        2.0 * half_width / (abs(speed) * PASSAGE_STEPS),
+        3.0 * half_width / abs(speed) + DECAY_TIMES / omega_rest,
+    )
+    t, x, v, peak = -half_width / abs(speed), 0.0, 0.0, normal_force(outer, delta_o, 0.0)
     n = 0
     while t < end and not (n % STEPS_PER_CHECK == STEPS_PER_CHECK - 1 and is_over(cpu_end)):
         n += 1
         s = speed * t
-        over_defect = abs(s) < half
+        over_defect = abs(s) < half_width
         d_o, d_i = delta_o + x, delta_i - x
         if over_defect and on_outer:
             Q_o, _, d_o, v_o = force_over_defect(outer, defects, d, s, speed, d_o, v)
@@ -51,7 +54,7 @@ def passage_peak(model, d, delta_o, delta_i, cpu_end):
         d_o, d_i = max(d_o, 0.0), max(d_i, 0.0)
         K = stiffness_bound(outer, d_o, v_o) + stiffness_bound(inner, d_i, v_i)
         C = damping_bound(outer, d_o, v_o) + damping_bound(inner, d_i, v_i)
-        h = min(longest, PERIOD_STEP * sqrt(m / max(K, 1e-300)))
+        h = min(h_max, PERIOD_STEP * sqrt(m / max(K, 1e-300)))
         v += h * (Q_i - Q_o + balance - h * K * v) / (m + h * (C + h * K))  # implicit: dashpots may be stiff
         x += h * v
         t += h
@@ -70,7 +73,7 @@ def free_impact(m, law, speed, cpu_end):
     cpu_end: as of ``cpu_time.bounded``. Returns the peak force (N) and the largest stiffness (N/m) and damping (N
     s/m) until it stops.
     """
-    longest = min(LONGEST_IMPACT_STEP, 1e-3 * pi * sqrt(m / stiffness_bound(law, 1e-7, 0.0)))
+    h_max = min(LONGEST_IMPACT_STEP, 1e-3 * pi * sqrt(m / stiffness_bound(law, 1e-7, 0.0)))
     delta, v, peak, K, C = FIRST_APPROACH, speed, 0.0, 0.0, 0.0
     n = 0
     while v > 0.0 and not (n % STEPS_PER_CHECK == STEPS_PER_CHECK - 1 and is_over(cpu_end)):
@@ -78,7 +81,7 @@ def free_impact(m, law, speed, cpu_end):
         peak = max(peak, normal_force(law, delta, v))
         damping = damping_bound(law, delta, v)
         K, C = max(K, stiffness_bound(law, delta, v)), max(C, damping)
-        h = min(longest, IMPACT_STEP * m / damping) if damping > 0.0 else longest
+        h = min(h_max, IMPACT_STEP * m / damping) if damping > 0.0 else h_max
         delta += h * v
         v -= h * normal_force(law, delta, v) / m
     return peak, K, C

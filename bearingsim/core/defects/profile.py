@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-FROM, TO, P, M, C = range(5)  # columns of a piece: p = P + M (t - FROM) + C (t - FROM)^2/2
-SLIVER = 1e-15  # m: ends closer than this are merged
+START, END, P, M, C = range(5)  # columns of a piece: p = P + M (t - START) + C (t - START)^2/2
+MIN_SPACING = 1e-15  # m: ends closer than this are merged
 
 
 class Profile(NamedTuple):
@@ -39,8 +39,8 @@ def curve(t: np.ndarray, p: np.ndarray, slope: np.ndarray) -> Profile:
     They have the given ``slope`` (n,) at the points; an interval with a non-finite slope is one straight line.
     """
     width, rise = np.diff(t), np.diff(p)
-    bent = np.isfinite(slope[:-1]) & np.isfinite(slope[1:])
-    start_slope, end_slope = np.where(bent, slope[:-1], rise / width), np.where(bent, slope[1:], rise / width)
+    curved = np.isfinite(slope[:-1]) & np.isfinite(slope[1:])
+    start_slope, end_slope = np.where(curved, slope[:-1], rise / width), np.where(curved, slope[1:], rise / width)
     middle = 2.0 * rise / width - (start_slope + end_slope) / 2.0
     half = width / 2.0
     left = np.stack([t[:-1], t[:-1] + half, p[:-1], start_slope, (middle - start_slope) / half], axis=1)
@@ -49,14 +49,14 @@ def curve(t: np.ndarray, p: np.ndarray, slope: np.ndarray) -> Profile:
     return Profile(np.stack([left, right], axis=1).reshape(-1, 5))
 
 
-def shifted(profile: Profile, by: float) -> Profile:
-    """Return the profile moved by ``by`` (m)."""
+def shift_profile(profile: Profile, offset: float) -> Profile:
+    """Return the profile moved by ``offset`` (m)."""
     pieces = profile.pieces.copy()
-    pieces[:, [FROM, TO]] += by
+    pieces[:, [START, END]] += offset
     return Profile(pieces)
 
 
-def mirrored(profile: Profile) -> Profile:
+def mirror_profile(profile: Profile) -> Profile:
     """Return the profile mirrored, p(-t)."""
     start, end, _, m, c = profile.pieces.T
     return Profile(np.stack([-end, -start, last_depths(profile), -(m + (end - start) * c), c], axis=1)[::-1])
@@ -64,7 +64,7 @@ def mirrored(profile: Profile) -> Profile:
 
 def last_depths(profile: Profile) -> np.ndarray:
     """Return the depth (n,) m at the end of each piece."""
-    width = profile.pieces[:, TO] - profile.pieces[:, FROM]
+    width = profile.pieces[:, END] - profile.pieces[:, START]
     return profile.pieces[:, P] + width * (profile.pieces[:, M] + width * profile.pieces[:, C] / 2.0)
 
 
@@ -82,41 +82,41 @@ def depth_at(profile: Profile, t: np.ndarray) -> np.ndarray:
     pieces = profile.pieces
     if len(pieces) == 0:
         return np.zeros(len(t))
-    k = np.maximum(np.searchsorted(pieces[:, FROM], t, side="right") - 1, 0)
-    x = t - pieces[k, FROM]
-    inside = (x >= 0.0) & (t < pieces[k, TO])
+    k = np.maximum(np.searchsorted(pieces[:, START], t, side="right") - 1, 0)
+    x = t - pieces[k, START]
+    inside = (x >= 0.0) & (t < pieces[k, END])
     return np.where(inside, pieces[k, P] + x * (pieces[k, M] + x * pieces[k, C] / 2.0), 0.0)
 
 
-def deepest(left: Profile, right: Profile) -> Profile:
+def deeper_profile(left: Profile, right: Profile) -> Profile:
     """Return the deeper of two profiles where both have a piece, otherwise the one that has."""
     if len(left.pieces) == 0 or len(right.pieces) == 0:
         return right if len(left.pieces) == 0 else left
-    ends = _distinct(np.concatenate([left.pieces[:, :P].ravel(), right.pieces[:, :P].ravel()]))
-    ends = _distinct(np.concatenate([ends, _crossings(left, right, ends)]))
+    ends = _distinct_ends(np.concatenate([left.pieces[:, :P].ravel(), right.pieces[:, :P].ravel()]))
+    ends = _distinct_ends(np.concatenate([ends, _crossings(left, right, ends)]))
     middles = (ends[1:] + ends[:-1]) / 2.0
-    a, b = _covering(left, middles), _covering(right, middles)
-    by_left = _rows(left, a, middles)[:, 0] >= _rows(right, b, middles)[:, 0]
-    source = np.where(by_left, a, np.where(b >= 0, b + len(left.pieces), -1))
-    rows = np.where(by_left[:, None], _rows(left, a, ends[:-1]), _rows(right, b, ends[:-1]))
-    begins = np.append(True, np.diff(source) != 0)
-    until = np.append(ends[:-1][begins][1:], ends[-1])
-    pieces = np.column_stack([ends[:-1][begins], until, rows[begins]])
-    return Profile(pieces[source[begins] >= 0])
+    a, b = _piece_at(left, middles), _piece_at(right, middles)
+    left_is_deeper = _values_at(left, a, middles)[:, 0] >= _values_at(right, b, middles)[:, 0]
+    source = np.where(left_is_deeper, a, np.where(b >= 0, b + len(left.pieces), -1))
+    rows = np.where(left_is_deeper[:, None], _values_at(left, a, ends[:-1]), _values_at(right, b, ends[:-1]))
+    is_start = np.append(True, np.diff(source) != 0)
+    piece_ends = np.append(ends[:-1][is_start][1:], ends[-1])
+    pieces = np.column_stack([ends[:-1][is_start], piece_ends, rows[is_start]])
+    return Profile(pieces[source[is_start] >= 0])
 
 
-def _distinct(ends: np.ndarray) -> np.ndarray:
+def _distinct_ends(ends: np.ndarray) -> np.ndarray:
     ordered = np.sort(ends)
-    return ordered[np.append(True, np.diff(ordered) > SLIVER)]
+    return ordered[np.append(True, np.diff(ordered) > MIN_SPACING)]
 
 
-def _covering(profile: Profile, t: np.ndarray) -> np.ndarray:
+def _piece_at(profile: Profile, t: np.ndarray) -> np.ndarray:
     """Return the piece at each ``t``, -1 for the race."""
-    k = np.searchsorted(profile.pieces[:, FROM], t, side="right") - 1
-    return np.where((k >= 0) & (t < profile.pieces[k, TO]), k, -1)
+    k = np.searchsorted(profile.pieces[:, START], t, side="right") - 1
+    return np.where((k >= 0) & (t < profile.pieces[k, END]), k, -1)
 
 
-def _rows(profile: Profile, k: np.ndarray, t: np.ndarray) -> np.ndarray:
+def _values_at(profile: Profile, k: np.ndarray, t: np.ndarray) -> np.ndarray:
     """Return depth, slope and curvature (n, 3) of the pieces ``k`` at ``t``; a depth of -inf for the race.
 
     A raised rim thus counts where there is no other piece.
@@ -129,11 +129,11 @@ def _rows(profile: Profile, k: np.ndarray, t: np.ndarray) -> np.ndarray:
 def _crossings(left: Profile, right: Profile, ends: np.ndarray) -> np.ndarray:
     """Return the positions of equal depth of two profiles, between ``ends``."""
     low, middles = ends[:-1], (ends[1:] + ends[:-1]) / 2.0
-    a, b = _covering(left, middles), _covering(right, middles)
-    both = (a >= 0) & (b >= 0)
-    p, m, c = (_rows(left, a[both], low[both]) - _rows(right, b[both], low[both])).T
+    a, b = _piece_at(left, middles), _piece_at(right, middles)
+    overlap = (a >= 0) & (b >= 0)
+    p, m, c = (_values_at(left, a[overlap], low[overlap]) - _values_at(right, b[overlap], low[overlap])).T
     with np.errstate(all="ignore"):  # no root, or not quadratic
         q = -0.5 * (m + np.copysign(np.sqrt(m * m - 2.0 * c * p), m))
         roots = np.concatenate([2.0 * q / c, p / q])
-    room = np.tile(np.diff(ends)[both], 2)
-    return np.asarray((np.tile(low[both], 2) + roots)[(roots > 0.0) & (roots < room)])
+    lengths = np.tile(np.diff(ends)[overlap], 2)
+    return np.asarray((np.tile(low[overlap], 2) + roots)[(roots > 0.0) & (roots < lengths)])

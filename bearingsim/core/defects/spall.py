@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingsim.core.defects.depth import ROUGH, cuts, extent, section
-from bearingsim.core.defects.profile import RACE, Profile, deepest, quadratic
+from bearingsim.core.defects.profile import RACE, Profile, deeper_profile, quadratic
 
 BOWLS = 32
 SIZES, DEPTHS = (0.6, 1.2), (0.5, 1.0)
@@ -40,14 +40,14 @@ class Spall(NamedTuple):
 @lru_cache(maxsize=64)
 def full_grown(seed: int) -> tuple[Bowl, ...]:
     """Return the bowls of a spall in order of formation, in a box from -1/2 to 1/2 along and across, 1 deep."""
-    draw = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     bowls: list[Bowl] = [(0.0, 0.0, 1.0, 1.0, FIRST_DEPTH)]
     for _ in range(BOWLS - 1):
         low, high = min(v - b for _, v, _, b, _ in bowls), max(v + b for _, v, _, b, _ in bowls)
-        rims = [(trailing_rim(bowls, across), across) for across in draw.uniform(low, high, DRAWS).tolist()]
-        a, b, d = draw.uniform(*SIZES), draw.uniform(*SIZES), draw.uniform(*DEPTHS)
+        rims = [(trailing_rim(bowls, across), across) for across in rng.uniform(low, high, DRAWS).tolist()]
+        a, b, d = rng.uniform(*SIZES), rng.uniform(*SIZES), rng.uniform(*DEPTHS)
         bowls.append((*min(rims), a, b, d))
-    return _in_a_box(bowls)
+    return _normalise(bowls)
 
 
 def trailing_rim(bowls: list[Bowl], across: float) -> float:
@@ -55,26 +55,28 @@ def trailing_rim(bowls: list[Bowl], across: float) -> float:
     return max(u + a * sqrt(1.0 - ((across - v) / b) ** 2) for u, v, a, b, _ in bowls if abs(across - v) <= b)
 
 
-def _in_a_box(bowls: list[Bowl]) -> tuple[Bowl, ...]:
+def _normalise(bowls: list[Bowl]) -> tuple[Bowl, ...]:
     u, v, a, b, d = np.array(bowls).T
     low_u, low_v = np.min(u - a), np.min(v - b)
-    along, across, deep = np.max(u + a) - low_u, np.max(v + b) - low_v, np.max(d)
+    along, across, max_depth = np.max(u + a) - low_u, np.max(v + b) - low_v, np.max(d)
     box = np.stack(
-        [(u - low_u) / along - 0.5, (v - low_v) / across - 0.5, a / along, b / across, d / deep], axis=1
+        [(u - low_u) / along - 0.5, (v - low_v) / across - 0.5, a / along, b / across, d / max_depth], axis=1
     )
     return tuple(map(tuple, box.tolist()))
 
 
 def bowls_of(spall: Spall) -> list[Bowl]:
     """Return the bowls of a spall in m, the last one partly grown."""
-    whole = full_grown(spall.seed)
-    count = spall.grown * (len(whole) - 1)
+    all_bowls = full_grown(spall.seed)
+    count = spall.grown * (len(all_bowls) - 1)
     bowls = []
-    for n, (u, v, a, b, d) in enumerate(whole):
-        part = min(count - n + 1.0, 1.0)
-        if part > 0.0:
-            size, along, across = part, spall.width, spall.length
-            bowls.append((u * along, v * across, size * a * along, size * b * across, size * d * spall.depth))
+    for n, (u, v, a, b, d) in enumerate(all_bowls):
+        scale = min(count - n + 1.0, 1.0)
+        if scale > 0.0:
+            factor, along, across = scale, spall.width, spall.length
+            bowls.append(
+                (u * along, v * across, factor * a * along, factor * b * across, factor * d * spall.depth)
+            )
     return bowls
 
 
@@ -82,11 +84,11 @@ def bowls_of(spall: Spall) -> list[Bowl]:
 def _section(spall: Spall, z: float) -> Profile:
     profiles = [RACE]
     for u, v, a, b, d in bowls_of(spall):
-        rest = 1.0 - ((z - v) / b) ** 2
-        if rest > 0.0:
-            half, bend = a * sqrt(rest), 2.0 * d / (a * a)
-            profiles.append(quadratic(u - half, u + half, 0.0, bend * half, -bend))
-    return reduce(deepest, profiles)
+        scale = 1.0 - ((z - v) / b) ** 2
+        if scale > 0.0:
+            half, curvature = a * sqrt(scale), 2.0 * d / (a * a)
+            profiles.append(quadratic(u - half, u + half, 0.0, curvature * half, -curvature))
+    return reduce(deeper_profile, profiles)
 
 
 @extent.register(Spall)

@@ -19,12 +19,12 @@ from bearingsim.core.defects.depth import (
     extent,
     section,
 )
-from bearingsim.core.defects.envelope import FLAT, Path, cusp, packed, path_over, steepest
+from bearingsim.core.defects.envelope import FLAT, Path, cusp, pack_paths, path_over, steepest
 from bearingsim.core.defects.excitations import TracedPath
 from bearingsim.core.defects.pairs import KAPPA, Defects, RollerDefectPair, pack_defects
 from bearingsim.core.defects.profile import Profile, relief
 
-SAME = np.array([1e-12, 1e-18, 1e-12, 1e-6])  # m, m, 1, 1/m: resolution in comparing pieces of paths
+PIECE_RESOLUTION = np.array([1e-12, 1e-18, 1e-12, 1e-6])  # m, m, 1, 1/m: resolution in comparing pieces of paths
 RollerSlice = tuple[float, float]
 """Weight (1) and middle z (m, from the roller's) of a slice of a roller."""
 
@@ -42,11 +42,11 @@ def cut_along_roller(defect: Any, L_w: float, nodes: int) -> list[RollerSlice]:
     return [
         ((b - a) / L_w * float(weight) / 2.0, (a + b) / 2.0 + (b - a) / 2.0 * float(x))
         for a, b, kind in stretches
-        for x, weight in zip(*_rule(kind, max(1, ceil(nodes * (b - a) / longest - 1e-9))), strict=True)
+        for x, weight in zip(*_quadrature(kind, max(1, ceil(nodes * (b - a) / longest - 1e-9))), strict=True)
     ]
 
 
-def _rule(kind: int, nodes: int) -> tuple[np.ndarray, np.ndarray]:
+def _quadrature(kind: int, nodes: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the nodes in (-1, 1) and weights (sum 2) of a quadrature."""
     if kind == EVEN:
         return np.zeros(1), np.full(1, 2.0)
@@ -65,13 +65,13 @@ def paths_over(defect: Any, R: float, positions: Sequence[float] | np.ndarray) -
 
 
 @lru_cache(maxsize=256)
-def _paths_over(defect: Any, named: str, R: float, positions: tuple[float, ...]) -> tuple[TracedGroup, ...]:
-    """Cache ``paths_over``; ``named`` distinguishes shapes that are equal as tuples. The paths of a rough defect
-    in 41 slices take 20 kB, so the cache holds those of a whole sweep."""
-    return tuple(_traced(section(defect, z), R) for z in positions)
+def _paths_over(defect: Any, shape_key: str, R: float, positions: tuple[float, ...]) -> tuple[TracedGroup, ...]:
+    """Cache ``paths_over``; ``shape_key`` distinguishes shapes that are equal as tuples. The paths of a rough
+    defect in 41 slices take 20 kB, so the cache covers a sweep."""
+    return tuple(_trace(section(defect, z), R) for z in positions)
 
 
-def _traced(profile: Profile, R: float) -> TracedGroup:
+def _trace(profile: Profile, R: float) -> TracedGroup:
     path = path_over(profile, R)
     if len(path.pieces) == 0:
         return NO_DEFECT, path
@@ -79,21 +79,21 @@ def _traced(profile: Profile, R: float) -> TracedGroup:
     return (max(-path.pieces[0, 0], path.end, reach), reach, 0.0, relief(profile)), path
 
 
-def grouped(defect: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[list, list[Path]]:
+def group_paths(defect: Any, R: float, slices: Sequence[RollerSlice]) -> tuple[list, list[Path]]:
     """Return groups and paths of a roller over a defect; equal slices form one group, the undamaged length
     another."""
     merged: dict[bytes, tuple[float, tuple, Path]] = {}
     for (weight, _), (row, path) in zip(slices, paths_over(defect, R, [z for _, z in slices]), strict=True):
-        key = (np.round(np.append(path.pieces / SAME, path.end / SAME[0])) + 0.0).tobytes()
-        before = merged[key][0] if key in merged else 0.0
-        merged[key] = (before + weight, row, path)
-    rest = 1.0 - sum(weight for weight, _ in slices)
-    untouched = [(rest, NO_DEFECT, FLAT)] if rest > 1e-12 else []
-    parts = [*untouched, *merged.values()]
+        key = (np.round(np.append(path.pieces / PIECE_RESOLUTION, path.end / PIECE_RESOLUTION[0])) + 0.0).tobytes()
+        previous = merged[key][0] if key in merged else 0.0
+        merged[key] = (previous + weight, row, path)
+    undamaged_weight = 1.0 - sum(weight for weight, _ in slices)
+    undamaged = [(undamaged_weight, NO_DEFECT, FLAT)] if undamaged_weight > 1e-12 else []
+    parts = [*undamaged, *merged.values()]
     return [(weight, *row) for weight, row, _ in parts], [path for _, _, path in parts]
 
 
-def sliced(defect: Any, R: float, zetas: Sequence[float] | np.ndarray) -> tuple[list, list[Path]]:
+def slice_paths(defect: Any, R: float, zetas: Sequence[float] | np.ndarray) -> tuple[list, list[Path]]:
     """Return a group of weight 1 and a path for each slice of a roller, with slice middles at ``zetas`` (m)."""
     traced = paths_over(defect, R, zetas)
     return [(1.0, *row) for row, _ in traced], [path for _, path in traced]
@@ -103,10 +103,10 @@ def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) ->
     """Return the position (m) of the cusp with the largest product of slope drop and share of the roller; 0 if
     there is none."""
     cusps = [(cusp(path), row[0]) for row, path in zip(groups, paths, strict=True) if len(path.pieces)]
-    position, fall = 0.0, 0.0
-    for (where, falls), weight in cusps:
-        if falls * weight > fall:
-            position, fall = where, falls * weight
+    position, largest = 0.0, 0.0
+    for (cusp_position, slope_drop), weight in cusps:
+        if slope_drop * weight > largest:
+            position, largest = cusp_position, slope_drop * weight
     return position
 
 
@@ -120,19 +120,19 @@ def span_of(defect: Any, R: float) -> float:
     return path.end - float(path.pieces[0, 0]) if len(path.pieces) else high - low
 
 
-def burr(defect: Any) -> float:
+def burr_height(defect: Any) -> float:
     """Return the height (m) of a defect's highest point above the race; 0 except for a scan."""
     if isinstance(defect, ShiftedDefect):
-        return burr(defect.defect)
+        return burr_height(defect.defect)
     return max(0.0, -float(defect.depth.min())) if isinstance(defect, ScannedDefect) else 0.0
 
 
-def traced_defects(pairs: Sequence[RollerDefectPair]) -> Defects:
+def pack_traced_defects(pairs: Sequence[RollerDefectPair]) -> Defects:
     """Pack the roller-defect pairs, and their paths in one table."""
     paths = [path for pair in pairs for path in pair.paths if len(path.pieces)]
-    table, offsets = packed(paths)
-    defects, left = pack_defects(pairs, TracedPath(table)), iter(offsets)
+    table, offsets = pack_paths(paths)
+    defects, remaining_offsets = pack_defects(pairs, TracedPath(table)), iter(offsets)
     for groups, pair in zip(defects.groups, pairs, strict=True):
         for row, path in zip(groups, pair.paths, strict=False):
-            row[KAPPA] = next(left) if len(path.pieces) else 0.0
+            row[KAPPA] = next(remaining_offsets) if len(path.pieces) else 0.0
     return defects

@@ -25,6 +25,6 @@ def cos_sin(angle):
     z = x * x
     s = x + x * z * (S_3 + z * (S_5 + z * (S_7 + z * (S_9 + z * (S_11 + z * S_13)))))
     c = 1.0 - 0.5 * z + z * z * (C_4 + z * (C_6 + z * (C_8 + z * (C_10 + z * (C_12 + z * C_14)))))
-    turned = quarters - 4.0 * floor(0.25 * quarters)
-    C, S = (s, c) if turned == 1.0 or turned == 3.0 else (c, s)
-    return (-C if turned == 1.0 or turned == 2.0 else C), (-S if turned >= 2.0 else S)
+    quadrant = quarters - 4.0 * floor(0.25 * quarters)
+    C, S = (s, c) if quadrant == 1.0 or quadrant == 3.0 else (c, s)
+    return (-C if quadrant == 1.0 or quadrant == 2.0 else C), (-S if quadrant >= 2.0 else S)

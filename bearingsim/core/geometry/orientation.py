@@ -61,9 +61,9 @@ def axis_precession(a_x, a_y, a_z, w_x, w_y):
 def axis_precession_rate(body, l_x, l_y):
     """Compute the rate (rad/s^2) of ``axis_precession`` with accelerations ``l_x``, ``l_y`` (1/s^2) of the
     axis."""
-    bent = 1.0 + body.a_z
+    denominator = 1.0 + body.a_z
     area = body.w_x * body.a_y - body.a_x * body.w_y
-    return (l_x * body.a_y - body.a_x * l_y) / bent - area * body.w_z / (bent * bent)
+    return (l_x * body.a_y - body.a_x * l_y) / denominator - area * body.w_z / (denominator * denominator)
 
 
 @jit
@@ -90,7 +90,7 @@ def body_at(y, x, z, tilt_x, tilt_y, angle_rate):
     a_x, a_y, w_x, w_y = y[p + tilt_x], y[p + tilt_y], y[v + tilt_x], y[v + tilt_y]
     a_z = axis_z(a_x, a_y)
     w_z = -(a_x * w_x + a_y * w_y) / a_z
-    turns = angle_rate + axis_precession(a_x, a_y, a_z, w_x, w_y)
+    omega = angle_rate + axis_precession(a_x, a_y, a_z, w_x, w_y)
     return Body(
-        y[p + x], y[p + x + 1], y[p + z], y[v + x], y[v + x + 1], y[v + z], a_x, a_y, a_z, w_x, w_y, w_z, turns
+        y[p + x], y[p + x + 1], y[p + z], y[v + x], y[v + x + 1], y[v + z], a_x, a_y, a_z, w_x, w_y, w_z, omega
     )

@@ -68,8 +68,15 @@ def relative_to_ring(c, s, r, v, theta_v, u_x, u_y, v_x, v_y):
     x = r - u_r
     rho = sqrt(x * x + u_t * u_t)
     per_both = 1.0 / (rho * (rho + x))
-    per_rho, short = per_both * (rho + x), u_r - u_t * u_t * (per_both * rho)
-    return rho, x * per_rho, -u_t * per_rho, short, v - (v_x * c + v_y * s), r * theta_v - (v_y * c - v_x * s)
+    per_rho, r_minus_rho = per_both * (rho + x), u_r - u_t * u_t * (per_both * rho)
+    return (
+        rho,
+        x * per_rho,
+        -u_t * per_rho,
+        r_minus_rho,
+        v - (v_x * c + v_y * s),
+        r * theta_v - (v_y * c - v_x * s),
+    )
 
 
 @inlined
@@ -80,10 +87,10 @@ def approach(side, bearing, ring, omega_cage, y, j):
 
     Equation (P3) of docs/planar.md without h.
     """
-    normal_r, normal_t, distance, across, _ = normal_rows(side)
-    _, approaches, rates, _, tilts = contact_rows(side)
+    normal_r, normal_t, distance, transverse_speed, _ = normal_rows(side)
+    _, approaches, rates, _, tangential_forces = contact_rows(side)
     sigma, q = sign(side), y[lay.RADIAL + j]
-    rho, n_r, n_t, short, d_r, d_t = relative_to_ring(
+    rho, n_r, n_t, r_minus_rho, d_r, d_t = relative_to_ring(
         y[lay.COS + j],
         y[lay.SIN + j],
         0.5 * (bearing.R_o + bearing.R_i) + q,
@@ -95,11 +102,11 @@ def approach(side, bearing, ring, omega_cage, y, j):
         ring.v_y,
     )
     y[distance + j], y[normal_r + j], y[normal_t + j] = rho, n_r, n_t
-    outwards, lost = (q, short) if sigma > 0.0 else (short, q)
-    y[approaches + j] = outwards - bearing.gap - lost
+    outer_position, inner_position = (q, r_minus_rho) if sigma > 0.0 else (r_minus_rho, q)
+    y[approaches + j] = outer_position - bearing.gap - inner_position
     y[rates + j] = sigma * n_t * d_t - -sigma * n_r * d_r  # sigma n.d; another form would round differently
-    y[across + j] = n_r * d_t - n_t * d_r
-    y[tilts + j] = 0.0
+    y[transverse_speed + j] = n_r * d_t - n_t * d_r
+    y[tangential_forces + j] = 0.0
 
 
 @inlined

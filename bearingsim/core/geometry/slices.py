@@ -33,9 +33,9 @@ def slice_edges(L_w: float, defects: Iterable[tuple[float, float]], n: int) -> n
     inside = [(max(a, -L_w / 2.0), min(b, L_w / 2.0)) for a, b in defects]
     cuts = np.unique(np.round([-L_w / 2.0, L_w / 2.0, *(end for defect in inside for end in defect)], 12))
     middles, lengths = (cuts[1:] + cuts[:-1]) / 2.0, np.diff(cuts)
-    denser = [DEFECT_DENSITY if any(a < middle < b for a, b in inside) else 1.0 for middle in middles]
-    wanted = n * lengths * denser / np.sum(lengths * denser)
-    counts = np.maximum(1, np.ceil(wanted - 1e-9)).astype(int)
+    densities = [DEFECT_DENSITY if any(a < middle < b for a, b in inside) else 1.0 for middle in middles]
+    target_counts = n * lengths * densities / np.sum(lengths * densities)
+    counts = np.maximum(1, np.ceil(target_counts - 1e-9)).astype(int)
     if counts.sum() > MAX_SLICES:
         raise ValueError(f"{counts.sum()} slices, at most {MAX_SLICES}")
     parts = [np.linspace(a, b, m + 1)[:-1] for a, b, m in zip(cuts[:-1], cuts[1:], counts, strict=True)]
@@ -49,14 +49,14 @@ def slices(ends: np.ndarray, drop: Callable[[float], float]) -> Slices:
     return Slices(np.ascontiguousarray(table))
 
 
-def crowned(z: float, L_w: float, straight: float, most: float) -> float:
+def crowned_drop(z: float, L_w: float, straight: float, max_drop: float) -> float:
     """Return the drop (m) at ``z`` (m) of a parabolic profile, from 0 at the ends of the ``straight`` part to
-    ``most`` (m) at the roller's ends."""
-    beyond = max(abs(z) - straight / 2.0, 0.0) / (L_w / 2.0 - straight / 2.0) if straight < L_w else 0.0
-    return most * beyond * beyond
+    ``max_drop`` (m) at the roller's ends."""
+    x = max(abs(z) - straight / 2.0, 0.0) / (L_w / 2.0 - straight / 2.0) if straight < L_w else 0.0
+    return max_drop * x * x
 
 
-def logarithmic(z: float, L_w: float, D_w: float) -> float:
+def logarithmic_drop(z: float, L_w: float, D_w: float) -> float:
     """Return the drop (m) at ``z`` (m) of ISO/TS 16281's logarithmic profile, 0.00035 D_w ln[1/(1 - (2 z/L_w)^2)].
 
     For rollers of L_w <= 2.5 D_w (ISO/TS 16281:2008, 5.4; after Lundberg).

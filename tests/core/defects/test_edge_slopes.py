@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 from bearingsim.core.defects.closed_forms import groups_of
 from bearingsim.core.defects.edge_contact import (
     edge_contact,
+    edge_softening,
     half_contact,
-    narrowed_contact,
-    narrowed_contact_derivatives,
+    narrow_contact,
+    narrow_contact_derivatives,
     one_edge,
     one_edge_derivative,
     remaining_share,
@@ -21,7 +22,6 @@ from bearingsim.core.defects.edge_contact import (
     ridge_derivative,
     softening,
     softening_derivative,
-    softness,
 )
 from bearingsim.core.defects.excitations import defect_response, defect_response_gradient, response_groups
 from bearingsim.core.defects.pairs import GROUP_HALF_WIDTH, outer_reduced_radius
@@ -56,12 +56,12 @@ def slope(f, x, h):
 def test_of_a_sharp_edge(xi):
     assume(abs(xi + 1.0) > 2e-3)  # there, and at the rim, the curvature jumps
     assume(abs(xi) > 2e-3)
-    assert narrowed_contact_derivatives(xi) == pytest.approx(slope(narrowed_contact, xi, 5e-4), rel=1e-6, abs=1e-9)
+    assert narrow_contact_derivatives(xi) == pytest.approx(slope(narrow_contact, xi, 5e-4), rel=1e-6, abs=1e-9)
 
 
 def test_where_the_contact_is_hertz_s_only_its_place_moves():
-    assert narrowed_contact_derivatives(-1.0) == (0.0, -1.0)
-    assert narrowed_contact_derivatives(-1.0 + 1e-9) == pytest.approx((0.0, -1.0), abs=1e-8)
+    assert narrow_contact_derivatives(-1.0) == (0.0, -1.0)
+    assert narrow_contact_derivatives(-1.0 + 1e-9) == pytest.approx((0.0, -1.0), abs=1e-8)
 
 
 @given(place=st.floats(1e-6, 1e-3), wall=walls)
@@ -125,7 +125,7 @@ def test_bend_is_the_slope_of_share_and_slope(shape, width, depth, place):
 def test_the_share_follows_from_the_softness_that_is_differentiated(shape, width, depth, place):
     """``defect_response`` and ``defect_response_gradient`` take the same of edge, floor and both edges."""
     for row in rows_of(shape, width, depth):
-        f, _ = softness(EDGES, row, abs(place) * row[GROUP_HALF_WIDTH], R)
+        f, _ = edge_softening(EDGES, row, abs(place) * row[GROUP_HALF_WIDTH], R)
         assert defect_response(EDGES, row, place * row[GROUP_HALF_WIDTH], R)[0] == pytest.approx(
             remaining_share(f, HALF, EDGES.D), rel=1e-12
         )

@@ -20,12 +20,26 @@ from bearingsim.core.defects.depth import (
     extent,
     section,
 )
-from bearingsim.core.defects.envelope import Path, cusp, drop_at, drop_curvature_at, packed, path_drop, path_over
+from bearingsim.core.defects.envelope import (
+    Path,
+    cusp,
+    drop_at,
+    drop_curvature_at,
+    pack_paths,
+    path_drop,
+    path_over,
+)
 from bearingsim.core.defects.excitations import defect_response
 from bearingsim.core.defects.pairs import GROUP_HALF_WIDTH, GROUP_WEIGHT, KAPPA, RollerDefectPair
 from bearingsim.core.defects.profile import RACE, depth_at
 from bearingsim.core.defects.spall import Spall
-from bearingsim.core.defects.traced import cut_along_roller, grouped, sharpest_cusp, sliced, traced_defects
+from bearingsim.core.defects.traced import (
+    cut_along_roller,
+    group_paths,
+    pack_traced_defects,
+    sharpest_cusp,
+    slice_paths,
+)
 from tests.scenes.defect_maps import (
     R_OUTER,
     brute,
@@ -171,7 +185,7 @@ def test_the_path_has_no_steps_and_its_kinks_are_cusps(defect, part, R):
 @pytest.mark.parametrize("s", [nan, inf, -inf, 1e300])
 def test_what_is_nowhere_is_over_no_defect(s):
     """Of a motion that has blown up: an index from NaN would be anywhere in memory."""
-    table, (at,) = packed([path_over(section(Elliptical(1.0, 1e-3, 1e-5), 0.0), 5e-3)])
+    table, (at,) = pack_paths([path_over(section(Elliptical(1.0, 1e-3, 1e-5), 0.0), 5e-3)])
     assert drop_at(table, at, s) == (0.0, 0.0)
     assert drop_curvature_at(table, at, s) == 0.0
 
@@ -181,7 +195,7 @@ def test_what_is_nowhere_is_over_no_defect(s):
 def test_tables_are_the_closed_forms(shape, width, depth, R):
     row = np.array([1.0, *CLOSED[shape](width, depth, R)])
     path = path_over(section(shape(1.0, width, depth), 0.0), R)
-    table, (_, at) = packed([path_over(section(Elliptical(1.0, 1e-3, 1e-5), 0.0), R), path])
+    table, (_, at) = pack_paths([path_over(section(Elliptical(1.0, 1e-3, 1e-5), 0.0), R), path])
     largest = roller_drop(row, 0.0, R)[0]
     for s in np.linspace(-0.6, 0.6, 101) * width:
         h, slope = drop_at(table, at, s)
@@ -194,7 +208,7 @@ def test_tables_are_the_closed_forms(shape, width, depth, R):
 @given(shape=st.sampled_from(sorted(CLOSED, key=str)), width=widths, depth=depths, R=radii)
 def test_bends_of_tables_are_those_of_the_closed_forms(shape, width, depth, R):
     row = np.array([1.0, *CLOSED[shape](width, depth, R)])
-    table, (at,) = packed([path_over(section(shape(1.0, width, depth), 0.0), R)])
+    table, (at,) = pack_paths([path_over(section(shape(1.0, width, depth), 0.0), R)])
     for s in np.linspace(-0.6, 0.6, 24) * width:  # the middle, a cusp, is not among them
         around = [roller_drop_curvature(row, s + h, R) for h in (-1e-6 * width, 1e-6 * width)]
         if around[0] == around[1]:
@@ -206,8 +220,8 @@ def test_bends_of_tables_are_those_of_the_closed_forms(shape, width, depth, R):
 @settings(max_examples=50, deadline=None)
 @given(defect=smooth_defects, R=radii)
 def test_tables_are_the_paths_and_columns_their_bounds(defect, R):
-    groups, paths = grouped(defect, R, cut_along_roller(defect, 12e-3, 4))
-    found = traced_defects([RollerDefectPair(0, -1, 0.0, 0.0385, R, groups, paths)])
+    groups, paths = group_paths(defect, R, cut_along_roller(defect, 12e-3, 4))
+    found = pack_traced_defects([RollerDefectPair(0, -1, 0.0, 0.0385, R, groups, paths)])
     assert sum(row[GROUP_WEIGHT] for row in groups) == pytest.approx(1.0, rel=1e-9)
     for row, path in zip(found.groups[0], paths, strict=True):
         s = np.linspace(-1.1, 1.1, 57) * max(row[GROUP_HALF_WIDTH], 1e-6)
@@ -375,7 +389,7 @@ def test_slices_across_a_defect():
 
 
 def test_a_round_defects_halves_are_felt_alike():
-    groups, paths = grouped(
+    groups, paths = group_paths(
         Elliptical(6e-3, 1e-3, 1e-5), R_OUTER, cut_along_roller(Elliptical(6e-3, 1e-3, 1e-5), 12e-3, 6)
     )
     assert len(groups) == len(paths) == 7
@@ -389,13 +403,13 @@ def test_paths_that_end_apart_are_two_groups(monkeypatch):
     ends = [4e-4 if k == 1 else 5e-4 for k in range(len(slices))]
     felt_there = tuple(((5e-4, 5e-4, 0.0, 1e-6), Path(pieces, end)) for end in ends)
     monkeypatch.setattr(traced, "paths_over", lambda *_: felt_there)
-    groups, paths = grouped(defect, R_OUTER, slices)
+    groups, paths = group_paths(defect, R_OUTER, slices)
     assert [path.end for path in paths[1:]] == [5e-4, 4e-4]
     assert groups[2][GROUP_WEIGHT] == pytest.approx(slices[1][0])
 
 
 def test_a_slice_for_every_place_of_a_roller():
-    groups, paths = sliced(Rectangular(3e-3, 1e-3, 1e-5), R_OUTER, np.array([-3e-3, -1e-3, 1e-3]))
+    groups, paths = slice_paths(Rectangular(3e-3, 1e-3, 1e-5), R_OUTER, np.array([-3e-3, -1e-3, 1e-3]))
     assert [len(path.pieces) > 0 for path in paths] == [False, True, True]
     assert [row[GROUP_HALF_WIDTH] for row in groups] == pytest.approx([0.0, 5e-4, 5e-4])
     assert [row[GROUP_WEIGHT] for row in groups] == [1.0, 1.0, 1.0]
@@ -409,7 +423,7 @@ def test_the_sharpest_cusp_of_an_uneven_defect():
             ShiftedDefect(Rectangular(12e-3, 4e-4, 2e-7), 4e-4, 0.0),
         )
     )
-    groups, paths = grouped(uneven, R_OUTER, cut_along_roller(uneven, 12e-3, 6))
+    groups, paths = group_paths(uneven, R_OUTER, cut_along_roller(uneven, 12e-3, 6))
     s = np.linspace(-3e-4, 7e-4, 100001)
     h = brute(section(uneven, 0.0), s[::50], R_OUTER)
     assert sharpest_cusp(groups, paths) == pytest.approx(s[::50][np.argmin(np.diff(h, 2)) + 1], abs=1e-6)

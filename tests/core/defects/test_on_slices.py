@@ -12,7 +12,7 @@ from bearingsim.core.defects.envelope import Path
 from bearingsim.core.defects.on_roller import is_masked
 from bearingsim.core.defects.on_slices import clear_defect_response, mark_rollers_at_defects, slice_defect_response
 from bearingsim.core.defects.pairs import ON_OUTER, OUTER, RollerDefectPair
-from bearingsim.core.defects.traced import traced_defects
+from bearingsim.core.defects.traced import pack_traced_defects
 from tests.scenes.nf308 import case
 from tests.scenes.spatial_bearing import empty, even, in_space
 
@@ -33,7 +33,7 @@ def standing_over(depths):
     model = model._replace(bearing=model.bearing._replace(theta_0=AT / 0.0385))
     y = empty(model)
     start_at_rest(model, 0.0, y)
-    return model._replace(defects=traced_defects([level(h) for h in depths])), y
+    return model._replace(defects=pack_traced_defects([level(h) for h in depths])), y
 
 
 def felt(depths):
