@@ -61,7 +61,7 @@ def coverage(forces: np.ndarray, passes: int, rollers: int) -> tuple[float, floa
 
 def compare_records(fields: dict[str, Any]) -> Coverage:
     """Compute a scene, and compare its records."""
-    setup = set_up(choice.resolved(Case.model_validate(fields)))
+    setup = set_up(choice.resolve(Case.model_validate(fields)))
     case, cut = setup.case, setup.cut
     forces = integrate(setup).peaks[int(case.settle_s * cut.rate) + 1 :, FORCE]
     rollers = case.bearing.rollers

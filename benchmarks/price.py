@@ -169,7 +169,7 @@ def measure_case(case: Case) -> dict[str, Any]:
     if record is None:
         return result | {"repeats": False, "method": "", "held": False}
     facts = {name: float(record.info[name]) for name in ("period_passes", "step_part", "integrator_cpu_s")}
-    method, chosen = str(record.info["method"] or ""), choice.resolved(case).method or ""
+    method, chosen = str(record.info["method"] or ""), choice.resolve(case).method or ""
     has_full_step = facts["step_part"] == 1.0 and method == chosen
     return result | facts | {"repeats": facts["period_passes"] > 0, "method": method, "held": has_full_step}
 

@@ -70,9 +70,9 @@ class RecordingSearch(Search):
 
     last_differences: list[float]
 
-    def after_pass(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> tuple[int, float]:
+    def add_pass(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> tuple[int, float]:
         """Record the differences and return no period."""
-        super().after_pass(window, y, peaks)
+        super().add_pass(window, y, peaks)
         self.last_differences = [max(d[-LAST_PASSES:]) for d in self.differences.values() if len(d) >= LAST_PASSES]
         return 0, 0.0
 

@@ -69,7 +69,7 @@ def draw(number: int, seed: int, sampling: float) -> Case:
 
 def clear_caches() -> None:
     """Clear the caches of bearings."""
-    caches = (bending.made, assemble._made_by_field, rest._rest, limits._without_method, limits.loads_at_rest)
+    caches = (bending.made, assemble._made_by_field, rest._rest, limits._common_limits, limits.loads_at_rest)
     for cache in caches:
         cache.cache_clear()
 

@@ -84,12 +84,12 @@ def scene(rng: random.Random) -> dict[str, Any]:
 @contextmanager
 def from_rest() -> Iterator[None]:
     """Start runs from static equilibrium, without the treatment of slow modes."""
-    original = SlowModes.of
-    SlowModes.of = classmethod(lambda *_: None)  # type: ignore[method-assign, assignment]
+    original = SlowModes.from_case
+    SlowModes.from_case = classmethod(lambda *_: None)  # type: ignore[method-assign, assignment]
     try:
         yield
     finally:
-        SlowModes.of = original  # type: ignore[method-assign]
+        SlowModes.from_case = original  # type: ignore[method-assign]
 
 
 def compare_starts(fields: dict[str, Any]) -> SceneResult:

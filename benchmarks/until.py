@@ -18,7 +18,7 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from bearingsim.simulation import SimulationError, ending, simulate
-from bearingsim.simulation.settling import settled
+from bearingsim.simulation.settling import resolve_settling
 from benchmarks.repetition import draw
 
 DURATION, MAX_SCENES = 2.0, 600
@@ -41,7 +41,7 @@ def compare_scene(number: int, seed: int, accuracy: float) -> dict[str, Any]:
         for error, name in FEATURES.items()
     }
     scatter = max(float(full.info[error]) for error in FEATURES)
-    settle = settled(case).settle_s
+    settle = resolve_settling(case).settle_s
     settling = int(settle * passes / (settle + case.duration))
     needed = settling + max(ending.min_passes(case), (passes - settling) * (scatter / accuracy) ** 2)
     return {

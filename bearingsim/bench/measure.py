@@ -12,7 +12,7 @@ from bearingsim.errors import Refused
 from bearingsim.simulation import limits as case_limits
 from bearingsim.simulation import simulate
 from bearingsim.simulation.choice import automatic_step
-from bearingsim.simulation.settling import settled
+from bearingsim.simulation.settling import resolve_settling
 from bearingsim.simulation.simulate import Record, SimulationError, warm
 
 FULL_RUN = {"periodic": False, "step_check": False}
@@ -58,7 +58,7 @@ def _job_rows(run: Run, case: Case) -> list[Row]:
     warm([case])
     record = simulate(case)
     seconds = _cpu_seconds(case, record, "cpu_s")
-    job_rows = [_row(run, record, seconds / (settled(case).settle_s + case.duration))]
+    job_rows = [_row(run, record, seconds / (resolve_settling(case).settle_s + case.duration))]
     if case.method is None:
         full_row = _compute_fully(replace(run, role=AUTOMATIC), case.model_copy(update=FULL_RUN))
         return [*job_rows, full_row | {"key": run.key}]

@@ -117,13 +117,13 @@ def method_choices(plan: Plan) -> list[str]:
 def periodic_jobs(plan: Plan) -> Iterator[str]:
     """Yield the number of jobs that may be periodic or end early, and the CPU time if none of them does."""
     from bearingsim.runner.progress import duration
-    from bearingsim.simulation.choice import resolved
+    from bearingsim.simulation.choice import resolve
     from bearingsim.simulation.repetition import may_repeat
 
     short_jobs = [
         priced for priced in plan.priced_jobs if priced.estimate.most_seconds > priced.estimate.cpu_seconds
     ]
-    repeating = [priced for priced in short_jobs if may_repeat(resolved(priced.job.case))]
+    repeating = [priced for priced in short_jobs if may_repeat(resolve(priced.job.case))]
     early_ends = [priced for priced in short_jobs if priced not in repeating]
     texts = (repeating, "responses may be periodic", "is"), (early_ends, "records may end early", "does")
     for jobs, text, verb in texts:
@@ -180,15 +180,17 @@ def unvaried_damping(plan: Plan) -> Iterator[str]:
 
 def initial_transients(plan: Plan) -> Iterator[str]:
     """Yield a remark on jobs whose initial transient has not decayed when their record begins."""
-    from bearingsim.simulation.choice import resolved
-    from bearingsim.simulation.settling import MOST, needed, remembered, remembers_start
+    from bearingsim.simulation.choice import resolve
+    from bearingsim.simulation.settling import MAX_SETTLING, decay_time, has_transient, remaining_transient
 
-    cases = [resolved(priced.job.case) for priced in plan.priced_jobs]
-    slow_cases = [case for case in cases if remembers_start(case)]
+    cases = [resolve(priced.job.case) for priced in plan.priced_jobs]
+    slow_cases = [case for case in cases if has_transient(case)]
     if slow_cases:
         jobs = f" ({len(slow_cases)} of {len(cases)} jobs)" if len(slow_cases) < len(cases) else ""
-        remainder = f"{span(1e2 * remembered(case) for case in slow_cases)} % of the initial transient is left"
-        times = [needed(case) for case in slow_cases]
+        remainder = (
+            f"{span(1e2 * remaining_transient(case) for case in slow_cases)} % of the initial transient is left"
+        )
+        times = [decay_time(case) for case in slow_cases]
         time_text = f"needs {span(times)} s" if max(times) < math.inf else "is never damped"
-        remedy = "`settle: auto`" if max(times) <= MOST else "more damping"
+        remedy = "`settle: auto`" if max(times) <= MAX_SETTLING else "more damping"
         yield f"{remainder} when the record begins; the slowest mode {time_text}; use {remedy}{jobs}"

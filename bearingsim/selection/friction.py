@@ -17,7 +17,7 @@ from bearingsim.selection.candidates import with_friction
 from bearingsim.selection.curves import Curve, extremes
 from bearingsim.selection.evidence import Evidence, largest
 from bearingsim.selection.trials import Trialled, trials_of
-from bearingsim.simulation.settling import settled
+from bearingsim.simulation.settling import resolve_settling
 from bearingsim.simulation.trial import CAGE_TURNS, LARGEST_FORCE, Against, long_enough, tells_friction
 
 CLEARLY = 2.0
@@ -77,7 +77,7 @@ class Friction:
         if case.until is not None and long_enough(case) == case:
             return case
         with suppress(Refused):  # the trial reports it
-            case = case.model_copy(update={"settle": settled(plain).settle})
+            case = case.model_copy(update={"settle": resolve_settling(plain).settle})
         return long_enough(case)
 
     @cached_property

@@ -15,12 +15,12 @@ from bearingsim.assemble.registered import check_features, missing
 from bearingsim.catalogue import AUTO, EXPLICIT, METHODS, MODELS
 from bearingsim.config import Case
 from bearingsim.errors import Refused
-from bearingsim.simulation.limits import LONGEST, Limits, step_limits
+from bearingsim.simulation.limits import LONGEST_STEP, Limits, step_limits
 from bearingsim.simulation.pricing import Cost, cost, price
 from bearingsim.simulation.repetition import may_repeat
-from bearingsim.simulation.settling import refuse_unsettled, settled
+from bearingsim.simulation.settling import refuse_unsettled, resolve_settling
 
-STEP_PARTS = (1.0, 0.5, 0.25, 0.125)
+STEP_FRACTIONS = (1.0, 0.5, 0.25, 0.125)
 """Fractions of the automatic step, tried in this order; half the step goes with a tenth of the tolerance."""
 ADAPTIVE_MARGIN, IMPLICIT_MARGIN = 1.2, 2.0
 """Safety factors on the estimated cost of explicit adaptive methods, with steps limited by stability, and of
@@ -51,15 +51,15 @@ class Attempt(NamedTuple):
     patience: int = 0
 
 
-def resolved(case: Case) -> Case:
+def resolve(case: Case) -> Case:
     """Replace `method: auto` and `settle: auto` of a case by the method and time chosen."""
     method = choice(case).method
-    return settled(case if method == case.method else with_method(case, method))
+    return resolve_settling(case if method == case.method else with_method(case, method))
 
 
 def limits(case: Case) -> Limits:
     """Return the step limits of a case, for its own or the chosen method."""
-    return step_limits(resolved(case))
+    return step_limits(resolve(case))
 
 
 def with_method(case: Case, method: str | None) -> Case:
@@ -73,9 +73,9 @@ def attempts(case: Case) -> Iterator[Attempt]:
     If the first method has a limited patience, it is tried again at the end without limit. Raises ``Refused`` if
     the step check is strict and the run would not settle.
     """
-    preferred, patience = resolved(case), choice(case).patience
+    preferred, patience = resolve(case), choice(case).patience
     refuse_unsettled(preferred)
-    parts = STEP_PARTS if has_automatic_step(case) else (1.0,)
+    parts = STEP_FRACTIONS if has_automatic_step(case) else (1.0,)
     for part in parts:
         yield Attempt(preferred, part, patience)
     for name in tried(case)[1:]:
@@ -118,7 +118,7 @@ def choice(case: Case) -> Choice:
     able = [name for name in METHODS if METHODS[name].automatic and can_step(case, name)]
     if case.tolerance != "auto":  # only methods with a tolerance
         able = [name for name in able if METHODS[name].adaptive]
-    periodic = settled(case).model_copy(update={"periodic": True})
+    periodic = resolve_settling(case).model_copy(update={"periodic": True})
     costs = {name: _cost(with_method(periodic, name)) for name in able}
     safe = sorted(able, key=lambda name: margin(name) * costs[name].whole)
     prices = {name: costs[name].whole for name in safe}
@@ -194,8 +194,8 @@ def automatic_step(case: Case, limits: Limits) -> float:
     model, method = assemble.kind(case), assemble.method_kind(case)
     if assemble.is_adaptive(case):
         rings = 1.0 / limits.contact_frequency / RECORDED_PER_PERIOD if limits.damping_ratio < 1.0 else inf
-        return min(limits.crossing / RECORDED_PER_CROSSING, rings, LONGEST)
-    seen = min(limits.crossing / model.per_crossing, LONGEST)
+        return min(limits.crossing / RECORDED_PER_CROSSING, rings, LONGEST_STEP)
+    seen = min(limits.crossing / model.per_crossing, LONGEST_STEP)
     if MODELS[case.model].memoryless:
         return seen
     return min(seen, method.fraction * limits.at_impact, 1.0 / limits.contact_frequency / method.per_period)

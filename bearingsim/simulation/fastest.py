@@ -17,8 +17,8 @@ from bearingsim.core.advance import start_at_rest
 from bearingsim.core.models.interface import harmonics, state_width
 
 # power iterations to detect a body four times faster, and to converge to its rate
-SEARCH, REFINE = 3, 24
-SMALL = 1e-3  # displacement relative to the approach at rest, at which the contacts are linear
+SEARCH_ITERATIONS, REFINE_ITERATIONS = 3, 24
+RELATIVE_DISPLACEMENT = 1e-3  # displacement relative to the approach at rest, at which the contacts are linear
 
 
 class Rates(NamedTuple):
@@ -39,39 +39,43 @@ def fastest_rate(omega: float, zeta: float) -> float:
     return omega * (zeta + sqrt(zeta * zeta - 1.0) if zeta > 1.0 else 1.0)
 
 
-def rates_at_rest(model: Any, t: float, y: np.ndarray, approach: float, rounds: int = REFINE) -> Rates:
+def rates_at_rest(
+    model: Any, t: float, y: np.ndarray, approach: float, iterations: int = REFINE_ITERATIONS
+) -> Rates:
     """Compute the rates of a bearing at rest at time ``t`` (s). The buffer ``y`` is restored.
 
     approach: that of the most loaded contact (m).
     """
-    position_scales, velocity_scales = lengths(model).reshape(2, lay.STATE)
-    small = SMALL * approach
-    K = _largest(model, t, y, lay.POSITION, position_scales, small, rounds)
-    return Rates(K, _largest(model, t, y, lay.VELOCITY, velocity_scales, small * sqrt(K), rounds))
+    position_scales, velocity_scales = length_factors(model).reshape(2, lay.STATE)
+    displacement = RELATIVE_DISPLACEMENT * approach
+    K = _largest(model, t, y, lay.POSITION, position_scales, displacement, iterations)
+    return Rates(K, _largest(model, t, y, lay.VELOCITY, velocity_scales, displacement * sqrt(K), iterations))
 
 
-def _largest(model: Any, t: float, y: np.ndarray, block: int, arms: np.ndarray, size: float, rounds: int) -> float:
+def _largest(
+    model: Any, t: float, y: np.ndarray, block: int, scales: np.ndarray, size: float, iterations: int
+) -> float:
     """Return the largest eigenvalue of minus the Jacobian of the accelerations in a block of the state.
 
-    arms: (STATE,) lengths per unit of each entry (m, or 1), 0 if not part of the state; size: largest change of an
-    entry (m or m/s).
+    scales: (STATE,) lengths per unit of each entry (m, or 1), 0 if not part of the state; size: largest change of
+    an entry (m or m/s).
     """
-    cells = np.flatnonzero(arms)
-    arms, changed, accelerated = arms[cells], block + cells, lay.ACCELERATION + cells
-    rest, still = y[changed].copy(), y[accelerated].copy()
+    cells = np.flatnonzero(scales)
+    scales, state_cells, acceleration_cells = scales[cells], block + cells, lay.ACCELERATION + cells
+    rest_state, rest_acceleration = y[state_cells].copy(), y[acceleration_cells].copy()
     product, value = np.random.default_rng(0).standard_normal(len(cells)), 0.0
-    for _ in range(rounds):
+    for _ in range(iterations):
         step = product * (size / (float(np.abs(product).max()) or 1.0))
-        y[changed] = rest + step / arms
+        y[state_cells] = rest_state + step / scales
         start_at_rest(model, t, y)
-        product = arms * (still - y[accelerated])
+        product = scales * (rest_acceleration - y[acceleration_cells])
         value = float(np.linalg.norm(product)) / (float(np.linalg.norm(step)) or 1.0)
-    y[changed] = rest
+    y[state_cells] = rest_state
     start_at_rest(model, t, y)
     return value
 
 
-def lengths(model: Any) -> np.ndarray:
+def length_factors(model: Any) -> np.ndarray:
     """Return the factors (2 STATE,), m or 1, that convert positions and velocities into lengths and speeds.
 
     The factor is 0 for the rotation angle of a roller, which is unbounded (only its speed is used), and for

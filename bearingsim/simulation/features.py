@@ -54,11 +54,11 @@ def statistics(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
     They are computed from the low-passed motion at fine samples, so peaks between two samples of the record count.
     A raw record (`antialias: false`) is evaluated at its own samples.
     """
-    read = _low_passed_motion(case, cut, raw) if case.antialias else _raw_motion(case, cut, raw)
+    motion = _low_passed_motion(case, cut, raw) if case.antialias else _raw_motion(case, cut, raw)
     return {
         f"{quantity}.{name}": value
         for quantity in MOTION
-        for name, value in signals.statistics(*read(quantity)).items()
+        for name, value in signals.statistics(*motion(quantity)).items()
     }
 
 
@@ -75,10 +75,10 @@ def _raw_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
 def _low_passed_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
     """Filter the motion along the sensor over the record's distinct passes."""
     taps = sampling_kernel(cut.fine_rate / case.sampling)
-    of_record, low = windows(case, cut, raw, reach=len(taps) // 2), raw.through(taps)
-    count, weights = of_record.distinct * of_record.M, of_record.weights
-    often = np.repeat(weights, of_record.M) if np.any(weights > 1) else None
-    return lambda quantity: (sensor_samples(case, low, quantity, of_record.start, count), often)
+    record_windows, filtered = windows(case, cut, raw, reach=len(taps) // 2), raw.through(taps)
+    count, weights = record_windows.distinct * record_windows.M, record_windows.weights
+    multiplicities = np.repeat(weights, record_windows.M) if np.any(weights > 1) else None
+    return lambda quantity: (sensor_samples(case, filtered, quantity, record_windows.start, count), multiplicities)
 
 
 def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
@@ -102,22 +102,22 @@ def extremes(case: Case, cut: Grid, raw: RawRecord) -> dict[str, float]:
 
 def cage_and_load_zone(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """Return the mean extent of the load zone (rad) and the cage slip; NaN if the model does not compute them."""
-    of_record, entry = windows(case, cut, raw, reach=0), MODELS[case.model]
-    start, M = of_record.start, of_record.M
-    slip, loaded = np.empty(of_record.distinct * M), 0.0
+    record_windows, entry = windows(case, cut, raw, reach=0), MODELS[case.model]
+    start, M = record_windows.start, record_windows.M
+    slip, loaded_rollers = np.empty(record_windows.distinct * M), 0.0
     for begin, end in blocks(len(slip)):
         rollers, speed = raw.read(
             start + begin, end - begin, np.array([ROW_OF[lay.LOADED_ROLLERS], ROW_OF[CAGE_SPEED]])
         )
         time = (start + np.arange(begin, end)) / cut.fine_rate
         slip[begin:end] = -speed / (model.bearing.omega_c * speed_factor(model, time))
-        loaded += rollers @ of_record.weights[np.arange(begin, end) // M]
-    weights = of_record.weights
-    by_pass = slip.reshape(-1, M).mean(axis=1)
-    extent = 2.0 * pi / model.bearing.Z * loaded / (weights.sum() * M)
+        loaded_rollers += rollers @ record_windows.weights[np.arange(begin, end) // M]
+    weights = record_windows.weights
+    pass_means = slip.reshape(-1, M).mean(axis=1)
+    extent = 2.0 * pi / model.bearing.Z * loaded_rollers / (weights.sum() * M)
     return {
         "load_zone.extent": float(extent) if entry.loaded else float("nan"),
-        "cage.slip.mean": float(np.average(by_pass, weights=weights)) if entry.slips else float("nan"),
+        "cage.slip.mean": float(np.average(pass_means, weights=weights)) if entry.slips else float("nan"),
         "cage.slip.std": float(slip.std()) if entry.slips else float("nan"),
     }
 
@@ -125,8 +125,8 @@ def cage_and_load_zone(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dic
 def band_features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str, float]:
     """Return the band features of a case over the whole ball passes of its record; NaN if there are none."""
     requested = {name: feature for name in case.features if (feature := read_band(name)) is not None}
-    of_record = windows(case, cut, raw, reach=0)
-    start, count = of_record.start, len(of_record.index) * of_record.M
+    record_windows = windows(case, cut, raw, reach=0)
+    start, count = record_windows.start, len(record_windows.index) * record_windows.M
     if not requested or not count:
         return dict.fromkeys(requested, nan)
     series = {f.quantity: sensor_samples(case, raw, f.quantity, start, count) for f in requested.values()}
@@ -134,13 +134,13 @@ def band_features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str
     values = {}
     for name, feature in requested.items():
         cpu_time.check()
-        of, band = series[feature.quantity], band_of(case, feature)
+        samples, band = series[feature.quantity], band_of(case, feature)
         if not resolves(band, count / cut.fine_rate):
             values[name] = nan
         elif feature.line:
-            values[name] = _envelope_line(case, feature, band, of, cut.fine_rate, angles)
+            values[name] = _envelope_line(case, feature, band, samples, cut.fine_rate, angles)
         else:
-            values[name] = signals.band_rms(of, cut.fine_rate, band)
+            values[name] = signals.band_rms(samples, cut.fine_rate, band)
     return values
 
 
@@ -173,7 +173,7 @@ class NotRecorded(UserError, KeyError):
     """Access of a feature to a series that its case does not record."""
 
 
-class Recorded(dict[str, np.ndarray]):
+class RecordedSeries(dict[str, np.ndarray]):
     """Recorded series (n,) by name."""
 
     def __missing__(self, name: str) -> np.ndarray:
@@ -191,7 +191,7 @@ def extension_features(
     values, reasons = dict[str, float](), dict[str, str]()
     for name, feature in FEATURES.items():
         try:
-            values[name] = _extension_value(feature, case, time, Recorded(series))
+            values[name] = _extension_value(feature, case, time, RecordedSeries(series))
         except NotRecorded as error:
             values[name], reasons[NO_VALUE + name] = nan, f"`{error.args[0]}` is not recorded"
         else:
@@ -201,7 +201,7 @@ def extension_features(
     return values, reasons
 
 
-def _extension_value(feature: Feature, case: Case, time: np.ndarray, series: Recorded) -> float:
+def _extension_value(feature: Feature, case: Case, time: np.ndarray, series: RecordedSeries) -> float:
     try:
         value = call(feature.compute, case, time, series)
     except BrokenExtension as error:
@@ -209,8 +209,8 @@ def _extension_value(feature: Feature, case: Case, time: np.ndarray, series: Rec
     try:
         return float(value)
     except (TypeError, ValueError) as error:
-        got = f"`{feature.compute}` gives a {type(value).__name__}, not a number"
-        raise BrokenExtension(f"feature `{feature.name}`: {got}") from error
+        message = f"`{feature.compute}` gives a {type(value).__name__}, not a number"
+        raise BrokenExtension(f"feature `{feature.name}`: {message}") from error
 
 
 def refuse_undeclared(computed: Iterable[str]) -> None:

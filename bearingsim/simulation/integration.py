@@ -34,7 +34,7 @@ from bearingsim.simulation.repetition import (
 )
 from bearingsim.simulation.run_setup import (
     MethodFailure,
-    NotRepeating,
+    NotPeriodic,
     Setup,
     SimulationError,
     stopped,
@@ -43,7 +43,7 @@ from bearingsim.simulation.settling import SlowModes, slowest_decay
 
 SECONDS_PER_CALL = 0.1  # s, approximate CPU time between two readings of the clock
 FIRST_STEPS, STEPS_PER_CALL = 8, 4000  # first and largest number of steps (or recorded instants) between readings
-NEAR_STEADY = 0.01  # fraction of the closeness of periodic passes below which a change counts as zero
+STEADY_TOLERANCE = 0.01  # fraction of the closeness of periodic passes below which a change counts as zero
 
 
 @dataclass
@@ -111,7 +111,7 @@ def integrate(
     Ends after all passes, at an inspection, or once the motion is periodic within ``close``, after a whole number
     of periods (so that a run started from its end is in phase). nudge: initial perturbation of the ring, relative
     to its displacement; start: initial positions and velocities (2, 6, ROW) if not those of static equilibrium;
-    patience: ball passes after which a non-periodic motion raises ``NotRepeating``, 0 for never; most: largest
+    patience: ball passes after which a non-periodic motion raises ``NotPeriodic``, 0 for never; most: largest
     number of ball passes; look: inspections that may end the run.
     """
     case, cut, pace = setup.case, setup.cut, Pace()
@@ -124,14 +124,14 @@ def integrate(
         kept.keep(p, window, y)
         passes = p + 1
         if search is not None and period == 0:
-            period, difference = search.after_pass(window, y, kept.peaks[p])
+            period, difference = search.add_pass(window, y, kept.peaks[p])
         if (period > 0 and passes % period == 0) or passes == most:
             break
         looks = look is not None and period == 0 and passes in look.passes
         if look is not None and looks and look.ends(kept.raw(Repetition(passes, 0, nan), y)):
             break
         if passes == patience:
-            raise NotRepeating(f"no ball pass of {passes} repeats another", "name a `method`", passes / cut.rate)
+            raise NotPeriodic(f"no ball pass of {passes} repeats another", "name a `method`", passes / cut.rate)
     _check_end(setup, began_at, y, passes)
     raw = kept.raw(Repetition(passes, period, difference), y)
     if period > 0 and kept.stores_raw_values:
@@ -182,21 +182,21 @@ def _steady_start(
     The state is found at the end of a ball pass, where each roller is at the initial position of another, and
     rotated back. most: largest number of ball passes.
     """
-    slow = SlowModes.of(setup.case, setup.model, setup.cut.rate, NEAR_STEADY * close.shrinking)
+    slow = SlowModes.from_case(setup.case, setup.model, setup.cut.rate, STEADY_TOLERANCE * close.sum_limit)
     if slow is None:
         return start
     y, passes = _start(setup, 0.0, start), 0
     if start is not None:
         moving = slice(lay.POSITION, lay.POSITION + 2 * lay.STATE)
-        slow.set_out_from(y[moving], _start(setup, 0.0)[moving])
+        slow.set_initial_change(y[moving], _start(setup, 0.0)[moving])
     cells = channels.recorded_cells(setup.case)
     shortened = replace(setup, cut=replace(setup.cut, passes=min(slow.passes, most or slow.passes)))
     with suppress(MethodFailure):  # unless the extrapolation caused it, the run itself fails in the same way
         for _ in _ball_passes(shortened, NoSamples(), y, cells, pace):
             passes += 1
-            if slow.after_pass(y):
+            if slow.extrapolate(y):
                 _go_on_from(setup, passes * setup.cut.steps_per_pass * setup.cut.step, y)
-            if slow.reached:
+            if slow.converged:
                 break
     state = y[lay.POSITION : lay.POSITION + 2 * lay.STATE].reshape(2, 6, lay.ROW)
     return rotate_state(state, setup.model, passes) if slow.steady and np.isfinite(state).all() else start

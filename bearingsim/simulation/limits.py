@@ -37,10 +37,10 @@ from bearingsim.core.models.interface import damping_per_mass, degrees_of_freedo
 from bearingsim.core.parts.bending import RigidRing
 from bearingsim.cpu_time import bounded
 from bearingsim.errors import Refused
-from bearingsim.simulation.fastest import SEARCH, Rates, fastest_rate, rates_at_rest
+from bearingsim.simulation.fastest import SEARCH_ITERATIONS, Rates, fastest_rate, rates_at_rest
 
-LONGEST = 20e-6  # s, longest step of models without a limit
-FASTER = 2.0  # ratio to the rate of the monitored bodies above which another body limits the step
+LONGEST_STEP = 20e-6  # s, longest step of models without a limit
+FASTER_RATIO = 2.0  # ratio to the rate of the monitored bodies above which another body limits the step
 PASS_SAMPLES = 16  # cage angles in a ball pass at which static equilibrium is computed
 
 
@@ -74,28 +74,28 @@ class SpringRates(NamedTuple):
 
     K_rest: float
     C_rest: float
-    K_most: float
-    C_most: float
+    K_max: float
+    C_max: float
 
 
 def step_limits(case: Case) -> Limits:
     """Return the step limits of a case with a named method. Raises ``Refused`` if there is no equilibrium."""
     try:
-        limits, rates = _without_method(assemble.bearing_of(full_speed_case(case)))
+        limits, rates = _common_limits(assemble.bearing_of(full_speed_case(case)))
     except NoEquilibrium as error:
         raise Refused(str(error), "give the bearing a load that its rollers can carry") from error
     at_rest = step_limit(case.method, rates.K_rest, rates.C_rest)
-    at_impact = step_limit(case.method, rates.K_most, rates.C_most)
+    at_impact = step_limit(case.method, rates.K_max, rates.C_max)
     return replace(limits, at_rest=at_rest, at_impact=min(at_rest, at_impact))
 
 
 @lru_cache(maxsize=CACHED_RESTS)
-def _without_method(case: Case) -> tuple[Limits, SpringRates]:
+def _common_limits(case: Case) -> tuple[Limits, SpringRates]:
     """Return the limits that do not depend on a method, and the rates from which those of a method follow."""
-    rest_load, K, C = loads_at_rest(loaded_at_rest(case))
-    K_alone, _ = contacts_alone(loaded_at_rest(case))
+    rest_load, K, C = loads_at_rest(rest_case(case))
+    K_alone, _ = contact_rates(rest_case(case))
     frequency = sqrt(K_alone) / (2.0 * pi) if K_alone > 0.0 else inf
-    ratio, faster = damping_ratio_at_rest(case), faster_than_monitored(loaded_at_rest(case))
+    ratio, faster = damping_ratio_at_rest(case), fast_body_rates(rest_case(case))
     K, C = max(K, faster.K), max(C, faster.C)
     limits = Limits(
         rest_load=rest_load,
@@ -116,8 +116,8 @@ def _without_method(case: Case) -> tuple[Limits, SpringRates]:
 
 def damping_ratio_at_rest(case: Case) -> float:
     """Return the largest damping ratio of a body on its contacts under static load, without friction."""
-    rest_load, *_ = loads_at_rest(loaded_at_rest(case))
-    K, C = contacts_alone(loaded_at_rest(case))
+    rest_load, *_ = loads_at_rest(rest_case(case))
+    K, C = contact_rates(rest_case(case))
     if MODELS[case.model].slips:
         return damping_ratio(case, rest_load)
     return C / (2.0 * sqrt(K)) if K > 0.0 else 0.0
@@ -127,23 +127,23 @@ def _with_defects(case: Case, healthy: Limits, K: float, C: float) -> tuple[Limi
     """Add the impacts at defects to the limits."""
     model = assemble.model(case)
     speed = closing_speed(model)
-    hits = [impact(model.bearing.m_r, law, speed) for law in (model.outer, model.inner)]
-    hits += [step_impact(model, law, healthy.rest_load) for law in (model.outer, model.inner)]
+    impacts = [impact(model.bearing.m_r, law, speed) for law in (model.outer, model.inner)]
+    impacts += [step_impact(model, law, healthy.rest_load) for law in (model.outer, model.inner)]
     lighter = max(1.0, model.bearing.m_r / model.bearing.m_o)  # if the ring is the lighter body: over its mass
-    _, K_more, C_more = (lighter * max(values) for values in zip(*hits, strict=True))
+    _, K_impact, C_impact = (lighter * max(values) for values in zip(*impacts, strict=True))
     if case.rig.ring is not None:  # the flexible race deflects as well
-        both = 1.0 + model.bearing.m_r * model.bending.mobility
-        K_more, C_more = both * K_more, both * C_more
-    deepest, energy_bound = bounds(case, model, healthy)
+        mobility_factor = 1.0 + model.bearing.m_r * model.bending.mobility
+        K_impact, C_impact = mobility_factor * K_impact, mobility_factor * C_impact
+    approach_bound, energy_bound = bounds(case, model, healthy)
     limits = replace(
         healthy,
         closing_speed=speed,
         impact_force=impact_force(model, healthy.rest_load),
         crossing=crossing_time(model),
-        approach_bound=deepest,
+        approach_bound=approach_bound,
         energy_bound=energy_bound,
     )
-    return limits, SpringRates(K, C, K + K_more, C + C_more)
+    return limits, SpringRates(K, C, K + K_impact, C + C_impact)
 
 
 def impact_force(model: Any, load: float) -> float:
@@ -155,9 +155,9 @@ def impact_force(model: Any, load: float) -> float:
     if b.m_r == 0.0:
         return load
     model = model._replace(defects=static_model(model).defects)  # slices weighted by length
-    inwards = max(load - b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i), 0.0)
-    deep = approach(model.outer, load), approach(model.inner, inwards)
-    peaks = (bounded(partial(passage_peak, model, d, *deep)) for d in range(len(model.defects.head)))
+    inner_load = max(load - b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i), 0.0)
+    approaches = approach(model.outer, load), approach(model.inner, inner_load)
+    peaks = (bounded(partial(passage_peak, model, d, *approaches)) for d in range(len(model.defects.head)))
     return max([load, *map(float, peaks)])
 
 
@@ -178,13 +178,13 @@ def bounds(case: Case, model: Any, healthy: Limits) -> tuple[float, float]:
     """
     b, v = model.bearing, closing_speed(model)
     load = hypot(case.load, case.load_across) + healthy.rest_load
-    pressed = max(approach(law, load) for law in (model.outer, model.inner))
-    fall = pressed + max(case.clearance, 0.0) + largest_roller_drop(model)
-    thrown = b.Z * b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i)
-    swing = unbalance_speed(case)
-    energy = (b.Z * load + thrown) * fall + 0.5 * (b.m_o + b.Z * b.m_r) * (v * v + swing * swing)
-    spent = v / (2.0 * pi * healthy.contact_frequency)
-    return APPROACH_MARGIN * (fall + spent + swing / case.speed), ENERGY_MARGIN * energy
+    static_approach = max(approach(law, load) for law in (model.outer, model.inner))
+    drop = static_approach + max(case.clearance, 0.0) + largest_roller_drop(model)
+    centrifugal_force = b.Z * b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i)
+    v_inner = unbalance_speed(case)
+    energy = (b.Z * load + centrifugal_force) * drop + 0.5 * (b.m_o + b.Z * b.m_r) * (v * v + v_inner * v_inner)
+    stopping_distance = v / (2.0 * pi * healthy.contact_frequency)
+    return APPROACH_MARGIN * (drop + stopping_distance + v_inner / case.speed), ENERGY_MARGIN * energy
 
 
 def unbalance_speed(case: Case) -> float:
@@ -195,16 +195,18 @@ def unbalance_speed(case: Case) -> float:
     return case.unbalance.mass_radius * case.speed**2 / c if c > 0.0 else inf
 
 
-def loaded_at_rest(case: Case) -> Case:
+def rest_case(case: Case) -> Case:
     """Return the case without defects, with the lowest model that has contact forces if its own has none."""
-    same = assemble.healthy_case(case)
-    return same if MODELS[case.model].loaded else same.model_copy(update={"model": lowest("forces", "damping")})
+    healthy = assemble.healthy_case(case)
+    return (
+        healthy if MODELS[case.model].loaded else healthy.model_copy(update={"model": lowest("forces", "damping")})
+    )
 
 
 @lru_cache(maxsize=CACHED_RESTS)
 def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
     """Return the largest outer force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
-    model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
+    model = assemble.with_friction_lag(assemble.model(healthy), LONGEST_STEP)
     load, K, C = 0.0, 0.0, 0.0
     for _, y, K_now, C_now in rest_states(model):
         load = max(load, float(assemble.outer_forces(model, y).max()))
@@ -213,29 +215,29 @@ def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
 
 
 @lru_cache(maxsize=CACHED_RESTS)
-def faster_than_monitored(healthy: Case) -> Rates:
+def fast_body_rates(healthy: Case) -> Rates:
     """Return the rates at rest of a body much faster than the monitored ones; zero if there is none."""
     load, *monitored = loads_at_rest(healthy)
-    model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
+    model = assemble.with_friction_lag(assemble.model(healthy), LONGEST_STEP)
     if not MODELS[healthy.model].has_inertia or not degrees_of_freedom.supports(type(model)):
         return Rates(0.0, 0.0)
     t, y = next(rest_states(model))[:2]
-    deep = approach(model.outer, load)
-    if rates_at_rest(model, t, y, deep, SEARCH).fastest <= FASTER * Rates(*monitored).fastest:
+    depth = approach(model.outer, load)
+    if rates_at_rest(model, t, y, depth, SEARCH_ITERATIONS).fastest <= FASTER_RATIO * Rates(*monitored).fastest:
         return Rates(0.0, 0.0)
-    return rates_at_rest(model, t, y, deep)
+    return rates_at_rest(model, t, y, depth)
 
 
 @lru_cache(maxsize=CACHED_RESTS)
-def contacts_alone(healthy: Case) -> tuple[float, float]:
+def contact_rates(healthy: Case) -> tuple[float, float]:
     """Return stiffness and damping over mass as ``loads_at_rest``, but without the bending of a flexible ring."""
     if healthy.rig.ring is None or not MODELS[healthy.model].has_inertia:
         return loads_at_rest(healthy)[1:]
     model, rates = assemble.model(healthy), []
-    stiff = model._replace(bending=RigidRing())
+    stiff_model = model._replace(bending=RigidRing())
     for _, y, _, _ in rest_states(model):
         for j in range(model.bearing.Z):
-            rates.append((stiffness_per_mass(stiff, y, j), damping_per_mass(stiff, y, j)))
+            rates.append((stiffness_per_mass(stiff_model, y, j), damping_per_mass(stiff_model, y, j)))
     K, C = np.max(rates, axis=0)
     return float(K), float(C)
 
@@ -260,11 +262,11 @@ def step_impact(model: Any, law: Any, load: float) -> tuple[float, float, float]
     if b.m_r == 0.0 or len(defects.head) == 0 or not isinstance(defects.excitation, STEP_EXCITATIONS):
         return 0.0, 0.0, 0.0
     flight = crossing_time(model)
-    outwards = b.omega_c**2 * 0.5 * (b.R_o + b.R_i)
-    fall = sqrt(load * approach(law, load) / b.m_r) * flight + 0.5 * outwards * flight * flight
-    deep = min(fall, float(defects.groups[:, :, DEPTH].max()))
-    K, C = stiffness_bound(law, deep, 0.0), damping_bound(law, deep, 0.0)
-    return float(normal_force(law, deep, 0.0)), float(K) / b.m_r, float(C) / b.m_r
+    centrifugal_acceleration = b.omega_c**2 * 0.5 * (b.R_o + b.R_i)
+    drop = sqrt(load * approach(law, load) / b.m_r) * flight + 0.5 * centrifugal_acceleration * flight * flight
+    depth = min(drop, float(defects.groups[:, :, DEPTH].max()))
+    K, C = stiffness_bound(law, depth, 0.0), damping_bound(law, depth, 0.0)
+    return float(normal_force(law, depth, 0.0)), float(K) / b.m_r, float(C) / b.m_r
 
 
 def impact(m: float, law: Any, speed: float) -> tuple[float, float, float]:
@@ -284,13 +286,13 @@ def step_limit(method: str | None, K: float, C: float) -> float:
     """Return the step (s) above which a method is unstable; K (1/s^2), C (1/s): over a body's mass."""
     if method is None or METHODS[method].adaptive or (K == 0.0 and C == 0.0):
         return inf
-    method_of = assemble.kind_of_method(method).parameters
-    if stability_ratio(method_of(1.0), K, C) <= 1.0:
+    make_method = assemble.kind_of_method(method).parameters
+    if stability_ratio(make_method(1.0), K, C) <= 1.0:
         return inf
     low, high = 0.0, 1.0
     while high - low > 1e-6 * high:
         h = 0.5 * (low + high)
-        if stability_ratio(method_of(h), K, C) > 1.0:
+        if stability_ratio(make_method(h), K, C) > 1.0:
             high = h
         else:
             low = h

@@ -6,11 +6,11 @@ from bearingsim.assemble.scales import full_speed_case
 from bearingsim.config import Case
 from bearingsim.simulation.limits import step_limits
 
-UNCOUNTED_PASSES = 1  # ball passes at the start of a pilot that are not compared
+SKIPPED_PASSES = 1  # ball passes at the start of a pilot that are not compared
 LIGHT_DAMPING = 0.2  # damping ratio of a loaded roller below which the transient decays slowly
 SETTLES = 0.05  # s, longest settling of a pilot
 MIN_PASSES, MIN_DURATION = 4, 5e-3  # smallest number of compared ball passes, and their duration (s)
-PILOT_PART = 1 / 16  # part of a run in a pilot; with its finer run, a fifth of the run's CPU time
+PILOT_FRACTION = 1 / 16  # part of a run in a pilot; with its finer run, a fifth of the run's CPU time
 TURNS = 2.0  # turns of a defect through the load zone, since its passages differ
 DURATION_MARGIN = 1.5  # ratio of the advised duration to that of a pilot over ``TURNS``
 LONGER_PILOT = 2.0  # length ratio of the advised pilot to one that was too short
@@ -28,8 +28,8 @@ def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
     rate = case.bearing.ball_pass_frequency(case.speed)
     whole = case.settle_s + case.duration
     settles = case.settle_s if case.step_check == "strict" else SETTLES * is_lightly_damped(case)
-    forgotten = max(UNCOUNTED_PASSES / rate, min(settles, case.settle_s))
-    wanted = times * max(MIN_PASSES / rate, MIN_DURATION, compared_part(case) * whole, turns_of_defects(case))
+    forgotten = max(SKIPPED_PASSES / rate, min(settles, case.settle_s))
+    wanted = times * max(MIN_PASSES / rate, MIN_DURATION, compared_fraction(case) * whole, turns_of_defects(case))
     counted = max(1, min(ceil(wanted * rate - ROUNDING), int((whole - forgotten) * rate + ROUNDING)))
     settle = min(forgotten, max(0.0, whole - counted / rate))
     short = {"settle": settle, "duration": (counted + 0.5) / rate}
@@ -41,12 +41,12 @@ def is_lightly_damped(case: Case) -> bool:
     return step_limits(case).damping_ratio < LIGHT_DAMPING
 
 
-def compared_part(case: Case) -> float:
+def compared_fraction(case: Case) -> float:
     """Return the part of a run that is compared in a pilot: 1 with `step_check: strict`."""
-    return 1.0 if case.step_check == "strict" else PILOT_PART
+    return 1.0 if case.step_check == "strict" else PILOT_FRACTION
 
 
-def sees_defect_turns(case: Case, passes: int) -> bool:
+def covers_defect_turns(case: Case, passes: int) -> bool:
     """Check if every defect turns through the load zone ``TURNS`` times within ``passes`` ball passes."""
     rate = case.bearing.ball_pass_frequency(full_speed_case(case).speed)
     return passes >= turns_of_defects(case) * rate - ROUNDING
@@ -55,9 +55,9 @@ def sees_defect_turns(case: Case, passes: int) -> bool:
 def longer_duration(case: Case) -> float:
     """Return the duration (s) of a run with a longer pilot: over ``TURNS``, or of twice the present length."""
     short, passes = pilot(case)
-    if not sees_defect_turns(case, passes):
+    if not covers_defect_turns(case, passes):
         return DURATION_MARGIN * turns_of_defects(case)
-    return LONGER_PILOT * (short.settle_s + short.duration) / compared_part(case)
+    return LONGER_PILOT * (short.settle_s + short.duration) / compared_fraction(case)
 
 
 def check_cost(case: Case) -> float:

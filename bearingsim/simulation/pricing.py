@@ -22,9 +22,9 @@ from bearingsim.config.names import read_band
 from bearingsim.config.rules.completion import slice_count
 from bearingsim.core.sampling import DECIMATION_REACH, RESAMPLE_REACH
 from bearingsim.simulation import channels, ending
-from bearingsim.simulation.limits import LONGEST, Limits, step_limits
+from bearingsim.simulation.limits import LONGEST_STEP, Limits, step_limits
 from bearingsim.simulation.pilot import check_cost
-from bearingsim.simulation.repetition import LONGEST_PERIOD, MOST_HELD, may_repeat, period_is_sought
+from bearingsim.simulation.repetition import LONGEST_PERIOD, MAX_STORED, may_repeat, searches_for_period
 from bearingsim.simulation.settling import extrapolation_passes
 
 TABLE = Path(__file__).with_name("prices.csv")
@@ -97,11 +97,11 @@ def adaptive_step(case: Case, limits: Limits) -> float:
     """
     usual, name = price("own steps"), str(case.method)
     steps = price("own steps", name)
-    smooth = min(limits.crossing, LONGEST * usual) / steps
+    smooth = min(limits.crossing, LONGEST_STEP * usual) / steps
     if not METHODS[name].implicit:
         return min(smooth, price("stable step", name) / limits.fastest_rate)
     rings = 1.0 / limits.contact_frequency / OWN_PER_PERIOD if limits.damping_ratio < RINGING_RATIO else inf
-    return min(smooth, rings, LONGEST * usual / steps / max(1.0, limits.damping_ratio) ** DAMPING_POWER)
+    return min(smooth, rings, LONGEST_STEP * usual / steps / max(1.0, limits.damping_ratio) ** DAMPING_POWER)
 
 
 class Cost(NamedTuple):
@@ -144,7 +144,7 @@ def cost(case: Case, step: float, passes: int | None = None) -> Cost:
         computed = min(whole, ceil(case.settle_s * rate) + record)
         shortest = case.model_copy(update={"duration": record / rate})
         proof = check_cost(shortest) * computed if case.checks_step else 0.0
-    if case.checks_step and period_is_sought(case):
+    if case.checks_step and searches_for_period(case):
         proof = sqrt(5.0) * (price("finer passes") + before)
         if not case.periodic:
             proof += before + in_a_period
@@ -288,5 +288,5 @@ def _held(case: Case, window: float, rows: int) -> float:
 
     One pass more is stored while the next replaces the oldest.
     """
-    compared = min(MOST_HELD / FLOAT, (1 + LONGEST_PERIOD) * window * (1.0 - NOT_COMPARED / rows))
+    compared = min(MAX_STORED / FLOAT, (1 + LONGEST_PERIOD) * window * (1.0 - NOT_COMPARED / rows))
     return compared + window + (LONGEST_PERIOD * window if channels.stores_raw_values(case) else 0.0)

@@ -24,7 +24,7 @@ from bearingsim.core.sampling import (
     sampling_kernel,
 )
 from bearingsim.simulation import channels
-from bearingsim.simulation.repetition import EXTREMES, LONGEST_PERIOD, Repetition, may_repeat, turned
+from bearingsim.simulation.repetition import EXTREMES, LONGEST_PERIOD, Repetition, may_repeat, partner_rows
 from bearingsim.simulation.time_grid import Grid, samples
 
 
@@ -90,7 +90,7 @@ class RawRecord:
         """Rows (Z, C): element [m, c] is the row with the quantity of row c, m passes before."""
         if np.all(lay.lane_of(self.cells) < 0):  # no quantity of a roller is recorded
             return np.broadcast_to(np.arange(len(self.cells)), (self.Z, len(self.cells)))
-        return np.array([turned(self.cells, self.Z, m) for m in range(self.Z)])
+        return np.array([partner_rows(self.cells, self.Z, m) for m in range(self.Z)])
 
     def through(self, taps: np.ndarray) -> "RawRecord | LowPassed":
         """Return the record filtered by the low-pass ``taps`` (odd number), with the same ``read``.
@@ -218,7 +218,7 @@ class Recording:
             raw_values = _pick_pass(
                 self.case, self.cut, p, self.last[source - repetition.computed], self.raw_values
             )
-            raw_values[:] = raw_values[turned(self.cells, self.Z, p - source)]
+            raw_values[:] = raw_values[partner_rows(self.cells, self.Z, p - source)]
 
     def raw(self, repetition: Repetition, y: np.ndarray) -> RawRecord:
         """Return the record as far as it has been computed."""

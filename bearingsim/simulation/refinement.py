@@ -17,9 +17,9 @@ from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.pilot import pilot
 from bearingsim.simulation.pricing import price
 from bearingsim.simulation.recording import RawRecord
-from bearingsim.simulation.repetition import period_is_sought
-from bearingsim.simulation.run_setup import NotRepeating, Setup, StepRefused, set_up
-from bearingsim.simulation.settling import extrapolation_passes, needed
+from bearingsim.simulation.repetition import searches_for_period
+from bearingsim.simulation.run_setup import NotPeriodic, Setup, StepRefused, set_up
+from bearingsim.simulation.settling import decay_time, extrapolation_passes
 from bearingsim.simulation.step_check import (
     OF_COARSE,
     OF_FINER,
@@ -50,16 +50,16 @@ class Refined(NamedTuple):
 def refined(case: Case, part: float, patience: int = 0) -> Refined:
     """Refine the automatic step of a case with a named method until it is accepted.
 
-    part: factor on the automatic step; patience: raises ``NotRepeating`` if nonzero and no period is found. Raises
+    part: factor on the automatic step; patience: raises ``NotPeriodic`` if nonzero and no period is found. Raises
     ``StepRefused`` if no step is accepted, and like ``integrate``.
     """
     coarse = set_up(case, _start(case, part))
-    if not period_is_sought(coarse.case):
+    if not searches_for_period(coarse.case):
         return _on_pilots(coarse, is_stable=coarse.part == START * part)
     if (periodic := _on_orbit(coarse)) is not None:
         return periodic
     if patience > 0:
-        raise NotRepeating("no ball pass repeats another", "name a `method`")
+        raise NotPeriodic("no ball pass repeats another", "name a `method`")
     return _on_pilots(coarse, is_stable=coarse.part == START * part)
 
 
@@ -84,7 +84,7 @@ def _on_orbit(coarse: Setup) -> Refined | None:
     case = coarse.case
     setup = replace(coarse, case=case.model_copy(update={"periodic": True}))
     raw = integrate(setup, most=max(int(price("patience")), extrapolation_passes(case)))
-    is_steady = steady_time(setup, raw) <= case.settle_s or needed(case) <= case.settle_s
+    is_steady = steady_time(setup, raw) <= case.settle_s or decay_time(case) <= case.settle_s
     while raw.repetition.period > 0:
         finer, finer_raw = finer_orbit(setup, raw)
         check = check_on_orbit((setup, raw), (finer, finer_raw))
@@ -124,7 +124,7 @@ def _is_last(finer: Setup, check: StepCheck) -> bool:
 
     At the shortest step the error of the largest force is ignored.
     """
-    shortest = finer.part <= choice.STEP_PARTS[-1]
+    shortest = finer.part <= choice.STEP_FRACTIONS[-1]
     if check.holds or (shortest and check.holds_but_for_force):
         return True
     if shortest:

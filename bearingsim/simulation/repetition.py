@@ -16,7 +16,7 @@ from bearingsim.config import Case
 from bearingsim.config.rules.conflicts import ALIKE
 from bearingsim.core import layout as lay
 from bearingsim.core.models.interface import degrees_of_freedom
-from bearingsim.simulation.fastest import lengths
+from bearingsim.simulation.fastest import length_factors
 
 CONSTANT = frozenset(
     {
@@ -49,10 +49,10 @@ def may_be_periodic(case: Case) -> bool:
     return may_repeat(case.model_copy(update={"periodic": True}))
 
 
-def period_is_sought(case: Case) -> bool:
+def searches_for_period(case: Case) -> bool:
     """Check if a case is first computed until periodic, for its record or to check its step on one period."""
-    wanted = case.periodic or case.checks_step
-    return wanted and case.step_check != "strict" and may_be_periodic(case)
+    is_used = case.periodic or case.checks_step
+    return is_used and case.step_check != "strict" and may_be_periodic(case)
 
 
 EXTREMES = {
@@ -90,22 +90,22 @@ LONGEST_PERIOD = 4  # ball passes; longer periods have not been observed
 class Closeness(NamedTuple):
     """Limits of differences relative to the range.
 
-    shrinking: limit of the sum of all future differences; anyhow: limit of the last difference if the differences
-    need not show their decay; times: required number of successive passes within a limit for a period of one pass,
-    and ``period`` - 1 more for longer periods.
+    sum_limit: limit of the sum of all future differences; difference_limit: limit of the last difference if the
+    differences need not show their decay; pass_count: required number of successive passes within a limit for a
+    period of one pass, and ``period`` - 1 more for longer periods.
     """
 
-    shrinking: float
-    anyhow: float
-    times: int
+    sum_limit: float
+    difference_limit: float
+    pass_count: int
 
 
-RECORD_CLOSENESS = Closeness(1e-7, 1e-10, times=2)
+RECORD_CLOSENESS = Closeness(1e-7, 1e-10, pass_count=2)
 """Limits for a record computed with one step."""
-SLOWEST = 0.98  # ratio of successive differences above which they do not count as decaying
-NEAR = 1e3  # factor on the limit within which the ends of passes must agree before whole passes are compared
-MOST_HELD = 256e6  # bytes of recordings stored for comparison
-LEAST_RANGE = 1e-3  # least range of x or y, relative to the larger of the two
+MAX_DECAY_RATIO = 0.98  # ratio of successive differences above which they do not count as decaying
+NEAR_FACTOR = 1e3  # factor on the limit within which final states must agree before all steps are compared
+MAX_STORED = 256e6  # bytes of recordings stored for comparison
+MIN_RELATIVE_RANGE = 1e-3  # least range of x or y, relative to the larger of the two
 
 
 class Search:
@@ -119,31 +119,37 @@ class Search:
     """
 
     def __init__(
-        self, cells: np.ndarray, steps: int, model: Any, memoryless: bool, close: Closeness, keeps: float = 0.0
+        self,
+        cells: np.ndarray,
+        steps: int,
+        model: Any,
+        memoryless: bool,
+        closeness: Closeness,
+        slowest_ratio: float = 0.0,
     ) -> None:
         """Prepare the comparison of passes.
 
         cells: (C,) recorded cells of the buffer, beginning with position and velocity of the ring; steps: number
-        in a pass; memoryless: whether the first pass is already periodic; close: limits of the differences; keeps:
-        part of the slowest mode at equilibrium that is left after a pass.
+        in a pass; memoryless: whether the first pass is already periodic; closeness: limits of the differences;
+        slowest_ratio: part of the slowest mode at equilibrium that is left after a pass.
         """
-        self.cells, self.memoryless, self.close, self.Z = cells, memoryless, close, model.bearing.Z
-        self.keeps = keeps
+        self.cells, self.memoryless, self.closeness, self.Z = cells, memoryless, closeness, model.bearing.Z
+        self.slowest_ratio = slowest_ratio
         self.model = model
-        self.compared = np.r_[0:4, 9 : len(cells)]  # accelerations jump; the cage is part of the state
-        self.compared = self.compared[cells[self.compared] != lay.SENSOR_A]
-        self.weights = np.zeros(12 * lay.ROW) if memoryless else lengths(model)
-        self.least_peaks = np.array([name == "tilt.max" for name in EXTREMES]) / model.bearing.R_o
-        held = int(MOST_HELD // (8 * len(cells) * steps))
-        self.periods = range(1, 1 + min(LONGEST_PERIOD, held))
+        self.compared_rows = np.r_[0:4, 9 : len(cells)]  # accelerations jump; the cage is part of the state
+        self.compared_rows = self.compared_rows[cells[self.compared_rows] != lay.SENSOR_A]
+        self.weights = np.zeros(12 * lay.ROW) if memoryless else length_factors(model)
+        self.min_peaks = np.array([name == "tilt.max" for name in EXTREMES]) / model.bearing.R_o
+        capacity = int(MAX_STORED // (8 * len(cells) * steps))
+        self.periods = range(1, 1 + min(LONGEST_PERIOD, capacity))
         self.recordings: deque[np.ndarray] = deque(maxlen=len(self.periods) + 1)
-        self.ends: deque[np.ndarray] = deque(maxlen=len(self.periods) + 1)
+        self.end_states: deque[np.ndarray] = deque(maxlen=len(self.periods) + 1)
         self.peaks: deque[np.ndarray] = deque(maxlen=len(self.periods) + 1)
-        of_compared = cells[self.compared]
-        self.partners = {period: turned(of_compared, self.Z, period) for period in self.periods}
+        compared_cells = cells[self.compared_rows]
+        self.partners = {period: partner_rows(compared_cells, self.Z, period) for period in self.periods}
         self.differences: dict[int, list[float]] = {period: [] for period in self.periods}
 
-    def after_pass(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> tuple[int, float]:
+    def add_pass(self, window: np.ndarray, y: np.ndarray, peaks: np.ndarray) -> tuple[int, float]:
         """Return the period in ball passes at the end of a pass (0 if there is none) and a difference.
 
         The difference is that of passes a period apart, or the smallest for any period if there is none.
@@ -155,17 +161,18 @@ class Search:
             return 1, 0.0
         if not self.periods:
             return 0, nan
-        self.recordings.append(window[self.compared])
-        self.ends.append(y[lay.POSITION : lay.POSITION + 2 * lay.STATE] * self.weights)
+        self.recordings.append(window[self.compared_rows])
+        self.end_states.append(y[lay.POSITION : lay.POSITION + 2 * lay.STATE] * self.weights)
         self.peaks.append(peaks)
         ranges = self._ranges(window)
         for period in self.periods:
-            if period < len(self.ends):
+            if period < len(self.end_states):
                 differences = self.differences[period]
                 differences.append(self._difference(period, ranges))
-                passes = self.close.times + period - 1  # each pass of a period must agree
+                passes = self.closeness.pass_count + period - 1  # each pass of a period must agree
                 if all(
-                    _settled(differences[: len(differences) - n], self.close, self.keeps) for n in range(passes)
+                    _has_converged(differences[: len(differences) - n], self.closeness, self.slowest_ratio)
+                    for n in range(passes)
                 ):
                     return period, differences[-1]
         return 0, min((differences[-1] for differences in self.differences.values() if differences), default=nan)
@@ -173,40 +180,42 @@ class Search:
     def _ranges(self, window: np.ndarray) -> np.ndarray:
         """Return the range of the quantity of each recorded row (C,)."""
         high, low = np.zeros(len(window)), np.zeros(len(window))
-        for c in self.compared:
+        for c in self.compared_rows:
             high[c], low[c] = window[c].max(), window[c].min()
         ranges = high - low
         for pair in (ranges[:2], ranges[2:4]):
-            pair[:] = np.maximum(pair, LEAST_RANGE * pair.max())
+            pair[:] = np.maximum(pair, MIN_RELATIVE_RANGE * pair.max())
         lane = lay.lane_of(self.cells)
-        for kind in set((self.cells - lane)[lane >= 0].tolist()):  # one range for all rollers
-            rows = (lane >= 0) & (self.cells - lane == kind)
+        for row in set((self.cells - lane)[lane >= 0].tolist()):  # one range for all rollers
+            rows = (lane >= 0) & (self.cells - lane == row)
             ranges[rows] = high[rows].max() - low[rows].min()
         return ranges
 
     def _difference(self, period: int, ranges: np.ndarray) -> float:
         """Return the largest difference from ``period`` passes before; only that of the ends if it is large."""
-        at_end = self._end_difference(period, ranges)
-        if not at_end <= NEAR * self.close.shrinking:
-            return at_end
-        now, before = self.recordings[-1], self.recordings[-1 - period]
-        apart = np.array([np.abs(a - before[c]).max() for a, c in zip(now, self.partners[period], strict=True)])
-        least = self.least_peaks * ranges[:2].max()
-        largest = np.abs(self.peaks[-1] - self.peaks[-1 - period])
-        of_peaks = _largest_ratio(largest, np.maximum(self.peaks[-1], least))
-        return max(at_end, _largest_ratio(apart, ranges[self.compared]), of_peaks)
+        end_difference = self._end_difference(period, ranges)
+        if not end_difference <= NEAR_FACTOR * self.closeness.sum_limit:
+            return end_difference
+        current, previous = self.recordings[-1], self.recordings[-1 - period]
+        row_differences = np.array(
+            [np.abs(a - previous[c]).max() for a, c in zip(current, self.partners[period], strict=True)]
+        )
+        min_peaks = self.min_peaks * ranges[:2].max()
+        peak_differences = np.abs(self.peaks[-1] - self.peaks[-1 - period])
+        peak_ratio = _largest_ratio(peak_differences, np.maximum(self.peaks[-1], min_peaks))
+        return max(end_difference, _largest_ratio(row_differences, ranges[self.compared_rows]), peak_ratio)
 
     def _end_difference(self, period: int, ranges: np.ndarray) -> float:
         """Return the largest difference between the final states of two passes, as lengths and speeds."""
-        now, before = (self.ends[-1 - n].reshape(2, 6, lay.ROW) for n in (0, period))
-        before = rotate_state(before, self.model, -period)
+        current, previous = (self.end_states[-1 - n].reshape(2, 6, lay.ROW) for n in (0, period))
+        previous = rotate_state(previous, self.model, -period)
         lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + self.Z)
         ring_ranges = np.array([[ranges[:2].max()], [ranges[2:4].max()]])
-        roller_ranges = now[:, :, lanes].max(axis=2) - now[:, :, lanes].min(axis=2)
-        return _largest_ratio(np.abs(now - before).max(axis=2), np.maximum(ring_ranges, roller_ranges))
+        roller_ranges = current[:, :, lanes].max(axis=2) - current[:, :, lanes].min(axis=2)
+        return _largest_ratio(np.abs(current - previous).max(axis=2), np.maximum(ring_ranges, roller_ranges))
 
 
-def turned(cells: np.ndarray, Z: int, m: int) -> np.ndarray:
+def partner_rows(cells: np.ndarray, Z: int, m: int) -> np.ndarray:
     """Return for each row of a recording of ``cells`` the row (C,) with its quantity ``m`` passes before."""
     lane = lay.lane_of(cells)
     partner = np.where(lane >= 0, cells - lane + (lane + m) % Z, cells)
@@ -216,10 +225,10 @@ def turned(cells: np.ndarray, Z: int, m: int) -> np.ndarray:
 
 def rotate_state(state: np.ndarray, model: Any, passes: int) -> np.ndarray:
     """Return positions and velocities (2, 6, ROW) with the rollers rotated by ``passes`` ball passes."""
-    moved, own = state.copy(), degrees_of_freedom(model)[0]
+    rotated, row_count = state.copy(), degrees_of_freedom(model)[0]
     lanes = slice(lay.FIRST_LANE, lay.FIRST_LANE + model.bearing.Z)
-    moved[:, :own, lanes] = np.roll(moved[:, :own, lanes], passes, axis=2)
-    return moved
+    rotated[:, :row_count, lanes] = np.roll(rotated[:, :row_count, lanes], passes, axis=2)
+    return rotated
 
 
 def _largest_ratio(differences: np.ndarray, ranges: np.ndarray) -> float:
@@ -228,23 +237,24 @@ def _largest_ratio(differences: np.ndarray, ranges: np.ndarray) -> float:
         return float(np.max(np.where(differences == 0.0, 0.0, differences / ranges), initial=0.0))
 
 
-def _settled(differences: list[float], close: Closeness, keeps: float) -> bool:
+def _has_converged(differences: list[float], closeness: Closeness, slowest_ratio: float) -> bool:
     """Check if the last of some differences and the sum of all future ones are small.
 
-    keeps: ratio of successive differences in the slowest mode, which may be too small to show in the differences.
+    slowest_ratio: ratio of successive differences in the slowest mode, which may be too small to show in the
+    differences.
     """
     if not differences or not isfinite(differences[-1]):
         return False
     last = differences[-1]
-    if last <= close.anyhow and remaining_sum(last, keeps) <= close.shrinking:
+    if last <= closeness.difference_limit and remaining_sum(last, slowest_ratio) <= closeness.sum_limit:
         return True
     if len(differences) < 3 or not isfinite(differences[-3]):
         return False
-    before, further = differences[-2], differences[-3]
-    if before == 0.0 or further == 0.0:  # no convergence
+    before, earlier = differences[-2], differences[-3]
+    if before == 0.0 or earlier == 0.0:  # no convergence
         return False
-    rho = max(last / before, before / further, keeps)
-    return rho < SLOWEST and remaining_sum(last, rho) <= close.shrinking
+    rho = max(last / before, before / earlier, slowest_ratio)
+    return rho < MAX_DECAY_RATIO and remaining_sum(last, rho) <= closeness.sum_limit
 
 
 def remaining_sum(difference: float, rho: float) -> float:

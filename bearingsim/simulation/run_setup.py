@@ -13,7 +13,7 @@ from bearingsim.core.advance import Monitor
 from bearingsim.core.models.interface import monitored
 from bearingsim.simulation import choice, time_grid
 from bearingsim.simulation.limits import APPROACH_MARGIN, ENERGY_MARGIN, Limits
-from bearingsim.simulation.settling import settled
+from bearingsim.simulation.settling import resolve_settling
 
 
 class SimulationError(Exception):
@@ -43,7 +43,7 @@ class TooSlow(MethodFailure):
     """Failure due to excessive CPU time, which a shorter step would increase."""
 
 
-class NotRepeating(MethodFailure):
+class NotPeriodic(MethodFailure):
     """End of a run that is not periodic and that another method computes faster."""
 
 
@@ -74,7 +74,7 @@ class Setup:
 
 def set_up(case: Case, part: float = 1.0, max_cpu: float | None = None) -> Setup:
     """Prepare a case with a named method; max_cpu: allowed CPU time (s). Raises ``Refused``."""
-    case = settled(case)
+    case = resolve_settling(case)
     cut, limits = time_grid.grid(case, part, max_cpu or 0.0), choice.limits(case)
     time_grid.refuse_too_large(case, cut)
     kind = assemble.method_kind(case)

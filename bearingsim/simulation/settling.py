@@ -21,62 +21,62 @@ from bearingsim.core.advance import start_at_rest
 from bearingsim.core.models.equilibrium import NoEquilibrium
 from bearingsim.core.models.interface import harmonics
 from bearingsim.errors import Refused
-from bearingsim.simulation.fastest import lengths
-from bearingsim.simulation.limits import LONGEST, loaded_at_rest, loads_at_rest, rest_states
+from bearingsim.simulation.fastest import length_factors
+from bearingsim.simulation.limits import LONGEST_STEP, loads_at_rest, rest_case, rest_states
 from bearingsim.simulation.repetition import may_be_periodic, rotate_state
 
-REMEMBERED = 5e-5
+MAX_TRANSIENT = 5e-5
 """Largest part of the initial transient left at the start of the record. The transient is initially up to ten
 times the RMS, and must fall below 5e-4 of the RMS, a tenth of the smallest accuracy (0.5 %)."""
-LEAST, MOST = 0.05, 10.0  # s, bounds of `settle: auto`
-FAST = 0.05  # part of a mode left after a ball pass below which no extrapolation is needed
-WAIT = 2  # ball passes after which only slow modes are left
+MIN_SETTLING, MAX_SETTLING = 0.05, 10.0  # s, bounds of `settle: auto`
+FAST_DECAY = 0.05  # part of a mode left after a ball pass below which no extrapolation is needed
+WAITING_PASSES = 2  # ball passes after which only slow modes are left
 EXTRAPOLATIONS, MOST_PASSES = 6, 120  # usual number of extrapolations; largest number of ball passes for them
-NOTABLE = 0.01  # part of the transient left at the start of the record above which a warning or refusal follows
+NOTABLE_TRANSIENT = 0.01  # part of the transient left at the start of the record that is reported or refused
 CAGE_TURNS = 5.0  # turns of a free cage to settle
 CAGE_TURNS_EARLY = 2.0
 """Turns of a free cage to settle before a record with `until`, without drag; the remaining transient changes line
 and RMS by 0.03 % (docs/evidence/early_ends.md)."""
-LOOSE = 1e-5  # share of the rings in a mode below which it is a mode of unloaded rollers only
-SMALL = 1e-3  # displacement relative to the approach at rest, at which the contacts are linear
+MIN_RING_SHARE = 1e-5  # share of the rings in a mode below which it is a mode of unloaded rollers only
+RELATIVE_DISPLACEMENT = 1e-3  # displacement relative to the approach at rest, at which the contacts are linear
 
 
-def settled(case: Case) -> Case:
+def resolve_settling(case: Case) -> Case:
     """Replace `settle: auto` of a case by a time. Raises ``Refused`` if there is no equilibrium."""
     return case.model_copy(update={"settle": settling(case)}) if case.settle == "auto" else case
 
 
 def settling(case: Case) -> float:
     """Return the time (s) of `settle: auto`. Raises ``Refused`` if there is no equilibrium."""
-    time = min(max(LEAST, needed(case)), MOST)
+    time = min(max(MIN_SETTLING, decay_time(case)), MAX_SETTLING)
     turns = CAGE_TURNS if case.until is None or case.drag is not None else CAGE_TURNS_EARLY
     return max(time, turns * cage_turn(case)) if has_free_cage(case) else time
 
 
-def needed(case: Case) -> float:
-    """Return the time (s) after which the slowest mode has decayed to ``REMEMBERED``; inf if undamped."""
+def decay_time(case: Case) -> float:
+    """Return the time (s) after which the slowest mode has decayed to ``MAX_TRANSIENT``; inf if undamped."""
     decay = slowest_decay(case)
-    return -log(REMEMBERED) / decay if decay > 0.0 else inf
+    return -log(MAX_TRANSIENT) / decay if decay > 0.0 else inf
 
 
-def remembered(case: Case) -> float:
+def remaining_transient(case: Case) -> float:
     """Return the part of the transient left at the start of the record; `settle` of the case is a time."""
     return exp(-slowest_decay(case) * case.settle_s)
 
 
-def remembers_start(case: Case) -> bool:
+def has_transient(case: Case) -> bool:
     """Check if a notable part of the transient is left at the start of the record; `settle` is a time."""
-    return remembered(case) > NOTABLE and slow_modes(case) == 0
+    return remaining_transient(case) > NOTABLE_TRANSIENT and slow_modes(case) == 0
 
 
 def refuse_unsettled(case: Case) -> None:
-    """Raise ``Refused`` if the step check is strict and ``remembers_start`` is true; `settle` is a time."""
-    if case.step_check == "strict" and remembers_start(case):
-        time = needed(case)
-        longer = f"use a `settle` of {time:.2g} s" if time <= MOST else "take more damping"
+    """Raise ``Refused`` if the step check is strict and ``has_transient`` is true; `settle` is a time."""
+    if case.step_check == "strict" and has_transient(case):
+        time = decay_time(case)
+        remedy = f"use a `settle` of {time:.2g} s" if time <= MAX_SETTLING else "take more damping"
         raise Refused(
-            f"{remembered(case):.1%} of the start is left after `settle`, {case.settle_s:.2g} s",
-            f"{longer}, or use `step_check: true`",
+            f"{remaining_transient(case):.1%} of the start is left after `settle`, {case.settle_s:.2g} s",
+            f"{remedy}, or use `step_check: true`",
         )
 
 
@@ -98,18 +98,18 @@ def slowest_decay(case: Case) -> float:
 def slow_modes(case: Case) -> int:
     """Return the number of slow modes used to extrapolate the steady motion; 0 if it is not extrapolated.
 
-    All ball passes must be alike, and `settle`, a time, must be longer than ``LEAST``.
+    All ball passes must be alike, and `settle`, a time, must be longer than ``MIN_SETTLING``.
     """
-    if case.settle_s <= LEAST or not may_be_periodic(case):
+    if case.settle_s <= MIN_SETTLING or not may_be_periodic(case):
         return 0
     rate = case.bearing.ball_pass_frequency(case.speed)
-    return sum(mode.real > log(FAST) * rate for mode in modes(case))
+    return sum(mode.real > log(FAST_DECAY) * rate for mode in modes(case))
 
 
 def extrapolation_passes(case: Case) -> int:
     """Estimate the ball passes needed to extrapolate the steady motion."""
     count = slow_modes(case)
-    return min(EXTRAPOLATIONS * (WAIT + count + 2), MOST_PASSES) if count > 0 else 0
+    return min(EXTRAPOLATIONS * (WAITING_PASSES + count + 2), MOST_PASSES) if count > 0 else 0
 
 
 def modes(case: Case) -> tuple[complex, ...]:
@@ -121,7 +121,7 @@ def modes(case: Case) -> tuple[complex, ...]:
     if MODELS[case.model].memoryless:
         return ()
     try:
-        return _modes(loaded_at_rest(assemble.bearing_of(full_speed_case(case))))
+        return _modes(rest_case(assemble.bearing_of(full_speed_case(case))))
     except NoEquilibrium as error:
         raise Refused(str(error), "give the bearing a load that its rollers can carry") from error
 
@@ -129,51 +129,53 @@ def modes(case: Case) -> tuple[complex, ...]:
 @lru_cache(maxsize=CACHED_RESTS)
 def _modes(healthy: Case) -> tuple[complex, ...]:
     load, K, _ = loads_at_rest(healthy)
-    model = assemble.with_friction_lag(assemble.model(healthy), LONGEST)
+    model = assemble.with_friction_lag(assemble.model(healthy), LONGEST_STEP)
     t, y = next(rest_states(model))[:2]
-    matrix, cells = _linearised(model, t, y, SMALL * approach(model.outer, load), K)
+    matrix, cells = _linearised(model, t, y, RELATIVE_DISPLACEMENT * approach(model.outer, load), K)
     values, vectors = np.linalg.eig(matrix)
     shapes = np.abs(vectors[: len(cells)])
     of_rings = (cells < lay.FIRST_LANE) | (cells >= lay.FIRST_LANE + model.bearing.Z)
     shares = shapes[of_rings].max(axis=0, initial=0.0) / shapes.max(axis=0)
-    return tuple(complex(value) for value in values[shares > LOOSE])
+    return tuple(complex(value) for value in values[shares > MIN_RING_SHARE])
 
 
-def _linearised(model: Any, t: float, y: np.ndarray, small: float, K: float) -> tuple[np.ndarray, np.ndarray]:
+def _linearised(
+    model: Any, t: float, y: np.ndarray, displacement: float, K: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the state matrix (2 n, 2 n) about equilibrium, by central differences, and its cells (n,).
 
-    small: displacement (m); K: largest stiffness over mass (1/s^2), which scales the velocity difference. Cells
-    without stiffness are left out.
+    displacement: in m; K: largest stiffness over mass (1/s^2), which scales the velocity difference.
+    Cells without stiffness are left out.
     """
-    cells = _radial(model)
+    cells = _radial_cells(model)
     jacobians = np.empty((2, len(cells), len(cells)))
     for block, step, jacobian in (
-        (lay.POSITION, small, jacobians[0]),
-        (lay.VELOCITY, small * K**0.5, jacobians[1]),
+        (lay.POSITION, displacement, jacobians[0]),
+        (lay.VELOCITY, displacement * K**0.5, jacobians[1]),
     ):
         for n, cell in enumerate(block + cells):
-            rest, pushed = y[cell], []
-            for y[cell] in (rest + step, rest - step):
+            position, accelerations = y[cell], []
+            for y[cell] in (position + step, position - step):
                 start_at_rest(model, t, y)
-                pushed.append(y[lay.ACCELERATION + cells])
-            y[cell] = rest
-            jacobian[:, n] = (pushed[0] - pushed[1]) / (2.0 * step)
-    moves = np.abs(jacobians[0]).sum(axis=1) > 0.0  # not an inner ring without a shaft
-    stiffness, damping = (jacobian[np.ix_(moves, moves)] for jacobian in jacobians)
-    still = np.zeros_like(stiffness)
-    return np.block([[still, np.eye(len(still))], [stiffness, damping]]), cells[moves]
+                accelerations.append(y[lay.ACCELERATION + cells])
+            y[cell] = position
+            jacobian[:, n] = (accelerations[0] - accelerations[1]) / (2.0 * step)
+    has_stiffness = np.abs(jacobians[0]).sum(axis=1) > 0.0  # not an inner ring without a shaft
+    stiffness, damping = (jacobian[np.ix_(has_stiffness, has_stiffness)] for jacobian in jacobians)
+    zeros = np.zeros_like(stiffness)
+    return np.block([[zeros, np.eye(len(zeros))], [stiffness, damping]]), cells[has_stiffness]
 
 
-def _radial(model: Any) -> np.ndarray:
+def _radial_cells(model: Any) -> np.ndarray:
     """Return the cells of a state for in-plane motion and bending of rings and radial motion of rollers."""
-    lanes, bent = lay.FIRST_LANE + np.arange(model.bearing.Z), np.arange(harmonics(model))
-    return np.r_[lay.X, lay.Y, lay.X_I, lay.Y_I, lanes, lay.MODES_C + bent, lay.MODES_S + bent]
+    lanes, modes = lay.FIRST_LANE + np.arange(model.bearing.Z), np.arange(harmonics(model))
+    return np.r_[lay.X, lay.Y, lay.X_I, lay.Y_I, lanes, lay.MODES_C + modes, lay.MODES_S + modes]
 
 
 ROUNDING = 1e-11
-"""Change from pass to pass that is rounding error, relative to the first change (or ``set_out_from``): the motion
-is steady, and no mode can be fitted to it. Measured: 1e-12 (heavy rings, 140 to 180 N)."""
-LEFT = 0.02
+"""Change from pass to pass that is rounding error, relative to the first change (or ``set_initial_change``): the
+motion is steady, and no mode can be fitted to it. Measured: 1e-12 (heavy rings, 140 to 180 N)."""
+MAX_RESIDUAL = 0.02
 """Largest residual of the fitted modes, relative to the last change. Above it the motion is not yet linear, and an
 extrapolation might lead to another steady motion than the one reached from static equilibrium."""
 
@@ -189,68 +191,69 @@ class SlowModes:
     passes: largest number of ball passes; steady: whether the last states approach a stable steady state.
     """
 
-    def __init__(self, model: Any, count: int, passes: int, near: float) -> None:
-        """Start without states. count: number of slow modes; near: as in ``of``."""
-        self.model, self.passes, self.near = model, passes, near
-        self.weights = lengths(model)
+    def __init__(self, model: Any, count: int, passes: int, tolerance: float) -> None:
+        """Start without states. count: number of slow modes; tolerance: as in ``from_case``."""
+        self.model, self.passes, self.tolerance = model, passes, tolerance
+        self.weights = length_factors(model)
         self.states: deque[np.ndarray] = deque(maxlen=count + 2)
-        self.waited, self.first, self.last = 0, 0.0, np.inf
+        self.skipped_passes, self.first_change, self.last_change = 0, 0.0, np.inf
         self.steady = False
 
     @classmethod
-    def of(cls, case: Case, model: Any, rate: float, near: float) -> "SlowModes | None":
+    def from_case(cls, case: Case, model: Any, rate: float, tolerance: float) -> "SlowModes | None":
         """Return the slow modes of a case, or None if it has none.
 
-        rate: ball passes per second (Hz); near: fraction of the first change below which the motion is steady.
+        rate: ball passes per second (Hz); tolerance: fraction of the first change below which the motion is
+        steady.
         """
         passes = int(min(MOST_PASSES, case.settle_s * rate))
         count = slow_modes(case)
-        return cls(model, count, passes, near) if count > 0 else None
+        return cls(model, count, passes, tolerance) if count > 0 else None
 
-    def set_out_from(self, start: np.ndarray, rest: np.ndarray) -> None:
+    def set_initial_change(self, start: np.ndarray, rest: np.ndarray) -> None:
         """Scale changes by the distance between an initial state (2 STATE,) and static equilibrium."""
-        self.first = float(np.linalg.norm(self.weights * (start - rest)))
+        self.first_change = float(np.linalg.norm(self.weights * (start - rest)))
 
-    def after_pass(self, y: np.ndarray) -> bool:
+    def extrapolate(self, y: np.ndarray) -> bool:
         """Write an extrapolated steady state into ``y`` at the end of a pass; return whether there is one."""
-        self.waited += 1
-        if self.waited <= WAIT:
+        self.skipped_passes += 1
+        if self.skipped_passes <= WAITING_PASSES:
             return False
         self.states.append(y[lay.POSITION : lay.POSITION + 2 * lay.STATE].copy())
         if len(self.states) < (self.states.maxlen or 0):
             return False
-        states = self._rolled_back()
+        states = self._aligned_states()
         changes = self.weights[:, np.newaxis] * np.diff(states, axis=1)
-        self.last = float(np.linalg.norm(changes[:, -1]))
-        self.first = self.first or self.last
-        self.steady = self.steady or self.last <= ROUNDING * self.first
-        if self.reached:
+        self.last_change = float(np.linalg.norm(changes[:, -1]))
+        self.first_change = self.first_change or self.last_change
+        self.steady = self.steady or self.last_change <= ROUNDING * self.first_change
+        if self.converged:
             return False
-        shares, *_ = np.linalg.lstsq(changes[:, :-1], -changes[:, -1], rcond=1e-10)
-        polynomial = np.append(shares, 1.0)  # its roots are the modes' multipliers per pass
-        if not np.linalg.norm(changes @ polynomial) <= LEFT * self.last:
+        coefficients, *_ = np.linalg.lstsq(changes[:, :-1], -changes[:, -1], rcond=1e-10)
+        polynomial = np.append(coefficients, 1.0)  # its roots are the modes' multipliers per pass
+        if not np.linalg.norm(changes @ polynomial) <= MAX_RESIDUAL * self.last_change:
             return False
         decays = not diverges(polynomial)
-        self.steady = decays and self.last < self.first
+        self.steady = decays and self.last_change < self.first_change
         if not decays:
             return False
         y[lay.POSITION : lay.POSITION + 2 * lay.STATE] = states[:, 1:] @ polynomial / polynomial.sum()
         self.states.clear()
-        self.waited = 0
+        self.skipped_passes = 0
         return True
 
     @property
-    def reached(self) -> bool:
+    def converged(self) -> bool:
         """Convergence to the steady state, after which no further pass is needed."""
-        return self.steady and self.last <= self.near * self.first
+        return self.steady and self.last_change <= self.tolerance * self.first_change
 
-    def _rolled_back(self) -> np.ndarray:
+    def _aligned_states(self) -> np.ndarray:
         """Return the stored states (2 STATE, n), with rollers renumbered to the positions of the last state."""
-        turned = (
+        aligned = (
             rotate_state(state.reshape(2, 6, lay.ROW), self.model, n + 1 - len(self.states))
             for n, state in enumerate(self.states)
         )
-        return np.stack([state.ravel() for state in turned], axis=1)
+        return np.stack([state.ravel() for state in aligned], axis=1)
 
 
 def diverges(polynomial: np.ndarray) -> bool:

@@ -30,10 +30,10 @@ from bearingsim.simulation.integration import Look, Taken, integrate, taken
 from bearingsim.simulation.pricing import price
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.refinement import refined, refined_orbit
-from bearingsim.simulation.repetition import may_be_periodic, may_repeat, period_is_sought
+from bearingsim.simulation.repetition import may_be_periodic, may_repeat, searches_for_period
 from bearingsim.simulation.run_setup import (
     MethodFailure,
-    NotRepeating,
+    NotPeriodic,
     Setup,
     SimulationError,
     StepRefused,
@@ -140,7 +140,7 @@ def _first_sound_attempt(case: Case, compute: Callable[[choice.Attempt], T]) -> 
             continue
         try:
             return compute(attempt)
-        except NotRepeating:
+        except NotPeriodic:
             left.add(named)
         except MethodFailure as error:
             failed[str(attempt.case.method)] = error.with_traceback(None)  # its frames refer to the whole record
@@ -185,7 +185,7 @@ def _unrefined(case: Case, part: float, patience: int) -> tuple[Inspections, Raw
     """Compute a case at its own step, or at an unchecked automatic step."""
     setup = set_up(case, part)
     inspections = Inspections(setup)
-    if not period_is_sought(setup.case):
+    if not searches_for_period(setup.case):
         check = step_check.checked_step(inspections.earliest)
         return inspections, integrate(setup, look=inspections), check
     until_periodic = replace(setup, case=setup.case.model_copy(update={"periodic": True}))
@@ -395,7 +395,7 @@ def warm(cases: Iterable[Case], about_to: Callable[[int, int, float], None] | No
     kinds: dict[tuple, Case] = {}
     for case in cases:
         laws = assemble.contacts.outer(case), assemble.contacts.inner(case)
-        kinds.setdefault((_words(choice.resolved(case)), _types(laws), channels.stores_raw_values(case)), case)
+        kinds.setdefault((_words(choice.resolve(case)), _types(laws), channels.stores_raw_values(case)), case)
     new = {kind: case for kind, case in kinds.items() if kind not in _WARM}
     for number, (kind, case) in enumerate(new.items(), 1):
         if about_to is not None:

@@ -28,14 +28,14 @@ from bearingsim.core import layout as lay
 from bearingsim.simulation import channels, choice, time_grid
 from bearingsim.simulation.comparison import RunSignals, compare, orbit_signals, pilot_signals, steady_time
 from bearingsim.simulation.integration import integrate
-from bearingsim.simulation.pilot import longer_duration, pilot, sees_defect_turns
+from bearingsim.simulation.pilot import covers_defect_turns, longer_duration, pilot
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.repetition import Closeness, rotate_state
 from bearingsim.simulation.run_setup import MethodFailure, Setup, TooChaotic, set_up
 
 
 class Bounds(NamedTuple):
-    """Coefficients of an error bound: ``times`` the change by a shorter step, plus ``resolved``.
+    """Coefficients of an error bound: ``pass_count`` the change by a shorter step, plus ``resolved``.
 
     least: lower limit of each change, as a share of the largest change, since a change may be small by chance.
 
@@ -61,7 +61,7 @@ GROWN, PARTED = 3.0, 1e-4  # growth of a perturbation over the pilot; its size i
 NO_LESS = 0.3  # ratio of the change by the perturbation to that by the shorter step (or tenth of the tolerance)
 MIN_BLOCKS = 16  # smallest number of blocks of passes for the scatter of the RMS
 SECOND_PILOT = 4.0  # length ratio of the second pilot, used if the first two runs diverge without chaos
-ORBIT_CLOSENESS = Closeness(1e-5, 1e-5, times=1)
+ORBIT_CLOSENESS = Closeness(1e-5, 1e-5, pass_count=1)
 """Closeness at which the finer run counts as periodic."""
 MOST_FINER_PASSES = 4, 16  # factor on the passes of the run, and passes added: limit of the finer run
 FEW_PASSES = 120
@@ -136,7 +136,7 @@ def checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
     if not setup.case.checks_step:
         return UNCHECKED
     check = check_step(setup, raw if raw is not None and raw.repetition.period > 0 else None)
-    may_be_shorter = choice.has_automatic_step(setup.case) and setup.part > choice.STEP_PARTS[-1]
+    may_be_shorter = choice.has_automatic_step(setup.case) and setup.part > choice.STEP_FRACTIONS[-1]
     if not (check.holds or (not may_be_shorter and check.holds_but_for_force)):
         raise MethodFailure(*refused(setup, check))
     return check
@@ -264,7 +264,7 @@ def check_on_pilot(
         (scatter(series, passes) for series in zip(coarse_run[:2], fine_run[:2], third[:2], strict=True)),
         key=np.prod,
     )
-    is_measurable = sees_defect_turns(case, passes) and np.linalg.norm(beside) > NO_LESS * np.linalg.norm(apart)
+    is_measurable = covers_defect_turns(case, passes) and np.linalg.norm(beside) > NO_LESS * np.linalg.norm(apart)
     whole = max(1.0, case.duration * coarse.cut.rate)
     worth = sure * noise / sqrt(whole) if is_measurable else inf
     return OnPilot(replace(check, chaotic=True, noise=noise / sqrt(passes), scatter=worth), False, finer)

@@ -11,10 +11,10 @@ from bearingsim.core.sampling import DECIMATION_REACH, INTERPOLATION_REACH, RESA
 from bearingsim.errors import Refused
 from bearingsim.memory import PROGRAM
 from bearingsim.simulation import pricing
-from bearingsim.simulation.choice import automatic_step, resolved
+from bearingsim.simulation.choice import automatic_step, resolve
 from bearingsim.simulation.limits import Limits, step_limits
 from bearingsim.simulation.pricing import Cost, Size, cost, per_second, price, solved_once
-from bearingsim.simulation.repetition import period_is_sought
+from bearingsim.simulation.repetition import searches_for_period
 from bearingsim.simulation.settling import refuse_unsettled
 
 SAFETY = 0.9  # largest part of the limit at impact, which is that of a single roller; the ring's motion lowers it
@@ -68,7 +68,7 @@ class Estimate:
 
 def requested_step(case: Case) -> float:
     """Return the step (s) of a case, its own or the automatic one. Raises ``Refused`` if it is too long."""
-    case = resolved(case)
+    case = resolve(case)
     limits = step_limits(case)
     if case.step == "auto":
         return automatic_step(case, limits)
@@ -108,7 +108,7 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
     """
     if samples(case) < 1:
         raise Refused("no sample falls into the record", "use a higher `sampling` or a longer `duration`")
-    named, case = case.method != "auto", resolved(case)
+    named, case = case.method != "auto", resolve(case)
     other = ", or use `method: auto`" if named else ""
     rate = case.bearing.ball_pass_frequency(full_speed_case(case).speed)
     fine = max(MIN_FINE, ceil(max(FINE_PER_SAMPLE * case.sampling, highest(case) / LET_THROUGH) / rate))
@@ -141,7 +141,7 @@ def estimate(case: Case) -> Estimate:
 
     Raises ``Refused`` like ``requested_step`` and ``refuse_unsettled``, and if the memory is insufficient.
     """
-    case = resolved(case)
+    case = resolve(case)
     refuse_unsettled(case)
     cut = grid(case)
     costs = cost(case, cut.step, cut.passes)
@@ -167,7 +167,7 @@ def _memory(case: Case, cut: Grid, costs: Cost) -> tuple[float, float]:
     With `periodic: false` and a step check on a period, the search for the period may need more than the run.
     """
     in_full = [pricing.memory(case, size) for size in _sizes(case, cut, costs)]
-    if not case.periodic and period_is_sought(case):
+    if not case.periodic and searches_for_period(case):
         periodic = case.model_copy(update={"periodic": True})
         searches = _sizes(periodic, cut, cost(periodic, cut.step, cut.passes))
         in_full = [max(run, pricing.memory(periodic, size)) for run, size in zip(in_full, searches, strict=True)]

@@ -20,7 +20,7 @@ from bearingsim.config.names import LINES, Line, read_band
 from bearingsim.simulation import recording, spectral_lines
 from bearingsim.simulation.comparison import FORCE, low_pass_rows
 from bearingsim.simulation.features import band_of
-from bearingsim.simulation.pilot import DEFECT_TURN, PILOT_PART, ROUNDING
+from bearingsim.simulation.pilot import DEFECT_TURN, PILOT_FRACTION, ROUNDING
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.run_setup import Setup
 from bearingsim.simulation.settling import cage_turn
@@ -98,7 +98,7 @@ def passes_to_try(case: Case, loose: bool = False) -> int:
     loose: whether the reference has a free cage, which needs ``CAGE_TURNS`` even if the record is shorter.
     """
     rate = case.bearing.ball_pass_frequency(case.speed)
-    wanted = max(MIN_PASSES, ceil(TURNS * defect_turn(case) * rate), ceil(PILOT_PART * case.duration * rate))
+    wanted = max(MIN_PASSES, ceil(TURNS * defect_turn(case) * rate), ceil(PILOT_FRACTION * case.duration * rate))
     return max(min(wanted, most_passes(case)), loose * CAGE_TURNS * case.bearing.rollers)
 
 

@@ -243,7 +243,7 @@ def test_a_case_without_equilibrium_is_refused(here, monkeypatch):
         raise NoEquilibrium(f"no equilibrium at {case.load} N")
 
     monkeypatch.setattr("bearingsim.simulation.limits.loads_at_rest", nothing_holds)
-    limits._without_method.cache_clear()
+    limits._common_limits.cache_clear()
     _, told = type_("check", "small.yaml", code=2)
     first = "8 jobs refused, the first at load 150 N, model static"
     assert (

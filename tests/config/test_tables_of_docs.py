@@ -14,7 +14,7 @@ from bearingsim.catalogue import LAWS, METHODS, MODELS, SHAPES
 from bearingsim.config import CHANNELS, Case
 from bearingsim.config.rules.hierarchy import _RECORDED
 from bearingsim.config.sections.defect import IMPULSE_EXCITATIONS, Excitation
-from bearingsim.simulation.settling import settled
+from bearingsim.simulation.settling import resolve_settling
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -141,7 +141,7 @@ def test_what_a_model_is_said_to_do_can_be_made(model: str) -> None:
             case = Case.model_validate(fields | {"excitation": excitation})
         except ValidationError:
             continue
-        assemble.model(settled(case))
+        assemble.model(resolve_settling(case))
         made.add((bearing, excitation))
     able = MODELS[model].abilities
     assert ("6205" in {bearing for bearing, _ in made}) == ("balls" in able)

@@ -57,7 +57,7 @@ def test_the_search_for_an_equilibrium_ends_by_the_clock() -> None:
 def test_an_adaptive_method_ends_by_the_clock_between_two_recorded_instants(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    setup = set_up(choice.resolved(case(method="dop853", defect=SLOT, duration="20 ms")))
+    setup = set_up(choice.resolve(case(method="dop853", defect=SLOT, duration="20 ms")))
     method = setup.method._replace(h=1e-3, longest=1e-7)  # ten thousand steps to the first instant
     y = at_rest(setup.model)
     prepare_first_step(method, setup.model, 0.0, y)

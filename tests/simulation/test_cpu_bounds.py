@@ -33,13 +33,13 @@ def ended_in(compute: Callable[[], Any], seconds: float = 0.0) -> list[str]:
 
 @pytest.fixture(scope="module")
 def given() -> Case:
-    return choice.resolved(case(model="rollers", defect=SLOT, periodic=False, record=["ring.velocity"]))
+    return choice.resolve(case(model="rollers", defect=SLOT, periodic=False, record=["ring.velocity"]))
 
 
 @pytest.fixture
 def forgetful() -> None:
     """Nothing is remembered of earlier cases."""
-    for remembered in (limits._without_method, limits.loads_at_rest, limits.faster_than_monitored):
+    for remembered in (limits._common_limits, limits.loads_at_rest, limits.fast_body_rates):
         remembered.cache_clear()
 
 
@@ -92,7 +92,7 @@ def test_a_filter_is_applied_a_part_at_a_time(given: Case) -> None:
 
 def test_as_raw_values_are_picked_of_what_repeats(given: Case) -> None:
     raw = case(model="rollers", defect=SLOT, antialias=False, step_check=False, duration="1 s")
-    setup = set_up(choice.resolved(raw))
+    setup = set_up(choice.resolve(raw))
     with mock.patch("bearingsim.simulation.recording.Recording.pick_repeated", autospec=True) as picks:
         integrate(setup)
     kept, repetition = picks.call_args.args

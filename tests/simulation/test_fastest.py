@@ -18,7 +18,7 @@ from tests.scenes.short_cases import SLOT, case
 def at_rest(**fields: Any) -> tuple[Any, np.ndarray, Rates, Rates]:
     """A model, its buffer at rest, the rates found of it, and those of its monitored bodies."""
     given = case(contact={"damping": {"law": "kraemer", "beta": "2.5 us"}}, **fields)
-    model = assemble.with_friction_lag(assemble.model(given), limits.LONGEST)
+    model = assemble.with_friction_lag(assemble.model(given), limits.LONGEST_STEP)
     t, y, K, C = next(limits.rest_states(model))
     deep = approach(model.outer, float(assemble.outer_forces(model, y).max()))
     before = y.copy()
@@ -33,7 +33,7 @@ def test_of_an_ordinary_bearing_it_is_that_of_the_monitored_bodies(model: str) -
     least = 0.5 if model == "ring" else 0.9  # all contacts in one line are at most twice the eigenvalue
     assert least < found.K / monitored.K < 1.1
     assert least < found.C / monitored.C < 1.1
-    assert limits.faster_than_monitored(limits.loaded_at_rest(case(model=model))) == (0.0, 0.0)
+    assert limits.fast_body_rates(limits.rest_case(case(model=model))) == (0.0, 0.0)
 
 
 def test_of_a_light_ring_it_is_that_of_the_ring_on_its_contacts() -> None:
@@ -51,7 +51,7 @@ def test_of_a_light_ring_it_is_that_of_the_ring_on_its_contacts() -> None:
 def test_a_ring_that_its_bracket_holds_hard_is_as_fast_as_that() -> None:
     model, _, found, monitored = at_rest(model="rollers", rig={"bracket_stiffness": "1e14 N/m"})
     assert pytest.approx(1e14 / model.bearing.m_o, rel=0.02) == found.K
-    assert found.fastest > limits.FASTER * monitored.fastest
+    assert found.fastest > limits.FASTER_RATIO * monitored.fastest
 
 
 def test_the_rate_of_a_damped_motion_is_its_largest_eigenvalue() -> None:

@@ -29,7 +29,7 @@ VERLET = {"model": "ring", "method": "verlet", "step": "1 us", "step_check": Fal
 
 def ended(monitor: Monitor, y: np.ndarray | None = None, steps: int = 100) -> tuple[int, int, int]:
     """How a short run of `ring` ends: steps taken, outcome, body."""
-    model = set_up(choice.resolved(case(**VERLET))).model
+    model = set_up(choice.resolve(case(**VERLET))).model
     out = np.empty((len(PLACES), steps))
     return recorded(Verlet(1e-6), model, monitor, 0, at_rest(model) if y is None else y, PLACES, out)
 
@@ -38,7 +38,7 @@ def ended(monitor: Monitor, y: np.ndarray | None = None, steps: int = 100) -> tu
 
 
 def test_a_contact_pressed_too_deep_ends_the_run_and_names_the_roller() -> None:
-    given = choice.resolved(case(model="rollers", method="verlet"))
+    given = choice.resolve(case(model="rollers", method="verlet"))
     model = set_up(given).model
     y = at_rest(model)
     y[lay.RADIAL + 4] += 1e-3
@@ -48,7 +48,7 @@ def test_a_contact_pressed_too_deep_ends_the_run_and_names_the_roller() -> None:
 
 
 def test_motion_without_a_cause_ends_the_run() -> None:
-    model = set_up(choice.resolved(case(model="rollers", method="verlet"))).model
+    model = set_up(choice.resolve(case(model="rollers", method="verlet"))).model
     y, out = at_rest(model), np.empty((len(PLACES), 10))
     y[lay.RADIAL_V + 2] = 10.0
     energy = 0.5 * model.bearing.m_r * 100.0
@@ -59,7 +59,7 @@ def test_motion_without_a_cause_ends_the_run() -> None:
 
 @pytest.mark.parametrize("outcome", [outcomes.STEP_TOO_SMALL, outcomes.NEWTON_FAILED, outcomes.TOO_MANY_STEPS])
 def test_what_a_method_gives_up_ends_the_run_at_once(outcome: int) -> None:
-    model = set_up(choice.resolved(case(**VERLET))).model
+    model = set_up(choice.resolve(case(**VERLET))).model
     y = at_rest(model)
     y[lay.FAILED], y[lay.FAILED_BODY] = outcome, 3
     assert ended(Monitor(1000, 1.0), y) == (1, outcome, 3)
@@ -79,7 +79,7 @@ def test_crossings_are_those_of_kinematics(model: str, race: str) -> None:
 
 
 def test_a_crossing_that_was_not_seen_is_missed() -> None:
-    setup = set_up(choice.resolved(case(**VERLET)))
+    setup = set_up(choice.resolve(case(**VERLET)))
     y = at_rest(setup.model)
     before = [passages(setup.model, 0, 0.0, y)]
     y[lay.DEFECT_CROSSINGS] = y[lay.PAIR_CROSSINGS] = 15.0
@@ -186,10 +186,10 @@ def test_bounds_hold_what_a_hard_case_reaches_and_no_more() -> None:
 )
 def test_a_bound_that_is_passed_fails_the_job(name: str, reason: str) -> None:
     given = case(model="rollers", method="verlet", step="0.4 us", defect=SLOT)
-    limits._without_method.cache_clear()
+    limits._common_limits.cache_clear()
     with mock.patch.object(limits, name, 1e-9), pytest.raises(SimulationError, match=reason) as caught:
         simulate(given)
-    limits._without_method.cache_clear()
+    limits._common_limits.cache_clear()
     assert caught.value.time is not None
 
 
@@ -214,7 +214,7 @@ def test_a_method_that_is_too_slow_is_not_tried_with_shorter_steps() -> None:
 
 
 def test_a_pilot_may_take_its_part_of_what_a_run_may() -> None:
-    given = choice.resolved(case(model="rollers", method="dop853", defect=SLOT, duration="1 s"))
+    given = choice.resolve(case(model="rollers", method="dop853", defect=SLOT, duration="1 s"))
     little = mock.patch.object(time_grid, "MAX_CPU", 0.01)
     unforeseen = mock.patch.object(time_grid, "per_second", return_value=0.0)
     with little, unforeseen, pytest.raises(SIMULATION.TooSlow) as caught:
@@ -223,7 +223,7 @@ def test_a_pilot_may_take_its_part_of_what_a_run_may() -> None:
 
 
 def test_the_clock_is_looked_at_within_a_ball_pass() -> None:
-    setup = set_up(choice.resolved(case(**{**VERLET, "step": "auto", "duration": "20 ms"})))
+    setup = set_up(choice.resolve(case(**{**VERLET, "step": "auto", "duration": "20 ms"})))
     with pytest.raises(SIMULATION.TooSlow) as caught:
         INTEGRATION.integrate(replace(setup, max_cpu=1e-9))
     assert caught.value.time == pytest.approx(INTEGRATION.FIRST_STEPS * setup.cut.step)
@@ -231,7 +231,7 @@ def test_the_clock_is_looked_at_within_a_ball_pass() -> None:
 
 def test_the_clock_is_looked_at_where_steps_are_much_work() -> None:
     """An adaptive method may take thousands of steps of its own between two recorded instants."""
-    setup = set_up(choice.resolved(case(model="rollers", method="dop853", defect=SLOT, duration="20 ms")))
+    setup = set_up(choice.resolve(case(model="rollers", method="dop853", defect=SLOT, duration="20 ms")))
     y, places = at_rest(setup.model), PLACES
     INTEGRATION.ready(setup.method, setup.model, 0.0, y)
     hurried = setup.monitor._replace(max_evaluations=1000.0)
@@ -245,7 +245,7 @@ def test_the_clock_is_looked_at_where_steps_are_much_work() -> None:
     "way", [{"method": "verlet"}, {"model": "rollers", "method": "dop853"}, {"model": "static"}]
 )
 def test_looks_at_the_clock_change_nothing(way: dict[str, str]) -> None:
-    given = choice.resolved(case(defect=SLOT, duration="20 ms", **way))
+    given = choice.resolve(case(defect=SLOT, duration="20 ms", **way))
     seldom = INTEGRATION.integrate(set_up(given))
     with (
         mock.patch.object(INTEGRATION, "STEPS_PER_CALL", 7),
@@ -257,7 +257,7 @@ def test_looks_at_the_clock_change_nothing(way: dict[str, str]) -> None:
 
 
 def test_a_run_asks_to_be_looked_at_where_steps_are_much_work() -> None:
-    given = choice.resolved(case(model="rollers", method="dop853", defect=SLOT, duration="20 ms"))
+    given = choice.resolve(case(model="rollers", method="dop853", defect=SLOT, duration="20 ms"))
     setup = set_up(given)
     assert setup.monitor.max_evaluations == RUN_SETUP.MAX_EVALUATIONS
     with (
@@ -270,7 +270,7 @@ def test_a_run_asks_to_be_looked_at_where_steps_are_much_work() -> None:
 
 
 def test_what_takes_steps_is_compiled_before_the_clock_runs() -> None:
-    setup = set_up(choice.resolved(case(**VERLET)))
+    setup = set_up(choice.resolve(case(**VERLET)))
     layouts = []
 
     def noted(*given: Any) -> Any:
@@ -299,7 +299,7 @@ def test_what_was_wrong_is_said_before_what_shorter_steps_would_cost() -> None:
 
 def test_only_steps_of_fixed_length_are_put_in_step_with_a_defect() -> None:
     fixed, adaptive = (
-        set_up(choice.resolved(case(defect=SLOT, method=name))).model for name in ("verlet", "dop853")
+        set_up(choice.resolve(case(defect=SLOT, method=name))).model for name in ("verlet", "dop853")
     )
     own = case().start_angle
     assert fixed.bearing.theta_0 != pytest.approx(own, rel=1e-12)

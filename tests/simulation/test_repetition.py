@@ -18,8 +18,8 @@ from bearingsim.simulation.repetition import (
     Repetition,
     Search,
     may_repeat,
+    partner_rows,
     remaining_sum,
-    turned,
 )
 from tests.scenes.short_cases import FORCES, RING, SLOT, case
 
@@ -34,7 +34,7 @@ RUN_SETUP = importlib.import_module("bearingsim.simulation.run_setup")
 def resolved(**fields: Any) -> Case:
     """A case whose method is named: Verlet's, if it does not say and the model has any."""
     usual = {} if fields["model"] in ("static", "impulse") else {"method": "verlet"}
-    return choice.resolved(case(**usual | fields))
+    return choice.resolve(case(**usual | fields))
 
 
 @pytest.mark.parametrize(
@@ -93,7 +93,7 @@ def test_passes_are_those_of_the_last_period() -> None:
 
 def test_a_roller_stands_where_the_next_stood_a_pass_before() -> None:
     rows = channels.recorded_cells(resolved(model="rollers", record=["roller.3.outer_force", "ring.velocity"]))
-    before = turned(rows, 13, 1)
+    before = partner_rows(rows, 13, 1)
     assert np.array_equal(before[: len(channels.FEATURE_CELLS)], np.arange(len(channels.FEATURE_CELLS)))
     assert [int(rows[before[list(rows).index(lay.Q_O + j)]]) - lay.Q_O for j in (2, 12)] == [3, 0]
 
@@ -145,7 +145,7 @@ def period_of(motion: Callable[[int], np.ndarray], passes: int = 40) -> tuple[in
         y[[lay.POSITION + lay.X, lay.POSITION + lay.Y, lay.VELOCITY + lay.X, lay.VELOCITY + lay.Y]] = window[
             :4, -1
         ]
-        found, _ = search.after_pass(window, y, np.ones(5))
+        found, _ = search.add_pass(window, y, np.ones(5))
         if found:
             return found, p + 1
     return 0, passes
@@ -157,8 +157,8 @@ def test_passes_are_compared_in_ring_motion_and_recorded_channels_only() -> None
     cells = channels.recorded_cells(setup.case)
     search = Search(cells, STEPS, setup.model, False, RECORD_CLOSENESS)
     ring = [lay.POSITION + lay.X, lay.POSITION + lay.Y, lay.VELOCITY + lay.X, lay.VELOCITY + lay.Y]
-    assert cells[search.compared][:5].tolist() == [*ring, lay.Q_O + 2]
-    assert set(search.compared) == set(range(len(cells))) - {*range(4, len(channels.FEATURE_CELLS))}
+    assert cells[search.compared_rows][:5].tolist() == [*ring, lay.Q_O + 2]
+    assert set(search.compared_rows) == set(range(len(cells))) - {*range(4, len(channels.FEATURE_CELLS))}
 
 
 def waves(p: int, period: int = 1) -> np.ndarray:
@@ -265,9 +265,9 @@ def test_recordings_are_held_up_to_a_size(passes: int, part: float, monkeypatch:
 def test_a_motion_without_memory_is_periodic_from_its_first_pass() -> None:
     setup = RUN_SETUP.set_up(resolved(model="static"))
     search = Search(channels.recorded_cells(setup.case), STEPS, setup.model, True, RECORD_CLOSENESS)
-    assert search.after_pass(waves(0), lay.buffer(13, 0.0), np.ones(5)) == (1, 0.0)
+    assert search.add_pass(waves(0), lay.buffer(13, 0.0), np.ones(5)) == (1, 0.0)
 
 
 def test_a_difference_at_its_limit_counts_as_none() -> None:
-    assert repetition._settled([RECORD_CLOSENESS.anyhow], RECORD_CLOSENESS, 0.0)
-    assert not repetition._settled([1.01 * RECORD_CLOSENESS.anyhow], RECORD_CLOSENESS, 0.0)
+    assert repetition._has_converged([RECORD_CLOSENESS.difference_limit], RECORD_CLOSENESS, 0.0)
+    assert not repetition._has_converged([1.01 * RECORD_CLOSENESS.difference_limit], RECORD_CLOSENESS, 0.0)

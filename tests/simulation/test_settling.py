@@ -43,18 +43,18 @@ def test_contacts_damp_a_ring_by_its_mass(model: str) -> None:
 
 
 def test_auto_is_as_long_as_the_slowest_mode_needs() -> None:
-    assert settling.settling(auto()) == settling.LEAST
+    assert settling.settling(auto()) == settling.MIN_SETTLING
     heavy = auto(**HEAVY)
-    assert settling.settling(heavy) == pytest.approx(-log(settling.REMEMBERED) / settling.slowest_decay(heavy))
-    assert settling.remembered(settling.settled(heavy)) == pytest.approx(settling.REMEMBERED)
-    assert settling.settling(auto(rig={"ring_mass": "2000 kg"})) == settling.MOST
-    assert settling.settled(case(settle="20 ms")).settle == 0.02
+    assert settling.settling(heavy) == pytest.approx(-log(settling.MAX_TRANSIENT) / settling.slowest_decay(heavy))
+    assert settling.remaining_transient(settling.resolve_settling(heavy)) == pytest.approx(settling.MAX_TRANSIENT)
+    assert settling.settling(auto(rig={"ring_mass": "2000 kg"})) == settling.MAX_SETTLING
+    assert settling.resolve_settling(case(settle="20 ms")).settle == 0.02
 
 
 def test_a_free_cage_settles_for_five_turns() -> None:
     free = auto(model="planar")
     assert settling.settling(free) == pytest.approx(5.0 * settling.cage_turn(free))
-    assert settling.settling(auto(model="planar", cage={"motion": "kinematic"})) == settling.LEAST
+    assert settling.settling(auto(model="planar", cage={"motion": "kinematic"})) == settling.MIN_SETTLING
 
 
 def test_a_free_cage_settles_for_two_turns_before_a_record_that_may_end_early() -> None:
@@ -67,7 +67,7 @@ def test_a_free_cage_settles_for_two_turns_before_a_record_that_may_end_early() 
 
 def test_models_without_memory_have_no_modes() -> None:
     assert settling.modes(auto(model="static")) == ()
-    assert settling.settling(auto(model="static")) == settling.LEAST
+    assert settling.settling(auto(model="static")) == settling.MIN_SETTLING
 
 
 def test_runs_settle_for_the_time_that_auto_stands_for() -> None:
@@ -85,8 +85,8 @@ def decaying(matrix: np.ndarray, passes: int = 40, count: int = 4) -> tuple[Slow
     y[cells] = steady + hidden
     for _ in range(passes):
         y[cells] = steady + matrix @ (y[cells] - steady)
-        slow.after_pass(y)
-        if slow.reached:
+        slow.extrapolate(y)
+        if slow.converged:
             break
     return slow, y[cells[:2]] - rest
 
@@ -103,7 +103,7 @@ def turning(moduli: tuple[float, float]) -> np.ndarray:
 
 def test_slow_modes_are_taken_off_in_a_few_passes() -> None:
     slow, left = decaying(turning((0.99, 0.97)))
-    assert slow.reached
+    assert slow.converged
     assert np.abs(left).max() < 1e-13
 
 
@@ -120,7 +120,7 @@ def test_states_are_compared_with_rollers_in_the_places_of_the_last() -> None:
         y = assemble.empty_buffer(model)
         y[lay.RADIAL : lay.RADIAL + 13] = np.roll(pattern, -n)  # roller j stands where j + 1 did a pass before
         slow.states.append(y[lay.POSITION : lay.POSITION + 2 * lay.STATE])
-    assert np.ptp(slow._rolled_back(), axis=1).max() == 0.0
+    assert np.ptp(slow._aligned_states(), axis=1).max() == 0.0
 
 
 @pytest.mark.parametrize("load", [150.0, 150.01, 180.0])
@@ -128,8 +128,8 @@ def test_a_start_near_the_steady_motion_needs_little_extrapolation(
     load: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Its changes are small from the first on, or rounding: to be much smaller yet is no condition."""
-    setup = set_up(choice.resolved(auto(**HEAVY | {"load": load}, periodic=True)))
-    raw, passes, plain = integrate(setup), [0], SlowModes.after_pass
+    setup = set_up(choice.resolve(auto(**HEAVY | {"load": load}, periodic=True)))
+    raw, passes, plain = integrate(setup), [0], SlowModes.extrapolate
 
     def counted(slow: SlowModes, y: np.ndarray) -> bool:
         passes[0] += 1
@@ -137,20 +137,20 @@ def test_a_start_near_the_steady_motion_needs_little_extrapolation(
 
     monkeypatch.setattr(SlowModes, "after_pass", counted)
     integrate(setup, start=step_check.rewound_state(setup, raw), close=step_check.ORBIT_CLOSENESS)
-    assert 0 < passes[0] <= settling.WAIT + 4 + 2
+    assert 0 < passes[0] <= settling.WAITING_PASSES + 4 + 2
     passes[0] = 0
     integrate(setup, most=5)
     assert passes[0] == 5
 
 
 def test_only_slow_modes_of_passes_that_are_alike_are_extrapolated() -> None:
-    heavy = choice.resolved(auto(**HEAVY))
+    heavy = choice.resolve(auto(**HEAVY))
     assert settling.slow_modes(heavy) == 4
     for other in (
-        choice.resolved(auto()),
+        choice.resolve(auto()),
         heavy.model_copy(update={"settle": 0.05}),
-        choice.resolved(auto(**HEAVY | {"defect": SLOT | {"race": "inner"}})),
-        choice.resolved(auto(**HEAVY | {"model": "planar"})),
+        choice.resolve(auto(**HEAVY | {"defect": SLOT | {"race": "inner"}})),
+        choice.resolve(auto(**HEAVY | {"model": "planar"})),
     ):
         assert settling.slow_modes(other) == 0
 
@@ -190,11 +190,11 @@ def test_no_error_of_a_free_cage_is_under_its_standard_error() -> None:
 def test_a_slow_decay_is_no_repetition() -> None:
     """A difference of 1e-8 that shrinks by half, but of a mode that may keep 0.995 of itself, is not the last."""
     seen = [4e-8, 2e-8, 1e-8]
-    assert repetition._settled(seen, repetition.RECORD_CLOSENESS, 0.0)
-    assert not repetition._settled(seen, repetition.RECORD_CLOSENESS, 0.995)
+    assert repetition._has_converged(seen, repetition.RECORD_CLOSENESS, 0.0)
+    assert not repetition._has_converged(seen, repetition.RECORD_CLOSENESS, 0.995)
     tiny = [1e-9, 1e-9, 0.9e-10]
-    assert repetition._settled(tiny, repetition.RECORD_CLOSENESS, 0.99)
-    assert not repetition._settled(tiny, repetition.RECORD_CLOSENESS, 0.9999)
+    assert repetition._has_converged(tiny, repetition.RECORD_CLOSENESS, 0.99)
+    assert not repetition._has_converged(tiny, repetition.RECORD_CLOSENESS, 0.9999)
 
 
 @pytest.mark.parametrize("rig", [{}, {"ring_mass": "20 kg"}])

@@ -137,7 +137,7 @@ def test_the_time_axis(duration: float, sampling: float, count: int) -> None:
 
 def by_hand(given: Case, passes: int) -> tuple[np.ndarray, float]:
     """Recording (8, steps + 1) of every step from the start at rest (the rows of ROW), and the step (s)."""
-    given = choice.resolved(given)
+    given = choice.resolve(given)
     cut, model = time_grid.grid(given), assemble.model(given)
     y = assemble.empty_buffer(model)
     solve_initial_equilibrium(assemble.static_model(model), 0.0, y)

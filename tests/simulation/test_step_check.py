@@ -13,7 +13,7 @@ from bearingsim.config import Case
 from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.simulation import choice, comparison, pilot, pricing, refinement, step_check, time_grid
 from bearingsim.simulation.accuracy import QUIET_LINE
-from bearingsim.simulation.choice import STEP_PARTS
+from bearingsim.simulation.choice import STEP_FRACTIONS
 from bearingsim.simulation.integration import integrate
 from bearingsim.simulation.run_setup import TooChaotic, set_up
 from bearingsim.simulation.simulate import SimulationError, simulate
@@ -61,7 +61,7 @@ def test_the_record_of_an_own_step_is_bit_for_bit_that_of_a_run_without_check(ow
     [{"step": "0.4 us", "step_check": False}, {"step_check": False}, {"model": "static"}],
 )
 def test_nothing_is_proven_where_that_is_forbidden_or_there_is_no_step(fields: dict[str, Any]) -> None:
-    assert not choice.resolved(case(defect=SLOT, **fields)).checks_step
+    assert not choice.resolve(case(defect=SLOT, **fields)).checks_step
 
 
 FAST_SLOT = {"speed": "6000 rpm", "defect": SLOT | {"width": "0.4 mm"}, "duration": "30 ms", "settle": "10 ms"}
@@ -81,7 +81,7 @@ def test_a_step_that_is_given_is_proven_and_refused_if_it_does_not_hold() -> Non
 
 def test_chaos_is_told_from_a_motion_that_repeats_itself() -> None:
     for fields, chaotic in ((LIGHT, True), ({}, False), ({"clearance": "25 um"}, False)):
-        found = step_check.check_step(set_up(choice.resolved(rollers(step_check=True, **fields)), 1.0))
+        found = step_check.check_step(set_up(choice.resolve(rollers(step_check=True, **fields)), 1.0))
         assert found.chaotic == chaotic
 
 
@@ -117,8 +117,8 @@ def test_a_chaotic_record_that_is_too_short_for_its_rms_is_refused_where_strictn
 
 def test_chaos_that_has_not_grown_in_the_pilot_is_of_unknown_worth() -> None:
     """Twins that have not parted yet tell nothing of how far they will; the advice is a longer run."""
-    grown = step_check.check_step(set_up(choice.resolved(rollers(**LIGHT)), 1.0))
-    growing = choice.resolved(rollers(contact={"damping": {"chi": "10 s/m"}}))
+    grown = step_check.check_step(set_up(choice.resolve(rollers(**LIGHT)), 1.0))
+    growing = choice.resolve(rollers(contact={"damping": {"chi": "10 s/m"}}))
     found = step_check.check_step(set_up(growing, 1.0))
     assert grown.chaotic
     assert math.isfinite(grown.scatter)
@@ -180,7 +180,7 @@ def test_the_rms_of_the_record_and_of_the_wide_band_must_both_hold(louder: str) 
 
 
 def test_all_that_is_recorded_is_compared_but_does_not_decide() -> None:
-    given = choice.resolved(rollers(record=["ring.velocity", "roller.1.outer_force", "roller.3.radial"]))
+    given = choice.resolve(rollers(record=["ring.velocity", "roller.1.outer_force", "roller.3.radial"]))
     short, passes = pilot.pilot(given)
     heard = step_check.run_pilot(set_up(short), passes)
     assert heard.low_passed.shape == (3 + 1, len(heard.recorded_velocity))
@@ -233,7 +233,7 @@ def test_a_period_tells_of_the_step_what_a_pilot_does(model: str, clearance: str
     """And what halving the step changes of the record."""
     defect = SLOT | {"depth": "5 um", "angle": "20 deg"}
     given = case(model=model, defect=defect, clearance=clearance, settle=0.05, record=["ring.acceleration"])
-    setup = set_up(choice.resolved(given))
+    setup = set_up(choice.resolve(given))
     raw = integrate(setup)
     assert raw.repetition.period == 1
     on_orbit, on_pilot = step_check.check_step(setup, raw), step_check.check_step(setup)
@@ -249,7 +249,7 @@ SLOW = {"rig": {"ring_mass": "20 kg"}, "settle": "0 s", "duration": "0.6 s", "me
 @pytest.mark.parametrize("more", [{"antialias": False}, {"record": ["roller.1.outer_force"]}])
 def test_raw_values_of_a_period_are_compared_once_both_runs_are_steady(more: dict[str, Any]) -> None:
     """For 0.37 s the run settles, which its finer twin, started at its end, need not: RMS 1 % apart."""
-    setup = set_up(choice.resolved(case(model="rollers", defect=SLOT, **SLOW, **more)))
+    setup = set_up(choice.resolve(case(model="rollers", defect=SLOT, **SLOW, **more)))
     raw = integrate(setup)
     assert raw.repetition.period == 1
     assert raw.repetition.computed > 50
@@ -260,7 +260,7 @@ def test_raw_values_of_a_period_are_compared_once_both_runs_are_steady(more: dic
 
 
 def test_raw_values_that_end_before_a_run_is_steady_are_checked_on_a_pilot() -> None:
-    given = choice.resolved(case(model="rollers", defect=SLOT, **SLOW, record=["roller.1.outer_force"]))
+    given = choice.resolve(case(model="rollers", defect=SLOT, **SLOW, record=["roller.1.outer_force"]))
     setup = set_up(given)
     raw = integrate(setup)
     finer = step_check.finer_orbit(setup, raw)
@@ -271,17 +271,17 @@ def test_raw_values_that_end_before_a_run_is_steady_are_checked_on_a_pilot() -> 
 
 def test_a_run_ends_in_phase_with_its_period() -> None:
     """So that a finer run which starts there meets the record's instants in the same pass of the period."""
-    setup = set_up(choice.resolved(rollers()))
+    setup = set_up(choice.resolve(rollers()))
     for period, ends in ((1, 5), (2, 6), (3, 6), (4, 8)):
         periods = [(0, math.nan)] * 4 + [(period, 0.0)]
-        with mock.patch("bearingsim.simulation.integration.Search.after_pass", side_effect=periods):
+        with mock.patch("bearingsim.simulation.integration.Search.add_pass", side_effect=periods):
             assert integrate(setup).repetition == (ends, period, 0.0)
 
 
 @pytest.mark.parametrize(("computed", "finer"), [(4, 32), (60, 120), (1342, 600)])
 def test_a_long_finer_run_costs_no_more_than_the_run(computed: int, finer: int) -> None:
     """Its steps are shorter by sqrt(5)."""
-    raw = integrate(set_up(choice.resolved(rollers())))
+    raw = integrate(set_up(choice.resolve(rollers())))
     raw = dataclasses.replace(raw, repetition=raw.repetition._replace(computed=computed))
     assert step_check.most_finer_passes(raw) == finer
 
@@ -302,7 +302,7 @@ def test_each_roller_is_compared_in_its_own_place(roller: int) -> None:
 
 def test_the_rms_that_is_proven_is_that_of_the_record() -> None:
     """What the record's low-pass takes away may hold most of the velocity, and need not be held."""
-    given = choice.resolved(rollers(sampling="1000 Hz", duration="0.3 s"))
+    given = choice.resolve(rollers(sampling="1000 Hz", duration="0.3 s"))
     short, passes = pilot.pilot(given)
     heard = step_check.run_pilot(set_up(short), passes)
     read = simulate(short.model_copy(update={"step_check": False})).features["velocity.rms"]
@@ -349,7 +349,7 @@ def test_a_step_that_is_never_accurate_enough_fails_the_job_with_a_reason() -> N
         simulate(case(method="verlet"))
     parts = parts_of(tried.call_args_list)
     assert parts[0] == refinement.START
-    assert parts[-2] > STEP_PARTS[-1] >= parts[-1]
+    assert parts[-2] > STEP_FRACTIONS[-1] >= parts[-1]
     assert "verlet is not within 1%: a shorter step changes the line of the fault by 20 %" in caught.value.reason
     assert "step_check: false" in caught.value.advice
 
@@ -402,7 +402,7 @@ def test_a_run_in_full_takes_the_coarse_step_if_hardly_anything_changes(change: 
 def test_a_record_that_is_to_hold_a_transient_is_stepped_from_rest(settle: str) -> None:
     """The finer orbit has none."""
     given = case(model="rollers", method="verlet", defect=SLOT, settle=settle)
-    result = refinement.refined(choice.resolved(given), 1.0)
+    result = refinement.refined(choice.resolve(given), 1.0)
     assert (result.raw is None) == (settle == "0 s")
     record = simulate(given)
     plain = {"step": record.info["step_s"], "step_check": False}
@@ -417,7 +417,7 @@ def test_a_force_that_no_step_holds_is_told_and_fails_no_job() -> None:
     with checked(found), mock.patch.object(step_check, "check_step", return_value=found):
         record = simulate(case(method="verlet"))
         given = simulate(case(method="verlet", step=2e-7))
-    assert float(record.info["step_part"]) <= STEP_PARTS[-1]
+    assert float(record.info["step_part"]) <= STEP_FRACTIONS[-1]
     assert record.features["step_error.force"] == pytest.approx(0.1001)
     assert given.features["step_error.force"] == pytest.approx(0.12501)
 
@@ -430,7 +430,7 @@ def test_with_auto_other_methods_are_tried_before_the_job_fails() -> None:
 
 def test_the_line_of_a_healthy_bearing_is_measured_by_its_rms() -> None:
     """A line that is next to nothing must not fail a run, however much of it changes."""
-    found = step_check.check_step(set_up(choice.resolved(case(model="rollers")), 1.0))
+    found = step_check.check_step(set_up(choice.resolve(case(model="rollers")), 1.0))
     assert found.line < 1e-3
 
 
@@ -438,14 +438,14 @@ def test_a_pilot_is_short_but_sees_defects_turn_through_the_load_zone() -> None:
     long = {"duration": "4 s", "settle": "0.1 s"}
     whole = 4.1 * RATE
     for race, turn in (("outer", 0.0), ("inner", RATE / 30.0), ("roller", 13.0)):
-        short, passes = pilot.pilot(choice.resolved(case(defect=SLOT | {"race": race}, **long)))
+        short, passes = pilot.pilot(choice.resolve(case(defect=SLOT | {"race": race}, **long)))
         assert passes >= max(pilot.MIN_PASSES, turn)
-        assert 3.0 * (passes + pilot.UNCOUNTED_PASSES) < 0.25 * whole
+        assert 3.0 * (passes + pilot.SKIPPED_PASSES) < 0.25 * whole
         assert short.duration * RATE == pytest.approx(passes + 0.5)
 
 
 def test_the_pilot_of_a_short_record_is_the_record() -> None:
-    short, passes = pilot.pilot(choice.resolved(case(duration="8 ms", settle="0 s")))
+    short, passes = pilot.pilot(choice.resolve(case(duration="8 ms", settle="0 s")))
     assert passes == 1
     assert short.settle_s + short.duration <= 3.0 / RATE
     assert simulate(case(duration="8 ms", settle="0 s")).features["step_error.rms"] < 0.01
@@ -453,7 +453,7 @@ def test_the_pilot_of_a_short_record_is_the_record() -> None:
 
 def piloted(**fields: Any) -> tuple[float, int]:
     """What a pilot of `rollers` lets settle (s), and how many ball passes of it are compared."""
-    short, passes = pilot.pilot(choice.resolved(rollers(duration="0.4 s", **fields)))
+    short, passes = pilot.pilot(choice.resolve(rollers(duration="0.4 s", **fields)))
     return short.settle_s, passes
 
 
@@ -469,12 +469,12 @@ def test_where_strictness_is_asked_for_the_whole_run_is_proven() -> None:
     """Twins of random scenes parted after two thirds of their records."""
     for damping in (LIGHT, {}):
         assert piloted(step_check="strict", **damping) == (pytest.approx(30e-3), int(0.4 * RATE))
-    assert pilot.pilot(choice.resolved(rollers(step_check="strict", duration="1 s", settle="50 ms")))[1] == 159
+    assert pilot.pilot(choice.resolve(rollers(step_check="strict", duration="1 s", settle="50 ms")))[1] == 159
 
 
 def test_a_proof_may_take_longer_than_a_run_may() -> None:
     """The finer pilot of a strict proof takes more than twice the CPU time of its run."""
-    given = choice.resolved(rollers(step_check="strict"))
+    given = choice.resolve(rollers(step_check="strict"))
     price = (given.settle_s + given.duration) * pricing.per_second(given, time_grid.grid(given).step)
     begun = mock.patch.object(step_check, "run_pilot", side_effect=InterruptedError)
     with mock.patch.object(time_grid, "MAX_CPU", 1.3 * price), begun, pytest.raises(InterruptedError):
@@ -485,7 +485,7 @@ def test_twins_that_part_without_chaos_are_followed_for_longer() -> None:
     """A random scene whose RMS was 3 % off, 0.06 % said: in six ball passes the nudge had not begun to grow."""
     damping = {"law": "kraemer", "beta": 2.2166e-6}
     stiffness = {"law": "constant", "coefficient": 1.50793 * 8.06e4 * 12.0 ** (8.0 / 9.0), "exponent": 10.0 / 9.0}
-    given = choice.resolved(
+    given = choice.resolve(
         case(
             model="rollers",
             load=31.2773,
@@ -531,11 +531,11 @@ def test_a_quiet_line_is_held_to_1_percent_too() -> None:
 
 def test_a_pilot_of_a_ramp_runs_at_its_highest_speed() -> None:
     """At the low speed that it begins with, hardly a ball pass would be seen."""
-    given = choice.resolved(case(ramp={"to": "18000 rpm", "time": "1 s"}, model="planar", duration="2 s"))
+    given = choice.resolve(case(ramp={"to": "18000 rpm", "time": "1 s"}, model="planar", duration="2 s"))
     short, passes = pilot.pilot(given)
     assert short.ramp is None
     assert time_grid.grid(short).rate == time_grid.grid(given).rate == pytest.approx(10.0 * RATE)
-    assert passes == pytest.approx(pilot.PILOT_PART * 2.03 * 10.0 * RATE, abs=1.0)
+    assert passes == pytest.approx(pilot.PILOT_FRACTION * 2.03 * 10.0 * RATE, abs=1.0)
 
 
 def test_a_tolerance_that_is_given_is_proven_by_a_tenth_of_it() -> None:

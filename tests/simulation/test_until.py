@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from bearingsim import simulate
 from bearingsim.config import Case
 from bearingsim.simulation import ending, try_out
-from bearingsim.simulation.choice import resolved
+from bearingsim.simulation.choice import resolve
 from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.sufficiency import Inspections, batch_error
 from bearingsim.simulation.time_grid import estimate
@@ -148,7 +148,7 @@ def test_a_trial_that_is_not_accurate_enough_is_no_record() -> None:
 
 def test_the_step_is_checked_on_a_part_of_the_shortest_record() -> None:
     early, whole = (
-        Inspections(set_up(resolved(case(**FREE, duration="1 s", **more)), 1.0)) for more in ({"until": "1 %"}, {})
+        Inspections(set_up(resolve(case(**FREE, duration="1 s", **more)), 1.0)) for more in ({"until": "1 %"}, {})
     )
     assert early.earliest.case.duration * 530.0 == pytest.approx(65.0)
     assert whole.earliest is whole.setup

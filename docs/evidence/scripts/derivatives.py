@@ -112,7 +112,7 @@ def compute() -> list[tuple[float, int, float]]:
     for cage, contact, method, tolerance in runs():
         fields = SHORT | CAGES[cage] | {"contact": {"damping": CONTACTS[contact]}}
         case = Case.model_validate(fields | {"method": method, "tolerance": tolerance})
-        raw = integrate(set_up(choice.resolved(case)))
+        raw = integrate(set_up(choice.resolve(case)))
         found.append((raw.integrator_cpu_s, int(raw.y[lay.STEPS_TAKEN]), float(raw.fine[2].std())))
     return found
 
