@@ -6,9 +6,9 @@ from bearingsim.core.jit import jit
 @jit
 def shared_arms(b):
     """Return the lever arms of the shared coordinates, in the order of ``layout.shared_cell``; b: the bearing."""
-    middle = 0.5 * (b.R_o + b.R_i)
-    in_plane = (1.0, 1.0, b.R_o, middle, 1.0, 1.0, 1.0, 1.0)
-    return (*in_plane, 1.0, 1.0, 1.0, b.R_o, middle, b.R_i, b.R_o, middle, b.R_i)
+    R_mean = 0.5 * (b.R_o + b.R_i)
+    planar_arms = (1.0, 1.0, b.R_o, R_mean, 1.0, 1.0, 1.0, 1.0)
+    return (*planar_arms, 1.0, 1.0, 1.0, b.R_o, R_mean, b.R_i, b.R_o, R_mean, b.R_i)
 
 
 @jit

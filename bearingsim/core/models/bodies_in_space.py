@@ -62,9 +62,9 @@ def set_mounted_rings(model, y):
 def accelerate_rings_and_cage(model, common, y):
     """Write the accelerations of rings and cage from their load cells; return the cage's angular acceleration."""
     b = model.bearing
-    wound = accelerate_cage_axis(model.cage_z, model.cage, common.cage, y)
+    precession = accelerate_cage_axis(model.cage_z, model.cage, common.cage, y)
     y[lay.M_C] = y[lay.M_X_C] * common.cage.a_x + y[lay.M_Y_C] * common.cage.a_y + y[lay.M_C] * common.cage.a_z
-    taken = accelerate_mounted_ring(
+    precession_torque = accelerate_mounted_ring(
         model.mount_o,
         common.outer,
         y[lay.F_Z],
@@ -77,7 +77,10 @@ def accelerate_rings_and_cage(model, common, y):
         lay.RING_TILT_Y,
     )
     y[lay.M_RING] = (
-        y[lay.M_X] * common.outer.a_x + y[lay.M_Y] * common.outer.a_y + y[lay.M_RING] * common.outer.a_z - taken
+        y[lay.M_X] * common.outer.a_x
+        + y[lay.M_Y] * common.outer.a_y
+        + y[lay.M_RING] * common.outer.a_z
+        - precession_torque
     )
     accelerate_mounted_ring(
         model.mount_i,
@@ -92,9 +95,11 @@ def accelerate_rings_and_cage(model, common, y):
         lay.INNER_TILT_Y,
     )
 
-    kinematic = b.omega_c * common.ramp_rate
-    alpha_cage = accelerate_cage(model.cage, model, common.omega_cage, common.omega_i, kinematic, y) - wound
-    y[lay.ACCELERATION + lay.PHI_C] = alpha_cage - kinematic
+    alpha_kinematic = b.omega_c * common.ramp_rate
+    alpha_cage = (
+        accelerate_cage(model.cage, model, common.omega_cage, common.omega_i, alpha_kinematic, y) - precession
+    )
+    y[lay.ACCELERATION + lay.PHI_C] = alpha_cage - alpha_kinematic
     accelerate_outer_ring(model, y)
     accelerate_ring_rotation(model.bracket, y)
     accelerate_inner_ring(model.shaft, model, common.theta_i, common.omega_i, b.omega_i * common.ramp_rate, y)

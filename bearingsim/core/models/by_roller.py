@@ -45,8 +45,11 @@ def accelerate_shared(model: Any, common: Any, t: float, y: np.ndarray) -> Any:
 
 
 @generic(inline="late")
-def accelerate_roller(model: Any, common: Any, felt: Any, y: np.ndarray, j: int) -> None:
-    """Write the acceleration of roller ``j``; felt: from ``accelerate_shared``. Vectorised as ``load_roller``."""
+def accelerate_roller(model: Any, common: Any, body_acceleration: Any, y: np.ndarray, j: int) -> None:
+    """Write the acceleration of roller ``j``. Vectorised as ``load_roller``.
+
+    body_acceleration: result of ``accelerate_shared``.
+    """
 
 
 @absent
@@ -84,29 +87,29 @@ ROWS = tuple(i * lay.ROW + lay.FIRST_LANE for i in range(6))
 
 
 @inlined
-def drift_roller(motion, own, y, j):
-    """Apply ``drift`` to the ``own`` coordinates of roller ``j``, unrolled because a loop over rows prevents
-    vectorisation."""
-    if own > 0:
+def drift_roller(motion, roller_dof, y, j):
+    """Apply ``drift`` to the ``roller_dof`` coordinates of roller ``j``, unrolled because a loop over rows
+    prevents vectorisation."""
+    if roller_dof > 0:
         drift(motion, y, ROWS[0] + j)
-    if own > 1:
+    if roller_dof > 1:
         drift(motion, y, ROWS[1] + j)
         drift(motion, y, ROWS[2] + j)
-    if own > 3:
+    if roller_dof > 3:
         drift(motion, y, ROWS[3] + j)
         drift(motion, y, ROWS[4] + j)
         drift(motion, y, ROWS[5] + j)
 
 
 @inlined
-def kick_roller(motion, own, y, j):
-    """Apply ``kick`` to the ``own`` coordinates of roller ``j``."""
-    if own > 0:
+def kick_roller(motion, roller_dof, y, j):
+    """Apply ``kick`` to the ``roller_dof`` coordinates of roller ``j``."""
+    if roller_dof > 0:
         kick(motion, y, ROWS[0] + j)
-    if own > 1:
+    if roller_dof > 1:
         kick(motion, y, ROWS[1] + j)
         kick(motion, y, ROWS[2] + j)
-    if own > 3:
+    if roller_dof > 3:
         kick(motion, y, ROWS[3] + j)
         kick(motion, y, ROWS[4] + j)
         kick(motion, y, ROWS[5] + j)
@@ -133,34 +136,34 @@ def kick_harmonics(model, motion, y):
 @inlined
 def load_rollers(model, motion, common, y, n):
     """Run the first loop over rollers: drift and loads."""
-    own, _ = degrees_of_freedom(model)
+    roller_dof, _ = degrees_of_freedom(model)
     for j in range(n):
-        drift_roller(motion, own, y, j)
+        drift_roller(motion, roller_dof, y, j)
         load_roller(model, common, y, j)
 
 
 @inlined
-def accelerate_rollers(model, motion, common, felt, y, n):
+def accelerate_rollers(model, motion, common, body_acceleration, y, n):
     """Run the second loop over rollers: accelerations and kick."""
-    own, _ = degrees_of_freedom(model)
+    roller_dof, _ = degrees_of_freedom(model)
     for j in range(n):
-        accelerate_roller(model, common, felt, y, j)
-        kick_roller(motion, own, y, j)
+        accelerate_roller(model, common, body_acceleration, y, j)
+        kick_roller(motion, roller_dof, y, j)
 
 
 def evaluate_by_roller(model, motion, t, y):
     """Implement ``evaluate`` for a model that has the four functions of the module's docstring."""
-    n, (_, coordinates) = lanes(model.bearing), degrees_of_freedom(model)
-    for k in range(coordinates):
+    n, (_, shared_dof) = lanes(model.bearing), degrees_of_freedom(model)
+    for k in range(shared_dof):
         drift(motion, y, lay.shared_cell(k))
     drift_harmonics(model, motion, y)
     common = shared(model, t, y)
     load_rollers(model, motion, common, y, n)
-    felt = accelerate_shared(model, common, t, y)
-    for k in range(coordinates):
+    body_acceleration = accelerate_shared(model, common, t, y)
+    for k in range(shared_dof):
         kick(motion, y, lay.shared_cell(k))
     kick_harmonics(model, motion, y)
-    accelerate_rollers(model, motion, common, felt, y, n)
+    accelerate_rollers(model, motion, common, body_acceleration, y, n)
 
 
 def accelerations_by_roller(model, t, y):

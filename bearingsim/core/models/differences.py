@@ -34,29 +34,29 @@ def accelerate_bodies(model: Any, t: float, y: Any) -> None:
 
 
 @jit
-def clear_arrows(own, shared, y, n):
+def clear_arrows(roller_dof, shared_dof, y, n):
     """Set both arrow matrices to zero."""
     for matrix in (lay.POSITION_JACOBIAN, lay.VELOCITY_JACOBIAN):
-        for i in range(own):
-            for k in range(own):
+        for i in range(roller_dof):
+            for k in range(roller_dof):
                 for j in range(n):
                     y[lay.diagonal_block(matrix, i, k) + j] = 0.0
-            for k in range(shared):
+            for k in range(shared_dof):
                 for j in range(n):
                     y[lay.border_column(matrix, i, k) + j] = 0.0
                     y[lay.border_row(matrix, k, i) + j] = 0.0
-        for k in range(shared):
-            for m in range(shared):
+        for k in range(shared_dof):
+            for m in range(shared_dof):
                 y[lay.corner_block(matrix, k, m)] = 0.0
 
 
 @jit
-def keep_here(own, model, y):
+def store_state(roller_dof, model, y):
     """Store the state at which derivatives are computed, with absolute accelerations, and the rollers' loads."""
     for c in range(3 * lay.STATE):
         y[lay.REFERENCE_STATE + c] = y[lay.POSITION + c]
     for j in range(model.bearing.Z):
-        y[lay.REFERENCE_STATE + lay.EPS_A + j] += y[lay.ACCELERATION + lay.PHI_C] if own > ORBIT else 0.0
+        y[lay.REFERENCE_STATE + lay.EPS_A + j] += y[lay.ACCELERATION + lay.PHI_C] if roller_dof > ORBIT else 0.0
     for c in range(lay.LOADS):
         row, total = lay.roller_load(lay.F_X + c), 0.0
         for j in range(model.bearing.Z):
@@ -66,64 +66,66 @@ def keep_here(own, model, y):
 
 
 @jit
-def load_bodies(model, t, y, j, per):
-    """Compute the shared accelerations under the stored loads plus ``per`` times the change of roller ``j``'s.
+def load_bodies(model, t, y, j, scale):
+    """Compute the shared accelerations under the stored loads plus ``scale`` times the change of roller ``j``'s.
 
-    They are affine in the loads, so with ``per`` = 1/displacement their excess over the stored accelerations is
+    They are affine in the loads, so with ``scale`` = 1/displacement their excess over the stored accelerations is
     the derivative.
     """
     for c in range(lay.LOADS):
         row = lay.roller_load(lay.F_X + c) + j
         change = y[row] - y[row + lay.REFERENCE_ROLLER_LOADS - lay.ROLLER_LOADS]
-        y[lay.F_X + c] = y[lay.REFERENCE_LOADS + c] + per * change
+        y[lay.F_X + c] = y[lay.REFERENCE_LOADS + c] + scale * change
     accelerate_bodies(model, t, y)
 
 
 @jit
-def roller_column(model, t, matrix, i, own, shared, y, cell):
+def roller_column(model, t, matrix, i, roller_dof, shared_dof, y, cell):
     """Compute the column of coordinate ``i`` of every roller; the state is displaced in the row at ``cell``."""
     Z = model.bearing.Z
     accelerations(model, t, y)
-    for k in range(own):
-        turned = y[lay.ACCELERATION + lay.PHI_C] if k == ORBIT else 0.0
+    for k in range(roller_dof):
+        alpha_cage = y[lay.ACCELERATION + lay.PHI_C] if k == ORBIT else 0.0
         row = lay.ACCELERATION + k * lay.ROW + lay.FIRST_LANE
         for j in range(Z):
-            change = y[row + j] + turned - y[lay.REFERENCE_STATE + row + j]
+            change = y[row + j] + alpha_cage - y[lay.REFERENCE_STATE + row + j]
             y[lay.diagonal_block(matrix, k, i) + j] = change / (y[cell + j] - y[lay.REFERENCE_STATE + cell + j])
     for j in range(Z):
         load_bodies(model, t, y, j, 1.0 / (y[cell + j] - y[lay.REFERENCE_STATE + cell + j]))
-        for k in range(shared):
+        for k in range(shared_dof):
             acceleration = lay.ACCELERATION + lay.shared_cell(k)
             y[lay.border_row(matrix, k, i) + j] = y[acceleration] - y[lay.REFERENCE_STATE + acceleration]
 
 
 @jit
-def shared_column(model, t, matrix, m, own, shared, y, cell):
+def shared_column(model, t, matrix, m, roller_dof, shared_dof, y, cell):
     """Compute the column of the shared coordinate ``m``; the state is displaced in ``cell``."""
-    per = 1.0 / (y[cell] - y[lay.REFERENCE_STATE + cell])
+    scale = 1.0 / (y[cell] - y[lay.REFERENCE_STATE + cell])
     accelerations(model, t, y)
-    for k in range(own):
-        turned = y[lay.ACCELERATION + lay.PHI_C] if k == ORBIT else 0.0
+    for k in range(roller_dof):
+        alpha_cage = y[lay.ACCELERATION + lay.PHI_C] if k == ORBIT else 0.0
         row = lay.ACCELERATION + k * lay.ROW + lay.FIRST_LANE
         for j in range(model.bearing.Z):
-            y[lay.border_column(matrix, k, m) + j] = per * (y[row + j] + turned - y[lay.REFERENCE_STATE + row + j])
-    for k in range(shared):
+            y[lay.border_column(matrix, k, m) + j] = scale * (
+                y[row + j] + alpha_cage - y[lay.REFERENCE_STATE + row + j]
+            )
+    for k in range(shared_dof):
         acceleration = lay.ACCELERATION + lay.shared_cell(k)
-        y[lay.corner_block(matrix, k, m)] = per * (y[acceleration] - y[lay.REFERENCE_STATE + acceleration])
+        y[lay.corner_block(matrix, k, m)] = scale * (y[acceleration] - y[lay.REFERENCE_STATE + acceleration])
 
 
 @jit
-def move_shared(own, Z, block, m, by, y):
+def move_shared(roller_dof, Z, block, m, displacement, y):
     """Displace the shared coordinate ``m``; the absolute angles of the rollers do not change with the cage's."""
-    y[block + lay.shared_cell(m)] += by
-    if m == lay.PHI_C and own > ORBIT:
-        turned = y[block + lay.PHI_C] - y[lay.REFERENCE_STATE + block + lay.PHI_C]
+    y[block + lay.shared_cell(m)] += displacement
+    if m == lay.PHI_C and roller_dof > ORBIT:
+        angle = y[block + lay.PHI_C] - y[lay.REFERENCE_STATE + block + lay.PHI_C]
         for j in range(Z):
-            y[block + ORBIT * lay.ROW + lay.FIRST_LANE + j] -= turned
+            y[block + ORBIT * lay.ROW + lay.FIRST_LANE + j] -= angle
 
 
 @jit
-def return_here(block, y):
+def restore_state(block, y):
     """Restore a block of the stored state after a displacement."""
     for c in range(lay.STATE):
         y[block + c] = y[lay.REFERENCE_STATE + block + c]
@@ -132,35 +134,35 @@ def return_here(block, y):
 @jit
 def difference_jacobian(model, t, y):
     """Implement ``linearise`` by finite differences."""
-    own, shared = degrees_of_freedom(model)
+    roller_dof, shared_dof = degrees_of_freedom(model)
     b = model.bearing
-    clear_arrows(own, shared, y, lanes(b))
-    keep_here(own, model, y)
-    by_roller, by_shared = roller_arms(b), shared_arms(b)
+    clear_arrows(roller_dof, shared_dof, y, lanes(b))
+    store_state(roller_dof, model, y)
+    roller_arm, shared_arm = roller_arms(b), shared_arms(b)
     for c in range(lay.LOADS):
         y[lay.F_X + c] = y[lay.REFERENCE_LOADS + c] + 1.0
     accelerate_bodies(model, t, y)
-    for k in range(shared):  # mark the coordinates that loads can accelerate
+    for k in range(shared_dof):  # mark the coordinates that loads can accelerate
         coordinate = lay.shared_cell(k)
         y[lay.REFERENCE_LOADS + lay.LOADS + k] = (
             1.0
             if y[lay.ACCELERATION + coordinate] != y[lay.REFERENCE_STATE + lay.ACCELERATION + coordinate]
             else 0.0
         )
-    for matrix, block, size in (
+    for matrix, block, displacement in (
         (lay.POSITION_JACOBIAN, lay.POSITION, DISPLACEMENT),
         (lay.VELOCITY_JACOBIAN, lay.VELOCITY, SPEED),
     ):
-        for i in range(own):
+        for i in range(roller_dof):
             if is_free_coordinate(model, i):
                 cell = block + i * lay.ROW + lay.FIRST_LANE
                 for j in range(b.Z):
-                    y[cell + j] += size / by_roller[i]
-                roller_column(model, t, matrix, i, own, shared, y, cell)
-                return_here(block, y)
-        for m in range(shared):
+                    y[cell + j] += displacement / roller_arm[i]
+                roller_column(model, t, matrix, i, roller_dof, shared_dof, y, cell)
+                restore_state(block, y)
+        for m in range(shared_dof):
             if y[lay.REFERENCE_LOADS + lay.LOADS + m] > 0.0:
-                move_shared(own, b.Z, block, m, size / by_shared[m], y)
-                shared_column(model, t, matrix, m, own, shared, y, block + lay.shared_cell(m))
-                return_here(block, y)
+                move_shared(roller_dof, b.Z, block, m, displacement / shared_arm[m], y)
+                shared_column(model, t, matrix, m, roller_dof, shared_dof, y, block + lay.shared_cell(m))
+                restore_state(block, y)
     accelerations(model, t, y)

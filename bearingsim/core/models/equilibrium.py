@@ -37,9 +37,9 @@ MAX_STEPS = 200
 STEPS_PER_CHECK = 16  # steps between two checks of the CPU time and of the rounding error
 ROUNDING = 1e-14  # of the largest contact force: rounding error of a net force
 LONGEST_STEP = 1e-5  # m
-LIGHT = 1e-8  # m: first approach of an unloaded roller
-REACH = 1e-6  # m: width of the first bracket, outwards
-TINY = 1e-16  # m: step at which bisection ends (about 10 nN in a contact); Newton steps end far closer
+FIRST_APPROACH = 1e-8  # m: first approach of an unloaded roller
+FIRST_REACH = 1e-6  # m: width of the first bracket, outwards
+STEP_TOLERANCE = 1e-16  # m: step at which bisection ends (about 10 nN in a contact); Newton steps end far closer
 
 
 class NoEquilibrium(ArithmeticError):
@@ -57,16 +57,16 @@ def contact_force(contact, side, defects, y, j, delta):
 
 
 @jit
-def excess_force(model, y, j, touch, q):
+def excess_force(model, y, j, q_touch, q):
     """Return the net inward force (N) on a roller at ``q`` (m), and the stiffness of its contacts (N/m).
 
-    touch: position of first contact with the outer race (m).
+    q_touch: position of first contact with the outer race (m).
     """
     bearing = model.bearing
-    outer, k_o, _ = contact_force(model.outer, OUTER, model.defects, y, j, q - touch)
-    inner, k_i, _ = contact_force(model.inner, INNER, model.defects, y, j, -bearing.gap - q)
+    Q_o, k_o, _ = contact_force(model.outer, OUTER, model.defects, y, j, q - q_touch)
+    Q_i, k_i, _ = contact_force(model.inner, INNER, model.defects, y, j, -bearing.gap - q)
     r = 0.5 * (bearing.R_o + bearing.R_i) + q
-    return outer - inner - bearing.m_r * bearing.omega_c * bearing.omega_c * r, k_o + k_i
+    return Q_o - Q_i - bearing.m_r * bearing.omega_c * bearing.omega_c * r, k_o + k_i
 
 
 @jit
@@ -78,18 +78,18 @@ def roller_balance(model, y, j, u_r):
     leaves the bracket or does not shrink fast. The rows PAIR and DISTANCE give the roller's position over defects.
     """
     gap = model.bearing.gap
-    touch, pressed = u_r + gap, -2.0 * gap - u_r
-    clean = y[PAIR + j] < 0.0 and y[PAIR + lay.ROW + j] < 0.0
-    if model.bearing.m_r == 0.0 and pressed <= 0.0:
-        return touch
-    q = touch + LIGHT
-    if pressed > 0.0:
-        q = -gap - series_share(model.outer.stiffness, model.inner.stiffness, pressed)
-        if clean and model.bearing.m_r == 0.0:
+    q_touch, approach = u_r + gap, -2.0 * gap - u_r
+    undamaged = y[PAIR + j] < 0.0 and y[PAIR + lay.ROW + j] < 0.0
+    if model.bearing.m_r == 0.0 and approach <= 0.0:
+        return q_touch
+    q = q_touch + FIRST_APPROACH
+    if approach > 0.0:
+        q = -gap - series_share(model.outer.stiffness, model.inner.stiffness, approach)
+        if undamaged and model.bearing.m_r == 0.0:
             return q
-    low, high, reach, before, last = touch, inf, REACH, inf, inf
+    low, high, reach, second_last_step, last_step = q_touch, inf, FIRST_REACH, inf, inf
     for _ in range(MAX_STEPS):
-        excess, spring_rate = excess_force(model, y, j, touch, q)
+        excess, spring_rate = excess_force(model, y, j, q_touch, q)
         if excess > 0.0:
             high = q
         else:
@@ -98,10 +98,11 @@ def roller_balance(model, y, j, u_r):
         if high == inf:
             target = min(target, q + reach)
             reach *= 2.0
-        elif not low <= target <= high or abs(target - q) > 0.5 * before:
+        elif not low <= target <= high or abs(target - q) > 0.5 * second_last_step:
             target = 0.5 * (low + high)
-        before, last = last, abs(target - q)
-        if last <= TINY + 4e-16 * abs(q):  # the error of a Newton step is of the order of its square
+        second_last_step, last_step = last_step, abs(target - q)
+        # the error of a Newton step is of the order of its square
+        if last_step <= STEP_TOLERANCE + 4e-16 * abs(q):
             return target
         q = target
     return q
@@ -140,8 +141,8 @@ def balance_rollers(model, t, y):
         outer, inner = q - u_r - bearing.gap, -bearing.gap - q
         y[lay.Q_O + j], k_o, y[lay.DELTA_O + j] = contact_force(model.outer, OUTER, defects, y, j, outer)
         y[lay.Q_I + j], k_i, y[lay.DELTA_I + j] = contact_force(model.inner, INNER, defects, y, j, inner)
-        carries = y[lay.Q_O + j] > 0.0 and y[lay.Q_I + j] > 0.0
-        y[K_SERIES + j] = k_o * k_i / (k_o + k_i) if carries else 0.0
+        is_loaded = y[lay.Q_O + j] > 0.0 and y[lay.Q_I + j] > 0.0
+        y[K_SERIES + j] = k_o * k_i / (k_o + k_i) if is_loaded else 0.0
 
 
 @jit
@@ -162,8 +163,8 @@ def ring_stiffness(model, y):
     """Return the entries xx, xy, yy of the ring's symmetric stiffness matrix -df/du (N/m)."""
     k_b = model.support.k_b
     # a ring supported by one roller has no stiffness across it, so a small one is added to keep the step finite
-    trace = 1e-8 * tangent(model.outer.stiffness, 1e-7)
-    k_xx, k_xy, k_yy = k_b + trace, 0.0, k_b + trace
+    added = 1e-8 * tangent(model.outer.stiffness, 1e-7)
+    k_xx, k_xy, k_yy = k_b + added, 0.0, k_b + added
     for j in range(model.bearing.Z):
         c, s, k = y[lay.COS + j], y[lay.SIN + j], y[K_SERIES + j]
         k_xx += k * c * c
@@ -180,36 +181,37 @@ def solve_2x2(k_xx, k_xy, k_yy, f_x, f_y):
 
 
 @jit
-def force_at(model, t, y, x, z, d_x, d_y, part):
-    """Return the net force (N) with the ring moved by ``part`` of (d_x, d_y) from (x, z), and its product with
-    (d_x, d_y) (N m)."""
-    y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y] = x + part * d_x, z + part * d_y
+def force_at(model, t, y, x_0, y_0, d_x, d_y, fraction):
+    """Return the net force (N) with the ring moved by ``fraction`` of (d_x, d_y) from (x_0, y_0), and its product
+    with (d_x, d_y) (N m)."""
+    y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y] = x_0 + fraction * d_x, y_0 + fraction * d_y
     balance_rollers(model, t, y)
     f_x, f_y = net_force(model, y)
     return f_x, f_y, f_x * d_x + f_y * d_y
 
 
 @jit
-def line_search(model, t, y, d_x, d_y, push):
-    """Apply the step (d_x, d_y) (m), or a part of it if the force along it would reverse.
+def line_search(model, t, y, d_x, d_y, initial_work):
+    """Apply the step (d_x, d_y) (m), or a fraction of it if the force along it would reverse.
 
-    push: product of force and step (N m) at the start; at a partial step its magnitude is at most half of this.
+    initial_work: product of force and step (N m) at the start; at a partial step its magnitude is at most half of
+    this.
     Returns the net force (N) at the end.
     """
-    x, z = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
-    f_x, f_y, end = force_at(model, t, y, x, z, d_x, d_y, 1.0)
-    if abs(end) <= 0.5 * push or end > 0.0:
+    x_0, y_0 = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
+    f_x, f_y, work = force_at(model, t, y, x_0, y_0, d_x, d_y, 1.0)
+    if abs(work) <= 0.5 * initial_work or work > 0.0:
         return f_x, f_y
     low, high = 0.0, 1.0
     for _ in range(60):
-        part = 0.5 * (low + high)
-        f_x, f_y, push_now = force_at(model, t, y, x, z, d_x, d_y, part)
-        if abs(push_now) <= 0.5 * push:
+        fraction = 0.5 * (low + high)
+        f_x, f_y, work = force_at(model, t, y, x_0, y_0, d_x, d_y, fraction)
+        if abs(work) <= 0.5 * initial_work:
             break
-        if push_now > 0.0:
-            low = part
+        if work > 0.0:
+            low = fraction
         else:
-            high = part
+            high = fraction
     return f_x, f_y
 
 
@@ -224,13 +226,13 @@ def solve_equilibrium(model, t, y):
 
 
 @jit
-def is_futile(size, y):
-    """Check if further steps are futile because the job's CPU time is used up or the net force ``size`` (N) is
+def is_futile(norm, y):
+    """Check if further steps are futile because the job's CPU time is used up or the net force ``norm`` (N) is
     rounding error."""
     largest = 0.0
     for j in range(lay.ROW):
         largest = max(largest, y[lay.Q_O + j], y[lay.Q_I + j])
-    return is_over(y[lay.CPU_END]) or size <= ROUNDING * largest
+    return is_over(y[lay.CPU_END]) or norm <= ROUNDING * largest
 
 
 @generic
@@ -240,17 +242,17 @@ def balance_ring(bending: Any, model: Any, t: float, y: np.ndarray) -> float:
 
 @balance_ring.register(RigidRing)
 def _balance_ring(bending, model, t, y):
-    goal = RESIDUAL * (hypot(model.support.F, model.support.F_across) + 1e-3)
+    tolerance = RESIDUAL * (hypot(model.support.F, model.support.F_across) + 1e-3)
     balance_rollers(model, t, y)
     f_x, f_y = net_force(model, y)
     for n in range(MAX_STEPS):
-        size = hypot(f_x, f_y)
-        if size <= goal or (n % STEPS_PER_CHECK == STEPS_PER_CHECK - 1 and is_futile(size, y)):
+        norm = hypot(f_x, f_y)
+        if norm <= tolerance or (n % STEPS_PER_CHECK == STEPS_PER_CHECK - 1 and is_futile(norm, y)):
             break
         k_xx, k_xy, k_yy = ring_stiffness(model, y)
         d_x, d_y = solve_2x2(k_xx, k_xy, k_yy, f_x, f_y)
-        shorter = min(1.0, LONGEST_STEP / hypot(d_x, d_y))
-        d_x, d_y = shorter * d_x, shorter * d_y
+        scale = min(1.0, LONGEST_STEP / hypot(d_x, d_y))
+        d_x, d_y = scale * d_x, scale * d_y
         f_x, f_y = line_search(model, t, y, d_x, d_y, f_x * d_x + f_y * d_y)
     return hypot(f_x, f_y)
 
@@ -288,15 +290,15 @@ def solve_initial_equilibrium(model, t, y):
     return solve_equilibrium(model, t, y)
 
 
-def solve_in_cpu_time(find, model, t, y):
+def solve_in_cpu_time(solve, model, t, y):
     """Run ``solve_equilibrium`` or ``solve_initial_equilibrium`` from Python. Raises OutOfCpuTime at the
     end of the job's time."""
 
-    def find_until(end):
+    def solve_until(end):
         y[lay.CPU_END] = end
-        return find(model, t, y)
+        return solve(model, t, y)
 
-    return cpu_time.bounded(find_until)
+    return cpu_time.bounded(solve_until)
 
 
 def load_magnitude(model):
@@ -330,11 +332,11 @@ def ring_damping(Z, outer, inner, y):
     roller in series."""
     c_xx, c_yy = 0.0, 0.0
     for j in range(Z):
-        of_outer = damping_bound(outer, max(y[lay.DELTA_O + j], 0.0), 0.0)
-        of_inner = damping_bound(inner, max(y[lay.DELTA_I + j], 0.0), 0.0)
-        both = in_series(of_outer, of_inner)
-        c_xx += both * y[lay.COS + j] * y[lay.COS + j]
-        c_yy += both * y[lay.SIN + j] * y[lay.SIN + j]
+        c_outer = damping_bound(outer, max(y[lay.DELTA_O + j], 0.0), 0.0)
+        c_inner = damping_bound(inner, max(y[lay.DELTA_I + j], 0.0), 0.0)
+        c = in_series(c_outer, c_inner)
+        c_xx += c * y[lay.COS + j] * y[lay.COS + j]
+        c_yy += c * y[lay.SIN + j] * y[lay.SIN + j]
     return c_xx, c_yy
 
 
@@ -345,8 +347,8 @@ def equilibria_over_pass(model, y, samples):
     """
     pass_time, load = 2.0 * pi / (model.bearing.Z * model.bearing.omega_c), load_magnitude(model)
     for n in range(samples):
-        find = solve_initial_equilibrium if n == 0 else solve_equilibrium
-        residual = solve_in_cpu_time(find, model, (n + 0.5) / samples * pass_time, y)
+        solve = solve_initial_equilibrium if n == 0 else solve_equilibrium
+        residual = solve_in_cpu_time(solve, model, (n + 0.5) / samples * pass_time, y)
         if not residual <= 1e-8 * load:
             raise NoEquilibrium(f"no static equilibrium: {residual:g} N left of {load:g} N")
         yield n
@@ -355,15 +357,15 @@ def equilibria_over_pass(model, y, samples):
 def mean_equilibrium(model, y, samples=32):
     """Return ``MeanEquilibrium`` of a bearing from ``samples`` equilibria over a ball pass. Raises
     ``NoEquilibrium``."""
-    Z, rests, loads = model.bearing.Z, [], []
+    Z, rows, loads = model.bearing.Z, [], []
     for _ in equilibria_over_pass(model, y, samples):
         k_xx, _, k_yy = ring_stiffness(model, y)
-        rests.append((*supported_body_position(model, y), k_xx, k_yy))
-        most = int(np.argmax(y[lay.Q_I : lay.Q_I + Z]))
-        loads.append((y[lay.Q_O + most], y[lay.DELTA_O + most] + y[lay.DELTA_I + most]))
-    x, z, k_x, k_y = (float(value) for value in np.mean(rests, axis=0))
+        rows.append((*supported_body_position(model, y), k_xx, k_yy))
+        heaviest = int(np.argmax(y[lay.Q_I : lay.Q_I + Z]))
+        loads.append((y[lay.Q_O + heaviest], y[lay.DELTA_O + heaviest] + y[lay.DELTA_I + heaviest]))
+    x_mean, y_mean, k_x, k_y = (float(value) for value in np.mean(rows, axis=0))
     load, approach = (float(value) for value in max(loads))
-    return MeanEquilibrium(x, z, load, approach, k_x, k_y)
+    return MeanEquilibrium(x_mean, y_mean, load, approach, k_x, k_y)
 
 
 def mean_ring_damping(model, outer, inner, y, samples=32):

@@ -17,12 +17,12 @@ def update_largest_forces(y, n):
         y[lay.Q_O_MAX + j] = max(y[lay.Q_O_MAX + j], y[lay.Q_O + j])
         y[lay.Q_I_MAX + j] = max(y[lay.Q_I_MAX + j], y[lay.Q_I + j])
         y[lay.Q_P_MAX + j] = max(y[lay.Q_P_MAX + j], abs(y[lay.Q_P + j]))
-        real = y[lay.COS + j] * y[lay.COS + j] + y[lay.SIN + j] * y[lay.SIN + j]  # 1, and 0 in a padded lane
-        loaded = add(loaded, real if y[lay.Q_I + j] > 0.0 else 0.0)
+        mask = y[lay.COS + j] * y[lay.COS + j] + y[lay.SIN + j] * y[lay.SIN + j]  # 1, and 0 in a padded lane
+        loaded = add(loaded, mask if y[lay.Q_I + j] > 0.0 else 0.0)
     y[lay.LOADED_ROLLERS] = loaded
 
 
-SMOOTH = 0.7  # least ratio of the three values to the parabola's top for which the parabola is used
+SMOOTH_RATIO = 0.7  # least ratio of the three values to the parabola's top for which the parabola is used
 
 
 @jit
@@ -38,10 +38,10 @@ def copy_forces(row, y, n):
 def largest_within(start, middle, end):
     """Return the maximum of three evenly spaced values, or the top of the parabola through them if it lies
     between and the values are smooth."""
-    bend, difference = 2.0 * middle - start - end, end - start
-    top = middle + difference * difference / (8.0 * max(bend, 1e-300))
-    smooth = min(min(start, end), middle) > SMOOTH * top
-    return top if smooth and abs(difference) < 2.0 * bend else max(max(start, end), middle)
+    curvature, difference = 2.0 * middle - start - end, end - start
+    top = middle + difference * difference / (8.0 * max(curvature, 1e-300))
+    is_smooth = min(min(start, end), middle) > SMOOTH_RATIO * top
+    return top if is_smooth and abs(difference) < 2.0 * curvature else max(max(start, end), middle)
 
 
 @jit

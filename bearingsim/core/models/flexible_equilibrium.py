@@ -43,8 +43,8 @@ from bearingsim.core.parts.bending import (
 )
 from bearingsim.core.rows import declare
 
-# rows as in a state: start of a line search, its direction (m), and the force (N) at the present position
-FROM, WAY, FORCE = declare(
+# rows as in a state: start of a line search, its step (m), and the force (N) at the present position
+START, STEP, FORCE = declare(
     lay.JACOBIAN_WORK + 62 * lay.ROW, "m, m, N", "bent bent-search", "start", size=3 * lay.ROW, step=3 * lay.ROW
 )
 # derivative of a contact's approach with respect to each unknown; overwrites SPRING_FORCE_C, SPRING_FORCE_S once
@@ -54,11 +54,11 @@ FROM, WAY, FORCE = declare(
 (MATRIX,) = declare(lay.POSITION_JACOBIAN, "N/m", "bent bent-search", "start", size=lay.ARROW_SIZE, step=0)
 LONGEST_STEP = 1e-4  # m
 # of a contact's stiffness: added so that the step stays finite if one roller supports the ring
-UNSUPPORTED = 1e-8
+ADDED_STIFFNESS = 1e-8
 
 
 @inlined
-def unknowns(bending):
+def unknown_count(bending):
     """Return the number of unknowns."""
     return 2 + 2 * harmonics(bending)
 
@@ -80,30 +80,33 @@ def fill_force(bending, model, y):
     y[FORCE + lay.Y] = f_y + spring_load(bending.springs, lay.SPRINGS_Y, y, 0)
     for i in range(harmonics(bending)):
         f_c, f_s = force_on_harmonic(bending, y, i)
-        there_c, there_s = bending.harmonic_table[PER_MASS_C, i] > 0.0, bending.harmonic_table[PER_MASS_S, i] > 0.0
+        has_cosine, has_sine = (
+            bending.harmonic_table[PER_MASS_C, i] > 0.0,
+            bending.harmonic_table[PER_MASS_S, i] > 0.0,
+        )
         y[FORCE + lay.MODES_C + i] = (
-            f_c - bending.harmonic_table[K, i] * y[lay.POSITION + lay.MODES_C + i] if there_c else 0.0
+            f_c - bending.harmonic_table[K, i] * y[lay.POSITION + lay.MODES_C + i] if has_cosine else 0.0
         )
         y[FORCE + lay.MODES_S + i] = (
-            f_s - bending.harmonic_table[K, i] * y[lay.POSITION + lay.MODES_S + i] if there_s else 0.0
+            f_s - bending.harmonic_table[K, i] * y[lay.POSITION + lay.MODES_S + i] if has_sine else 0.0
         )
-    total = 0.0
-    for k in range(unknowns(bending)):
-        total += y[FORCE + cell(bending, k)] ** 2
-    return sqrt(total)
+    norm_squared = 0.0
+    for k in range(unknown_count(bending)):
+        norm_squared += y[FORCE + cell(bending, k)] ** 2
+    return sqrt(norm_squared)
 
 
 @jit
 def fill_matrix(bending, model, y):
     """Fill the lower half of MATRIX."""
-    N, H = unknowns(bending), harmonics(bending)
+    N, H = unknown_count(bending), harmonics(bending)
     for k in range(N):
         for m in range(k + 1):
             y[MATRIX + k * N + m] = 0.0
-    trace = UNSUPPORTED * tangent(model.outer.stiffness, 1e-7)
-    y[MATRIX] = y[MATRIX + N + 1] = model.support.k_b + trace
+    added = ADDED_STIFFNESS * tangent(model.outer.stiffness, 1e-7)
+    y[MATRIX] = y[MATRIX + N + 1] = model.support.k_b + added
     for i in range(H):
-        k = bending.harmonic_table[K, i] + trace
+        k = bending.harmonic_table[K, i] + added
         y[MATRIX + (2 + i) * (N + 1)] = k if bending.harmonic_table[PER_MASS_C, i] > 0.0 else 1.0
         y[MATRIX + (2 + H + i) * (N + 1)] = k if bending.harmonic_table[PER_MASS_S, i] > 0.0 else 1.0
     for j in range(model.bearing.Z):
@@ -148,9 +151,9 @@ def add_roller(bending, y, j, N):
 def add_contact(k, y, N):
     """Add k PHI PHI^T to MATRIX of ``N`` rows."""
     for i in range(N):
-        stiff = k * y[PHI + i]
+        k_phi = k * y[PHI + i]
         for m in range(i + 1):
-            y[MATRIX + i * N + m] += stiff * y[PHI + m]
+            y[MATRIX + i * N + m] += k_phi * y[PHI + m]
 
 
 @jit
@@ -173,9 +176,9 @@ def solve(y, N):
 
 
 @jit
-def choose_way(bending, model, y):
-    """Fill WAY with Newton's step (m), limited to LONGEST_STEP; return the work of the force along it (N m)."""
-    N = unknowns(bending)
+def newton_step(bending, model, y):
+    """Fill STEP with Newton's step (m), limited to LONGEST_STEP; return the work of the force along it (N m)."""
+    N = unknown_count(bending)
     fill_matrix(bending, model, y)
     for k in range(N):
         y[PHI + k] = y[FORCE + cell(bending, k)]
@@ -183,67 +186,68 @@ def choose_way(bending, model, y):
     longest = 0.0
     for k in range(N):
         longest = max(longest, abs(y[PHI + k]))
-    shorter = min(1.0, LONGEST_STEP / max(longest, 1e-300))
+    scale = min(1.0, LONGEST_STEP / max(longest, 1e-300))
     for k in range(N):
-        y[WAY + cell(bending, k)] = shorter * y[PHI + k]
-    return push_along(bending, y)
+        y[STEP + cell(bending, k)] = scale * y[PHI + k]
+    return work_along(bending, y)
 
 
 @jit
-def push_along(bending, y):
-    """Return the work of the force along WAY (N m)."""
+def work_along(bending, y):
+    """Return the work of the force along STEP (N m)."""
     total = 0.0
-    for k in range(unknowns(bending)):
-        total += y[FORCE + cell(bending, k)] * y[WAY + cell(bending, k)]
+    for k in range(unknown_count(bending)):
+        total += y[FORCE + cell(bending, k)] * y[STEP + cell(bending, k)]
     return total
 
 
 @jit
-def go(bending, model, t, y, part):
-    """Set the ring to FROM plus ``part`` of WAY; return the norm of the force (N) there."""
-    for k in range(unknowns(bending)):
+def move_ring(bending, model, t, y, fraction):
+    """Set the ring to START plus ``fraction`` of STEP; return the norm of the force (N) there."""
+    for k in range(unknown_count(bending)):
         i = cell(bending, k)
-        y[lay.POSITION + i] = y[FROM + i] + part * y[WAY + i]
+        y[lay.POSITION + i] = y[START + i] + fraction * y[STEP + i]
     balance_rollers(model, t, y)
     return fill_force(bending, model, y)
 
 
 @jit
-def search_along(bending, model, t, y, push):
-    """Apply the step WAY, or a part of it if the force along it would reverse.
+def line_search(bending, model, t, y, initial_work):
+    """Apply STEP, or a fraction of it if the force along it would reverse.
 
-    push: work of the force along WAY (N m) at the start; at a partial step its magnitude is at most half of this.
+    initial_work: work of the force along STEP (N m) at the start; at a partial step its magnitude is at most half
+    of this.
     Returns the norm of the force (N) at the end.
     """
-    for k in range(unknowns(bending)):
+    for k in range(unknown_count(bending)):
         i = cell(bending, k)
-        y[FROM + i] = y[lay.POSITION + i]
-    size = go(bending, model, t, y, 1.0)
-    work = push_along(bending, y)
-    if abs(work) <= 0.5 * push or work > 0.0:
-        return size
+        y[START + i] = y[lay.POSITION + i]
+    norm = move_ring(bending, model, t, y, 1.0)
+    work = work_along(bending, y)
+    if abs(work) <= 0.5 * initial_work or work > 0.0:
+        return norm
     low, high = 0.0, 1.0
     for _ in range(60):
-        part = 0.5 * (low + high)
-        size = go(bending, model, t, y, part)
-        work = push_along(bending, y)
-        if abs(work) <= 0.5 * push:
+        fraction = 0.5 * (low + high)
+        norm = move_ring(bending, model, t, y, fraction)
+        work = work_along(bending, y)
+        if abs(work) <= 0.5 * initial_work:
             break
         if work > 0.0:
-            low = part
+            low = fraction
         else:
-            high = part
-    return size
+            high = fraction
+    return norm
 
 
 @balance_ring.register(Bending)
 def _balance_ring(bending, model, t, y):
-    goal = RESIDUAL * (bending.load + 1e-3)
+    tolerance = RESIDUAL * (bending.load + 1e-3)
     balance_rollers(model, t, y)
-    size = fill_force(bending, model, y)
+    norm = fill_force(bending, model, y)
     for n in range(MAX_STEPS):
-        if size <= goal or (n % STEPS_PER_CHECK == STEPS_PER_CHECK - 1 and is_futile(size, y)):
+        if norm <= tolerance or (n % STEPS_PER_CHECK == STEPS_PER_CHECK - 1 and is_futile(norm, y)):
             break
-        push = choose_way(bending, model, y)
-        size = search_along(bending, model, t, y, push)
-    return size
+        work = newton_step(bending, model, y)
+        norm = line_search(bending, model, t, y, work)
+    return norm

@@ -51,14 +51,14 @@ def free_response(m, K, C, t):
     D = K / m - beta * beta
     Dt2 = D * t * t
     if abs(Dt2) < 1e-4:
-        fall = np.exp(-beta * t)
-        return fall * (1.0 - Dt2 / 2.0 + Dt2 * Dt2 / 24.0), fall * t * (1.0 - Dt2 / 6.0 + Dt2 * Dt2 / 120.0)
+        decay = np.exp(-beta * t)
+        return decay * (1.0 - Dt2 / 2.0 + Dt2 * Dt2 / 24.0), decay * t * (1.0 - Dt2 / 6.0 + Dt2 * Dt2 / 120.0)
     if D > 0.0:
-        fall, omega = np.exp(-beta * t), np.sqrt(D)
-        return fall * np.cos(omega * t), fall * np.sin(omega * t) / omega
-    spread = np.sqrt(-D)
-    slow = np.exp(-K / m / (beta + spread) * t)  # (beta - spread) without cancellation
-    return 0.5 * slow * (1.0 + np.exp(-2.0 * spread * t)), -0.5 * slow * np.expm1(-2.0 * spread * t) / spread
+        decay, omega = np.exp(-beta * t), np.sqrt(D)
+        return decay * np.cos(omega * t), decay * np.sin(omega * t) / omega
+    root = np.sqrt(-D)
+    slow_decay = np.exp(-K / m / (beta + root) * t)  # (beta - root) without cancellation
+    return 0.5 * slow_decay * (1.0 + np.exp(-2.0 * root * t)), -0.5 * slow_decay * np.expm1(-2.0 * root * t) / root
 
 
 @jit

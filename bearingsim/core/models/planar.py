@@ -124,13 +124,15 @@ def _roller_at_defect(model, d, t, y):
     """Find the roller from the positions of rollers, rings and cage and from the rows filled by ``approach``."""
     b, head = model.bearing, model.defects.head[d]
     time, _, _ = kinematic_time(model.motion, t)
-    turned = b.omega_c * time + y[lay.POSITION + lay.PHI_C]
-    own, outer = head[CARRIER] >= 0.0, head[SIDE] == OUTER
-    roll = turned - (b.omega_c - b.omega_b) * time - (y[lay.SPIN + int(head[CARRIER])] if own else 0.0)
-    j, s = nearest_roller(model.defects, d, b.theta_0 + turned, b.omega_i * time, roll, b.Z)
-    tilted = small_angle(y[lay.NORMAL_O_T + j] if outer else y[lay.NORMAL_I_T + j])
+    cage_angle = b.omega_c * time + y[lay.POSITION + lay.PHI_C]
+    on_roller, outer = head[CARRIER] >= 0.0, head[SIDE] == OUTER
+    roller_angle = (
+        cage_angle - (b.omega_c - b.omega_b) * time - (y[lay.SPIN + int(head[CARRIER])] if on_roller else 0.0)
+    )
+    j, s = nearest_roller(model.defects, d, b.theta_0 + cage_angle, b.omega_i * time, roller_angle, b.Z)
+    normal_angle = small_angle(y[lay.NORMAL_O_T + j] if outer else y[lay.NORMAL_I_T + j])
     return j, s + head[RADIUS] * (
-        y[lay.EPS + j] + tilted - (y[lay.POSITION + lay.PSI] if outer and not own else 0.0)
+        y[lay.EPS + j] + normal_angle - (y[lay.POSITION + lay.PSI] if outer and not on_roller else 0.0)
     )
 
 
@@ -138,7 +140,7 @@ class Plane(NamedTuple):
     """Pocket angle, body speeds and centres, computed once per evaluation.
 
     time: kinematic time (s); ramp_rate: relative acceleration of all speeds (1/s); C, S: cosine and sine of the
-    first pocket's angle; omega_cage, omega_i, turning: speeds of the cage, the inner and the outer ring (rad/s);
+    first pocket's angle; omega_cage, omega_i, omega_o: speeds of the cage, the inner and the outer ring (rad/s);
     spin: nominal spin of a roller (rad/s).
     """
 
@@ -149,7 +151,7 @@ class Plane(NamedTuple):
     omega_cage: float
     omega_i: float
     spin: float
-    turning: float
+    omega_o: float
     outer: Centre
     inner: Centre
     cage: Centre
@@ -172,7 +174,7 @@ def _shared(model, t, y):
         omega_cage=b.omega_c * rate + y[lay.VELOCITY + lay.PHI_C],
         omega_i=b.omega_i * rate,
         spin=(b.omega_c - b.omega_b) * rate,
-        turning=y[lay.VELOCITY + lay.PSI],
+        omega_o=y[lay.VELOCITY + lay.PSI],
         outer=centre_at(lay.X, y),
         inner=centre_at(lay.X_I, y),
         cage=centre_at(lay.X_C, y),
@@ -200,10 +202,10 @@ def tangential_forces(model, common, normal_slope_o, normal_slope_i, y, j):
     Equation (P5) of docs/planar.md, over a defect (P6); friction with the lag of a step (P9).
     """
     b, friction, drag = model.bearing, model.friction, model.drag
-    R_w, per_m, turned = b.R_w, 1.0 / b.m_r, b.R_w * b.R_w / b.I_r
-    along, across = model.lag * (per_m + turned), model.lag * (per_m - turned)
+    R_w, per_m, per_spin = b.R_w, 1.0 / b.m_r, b.R_w * b.R_w / b.I_r
+    along_lag, across_lag = model.lag * (per_m + per_spin), model.lag * (per_m - per_spin)
     c, s = y[lay.COS + j], y[lay.SIN + j]
-    real = b.m_r * y[lay.INVERSE_MASS + j]  # 1, and 0 in a padded lane
+    mask = b.m_r * y[lay.INVERSE_MASS + j]  # 1, and 0 in a padded lane
     beta_v = common.spin + y[lay.SPIN_V + j]
     theta_v = common.omega_cage + y[lay.EPS_V + j]
     u = R_w * abs(theta_v - beta_v)  # rolling speed: of the surface relative to the orbiting contact
@@ -214,15 +216,28 @@ def tangential_forces(model, common, normal_slope_o, normal_slope_i, y, j):
         1.0 / sqrt(1.0 + normal_slope_i * normal_slope_i),
     )
     sin_o, sin_i = normal_slope_o * cos_o, normal_slope_i * cos_i
-    on_o, on_i = y[lay.RHO_O + j] * cos_o + arm_o, y[lay.RHO_I + j] * cos_i - arm_i  # arms on the rings
-    s_o = y[lay.TANGENTIAL_V_O + j] * cos_o + y[lay.RHO_V_O + j] * sin_o + beta_v * arm_o - common.turning * on_o
-    s_i = y[lay.TANGENTIAL_V_I + j] * cos_i - y[lay.RHO_V_I + j] * sin_i - beta_v * arm_i - common.omega_i * on_i
+    ring_arm_o, ring_arm_i = y[lay.RHO_O + j] * cos_o + arm_o, y[lay.RHO_I + j] * cos_i - arm_i
+    s_o = (
+        y[lay.TANGENTIAL_V_O + j] * cos_o
+        + y[lay.RHO_V_O + j] * sin_o
+        + beta_v * arm_o
+        - common.omega_o * ring_arm_o
+    )
+    s_i = (
+        y[lay.TANGENTIAL_V_I + j] * cos_i
+        - y[lay.RHO_V_I + j] * sin_i
+        - beta_v * arm_i
+        - common.omega_i * ring_arm_i
+    )
     y[lay.SLIP_O + j], y[lay.SLIP_I + j] = s_o, s_i
     s_o += SLIP_OFFSET if s_o > 0.0 else -SLIP_OFFSET
     s_i += SLIP_OFFSET if s_i > 0.0 else -SLIP_OFFSET
-    per = 1.0 / (s_o * s_i)
-    k_o, k_i = mu(friction, s_o, u) * y[lay.Q_O + j] * s_i * per, mu(friction, s_i, u) * y[lay.Q_I + j] * s_o * per
-    f_o, f_i = lagged_friction(k_o, k_i, s_o, s_i, along, across)
+    inverse = 1.0 / (s_o * s_i)
+    k_o, k_i = (
+        mu(friction, s_o, u) * y[lay.Q_O + j] * s_i * inverse,
+        mu(friction, s_i, u) * y[lay.Q_I + j] * s_o * inverse,
+    )
+    f_o, f_i = lagged_friction(k_o, k_i, s_o, s_i, along_lag, across_lag)
 
     along_n, across_n = -y[lay.Q_O + j] - f_o * sin_o, y[lay.DEFECT_FORCE_O + j] - f_o * cos_o
     o_r = along_n * y[lay.NORMAL_O_R + j] - across_n * y[lay.NORMAL_O_T + j]
@@ -238,7 +253,7 @@ def tangential_forces(model, common, normal_slope_o, normal_slope_i, y, j):
     y[lay.TORQUE + j] = y[lay.DEFECT_TORQUE + j] + f_i * arm_i - f_o * arm_o
     y[lay.roller_load(lay.F_X) + j] = -o_r * c + o_t * s
     y[lay.roller_load(lay.F_Y) + j] = -o_r * s - o_t * c
-    y[lay.roller_load(lay.M_RING) + j] = real * f_o * on_o
+    y[lay.roller_load(lay.M_RING) + j] = mask * f_o * ring_arm_o
     y[lay.roller_load(lay.F_X_I) + j] = -i_r * c + i_t * s
     y[lay.roller_load(lay.F_Y_I) + j] = -i_r * s - i_t * c
     pocket_force(model.cage, model, common, y, j)
@@ -266,50 +281,50 @@ def correct_for_defect(model, common, d, j, s, t, y):
     if is_masked(model, d, j, s, t, y):
         return 0.0
     defects, on = model.defects, model.defects.head[d, CARRIER]
-    own, outer = on >= 0.0, defects.head[d, SIDE] == OUTER
-    turning = common.omega_i if on == ON_INNER else common.turning
-    turning = common.spin + y[lay.SPIN_V + j] if own else turning
+    on_roller, outer = on >= 0.0, defects.head[d, SIDE] == OUTER
+    omega_defect = common.omega_i if on == ON_INNER else common.omega_o
+    omega_defect = common.spin + y[lay.SPIN_V + j] if on_roller else omega_defect
     if outer:
-        sideways = tilt_contact(OuterSide(), model.outer, defects, d, j, s, turning, y)
+        tangential = tilt_contact(OuterSide(), model.outer, defects, d, j, s, omega_defect, y)
     else:
-        sideways = tilt_contact(InnerSide(), model.inner, defects, d, j, s, turning, y)
-    torque = sideways * defects.head[d, RADIUS]
-    y[lay.DEFECT_TORQUE + j] -= torque if own else 0.0
+        tangential = tilt_contact(InnerSide(), model.inner, defects, d, j, s, omega_defect, y)
+    torque = tangential * defects.head[d, RADIUS]
+    y[lay.DEFECT_TORQUE + j] -= torque if on_roller else 0.0
     normal_slope_o = y[lay.DEFECT_FORCE_O + j] / max(y[lay.Q_O + j], 1e-300)
     normal_slope_i = y[lay.DEFECT_FORCE_I + j] / max(y[lay.Q_I + j], 1e-300)
     tangential_forces(model, common, normal_slope_o, normal_slope_i, y, j)
-    return -torque if outer and not own else 0.0
+    return -torque if outer and not on_roller else 0.0
 
 
 @jit
-def tilt_contact(side, law, defects, d, j, s, turning, y):
-    """Correct one contact for a defect that rotates at ``turning`` (rad/s), and tilt its normal.
+def tilt_contact(side, law, defects, d, j, s, omega_defect, y):
+    """Correct one contact for a defect that rotates at ``omega_defect`` (rad/s), and tilt its normal.
 
     Returns the tangential component (N) of its force.
     """
-    (_, _, rho, across, apart), (_, _, rate, _, tilt), radius = (
+    (_, _, rho, tangential_v, rho_v), (_, _, rate, _, tilt_row), radius = (
         normal_rows(side),
         contact_rows(side),
         defects.head[d, RADIUS],
     )
-    y[apart + j] = sign(side) * y[rate + j]
-    speed = radius * (y[across + j] / y[rho + j] - turning)
-    sideways = correct_contact(side, law, defects, d, j, s, speed, y)
-    y[tilt + j] = sideways * radius / y[rho + j]
-    return sideways
+    y[rho_v + j] = sign(side) * y[rate + j]
+    speed = radius * (y[tangential_v + j] / y[rho + j] - omega_defect)
+    tangential = correct_contact(side, law, defects, d, j, s, speed, y)
+    y[tilt_row + j] = tangential * radius / y[rho + j]
+    return tangential
 
 
 @accelerate_shared.register(Planar)
 def _accelerate_shared(model, common, t, y):
     b = model.bearing
-    n, kinematic = lanes(b), b.omega_c * common.ramp_rate
+    n, alpha_kinematic = lanes(b), b.omega_c * common.ramp_rate
     torque = correct_for_defects(model, common, t, y)
     sum_loads(lay.F_X, lay.M_RING, y, n)
     sum_loads(lay.F_X_I, lay.F_Y_I, y, n)
     sum_pocket_forces(model.cage, y, n)
     y[lay.M_RING] += torque
-    alpha_cage = accelerate_cage(model.cage, model, common.omega_cage, common.omega_i, kinematic, y)
-    y[lay.ACCELERATION + lay.PHI_C] = alpha_cage - kinematic
+    alpha_cage = accelerate_cage(model.cage, model, common.omega_cage, common.omega_i, alpha_kinematic, y)
+    y[lay.ACCELERATION + lay.PHI_C] = alpha_cage - alpha_kinematic
     accelerate_outer_ring(model, y)
     accelerate_ring_rotation(model.bracket, y)
     accelerate_inner_ring(
@@ -325,12 +340,12 @@ def _accelerate_roller(model, common, alpha_cage, y, j):
     Equation (P2) of docs/planar.md.
     """
     b, cage, per_mass = model.bearing, model.cage, y[lay.INVERSE_MASS + j]
-    real, alpha_spin = b.m_r * per_mass, (b.omega_c - b.omega_b) * common.ramp_rate
+    mask, alpha_spin = b.m_r * per_mass, (b.omega_c - b.omega_b) * common.ramp_rate
     r, theta_v = 0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j], common.omega_cage + y[lay.EPS_V + j]
-    y[lay.RADIAL_A + j] = real * r * theta_v * theta_v + per_mass * y[lay.FORCE_R + j]
+    y[lay.RADIAL_A + j] = mask * r * theta_v * theta_v + per_mass * y[lay.FORCE_R + j]
     theta_a = (per_mass * y[lay.FORCE_T + j] - 2.0 * y[lay.RADIAL_V + j] * theta_v) / r
-    y[lay.EPS_A + j] = cage_constraint(cage, real * (theta_a - alpha_cage))
-    y[lay.SPIN_A + j] = cage_constraint(cage, real * (y[lay.TORQUE + j] * (1.0 / b.I_r) - alpha_spin))
+    y[lay.EPS_A + j] = cage_constraint(cage, mask * (theta_a - alpha_cage))
+    y[lay.SPIN_A + j] = cage_constraint(cage, mask * (y[lay.TORQUE + j] * (1.0 / b.I_r) - alpha_spin))
 
 
 @begin.register(Planar)
@@ -347,9 +362,9 @@ def _stiffness_per_mass(model, y, j):
     supports."""
     outer = stiffness_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = stiffness_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
-    held = max(spring_per_mass(model.shaft), spring_per_mass(model.bracket))
+    supports = max(spring_per_mass(model.shaft), spring_per_mass(model.bracket))
     return max(
-        y[lay.INVERSE_MASS + j] * (outer + inner), held, pocket_stiffness(model.cage, y[lay.INVERSE_MASS + j])
+        y[lay.INVERSE_MASS + j] * (outer + inner), supports, pocket_stiffness(model.cage, y[lay.INVERSE_MASS + j])
     )
 
 
@@ -363,10 +378,10 @@ def _damping_per_mass(model, y, j):
     outer = damping_bound(model.outer, max(y[lay.DELTA_O + j], 0.0), y[lay.V_O + j])
     inner = damping_bound(model.inner, max(y[lay.DELTA_I + j], 0.0), y[lay.V_I + j])
     b = model.bearing
-    pressed = max(y[lay.Q_O + j], y[lay.Q_I + j]) * 2.0 * b.R_w * b.R_w / b.I_r
-    rubbing = mu_derivative_bound(model.friction, b.R_w * b.omega_b) * pressed
-    held = max(damper_per_mass(model.shaft), damper_per_mass(model.bracket))
-    return max(y[lay.INVERSE_MASS + j] * (outer + inner), held, lagged(rubbing, model.lag))
+    load_per_mass = max(y[lay.Q_O + j], y[lay.Q_I + j]) * 2.0 * b.R_w * b.R_w / b.I_r
+    friction_rate = mu_derivative_bound(model.friction, b.R_w * b.omega_b) * load_per_mass
+    supports = max(damper_per_mass(model.shaft), damper_per_mass(model.bracket))
+    return max(y[lay.INVERSE_MASS + j] * (outer + inner), supports, lagged(friction_rate, model.lag))
 
 
 @degrees_of_freedom.register(Planar)

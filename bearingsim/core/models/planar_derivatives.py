@@ -54,20 +54,23 @@ def clear_changes(low, high, y, n):
 def mobilities(model, y, n):
     """Fill the accelerations of rollers and shared bodies under unit forces and torques."""
     b, cage, m_o = model.bearing, model.cage, model.bearing.m_o
-    middle, held = 0.5 * (b.R_o + b.R_i), cage_constraint(cage, 1.0)
+    R_mean, cage_factor = 0.5 * (b.R_o + b.R_i), cage_constraint(cage, 1.0)
     for j in range(n):
         per_mass = y[lay.INVERSE_MASS + j]
-        y[lay.MOBILITY_R + j], y[lay.MOBILITY_T + j] = per_mass, held * per_mass / (middle + y[lay.RADIAL + j])
-        y[lay.MOBILITY_SPIN + j] = held * (b.m_r / b.I_r) * per_mass
-    turning, moving = cage_mobility(cage)
+        y[lay.MOBILITY_R + j], y[lay.MOBILITY_T + j] = (
+            per_mass,
+            cage_factor * per_mass / (R_mean + y[lay.RADIAL + j]),
+        )
+        y[lay.MOBILITY_SPIN + j] = cage_factor * (b.m_r / b.I_r) * per_mass
+    cage_rotation, cage_translation = cage_mobility(cage)
     y[lay.MOBILITY_SHARED + lay.X], y[lay.MOBILITY_SHARED + lay.Y], y[lay.MOBILITY_SHARED + lay.PSI] = (
         1.0 / m_o,
         1.0 / m_o,
         mobility(model.bracket),
     )
-    y[lay.MOBILITY_SHARED + lay.PHI_C] = turning
-    y[lay.MOBILITY_SHARED + lay.X_C] = moving
-    y[lay.MOBILITY_SHARED + lay.Y_C] = moving
+    y[lay.MOBILITY_SHARED + lay.PHI_C] = cage_rotation
+    y[lay.MOBILITY_SHARED + lay.X_C] = cage_translation
+    y[lay.MOBILITY_SHARED + lay.Y_C] = cage_translation
     y[lay.MOBILITY_SHARED + lay.X_I], y[lay.MOBILITY_SHARED + lay.Y_I] = (
         mobility(model.shaft),
         mobility(model.shaft),
@@ -84,10 +87,10 @@ def write_roller_column(matrix, i, m_r, y, n):
     for j in range(n):
         y[lay.diagonal_block(matrix, SPIN, i) + j] = y[lay.MOBILITY_SPIN + j] * y[lay.D_TORQUE + j]
     for k in range(SHARED):
-        share = m_r * y[lay.MOBILITY_SHARED + k]  # times the inverse mass, which is 0 in a padded lane
+        scale = m_r * y[lay.MOBILITY_SHARED + k]  # times the inverse mass, which is 0 in a padded lane
         for j in range(n):
             y[lay.border_row(matrix, k, i) + j] = (
-                share * y[lay.INVERSE_MASS + j] * y[lay.D_FORCE_SHARED + k * lay.ROW + j]
+                scale * y[lay.INVERSE_MASS + j] * y[lay.D_FORCE_SHARED + k * lay.ROW + j]
             )
 
 
@@ -113,18 +116,18 @@ def write_shared_column(matrix, m, low, high, m_r, y, n):
 
 
 @jit
-def displace_rollers(i, position, speed, middle, omega_cage, y, n):
+def displace_rollers(i, position, speed, R_mean, omega_cage, y, n):
     """Displace every roller's coordinate ``i`` by ``position`` (m, rad), its rate by ``speed`` (m/s, rad/s).
 
     The velocity r' e_r + r theta' e_theta changes with r and, because its directions rotate, with theta.
     """
-    out = 1.0 if i == RADIAL else 0.0
-    orbit = 1.0 if i == ORBIT else 0.0
+    radial = 1.0 if i == RADIAL else 0.0
+    orbital = 1.0 if i == ORBIT else 0.0
     for j in range(n):
-        r, v, theta_v = middle + y[lay.RADIAL + j], y[lay.RADIAL_V + j], omega_cage + y[lay.EPS_V + j]
-        y[lay.D_POSITION_R + j], y[lay.D_POSITION_T + j] = position * out, position * orbit * r
-        y[lay.D_VELOCITY_R + j] = speed * out - position * orbit * r * theta_v
-        y[lay.D_VELOCITY_T + j] = speed * orbit * r + position * (out * theta_v + orbit * v)
+        r, v, theta_v = R_mean + y[lay.RADIAL + j], y[lay.RADIAL_V + j], omega_cage + y[lay.EPS_V + j]
+        y[lay.D_POSITION_R + j], y[lay.D_POSITION_T + j] = position * radial, position * orbital * r
+        y[lay.D_VELOCITY_R + j] = speed * radial - position * orbital * r * theta_v
+        y[lay.D_VELOCITY_T + j] = speed * orbital * r + position * (radial * theta_v + orbital * v)
 
 
 @jit
@@ -133,12 +136,12 @@ def displace_body(axis, position, speed, y, n):
     of the rollers relative to it."""
     for j in range(n):
         c, s = y[lay.COS + j], y[lay.SIN + j]
-        r, t = (-s, -c) if axis else (-c, s)
+        d_r, d_t = (-s, -c) if axis else (-c, s)
         y[lay.D_POSITION_R + j], y[lay.D_POSITION_T + j], y[lay.D_VELOCITY_R + j], y[lay.D_VELOCITY_T + j] = (
-            position * r,
-            position * t,
-            speed * r,
-            speed * t,
+            position * d_r,
+            position * d_t,
+            speed * d_r,
+            speed * d_t,
         )
 
 
@@ -146,13 +149,13 @@ def displace_body(axis, position, speed, y, n):
 def add_roller_columns(model, omega_cage, omega_i, spin, y, n):
     """Fill the columns of the rollers' own coordinates and velocities."""
     b, ring_v = model.bearing, y[lay.VELOCITY + lay.PSI]
-    middle = 0.5 * (b.R_o + b.R_i)
+    R_mean = 0.5 * (b.R_o + b.R_i)
     for i in range(3):
         for matrix, position, speed in ((lay.POSITION_JACOBIAN, 1.0, 0.0), (lay.VELOCITY_JACOBIAN, 0.0, 1.0)):
             roll, roll_v = (position, speed) if i == SPIN else (0.0, 0.0)
             orbit_v = speed if i == ORBIT else 0.0
             clear_changes(0, SHARED, y, n)
-            displace_rollers(i, position, speed, middle, omega_cage, y, n)
+            displace_rollers(i, position, speed, R_mean, omega_cage, y, n)
             race_change(OuterSide(), spin, ring_v, roll, roll_v, orbit_v, 0.0, 0.0, y, n)
             race_change(InnerSide(), spin, omega_i, roll, roll_v, orbit_v, 0.0, 0.0, y, n)
             pocket_change(model.cage, b.R_w, omega_cage, roll_v, 0.0, 0.0, y, n)
@@ -196,21 +199,21 @@ def add_cage_columns(model, omega_cage, y, n):
 def add_inertial_terms(model, omega_cage, y, n):
     """Add the terms of rotating directions and of inertia in q'' = r theta'^2 + F_r/m and
     theta'' = (F_t/m - 2 q' theta')/r."""
-    b, held = model.bearing, cage_constraint(model.cage, 1.0)
-    middle = 0.5 * (b.R_o + b.R_i)
+    b, cage_factor = model.bearing, cage_constraint(model.cage, 1.0)
+    R_mean = 0.5 * (b.R_o + b.R_i)
     for j in range(n):
-        r = middle + y[lay.RADIAL + j]
+        r = R_mean + y[lay.RADIAL + j]
         v = y[lay.RADIAL_V + j]
         theta_v = omega_cage + y[lay.EPS_V + j]
-        real = b.m_r * y[lay.INVERSE_MASS + j]
+        mask = b.m_r * y[lay.INVERSE_MASS + j]
         drag, derivative = orbit_drag(model.drag, r * theta_v), orbit_drag_derivative(model.drag, r * theta_v)
-        coriolis, per_r, per_t = held * real * 2.0 / r, y[lay.MOBILITY_R + j], y[lay.MOBILITY_T + j]
-        y[lay.diagonal_block(lay.POSITION_JACOBIAN, RADIAL, RADIAL) + j] += real * theta_v * theta_v
+        coriolis, per_r, per_t = cage_factor * mask * 2.0 / r, y[lay.MOBILITY_R + j], y[lay.MOBILITY_T + j]
+        y[lay.diagonal_block(lay.POSITION_JACOBIAN, RADIAL, RADIAL) + j] += mask * theta_v * theta_v
         y[lay.diagonal_block(lay.POSITION_JACOBIAN, RADIAL, ORBIT) + j] += per_r * (y[lay.FORCE_T + j] - drag)
         y[lay.diagonal_block(lay.POSITION_JACOBIAN, ORBIT, ORBIT) + j] -= per_t * y[lay.FORCE_R + j]
         derivative_t = per_t * (derivative * theta_v - y[lay.FORCE_T + j] / r) + coriolis * v * theta_v / r
         y[lay.diagonal_block(lay.POSITION_JACOBIAN, ORBIT, RADIAL) + j] += derivative_t
-        y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, RADIAL, ORBIT) + j] += real * 2.0 * r * theta_v
+        y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, RADIAL, ORBIT) + j] += mask * 2.0 * r * theta_v
         y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, ORBIT, RADIAL) + j] -= coriolis * theta_v
         y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, ORBIT, ORBIT) + j] += per_t * derivative * r - coriolis * v
 

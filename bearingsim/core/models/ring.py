@@ -134,23 +134,23 @@ def correct_for_defect(model, y, j):
     defects, bearing = model.defects, model.bearing
     u_r = -(y[lay.DELTA_O + j] + y[lay.DELTA_I + j] + 2.0 * bearing.gap)
     q = roller_balance(model, y, j, u_r)
-    outer, inner, half = q - u_r - bearing.gap, -bearing.gap - q, y[lay.V_O + j]
+    outer, inner, half_rate = q - u_r - bearing.gap, -bearing.gap - q, y[lay.V_O + j]
     y[lay.DELTA_O + j], y[lay.DELTA_I + j] = outer, inner
     d, s = int(y[PAIR + j]), y[DISTANCE + j]
-    e, along = int(y[PAIR + lay.ROW + j]), y[DISTANCE + lay.ROW + j]
+    d_i, s_i = int(y[PAIR + lay.ROW + j]), y[DISTANCE + lay.ROW + j]
     if d >= 0:
         speed = passing_speed(defects, d, bearing)
-        if e >= 0:
-            half -= 0.5 * roller_drop_rate(
-                model.inner.stiffness, defects, e, along, passing_speed(defects, e, bearing), inner
+        if d_i >= 0:
+            half_rate -= 0.5 * roller_drop_rate(
+                model.inner.stiffness, defects, d_i, s_i, passing_speed(defects, d_i, bearing), inner
             )
         y[lay.Q_O + j], _, y[lay.DELTA_O + j], y[lay.V_O + j] = force_over_defect(
-            model.outer, defects, d, s, 0.5 * speed, outer, half
+            model.outer, defects, d, s, 0.5 * speed, outer, half_rate
         )
     else:
-        speed = passing_speed(defects, e, bearing)
+        speed = passing_speed(defects, d_i, bearing)
         y[lay.Q_O + j], _, y[lay.DELTA_I + j], y[lay.V_I + j] = force_over_defect(
-            model.inner, defects, e, along, 0.5 * speed, inner, half
+            model.inner, defects, d_i, s_i, 0.5 * speed, inner, half_rate
         )
         y[lay.V_O + j] = y[lay.V_I + j]
 
@@ -183,7 +183,7 @@ def _accelerate_shared(model, common, t, y):
 
 
 @accelerate_roller.register(Ring)
-def _accelerate_roller(model, common, felt, y, j):
+def _accelerate_roller(model, common, body_acceleration, y, j):
     """Do nothing, because massless rollers have no acceleration."""
 
 
@@ -203,10 +203,10 @@ def _stiffness_per_mass(model, y, j):
     """
     total = 0.0
     for i in range(lanes(model.bearing)):
-        real = y[lay.COS + i] * y[lay.COS + i] + y[lay.SIN + i] * y[lay.SIN + i]  # 1, and 0 in a padded lane
+        mask = y[lay.COS + i] * y[lay.COS + i] + y[lay.SIN + i] * y[lay.SIN + i]  # 1, and 0 in a padded lane
         outer = stiffness_bound(model.outer, max(y[lay.DELTA_O + i], 0.0), y[lay.V_O + i])
         inner = stiffness_bound(model.inner, max(y[lay.DELTA_I + i], 0.0), y[lay.V_I + i])
-        total = add(total, real * in_series(outer, inner))
+        total = add(total, mask * in_series(outer, inner))
     return (total + model.support.k_b) / model.bearing.m_o
 
 
@@ -214,10 +214,10 @@ def _stiffness_per_mass(model, y, j):
 def _damping_per_mass(model, y, j):
     total = 0.0
     for i in range(lanes(model.bearing)):
-        real = y[lay.COS + i] * y[lay.COS + i] + y[lay.SIN + i] * y[lay.SIN + i]
+        mask = y[lay.COS + i] * y[lay.COS + i] + y[lay.SIN + i] * y[lay.SIN + i]
         outer = damping_bound(model.outer, max(y[lay.DELTA_O + i], 0.0), y[lay.V_O + i])
         inner = damping_bound(model.inner, max(y[lay.DELTA_I + i], 0.0), y[lay.V_I + i])
-        total = add(total, real * in_series(outer, inner))
+        total = add(total, mask * in_series(outer, inner))
     return (total + model.support.c_b) / model.bearing.m_o
 
 
@@ -247,25 +247,25 @@ def derivatives_over_defect_in_series(model, y, j):
     defects, bearing = model.defects, model.bearing
     u_r = -(y[lay.DELTA_O + j] + y[lay.DELTA_I + j] + 2.0 * bearing.gap)
     q = roller_balance(model, y, j, u_r)
-    outer, inner, half = q - u_r - bearing.gap, -bearing.gap - q, y[lay.V_O + j]
+    outer, inner, half_rate = q - u_r - bearing.gap, -bearing.gap - q, y[lay.V_O + j]
     d, s = int(y[PAIR + j]), y[DISTANCE + j]
-    e, along = int(y[PAIR + lay.ROW + j]), y[DISTANCE + lay.ROW + j]
+    d_i, s_i = int(y[PAIR + lay.ROW + j]), y[DISTANCE + lay.ROW + j]
     k_o = stiffness_over_defect(model.outer.stiffness, defects, d, s, outer)
-    k_i = stiffness_over_defect(model.inner.stiffness, defects, e, along, inner)
-    part = k_i / max(k_o + k_i, 1e-300)
+    k_i = stiffness_over_defect(model.inner.stiffness, defects, d_i, s_i, inner)
+    share = k_i / max(k_o + k_i, 1e-300)
     if d < 0:
-        speed = 0.5 * passing_speed(defects, e, bearing)
-        K, C = derivatives_over_defect(model.inner, defects, e, along, speed, inner, half)
-        return (1.0 - part) * K, 0.5 * C
-    falling = 0.0  # derivative of the closing rate with respect to the inner approach
-    if e >= 0:
-        speed, stiffness = passing_speed(defects, e, bearing), model.inner.stiffness
-        half -= 0.5 * roller_drop_rate(stiffness, defects, e, along, speed, inner)
-        falling = 0.5 * roller_drop_rate_derivative(stiffness, defects, e, along, speed, inner)
+        speed = 0.5 * passing_speed(defects, d_i, bearing)
+        K, C = derivatives_over_defect(model.inner, defects, d_i, s_i, speed, inner, half_rate)
+        return (1.0 - share) * K, 0.5 * C
+    drop_derivative = 0.0  # derivative of the closing rate with respect to the inner approach
+    if d_i >= 0:
+        speed, stiffness = passing_speed(defects, d_i, bearing), model.inner.stiffness
+        half_rate -= 0.5 * roller_drop_rate(stiffness, defects, d_i, s_i, speed, inner)
+        drop_derivative = 0.5 * roller_drop_rate_derivative(stiffness, defects, d_i, s_i, speed, inner)
     K, C = derivatives_over_defect(
-        model.outer, defects, d, s, 0.5 * passing_speed(defects, d, bearing), outer, half
+        model.outer, defects, d, s, 0.5 * passing_speed(defects, d, bearing), outer, half_rate
     )
-    return part * K - (1.0 - part) * falling * C, 0.5 * C
+    return share * K - (1.0 - share) * drop_derivative * C, 0.5 * C
 
 
 @linearise.register(Ring)

@@ -79,8 +79,8 @@ class Rollers(NamedTuple):
 
 @state_width.register(Rollers)
 def _state_width(model):
-    bent = harmonics(model)
-    return lay.MODES_S + bent if bent > 0 else lay.FIRST_LANE + lanes(model.bearing)
+    count = harmonics(model)
+    return lay.MODES_S + count if count > 0 else lay.FIRST_LANE + lanes(model.bearing)
 
 
 @harmonics.register(Rollers)
@@ -157,7 +157,7 @@ def _accelerate_shared(model, common, t, y):
 
 
 @accelerate_roller.register(Rollers)
-def _accelerate_roller(model, common, felt, y, j):
+def _accelerate_roller(model, common, body_acceleration, y, j):
     """Implement ``accelerate_roller`` by equation (M8) of docs/model.md, first line."""
     b = model.bearing
     centrifugal = b.m_r * b.omega_c * b.omega_c * (0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j])

@@ -136,9 +136,9 @@ def roller_axes(spin, omega_cage, R_w, y, n):
 @jit
 def external_loads(model, omega_cage, y, n):
     """Fill the loads on every roller except contact forces: gravity and oil drag."""
-    weight, middle = model.gravity * model.bearing.m_r, 0.5 * (model.bearing.R_o + model.bearing.R_i)
+    weight, R_mean = model.gravity * model.bearing.m_r, 0.5 * (model.bearing.R_o + model.bearing.R_i)
     for j in range(n):
-        speed = (omega_cage + y[lay.EPS_V + j]) * (middle + y[lay.RADIAL + j])
+        speed = (omega_cage + y[lay.EPS_V + j]) * (R_mean + y[lay.RADIAL + j])
         y[lay.FORCE_R + j] = weight * y[lay.COS + j]
         y[lay.FORCE_T + j] = -weight * y[lay.SIN + j] + orbit_drag(model.drag, speed)
         y[lay.FORCE_Z + j] = 0.0
@@ -146,24 +146,24 @@ def external_loads(model, omega_cage, y, n):
 
 
 @jit
-def race_contacts(model, t, steep, outer, inner, omega_cage, y, n):
+def race_contacts(model, t, tilt_factor, outer, inner, omega_cage, y, n):
     """Compute the contacts of the rollers' slices with both races; fill the sums of both sides.
 
-    steep: 1.0, or 0.0 if defects do not tilt the normal (static equilibrium).
+    tilt_factor: 1.0, or 0.0 if defects do not tilt the normal (static equilibrium).
     """
     b, table = model.bearing, model.slices.table
     race_frame(OuterSide(), b, outer, omega_cage, y, n)
     race_frame(InnerSide(), b, inner, omega_cage, y, n)
-    met = mark_rollers_at_defects(model, t, outer.a_z, inner.a_z, y) if len(model.defects.head) > 0 else 0
+    marked = mark_rollers_at_defects(model, t, outer.a_z, inner.a_z, y) if len(model.defects.head) > 0 else 0
     clear_sums(OuterSide(), y, n)
     clear_sums(InnerSide(), y, n)
     for k in range(len(table)):
         zeta, weight, drop = table[k, ZETA], table[k, WEIGHT], table[k, DROP]
-        if met > 0:
-            slice_defect_response(model, t, k, steep, outer.a_z, inner.a_z, y)
+        if marked > 0:
+            slice_defect_response(model, t, k, tilt_factor, outer.a_z, inner.a_z, y)
         add_slice(OuterSide(), model.outer, model.friction, b, outer, zeta, weight, drop, k, y, n)
         add_slice(InnerSide(), model.inner, model.friction, b, inner, zeta, weight, drop, k, y, n)
-    if met > 0:
+    if marked > 0:
         clear_defect_response(model, y)
     slip_relaxation(model.lag, b.m_r, b.I_r, model.I_t, b.R_w, y, n)
     relax_friction(OuterSide(), outer, y, n)
@@ -174,14 +174,14 @@ def race_contacts(model, t, steep, outer, inner, omega_cage, y, n):
 def accelerate_rollers(model, omega_cage, alpha_cage, alpha_spin, y, n):
     """Apply Newton's equations to the centre of every roller, Euler's to its axis and spin."""
     b, cage = model.bearing, model.cage
-    middle = 0.5 * (b.R_o + b.R_i)
+    R_mean = 0.5 * (b.R_o + b.R_i)
     for j in range(n):
         per_mass = y[lay.INVERSE_MASS + j]
-        real = b.m_r * per_mass
-        r, theta_v = middle + y[lay.RADIAL + j], omega_cage + y[lay.EPS_V + j]
-        y[lay.RADIAL_A + j] = real * r * theta_v * theta_v + per_mass * y[lay.FORCE_R + j]
+        mask = b.m_r * per_mass
+        r, theta_v = R_mean + y[lay.RADIAL + j], omega_cage + y[lay.EPS_V + j]
+        y[lay.RADIAL_A + j] = mask * r * theta_v * theta_v + per_mass * y[lay.FORCE_R + j]
         theta_a = (per_mass * y[lay.FORCE_T + j] - 2.0 * y[lay.RADIAL_V + j] * theta_v) / r
-        y[lay.EPS_A + j] = cage_constraint(cage, real * (theta_a - alpha_cage))
+        y[lay.EPS_A + j] = cage_constraint(cage, mask * (theta_a - alpha_cage))
         y[lay.AXIAL_A + j] = cage_constraint(cage, per_mass * y[lay.FORCE_Z + j])
 
         a_r, a_t, a_z = y[lay.TILT + j], y[lay.SKEW + j], y[lay.AXIS_Z + j]
@@ -190,14 +190,15 @@ def accelerate_rollers(model, omega_cage, alpha_cage, alpha_spin, y, n):
         l_r, l_t = axis_acceleration(
             M_r, M_t, M_z, b.I_r * y[lay.OMEGA + j], model.I_t, a_r, a_t, a_z, w_r, w_t, w_z
         )
-        carried = 2.0 * w_r * theta_v + a_r * alpha_cage  # of an axis that a kinematic cage keeps from skewing
-        l_r, l_t = real * l_r, real * (carried + cage_constraint(cage, l_t - carried))
+        # of an axis that a kinematic cage keeps from skewing
+        frame_acceleration = 2.0 * w_r * theta_v + a_r * alpha_cage
+        l_r, l_t = mask * l_r, mask * (frame_acceleration + cage_constraint(cage, l_t - frame_acceleration))
         c, s = y[lay.COS + j], y[lay.SIN + j]
         y[lay.AXIS_X_A + j], y[lay.AXIS_Y_A + j] = l_r * c - l_t * s, l_r * s + l_t * c
-        bent, area = 1.0 + a_z, w_r * a_t - a_r * w_t
-        wound = (l_r * a_t - a_r * l_t) / bent - area * w_z / (bent * bent)
+        one_plus_z, swept_rate = 1.0 + a_z, w_r * a_t - a_r * w_t
+        precession_rate = (l_r * a_t - a_r * l_t) / one_plus_z - swept_rate * w_z / (one_plus_z * one_plus_z)
         omega_a = (M_r * a_r + M_t * a_t + M_z * a_z) / b.I_r
-        y[lay.SPIN_A + j] = cage_constraint(cage, real * (omega_a - wound - alpha_spin))
+        y[lay.SPIN_A + j] = cage_constraint(cage, mask * (omega_a - precession_rate - alpha_spin))
 
 
 @accelerations.register(Spatial)
@@ -241,13 +242,13 @@ next_jump.register(Spatial)(next_jump_with_slip)
 def _roller_at_defect(model, d, t, y):
     """Find the roller by its middle, from the positions of rollers, rings and cage and from the rows filled by
     ``race_frame``."""
-    head, middle = model.defects.head[d], 0.5 * (model.bearing.R_o + model.bearing.R_i)
+    head, R_mean = model.defects.head[d], 0.5 * (model.bearing.R_o + model.bearing.R_i)
     outer = head[SIDE] == OUTER
     tilt_cells = (lay.RING_TILT_X, lay.RING_TILT_Y) if outer else (lay.INNER_TILT_X, lay.INNER_TILT_Y)
     b_z = axis_z(y[tilt_cells[0]], y[tilt_cells[1]])
     j, s = roller_near_defect(model, d, t, y)
     return j, s + head[RADIUS] * slice_polar_position(
-        lay.OUTER_SIDE if outer else lay.INNER_SIDE, middle, b_z, 0.0, y, j
+        lay.OUTER_SIDE if outer else lay.INNER_SIDE, R_mean, b_z, 0.0, y, j
     )[0]
 
 
@@ -257,13 +258,15 @@ def sum_over_slices(model, y, j):
     k, c, k_tilt, c_tilt = 0.0, 0.0, 0.0, 0.0
     for i in range(len(model.slices.table)):
         zeta, weight = model.slices.table[i, ZETA], model.slices.table[i, WEIGHT]
-        o = max(y[lay.slice_row(i, lay.APPROACH_O) + j], 0.0)
-        p = max(y[lay.slice_row(i, lay.APPROACH_I) + j], 0.0)
+        delta_o = max(y[lay.slice_row(i, lay.APPROACH_O) + j], 0.0)
+        delta_i = max(y[lay.slice_row(i, lay.APPROACH_I) + j], 0.0)
         stiff = weight * (
-            stiffness_bound(model.outer, o, y[lay.V_O + j]) + stiffness_bound(model.inner, p, y[lay.V_I + j])
+            stiffness_bound(model.outer, delta_o, y[lay.V_O + j])
+            + stiffness_bound(model.inner, delta_i, y[lay.V_I + j])
         )
         damp = weight * (
-            damping_bound(model.outer, o, y[lay.V_O + j]) + damping_bound(model.inner, p, y[lay.V_I + j])
+            damping_bound(model.outer, delta_o, y[lay.V_O + j])
+            + damping_bound(model.inner, delta_i, y[lay.V_I + j])
         )
         k, c = k + stiff, c + damp
         k_tilt, c_tilt = k_tilt + zeta * zeta * stiff, c_tilt + zeta * zeta * damp
@@ -276,11 +279,11 @@ def _stiffness_per_mass(model, y, j):
     the flanges, and the rings' supports."""
     per_mass = y[lay.INVERSE_MASS + j]
     k, _, k_tilt, _ = sum_over_slices(model, y, j)
-    held = max(spring_per_mass(model.shaft), spring_per_mass(model.bracket))
-    mounted = max(mount_stiffness(model.mount_o), mount_stiffness(model.mount_i))
+    supports = max(spring_per_mass(model.shaft), spring_per_mass(model.bracket))
+    mounts = max(mount_stiffness(model.mount_o), mount_stiffness(model.mount_i))
     pocket = max(pocket_stiffness(model.cage, per_mass), axial_stiffness(model.cage_z, model.cage, per_mass))
     flange = flange_stiffness(model.flanges, per_mass, 1.0 / model.I_t, model.bearing.R_w)
-    return max(per_mass * k, k_tilt / model.I_t, held, mounted, pocket, flange)
+    return max(per_mass * k, k_tilt / model.I_t, supports, mounts, pocket, flange)
 
 
 @damping_per_mass.register(Spatial)
@@ -292,15 +295,16 @@ def _damping_per_mass(model, y, j):
     """
     b, half, per_mass = model.bearing, 0.5 * model.L_w, y[lay.INVERSE_MASS + j]
     _, c, _, c_tilt = sum_over_slices(model, y, j)
-    pressed = max(y[lay.Q_O + j], y[lay.Q_I + j]) * max(
+    load_per_mass = max(y[lay.Q_O + j], y[lay.Q_I + j]) * max(
         2.0 * b.R_w * b.R_w / b.I_r, 2.0 * b.R_w * b.R_w / model.I_t
     )
-    rubbing = mu_derivative_bound(model.friction, b.R_w * b.omega_b) * pressed
-    held = max(damper_per_mass(model.shaft), damper_per_mass(model.bracket))
-    mounted = max(mount_damping(model.mount_o), mount_damping(model.mount_i))
-    loose = per_mass + b.R_w * b.R_w / b.I_r + half * half / model.I_t  # 1/kg: change of an end's slip per impulse
-    roller_damping = max(per_mass * c, c_tilt / model.I_t, lagged(rubbing, model.lag))
-    return max(roller_damping + (y[lay.KAPPA_F + j] + y[lay.KAPPA_P + j]) * loose, held, mounted)
+    friction_rate = mu_derivative_bound(model.friction, b.R_w * b.omega_b) * load_per_mass
+    supports = max(damper_per_mass(model.shaft), damper_per_mass(model.bracket))
+    mounts = max(mount_damping(model.mount_o), mount_damping(model.mount_i))
+    # 1/kg: change of an end's slip per impulse
+    end_mobility = per_mass + b.R_w * b.R_w / b.I_r + half * half / model.I_t
+    roller_damping = max(per_mass * c, c_tilt / model.I_t, lagged(friction_rate, model.lag))
+    return max(roller_damping + (y[lay.KAPPA_F + j] + y[lay.KAPPA_P + j]) * end_mobility, supports, mounts)
 
 
 @degrees_of_freedom.register(Spatial)

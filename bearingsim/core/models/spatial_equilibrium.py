@@ -29,20 +29,21 @@ from bearingsim.core.models.bodies_in_space import set_mounted_rings
 from bearingsim.core.models.equilibrium import NoEquilibrium, solve_2x2, solve_in_cpu_time
 from bearingsim.core.models.spatial_residuals import (
     CELLS,
-    RINGS,
+    COORDINATES,
     arm,
+    fill_residuals,
+    fill_ring_stiffness,
+    fill_roller_stiffness,
     largest_force,
-    press,
-    room,
     scales,
-    stiffen_rings,
-    stiffen_rollers,
+    work_arrays,
 )
 
 RESIDUAL = 1e-10  # of the load: residual of the search, well under the 1e-8 allowed at the start of a run
 MAX_STEPS = 100
-HALVINGS = 40  # largest number of halvings of a step
-STRICT, LOOSE = 0.1, 1e-3  # tolerance of the rollers, relative to RESIDUAL (at the end), to the rings' residual
+MAX_HALVINGS = 40  # largest number of halvings of a step
+# tolerance of the rollers, relative to RESIDUAL (at the end), to the rings' residual
+FINAL_TOLERANCE, RELATIVE_TOLERANCE = 0.1, 1e-3
 LONGEST_STEP = 2e-5  # m; for angles, of the angle times half a roller's length
 
 
@@ -58,129 +59,144 @@ def eliminate(a):
         for column in range(i, n + 1):
             a[i, column], a[pivot, column] = a[pivot, column], a[i, column]
         for row in range(n):
-            part = a[row, i] / a[i, i] if row != i else 0.0
+            factor = a[row, i] / a[i, i] if row != i else 0.0
             for column in range(i, n + 1):
-                a[row, column] -= part * a[i, column]
+                a[row, column] -= factor * a[i, column]
     for i in range(n):
         a[i, n] /= a[i, i]
 
 
 @jit
-def move_rollers(y, steps, part, Z):
+def move_rollers(y, steps, fraction, Z):
     """Move every roller by a part of its row of ``steps``."""
     for j in range(Z):
-        y[lay.RADIAL + j] += part * steps[j, 0]
-        y[lay.TILT + j] += part * steps[j, 1]
+        y[lay.RADIAL + j] += fraction * steps[j, 0]
+        y[lay.TILT + j] += fraction * steps[j, 1]
 
 
 @jit
-def step_rollers(s, arrays, Z):
-    """Fill ``arrays.step`` and ``arrays.push``: Newton's step of every roller, limited to ``LONGEST_STEP``, and
-    its work."""
+def newton_step_of_rollers(s, arrays, Z):
+    """Fill ``arrays.roller_step``, Newton's step of every roller, limited to ``LONGEST_STEP``, and its work
+    ``arrays.roller_work``."""
     for j in range(Z):
         q, tilt = solve_2x2(
-            arrays.pairs[j, 0], arrays.pairs[j, 1], arrays.pairs[j, 2], arrays.left[j, 0], arrays.left[j, 1]
+            arrays.roller_stiffness[j, 0],
+            arrays.roller_stiffness[j, 1],
+            arrays.roller_stiffness[j, 2],
+            arrays.roller_residuals[j, 0],
+            arrays.roller_residuals[j, 1],
         )
-        shorter = min(1.0, LONGEST_STEP / max(abs(q), abs(tilt) * s.half, 1e-300))
-        arrays.step[j, 0], arrays.step[j, 1] = shorter * q, shorter * tilt
-        arrays.push[j] = arrays.left[j, 0] * arrays.step[j, 0] + arrays.left[j, 1] * arrays.step[j, 1]
+        scale = min(1.0, LONGEST_STEP / max(abs(q), abs(tilt) * s.half_length, 1e-300))
+        arrays.roller_step[j, 0], arrays.roller_step[j, 1] = scale * q, scale * tilt
+        arrays.roller_work[j] = (
+            arrays.roller_residuals[j, 0] * arrays.roller_step[j, 0]
+            + arrays.roller_residuals[j, 1] * arrays.roller_step[j, 1]
+        )
 
 
 @jit
-def step_back(y, arrays, Z):
+def halve_overshoots(y, arrays, Z):
     """Halve the step of every roller that passed its equilibrium; return whether any did."""
-    any_past = False
+    any_overshoot = False
     for j in range(Z):
-        if arrays.left[j, 0] * arrays.step[j, 0] + arrays.left[j, 1] * arrays.step[j, 1] < -0.5 * arrays.push[j]:
-            any_past = True
-            arrays.step[j, 0], arrays.step[j, 1], arrays.push[j] = (
-                0.5 * arrays.step[j, 0],
-                0.5 * arrays.step[j, 1],
-                0.5 * arrays.push[j],
+        if (
+            arrays.roller_residuals[j, 0] * arrays.roller_step[j, 0]
+            + arrays.roller_residuals[j, 1] * arrays.roller_step[j, 1]
+            < -0.5 * arrays.roller_work[j]
+        ):
+            any_overshoot = True
+            arrays.roller_step[j, 0], arrays.roller_step[j, 1], arrays.roller_work[j] = (
+                0.5 * arrays.roller_step[j, 0],
+                0.5 * arrays.roller_step[j, 1],
+                0.5 * arrays.roller_work[j],
             )
-            y[lay.RADIAL + j] -= arrays.step[j, 0]
-            y[lay.TILT + j] -= arrays.step[j, 1]
-    return any_past
+            y[lay.RADIAL + j] -= arrays.roller_step[j, 0]
+            y[lay.TILT + j] -= arrays.roller_step[j, 1]
+    return any_overshoot
 
 
 @jit
-def settle(model, t, y, s, arrays, goal):
-    """Balance every roller to ``goal`` (N) for fixed rings; return the largest residual (N)."""
-    return settle_on(model, t, y, s, arrays, goal, press(model, t, y, s, arrays))
+def balance_rollers(model, t, y, s, arrays, tolerance):
+    """Balance every roller to ``tolerance`` (N) for fixed rings; return the largest residual (N)."""
+    return continue_balance(model, t, y, s, arrays, tolerance, fill_residuals(model, t, y, s, arrays))
 
 
 @jit
-def settle_on(model, t, y, s, arrays, goal, size):
-    """Run ``settle`` for rollers with residuals in ``arrays``, of which the largest is ``size`` (N)."""
+def continue_balance(model, t, y, s, arrays, tolerance, residual):
+    """Run ``balance_rollers`` for residuals in ``arrays``, of which the largest is ``residual`` (N)."""
     Z = model.bearing.Z
     for _ in range(MAX_STEPS):
-        if size <= goal or is_over(y[lay.CPU_END]):
+        if residual <= tolerance or is_over(y[lay.CPU_END]):
             break
-        stiffen_rollers(model, y, s, arrays)
-        step_rollers(s, arrays, Z)
-        before = size
-        move_rollers(y, arrays.step, 1.0, Z)
-        size = press(model, t, y, s, arrays)
-        for _ in range(HALVINGS):
-            if size <= goal or not step_back(y, arrays, Z):
+        fill_roller_stiffness(model, y, s, arrays)
+        newton_step_of_rollers(s, arrays, Z)
+        previous = residual
+        move_rollers(y, arrays.roller_step, 1.0, Z)
+        residual = fill_residuals(model, t, y, s, arrays)
+        for _ in range(MAX_HALVINGS):
+            if residual <= tolerance or not halve_overshoots(y, arrays, Z):
                 break
-            size = press(model, t, y, s, arrays)
-        if before <= size <= RESIDUAL * s.load:
+            residual = fill_residuals(model, t, y, s, arrays)
+        if previous <= residual <= RESIDUAL * s.load:
             break  # the residual is rounding error
-    return size
+    return residual
 
 
 @jit
-def step_rings(model, y, s, arrays):
-    """Fill ``arrays.move``, Newton's step of the rings, and ``arrays.follow``, that of the rollers; return the
-    work (N m) of the rings' step."""
-    stiffen_rollers(model, y, s, arrays)
-    stiffen_rings(model, y, arrays)
-    for i in range(RINGS):
-        arrays.stiff[i, RINGS] = arrays.forces[i]
-    eliminate(arrays.stiff)
-    longest, push = 1e-300, 0.0
-    for i in range(RINGS):
-        longest = max(longest, abs(arrays.stiff[i, RINGS]) * arm(i, s.half))
-    for i in range(RINGS):
-        arrays.move[i] = arrays.stiff[i, RINGS] * min(1.0, LONGEST_STEP / longest)
-        arrays.start[i] = y[lay.POSITION + CELLS[i]]
-        push += arrays.forces[i] * arrays.move[i]
+def newton_step_of_rings(model, y, s, arrays):
+    """Fill ``arrays.ring_step``, Newton's step of the rings, and ``arrays.roller_response``, that of the rollers;
+    return the work (N m) of the rings' step."""
+    fill_roller_stiffness(model, y, s, arrays)
+    fill_ring_stiffness(model, y, arrays)
+    for i in range(COORDINATES):
+        arrays.ring_system[i, COORDINATES] = arrays.ring_residuals[i]
+    eliminate(arrays.ring_system)
+    longest, work = 1e-300, 0.0
+    for i in range(COORDINATES):
+        longest = max(longest, abs(arrays.ring_system[i, COORDINATES]) * arm(i, s.half_length))
+    for i in range(COORDINATES):
+        arrays.ring_step[i] = arrays.ring_system[i, COORDINATES] * min(1.0, LONGEST_STEP / longest)
+        arrays.ring_start[i] = y[lay.POSITION + CELLS[i]]
+        work += arrays.ring_residuals[i] * arrays.ring_step[i]
     for j in range(model.bearing.Z):
-        arrays.held[j, 0], arrays.held[j, 1] = y[lay.RADIAL + j], y[lay.TILT + j]
+        arrays.roller_start[j, 0], arrays.roller_start[j, 1] = y[lay.RADIAL + j], y[lay.TILT + j]
         q, tilt = 0.0, 0.0
-        for i in range(RINGS):
-            q, tilt = q - arrays.crossed[j, 0, i] * arrays.move[i], tilt - arrays.crossed[j, 1, i] * arrays.move[i]
-        arrays.follow[j, 0], arrays.follow[j, 1] = solve_2x2(
-            arrays.pairs[j, 0], arrays.pairs[j, 1], arrays.pairs[j, 2], q, tilt
+        for i in range(COORDINATES):
+            q, tilt = (
+                q - arrays.coupling[j, 0, i] * arrays.ring_step[i],
+                tilt - arrays.coupling[j, 1, i] * arrays.ring_step[i],
+            )
+        arrays.roller_response[j, 0], arrays.roller_response[j, 1] = solve_2x2(
+            arrays.roller_stiffness[j, 0], arrays.roller_stiffness[j, 1], arrays.roller_stiffness[j, 2], q, tilt
         )
-    return push
+    return work
 
 
 @jit
-def move_all(y, arrays, part, Z):
-    """Move rings and rollers by ``part`` of the step from their stored positions."""
-    for i in range(RINGS):
-        y[lay.POSITION + CELLS[i]] = arrays.start[i] + part * arrays.move[i]
+def apply_step(y, arrays, fraction, Z):
+    """Move rings and rollers by ``fraction`` of the step from their stored positions."""
+    for i in range(COORDINATES):
+        y[lay.POSITION + CELLS[i]] = arrays.ring_start[i] + fraction * arrays.ring_step[i]
     for j in range(Z):
-        y[lay.RADIAL + j] = arrays.held[j, 0] + part * arrays.follow[j, 0]
-        y[lay.TILT + j] = arrays.held[j, 1] + part * arrays.follow[j, 1]
+        y[lay.RADIAL + j] = arrays.roller_start[j, 0] + fraction * arrays.roller_response[j, 0]
+        y[lay.TILT + j] = arrays.roller_start[j, 1] + fraction * arrays.roller_response[j, 1]
 
 
 @jit
-def search(model, t, y, s, arrays, goal):
-    """Apply a step of the rings, halved until it does not pass their equilibrium; return ``settle``'s result."""
-    push, part, size = step_rings(model, y, s, arrays), 1.0, 0.0
-    for _ in range(HALVINGS):
-        move_all(y, arrays, part, model.bearing.Z)
-        size = settle(model, t, y, s, arrays, goal)
-        past = 0.0
-        for i in range(RINGS):
-            past += arrays.forces[i] * arrays.move[i]
-        if past >= -0.5 * push:
+def move_rings(model, t, y, s, arrays, tolerance):
+    """Apply a step of the rings, halved until it does not pass their equilibrium; return the largest residual (N)
+    of the rollers."""
+    initial_work, fraction, residual = newton_step_of_rings(model, y, s, arrays), 1.0, 0.0
+    for _ in range(MAX_HALVINGS):
+        apply_step(y, arrays, fraction, model.bearing.Z)
+        residual = balance_rollers(model, t, y, s, arrays, tolerance)
+        work = 0.0
+        for i in range(COORDINATES):
+            work += arrays.ring_residuals[i] * arrays.ring_step[i]
+        if work >= -0.5 * initial_work:
             break
-        part *= 0.5
-    return size
+        fraction *= 0.5
+    return residual
 
 
 @jit
@@ -191,19 +207,19 @@ def balance(arrays, model, t, y):
     """
     set_mounted_rings(model, y)
     s = scales(model, t)
-    goal = LOOSE * s.load
-    size = settle(model, t, y, s, arrays, goal)
+    tolerance = RELATIVE_TOLERANCE * s.load
+    residual = balance_rollers(model, t, y, s, arrays, tolerance)
     for _ in range(MAX_STEPS):
-        left = largest_force(s, arrays)
-        wanted = max(LOOSE * left, STRICT * RESIDUAL * s.load)
-        if goal > wanted:  # the rings' residual is no more accurate than the rollers'
-            goal = wanted
-            size = settle_on(model, t, y, s, arrays, goal, size)
-        elif left <= RESIDUAL * s.load:
+        ring_residual = largest_force(s, arrays)
+        required = max(RELATIVE_TOLERANCE * ring_residual, FINAL_TOLERANCE * RESIDUAL * s.load)
+        if tolerance > required:  # the rings' residual is no more accurate than the rollers'
+            tolerance = required
+            residual = continue_balance(model, t, y, s, arrays, tolerance, residual)
+        elif ring_residual <= RESIDUAL * s.load:
             break
         else:
-            size = search(model, t, y, s, arrays, goal)
-    return max(size, largest_force(s, arrays))
+            residual = move_rings(model, t, y, s, arrays, tolerance)
+    return max(residual, largest_force(s, arrays))
 
 
 def solve_spatial_equilibrium(model: Any, t: float, y: np.ndarray, tilted: bool = False) -> float:
@@ -219,11 +235,11 @@ def solve_spatial_equilibrium(model: Any, t: float, y: np.ndarray, tilted: bool 
     y[lay.VELOCITY : lay.VELOCITY + lay.STATE] = 0.0
     if not tilted:
         y[lay.TILT : lay.TILT + b.Z] = 0.0
-    left = float(solve_in_cpu_time(partial(balance, room(b.Z)), model, t, y))
+    residual = float(solve_in_cpu_time(partial(balance, work_arrays(b.Z)), model, t, y))
     orbit = b.omega_c * kinematic_time(model.motion, t)[1]
     y[lay.AXIS_X_V : lay.AXIS_X_V + b.Z] = -orbit * y[lay.AXIS_Y : lay.AXIS_Y + b.Z]
     y[lay.AXIS_Y_V : lay.AXIS_Y_V + b.Z] = orbit * y[lay.AXIS_X : lay.AXIS_X + b.Z]
-    return left
+    return residual
 
 
 class MeanSpatialEquilibrium(NamedTuple):
@@ -243,11 +259,11 @@ def mean_spatial_equilibrium(model: Any, y: np.ndarray, samples: int = 32) -> Me
     """
     b = model.bearing
     pass_time = 2.0 * np.pi / (b.Z * b.omega_c)
-    load, rests = hypot(model.support.F, model.support.F_across), []
+    load, positions = hypot(model.support.F, model.support.F_across), []
     for n in range(samples):
         residual = solve_spatial_equilibrium(model, (n + 0.5) / samples * pass_time, y, tilted=n > 0)
         if not residual <= 1e-8 * load:
             raise NoEquilibrium(f"no static equilibrium in space: {residual:g} N left of {load:g} N")
-        rests.append((y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y], y[lay.Q_O : lay.Q_O + b.Z].max()))
-    x, across, _ = (float(value) for value in np.mean(rests, axis=0))
-    return MeanSpatialEquilibrium(x, across, float(max(most for _, _, most in rests)))
+        positions.append((y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y], y[lay.Q_O : lay.Q_O + b.Z].max()))
+    x_mean, y_mean, _ = (float(value) for value in np.mean(positions, axis=0))
+    return MeanSpatialEquilibrium(x_mean, y_mean, float(max(largest for _, _, largest in positions)))

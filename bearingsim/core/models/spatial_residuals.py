@@ -30,50 +30,62 @@ from bearingsim.core.sums import sum_loads
 ADDED_STIFFNESS = 1e-3  # of a contact's stiffness, added so that Newton's step of an unloaded roller is finite
 CELLS = (lay.X, lay.Y, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y)
 """Coordinates of the rings: position and tilt of the outer, axial position and tilt of the inner."""
-RINGS, INNER = len(CELLS), 5  # number of coordinates, and index of the first of the inner ring
+COORDINATES, FIRST_INNER = len(CELLS), 5  # number of coordinates, and index of the first of the inner ring
 
 
-class Room(NamedTuple):
+class WorkArrays(NamedTuple):
     """Work arrays of the search: one row per roller, in m and rad or N and N m; rings in the order of ``CELLS``.
 
-    left (Z, 2): residuals; step (Z, 2) and push (Z,): a step and its work (N m); pairs (Z, 3): symmetric stiffness
-    of radial position and tilt; crossed (Z, 2, 8): stiffness between rollers and rings; held, follow (Z, 2):
-    positions of the rollers before a step of the rings, and their displacements in it.
-    forces, move, start (8,): residuals of the rings, their step, and their positions before it; stiff (8, 9):
-    their stiffness, with the right-hand side as last column.
+    roller_residuals, roller_step (Z, 2), roller_work (Z,): residuals, a step and its work (N m); roller_stiffness
+    (Z, 3): symmetric stiffness of radial position and tilt; coupling (Z, 2, 8): stiffness between rollers and
+    rings; roller_start, roller_response (Z, 2): positions of the rollers before a step of the rings, and their
+    displacements in it.
+    ring_residuals, ring_step, ring_start (8,): residuals of the rings, their step, and their positions before it;
+    ring_system (8, 9): their stiffness, with the right-hand side as last column.
     """
 
-    left: np.ndarray
-    step: np.ndarray
-    push: np.ndarray
-    pairs: np.ndarray
-    crossed: np.ndarray
-    held: np.ndarray
-    follow: np.ndarray
-    forces: np.ndarray
-    move: np.ndarray
-    start: np.ndarray
-    stiff: np.ndarray
+    roller_residuals: np.ndarray
+    roller_step: np.ndarray
+    roller_work: np.ndarray
+    roller_stiffness: np.ndarray
+    coupling: np.ndarray
+    roller_start: np.ndarray
+    roller_response: np.ndarray
+    ring_residuals: np.ndarray
+    ring_step: np.ndarray
+    ring_start: np.ndarray
+    ring_system: np.ndarray
 
 
-def room(Z: int) -> Room:
+def work_arrays(Z: int) -> WorkArrays:
     """Allocate the work arrays for a bearing of ``Z`` rollers."""
-    shapes = ((Z, 2), (Z, 2), (Z,), (Z, 3), (Z, 2, RINGS), (Z, 2), (Z, 2), *3 * [(RINGS,)], (RINGS, RINGS + 1))
-    return Room(*map(np.zeros, shapes))
+    shapes = (
+        (Z, 2),
+        (Z, 2),
+        (Z,),
+        (Z, 3),
+        (Z, 2, COORDINATES),
+        (Z, 2),
+        (Z, 2),
+        *3 * [(COORDINATES,)],
+        (COORDINATES, COORDINATES + 1),
+    )
+    return WorkArrays(*map(np.zeros, shapes))
 
 
 class Scales(NamedTuple):
     """Scales of the search for an equilibrium.
 
-    half: half a roller's length, m; load: N; flung: centrifugal force of a roller over its distance from the axis,
-    N/m; gyro: gyroscopic moment over its tilt, N m/rad; soft: stiffness added to that of its contacts, N/m.
+    half_length: half a roller's length, m; load: N; centrifugal: centrifugal force of a roller over its distance
+    from the axis, N/m; gyroscopic: gyroscopic moment over its tilt, N m/rad; added_stiffness: stiffness added to
+    that of its contacts, N/m.
     """
 
-    half: float
+    half_length: float
     load: float
-    flung: float
-    gyro: float
-    soft: float
+    centrifugal: float
+    gyroscopic: float
+    added_stiffness: float
 
 
 @jit
@@ -96,7 +108,7 @@ def scales(model, t):
 @jit
 def contacts_at_rest(model, t, y, n):
     """Compute the loads on rollers and rings from all contacts at zero velocity at time ``t`` (s)."""
-    b, middle = model.bearing, 0.5 * (model.bearing.R_o + model.bearing.R_i)
+    b, R_mean = model.bearing, 0.5 * (model.bearing.R_o + model.bearing.R_i)
     time, _, _ = kinematic_time(model.motion, t)
     outer = body_at(y, lay.X, lay.Z, lay.RING_TILT_X, lay.RING_TILT_Y, 0.0)
     inner = body_at(y, lay.X_I, lay.Z_I, lay.INNER_TILT_X, lay.INNER_TILT_Y, 0.0)
@@ -105,7 +117,7 @@ def contacts_at_rest(model, t, y, n):
         c, s = y[lay.COS + j], y[lay.SIN + j]
         tilt = y[lay.TILT + j]
         y[lay.AXIS_X + j], y[lay.AXIS_Y + j] = tilt * c, tilt * s
-        y[lay.AXIAL + j] = axial_position(model.flanges, outer, inner, c, s, middle + y[lay.RADIAL + j])
+        y[lay.AXIAL + j] = axial_position(model.flanges, outer, inner, c, s, R_mean + y[lay.RADIAL + j])
         y[lay.FORCE_R + j], y[lay.MOMENT_T + j] = 0.0, 0.0
     roller_axes(0.0, 0.0, b.R_w, y, n)
     race_contacts(model, t, 0.0, outer, inner, 0.0, y, n)
@@ -115,15 +127,19 @@ def contacts_at_rest(model, t, y, n):
 
 
 @jit
-def press(model, t, y, s, arrays):
-    """Fill ``arrays.left`` and ``arrays.forces``; return the largest residual (N) of the rollers."""
+def fill_residuals(model, t, y, s, arrays):
+    """Fill ``arrays.roller_residuals`` and ``arrays.ring_residuals``; return the rollers' largest residual (N)."""
     contacts_at_rest(model, t, y, lanes(model.bearing))
     b, support, largest = model.bearing, model.support, 0.0
     for j in range(b.Z):
-        arrays.left[j, 0] = y[lay.FORCE_R + j] + s.flung * (0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j])
-        arrays.left[j, 1] = y[lay.MOMENT_T + j] - s.gyro * y[lay.TILT + j]
-        largest = max(largest, abs(arrays.left[j, 0]), abs(arrays.left[j, 1]) / s.half)
-    f = arrays.forces
+        arrays.roller_residuals[j, 0] = y[lay.FORCE_R + j] + s.centrifugal * (
+            0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j]
+        )
+        arrays.roller_residuals[j, 1] = y[lay.MOMENT_T + j] - s.gyroscopic * y[lay.TILT + j]
+        largest = max(
+            largest, abs(arrays.roller_residuals[j, 0]), abs(arrays.roller_residuals[j, 1]) / s.half_length
+        )
+    f = arrays.ring_residuals
     f[0] = y[lay.F_X] - support.F - support.k_b * (y[lay.POSITION + lay.X] - support.x_0)
     f[1] = y[lay.F_Y] - support.F_across - support.k_b * (y[lay.POSITION + lay.Y] - support.y_0)
     f[2], f[3], f[4] = mount_load(
@@ -145,17 +161,17 @@ def press(model, t, y, s, arrays):
 
 
 @jit
-def arm(i, half):
+def arm(i, half_length):
     """Return half a roller's length (m) if coordinate ``i`` of the rings is an angle, else 1."""
-    return half if i in (3, 4, 6, 7) else 1.0
+    return half_length if i in (3, 4, 6, 7) else 1.0
 
 
 @jit
 def largest_force(s, arrays):
     """Return the largest residual (N) of the rings, moments divided by half a roller's length."""
     largest = 0.0
-    for i in range(RINGS):
-        largest = max(largest, abs(arrays.forces[i]) / arm(i, s.half))
+    for i in range(COORDINATES):
+        largest = max(largest, abs(arrays.ring_residuals[i]) / arm(i, s.half_length))
     return largest
 
 
@@ -163,7 +179,7 @@ def largest_force(s, arrays):
 
 
 @jit
-def moments(model, y, j):
+def stiffness_moments(model, y, j):
     """Return the sums of k, k zeta, k zeta^2 (N/m, N, N m) over the slices of roller ``j``, at the outer race and
     at the inner race."""
     o_0, o_1, o_2, i_0, i_1, i_2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -178,59 +194,65 @@ def moments(model, y, j):
 
 
 @jit
-def softened(model, s):
+def added_moments(model, s):
     """Return the sums of k, k zeta, k zeta^2 (N/m, N, N m) of the stiffness added to every roller."""
     moment, moment_2, count = 0.0, 0.0, len(model.slices.table)
     for k in range(count):
         zeta = model.slices.table[k, ZETA]
         moment, moment_2 = moment + zeta, moment_2 + zeta * zeta
-    return s.soft, s.soft * moment / count, s.soft * moment_2 / count
+    return s.added_stiffness, s.added_stiffness * moment / count, s.added_stiffness * moment_2 / count
 
 
 @jit
-def stiffen_rollers(model, y, s, arrays):
-    """Fill ``arrays.pairs``."""
-    s_0, s_1, s_2 = softened(model, s)
+def fill_roller_stiffness(model, y, s, arrays):
+    """Fill ``arrays.roller_stiffness``."""
+    s_0, s_1, s_2 = added_moments(model, s)
     for j in range(model.bearing.Z):
-        o_0, o_1, o_2, i_0, i_1, i_2 = moments(model, y, j)
-        arrays.pairs[j, 0] = o_0 + i_0 + s_0 - s.flung
-        arrays.pairs[j, 1] = o_1 + i_1 + s_1
-        arrays.pairs[j, 2] = o_2 + i_2 + s_2 + s.gyro
+        o_0, o_1, o_2, i_0, i_1, i_2 = stiffness_moments(model, y, j)
+        arrays.roller_stiffness[j, 0] = o_0 + i_0 + s_0 - s.centrifugal
+        arrays.roller_stiffness[j, 1] = o_1 + i_1 + s_1
+        arrays.roller_stiffness[j, 2] = o_2 + i_2 + s_2 + s.gyroscopic
 
 
 @jit
-def stiffen_rings(model, y, arrays):
-    """Fill ``arrays.crossed`` and ``arrays.stiff``, the rings' stiffness condensed over the rollers."""
-    arrays.stiff[:], arrays.crossed[:] = 0.0, 0.0
+def fill_ring_stiffness(model, y, arrays):
+    """Fill ``arrays.coupling`` and ``arrays.ring_system``, the rings' stiffness condensed over the rollers."""
+    arrays.ring_system[:], arrays.coupling[:] = 0.0, 0.0
     for j in range(model.bearing.Z):
-        o_0, o_1, o_2, _, i_1, i_2 = moments(model, y, j)
-        moved, tilted = arrays.crossed[j, 0], arrays.crossed[j, 1]
-        for e in range(2):
-            along = y[lay.COS + j] if e == 0 else y[lay.SIN + j]
-            moved[e], moved[3 + e], moved[6 + e] = -o_0 * along, -o_1 * along, -i_1 * along
-            tilted[e], tilted[3 + e], tilted[6 + e] = -o_1 * along, -o_2 * along, -i_2 * along
-        for e in range(2):
-            along = y[lay.COS + j] if e == 0 else y[lay.SIN + j]
-            for w in range(INNER):
-                arrays.stiff[e, w] -= along * moved[w]
-                arrays.stiff[3 + e, w] -= along * tilted[w]
-            for w in range(INNER, RINGS):
-                arrays.stiff[6 + e, w] -= along * tilted[w]
-        for w in range(RINGS):
-            q, tilt = solve_2x2(arrays.pairs[j, 0], arrays.pairs[j, 1], arrays.pairs[j, 2], moved[w], tilted[w])
-            for v in range(RINGS):
-                arrays.stiff[v, w] -= moved[v] * q + tilted[v] * tilt
-    hold_rings(model, arrays)
+        o_0, o_1, o_2, _, i_1, i_2 = stiffness_moments(model, y, j)
+        radial, tilting = arrays.coupling[j, 0], arrays.coupling[j, 1]
+        for axis in range(2):
+            along = y[lay.COS + j] if axis == 0 else y[lay.SIN + j]
+            radial[axis], radial[3 + axis], radial[6 + axis] = -o_0 * along, -o_1 * along, -i_1 * along
+            tilting[axis], tilting[3 + axis], tilting[6 + axis] = -o_1 * along, -o_2 * along, -i_2 * along
+        for axis in range(2):
+            along = y[lay.COS + j] if axis == 0 else y[lay.SIN + j]
+            for m in range(FIRST_INNER):
+                arrays.ring_system[axis, m] -= along * radial[m]
+                arrays.ring_system[3 + axis, m] -= along * tilting[m]
+            for m in range(FIRST_INNER, COORDINATES):
+                arrays.ring_system[6 + axis, m] -= along * tilting[m]
+        for m in range(COORDINATES):
+            q, tilt = solve_2x2(
+                arrays.roller_stiffness[j, 0],
+                arrays.roller_stiffness[j, 1],
+                arrays.roller_stiffness[j, 2],
+                radial[m],
+                tilting[m],
+            )
+            for i in range(COORDINATES):
+                arrays.ring_system[i, m] -= radial[i] * q + tilting[i] * tilt
+    add_mount_stiffness(model, arrays)
 
 
 @jit
-def hold_rings(model, arrays):
-    """Add the stiffness of the rings' supports to ``arrays.stiff``; fix the coordinates without a spring."""
+def add_mount_stiffness(model, arrays):
+    """Add the stiffness of the rings' supports to ``arrays.ring_system``; fix the coordinates without a spring."""
     k_b = model.support.k_b + 1e-8 * tangent(model.outer.stiffness, 1e-7)
     (z_o, tilt_o), (z_i, tilt_i) = mount_spring_rates(model.mount_o), mount_spring_rates(model.mount_i)
-    held = (k_b, k_b, z_o, tilt_o, tilt_o, z_i, tilt_i, tilt_i)
-    for v in range(RINGS):
-        if held[v] == 0.0:
-            arrays.stiff[v, :], arrays.stiff[:, v] = 0.0, 0.0
-            arrays.stiff[v, v] = 1.0
-        arrays.stiff[v, v] += held[v]
+    stiffness = (k_b, k_b, z_o, tilt_o, tilt_o, z_i, tilt_i, tilt_i)
+    for i in range(COORDINATES):
+        if stiffness[i] == 0.0:
+            arrays.ring_system[i, :], arrays.ring_system[:, i] = 0.0, 0.0
+            arrays.ring_system[i, i] = 1.0
+        arrays.ring_system[i, i] += stiffness[i]

@@ -22,7 +22,7 @@ from bearingsim.core.models.spatial_equilibrium import (
     mean_spatial_equilibrium,
     solve_spatial_equilibrium,
 )
-from bearingsim.core.models.spatial_residuals import room
+from bearingsim.core.models.spatial_residuals import work_arrays
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parts.flanges import Flanges, NoFlanges, axial_position, half_chord
 from bearingsim.core.parts.mounts import RigidMount
@@ -323,6 +323,6 @@ def test_the_search_for_a_rest_ends_with_the_cpu_time_of_its_job():
     y = empty(model)
     solve_initial_equilibrium(assemble.static_model(model), 0.0, y)
     y[lay.CPU_END] = 1e-9
-    assert balance(room(13), model, 0.0, y) > 1e-8 * model.support.F
+    assert balance(work_arrays(13), model, 0.0, y) > 1e-8 * model.support.F
     y[lay.CPU_END] = np.inf
-    assert balance(room(13), model, 0.0, y) < 1e-8 * model.support.F
+    assert balance(work_arrays(13), model, 0.0, y) < 1e-8 * model.support.F
