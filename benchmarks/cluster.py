@@ -117,7 +117,7 @@ def measure(units: list[Work], address: str, scheduler: psutil.Process) -> None:
     print(f"load of the machine {os.getloadavg()[0]:.1f} on {os.cpu_count()} CPUs")
     print(f"{'units':>8} {'ms/unit':>8}   CPU ms/unit of client, scheduler;  MB of client, scheduler")
     with connect_cluster(address) as workers:
-        workers.assembled()
+        workers.wait_for_workers()
         initial = {"client": Usage.read(client), "scheduler": Usage.read(scheduler)}
         began = time.perf_counter()
         for count, _ in enumerate(workers.outcomes(units), 1):

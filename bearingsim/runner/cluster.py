@@ -25,7 +25,7 @@ from distributed.comm.core import CommClosedError
 from bearingsim import store
 from bearingsim.errors import UserError
 from bearingsim.runner.delivery import (
-    LOADING,
+    IMPORT_STATEMENT,
     Delivery,
     InstallationMismatch,
     Parcel,
@@ -43,15 +43,15 @@ from bearingsim.runner.stopping import defer_signals, stop_requested
 from bearingsim.runner.work import Outcome, Work
 from bearingsim.text.terminal import say
 
-EACH, LEAST = 4, 16
+UNITS_PER_WORKER, MIN_UNITS = 4, 16
 """Units submitted at a time, per worker and in total at least, so that no worker waits for its next unit."""
 BATCH, BATCH_BYTES = 64, 64e6
 """Largest number of units, and of bytes of their series, fetched at once through the scheduler."""
-SEALING = 8
+WRITER_THREADS = 8
 """Number of threads that write unit files."""
-WAITING_S, LOOK_S = 0.2, 2.0
+POLL_S, WORKER_CHECK_S = 0.2, 2.0
 """Intervals in s between checks for results or for the first worker, and for the number of workers."""
-ANSWER_S, WORKERS_S = 20.0, 300.0
+SCHEDULER_TIMEOUT_S, WORKER_TIMEOUT_S = 20.0, 300.0
 """Deadlines in s for an answer of the scheduler, and of the workers, which may have to load the program first."""
 ADVICE = (
     "no job is blamed; the workers' logs may tell why, and the workers may need more memory"
@@ -69,7 +69,7 @@ def connect_cluster(address: str) -> Iterator["Cluster"]:
         yield Cluster(client, address)
 
 
-class Killed(NamedTuple):
+class KilledWork(NamedTuple):
     """Unit of work whose worker at ``address`` died."""
 
     work: Work
@@ -81,36 +81,37 @@ class Cluster:
 
     def __init__(self, client: Client, address: str) -> None:
         """Raise InstallationMismatch if this process requests several threads for linear algebra."""
-        self.client, self.address, self.run, self.installed = (
+        self.client, self.address, self.run_id, self.requirements = (
             client,
             address,
             token_hex(8),
             required_installation(),
         )
-        self.landed: SimpleQueue[Future] = SimpleQueue()
-        self.lost: list[Future] = []
-        self.looked, self.count, self.deaths, self.alone, self.number = 0.0, 0, 0, False, count()
+        self.finished: SimpleQueue[Future] = SimpleQueue()
+        self.lost_futures: list[Future] = []
+        self.checked_at, self.worker_count, self.has_no_workers = 0.0, 0, False
+        self.deaths, self.key_numbers = 0, count()
 
-    def assembled(self) -> int:
+    def wait_for_workers(self) -> int:
         """Wait for a worker, and return the number of workers.
 
         Raises InstallationMismatch if the installation of a worker differs from that of this process.
         """
-        with self._reached():
-            while not self.count:
-                self._look()
-                time.sleep(WAITING_S)
-            for address, threads in call_with_timeout(ANSWER_S, self.client.nthreads).items():
+        with self._convert_errors():
+            while not self.worker_count:
+                self._update_workers()
+                time.sleep(POLL_S)
+            for address, threads in call_with_timeout(SCHEDULER_TIMEOUT_S, self.client.nthreads).items():
                 refuse_threads(address, threads)
-            self._run_on_all(asyncio.to_thread, exec, LOADING, {})
+            self._run_on_all(asyncio.to_thread, exec, IMPORT_STATEMENT, {})
             for address, versions in self._run_on_all(installation).items():
-                refuse_installation(address, versions, self.installed)
-        return self.count
+                refuse_installation(address, versions, self.requirements)
+        return self.worker_count
 
     @property
     def workers(self) -> int:
         """Number of workers; 1 if there are none."""
-        return max(1, self.count)
+        return max(1, self.worker_count)
 
     def outcomes(self, works: Sequence[Work]) -> Generator[Outcome, None, None]:
         """Compute units of work on the workers, store the results, and yield the outcomes in order of arrival.
@@ -123,135 +124,142 @@ class Cluster:
             return
         suspects: list[Work] = []
         marker = store.start_marker(works[0].root, works[0].unit)  # so that the folder cannot be cleared
-        with defer_signals(), self._reached(), marker:
-            for result in self._computed(works, at_once=None):
+        with defer_signals(), self._convert_errors(), marker:
+            for result in self._compute(works, at_once=None):
                 if isinstance(result, Outcome):
                     yield result
                 else:
-                    suspects += [result.work.only([job.id]) for job in result.work.jobs]
-            yield from self._apart(suspects)
+                    suspects += [result.work.subset([job.id]) for job in result.work.jobs]
+            yield from self._compute_alone(suspects)
 
-    def _apart(self, suspects: Sequence[Work], one_by_one: bool = False) -> Iterator[Outcome]:
+    def _compute_alone(self, suspects: Sequence[Work], one_by_one: bool = False) -> Iterator[Outcome]:
         """Compute jobs whose worker died, each alone on a worker.
 
         If several were assigned to the same worker when it died, repeat these one by one.
         """
-        blamed: list[Outcome] = []
-        again: list[Work] = []
+        failures: list[Outcome] = []
+        ambiguous: list[Work] = []
         while suspects and not stop_requested():
             size = 1 if one_by_one else self.workers
             batch, suspects = suspects[:size], suspects[size:]
-            killed: list[Killed] = []
-            for result in self._computed(batch, at_once=size):
+            killed: list[KilledWork] = []
+            for result in self._compute(batch, at_once=size):
                 if isinstance(result, Outcome):
-                    yield from blamed
-                    blamed.clear()
+                    yield from failures
+                    failures.clear()
                     yield result
                 else:
                     killed.append(result)
             per_worker = Counter(death.address for death in killed)
-            blamed += [_blamed(death) for death in killed if per_worker[death.address] == 1]
-            again += [death.work for death in killed if per_worker[death.address] > 1]
-        yield from blamed
-        if again:
-            yield from self._apart(again, one_by_one=True)
+            failures += [_failed_outcome(death) for death in killed if per_worker[death.address] == 1]
+            ambiguous += [death.work for death in killed if per_worker[death.address] > 1]
+        yield from failures
+        if ambiguous:
+            yield from self._compute_alone(ambiguous, one_by_one=True)
 
-    def _computed(self, works: Iterable[Work], at_once: int | None) -> "Iterator[Outcome | Killed]":
+    def _compute(self, works: Iterable[Work], at_once: int | None) -> "Iterator[Outcome | KilledWork]":
         """Submit units, a bounded number at a time, and yield the result of each.
 
         at_once: largest number of units in progress; None chooses it from the number of workers.
         """
-        waiting, flying, stopping = iter(works), dict[Future, Work](), False
+        pending, submitted, stopping = iter(works), dict[Future, Work](), False
         while True:
-            looked = self._look()
+            updated = self._update_workers()
             if not stop_requested():
-                room = (at_once or max(LEAST, EACH * self.workers)) - len(flying)
-                flying |= self._sent(list(islice(waiting, max(room, 0))))
-            elif looked or not stopping:
+                free_slots = (at_once or max(MIN_UNITS, UNITS_PER_WORKER * self.workers)) - len(submitted)
+                submitted |= self._submit(list(islice(pending, max(free_slots, 0))))
+            elif updated or not stopping:
                 stopping = True
-                self._stop(flying)
-            if not flying:
+                self._stop(submitted)
+            if not submitted:
                 return
-            yield from self._received(flying)
+            yield from self._collect(submitted)
 
-    def _sent(self, works: Sequence[Work]) -> dict[Future, Work]:
+    def _submit(self, works: Sequence[Work]) -> dict[Future, Work]:
         if not works:
             return {}
-        parcels = [Parcel(pickle.dumps(_short(work)), _scans(work), self.run, self.installed) for work in works]
-        names = [(f"bearingsim-{self.run}", next(self.number)) for _ in works]  # one group, so they queue up
+        parcels = [
+            Parcel(pickle.dumps(_strip(work)), _scans(work), self.run_id, self.requirements) for work in works
+        ]
+        # One group, so that the tasks queue up.
+        keys = [(f"bearingsim-{self.run_id}", next(self.key_numbers)) for _ in works]
         with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1 GB"}):  # scans are large
-            futures = self.client.map(deliver, parcels, key=names, pure=False, retries=0)
+            futures = self.client.map(deliver, parcels, key=keys, pure=False, retries=0)
         for future in futures:
-            future.add_done_callback(self.landed.put)
+            future.add_done_callback(self.finished.put)
         return dict(zip(futures, works, strict=True))
 
-    def _stop(self, flying: dict[Future, Work]) -> None:
+    def _stop(self, submitted: dict[Future, Work]) -> None:
         """Request all workers to start no more jobs, and cancel the units that have not been started."""
-        with suppress(TimeoutError):  # repeated after the next ``_look``
-            call_with_timeout(ANSWER_S, partial(self.client.run, stop, self.run, on_error="ignore"))
-        held = {key for keys in call_with_timeout(ANSWER_S, self.client.processing).values() for key in keys}
-        holders = call_with_timeout(ANSWER_S, partial(self.client.who_has, list(flying)))
-        held |= {key for key, workers in holders.items() if workers}  # finished meanwhile
-        left = [future for future in flying if future.key not in held]
-        if left:
-            call_with_timeout(ANSWER_S, partial(self.client.cancel, left))
-        for future in left:
-            del flying[future]
+        with suppress(TimeoutError):  # repeated after the next ``_update_workers``
+            call_with_timeout(SCHEDULER_TIMEOUT_S, partial(self.client.run, stop, self.run_id, on_error="ignore"))
+        active_keys = {
+            key for keys in call_with_timeout(SCHEDULER_TIMEOUT_S, self.client.processing).values() for key in keys
+        }
+        holders = call_with_timeout(SCHEDULER_TIMEOUT_S, partial(self.client.who_has, list(submitted)))
+        active_keys |= {key for key, workers in holders.items() if workers}  # finished meanwhile
+        unstarted = [future for future in submitted if future.key not in active_keys]
+        if unstarted:
+            call_with_timeout(SCHEDULER_TIMEOUT_S, partial(self.client.cancel, unstarted))
+        for future in unstarted:
+            del submitted[future]
 
-    def _received(self, flying: dict[Future, Work]) -> "Iterator[Outcome | Killed]":
-        """Fetch and store finished units, remove finished and failed units from ``flying``, yield the results."""
-        done = {future: future.status for future in self._landed(flying)}
-        if "cancelled" in done.values():  # the client has lost the scheduler
+    def _collect(self, submitted: dict[Future, Work]) -> "Iterator[Outcome | KilledWork]":
+        """Fetch and store finished units, remove them and failed ones from ``submitted``, yield the results."""
+        statuses = {future: future.status for future in self._finished_futures(submitted)}
+        if "cancelled" in statuses.values():  # the client has lost the scheduler
             raise CommClosedError
-        self.lost += [future for future, status in done.items() if status not in ("finished", "error")]
-        fetched = self._fetched([future for future, status in done.items() if status == "finished"])
-        for future, delivery in fetched.items():
-            _refuse_others(flying[future], delivery)
+        self.lost_futures += [future for future, status in statuses.items() if status not in ("finished", "error")]
+        deliveries = self._fetch([future for future, status in statuses.items() if status == "finished"])
+        for future, delivery in deliveries.items():
+            _refuse_unsent_jobs(submitted[future], delivery)
         files = [
             (work.root, *file)
-            for future, work in [(future, flying.pop(future)) for future in fetched]
-            for file in fetched[future].files.items()
+            for future, work in [(future, submitted.pop(future)) for future in deliveries]
+            for file in deliveries[future].files.items()
         ]
         if files:
-            with ThreadPoolExecutor(SEALING) as threads:  # each file waits for its fsync
+            with ThreadPoolExecutor(WRITER_THREADS) as threads:  # each file waits for its fsync
                 list(threads.map(store.store_unit, *zip(*files, strict=True)))
-        for delivery in fetched.values():
+        for delivery in deliveries.values():
             self.deaths = 0
             yield delivery.outcome
         killed = [
-            Killed(flying.pop(future), self._death(future)) for future, status in done.items() if status == "error"
+            KilledWork(submitted.pop(future), self._dead_worker(future))
+            for future, status in statuses.items()
+            if status == "error"
         ]
         if killed:
             self._count_deaths(killed)
         yield from killed
 
-    def _landed(self, flying: Mapping[Future, Work]) -> list[Future]:
-        """Collect finished and lost units, at most a batch; wait up to WAITING_S for the first one."""
+    def _finished_futures(self, submitted: Mapping[Future, Work]) -> list[Future]:
+        """Collect finished and lost units, at most a batch; wait up to POLL_S for the first one."""
         batch: list[Future] = []
         size = 0.0
         with suppress(Empty):
             while len(batch) < BATCH and size < BATCH_BYTES:
-                future = self.landed.get(timeout=0.0 if batch else WAITING_S)
-                if future in flying:  # not cancelled
+                future = self.finished.get(timeout=0.0 if batch else POLL_S)
+                if future in submitted:  # not cancelled
                     batch.append(future)
-                    size += flying[future].bytes
+                    size += submitted[future].bytes
         return batch
 
-    def _fetched(self, done: Sequence[Future]) -> dict[Future, Delivery]:
+    def _fetch(self, futures: Sequence[Future]) -> dict[Future, Delivery]:
         """Fetch results, except those lost with their worker, which the scheduler recomputes.
 
         ``Client.gather`` would wait for the recomputation.
         """
-        wanted = {future.key: future for future in done}
-        while wanted:
-            gather = partial(self.client.sync, self.client.scheduler.gather, keys=list(wanted))
-            answer = call_with_timeout(WORKERS_S, gather)
-            if answer["status"] == "OK":
-                return {wanted[key]: delivery for key, delivery in answer["data"].items()}
-            self.lost += [wanted.pop(key) for key in answer["keys"]]
+        pending = {future.key: future for future in futures}
+        while pending:
+            gather = partial(self.client.sync, self.client.scheduler.gather, keys=list(pending))
+            response = call_with_timeout(WORKER_TIMEOUT_S, gather)
+            if response["status"] == "OK":
+                return {pending[key]: delivery for key, delivery in response["data"].items()}
+            self.lost_futures += [pending.pop(key) for key in response["keys"]]
         return {}
 
-    def _death(self, future: Future) -> str:
+    def _dead_worker(self, future: Future) -> str:
         """Return the address of the worker that died while computing a unit; raise any other error of the unit."""
         error = future.exception()
         if isinstance(error, KilledWorker):
@@ -262,7 +270,7 @@ class Cluster:
             ) from error
         raise error
 
-    def _count_deaths(self, killed: Sequence[Killed]) -> None:
+    def _count_deaths(self, killed: Sequence[KilledWork]) -> None:
         """Count deaths of workers. Raises RepeatedWorkerDeaths if too many died since the last result."""
         for death in killed:
             suspects = sorted(job.id for job in death.work.jobs)
@@ -271,20 +279,23 @@ class Cluster:
         if self.deaths >= RESTARTS_WITHOUT_PROGRESS * self.workers:
             raise RepeatedWorkerDeaths(f"{self.deaths} workers died without finishing a job: {ADVICE}")
 
-    def _look(self) -> bool:
-        """Update the number of workers, at most every LOOK_S; return True after an update.
+    def _update_workers(self) -> bool:
+        """Update the number of workers, at most every WORKER_CHECK_S; return True after an update.
 
         Reports if there are no workers. Units that were lost with a worker are queued to be examined again.
         """
-        if time.monotonic() - self.looked < LOOK_S:
+        if time.monotonic() - self.checked_at < WORKER_CHECK_S:
             return False
-        self.count, self.looked = len(call_with_timeout(ANSWER_S, self.client.nthreads)), time.monotonic()
-        if not self.count and not self.alone:
-            text = f"waiting for workers at {self.address} (`dask worker {self.address} --nthreads 1` starts one)"
-            say(text, err=True)
-        self.alone = not self.count
-        while self.lost:
-            self.landed.put(self.lost.pop())
+        self.worker_count = len(call_with_timeout(SCHEDULER_TIMEOUT_S, self.client.nthreads))
+        self.checked_at = time.monotonic()
+        if not self.worker_count and not self.has_no_workers:
+            message = (
+                f"waiting for workers at {self.address} (`dask worker {self.address} --nthreads 1` starts one)"
+            )
+            say(message, err=True)
+        self.has_no_workers = not self.worker_count
+        while self.lost_futures:
+            self.finished.put(self.lost_futures.pop())
         return True
 
     def _run_on_all(self, function: Callable, *arguments: Any) -> dict[str, Any]:
@@ -294,18 +305,18 @@ class Cluster:
         """
         try:
             answers = call_with_timeout(
-                WORKERS_S, partial(self.client.run, function, *arguments, on_error="return")
+                WORKER_TIMEOUT_S, partial(self.client.run, function, *arguments, on_error="return")
             )
         except TimeoutError:
-            silent = f"of {self.count} workers some do not respond within {WORKERS_S:.0f} s"
-            raise WorkerFailed(f"{silent}; stop those with stalled logs") from None
+            message = f"of {self.worker_count} workers some do not respond within {WORKER_TIMEOUT_S:.0f} s"
+            raise WorkerFailed(f"{message}; stop those with stalled logs") from None
         for address, answer in answers.items():
             if isinstance(answer, Exception) and not isinstance(answer, OSError):  # an OSError is a lost worker
                 raise InstallationMismatch(f"worker {address} cannot load bearingsim: {answer}")
         return {address: answer for address, answer in answers.items() if not isinstance(answer, OSError)}
 
     @contextmanager
-    def _reached(self) -> Iterator[None]:
+    def _convert_errors(self) -> Iterator[None]:
         """Convert errors due to a lost scheduler to SchedulerUnreachable."""
         try:
             yield
@@ -313,14 +324,14 @@ class Cluster:
             lost = self.client.status != "running" or isinstance(error, (CommClosedError, TimeoutError))
             if isinstance(error, UserError) or not lost:
                 raise
-            silent = isinstance(error, TimeoutError)
-            lost = f"the scheduler at {self.address} " + ("does not respond" if silent else "is gone")
-            kept = "finished units are stored, running ones are lost"
+            timed_out = isinstance(error, TimeoutError)
+            state = f"the scheduler at {self.address} " + ("does not respond" if timed_out else "is gone")
+            effect = "finished units are stored, running ones are lost"
             advice = "restart it and its workers, then run the command again"
-            raise SchedulerUnreachable(f"{lost}: {kept}; {advice}") from error
+            raise SchedulerUnreachable(f"{state}: {effect}; {advice}") from error
 
 
-def _blamed(killed: Killed) -> Outcome:
+def _failed_outcome(killed: KilledWork) -> Outcome:
     (job,) = killed.work.jobs
     failure = store.Failure(
         job=job.id,
@@ -331,14 +342,14 @@ def _blamed(killed: Killed) -> Outcome:
     return Outcome(unit=killed.work.unit, done=(), failed=(failure,))
 
 
-def _refuse_others(work: Work, delivery: Delivery) -> None:
+def _refuse_unsent_jobs(work: Work, delivery: Delivery) -> None:
     """Raise WorkerFailed if a delivery contains jobs that were not sent."""
     outcome = delivery.outcome
     if not {*outcome.done, *(failure.job for failure in outcome.failed)} <= {job.id for job in work.jobs}:
         raise WorkerFailed(f"unit {work.unit} returned from its worker with jobs that were not sent")
 
 
-def _short(work: Work) -> Work:
+def _strip(work: Work) -> Work:
     """Return the work to be sent to a worker: without ``others``, and with shortened paths of scans."""
     jobs = tuple(replace(job, case=store.with_short_paths(job.case)) for job in work.jobs)
     return replace(work, others=None, jobs=jobs)

@@ -21,7 +21,7 @@ def command_line(
 
     file: path of the study file; by default ``study.yaml`` in the results folder ``root``.
     """
-    words = ["bearingsim", verb, str(file or root / "study.yaml"), "--out", str(root)]
+    arguments = ["bearingsim", verb, str(file or root / "study.yaml"), "--out", str(root)]
     for path, value in overrides.items():
-        words += ["--set", f"{path}={value}"]
-    return shlex.join([*words, *(["--quick"] if quick else []), *options])
+        arguments += ["--set", f"{path}={value}"]
+    return shlex.join([*arguments, *(["--quick"] if quick else []), *options])

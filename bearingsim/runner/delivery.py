@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from bearingsim.store.columns import Value
     from bearingsim.study import Job
 
-LOADING = "import bearingsim.runner.delivery"
+IMPORT_STATEMENT = "import bearingsim.runner.delivery"
 """Slow import, run in a thread so that the event loop of the worker, and its heartbeat, continue."""
-SOURCES = (".py", ".csv")  # suffixes of the program's files that influence results
+SOURCE_SUFFIXES = (".py", ".csv")  # suffixes of the program's files that influence results
 
 
 class InstallationMismatch(UserError):
@@ -47,7 +47,7 @@ class Parcel:
     work: bytes
     scans: Mapping[str, bytes]
     run: str
-    installed: Mapping[str, str]
+    requirements: Mapping[str, str]
 
 
 @dataclass(frozen=True)
@@ -62,24 +62,24 @@ def deliver(parcel: Parcel) -> Delivery:
     """Compute a unit in a worker. Raises InstallationMismatch, WorkerFailed, and any bug."""
     worker = get_worker()
     refuse_threads(worker.address, worker.state.nthreads)
-    refuse_installation(worker.address, installation(), parcel.installed)
-    set_stop_flag(_stops[parcel.run])
+    refuse_installation(worker.address, installation(), parcel.requirements)
+    set_stop_flag(_stop_events[parcel.run])
     work: Work = pickle.loads(parcel.work)
     folder, files = Path(worker.local_directory), dict[str, bytes]()
-    made_by = {**work.provenance, "host": socket.gethostname(), "platform": platform.platform()}
+    provenance_here = {**work.provenance, "host": socket.gethostname(), "platform": platform.platform()}
 
     def seal(_: Path, done: "Sequence[tuple[Job, Record]]", provenance: "Mapping[str, Value]") -> None:
         files.update(store.sealed_units(done, provenance))
 
     try:
-        with _brought(parcel.scans, folder):
-            return Delivery(compute(replace(work, root=folder, provenance=made_by), seal), files)
+        with _provide_scans(parcel.scans, folder):
+            return Delivery(compute(replace(work, root=folder, provenance=provenance_here), seal), files)
     except (UserError, OSError) as error:  # for example, its disk is full
         raise WorkerFailed(f"worker {worker.address}: {error}") from None
 
 
 @contextmanager
-def _brought(scans: Mapping[str, bytes], folder: Path) -> Iterator[None]:
+def _provide_scans(scans: Mapping[str, bytes], folder: Path) -> Iterator[None]:
     """Store the scans sent with the work in a folder, and let cases read them from there."""
     from bearingsim.config.scan.file import BROUGHT
 
@@ -95,13 +95,13 @@ def _brought(scans: Mapping[str, bytes], folder: Path) -> Iterator[None]:
         BROUGHT.clear()
 
 
-_stops: defaultdict[str, threading.Event] = defaultdict(threading.Event)
+_stop_events: defaultdict[str, threading.Event] = defaultdict(threading.Event)
 """Requests to stop in this worker, by run."""
 
 
 def stop(run: str) -> None:
     """Stop a run in this worker, so that no more of its jobs are started."""
-    _stops[run].set()
+    _stop_events[run].set()
 
 
 # Agreement of installations
@@ -133,10 +133,10 @@ def required_installation() -> dict[str, str]:
 
     Raises InstallationMismatch if this process, which chooses the models, is set to use several threads.
     """
-    several = " and ".join(f"{name}={count}" for name, count in blas_threads.several().items())
-    if several:
+    settings = " and ".join(f"{name}={count}" for name, count in blas_threads.several().items())
+    if settings:
         raise InstallationMismatch(
-            f"{several} is set, but workers use one thread to keep results reproducible; unset it"
+            f"{settings} is set, but workers use one thread to keep results reproducible; unset it"
         )
     return installation() | {"threads of linear algebra": "1"}
 
@@ -144,7 +144,7 @@ def required_installation() -> dict[str, str]:
 def _sources() -> str:
     """Return the first 12 hex digits of SHA-256 over the sources, which may differ between equal versions."""
     package, digest = Path(__file__).parents[1], hashlib.sha256()
-    for path in sorted(path for path in package.rglob("*") if path.suffix in SOURCES):
+    for path in sorted(path for path in package.rglob("*") if path.suffix in SOURCE_SUFFIXES):
         digest.update(path.relative_to(package).as_posix().encode() + path.read_bytes())
     return digest.hexdigest()[:12]
 
@@ -152,14 +152,14 @@ def _sources() -> str:
 def refuse_installation(address: str, present: Mapping[str, str], required: Mapping[str, str]) -> None:
     """Raise InstallationMismatch if the installation of a worker differs from the required one."""
     names = dict.fromkeys((*required, *present))
-    other = ", ".join(
+    differences = ", ".join(
         f"{name} {present.get(name, 'absent')} in place of {required.get(name, 'none')}"
         for name in names
         if present.get(name) != required.get(name)
     )
-    if other:
+    if differences:
         raise InstallationMismatch(
-            f"worker {address}: {other} (workers need the same packages as `bearingsim run`)"
+            f"worker {address}: {differences} (workers need the same packages as `bearingsim run`)"
         )
 
 

@@ -26,15 +26,15 @@ from bearingsim.interruption import raise_lost
 if TYPE_CHECKING:
     from distributed import Scheduler
 
-Answer = TypeVar("Answer")
+Result = TypeVar("Result")
 
 GREETING_S, CONNECTION_S, CLOSING_S = 10.0, 15.0, 1.5
 """Deadlines in s for the greeting of a scheduler; for greeting and registration together; for closing a client."""
-TALKING = ("distributed", "distributed.client")
+LOGGERS = ("distributed", "distributed.client")
 """Loggers that are silenced during the connection; each has its own level."""
-LARGEST = 1 << 16
+MAX_GREETING_BYTES = 1 << 16
 """Largest accepted greeting in bytes; distributed 2026.8 sends 169 bytes."""
-WORD = b"pickle-protocol"
+GREETING_KEY = b"pickle-protocol"
 """Key that every greeting of distributed contains."""
 
 
@@ -46,30 +46,30 @@ class NotDask(OSError):
     """The program that listens at an address is not dask."""
 
 
-def call_with_timeout(seconds: float, question: Callable[[], Answer]) -> Answer:
+def call_with_timeout(seconds: float, function: Callable[[], Result]) -> Result:
     """Call a function with a deadline; return its result or raise its error. Raises TimeoutError at the deadline.
 
     The function runs in a daemon thread, so that Ctrl-C interrupts the wait, and the thread ends with the process.
     """
-    outcome: SimpleQueue[Callable[[], Answer]] = SimpleQueue()
-    Thread(target=_ask, args=(question, outcome), daemon=True).start()
+    results: SimpleQueue[Callable[[], Result]] = SimpleQueue()
+    Thread(target=_put_result, args=(function, results), daemon=True).start()
     try:
-        answer = outcome.get(timeout=max(seconds, 0.0))
+        result = results.get(timeout=max(seconds, 0.0))
     except Empty:
         raise TimeoutError(f"no answer within {seconds:.0f} s") from None
-    return answer()
+    return result()
 
 
-def _ask(question: Callable[[], Answer], outcome: SimpleQueue[Callable[[], Answer]]) -> None:
+def _put_result(function: Callable[[], Result], results: SimpleQueue[Callable[[], Result]]) -> None:
     try:
-        answer = question()
+        result = function()
     except Exception as error:
-        outcome.put(partial(_fail, error))
+        results.put(partial(_raise, error))
     else:
-        outcome.put(lambda: answer)
+        results.put(lambda: result)
 
 
-def _fail(error: Exception) -> NoReturn:
+def _raise(error: Exception) -> NoReturn:
     raise error
 
 
@@ -82,40 +82,40 @@ def check_greeting(address: str, seconds: float) -> None:
     scheme, host_and_port = parse_address(address)
     if scheme not in ("tcp", "tls"):
         raise ValueError("expected tcp://HOST:PORT or tls://HOST:PORT")
-    end = time.monotonic() + seconds
+    deadline = time.monotonic() + seconds
     with (
-        socket.create_connection(parse_host_port(host_and_port), timeout=seconds) as plain,
-        _secured(plain, scheme) as peer,
+        socket.create_connection(parse_host_port(host_and_port), timeout=seconds) as raw_socket,
+        _secure(raw_socket, scheme) as peer,
     ):
-        (size,) = struct.unpack("Q", _received(peer, 8, end))
-        greeting = _received(peer, size, end) if size <= LARGEST else b""
-        if WORD not in greeting:
+        (size,) = struct.unpack("Q", _receive(peer, 8, deadline))
+        greeting = _receive(peer, size, deadline) if size <= MAX_GREETING_BYTES else b""
+        if GREETING_KEY not in greeting:
             raise NotDask("it uses another protocol")
         peer.sendall(struct.pack("Q", size) + greeting)  # echoed, so that the scheduler logs no error
 
 
-def _secured(plain: socket.socket, scheme: str) -> AbstractContextManager[socket.socket]:
+def _secure(raw_socket: socket.socket, scheme: str) -> AbstractContextManager[socket.socket]:
     """Return the connection itself, or for tls a TLS connection with the certificates configured in dask."""
     if scheme == "tcp":
-        return plain
+        return raw_socket
     context = Security().get_connection_args("client")["ssl_context"]
     if not isinstance(context, ssl.SSLContext):
         raise ValueError("dask's configuration names no certificates for tls://")
-    return context.wrap_socket(plain)
+    return context.wrap_socket(raw_socket)
 
 
-def _received(peer: socket.socket, count: int, end: float) -> bytes:
-    """Receive exactly ``count`` bytes. Raises NotDask if they do not arrive before the monotonic time ``end``."""
+def _receive(peer: socket.socket, count: int, deadline: float) -> bytes:
+    """Receive exactly ``count`` bytes. Raises NotDask if they do not arrive before ``deadline`` (monotonic)."""
     content = b""
     while len(content) < count:
-        peer.settimeout(max(end - time.monotonic(), 1e-3))
+        peer.settimeout(max(deadline - time.monotonic(), 1e-3))
         try:
-            more = peer.recv(count - len(content))
+            chunk = peer.recv(count - len(content))
         except TimeoutError:
             raise NotDask("no greeting: a web server, or a hung scheduler") from None
-        if not more:
+        if not chunk:
             raise NotDask("it closes the connection")
-        content += more
+        content += chunk
     return content
 
 
@@ -136,8 +136,8 @@ def connect(address: str) -> Iterator[Client]:
     Raises SchedulerUnreachable if no scheduler answers within CONNECTION_S, another program answers, or the
     address is invalid.
     """
-    with _silence():
-        client = _joined(address)
+    with _silence_loggers():
+        client = _open_client(address)
         try:
             yield client
         finally:
@@ -145,12 +145,12 @@ def connect(address: str) -> Iterator[Client]:
                 call_with_timeout(CLOSING_S, client.close)
 
 
-def _joined(address: str) -> Client:
+def _open_client(address: str) -> Client:
     raise_lost()  # a signal may have been lost while distributed was imported
-    end = time.monotonic() + CONNECTION_S
+    deadline = time.monotonic() + CONNECTION_S
     try:
         call_with_timeout(CONNECTION_S, partial(check_greeting, address, GREETING_S))
-        return call_with_timeout(end - time.monotonic(), partial(_registered, address))
+        return call_with_timeout(deadline - time.monotonic(), partial(_register_client, address))
     except NotDask as error:
         advice = "use the tcp:// or tls:// address that `dask scheduler` prints, not its dashboard (port 8787)"
         raise SchedulerUnreachable(
@@ -163,7 +163,7 @@ def _joined(address: str) -> Client:
         raise SchedulerUnreachable(f"no scheduler responds at {address} ({error}): {advice}") from None
 
 
-def _registered(address: str) -> Client:
+def _register_client(address: str) -> Client:
     """Register a client, and the plugin for dead workers, with the scheduler."""
     try:
         client = _Client(address, timeout=CONNECTION_S, set_as_default=False)
@@ -174,9 +174,9 @@ def _registered(address: str) -> Client:
 
 
 @contextmanager
-def _silence() -> Iterator[None]:
+def _silence_loggers() -> Iterator[None]:
     """Silence the loggers of distributed, which log tracebacks when a scheduler is lost."""
-    loggers = [logging.getLogger(name) for name in TALKING]
+    loggers = [logging.getLogger(name) for name in LOGGERS]
     levels = [logger.level for logger in loggers]
     for logger in loggers:
         logger.setLevel(logging.CRITICAL)

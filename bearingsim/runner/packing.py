@@ -40,8 +40,8 @@ def shard_of(jobs: Sequence["Job"], shard: tuple[int, int]) -> list["Job"]:
     k, n = shard
     if not 1 <= k <= n:
         raise ValueError(f"no shard {k}/{n}: shards run from 1/{n} to {n}/{n}")
-    ours = {job.id for job in sorted(jobs, key=lambda job: job.id)[k - 1 :: n]}
-    return [job for job in jobs if job.id in ours]
+    ids = {job.id for job in sorted(jobs, key=lambda job: job.id)[k - 1 :: n]}
+    return [job for job in jobs if job.id in ids]
 
 
 def pack(jobs: Sequence["Job"], costs: Sequence[Cost], workers: int) -> list[list[int]]:
@@ -51,8 +51,8 @@ def pack(jobs: Sequence["Job"], costs: Sequence[Cost], workers: int) -> list[lis
     """
     target = unit_seconds(sum(cost.seconds for cost in costs), workers)
     order = sorted(range(len(jobs)), key=lambda index: _axis(jobs[index].case))
-    alike = [list(group) for _, group in groupby(order, key=lambda index: _axis(jobs[index].case))]
-    units = [unit for group in alike for unit in _cut(group, costs, target)]
+    groups = [list(group) for _, group in groupby(order, key=lambda index: _axis(jobs[index].case))]
+    units = [unit for group in groups for unit in _split(group, costs, target)]
     return sorted(units, key=lambda unit: -sum(costs[index].seconds for index in unit))
 
 
@@ -69,18 +69,19 @@ def workers_in_memory(costs: Sequence[Cost], workers: int) -> int:
     Besides the running job, a worker stores the results of its unit in double precision.
     """
     heaviest = sorted((PROGRAM + cost.memory for cost in costs), reverse=True)
-    held = 2.0 * min(UNIT_BYTES, sum(cost.bytes for cost in costs))
-    each = [bytes + held for bytes in heaviest[:workers]]
-    return next((n for n in range(workers, 1, -1) if PROGRAM + sum(each[:n]) <= memory.limit()), 1)
+    result_bytes = 2.0 * min(UNIT_BYTES, sum(cost.bytes for cost in costs))
+    worker_bytes = [job_bytes + result_bytes for job_bytes in heaviest[:workers]]
+    return next((n for n in range(workers, 1, -1) if PROGRAM + sum(worker_bytes[:n]) <= memory.limit()), 1)
 
 
 def worker_note(costs: Sequence[Cost], workers: int) -> Iterator[str]:
     """Yield a note if memory allows fewer workers than requested."""
-    able = workers_in_memory(costs, workers)
-    if able < workers:
-        most = max(cost.memory for cost in costs)
+    count = workers_in_memory(costs, workers)
+    if count < workers:
+        peak = max(cost.memory for cost in costs)
         yield (
-            f"{able} worker{'s' * (able > 1)} in place of {workers}: a job may take {most / 1e9:.2g} GB of memory,"
+            f"{count} worker{'s' * (count > 1)} in place of {workers}:"
+            f" a job may take {peak / 1e9:.2g} GB of memory,"
             f" and there are {memory.limit() / 1e9:.2g} GB"
         )
 
@@ -91,7 +92,7 @@ def _axis(case: Any) -> str:
     return repr([getattr(case, name, None) for name in names])
 
 
-def _cut(group: Sequence[int], costs: Sequence[Cost], target: float) -> Iterator[list[int]]:
+def _split(group: Sequence[int], costs: Sequence[Cost], target: float) -> Iterator[list[int]]:
     """Split jobs into units of about ``target`` seconds; a job of that cost or more makes a unit by itself."""
     unit, seconds, size = [], 0.0, 0.0
     for index in group:
@@ -127,24 +128,26 @@ def select_affordable(
     jobs: Sequence["Job"], costs: Sequence[Cost], max_cpu: float, shown: bool | None
 ) -> AffordableJobs:
     """Select the jobs whose estimated CPU time is at most ``max_cpu`` s; shown: False to print nothing."""
-    longer = [cost.seconds for cost in costs if cost.seconds > max_cpu]
-    kept = [pair for pair in zip(jobs, costs, strict=True) if pair[1].seconds <= max_cpu]
+    expensive = [cost.seconds for cost in costs if cost.seconds > max_cpu]
+    pairs = [pair for pair in zip(jobs, costs, strict=True) if pair[1].seconds <= max_cpu]
     notes = []
-    if longer:
-        count = f"{len(longer)} jobs are" if len(longer) > 1 else "1 job is"
-        bound, longest = duration(max_cpu), max(longer)
-        most = f"{'up to ' * (len(longer) > 1)}{duration(longest)} of CPU time, " if isfinite(longest) else ""
-        notes.append(f"{count} skipped: estimated at {most}over {bound} (`--max-cpu`)")
+    if expensive:
+        count = f"{len(expensive)} jobs are" if len(expensive) > 1 else "1 job is"
+        bound, longest = duration(max_cpu), max(expensive)
+        estimate_text = (
+            f"{'up to ' * (len(expensive) > 1)}{duration(longest)} of CPU time, " if isfinite(longest) else ""
+        )
+        notes.append(f"{count} skipped: estimated at {estimate_text}over {bound} (`--max-cpu`)")
         if shown is not False:
             say(" ".join(notes), err=True)
-    return AffordableJobs([job for job, _ in kept], [cost for _, cost in kept], notes)
+    return AffordableJobs([job for job, _ in pairs], [cost for _, cost in pairs], notes)
 
 
 def early_end_note(failed: int, max_failures: float) -> str:
     """Return a note on a run that ended because too many jobs failed."""
     jobs = f"{failed} jobs" if failed > 1 else "1 job"
-    allowed = "`--fail-fast`" if max_failures == 1 else f"`--max-failures {max_failures:g}`"
-    return f"stopped early: {jobs} failed ({allowed}); run the same command to continue without them"
+    option = "`--fail-fast`" if max_failures == 1 else f"`--max-failures {max_failures:g}`"
+    return f"stopped early: {jobs} failed ({option}); run the same command to continue without them"
 
 
 def costs(estimate: Callable[[Any], Any], jobs: Sequence["Job"], max_cpu: float) -> list[Cost]:
@@ -157,7 +160,7 @@ def _cost(estimate: Callable[[Any], Any], case: Any, max_cpu: float) -> Cost:
 
     The cost of an invalid case is zero, because its simulation fails at once and reports the reason.
     """
-    began = cpu_time.now()
+    start = cpu_time.now()
     try:
         with cpu_time.at_most(max_cpu):
             price = estimate(case)
@@ -165,5 +168,5 @@ def _cost(estimate: Callable[[Any], Any], case: Any, max_cpu: float) -> Cost:
         return Cost(inf, 0.0)
     except ValueError:
         return Cost(0.0, 0.0)
-    numbers = float(price.cpu_seconds), float(price.bytes), float(price.most_memory)
-    return Cost(*numbers, spent=cpu_time.now() - began)
+    quantities = float(price.cpu_seconds), float(price.bytes), float(price.most_memory)
+    return Cost(*quantities, spent=cpu_time.now() - start)

@@ -32,12 +32,12 @@ class RepeatedWorkerDeaths(UserError):
 class DeathCounter:
     """Count of worker deaths since the last result; the third cannot be due to a single job."""
 
-    def __init__(self, root: Path, doing: str) -> None:
+    def __init__(self, root: Path, activity: str) -> None:
         """Set the count to zero.
 
-        root: folder of the journal; doing: activity of the workers, for messages.
+        root: folder of the journal; activity: activity of the workers, for messages.
         """
-        self.root, self.doing, self.count = root, doing, 0
+        self.root, self.activity, self.count = root, activity, 0
 
     def add(self, death: BrokenProcessPool, suspects: Iterable[str] = ()) -> None:
         """Count a death; suspects: jobs running then. Raises RepeatedWorkerDeaths at the third in a row."""
@@ -45,12 +45,12 @@ class DeathCounter:
         cause = _exit_codes(death)
         log(self.root, "worker died", exit=cause, suspects=sorted(suspects))
         if self.count == RESTARTS_WITHOUT_PROGRESS:
-            often = f"{RESTARTS_WITHOUT_PROGRESS} times without finishing a job"
+            count_text = f"{RESTARTS_WITHOUT_PROGRESS} times without finishing a job"
             raise RepeatedWorkerDeaths(
-                f"worker processes died {self.doing} {often} ({cause}): {ADVICE}"
+                f"worker processes died {self.activity} {count_text} ({cause}): {ADVICE}"
             ) from death
 
-    def end(self) -> None:
+    def reset(self) -> None:
         """Reset the count after a result."""
         self.count = 0
 
@@ -66,24 +66,24 @@ def outcomes(works: Sequence[Work], workers: int) -> Generator[Outcome, None, No
     if workers == 1 or not works:
         yield from _compute_serially(works)
         return
-    waiting, suspected = list(works), list[Work]()
+    pending, suspect_works = list(works), list[Work]()
     deaths = DeathCounter(works[0].root, "at work")
-    while waiting:
-        returned: set[str] = set()
+    while pending:
+        finished_units: set[str] = set()
         try:
-            for outcome in _compute_in_pool(waiting, workers):
-                returned.add(outcome.unit)
-                deaths.end()
+            for outcome in _compute_in_pool(pending, workers):
+                finished_units.add(outcome.unit)
+                deaths.reset()
                 yield outcome
-            waiting = []
+            pending = []
         except BrokenProcessPool as death:
-            waiting = [work for work in waiting if work.unit not in returned]
-            suspects = take_suspects(waiting[0].root, [work.unit for work in waiting])
-            deaths.add(death, suspects)
-            suspected += [work.only([job]) for work in waiting for job in _ids(work) & suspects]
-            remaining = (work.only(_ids(work) - suspects) for work in waiting)
-            waiting = [work for work in remaining if work.jobs]
-    yield from _one_by_one(suspected, deaths, workers)
+            pending = [work for work in pending if work.unit not in finished_units]
+            suspect_ids = take_suspects(pending[0].root, [work.unit for work in pending])
+            deaths.add(death, suspect_ids)
+            suspect_works += [work.subset([job]) for work in pending for job in _ids(work) & suspect_ids]
+            remaining = (work.subset(_ids(work) - suspect_ids) for work in pending)
+            pending = [work for work in remaining if work.jobs]
+    yield from _compute_one_by_one(suspect_works, deaths, workers)
 
 
 def _compute_serially(works: Sequence[Work]) -> Iterator[Outcome]:
@@ -95,25 +95,25 @@ def _compute_serially(works: Sequence[Work]) -> Iterator[Outcome]:
         yield outcome
 
 
-def _one_by_one(works: Sequence[Work], deaths: DeathCounter, workers: int) -> Iterator[Outcome]:
+def _compute_one_by_one(works: Sequence[Work], deaths: DeathCounter, workers: int) -> Iterator[Outcome]:
     """Compute jobs one at a time, so that a worker death is due to one job, unless three follow each other."""
-    blamed: list[Outcome] = []
+    failures: list[Outcome] = []
     for work in takewhile(lambda _: not stop_requested(), works):
         try:
             outcome = next(iter(list(_compute_in_pool([work], workers))))
         except BrokenProcessPool as death:
             take_suspects(work.root, [work.unit])
             deaths.add(death, _ids(work))
-            blamed.append(_blamed(work, death))
+            failures.append(_failed_outcome(work, death))
             continue
-        deaths.end()
-        yield from blamed
-        blamed.clear()
+        deaths.reset()
+        yield from failures
+        failures.clear()
         yield outcome
-    yield from blamed
+    yield from failures
 
 
-def _blamed(work: Work, death: BrokenProcessPool) -> Outcome:
+def _failed_outcome(work: Work, death: BrokenProcessPool) -> Outcome:
     failure = Failure(
         job=work.jobs[0].id,
         reason=f"the worker process died: {_exit_codes(death)}",

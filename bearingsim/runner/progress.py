@@ -1,4 +1,4 @@
-"""Progress of a run: on a terminal a bar with the remaining time, otherwise a line every LINE_EVERY_S."""
+"""Progress of a run: on a terminal a bar with the remaining time, otherwise a line every LINE_INTERVAL_S."""
 
 import sys
 import time
@@ -8,8 +8,8 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from bearingsim.text.patience import ONCE, Patience
 from bearingsim.text.terminal import say
 
-LINE_EVERY_S = 10.0  # s between lines
-SPEED_OVER_S = 3600.0  # averaging time of the speed in s; units of work may end minutes apart
+LINE_INTERVAL_S = 10.0  # s between lines
+SPEED_WINDOW_S = 3600.0  # averaging time of the speed in s; units of work may end minutes apart
 
 Report = Callable[[int, int, float], None]
 """Callback with the numbers of newly done and failed jobs, and their estimated CPU time (s)."""
@@ -36,15 +36,15 @@ def _bar(jobs: int, seconds: float) -> Iterator[Report]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-    look = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TextColumn("left"))
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TextColumn("left"))
     done = failed = 0
     screen = Console(stderr=True)
-    with Progress(*look, TimeRemainingColumn(), console=screen, speed_estimate_period=SPEED_OVER_S) as bar:
+    with Progress(*columns, TimeRemainingColumn(), console=screen, speed_estimate_period=SPEED_WINDOW_S) as bar:
         task = bar.add_task(_counts(0, 0, jobs), total=seconds)
 
-        def report(now_done: int, now_failed: int, cost: float) -> None:
+        def report(new_done: int, new_failed: int, cost: float) -> None:
             nonlocal done, failed
-            done, failed = done + now_done, failed + now_failed
+            done, failed = done + new_done, failed + new_failed
             bar.update(task, advance=cost, description=_counts(done, failed, jobs))
 
         yield report
@@ -52,19 +52,19 @@ def _bar(jobs: int, seconds: float) -> Iterator[Report]:
 
 @contextmanager
 def _lines(jobs: int, seconds: float) -> Iterator[Report]:
-    started = last = time.monotonic()
+    started = last_line = time.monotonic()
     done = failed = 0
     computed = 0.0
 
-    def report(now_done: int, now_failed: int, cost: float) -> None:
-        nonlocal done, failed, computed, last
-        done, failed, computed = done + now_done, failed + now_failed, computed + cost
+    def report(new_done: int, new_failed: int, cost: float) -> None:
+        nonlocal done, failed, computed, last_line
+        done, failed, computed = done + new_done, failed + new_failed, computed + cost
         now = time.monotonic()
-        if now - last >= LINE_EVERY_S:
-            left = (now - started) * max(seconds - computed, 0.0) / max(computed, 1e-9)
-            ahead = f", about {duration(left)} left" if done + failed < jobs else ""
-            say(f"{_counts(done, failed, jobs)}{ahead}", err=True)
-            last = now
+        if now - last_line >= LINE_INTERVAL_S:
+            remaining = (now - started) * max(seconds - computed, 0.0) / max(computed, 1e-9)
+            remaining_text = f", about {duration(remaining)} left" if done + failed < jobs else ""
+            say(f"{_counts(done, failed, jobs)}{remaining_text}", err=True)
+            last_line = now
 
     yield report
 
@@ -77,6 +77,6 @@ def duration(seconds: float) -> str:
     """Format a time (s) as `0.4 s`, `12 s`, `3 min 20 s`, `2 h 5 min`."""
     if seconds < 99.5:
         return f"{seconds:.2g} s"
-    minutes, rest = divmod(round(seconds), 60)
+    minutes, remainder = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
-    return f"{hours} h {minutes} min" if hours else f"{minutes} min {rest} s"
+    return f"{hours} h {minutes} min" if hours else f"{minutes} min {remainder} s"

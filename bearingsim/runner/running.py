@@ -168,7 +168,7 @@ def _compute(setting: _Setting, plan: Plan, tally: Tally, notes: list[str]) -> N
         with connect() as cluster:  # before the estimates, which may compile code
             todo = affordable_jobs()
             notes += todo.notes
-            works = _works(setting, todo, cluster.assembled(), plan.holdings.units)
+            works = _works(setting, todo, cluster.wait_for_workers(), plan.holdings.units)
             _follow(works, cluster.outcomes(works), tally, wanted.progress)
         return
     with patient(wanted.progress) as patience:

@@ -127,7 +127,7 @@ def _tried(
                 closing(map_unordered(_compute, arguments, workers)) as coming,
             ):
                 for done, failed in coming:
-                    deaths.end()
+                    deaths.reset()
                     report(len(done), len(failed), sum(costs[name] for name in (*done, *failed)))
         except BrokenProcessPool as death:
             deaths.add(death)

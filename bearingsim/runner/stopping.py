@@ -20,12 +20,12 @@ from bearingsim.text.terminal import say
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 _received = 0  # number of the signal received by this process, or 0
 _flag: Any = None  # event that passes a stop request to workers
-_enough = False  # True after the run itself has requested a stop
+_internal_stop = False  # True after the run itself has requested a stop
 
 
 def stop_requested() -> bool:
     """Return True after a stop request, in this process or in the parent of this worker."""
-    return _received != 0 or _enough or (_flag is not None and bool(_flag.is_set()))
+    return _received != 0 or _internal_stop or (_flag is not None and bool(_flag.is_set()))
 
 
 def flag_for_workers() -> Any:
@@ -63,7 +63,7 @@ def defer_signals() -> Iterator[None]:
         yield
         return
     raise_lost()
-    with _handling(_ask):
+    with _set_handlers(_request_stop):
         try:
             yield
             if _received:
@@ -77,18 +77,18 @@ def defer_signals() -> Iterator[None]:
 @contextmanager
 def stop_switch() -> Iterator[Callable[[], None]]:
     """Yield a function that requests a stop as a signal does; the request is reset on exit."""
-    global _enough
+    global _internal_stop
 
-    def end() -> None:
-        global _enough
-        _enough = True
+    def stop() -> None:
+        global _internal_stop
+        _internal_stop = True
         if _flag is not None:
             _flag.set()
 
     try:
-        yield end
+        yield stop
     finally:
-        _enough = False
+        _internal_stop = False
         if _flag is not None:
             _flag.clear()
 
@@ -99,25 +99,29 @@ def ignore_signals() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    with _handling(signal.SIG_IGN):
+    with _set_handlers(signal.SIG_IGN):
         yield
 
 
 @contextmanager
-def _handling(handler: Any) -> Iterator[None]:
+def _set_handlers(handler: Any) -> Iterator[None]:
     """Set a handler within the context for all signals that are not already ignored (as under nohup)."""
-    before = {number: signal.getsignal(number) for number in SIGNALS}
-    heard = {number: old for number, old in before.items() if old not in (signal.SIG_IGN, None)}
-    for number in heard:
+    previous = {number: signal.getsignal(number) for number in SIGNALS}
+    handled = {
+        number: handler_before
+        for number, handler_before in previous.items()
+        if handler_before not in (signal.SIG_IGN, None)
+    }
+    for number in handled:
         signal.signal(number, handler)
     try:
         yield
     finally:
-        for number, old in heard.items():
-            signal.signal(number, old)
+        for number, handler_before in handled.items():
+            signal.signal(number, handler_before)
 
 
-def _ask(number: int, frame: FrameType | None) -> None:
+def _request_stop(number: int, frame: FrameType | None) -> None:
     global _received
     _received = number
     if _flag is not None:
@@ -127,7 +131,7 @@ def _ask(number: int, frame: FrameType | None) -> None:
     say("finishing the running jobs (press again to stop at once)", err=True)
 
 
-WRONG = {
+CAUSES = {
     errno.ENOSPC: "is full: free some space",
     errno.EROFS: "is read-only: make it writable",
     errno.EACCES: "is not writable for this user: change its permissions",
@@ -148,7 +152,7 @@ def check_shared_memory() -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        if error.filename is not None or error.errno not in WRONG:
+        if error.filename is not None or error.errno not in CAUSES:
             raise
-        wrong = WRONG[error.errno]
-        raise NoSharedMemory(f"worker processes need /dev/shm, which {wrong}, or use `--jobs 1`") from error
+        cause = CAUSES[error.errno]
+        raise NoSharedMemory(f"worker processes need /dev/shm, which {cause}, or use `--jobs 1`") from error

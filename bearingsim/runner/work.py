@@ -53,7 +53,7 @@ Seal = Callable[[Path, Sequence[tuple["Job", "Record"]], Mapping[str, Value]], o
 """Callback that stores records: results folder, jobs with their records, provenance."""
 
 
-LOOK_S = 0.5
+LISTING_INTERVAL_S = 0.5
 """Shortest time (s) between two listings of the units in the folder."""
 
 
@@ -61,21 +61,21 @@ LOOK_S = 0.5
 class OtherRuns:
     """Jobs that other runs have stored in a folder since this run began.
 
-    judged: names of the units in the folder when the jobs were planned. Units that this run has stored since are
-    included, which has no effect because their jobs are not started again.
+    known_units: names of the units in the folder when the jobs were planned. Units that this run has stored since
+    are included, which has no effect because their jobs are not started again.
     """
 
     root: Path
-    judged: frozenset[str]
+    known_units: frozenset[str]
     _jobs: set[str] = field(default_factory=set, init=False)
-    _looked: float = field(default=-LOOK_S, init=False)
+    _checked_at: float = field(default=-LISTING_INTERVAL_S, init=False)
 
-    def have(self, job: str) -> bool:
-        """Check if another run has stored a job; the list of units is at most LOOK_S old."""
-        if time.monotonic() - self._looked >= LOOK_S:
-            others = store.unit_names(self.root) - self.judged
+    def has_stored(self, job: str) -> bool:
+        """Check if another run has stored a job; the list of units is at most LISTING_INTERVAL_S old."""
+        if time.monotonic() - self._checked_at >= LISTING_INTERVAL_S:
+            others = store.unit_names(self.root) - self.known_units
             self._jobs = {name for unit in others for name in _jobs(store.unit_path(self.root, unit))}
-            self._looked = time.monotonic()
+            self._checked_at = time.monotonic()
         return job in self._jobs
 
 
@@ -104,7 +104,7 @@ class Work:
         """Name of the unit, which depends on its jobs."""
         return unit_name(job.id for job in self.jobs)
 
-    def only(self, ids: Iterable[str]) -> "Work":
+    def subset(self, ids: Iterable[str]) -> "Work":
         """Return the part of the work with the jobs of these ids."""
         wanted = set(ids)
         pairs = [pair for pair in zip(self.jobs, self.seconds, strict=True) if pair[0].id in wanted]
@@ -152,17 +152,17 @@ def compute(work: Work, seal: Seal = write_units) -> Outcome:
     failed: list[Failure] = []
     done_by_others: list[str] = []
     simulate, unit = load(work.engine.simulate), work.unit
-    with start_marker(work.root, unit) as note:
+    with start_marker(work.root, unit) as record_job:
         for job in work.jobs:
             if stop_requested() or len(failed) >= work.max_failures:
                 break
-            if work.others is not None and work.others.have(job.id):
+            if work.others is not None and work.others.has_stored(job.id):
                 done_by_others.append(job.id)
                 continue
-            note(job.id)
-            bound = cpu_time.at_most(work.max_cpu, work.spent.get(job.id, 0.0))
+            record_job(job.id)
+            limit = cpu_time.at_most(work.max_cpu, work.spent.get(job.id, 0.0))
             try:
-                with full_disk_errors(work.root / unit), bound:  # a full disk is not a failure of the job
+                with full_disk_errors(work.root / unit), limit:  # a full disk is not a failure of the job
                     done.append((job, simulate(job.case)))
             except DiskFull:
                 raise
@@ -189,10 +189,10 @@ def _start_up(work: Work) -> float:
 
     Errors are ignored, because the job raises and reports them again.
     """
-    began = time.process_time()
+    start = time.process_time()
     with suppress(Exception):
         load(work.engine.warm)([job.case for job in work.jobs])
-    return time.process_time() - began
+    return time.process_time() - start
 
 
 def _failure(job: str, error: Exception) -> Failure:

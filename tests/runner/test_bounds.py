@@ -22,7 +22,7 @@ def compute(study: Any, out: Path, jobs: int = 1, **options: Any) -> RunSummary:
     return run(study, out, jobs=jobs, progress=False, engine=ENGINE, **options)
 
 
-def status_of(out: Path) -> list[str]:
+def statuses(out: Path) -> list[str]:
     return list(store.open_results(out).table()["status"])
 
 
@@ -30,7 +30,7 @@ def test_the_first_failed_job_ends_the_run_and_what_was_done_before_is_sealed(tm
     study = FakeStudy(WIDTHS, deeds={3: "raise", 5: "raise"})  # one unit
     summary = compute(study, tmp_path, max_failures=1)
     assert (summary.done, summary.failed, summary.missing, summary.exit_code) == (3, 1, 6, 1)
-    assert status_of(tmp_path) == ["done"] * 3 + ["failed"] + ["missing"] * 6
+    assert statuses(tmp_path) == ["done"] * 3 + ["failed"] + ["missing"] * 6
     assert "stopped early: 1 job failed (`--fail-fast`)" in str(summary)
 
 
@@ -62,8 +62,8 @@ def test_failures_of_all_units_count(tmp_path: Path) -> None:
     jobs = FakeStudy(WIDTHS, deeds={1: "raise", 2: "raise", 3: "raise", 4: "raise", 5: "raise"}).jobs()
     units = (jobs[:3], jobs[3:6], jobs[6:9])
     works = [Work(tmp_path, tuple(unit), (0.0,) * 3, ENGINE, {}, max_failures=3) for unit in units]
-    found = list(outcomes(works, 1))
-    assert [(len(one.done), len(one.failed)) for one in found] == [(1, 2), (0, 1), (0, 0)]
+    results = list(outcomes(works, 1))
+    assert [(len(outcome.done), len(outcome.failed)) for outcome in results] == [(1, 2), (0, 1), (0, 0)]
 
 
 def test_workers_seal_what_is_in_hand_when_another_s_job_has_failed(tmp_path: Path) -> None:
@@ -90,19 +90,19 @@ def test_a_job_that_kills_its_worker_ends_the_run_before_the_next_suspect(tmp_pa
 def test_dear_jobs_are_told_of_beforehand_and_left(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     study: Any = FakeStudy(seconds=0.2)
     summary = run(study, tmp_path, jobs=1, engine=ENGINE, max_cpu=0.1)
-    told = "4 jobs are skipped: estimated at up to 0.2 s of CPU time, over 0.1 s (`--max-cpu`)"
+    note = "4 jobs are skipped: estimated at up to 0.2 s of CPU time, over 0.1 s (`--max-cpu`)"
     assert (summary.done, summary.failed, summary.missing, summary.exit_code) == (0, 0, 4, 1)
-    assert told in summary.notes
-    assert told in capsys.readouterr().err
+    assert note in summary.notes
+    assert note in capsys.readouterr().err
     assert not store.read_failures(tmp_path)
-    again = compute(study, tmp_path)  # nothing of it is left behind
-    assert (again.done, again.exit_code) == (4, 0)
+    second = compute(study, tmp_path)  # nothing of it is left behind
+    assert (second.done, second.exit_code) == (4, 0)
 
 
 def test_a_job_that_takes_longer_than_was_thought_is_stopped_and_fails(tmp_path: Path) -> None:
     study = FakeStudy(deeds={1: "spin"}, seconds=0.3)
-    engine_of_optimists = ENGINE.__class__(ENGINE.simulate, "tests.runner.test_bounds:cheap", ENGINE.warm)
-    summary = run(study, tmp_path, jobs=1, progress=False, engine=engine_of_optimists, max_cpu=0.1)  # type: ignore
+    optimistic_engine = ENGINE.__class__(ENGINE.simulate, "tests.runner.test_bounds:cheap", ENGINE.warm)
+    summary = run(study, tmp_path, jobs=1, progress=False, engine=optimistic_engine, max_cpu=0.1)  # type: ignore
     assert (summary.done, summary.failed) == (3, 1)
     [group] = summary.failures
     assert group.reason == "it took over 0.1 s of CPU time, and was stopped (`--max-cpu`)"
@@ -152,15 +152,15 @@ def test_a_simulation_is_stopped_between_its_steps_and_no_other_method_is_tried(
     cpu_time.check()  # the bound ends with what it bounds
 
 
-@pytest.mark.parametrize("wrong", [{"max_failures": 0}, {"max_cpu": 0.0}])
-def test_bounds_by_which_no_run_could_begin_are_refused(tmp_path: Path, wrong: Any) -> None:
+@pytest.mark.parametrize("options", [{"max_failures": 0}, {"max_cpu": 0.0}])
+def test_bounds_by_which_no_run_could_begin_are_refused(tmp_path: Path, options: Any) -> None:
     with pytest.raises(ValueError, match="expected"):
-        compute(FakeStudy(), tmp_path / "out", **wrong)
+        compute(FakeStudy(), tmp_path / "out", **options)
     assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["--max-cpu", "5"], "expected a time such as `50 ms`"),
         (["--max-cpu", "5 mm"], "expected a time such as `50 ms`"),
@@ -169,13 +169,13 @@ def test_bounds_by_which_no_run_could_begin_are_refused(tmp_path: Path, wrong: A
         (["--fail-fast", "--max-failures", "3"], "omit `--max-failures`"),
     ],
 )
-def test_the_command_refuses_what_it_cannot_mean(here: Path, words: list[str], said: str) -> None:
-    _, told = type_("run", "small.yaml", *words, code=2)
-    assert said in " ".join(told.replace("│", " ").split())
+def test_the_command_refuses_what_it_cannot_mean(here: Path, words: list[str], message: str) -> None:
+    _, error = type_("run", "small.yaml", *words, code=2)
+    assert message in " ".join(error.replace("│", " ").split())
 
 
 def test_the_command_leaves_what_is_too_dear(here: Path) -> None:
-    said, told = type_("run", "small.yaml", "--jobs", "1", "--max-cpu", "1 ns", code=1)
-    assert "0 of 8 jobs done" in said
-    assert "8 jobs are skipped: estimated at" in told
-    assert "(`--max-cpu`)" in told
+    message, errors = type_("run", "small.yaml", "--jobs", "1", "--max-cpu", "1 ns", code=1)
+    assert "0 of 8 jobs done" in message
+    assert "8 jobs are skipped: estimated at" in errors
+    assert "(`--max-cpu`)" in errors

@@ -51,34 +51,36 @@ sweep: {load: [150 N, 300 N]}
 duration: 30 ms
 settle: 10 ms
 """
-WAIT_S = 60.0
-SPOKEN = {"DASK_DISTRIBUTED__LOGGING__DISTRIBUTED": "warning"}
+TIMEOUT_S = 60.0
+LOGGING = {"DASK_DISTRIBUTED__LOGGING__DISTRIBUTED": "warning"}
 
 
 class Machines:
     """A scheduler and its workers: processes of their own, in a folder."""
 
     def __init__(self, folder: Path) -> None:
-        self.folder, self.started = folder, list[subprocess.Popen]()
-        self.scheduler = self._start("scheduler", "--port", "0", "--host", "127.0.0.1", *self._file("first"))
-        self.address = self._address("first")
+        self.folder, self.processes = folder, list[subprocess.Popen]()
+        self.scheduler = self._start(
+            "scheduler", "--port", "0", "--host", "127.0.0.1", *self._file_options("first")
+        )
+        self.address = self._read_address("first")
 
-    def _file(self, name: str) -> tuple[str, str]:
+    def _file_options(self, name: str) -> tuple[str, str]:
         return "--scheduler-file", str(self.folder / f"{name}.json")
 
-    def _address(self, name: str) -> str:
+    def _read_address(self, name: str) -> str:
         path = self.folder / f"{name}.json"
-        until(lambda: path.exists() and path.read_text().endswith("}"))
+        wait_until(lambda: path.exists() and path.read_text().endswith("}"))
         return str(json.loads(path.read_text())["address"])
 
-    def _start(self, *words: str, **environment: str) -> subprocess.Popen:
-        command = [sys.executable, "-m", "dask", *words, "--no-dashboard"]
-        whole = os.environ | SPOKEN | environment
-        with (self.folder / f"{words[0]}.log").open("a") as log:
+    def _start(self, *arguments: str, **environment: str) -> subprocess.Popen:
+        command = [sys.executable, "-m", "dask", *arguments, "--no-dashboard"]
+        variables = os.environ | LOGGING | environment
+        with (self.folder / f"{arguments[0]}.log").open("a") as log:
             process = subprocess.Popen(
-                command, cwd=self.folder, env=whole, stdout=log, stderr=log, start_new_session=True
+                command, cwd=self.folder, env=variables, stdout=log, stderr=log, start_new_session=True
             )
-        self.started.append(process)
+        self.processes.append(process)
         return process
 
     def worker(self, *options: str, **environment: str) -> subprocess.Popen:
@@ -86,20 +88,22 @@ class Machines:
         names = ("--nthreads", "1", "--local-directory", str(self.folder / "scratch"))
         return self._start("worker", self.address, *names, *options, **environment)
 
-    def die(self) -> None:
+    def kill_scheduler(self) -> None:
         """End the scheduler at once."""
         self.scheduler.kill()
         self.scheduler.wait()
 
-    def again(self) -> None:
+    def restart_scheduler(self) -> None:
         """Another scheduler, where the first was."""
         port = self.address.rsplit(":", 1)[1]
-        self.scheduler = self._start("scheduler", "--port", port, "--host", "127.0.0.1", *self._file("second"))
-        self._address("second")
+        self.scheduler = self._start(
+            "scheduler", "--port", port, "--host", "127.0.0.1", *self._file_options("second")
+        )
+        self._read_address("second")
 
-    def end(self) -> None:
+    def end_all(self) -> None:
         """Whatever happens: nothing of it stays."""
-        for process in reversed(self.started):
+        for process in reversed(self.processes):
             kill_all(process)
 
 
@@ -110,22 +114,22 @@ def kill_all(process: subprocess.Popen) -> None:
     process.wait()
 
 
-def until(done: Callable[[], Any], what: str = "") -> None:
-    end = time.monotonic() + WAIT_S
+def wait_until(done: Callable[[], Any], message: str = "") -> None:
+    end = time.monotonic() + TIMEOUT_S
     while not done():
-        assert time.monotonic() < end, what
+        assert time.monotonic() < end, message
         time.sleep(0.05)
 
 
-def workers_at(machines: Machines) -> int:
+def count_workers(machines: Machines) -> int:
     with Client(machines.address, set_as_default=False) as client:
         return len(client.nthreads())
 
 
 @contextmanager
-def meanwhile(deed: Callable[[], None]) -> Iterator[None]:
+def in_thread(function: Callable[[], None]) -> Iterator[None]:
     """Something happens in another thread."""
-    thread = threading.Thread(target=deed)
+    thread = threading.Thread(target=function)
     thread.start()
     try:
         yield
@@ -136,45 +140,45 @@ def meanwhile(deed: Callable[[], None]) -> Iterator[None]:
 @pytest.fixture(scope="module")
 def machines(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Machines]:
     """A scheduler and two workers."""
-    found = Machines(tmp_path_factory.mktemp("machines"))
+    machines = Machines(tmp_path_factory.mktemp("machines"))
     try:
-        found.worker()
-        found.worker()
-        yield found
+        machines.worker()
+        machines.worker()
+        yield machines
     finally:
-        found.end()
+        machines.end_all()
 
 
-class Scripted:
+class FakeClient:
     """In place of a client: it has workers and loses units as a test says, and notes what it is told."""
 
     status = "running"
 
     def __init__(self, workers: int = 1) -> None:
-        self.workers, self.held, self.answers = workers, set[Any](), list[dict[str, Any]]()
-        self.ran, self.cancelled, self.futures = list[Any](), list[Any](), list[Any]()
-        self.looks = 0
+        self.workers, self.active_keys, self.answers = workers, set[Any](), list[dict[str, Any]]()
+        self.calls, self.cancelled, self.futures = list[Any](), list[Any](), list[Any]()
+        self.check_count = 0
         self.scheduler = SimpleNamespace(gather=None)
 
     def register_plugin(self, plugin: Any) -> None:
         """Nobody dies here."""
 
     def nthreads(self) -> dict[str, int]:
-        self.looks += 1
-        assert self.looks < 200, "it does not end"
+        self.check_count += 1
+        assert self.check_count < 200, "it does not end"
         return dict.fromkeys(map(str, range(self.workers)), 1)
 
-    def map(self, function: Any, parcels: list[Any], key: list[Any], **how: Any) -> list[Any]:
-        sent = [SomeFuture(one) for one in key]
-        self.futures += sent
-        return sent
+    def map(self, function: Any, parcels: list[Any], key: list[Any], **options: Any) -> list[Any]:
+        futures = [FakeFuture(entry) for entry in key]
+        self.futures += futures
+        return futures
 
     def run(self, function: Any, *arguments: Any, on_error: str) -> dict[str, Any]:
-        self.ran.append(function)
+        self.calls.append(function)
         return {}
 
     def processing(self) -> dict[str, Any]:
-        return {"0": self.held}
+        return {"0": self.active_keys}
 
     def who_has(self, futures: list[Any]) -> dict[Any, list[str]]:
         return {}
@@ -186,7 +190,7 @@ class Scripted:
         return self.answers.pop(0)
 
 
-class SomeFuture:
+class FakeFuture:
     """Of a scripted client: it is called back when the test says so."""
 
     def __init__(self, key: Any) -> None:
@@ -195,21 +199,21 @@ class SomeFuture:
     def add_done_callback(self, function: Callable[[Any], None]) -> None:
         self.end = function
 
-    def becomes(self, status: str) -> None:
+    def set_status(self, status: str) -> None:
         self.status = status
         self.end(self)
 
 
-def flock(client: Any) -> Any:
+def make_cluster(client: Any) -> Any:
     return cluster.Cluster(client, "tcp://somewhere")
 
 
-def works_of(study: Any, root: Path) -> list[Work]:
+def make_works(study: Any, root: Path) -> list[Work]:
     """A unit for each job."""
     return [Work(root, (job,), (0.1,), ENGINE, {}) for job in study.jobs()]
 
 
-def delivered(work: Work) -> Delivery:
+def make_delivery(work: Work) -> Delivery:
     return Delivery(Outcome(work.unit, tuple(job.id for job in work.jobs), ()), {})
 
 
@@ -217,28 +221,28 @@ def compute(study: Any, out: Path, address: str) -> RunSummary:
     return run(study, out, jobs=1, progress=False, engine=ENGINE, scheduler=address)
 
 
-def counted(file: Path) -> Counter[str]:
-    return Counter(file.read_text().split()) if file.exists() else Counter()
+def job_counts(path: Path) -> Counter[str]:
+    return Counter(path.read_text().split()) if path.exists() else Counter()
 
 
-def journal_of(out: Path, event: str) -> list[dict[str, Any]]:
+def journal_entries(out: Path, event: str) -> list[dict[str, Any]]:
     lines = [json.loads(line) for path in out.glob("journal-*.jsonl") for line in path.read_text().splitlines()]
     return [line for line in lines if line["event"] == event]
 
 
-def numbers_of(out: Path) -> pd.DataFrame:
+def computed_values(out: Path) -> pd.DataFrame:
     """All that was computed and found of it, but what tells of time."""
     frame = store.job_frame(out)
     assert "features/velocity@BPFO" in frame
     return frame.drop(columns=["unit", "stamp", "reason", *(name for name in frame if str(name).endswith("_s"))])
 
 
-def same_series(first: Path, second: Path, jobs: list[str]) -> bool:
-    one, two = store.open_results(first), store.open_results(second)
+def is_same_series(first: Path, second: Path, jobs: list[str]) -> bool:
+    first_results, second_results = store.open_results(first), store.open_results(second)
     return all(
-        np.array_equal(data, two.series(job).channels[name])
+        np.array_equal(data, second_results.series(job).channels[name])
         for job in jobs
-        for name, data in one.series(job).channels.items()
+        for name, data in first_results.series(job).channels.items()
     )
 
 
@@ -248,9 +252,11 @@ def test_results_are_those_of_a_local_run(tmp_path: Path, machines: Machines) ->
     local = run(study, tmp_path / "here", jobs=1, progress=False, engine=ENGINE)
     assert (summary.done, summary.failed) == (local.done, local.failed) == (29, 1)
     assert summary.failures == local.failures
-    pd.testing.assert_frame_equal(numbers_of(tmp_path / "there"), numbers_of(tmp_path / "here"), check_exact=True)
+    pd.testing.assert_frame_equal(
+        computed_values(tmp_path / "there"), computed_values(tmp_path / "here"), check_exact=True
+    )
     done = [job.id for n, job in enumerate(study.jobs()) if n != 3]
-    assert same_series(tmp_path / "there", tmp_path / "here", done)
+    assert is_same_series(tmp_path / "there", tmp_path / "here", done)
     assert not [*(tmp_path / "there").rglob("*.part"), *(tmp_path / "there").rglob("*.started")]
     assert compute(study, tmp_path / "there", machines.address).resumed == 29
 
@@ -264,11 +270,11 @@ def test_real_numbers_and_scans_travel(
     np.savetxt("map.csv", points, delimiter=",", header="s [mm],z [mm],depth [um]", comments="")
     Path("small.yaml").write_text(SCANNED)
     type_("run", "small.yaml", "--jobs", "1", "--out", "here")
-    said, _ = type_("run", "small.yaml", "--scheduler", machines.address, "--out", "there")
-    assert "4 of 4 jobs done" in said
-    here, there = numbers_of(Path("here")), numbers_of(Path("there"))
+    output, _ = type_("run", "small.yaml", "--scheduler", machines.address, "--out", "there")
+    assert "4 of 4 jobs done" in output
+    here, there = computed_values(Path("here")), computed_values(Path("there"))
     pd.testing.assert_frame_equal(there, here, check_exact=True)
-    assert same_series(Path("there"), Path("here"), list(here.index))
+    assert is_same_series(Path("there"), Path("here"), list(here.index))
 
 
 def test_a_job_that_kills_its_worker_fails_alone(tmp_path: Path, machines: Machines) -> None:
@@ -279,8 +285,8 @@ def test_a_job_that_kills_its_worker_fails_alone(tmp_path: Path, machines: Machi
     assert (summary.done, summary.failed) == (8, 1)
     assert (failure.job, failure.attempts) == (study.jobs()[3].id, 2)
     assert "its worker died" in failure.reason
-    assert counted(count) == {failure.job: 2}
-    assert sum(failure.job in line["suspects"] for line in journal_of(out, "worker died")) == 2
+    assert job_counts(count) == {failure.job: 2}
+    assert sum(failure.job in line["suspects"] for line in journal_entries(out, "worker died")) == 2
 
 
 def test_where_all_die_no_job_is_blamed(
@@ -288,43 +294,43 @@ def test_where_all_die_no_job_is_blamed(
 ) -> None:
     monkeypatch.setattr(cluster, "RESTARTS_WITHOUT_PROGRESS", 1)
     study: Any = FakeStudy(deeds=dict.fromkeys(range(3), "kill"))
-    until(lambda: workers_at(machines) == 2, "a worker that died was not started anew")
+    wait_until(lambda: count_workers(machines) == 2, "a worker that died was not started anew")
     with pytest.raises(RepeatedWorkerDeaths, match="no job is blamed"):
         compute(study, tmp_path, machines.address)
     assert not store.read_failures(tmp_path)
 
 
 def test_stopping_lets_jobs_in_hand_end(tmp_path: Path, machines: Machines) -> None:
-    until(lambda: workers_at(machines) == 2, "a worker that died was not started anew")
+    wait_until(lambda: count_workers(machines) == 2, "a worker that died was not started anew")
     out, count = tmp_path / "out", tmp_path / "count"
     widths = [1e-3 * n for n in range(1, 200)]  # 5 s: on a busy machine the signal comes late
     study: Any = FakeStudy(widths, deeds=dict.fromkeys(range(200), f"count {count}"), seconds=0.05)
 
     def interrupt() -> None:
-        until(lambda: counted(count).total() > 8)
+        wait_until(lambda: job_counts(count).total() > 8)
         os.kill(os.getpid(), signal.SIGINT)
 
-    with meanwhile(interrupt), pytest.raises(Interrupted) as stopped:
+    with in_thread(interrupt), pytest.raises(Interrupted) as interruption:
         compute(study, out, machines.address)
-    summary = stopped.value.summary
+    summary = interruption.value.summary
     assert summary.exit_code == 130
-    twin = {job.id for job in study.jobs() if job.is_baseline}
+    baselines = {job.id for job in study.jobs() if job.is_baseline}
     assert 8 < summary.done < 200
-    assert counted(count).keys() == store.holdings(out).sealed - twin  # nothing that was begun is lost
+    assert job_counts(count).keys() == store.holdings(out).sealed - baselines  # nothing that was begun is lost
     assert compute(study, out, machines.address).done == 200 - summary.done
-    assert set(counted(count).values()) == {1}
+    assert set(job_counts(count).values()) == {1}
 
 
 @pytest.mark.parametrize("late", [False, True])
 def test_another_installation_is_refused(
     tmp_path: Path, machines: Machines, monkeypatch: pytest.MonkeyPatch, late: bool
 ) -> None:
-    ours = required_installation() | {"numpy": "1.0", "model version": "0"}
-    monkeypatch.setattr(cluster, "required_installation", lambda: ours)
+    installed = required_installation() | {"numpy": "1.0", "model version": "0"}
+    monkeypatch.setattr(cluster, "required_installation", lambda: installed)
     if late:  # it came when the others had been asked
-        monkeypatch.setattr(cluster.Cluster, "assembled", lambda self: 2)
-    told = rf"worker tcp://\S+: numpy {np.__version__} in place of 1.0, model version \d+ in place of 0"
-    with pytest.raises(InstallationMismatch, match=told):
+        monkeypatch.setattr(cluster.Cluster, "wait_for_workers", lambda self: 2)
+    message = rf"worker tcp://\S+: numpy {np.__version__} in place of 1.0, model version \d+ in place of 0"
+    with pytest.raises(InstallationMismatch, match=message):
         compute(FakeStudy(), tmp_path, machines.address)
     assert not [*tmp_path.glob("units/??/*.h5")]
 
@@ -332,12 +338,12 @@ def test_another_installation_is_refused(
 def test_a_worker_of_several_threads_is_refused(tmp_path: Path, machines: Machines) -> None:
     extra = machines.worker("--nthreads", "2", "--no-nanny")
     try:
-        until(lambda: workers_at(machines) == 3)
+        wait_until(lambda: count_workers(machines) == 3)
         with pytest.raises(InstallationMismatch, match=r"has 2 threads.*--nthreads 1 --nworkers 2"):
             compute(FakeStudy(), tmp_path, machines.address)
     finally:
         kill_all(extra)
-        until(lambda: workers_at(machines) == 2)
+        wait_until(lambda: count_workers(machines) == 2)
 
 
 def test_a_worker_of_several_threads_that_comes_late_refuses(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -354,156 +360,156 @@ def test_several_threads_here_are_refused(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_who_dies_while_it_is_asked_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    client: Any = Scripted()
+    client: Any = FakeClient()
     answers: dict[str, Any] = {"there": {"numpy": "1"}, "gone": OSError("closed")}
-    monkeypatch.setattr(client, "run", lambda *told, on_error: answers)
-    assert flock(client)._run_on_all(installation) == {"there": {"numpy": "1"}}
+    monkeypatch.setattr(client, "run", lambda *arguments, on_error: answers)
+    assert make_cluster(client)._run_on_all(installation) == {"there": {"numpy": "1"}}
     answers["broken"] = ImportError("numba")
     with pytest.raises(InstallationMismatch, match="worker broken cannot load bearingsim: numba"):
-        flock(client).assembled()
+        make_cluster(client).assembled()
 
 
 def test_stopping_ends_where_no_worker_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    client = Scripted(workers=0)
+    client = FakeClient(workers=0)
     monkeypatch.setattr(cluster, "stop_requested", lambda: bool(client.futures))
-    assert not list(flock(client)._computed(works_of(FakeStudy(), tmp_path), None))
+    assert not list(make_cluster(client)._compute(make_works(FakeStudy(), tmp_path), None))
     assert client.cancelled == client.futures
     assert len(client.futures) == 4
 
 
 def test_stopping_reaches_workers_that_come_later(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    client, works = Scripted(), works_of(FakeStudy(), tmp_path)
+    client, works = FakeClient(), make_works(FakeStudy(), tmp_path)
     monkeypatch.setattr(cluster, "stop_requested", lambda: bool(client.futures))
-    monkeypatch.setattr(cluster, "WAITING_S", 0.01)
-    monkeypatch.setattr(cluster, "LOOK_S", 0.02)
+    monkeypatch.setattr(cluster, "POLL_S", 0.01)
+    monkeypatch.setattr(cluster, "WORKER_CHECK_S", 0.02)
 
     def run(function: Any, *arguments: Any, on_error: str) -> None:
-        client.ran.append(function)
-        client.held = {client.futures[0].key}
-        if len(client.ran) == 3:
-            client.answers = [{"status": "OK", "data": {client.futures[0].key: delivered(works[0])}}]
-            client.futures[0].becomes("finished")
+        client.calls.append(function)
+        client.active_keys = {client.futures[0].key}
+        if len(client.calls) == 3:
+            client.answers = [{"status": "OK", "data": {client.futures[0].key: make_delivery(works[0])}}]
+            client.futures[0].set_status("finished")
 
     monkeypatch.setattr(client, "run", run)
-    found = list(flock(client)._computed(works, None))
-    assert found == [delivered(works[0]).outcome]  # what a worker has is waited for
+    outcomes = list(make_cluster(client)._compute(works, None))
+    assert outcomes == [make_delivery(works[0]).outcome]  # what a worker has is waited for
     assert client.cancelled == client.futures[1:]
-    assert client.ran == [stop] * 3
+    assert client.calls == [stop] * 3
 
 
 def test_a_lost_unit_is_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    client, works = Scripted(), works_of(FakeStudy([1e-3]), tmp_path)
-    monkeypatch.setattr(cluster, "WAITING_S", 0.01)
-    monkeypatch.setattr(cluster, "LOOK_S", 0.1)
-    flying = flock(client)
-    coming, seen = flying._computed(works, None), Counter[str]()
-    landed = flying._landed
+    client, works = FakeClient(), make_works(FakeStudy([1e-3]), tmp_path)
+    monkeypatch.setattr(cluster, "POLL_S", 0.01)
+    monkeypatch.setattr(cluster, "WORKER_CHECK_S", 0.1)
+    cluster_run = make_cluster(client)
+    outcomes, counts = cluster_run._compute(works, None), Counter[str]()
+    finished_futures = cluster_run._finished_futures
 
-    def counting(under_way: Any) -> Any:
-        if not seen["rounds"]:
-            client.futures[0].becomes("finished")
-            client.futures[1].becomes("lost")
-        seen["rounds"] += 1
-        found = landed(under_way)
-        seen["looked at"] += len(found)
-        if seen["looked at"] == 6:
+    def count_futures(submitted: Any) -> Any:
+        if not counts["rounds"]:
+            client.futures[0].set_status("finished")
+            client.futures[1].set_status("lost")
+        counts["rounds"] += 1
+        futures = finished_futures(submitted)
+        counts["looked at"] += len(futures)
+        if counts["looked at"] == 6:
             client.futures[1].status = "finished"
-        return found
+        return futures
 
-    monkeypatch.setattr(flying, "_landed", counting)
-    keys = [(f"bearingsim-{flying.run}", n) for n in range(2)]
+    monkeypatch.setattr(cluster_run, "_finished_futures", count_futures)
+    keys = [(f"bearingsim-{cluster_run.run_id}", n) for n in range(2)]
     client.answers = [  # its worker dies before it is fetched
         {"status": "error", "keys": [keys[0]]},
-        {"status": "OK", "data": {keys[0]: delivered(works[0])}},
-        {"status": "OK", "data": {keys[1]: delivered(works[1])}},
+        {"status": "OK", "data": {keys[0]: make_delivery(works[0])}},
+        {"status": "OK", "data": {keys[1]: make_delivery(works[1])}},
     ]
-    assert list(coming) == [delivered(work).outcome for work in works]
-    assert seen["rounds"] < 100
+    assert list(outcomes) == [make_delivery(work).outcome for work in works]
+    assert counts["rounds"] < 100
     assert not client.answers
 
 
 def test_a_delivery_of_other_jobs_is_refused(tmp_path: Path) -> None:
-    client, works = Scripted(), works_of(FakeStudy([1e-3]), tmp_path)
-    flying = flock(client)
-    under_way = flying._sent(works)
-    client.answers = [{"status": "OK", "data": {client.futures[0].key: delivered(works[1])}}]
-    client.futures[0].becomes("finished")
+    client, works = FakeClient(), make_works(FakeStudy([1e-3]), tmp_path)
+    cluster_run = make_cluster(client)
+    submitted = cluster_run._submit(works)
+    client.answers = [{"status": "OK", "data": {client.futures[0].key: make_delivery(works[1])}}]
+    client.futures[0].set_status("finished")
     with pytest.raises(WorkerFailed, match="jobs that were not sent"):
-        list(flying._received(under_way))
+        list(cluster_run._collect(submitted))
 
 
 def test_a_wrong_address_is_told_before_models_are_tried(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def tried(*told: Any) -> None:
+    def fail(*arguments: Any) -> None:
         raise AssertionError("models are tried")
 
     monkeypatch.setattr(handshake, "CONNECTION_S", 0.5)
-    monkeypatch.setattr(select, "_decided", tried)
+    monkeypatch.setattr(select, "_decided", fail)
     text = Path("small.yaml").read_text().partition("figures:")[0].replace("  model: [static, ring]\n", "")
     Path("wanted.yaml").write_text(f"{text}accuracy: {{within: 5 %, of: [velocity.rms]}}\n")
-    words = ("run", "wanted.yaml", "--scheduler", "tcp://127.0.0.1:9")
-    assert "no scheduler responds at tcp://127.0.0.1:9" in type_(*words, code=2)[1]
+    arguments = ("run", "wanted.yaml", "--scheduler", "tcp://127.0.0.1:9")
+    assert "no scheduler responds at tcp://127.0.0.1:9" in type_(*arguments, code=2)[1]
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "http://127.0.0.1:9", "tcp://127.0.0.1", "nonsense"])
 def test_no_client_is_made_where_nobody_listens(monkeypatch: pytest.MonkeyPatch, address: str) -> None:
     """It would wait for half a minute, deaf to Ctrl-C."""
 
-    def made(*told: Any, **more: Any) -> None:
+    def fail(*arguments: Any, **options: Any) -> None:
         raise AssertionError("a client is made")
 
-    monkeypatch.setattr(handshake, "_Client", made)
-    with pytest.raises(handshake.SchedulerUnreachable) as refused, cluster.connect_cluster(address):
+    monkeypatch.setattr(handshake, "_Client", fail)
+    with pytest.raises(handshake.SchedulerUnreachable) as error, cluster.connect_cluster(address):
         pass
     reason = "no scheduler responds" if address == "tcp://127.0.0.1:9" else "cannot be used"
-    assert reason in str(refused.value)
+    assert reason in str(error.value)
 
 
 def test_nobody_there_and_nothing_installed(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(handshake, "CONNECTION_S", 0.5)
-    words = ("run", "small.yaml", "--scheduler", "tcp://127.0.0.1:9")
-    assert "no scheduler responds at tcp://127.0.0.1:9" in type_(*words, code=2)[1]
+    arguments = ("run", "small.yaml", "--scheduler", "tcp://127.0.0.1:9")
+    assert "no scheduler responds at tcp://127.0.0.1:9" in type_(*arguments, code=2)[1]
     monkeypatch.delitem(sys.modules, "bearingsim.runner.cluster")
     monkeypatch.setitem(sys.modules, "distributed", None)
-    assert "pip install 'bearingsim[cluster]'" in type_(*words, code=2)[1]
+    assert "pip install 'bearingsim[cluster]'" in type_(*arguments, code=2)[1]
 
 
 def test_a_worker_dies_and_then_the_scheduler(
     tmp_path: Path, machines: Machines, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    until(lambda: workers_at(machines) == 2)
+    wait_until(lambda: count_workers(machines) == 2)
     monkeypatch.setattr(logging.getLogger("distributed.client"), "propagate", True)
-    for shortest in ("UNIT_S", "SHORTEST_UNIT_S"):
-        monkeypatch.setattr(packing, shortest, 0.1)  # two jobs are a unit
+    for constant in ("UNIT_S", "SHORTEST_UNIT_S"):
+        monkeypatch.setattr(packing, constant, 0.1)  # two jobs are a unit
     out, count, here = tmp_path / "out", tmp_path / "count", tmp_path / "here"
     widths = [1e-3 * n for n in range(1, 80)]
     deeds = dict.fromkeys(range(80), f"count {count}")
     study: Any = FakeStudy(widths, deeds=deeds, seconds=0.05)
-    first = machines.started[1]
+    first_worker = machines.processes[1]
 
-    def disaster() -> None:
-        until(lambda: counted(count).total() > 10)
-        kill_all(first)
-        seen = counted(count).total()
-        until(lambda: counted(count).total() > seen + 20)
-        machines.die()
+    def kill() -> None:
+        wait_until(lambda: job_counts(count).total() > 10)
+        kill_all(first_worker)
+        done_count = job_counts(count).total()
+        wait_until(lambda: job_counts(count).total() > done_count + 20)
+        machines.kill_scheduler()
 
-    with meanwhile(disaster), pytest.raises(handshake.SchedulerUnreachable, match="run the command again"):
+    with in_thread(kill), pytest.raises(handshake.SchedulerUnreachable, match="run the command again"):
         compute(study, out, machines.address)
     assert not caplog.records  # the message says it all
-    until(lambda: machines.started[2].poll() is not None, "a worker stays when its scheduler has gone")
-    before, sealed = counted(count), store.holdings(out).sealed
-    suspects = {job for line in journal_of(out, "worker died") for job in line["suspects"]}
+    wait_until(lambda: machines.processes[2].poll() is not None, "a worker stays when its scheduler has gone")
+    before, sealed = job_counts(count), store.holdings(out).sealed
+    suspects = {job for line in journal_entries(out, "worker died") for job in line["suspects"]}
     assert 5 < len(sealed) < 80
-    machines.again()
+    machines.restart_scheduler()
     machines.worker()
     machines.worker()
     summary = compute(study, out, machines.address)
     assert (summary.resumed, summary.done, summary.failed) == (len(sealed), 80 - len(sealed), 0)
-    twice = {job for job, times in counted(count).items() if times > 1}
+    repeated = {job for job, count in job_counts(count).items() if count > 1}
     assert (
-        len(twice) <= 2 * 2 * 2
+        len(repeated) <= 2 * 2 * 2
     )  # of two workers: the two of a pair in hand, and of one that was on its way back
-    assert twice <= suspects | (set(before) - sealed)  # what was under way, and no more
-    assert all(counted(count)[job] == before[job] for job in sealed)
+    assert repeated <= suspects | (set(before) - sealed)  # what was under way, and no more
+    assert all(job_counts(count)[job] == before[job] for job in sealed)
     run(study, here, jobs=1, progress=False, engine=ENGINE)
-    pd.testing.assert_frame_equal(numbers_of(out), numbers_of(here), check_exact=True)
+    pd.testing.assert_frame_equal(computed_values(out), computed_values(here), check_exact=True)

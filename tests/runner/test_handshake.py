@@ -1,4 +1,4 @@
-"""A wrong scheduler is told before a deadline, and Ctrl-C is heard meanwhile."""
+"""A wrong scheduler is reported before a deadline, and Ctrl-C interrupts the wait."""
 
 import os
 import random
@@ -15,11 +15,11 @@ from bearingsim.runner import handshake
 from bearingsim.runner.handshake import SchedulerUnreachable, call_with_timeout, connect
 from benchmarks import handshakes, peers
 
-STRANGER = "is not a dask scheduler ("
+NOT_DASK = "is not a dask scheduler ("
 
 
 @pytest.fixture
-def soon(monkeypatch: pytest.MonkeyPatch) -> None:
+def short_deadlines(monkeypatch: pytest.MonkeyPatch) -> None:
     """Deadlines that a test can wait for."""
     monkeypatch.setattr(handshake, "GREETING_S", 0.3)
     monkeypatch.setattr(handshake, "CONNECTION_S", 0.6)
@@ -48,21 +48,21 @@ def test_ctrl_c_is_heard_while_an_answer_is_waited_for() -> None:
     assert time.monotonic() - began < 2.0
 
 
-@pytest.mark.usefixtures("soon")
+@pytest.mark.usefixtures("short_deadlines")
 @pytest.mark.parametrize(
-    ("peer", "told"),
+    ("peer", "message"),
     [
-        (peers.web_server(), f"{STRANGER}no greeting"),
-        (peers.silent(), f"{STRANGER}no greeting"),
+        (peers.web_server(), f"{NOT_DASK}no greeting"),
+        (peers.silent(), f"{NOT_DASK}no greeting"),
         (peers.closed(), "no scheduler responds at"),
-        *((peers.random_bytes(random.Random(seed)), f"{STRANGER}it uses another protocol)") for seed in (1, 2)),
-        (peers.listen(lambda peer: peer.close()), f"{STRANGER}it closes the connection)"),
+        *((peers.random_bytes(random.Random(seed)), f"{NOT_DASK}it uses another protocol)") for seed in (1, 2)),
+        (peers.listen(lambda peer: peer.close()), f"{NOT_DASK}it closes the connection)"),
     ],
 )
-def test_what_is_no_scheduler_is_told(peer: peers.Peer, told: str) -> None:
+def test_what_is_no_scheduler_is_told(peer: peers.Peer, message: str) -> None:
     with peer as address, pytest.raises(SchedulerUnreachable) as refused, connect(address):
         pass
-    assert told in str(refused.value)
+    assert message in str(refused.value)
     assert address in str(refused.value)
     assert "`dask scheduler`" in str(refused.value)
 
@@ -73,9 +73,9 @@ def test_an_invalid_address_is_refused(address: str) -> None:
         pass
 
 
-@pytest.mark.usefixtures("soon")
+@pytest.mark.usefixtures("short_deadlines")
 def test_a_greeting_and_nothing_more_is_told() -> None:
-    greeting = b"\x20" + bytes(7) + handshake.WORD.ljust(32)
+    greeting = b"\x20" + bytes(7) + handshake.GREETING_KEY.ljust(32)
     with (
         peers.listen(lambda peer: peer.sendall(greeting)) as address,
         pytest.raises(SchedulerUnreachable, match="no scheduler responds"),
@@ -100,5 +100,5 @@ def test_ctrl_c_ends_a_run_that_waits_for_a_greeting(tmp_path: Path) -> None:
     study.write_text(handshakes.STUDY)
     with peers.silent() as address:
         words = ["run", str(study), "--scheduler", address, "--out", str(tmp_path / "out")]
-        found = handshakes.attempt("silent", words, 4.0)
-    assert (found.lost, found.exit_code) == ("", 130)
+        trial = handshakes.attempt("silent", words, 4.0)
+    assert (trial.lost, trial.exit_code) == ("", 130)

@@ -21,7 +21,7 @@ def compute(widths: list[float], out: Path) -> RunSummary:
 
 
 @pytest.mark.parametrize(
-    ("other", "lacking"),
+    ("other_widths", "difference"),
     [
         (MM[:1], "lacks 3 of this run's 5 jobs"),
         ([*MM, 5e-3, 6e-3], "has more jobs"),
@@ -30,30 +30,30 @@ def compute(widths: list[float], out: Path) -> RunSummary:
     ids=["shorter", "longer", "other"],
 )
 def test_a_run_beside_that_replaces_the_plan_loses_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, other: list[float], lacking: str
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, other_widths: list[float], difference: str
 ) -> None:
     """The other begins while this one has its first job in hand, and ends before that is done."""
-    plain, computed, ended = fake_studies.simulate, list[str](), list[RunSummary]()
+    original, computed, other_summaries = fake_studies.simulate, list[str](), list[RunSummary]()
 
     def simulate(case: Any) -> Any:
         computed.append(case_id(case))
         if len(computed) == 1:
-            ended.append(compute(other, tmp_path))
-        return plain(case)
+            other_summaries.append(compute(other_widths, tmp_path))
+        return original(case)
 
     monkeypatch.setattr(fake_studies, "simulate", simulate)
-    monkeypatch.setattr(work, "LOOK_S", 0.0)
+    monkeypatch.setattr(work, "LISTING_INTERVAL_S", 0.0)
     summary = compute(MM, tmp_path)
-    assert (summary.exit_code, ended[0].exit_code) == (0, 0)
+    assert (summary.exit_code, other_summaries[0].exit_code) == (0, 0)
     assert (summary.done, summary.planned, summary.missing) == (5, 5, 0)
     counts = Counter(computed)
     del counts[computed[0]]  # in hand of both
     assert {*counts.values()} == {1}
     assert "another run has replaced the plan of this folder" in str(summary)
-    assert lacking in str(summary)
-    shared = len({*other} & {*MM[1:]}) + 1  # and the healthy baseline
+    assert difference in str(summary)
+    shared = len({*other_widths} & {*MM[1:]}) + 1  # and the healthy baseline
     assert f"{shared} job" in str(summary)
-    study: Any = FakeStudy(other)
+    study: Any = FakeStudy(other_widths)
     assert store.open_results(tmp_path).jobs == tuple(job.id for job in study.jobs())
     again = compute(MM, tmp_path)
     assert (again.resumed, again.done) == (5, 0)
@@ -61,16 +61,16 @@ def test_a_run_beside_that_replaces_the_plan_loses_nothing(
 
 def test_the_same_run_beside_computes_each_job_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its units have the same names: the other ends while this one has its first job in hand."""
-    plain, computed = fake_studies.simulate, list[str]()
+    original, computed = fake_studies.simulate, list[str]()
 
     def simulate(case: Any) -> Any:
         computed.append(case_id(case))
         if len(computed) == 1:
             compute(MM, tmp_path)
-        return plain(case)
+        return original(case)
 
     monkeypatch.setattr(fake_studies, "simulate", simulate)
-    monkeypatch.setattr(work, "LOOK_S", 0.0)
+    monkeypatch.setattr(work, "LISTING_INTERVAL_S", 0.0)
     summary = compute(MM, tmp_path)
     assert (summary.exit_code, summary.done) == (0, 5)
     assert len(computed) == 6  # the job in hand of both
@@ -85,39 +85,39 @@ def test_a_plan_that_is_gone_at_the_end_is_told(tmp_path: Path) -> None:
 
 def test_what_another_run_has_just_set_aside_is_no_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     store.Failure("0123456789abcdef", "none").write(tmp_path)
-    gone = own_files.FAILURES.of(tmp_path)
-    gone[0].unlink()
-    sealed.mark_damaged(gone[0])
-    monkeypatch.setattr(own_files.OwnFiles, "of", lambda *_: gone)
+    paths = own_files.FAILURES.of(tmp_path)
+    paths[0].unlink()
+    sealed.mark_damaged(paths[0])
+    monkeypatch.setattr(own_files.OwnFiles, "of", lambda *_: paths)
     assert journal.load_failures(tmp_path) == ({}, {})
 
 
 def test_a_folder_that_a_run_beside_has_just_marked_is_claimed_too(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plain, calls = marker.owner, list[Path]()
+    original, calls = marker.owner, list[Path]()
 
     def owner(folder: Path) -> tuple[str, str] | None:
         calls.append(folder)
-        found = plain(folder)
+        owner_before = original(folder)
         if len(calls) == 1:  # between this look and the next
             marker.mark(tmp_path, "results", "fake")
-        return found
+        return owner_before
 
     monkeypatch.setattr(marker, "owner", owner)
     store.claim(tmp_path, "results", "fake", "elsewhere")
-    assert plain(tmp_path) == ("results", "fake")
+    assert original(tmp_path) == ("results", "fake")
 
 
 def test_a_folder_that_another_study_has_cleared_before_the_first_job_is_left(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plain = store.in_use
+    original = store.in_use
 
     def in_use(root: Path) -> Any:
         store.claim_results(root, "other", quick=False, fresh=True)
         store.discard(root, "other")
-        return plain(root)
+        return original(root)
 
     monkeypatch.setattr(store, "in_use", in_use)
     with pytest.raises(store.OtherStudy, match="results of the study `other`"):
@@ -139,25 +139,25 @@ def test_the_same_run_beside_is_not_done_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moment: str
 ) -> None:
     """The other runs when this one has judged what is there, or when it has its first job in hand."""
-    plain, simulate = getattr(fake_studies, moment), fake_studies.simulate
-    asked, computed = list[str](), list[str]()
+    original, simulate = getattr(fake_studies, moment), fake_studies.simulate
+    requested, computed = list[str](), list[str]()
 
-    def beside_it(case: Any) -> Any:
-        asked.append(case_id(case))
-        if len(asked) == 1:
+    def run_other(case: Any) -> Any:
+        requested.append(case_id(case))
+        if len(requested) == 1:
             compute(MM, tmp_path)
-        return plain(case)
+        return original(case)
 
-    def counted(case: Any) -> Any:
+    def record(case: Any) -> Any:
         computed.append(case_id(case))
-        return beside_it(case) if moment == "simulate" else simulate(case)
+        return run_other(case) if moment == "simulate" else simulate(case)
 
-    monkeypatch.setattr(fake_studies, "estimate", beside_it if moment == "estimate" else fake_studies.estimate)
-    monkeypatch.setattr(fake_studies, "simulate", counted)
-    monkeypatch.setattr(work, "LOOK_S", 0.0)
+    monkeypatch.setattr(fake_studies, "estimate", run_other if moment == "estimate" else fake_studies.estimate)
+    monkeypatch.setattr(fake_studies, "simulate", record)
+    monkeypatch.setattr(work, "LISTING_INTERVAL_S", 0.0)
     summary = compute(MM, tmp_path)
-    twice = {job for job, count in Counter(computed).items() if count > 1}
-    assert twice == ({computed[0]} if moment == "simulate" else set())
+    repeated = {job for job, count in Counter(computed).items() if count > 1}
+    assert repeated == ({computed[0]} if moment == "simulate" else set())
     assert (summary.exit_code, summary.done, summary.missing) == (0, 5, 0)
     assert "were computed by another run in this folder" in str(summary)
     assert "replaced" not in str(summary)
@@ -169,5 +169,5 @@ def test_choices_of_a_run_beside_stay(tmp_path: Path) -> None:
     first, second = (Choice(candidate=name, model=name, why="", error={}) for name in ("ring", "planar"))
     store.add_choices(tmp_path, {"a": first, "b": first}, "p")
     choices, plans = store.add_choices(tmp_path, {"b": second, "c": second}, "q")
-    assert {name: one.model for name, one in choices.items()} == {"a": "ring", "b": "ring", "c": "planar"}
+    assert {name: choice.model for name, choice in choices.items()} == {"a": "ring", "b": "ring", "c": "planar"}
     assert (plans, store.read_choices(tmp_path)) == ({"a": "p", "b": "p", "c": "q"}, choices)

@@ -142,7 +142,7 @@ def test_summary_tells_the_integrator_share(tmp_path: Path) -> None:
 def test_progress_lines_tell_counts_and_time_left(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("bearingsim.runner.progress.LINE_EVERY_S", 0.0)
+    monkeypatch.setattr("bearingsim.runner.progress.LINE_INTERVAL_S", 0.0)
     study: Any = FakeStudy(deeds={1: "raise"}, seconds=0.3)
     run(study, tmp_path, jobs=1, engine=ENGINE)
     lines = capsys.readouterr().err.splitlines()
