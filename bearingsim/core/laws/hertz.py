@@ -66,10 +66,10 @@ def ball_on_race(E: float, nu: float, D_w: float, r_g: float, R: float) -> Point
     an outer one (concave). The long axis is transverse to rolling. Raises ValueError if the ball does not fit, or
     fits so closely that the contact is not an ellipse.
     """
-    along, across = 2.0 / D_w + 1.0 / R, 2.0 / D_w - 1.0 / r_g  # curvatures relative to the race, 1/m
-    if along <= 0.0 or across <= 0.0:
+    rho_along, rho_across = 2.0 / D_w + 1.0 / R, 2.0 / D_w - 1.0 / r_g  # curvatures relative to the race, 1/m
+    if rho_along <= 0.0 or rho_across <= 0.0:
         raise ValueError(f"a ball of diameter {D_w} m does not fit a groove of {r_g} m on a race of {R} m")
-    return elliptic_contact(effective_modulus(E, nu), along, across)
+    return elliptic_contact(effective_modulus(E, nu), rho_along, rho_across)
 
 
 def elliptic_contact(E_star: float, rho_1: float, rho_2: float) -> PointContact:
@@ -87,8 +87,8 @@ def elliptic_contact(E_star: float, rho_1: float, rho_2: float) -> PointContact:
     Equation (C2) of docs/contact.md; Johnson, Contact Mechanics 1985, sections 4.1 and 4.2.
     """
     kappa = axis_ratio(max(rho_1, rho_2) / min(rho_1, rho_2))
-    K, short_of_one = elliptic_integrals(kappa)
-    E, A_and_B = K * (1.0 - short_of_one), (rho_1 + rho_2) / 2.0
+    K, deficit = elliptic_integrals(kappa)
+    E, A_and_B = K * (1.0 - deficit), (rho_1 + rho_2) / 2.0
     k = 2.0 * pi * E_star / 3.0 * kappa * sqrt(E / (K**3 * A_and_B))
     a = (1.5 * kappa**2 * E / (pi * E_star * A_and_B)) ** (1.0 / 3.0)
     return PointContact(k, a, a / kappa)
@@ -117,8 +117,8 @@ def modulus_squared(kappa: float) -> float:
 
 def curvature_ratio(kappa: float) -> float:
     """Return the curvature ratio B/A = (kappa^2 E - K)/(K - E) of an ellipse with the axis ratio ``kappa`` > 1."""
-    _, short_of_one = elliptic_integrals(kappa)
-    return kappa * kappa * (modulus_squared(kappa) - short_of_one) / short_of_one
+    _, deficit = elliptic_integrals(kappa)
+    return kappa * kappa * (modulus_squared(kappa) - deficit) / deficit
 
 
 def axis_ratio(ratio: float) -> float:

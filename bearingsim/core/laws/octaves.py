@@ -29,21 +29,21 @@ def tabulate(function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) ->
     h, rise = np.diff(y), np.diff(x)
     second = (3.0 * rise / h - 2.0 * derivative[:-1] - derivative[1:]) / h
     third = (derivative[:-1] + derivative[1:] - 2.0 * rise / h) / h**2
-    inside = np.stack([x[:-1], derivative[:-1], second, third], axis=1)
+    inner_cells = np.stack([x[:-1], derivative[:-1], second, third], axis=1)
     mean = x[0] / y[0]
-    below = [0.0, 2.0 * mean - derivative[0], (derivative[0] - mean) / y[0], 0.0]
-    above = [x[-1], derivative[-1], 0.0, 0.0]
-    return np.vstack([below, inside, above]).ravel()
+    first_cell = [0.0, 2.0 * mean - derivative[0], (derivative[0] - mean) / y[0], 0.0]
+    last_cell = [x[-1], derivative[-1], 0.0, 0.0]
+    return np.vstack([first_cell, inner_cells, last_cell]).ravel()
 
 
 @jit
 def cell(y):
     """Return the index of the coefficients of the cell of ``y``, and the distance of ``y`` from its left end."""
-    inside = min(max(_LOWEST, y), CEILING)  # in this order NaN gets a valid cell and remains in the distance
-    number = np.float64(inside).view(np.int64) >> _SHIFT
-    left = np.int64(number << _SHIFT).view(np.float64)
+    limited = min(max(_LOWEST, y), CEILING)  # in this order NaN gets a valid cell and remains in the distance
+    index = np.float64(limited).view(np.int64) >> _SHIFT
+    left = np.int64(index << _SHIFT).view(np.float64)
     # only one conditional: with two, Numba on Python 3.13 creates branches, and the loop is not vectorised
-    return COEFFICIENTS * (number - _BELOW_FLOOR), y - (0.0 if y < FLOOR else left)
+    return COEFFICIENTS * (index - _BELOW_FLOOR), y - (0.0 if y < FLOOR else left)
 
 
 @jit

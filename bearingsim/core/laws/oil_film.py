@@ -83,16 +83,18 @@ def film_thickness(Q: Number, line: LubricatedLine) -> Thickness:
     Both are within 7 % of the solutions of tests/independent/ehl.py (M 0.1 to 120, L 7 to 26).
     """
     M, L = moes_numbers(Q, line)
-    unit = line.R * (line.eta * line.u / (line.E_star * line.R)) ** 0.5
+    scale = line.R * (line.eta * line.u / (line.E_star * line.R)) ** 0.5
     central = _regime_blend(3.0 / M, 2.621 * M**-0.2, 1.287 * L ** (2 / 3), 1.311 * M**-0.125 * L**0.75)
     minimum = _regime_blend(2.45 / M, 2.05 * M**-0.2, 1.05 * L ** (2 / 3), 0.96 * M**-0.125 * L**0.75)
-    return Thickness(unit * central, unit * minimum)
+    return Thickness(scale * central, scale * minimum)
 
 
-def _regime_blend(rigid: Number, elastic: Number, rigid_thickening: Number, elastic_thickening: Number) -> Number:
+def _regime_blend(
+    rigid: Number, elastic: Number, rigid_piezoviscous: Number, elastic_piezoviscous: Number
+) -> Number:
     s = (7.0 + 8.0 * np.exp(-2.0 * elastic / rigid)) / 5.0
     isoviscous = (rigid ** (7 / 3) + elastic ** (7 / 3)) ** (3 / 7)
-    piezoviscous = (rigid_thickening**-3.5 + elastic_thickening**-3.5) ** (-2 / 7)
+    piezoviscous = (rigid_piezoviscous**-3.5 + elastic_piezoviscous**-3.5) ** (-2 / 7)
     return (isoviscous**s + piezoviscous**s) ** (1 / s)
 
 

@@ -54,9 +54,9 @@ def iso_viscosity(grade: int, celsius: float) -> float:
 def walther(nu_40: float, nu_100: float, celsius: float) -> float:
     """Return the kinematic viscosity (mm2/s) at a temperature, from the line of ASTM D341 through the values at 40
     and 100 C."""
-    at_40, at_100 = (log10(log10(nu + 0.7)) for nu in (nu_40, nu_100))
+    log_40, log_100 = (log10(log10(nu + 0.7)) for nu in (nu_40, nu_100))
     T, T_40, T_100 = (log10(c + ZERO_CELSIUS) for c in (celsius, 40.0, 100.0))
-    return float(10.0**10.0 ** (at_40 + (at_100 - at_40) * (T - T_40) / (T_100 - T_40)) - 0.7)
+    return float(10.0**10.0 ** (log_40 + (log_100 - log_40) * (T - T_40) / (T_100 - T_40)) - 0.7)
 
 
 def oil_density(celsius: float) -> float:

@@ -35,10 +35,10 @@ from bearingsim.core.parts.bending import (
     Bending,
     K,
     Springs,
+    fill_roller_forces,
     force_on_harmonic,
     harmonics,
     load_springs,
-    push_harmonics,
     spring_load,
 )
 from bearingsim.core.rows import declare
@@ -74,7 +74,7 @@ def cell(bending, k):
 def fill_force(bending, model, y):
     """Fill FORCE from the rows filled by ``balance_rollers``; return its norm (N)."""
     f_x, f_y = net_force(model, y)
-    push_harmonics(bending, y)
+    fill_roller_forces(bending, y)
     load_springs(bending.springs, y)
     y[FORCE + lay.X] = f_x + spring_load(bending.springs, lay.SPRINGS_X, y, 0)
     y[FORCE + lay.Y] = f_y + spring_load(bending.springs, lay.SPRINGS_Y, y, 0)

@@ -161,12 +161,12 @@ def read_sensor(bending: Any, y: np.ndarray) -> None:
     """Fill the cells SENSOR with the radial motion at the sensor."""
 
 
-def _stiff_race_bound(bending, K, per_mass, k):
+def _rigid_race_bound(bending, K, per_mass, k):
     """Return ``race_stiffness_bound`` of a rigid ring."""
     return K
 
 
-@generic(inline="late", absent=_stiff_race_bound)
+@generic(inline="late", absent=_rigid_race_bound)
 def race_stiffness_bound(bending: Any, K: float, per_mass: float, k: float) -> float:
     """Bound the stiffness over mass (1/s^2) of a roller on a flexible race.
 
@@ -184,11 +184,11 @@ def race_damping(bending: Any, c: float) -> float:
 
 
 @race_stiffness_bound.register(Bending)
-def _bent_race_bound(bending, K, per_mass, k):
+def _flexible_race_bound(bending, K, per_mass, k):
     k = k if per_mass > 0.0 else 0.0  # a padded lane
-    of_race = bending.max_stiffness + k * bending.mobility
-    half = 0.5 * (K - of_race)
-    return 0.5 * (K + of_race) + sqrt(half * half + k * k * bending.mobility * per_mass)
+    race_stiffness = bending.max_stiffness + k * bending.mobility
+    half = 0.5 * (K - race_stiffness)
+    return 0.5 * (K + race_stiffness) + sqrt(half * half + k * k * bending.mobility * per_mass)
 
 
 @race_damping.register(Bending)
@@ -207,7 +207,7 @@ def _bend_rate(bending, y, j):
 
 
 @inlined
-def turn_harmonics(bending, C, S, y):
+def fill_phases(bending, C, S, y):
     """Fill PHASE_C, PHASE_S: cosine and sine of n times the angle with cosine ``C`` and sine ``S``."""
     c_2, s_2 = C * C - S * S, 2.0 * S * C
     c_4, s_4 = c_2 * c_2 - s_2 * s_2, 2.0 * s_2 * c_2
@@ -225,35 +225,35 @@ def turn_harmonics(bending, C, S, y):
 
 
 @inlined
-def turn_amplitudes(bending, omega_c, y):
+def rotate_amplitudes(bending, omega_c, y):
     """Fill AMPLITUDE_C to AMPLITUDE_V_S: amplitudes in the frame of the rollers, rates along a roller's path."""
     for i in range(bending.harmonic_table.shape[1]):
-        c, s, turning = y[lay.PHASE_C + i], y[lay.PHASE_S + i], omega_c * bending.harmonic_table[N, i]
+        c, s, n_omega = y[lay.PHASE_C + i], y[lay.PHASE_S + i], omega_c * bending.harmonic_table[N, i]
         a, b = y[lay.POSITION + lay.MODES_C + i], y[lay.POSITION + lay.MODES_S + i]
-        a_v = y[lay.VELOCITY + lay.MODES_C + i] + turning * b
-        b_v = y[lay.VELOCITY + lay.MODES_S + i] - turning * a
+        a_v = y[lay.VELOCITY + lay.MODES_C + i] + n_omega * b
+        b_v = y[lay.VELOCITY + lay.MODES_S + i] - n_omega * a
         y[lay.AMPLITUDE_C + i], y[lay.AMPLITUDE_S + i] = a * c + b * s, b * c - a * s
         y[lay.AMPLITUDE_V_C + i], y[lay.AMPLITUDE_V_S + i] = a_v * c + b_v * s, b_v * c - a_v * s
 
 
 @bend_race.register(Bending)
 def _bend_race(bending, C, S, omega_c, y, rollers):
-    turn_harmonics(bending, C, S, y)
-    turn_amplitudes(bending, omega_c, y)
+    fill_phases(bending, C, S, y)
+    rotate_amplitudes(bending, omega_c, y)
     for lane in range(0, rollers, lay.VECTOR_WIDTH):
-        to = (lay.BEND + lane, lay.BEND_V + lane)
+        targets = (lay.BEND + lane, lay.BEND_V + lane)
         sum_harmonics(
             bending.shapes,
             (lay.AMPLITUDE_C, lay.AMPLITUDE_V_C),
             (lay.AMPLITUDE_S, lay.AMPLITUDE_V_S),
             y,
             lane,
-            to,
+            targets,
         )
 
 
 @inlined
-def push_harmonics(bending, y):
+def fill_roller_forces(bending, y):
     """Fill ROLLER_FORCE_C, ROLLER_FORCE_S: generalised forces of Q_O on the amplitudes, in the rollers' frame."""
     for lane in range(0, bending.harmonic_table.shape[1], lay.VECTOR_WIDTH):
         sum_rollers(
@@ -263,8 +263,8 @@ def push_harmonics(bending, y):
 
 @load_springs.register(Springs)
 def _load_springs(springs, y):
-    press_each_spring(springs, y)
-    shape, x, z = springs.transposed_shapes.shape, 0.0, 0.0
+    compress_springs(springs, y)
+    shape, f_x, f_y = springs.transposed_shapes.shape, 0.0, 0.0
     for lane in range(0, shape[2], lay.VECTOR_WIDTH):
         sum_rollers(
             springs.transposed_shapes,
@@ -274,13 +274,13 @@ def _load_springs(springs, y):
             (lay.SPRING_FORCE_C + lane, lay.SPRING_FORCE_S + lane),
         )
     for p in range(shape[1]):
-        x -= springs.spring_table[COS_S, p] * y[lay.SPRING_FORCE + p]
-        z -= springs.spring_table[SIN_S, p] * y[lay.SPRING_FORCE + p]
-    y[lay.SPRINGS_X], y[lay.SPRINGS_Y] = x, z
+        f_x -= springs.spring_table[COS_S, p] * y[lay.SPRING_FORCE + p]
+        f_y -= springs.spring_table[SIN_S, p] * y[lay.SPRING_FORCE + p]
+    y[lay.SPRINGS_X], y[lay.SPRINGS_Y] = f_x, f_y
 
 
 @inlined
-def press_each_spring(springs, y):
+def compress_springs(springs, y):
     """Fill COMPRESSION, COMPRESSION_V, SPRING_FORCE."""
     lanes = springs.spring_table.shape[1]
     rows_c = (lay.POSITION + lay.MODES_C, lay.VELOCITY + lay.MODES_C)
@@ -291,11 +291,11 @@ def press_each_spring(springs, y):
     w_x, w_y = y[lay.VELOCITY + lay.X], y[lay.VELOCITY + lay.Y]
     for p in range(lanes):
         c, s = springs.spring_table[COS_S, p], springs.spring_table[SIN_S, p]
-        pressed = springs.spring_table[FIT, p] + y[lay.COMPRESSION + p] + u_x * c + u_y * s
+        compression = springs.spring_table[FIT, p] + y[lay.COMPRESSION + p] + u_x * c + u_y * s
         rate = y[lay.COMPRESSION_V + p] + w_x * c + w_y * s
-        force = springs.spring_table[K_S, p] * pressed + springs.spring_table[C_S, p] * rate
-        y[lay.COMPRESSION + p] = pressed
-        y[lay.SPRING_FORCE + p] = max(force, 0.0) if pressed > 0.0 else 0.0
+        force = springs.spring_table[K_S, p] * compression + springs.spring_table[C_S, p] * rate
+        y[lay.COMPRESSION + p] = compression
+        y[lay.SPRING_FORCE + p] = max(force, 0.0) if compression > 0.0 else 0.0
 
 
 @spring_load.register(Springs)
@@ -318,7 +318,7 @@ def force_on_harmonic(bending, y, i):
 
 @accelerate_harmonics.register(Bending)
 def _accelerate_harmonics(bending, m_o, y):
-    push_harmonics(bending, y)
+    fill_roller_forces(bending, y)
     load_springs(bending.springs, y)
     y[lay.ACCELERATION + lay.X] += spring_load(bending.springs, lay.SPRINGS_X, y, 0) / m_o
     y[lay.ACCELERATION + lay.Y] += spring_load(bending.springs, lay.SPRINGS_Y, y, 0) / m_o
@@ -338,7 +338,7 @@ def _accelerate_harmonics(bending, m_o, y):
 
 
 @inlined
-def shift_to_sensor(bending, block, y):
+def rigid_motion_at_sensor(bending, block, y):
     """Return the rigid motion of the ring at the sensor, from a block of the state."""
     return bending.sensor_x * y[block + lay.X] + bending.sensor_y * y[block + lay.Y]
 
@@ -353,6 +353,6 @@ def _read_sensor(bending, y):
         y[lay.AMPLITUDE_V_C + i] = (
             c * y[lay.ACCELERATION + lay.MODES_C + i] + s * y[lay.ACCELERATION + lay.MODES_S + i]
         )
-    y[lay.SENSOR] = shift_to_sensor(bending, lay.POSITION, y) + lane_sum(lay.AMPLITUDE_C, y, n)
-    y[lay.SENSOR_V] = shift_to_sensor(bending, lay.VELOCITY, y) + lane_sum(lay.AMPLITUDE_S, y, n)
-    y[lay.SENSOR_A] = shift_to_sensor(bending, lay.ACCELERATION, y) + lane_sum(lay.AMPLITUDE_V_C, y, n)
+    y[lay.SENSOR] = rigid_motion_at_sensor(bending, lay.POSITION, y) + lane_sum(lay.AMPLITUDE_C, y, n)
+    y[lay.SENSOR_V] = rigid_motion_at_sensor(bending, lay.VELOCITY, y) + lane_sum(lay.AMPLITUDE_S, y, n)
+    y[lay.SENSOR_A] = rigid_motion_at_sensor(bending, lay.ACCELERATION, y) + lane_sum(lay.AMPLITUDE_V_C, y, n)

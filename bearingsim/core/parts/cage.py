@@ -103,22 +103,22 @@ def _land_drag_oil(drag, omega_cage, omega_i):
 
 
 @generic(absent=0.0)
-def radial_stop(guide: Any, out: float, speed: float) -> float:
+def radial_stop(guide: Any, offset: float, speed: float) -> float:
     """Return the force (N) of a pocket on its roller along e_r.
 
-    out, speed: displacement from the middle (m) and its rate (m/s), outwards.
+    offset, speed: displacement from the middle (m) and its rate (m/s), outwards.
     """
 
 
 @radial_stop.register(RingGuided)
-def _radial_stop_ring(guide, out, speed):
+def _radial_stop_ring(guide, offset, speed):
     return 0.0
 
 
 @radial_stop.register(RollerGuided)
-def _radial_stop_rollers(guide, out, speed):
-    force = normal_force(guide.law, abs(out) - guide.play, speed if out > 0.0 else -speed)
-    return -force if out > 0.0 else force
+def _radial_stop_rollers(guide, offset, speed):
+    force = normal_force(guide.law, abs(offset) - guide.play, speed if offset > 0.0 else -speed)
+    return -force if offset > 0.0 else force
 
 
 @generic(absent=(0.0, 0.0))
@@ -127,12 +127,12 @@ def cage_centre_acceleration(guide: Any, m: float, y: Any) -> tuple[float, float
 
 
 @cage_centre_acceleration.register(RollerGuided)
-def _cage_centre_acceleration_by_rollers(guide, m, y):
+def _cage_centre_acceleration_rollers(guide, m, y):
     return y[lay.F_X_C] / m, y[lay.F_Y_C] / m
 
 
 @cage_centre_acceleration.register(RingGuided)
-def _cage_centre_acceleration_by_ring(guide, m, y):
+def _cage_centre_acceleration_ring(guide, m, y):
     return y[lay.F_X_C] / m, y[lay.F_Y_C] / m
 
 
@@ -153,29 +153,29 @@ def _land_contact_ring(guide, omega_cage, omega_i, y):
     The point of contact lies in the direction of this offset.
     """
     o, i = guide.outer, 1.0 - guide.outer
-    x = y[lay.POSITION + lay.X_C] - o * y[lay.POSITION + lay.X] - i * y[lay.POSITION + lay.X_I]
-    z = y[lay.POSITION + lay.Y_C] - o * y[lay.POSITION + lay.Y] - i * y[lay.POSITION + lay.Y_I]
+    d_x = y[lay.POSITION + lay.X_C] - o * y[lay.POSITION + lay.X] - i * y[lay.POSITION + lay.X_I]
+    d_y = y[lay.POSITION + lay.Y_C] - o * y[lay.POSITION + lay.Y] - i * y[lay.POSITION + lay.Y_I]
     v_x = y[lay.VELOCITY + lay.X_C] - o * y[lay.VELOCITY + lay.X] - i * y[lay.VELOCITY + lay.X_I]
-    v_z = y[lay.VELOCITY + lay.Y_C] - o * y[lay.VELOCITY + lay.Y] - i * y[lay.VELOCITY + lay.Y_I]
-    off = max(hypot(x, z), 1e-30)
-    c, s = x / off, z / off
-    N = normal_force(guide.law, off - guide.play, v_x * c + v_z * s)
+    v_y = y[lay.VELOCITY + lay.Y_C] - o * y[lay.VELOCITY + lay.Y] - i * y[lay.VELOCITY + lay.Y_I]
+    distance = max(hypot(d_x, d_y), 1e-30)
+    c, s = d_x / distance, d_y / distance
+    N = normal_force(guide.law, distance - guide.play, v_x * c + v_y * s)
     omega_ring = i * omega_i + o * y[lay.VELOCITY + lay.PSI]
     # the cage touches an outer land on the side to which it is displaced, an inner land on the opposite side; arms
     # from the centres of cage and ring
-    on_cage = (o - i) * guide.land
-    on_ring = on_cage + off
-    slip = -v_x * s + v_z * c + on_cage * omega_cage - on_ring * omega_ring
+    cage_arm = (o - i) * guide.land
+    ring_arm = cage_arm + distance
+    slip = -v_x * s + v_y * c + cage_arm * omega_cage - ring_arm * omega_ring
     f = mu(guide.friction, slip, guide.land * abs(omega_cage)) * N
-    f_x, f_z = -N * c + f * s, -N * s - f * c
+    f_x, f_y = -N * c + f * s, -N * s - f * c
     y[lay.F_X_C] += f_x
-    y[lay.F_Y_C] += f_z
-    y[lay.M_C] -= on_cage * f
+    y[lay.F_Y_C] += f_y
+    y[lay.M_C] -= cage_arm * f
     y[lay.F_X] -= o * f_x
-    y[lay.F_Y] -= o * f_z
-    y[lay.M_RING] += o * on_ring * f
+    y[lay.F_Y] -= o * f_y
+    y[lay.M_RING] += o * ring_arm * f
     y[lay.F_X_I] -= i * f_x
-    y[lay.F_Y_I] -= i * f_z
+    y[lay.F_Y_I] -= i * f_y
 
 
 @generic(inline="late", absent=None)
@@ -191,9 +191,9 @@ def pocket_force(cage: Any, model: Any, common: Any, y: Any, j: int) -> None:
 def _pocket_force_free(cage, model, common, y, j):
     """Implement ``pocket_force`` by equation (P10) of docs/planar.md."""
     b, omega_cage = model.bearing, common.omega_cage
-    middle, R_w, real = 0.5 * (b.R_o + b.R_i), b.R_w, b.m_r * y[lay.INVERSE_MASS + j]  # 1, and 0 in a padded lane
+    R_mean, R_w, mask = 0.5 * (b.R_o + b.R_i), b.R_w, b.m_r * y[lay.INVERSE_MASS + j]  # 1, and 0 in a padded lane
     pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
-    r, v = middle + y[lay.RADIAL + j], y[lay.RADIAL_V + j]
+    r, v = R_mean + y[lay.RADIAL + j], y[lay.RADIAL_V + j]
     w = r * (omega_cage + y[lay.EPS_V + j])
     e = r * se + common.cage.x * ps - common.cage.y * pc
     rho = r * ce - common.cage.x * pc - common.cage.y * ps
@@ -205,15 +205,15 @@ def _pocket_force_free(cage, model, common, y, j):
     N = normal_force(cage.pocket, abs(e) - cage.play, side * (v_t - omega_cage * rho))
     slip = v_r - side * R_w * (common.spin + y[lay.SPIN_V + j]) + omega_cage * (e + side * R_w)
     f = mu(cage.friction, slip, R_w * abs(common.spin)) * N
-    stop = radial_stop(cage.guide, rho - middle, v_r + omega_cage * e)
-    push_r, push_t = real * (stop - f), -real * side * N  # on the roller, in the pocket's frame
+    stop = radial_stop(cage.guide, rho - R_mean, v_r + omega_cage * e)
+    push_r, push_t = mask * (stop - f), -mask * side * N  # on the roller, in the pocket's frame
     y[lay.Q_P + j] = push_t
     y[lay.FORCE_R + j] += push_r * ce + push_t * se
     y[lay.FORCE_T + j] += push_t * ce - push_r * se
-    y[lay.TORQUE + j] += real * side * R_w * f
+    y[lay.TORQUE + j] += mask * side * R_w * f
     y[lay.roller_load(lay.F_X_C) + j] = -push_r * pc + push_t * ps
     y[lay.roller_load(lay.F_Y_C) + j] = -push_r * ps - push_t * pc
-    y[lay.roller_load(lay.M_C) + j] = e * push_r - rho * push_t - real * side * R_w * f
+    y[lay.roller_load(lay.M_C) + j] = e * push_r - rho * push_t - mask * side * R_w * f
 
 
 @generic(inline="late", absent=None)

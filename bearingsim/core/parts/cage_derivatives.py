@@ -71,23 +71,23 @@ def _land_drag_derivative_oil(drag):
 
 
 @generic
-def radial_stop_derivatives(guide: Any, out: float, speed: float) -> tuple[float, float]:
+def radial_stop_derivatives(guide: Any, offset: float, speed: float) -> tuple[float, float]:
     """Return the derivatives of ``radial_stop`` with respect to the displacement (N/m) and its rate (N s/m)."""
 
 
 @radial_stop_derivatives.register(Centred)
-def _radial_stop_derivatives_centred(guide, out, speed):
+def _radial_stop_derivatives_centred(guide, offset, speed):
     return 0.0, 0.0
 
 
 @radial_stop_derivatives.register(RingGuided)
-def _radial_stop_derivatives_ring(guide, out, speed):
+def _radial_stop_derivatives_ring(guide, offset, speed):
     return 0.0, 0.0
 
 
 @radial_stop_derivatives.register(RollerGuided)
-def _radial_stop_derivatives_rollers(guide, out, speed):
-    K, C = derivatives(guide.law, abs(out) - guide.play, speed if out > 0.0 else -speed)
+def _radial_stop_derivatives_rollers(guide, offset, speed):
+    K, C = derivatives(guide.law, abs(offset) - guide.play, speed if offset > 0.0 else -speed)
     return -K, -C
 
 
@@ -143,34 +143,34 @@ def _pocket_derivatives_kinematic(cage, model, omega_cage, spin, y, n):
 @pocket_derivatives.register(FreeCage)
 def _pocket_derivatives_free(cage, model, omega_cage, spin, y, n):
     b = model.bearing
-    middle, R_w = 0.5 * (b.R_o + b.R_i), b.R_w
-    x = y[lay.POSITION + lay.X_C]
-    z = y[lay.POSITION + lay.Y_C]
+    R_mean, R_w = 0.5 * (b.R_o + b.R_i), b.R_w
+    d_x = y[lay.POSITION + lay.X_C]
+    d_y = y[lay.POSITION + lay.Y_C]
     v_x = y[lay.VELOCITY + lay.X_C]
-    v_z = y[lay.VELOCITY + lay.Y_C]
+    v_y = y[lay.VELOCITY + lay.Y_C]
     for j in range(n):
-        real = b.m_r * y[lay.INVERSE_MASS + j]
+        mask = b.m_r * y[lay.INVERSE_MASS + j]
         pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
-        r, v = middle + y[lay.RADIAL + j], y[lay.RADIAL_V + j]
+        r, v = R_mean + y[lay.RADIAL + j], y[lay.RADIAL_V + j]
         w = r * (omega_cage + y[lay.EPS_V + j])
-        e, rho = r * se + x * ps - z * pc, r * ce - x * pc - z * ps
-        v_r, v_t = v * ce - w * se - v_x * pc - v_z * ps, v * se + w * ce + v_x * ps - v_z * pc
+        e, rho = r * se + d_x * ps - d_y * pc, r * ce - d_x * pc - d_y * ps
+        v_r, v_t = v * ce - w * se - v_x * pc - v_y * ps, v * se + w * ce + v_x * ps - v_y * pc
         side = 1.0 if e > 0.0 else -1.0
         depth, rate = abs(e) - cage.play, side * (v_t - omega_cage * rho)
         N, (K, C) = normal_force(cage.pocket, depth, rate), derivatives(cage.pocket, depth, rate)
         slip = v_r - side * R_w * (spin + y[lay.SPIN_V + j]) + omega_cage * (e + side * R_w)
-        by_slip, _ = mu_derivative(cage.friction, slip, R_w * abs(spin))
-        rubbing, out, rising = mu(cage.friction, slip, R_w * abs(spin)), rho - middle, v_r + omega_cage * e
-        stop_d, stop_v = radial_stop_derivatives(cage.guide, out, rising)
+        mu_v, _ = mu_derivative(cage.friction, slip, R_w * abs(spin))
+        mu_value, offset, offset_v = mu(cage.friction, slip, R_w * abs(spin)), rho - R_mean, v_r + omega_cage * e
+        stop_d, stop_v = radial_stop_derivatives(cage.guide, offset, offset_v)
         y[OFFSET_R + j] = rho
         y[OFFSET_T + j] = e
         y[OFFSET_V_R + j] = v_r
         y[OFFSET_V_T + j] = v_t
         y[WALL_SIDE + j] = side
-        y[WALL_K + j], y[WALL_C + j], y[MU + j], y[MU_V + j] = real * K, real * C, rubbing, real * N * by_slip
-        y[STOP_K + j], y[STOP_C + j] = real * stop_d, real * stop_v
-        y[POCKET_FORCE_R + j] = real * (radial_stop(cage.guide, out, rising) - rubbing * N)
-        y[POCKET_FORCE_T + j] = -real * side * N
+        y[WALL_K + j], y[WALL_C + j], y[MU + j], y[MU_V + j] = mask * K, mask * C, mu_value, mask * N * mu_v
+        y[STOP_K + j], y[STOP_C + j] = mask * stop_d, mask * stop_v
+        y[POCKET_FORCE_R + j] = mask * (radial_stop(cage.guide, offset, offset_v) - mu_value * N)
+        y[POCKET_FORCE_T + j] = -mask * side * N
 
 
 @generic
@@ -255,55 +255,62 @@ def land_column(guide, omega_cage, omega_ring, matrix, m, p, w, cage_v, ring_v, 
     cage_v, ring_v: changes of the speeds of cage and ring (rad/s).
     """
     o, i = guide.outer, 1.0 - guide.outer
-    x = y[lay.POSITION + lay.X_C] - o * y[lay.POSITION + lay.X] - i * y[lay.POSITION + lay.X_I]
-    z = y[lay.POSITION + lay.Y_C] - o * y[lay.POSITION + lay.Y] - i * y[lay.POSITION + lay.Y_I]
+    d_x = y[lay.POSITION + lay.X_C] - o * y[lay.POSITION + lay.X] - i * y[lay.POSITION + lay.X_I]
+    d_y = y[lay.POSITION + lay.Y_C] - o * y[lay.POSITION + lay.Y] - i * y[lay.POSITION + lay.Y_I]
     v_x = y[lay.VELOCITY + lay.X_C] - o * y[lay.VELOCITY + lay.X] - i * y[lay.VELOCITY + lay.X_I]
-    v_z = y[lay.VELOCITY + lay.Y_C] - o * y[lay.VELOCITY + lay.Y] - i * y[lay.VELOCITY + lay.Y_I]
-    off = max(hypot(x, z), 1e-30)
-    c, s = x / off, z / off
-    rate, across = v_x * c + v_z * s, v_z * c - v_x * s
-    on_cage = (o - i) * guide.land
-    on_ring = on_cage + off
-    slip, rolling = across + on_cage * omega_cage - on_ring * omega_ring, guide.land * abs(omega_cage)
-    N, (K, C) = normal_force(guide.law, off - guide.play, rate), derivatives(guide.law, off - guide.play, rate)
-    rubbing, (by_slip, by_rolling) = (
+    v_y = y[lay.VELOCITY + lay.Y_C] - o * y[lay.VELOCITY + lay.Y] - i * y[lay.VELOCITY + lay.Y_I]
+    distance = max(hypot(d_x, d_y), 1e-30)
+    c, s = d_x / distance, d_y / distance
+    rate, v_t = v_x * c + v_y * s, v_y * c - v_x * s
+    cage_arm = (o - i) * guide.land
+    ring_arm = cage_arm + distance
+    slip, rolling = v_t + cage_arm * omega_cage - ring_arm * omega_ring, guide.land * abs(omega_cage)
+    N, (K, C) = (
+        normal_force(guide.law, distance - guide.play, rate),
+        derivatives(guide.law, distance - guide.play, rate),
+    )
+    mu_value, (mu_v, mu_u) = (
         mu(guide.friction, slip, rolling),
         mu_derivative(guide.friction, slip, rolling),
     )
-    f = rubbing * N
+    f = mu_value * N
 
-    out, turned = p[0] * c + p[1] * s, (p[1] * c - p[0] * s) / off
-    N_1 = K * out + C * (w[0] * c + w[1] * s + across * turned)
-    slip_1 = w[1] * c - w[0] * s - rate * turned + on_cage * cage_v - on_ring * ring_v - out * omega_ring
+    distance_1, angle_1 = p[0] * c + p[1] * s, (p[1] * c - p[0] * s) / distance
+    N_1 = K * distance_1 + C * (w[0] * c + w[1] * s + v_t * angle_1)
+    slip_1 = w[1] * c - w[0] * s - rate * angle_1 + cage_arm * cage_v - ring_arm * ring_v - distance_1 * omega_ring
     rolling_1 = guide.land * (cage_v if omega_cage > 0.0 else -cage_v)
-    f_1 = rubbing * N_1 + N * (by_slip * slip_1 + by_rolling * rolling_1)
-    along, aside = -N_1 + f * turned, -f_1 - N * turned
-    f_x, f_z = along * c - aside * s, along * s + aside * c
+    f_1 = mu_value * N_1 + N * (mu_v * slip_1 + mu_u * rolling_1)
+    f_along, f_across = -N_1 + f * angle_1, -f_1 - N * angle_1
+    f_x, f_y = f_along * c - f_across * s, f_along * s + f_across * c
     add_to_border(matrix, lay.X_C, m, f_x, y)
-    add_to_border(matrix, lay.Y_C, m, f_z, y)
-    add_to_border(matrix, lay.PHI_C, m, -on_cage * f_1, y)
+    add_to_border(matrix, lay.Y_C, m, f_y, y)
+    add_to_border(matrix, lay.PHI_C, m, -cage_arm * f_1, y)
     add_to_border(matrix, lay.X, m, -o * f_x, y)
-    add_to_border(matrix, lay.Y, m, -o * f_z, y)
-    add_to_border(matrix, lay.PSI, m, o * (on_ring * f_1 + out * f), y)
+    add_to_border(matrix, lay.Y, m, -o * f_y, y)
+    add_to_border(matrix, lay.PSI, m, o * (ring_arm * f_1 + distance_1 * f), y)
     add_to_border(matrix, lay.X_I, m, -i * f_x, y)
-    add_to_border(matrix, lay.Y_I, m, -i * f_z, y)
+    add_to_border(matrix, lay.Y_I, m, -i * f_y, y)
 
 
 @land_change.register(RingGuided)
 def _land_change_ring(guide, omega_cage, omega_i, y):
     o, i = guide.outer, 1.0 - guide.outer
-    x = y[lay.POSITION + lay.X_C] - o * y[lay.POSITION + lay.X] - i * y[lay.POSITION + lay.X_I]
-    z = y[lay.POSITION + lay.Y_C] - o * y[lay.POSITION + lay.Y] - i * y[lay.POSITION + lay.Y_I]
-    if hypot(x, z) <= guide.play:
+    d_x = y[lay.POSITION + lay.X_C] - o * y[lay.POSITION + lay.X] - i * y[lay.POSITION + lay.X_I]
+    d_y = y[lay.POSITION + lay.Y_C] - o * y[lay.POSITION + lay.Y] - i * y[lay.POSITION + lay.Y_I]
+    if hypot(d_x, d_y) <= guide.play:
         return
-    omega_ring, none = i * omega_i + o * y[lay.VELOCITY + lay.PSI], (0.0, 0.0)
-    for m, part in ((lay.X_C, 1.0), (lay.X, -o), (lay.X_I, -i)):
+    omega_ring, zero = i * omega_i + o * y[lay.VELOCITY + lay.PSI], (0.0, 0.0)
+    for m, sign in ((lay.X_C, 1.0), (lay.X, -o), (lay.X_I, -i)):
         for axis in range(2):
-            way = (part * (1.0 - axis), part * axis)
-            land_column(guide, omega_cage, omega_ring, lay.POSITION_JACOBIAN, m + axis, way, none, 0.0, 0.0, y)
-            land_column(guide, omega_cage, omega_ring, lay.VELOCITY_JACOBIAN, m + axis, none, way, 0.0, 0.0, y)
-    land_column(guide, omega_cage, omega_ring, lay.VELOCITY_JACOBIAN, lay.PHI_C, none, none, 1.0, 0.0, y)
-    land_column(guide, omega_cage, omega_ring, lay.VELOCITY_JACOBIAN, lay.PSI, none, none, 0.0, o, y)
+            direction = (sign * (1.0 - axis), sign * axis)
+            land_column(
+                guide, omega_cage, omega_ring, lay.POSITION_JACOBIAN, m + axis, direction, zero, 0.0, 0.0, y
+            )
+            land_column(
+                guide, omega_cage, omega_ring, lay.VELOCITY_JACOBIAN, m + axis, zero, direction, 0.0, 0.0, y
+            )
+    land_column(guide, omega_cage, omega_ring, lay.VELOCITY_JACOBIAN, lay.PHI_C, zero, zero, 1.0, 0.0, y)
+    land_column(guide, omega_cage, omega_ring, lay.VELOCITY_JACOBIAN, lay.PSI, zero, zero, 0.0, o, y)
 
 
 @guide_change.register(KinematicCage)

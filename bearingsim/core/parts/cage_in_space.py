@@ -72,17 +72,17 @@ def _cage_body_space(cage_z, omega_cage, y):
 
 
 @generic(absent=0.0)
-def axial_stop(cage_z: Any, out: float, speed: float) -> float:
+def axial_stop(cage_z: Any, offset: float, speed: float) -> float:
     """Return the force (N) of a pocket on its roller along the cage's axis.
 
-    out, speed: axial displacement from the pocket's middle (m) and its rate (m/s).
+    offset, speed: axial displacement from the pocket's middle (m) and its rate (m/s).
     """
 
 
 @axial_stop.register(CageInSpace)
-def _axial_stop_space(cage_z, out, speed):
-    force = normal_force(cage_z.law, abs(out) - cage_z.play_z, speed if out > 0.0 else -speed)
-    return -force if out > 0.0 else force
+def _axial_stop_space(cage_z, offset, speed):
+    force = normal_force(cage_z.law, abs(offset) - cage_z.play_z, speed if offset > 0.0 else -speed)
+    return -force if offset > 0.0 else force
 
 
 @generic(absent=0.0)
@@ -153,7 +153,7 @@ def pocket_axes(body, pc, ps, ce, se):
 
 
 @jit
-def relative_to_cage(bearing, body, omega_cage, y, j):
+def motion_in_cage(bearing, body, omega_cage, y, j):
     """Return position and velocity of a roller's centre relative to the cage, along e_r, e_theta, e_z."""
     c = y[lay.COS_POCKET + j] * y[lay.COS_EPS + j] - y[lay.SIN_POCKET + j] * y[lay.SIN_EPS + j]
     s = y[lay.SIN_POCKET + j] * y[lay.COS_EPS + j] + y[lay.COS_POCKET + j] * y[lay.SIN_EPS + j]
@@ -171,8 +171,8 @@ def pocket_kinematics(bearing, body, omega_cage, y, n):
     """Fill each roller's position in its pocket and slip along the wall as linear functions along its axis."""
     for j in range(n):
         pc, ps, ce, se = y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
-        rad, w, b, q = pocket_axes(body, pc, ps, ce, se)
-        d_r, d_t, d_z, v_r, v_t, v_z = relative_to_cage(bearing, body, omega_cage, y, j)
+        radial, w, b, q = pocket_axes(body, pc, ps, ce, se)
+        d_r, d_t, d_z, v_r, v_t, v_z = motion_in_cage(bearing, body, omega_cage, y, j)
         O_r, O_t, O_z = angular_velocity(body, pc * ce - ps * se, ps * ce + pc * se)
         a_r, a_t, a_z = y[lay.TILT + j], y[lay.SKEW + j], y[lay.AXIS_Z + j]
         g_r, g_t, g_z = y[lay.TILT_V + j], y[lay.SKEW_V + j], y[lay.AXIS_Z_V + j]
@@ -182,17 +182,17 @@ def pocket_kinematics(bearing, body, omega_cage, y, n):
         omega = y[lay.OMEGA + j]
         o_r, o_t, o_z = o_r + omega * a_r - O_r, o_t + omega * a_t - O_t, o_z + omega * a_z - O_z
         r = 0.5 * (bearing.R_o + bearing.R_i) + y[lay.RADIAL + j]
-        off = d_r * b[0] + d_t * b[1] + d_z * body.a_z
-        y[lay.POCKET_OFFSET + j] = r * se + body.x * ps - body.y * pc - q * (off + d_z)
+        axial_offset = d_r * b[0] + d_t * b[1] + d_z * body.a_z
+        y[lay.POCKET_OFFSET + j] = r * se + body.x * ps - body.y * pc - q * (axial_offset + d_z)
         y[lay.POCKET_OFFSET_SLOPE + j] = a_r * w[0] + a_t * w[1] + a_z * w[2]
         y[lay.POCKET_OFFSET_V + j] = v_r * w[0] + v_t * w[1] + v_z * w[2]
         y[lay.POCKET_OFFSET_V_SLOPE + j] = g_r * w[0] + g_t * w[1] + g_z * w[2]
-        y[lay.POCKET_SLIP + j] = v_r * rad[0] + v_t * rad[1] + v_z * rad[2]
-        y[lay.POCKET_SLIP_SLOPE + j] = g_r * rad[0] + g_t * rad[1] + g_z * rad[2]
+        y[lay.POCKET_SLIP + j] = v_r * radial[0] + v_t * radial[1] + v_z * radial[2]
+        y[lay.POCKET_SLIP_SLOPE + j] = g_r * radial[0] + g_t * radial[1] + g_z * radial[2]
         y[lay.POCKET_SLIP_Z + j] = v_r * b[0] + v_t * b[1] + v_z * body.a_z
         y[lay.POCKET_SLIP_Z_SLOPE + j] = g_r * b[0] + g_t * b[1] + g_z * body.a_z
         y[lay.POCKET_OMEGA_Z + j] = o_r * b[0] + o_t * b[1] + o_z * body.a_z
-        y[lay.POCKET_OMEGA_R + j] = o_r * rad[0] + o_t * rad[1] + o_z * rad[2]
+        y[lay.POCKET_OMEGA_R + j] = o_r * radial[0] + o_t * radial[1] + o_z * radial[2]
         y[lay.POCKET_FORCE_W + j] = 0.0
         y[lay.POCKET_FORCE_R + j] = 0.0
         y[lay.POCKET_FORCE_Z + j] = 0.0
@@ -205,15 +205,17 @@ def pocket_kinematics(bearing, body, omega_cage, y, n):
 
 
 @jit
-def any_pocket_contact(play, half, y, n):
-    """Check if any roller of half length ``half`` (m) touches its pocket."""
-    touching = 0.0
+def any_pocket_contact(play, half_length, y, n):
+    """Check if any roller of half length ``half_length`` (m) touches its pocket."""
+    contacts = 0.0
     for j in range(n):
-        touching = add(
-            touching,
-            1.0 if abs(y[lay.POCKET_OFFSET + j]) + half * abs(y[lay.POCKET_OFFSET_SLOPE + j]) > play else 0.0,
+        contacts = add(
+            contacts,
+            1.0
+            if abs(y[lay.POCKET_OFFSET + j]) + half_length * abs(y[lay.POCKET_OFFSET_SLOPE + j]) > play
+            else 0.0,
         )
-    return touching > 0.0
+    return contacts > 0.0
 
 
 @jit
@@ -224,24 +226,24 @@ def pocket_slice_force(cage, bearing, spin, zeta, weight, drop, y, n):
     """
     radius = bearing.R_w - drop
     for j in range(n):
-        real = weight * bearing.m_r * y[lay.INVERSE_MASS + j]  # 0 in a padded lane
+        mask = weight * bearing.m_r * y[lay.INVERSE_MASS + j]  # 0 in a padded lane
         e = y[lay.POCKET_OFFSET + j] + zeta * y[lay.POCKET_OFFSET_SLOPE + j]
         side = 1.0 if e > 0.0 else -1.0
         rate = side * (y[lay.POCKET_OFFSET_V + j] + zeta * y[lay.POCKET_OFFSET_V_SLOPE + j])
-        N = real * normal_force(cage.pocket, abs(e) - cage.play, rate)
+        N = mask * normal_force(cage.pocket, abs(e) - cage.play, rate)
         slip = (
             y[lay.POCKET_SLIP + j]
             + zeta * y[lay.POCKET_SLIP_SLOPE + j]
             - side * radius * y[lay.POCKET_OMEGA_Z + j]
         )
-        drift = (
+        slip_z = (
             y[lay.POCKET_SLIP_Z + j]
             + zeta * y[lay.POCKET_SLIP_Z_SLOPE + j]
             + side * radius * y[lay.POCKET_OMEGA_R + j]
         )
-        speed = sqrt(slip * slip + drift * drift + SLIP_OFFSET * SLIP_OFFSET)
+        speed = sqrt(slip * slip + slip_z * slip_z + SLIP_OFFSET * SLIP_OFFSET)
         kappa = mu(cage.friction, speed, bearing.R_w * spin) * N / speed
-        f, f_b = kappa * slip, kappa * drift
+        f, f_b = kappa * slip, kappa * slip_z
         y[lay.POCKET_FORCE_W + j] -= side * N
         y[lay.POCKET_FORCE_R + j] -= f
         y[lay.POCKET_FORCE_Z + j] -= f_b
@@ -257,27 +259,31 @@ def pocket_slice_force(cage, bearing, spin, zeta, weight, drop, y, n):
 def pocket_load(cage, model, body, omega_cage, y, j):
     """Return force and moment of a pocket on its roller, stops included, and the roller's position relative to the
     cage's centre, along e_r, e_theta, e_z."""
-    b, real = model.bearing, model.bearing.m_r * y[lay.INVERSE_MASS + j]
-    rad, w, axis_in_plane, _ = pocket_axes(
+    b, mask = model.bearing, model.bearing.m_r * y[lay.INVERSE_MASS + j]
+    radial, w, axis_in_plane, _ = pocket_axes(
         body, y[lay.COS_POCKET + j], y[lay.SIN_POCKET + j], y[lay.COS_EPS + j], y[lay.SIN_EPS + j]
     )
     axis = axis_in_plane[0], axis_in_plane[1], body.a_z
-    d_r, d_t, d_z, _, _, _ = relative_to_cage(b, body, omega_cage, y, j)
+    d_r, d_t, d_z, _, _, _ = motion_in_cage(b, body, omega_cage, y, j)
     d = d_r, d_t, d_z
-    out, aside = dot(d, rad) - 0.5 * (b.R_o + b.R_i), dot(d, axis)
-    along_r = y[lay.POCKET_FORCE_R + j] + real * radial_stop(cage.guide, out, y[lay.POCKET_SLIP + j])
-    along_b = y[lay.POCKET_FORCE_Z + j] + real * axial_stop(model.cage_z, aside, y[lay.POCKET_SLIP_Z + j])
-    F = combine_three(y[lay.POCKET_FORCE_W + j], w, along_r, rad, along_b, axis)
+    radial_offset, axial_offset = dot(d, radial) - 0.5 * (b.R_o + b.R_i), dot(d, axis)
+    along_r = y[lay.POCKET_FORCE_R + j] + mask * radial_stop(cage.guide, radial_offset, y[lay.POCKET_SLIP + j])
+    along_b = y[lay.POCKET_FORCE_Z + j] + mask * axial_stop(model.cage_z, axial_offset, y[lay.POCKET_SLIP_Z + j])
+    F = combine_three(y[lay.POCKET_FORCE_W + j], w, along_r, radial, along_b, axis)
     H = combine_three(
         y[lay.POCKET_ZETA_FORCE_W + j],
         w,
         y[lay.POCKET_ZETA_FORCE_R + j],
-        rad,
+        radial,
         y[lay.POCKET_ZETA_FORCE_Z + j],
         axis,
     )
-    tilts = cross((y[lay.TILT + j], y[lay.SKEW + j], y[lay.AXIS_Z + j]), H)
-    return F, combine_three(1.0, tilts, y[lay.POCKET_COUPLE_Z + j], axis, y[lay.POCKET_COUPLE_R + j], rad), d
+    tilting_moment = cross((y[lay.TILT + j], y[lay.SKEW + j], y[lay.AXIS_Z + j]), H)
+    return (
+        F,
+        combine_three(1.0, tilting_moment, y[lay.POCKET_COUPLE_Z + j], axis, y[lay.POCKET_COUPLE_R + j], radial),
+        d,
+    )
 
 
 @jit

@@ -60,39 +60,40 @@ def flange_forces(flanges: Any, model: Any, outer: Any, inner: Any, y: Any, n: i
 def _flange_forces(flanges, model, outer, inner, y, n):
     for j in range(n):
         y[lay.Q_F + j], y[lay.KAPPA_F + j] = 0.0, 0.0
-    if flanges.outer_minus + flanges.outer_plus > 0.0 and any_near_flange(
+    if flanges.outer_minus + flanges.outer_plus > 0.0 and any_roller_near_flange(
         OuterSide(), flanges, model, outer, y, n
     ):
-        side_flanges(OuterSide(), flanges, flanges.outer_minus, flanges.outer_plus, model, outer, y, n)
-    if flanges.inner_minus + flanges.inner_plus > 0.0 and any_near_flange(
+        side_flange_forces(OuterSide(), flanges, flanges.outer_minus, flanges.outer_plus, model, outer, y, n)
+    if flanges.inner_minus + flanges.inner_plus > 0.0 and any_roller_near_flange(
         InnerSide(), flanges, model, inner, y, n
     ):
-        side_flanges(InnerSide(), flanges, flanges.inner_minus, flanges.inner_plus, model, inner, y, n)
+        side_flange_forces(InnerSide(), flanges, flanges.inner_minus, flanges.inner_plus, model, inner, y, n)
 
 
 @jit
-def any_near_flange(side, flanges, model, ring, y, n):
+def any_roller_near_flange(side, flanges, model, ring, y, n):
     """Check if any roller may touch a flange of this ring; usually none does, and the flange is skipped.
 
-    The approach at the point X is half (1 - a.b) - play a.b + sigma off a.b - sigma (X - c).(a - (a.b) b). It is
-    at most |off| + (R_w + t + half) tilt - play (1 - tilt), with tilt the sine of the angle between the axes.
+    The approach at the point X is half (1 - a.b) - play a.b + sigma w a.b - sigma (X - c).(a - (a.b) b). It is
+    at most |w| + (R_w + t + half) tilt - play (1 - tilt), with w the axial offset and tilt the sine of the angle
+    between the axes.
     """
-    base, middle = side_rows(side), 0.5 * (model.bearing.R_o + model.bearing.R_i)
+    base, R_mean = side_rows(side), 0.5 * (model.bearing.R_o + model.bearing.R_i)
     play, reach = flanges.play, 2.0 * model.bearing.R_w + 0.5 * model.L_w + flanges.play
-    near = 0.0
+    count = 0.0
     for j in range(n):
         c, s = y[lay.COS + j], y[lay.SIN + j]
-        d_r, d_t = middle + y[lay.RADIAL + j] - ring.x * c - ring.y * s, ring.x * s - ring.y * c
-        off = d_r * y[base + lay.RING_AXIS_R + j] + d_t * y[base + lay.RING_AXIS_T + j]
-        off += (y[lay.AXIAL + j] - ring.z) * ring.a_z
+        d_r, d_t = R_mean + y[lay.RADIAL + j] - ring.x * c - ring.y * s, ring.x * s - ring.y * c
+        axial_offset = d_r * y[base + lay.RING_AXIS_R + j] + d_t * y[base + lay.RING_AXIS_T + j]
+        axial_offset += (y[lay.AXIAL + j] - ring.z) * ring.a_z
         a_r, a_t, a_z = y[base + lay.DIRECTION_R + j], y[base + lay.DIRECTION_T + j], y[base + lay.DIRECTION_Z + j]
-        closest = abs(off) + reach * sqrt(a_r * a_r + a_t * a_t + a_z * a_z)
-        near = add(near, 0.0 if closest < play else 1.0)  # NaN counts as near
-    return near > 0.0
+        max_offset = abs(axial_offset) + reach * sqrt(a_r * a_r + a_t * a_t + a_z * a_z)
+        count = add(count, 0.0 if max_offset < play else 1.0)  # NaN counts as near
+    return count > 0.0
 
 
 @jit
-def side_flanges(side, flanges, minus, plus, model, ring, y, n):
+def side_flange_forces(side, flanges, minus, plus, model, ring, y, n):
     """Add the forces of the flanges of one ring."""
     if minus > 0.0:
         flange_force(side, flanges, model, ring, -1.0, y, n)
@@ -123,23 +124,26 @@ def flange_point_force(side, flanges, model, ring, sigma, t, y, n):
     b, half = model.bearing, 0.5 * model.L_w
     face = b.R_o - 0.5 * flanges.height if sign(side) > 0.0 else b.R_i + 0.5 * flanges.height
     for j in range(n):
-        view = roller_in_ring(side, b, ring, y, j)
-        q = face - view.rho
-        Y = combine_three(sigma * (half + flanges.play) - view.off, view.b, q, view.n, t, view.tau)  # X - c
-        g, tips = approach_gradient(view, sigma, q, t)
-        rate = dot(g, view.moves) - sigma * dot(Y, tips)
-        N = b.m_r * y[lay.INVERSE_MASS + j] * normal_force(flanges.law, half - sigma * dot(Y, view.a), rate)
-        slip, rolls = slip_at(view, ring, Y, tips, y[lay.OMEGA + j])
-        kappa = mu(flanges.friction, slip[3], b.R_w * rolls) * N / slip[3]
-        add_point(side, sigma, N, kappa, g, Y, view.a, slip, y, j)
+        roller = roller_in_ring(side, b, ring, y, j)
+        q = face - roller.rho
+        # X - c
+        Y = combine_three(
+            sigma * (half + flanges.play) - roller.axial_offset, roller.b, q, roller.n, t, roller.tau
+        )
+        g, axis_rate = approach_gradient(roller, sigma, q, t)
+        rate = dot(g, roller.velocity) - sigma * dot(Y, axis_rate)
+        N = b.m_r * y[lay.INVERSE_MASS + j] * normal_force(flanges.law, half - sigma * dot(Y, roller.a), rate)
+        slip, roll_speed = contact_slip(roller, ring, Y, axis_rate, y[lay.OMEGA + j])
+        kappa = mu(flanges.friction, slip[3], b.R_w * roll_speed) * N / slip[3]
+        add_point(side, sigma, N, kappa, g, Y, roller.a, slip, y, j)
 
 
 class RollerInRing(NamedTuple):
     """Roller relative to a ring, along e_r, e_theta, e_z.
 
     a, b: axes of roller and ring; a_v, b_v: their rates (1/s); n: direction from the ring's axis to the roller's
-    centre, and tau = b x n; rho: distance of the centre from the axis (m); off: distance along the axis from the
-    ring's centre (m); moves: velocity (m/s) of the centre relative to the tilting ring.
+    centre, and tau = b x n; rho: distance of the centre from the axis (m); axial_offset: distance along the axis
+    from the ring's centre (m); velocity: of the centre relative to the tilting ring (m/s).
     """
 
     a: Any
@@ -149,8 +153,8 @@ class RollerInRing(NamedTuple):
     n: Any
     tau: Any
     rho: float
-    off: float
-    moves: Any
+    axial_offset: float
+    velocity: Any
 
 
 @jit
@@ -165,42 +169,45 @@ def roller_in_ring(side, bearing, ring, y, j):
     b_v = ring.w_x * c + ring.w_y * s, ring.w_y * c - ring.w_x * s, ring.w_z
     d = r - ring.x * c - ring.y * s, ring.x * s - ring.y * c, y[lay.AXIAL + j] - ring.z
     X = r + y[base + lay.OFFSET_R + j], y[base + lay.OFFSET_T + j], y[base + lay.OFFSET_Z + j]
-    rho, sway = sqrt(dot(X, X)), dot(d, b_v)
+    rho, axial_rate = sqrt(dot(X, X)), dot(d, b_v)
     n = X[0] / rho, X[1] / rho, X[2] / rho
-    moves = combine(
-        1.0, (y[base + lay.OFFSET_V_R + j], y[base + lay.OFFSET_V_T + j], y[base + lay.OFFSET_V_Z + j]), sway, b
+    velocity = combine(
+        1.0,
+        (y[base + lay.OFFSET_V_R + j], y[base + lay.OFFSET_V_T + j], y[base + lay.OFFSET_V_Z + j]),
+        axial_rate,
+        b,
     )
     a = (y[lay.TILT + j], y[lay.SKEW + j], y[lay.AXIS_Z + j])
     a_v = (y[lay.TILT_V + j], y[lay.SKEW_V + j], y[lay.AXIS_Z_V + j])
-    return RollerInRing(a, a_v, b, b_v, n, cross(b, n), rho, dot(d, b), moves)
+    return RollerInRing(a, a_v, b, b_v, n, cross(b, n), rho, dot(d, b), velocity)
 
 
 @jit
-def approach_gradient(view, sigma, q, t):
+def approach_gradient(roller, sigma, q, t):
     """Return the gradient (1) of the approach with respect to the roller's centre, and the rate (1/s) of the
     roller's axis relative to the ring.
 
     q, t: position of the contact point relative to the roller's centre, along n and tau (m).
     """
-    on_b, on_n = dot(view.a, view.b), dot(view.a, view.n)
-    on_tau = (t * on_n - q * dot(view.a, view.tau)) / view.rho  # the contact point orbits with the roller
-    g = combine_three(sigma * on_b, view.b, sigma * on_n, view.n, sigma * on_tau, view.tau)
-    return g, combine_three(1.0, view.a_v, -on_b, view.b_v, dot(view.a, view.b_v), view.b)
+    a_b, a_n = dot(roller.a, roller.b), dot(roller.a, roller.n)
+    a_tau = (t * a_n - q * dot(roller.a, roller.tau)) / roller.rho  # the contact point orbits with the roller
+    g = combine_three(sigma * a_b, roller.b, sigma * a_n, roller.n, sigma * a_tau, roller.tau)
+    return g, combine_three(1.0, roller.a_v, -a_b, roller.b_v, dot(roller.a, roller.b_v), roller.b)
 
 
 @jit
-def slip_at(view, ring, Y, tips, omega):
+def contact_slip(roller, ring, Y, axis_rate, omega):
     """Return the slip (m/s) perpendicular to the roller's axis, with its magnitude as fourth entry, and the
     roller's absolute rotation speed relative to the tilting ring (rad/s).
 
-    Y: contact point relative to the roller's centre (m); tips: rate (1/s) of the roller's axis relative to the
-    ring; omega: speed (rad/s) about the axis.
+    Y: contact point relative to the roller's centre (m); axis_rate: rate (1/s) of the roller's axis relative
+    to the ring; omega: speed (rad/s) about the axis.
     """
-    rolls = omega - dot(view.a, cross(view.b, view.b_v))
-    turns = combine_three(1.0, cross(view.a, tips), rolls, view.a, -ring.omega, view.b)
-    x = combine_three(1.0, cross(turns, Y), 1.0, view.moves, -ring.omega * view.rho, view.tau)
-    x = combine(1.0, x, -dot(x, view.a), view.a)
-    return (x[0], x[1], x[2], sqrt(dot(x, x) + SLIP_OFFSET * SLIP_OFFSET)), abs(rolls)
+    roll_speed = omega - dot(roller.a, cross(roller.b, roller.b_v))
+    rotation = combine_three(1.0, cross(roller.a, axis_rate), roll_speed, roller.a, -ring.omega, roller.b)
+    x = combine_three(1.0, cross(rotation, Y), 1.0, roller.velocity, -ring.omega * roller.rho, roller.tau)
+    x = combine(1.0, x, -dot(x, roller.a), roller.a)
+    return (x[0], x[1], x[2], sqrt(dot(x, x) + SLIP_OFFSET * SLIP_OFFSET)), abs(roll_speed)
 
 
 @jit
@@ -230,10 +237,10 @@ def axial_position(flanges: Any, outer: Body, inner: Body, c: float, s: float, r
 
 @axial_position.register(Flanges)
 def _axial_position(flanges, outer, inner, c, s, r):
-    of_outer, of_inner = flanges.outer_minus + flanges.outer_plus, flanges.inner_minus + flanges.inner_plus
+    n_outer, n_inner = flanges.outer_minus + flanges.outer_plus, flanges.inner_minus + flanges.inner_plus
     z_outer = outer.z - r * (outer.a_x * c + outer.a_y * s)
     z_inner = inner.z - r * (inner.a_x * c + inner.a_y * s)
-    return (of_outer * z_outer + of_inner * z_inner) / max(of_outer + of_inner, 1.0)
+    return (n_outer * z_outer + n_inner * z_inner) / max(n_outer + n_inner, 1.0)
 
 
 @generic(absent=0.0)

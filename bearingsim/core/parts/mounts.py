@@ -45,7 +45,7 @@ class ElasticMount(NamedTuple):
 
 
 @generic
-def set_mounted_ring(held: Any, y: Any, z: int, tilt_x: int, tilt_y: int) -> None:
+def set_mounted_ring(mount: Any, y: Any, z: int, tilt_x: int, tilt_y: int) -> None:
     """Set a ring on a rigid mount to its mounted position, where it stays because it has no acceleration.
 
     z, tilt_x, tilt_y: shared coordinates of the ring.
@@ -53,20 +53,29 @@ def set_mounted_ring(held: Any, y: Any, z: int, tilt_x: int, tilt_y: int) -> Non
 
 
 @set_mounted_ring.register(RigidMount)
-def _set_mounted_ring_rigid(held, y, z, tilt_x, tilt_y):
-    y[lay.POSITION + z], y[lay.POSITION + tilt_x], y[lay.POSITION + tilt_y] = 0.0, held.tilt_x, held.tilt_y
+def _set_mounted_ring_rigid(mount, y, z, tilt_x, tilt_y):
+    y[lay.POSITION + z], y[lay.POSITION + tilt_x], y[lay.POSITION + tilt_y] = 0.0, mount.tilt_x, mount.tilt_y
     for block in (lay.VELOCITY, lay.ACCELERATION):
         y[block + z], y[block + tilt_x], y[block + tilt_y] = 0.0, 0.0, 0.0
 
 
 @set_mounted_ring.register(ElasticMount)
-def _set_mounted_ring_elastic(held, y, z, tilt_x, tilt_y):
+def _set_mounted_ring_elastic(mount, y, z, tilt_x, tilt_y):
     return None
 
 
 @generic(absent=0.0)
 def accelerate_mounted_ring(
-    held: Any, ring: Body, f_z: float, m_x: float, m_y: float, m_z: float, y: Any, z: int, tilt_x: int, tilt_y: int
+    mount: Any,
+    ring: Body,
+    f_z: float,
+    m_x: float,
+    m_y: float,
+    m_z: float,
+    y: Any,
+    z: int,
+    tilt_x: int,
+    tilt_y: int,
 ) -> float:
     """Write the axial acceleration of the ring and that of its axis, under a force (N) and a moment (N m).
 
@@ -75,84 +84,84 @@ def accelerate_mounted_ring(
 
 
 @accelerate_mounted_ring.register(ElasticMount)
-def _accelerate_mounted_ring_elastic(held, ring, f_z, m_x, m_y, m_z, y, z, tilt_x, tilt_y):
+def _accelerate_mounted_ring_elastic(mount, ring, f_z, m_x, m_y, m_z, y, z, tilt_x, tilt_y):
     b = ring
-    s_x = -held.k_tilt * (b.a_x - held.tilt_x) - held.c_tilt * b.w_x  # force on the tip of b, at 1 m
-    s_y = -held.k_tilt * (b.a_y - held.tilt_y) - held.c_tilt * b.w_y
-    m_x, m_y, m_z = m_x - b.a_z * s_y, m_y + b.a_z * s_x, m_z + b.a_x * s_y - b.a_y * s_x
+    tip_x = -mount.k_tilt * (b.a_x - mount.tilt_x) - mount.c_tilt * b.w_x  # force on the tip of b, at 1 m
+    tip_y = -mount.k_tilt * (b.a_y - mount.tilt_y) - mount.c_tilt * b.w_y
+    m_x, m_y, m_z = m_x - b.a_z * tip_y, m_y + b.a_z * tip_x, m_z + b.a_x * tip_y - b.a_y * tip_x
     l_x, l_y = axis_acceleration(
-        m_x, m_y, m_z, held.I_a * b.omega, held.I_t, b.a_x, b.a_y, b.a_z, b.w_x, b.w_y, b.w_z
+        m_x, m_y, m_z, mount.I_a * b.omega, mount.I_t, b.a_x, b.a_y, b.a_z, b.w_x, b.w_y, b.w_z
     )
-    y[lay.ACCELERATION + z] = (f_z - held.k_z * b.z - held.c_z * b.v_z) / held.m
+    y[lay.ACCELERATION + z] = (f_z - mount.k_z * b.z - mount.c_z * b.v_z) / mount.m
     y[lay.ACCELERATION + tilt_x], y[lay.ACCELERATION + tilt_y] = l_x, l_y
-    return held.I_a * axis_precession_rate(b, l_x, l_y)
+    return mount.I_a * axis_precession_rate(b, l_x, l_y)
 
 
 @generic(absent=(0.0, 0.0, 0.0))
-def mount_mobility(held: Any) -> tuple[float, float, float]:
+def mount_mobility(mount: Any) -> tuple[float, float, float]:
     """Return the ring's axial acceleration under a unit force (1/kg), that of its axis under a unit moment
     (1/(kg m^2)), and I_a (kg m^2)."""
 
 
 @generic(absent=(0.0, 0.0, 0.0, 0.0))
-def mount_springs(held: Any) -> tuple[float, float, float, float]:
+def mount_springs(mount: Any) -> tuple[float, float, float, float]:
     """Return stiffness and damping over inertia: axial (1/s^2, 1/s), then tilting (1/s^2, 1/s)."""
 
 
 @mount_mobility.register(ElasticMount)
-def _mount_mobility_elastic(held):
-    return 1.0 / held.m, 1.0 / held.I_t, held.I_a
+def _mount_mobility_elastic(mount):
+    return 1.0 / mount.m, 1.0 / mount.I_t, mount.I_a
 
 
 @mount_springs.register(ElasticMount)
-def _mount_springs_elastic(held):
-    return held.k_z / held.m, held.c_z / held.m, held.k_tilt / held.I_t, held.c_tilt / held.I_t
+def _mount_springs_elastic(mount):
+    return mount.k_z / mount.m, mount.c_z / mount.m, mount.k_tilt / mount.I_t, mount.c_tilt / mount.I_t
 
 
 @generic(absent=(0.0, 0.0))
-def mount_spring_rates(held: Any) -> tuple[float, float]:
+def mount_spring_rates(mount: Any) -> tuple[float, float]:
     """Return the axial (N/m) and the tilting stiffness (N m/rad) of the mount; zero if it is rigid."""
 
 
 @generic(absent=(0.0, 0.0, 0.0))
 def mount_load(
-    held: Any, y: Any, f_z: float, m_x: float, m_y: float, m_z: float, z: int, tilt_x: int, tilt_y: int
+    mount: Any, y: Any, f_z: float, m_x: float, m_y: float, m_z: float, z: int, tilt_x: int, tilt_y: int
 ) -> tuple[float, float, float]:
     """Return the net axial force (N) and the net moments (N m) that drive b_x and b_y, without dampers."""
 
 
 @mount_spring_rates.register(ElasticMount)
-def _mount_rates_elastic(held):
-    return held.k_z, held.k_tilt
+def _mount_spring_rates_elastic(mount):
+    return mount.k_z, mount.k_tilt
 
 
 @mount_load.register(ElasticMount)
-def _mount_load_elastic(held, y, f_z, m_x, m_y, m_z, z, tilt_x, tilt_y):
+def _mount_load_elastic(mount, y, f_z, m_x, m_y, m_z, z, tilt_x, tilt_y):
     b_x, b_y = y[lay.POSITION + tilt_x], y[lay.POSITION + tilt_y]
     b_z = sqrt(1.0 - b_x * b_x - b_y * b_y)
-    on_x, on_y = m_y * b_z - m_z * b_y, m_z * b_x - m_x * b_z  # equivalent force on the tip of b, at 1 m
+    tip_x, tip_y = m_y * b_z - m_z * b_y, m_z * b_x - m_x * b_z  # equivalent force on the tip of b, at 1 m
     return (
-        f_z - held.k_z * y[lay.POSITION + z],
-        on_x - held.k_tilt * (b_x - held.tilt_x),
-        on_y - held.k_tilt * (b_y - held.tilt_y),
+        f_z - mount.k_z * y[lay.POSITION + z],
+        tip_x - mount.k_tilt * (b_x - mount.tilt_x),
+        tip_y - mount.k_tilt * (b_y - mount.tilt_y),
     )
 
 
 @generic(absent=0.0)
-def mount_stiffness(held: Any) -> float:
+def mount_stiffness(mount: Any) -> float:
     """Return the larger stiffness over inertia (1/s^2) of the mount's springs."""
 
 
 @generic(absent=0.0)
-def mount_damping(held: Any) -> float:
+def mount_damping(mount: Any) -> float:
     """Return the larger damping over inertia (1/s) of the mount's dampers."""
 
 
 @mount_stiffness.register(ElasticMount)
-def _mount_stiffness_elastic(held):
-    return max(held.k_z / held.m, held.k_tilt / held.I_t)
+def _mount_stiffness_elastic(mount):
+    return max(mount.k_z / mount.m, mount.k_tilt / mount.I_t)
 
 
 @mount_damping.register(ElasticMount)
-def _mount_damping_elastic(held):
-    return max(held.c_z / held.m, held.c_tilt / held.I_t)
+def _mount_damping_elastic(mount):
+    return max(mount.c_z / mount.m, mount.c_tilt / mount.I_t)

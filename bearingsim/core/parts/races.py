@@ -111,7 +111,7 @@ def defect_derivatives(side, law, defects, d, s, speed, delta, v, y, j):
     base, _, _, _ = derivative_rows(side)
     head = defects.head[d]
     load_d, load_v, load_s, mean_d, mean_s = 0.0, 0.0, 0.0, 0.0, 0.0
-    aside_d, aside_v, aside_s, aside_z = 0.0, 0.0, 0.0, 0.0
+    tangential_d, tangential_v, tangential_s, tangential_z = 0.0, 0.0, 0.0, 0.0
     for k in range(int(head[GROUP_COUNT])):
         group = defects.groups[d, k]
         share, h, slope = defect_response(defects.excitation, group, s, head[REDUCED_RADIUS])
@@ -120,19 +120,23 @@ def defect_derivatives(side, law, defects, d, s, speed, delta, v, y, j):
         K, C = derivatives(law, approach, rate)
         weight, force = share * group[GROUP_WEIGHT], normal_force(law, approach, rate)
         K, C = weight * K, weight * C
-        by_s = share_s * group[GROUP_WEIGHT] * force - K * slope - C * slope_s * speed
-        load_d, load_v, load_s = load_d + K, load_v + C, load_s + by_s
-        aside_d, aside_v, aside_z = aside_d + K * slope, aside_v + C * slope, aside_z - C * slope * slope
-        aside_s += by_s * slope + weight * force * slope_s
+        force_s = share_s * group[GROUP_WEIGHT] * force - K * slope - C * slope_s * speed
+        load_d, load_v, load_s = load_d + K, load_v + C, load_s + force_s
+        tangential_d, tangential_v, tangential_z = (
+            tangential_d + K * slope,
+            tangential_v + C * slope,
+            tangential_z - C * slope * slope,
+        )
+        tangential_s += force_s * slope + weight * force * slope_s
         mean_d += weight * closed
         mean_s += group[GROUP_WEIGHT] * closed * (share_s * approach - share * slope)
     y[base + LOAD_D + j], y[base + LOAD_V + j], y[base + LOAD_S + j] = load_d, load_v, load_s
     y[base + DEFECT_FORCE_D + j], y[base + DEFECT_FORCE_V + j], y[base + DEFECT_FORCE_S + j] = (
-        aside_d,
-        aside_v,
-        aside_s,
+        tangential_d,
+        tangential_v,
+        tangential_s,
     )
-    y[base + DEFECT_FORCE_Z + j], y[base + MEAN_D + j], y[base + MEAN_S + j] = aside_z, mean_d, mean_s
+    y[base + DEFECT_FORCE_Z + j], y[base + MEAN_D + j], y[base + MEAN_S + j] = tangential_z, mean_d, mean_s
 
 
 @jit
@@ -145,9 +149,9 @@ def derivatives_over_defects(side, law, model, t, omega_cage, omega_i, spin, y):
         if (defects.head[d, SIDE] == OUTER) == (sigma > 0.0):
             j, s = roller_at_defect(model, d, t, y)
             if abs(s) < defects.head[d, HALF_WIDTH] and not is_masked(model, d, j, s, t, y):
-                turning = omega_i if on == ON_INNER else y[lay.VELOCITY + lay.PSI]
-                turning = spin + y[lay.SPIN_V + j] if on >= 0.0 else turning
-                _, n_r, n_t, short, d_r, d_t = relative_to_ring(
+                omega_defect = omega_i if on == ON_INNER else y[lay.VELOCITY + lay.PSI]
+                omega_defect = spin + y[lay.SPIN_V + j] if on >= 0.0 else omega_defect
+                _, n_r, n_t, r_minus_rho, d_r, d_t = relative_to_ring(
                     y[lay.COS + j],
                     y[lay.SIN + j],
                     0.5 * (b.R_o + b.R_i) + y[lay.RADIAL + j],
@@ -158,10 +162,10 @@ def derivatives_over_defects(side, law, model, t, omega_cage, omega_i, spin, y):
                     y[lay.VELOCITY + shared],
                     y[lay.VELOCITY + shared + 1],
                 )
-                delta, apart = sigma * (y[lay.RADIAL + j] - short) - b.gap, n_r * d_r + n_t * d_t
-                speed = radius * (y[frame + TANGENTIAL_V + j] / y[frame + RHO + j] - turning)
-                defect_derivatives(side, law, defects, d, s, speed, delta, sigma * apart, y, j)
-                y[base + RHO_V + j], y[base + DEFECT_RADIUS + j] = apart, radius
+                delta, rho_v = sigma * (y[lay.RADIAL + j] - r_minus_rho) - b.gap, n_r * d_r + n_t * d_t
+                speed = radius * (y[frame + TANGENTIAL_V + j] / y[frame + RHO + j] - omega_defect)
+                defect_derivatives(side, law, defects, d, s, speed, delta, sigma * rho_v, y, j)
+                y[base + RHO_V + j], y[base + DEFECT_RADIUS + j] = rho_v, radius
                 y[base + DEFECT_RADIUS_RING + j] = radius if on == ON_OUTER else 0.0
                 y[base + DEFECT_RADIUS_ROLLER + j] = radius if on >= 0.0 else 0.0
 
@@ -169,26 +173,26 @@ def derivatives_over_defects(side, law, model, t, omega_cage, omega_i, spin, y):
 @jit
 def friction_derivatives(side, friction, R_w, omega_cage, spin, y, n):
     """Fill tilt of the normal, arms and friction of every contact."""
-    base, frame, rubs, _ = derivative_rows(side)
+    base, frame, friction_row, _ = derivative_rows(side)
     force, approach, _, slip, tilt = contact_rows(side)
     sigma = sign(side)
     for j in range(n):
-        turning = omega_cage + y[lay.EPS_V + j] - spin - y[lay.SPIN_V + j]
-        Q, f = y[force + j], y[rubs + j]
+        rolling_rate = omega_cage + y[lay.EPS_V + j] - spin - y[lay.SPIN_V + j]
+        Q, f = y[force + j], y[friction_row + j]
         per_load = 1.0 / max(Q, 1e-300)
         per_load = per_load if Q > 0.0 else 0.0
         normal_slope = y[tilt + j] * per_load
         cosine = 1.0 / sqrt(1.0 + normal_slope * normal_slope)
         sine, arm = normal_slope * cosine, R_w - 0.5 * y[approach + j]
-        by_slip, by_rolling = mu_derivative(friction, y[slip + j], R_w * abs(turning))
+        mu_v, mu_u = mu_derivative(friction, y[slip + j], R_w * abs(rolling_rate))
         y[base + NORMAL_SLOPE + j] = normal_slope
         y[base + NORMAL_COS + j] = cosine
         y[base + NORMAL_SIN + j] = sine
         y[base + INVERSE_LOAD + j] = per_load
         y[base + ROLLER_ARM + j], y[base + RING_ARM + j] = arm, y[frame + RHO + j] * cosine + sigma * arm
-        y[base + MU + j] = mu(friction, y[slip + j], R_w * abs(turning))
-        y[base + MU_V + j] = Q * by_slip
-        y[base + MU_U + j] = Q * by_rolling * (R_w if turning > 0.0 else -R_w)
+        y[base + MU + j] = mu(friction, y[slip + j], R_w * abs(rolling_rate))
+        y[base + MU_V + j] = Q * mu_v
+        y[base + MU_U + j] = Q * mu_u * (R_w if rolling_rate > 0.0 else -R_w)
         y[base + FORCE_N + j] = -sigma * (Q + f * sine)
         y[base + FORCE_TAU + j] = y[tilt + j] - f * cosine
 
@@ -202,52 +206,52 @@ def race_change(side, spin, omega_ring, roll, roll_v, orbit_v, ring, ring_v, y, 
     spin angle (rad) and spin (rad/s); orbit_v: of their orbital speed, on which the rolling speed depends (rad/s);
     ring, ring_v: of the ring's angle (rad) and speed (rad/s).
     """
-    base, frame, rubs, shared = derivative_rows(side)
+    base, frame, friction_row, shared = derivative_rows(side)
     _, _, _, _, tilt = contact_rows(side)
     sigma = sign(side)
     for j in range(n):
         n_r, n_t = y[frame + NORMAL + j], y[frame + NORMAL + lay.ROW + j]
         rho = y[frame + RHO + j]
-        across = y[frame + TANGENTIAL_V + j]
+        v_tau = y[frame + TANGENTIAL_V + j]
         p_r, p_t = y[lay.D_POSITION_R + j], y[lay.D_POSITION_T + j]
         w_r, w_t = y[lay.D_VELOCITY_R + j], y[lay.D_VELOCITY_T + j]
-        apart, f = y[base + RHO_V + j], y[rubs + j]
-        defect, normal_slope = y[base + DEFECT_RADIUS + j], y[base + NORMAL_SLOPE + j]
+        rho_v, f = y[base + RHO_V + j], y[friction_row + j]
+        radius, normal_slope = y[base + DEFECT_RADIUS + j], y[base + NORMAL_SLOPE + j]
         cosine = y[base + NORMAL_COS + j]
         sine = y[base + NORMAL_SIN + j]
         arm = y[base + ROLLER_ARM + j]
-        on_ring = y[base + RING_ARM + j]
-        defect_ring, defect_roller = y[base + DEFECT_RADIUS_RING + j], y[base + DEFECT_RADIUS_ROLLER + j]
+        ring_arm = y[base + RING_ARM + j]
+        radius_ring, radius_roller = y[base + DEFECT_RADIUS_RING + j], y[base + DEFECT_RADIUS_ROLLER + j]
 
-        out, turned = n_r * p_r + n_t * p_t, (n_r * p_t - n_t * p_r) / rho
-        apart_1 = n_r * w_r + n_t * w_t + across * turned
-        across_1 = n_r * w_t - n_t * w_r - apart * turned
-        deep, closing = sigma * out, sigma * apart_1
-        along = defect * turned - defect_ring * ring - defect_roller * roll
-        passing = defect * (across_1 - across * out / rho) / rho - defect_ring * ring_v - defect_roller * roll_v
-        load = y[base + LOAD_D + j] * deep + y[base + LOAD_V + j] * closing
-        load += y[base + LOAD_S + j] * along - y[base + DEFECT_FORCE_V + j] * passing  # Q_z = -S_v, group by group
-        aside = y[base + DEFECT_FORCE_D + j] * deep + y[base + DEFECT_FORCE_V + j] * closing
-        aside += y[base + DEFECT_FORCE_S + j] * along + y[base + DEFECT_FORCE_Z + j] * passing
+        rho_1, angle_1 = n_r * p_r + n_t * p_t, (n_r * p_t - n_t * p_r) / rho
+        rho_v_1 = n_r * w_r + n_t * w_t + v_tau * angle_1
+        v_tau_1 = n_r * w_t - n_t * w_r - rho_v * angle_1
+        delta_1, delta_v_1 = sigma * rho_1, sigma * rho_v_1
+        s_1 = radius * angle_1 - radius_ring * ring - radius_roller * roll
+        s_v_1 = radius * (v_tau_1 - v_tau * rho_1 / rho) / rho - radius_ring * ring_v - radius_roller * roll_v
+        Q_1 = y[base + LOAD_D + j] * delta_1 + y[base + LOAD_V + j] * delta_v_1
+        Q_1 += y[base + LOAD_S + j] * s_1 - y[base + DEFECT_FORCE_V + j] * s_v_1  # Q_z = -S_v, group by group
+        tangential_1 = y[base + DEFECT_FORCE_D + j] * delta_1 + y[base + DEFECT_FORCE_V + j] * delta_v_1
+        tangential_1 += y[base + DEFECT_FORCE_S + j] * s_1 + y[base + DEFECT_FORCE_Z + j] * s_v_1
 
-        tilt_1 = (defect * aside - y[tilt + j] * out) / rho
-        normal_slope_1 = (tilt_1 - normal_slope * load) * y[base + INVERSE_LOAD + j] * cosine * cosine
+        tilt_1 = (radius * tangential_1 - y[tilt + j] * rho_1) / rho
+        normal_slope_1 = (tilt_1 - normal_slope * Q_1) * y[base + INVERSE_LOAD + j] * cosine * cosine
         cosine_1, sine_1 = -sine * normal_slope_1, cosine * normal_slope_1
-        arm_1 = -0.5 * (y[base + MEAN_D + j] * deep + y[base + MEAN_S + j] * along)
-        on_ring_1 = out * cosine + rho * cosine_1 + sigma * arm_1
-        slip = across_1 * cosine + across * cosine_1 - ring_v * on_ring - omega_ring * on_ring_1
-        slip += sigma * (apart_1 * sine + apart * sine_1 + roll_v * arm + (spin + y[lay.SPIN_V + j]) * arm_1)
-        f_1 = y[base + MU + j] * load + y[base + MU_U + j] * (orbit_v - roll_v)
-        f_1 += y[base + MU_V + j] * slip
+        arm_1 = -0.5 * (y[base + MEAN_D + j] * delta_1 + y[base + MEAN_S + j] * s_1)
+        ring_arm_1 = rho_1 * cosine + rho * cosine_1 + sigma * arm_1
+        slip_1 = v_tau_1 * cosine + v_tau * cosine_1 - ring_v * ring_arm - omega_ring * ring_arm_1
+        slip_1 += sigma * (rho_v_1 * sine + rho_v * sine_1 + roll_v * arm + (spin + y[lay.SPIN_V + j]) * arm_1)
+        f_1 = y[base + MU + j] * Q_1 + y[base + MU_U + j] * (orbit_v - roll_v)
+        f_1 += y[base + MU_V + j] * slip_1
 
-        along_n = -sigma * (load + f_1 * sine + f * sine_1) - y[base + FORCE_TAU + j] * turned
-        across_n = tilt_1 - f_1 * cosine - f * cosine_1 + y[base + FORCE_N + j] * turned
+        along_n = -sigma * (Q_1 + f_1 * sine + f * sine_1) - y[base + FORCE_TAU + j] * angle_1
+        across_n = tilt_1 - f_1 * cosine - f * cosine_1 + y[base + FORCE_N + j] * angle_1
         push_r, push_t = along_n * n_r - across_n * n_t, along_n * n_t + across_n * n_r
         c, s = y[lay.COS + j], y[lay.SIN + j]
         y[lay.D_FORCE_R + j] += push_r
         y[lay.D_FORCE_T + j] += push_t
-        y[lay.D_TORQUE + j] -= sigma * (f_1 * arm + f * arm_1) + defect_roller * aside
+        y[lay.D_TORQUE + j] -= sigma * (f_1 * arm + f * arm_1) + radius_roller * tangential_1
         y[lay.D_FORCE_SHARED + shared * lay.ROW + j] += push_t * s - push_r * c
         y[lay.D_FORCE_SHARED + (shared + 1) * lay.ROW + j] -= push_r * s + push_t * c
-        race_arm = f_1 * on_ring + f * on_ring_1 - defect_ring * aside
-        y[lay.D_FORCE_SHARED + lay.PSI * lay.ROW + j] += race_arm if sigma > 0.0 else 0.0
+        ring_torque = f_1 * ring_arm + f * ring_arm_1 - radius_ring * tangential_1
+        y[lay.D_FORCE_SHARED + lay.PSI * lay.ROW + j] += ring_torque if sigma > 0.0 else 0.0

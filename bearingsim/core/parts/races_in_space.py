@@ -27,8 +27,9 @@ from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.laws.friction.lag import implicit_fraction
 
 SLIP_OFFSET = 1e-12  # m/s, added in quadrature to the slip so that friction/slip stays finite at zero slip
-NONNEGATIVE = 0x7FFFFFFF  # mask that shows the compiler that a buffer index is not negative
-FEW = 127  # mask that shows it the bound on the number of rollers, so that rows of slices cannot overlap others
+INDEX_MASK = 0x7FFFFFFF  # mask that shows the compiler that a buffer index is not negative
+# mask that shows it the bound on the number of rollers, so that rows of slices cannot overlap others
+LANE_MASK = 127
 
 
 @jit
@@ -37,7 +38,7 @@ def race_frame(side, bearing, ring, omega_cage, y, n):
 
     Equation (S2) of docs/spatial.md, first line.
     """
-    base, middle = side_rows(side), 0.5 * (bearing.R_o + bearing.R_i)
+    base, R_mean = side_rows(side), 0.5 * (bearing.R_o + bearing.R_i)
     b_z, w_z = ring.a_z, ring.w_z
     for j in range(n):
         c, s = y[lay.COS + j], y[lay.SIN + j]
@@ -46,23 +47,23 @@ def race_frame(side, bearing, ring, omega_cage, y, n):
         u_r, u_t = ring.x * c + ring.y * s, ring.y * c - ring.x * s
         a_r, a_t, a_z = y[lay.TILT + j], y[lay.SKEW + j], y[lay.AXIS_Z + j]
         v_r, v_t, v_z = y[lay.TILT_V + j], y[lay.SKEW_V + j], y[lay.AXIS_Z_V + j]
-        r = middle + y[lay.RADIAL + j]
+        r = R_mean + y[lay.RADIAL + j]
         d_r, d_z = r - u_r, y[lay.AXIAL + j] - ring.z
         m_r = y[lay.RADIAL_V + j] - (ring.v_x * c + ring.v_y * s)
         m_t = r * (omega_cage + y[lay.EPS_V + j]) - (ring.v_y * c - ring.v_x * s)
         m_z = y[lay.AXIAL_V + j] - ring.v_z
-        off = d_r * b_r - u_t * b_t + d_z * b_z
+        axial_offset = d_r * b_r - u_t * b_t + d_z * b_z
         along = a_r * b_r + a_t * b_t + a_z * b_z
         y[base + lay.RING_AXIS_R + j], y[base + lay.RING_AXIS_T + j] = b_r, b_t
-        y[base + lay.OFFSET_R + j] = -u_r - off * b_r  # without r, which would cost digits
-        y[base + lay.OFFSET_T + j] = -u_t - off * b_t
-        y[base + lay.OFFSET_Z + j] = d_z - off * b_z
+        y[base + lay.OFFSET_R + j] = -u_r - axial_offset * b_r  # without r, which would cost digits
+        y[base + lay.OFFSET_T + j] = -u_t - axial_offset * b_t
+        y[base + lay.OFFSET_Z + j] = d_z - axial_offset * b_z
         y[base + lay.DIRECTION_R + j] = a_r - along * b_r
         y[base + lay.DIRECTION_T + j] = a_t - along * b_t
         y[base + lay.DIRECTION_Z + j] = a_z - along * b_z
-        y[base + lay.OFFSET_V_R + j] = m_r - off * w_r
-        y[base + lay.OFFSET_V_T + j] = m_t - off * w_t
-        y[base + lay.OFFSET_V_Z + j] = m_z - off * w_z
+        y[base + lay.OFFSET_V_R + j] = m_r - axial_offset * w_r
+        y[base + lay.OFFSET_V_T + j] = m_t - axial_offset * w_t
+        y[base + lay.OFFSET_V_Z + j] = m_z - axial_offset * w_z
         y[base + lay.DIRECTION_V_R + j] = v_r - along * w_r
         y[base + lay.DIRECTION_V_T + j] = v_t - along * w_t
         y[base + lay.DIRECTION_V_Z + j] = v_z - along * w_z
@@ -82,9 +83,9 @@ def race_frame(side, bearing, ring, omega_cage, y, n):
 def clear_sums(side, y, n):
     """Set the sums over slices to zero; call it after ``race_frame``."""
     base = side_rows(side)
-    force, approach, rate, slip, across = contact_rows(side)
+    force, approach, rate, slip, tangential = contact_rows(side)
     for j in range(n):
-        y[force + j], y[approach + j], y[slip + j], y[across + j] = 0.0, 0.0, 0.0, 0.0
+        y[force + j], y[approach + j], y[slip + j], y[tangential + j] = 0.0, 0.0, 0.0, 0.0
         y[rate + j] = sign(side) * y[base + lay.OFFSET_V_R + j]  # at the middle, approximate: for the step monitor
         y[base + lay.CONTACT_FORCE_R + j] = 0.0
         y[base + lay.CONTACT_FORCE_T + j] = 0.0
@@ -115,7 +116,7 @@ def add_slice(side, law, friction, bearing, ring, zeta, weight, drop, k, y, n):
     """
     load_row, approach_row = slice_rows(side)
     row = lay.SLICES + lay.FIRST_LANE + (k & (MAX_SLICES - 1)) * (lay.SLICE_ROWS * lay.ROW)
-    for j in range(n & FEW):
+    for j in range(n & LANE_MASK):
         load, approach = load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j)
         y[row + (load_row + j)] = load
         y[row + (approach_row + j)] = approach
@@ -129,62 +130,66 @@ def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
 
     Equations (S2) and (S3) of docs/spatial.md.
     """
-    base, sigma, middle = side_rows(side), sign(side), 0.5 * (bearing.R_o + bearing.R_i)
-    lacking, radius, b_z, turning = bearing.gap + drop, bearing.R_w - drop, ring.a_z, ring.omega
-    short = y[base + lay.OFFSET_R + j] + zeta * y[base + lay.DIRECTION_R + j]
-    X_r = middle + y[lay.RADIAL + j] + short
+    base, sigma, R_mean = side_rows(side), sign(side), 0.5 * (bearing.R_o + bearing.R_i)
+    clearance, radius, b_z, omega_ring = bearing.gap + drop, bearing.R_w - drop, ring.a_z, ring.omega
+    rho_minus_r = y[base + lay.OFFSET_R + j] + zeta * y[base + lay.DIRECTION_R + j]
+    X_r = R_mean + y[lay.RADIAL + j] + rho_minus_r
     X_t = y[base + lay.OFFSET_T + j] + zeta * y[base + lay.DIRECTION_T + j]
     X_z = y[base + lay.OFFSET_Z + j] + zeta * y[base + lay.DIRECTION_Z + j]
-    aside = X_t * X_t + X_z * X_z
-    rho = sqrt(X_r * X_r + aside)
-    per_both = 1.0 / (rho * (rho + X_r))
-    per_rho = per_both * (rho + X_r)
-    n_r, n_t, n_z = X_r * per_rho, X_t * per_rho, X_z * per_rho
+    lateral_squared = X_t * X_t + X_z * X_z
+    rho = sqrt(X_r * X_r + lateral_squared)
+    inverse_product = 1.0 / (rho * (rho + X_r))
+    inverse_rho = inverse_product * (rho + X_r)
+    n_r, n_t, n_z = X_r * inverse_rho, X_t * inverse_rho, X_z * inverse_rho
     b_r, b_t = y[base + lay.RING_AXIS_R + j], y[base + lay.RING_AXIS_T + j]
     t_r, t_t, t_z = b_t * n_z - b_z * n_t, b_z * n_r - b_r * n_z, b_r * n_t - b_t * n_r
     v_r = y[base + lay.OFFSET_V_R + j] + zeta * y[base + lay.DIRECTION_V_R + j]
     v_t = y[base + lay.OFFSET_V_T + j] + zeta * y[base + lay.DIRECTION_V_T + j]
     v_z = y[base + lay.OFFSET_V_Z + j] + zeta * y[base + lay.DIRECTION_V_Z + j]
-    apart = n_r * v_r + n_t * v_t + n_z * v_z
-    across = t_r * v_r + t_t * v_t + t_z * v_z
+    rho_v = n_r * v_r + n_t * v_t + n_z * v_z
+    v_tau = t_r * v_r + t_t * v_t + t_z * v_z
 
     normal_slope, cosine = y[base + lay.NORMAL_SLOPE + j], 1.0 - y[base + lay.NORMAL_VERSINE + j]
-    own, rolls, sine = y[base + lay.ROLLER_DEFECT + j], y[base + lay.ROLL_SPEED + j], sigma * normal_slope * cosine
-    short += aside * (per_both * rho)
-    delta = sigma * (y[lay.RADIAL + j] + short) - lacking - y[base + lay.ROLLER_DROP + j]
+    on_roller, roll_speed, sine = (
+        y[base + lay.ROLLER_DEFECT + j],
+        y[base + lay.ROLL_SPEED + j],
+        sigma * normal_slope * cosine,
+    )
+    rho_minus_r += lateral_squared * (inverse_product * rho)
+    delta = sigma * (y[lay.RADIAL + j] + rho_minus_r) - clearance - y[base + lay.ROLLER_DROP + j]
     arm = sigma * (radius - 0.5 * delta)
     o_r, o_t, o_z = n_r * cosine - t_r * sine, n_t * cosine - t_t * sine, n_z * cosine - t_z * sine
     e_r, e_t, e_z = t_r * cosine + n_r * sine, t_t * cosine + n_t * sine, t_z * cosine + n_z * sine
-    drift = y[base + lay.AXIAL_SLIP + j] + zeta * y[base + lay.AXIAL_SLIP_SLOPE + j]
-    drift += arm * (
+    axial_slip = y[base + lay.AXIAL_SLIP + j] + zeta * y[base + lay.AXIAL_SLIP_SLOPE + j]
+    axial_slip += arm * (
         o_r * y[base + lay.AXIAL_SLIP_ARM_R + j]
         + o_t * y[base + lay.AXIAL_SLIP_ARM_T + j]
         + o_z * y[base + lay.AXIAL_SLIP_ARM_Z + j]
     )
-    slip = across * cosine + apart * sine + arm * rolls - turning * (rho * cosine + arm)
-    rate = sigma * apart - normal_slope * (across - (turning + own * (rolls - turning)) * rho)
+    slip = v_tau * cosine + rho_v * sine + arm * roll_speed - omega_ring * (rho * cosine + arm)
+    rate = sigma * rho_v - normal_slope * (v_tau - (omega_ring + on_roller * (roll_speed - omega_ring)) * rho)
 
     force = weight * (1.0 - y[base + lay.STIFFNESS_LOSS + j]) * normal_force(law, delta, rate)
-    speed = sqrt(slip * slip + drift * drift + SLIP_OFFSET * SLIP_OFFSET)
+    speed = sqrt(slip * slip + axial_slip * axial_slip + SLIP_OFFSET * SLIP_OFFSET)
     kappa = mu(friction, speed, y[lay.ROLLING_SPEED + j]) * force / speed
-    push, shove, f, f_b = -sigma * force, normal_slope * force, kappa * slip, kappa * drift
-    g_r = push * n_r + shove * t_r - f * e_r - f_b * b_r
-    g_t = push * n_t + shove * t_t - f * e_t - f_b * b_t
-    g_z = push * n_z + shove * t_z - f * e_z - f_b * b_z
-    bend, moment = arm * f_b, zeta * kappa
+    f_n, f_t, f, f_b = -sigma * force, normal_slope * force, kappa * slip, kappa * axial_slip
+    g_r = f_n * n_r + f_t * t_r - f * e_r - f_b * b_r
+    g_t = f_n * n_t + f_t * t_t - f * e_t - f_b * b_t
+    g_z = f_n * n_z + f_t * t_z - f * e_z - f_b * b_z
+    couple, zeta_kappa = arm * f_b, zeta * kappa
     y[base + lay.CONTACT_FORCE_R + j] += g_r
     y[base + lay.CONTACT_FORCE_T + j] += g_t
     y[base + lay.CONTACT_FORCE_Z + j] += g_z
     y[base + lay.CONTACT_ZETA_FORCE_R + j] += zeta * g_r
     y[base + lay.CONTACT_ZETA_FORCE_T + j] += zeta * g_t
     y[base + lay.CONTACT_ZETA_FORCE_Z + j] += zeta * g_z
-    y[base + lay.COUPLE_AXIAL + j] -= arm * f + own * shove * rho
-    y[base + lay.COUPLE_R + j] += bend * e_r
-    y[base + lay.COUPLE_T + j] += bend * e_t
-    y[base + lay.COUPLE_Z + j] += bend * e_z
+    y[base + lay.COUPLE_AXIAL + j] -= arm * f + on_roller * f_t * rho
+    y[base + lay.COUPLE_R + j] += couple * e_r
+    y[base + lay.COUPLE_T + j] += couple * e_t
+    y[base + lay.COUPLE_Z + j] += couple * e_z
     y[base + lay.KAPPA_0 + j] += kappa
-    y[base + lay.KAPPA_1 + j] += moment
-    y[base + lay.KAPPA_2 + j] += zeta * moment
+    y[base + lay.KAPPA_1 + j] += zeta_kappa
+    y[base + lay.KAPPA_2 + j] += zeta * zeta_kappa
     y[base + lay.KAPPA_SLIP_0 + j] += f
     y[base + lay.KAPPA_SLIP_1 + j] += zeta * f
     y[base + lay.KAPPA_SLIP_Z + j] += f_b
@@ -192,22 +197,22 @@ def load_slice(side, law, friction, bearing, ring, zeta, weight, drop, y, j):
     y[base + lay.KAPPA_R + j] += kappa * e_r
     y[base + lay.KAPPA_T + j] += kappa * e_t
     y[base + lay.KAPPA_Z + j] += kappa * e_z
-    all_force, all_approach, _, all_slip, all_across = contact_rows(side)
-    y[all_force + j] += force
-    y[all_across + j] += shove
-    y[all_slip + j] += weight * slip
-    y[all_approach + j] += weight * max(delta, 0.0)
+    force_row, approach_row, _, slip_row, tangential_row = contact_rows(side)
+    y[force_row + j] += force
+    y[tangential_row + j] += f_t
+    y[slip_row + j] += weight * slip
+    y[approach_row + j] += weight * max(delta, 0.0)
     return force, delta
 
 
 @jit
 def update_line_load(row, width, y, n):
     """Update the largest line load with the loads of a slice of ``width`` (m) whose rows begin at ``row``."""
-    row &= NONNEGATIVE
+    row &= INDEX_MASK
     per_width = 1.0 / width
     for j in range(n):
-        most = max(y[row + lay.LOAD_O * lay.ROW + j], y[row + lay.LOAD_I * lay.ROW + j])
-        y[lay.LINE_LOAD_MAX + j] = max(y[lay.LINE_LOAD_MAX + j], most * per_width)
+        largest = max(y[row + lay.LOAD_O * lay.ROW + j], y[row + lay.LOAD_I * lay.ROW + j])
+        y[lay.LINE_LOAD_MAX + j] = max(y[lay.LINE_LOAD_MAX + j], largest * per_width)
 
 
 @jit
@@ -219,13 +224,13 @@ def slip_relaxation(lag, m_r, I_r, I_t, R_w, y, n):
     change by axial motion and tilting of the roller.
     """
     outer, inner = lay.OUTER_SIDE, lay.INNER_SIDE
-    along, crosswise = lag * (1.0 / m_r + R_w * R_w / I_r), lag * (1.0 / m_r - R_w * R_w / I_r)
-    along_z, crosswise_z = lag * (1.0 / m_r + R_w * R_w / I_t), lag * (1.0 / m_r - R_w * R_w / I_t)
+    along, across = lag * (1.0 / m_r + R_w * R_w / I_r), lag * (1.0 / m_r - R_w * R_w / I_r)
+    along_z, across_z = lag * (1.0 / m_r + R_w * R_w / I_t), lag * (1.0 / m_r - R_w * R_w / I_t)
     for j in range(n):
         K = y[outer + lay.KAPPA_0 + j] + y[inner + lay.KAPPA_0 + j]
-        part, part_z = implicit_fraction(along * K), implicit_fraction(along_z * K)
-        a, b, g = part * along, part * crosswise, part * lag / I_t
-        a_z, b_z = part_z * along_z, part_z * crosswise_z
+        fraction, fraction_z = implicit_fraction(along * K), implicit_fraction(along_z * K)
+        a, b, g = fraction * along, fraction * across, fraction * lag / I_t
+        a_z, b_z = fraction_z * along_z, fraction_z * across_z
         N_o, N_i = y[outer + lay.KAPPA_1 + j], y[inner + lay.KAPPA_1 + j]
         M = y[outer + lay.KAPPA_SLIP_1 + j] + y[inner + lay.KAPPA_SLIP_1 + j]
         gamma = g / (1.0 + g * (y[outer + lay.KAPPA_2 + j] + y[inner + lay.KAPPA_2 + j]))
@@ -252,9 +257,9 @@ def solve_slip_changes(a, b, k_oo, k_oi, k_ii, S_o, S_i):
     """Return the changes s of two slips under forces F = S + k s: s = -(a F_o + b F_i), -(b F_o + a F_i)."""
     A, B = 1.0 + a * k_oo + b * k_oi, a * k_oi + b * k_ii
     C, D = b * k_oo + a * k_oi, 1.0 + b * k_oi + a * k_ii
-    per = 1.0 / (A * D - B * C)
+    inverse = 1.0 / (A * D - B * C)
     d_o, d_i = -(a * S_o + b * S_i), -(b * S_o + a * S_i)
-    return (D * d_o - B * d_i) * per, (A * d_i - C * d_o) * per
+    return (D * d_o - B * d_i) * inverse, (A * d_i - C * d_o) * inverse
 
 
 @jit
@@ -264,19 +269,19 @@ def relax_friction(side, ring, y, n):
     for j in range(n):
         k_0 = y[base + lay.KAPPA_0 + j]
         k_1 = y[base + lay.KAPPA_1 + j]
-        shift = y[base + lay.SLIP_CHANGE + j]
-        shift_z = y[base + lay.SLIP_CHANGE_Z + j]
-        per = 1.0 / max(k_0, 1e-300)
+        slip_change = y[base + lay.SLIP_CHANGE + j]
+        slip_change_z = y[base + lay.SLIP_CHANGE_Z + j]
+        inverse = 1.0 / max(k_0, 1e-300)
         e_r, e_t, e_z = (
-            y[base + lay.KAPPA_R + j] * per,
-            y[base + lay.KAPPA_T + j] * per,
-            y[base + lay.KAPPA_Z + j] * per,
+            y[base + lay.KAPPA_R + j] * inverse,
+            y[base + lay.KAPPA_T + j] * inverse,
+            y[base + lay.KAPPA_Z + j] * inverse,
         )
-        arm, skew = y[base + lay.KAPPA_ARM + j] * per, y[lay.SKEW_V_CHANGE + j]
-        f = k_0 * shift + k_1 * skew
-        h = k_1 * shift + y[base + lay.KAPPA_2 + j] * skew
-        f_b = k_0 * shift_z
-        h_b = k_1 * shift_z
+        arm, skew_v_change = y[base + lay.KAPPA_ARM + j] * inverse, y[lay.SKEW_V_CHANGE + j]
+        f = k_0 * slip_change + k_1 * skew_v_change
+        h = k_1 * slip_change + y[base + lay.KAPPA_2 + j] * skew_v_change
+        f_b = k_0 * slip_change_z
+        h_b = k_1 * slip_change_z
         b_r, b_t = y[base + lay.RING_AXIS_R + j], y[base + lay.RING_AXIS_T + j]
         y[base + lay.CONTACT_FORCE_R + j] -= f * e_r + f_b * b_r
         y[base + lay.CONTACT_FORCE_T + j] -= f * e_t + f_b * b_t
@@ -297,12 +302,12 @@ def side_loads(side, bearing, ring, y, n):
     The latter are force (N) and moment about the ring's centre (N m) along e_0, e_90, e_z: the reaction at the
     same points.
     """
-    base, middle = side_rows(side), 0.5 * (bearing.R_o + bearing.R_i)
+    base, R_mean = side_rows(side), 0.5 * (bearing.R_o + bearing.R_i)
     plane, space, turn = load_cells(side)
     f_x, f_y, f_z = lay.roller_load(plane), lay.roller_load(plane + 1), lay.roller_load(space)
     m_x, m_y, m_z = lay.roller_load(space + 1), lay.roller_load(space + 2), lay.roller_load(turn)
     for j in range(n):
-        c, s, real = y[lay.COS + j], y[lay.SIN + j], bearing.m_r * y[lay.INVERSE_MASS + j]
+        c, s, mask = y[lay.COS + j], y[lay.SIN + j], bearing.m_r * y[lay.INVERSE_MASS + j]
         a_r, a_t, a_z = y[lay.TILT + j], y[lay.SKEW + j], y[lay.AXIS_Z + j]
         G_r = y[base + lay.CONTACT_FORCE_R + j]
         G_t = y[base + lay.CONTACT_FORCE_T + j]
@@ -310,19 +315,19 @@ def side_loads(side, bearing, ring, y, n):
         h_r = y[base + lay.CONTACT_ZETA_FORCE_R + j]
         h_t = y[base + lay.CONTACT_ZETA_FORCE_T + j]
         h_z = y[base + lay.CONTACT_ZETA_FORCE_Z + j]
-        twist = y[base + lay.COUPLE_AXIAL + j]
-        M_r = a_t * h_z - a_z * h_t + twist * y[base + lay.RING_AXIS_R + j] + y[base + lay.COUPLE_R + j]
-        M_t = a_z * h_r - a_r * h_z + twist * y[base + lay.RING_AXIS_T + j] + y[base + lay.COUPLE_T + j]
-        M_z = a_r * h_t - a_t * h_r + twist * ring.a_z + y[base + lay.COUPLE_Z + j]
+        couple_axial = y[base + lay.COUPLE_AXIAL + j]
+        M_r = a_t * h_z - a_z * h_t + couple_axial * y[base + lay.RING_AXIS_R + j] + y[base + lay.COUPLE_R + j]
+        M_t = a_z * h_r - a_r * h_z + couple_axial * y[base + lay.RING_AXIS_T + j] + y[base + lay.COUPLE_T + j]
+        M_z = a_r * h_t - a_t * h_r + couple_axial * ring.a_z + y[base + lay.COUPLE_Z + j]
         y[lay.FORCE_R + j] += G_r
         y[lay.FORCE_T + j] += G_t
         y[lay.FORCE_Z + j] += G_z
         y[lay.MOMENT_R + j] += M_r
         y[lay.MOMENT_T + j] += M_t
         y[lay.MOMENT_Z + j] += M_z
-        d_r = middle + y[lay.RADIAL + j] - ring.x * c - ring.y * s
+        d_r = R_mean + y[lay.RADIAL + j] - ring.x * c - ring.y * s
         d_t, d_z = ring.x * s - ring.y * c, y[lay.AXIAL + j] - ring.z
         N_r, N_t = M_r + d_t * G_z - d_z * G_t, M_t + d_z * G_r - d_r * G_z
-        y[f_x + j], y[f_y + j], y[f_z + j] = -G_r * c + G_t * s, -G_r * s - G_t * c, -real * G_z
+        y[f_x + j], y[f_y + j], y[f_z + j] = -G_r * c + G_t * s, -G_r * s - G_t * c, -mask * G_z
         y[m_x + j], y[m_y + j] = -N_r * c + N_t * s, -N_r * s - N_t * c
-        y[m_z + j] = -real * (M_z + d_r * G_t - d_t * G_r)
+        y[m_z + j] = -mask * (M_z + d_r * G_t - d_t * G_r)

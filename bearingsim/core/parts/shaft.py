@@ -75,45 +75,45 @@ def _accelerate_ring_rotation_spring(bracket, y):
 
 
 @generic(absent=0.0)
-def mobility(part: Any) -> float:
+def mobility(support: Any) -> float:
     """Return the ring's acceleration under a unit force or torque: 1/kg, 1/(kg m^2); 0 if the support is rigid."""
 
 
 @mobility.register(ElasticShaft)
-def _mobility_shaft(part):
-    return 1.0 / part.m
+def _mobility_shaft(support):
+    return 1.0 / support.m
 
 
 @mobility.register(TorsionSpring)
-def _mobility_torsion(part):
-    return 1.0 / part.inertia
+def _mobility_torsion(support):
+    return 1.0 / support.inertia
 
 
 @generic(absent=0.0)
-def spring_per_mass(part: Any) -> float:
+def spring_per_mass(support: Any) -> float:
     """Return the stiffness over mass (1/s^2) of the spring of a shaft or a bracket."""
 
 
 @generic(absent=0.0)
-def damper_per_mass(part: Any) -> float:
+def damper_per_mass(support: Any) -> float:
     """Return the damping over mass (1/s) of the damper of a shaft or a bracket."""
 
 
 @spring_per_mass.register(ElasticShaft)
-def _spring_per_mass_shaft(part):
-    return part.k / part.m
+def _spring_per_mass_shaft(support):
+    return support.k / support.m
 
 
 @damper_per_mass.register(ElasticShaft)
-def _damper_per_mass_shaft(part):
-    return part.c / part.m
+def _damper_per_mass_shaft(support):
+    return support.c / support.m
 
 
 @spring_per_mass.register(TorsionSpring)
-def _spring_per_mass_torsion(part):
-    return part.k / part.inertia
+def _spring_per_mass_torsion(support):
+    return support.k / support.inertia
 
 
 @damper_per_mass.register(TorsionSpring)
-def _damper_per_mass_torsion(part):
-    return part.c / part.inertia
+def _damper_per_mass_torsion(support):
+    return support.c / support.inertia

@@ -122,6 +122,6 @@ def test_loops_over_rollers_at_flanges_keep_their_lanes(side):
     ring = Body._make([0.0] * 8 + [1.0] + [0.0] * 4)
     point = compiled(flanges.flange_point_force.py_func)
     assert keeps_lanes(point, side, model.flanges, model, ring, 1.0, 1e-3, y, n)
-    assert keeps_lanes(compiled(flanges.any_near_flange.py_func), side, model.flanges, model, ring, y, n)
+    assert keeps_lanes(compiled(flanges.any_roller_near_flange.py_func), side, model.flanges, model, ring, y, n)
     assert keeps_lanes(compiled(races_in_space.relax_friction.py_func), side, ring, y, n)
     assert keeps_lanes(compiled(races_in_space.clear_sums.py_func), side, y, n)

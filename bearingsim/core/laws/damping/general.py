@@ -28,8 +28,8 @@ def _force(contact, delta, v):
     d = max(delta, 0.0)
     drag = contact.c * monomial(contact.m2, abs(v)) * monomial(contact.m3, d)
     drag = drag if v > 0.0 else -drag
-    pressing = 1.0 if delta > 0.0 else 0.0  # with m3 = 0 the dashpot would act without contact
-    return pressing * max(elastic(contact.stiffness, d) + drag, 0.0)
+    closed = 1.0 if delta > 0.0 else 0.0  # with m3 = 0 the dashpot would act without contact
+    return closed * max(elastic(contact.stiffness, d) + drag, 0.0)
 
 
 @derivatives.register(General)
@@ -37,14 +37,14 @@ def _derivatives(contact, delta, v):
     """Return the derivatives with |v| >= MIN_RATE and delta >= MIN_APPROACH in |v|^(m2-1) and delta^(m3-1), which
     can be infinite at 0."""
     d, speed = max(delta, 0.0), abs(v)
-    deep = monomial(contact.m3, d)
+    approach_factor = monomial(contact.m3, d)
     drag = contact.c * monomial(contact.m2, speed)
     drag = drag if v > 0.0 else -drag
-    pressing = 1.0 if delta > 0.0 else 0.0
-    pressing = pressing if elastic(contact.stiffness, d) + drag * deep > 0.0 else 0.0
+    closed = 1.0 if delta > 0.0 else 0.0
+    closed = closed if elastic(contact.stiffness, d) + drag * approach_factor > 0.0 else 0.0
     K = tangent(contact.stiffness, d) + drag * monomial_derivative(contact.m3, max(d, MIN_APPROACH))
-    C = contact.c * monomial_derivative(contact.m2, max(speed, MIN_RATE)) * deep
-    return pressing * K, pressing * C
+    C = contact.c * monomial_derivative(contact.m2, max(speed, MIN_RATE)) * approach_factor
+    return closed * K, closed * C
 
 
 @stiffness_bound.register(General)

@@ -25,11 +25,9 @@ def _force(contact, delta, v):
 @derivatives.register(HuntCrossley)
 def _derivatives(contact, delta, v):
     d, factor = max(delta, 0.0), 1.0 + contact.chi * v
-    pressing = 1.0 if delta > 0.0 else 0.0
-    pressing = pressing if factor > 0.0 else 0.0
-    return pressing * tangent(contact.stiffness, d) * factor, pressing * elastic(
-        contact.stiffness, d
-    ) * contact.chi
+    closed = 1.0 if delta > 0.0 else 0.0
+    closed = closed if factor > 0.0 else 0.0
+    return closed * tangent(contact.stiffness, d) * factor, closed * elastic(contact.stiffness, d) * contact.chi
 
 
 @stiffness_bound.register(HuntCrossley)

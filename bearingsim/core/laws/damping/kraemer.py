@@ -28,9 +28,9 @@ def _force(contact, delta, v):
 def _derivatives(contact, delta, v):
     d, rate = max(delta, 0.0), contact.beta * v
     stiffness = tangent(contact.stiffness, d)
-    pressing = 1.0 if delta > 0.0 else 0.0
-    pressing = pressing if elastic(contact.stiffness, d) + stiffness * rate > 0.0 else 0.0
-    return pressing * (stiffness + curvature(contact.stiffness, d) * rate), pressing * stiffness * contact.beta
+    closed = 1.0 if delta > 0.0 else 0.0
+    closed = closed if elastic(contact.stiffness, d) + stiffness * rate > 0.0 else 0.0
+    return closed * (stiffness + curvature(contact.stiffness, d) * rate), closed * stiffness * contact.beta
 
 
 @stiffness_bound.register(Kraemer)

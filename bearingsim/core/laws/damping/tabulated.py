@@ -30,9 +30,9 @@ def _force(contact, delta, v):
 def _derivatives(contact, delta, v):
     d = max(delta, 0.0)
     c = value(contact.table, d)
-    pressing = 1.0 if delta > 0.0 else 0.0
-    pressing = pressing if elastic(contact.stiffness, d) + c * v > 0.0 else 0.0
-    return pressing * (tangent(contact.stiffness, d) + derivative(contact.table, d) * v), pressing * c
+    closed = 1.0 if delta > 0.0 else 0.0
+    closed = closed if elastic(contact.stiffness, d) + c * v > 0.0 else 0.0
+    return closed * (tangent(contact.stiffness, d) + derivative(contact.table, d) * v), closed * c
 
 
 @stiffness_bound.register(Tabulated)

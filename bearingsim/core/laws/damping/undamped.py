@@ -19,8 +19,8 @@ def _force(contact, delta, v):
 
 @derivatives.register(Undamped)
 def _derivatives(contact, delta, v):
-    pressing = 1.0 if delta > 0.0 else 0.0
-    return pressing * tangent(contact.stiffness, max(delta, 0.0)), 0.0
+    closed = 1.0 if delta > 0.0 else 0.0
+    return closed * tangent(contact.stiffness, max(delta, 0.0)), 0.0
 
 
 @stiffness_bound.register(Undamped)

@@ -46,16 +46,16 @@ class StaticDynamic(NamedTuple):
 
 @mu.register(StaticDynamic)
 def _mu_static_dynamic(law, v, u):
-    beyond = (abs(v) - law.v_s) * (1.0 / (law.v_d - law.v_s))
-    fall = 0.5 * (law.mu_s - law.mu_d) * (1.0 + cubic_step(2.0 * beyond - 1.0))
-    return law.mu_s * cubic_step(v * (1.0 / law.v_s)) - (fall if v > 0.0 else -fall)
+    excess = (abs(v) - law.v_s) * (1.0 / (law.v_d - law.v_s))
+    drop = 0.5 * (law.mu_s - law.mu_d) * (1.0 + cubic_step(2.0 * excess - 1.0))
+    return law.mu_s * cubic_step(v * (1.0 / law.v_s)) - (drop if v > 0.0 else -drop)
 
 
 @mu_derivative.register(StaticDynamic)
 def _mu_derivative_static_dynamic(law, v, u):
-    per_fall, per_rise = 1.0 / (law.v_d - law.v_s), 1.0 / law.v_s
-    fall = (law.mu_s - law.mu_d) * per_fall * cubic_step_derivative(2.0 * (abs(v) - law.v_s) * per_fall - 1.0)
-    return law.mu_s * per_rise * cubic_step_derivative(v * per_rise) - fall, 0.0
+    per_drop, per_rise = 1.0 / (law.v_d - law.v_s), 1.0 / law.v_s
+    drop = (law.mu_s - law.mu_d) * per_drop * cubic_step_derivative(2.0 * (abs(v) - law.v_s) * per_drop - 1.0)
+    return law.mu_s * per_rise * cubic_step_derivative(v * per_rise) - drop, 0.0
 
 
 @mu_derivative_bound.register(StaticDynamic)
@@ -93,23 +93,23 @@ KRAGELSKII = Traction(-0.1, 22.28, 181.46, 0.1)
 @mu.register(Traction)
 def _mu_traction(law, v, u):
     s = abs(v) / max(u, MIN_ROLLING_SPEED)
-    flowing = min(s, MAX_EXPONENT / law.c)  # beyond it mu = d
-    level = (law.a + law.b * flowing) * exp_minus(law.c * flowing) + law.d
-    level -= (law.a + law.d) * (1.0 - cubic_step(s * (1.0 / JUMP_WIDTH)))
-    return level if v > 0.0 else -level
+    s_limited = min(s, MAX_EXPONENT / law.c)  # beyond it mu = d
+    coefficient = (law.a + law.b * s_limited) * exp_minus(law.c * s_limited) + law.d
+    coefficient -= (law.a + law.d) * (1.0 - cubic_step(s * (1.0 / JUMP_WIDTH)))
+    return coefficient if v > 0.0 else -coefficient
 
 
 @mu_derivative.register(Traction)
 def _mu_derivative_traction(law, v, u):
     rolling = max(u, MIN_ROLLING_SPEED)
     s = abs(v) / rolling
-    flowing = min(s, MAX_EXPONENT / law.c)
-    derivative = (law.b - law.c * (law.a + law.b * flowing)) * exp_minus(law.c * flowing)
+    s_limited = min(s, MAX_EXPONENT / law.c)
+    derivative = (law.b - law.c * (law.a + law.b * s_limited)) * exp_minus(law.c * s_limited)
     derivative = derivative if s < MAX_EXPONENT / law.c else 0.0
     derivative += (law.a + law.d) * (1.0 / JUMP_WIDTH) * cubic_step_derivative(s * (1.0 / JUMP_WIDTH))
-    by_slip = derivative / rolling
-    by_rolling = by_slip * v / rolling
-    return by_slip, (-by_rolling if u > MIN_ROLLING_SPEED else 0.0)
+    mu_v = derivative / rolling
+    mu_u = mu_v * v / rolling
+    return mu_v, (-mu_u if u > MIN_ROLLING_SPEED else 0.0)
 
 
 @mu_derivative_bound.register(Traction)

@@ -34,7 +34,7 @@ def lagged_friction(k_o, k_i, s_o, s_i, a, b):
     """
     t = a * (k_o + k_i)
     D, a, b = 1.0 + t, t * a, t * b  # the fraction is t/D, multiplied by D for one division instead of two
-    per = D / ((D + a * k_o) * (D + a * k_i) - b * b * k_o * k_i)
+    inverse = D / ((D + a * k_o) * (D + a * k_i) - b * b * k_o * k_i)
     f_o = k_o * ((D + a * k_i) * s_o - b * k_i * s_i)
     f_i = k_i * ((D + a * k_o) * s_i - b * k_o * s_o)
-    return f_o * per, f_i * per
+    return f_o * inverse, f_i * inverse

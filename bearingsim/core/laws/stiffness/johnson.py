@@ -101,11 +101,11 @@ def _curvature(law, delta):
     return law.force * per_length * per_length * reduced_curvature(delta * per_length)
 
 
-def _share_unlike(inner, outer, delta):
+def _share_with_other(inner, outer, delta):
     return series_share_by_newton(outer, inner, delta)
 
 
-@generic(otherwise=_share_unlike)
+@generic(otherwise=_share_with_other)
 def series_share_with_johnson(inner: Any, outer: Any, delta: float) -> float:
     """Return ``series_share`` if the outer contact is ``Johnson``'s."""
 
@@ -116,7 +116,7 @@ def _series_share(outer, inner, delta):
 
 
 @series_share_with_johnson.register(Johnson)
-def _share_alike(inner, outer, delta):
+def _share_with_johnson(inner, outer, delta):
     """Treat two contacts of this law in series as one.
 
     With P = force/length, delta = Q (1/P_o + 1/P_i) [ln(F/Q) - 1].
@@ -124,7 +124,7 @@ def _share_alike(inner, outer, delta):
     """
     P_o, P_i = outer.force / outer.length, inner.force / inner.length
     weight = P_o / (P_o + P_i)
-    apart = log(inner.force / outer.force)
-    F, S = outer.force * exp(weight * apart), 1.0 / P_o + 1.0 / P_i
+    log_ratio = log(inner.force / outer.force)
+    F, S = outer.force * exp(weight * log_ratio), 1.0 / P_o + 1.0 / P_i
     Q = F * reduced_force(max(delta, 0.0) * (1.0 / (F * S)))
-    return weight * max(delta, 0.0) + ((1.0 - weight) * apart / P_i) * Q
+    return weight * max(delta, 0.0) + ((1.0 - weight) * log_ratio / P_i) * Q

@@ -19,13 +19,13 @@ def as_power(law: Any) -> tuple[float, float]:
 def series_share_by_newton(outer, inner, delta):
     """Compute ``series_share`` of any two laws."""
     d = max(delta, 0.0)
-    of_outer, of_inner = elastic(outer, 0.5 * d), elastic(inner, 0.5 * d)
-    part = d * of_outer / max(of_outer + of_inner, 1e-300)
+    force_outer, force_inner = elastic(outer, 0.5 * d), elastic(inner, 0.5 * d)
+    share = d * force_outer / max(force_outer + force_inner, 1e-300)
     for _ in range(NEWTON_STEPS):
-        excess = elastic(inner, part) - elastic(outer, d - part)
-        spring_rate = tangent(inner, part) + tangent(outer, d - part)
-        part = min(max(part - excess / max(spring_rate, 1e-300), 0.0), d)
-    return part
+        excess = elastic(inner, share) - elastic(outer, d - share)
+        spring_rate = tangent(inner, share) + tangent(outer, d - share)
+        share = min(max(share - excess / max(spring_rate, 1e-300), 0.0), d)
+    return share
 
 
 def series_share_of_powers(outer, inner, delta):
