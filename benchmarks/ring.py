@@ -69,7 +69,13 @@ def draw(number: int, seed: int, sampling: float) -> Case:
 
 def clear_caches() -> None:
     """Clear the caches of bearings."""
-    caches = (bending.made, assemble._made_by_field, rest._rest, limits._common_limits, limits.loads_at_rest)
+    caches = (
+        bending.build_bending,
+        assemble._build_model,
+        rest._rest,
+        limits._common_limits,
+        limits.loads_at_rest,
+    )
     for cache in caches:
         cache.cache_clear()
 
@@ -106,7 +112,7 @@ def largest_at_rest(case: Case) -> float:
 def compare_harmonics(number: int, seed: int) -> str:
     """Compare a scene with one of twice the harmonics and cap."""
     case = draw(number, seed, 51.2e3)
-    cap = bending.CAP
+    cap = bending.MAX_FREQUENCY
     try:
         clear_caches()
         scale = largest_at_rest(case)
@@ -114,13 +120,13 @@ def compare_harmonics(number: int, seed: int) -> str:
         shifted, shifted_rms, _ = subtract_healthy(
             case.model_copy(update={"start_angle": case.start_angle + DISPLACEMENT})
         )
-        bending.CAP = 2.0 * cap
+        bending.MAX_FREQUENCY = 2.0 * cap
         clear_caches()
         doubled_line, doubled_rms, doubled_features = subtract_healthy(with_harmonics(case, 2))
     except SimulationError as error:
         return f"{number:3} refused: {error}"
     finally:
-        bending.CAP = cap
+        bending.MAX_FREQUENCY = cap
     scale = max(scale, abs(base_line))
     line_change, rms_change = abs(doubled_line - base_line) / scale, abs(doubled_rms / rms - 1.0)
     scatter = f"line {abs(shifted - base_line) / scale:.4f} rms {abs(shifted_rms / rms - 1.0):.4f}"

@@ -112,7 +112,7 @@ def model(case: Case) -> Any:
     entry = MODELS[case.model]
     if entry.build:
         return call(entry.build, case, support(case))
-    return _made_by_field(bearing_of(case))
+    return _build_model(bearing_of(case))
 
 
 RESET_OPTIONS = {"method": EXPLICIT, "step": "auto", "tolerance": "auto", "step_check": True, "periodic": True}
@@ -126,22 +126,22 @@ def bearing_of(case: Case) -> Case:
 
 
 @lru_cache(maxsize=64)
-def _made_by_field(case: Case) -> Any:
+def _build_model(case: Case) -> Any:
     """Build the core's model, cached: its arrays are read-only by convention."""
     parameters = kind(case).parameters
-    built = parameters(**{name: PARAMETER_BUILDERS[name](case) for name in _made(parameters)})
-    return static_model(built) if isinstance(built, Static) else built
+    model_parameters = parameters(**{name: PARAMETER_BUILDERS[name](case) for name in _builder_fields(parameters)})
+    return static_model(model_parameters) if isinstance(model_parameters, Static) else model_parameters
 
 
-def _made(parameters: Any) -> list[str]:
+def _builder_fields(parameters: Any) -> list[str]:
     """List the fields of a model's parameters that are built from a case."""
-    made = [name for name in parameters._fields if name not in parameters._field_defaults]
-    unknown = [name for name in made if name not in PARAMETER_BUILDERS]
+    fields = [name for name in parameters._fields if name not in parameters._field_defaults]
+    unknown = [name for name in fields if name not in PARAMETER_BUILDERS]
     if unknown:
         raise UserError(
             f"{parameters.__name__} needs `{unknown[0]}`, but there is no builder: {', '.join(PARAMETER_BUILDERS)}"
         )
-    return made
+    return fields
 
 
 def defects_of_case(case: Case) -> Defects:
@@ -157,7 +157,7 @@ def bending_of_case(case: Case) -> Any:
     if bending.has_carrier(case.rig):
         bracket = case.rig.bracket_stiffness, case.rig.bracket_damping, *bracket_anchor(case)
         ring = ring._replace(bracket=bracket)
-    return bending.made(ring)
+    return bending.build_bending(ring)
 
 
 def support(case: Case) -> Support:
@@ -170,19 +170,19 @@ def support(case: Case) -> Support:
 
 def healthy_case(case: Case) -> Case:
     """Return the case without defects, with fields reset that do not affect the static load."""
-    same = {"defects": (), "record": (), "sampling": 1e4, "excitation": "envelope", "seed": 0}
-    return case.model_copy(update=RESET_OPTIONS | same)
+    defaults = {"defects": (), "record": (), "sampling": 1e4, "excitation": "envelope", "seed": 0}
+    return case.model_copy(update=RESET_OPTIONS | defaults)
 
 
 def _static_case(case: Case) -> Case:
     """Return the healthy case with fields reset that matter only in motion, unless they select compiled code."""
-    still = {
+    static_fields = {
         "start_angle": 0.0,
         "antialias": True,
         "rig": case.rig.model_copy(update=NO_BRACKET),
         "contact": case.contact.model_copy(update={"damping": NoDamping()}),
     }
-    return healthy_case(case).model_copy(update=still)
+    return healthy_case(case).model_copy(update=static_fields)
 
 
 NO_BRACKET = {"bracket_stiffness": 0.0, "bracket_damping": 0.0, "sensor_angle": 0.0}
@@ -192,9 +192,11 @@ NO_BRACKET = {"bracket_stiffness": 0.0, "bracket_damping": 0.0, "sensor_angle": 
 @lru_cache(maxsize=256)
 def anchor_in_space(case: Case) -> tuple[float, float]:
     """Compute the mean position (m, m) over a ball pass of a ring with unevenly loaded rollers."""
-    free_ring = Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
-    parts = {name: PARAMETER_BUILDERS[name](case) for name in _made(spatial.Spatial) if name != "support"}
-    bearing = undamped(spatial.Spatial(support=free_ring, **parts))
+    ring_load = Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
+    fields = {
+        name: PARAMETER_BUILDERS[name](case) for name in _builder_fields(spatial.Spatial) if name != "support"
+    }
+    bearing = undamped(spatial.Spatial(support=ring_load, **fields))
     y = empty_buffer(bearing)
     solve_in_cpu_time(solve_initial_equilibrium, static_model(bearing), 0.0, y)
     rest = mean_spatial_equilibrium(bearing, y)
@@ -218,8 +220,8 @@ def align_with_cusp(model: Any, steps_per_pass: int, fraction: float) -> Any:
     b, pass_angle = model.bearing, 2.0 * pi / model.bearing.Z
     angle = defects.head[0, ANGLE] + defects.head[0, CUSP] / defects.head[0, RADIUS]
     steps = (b.theta_0 - angle) / pass_angle * steps_per_pass  # an integer if a step starts at the cusp
-    ahead = ceil(steps + fraction) - fraction - steps
-    return model._replace(bearing=b._replace(theta_0=float(b.theta_0 + ahead * pass_angle / steps_per_pass)))
+    shift = ceil(steps + fraction) - fraction - steps
+    return model._replace(bearing=b._replace(theta_0=float(b.theta_0 + shift * pass_angle / steps_per_pass)))
 
 
 def with_friction_lag(model: Any, lag: float) -> Any:
@@ -246,10 +248,12 @@ def find_equilibrium(model: Any, t: float, y: np.ndarray, from_scratch: bool = F
     """Find the static equilibrium at ``t`` (s), from the one in ``y`` or from scratch; return the residual force
     (N).
     """
-    left = solve_in_cpu_time(
+    residual = solve_in_cpu_time(
         solve_initial_equilibrium if from_scratch else solve_equilibrium, static_model(model), t, y
     )
-    return solve_spatial_equilibrium(undamped(model), t, y) if isinstance(model, spatial.Spatial) else float(left)
+    return (
+        solve_spatial_equilibrium(undamped(model), t, y) if isinstance(model, spatial.Spatial) else float(residual)
+    )
 
 
 def undamped(model: Any) -> Any:
@@ -272,17 +276,17 @@ def outer_forces(model: Any, y: np.ndarray) -> np.ndarray:
     return y[lay.Q_O : lay.Q_O + model.bearing.Z]
 
 
-def method(case: Case, h: float, part: float = 1.0) -> Any:
-    """Build the core's method of the case for step ``h`` (s), ``part`` times the normal step.
+def method(case: Case, h: float, step_ratio: float = 1.0) -> Any:
+    """Build the core's method of the case for step ``h`` (s), ``step_ratio`` times the normal step.
 
     At half the step an adaptive method uses a tenth of its default tolerance; a tolerance set by the case is kept.
     """
     parameters: Any = method_kind(case).parameters
-    usual = METHODS[case.method].tolerance if case.method is not None else None
-    if usual is None:
+    default_tolerance = METHODS[case.method].tolerance if case.method is not None else None
+    if default_tolerance is None:
         return parameters(h)
-    own = part ** log2(10.0) * usual
-    tolerance = own if case.tolerance == "auto" else case.tolerance
-    slowest = model(case)
-    fastest = slowest if case.ramp is None else model(scales.full_speed_case(case))
-    return parameters(*scales.tolerances(case, slowest, fastest, h, tolerance))
+    scaled_tolerance = step_ratio ** log2(10.0) * default_tolerance
+    tolerance = scaled_tolerance if case.tolerance == "auto" else case.tolerance
+    start_model = model(case)
+    full_speed_model = start_model if case.ramp is None else model(scales.full_speed_case(case))
+    return parameters(*scales.tolerances(case, start_model, full_speed_model, h, tolerance))

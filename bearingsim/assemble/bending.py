@@ -28,8 +28,8 @@ from bearingsim.config.sections.ring import FlexibleRing, RingLoad, Sensor
 from bearingsim.core import layout as lay
 from bearingsim.core.parts import bending as core
 
-SHEAR = 5.0 / 6.0
-CAP = 2.0 * pi * 100e3
+SHEAR_COEFFICIENT = 5.0 / 6.0
+MAX_FREQUENCY = 2.0 * pi * 100e3
 """rad/s, highest frequency of a harmonic. Harmonics above it get more mass, with unchanged stiffness, to keep the
 step long."""
 
@@ -82,7 +82,7 @@ def harmonic(section: Section, n: int) -> Harmonic:
 def moduli(section: Section) -> tuple[float, float]:
     """Compute E b and kappa G b, N/m."""
     G = section.E / (2.0 * (1.0 + section.nu))
-    return section.E * section.width, SHEAR * G * section.width
+    return section.E * section.width, SHEAR_COEFFICIENT * G * section.width
 
 
 def integrals(section: Section) -> tuple[float, float, float]:
@@ -134,7 +134,7 @@ def has_carrier(rig: Rig) -> bool:
     return rig.ring is not None and rig.load is not None and rig.load.carried
 
 
-def section_of(ring: RingParameters) -> Section:
+def ring_section(ring: RingParameters) -> Section:
     """Return section and material of a ring."""
     material, height, width = ring.bearing.material, ring.ring.section.height, ring.ring.section.width
     assert height is not None
@@ -146,7 +146,7 @@ def section_of(ring: RingParameters) -> Section:
 class Harmonics(NamedTuple):
     """All harmonics, padded (H,): number, stiffness (N/m), frequency (rad/s), 1/mass of cosines and sines (1/kg).
 
-    real: number of harmonics without padding.
+    mode_count: number of harmonics without padding.
     """
 
     n: np.ndarray
@@ -154,37 +154,41 @@ class Harmonics(NamedTuple):
     omega: np.ndarray
     per_mass_c: np.ndarray
     per_mass_s: np.ndarray
-    real: int
+    mode_count: int
 
 
 def harmonics(ring: RingParameters) -> Harmonics:
     """Compute the harmonics of a ring, padded to include a carrier."""
-    section = section_of(ring)
-    free = [harmonic(section, n) for n in (*range(2, int(ring.ring.harmonics) + 1), 0)]
-    H = -(-(len(free) + ring.load_path.carried) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
-    n, k, omega = (padded([getattr(mode, name) for mode in free], H) for name in ("n", "k", "omega"))
-    omega = np.minimum(omega * np.sqrt(section.mass / ring.ring_mass), CAP)
+    section = ring_section(ring)
+    modes = [harmonic(section, n) for n in (*range(2, int(ring.ring.harmonics) + 1), 0)]
+    H = -(-(len(modes) + ring.load_path.carried) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
+    n, k, omega = (padded([getattr(mode, name) for mode in modes], H) for name in ("n", "k", "omega"))
+    omega = np.minimum(omega * np.sqrt(section.mass / ring.ring_mass), MAX_FREQUENCY)
     per_mass = np.divide(omega**2, k, out=np.zeros(H), where=k > 0.0)
-    return Harmonics(n, k, omega, per_mass, np.where(n > 0.0, per_mass, 0.0), len(free))
+    return Harmonics(n, k, omega, per_mass, np.where(n > 0.0, per_mass, 0.0), len(modes))
 
 
 @lru_cache(maxsize=256)
-def made(ring: RingParameters) -> core.Bending:
+def build_bending(ring: RingParameters) -> core.Bending:
     """Build the bending of a ring, cached."""
-    of = harmonics(ring)
+    modes = harmonics(ring)
     angles = 2.0 * pi * np.arange(ring.bearing.rollers) / ring.bearing.rollers
-    at_rollers = np.stack([table(np.cos, of.n, angles), table(np.sin, of.n, angles)])
-    at_rollers[:, of.real :] = 0.0
-    rows = with_carrier(rows_of(ring, of), ring, of.real) if ring.load_path.carried else rows_of(ring, of)
-    springs = springs_of(ring, of) if ring.load_path.carried else core.NoSprings()
-    max_stiffness, max_damping = fastest(ring.ring_mass, rows, springs)
+    at_rollers = np.stack([table(np.cos, modes.n, angles), table(np.sin, modes.n, angles)])
+    at_rollers[:, modes.mode_count :] = 0.0
+    rows = (
+        add_carrier(harmonic_rows(ring, modes), ring, modes.mode_count)
+        if ring.load_path.carried
+        else harmonic_rows(ring, modes)
+    )
+    springs = build_springs(ring, modes) if ring.load_path.carried else core.NoSprings()
+    max_stiffness, max_damping = largest_rates(ring.ring_mass, rows, springs)
     on_ring, alpha = ring.sensor.on_ring, ring.sensor.angle or 0.0
     return core.Bending(
         harmonic_table=rows,
-        shapes=np.ascontiguousarray(at_rollers[:, : of.real]),
+        shapes=np.ascontiguousarray(at_rollers[:, : modes.mode_count]),
         transposed_shapes=np.ascontiguousarray(at_rollers.transpose(0, 2, 1)[:, : ring.bearing.rollers]),
-        breathing_index=of.real - 1,
-        mobility=mobility(ring, of, angles),
+        breathing_index=modes.mode_count - 1,
+        mobility=mobility(ring, modes, angles),
         max_stiffness=max_stiffness,
         max_damping=max_damping,
         sensor_x=cos(alpha) * on_ring,
@@ -194,33 +198,33 @@ def made(ring: RingParameters) -> core.Bending:
     )
 
 
-def mobility(ring: RingParameters, of: Harmonics, angles: np.ndarray) -> float:
+def mobility(ring: RingParameters, modes: Harmonics, angles: np.ndarray) -> float:
     """Compute the largest eigenvalue (1/kg) of the matrix from forces at all rollers to the accelerations of the
     race there.
 
     The rollers are evenly spaced, so the matrix is circulant and its eigenvalues are the Fourier transform of a
     row.
     """
-    row = np.cos(angles) / ring.ring_mass + np.cos(np.outer(angles, of.n)) @ of.per_mass_c
+    row = np.cos(angles) / ring.ring_mass + np.cos(np.outer(angles, modes.n)) @ modes.per_mass_c
     return float(np.fft.fft(row).real.max())
 
 
-def rows_of(ring: RingParameters, of: Harmonics) -> np.ndarray:
+def harmonic_rows(ring: RingParameters, modes: Harmonics) -> np.ndarray:
     """Return ``core.Bending.harmonic_table`` for the ring without a carrier."""
-    alpha, rows = ring.sensor.angle or 0.0, np.zeros((10, len(of.n)))
-    rows[core.N], rows[core.K], rows[core.K_M] = of.n, of.k, of.omega**2
-    rows[core.C_M] = 2.0 * ring.ring.damping * of.omega
-    rows[core.PER_MASS_C], rows[core.PER_MASS_S] = of.per_mass_c, of.per_mass_s
+    alpha, rows = ring.sensor.angle or 0.0, np.zeros((10, len(modes.n)))
+    rows[core.N], rows[core.K], rows[core.K_M] = modes.n, modes.k, modes.omega**2
+    rows[core.C_M] = 2.0 * ring.ring.damping * modes.omega
+    rows[core.PER_MASS_C], rows[core.PER_MASS_S] = modes.per_mass_c, modes.per_mass_s
     if not ring.load_path.carried:
-        rows[core.LOAD_C], rows[core.LOAD_S] = load_amplitudes(ring.load_path, ring.load, of.n)
+        rows[core.LOAD_C], rows[core.LOAD_S] = load_amplitudes(ring.load_path, ring.load, modes.n)
     if ring.sensor.on_ring:
-        rows[core.SENSOR_C], rows[core.SENSOR_S] = np.cos(of.n * alpha), np.sin(of.n * alpha)
-    rows[core.SENSOR_S, of.n == 0.0] = 0.0
-    rows[:, of.real :] = 0.0
+        rows[core.SENSOR_C], rows[core.SENSOR_S] = np.cos(modes.n * alpha), np.sin(modes.n * alpha)
+    rows[core.SENSOR_S, modes.n == 0.0] = 0.0
+    rows[:, modes.mode_count :] = 0.0
     return rows
 
 
-def with_carrier(rows: np.ndarray, ring: RingParameters, i: int) -> np.ndarray:
+def add_carrier(rows: np.ndarray, ring: RingParameters, i: int) -> np.ndarray:
     """Add the carrier's position as harmonic ``i``, with load and bracket acting on it."""
     mass, alpha, (k_b, c_b, x_0, y_0) = ring.load_path.mass or 0.0, ring.sensor.angle or 0.0, ring.bracket
     rows[core.K, i], rows[core.K_M, i], rows[core.C_M, i] = k_b, k_b / mass, c_b / mass
@@ -231,21 +235,21 @@ def with_carrier(rows: np.ndarray, ring: RingParameters, i: int) -> np.ndarray:
     return rows
 
 
-def springs_of(ring: RingParameters, of: Harmonics) -> core.Springs:
+def build_springs(ring: RingParameters, modes: Harmonics) -> core.Springs:
     """Build the springs around the ring, with damping ratio ``ring.damping`` for the rigid ring on its springs."""
     angles, k, fit = spring_properties(ring)
     P = -(-len(angles) // lay.VECTOR_WIDTH) * lay.VECTOR_WIDTH
     assert lay.MAX_SPRINGS >= P
-    across = max((k * np.cos(angles) ** 2).sum(), (k * np.sin(angles) ** 2).sum())
-    c = 2.0 * ring.ring.damping * k * sqrt(ring.ring_mass / across)
-    by_spring = np.zeros((2, len(angles), len(of.n)))
-    by_spring[0, :, : of.real] = np.cos(np.outer(angles, of.n[: of.real]))
-    by_spring[1, :, : of.real] = np.sin(np.outer(angles, of.n[: of.real]))
-    by_spring[0, :, of.real], by_spring[1, :, of.real] = -np.cos(angles), -np.sin(angles)
-    at_springs = np.zeros((2, of.real + 1, P))
-    at_springs[:, :, : len(angles)] = by_spring[:, :, : of.real + 1].transpose(0, 2, 1)
+    stiffness = max((k * np.cos(angles) ** 2).sum(), (k * np.sin(angles) ** 2).sum())
+    c = 2.0 * ring.ring.damping * k * sqrt(ring.ring_mass / stiffness)
+    by_spring = np.zeros((2, len(angles), len(modes.n)))
+    by_spring[0, :, : modes.mode_count] = np.cos(np.outer(angles, modes.n[: modes.mode_count]))
+    by_spring[1, :, : modes.mode_count] = np.sin(np.outer(angles, modes.n[: modes.mode_count]))
+    by_spring[0, :, modes.mode_count], by_spring[1, :, modes.mode_count] = -np.cos(angles), -np.sin(angles)
+    at_springs = np.zeros((2, modes.mode_count + 1, P))
+    at_springs[:, :, : len(angles)] = by_spring[:, :, : modes.mode_count + 1].transpose(0, 2, 1)
     values = np.cos(angles), np.sin(angles), k, c, fit
-    return core.Springs(np.array([padded(value, P) for value in values]), at_springs, by_spring, of.real)
+    return core.Springs(np.array([padded(value, P) for value in values]), at_springs, by_spring, modes.mode_count)
 
 
 def spring_properties(ring: RingParameters) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -256,11 +260,11 @@ def spring_properties(ring: RingParameters) -> tuple[np.ndarray, np.ndarray, np.
         angles, k = (np.array([getattr(point, name) for point in points]) for name in ("angle", "stiffness"))
         return angles, k, np.zeros(len(angles))
     P = max(SPRINGS if (load.fit or 0.0) >= 0.0 else SPRINGS_WITH_A_GAP, 4 * int(ring.ring.harmonics))
-    each = (load.stiffness or 0.0) * pi * ring.bearing.outside_diameter / P
-    return 2.0 * pi * np.arange(P) / P, np.full(P, each), np.full(P, load.fit or 0.0)
+    k_spring = (load.stiffness or 0.0) * pi * ring.bearing.outside_diameter / P
+    return 2.0 * pi * np.arange(P) / P, np.full(P, k_spring), np.full(P, load.fit or 0.0)
 
 
-def fastest(ring_mass: float, rows: np.ndarray, springs: Any) -> tuple[float, float]:
+def largest_rates(ring_mass: float, rows: np.ndarray, springs: Any) -> tuple[float, float]:
     """Compute the largest stiffness (1/s^2) and damping (1/s) over mass of a ring with all springs in contact."""
     per_mass = np.r_[1.0 / ring_mass, 1.0 / ring_mass, rows[core.PER_MASS_C], rows[core.PER_MASS_S]]
     K = np.diag(np.r_[0.0, 0.0, rows[core.K_M], rows[core.K_M]])
@@ -275,13 +279,13 @@ def fastest(ring_mass: float, rows: np.ndarray, springs: Any) -> tuple[float, fl
     return float(np.linalg.eigvalsh(K)[-1]), float(np.linalg.eigvalsh(C)[-1])
 
 
-def undamped_bending(bent: Any) -> Any:
+def undamped_bending(bending: Any) -> Any:
     """Return the bending of a ring with undamped springs, for static equilibrium."""
-    if not (isinstance(bent, core.Bending) and isinstance(bent.springs, core.Springs)):
-        return bent
-    undamped = bent.springs.spring_table.copy()
-    undamped[core.C_S] = 0.0
-    return bent._replace(springs=bent.springs._replace(spring_table=undamped))
+    if not (isinstance(bending, core.Bending) and isinstance(bending.springs, core.Springs)):
+        return bending
+    spring_table = bending.springs.spring_table.copy()
+    spring_table[core.C_S] = 0.0
+    return bending._replace(springs=bending.springs._replace(spring_table=spring_table))
 
 
 def padded(values: Any, length: int) -> np.ndarray:
@@ -300,5 +304,5 @@ def table(function: Any, n: np.ndarray, angles: np.ndarray) -> np.ndarray:
 def load_amplitudes(load: RingLoad, F: float, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Compute the generalised forces (N) of a load ``F`` (N), inwards, on cosines and sines (H,)."""
     angles = np.array(load.angles or (0.0,))
-    each = F / np.cos(angles).sum()
-    return -each * np.cos(np.outer(n, angles)).sum(axis=1), -each * np.sin(np.outer(n, angles)).sum(axis=1)
+    force = F / np.cos(angles).sum()
+    return -force * np.cos(np.outer(n, angles)).sum(axis=1), -force * np.sin(np.outer(n, angles)).sum(axis=1)

@@ -19,20 +19,20 @@ from bearingsim.core.laws.stiffness.power_laws import Linear, PowerLaw, ThreeHal
 
 def outer(case: Case) -> Any:
     """Build the contact law of the outer race."""
-    return damped(case, on_outer=True)
+    return contact_law(case, on_outer=True)
 
 
 def inner(case: Case) -> Any:
     """Build the contact law of the inner race."""
-    return damped(case, on_outer=False)
+    return contact_law(case, on_outer=False)
 
 
-def powers(case: Case) -> int:
+def count_powers(case: Case) -> int:
     """Count the powers in the contact law that call ``pow`` of the C library, which is not vectorised."""
     return sum(isinstance(part, PowerLaw | multibody.Power) for part in outer(case))
 
 
-def damped(case: Case, on_outer: bool) -> Any:
+def contact_law(case: Case, on_outer: bool) -> Any:
     """Build the contact law of one race by the damping law's ``build(case, section, stiffness, on_outer)`` in the
     catalogue.
     """
@@ -73,13 +73,13 @@ def constant(case: Case, section: Any, on_outer: bool) -> Any:
     return power(section.coefficient * 1e3**section.exponent, section.exponent)
 
 
-FASTER = ((1.0, Linear), (power_laws.LINE_CONTACT_EXPONENT, power_laws.TenNinths), (1.5, ThreeHalves))
+SPECIAL_EXPONENTS = ((1.0, Linear), (power_laws.LINE_CONTACT_EXPONENT, power_laws.TenNinths), (1.5, ThreeHalves))
 """Exponents with an implementation of their own, without ``pow``."""
 
 
 def power(k: float, m: float) -> Any:
     """Build the law k delta^m, k in N/m^m, by the fastest implementation of this exponent."""
-    for exponent, law in FASTER:
+    for exponent, law in SPECIAL_EXPONENTS:
         if isclose(m, exponent, rel_tol=1e-12):
             return law(k)
     if m < 1.0:
@@ -117,8 +117,8 @@ def roller_length(case: Case) -> float:
 def point_contact(case: Case, on_outer: bool) -> PointContact:
     """Build the contact of a ball with the groove of one race."""
     b = case.bearing
-    r_g = b.outer_groove_radius if on_outer else b.inner_groove_radius
+    groove_radius = b.outer_groove_radius if on_outer else b.inner_groove_radius
     R = -outer_radius(case) if on_outer else inner_radius(case)
     return ball_on_race(
-        b.material.young_modulus, b.material.poisson_ratio, b.roller_diameter, float(r_g or 0.0), R
+        b.material.young_modulus, b.material.poisson_ratio, b.roller_diameter, float(groove_radius or 0.0), R
     )

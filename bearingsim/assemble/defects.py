@@ -87,10 +87,10 @@ def packed_defects(case: Case, zetas: Positions | None = None) -> Defects:
     zetas: middles (m) of a roller's slices, which give one group of weight 1 per slice, in their order. Raises
     Refused for a defect without effect, and for one wider than the spacing of the rollers.
     """
-    chosen, pairs = excitation(case), roller_defect_pairs(case, zetas)
+    model_excitation, pairs = excitation(case), roller_defect_pairs(case, zetas)
     if any(pair.paths for pair in pairs):
         return pack_traced_defects(pairs)
-    return pack_defects(pairs, chosen, 1 if zetas is None else len(zetas))
+    return pack_defects(pairs, model_excitation, 1 if zetas is None else len(zetas))
 
 
 def roller_defect_pairs(case: Case, zetas: Positions | None = None) -> list[RollerDefectPair]:
@@ -181,41 +181,41 @@ def scanned(file: str, digest: str) -> ScannedDefect:
 
 def defect_clusters(case: Case) -> list[DefectCluster]:
     """Merge the case's defects that act on a roller at the same time; use closed forms only if all have one."""
-    clusters = _clusters(case)
+    clusters = _overlapping_defects(case)
     simple = all(len(cluster) == 1 and _has_closed_form(case, cluster[0]) for cluster in clusters)
     if simple:
         return [DefectCluster(d, d.angle, None) for (d,) in clusters]
-    return [_merged(case, cluster) for cluster in clusters]
+    return [_merge(case, cluster) for cluster in clusters]
 
 
 def _has_closed_form(case: Case, d: config.Defect) -> bool:
     return d.shape in SIMPLE_SHAPES and (d.edge is None or case.excitation == "elastic-edge")
 
 
-def _clusters(case: Case) -> list[list[config.Defect]]:
+def _overlapping_defects(case: Case) -> list[list[config.Defect]]:
     """Group defects that overlap along rolling, including burrs and the lift-off of rollers at them."""
     clusters: list[list[config.Defect]] = []
     for d in case.defects:
-        near = [cluster for cluster in clusters if any(_reach_each_other(case, d, other) for other in cluster)]
-        clusters = [cluster for cluster in clusters if cluster not in near]
-        clusters.append([*(other for cluster in near for other in cluster), d])
+        overlapping = [cluster for cluster in clusters if any(_overlap(case, d, other) for other in cluster)]
+        clusters = [cluster for cluster in clusters if cluster not in overlapping]
+        clusters.append([*(other for cluster in overlapping for other in cluster), d])
     return clusters
 
 
-def _reach_each_other(case: Case, a: config.Defect, b: config.Defect) -> bool:
+def _overlap(case: Case, a: config.Defect, b: config.Defect) -> bool:
     if a.element != b.element or case.excitation not in config.PATH_EXCITATIONS:
         return False
-    apart = remainder(b.angle - a.angle, 2.0 * pi) * carrier_radius(case, a)
+    distance = remainder(b.angle - a.angle, 2.0 * pi) * carrier_radius(case, a)
     low_a, high_a, low_b, high_b = *_response_range(case, a), *_response_range(case, b)
-    return low_a < apart + high_b and apart + low_b < high_a
+    return low_a < distance + high_b and distance + low_b < high_a
 
 
 def _response_range(case: Case, d: config.Defect) -> tuple[float, float]:
     """Return the largest range (m) along rolling, from a defect's middle, in which it acts on a roller."""
     defect = depth_map(d)
     low, high, _, _ = extent(defect)
-    lifted = sqrt(2.0 * reduced_radius(case, OUTER) * burr_height(defect))
-    return low - lifted, high + lifted
+    lift_off_length = sqrt(2.0 * reduced_radius(case, OUTER) * burr_height(defect))
+    return low - lift_off_length, high + lift_off_length
 
 
 def carrier_radius(case: Case, d: config.Defect) -> float:
@@ -224,7 +224,7 @@ def carrier_radius(case: Case, d: config.Defect) -> float:
     return radii[d.race](case) if d.race in radii else case.bearing.roller_diameter / 2.0
 
 
-def _merged(case: Case, cluster: Sequence[config.Defect]) -> DefectCluster:
+def _merge(case: Case, cluster: Sequence[config.Defect]) -> DefectCluster:
     """Merge defects into one map, with s measured from the middle of their total extent."""
     leader, radius = cluster[0], carrier_radius(case, cluster[0])
     positions = [remainder(d.angle - leader.angle, 2.0 * pi) * radius for d in cluster]
@@ -246,26 +246,30 @@ def _merged(case: Case, cluster: Sequence[config.Defect]) -> DefectCluster:
 def pairs_of_cluster(case: Case, cluster: DefectCluster, zetas: Positions | None) -> list[RollerDefectPair]:
     """Pair merged defects with each contact that crosses them."""
     d = cluster.leader
-    on, sides = {
+    carrier, sides = {
         "outer": (ON_OUTER, (OUTER,)),
         "inner": (ON_INNER, (INNER,)),
         "roller": ((d.roller or 1) - 1, (OUTER, INNER)),
     }[d.race]
-    return [_pair(case, cluster, on, side, zetas) for side in sides]
+    return [_pair(case, cluster, carrier, side, zetas) for side in sides]
 
 
-def _pair(case: Case, cluster: DefectCluster, on: int, side: int, zetas: Positions | None) -> RollerDefectPair:
+def _pair(
+    case: Case, cluster: DefectCluster, carrier: int, side: int, zetas: Positions | None
+) -> RollerDefectPair:
     radius, R = carrier_radius(case, cluster.leader), reduced_radius(case, side)
     if cluster.defect is None:
         rows = closed_form_groups(case, cluster.leader, side, zetas)
         jumps = closed_form_jumps(excitation(case), tuple(map(tuple, rows)), R)
         return _checked_pair(
-            case, cluster.leader, RollerDefectPair(side, on, cluster.angle, radius, R, rows, jumps=jumps)
+            case, cluster.leader, RollerDefectPair(side, carrier, cluster.angle, radius, R, rows, jumps=jumps)
         )
     rows, paths = traced_groups(case, cluster.defect, side, zetas)
     cusp, span, jumps = sharpest_cusp(rows, paths), span_of(cluster.defect, R), jumps_of(None, rows, paths, R)
     return _checked_pair(
-        case, cluster.leader, RollerDefectPair(side, on, cluster.angle, radius, R, rows, paths, cusp, span, jumps)
+        case,
+        cluster.leader,
+        RollerDefectPair(side, carrier, cluster.angle, radius, R, rows, paths, cusp, span, jumps),
     )
 
 
@@ -279,20 +283,20 @@ def _checked_pair(case: Case, d: config.Defect, pair: RollerDefectPair) -> Rolle
     """Return the pair. Raises Refused if the defect has no effect, or acts on two contacts at the same time."""
     if pair.half_width == 0.0:
         reason = f"the {d.shape} defect has no effect because it lies outside the contact, or has no depth"
-        reach = f"{500.0 * contact_length(case, pair.side):.4g} mm"
+        half_length = f"{500.0 * contact_length(case, pair.side):.4g} mm"
         raise Refused(
-            reason, f"the contact ends {reach} from the middle; use a smaller `offset` or a larger defect"
+            reason, f"the contact ends {half_length} from the middle; use a smaller `offset` or a larger defect"
         )
     spacing = 2.0 * pi * pair.radius / (1 if d.race == "roller" else case.bearing.rollers)
     if 2.0 * pair.half_width > spacing:
         wide = (
             f"felt over {2e3 * pair.half_width:.4g} mm, more than the {1e3 * spacing:.4g} mm between two contacts"
         )
-        raise Refused(f"the defects at {np.degrees(d.angle):.4g} deg are {wide}", _narrower(d))
+        raise Refused(f"the defects at {np.degrees(d.angle):.4g} deg are {wide}", _narrowing_advice(d))
     return pair
 
 
-def _narrower(d: config.Defect) -> str:
+def _narrowing_advice(d: config.Defect) -> str:
     if d.edge is None:
         return "make them narrower"
     return f"make them narrower, or the edge's {'radius smaller' if d.edge.radius else 'ramp shorter'}"

@@ -25,7 +25,7 @@ from bearingsim.core.laws.oil_film import (
 )
 from bearingsim.core.laws.stiffness.interface import curve
 
-DEEPEST = 1e-4  # m, largest approach of the table, larger than in any bearing; damping is constant above it
+MAX_APPROACH = 1e-4  # m, largest approach of the table, larger than in any bearing; damping is constant above it
 DIFFERENCE = 1e-5  # step of the difference quotient, relative to the approach
 LINE, STRIP = 0.5, 1.0 / 3.0  # exponents of the load in the half widths of rollers and of balls
 
@@ -59,24 +59,24 @@ def film(case: Case, stiffness: Any, other: Any, point: PointContact | None, on_
         alpha=section.pressure_coefficient,
         u=entrainment_speed(case.speed, b.pitch_diameter, b.roller_diameter),
     )
-    own = section.at == "own"
-    contact = OiledContact(stiffness, other, point, line, b.element_mass, section.loss_factor, own)
+    at_own_frequency = section.at == "own"
+    contact = OiledContact(stiffness, other, point, line, b.element_mass, section.loss_factor, at_own_frequency)
     return Tabulated(stiffness, table(contact, repr(contact)))
 
 
 @lru_cache(maxsize=64)
-def table(contact: OiledContact, named: str) -> np.ndarray:
-    """Tabulate c (N s/m) over the approach (m), cached; ``named`` distinguishes laws that are equal as tuples."""
+def table(contact: OiledContact, laws: str) -> np.ndarray:
+    """Tabulate c (N s/m) over the approach (m), cached; ``laws`` distinguishes laws that are equal as tuples."""
 
     def with_derivative(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        delta = np.minimum(y, DEEPEST)
-        less, more = (damping(contact, delta * (1.0 + sign * DIFFERENCE)) for sign in (-1.0, 1.0))
-        flat = y > DEEPEST
-        return damping(contact, delta), np.where(flat, 0.0, (more - less) / (2.0 * DIFFERENCE * delta))
+        delta = np.minimum(y, MAX_APPROACH)
+        lower, upper = (damping(contact, delta * (1.0 + sign * DIFFERENCE)) for sign in (-1.0, 1.0))
+        constant = y > MAX_APPROACH
+        return damping(contact, delta), np.where(constant, 0.0, (upper - lower) / (2.0 * DIFFERENCE * delta))
 
-    tabulated = tabulate(with_derivative)
-    tabulated.flags.writeable = False
-    return tabulated
+    rows = tabulate(with_derivative)
+    rows.flags.writeable = False
+    return rows
 
 
 def damping(contact: OiledContact, delta: np.ndarray) -> np.ndarray:
@@ -91,8 +91,8 @@ def damping(contact: OiledContact, delta: np.ndarray) -> np.ndarray:
 def own_frequency(contact: OiledContact, Q: np.ndarray, k: np.ndarray) -> np.ndarray:
     """Compute the natural frequency (rad/s) of the element between its races, both under the loads ``Q`` (N)."""
     loads, stiffnesses = curve(contact.other, np.logspace(-12.0, -3.0, 400))
-    beyond = np.exp(np.interp(np.log(Q), np.log(loads), np.log(stiffnesses)))
-    return np.sqrt((k + beyond) / contact.mass)
+    k_other = np.exp(np.interp(np.log(Q), np.log(loads), np.log(stiffnesses)))
+    return np.sqrt((k + k_other) / contact.mass)
 
 
 def oiled_line(contact: OiledContact, Q: np.ndarray) -> tuple[LubricatedLine, float]:

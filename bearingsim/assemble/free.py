@@ -19,8 +19,8 @@ from bearingsim.core.parts import shaft as shafts
 STANDARD_GRAVITY = 9.80665  # m/s^2
 CAGE_THICKNESS = 0.35  # radial thickness over the roller's diameter (assumed)
 CAGE_WIDTH = 0.7  # width over that of the bearing (assumed)
-CAGE_SOLID = 0.5  # share of solid material in the cage's ring, the rest being pockets (assumed)
-LAND = 0.35  # distance from pitch circle to guiding land over the roller's diameter (assumed)
+CAGE_SOLIDITY = 0.5  # share of solid material in the cage's ring, the rest being pockets (assumed)
+LAND_DISTANCE = 0.35  # distance from pitch circle to guiding land over the roller's diameter (assumed)
 
 
 def motion(case: Case) -> Any:
@@ -59,13 +59,13 @@ def cage_mass(case: Case) -> float:
     if mass is not None:
         return mass
     section = CAGE_THICKNESS * b.roller_diameter * CAGE_WIDTH * b.width
-    return b.material.density * CAGE_SOLID * section * pi * b.pitch_diameter
+    return b.material.density * CAGE_SOLIDITY * section * pi * b.pitch_diameter
 
 
 def land_radius(case: Case, on_outer: bool) -> float:
     """Return the radius (m) of the land that guides the cage, on the outer or the inner ring."""
     b = case.bearing
-    return b.pitch_diameter / 2.0 + (LAND if on_outer else -LAND) * b.roller_diameter
+    return b.pitch_diameter / 2.0 + (LAND_DISTANCE if on_outer else -LAND_DISTANCE) * b.roller_diameter
 
 
 def cage(case: Case) -> Any:
@@ -74,18 +74,18 @@ def cage(case: Case) -> Any:
     if c.motion == "kinematic":
         return cages.KinematicCage()
     m, law = cage_mass(case), HuntCrossley(Linear(c.pocket_stiffness), c.pocket_damping)
-    rubbing = static_dynamic(c.friction)
+    friction = static_dynamic(c.friction)
     return cages.FreeCage(
         m=float(m),
         inertia=float(m * (case.bearing.pitch_diameter / 2.0) ** 2),
         play=c.pocket_clearance / 2.0,
         pocket=law,
-        friction=rubbing,
-        guide=guide(case, c, law, rubbing),
+        friction=friction,
+        guide=guide(case, c, law, friction),
     )
 
 
-def guide(case: Case, c: config.Cage, law: Any, rubbing: Any) -> Any:
+def guide(case: Case, c: config.Cage, law: Any, friction: Any) -> Any:
     """Build the guide of the cage."""
     if c.guide == "centred":
         return cages.Centred()
@@ -93,7 +93,7 @@ def guide(case: Case, c: config.Cage, law: Any, rubbing: Any) -> Any:
         return cages.RollerGuided(float(c.radial_pocket_clearance or c.pocket_clearance) / 2.0, law)
     on_outer = c.guide == "outer-ring"
     return cages.RingGuided(
-        c.guide_clearance / 2.0, land_radius(case, on_outer), 1.0 if on_outer else 0.0, law, rubbing
+        c.guide_clearance / 2.0, land_radius(case, on_outer), 1.0 if on_outer else 0.0, law, friction
     )
 
 
@@ -102,11 +102,11 @@ def drag(case: Case) -> Any:
     d, b = case.drag, case.bearing
     if d is None:
         return cages.NoDrag()
-    facing = b.roller_diameter * (b.roller_length or pi / 4.0 * b.roller_diameter)
+    frontal_area = b.roller_diameter * (b.roller_length or pi / 4.0 * b.roller_diameter)
     land_width = d.land_width if d.land_width is not None else b.width - (b.roller_length or b.roller_diameter)
     R, on_outer = land_radius(case, d.land == "outer"), d.land == "outer"
     return cages.OilDrag(
-        roller=0.5 * d.oil_fraction * d.oil_density * d.drag_coefficient * facing,
+        roller=0.5 * d.oil_fraction * d.oil_density * d.drag_coefficient * frontal_area,
         land=2.0 * pi * d.oil_viscosity * R**3 * land_width / d.land_gap,
         outer=1.0 if on_outer else 0.0,
     )

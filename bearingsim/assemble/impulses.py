@@ -16,7 +16,7 @@ from bearingsim.core.models.impulse import Impulse
 from bearingsim.core.parameters import Support
 from bearingsim.core.sampling import RESAMPLE_REACH
 
-LEAD = 4  # ball passes of the train beyond record and filters, for the last steps of a run
+EXTRA_PASSES = 4  # ball passes of the train beyond record and filters, for the last steps of a run
 
 
 UNRESOLVED_S = 0.05  # s, used for `settle: auto` in a case without a resolved value: the least settling time
@@ -28,10 +28,10 @@ def model(case: Case, support: Support) -> Impulse:
     c_x, c_y = healthy_damping(case)
     filters = RESAMPLE_REACH / case.sampling
     settle = case.settle if isinstance(case.settle, float) else UNRESOLVED_S
-    end = settle + case.duration + filters + LEAD / case.bearing.ball_pass_frequency(case.speed)
+    end = settle + case.duration + filters + EXTRA_PASSES / case.bearing.ball_pass_frequency(case.speed)
     pairs = defects.roller_defect_pairs(case)
     zone = load_zone(case, rest.K_x + support.k_b, rest.K_y + support.k_b)
-    blows = _train(case, zone, pairs, end)
+    impulses = _train(case, zone, pairs, end)
     return Impulse(
         bearing=b,
         m=b.m_o,
@@ -39,9 +39,9 @@ def model(case: Case, support: Support) -> Impulse:
         K_y=zone.K_y,
         C_x=c_x + support.c_b,
         C_y=c_y + support.c_b,
-        times=blows.times,
-        J_x=blows.J_x,
-        J_y=blows.J_y,
+        times=impulses.times,
+        J_x=impulses.J_x,
+        J_y=impulses.J_y,
     )
 
 

@@ -37,7 +37,7 @@ MODEL = (
 METHOD = (step, stability_ratio), ()
 
 
-def missing(case: Case, implicit: bool) -> Iterator[str]:
+def missing_functions(case: Case, implicit: bool) -> Iterator[str]:
     """List messages on functions missing in model, method and laws of a case; ``implicit``: also derivatives."""
     model: Any = assemble.kind(case).parameters
     contact, damping = case.contact, case.contact.damping
@@ -57,11 +57,11 @@ def missing(case: Case, implicit: bool) -> Iterator[str]:
         yield from _missing(f"friction law `{name}`", type(free.friction(case)), FRICTION, implicit)
 
 
-def _missing(what: str, kind: type, called: tuple[tuple[Any, ...], ...], implicit: bool) -> Iterator[str]:
-    always, solved_with = called
-    for function in (*always, *(solved_with if implicit else ())):
+def _missing(owner: str, kind: type, functions: tuple[tuple[Any, ...], ...], implicit: bool) -> Iterator[str]:
+    required, implicit_functions = functions
+    for function in (*required, *(implicit_functions if implicit else ())):
         if not function.supports(kind):
-            yield f"the {what} lacks `{function.__name__}`"
+            yield f"the {owner} lacks `{function.__name__}`"
 
 
 def check_features() -> None:

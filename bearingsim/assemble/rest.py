@@ -31,15 +31,15 @@ def static_model(model: Any) -> Static:
         groups = defects.groups.copy()
         groups[:, :, GROUP_WEIGHT] *= model.slices.table[:, WEIGHT] if len(groups) else 1.0
         defects = defects._replace(groups=groups)
-    shape = bending.undamped_bending(model.bending) if "bending" in model._fields else RigidRing()
-    return static_bearing(model.bearing, model.support, model.outer, model.inner, defects, shape)
+    ring_bending = bending.undamped_bending(model.bending) if "bending" in model._fields else RigidRing()
+    return static_bearing(model.bearing, model.support, model.outer, model.inner, defects, ring_bending)
 
 
 def static_bearing(
-    bearing: Bearing, support: Support, outer: Any, inner: Any, defects: Defects, shape: Any = RIGID_RING
+    bearing: Bearing, support: Support, outer: Any, inner: Any, defects: Defects, ring_bending: Any = RIGID_RING
 ) -> Static:
-    """Build the static model, with undamped contact laws; shape: bending of the outer ring."""
-    return Static(bearing, support, Undamped(outer.stiffness), Undamped(inner.stiffness), defects, shape)
+    """Build the static model, with undamped contact laws; ring_bending: bending of the outer ring."""
+    return Static(bearing, support, Undamped(outer.stiffness), Undamped(inner.stiffness), defects, ring_bending)
 
 
 def bracket_anchor(case: Case) -> tuple[float, float]:
@@ -62,25 +62,25 @@ def healthy_rest(case: Case) -> MeanEquilibrium:
 
 @lru_cache(maxsize=CACHED_RESTS)
 def _rest(
-    of_case: Bearing,
+    bearing: Bearing,
     outer: Any,
     inner: Any,
-    named: str,
+    law_names: str,
     F: float,
     F_across: float,
     ring: bending.RingParameters | None,
 ) -> MeanEquilibrium:
-    """Compute ``healthy_rest``, cached; ``named`` distinguishes laws of different types that compare equal."""
+    """Compute ``healthy_rest``, cached; ``law_names`` distinguishes laws of different types that compare equal."""
     carried = ring is not None and ring.load_path.carried
-    free = Support(*((0.0, 0.0) if carried else (F, F_across)), 0.0, 0.0, 0.0, 0.0)
-    bent = RigidRing() if ring is None else bending.undamped_bending(bending.made(ring))
-    model = static_bearing(of_case, free, outer, inner, pack_defects([], Envelope()), bent)
-    return mean_equilibrium(model, lay.buffer(of_case.Z, of_case.m_r))
+    support = Support(*((0.0, 0.0) if carried else (F, F_across)), 0.0, 0.0, 0.0, 0.0)
+    ring_bending = RigidRing() if ring is None else bending.undamped_bending(bending.build_bending(ring))
+    model = static_bearing(bearing, support, outer, inner, pack_defects([], Envelope()), ring_bending)
+    return mean_equilibrium(model, lay.buffer(bearing.Z, bearing.m_r))
 
 
 def healthy_damping(case: Case) -> tuple[float, float]:
     """Compute the mean static damping (N s/m) of the healthy bearing's rollers for the ring, along x and y."""
-    of_case, free = geometry.bearing(case), Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
+    bearing, support = geometry.bearing(case), Support(case.load, case.load_across, 0.0, 0.0, 0.0, 0.0)
     outer, inner = contacts.outer(case), contacts.inner(case)
-    model = static_bearing(of_case, free, outer, inner, pack_defects([], Envelope()))
-    return mean_ring_damping(model, outer, inner, lay.buffer(of_case.Z, of_case.m_r))
+    model = static_bearing(bearing, support, outer, inner, pack_defects([], Envelope()))
+    return mean_ring_damping(model, outer, inner, lay.buffer(bearing.Z, bearing.m_r))

@@ -58,7 +58,7 @@ def closing_speed(model: Any) -> float:
     return float(max(speeds, default=0.0))
 
 
-SOFTEST = 1e9  # m, upper bound of the search for an approach
+MAX_SEARCH_APPROACH = 1e9  # m, upper bound of the search for an approach
 
 
 def approach(law: Any, load: float) -> float:
@@ -67,10 +67,10 @@ def approach(law: Any, load: float) -> float:
         return 0.0
     from scipy.optimize import brentq  # 0.2 s of CPU time, which reading results does without
 
-    deep = 1e-3
-    while normal_force(law, deep, 0.0) < load and deep < SOFTEST:
-        deep *= 10.0
-    return float(brentq(lambda delta: normal_force(law, delta, 0.0) - load, 0.0, deep, xtol=1e-18, rtol=1e-12))
+    upper = 1e-3
+    while normal_force(law, upper, 0.0) < load and upper < MAX_SEARCH_APPROACH:
+        upper *= 10.0
+    return float(brentq(lambda delta: normal_force(law, delta, 0.0) - load, 0.0, upper, xtol=1e-18, rtol=1e-12))
 
 
 def damping_ratio(case: Case, load: float) -> float:
@@ -79,10 +79,10 @@ def damping_ratio(case: Case, load: float) -> float:
     Friction at races, pockets and flanges, which affects the step limit, is not included.
     """
     b, laws = geometry.bearing(case), (contacts.outer(case), contacts.inner(case))
-    inwards = max(0.0, load - b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i))
-    deep = [approach(law, force) for law, force in zip(laws, (load, inwards), strict=True)]
+    inner_load = max(0.0, load - b.m_r * b.omega_c**2 * 0.5 * (b.R_o + b.R_i))
+    approaches = [approach(law, force) for law, force in zip(laws, (load, inner_load), strict=True)]
     C, K = (
-        sum(bound(law, delta, 0.0) for law, delta in zip(laws, deep, strict=True))
+        sum(bound(law, delta, 0.0) for law, delta in zip(laws, approaches, strict=True))
         for bound in (damping_bound, stiffness_bound)
     )
     return float(C / (2.0 * sqrt(K * b.m_r)))
@@ -103,24 +103,24 @@ def damping_over_stiffness(law: Any, delta: float) -> float:
 def largest_roller_drop(model: Any) -> float:
     """Compute the largest drop (m) of a roller in a defect, where it rests on the rims or on the floor."""
     defects = model.defects
-    reached = [
-        float(group[DEPTH] if isinstance(defects.excitation, STEP_EXCITATIONS) else min(group[DEPTH], hanging))
+    drops = [
+        float(group[DEPTH] if isinstance(defects.excitation, STEP_EXCITATIONS) else min(group[DEPTH], rim_drop))
         for d in range(len(defects.head))
         for group in defects.groups[d, : int(defects.head[d, GROUP_COUNT])]
-        for hanging in [
+        for rim_drop in [
             group[GROUP_HALF_WIDTH] * group[GROUP_HALF_WIDTH] / (2.0 * defects.head[d, REDUCED_RADIUS])
         ]
     ]
-    return max(reached, default=0.0)
+    return max(drops, default=0.0)
 
 
-def tolerances(case: Case, model: Any, fastest: Any, h: float, tolerance: float) -> tuple[float, ...]:
+def tolerances(case: Case, model: Any, full_speed_model: Any, h: float, tolerance: float) -> tuple[float, ...]:
     """Compute the parameters of an adaptive method (``Tolerances``) with output every ``h`` (s).
 
     The tolerance of positions is ``tolerance`` times the static approach. That of velocities is ``tolerance``
     times the closing speed at a defect's edge, limited so that the damping force changes little relative to the
-    load (the dominant error with a dashpot of 1e6 N s/m). fastest: the model at the highest speed of a ramp, which
-    limits the steps.
+    load (the dominant error with a dashpot of 1e6 N s/m). full_speed_model: the model at the highest speed of a
+    ramp, which limits the steps.
     """
     F = rest.largest_load(case)
     laws = (contacts.outer(case), contacts.inner(case))
@@ -128,7 +128,7 @@ def tolerances(case: Case, model: Any, fastest: Any, h: float, tolerance: float)
     c = max(damping_bound(law, approach(law, F), 0.0) for law in laws)
     speed = max(closing_speed(model), model.bearing.Z * model.bearing.omega_c * delta)
     atol_v = min(tolerance * speed, DAMPER_TOLERANCE * F / c if c > 0.0 else inf)
-    longest = min(crossing_time(fastest), ball_pass(fastest)) / MIN_STEPS_PER_CROSSING
+    longest = min(crossing_time(full_speed_model), ball_pass(full_speed_model)) / MIN_STEPS_PER_CROSSING
     return Tolerances(h, tolerance, tolerance * delta, atol_v, longest)
 
 

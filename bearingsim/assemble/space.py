@@ -71,24 +71,24 @@ def inner_mount(case: Case) -> Any:
     return mount(case, case.shaft, "inner", m, about_axis)
 
 
-def mount(case: Case, by: config.Rig | config.Shaft | None, ring: str, m: float, about_axis: float) -> Any:
+def mount(case: Case, support: config.Rig | config.Shaft | None, ring: str, m: float, about_axis: float) -> Any:
     """Build the support of a ring of mass ``m`` (kg) and inertia ``about_axis`` (kg m^2), with the case's
     misalignment.
     """
-    askew = case.misalignment
-    tilt = sin(getattr(askew, ring)) if askew else 0.0
-    towards = askew.direction if askew else 0.0
-    tilt_x, tilt_y = float(tilt * cos(towards)), float(tilt * sin(towards))
-    if by is None or by.axial_stiffness is None or by.tilting_stiffness is None:
+    misalignment = case.misalignment
+    tilt = sin(getattr(misalignment, ring)) if misalignment else 0.0
+    direction = misalignment.direction if misalignment else 0.0
+    tilt_x, tilt_y = float(tilt * cos(direction)), float(tilt * sin(direction))
+    if support is None or support.axial_stiffness is None or support.tilting_stiffness is None:
         return RigidMount(tilt_x, tilt_y)
     return ElasticMount(
         m=float(m),
         I_a=float(about_axis),
         I_t=float(inertia_across(case, m, about_axis)),
-        k_z=by.axial_stiffness,
-        c_z=by.axial_damping or 0.0,
-        k_tilt=by.tilting_stiffness,
-        c_tilt=by.tilting_damping or 0.0,
+        k_z=support.axial_stiffness,
+        c_z=support.axial_damping or 0.0,
+        k_tilt=support.tilting_stiffness,
+        c_tilt=support.tilting_damping or 0.0,
         tilt_x=tilt_x,
         tilt_y=tilt_y,
     )

@@ -11,7 +11,7 @@ from math import inf
 from typing import NamedTuple
 
 from bearingsim import assemble
-from bearingsim.assemble.registered import check_features, missing
+from bearingsim.assemble.registered import check_features, missing_functions
 from bearingsim.catalogue import AUTO, EXPLICIT, METHODS, MODELS
 from bearingsim.config import Case
 from bearingsim.errors import Refused
@@ -151,7 +151,7 @@ def can_step(case: Case, name: str) -> bool:
     a lag.
     """
     if METHODS[name].implicit:
-        return case.rig.ring is None and not any(missing(case, implicit=True))
+        return case.rig.ring is None and not any(missing_functions(case, implicit=True))
     return not METHODS[name].adaptive or not MODELS[case.model].slips or is_frictionless(case)
 
 
@@ -165,7 +165,7 @@ def _refuse_incomplete(case: Case) -> None:
     """Raise ``Refused`` if laws or model lack a function that the method calls; UserError for invalid features."""
     check_features()
     implicit = case.method not in (None, AUTO) and METHODS[str(case.method)].implicit
-    lacking = next(missing(case, implicit), "")
+    lacking = next(missing_functions(case, implicit), "")
     if lacking:
         why = f", which {case.method} solves with" if implicit else ""
         advice = "take an explicit method, or register it" if implicit else "register it (docs/extending.md)"

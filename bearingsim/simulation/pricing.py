@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from bearingsim import assemble
 from bearingsim.assemble.bending import has_carrier, ring_parameters, spring_properties
-from bearingsim.assemble.contacts import powers
+from bearingsim.assemble.contacts import count_powers
 from bearingsim.assemble.scales import full_speed_case
 from bearingsim.catalogue import EXPLICIT, METHODS, MODELS
 from bearingsim.config import CHANNELS, Case
@@ -55,7 +55,7 @@ def compiling(case: Case) -> float:
 
 def evaluation(case: Case) -> float:
     """Return the CPU time (s) of one evaluation of the case's model."""
-    of_rollers = (price("evaluation", case.model) + price("power") * powers(case)) * (slice_count(case) or 1)
+    of_rollers = (price("evaluation", case.model) + price("power") * count_powers(case)) * (slice_count(case) or 1)
     return of_rollers + bending(case)
 
 

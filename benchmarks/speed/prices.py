@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from bearingsim import assemble
-from bearingsim.assemble.contacts import powers
+from bearingsim.assemble.contacts import count_powers
 from bearingsim.catalogue import METHODS
 from bearingsim.core import layout as lay
 from bearingsim.core.advance import RING_MOTION, advance, prepare_first_step
@@ -130,7 +130,7 @@ def section(found: Section) -> None:
 def general_damping(m3: float) -> tuple[Task, int]:
     """`rollers` with a power m3 in its damping: the CPU time of an evaluation, and the library's powers in it."""
     law = {"contact": {"damping": POWERED | {"indentation_exponent": m3}}}
-    return Evaluations("rollers", **law), powers(case("rollers", **law))
+    return Evaluations("rollers", **law), count_powers(case("rollers", **law))
 
 
 def job_overhead() -> float:

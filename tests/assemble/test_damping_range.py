@@ -31,7 +31,7 @@ def case(bearing: str, damping: Any, rpm: float = 1800.0, **more: Any) -> Case:
 
 def at_shares(given: Case, on_outer: bool, shares: np.ndarray = SHARES) -> tuple[np.ndarray, np.ndarray]:
     """Stiffness (N/m) and damping (N s/m) of one contact at shares of its static load."""
-    law, Q = contacts.damped(given, on_outer), static_load_of_element(given, on_outer)
+    law, Q = contacts.contact_law(given, on_outer), static_load_of_element(given, on_outer)
     found = np.array([derivatives(law, approach(law, share * Q), 0.0) for share in shares])
     return found[:, 0], found[:, 1]
 

@@ -127,7 +127,7 @@ def _tangent(stiffness: Any, Q: float) -> float:
 @pytest.mark.parametrize("on_outer", [True, False], ids=["outer", "inner"])
 def test_the_built_film_is_that_of_the_closed_forms(bearing: str, on_outer: bool, at: str) -> None:
     given = case(bearing, at=at)
-    law = contacts.damped(given, on_outer)
+    law = contacts.contact_law(given, on_outer)
     found = np.array([derivatives(law, approach(law, Q), 0.0)[1] for Q in LOADS])
     off = np.abs(found / [sum(expected(given, on_outer, Q)) for Q in LOADS] - 1.0)
     assert np.sort(off)[-4] < 1e-6
@@ -137,7 +137,7 @@ def test_the_built_film_is_that_of_the_closed_forms(bearing: str, on_outer: bool
 def test_each_race_has_its_own_film() -> None:
     """Balls press with another stiffness too: at 300 N the inner race damps the 6205 more."""
     for bearing in ("nf308", "6205"):
-        laws = [contacts.damped(case(bearing), on_outer) for on_outer in (True, False)]
+        laws = [contacts.contact_law(case(bearing), on_outer) for on_outer in (True, False)]
         outer, inner = (derivatives(law, approach(law, 300.0), 0.0)[1] for law in laws)
         assert outer != pytest.approx(inner, rel=0.02)
 

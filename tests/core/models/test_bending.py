@@ -63,7 +63,7 @@ def less_healthy(*given, **more) -> float:
 @pytest.mark.parametrize("n", [0, 2, 3, 5, 8, 20])
 def test_a_harmonic_is_that_of_the_independent_beam(n):
     """Of the NF308's ring."""
-    of_case = bending.section_of(bending.ring_parameters(case()))
+    of_case = bending.ring_section(bending.ring_parameters(case()))
     found = bending.harmonic(of_case, n)
     assert of_case.mass == pytest.approx(beam_ring.NF308.mass, rel=1e-12)
     assert found.k == pytest.approx(1.0 / beam_ring.compliance(n), rel=1e-9)
@@ -72,7 +72,7 @@ def test_a_harmonic_is_that_of_the_independent_beam(n):
 
 def test_the_beam_is_near_plane_stress_elements():
     """Frequencies n = 2 to 5 within 0.5 %, compliances n = 2 to 8 within 3 % (they stay under 0.3 and 2.2 %)."""
-    section = bending.section_of(bending.ring_parameters(case()))
+    section = bending.ring_section(bending.ring_parameters(case()))
     body = ring_elements.free_frequencies()  # two of each
     found = [bending.harmonic(section, n).omega / (2.0 * pi) for n in (2, 3, 4, 5)]
     assert found == pytest.approx(body[::2], rel=5e-3)
@@ -123,7 +123,7 @@ def test_accelerations_are_those_of_the_independent_solution(harmonics, load, ou
     anchor theirs finds with rollers that are thrown outwards from the pitch circle.
     """
     scene = bent_static.Scene(last=harmonics, outside=outside, bracket=0.0)
-    theirs = bent_rollers.equations(scene, bent_rollers.Motion(cap=bending.CAP / (2.0 * pi)))
+    theirs = bent_rollers.equations(scene, bent_rollers.Motion(cap=bending.MAX_FREQUENCY / (2.0 * pi)))
     pass_time = 2.0 * pi / (nf308.Z * nf308.OMEGA_C)
     for seed, t in enumerate((0.0, 0.499 * pass_time, 0.51 * pass_time, 3.2e-3)):
         found = at_random(case(harmonics, load, rig={"bracket_stiffness": "0 N/m"}), seed, t)
@@ -401,12 +401,12 @@ def test_doubling_the_springs_of_a_housing_changes_little(monkeypatch):
         found = case(20, HOUSING | stiff, model="static", contact=None)
         once = simulate(found).features
         monkeypatch.setattr(bending, name, other)
-        bending.made.cache_clear()
-        assemble._made_by_field.cache_clear()
+        bending.build_bending.cache_clear()
+        assemble._build_model.cache_clear()
         twice = simulate(found).features
         monkeypatch.undo()
-        bending.made.cache_clear()
-        assemble._made_by_field.cache_clear()
+        bending.build_bending.cache_clear()
+        assemble._build_model.cache_clear()
         for feature in ("velocity@BPFO", "velocity.rms"):
             assert twice[feature] == pytest.approx(once[feature], rel=5e-3)
 
