@@ -154,26 +154,26 @@ def caveat(priced: PricedJob) -> str:
 
 def varied_parameters(plan: Plan) -> Iterator[str]:
     """Yield the unknown quantities that the study varies, with their values and the number of cases."""
-    from bearingsim.study.uncertainty import UNKNOWNS, group_by_kind
+    from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
 
     values_by_kind = group_by_kind((variation.what, variation.value) for variation in plan.study.variations())
     for kind, values in values_by_kind.items():
         jobs = {id(variation.case) for variation in plan.study.variations() if variation.what == kind}
         cases, *_ = plan.job_counts
         scope = f"{len(jobs)} of {cases} cases" if len(jobs) < cases else "each case"
-        yield f"`uncertainty`: {UNKNOWNS[kind].tried_text(kind, values)}, in {scope}"
+        yield f"`uncertainty`: {PARAMETER_KINDS[kind].text(kind, values)}, in {scope}"
 
 
 def unvaried_damping(plan: Plan) -> Iterator[str]:
     """Yield the cost of varying the damping, if the study does not vary it."""
     from bearingsim.runner.progress import duration
-    from bearingsim.study.uncertainty import acts, sweeps_damping, unexamined
+    from bearingsim.study.uncertainty import damping_remark, has_effect, sweeps_damping
 
     varied_kinds = {variation.what for variation in plan.study.variations()}
     if "damping" not in varied_kinds and plan.study.uncertainty != () and not sweeps_damping(plan.study.units):
-        damped_jobs = [priced for priced in plan.cases if acts("damping", priced.job.case)]
+        damped_jobs = [priced for priced in plan.cases if has_effect("damping", priced.job.case)]
         if damped_jobs:
-            yield unexamined(
+            yield damping_remark(
                 len(damped_jobs), duration, sum(priced.estimate.cpu_seconds for priced in damped_jobs)
             )
 

@@ -9,7 +9,7 @@ from bearingsim.config.names import read_band
 from bearingsim.plots.labels import COST, PlotError, described, unit_of, value_text
 from bearingsim.plots.lines import fitting, may_slip, races_of_all
 from bearingsim.study import Figure, dimension
-from bearingsim.study.uncertainty import UNKNOWNS, group_by_kind
+from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
 from bearingsim.text.units import UnitError, parse, suggestion
 
 if TYPE_CHECKING:
@@ -170,8 +170,8 @@ def spread_texts(results: "Results", rows: "pd.DataFrame") -> list[str]:
         (variation["what"], variation["value"]) for variation in results.variations if variation["of"] in drawn
     )
     band = " and ".join(
-        (f"{what} ({text})" if UNKNOWNS[what].choices else f"{what} {text}")
-        for what, text in ((what, UNKNOWNS[what].range_text(values)) for what, values in tried.items())
+        (f"{what} ({text})" if PARAMETER_KINDS[what].choices else f"{what} {text}")
+        for what, text in ((what, PARAMETER_KINDS[what].range_text(values)) for what, values in tried.items())
     )
     chaotic = any((rows[name] == True).any() for name in rows if str(name).startswith("chaotic "))  # noqa: E712
     return [f"bands and bars: {band}" + ", in part chaotic (with its standard error)" * chaotic]

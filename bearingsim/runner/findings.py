@@ -14,11 +14,11 @@ from bearingsim.store import NOTABLE_ERROR, errors, is_uncertain, relative_error
 from bearingsim.study.uncertainty import (
     NO_OIL,
     NO_SLIP,
-    RIGID,
-    UNKNOWNS,
+    PARAMETER_KINDS,
+    RIGID_RING,
+    damping_remark,
     group_by_kind,
     sweeps_damping,
-    unexamined,
 )
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def _assumption_names(plan: Mapping[str, Any], own: "pd.DataFrame") -> Iterator[
             yield "bracket"
     yield from (
         name
-        for sentence, name in ((RIGID, "rigid ring"), (NO_SLIP, "no slip"), (NO_OIL, "no oil drag"))
+        for sentence, name in ((RIGID_RING, "rigid ring"), (NO_SLIP, "no slip"), (NO_OIL, "no oil drag"))
         if sentence in _assumptions(plan)
     )
 
@@ -230,7 +230,7 @@ def variation_effects(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterato
         ranges = ", ".join(f"{text} by {_percent(column.max())}" for text, column in by_feature.items())
         if ranges:
             most = "by up to" if max(len(column) for column in by_feature.values()) > 1 else "by"
-            values_text = "" if UNKNOWNS[what].choices else f" {UNKNOWNS[what].range_text(tried)}"
+            values_text = "" if PARAMETER_KINDS[what].choices else f" {PARAMETER_KINDS[what].range_text(tried)}"
             yield f"{what}{values_text} changes {ranges.replace('by', most, 1)}"
             yield from _chaotic(plan, frame, what)
 
@@ -276,4 +276,4 @@ def _unexamined(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]
         return
     damped = frame.loc[cases][frame.loc[cases]["info/damping_time_s"].notna()]
     if len(damped):
-        yield unexamined(len(damped), duration, float(damped["info/cpu_s"].sum()))
+        yield damping_remark(len(damped), duration, float(damped["info/cpu_s"].sum()))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim import store
 from bearingsim.store.spread import errors
-from bearingsim.study.uncertainty import UNKNOWNS
+from bearingsim.study.uncertainty import PARAMETER_KINDS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,7 +30,7 @@ def selection_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[
             f" the worst is {worst:.2g} % off"
         )
     varied = {name.split(".")[1] for name in errors(plan, frame).columns}
-    unvaried = [what for what in UNKNOWNS if what not in varied]
+    unvaried = [what for what in PARAMETER_KINDS if what not in varied]
     if unvaried:
         yield f"not included in the accuracy: {', '.join(unvaried)}"
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from bearingsim.config.names import read_band
 from bearingsim.store.spread import has_unknown_scatter, standard_error
 from bearingsim.study.goal import HEALTHY
-from bearingsim.study.uncertainty import RIGID
+from bearingsim.study.uncertainty import RIGID_RING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -74,7 +74,7 @@ def error_bounds(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFram
     for name in ERROR_PARTS:
         of_features = pd.DataFrame({feature: part[name] for feature, part in parts.items()})
         table.loc[cases, name] = of_features.max(axis=1).replace(inf, nan).reindex(cases)
-    if RIGID not in plan.get("assumptions", ()):
+    if RIGID_RING not in plan.get("assumptions", ()):
         sums = pd.DataFrame({feature: part.sum(axis=1, skipna=False) for feature, part in parts.items()})
         table.loc[cases, "error"] = sums.max(axis=1).replace(inf, nan).reindex(cases)
     refuted = pd.Series(withdrawn_errors(plan, frame), dtype=float).reindex(table.index)

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from bearingsim.designs import EXTENDED, Kind, block, cube
 from bearingsim.study.distributions import at_key, range_of, si_bounds
-from bearingsim.study.sweep import Axis, Wrong
-from bearingsim.study.words import Words
+from bearingsim.study.sweep import Axis, EntryError
+from bearingsim.study.words import SweepSettings
 from bearingsim.text.units import suggestion
 from bearingsim.text.yamlfile import Node, Problem, problem
 
@@ -88,24 +88,24 @@ def draw_design(
     """
     try:
         return _read_design(kind, entry, max_rows)
-    except Wrong as error:
+    except EntryError as error:
         problems.append(problem(error.node.mark, f"sweep.{kind}{error}", error.hint))
         return None
 
 
 def _read_design(kind: Kind, entry: Node, max_rows: int) -> tuple[SampledDesign, Axis]:
     if not isinstance(entry.value, dict):
-        raise Wrong(entry, f": expected a mapping such as `{EXAMPLE}`")
+        raise EntryError(entry, f": expected a mapping such as `{EXAMPLE}`")
     for key, node in entry.mapping.items():
         if key not in KEYS:
             hint = suggestion(key, KEYS) or f"known: {', '.join(KEYS)}"
-            raise Wrong(at_key(node), f": unknown key `{key}`", hint)
+            raise EntryError(at_key(node), f": unknown key `{key}`", hint)
     missing = next((key for key in ("n", "over") if key not in entry.mapping), None)
     if missing:
-        raise Wrong(at_key(entry), f": `{missing}` is missing", f"as in `{kind}: {EXAMPLE}`")
+        raise EntryError(at_key(entry), f": `{missing}` is missing", f"as in `{kind}: {EXAMPLE}`")
     over = entry.mapping["over"]
     if not over.mapping:
-        raise Wrong(over, ".over: expected paths with their ranges, as in `{load: [100 N, 200 N]}`")
+        raise EntryError(over, ".over: expected paths with their ranges, as in `{load: [100 N, 200 N]}`")
     n, seed = _count(kind, entry, max_rows), _seed(entry)
     ranges = [range_of(path, node) for path, node in over.mapping.items()]
     columns = [
@@ -123,20 +123,20 @@ def _count(kind: Kind, entry: Node, max_rows: int) -> int:
         or not re.fullmatch(r"\d{1,99}", node.value, re.ASCII)
         or int(node.text) < 1
     ):
-        raise Wrong(
+        raise EntryError(
             node, f".n: expected the number of {COUNT_NOUNS[kind]}, a whole number above zero, got `{node.text}`"
         )
     n, d = int(node.text), len(entry.mapping["over"].mapping)
     rows = n * block(kind, d)
     if rows > max_rows:
         size = f"{node.text} {COUNT_NOUNS[kind]} of {d} path{'s' * (d > 1)} are {rows} cases"
-        raise Wrong(node, f".n: {size}; at most {max_rows} are possible")
+        raise EntryError(node, f".n: {size}; at most {max_rows} are possible")
     if rows * d > VALUES_PER_ROW * max_rows:
         message = (
             f".n: {rows} cases of {d} paths are {rows * d} values;"
             f" at most {VALUES_PER_ROW * max_rows} are possible"
         )
-        raise Wrong(node, message)
+        raise EntryError(node, message)
     return n
 
 
@@ -145,19 +145,19 @@ def _seed(entry: Node) -> int:
     if node is None:
         return 0
     if not isinstance(node.value, str) or not re.fullmatch(r"\d{1,9}", node.value, re.ASCII):
-        raise Wrong(node, f".seed: expected a whole number from 0 to {MAX_SEED}, got `{node.text}`")
+        raise EntryError(node, f".seed: expected a whole number from 0 to {MAX_SEED}, got `{node.text}`")
     return int(node.text)
 
 
-def block_conflicts(kind: Kind, axes: Sequence[Axis], words: Words) -> Iterator[Problem]:
+def block_conflicts(kind: Kind, axes: Sequence[Axis], settings: SweepSettings) -> Iterator[Problem]:
     """Yield a problem for each other axis or key of a sweep that would split the blocks of a design."""
     reason = f"beside `{kind}`, whose rows are compared in whole blocks"
     for axis in (axis for axis in axes if len(axis.rows) > 1):
         mark = axis.keys[0].key or axis.keys[0].mark
         yield problem(mark, f"`{axis.paths[0]}` is swept {reason}", "give it one value, or a range in `over`")
     for key, advice in NON_BLOCK_KEYS.items():
-        if key in words:
-            yield problem(words[key].key or words[key].mark, f"`{key}` {reason}", advice)
+        if key in settings:
+            yield problem(settings[key].key or settings[key].mark, f"`{key}` {reason}", advice)
 
 
 NON_BLOCK_KEYS = {

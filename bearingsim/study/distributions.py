@@ -10,7 +10,7 @@ from decimal import Context, Decimal
 from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.study.paths import dimension
-from bearingsim.study.sweep import Wrong, number_in, written
+from bearingsim.study.sweep import EntryError, number_in, number_node
 from bearingsim.text.units import UNITS, UnitError, parse, split, suggestion
 from bearingsim.text.yamlfile import Node
 
@@ -37,7 +37,7 @@ class Range(NamedTuple):
         return tuple(nodes[index] for index in indices.tolist())
 
     def _node(self, number: float) -> Node:
-        value = written(number, self.unit, self.lower)
+        value = number_node(number, self.unit, self.lower)
         rounded = float(split(value.text)[0])
         if rounded < self.low:
             return self.lower
@@ -48,13 +48,15 @@ def range_of(path: str, node: Node) -> Range:
     """Read the range of a path. Raises Wrong."""
     try:
         return _read(path, node)
-    except Wrong as error:
-        raise Wrong(error.node, f".over.{path}: {error}", error.hint) from None
+    except EntryError as error:
+        raise EntryError(error.node, f".over.{path}: {error}", error.hint) from None
 
 
 def _read(path: str, node: Node) -> Range:
     if dimension(path) is None:
-        raise Wrong(at_key(node), "only a quantity has a range", f"list values, as in `{path}: [...]` in `sweep`")
+        raise EntryError(
+            at_key(node), "only a quantity has a range", f"list values, as in `{path}: [...]` in `sweep`"
+        )
     if isinstance(node.value, tuple):
         return _uniform(path, node)
     for kind, reader in DISTRIBUTIONS.items():
@@ -63,14 +65,14 @@ def _read(path: str, node: Node) -> Range:
                 (key for key in node.mapping if key != kind and (kind, key) != ("normal", "within")), None
             )
             if extra_key is not None:
-                raise Wrong(at_key(node.mapping[extra_key]), f"unknown key `{extra_key}` beside `{kind}`")
+                raise EntryError(at_key(node.mapping[extra_key]), f"unknown key `{extra_key}` beside `{kind}`")
             return reader(path, node)
     keys = list(node.mapping)
     hint = suggestion(keys[0], DISTRIBUTIONS) if keys else ""
     expected = (
         "expected a range such as `[a, b]`, `{log: [a, b]}` or `{normal: [mean, deviation], within: [a, b]}`"
     )
-    raise Wrong(node, expected, hint or None)
+    raise EntryError(node, expected, hint or None)
 
 
 def at_key(node: Node) -> Node:
@@ -81,7 +83,7 @@ def at_key(node: Node) -> Node:
 def _pair(path: str, node: Node) -> tuple[Node, Node, float, float, str]:
     """Return two values of a path: as nodes, as numbers in the unit of the first, and this unit."""
     if len(node.items) != 2:
-        raise Wrong(node, "expected two values, as in `[a, b]`")
+        raise EntryError(node, "expected two values, as in `[a, b]`")
     low, high = node.items
     for bound in (low, high):
         _check(path, bound)
@@ -101,19 +103,19 @@ def _check(path: str, node: Node) -> None:
     kind = dimension(path)
     assert kind is not None
     if not isinstance(node.value, str):
-        raise Wrong(node, "expected a number with its unit")
+        raise EntryError(node, "expected a number with its unit")
     try:
         parse(node.value, kind)
     except UnitError as error:
-        raise Wrong(node, f"expected {error.expected}, got `{node.value}`", error.hint) from None
+        raise EntryError(node, f"expected {error.expected}, got `{node.value}`", error.hint) from None
 
 
 def _bounds(path: str, node: Node) -> tuple[Node, Node, float, float, str]:
     lower, upper, low, high, unit = _pair(path, node)
     if not low < high:
-        raise Wrong(upper, f"expected a value above `{lower.text}`, got `{upper.text}`")
+        raise EntryError(upper, f"expected a value above `{lower.text}`, got `{upper.text}`")
     if not math.isfinite(high - low):
-        raise Wrong(node, "the range is larger than any number")
+        raise EntryError(node, "the range is larger than any number")
     return lower, upper, low, high, unit
 
 
@@ -132,9 +134,9 @@ def _uniform(path: str, node: Node) -> Range:
 def _log(path: str, node: Node) -> Range:
     lower, upper, low, high, unit = _bounds(path, node.mapping["log"])
     if low <= 0.0:
-        raise Wrong(lower, "`log` needs values above zero")
+        raise EntryError(lower, "`log` needs values above zero")
     if unit in UNITS["temperature"]:
-        raise Wrong(lower, "a temperature has no logarithm", "take `uniform`")
+        raise EntryError(lower, "a temperature has no logarithm", "take `uniform`")
     return Range(
         lower, upper, low, high, unit, lambda probabilities: _geometric(low, high, probabilities.tolist())
     )
@@ -158,22 +160,24 @@ def _normal(path: str, node: Node) -> Range:
     from scipy.stats import truncnorm
 
     if "within" not in node.mapping:
-        raise Wrong(
+        raise EntryError(
             at_key(node.mapping["normal"]), "`within` is missing", "a normal distribution is cut at bounds"
         )
     _, deviation_node, mean, _, unit = _pair(path, node.mapping["normal"])
     deviation = _difference(deviation_node, unit)
     if deviation <= 0.0:
-        raise Wrong(deviation_node, f"expected a standard deviation above zero, got `{deviation_node.text}`")
+        raise EntryError(deviation_node, f"expected a standard deviation above zero, got `{deviation_node.text}`")
     lower, upper, low, high, bounds_unit = _bounds(path, node.mapping["within"])
     if bounds_unit != unit:
         low, high = number_in(lower, unit)[0], number_in(upper, unit)[0]
     if deviation > MAX_DEVIATION_RATIO * (high - low):
         message = f"a standard deviation over {MAX_DEVIATION_RATIO} times the range has no effect"
-        raise Wrong(deviation_node, message, "take `uniform`")
+        raise EntryError(deviation_node, message, "take `uniform`")
     a, b = (low - mean) / deviation, (high - mean) / deviation
     if a > MAX_DEVIATIONS or b < -MAX_DEVIATIONS:
-        raise Wrong(node.mapping["within"], f"these are over {MAX_DEVIATIONS} standard deviations from the mean")
+        raise EntryError(
+            node.mapping["within"], f"these are over {MAX_DEVIATIONS} standard deviations from the mean"
+        )
 
     def quantiles(probabilities: "NDArray") -> Sequence[float]:
         deviates = truncnorm.ppf(probabilities, a, b).tolist()

@@ -15,16 +15,16 @@ from bearingsim.study.design import Design, SampledDesign
 from bearingsim.study.figures import Figure
 from bearingsim.study.goal import Goal
 from bearingsim.study.uncertainty import (
+    DEFAULT_DAMPING,
     NO_OIL,
     NO_SLIP,
-    RIGID,
-    USUAL,
-    Uncertain,
+    RIGID_RING,
+    UncertainParameter,
     assumes_rigid_ring,
-    sampled,
+    sample_cases,
     variations,
 )
-from bearingsim.study.used import extensions, json_text, used
+from bearingsim.study.used import extensions, json_text, relevant_fields
 
 
 @dataclass(frozen=True)
@@ -126,8 +126,8 @@ class Study:
     units: dict[str, str]
     swept_cases: tuple[tuple[Case, dict[str, float | str]], ...] = field(repr=False)
     notes: tuple[str, ...] = ()
-    uncertainty: tuple[Uncertain, ...] | None = None
-    left_out: tuple[Uncertain, ...] = ()
+    uncertainty: tuple[UncertainParameter, ...] | None = None
+    left_out: tuple[UncertainParameter, ...] = ()
     files: Mapping[str, str | None] = field(default_factory=dict, repr=False)
     goal: Goal | None = None
     selection: Selection | None = None
@@ -171,13 +171,16 @@ class Study:
     @cached_property
     def assumptions(self) -> tuple[str, ...]:
         """Assumptions about effects that the study does not specify, and warnings of its cases, in words."""
-        from bearingsim.study.ranges import beyond, unheld  # imports the core, which takes a second
+        from bearingsim.study.ranges import (  # imports the core, which takes a second
+            omission_warnings,
+            range_warnings,
+        )
 
         plotted = [name for figure in self.figures for name in figure.y]
         rigid = assumes_rigid_ring(self.cases(), plotted, self.uncertainty)
         cases = self.cases()
-        warnings = unheld(cases) if self.goal is None else ()
-        return (RIGID,) * rigid + self._slip_assumption() + (*warnings, *beyond(cases, plotted))
+        warnings = omission_warnings(cases) if self.goal is None else ()
+        return (RIGID_RING,) * rigid + self._slip_assumption() + (*warnings, *range_warnings(cases, plotted))
 
     def _slip_assumption(self) -> tuple[str, ...]:
         """Return the assumption on friction and oil of a study with `accuracy`, in words."""
@@ -203,7 +206,7 @@ class Study:
         if self.uncertainty is not None or self.sampled_design is not None:  # none for a design
             cases, uncertain = self.cases(), self.uncertainty or ()
         else:
-            cases, uncertain = sampled(self.cases(), len(self.planned())), (USUAL,)
+            cases, uncertain = sample_cases(self.cases(), len(self.planned())), (DEFAULT_DAMPING,)
         return [
             Variation(case, what, value, Job(varied, is_variation=True))
             for case in cases
@@ -247,7 +250,7 @@ def identity(case: Case, extra: Mapping[str, Any] | None = None) -> str:
 @lru_cache(maxsize=1 << 18)
 def _digest(case: Case, extra: tuple[tuple[str, Any], ...], version: int) -> str:
     entries = {"model_version": version} | extensions(case) | dict(extra)
-    texts = used(case) | {name: json_text(value) for name, value in entries.items()}
+    texts = relevant_fields(case) | {name: json_text(value) for name, value in entries.items()}
     text = ",".join(f'"{name}":{texts[name]}' for name in sorted(texts))
     return hashlib.sha256(f"{{{text}}}".encode()).hexdigest()[:16]
 

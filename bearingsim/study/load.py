@@ -15,7 +15,7 @@ from bearingsim.study.figures import Figure, band_features, check_computed, pars
 from bearingsim.study.goal import Goal, add_early_end, check_goal, parse_goal, with_reference_model
 from bearingsim.study.jobs import Study
 from bearingsim.study.plan import Plan
-from bearingsim.study.uncertainty import Uncertain, check_possible, parse_uncertainty
+from bearingsim.study.uncertainty import UncertainParameter, check_uncertainty, parse_uncertainty
 from bearingsim.text import files_read
 from bearingsim.text.yamlfile import Node, Problem, StudyError, argument_mark, parse, problem, read_text
 
@@ -40,10 +40,10 @@ def load_study(
     extensions.refuse_broken()
     file = _open(FilePath(path), overrides or {})
     settings = _settings(file)
-    samples = [plan.first_look() for plan in file.plans]
+    samples = [plan.sample_cases() for plan in file.plans]
     _check(file, settings, samples[0], [case for sample in samples for case in sample] if all(samples) else [])
     for plan in file.plans:
-        plan.check_words()
+        plan.check_settings()
     _raise_problems(file, settings)
     reduced = quick and "quick" in file.root.mapping
     plan = file.plans[-1 if reduced else 0]
@@ -92,7 +92,7 @@ class _Settings(NamedTuple):
 
     name: str
     figures: tuple[Figure, ...]
-    uncertain: tuple[Uncertain, ...] | None
+    uncertain: tuple[UncertainParameter, ...] | None
     goal: Goal | None
     swept: dict[str, Node]
     models: set[str]
@@ -104,7 +104,8 @@ def _settings(file: "_StudyFile") -> _Settings:
     problems, plans, entries = list(file.syntax_problems), file.plans, file.root.mapping
     swept = {path: node for plan in plans for path, node in plan.entries().items()}
     parameters = parse_uncertainty(entries.get("uncertainty"), problems)
-    invalid = sorted({path for plan in plans for path in plan.named} - swept.keys())  # reported with the sweep
+    # Invalid paths are reported with the sweep.
+    invalid = sorted({path for plan in plans for path in plan.named_paths} - swept.keys())
     figures = parse_figures(entries.get("figures"), [*swept, *invalid], problems)
     name = _name(file.root, problems)
     goal = parse_goal(file.source.mapping.get("accuracy"), figures, problems)
@@ -122,7 +123,7 @@ def _check(
     varied_cases: cases that `uncertainty` varies; goal_cases: cases that `accuracy` concerns.
     """
     has_models = "accuracy" not in file.source.mapping
-    check_possible(
+    check_uncertainty(
         file.root.mapping.get("uncertainty"), varied_cases, settings.uncertain or (), settings.problems, has_models
     )
     if settings.goal is not None and goal_cases:
@@ -189,7 +190,7 @@ def _open(path: FilePath, overrides: Mapping[str, str]) -> _StudyFile:
         source, root = root, with_reference_model(root) if "accuracy" in root.mapping else root
         # Both are checked, so that a problem in `quick` is reported now and not at its first use.
         modes = (False, True) if "quick" in root.mapping else (False,)
-        plans = [Plan.of(root, path.parent, new_overrides, reduced, bands) for reduced in modes]
+        plans = [Plan.build(root, path.parent, new_overrides, reduced, bands) for reduced in modes]
         for plan in plans:
             plan.open_files()
     return _StudyFile(str(path), text, source, root, syntax_problems, notes, new_overrides, plans, files)

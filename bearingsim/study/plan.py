@@ -18,59 +18,67 @@ from bearingsim.study.figures import with_features
 from bearingsim.study.first_look import one_at_a_time
 from bearingsim.study.jobs import identity
 from bearingsim.study.paths import dimension, normal_form, parse_path, put, value_at
-from bearingsim.study.relations import Relations, Row, Valueless, parse_relations
+from bearingsim.study.relations import Relations, Row, UndefinedValue, parse_relations
 from bearingsim.study.sweep import (
     Axis,
-    dropped,
+    drop_paths,
     is_sweep,
+    named_paths,
     parse_sweep,
-    repeated,
-    replaced,
+    repeat_axes,
+    replace_axis,
     rows_of,
     single_axis,
-    written_paths,
 )
 from bearingsim.study.used import is_random
-from bearingsim.study.words import COMMAND_LINE_WORDS, WORDS, Words, entries_of, named_by, remove_path, renewed
+from bearingsim.study.words import (
+    COMMAND_LINE_SETTINGS,
+    SWEEP_SETTINGS,
+    SweepSettings,
+    assigned_entries,
+    assigned_paths,
+    remove_path,
+    update_setting,
+)
 from bearingsim.text.units import UnitError, split
 from bearingsim.text.units import parse as quantity
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, argument_mark, parse_argument, problem
 
 MAX_CASES = 1_000_000
 """Limit of the cases of a study."""
-MAX_WRONG = 500
+MAX_INVALID_CASES = 500
 """Limit of the invalid cases that are reported: each takes milliseconds, and most have the same problem."""
 MAX_PATHS = 100
 """Limit of the paths that a study sweeps: with more, the search for suggestions takes too long."""
 _LIST_VALUED = ("defects", "record", "features", "rig.load.angles", "rig.load.at")
 
-Swept = dict[str, float | str]
+SweptValues = dict[str, float | str]
 
 
 @dataclass
 class Plan:
     """Study under construction: base tree, axes, and problems so far.
 
-    words: keys of the sweep that are not paths, from which ``sampled_design`` and ``relations`` are built;
-    case_problems: problems of single cases; named: paths named by a sweep, valid or not; key_paths: locations of
-    the valid ones in a case; others: cache of ``otherwise``.
+    settings: keys of the sweep that are not paths, from which ``sampled_design`` and ``relations`` are built;
+    case_problems: problems of single cases; named_paths: paths named by a sweep, valid or not; key_paths:
+    locations of the valid ones in a case; variants: cache of ``otherwise``.
     """
 
     base: Node
     folder: FilePath
     axes: list[Axis] = field(default_factory=list)
-    words: Words = field(default_factory=dict)
+    settings: SweepSettings = field(default_factory=dict)
     sampled_design: SampledDesign | None = None
     relations: Relations = field(default_factory=Relations)
     problems: list[Problem] = field(default_factory=list)
     case_problems: Problems = field(default_factory=dict)
-    named: set[str] = field(default_factory=set)
+    named_paths: set[str] = field(default_factory=set)
     key_paths: dict[str, Path] = field(default_factory=dict)
     sections: Sections = field(default_factory=Sections)
-    others: dict[tuple, list[Case | None]] = field(default_factory=dict)
+    variants: dict[tuple, list[Case | None]] = field(default_factory=dict)
 
     @classmethod
-    def of(
+    def build(
         cls,
         root: Node,
         folder: FilePath,
@@ -83,15 +91,15 @@ class Plan:
         plan = cls(Node(entries, root.mark), folder)
         plan.expand()
         if "sweep" in root.mapping:
-            plan.axes = plan.take_sweep(root.mapping["sweep"])
+            plan.axes = plan.read_sweep(root.mapping["sweep"])
         if quick and "quick" in root.mapping:
-            plan.take_quick(root.mapping["quick"])
+            plan.apply_quick(root.mapping["quick"])
         for path, text in overrides.items():
             plan.override(path, text)
         plan.base = with_features(plan.base, features)
-        plan.draw()
-        plan.axes = [axis for axis in plan.axes if plan.check(axis)]
-        plan.relate()
+        plan.add_design()
+        plan.axes = [axis for axis in plan.axes if plan.check_axis(axis)]
+        plan.add_relations()
         plan.check_count()
         return plan
 
@@ -99,82 +107,84 @@ class Plan:
         """Read the files referenced by the base tree."""
         self.base = expand_tree(self.base, self.folder, self.problems)
 
-    def take_sweep(self, sweep: Node) -> list[Axis]:
+    def read_sweep(self, sweep: Node) -> list[Axis]:
         """Parse a section `sweep`; return its axes."""
-        paths = written_paths(sweep)
+        paths = named_paths(sweep)
         if len(paths) > MAX_PATHS:
             message = f"sweep: {len(paths)} parameters; at most {MAX_PATHS} are possible"
             self.problems.append(problem(sweep.key or sweep.mark, message))
             return []
-        self.named |= paths
+        self.named_paths |= paths
         kinds = [node for key, node in sweep.mapping.items() if key in KINDS]
         if len(kinds) > 1:
             message = "sweep: a second design; a study has one"
             self.problems.append(problem(kinds[1].key or kinds[1].mark, message))
-        for key in (key for key in sweep.mapping if key in WORDS):
-            self.words = renewed(self.words, key, sweep.mapping[key])
+        for key in (key for key in sweep.mapping if key in SWEEP_SETTINGS):
+            self.settings = update_setting(self.settings, key, sweep.mapping[key])
         return parse_sweep(sweep, self.problems)
 
-    def take_quick(self, quick: Node) -> None:
+    def apply_quick(self, quick: Node) -> None:
         """Apply the entries of the section `quick`."""
         if not isinstance(quick.value, dict):
             message = "quick: expected a mapping such as `{duration: 0.3 s, sweep: {load: [150 N]}}`"
             self.problems.append(problem(quick.mark, message))
         for key, node in quick.mapping.items():
             if key == "sweep":
-                new = self.take_sweep(node)
-                if any(axis.zipped for axis in new):
+                axes = self.read_sweep(node)
+                if any(axis.zipped for axis in axes):
                     self.axes = [axis for axis in self.axes if not axis.zipped]
-                self.axes = dropped(self.axes, named_by(node.mapping))
-                self.words = reduce(remove_path, (path for axis in new for path in axis.paths), self.words)
-                self.axes = reduce(replaced, new, self.axes)
+                self.axes = drop_paths(self.axes, assigned_paths(node.mapping))
+                self.settings = reduce(remove_path, (path for axis in axes for path in axis.paths), self.settings)
+                self.axes = reduce(replace_axis, axes, self.axes)
             else:
-                self.fix(key, node, node.key or node.mark)
+                self.set_value(key, node, node.key or node.mark)
 
     def override(self, path: str, text: str) -> None:
         """Apply a value from the command line."""
-        typed = f"--set {path}={text}"
-        path = self.spelled(path)
+        argument = f"--set {path}={text}"
+        path = self.swept_spelling(path)
         try:
-            value, flaws = parse_argument(text, typed)
+            value, problems = parse_argument(text, argument)
         except StudyError as error:
             self.problems += error.problems
             return
-        self.problems += flaws
-        mark = argument_mark(typed, len("--set ") + 1)
-        if path in COMMAND_LINE_WORDS:
-            self.say(path, Node(value.value, value.mark, mark))
+        self.problems += problems
+        mark = argument_mark(argument, len("--set ") + 1)
+        if path in COMMAND_LINE_SETTINGS:
+            self.apply_setting(path, Node(value.value, value.mark, mark))
         elif is_sweep(value) and path not in _LIST_VALUED:
             axis = single_axis(path, Node(value.value, value.mark, mark), self.problems)
-            self.words = remove_path(self.words, path)
-            self.axes = replaced(self.axes, axis) if axis else self.axes
+            self.settings = remove_path(self.settings, path)
+            self.axes = replace_axis(self.axes, axis) if axis else self.axes
         else:
-            self.fix(path, value, mark)
+            self.set_value(path, value, mark)
 
-    def say(self, path: str, value: Node) -> None:
+    def apply_setting(self, path: str, value: Node) -> None:
         """Apply `repeat`, or a key of the design such as `sobol.n`."""
-        kind, _, word = path.partition(".")
-        if not word:
-            self.words = renewed(self.words, kind, value)
-        elif kind in self.words:
-            self.words = renewed(self.words, kind, Node({word: value}, value.mark, self.words[kind].key))
+        kind, _, key = path.partition(".")
+        if not key:
+            self.settings = update_setting(self.settings, kind, value)
+        elif kind in self.settings:
+            self.settings = update_setting(
+                self.settings, kind, Node({key: value}, value.mark, self.settings[kind].key)
+            )
         else:
             mark = value.key or value.mark
             self.problems.append(problem(mark, f"the study has no `{kind}`", "name it in `sweep`"))
 
-    def fix(self, path: str, value: Node, mark: Mark) -> None:
+    def set_value(self, path: str, value: Node, mark: Mark) -> None:
         """Set the value at a path of the base tree, which also replaces a sweep of the path."""
         key_path = self.key_path(path, mark)
         if key_path is None:
             return
         self.base = put(self.base, key_path, value)
         self.expand()
-        path = self.spelled(path)
-        self.words = remove_path(self.words, path)
+        path = self.swept_spelling(path)
+        self.settings = remove_path(self.settings, path)
         if any(path in axis.paths for axis in self.axes):
-            self.axes = replaced(self.axes, Axis((path,), ((value,),), (value,)))
+            self.axes = replace_axis(self.axes, Axis((path,), ((value,),), (value,)))
 
-    def spelled(self, path: str) -> str:
+    def swept_spelling(self, path: str) -> str:
         """Return a path in the spelling of the axes, which figures and results use."""
         swept = (spelling for axis in self.axes for spelling in axis.paths)
         return next((spelling for spelling in swept if normal_form(spelling) == normal_form(path)), path)
@@ -182,41 +192,41 @@ class Plan:
     def key_path(self, path: str, mark: Mark) -> Path | None:
         """Locate a path in a case. For an invalid path, add a problem and return None."""
         try:
-            return self.leads(path)
+            return self.locate(path)
         except ValueError as error:
             self.problems.append(problem(mark, str(error)))
             return None
 
-    def draw(self) -> None:
+    def add_design(self) -> None:
         """Add the axes of the design, which varies slowest, and of `repeat`, which varies fastest."""
-        kind = next((kind for kind in KINDS if kind in self.words), None)
+        kind = next((kind for kind in KINDS if kind in self.settings), None)
         if kind in BLOCK_DESIGNS:
-            self.problems += block_conflicts(kind, self.axes, self.words)
-        if "repeat" in self.words:
-            self.axes += repeated(self.words["repeat"], self.problems)
+            self.problems += block_conflicts(kind, self.axes, self.settings)
+        if "repeat" in self.settings:
+            self.axes += repeat_axes(self.settings["repeat"], self.problems)
         if kind is None:
             return
-        entry = self.words[kind]
-        marks = {path: node.key or node.mark for path, node in entries_of(kind, entry).items()}
+        entry = self.settings[kind]
+        marks = {path: node.key or node.mark for path, node in assigned_entries(kind, entry).items()}
         if None not in [self.key_path(path, mark) for path, mark in marks.items()]:
             design = draw_design(kind, entry, MAX_CASES, self.problems)
             if design is not None:
                 self.sampled_design, axis = design
                 self.axes.insert(0, axis)
 
-    def relate(self) -> None:
+    def add_relations(self) -> None:
         """Parse `derived` and `where`, which depend on the swept paths."""
-        taken = set(self.key_paths.values())
-        self.relations = parse_relations(self.words, self.leads, taken.__contains__, self.problems)
+        swept_key_paths = set(self.key_paths.values())
+        self.relations = parse_relations(self.settings, self.locate, swept_key_paths.__contains__, self.problems)
         self.key_paths |= {derived.path: derived.key_path for derived in self.relations.derived}
 
-    def leads(self, path: str) -> Path:
+    def locate(self, path: str) -> Path:
         """Locate a path in a case. Raises ValueError for an invalid path."""
         return parse_path(path, len(self.base.mapping.get("defects", self.base).items))
 
-    def check(self, axis: Axis) -> bool:
+    def check_axis(self, axis: Axis) -> bool:
         """Return True if the paths of an axis are valid and not swept twice; add valid ones to ``key_paths``."""
-        before = len(self.problems)
+        problem_count = len(self.problems)
         for path, node in zip(axis.paths, axis.keys, strict=True):
             mark = node.key or node.mark
             key_path = self.key_path(path, mark)
@@ -224,7 +234,7 @@ class Plan:
                 self.problems.append(problem(mark, f"`{path}` is swept twice"))
             elif key_path:
                 self.key_paths[path] = key_path
-        return len(self.problems) == before
+        return len(self.problems) == problem_count
 
     def open_files(self) -> None:
         """Read the files referenced by swept values."""
@@ -259,42 +269,44 @@ class Plan:
         base = self.base.mapping.get("model")
         return {node.text for node in values or ([base] if base else [])} or {USUAL_MODEL}
 
-    def first_look(self) -> list[Case]:
+    def sample_cases(self) -> list[Case]:
         """Build a sample of the cases, which reveals most problems."""
         check_replaced(self.base, frozenset(self.key_paths.values()), self.case_problems)
         sample = (self.case(row) for row in self.rows(one_at_a_time(self.axes)))
         return [case for case in sample if case is not None]
 
-    def cases(self) -> list[tuple[Case, Swept]]:
+    def cases(self) -> list[tuple[Case, SweptValues]]:
         """Build the distinct cases, with their swept values; add the problems of invalid ones."""
-        cases: dict[str, tuple[Case, Swept]] = {}
+        cases: dict[str, tuple[Case, SweptValues]] = {}
         numbers: dict[str, int] = {}
-        order: list[int] = []
-        wrong = 0
+        indices: list[int] = []
+        invalid = 0
         for row in self.rows(rows_of(self.axes)):
             case = self.case(row)
             if case is not None:
-                name = identity(case)
-                if name not in cases:
-                    cases[name] = (case, self.swept(case, row))
-                order.append(numbers.setdefault(name, len(numbers)))
-            elif (wrong := wrong + 1) == MAX_WRONG:
+                key = identity(case)
+                if key not in cases:
+                    cases[key] = (case, self.swept(case, row))
+                indices.append(numbers.setdefault(key, len(numbers)))
+            elif (invalid := invalid + 1) == MAX_INVALID_CASES:
                 break
         if self.sampled_design is not None:
-            self.sampled_design = replace(self.sampled_design, cases=tuple(order))
+            self.sampled_design = replace(self.sampled_design, cases=tuple(indices))
         return list(cases.values())
 
-    def check_words(self) -> None:
+    def check_settings(self) -> None:
         """Add a problem if `where` excludes every case, or if no case is random although `repeat` is used."""
         if self.problems or self.case_problems:
             return
-        self.relations.dropped.clear()
-        once = [axis if axis.paths != ("seed",) else replace(axis, rows=axis.rows[:1]) for axis in self.axes]
-        cases = filter(None, map(self.case, self.rows(rows_of(once))))
+        self.relations.excluded.clear()
+        single_seed = [
+            axis if axis.paths != ("seed",) else replace(axis, rows=axis.rows[:1]) for axis in self.axes
+        ]
+        cases = filter(None, map(self.case, self.rows(rows_of(single_seed))))
         example = next(cases, None)
-        if example is None and self.relations.dropped:
-            self.problems.append(self.relations.nothing_left())
-        node = self.words.get("repeat")
+        if example is None and self.relations.excluded:
+            self.problems.append(self.relations.no_cases_problem())
+        node = self.settings.get("repeat")
         if node is not None and example is not None and not any(map(is_random, (example, *cases))):
             message = "repeat: nothing in this study depends on `seed`"
             advice = "only `excitation: random-impulses` and rollers with play in a free cage (`model: planar`) do"
@@ -303,37 +315,37 @@ class Plan:
     def otherwise(self, values: Mapping[str, str]) -> list[Case | None]:
         """Build the same cases with other values at some paths; None for an invalid case. The result is cached."""
         key = tuple(values.items())
-        if key not in self.others:
-            self.others[key] = self._otherwise(values)
-        return self.others[key]
+        if key not in self.variants:
+            self.variants[key] = self._otherwise(values)
+        return self.variants[key]
 
     def _otherwise(self, values: Mapping[str, str]) -> list[Case | None]:
-        other = Plan(self.base, self.folder, key_paths=dict(self.key_paths))
+        plan = Plan(self.base, self.folder, key_paths=dict(self.key_paths))
         mark = self.base.mark
-        key_paths = {path: other.key_path(path, mark) for path in values}
-        other.key_paths |= {path: key_path for path, key_path in key_paths.items() if key_path is not None}
-        fixed = [(path, Node(text, mark)) for path, text in values.items()]
+        key_paths = {path: plan.key_path(path, mark) for path in values}
+        plan.key_paths |= {path: key_path for path, key_path in key_paths.items() if key_path is not None}
+        changes = [(path, Node(text, mark)) for path, text in values.items()]
         cases: dict[str, Case | None] = {}
         for row in self.rows(rows_of(self.axes)):
             case = self.case(row)
             if case is not None:
-                kept = [pair for pair in row if self.key_paths[pair[0]] not in key_paths.values()]
-                cases.setdefault(identity(case), other.case(kept + fixed))
+                unchanged = [pair for pair in row if self.key_paths[pair[0]] not in key_paths.values()]
+                cases.setdefault(identity(case), plan.case(unchanged + changes))
         return list(cases.values())
 
     def rows(self, combinations: Iterable[Row]) -> Iterator[Row]:
         """Yield the combinations that `where` keeps, with their derived values; add problems of formulas."""
-        wrong = 0
+        invalid = 0
         for row in combinations:
             try:
-                more = self.relations.completed(self.tree(row)) if self.relations else []
-            except Valueless as error:
+                derived = self.relations.complete(self.tree(row)) if self.relations else []
+            except UndefinedValue as error:
                 self.case_problems.setdefault((mark_of(error.problem), "", "no value"), error.problem)
-                if (wrong := wrong + 1) == MAX_WRONG:
+                if (invalid := invalid + 1) == MAX_INVALID_CASES:
                     return
                 continue
-            if more is not None:
-                yield row + more
+            if derived is not None:
+                yield row + derived
 
     def tree(self, row: Row) -> Node:
         """Return the base tree with the values of one combination."""
@@ -354,9 +366,9 @@ class Plan:
             self.problems += error.problems
             return None
 
-    def swept(self, case: Case, row: list[tuple[str, Node]]) -> Swept:
+    def swept(self, case: Case, row: list[tuple[str, Node]]) -> SweptValues:
         """Return the swept values of a case by path: numbers in SI, all others as written."""
-        values: Swept = {}
+        values: SweptValues = {}
         for path, node in row:
             value, kind = value_at(case, self.key_paths[path]), dimension(path)
             if value is None and kind and not _is_word(path, node):
@@ -372,14 +384,18 @@ class Plan:
 
     def units(self) -> dict[str, str]:
         """Return the unit of the first value of each swept path; empty for words."""
-        firsts = {path: node for axis in self.axes for path, node in zip(axis.paths, axis.rows[0], strict=True)}
+        first_values = {
+            path: node for axis in self.axes for path, node in zip(axis.paths, axis.rows[0], strict=True)
+        }
         derived = {relation.path: relation.unit for relation in self.relations.derived}
-        return {path: _unit(path, node) for path, node in firsts.items()} | derived
+        return {path: _unit(path, node) for path, node in first_values.items()} | derived
 
     def all_problems(self) -> list[Problem]:
         """List all problems, except for missing values with an invalid sweep."""
-        wrong, problems = self.named - self.key_paths.keys(), self.case_problems.items()
-        return self.problems + [p for (_, path, kind), p in problems if not (kind == "missing" and path in wrong)]
+        invalid, problems = self.named_paths - self.key_paths.keys(), self.case_problems.items()
+        return self.problems + [
+            p for (_, path, kind), p in problems if not (kind == "missing" and path in invalid)
+        ]
 
 
 def _unit(path: str, node: Node) -> str:
@@ -388,11 +404,11 @@ def _unit(path: str, node: Node) -> str:
 
 def _is_word(path: str, node: Node) -> bool:
     """Return True for a word instead of a quantity, such as `auto` or a clearance class."""
-    return _is_no_quantity(path, node.text)
+    return _is_text(path, node.text)
 
 
 @lru_cache(maxsize=1 << 12)
-def _is_no_quantity(path: str, text: str) -> bool:
+def _is_text(path: str, text: str) -> bool:
     try:
         return dimension(path) is not None and not split(text)
     except UnitError:

@@ -20,47 +20,47 @@ SPEED_FACTOR = 1e6 * 1e-3 * 2.0 * pi / 60.0
 """rad/s m; limit of n d_m, 1e6 mm/min. Limiting speeds in catalogues (SKF: NU 210 ECP, 6205) are 0.6e6 to 0.7e6
 with oil; spindles and turbines above 1e6 use special cages and oil jets."""
 
-Range = tuple[Callable[[Case], float], Callable[[Case], str]]
+RangeCheck = tuple[Callable[[Case], float], Callable[[Case], str]]
 """Functions of a case: the ratio of a value to its limit, and the warning if it exceeds 1."""
 
 
-FEWEST_SAMPLES = 8.0
+MIN_SAMPLES = 8.0
 """Least samples of the record per crossing of a defect, for series and statistics to resolve the impact."""
 RECORD_SUFFIXES = (".rms", ".peak", ".crest", ".kurtosis")
 """Suffixes of the features that are statistics of the record."""
 
 
-def beyond(cases: Sequence[Case], drawn: Sequence[str]) -> Iterator[str]:
-    """Yield a warning for each exceeded limit, with the worst case and the count; drawn: features in figures."""
-    of_record = any(name.removesuffix("-healthy").endswith(RECORD_SUFFIXES) for name in drawn)
-    lines = dict.fromkeys(name.partition("@")[2].partition("-healthy")[0].partition(".")[0] for name in drawn)
-    sampled = partial(highest_line, drawn=[name for name in lines if name in LINES])
-    ranges: tuple[Range, ...] = (
+def range_warnings(cases: Sequence[Case], features: Sequence[str]) -> Iterator[str]:
+    """Yield a warning for each exceeded limit, with the worst case and the count; features: those plotted."""
+    plots_statistics = any(name.removesuffix("-healthy").endswith(RECORD_SUFFIXES) for name in features)
+    lines = dict.fromkeys(name.partition("@")[2].partition("-healthy")[0].partition(".")[0] for name in features)
+    line = partial(highest_line, lines=[name for name in lines if name in LINES])
+    ranges: tuple[RangeCheck, ...] = (
         (lambda case: pressure(case) / RATED_PRESSURE[case.bearing.element], pressure_warning),
         (lambda case: load(case) / static_rating(case), load_warning),
         (lambda case: top_speed(case) * case.bearing.pitch_diameter / SPEED_FACTOR, speed_warning),
-        (lambda case: 2.0 * sampled(case)[0] / case.sampling, lambda case: line_warning(case, *sampled(case))),
-        (lambda case: coarseness(case) if of_record or asks_for_series(case) else 0.0, crossing_warning),
+        (lambda case: 2.0 * line(case)[0] / case.sampling, lambda case: line_warning(case, *line(case))),
+        (lambda case: coarseness(case) if plots_statistics or records_series(case) else 0.0, crossing_warning),
     )
     for ratio, warning in ranges:
-        over = [(value, number) for number, value in enumerate(map(ratio, cases)) if value > 1.0]
-        if over:
-            count = f" ({len(over)} of {len(cases)} cases)" if len(over) < len(cases) else ""
-            yield f"{WARNING}{warning(cases[max(over)[1]])}{count}"
+        exceeded = [(value, index) for index, value in enumerate(map(ratio, cases)) if value > 1.0]
+        if exceeded:
+            count = f" ({len(exceeded)} of {len(cases)} cases)" if len(exceeded) < len(cases) else ""
+            yield f"{WARNING}{warning(cases[max(exceeded)[1]])}{count}"
 
 
-def unheld(cases: Sequence[Case]) -> Iterator[str]:
+def omission_warnings(cases: Sequence[Case]) -> Iterator[str]:
     """Yield a warning for each effect that cases request and their model omits, with the last case's reason."""
     reasons: dict[tuple[str, str], list[str]] = {}
-    able: dict[tuple[str, str], str | None] = {}
+    models: dict[tuple[str, str], str | None] = {}
     for case in cases:
         for need in hierarchy.unmet_wishes(case):
             reasons.setdefault((case.model, need.what), []).append(need.why)
-            able.setdefault((case.model, need.what), hierarchy.least(case))
-    for (model, what), why in reasons.items():
-        count = f" ({len(why)} of {len(cases)})" if len(why) < len(cases) else ""
-        advice = f"; use `{able[model, what]}`" if able[model, what] not in (None, model) else ""
-        yield f"{WARNING}`{model}`{count} omits {what}: {why[-1]}{advice}"
+            models.setdefault((case.model, need.what), hierarchy.least(case))
+    for (model, effect), texts in reasons.items():
+        count = f" ({len(texts)} of {len(cases)})" if len(texts) < len(cases) else ""
+        advice = f"; use `{models[model, effect]}`" if models[model, effect] not in (None, model) else ""
+        yield f"{WARNING}`{model}`{count} omits {effect}: {texts[-1]}{advice}"
 
 
 # Contact pressure, static rating
@@ -95,8 +95,8 @@ def contact_pressure(bearing: Bearing, force: float) -> float:
     if bearing.roller_length is None:
         groove = float(bearing.inner_groove_radius or 0.0)
         return hertz.ball_on_race(E, nu, D_w, groove, R_i).pressure(force)
-    relative = 1.0 / (2.0 / D_w + 1.0 / R_i)
-    return hertz.line_pressure(force / bearing.roller_length, relative, hertz.effective_modulus(E, nu))
+    radius = 1.0 / (2.0 / D_w + 1.0 / R_i)
+    return hertz.line_pressure(force / bearing.roller_length, radius, hertz.effective_modulus(E, nu))
 
 
 def static_rating(case: Case) -> float:
@@ -107,10 +107,10 @@ def static_rating(case: Case) -> float:
     """
     b = case.bearing
     if b.roller_length is None:
-        rated = RATED_PRESSURE["ball"] / contact_pressure(b, 1.0)
-        return b.rollers * rated**3 / 5.0
-    share = 1.0 - b.roller_diameter / b.pitch_diameter
-    return 44.0 * share * b.rollers * (1e3 * b.roller_length) * (1e3 * b.roller_diameter)
+        force = RATED_PRESSURE["ball"] / contact_pressure(b, 1.0)
+        return b.rollers * force**3 / 5.0
+    factor = 1.0 - b.roller_diameter / b.pitch_diameter
+    return 44.0 * factor * b.rollers * (1e3 * b.roller_length) * (1e3 * b.roller_diameter)
 
 
 def pressure_warning(case: Case) -> str:
@@ -143,9 +143,9 @@ def speed_warning(case: Case) -> str:
 # Sampling
 
 
-def highest_line(case: Case, drawn: Sequence[str]) -> tuple[float, str]:
-    """Return frequency (Hz) and name of the highest line drawn, or by default of the defects' highest line."""
-    names = drawn or [FAULT_LINES[defect.race] for defect in case.defects] or ["BPFO"]
+def highest_line(case: Case, lines: Sequence[str]) -> tuple[float, str]:
+    """Return frequency (Hz) and name of the highest of ``lines``, or by default of the defects' lines."""
+    names = lines or [FAULT_LINES[defect.race] for defect in case.defects] or ["BPFO"]
     return max((frequency(case, name), name) for name in names)
 
 
@@ -162,7 +162,7 @@ def frequency(case: Case, name: str) -> float:
     )
 
 
-def asks_for_series(case: Case) -> bool:
+def records_series(case: Case) -> bool:
     """Return True if a case records a series other than the default."""
     return bool(set(case.record) - set(Case.model_fields["record"].default))
 
@@ -170,7 +170,7 @@ def asks_for_series(case: Case) -> bool:
 def coarseness(case: Case) -> float:
     """Return the ratio of FEWEST_SAMPLES to the samples of the shortest crossing; 0 without defects or filter."""
     crossing = shortest_crossing(case)
-    return FEWEST_SAMPLES / (crossing * case.sampling) if crossing < inf and case.antialias else 0.0
+    return MIN_SAMPLES / (crossing * case.sampling) if crossing < inf and case.antialias else 0.0
 
 
 def shortest_crossing(case: Case) -> float:
@@ -178,29 +178,29 @@ def shortest_crossing(case: Case) -> float:
     b, speed = case.bearing, top_speed(case)
     cage = kinematics.cage_speed(speed, b.roller_diameter, b.pitch_diameter)
     spin = 2.0 * pi * kinematics.ball_spin_frequency(speed, b.roller_diameter, b.pitch_diameter)
-    passing = {
+    speeds = {
         "outer": cage * (b.pitch_diameter + b.roller_diameter) / 2.0,
         "inner": (speed - cage) * (b.pitch_diameter - b.roller_diameter) / 2.0,
         "roller": spin * b.roller_diameter / 2.0,
     }
-    return min((d.width / passing[d.race] for d in case.defects if d.width is not None), default=inf)
+    return min((d.width / speeds[d.race] for d in case.defects if d.width is not None), default=inf)
 
 
 def crossing_warning(case: Case) -> str:
-    """Return the warning of a defect crossed in less than ``FEWEST_SAMPLES``."""
+    """Return the warning of a defect crossed in less than ``MIN_SAMPLES``."""
     crossing = shortest_crossing(case)
-    samples, wanted = crossing * case.sampling, FEWEST_SAMPLES / crossing
-    end, advice = f"{FLAT * case.sampling / 1e3:.2g} kHz", f"`sampling: {show(_rounded(wanted), 'kHz')}`"
+    samples, sampling = crossing * case.sampling, MIN_SAMPLES / crossing
+    end, advice = f"{FLAT * case.sampling / 1e3:.2g} kHz", f"`sampling: {show(_round_up(sampling), 'kHz')}`"
     return f"the record ends at {end} ({samples:.2g} samples per crossing); {advice} gives 8"
 
 
-def _rounded(hertz: float) -> float:
+def _round_up(frequency: float) -> float:
     """Round a frequency (Hz) up to two significant digits."""
-    unit = 10.0 ** (floor(log10(hertz)) - 1)
-    return ceil(hertz / unit) * unit
+    unit = 10.0 ** (floor(log10(frequency)) - 1)
+    return ceil(frequency / unit) * unit
 
 
-def line_warning(case: Case, hertz: float, name: str) -> str:
-    """Return the warning of a spectral line above half the sampling frequency; hertz: its frequency."""
+def line_warning(case: Case, frequency: float, name: str) -> str:
+    """Return the warning of a spectral line whose ``frequency`` (Hz) is above half the sampling frequency."""
     rate = show(case.sampling, "Hz", "frequency")
-    return f"{name} ({hertz:.4g} Hz) is above half of `sampling: {rate}`, so the record lacks it"
+    return f"{name} ({frequency:.4g} Hz) is above half of `sampling: {rate}`, so the record lacks it"

@@ -9,7 +9,7 @@ from graphlib import CycleError, TopologicalSorter
 
 from bearingsim.config.fields import Path
 from bearingsim.study.paths import dimension, node_at, put
-from bearingsim.study.words import Words
+from bearingsim.study.words import SweepSettings
 from bearingsim.text.expressions import PLAIN, TRUTH, Expression, ExpressionError, Kind, kind_of, kind_text, read
 from bearingsim.text.units import DISPLAY, EXPECTED, UnitError, display, parse
 from bearingsim.text.yamlfile import Node, Problem, problem
@@ -39,27 +39,27 @@ class Derived:
 
     def node(self, value: float) -> Node:
         """Return a value (SI) as written in a file, with 12 digits."""
-        kind, word = dimension(self.path), self.unit
-        number = display(value, word, kind) if kind else value
-        return Node(f"{number + 0.0:.12g} {word}".strip(), self.formula.node.mark, self.entry.key)
+        kind, unit = dimension(self.path), self.unit
+        number = display(value, unit, kind) if kind else value
+        return Node(f"{number + 0.0:.12g} {unit}".strip(), self.formula.node.mark, self.entry.key)
 
 
 @dataclass(frozen=True)
 class Relations:
     """Relations of a study: ``derived`` values in order of evaluation, and conditions ``where``.
 
-    dropped: number of cases excluded by each condition.
+    excluded: number of cases excluded by each condition.
     """
 
     derived: tuple[Derived, ...] = ()
     where: tuple[Expression, ...] = ()
     key_path: KeyPathOf = lambda path: ()
-    dropped: Counter[int] = field(default_factory=Counter)
+    excluded: Counter[int] = field(default_factory=Counter)
 
     def __bool__(self) -> bool:
         return bool(self.derived or self.where)
 
-    def completed(self, tree: Node) -> Row | None:
+    def complete(self, tree: Node) -> Row | None:
         """Compute the derived values of a case; None if a condition excludes the case. Raises Valueless."""
         row: Row = []
         for relation in self.derived:
@@ -68,28 +68,28 @@ class Relations:
             tree = put(tree, relation.key_path, node)
         for number, condition in enumerate(self.where):
             if not self._value("where", condition, tree):
-                self.dropped[number] += 1
+                self.excluded[number] += 1
                 return None
         return row
 
-    def nothing_left(self) -> Problem:
+    def no_cases_problem(self) -> Problem:
         """Return the problem of a study without cases, located at the condition that excludes most."""
-        (number, _), *_ = self.dropped.most_common(1)
-        count = self.dropped.total()
-        every = f"all {count} combinations are" if count > 1 else "the only combination is"
-        return problem(self.where[number].node.mark, f"where: {every} left out")
+        (number, _), *_ = self.excluded.most_common(1)
+        count = self.excluded.total()
+        subject = f"all {count} combinations are" if count > 1 else "the only combination is"
+        return problem(self.where[number].node.mark, f"where: {subject} left out")
 
-    def _value(self, what: str, formula: Expression, tree: Node) -> float:
+    def _value(self, label: str, formula: Expression, tree: Node) -> float:
         try:
             return formula.value(lambda path: _number(path, node_at(tree, self.key_path(path))))
         except ExpressionError as error:
             values = [(path, node_at(tree, self.key_path(path))) for path in dict(formula.names())]
             operands = ", ".join(f"{path} = {node.text}" for path, node in values if node is not None)
-            message = f"{what}: {error}" + (f", at {operands}" if operands else "")
-            raise Valueless(problem(error.mark, message, error.hint)) from None
+            message = f"{label}: {error}" + (f", at {operands}" if operands else "")
+            raise UndefinedValue(problem(error.mark, message, error.hint)) from None
 
 
-class Valueless(Exception):
+class UndefinedValue(Exception):
     """Error for a formula without a value in a case; ``problem``: the reason."""
 
     def __init__(self, reason: Problem) -> None:
@@ -117,21 +117,21 @@ def _number_of(path: str, text: str) -> float | None:
 
 
 def parse_relations(
-    words: Words, key_path: KeyPathOf, swept: Callable[[Path], bool], problems: list[Problem]
+    settings: SweepSettings, key_path: KeyPathOf, swept: Callable[[Path], bool], problems: list[Problem]
 ) -> Relations:
     """Parse `derived` and `where`; invalid entries are omitted, and their problems added.
 
     swept: function that returns True for a location that the study sweeps.
     """
-    derived = [_derived(path, node, key_path, swept, problems) for path, node in _entries(words, problems)]
-    where = [_condition(node, key_path, problems) for node in _conditions(words, problems)]
+    derived = [_derived(path, node, key_path, swept, problems) for path, node in _entries(settings, problems)]
+    where = [_condition(node, key_path, problems) for node in _conditions(settings, problems)]
     formulas = [formula for formula in derived if formula is not None]
     conditions = tuple(condition for condition in where if condition is not None)
-    return Relations(_in_order(formulas, key_path, problems), conditions, key_path)
+    return Relations(_sort(formulas, key_path, problems), conditions, key_path)
 
 
-def _entries(words: Words, problems: list[Problem]) -> Iterator[tuple[str, Node]]:
-    section = words.get("derived")
+def _entries(settings: SweepSettings, problems: list[Problem]) -> Iterator[tuple[str, Node]]:
+    section = settings.get("derived")
     if section is None:
         return
     if not isinstance(section.value, dict):
@@ -140,8 +140,8 @@ def _entries(words: Words, problems: list[Problem]) -> Iterator[tuple[str, Node]
     yield from section.mapping.items()
 
 
-def _conditions(words: Words, problems: list[Problem]) -> tuple[Node, ...]:
-    section = words.get("where")
+def _conditions(settings: SweepSettings, problems: list[Problem]) -> tuple[Node, ...]:
+    section = settings.get("where")
     if section is None:
         return ()
     if isinstance(section.value, dict):
@@ -160,8 +160,8 @@ def _derived(
 ) -> Derived | None:
     key = node.key or node.mark
     try:
-        where = key_path(path)
-        if swept(where):
+        location = key_path(path)
+        if swept(location):
             problems.append(problem(key, f"`{path}` is swept, and derived"))
             return None
         formula = read(node)
@@ -176,7 +176,7 @@ def _derived(
         expected = EXPECTED[expected_kind] if expected_kind else "a plain number"
         problems.append(problem(node.mark, f"derived.{path}: expected {expected}, and this is {kind_text(kind)}"))
         return None
-    return Derived(path, where, formula, node)
+    return Derived(path, location, formula, node)
 
 
 def _condition(node: Node, key_path: KeyPathOf, problems: list[Problem]) -> Expression | None:
@@ -200,22 +200,27 @@ def _kind(path: str, key_path: KeyPathOf) -> Kind:
     return kind_of(quantity) if quantity else PLAIN
 
 
-def _in_order(derived: list[Derived], key_path: KeyPathOf, problems: list[Problem]) -> tuple[Derived, ...]:
+def _sort(derived: list[Derived], key_path: KeyPathOf, problems: list[Problem]) -> tuple[Derived, ...]:
     """Sort derived values by dependence; add problems for duplicates and circular dependences."""
     by_key_path: dict[Path, Derived] = {}
     for value in derived:
         if value.key_path in by_key_path:
             problems.append(problem(value.entry.key or value.entry.mark, f"`{value.path}` is derived twice"))
         by_key_path.setdefault(value.key_path, value)
-    names = {where: [key_path(name) for name, _ in value.formula.names()] for where, value in by_key_path.items()}
-    needs = {where: [named for named in all_named if named in by_key_path] for where, all_named in names.items()}
+    names = {
+        location: [key_path(name) for name, _ in value.formula.names()] for location, value in by_key_path.items()
+    }
+    dependences = {
+        location: [operand for operand in operands if operand in by_key_path]
+        for location, operands in names.items()
+    }
     try:
-        return tuple(by_key_path[where] for where in TopologicalSorter(needs).static_order())
+        return tuple(by_key_path[location] for location in TopologicalSorter(dependences).static_order())
     except CycleError as error:
-        circle = [by_key_path[where] for where in error.args[1][:0:-1]]  # each depends on the next
-        start = circle.index(min(circle, key=lambda value: list(by_key_path).index(value.key_path)))
-        top, *others = circle[start:] + circle[:start]
-        chain = ", which follows from ".join(f"`{value.path}`" for value in (*others, top))
-        message = f"derived: `{top.path}` depends on {chain}, which is circular"
-        problems.append(problem(top.entry.key or top.entry.mark, message))
+        cycle = [by_key_path[location] for location in error.args[1][:0:-1]]  # each depends on the next
+        start = cycle.index(min(cycle, key=lambda value: list(by_key_path).index(value.key_path)))
+        head, *others = cycle[start:] + cycle[:start]
+        chain = ", which follows from ".join(f"`{value.path}`" for value in (*others, head))
+        message = f"derived: `{head.path}` depends on {chain}, which is circular"
+        problems.append(problem(head.entry.key or head.entry.mark, message))
         return ()

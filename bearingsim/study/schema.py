@@ -23,12 +23,12 @@ from bearingsim.study.goal import EXCLUDED_KEYS, GOAL_FEATURES, STEP_REASON
 from bearingsim.study.load import NAME
 from bearingsim.study.paths import fields_at, known_paths
 from bearingsim.study.sweep import GENERATORS, MAX_VALUES
-from bearingsim.study.uncertainty import NONE, UNKNOWN, UNKNOWNS, Unknown
+from bearingsim.study.uncertainty import NONE, PARAMETER_KINDS, UNKNOWN, ParameterKind
 from bearingsim.text.units import UNITS
 
 _TEXT = {"type": ["string", "number", "boolean"]}
 BAND_NAME: Schema = {"type": "string", "pattern": bands.PATTERN}
-_NUMBERED = r"^defects\.[0-9]{1,4}"
+_NUMBERED_PATH = r"^defects\.[0-9]{1,4}"
 
 
 def schema_text() -> str:
@@ -48,20 +48,20 @@ def json_schema() -> Schema:
             return defect
         return _one_of(_ref(names, *field) for field in fields_at()[OLD_WORDS.get(path, path)])
 
-    shared = {
+    definitions = {
         "Feature": {"anyOf": [{"enum": list(PLOT_COLUMNS)}, BAND_NAME]},
-        "Path": {"anyOf": [{"enum": _paths()}, {"type": "string", "pattern": _NUMBERED}]},
+        "Path": {"anyOf": [{"enum": _paths()}, {"type": "string", "pattern": _NUMBERED_PATH}]},
         "Values": _path_mapping(_paths(), lambda path: _values(path, value_at(path))),
         "Ranges": _path_mapping(
-            filter(known_paths().get, known_paths()), lambda path: _shared(f"Range {_kind(path)}")
+            filter(known_paths().get, known_paths()), lambda path: _definition(f"Range {_kind(path)}")
         ),
-        "Generated whole": _generated({"type": "number"}),
+        "Generated whole": _generator({"type": "number"}),
     }
     for dimension in UNITS:
-        any_value = _shared(f"Any {dimension}")
-        shared |= {
+        any_value = _definition(f"Any {dimension}")
+        definitions |= {
             f"Any {dimension}": quantity_schema(dimension),
-            f"Generated {dimension}": _generated(any_value),
+            f"Generated {dimension}": _generator(any_value),
             f"Range {dimension}": _range(any_value),
         }
     return {
@@ -76,13 +76,20 @@ def json_schema() -> Schema:
             "accuracy": _accuracy(),
             "sweep": _sweep(required=["n", "over"]),
             "figures": {"type": "array", "items": _figure()},
-            "uncertainty": {"anyOf": [{"const": NONE}, _closed({w: _tried(u) for w, u in UNKNOWNS.items()})]},
+            "uncertainty": {
+                "anyOf": [
+                    {"const": NONE},
+                    _closed_mapping(
+                        {key: _uncertain_values(parameter) for key, parameter in PARAMETER_KINDS.items()}
+                    ),
+                ]
+            },
             "quick": _path_mapping(_paths(), value_at, {"sweep": _sweep(required=[])}),
         },
         "required": ["study"],
         "additionalProperties": False,
-        "allOf": [*_together(), *_needs()],
-        "$defs": sections | {name.replace(" ", "-"): schema for name, schema in shared.items()},
+        "allOf": [*_exclusions(), *_requirements()],
+        "$defs": sections | {name.replace(" ", "-"): schema for name, schema in definitions.items()},
     }
 
 
@@ -92,9 +99,9 @@ def json_schema() -> Schema:
 def _sections() -> tuple[dict[type[Section], str], dict[str, Schema]]:
     """Return the names of the sections with swept fields, and the schemas of all sections by name."""
     swept = dict.fromkeys(field.section for fields in fields_at().values() for field in fields)
-    refs, whole = models_json_schema([(section, "validation") for section in swept])
+    refs, document = models_json_schema([(section, "validation") for section in swept])
     names = {section: refs[section, "validation"]["$ref"].rpartition("/")[2] for section in swept}
-    sections = {name: _as_written(schema) for name, schema in whole["$defs"].items()}
+    sections = {name: _as_written(schema) for name, schema in document["$defs"].items()}
     for name in names.values():
         sections[name].pop("required", None)
     return names, sections
@@ -102,13 +109,13 @@ def _sections() -> tuple[dict[type[Section], str], dict[str, Schema]]:
 
 def _as_written(schema: Schema) -> Schema:
     """Remove the parts of a schema that apply to Python only: titles, defaults in SI, and None."""
-    kept = {key: value for key, value in schema.items() if key not in ("title", "default", "anyOf", "oneOf")}
-    if "properties" in kept:
-        kept["properties"] = {name: _as_written(inner) for name, inner in kept["properties"].items()}
-    if "items" in kept:
-        kept["items"] = _as_written(kept["items"])
+    reduced = {key: value for key, value in schema.items() if key not in ("title", "default", "anyOf", "oneOf")}
+    if "properties" in reduced:
+        reduced["properties"] = {name: _as_written(inner) for name, inner in reduced["properties"].items()}
+    if "items" in reduced:
+        reduced["items"] = _as_written(reduced["items"])
     choices = [_as_written(inner) for inner in schema.get("anyOf") or schema.get("oneOf") or ()]
-    return kept | (_one_of(choice for choice in choices if choice != {"type": "null"}) if choices else {})
+    return reduced | (_one_of(choice for choice in choices if choice != {"type": "null"}) if choices else {})
 
 
 def _one_of(choices: Iterable[Schema]) -> Schema:
@@ -117,7 +124,7 @@ def _one_of(choices: Iterable[Schema]) -> Schema:
     return flat[0] if len(flat) == 1 else {"anyOf": flat}
 
 
-def _closed(properties: Mapping[str, Schema], required: Iterable[str] = ()) -> Schema:
+def _closed_mapping(properties: Mapping[str, Schema], required: Iterable[str] = ()) -> Schema:
     """Return the schema of a mapping with these keys and no others."""
     schema = {"type": "object", "properties": dict(properties), "additionalProperties": False}
     return schema | ({"required": [*required]} if required else {})
@@ -136,7 +143,7 @@ def _ref(names: Mapping[type[Section], str], section: type[Section], name: str) 
     return {"$ref": f"{pointer}/properties/{name}"}
 
 
-def _shared(name: str) -> Schema:
+def _definition(name: str) -> Schema:
     return {"$ref": f"#/$defs/{name.replace(' ', '-')}"}
 
 
@@ -145,9 +152,11 @@ def _path_mapping(
 ) -> Schema:
     """Return the schema of a mapping with paths, numbered paths of defects, and ``more`` keys."""
     schemas = {path: schema(path) for path in paths}
-    of_defects = [path for path in schemas if path.split(".")[0] == "defect"]
-    numbered = {_NUMBERED + re.escape(path.removeprefix("defect")) + "$": schemas[path] for path in of_defects}
-    return _closed(schemas | dict(more)) | {"patternProperties": numbered}
+    defect_paths = [path for path in schemas if path.split(".")[0] == "defect"]
+    numbered = {
+        _NUMBERED_PATH + re.escape(path.removeprefix("defect")) + "$": schemas[path] for path in defect_paths
+    }
+    return _closed_mapping(schemas | dict(more)) | {"patternProperties": numbered}
 
 
 def _kind(path: str) -> str:
@@ -158,27 +167,32 @@ def _kind(path: str) -> str:
 
 def _values(path: str, value: Schema) -> Schema:
     """Return the schema of the values of a swept path: a list, or a generator for numbers."""
-    listed = {"type": "array", "items": value, "minItems": 1}
+    array = {"type": "array", "items": value, "minItems": 1}
     kind = _kind(path)
-    return _one_of([listed, _shared(f"Generated {kind}")] if kind else [listed])
+    return _one_of([array, _definition(f"Generated {kind}")] if kind else [array])
 
 
-def _generated(end: Schema) -> Schema:
-    third = dict.fromkeys(GENERATORS, whole_schema(2, MAX_VALUES)) | {"range": end}
-    return _one_of(_closed({word: _list_of(end, end, third[word])}, required=[word]) for word in GENERATORS)
+def _generator(number: Schema) -> Schema:
+    last = dict.fromkeys(GENERATORS, whole_schema(2, MAX_VALUES)) | {"range": number}
+    return _one_of(
+        _closed_mapping({generator: _list_of(number, number, last[generator])}, required=[generator])
+        for generator in GENERATORS
+    )
 
 
-def _range(end: Schema) -> Schema:
+def _range(number: Schema) -> Schema:
     """Return the schema of a range of a design: two bounds, or a distribution between them."""
-    two = _list_of(end, end)
-    return _one_of([two, _closed(dict.fromkeys((*DISTRIBUTIONS, "within"), two)) | {"minProperties": 1}])
+    bounds = _list_of(number, number)
+    return _one_of(
+        [bounds, _closed_mapping(dict.fromkeys((*DISTRIBUTIONS, "within"), bounds)) | {"minProperties": 1}]
+    )
 
 
 def _list_of(*items: Schema) -> Schema:
     return {"type": "array", "items": [*items], "minItems": len(items), "maxItems": len(items)}
 
 
-def _some(schema: Schema) -> Schema:
+def _one_or_many(schema: Schema) -> Schema:
     """Return the schema of one value, or a list of values."""
     return _one_of([schema, {"type": "array", "items": schema, "minItems": 1}])
 
@@ -188,38 +202,38 @@ def _some(schema: Schema) -> Schema:
 
 def _sweep(required: list[str]) -> Schema:
     """Return the schema of `sweep`; required: the keys of a design, which `quick` need not repeat."""
-    values = _shared("Values")
-    design = {"n": whole_schema(1, 10**99), "seed": whole_schema(0, MAX_SEED), "over": _shared("Ranges")}
+    values = _definition("Values")
+    design = {"n": whole_schema(1, 10**99), "seed": whole_schema(0, MAX_SEED), "over": _definition("Ranges")}
     formulas = {
         "type": "object",
-        "propertyNames": _shared("Path"),
+        "propertyNames": _definition("Path"),
         "additionalProperties": {"type": ["string", "number"]},
     }
-    words: dict[str, Schema] = {
+    settings: dict[str, Schema] = {
         "zip": _one_of([values, {"type": "array", "items": values}]),
-        **dict.fromkeys(KINDS, _closed(design, required)),
+        **dict.fromkeys(KINDS, _closed_mapping(design, required)),
         "derived": formulas,
         "where": _one_of([{"type": "string"}, {"type": "array", "items": {"type": "string"}}]),
         "repeat": whole_schema(1, MAX_VALUES),
     }
-    return _path_mapping(_paths(), lambda path: {"$ref": f"#/$defs/Values/properties/{path}"}, words)
+    return _path_mapping(_paths(), lambda path: {"$ref": f"#/$defs/Values/properties/{path}"}, settings)
 
 
 def _figure() -> Schema:
-    feature, path = _shared("Feature"), _shared("Path")
+    feature, path = _definition("Feature"), _definition("Path")
     keys = {
-        "y": _some(feature),
+        "y": _one_or_many(feature),
         "x": path,
-        "by": _some(path),
-        "panels": _some(path),
+        "by": _one_or_many(path),
+        "panels": _one_or_many(path),
         "where": {"type": "object", "propertyNames": path},
         "title": _TEXT,
-        "log": _some({"enum": ["x", "y"]}),
+        "log": _one_or_many({"enum": ["x", "y"]}),
     }
-    return _closed(keys, required=["y", "x"])
+    return _closed_mapping(keys, required=["y", "x"])
 
 
-def _tried(unknown: Unknown) -> Schema:
+def _uncertain_values(unknown: ParameterKind) -> Schema:
     if unknown.choices:
         return {"const": UNKNOWN}
     value = quantity_schema(unknown.dimension, POSITIVE if unknown.positive else "")
@@ -231,8 +245,8 @@ def _accuracy() -> Schema:
     return _one_of(
         [
             share,
-            _closed(
-                {"within": share, "of": _some({"anyOf": [{"enum": list(GOAL_FEATURES)}, BAND_NAME]})},
+            _closed_mapping(
+                {"within": share, "of": _one_or_many({"anyOf": [{"enum": list(GOAL_FEATURES)}, BAND_NAME]})},
                 required=["within"],
             ),
         ]
@@ -242,30 +256,32 @@ def _accuracy() -> Schema:
 # Dependencies between keys
 
 
-def _together() -> Iterator[Schema]:
+def _exclusions() -> Iterator[Schema]:
     """Yield the conditions on keys that exclude each other."""
-    for words in (("defect", "defects"), *OLD_WORDS.items()):
-        yield {"not": {"required": [*words]}}
-    beside = {path: {"const": AUTO} if why == STEP_REASON else False for path, why in EXCLUDED_KEYS.items()}
-    yield {"if": {"required": ["accuracy"]}, "then": {"properties": beside}}
+    for keys in (("defect", "defects"), *OLD_WORDS.items()):
+        yield {"not": {"required": [*keys]}}
+    excluded = {
+        path: {"const": AUTO} if reason == STEP_REASON else False for path, reason in EXCLUDED_KEYS.items()
+    }
+    yield {"if": {"required": ["accuracy"]}, "then": {"properties": excluded}}
 
 
-def _needs() -> Iterator[Schema]:
+def _requirements() -> Iterator[Schema]:
     """Yield the conditions on required keys of a study and its defect."""
     for name in _required(Case):
         yield _unless_swept({"required": [name]}, name)
     is_scan = {"properties": {"shape": {"const": "scan"}}, "required": ["shape"]}
     for name in _required(Defect):
-        of_defect = {"required": ["shape"]} if name == "shape" else _one_of([{"required": [name]}, is_scan])
+        defect = {"required": ["shape"]} if name == "shape" else _one_of([{"required": [name]}, is_scan])
         swept = ("defect", "defect.shape", f"defect.{name}")
-        yield _unless_swept({"properties": {"defect": of_defect}}, *swept)
+        yield _unless_swept({"properties": {"defect": defect}}, *swept)
 
 
 def _required(section: type[Section]) -> list[str]:
     return [name for name, field in section.model_fields.items() if field.is_required()]
 
 
-def _unless_swept(needed: Schema, *paths: str) -> Schema:
-    """Require the schema ``needed`` unless the sweep may set one of the paths."""
-    setting = [{"required": [word]} for word in (*paths, "zip", "derived", *KINDS)]
-    return {"if": {"properties": {"sweep": {"not": {"anyOf": setting}}}}, "then": needed}
+def _unless_swept(schema: Schema, *paths: str) -> Schema:
+    """Require the schema ``schema`` unless the sweep may set one of the paths."""
+    setters = [{"required": [key]} for key in (*paths, "zip", "derived", *KINDS)]
+    return {"if": {"properties": {"sweep": {"not": {"anyOf": setters}}}}, "then": schema}

@@ -10,7 +10,7 @@ from itertools import product
 from bearingsim.config.fields import described
 from bearingsim.designs import KINDS
 from bearingsim.study.paths import normal_form
-from bearingsim.study.words import WORDS, named_by
+from bearingsim.study.words import SWEEP_SETTINGS, assigned_paths
 from bearingsim.text.units import UnitError, common_dimension, display, parse, split, suggestion
 from bearingsim.text.yamlfile import Node, Problem, plain, problem
 
@@ -39,17 +39,17 @@ def parse_sweep(sweep: Node, problems: list[Problem]) -> list[Axis]:
     if not isinstance(sweep.value, dict):
         problems.append(problem(sweep.mark, "sweep: expected a mapping such as `{load: [150 N, 300 N]}`"))
     axes = []
-    for key, node in ((key, node) for key, node in sweep.mapping.items() if key not in WORDS):
+    for key, node in ((key, node) for key, node in sweep.mapping.items() if key not in SWEEP_SETTINGS):
         for block in _blocks(key, node, problems):
             axes.append(_axis(block, problems))
     return [axis for axis in axes if axis is not None]
 
 
-def written_paths(sweep: Node) -> set[str]:
+def named_paths(sweep: Node) -> set[str]:
     """Return the paths named by a sweep section, valid or not."""
-    entries = {key: node for key, node in sweep.mapping.items() if key not in WORDS}
+    entries = {key: node for key, node in sweep.mapping.items() if key not in SWEEP_SETTINGS}
     blocks = [block for key, node in entries.items() for block in _blocks(key, node, [])]
-    return {path for block in blocks for path in block} | named_by(sweep.mapping)
+    return {path for block in blocks for path in block} | assigned_paths(sweep.mapping)
 
 
 def rows_of(axes: list[Axis]) -> Iterator[list[tuple[str, Node]]]:
@@ -58,9 +58,9 @@ def rows_of(axes: list[Axis]) -> Iterator[list[tuple[str, Node]]]:
         yield [pair for axis, row in zip(axes, rows, strict=True) for pair in zip(axis.paths, row, strict=True)]
 
 
-def dropped(axes: list[Axis], paths: Collection[str]) -> list[Axis]:
+def drop_paths(axes: list[Axis], paths: Collection[str]) -> list[Axis]:
     """Remove some paths from the axes."""
-    return [kept for axis in axes for kept in _remove_paths(axis, paths)]
+    return [remaining for axis in axes for remaining in _remove_paths(axis, paths)]
 
 
 def single_axis(path: str, entry: Node, problems: list[Problem]) -> Axis | None:
@@ -73,27 +73,27 @@ def is_sweep(node: Node) -> bool:
     return isinstance(node.value, tuple) or bool(node.mapping.keys() & GENERATORS.keys())
 
 
-def replaced(axes: list[Axis], new: Axis) -> list[Axis]:
+def replace_axis(axes: list[Axis], new: Axis) -> list[Axis]:
     """Replace all axes of the paths of ``new`` by it; append it if there are none."""
-    axes_left: list[Axis] = []
+    result: list[Axis] = []
     placed = False
     for axis in axes:
-        clashes = not set(map(normal_form, axis.paths)).isdisjoint(map(normal_form, new.paths))
-        if clashes and not placed:
-            axes_left.append(new)
+        overlaps = not set(map(normal_form, axis.paths)).isdisjoint(map(normal_form, new.paths))
+        if overlaps and not placed:
+            result.append(new)
             placed = True
-        axes_left += _remove_paths(axis, new.paths) if clashes else [axis]
-    return axes_left if placed else [*axes_left, new]
+        result += _remove_paths(axis, new.paths) if overlaps else [axis]
+    return result if placed else [*result, new]
 
 
 def _remove_paths(axis: Axis, paths: Collection[str]) -> list[Axis]:
     """Remove paths, in any spelling, from an axis; return an empty list if no path is left."""
-    gone = set(map(normal_form, paths))
-    kept = [i for i, path in enumerate(axis.paths) if normal_form(path) not in gone]
-    if not kept:
+    removed = set(map(normal_form, paths))
+    columns = [i for i, path in enumerate(axis.paths) if normal_form(path) not in removed]
+    if not columns:
         return []
-    rows = tuple(tuple(row[i] for i in kept) for row in axis.rows)
-    return [Axis(tuple(axis.paths[i] for i in kept), rows, tuple(axis.keys[i] for i in kept))]
+    rows = tuple(tuple(row[i] for i in columns) for row in axis.rows)
+    return [Axis(tuple(axis.paths[i] for i in columns), rows, tuple(axis.keys[i] for i in columns))]
 
 
 def _blocks(key: str, node: Node, problems: list[Problem]) -> list[dict[str, Node]]:
@@ -121,17 +121,17 @@ def _axis(entries: dict[str, Node], problems: list[Problem]) -> Axis | None:
 def _values(path: str, node: Node, problems: list[Problem]) -> tuple[Node, ...]:
     """Read the values of one entry. For an invalid entry, add a problem and return an empty tuple."""
     if "over" in node.mapping:
-        near = suggestion(path, KINDS) or f"known: {', '.join(KINDS)}"
-        problems.append(problem(node.key or node.mark, f"sweep: there is no design `{path}`", near))
+        hint = suggestion(path, KINDS) or f"known: {', '.join(KINDS)}"
+        problems.append(problem(node.key or node.mark, f"sweep: there is no design `{path}`", hint))
         return ()
     try:
-        return _listed(node) if isinstance(node.value, tuple) else _generated(node)
-    except Wrong as wrong:
-        problems.append(problem(wrong.node.mark, f"sweep.{path}: {wrong}", wrong.hint))
+        return _list_values(node) if isinstance(node.value, tuple) else _generate(node)
+    except EntryError as error:
+        problems.append(problem(error.node.mark, f"sweep.{path}: {error}", error.hint))
         return ()
 
 
-class Wrong(Exception):
+class EntryError(Exception):
     """Error for an invalid entry of a sweep; ``node``: its position, ``hint``: the remedy."""
 
     def __init__(self, node: Node, message: str, hint: str | None = None) -> None:
@@ -139,51 +139,55 @@ class Wrong(Exception):
         super().__init__(message)
 
 
-def _listed(node: Node) -> tuple[Node, ...]:
+def _list_values(node: Node) -> tuple[Node, ...]:
     if not node.items:
-        raise Wrong(node, "the list is empty")
+        raise EntryError(node, "the list is empty")
     return node.items
 
 
-def _generated(node: Node) -> tuple[Node, ...]:
-    words = list(node.mapping)
-    if len(words) != 1 or words[0] not in GENERATORS:
+def _generate(node: Node) -> tuple[Node, ...]:
+    keys = list(node.mapping)
+    if len(keys) != 1 or keys[0] not in GENERATORS:
         hint = f"write `[{node.text}]`" if isinstance(node.value, str) else None
-        near = suggestion(words[0], list(GENERATORS)) if words else ""
+        similar = suggestion(keys[0], list(GENERATORS)) if keys else ""
         expected = "expected a list, or `linspace`, `logspace` or `range` with three numbers"
-        raise Wrong(node, expected, near or hint)
-    arguments = node.mapping[words[0]]
+        raise EntryError(node, expected, similar or hint)
+    arguments = node.mapping[keys[0]]
     if len(arguments.items) != 3:
-        raise Wrong(arguments, f"expected three values, as in `{words[0]}: {_EXAMPLES[words[0]]}`")
-    return GENERATORS[words[0]](*arguments.items)
+        raise EntryError(arguments, f"expected three values, as in `{keys[0]}: {_EXAMPLES[keys[0]]}`")
+    return GENERATORS[keys[0]](*arguments.items)
 
 
 def number_in(node: Node, unit: str | None) -> tuple[float, str]:
     """Return the number of a quantity, in ``unit`` if given, and its unit as written. Raises Wrong."""
     if not isinstance(node.value, str):
-        raise Wrong(node, "expected a number with its unit")
+        raise EntryError(node, "expected a number with its unit")
     try:
-        number, word = split(node.value)
-        return (float(number), word) if unit in (None, word) else (_converted(node.value, word, str(unit)), word)
+        number, node_unit = split(node.value)
+        return (
+            (float(number), node_unit)
+            if unit in (None, node_unit)
+            else (_convert(node.value, node_unit, str(unit)), node_unit)
+        )
     except UnitError as error:
-        raise Wrong(node, f"expected {error.expected}, got `{node.value}`", error.hint) from None
+        raise EntryError(node, f"expected {error.expected}, got `{node.value}`", error.hint) from None
 
 
-def _converted(text: str, word: str, unit: str) -> float:
-    dimension = common_dimension(word, unit)
+def _convert(text: str, text_unit: str, unit: str) -> float:
+    dimension = common_dimension(text_unit, unit)
     if dimension is None:
         raise UnitError(text, f"the unit `{unit}` as in the first value")
     return display(parse(text, dimension), unit, dimension)
 
 
 def _count(node: Node) -> int:
-    written = isinstance(node.value, str) and re.fullmatch(r"\d{1,9}", node.value, re.ASCII)
-    if not written or not 2 <= int(node.text) <= MAX_VALUES:
-        raise Wrong(node, f"expected the number of values, from 2 to {MAX_VALUES}, got `{node.text}`")
+    is_number = isinstance(node.value, str) and re.fullmatch(r"\d{1,9}", node.value, re.ASCII)
+    if not is_number or not 2 <= int(node.text) <= MAX_VALUES:
+        raise EntryError(node, f"expected the number of values, from 2 to {MAX_VALUES}, got `{node.text}`")
     return int(node.text)
 
 
-def _interpolated(
+def _interpolate(
     start: Node, stop: Node, count: Node, interpolate: Callable[[float, float, float], float]
 ) -> tuple[Node, ...]:
     """Return ``count`` values from start to stop, inclusive."""
@@ -191,9 +195,9 @@ def _interpolated(
     b, _ = number_in(stop, unit)
     n = _count(count)
     if interpolate is _geometric and not (a > 0.0 and b > 0.0):
-        raise Wrong(stop if a > 0.0 else start, "logspace needs values above zero")
-    middle = [written(interpolate(a, b, i / (n - 1)), unit, start) for i in range(1, n - 1)]
-    return (start, *middle, stop)
+        raise EntryError(stop if a > 0.0 else start, "logspace needs values above zero")
+    inner = [number_node(interpolate(a, b, i / (n - 1)), unit, start) for i in range(1, n - 1)]
+    return (start, *inner, stop)
 
 
 def _linear(a: float, b: float, t: float) -> float:
@@ -204,10 +208,10 @@ def _geometric(a: float, b: float, t: float) -> float:
     return float(a * (b / a) ** t)
 
 
-def repeated(node: Node, problems: list[Problem]) -> list[Axis]:
+def repeat_axes(node: Node, problems: list[Problem]) -> list[Axis]:
     """Return the axis of `repeat: N`, the seeds 1 to N. For an invalid value, add a problem and return none."""
-    whole = isinstance(node.value, str) and re.fullmatch(r"\d{1,6}", node.value, re.ASCII)
-    if not whole or not 1 <= int(node.text) <= MAX_VALUES:
+    is_number = isinstance(node.value, str) and re.fullmatch(r"\d{1,6}", node.value, re.ASCII)
+    if not is_number or not 1 <= int(node.text) <= MAX_VALUES:
         message = f"sweep.repeat: expected a whole number from 1 to {MAX_VALUES}, got {described(plain(node))}"
         problems.append(problem(node.mark, message))
         return []
@@ -221,14 +225,14 @@ def _range(start: Node, stop: Node, step: Node) -> tuple[Node, ...]:
     h, _ = number_in(step, unit)
     steps = (b - a) / h if h else math.nan
     if not steps >= 0.0:
-        raise Wrong(step, f"a step of `{step.text}` does not lead from `{start.text}` to `{stop.text}`")
+        raise EntryError(step, f"a step of `{step.text}` does not lead from `{start.text}` to `{stop.text}`")
     if steps >= MAX_VALUES:
-        raise Wrong(step, f"a step of `{step.text}` makes more than {MAX_VALUES} values: use a larger one")
+        raise EntryError(step, f"a step of `{step.text}` makes more than {MAX_VALUES} values: use a larger one")
     count = math.floor(steps + 1e-9)
-    return (start, *(written(a + i * h, unit, start) for i in range(1, count + 1)))
+    return (start, *(number_node(a + i * h, unit, start) for i in range(1, count + 1)))
 
 
-def written(number: float, unit: str, source: Node) -> Node:
+def number_node(number: float, unit: str, source: Node) -> Node:
     """Return a number as written in a file, at the position of ``source``.
 
     It has 12 digits, as in the hashes of job ids, so that ids agree between machines.
@@ -237,8 +241,8 @@ def written(number: float, unit: str, source: Node) -> Node:
 
 
 GENERATORS: dict[str, Callable[[Node, Node, Node], tuple[Node, ...]]] = {
-    "linspace": partial(_interpolated, interpolate=_linear),
-    "logspace": partial(_interpolated, interpolate=_geometric),
+    "linspace": partial(_interpolate, interpolate=_linear),
+    "logspace": partial(_interpolate, interpolate=_geometric),
     "range": _range,
 }
 _EXAMPLES = {

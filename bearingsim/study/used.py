@@ -41,7 +41,7 @@ INACTIVE: dict[str, Any] = {
 OLD_NAMES = {new: old for old, new in OLD_WORDS.items()}
 """Deprecated names of keys, which ids still use so that renaming does not change the ids of results."""
 
-IN_SPACE: dict[str, tuple[str, ...]] = {
+SPATIAL_FIELDS: dict[str, tuple[str, ...]] = {
     "bearing": ("roller_profile", "flanges"),
     "contact": ("slices",),
     "cage": ("axial_clearance",),
@@ -54,7 +54,7 @@ SENSOR_ANGLE = "sensor.angle"
 """Path of the sensor's angle in the rig, a duplicate of `sensor_angle`."""
 
 
-def used(case: Case) -> dict[str, str]:
+def relevant_fields(case: Case) -> dict[str, str]:
     """Return the fields that affect a case's results, as JSON text with 12 significant digits, by name."""
     values = {OLD_NAMES.get(name, name): getattr(case, name) for name in Case.model_fields}
     texts = {
@@ -75,14 +75,14 @@ def used(case: Case) -> dict[str, str]:
 
 def is_random(case: Case) -> bool:
     """Return True if results depend on `seed`: with random impulses, or rollers with play in a free cage."""
-    loose = case.cage is not None and case.cage.motion == "free" and catalogue.MODELS[case.model].slips
-    return case.excitation == "random-impulses" or loose
+    has_play = case.cage is not None and case.cage.motion == "free" and catalogue.MODELS[case.model].slips
+    return case.excitation == "random-impulses" or has_play
 
 
 def _unused(name: str, case: Case) -> tuple[str, ...]:
     """List the paths within a field that do not affect the case's results."""
     sliced = catalogue.MODELS[case.model].sliced
-    paths = () if sliced else IN_SPACE.get(name, ())
+    paths = () if sliced else SPATIAL_FIELDS.get(name, ())
     if (
         name == "bearing"
         and not _uses_material(case)
@@ -113,7 +113,7 @@ def _text_of_plain(value: Any) -> str:
 @lru_cache(maxsize=1 << 16)
 def _text_of_section(name: str, section: Section, unused: tuple[str, ...]) -> str:
     """Return the JSON text of a section, cached because many cases share one."""
-    values = _remove_idle(section.model_dump(), INACTIVE.get(name))
+    values = _remove_inactive(section.model_dump(), INACTIVE.get(name))
     for path in unused:
         *sections, last = path.split(".")
         del reduce(getitem, sections, values)[last]
@@ -145,19 +145,21 @@ def extensions(case: Case) -> dict[str, str]:
     entries: list[catalogue.Entry] = [
         catalogue.MODELS[case.model],
         *(method for method in catalogue.METHODS.values() if method.name == case.method),
-        *(catalogue.LAWS[what][name] for what, name in laws.items()),
+        *(catalogue.LAWS[kind][name] for kind, name in laws.items()),
         *(catalogue.SHAPES[defect.shape] for defect in case.defects),
         *catalogue.FEATURES.values(),
     ]
-    used = any(catalogue.foreign(reference) for entry in entries for reference in catalogue.references(entry))
-    return {"extensions": catalogue.extension_digest()} if used else {}
+    uses_extension = any(
+        catalogue.foreign(reference) for entry in entries for reference in catalogue.references(entry)
+    )
+    return {"extensions": catalogue.extension_digest()} if uses_extension else {}
 
 
 def _uses_material(case: Case) -> bool:
     """Return True if results depend on the elastic constants, by a contact law or a flexible ring."""
     damping = getattr(case.contact.damping, "law", "")
-    used = catalogue.LAWS["stiffness"][case.contact.elastic_law], catalogue.LAWS["damping"][damping]
-    return case.rig.ring is not None or any(law.material for law in used)
+    laws = catalogue.LAWS["stiffness"][case.contact.elastic_law], catalogue.LAWS["damping"][damping]
+    return case.rig.ring is not None or any(law.material for law in laws)
 
 
 def _uses_pressure(case: Case) -> bool:
@@ -165,14 +167,14 @@ def _uses_pressure(case: Case) -> bool:
     return bool(case.defects) and case.excitation in ("pressure-share", "elastic-edge")
 
 
-def _remove_idle(value: Any, idle: Any) -> Any:
+def _remove_inactive(value: Any, inactive: Any) -> Any:
     """Remove the entries without effect from a mapping, or from each mapping of a list."""
     if isinstance(value, list | tuple):
-        return [_remove_idle(inner, idle) for inner in value]
-    if not isinstance(value, dict) or not isinstance(idle, dict):
+        return [_remove_inactive(inner, inactive) for inner in value]
+    if not isinstance(value, dict) or not isinstance(inactive, dict):
         return value
     return {
-        key: _remove_idle(inner, idle[key]) if isinstance(idle.get(key), dict) else inner
+        key: _remove_inactive(inner, inactive[key]) if isinstance(inactive.get(key), dict) else inner
         for key, inner in value.items()
-        if key not in idle or inner != idle[key]
+        if key not in inactive or inner != inactive[key]
     }

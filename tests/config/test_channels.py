@@ -4,7 +4,7 @@ import pytest
 
 from bearingsim.config import Case
 from bearingsim.config.channels import is_contact_force
-from bearingsim.study.used import used
+from bearingsim.study.used import relevant_fields
 
 
 @pytest.mark.parametrize(
@@ -39,4 +39,4 @@ def test_a_case_whose_forces_were_filtered_by_earlier_versions_is_another(
     record: list[str], antialias: bool, as_they_are: bool
 ) -> None:
     fields = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "record": record, "antialias": antialias}
-    assert (used(Case.model_validate(fields)).get("forces") == '"raw"') == as_they_are
+    assert (relevant_fields(Case.model_validate(fields)).get("forces") == '"raw"') == as_they_are

@@ -15,7 +15,7 @@ from bearingsim.simulation.choice import can_step, choice
 from bearingsim.store import case_of
 from bearingsim.store.names import flat_parameters, parameter_attributes
 from bearingsim.study import case_id, json_schema, load_study
-from bearingsim.study.uncertainty import acts
+from bearingsim.study.uncertainty import has_effect
 from tests.scenes.commands import type_
 from tests.scenes.study_text import Write
 
@@ -212,8 +212,8 @@ def test_auto_takes_no_implicit_method_for_a_ring_that_bends() -> None:
 
 
 def test_a_bracket_that_is_not_there_is_not_uncertain() -> None:
-    assert not acts("bracket", bent(bracket_stiffness="0 N/m"))
-    assert acts("bracket", bent())
+    assert not has_effect("bracket", bent(bracket_stiffness="0 N/m"))
+    assert has_effect("bracket", bent())
 
 
 # Refusals

@@ -8,7 +8,7 @@ import pytest
 
 from bearingsim.runner.promises import accuracy_notes, withdrawals
 from bearingsim.store.nearness import audit_results, error_bounds, scales, withdrawn_errors
-from bearingsim.study.uncertainty import RIGID
+from bearingsim.study.uncertainty import RIGID_RING
 
 LINE, RMS, FORCE = "velocity@BPFO", "velocity.rms", "outer_force.max"
 
@@ -129,7 +129,9 @@ def test_a_chaotic_line_whose_scatter_nothing_tells_has_no_sum() -> None:
 
 
 def test_no_sum_where_the_ring_is_only_assumed_to_be_rigid() -> None:
-    found = error_bounds(plan([LINE], {LINE: 0.03}) | {"assumptions": [RIGID]}, frame({LINE: [1.0, 2.0, 2.0]}))
+    found = error_bounds(
+        plan([LINE], {LINE: 0.03}) | {"assumptions": [RIGID_RING]}, frame({LINE: [1.0, 2.0, 2.0]})
+    )
     assert found["error"].isna().all()
     assert found["error.model"].tolist() == [0.03] * 3
 
@@ -205,7 +207,7 @@ def test_a_feature_on_no_curve_loses_its_own_case_alone() -> None:
 
 
 def test_what_an_audit_found_is_in_the_table_though_the_ring_is_only_assumed_to_be_rigid() -> None:
-    asked = plan([LINE], audits=AUDIT) | {"assumptions": [RIGID]}
+    asked = plan([LINE], audits=AUDIT) | {"assumptions": [RIGID_RING]}
     found = error_bounds(asked, frame({LINE: [1.0, 2.0, 2.0, 1.4]}))
     assert found["error"].iloc[:2].tolist() == pytest.approx([0.2, 0.2])
     assert math.isnan(found["error"].iloc[2])

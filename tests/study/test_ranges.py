@@ -9,7 +9,7 @@ import pytest
 from bearingsim import store
 from bearingsim.config import Case
 from bearingsim.study import StudyError, load_study
-from bearingsim.study.ranges import SPEED_FACTOR, contact_pressure, frequency, static_rating, unheld
+from bearingsim.study.ranges import SPEED_FACTOR, contact_pressure, frequency, omission_warnings, static_rating
 from tests.conftest import Write
 from tests.scenes.commands import type_
 
@@ -176,7 +176,7 @@ def test_every_need_of_quality_has_a_scene() -> None:
 def test_a_model_that_leaves_out_what_is_asked_for_is_named(need: str, model: str, has_it: bool) -> None:
     if model == "impulse" and need == "tilt":
         pytest.skip("impulses have no place along the roller, and refuse it")
-    found = list(unheld([of_model(model, ITALICS[need])]))
+    found = list(omission_warnings([of_model(model, ITALICS[need])]))
     named = [text for text in found if f"omits {ABILITY.get(need, need)}:" in text]
     assert len(named) == (not has_it)
     assert all(text.startswith(f"warning: `{model}` omits") and len(text) <= 100 for text in found)
@@ -190,7 +190,7 @@ def of_model(model: str, fields: dict[str, Any]) -> Case:
 
 def test_each_is_told_once_with_the_worst_and_how_many() -> None:
     cases = [of_model("ring", {"speed": f"{speed} rpm"}) for speed in (600, 6000, 9000)]
-    (text,) = unheld(cases)
+    (text,) = omission_warnings(cases)
     assert text.startswith("warning: `ring` (2 of 3) omits roller inertia: centrifugal force")
     assert text.endswith("; use `rollers`")
     assert len(text) <= 100

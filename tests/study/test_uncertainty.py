@@ -17,14 +17,20 @@ from bearingsim.runner.findings import variation_effects
 from bearingsim.store.spread import errors, spread, standard_error
 from bearingsim.store.table import job_frame
 from bearingsim.study import StudyError, case_id, json_schema, load_study
-from bearingsim.study.uncertainty import LARGEST_PART, SAMPLED_JOBS, USUAL, Uncertain, sampled
+from bearingsim.study.uncertainty import (
+    DEFAULT_DAMPING,
+    MAX_ADDED_SHARE,
+    SAMPLED_JOBS,
+    UncertainParameter,
+    sample_cases,
+)
 from tests.scenes.commands import type_
 from tests.scenes.study_text import BASE, Write
 
 US = 1e-6
 
 
-def uncertain(write: Write, said: str) -> tuple[Uncertain, ...]:
+def uncertain(write: Write, said: str) -> tuple[UncertainParameter, ...]:
     found = load_study(write(f"{BASE}uncertainty: {said}\n")).uncertainty
     assert found is not None
     return found
@@ -38,10 +44,10 @@ def test_two_values_stand_for_a_range_of_three(write: Write) -> None:
     damping, clearance, bracket = uncertain(
         write, "{damping: [10 us, 0.5 us], clearance: [-2 um, 10 um], bracket: [0.5, 2]}"
     )
-    assert [one.what for one in (damping, clearance, bracket)] == ["damping", "clearance", "bracket"]
+    assert [one.name for one in (damping, clearance, bracket)] == ["damping", "clearance", "bracket"]
     assert damping.values == pytest.approx((0.5e-6, math.sqrt(5.0) * US, 1e-5), rel=1e-12)
     assert clearance.values == pytest.approx((-2e-6, 4e-6, 1e-5), rel=1e-12)
-    assert bracket == Uncertain("bracket", (0.5, 1.0, 2.0))
+    assert bracket == UncertainParameter("bracket", (0.5, 1.0, 2.0))
 
 
 def test_more_values_are_taken_as_they_are_in_order(write: Write) -> None:
@@ -168,11 +174,11 @@ def test_a_large_study_tries_the_usual_damping_on_three_of_its_cases(write: Writ
     found = study.variations()
     assert len(study.planned()) == 90
     assert len({one.of for one in found}) == SAMPLED_JOBS == 3
-    assert [one.value for one in found] == list(USUAL.values) * 3
-    assert len(found) <= LARGEST_PART * 90
+    assert [one.value for one in found] == list(DEFAULT_DAMPING.values) * 3
+    assert len(found) <= MAX_ADDED_SHARE * 90
     assert [one.job.id for one in many(write, 45).variations()] == [one.job.id for one in found]
-    seeded = sampled([case.model_copy(update={"seed": 1}) for case in study.cases()], 90)
-    assert {case.load for case in seeded} != {case.load for case in sampled(study.cases(), 90)}
+    seeded = sample_cases([case.model_copy(update={"seed": 1}) for case in study.cases()], 90)
+    assert {case.load for case in seeded} != {case.load for case in sample_cases(study.cases(), 90)}
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from bearingsim.plots.plot import drawn
 from bearingsim.runner.findings import assumption_notes
 from bearingsim.store.table import job_frame
 from bearingsim.study import case_id, load_study
-from bearingsim.study.uncertainty import RIGID, SUPPORTS, UNKNOWNS, Uncertain
+from bearingsim.study.uncertainty import PARAMETER_KINDS, RIGID_RING, SUPPORTS, UncertainParameter
 from tests.scenes.commands import type_
 from tests.scenes.study_text import BASE, Write
 
@@ -35,7 +35,7 @@ def told(command: str, path: Path, code: int = 0) -> str:
 
 def test_four_supports_are_tried(write: Write) -> None:
     study = load_study(write(BASE + UNKNOWN))
-    assert study.uncertainty == (Uncertain("support", (1.0, 2.0, 3.0, 4.0)),)
+    assert study.uncertainty == (UncertainParameter("support", (1.0, 2.0, 3.0, 4.0)),)
     assert [one.value for one in study.variations()] == [1.0, 2.0, 3.0, 4.0]
     assert len({job.id for job in study.jobs()}) == 1 + 1 + 4  # the case, its twin, the supports
 
@@ -55,10 +55,10 @@ def test_all_else_is_that_of_the_job(write: Write) -> None:
 
 
 def test_supports_are_shown_by_their_names() -> None:
-    support = UNKNOWNS["support"]
+    support = PARAMETER_KINDS["support"]
     assert support.range_text([1.0, 3.0, 1.0]) == "point load, housing of 1e10 N/m/m"
-    assert support.tried_text("support", [1.0, 2.0, 3.0, 4.0]) == NAMES
-    assert UNKNOWNS["bracket"].tried_text("bracket", [0.5, 2.0]) == "bracket of 0.5 to 2"
+    assert support.text("support", [1.0, 2.0, 3.0, 4.0]) == NAMES
+    assert PARAMETER_KINDS["bracket"].text("bracket", [0.5, 2.0]) == "bracket of 0.5 to 2"
 
 
 @pytest.mark.parametrize(
@@ -172,7 +172,7 @@ def test_its_figure_has_a_band_from_the_least_to_the_largest(ran: tuple[Path, st
 )
 def test_a_rigid_ring_is_told_where_its_motion_is_read(write: Write, said: str, is_assumed: bool) -> None:
     text = BASE if not said.partition("sweep: {load")[1] else BASE.replace("load: 150 N\n", "")
-    assert load_study(write(f"{text}{said}\n")).assumptions.count(RIGID) == is_assumed
+    assert load_study(write(f"{text}{said}\n")).assumptions.count(RIGID_RING) == is_assumed
 
 
 def test_check_says_it_once(write: Write) -> None:
@@ -182,7 +182,7 @@ def test_check_says_it_once(write: Write) -> None:
 
 def test_a_run_and_its_provenance_say_it(write: Write) -> None:
     study = load_study(write(BASE))
-    assert store.provenance(study)["assumptions"] == RIGID
+    assert store.provenance(study)["assumptions"] == RIGID_RING
     assert "assumptions" not in store.provenance(load_study(write(f"{BASE}rig: {{ring: {{bends: false}}}}\n")))
 
 
@@ -190,6 +190,6 @@ def test_old_results_assume_nothing(ran: tuple[Path, str]) -> None:
     """Their plan does not speak of it."""
     plan = json.loads((ran[0] / "out" / "plan.json").read_text())
     frame = job_frame(ran[0] / "out")
-    assert RIGID in list(assumption_notes(plan | {"assumptions": [RIGID]}, frame))
+    assert RIGID_RING in list(assumption_notes(plan | {"assumptions": [RIGID_RING]}, frame))
     del plan["assumptions"]
-    assert RIGID not in list(assumption_notes(plan, frame))
+    assert RIGID_RING not in list(assumption_notes(plan, frame))
