@@ -61,7 +61,7 @@ def to_si(states: np.ndarray, Z: int) -> np.ndarray:
 
 def settings(quick: bool) -> Settings:
     """Return the installed peers with some tolerances."""
-    missing = peers.absent()
+    missing = peers.missing_peers()
     points = tuple(Setting(tolerance=tolerance) for tolerance in (QUICK_TOLERANCES if quick else TOLERANCES))
     peer_settings = {name: points for name, package in SOLVERS.items() if package not in missing}
     return peer_settings if quick else {**SCIPY_SETTINGS, **peer_settings}
@@ -77,7 +77,7 @@ def main() -> None:
     folder = options.out or Path("results") / ("bench-chart-quick" if options.quick else "bench-chart")
     peer_settings = settings(options.quick)
     external.SOLVERS.update({name: solver(name) for name in peer_settings if name in SOLVERS})
-    missing = {name: reason for name, reason in peers.absent().items() if name in SOLVERS.values()}
+    missing = {name: reason for name, reason in peers.missing_peers().items() if name in SOLVERS.values()}
     files = chart(None, [], options.quick, folder, options.jobs, {SCENE: peer_settings}, missing)
     print(*files, sep="\n")
     if not options.quick:

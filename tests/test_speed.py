@@ -22,7 +22,7 @@ from benchmarks.speed.timing import Measure
 def run(processor: str = "one", **measures: Measure) -> dict[str, Any]:
     """A run as its file is read back."""
     part = Section(measures=measures)
-    whole = {"machine": {"processor": processor}, "sections": {"steps": part.as_json()}}
+    whole = {"machine": {"processor": processor}, "sections": {"steps": part.to_json()}}
     read: dict[str, Any] = json.loads(json.dumps(whole))
     return read
 
@@ -36,34 +36,36 @@ class TestCompare:
 
     def test_a_loss_beyond_noise_is_flagged(self) -> None:
         (change,) = compare.changes(run(step=measure(1.15)), run(step=measure(1.0)))
-        assert change.lost
-        assert not change.won
+        assert change.is_loss
+        assert not change.is_gain
         assert str(change).startswith("LOSS  step: 1.15")
 
     def test_noise_is_not(self) -> None:
         (change,) = compare.changes(run(step=measure(1.15, noise=0.04)), run(step=measure(1.0, noise=0.04)))
-        assert not change.lost
+        assert not change.is_loss
 
     def test_a_change_that_is_too_small_is_not(self) -> None:
         (change,) = compare.changes(run(step=measure(1.09, noise=0.0)), run(step=measure(1.0, noise=0.0)))
-        assert not change.lost
+        assert not change.is_loss
 
     def test_a_gain_is_told(self) -> None:
         (change,) = compare.changes(run(step=measure(0.8)), run(step=measure(1.0)))
-        assert change.won
-        assert not change.lost
+        assert change.is_gain
+        assert not change.is_loss
 
     def test_a_slower_machine_is_no_loss(self) -> None:
         (change,) = compare.changes(run(step=measure(2.0, yardstick=2.0)), run(step=measure(1.0)))
         assert change.ratio == pytest.approx(1.0)
-        assert not change.lost
+        assert not change.is_loss
 
     def test_a_loss_on_a_faster_machine_is_one(self) -> None:
         (change,) = compare.changes(run(step=measure(0.8, yardstick=0.5)), run(step=measure(1.0)))
-        assert change.lost
+        assert change.is_loss
 
     def test_a_measure_that_is_gone_is_told(self) -> None:
-        assert compare.gone(run(step=measure(1.0)), run(step=measure(1.0), forces=measure(1.0))) == ["forces"]
+        assert compare.missing_measures(run(step=measure(1.0)), run(step=measure(1.0), forces=measure(1.0))) == [
+            "forces"
+        ]
 
     def test_the_exit_status_tells_of_a_loss(self, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
         old, slow, same = (tmp_path / f"{name}.json" for name in ("old", "slow", "same"))
@@ -95,7 +97,7 @@ class TestNumbers:
 
     def test_growth_over_the_bound_is_missed(self) -> None:
         section = Section()
-        section.grows("a step", "rollers", [8, 16, 32], [1.0, 2.2, 4.84])
+        section.add_growth("a step", "rollers", [8, 16, 32], [1.0, 2.2, 4.84])
         (target,) = section.targets
         assert not target.met
         assert target.found == pytest.approx(np.log2(2.2))
@@ -130,7 +132,7 @@ class TestNumbers:
             return 1.0
 
         with mock.patch.object(timing, "yardstick", return_value=0.5):
-            found = timing.measured({"one": one, "other": other}, rounds=3)
+            found = timing.measure_in_turns({"one": one, "other": other}, rounds=3)
         assert turns == ["one", "other"] * 4
         assert (found["one"].seconds, found["one"].yardstick, found["one"].rounds) == (3.0, 0.5, 3)
 
@@ -147,7 +149,7 @@ class TestAccuracy:
 
     @staticmethod
     def runs(method: str, errors: list[float], seconds: list[float], ours: bool) -> list[accuracy.Run]:
-        def found(error: float, took: float) -> accuracy.Found:
+        def found(error: float, took: float) -> accuracy.Result:
             return took, np.array(error)
 
         each = enumerate(zip(errors, seconds, strict=True))
@@ -194,7 +196,7 @@ class TestPeers:
             raise ImportError(f"No module named '{name}'")
 
         with mock.patch.object(peers, "import_module", gone):
-            found = Section(missing=peers.absent())
+            found = Section(missing=peers.missing_peers())
             model = assemble.model(case("rollers"))
             y, _ = assemble.start(case("rollers"), model)
             names = [name for name, _ in peers.solvers(peers.problem(model, y, np.array([1e-5])))]

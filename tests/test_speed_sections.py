@@ -33,30 +33,30 @@ def found_by(section: Callable[[Section], None]) -> Section:
     found = Section()
     section(found)
     assert found.lines()
-    json.dumps(found.as_json())
+    json.dumps(found.to_json())
     return found
 
 
 @pytest.fixture(autouse=True)
 def measured_once(monkeypatch):
     for module in (steps, accuracy, study, prices):
-        monkeypatch.setattr(module, "measured", once)
+        monkeypatch.setattr(module, "measure_in_turns", once)
 
 
 @pytest.mark.slow
 def test_steps(monkeypatch):
-    smaller(monkeypatch, steps, clocked=lambda *called: 1e-3, ROLLERS=(8, 16), SLICES=(6, 12))
-    assert set(steps.MOST) == {row[0] for row in found_by(steps.section).tables[0][2]}
+    smaller(monkeypatch, steps, cpu_time=lambda *called: 1e-3, ROLLERS=(8, 16), SLICES=(6, 12))
+    assert set(steps.MAX_RATIOS) == {row[0] for row in found_by(steps.section).tables[0][2]}
 
 
 def test_peers(monkeypatch):
-    def run(start: Any, method: Any, places: np.ndarray, instants: int, per: int = 1) -> accuracy.Found:
+    def run(start: Any, method: Any, places: np.ndarray, instants: int, per: int = 1) -> accuracy.Result:
         return 1.0, np.arange(2.0 * instants).reshape(2, -1)
 
     monkeypatch.setattr(accuracy.Start, "run", run)
     smaller(monkeypatch, accuracy.peers, solvers=lambda problem: [])
     smaller(monkeypatch, accuracy, FIXED={"verlet": (42,)}, PLANAR_FIXED={"verlet": (6,)}, TOLERANCES=(1e-3,))
-    smaller(monkeypatch, accuracy.peers, absent=lambda: {"exudyn": "not tried"})
+    smaller(monkeypatch, accuracy.peers, missing_peers=lambda: {"exudyn": "not tried"})
     assert {curve.scene for curve in found_by(accuracy.section).curves} == {"rollers", "planar"}
 
 
@@ -68,13 +68,15 @@ def test_study(monkeypatch):
         return dict.fromkeys(study.PHASES, 1e-3)
 
     smaller(monkeypatch, study, phases_of=phases_of, simulate=lambda case: None, peak_memory=lambda duration: 1e8)
-    smaller(monkeypatch, study, computed=lambda model, duration, jobs, workers: jobs, MANY=(2, 3), SHARED=2)
+    smaller(
+        monkeypatch, study, run_study=lambda model, duration, jobs, workers: jobs, JOB_COUNTS=(2, 3), SHARED_JOBS=2
+    )
     found_by(study.section)
-    assert asked == [model for model in study.MODELS for _ in range(study.EACH)]
+    assert asked == [model for model in study.MODELS for _ in range(study.CASES_PER_MODEL)]
 
 
 def test_a_study_is_computed_with_its_twins():
-    assert study.computed("ring", "10 ms", 2, workers=1) == 4
+    assert study.run_study("ring", "10 ms", 2, workers=1) == 4
 
 
 @pytest.mark.slow
@@ -85,13 +87,13 @@ def test_friction(monkeypatch):
 
 def test_start_up(monkeypatch):
     commands = {name: start_up.COMMANDS[name] for name in ("bearingsim --help", "bearingsim show")}
-    smaller(monkeypatch, start_up, COMMANDS=commands, MOST={"bearingsim show": 60.0}, ROUNDS=1)
+    smaller(monkeypatch, start_up, COMMANDS=commands, MAX_CPU={"bearingsim show": 60.0}, ROUNDS=1)
     assert [target.met for target in found_by(start_up.section).targets] == [True]
 
 
 def test_compiling(monkeypatch):
     own = compiling.process_time
-    smaller(monkeypatch, compiling, MOST={"static": 7.0}, process_time=lambda model, cache: own(model, {}))
+    smaller(monkeypatch, compiling, MAX_CPU={"static": 7.0}, process_time=lambda model, cache: own(model, {}))
     assert ("compile", "static") in found_by(compiling.section).prices
 
 
@@ -101,7 +103,7 @@ def test_first_run(monkeypatch):
 
 
 def test_prices(monkeypatch):
-    smaller(monkeypatch, prices, clocked=lambda *called: 1e-3, job_overhead=lambda: 1e-3)
+    smaller(monkeypatch, prices, cpu_time=lambda *called: 1e-3, job_overhead=lambda: 1e-3)
     monkeypatch.setattr(prices.Steps, "__call__", lambda steps: 1e-3 * steps.count)
     assert ("evaluation", "rollers") in found_by(prices.section).prices
 
@@ -110,7 +112,9 @@ def test_what_is_found_is_written_after_each_section(monkeypatch, tmp_path: Path
     def fails(found: Section) -> None:
         raise RuntimeError("no such case")
 
-    monkeypatch.setattr(bench, "SECTIONS", {"one": lambda found: found.table("a", ["b"], [[1.0]]), "two": fails})
+    monkeypatch.setattr(
+        bench, "SECTIONS", {"one": lambda found: found.add_table("a", ["b"], [[1.0]]), "two": fails}
+    )
     monkeypatch.setattr(sys, "argv", ["speed", "--out", str(tmp_path)])
     with pytest.raises(RuntimeError, match="no such case"):
         bench.main()

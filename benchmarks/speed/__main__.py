@@ -1,18 +1,18 @@
-"""How fast the program is, beside what the machine allows and what peers take.
+"""Speed of bearingsim, compared with the limits of the machine and with other codes.
 
     python -m benchmarks.speed [SECTION ...] [--out results/bench]
 
-    steps      a Verlet step over its contact forces; its cost against rollers and slices
+    steps      cost of a Verlet step relative to its contact forces, and against rollers and slices
     peers      CPU time at equal error: SciPy, CVODE, numbalsoda, EXUDYN
-    study      where the CPU time of jobs goes; many jobs, two workers, long records
-    friction   jobs with friction, and a study that names an accuracy
+    study      CPU time of the phases of a job; many jobs, two workers, long records
+    friction   jobs with friction, and a study with an accuracy
     start-up   commands that compute nothing
-    compiling  what a first use of each model takes
+    compiling  CPU time of the first use of each model
     first-run  the demo with an empty cache of compiled code
     prices     a proposal for bearingsim/simulation/prices.csv
 
 Writes bench.json, bench.md, bench.png and (with `prices`) prices.csv into the folder.
-``benchmarks/speed/compare.py`` holds bench.json against the baseline. docs/benchmarks.md says what it all means.
+``benchmarks/speed/compare.py`` compares bench.json with the baseline. See docs/benchmarks.md.
 """
 
 import argparse
@@ -51,46 +51,50 @@ SECTIONS: dict[str, Callable[[Section], None]] = {
 
 
 def main() -> None:
-    """Run the sections that are asked for, all by default."""
+    """Run the requested sections, by default all."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sections", nargs="*", metavar="SECTION", help=", ".join(SECTIONS))
     parser.add_argument("--out", type=Path, default=Path("results/bench"))
-    asked = parser.parse_args()
-    unknown = [name for name in asked.sections if name not in SECTIONS]
+    options = parser.parse_args()
+    unknown = [name for name in options.sections if name not in SECTIONS]
     if unknown:
         parser.error(f"no section `{unknown[0]}`: {', '.join(SECTIONS)}")
-    asked.out.mkdir(parents=True, exist_ok=True)
-    found = {}
-    for name in asked.sections or SECTIONS:
+    options.out.mkdir(parents=True, exist_ok=True)
+    sections = {}
+    for name in options.sections or SECTIONS:
         began = time.perf_counter()
-        found[name] = Section()
-        SECTIONS[name](found[name])
-        write(found, asked.out)  # after each: what fails later loses nothing
-        print(f"## {name} ({time.perf_counter() - began:.0f} s)", "", *found[name].lines(), sep="\n", flush=True)
-    print(f"Written: {', '.join(sorted(str(path) for path in asked.out.iterdir()))}")
+        sections[name] = Section()
+        SECTIONS[name](sections[name])
+        write(sections, options.out)  # after each section, in case a later one fails
+        print(
+            f"## {name} ({time.perf_counter() - began:.0f} s)", "", *sections[name].lines(), sep="\n", flush=True
+        )
+    print(f"Written: {', '.join(sorted(str(path) for path in options.out.iterdir()))}")
 
 
-def write(found: dict[str, Section], out: Path) -> None:
-    """What was found, as JSON, as text, as a chart, and the prices that follow."""
-    about = machine()
-    whole = {
-        "machine": about,
+def write(sections: dict[str, Section], out: Path) -> None:
+    """Write the results as JSON, text and chart, and the proposed prices."""
+    machine_info = machine()
+    report = {
+        "machine": machine_info,
         "peers": peers.versions(),
-        "sections": {k: part.as_json() for k, part in found.items()},
+        "sections": {k: section.to_json() for k, section in sections.items()},
     }
-    (out / "bench.json").write_text(json.dumps(whole, indent=1) + "\n")
-    told = [f"# {about['processor']}, commit {about['commit']}, {about['date']}", ""]
-    for name, part in found.items():
-        told += [f"## {name}", "", *part.lines()]
-    (out / "bench.md").write_text("\n".join(told))
-    chart.draw(found, out / "bench.png")
-    if "prices" in found:
-        rows = prices.proposal({key: value for part in found.values() for key, value in part.prices.items()})
+    (out / "bench.json").write_text(json.dumps(report, indent=1) + "\n")
+    text = [f"# {machine_info['processor']}, commit {machine_info['commit']}, {machine_info['date']}", ""]
+    for name, section in sections.items():
+        text += [f"## {name}", "", *section.lines()]
+    (out / "bench.md").write_text("\n".join(text))
+    chart.draw(sections, out / "bench.png")
+    if "prices" in sections:
+        rows = prices.proposal(
+            {key: value for section in sections.values() for key, value in section.prices.items()}
+        )
         prices.write(rows, out / "prices.csv")
 
 
 def machine() -> dict[str, Any]:
-    """What the run ran on."""
+    """Return processor, Python version, commit and date."""
     commit = subprocess.run(
         ["git", "describe", "--always", "--dirty"], capture_output=True, text=True, check=False
     )
@@ -103,9 +107,9 @@ def machine() -> dict[str, Any]:
 
 
 def processor() -> str:
-    """Its name, where it is told."""
-    told = Path("/proc/cpuinfo")
-    lines = told.read_text().splitlines() if told.exists() else []
+    """Return the CPU model name, or the architecture if the system does not report it."""
+    path = Path("/proc/cpuinfo")
+    lines = path.read_text().splitlines() if path.exists() else []
     names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
     return names[0] if names else platform.processor() or platform.machine()
 

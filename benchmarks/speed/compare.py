@@ -1,10 +1,10 @@
-"""Whether a run of the benchmark has lost speed beyond noise, against the committed baseline.
+"""Comparison of a benchmark run with the committed baseline.
 
     python -m benchmarks.speed.compare [NEW [BASELINE]]
 
-Seconds of two runs are not compared: clocks differ, and neighbours. Each measure stands over the yardstick of its
-own run, and two such ratios are compared. A loss is one beyond what both runs vary by between their rounds, and
-beyond LEAST. Exit status 1 if there is any.
+CPU times are not compared directly, because clock rates and the load by other processes differ. Each measure is
+divided by the yardstick of its own run, and these ratios are compared. A loss is an increase beyond the variation
+between rounds of both runs, and beyond MIN_NOISE. Exit code 1 if there is any.
 """
 
 import json
@@ -13,81 +13,88 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 RESULT, BASELINE = Path("results/bench/bench.json"), Path(__file__).with_name("baseline.json")
-LEAST = 0.1  # a smaller change is none: so much a loop depends on where it comes to lie in memory
-DOUBT = 2.0  # of the noise of both runs
+MIN_NOISE = 0.1  # smaller changes are due to the alignment of loops in memory
+NOISE_FACTOR = 2.0  # times the summed noise of both runs
 
 
 class Change(NamedTuple):
-    """A measure's cost over the baseline's (1), and how far from 1 it may lie by chance."""
+    """Cost of a measure relative to the baseline, and the largest random difference of this ratio from 1."""
 
     name: str
     ratio: float
     noise: float
 
     @property
-    def lost(self) -> bool:
-        """Whether it costs more, beyond noise."""
+    def is_loss(self) -> bool:
+        """Whether the cost has increased beyond noise."""
         return self.ratio > 1.0 + self.noise
 
     @property
-    def won(self) -> bool:
-        """Whether it costs less, beyond noise."""
+    def is_gain(self) -> bool:
+        """Whether the cost has decreased beyond noise."""
         return self.ratio < 1.0 / (1.0 + self.noise)
 
     def __str__(self) -> str:
-        word = "LOSS" if self.lost else "gain" if self.won else "same"
-        return f"{word}  {self.name}: {self.ratio:.2f} of the baseline (noise {self.noise:.0%})"
+        verdict = "LOSS" if self.is_loss else "gain" if self.is_gain else "same"
+        return f"{verdict}  {self.name}: {self.ratio:.2f} of the baseline (noise {self.noise:.0%})"
 
 
 def changes(new: dict[str, Any], old: dict[str, Any]) -> list[Change]:
-    """Of all measures that both runs have, the worst first."""
-    mine, theirs = measures(new), measures(old)
-    found = [
-        Change(name, cost(mine[name]) / cost(theirs[name]), noise(mine[name], theirs[name]))
-        for name in mine
-        if name in theirs
+    """List the changes of all measures of both runs, the largest first."""
+    new_measures, old_measures = measures(new), measures(old)
+    results = [
+        Change(
+            name,
+            cost(new_measures[name]) / cost(old_measures[name]),
+            noise(new_measures[name], old_measures[name]),
+        )
+        for name in new_measures
+        if name in old_measures
     ]
-    return sorted(found, key=lambda change: -change.ratio)
+    return sorted(results, key=lambda change: -change.ratio)
 
 
 def measures(run: dict[str, Any]) -> dict[str, Any]:
-    """All that a run has measured."""
-    return {name: one for part in run["sections"].values() for name, one in part["measures"].items()}
+    """Return all measures of a run."""
+    return {name: measure for section in run["sections"].values() for name, measure in section["measures"].items()}
 
 
-def cost(one: dict[str, float]) -> float:
-    """A measure over its yardstick."""
-    return one["seconds"] / one["yardstick"]
+def cost(measure: dict[str, float]) -> float:
+    """Divide a measure by its yardstick."""
+    return measure["seconds"] / measure["yardstick"]
 
 
-def noise(*both: dict[str, float]) -> float:
-    """How far two runs may lie apart by chance."""
-    return max(LEAST, DOUBT * sum(one["noise"] for one in both))
+def noise(*pair: dict[str, float]) -> float:
+    """Compute the largest relative difference of two measures by chance."""
+    return max(MIN_NOISE, NOISE_FACTOR * sum(measure["noise"] for measure in pair))
 
 
-def gone(new: dict[str, Any], old: dict[str, Any]) -> list[str]:
-    """Measures of the baseline that a section which was run no longer has."""
-    run = {"sections": {name: part for name, part in old["sections"].items() if name in new["sections"]}}
-    return sorted(set(measures(run)) - set(measures(new)))
+def missing_measures(new: dict[str, Any], old: dict[str, Any]) -> list[str]:
+    """List measures of the baseline that a section of the new run lacks."""
+    comparable = {
+        "sections": {name: section for name, section in old["sections"].items() if name in new["sections"]}
+    }
+    return sorted(set(measures(comparable)) - set(measures(new)))
 
 
 def main(arguments: list[str]) -> int:
-    """Print what has changed; 1 if speed was lost."""
+    """Print the changes; return 1 if there is a loss."""
     paths = [*map(Path, arguments), *(RESULT, BASELINE)[len(arguments) :]]
     new, old = (json.loads(path.read_text()) for path in paths)
     if new["machine"]["processor"] != old["machine"]["processor"]:
         print(
             f"The baseline is of another processor ({old['machine']['processor']}): small losses may be its own."
         )
-    found = changes(new, old)
-    for change in found:
-        if change.lost or change.won:
+    found_changes = changes(new, old)
+    for change in found_changes:
+        if change.is_loss or change.is_gain:
             print(change)
-    for name in gone(new, old):
+    for name in missing_measures(new, old):
         print(f"gone  {name}")
-    lost = sum(change.lost for change in found)
-    print(f"{len(found)} measures: {lost} lost, {sum(change.won for change in found)} won, the rest within noise")
-    return 1 if lost else 0
+    losses = sum(change.is_loss for change in found_changes)
+    gains = sum(change.is_gain for change in found_changes)
+    print(f"{len(found_changes)} measures: {losses} lost, {gains} won, the rest within noise")
+    return 1 if losses else 0
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The demo with an empty cache of compiled code and with a full one: CPU time and wall time of its commands."""
+"""CPU time and wall time of the demo, with an empty and a full cache of compiled code."""
 
 import os
 import tempfile
@@ -21,17 +21,17 @@ DEMO = (
     *(["plot", "{}/demo", "--kind", kind, "--job", "all", *SIGNAL] for kind in ("series", "envelope")),
 )
 """The commands of ``make demo``; {}: a folder for its results."""
-MOST_WALL, MOST_COMPILING = 35.0, 15.0  # s of wall time; CPU s of compiling, that of one model
+MAX_WALL, MAX_COMPILING = 35.0, 15.0  # s of wall time; CPU s of compiling, that of one model
 
 
-def section(found: Section) -> None:
+def section(report: Section) -> None:
     """Run the demo twice in one cache."""
     with tempfile.TemporaryDirectory() as cache:
         (first, first_wall), (warm, warm_wall) = (demo(cache) for _ in range(2))
     rows = [["empty", first, first_wall], ["full", warm, warm_wall]]
-    found.table("The demo, by its cache of compiled code", ["cache", "CPU s", "wall s"], rows)
-    found.targets.append(Target("wall s of the demo, empty cache", first_wall, at_most=MOST_WALL))
-    found.targets.append(Target("CPU s of the demo over a warm one", first - warm, at_most=MOST_COMPILING))
+    report.add_table("The demo, by its cache of compiled code", ["cache", "CPU s", "wall s"], rows)
+    report.targets.append(Target("wall s of the demo, empty cache", first_wall, at_most=MAX_WALL))
+    report.targets.append(Target("CPU s of the demo over a warm one", first - warm, at_most=MAX_COMPILING))
 
 
 def demo(cache: str) -> tuple[float, float]:
@@ -39,5 +39,5 @@ def demo(cache: str) -> tuple[float, float]:
     began = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         environment = os.environ | {"BEARINGSIM_CACHE": cache}
-        cpu = sum(cpu_seconds([word.format(folder) for word in words], ".", environment) for words in DEMO)
+        cpu = sum(cpu_seconds([word.format(folder) for word in arguments], ".", environment) for arguments in DEMO)
     return cpu, time.perf_counter() - began

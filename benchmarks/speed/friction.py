@@ -1,6 +1,6 @@
-"""What friction costs: jobs of the default `planar`, and cases of a study that names an accuracy.
+"""Cost of friction: jobs of the default `planar`, and cases of a study with an accuracy.
 
-Cage and rollers slip, so no motion repeats itself.
+Cage and rollers slip, so no response is periodic.
 """
 
 import tempfile
@@ -25,31 +25,34 @@ sweep: {{load: [{loads}]}}
 """
 
 
-def section(found: Section) -> None:
-    """Both."""
-    default_jobs(found)
-    accurate_study(found)
+def section(report: Section) -> None:
+    """Measure jobs and study."""
+    default_jobs(report)
+    accurate_study(report)
 
 
-def default_jobs(found: Section) -> None:
-    """Where the CPU time of a job of `planar` with friction goes, with its series."""
-    spent = {load: phases_of(case("planar", load=load, duration=DURATION)) for load in LOADS}
-    rows = [[load, *(1e3 * s for s in of.values()), 1e3 * sum(of.values())] for load, of in spent.items()]
-    found.table(f"CPU ms of a job of `planar` with friction ({DURATION})", ["load", *PHASES, "all"], rows)
+def default_jobs(report: Section) -> None:
+    """Report the CPU time of each phase of a job of `planar` with friction, with series."""
+    phases = {load: phases_of(case("planar", load=load, duration=DURATION)) for load in LOADS}
+    rows = [
+        [load, *(1e3 * seconds for seconds in times.values()), 1e3 * sum(times.values())]
+        for load, times in phases.items()
+    ]
+    report.add_table(f"CPU ms of a job of `planar` with friction ({DURATION})", ["load", *PHASES, "all"], rows)
 
 
-def accurate_study(found: Section) -> None:
-    """CPU time of a study of 2 % of line and RMS, its trials and imports included."""
+def accurate_study(report: Section) -> None:
+    """Report the CPU time of a study with 2 % accuracy of line and RMS, including trials and imports."""
     with tempfile.TemporaryDirectory() as folder:
-        written = Path(folder) / "study.yaml"
-        written.write_text(STUDY.format(duration=DURATION, loads=", ".join(LOADS)))
-        study = bearingsim.load_study(written)
+        path = Path(folder) / "study.yaml"
+        path.write_text(STUDY.format(duration=DURATION, loads=", ".join(LOADS)))
+        study = bearingsim.load_study(path)
         began = time.process_time()
         results = bearingsim.run(study, Path(folder) / "results", jobs=1, progress=False)
-        took = time.process_time() - began
+        cpu_s = time.process_time() - began
         if results.failures():
             raise RuntimeError(f"{len(results.failures())} jobs failed")
         jobs = len(results.planned)
-    rows = [[len(LOADS), jobs, took, took / len(LOADS)]]
-    head = ["cases", "jobs, with audits", "CPU s", "CPU s a case"]
-    found.table(f"A study of 2 % of line and RMS with friction ({DURATION})", head, rows)
+    rows = [[len(LOADS), jobs, cpu_s, cpu_s / len(LOADS)]]
+    columns = ["cases", "jobs, with audits", "CPU s", "CPU s a case"]
+    report.add_table(f"A study of 2 % of line and RMS with friction ({DURATION})", columns, rows)

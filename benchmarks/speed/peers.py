@@ -1,8 +1,8 @@
-"""The peers: other people's integrators on the right-hand side of our own `rollers`, and EXUDYN.
+"""Integrators of other packages, applied to the equations of our own `rollers`, and EXUDYN.
 
-Each integrator is handed the same compiled function, the same start, the same instants. It counts micrometres,
-metres a second and microseconds, so that one absolute tolerance suits all that it steps. EXUDYN carries the
-bearing of tests/independent/exudyn_planar.py with its own bodies and contacts. A peer that is not here is named.
+All integrators use the same compiled function, start and instants. Units are micrometres, metres per second and
+microseconds, so that one absolute tolerance suits all states. EXUDYN models the bearing of
+tests/independent/exudyn_planar.py with its own bodies and contacts. Packages that are not installed are reported.
 """
 
 import os
@@ -20,39 +20,39 @@ from numba.np.numpy_support import carray
 
 from bearingsim.core import layout as lay
 from bearingsim.core.models.interface import accelerations
-from benchmarks.speed.timing import clocked
+from benchmarks.speed.timing import cpu_time
 from tests.independent import exudyn_planar
 from tests.independent.planar import Coulomb
 
 PACKAGES = {"scipy": "scipy", "scikit-sundae": "sksundae", "numbalsoda": "numbalsoda", "exudyn": "exudyn"}
-"""Peers, and what is imported of each."""
-os.environ.setdefault("GFORTRAN_UNBUFFERED_ALL", "y")  # so that what Fortran tells is told, and silenced, at once
+"""Peers, and the module imported of each."""
+os.environ.setdefault("GFORTRAN_UNBUFFERED_ALL", "y")  # so that Fortran output is suppressed in time
 TOLERANCES = (1e-4, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7, 3e-8)
 MICRO = 1e-6
 
 
-def absent() -> dict[str, str]:
-    """The peers that are not here, and why."""
-    found = {}
+def missing_peers() -> dict[str, str]:
+    """Return the packages that cannot be imported, with the reason."""
+    reasons = {}
     for name, module in PACKAGES.items():
         try:
             import_module(module)
-        except (ImportError, OSError) as error:  # a wheel may be here, and not load
-            found[name] = f"{error} (`make bench-peers`)"
-    return found
+        except (ImportError, OSError) as error:  # an installed wheel may fail to load
+            reasons[name] = f"{error} (`make bench-peers`)"
+    return reasons
 
 
 def versions() -> dict[str, str]:
-    """Those that are here."""
-    gone = absent()
-    return {name: version(name) for name in PACKAGES if name not in gone}
+    """Return the versions of the installed packages."""
+    missing = missing_peers()
+    return {name: version(name) for name in PACKAGES if name not in missing}
 
 
 class Problem(NamedTuple):
-    """What a peer is handed: ``u`` = (places, um; velocities, m/s), rollers first, at t = 0; instants (us).
+    """Initial value problem for a peer.
 
-    derivatives(t, u, du, y): compiled; fills ``du`` and works in the buffer ``y``. ring: where in ``u`` the ring's
-    velocity stands.
+    u: (positions in um, velocities in m/s) at t = 0, rollers first; instants: us; derivatives(t, u, du, y):
+    compiled function that fills ``du``, with ``y`` as its buffer; ring: slice of ``u`` with the ring's velocity.
     """
 
     derivatives: Callable
@@ -63,10 +63,10 @@ class Problem(NamedTuple):
 
 
 def problem(model: Any, y: np.ndarray, instants: np.ndarray) -> Problem:
-    """The model's equations in the state ``y``; instants in s."""
+    """Formulate the equations of a model from the state ``y``; instants in s."""
     Z = int(model.bearing.Z)
-    places = np.array([lay.RADIAL + j for j in range(Z)] + [lay.POSITION + lay.X, lay.POSITION + lay.Y])
-    n = len(places)
+    rows = np.array([lay.RADIAL + j for j in range(Z)] + [lay.POSITION + lay.X, lay.POSITION + lay.Y])
+    n = len(rows)
 
     @numba.njit(error_model="numpy", fastmath={"contract"})
     def derivatives(t, u, du, y):
@@ -84,67 +84,67 @@ def problem(model: Any, y: np.ndarray, instants: np.ndarray) -> Problem:
         for k in range(2):
             du[n + Z + k] = MICRO * y[lay.ACCELERATION + k]
 
-    start = np.concatenate([y[places] / MICRO, y[lay.STATE + places]])
+    start = np.concatenate([y[rows] / MICRO, y[lay.STATE + rows]])
     return Problem(derivatives, start, y.copy(), instants / MICRO, slice(n + Z, n + Z + 2))
 
 
 Solver = Callable[[float], np.ndarray]
-"""From a tolerance to the states (n, N) at the instants."""
+"""Function from a tolerance to the states (n, N) at the instants."""
 
 
-def solvers(given: Problem) -> Iterator[tuple[str, Solver]]:
-    """All integrators that are here, by name."""
-    yield from _scipy(given)
-    gone = absent()
-    if "scikit-sundae" not in gone:
-        yield from _sundae(given)
-    if "numbalsoda" not in gone:
-        yield from _numbalsoda(given)
+def solvers(problem_: Problem) -> Iterator[tuple[str, Solver]]:
+    """Yield all installed integrators by name."""
+    yield from _scipy(problem_)
+    missing = missing_peers()
+    if "scikit-sundae" not in missing:
+        yield from _sundae(problem_)
+    if "numbalsoda" not in missing:
+        yield from _numbalsoda(problem_)
 
 
-def _scipy(given: Problem) -> Iterator[tuple[str, Solver]]:
+def _scipy(problem_: Problem) -> Iterator[tuple[str, Solver]]:
     from scipy.integrate import DOP853, LSODA, RK45, solve_ivp
 
     def rhs(t: float, u: np.ndarray) -> np.ndarray:
         du = np.empty_like(u)
-        given.derivatives(t, u, du, given.y)
+        problem_.derivatives(t, u, du, problem_.y)
         return du
 
     for method in (LSODA, DOP853, RK45):
 
         def solve(tolerance: float, method: Any = method) -> np.ndarray:
-            end = (0.0, float(given.instants[-1]))
-            found = solve_ivp(rhs, end, given.u, method, given.instants, rtol=tolerance, atol=tolerance)
-            if not found.success:
-                raise RuntimeError(found.message)
-            return found.y.T
+            end = (0.0, float(problem_.instants[-1]))
+            solution = solve_ivp(rhs, end, problem_.u, method, problem_.instants, rtol=tolerance, atol=tolerance)
+            if not solution.success:
+                raise RuntimeError(solution.message)
+            return solution.y.T
 
         yield f"SciPy {method.__name__}", solve
 
 
-def _sundae(given: Problem) -> Iterator[tuple[str, Solver]]:
+def _sundae(problem_: Problem) -> Iterator[tuple[str, Solver]]:
     from sksundae.cvode import CVODE
 
     def rhs(t: float, u: np.ndarray, du: np.ndarray) -> None:
-        given.derivatives(t, u, du, given.y)
+        problem_.derivatives(t, u, du, problem_.y)
 
     for name in ("Adams", "BDF"):
 
         def solve(tolerance: float, name: str = name) -> np.ndarray:
-            times = np.concatenate([[0.0], given.instants])
+            times = np.concatenate([[0.0], problem_.instants])
             integrator = CVODE(rhs, method=name, rtol=tolerance, atol=tolerance, max_num_steps=1_000_000)
-            found = integrator.solve(times, given.u)
-            if not found.success:
-                raise RuntimeError(found.message)
-            return found.y[1:]
+            solution = integrator.solve(times, problem_.u)
+            if not solution.success:
+                raise RuntimeError(solution.message)
+            return solution.y[1:]
 
         yield f"CVODE {name}", solve
 
 
-def _numbalsoda(given: Problem) -> Iterator[tuple[str, Solver]]:
+def _numbalsoda(problem_: Problem) -> Iterator[tuple[str, Solver]]:
     import numbalsoda
 
-    n, size, derivatives = len(given.u), len(given.y), given.derivatives
+    n, size, derivatives = len(problem_.u), len(problem_.y), problem_.derivatives
 
     @numba.cfunc(numbalsoda.lsoda_sig)
     def rhs(t, u, du, y):
@@ -154,36 +154,36 @@ def _numbalsoda(given: Problem) -> Iterator[tuple[str, Solver]]:
 
         def solve(tolerance: float, name: str = name) -> np.ndarray:
             integrate = getattr(numbalsoda, name)
-            times = np.concatenate([[0.0], given.instants])
-            with silence():  # Fortran tells on the standard output that the problem may be stiff
-                found, success = integrate(
-                    rhs.address, given.u, times, given.y, rtol=tolerance, atol=tolerance, mxstep=10_000_000
+            times = np.concatenate([[0.0], problem_.instants])
+            with suppress_stdout():  # Fortran prints that the problem may be stiff
+                states, success = integrate(
+                    rhs.address, problem_.u, times, problem_.y, rtol=tolerance, atol=tolerance, mxstep=10_000_000
                 )
             if not success:
                 raise RuntimeError("it gave up")
-            return found[1:]
+            return states[1:]
 
         yield f"numbalsoda {name}", solve
 
 
 @contextmanager
-def silence() -> Iterator[None]:
-    """Nothing reaches the standard output, whoever writes there."""
+def suppress_stdout() -> Iterator[None]:
+    """Redirect standard output to the null device, also for compiled code."""
     sys.stdout.flush()
-    kept = os.dup(1)
-    with open(os.devnull, "w") as nowhere:
-        os.dup2(nowhere.fileno(), 1)
+    stdout_copy = os.dup(1)
+    with open(os.devnull, "w") as devnull:
+        os.dup2(devnull.fileno(), 1)
     try:
         yield
     finally:
-        os.dup2(kept, 1)
-        os.close(kept)
+        os.dup2(stdout_copy, 1)
+        os.close(stdout_copy)
 
 
 def exudyn(step: float, solver: str, duration: float, sampling: float) -> tuple[float, np.ndarray]:
-    """CPU time (s) of EXUDYN's steps in the healthy bearing without friction; the ring's displacement (2, n), m.
+    """Compute the healthy bearing without friction by EXUDYN.
 
-    Not finite where its step was too long for it.
+    Returns CPU time (s) and displacement (2, n) (m) of the ring; NaN if the step was too long.
     """
     import exudyn as exu
 
@@ -191,14 +191,14 @@ def exudyn(step: float, solver: str, duration: float, sampling: float) -> tuple[
     scene = replace(exudyn_planar.HEALTHY, friction=Coulomb(0.0, 0.02), friction_tilts=False)
     run = exudyn_planar.prepared(scene, step, duration, sampling)
     try:
-        took = clocked(run.solve, solver)
+        cpu_s = cpu_time(run.solve, solver)
     except exu.SolverError:
         return float("nan"), np.full((2, 1), np.nan)
-    return took, run.displacement()[1]
+    return cpu_s, run.displacement()[1]
 
 
-def timed(given: Problem, solve: Solver, tolerance: float) -> tuple[float, np.ndarray]:
-    """CPU time (s) of a solver, and the ring's velocity (2, n), m/s."""
-    found: list[np.ndarray] = []
-    took = clocked(lambda: found.append(solve(tolerance)))
-    return took, found[0][:, given.ring].T
+def time_solver(problem_: Problem, solve: Solver, tolerance: float) -> tuple[float, np.ndarray]:
+    """Return the CPU time (s) of a solver, and the velocity (2, n) (m/s) of the ring."""
+    solutions: list[np.ndarray] = []
+    cpu_s = cpu_time(lambda: solutions.append(solve(tolerance)))
+    return cpu_s, solutions[0][:, problem_.ring].T

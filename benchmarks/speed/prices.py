@@ -1,8 +1,8 @@
-"""The prices by which the program estimates what a case costs, measured anew: a proposal, never put in place.
+"""Measurement of the prices from which the cost of a case is estimated; written as a proposal only.
 
-Prices are committed, so that `auto` chooses alike on every machine (``bearingsim/simulation/pricing.py``). What
-this section finds is written beside the report; what it cannot measure keeps its old number. Whoever takes a
-proposal over copies it by hand, and tells in the change log what `auto` chooses otherwise.
+Prices are committed, so that `auto` makes the same choices on every machine
+(``bearingsim/simulation/pricing.py``). The proposal is written beside the report; prices that cannot be measured
+keep their values. It is copied by hand, and changes of the choices of `auto` are listed in the changelog.
 """
 
 import csv
@@ -26,8 +26,8 @@ from bearingsim.simulation.pricing import TABLE
 from bearingsim.simulation.run_setup import monitor_of
 from benchmarks.speed.report import Prices, Section
 from benchmarks.speed.scenes import case
-from benchmarks.speed.study import SHORT, computed, phases_of
-from benchmarks.speed.timing import Task, clocked, measured
+from benchmarks.speed.study import SHORT, phases_of, run_study
+from benchmarks.speed.timing import Task, cpu_time, measure_in_turns
 
 MODELS = {
     "static": 100,
@@ -35,127 +35,129 @@ MODELS = {
     "rollers": 20_000,
     "planar": 10_000,
     "spatial": 1000,
-}  # evaluations a turn
-STEPPED = ("verlet", "dormand-prince", "dop853", "rodas", "backward-euler")
+}  # evaluations per turn
+METHOD_NAMES = ("verlet", "dormand-prince", "dop853", "rodas", "backward-euler")
 DURATION, INSTANTS = 0.02, (100, 1600)  # s, recorded of an adaptive method
-POWERED = {"law": "general", "coefficient": 100.0}
+GENERAL_DAMPING = {"law": "general", "coefficient": 100.0}
 ROUNDS, JOBS = 9, 60
-PLACES = np.array([*RING_MOTION, lay.Q_O, lay.Q_I])
+ROWS = np.array([*RING_MOTION, lay.Q_O, lay.Q_I])
 
 
 @jit
-def repeat_evaluations(model, t, y, times):
-    """The accelerations, so many times."""
-    for _ in range(times):
+def repeat_evaluations(model, t, y, count):
+    """Compute the accelerations ``count`` times."""
+    for _ in range(count):
         accelerations(model, t, y)
 
 
 class Evaluations:
-    """A model at rest, evaluated again and again."""
+    """Repeated evaluation of a model in equilibrium."""
 
     def __init__(self, model: str, **fields: Any) -> None:
-        given = case(model, **fields)
-        self.model, self.times = assemble.model(given), MODELS[model]
-        self.y, _ = assemble.start(given, self.model)
+        model_case = case(model, **fields)
+        self.model, self.count = assemble.model(model_case), MODELS[model]
+        self.y, _ = assemble.start(model_case, self.model)
 
     def __call__(self) -> float:
-        """CPU time (s) of one; of a slice, where there are any."""
-        took = clocked(repeat_evaluations, self.model, 0.0, self.y, self.times) / self.times
-        return took / (assemble.slices_of(self.model) or 1)
+        """Return the CPU time (s) of an evaluation, per slice if the model has slices."""
+        cpu_s = cpu_time(repeat_evaluations, self.model, 0.0, self.y, self.count) / self.count
+        return cpu_s / (assemble.slices_of(self.model) or 1)
 
 
 class Steps:
-    """``rollers`` stepped by a method as a run does it: monitored and recorded."""
+    """Integration of a model by a method as in a run, with monitor and recording."""
 
     def __init__(self, method: str, model: str = "rollers", instants: int = INSTANTS[0], **fields: Any) -> None:
-        given = case(model, method=method if model != "static" else None, **fields)
-        cut = time_grid.grid(given)
-        self.adaptive = assemble.is_adaptive(given)
+        model_case = case(model, method=method if model != "static" else None, **fields)
+        cut = time_grid.grid(model_case)
+        self.adaptive = assemble.is_adaptive(model_case)
         h = DURATION / instants if self.adaptive else cut.step
         self.count = instants if self.adaptive else max(1, round(DURATION / h))
-        self.model, self.method = assemble.model(given), assemble.method(given, h)
-        self.monitor = monitor_of(cut, choice.limits(given))._replace(max_evaluations=np.inf)
-        self.y, _ = assemble.start(given, self.model)
-        self.own_steps = float(self.count)
+        self.model, self.method = assemble.model(model_case), assemble.method(model_case, h)
+        self.monitor = monitor_of(cut, choice.limits(model_case))._replace(max_evaluations=np.inf)
+        self.y, _ = assemble.start(model_case, self.model)
+        self.steps_taken = float(self.count)
 
     def __call__(self) -> float:
-        """CPU time (s) of the run."""
-        y, out = self.y.copy(), np.empty((len(PLACES), self.count))
+        """Return the CPU time (s) of the run."""
+        y, out = self.y.copy(), np.empty((len(ROWS), self.count))
         if type(self.method) in prepare.types:
             prepare_first_step(self.method, self.model, 0.0, y)
-        ended: list[tuple] = []
-        took = clocked(lambda: ended.append(advance(self.method, self.model, self.monitor, 0, y, PLACES, out)))
-        if ended[0][1] != SUCCESS:
+        outcomes: list[tuple] = []
+        cpu_s = cpu_time(lambda: outcomes.append(advance(self.method, self.model, self.monitor, 0, y, ROWS, out)))
+        if outcomes[0][1] != SUCCESS:
             raise RuntimeError(f"{type(self.method).__name__} was stopped")
         if self.adaptive:
-            self.own_steps = float(y[lay.STEPS_TAKEN])
-        return took
+            self.steps_taken = float(y[lay.STEPS_TAKEN])
+        return cpu_s
 
 
-def section(found: Section) -> None:
-    """Measure what has a row and can be measured here."""
-    evaluated = {name: Evaluations(name) for name in MODELS if name != "static"}
-    balance, verlet = Steps("", "static"), Steps("verlet")
+def section(report: Section) -> None:
+    """Measure all prices that can be measured on this machine."""
+    evaluations = {name: Evaluations(name) for name in MODELS if name != "static"}
+    static, verlet = Steps("", "static"), Steps("verlet")
     plain, powered = (general_damping(m3) for m3 in (1.0, 1.5))
-    adaptive = {name: [Steps(name, instants=n) for n in INSTANTS] for name in STEPPED if METHODS[name].adaptive}
-    tasks: dict[str, Task] = {f"evaluation/{name}": one for name, one in evaluated.items()}
-    tasks |= {"run/static": balance, "run/verlet": verlet, "power/without": plain[0], "power/with": powered[0]}
-    tasks["run/rodas planar"] = in_planar = Steps("rodas", "planar", cage={"motion": "kinematic"})
-    tasks |= {
-        f"run/{name}, {n}": one for name, both in adaptive.items() for n, one in zip(INSTANTS, both, strict=True)
+    adaptive = {
+        name: [Steps(name, instants=n) for n in INSTANTS] for name in METHOD_NAMES if METHODS[name].adaptive
     }
-    took = measured(tasks, ROUNDS)
-    found.measures |= took
-    seconds = {name: one.seconds for name, one in took.items()}
+    tasks: dict[str, Task] = {f"evaluation/{name}": one for name, one in evaluations.items()}
+    tasks |= {"run/static": static, "run/verlet": verlet, "power/without": plain[0], "power/with": powered[0]}
+    tasks["run/rodas planar"] = planar = Steps("rodas", "planar", cage={"motion": "kinematic"})
+    tasks |= {
+        f"run/{name}, {n}": one for name, pair in adaptive.items() for n, one in zip(INSTANTS, pair, strict=True)
+    }
+    measures = measure_in_turns(tasks, ROUNDS)
+    report.measures |= measures
+    seconds = {name: one.seconds for name, one in measures.items()}
 
-    new: Prices = {("evaluation", name): seconds[f"evaluation/{name}"] for name in evaluated}
+    new: Prices = {("evaluation", name): seconds[f"evaluation/{name}"] for name in evaluations}
     new["evaluation", ""] = new["evaluation", "planar"]
-    new["evaluation", "static"] = seconds["run/static"] / balance.count
-    one = new["evaluation", "rollers"]
-    new["step", "verlet"] = seconds["run/verlet"] / verlet.count / one
+    new["evaluation", "static"] = seconds["run/static"] / static.count
+    unit = new["evaluation", "rollers"]
+    new["step", "verlet"] = seconds["run/verlet"] / verlet.count / unit
     new["power", ""] = (seconds["power/with"] - seconds["power/without"]) / (powered[1] - plain[1])
     records = []
-    for name, (few, many) in adaptive.items():
-        less, more = (seconds[f"run/{name}, {n}"] for n in INSTANTS)
-        records.append((more - less) / (many.count - few.count) / one)
-        new["step", name] = (less - records[-1] * few.count * one) / few.own_steps / one
+    for name, (short, long) in adaptive.items():
+        short_s, long_s = (seconds[f"run/{name}, {n}"] for n in INSTANTS)
+        records.append((long_s - short_s) / (long.count - short.count) / unit)
+        new["step", name] = (short_s - records[-1] * short.count * unit) / short.steps_taken / unit
     new["record", ""] = float(np.median(records))
-    recorded = new["record", ""] * new["evaluation", "planar"] * in_planar.count
-    new["step", "rodas planar"] = (seconds["run/rodas planar"] - recorded) / in_planar.own_steps
+    recorded = new["record", ""] * new["evaluation", "planar"] * planar.count
+    new["step", "rodas planar"] = (seconds["run/rodas planar"] - recorded) / planar.steps_taken
     new["step", "rodas planar"] /= new["evaluation", "planar"]
     new["job", ""] = job_overhead()
-    found.prices |= new
+    report.prices |= new
 
 
 def general_damping(m3: float) -> tuple[Task, int]:
-    """`rollers` with a power m3 in its damping: the CPU time of an evaluation, and the library's powers in it."""
-    law = {"contact": {"damping": POWERED | {"indentation_exponent": m3}}}
+    """Return a task that evaluates `rollers` with the damping exponent m3, and its number of power functions."""
+    law = {"contact": {"damping": GENERAL_DAMPING | {"indentation_exponent": m3}}}
     return Evaluations("rollers", **law), count_powers(case("rollers", **law))
 
 
 def job_overhead() -> float:
-    """CPU time (s) of a short job of a study outside its steps."""
+    """Return the CPU time (s) of a short job of a study outside its steps."""
     began = time.process_time()
-    jobs = computed("ring", SHORT, JOBS, workers=1)
-    whole = (time.process_time() - began) / jobs
-    spent = phases_of(case("ring", duration=SHORT))
-    return whole - spent["steps"] - spent["proof"]
+    jobs = run_study("ring", SHORT, JOBS, workers=1)
+    total = (time.process_time() - began) / jobs
+    phases = phases_of(case("ring", duration=SHORT))
+    return total - phases["steps"] - phases["proof"]
 
 
 def proposal(new: Prices) -> list[dict[str, str]]:
-    """The committed table with new numbers, each over the old one; what was not measured stays as it was.
+    """Return the committed table with new values and their ratios to the old ones; others are unchanged.
 
-    What has no row yet comes last: whether it gets one is for a person to decide.
+    Values without a row are added at the end, for a maintainer to decide.
     """
     with TABLE.open(newline="") as file:
         rows = list(csv.DictReader(file))
-    left = dict(new)
+    unused = dict(new)
     for row in rows:
-        value = left.pop((row["what"], row["name"]), None)
+        value = unused.pop((row["what"], row["name"]), None)
         row["new/old"] = "not measured" if value is None else f"{value / float(row['value']):.2f}"
         if value is not None:
             row["value"] = f"{value:.2g}"
-    for (what, name), value in left.items():
+    for (what, name), value in unused.items():
         unit = next((row["unit"] for row in rows if row["what"] == what), "")
         rows.append(dict(zip(rows[0], (what, name, f"{value:.2g}", unit, "make bench", "new row"), strict=True)))
     return rows

@@ -1,4 +1,4 @@
-"""What a section of the benchmark finds, as text and as JSON."""
+"""Results of a section of the benchmark, as text and as JSON."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 from benchmarks.speed.timing import Measure, exponent
 
-MOST_GROWTH = 1.05  # what doubles the work may double the cost, and little more
+MOST_GROWTH = 1.05  # largest exponent of the cost over the amount of work
 
 
 class Target(NamedTuple):
-    """A number that is to be at most, or at least, so much. ``doubt``: why it may say nothing here."""
+    """Bound of a number, above or below. ``doubt``: reason why the result may be meaningless."""
 
     name: str
     found: float
@@ -20,7 +20,7 @@ class Target(NamedTuple):
 
     @property
     def met(self) -> bool:
-        """Whether it is."""
+        """Whether the number is within its bounds."""
         low = self.at_least is None or self.found >= self.at_least
         return low and (self.at_most is None or self.found <= self.at_most)
 
@@ -31,11 +31,11 @@ class Target(NamedTuple):
 
 
 Prices = dict[tuple[str, str], float]
-"""Numbers for rows of ``bearingsim/simulation/prices.csv``, by what and name."""
+"""Values for rows of ``bearingsim/simulation/prices.csv``, by the columns `what` and `name`."""
 
 
 class Curve(NamedTuple):
-    """A work-precision curve: error against CPU seconds a simulated second; ours, or a peer's."""
+    """Work-precision curve: error against CPU time (s) per simulated second; ``ours`` or of a peer."""
 
     scene: str
     method: str
@@ -47,10 +47,10 @@ class Curve(NamedTuple):
 
 @dataclass
 class Section:
-    """What a section finds.
+    """Results of a section.
 
-    measures: what ``compare.py`` looks at; targets: what is to be reached; curves, bars: what the chart shows;
-    missing: peers that are not here, and why; prices: what is proposed.
+    measures: for ``compare.py``; targets: bounds; curves: for the chart; tables: title, columns and rows; missing:
+    packages that are not installed, with reasons; prices: proposed values.
     """
 
     measures: dict[str, Measure] = field(default_factory=dict)
@@ -60,37 +60,37 @@ class Section:
     missing: dict[str, str] = field(default_factory=dict)
     prices: Prices = field(default_factory=dict)
 
-    def table(self, title: str, head: list[str], rows: list[list[Any]]) -> None:
-        """Add a table; numbers are told to three digits."""
-        self.tables.append((title, head, rows))
+    def add_table(self, title: str, columns: list[str], rows: list[list[Any]]) -> None:
+        """Add a table; numbers are printed with three digits."""
+        self.tables.append((title, columns, rows))
 
-    def grows(self, what: str, size: str, sizes: Sequence[float], costs: Sequence[float]) -> None:
-        """Add how the cost of ``what`` grows with ``size``."""
+    def add_growth(self, name: str, size: str, sizes: Sequence[float], costs: Sequence[float]) -> None:
+        """Add a table and a target for the growth of the cost of ``name`` with ``size``."""
         power = exponent(sizes, costs)
         rows = [[n, 1e6 * cost] for n, cost in zip(sizes, costs, strict=True)]
-        self.table(f"CPU time of {what} against {size}: exponent {power:.2f}", [size, "us"], rows)
-        self.targets.append(Target(f"exponent of {what} in {size}", power, at_most=MOST_GROWTH))
+        self.add_table(f"CPU time of {name} against {size}: exponent {power:.2f}", [size, "us"], rows)
+        self.targets.append(Target(f"exponent of {name} in {size}", power, at_most=MOST_GROWTH))
 
     def lines(self) -> list[str]:
-        """The report, as Markdown."""
+        """Return the report as Markdown."""
         out: list[str] = []
-        for title, head, rows in self.tables:
-            out += [f"**{title}**", "", row_of(head), row_of(["---"] * len(head)), *map(row_of, rows), ""]
+        for title, columns, rows in self.tables:
+            out += [f"**{title}**", "", row_of(columns), row_of(["---"] * len(columns)), *map(row_of, rows), ""]
         out += [f"- {target}" for target in self.targets]
-        out += [f"- {peer} is not here: {why}" for peer, why in self.missing.items()]
+        out += [f"- {peer} is not here: {reason}" for peer, reason in self.missing.items()]
         return [*out, ""]
 
-    def as_json(self) -> dict[str, Any]:
-        """What a file keeps of it."""
+    def to_json(self) -> dict[str, Any]:
+        """Return the content for a JSON file."""
         return {
-            "measures": {name: one._asdict() for name, one in self.measures.items()},
-            "targets": [one._asdict() | {"met": one.met} for one in self.targets],
-            "curves": [one._asdict() for one in self.curves],
-            "tables": [{"title": title, "head": head, "rows": rows} for title, head, rows in self.tables],
+            "measures": {name: entry._asdict() for name, entry in self.measures.items()},
+            "targets": [entry._asdict() | {"met": entry.met} for entry in self.targets],
+            "curves": [entry._asdict() for entry in self.curves],
+            "tables": [{"title": title, "head": columns, "rows": rows} for title, columns, rows in self.tables],
             "missing": self.missing,
         }
 
 
 def row_of(cells: Sequence[Any]) -> str:
-    """A row of a Markdown table."""
+    """Format a row of a Markdown table."""
     return "| " + " | ".join(f"{cell:.3g}" if isinstance(cell, float) else str(cell) for cell in cells) + " |"

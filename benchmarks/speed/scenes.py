@@ -1,4 +1,4 @@
-"""The scenes that are timed: an NF308 at 1800 rpm and 150 N over a slot of 0.8 mm, chi = 50 s/m."""
+"""Scene that is timed: NF308 at 1800 rpm and 150 N with a slot of 0.8 mm, chi = 50 s/m."""
 
 from typing import Any
 
@@ -16,5 +16,5 @@ SCENE: dict[str, Any] = {
 
 
 def case(model: str, **fields: Any) -> Case:
-    """The scene by a model; ``fields``: others of a case."""
+    """Return the scene with a model; ``fields``: further fields of the case."""
     return Case.model_validate(SCENE | {"model": model} | fields)

@@ -1,4 +1,4 @@
-"""CPU time of commands that compute nothing: best of several processes, each with all that it imports.
+"""CPU time of commands that compute nothing: minimum over several processes, including imports.
 
     python -m benchmarks.speed.start_up --csv docs/data/start_up.csv
 
@@ -37,31 +37,37 @@ COMMANDS = {
     "bearingsim run, all done": ["run", "study.yaml", "--out", "results"],
     "bearingsim check": ["check", "study.yaml"],
 }
-MOST = {"bearingsim show": 0.5, "bearingsim plot, one figure": 1.5, "bearingsim check": 1.0}
-"""CPU time (s) that a command may take."""
+MAX_CPU = {"bearingsim show": 0.5, "bearingsim plot, one figure": 1.5, "bearingsim check": 1.0}
+"""Largest CPU time (s) of a command."""
 ROUNDS = 5
 
 
-def section(found: Section) -> None:
+def section(report: Section) -> None:
     """Time all commands."""
     seconds = start_ups()
-    found.table("Start-up, CPU s of a process", ["command", "CPU s"], [[name, s] for name, s in seconds.items()])
-    found.targets += [Target(f"CPU s of `{name}`", seconds[name], at_most=most) for name, most in MOST.items()]
+    report.add_table(
+        "Start-up, CPU s of a process", ["command", "CPU s"], [[name, cpu_s] for name, cpu_s in seconds.items()]
+    )
+    report.targets += [
+        Target(f"CPU s of `{name}`", seconds[name], at_most=max_cpu) for name, max_cpu in MAX_CPU.items()
+    ]
 
 
 def start_ups() -> dict[str, float]:
-    """Return the least CPU time (s) of each command; all take turns."""
+    """Return the least CPU time (s) of each command; the commands alternate."""
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "study.yaml").write_text(STUDY)
         cpu_seconds(["run", "study.yaml", "--jobs", "1", "--out", "results"], folder)
-        turns = [{name: cpu_seconds(words, folder) for name, words in COMMANDS.items()} for _ in range(ROUNDS)]
+        turns = [
+            {name: cpu_seconds(arguments, folder) for name, arguments in COMMANDS.items()} for _ in range(ROUNDS)
+        ]
     return {name: min(turn[name] for turn in turns) for name in COMMANDS}
 
 
-def cpu_seconds(words: list[str], folder: str, environment: Mapping[str, str] | None = None) -> float:
-    """Return the CPU time (s) of a command, with that of its workers; environment: its variables, or as here."""
+def cpu_seconds(arguments: list[str], folder: str, environment: Mapping[str, str] | None = None) -> float:
+    """Return the CPU time (s) of a command and its workers; environment: by default that of this process."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    command = [sys.executable, "-m", "bearingsim", *words]
+    command = [sys.executable, "-m", "bearingsim", *arguments]
     subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
@@ -75,7 +81,7 @@ def main() -> None:
     with path.open("w", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["command", "cpu_s", "at_most_s"])
-        table.writerows([name, f"{s:.2f}", MOST.get(name, "")] for name, s in seconds.items())
+        table.writerows([name, f"{s:.2f}", MAX_CPU.get(name, "")] for name, s in seconds.items())
 
 
 if __name__ == "__main__":

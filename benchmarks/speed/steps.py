@@ -1,7 +1,7 @@
-"""A step against its contact forces, and how it grows with rollers and slices.
+"""Cost of a step relative to its contact forces, and its growth with rollers and slices.
 
-The ceiling is the model's contact law in a bare loop: as many calls of ``normal_force`` as one evaluation makes,
-and nothing else. A Verlet step is timed bare, too: no monitor, no recording.
+The lower bound is the contact law of the model in a plain loop, with as many calls of ``normal_force`` as an
+evaluation. A Verlet step is timed without monitor and recording.
 """
 
 from typing import Any
@@ -21,18 +21,23 @@ from bearingsim.core.parameters import lanes
 from bearingsim.simulation import time_grid
 from benchmarks.speed.report import Section, Target
 from benchmarks.speed.scenes import DAMPING, case
-from benchmarks.speed.timing import Task, clocked, measured
+from benchmarks.speed.timing import Task, cpu_time, measure_in_turns
 
-MOST = {"ring": 3.0, "rollers": 1.6, "planar": 6.0, "spatial": 5.0}
-"""Models, and what a step of each may cost, over its contact forces."""
-LONG = {"ring": 20_000, "rollers": 20_000, "planar": 10_000, "spatial": 1000}  # steps, or times all forces, a turn
+MAX_RATIOS = {"ring": 3.0, "rollers": 1.6, "planar": 6.0, "spatial": 5.0}
+"""Largest cost of a step relative to its contact forces, by model."""
+COUNTS = {
+    "ring": 20_000,
+    "rollers": 20_000,
+    "planar": 10_000,
+    "spatial": 1000,
+}  # steps, or times all forces, a turn
 ROLLERS, SLICES = (8, 16, 32, 64), (6, 12, 24, 48)
-ROUNDS = 150  # of some milliseconds: neighbours come and go within a second
+ROUNDS = 150  # of some milliseconds, because disturbances last for about a second
 
 
 @generic
 def contact_forces(model: Any, y: np.ndarray) -> None:
-    """Every call of ``normal_force`` of one evaluation, over the approaches that the buffer holds."""
+    """Call ``normal_force`` for all contacts of an evaluation, with the approaches in the buffer."""
 
 
 @contact_forces.register(Ring)
@@ -62,46 +67,46 @@ def _forces_of_slices(model, y):
 
 
 @jit
-def repeat_forces(model, y, times):
-    """The contact forces, so many times."""
-    for _ in range(times):
+def repeat_forces(model, y, count):
+    """Compute the contact forces ``count`` times."""
+    for _ in range(count):
         contact_forces(model, y)
 
 
 @jit
-def repeat_steps(method, model, y, start, times):
-    """Steps from number ``start`` on."""
-    for n in range(start, start + times):
+def repeat_steps(method, model, y, start, count):
+    """Make ``count`` steps from number ``start``."""
+    for n in range(start, start + count):
         step(method, model, n * method.h, y)
 
 
-class Bare:
-    """A bearing that goes on, step by step, with every turn."""
+class SteppedBearing:
+    """Bearing whose motion is continued in every turn."""
 
     def __init__(self, model: str, rollers: int | None = None, **fields: Any) -> None:
-        given = case(model, method="verlet", **fields)
-        h = time_grid.grid(given).step
-        self.model = assemble.with_friction_lag(assemble.model(given), h)
-        if rollers is not None:  # only the arithmetic matters: they would not all fit
+        model_case = case(model, method="verlet", **fields)
+        h = time_grid.grid(model_case).step
+        self.model = assemble.with_friction_lag(assemble.model(model_case), h)
+        if rollers is not None:  # for the arithmetic only: they would not all fit
             self.model = self.model._replace(bearing=self.model.bearing._replace(Z=rollers))
-        self.y, _ = assemble.start(given, self.model)
-        self.method, self.taken, self.times = assemble.method(given, h), 0, LONG[model]
+        self.y, _ = assemble.start(model_case, self.model)
+        self.method, self.steps_taken, self.count = assemble.method(model_case, h), 0, COUNTS[model]
 
     def steps(self) -> float:
-        """CPU time (s) of a step."""
-        start, self.taken = self.taken, self.taken + self.times
-        took = clocked(repeat_steps, self.method, self.model, self.y, start, self.times)
+        """Return the CPU time (s) of a step."""
+        start, self.steps_taken = self.steps_taken, self.steps_taken + self.count
+        cpu_s = cpu_time(repeat_steps, self.method, self.model, self.y, start, self.count)
         if not np.isfinite(self.y[: lay.STATE]).all():
             raise RuntimeError("the motion is no longer finite")
-        return took / self.times
+        return cpu_s / self.count
 
     def forces(self) -> float:
-        """CPU time (s) of all contact forces of a step."""
-        return clocked(repeat_forces, self.model, self.y, self.times) / self.times
+        """Return the CPU time (s) of all contact forces of a step."""
+        return cpu_time(repeat_forces, self.model, self.y, self.count) / self.count
 
     @property
     def contacts(self) -> int:
-        """Contacts whose force an evaluation asks for."""
+        """Number of contact forces of an evaluation."""
         return (
             self.model.bearing.Z
             * (1 if isinstance(self.model, Ring) else 2)
@@ -109,30 +114,36 @@ class Bare:
         )
 
 
-def section(found: Section) -> None:
-    """Time all models, and other numbers of rollers and slices, in one group: a neighbour stays for seconds."""
-    bare = {name: Bare(name) for name in MOST}
-    numbers = {Z: Bare("rollers", rollers=Z, clearance="-1 um", defects=[]) for Z in ROLLERS}
-    cuts = [Bare("spatial", contact={"slices": n, "damping": DAMPING}) for n in SLICES]
-    sliced = {assemble.slices_of(one.model): one for one in cuts}
+def section(report: Section) -> None:
+    """Time all models, and other numbers of rollers and slices, in one group: disturbances last for seconds."""
+    bearings = {name: SteppedBearing(name) for name in MAX_RATIOS}
+    by_rollers = {Z: SteppedBearing("rollers", rollers=Z, clearance="-1 um", defects=[]) for Z in ROLLERS}
+    slice_bearings = [SteppedBearing("spatial", contact={"slices": n, "damping": DAMPING}) for n in SLICES]
+    by_slices = {assemble.slices_of(bearing.model): bearing for bearing in slice_bearings}
     tasks: dict[str, Task] = {}
-    for name, one in bare.items():
-        tasks |= {f"step/{name}": one.steps, f"forces/{name}": one.forces}
-    tasks |= {f"step/{Z} rollers": one.steps for Z, one in numbers.items()}
-    tasks |= {f"step/{n} slices": one.steps for n, one in sliced.items()}
-    found.measures |= measured(tasks, ROUNDS)
-    over_forces(found, bare)
-    for what, sizes in (("rollers", list(numbers)), ("slices", list(sliced))):
-        found.grows("a step", what, sizes, [found.measures[f"step/{n} {what}"].seconds for n in sizes])
+    for name, bearing in bearings.items():
+        tasks |= {f"step/{name}": bearing.steps, f"forces/{name}": bearing.forces}
+    tasks |= {f"step/{Z} rollers": bearing.steps for Z, bearing in by_rollers.items()}
+    tasks |= {f"step/{n} slices": bearing.steps for n, bearing in by_slices.items()}
+    report.measures |= measure_in_turns(tasks, ROUNDS)
+    compare_with_forces(report, bearings)
+    for quantity, sizes in (("rollers", list(by_rollers)), ("slices", list(by_slices))):
+        report.add_growth(
+            "a step", quantity, sizes, [report.measures[f"step/{n} {quantity}"].seconds for n in sizes]
+        )
 
 
-def over_forces(found: Section, bare: dict[str, Bare]) -> None:
-    """Each model's step over its contact forces."""
+def compare_with_forces(report: Section, bearings: dict[str, SteppedBearing]) -> None:
+    """Report each model's step relative to its contact forces."""
     rows = []
-    for name, one in bare.items():
-        step_s, forces_s = (found.measures[f"{what}/{name}"].seconds for what in ("step", "forces"))
+    for name, bearing in bearings.items():
+        step_s, forces_s = (report.measures[f"{quantity}/{name}"].seconds for quantity in ("step", "forces"))
         ratio = step_s / forces_s
-        rows.append([name, one.contacts, 1e9 * step_s, 1e9 * forces_s, 1e9 * forces_s / one.contacts, ratio])
-        found.targets.append(Target(f"{name}: a Verlet step over its contact forces", ratio, at_most=MOST[name]))
-    head = ["model", "contacts", "step, ns", "forces, ns", "ns a contact", "step/forces"]
-    found.table("A Verlet step", head, rows)
+        rows.append(
+            [name, bearing.contacts, 1e9 * step_s, 1e9 * forces_s, 1e9 * forces_s / bearing.contacts, ratio]
+        )
+        report.targets.append(
+            Target(f"{name}: a Verlet step over its contact forces", ratio, at_most=MAX_RATIOS[name])
+        )
+    columns = ["model", "contacts", "step, ns", "forces, ns", "ns a contact", "step/forces"]
+    report.add_table("A Verlet step", columns, rows)
