@@ -23,28 +23,30 @@ def selection_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[
     yield from accuracy["notes"]
     audits = _audits_by_job(plan, frame)
     if audits:
-        kept = sum(not any(audit.fails(accuracy["within"]) for audit in of_job) for of_job in audits.values())
-        worst = 100.0 * max(audit.off for of_job in audits.values() for audit in of_job)
+        passed = sum(
+            not any(audit.fails(accuracy["within"]) for audit in job_audits) for job_audits in audits.values()
+        )
+        worst = 100.0 * max(audit.difference for job_audits in audits.values() for audit in job_audits)
         yield (
-            f"audit: {kept} of {len(audits)} jobs computed again by their reference kept it;"
+            f"audit: {passed} of {len(audits)} jobs computed again by their reference kept it;"
             f" the worst is {worst:.2g} % off"
         )
     varied = {name.split(".")[1] for name in errors(plan, frame).columns}
-    unvaried = [what for what in PARAMETER_KINDS if what not in varied]
+    unvaried = [quantity for quantity in PARAMETER_KINDS if quantity not in varied]
     if unvaried:
         yield f"not included in the accuracy: {', '.join(unvaried)}"
 
 
 def withdrawals(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[str]:
     """Yield the worst result of failed audits, and the number of cases whose accuracy is withdrawn."""
-    refuted = store.withdrawn_errors(plan, frame)
-    if not refuted:
+    refuted_jobs = store.withdrawn_errors(plan, frame)
+    if not refuted_jobs:
         return
     accuracy = plan["accuracy"]
-    worst = max(store.audit_results(plan, frame), key=lambda audit: audit.off - audit.scatter)
-    cases = f"{len(refuted)} of {len(accuracy['jobs'])} cases"
-    off = f"{worst.feature} is {100.0 * worst.off:.2g} % off its reference"
-    yield f"accuracy of {_percent(accuracy)} withdrawn for {cases}: {off}"
+    worst = max(store.audit_results(plan, frame), key=lambda audit: audit.difference - audit.scatter)
+    cases = f"{len(refuted_jobs)} of {len(accuracy['jobs'])} cases"
+    text = f"{worst.feature} is {100.0 * worst.difference:.2g} % off its reference"
+    yield f"accuracy of {_percent(accuracy)} withdrawn for {cases}: {text}"
     yield f"  in job {worst.job}; `model: reference` in place of `accuracy` computes all by it"
 
 
@@ -53,20 +55,20 @@ def accuracy_notes(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[s
     accuracy = plan.get("accuracy")
     if accuracy is None:
         return
-    refuted, near = store.withdrawn_errors(plan, frame), store.error_bounds(plan, frame)
-    jobs = [job for job in accuracy["jobs"] if job not in refuted]
+    refuted_jobs, bounds = store.withdrawn_errors(plan, frame), store.error_bounds(plan, frame)
+    jobs = [job for job in accuracy["jobs"] if job not in refuted_jobs]
     done = [job for job in jobs if frame["status"].get(job) == "done"]
-    sums = near.loc[done, [*store.ERROR_PARTS]].sum(axis=1, skipna=False).dropna()
-    over = sums[sums > accuracy["within"]]
-    close = len(sums) - len(over)
-    others = f", the others within {100.0 * over.max():.2g} %" if len(over) else ""
-    if done and refuted:
-        yield f"of the other {len(done)} cases {close} are within {_percent(accuracy)} by their trials{others}"
+    total_errors = bounds.loc[done, [*store.ERROR_PARTS]].sum(axis=1, skipna=False).dropna()
+    exceeding = total_errors[total_errors > accuracy["within"]]
+    within = len(total_errors) - len(exceeding)
+    others = f", the others within {100.0 * exceeding.max():.2g} %" if len(exceeding) else ""
+    if done and refuted_jobs:
+        yield f"of the other {len(done)} cases {within} are within {_percent(accuracy)} by their trials{others}"
     elif done:
-        yield f"{close} of {len(done)} cases are within {_percent(accuracy)} of the reference, a model{others}"
-    yield from _remedies(near, over, accuracy)
-    if len(sums) < len(done):
-        yield f"{len(done) - len(sums)} chaotic cases: standard error of a line, and so accuracy, unknown"
+        yield f"{within} of {len(done)} cases are within {_percent(accuracy)} of the reference, a model{others}"
+    yield from _remedies(bounds, exceeding, accuracy)
+    if len(total_errors) < len(done):
+        yield f"{len(done) - len(total_errors)} chaotic cases: standard error of a line, and so accuracy, unknown"
 
 
 def _percent(accuracy: Mapping[str, Any]) -> str:
@@ -81,18 +83,20 @@ def _audits_by_job(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, 
     return audits
 
 
-def _remedies(near: "pd.DataFrame", over: "pd.Series[float]", accuracy: Mapping[str, Any]) -> Iterator[str]:
+def _remedies(bounds: "pd.DataFrame", exceeding: "pd.Series[float]", accuracy: Mapping[str, Any]) -> Iterator[str]:
     """Yield the number of cases that a longer record or a finer discretisation would bring within the accuracy.
 
-    near: parts of the error by job; over: total error of the cases that exceed the accuracy.
+    bounds: parts of the error by job; exceeding: total error of the cases that exceed the accuracy.
     """
-    parts = near.loc[over.index]
-    left = accuracy["within"] - parts[[name for name in store.ERROR_PARTS if name != "error.scatter"]].sum(axis=1)
+    parts = bounds.loc[exceeding.index]
+    margin = accuracy["within"] - parts[[name for name in store.ERROR_PARTS if name != "error.scatter"]].sum(
+        axis=1
+    )
     scatter = parts["error.scatter"]
-    longer = ((scatter / left) ** 2)[(left > 0.0) & (scatter > left)]
-    if len(longer):
-        yield f"  {len(longer)} more would be with {longer.max():.1f} times the `duration`"
+    length_factors = ((scatter / margin) ** 2)[(margin > 0.0) & (scatter > margin)]
+    if len(length_factors):
+        yield f"  {len(length_factors)} more would be with {length_factors.max():.1f} times the `duration`"
     nodes = parts["error.nodes"]
-    finer = int(((nodes > 0.0) & (over - nodes <= accuracy["within"])).sum())
-    if finer:
-        yield f"  {finer} more would be with more `contact.length_nodes` (slices, harmonics)"
+    finer_count = int(((nodes > 0.0) & (exceeding - nodes <= accuracy["within"])).sum())
+    if finer_count:
+        yield f"  {finer_count} more would be with more `contact.length_nodes` (slices, harmonics)"

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from bearingsim.study import Job, Study
 
 
-LEAST_PART = 0.1
+MIN_COMPRESSION = 0.1
 """Smallest expected ratio of compressed to uncompressed size of the series, for the check of disk space."""
 
 
@@ -96,45 +96,48 @@ def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, 
     store.FolderInUse, RepeatedWorkerDeaths, ScanError if the file of a scan is missing or has changed, and OSError
     if the folder cannot be written.
     """
-    started, wanted = time.perf_counter(), Options(**options)
+    started, run_options = time.perf_counter(), Options(**options)
     root = store.results_folder(study.name, study.quick, out)
     # The notes are collected first, because they read files that may be removed below.
-    notes = [*study.notes, *load(wanted.engine.notes)(study.cases())]
-    workers, connect = _workers(jobs), _joined(wanted.scheduler)
-    if wanted.fresh and workers > 1 and connect is None:
+    notes = [*study.notes, *load(run_options.engine.notes)(study.cases())]
+    workers, connect = _workers(jobs), _make_connector(run_options.scheduler)
+    if run_options.fresh and workers > 1 and connect is None:
         flag_for_workers()  # raises without shared memory, before results are deleted
-    with _prepared(root, study, wanted):
-        before = store.holdings(root).sealed if study.goal is not None else None  # trials may compute some jobs
-        setting = _choose_models(_Setting(root, study, wanted, workers, connect), started)
-        study, every = setting.study, setting.study.jobs()
-        ours = shard_of(every, wanted.shard)
-        store.store_scans(root, [job.case for job in every])
-        earlier = store.planned_jobs(root)
-        written = store.write_plan(root, study, every, notes)
-        plan = make_plan(root, ours, wanted.retry_failed, wanted.verify, before)
-        store.log(root, "run", study=study.name, jobs=len(ours), resumed=plan.resumed, shard=list(wanted.shard))
-        tally = Tally(root, command("run", study, root, "--retry-failed"), plan.failures, wanted.max_failures)
+    with _prepare(root, study, run_options):
+        # Trials may compute some jobs.
+        stored_before = store.holdings(root).sealed if study.goal is not None else None
+        setting = _choose_models(_Setting(root, study, run_options, workers, connect), started)
+        study, all_jobs = setting.study, setting.study.jobs()
+        own_jobs = shard_of(all_jobs, run_options.shard)
+        store.store_scans(root, [job.case for job in all_jobs])
+        earlier_jobs = store.planned_jobs(root)
+        plan_entries = store.write_plan(root, study, all_jobs, notes)
+        plan = make_plan(root, own_jobs, run_options.retry_failed, run_options.verify, stored_before)
+        store.log(
+            root, "run", study=study.name, jobs=len(own_jobs), resumed=plan.resumed, shard=list(run_options.shard)
+        )
+        tally = Tally(root, command("run", study, root, "--retry-failed"), plan.failures, run_options.max_failures)
         interrupted = 0
         try:
             if plan.todo:
                 _compute(setting, plan, tally, notes)
-        except KeyboardInterrupt as stop:
-            interrupted = getattr(stop, "number", signal.SIGINT)
+        except KeyboardInterrupt as interruption:
+            interrupted = getattr(interruption, "number", signal.SIGINT)
         store.sweep(root)
         store.build_table(root, plan.holdings.rows)
-        frame = store.plan_frame(root, written, plan.holdings.rows)
+        frame = store.plan_frame(root, plan_entries, plan.holdings.rows)
     seconds = time.perf_counter() - started
-    left_out = len((earlier & plan.holdings.sealed) - {job.id for job in every})
-    status = frame["status"].loc[[job.id for job in ours]]
-    if tally.full and (status == "missing").any():
-        notes.insert(0, early_end_note(tally.failed, wanted.max_failures))
+    unplanned = len((earlier_jobs & plan.holdings.sealed) - {job.id for job in all_jobs})
+    status = frame["status"].loc[[job.id for job in own_jobs]]
+    if tally.has_reached_limit and (status == "missing").any():
+        notes.insert(0, early_end_note(tally.failed, run_options.max_failures))
     all_notes = (
-        *_notes(left_out, plan.holdings.damaged),
-        *other_run_notes(root, written, tally.done_by_others),
+        *_folder_notes(unplanned, plan.holdings.damaged),
+        *other_run_notes(root, plan_entries, tally.done_by_others),
         *notes,
     )
     summary = tally.summary(
-        study.name, status, plan.resumed, seconds, interrupted, all_notes, findings(written, frame)
+        study.name, status, plan.resumed, seconds, interrupted, all_notes, findings(plan_entries, frame)
     )
     store.log(root, "interrupted" if interrupted else "end", done=summary.done, failed=summary.failed)
     if interrupted:
@@ -144,41 +147,47 @@ def run(study: "Study", out: str | Path | None = None, jobs: int | None = None, 
 
 def _choose_models(setting: _Setting, started: float) -> _Setting:
     """Choose the models of a study with `accuracy`. Raises Interrupted."""
-    root, study, wanted, workers, connect = setting
+    root, study, options, workers, connect = setting
     try:
-        reach = partial(_reach, connect)
-        alone = wanted.shard == (1, 1)
-        chosen = choose_models(
-            study, root, workers, wanted.engine, alone=alone, shown=wanted.progress, begin=reach
+        test_connection = partial(_test_connection, connect)
+        is_unsharded = options.shard == (1, 1)
+        study_with_models = choose_models(
+            study,
+            root,
+            workers,
+            options.engine,
+            may_try=is_unsharded,
+            shown=options.progress,
+            before_trials=test_connection,
         )
-    except TrialsInterrupted as stop:
-        raise Interrupted(interrupted_summary(study, root, stop, time.perf_counter() - started)) from None
-    return setting._replace(study=chosen)
+    except TrialsInterrupted as interruption:
+        raise Interrupted(interrupted_summary(study, root, interruption, time.perf_counter() - started)) from None
+    return setting._replace(study=study_with_models)
 
 
 def _compute(setting: _Setting, plan: Plan, tally: Tally, notes: list[str]) -> None:
     """Compute the remaining jobs on the workers of a scheduler or in processes of this machine."""
-    root, _, wanted, workers, connect = setting
+    root, _, options, workers, connect = setting
 
     def affordable_jobs() -> AffordableJobs:
-        prices = costs(load(wanted.engine.estimate), plan.todo, wanted.max_cpu)
-        return select_affordable(plan.todo, prices, wanted.max_cpu, wanted.progress)
+        estimates = costs(load(options.engine.estimate), plan.todo, options.max_cpu)
+        return select_affordable(plan.todo, estimates, options.max_cpu, options.progress)
 
     if connect is not None:
         with connect() as cluster:  # before the estimates, which may compile code
             todo = affordable_jobs()
             notes += todo.notes
-            works = _works(setting, todo, cluster.wait_for_workers(), plan.holdings.units)
-            _follow(works, cluster.outcomes(works), tally, wanted.progress)
+            works = _make_works(setting, todo, cluster.wait_for_workers(), plan.holdings.units)
+            _track(works, cluster.outcomes(works), tally, options.progress)
         return
-    with patient(wanted.progress) as patience:
+    with patient(options.progress) as patience:
         patience.begin("estimating what the jobs take")
         todo = affordable_jobs()
         notes += [*todo.notes, *worker_note(todo.costs, workers)]
         workers = workers_in_memory(todo.costs, workers)
-        works = _works(setting, todo, workers, plan.holdings.units)
-        _warm(root, wanted.engine, todo.jobs, patience)
-    _follow(works, outcomes(works, workers), tally, wanted.progress)
+        works = _make_works(setting, todo, workers, plan.holdings.units)
+        _warm(root, options.engine, todo.jobs, patience)
+    _track(works, outcomes(works, workers), tally, options.progress)
 
 
 def with_models(
@@ -189,16 +198,16 @@ def with_models(
     run_trials: choose missing models by trials, and store the choice.
     """
     root = store.results_folder(study.name, study.quick, out)
-    with _prepared(root, study, Options()) if run_trials else nullcontext(), suppress(MissingChoices):
-        return choose_models(study, root, _workers(jobs), engine, alone=run_trials)
+    with _prepare(root, study, Options()) if run_trials else nullcontext(), suppress(MissingChoices):
+        return choose_models(study, root, _workers(jobs), engine, may_try=run_trials)
     return study
 
 
-def _notes(left_out: int, damaged: Sequence[str]) -> Iterator[str]:
+def _folder_notes(unplanned: int, damaged: Sequence[str]) -> Iterator[str]:
     """Yield notes on earlier results in the folder: jobs outside the plan, and damaged files."""
-    if left_out:
-        jobs = f"{left_out} job{'s' * (left_out > 1)}"
-        verb = "is" if left_out == 1 else "are"
+    if unplanned:
+        jobs = f"{unplanned} job{'s' * (unplanned > 1)}"
+        verb = "is" if unplanned == 1 else "are"
         yield f"{jobs} of an earlier plan {verb} not in the table; the results stay in units/"
     if damaged:
         files = f"1 damaged file ({damaged[0]})" if len(damaged) == 1 else f"{len(damaged)} damaged files"
@@ -214,7 +223,7 @@ def _workers(requested: int | None) -> int:
     return requested or int(cpu_count())
 
 
-def _joined(scheduler: str | None) -> "Callable[[], AbstractContextManager[Cluster]] | None":
+def _make_connector(scheduler: str | None) -> "Callable[[], AbstractContextManager[Cluster]] | None":
     """Return a function that connects to the workers of a scheduler; None without a scheduler.
 
     Raises UserError if a required package is missing.
@@ -228,7 +237,7 @@ def _joined(scheduler: str | None) -> "Callable[[], AbstractContextManager[Clust
     return partial(connect_cluster, scheduler)
 
 
-def _reach(connect: "Callable[[], AbstractContextManager[Cluster]] | None") -> None:
+def _test_connection(connect: "Callable[[], AbstractContextManager[Cluster]] | None") -> None:
     """Connect to the scheduler once, so that a wrong address is reported before the trials of models."""
     if connect is not None:
         with connect():
@@ -236,44 +245,44 @@ def _reach(connect: "Callable[[], AbstractContextManager[Cluster]] | None") -> N
 
 
 @contextmanager
-def _prepared(root: Path, study: "Study", wanted: Options) -> Iterator[None]:
+def _prepare(root: Path, study: "Study", options: Options) -> Iterator[None]:
     """Claim the folder, clear it if requested, and mark it as in use within the context."""
-    store.claim_results(root, study.name, bool(study.quick), wanted.fresh)
+    store.claim_results(root, study.name, bool(study.quick), options.fresh)
     store.refuse_links(root)
     store.refuse_own_study_file(root, study)
     store.sweep(root)
-    thrown_away = store.discard(root, study.name) if wanted.fresh else ""
-    if thrown_away and wanted.progress is not False:
-        say(thrown_away, err=True)
+    message = store.discard(root, study.name) if options.fresh else ""
+    if message and options.progress is not False:
+        say(message, err=True)
     with store.in_use(root):
         store.claim_results(root, study.name, bool(study.quick))  # again: another run could clear it
         yield
 
 
-def _works(setting: _Setting, todo: AffordableJobs, workers: int, judged: frozenset[str]) -> list[Work]:
-    """Pack the remaining jobs into units of work; judged: units in the folder when the jobs were planned.
+def _make_works(setting: _Setting, todo: AffordableJobs, workers: int, known_units: frozenset[str]) -> list[Work]:
+    """Pack the remaining jobs into units of work; known_units: units in the folder when the jobs were planned.
 
     Raises DiskFull if the disk has too little space even for well compressed series.
     """
-    root, wanted, provenance = setting.root, setting.options, store.provenance(setting.study)
+    root, options, provenance = setting.root, setting.options, store.provenance(setting.study)
     units = pack(todo.jobs, todo.costs, workers)
-    others = OtherRuns(root, judged)
+    others = OtherRuns(root, known_units)
     works = [
         Work(
             root,
             tuple(todo.jobs[i] for i in unit),
             tuple(todo.costs[i].seconds for i in unit),
-            wanted.engine,
+            options.engine,
             provenance,
             sum(todo.costs[i].bytes for i in unit),
-            wanted.max_cpu,
-            wanted.max_failures,
+            options.max_cpu,
+            options.max_failures,
             others,
             {todo.jobs[i].id: todo.costs[i].spent for i in unit},
         )
         for unit in units
     ]
-    store.check_free_space(root, LEAST_PART * sum(work.bytes for work in works))
+    store.check_free_space(root, MIN_COMPRESSION * sum(work.bytes for work in works))
     return works
 
 
@@ -285,17 +294,17 @@ def _warm(root: Path, engine: Engine, todo: Sequence["Job"], patience: Patience)
         store.log(root, "warm-up failed", reason=f"{type(error).__name__}: {error}")
 
 
-def _follow(
+def _track(
     works: Sequence[Work], outcomes: Generator[Outcome, None, None], tally: Tally, shown: bool | None
 ) -> None:
     """Add the outcome of each unit of work to the tally on arrival, and show the progress."""
-    price = {job.id: seconds for work in works for job, seconds in zip(work.jobs, work.seconds, strict=True)}
-    bar = shown_progress(shown, len(price), sum(price.values()))
-    with bar as report, stop_switch() as end, closing(outcomes) as coming:
-        for outcome in coming:
+    estimates = {job.id: seconds for work in works for job, seconds in zip(work.jobs, work.seconds, strict=True)}
+    display = shown_progress(shown, len(estimates), sum(estimates.values()))
+    with display as report, stop_switch() as stop, closing(outcomes) as arriving:
+        for outcome in arriving:
             tally.add(outcome)
-            if tally.full:
-                end()
+            if tally.has_reached_limit:
+                stop()
             done = (*outcome.done, *outcome.done_by_others)
             ids = [*done, *(failure.job for failure in outcome.failed)]
-            report(len(done), len(outcome.failed), sum(price[job] for job in ids))
+            report(len(done), len(outcome.failed), sum(estimates[job] for job in ids))

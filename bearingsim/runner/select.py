@@ -43,15 +43,15 @@ class MissingChoices(UserError):
 class TrialsInterrupted(KeyboardInterrupt):
     """Interruption during the trials of models; finished trials are stored.
 
-    what: description of the state; number: the signal number.
+    state: description of the state; number: the signal number.
     """
 
     def __init__(self, root: Path, trial_count: int, number: int) -> None:
-        self.what = (
+        self.state = (
             f"models were being compared, before the first job: {trial_count} trial{'s' * (trial_count != 1)} kept"
         )
         self.number = number
-        super().__init__(f"interrupted: {self.what} in {root}; run the same command to continue")
+        super().__init__(f"interrupted: {self.state} in {root}; run the same command to continue")
 
 
 def choose_models(
@@ -59,61 +59,62 @@ def choose_models(
     root: Path,
     workers: int,
     engine: Engine,
-    alone: bool = True,
+    may_try: bool = True,
     shown: bool | None = None,
-    begin: Callable[[], None] = lambda: None,
+    before_trials: Callable[[], None] = lambda: None,
 ) -> "Study":
     """Choose a model for each case of a study; return a study without `accuracy` unchanged.
 
-    Choices stored in the folder are kept. alone: False if this run computes one shard of the study, for which no
-    models are tried; begin: called before the trials. Raises MissingChoices, and Stopped on interruption.
+    Choices stored in the folder are kept. may_try: False if this run computes one shard of the study, for which no
+    models are tried; before_trials: called before the trials. Raises MissingChoices,
+    and TrialsInterrupted on interruption.
     """
     if study.goal is None:
         return study
     choices, plans = store.read_choices(root), store.read_plans(root)
     keys = [key(study, case) for case in study.cases()]
     missing = [n for n, name in enumerate(keys) if name not in choices]
-    if missing and not alone:
+    if missing and not may_try:
         raise MissingChoices(
             f"{root} holds no choice of a model for {len(missing)} of {len(keys)} cases:"
             f" run `{command('check', study, root, '--pilots')}` first"
         )
     if missing:
-        begin()
-        decision = _decided(study, root, missing, workers, engine, shown)
+        before_trials()
+        decision = _decide(study, root, missing, workers, engine, shown)
         choices, plans = store.add_choices(root, decision.choices, plan_name(study, keys))
         store.log(root, "models chosen", cases=len(missing), repeating=decision.repeating)
-    done = selection.chosen(study, choices)
-    assert done.selection is not None
+    study_with_models = selection.chosen(study, choices)
+    assert study_with_models.selection is not None
     notes = tuple(earlier_choice_notes(study, keys, choices, plans))
-    return replace(done, selection=replace(done.selection, notes=notes))
+    return replace(study_with_models, selection=replace(study_with_models.selection, notes=notes))
 
 
-def _decided(
+def _decide(
     study: "Study", root: Path, missing: Sequence[int], workers: int, engine: Engine, shown: bool | None
 ) -> selection.Decision:
-    """Run the required trials, and choose models for the cases with the indices ``missing``. Raises Stopped."""
-    choosing = selection.Choosing(study, missing, load(engine.compiling))
+    """Run the trials, and choose models for the cases with the indices ``missing``. Raises TrialsInterrupted."""
+    chooser = selection.Choosing(study, missing, load(engine.compiling))
     trials: dict[str, Trial | None] = selection.read_trials(root, selection.asked_of(study))
     try:
-        while wanted := choosing.wanted(trials):
-            trials |= dict.fromkeys((trial.id for trial in wanted), None)  # failed ones are not repeated
-            trials |= _tried(root, wanted, workers, engine, study, shown)
-    except KeyboardInterrupt as stop:
+        while requested := chooser.wanted(trials):
+            trials |= dict.fromkeys((trial.id for trial in requested), None)  # failed ones are not repeated
+            trials |= _run_trials(root, requested, workers, engine, study, shown)
+    except KeyboardInterrupt as interruption:
         store.sweep(root)
         store.log(root, "interrupted while models were compared")
-        number = getattr(stop, "number", signal.SIGINT)
+        number = getattr(interruption, "number", signal.SIGINT)
         raise TrialsInterrupted(root, len(selection.read_trials(root)), number) from None
-    return choosing.decide(trials)
+    return chooser.decide(trials)
 
 
-def _tried(
-    root: Path, wanted: Sequence["Trialled"], workers: int, engine: Engine, study: "Study", shown: bool | None
+def _run_trials(
+    root: Path, requested: Sequence["Trialled"], workers: int, engine: Engine, study: "Study", shown: bool | None
 ) -> "dict[str, Trial | None]":
     """Compute the wanted trials in batches, each stored when finished; return all trials in the folder."""
     provenance = store.provenance(study)
     deaths = DeathCounter(root, "while models were tried")
-    while todo := _untried(root, wanted, study):
+    while todo := _missing_trials(root, requested, study):
         with (
             patient(shown) as patience,
             suppress(Exception),
@@ -124,9 +125,9 @@ def _tried(
         try:
             with (
                 progress(shown, len(todo), sum(costs.values())) as report,
-                closing(map_unordered(_compute, arguments, workers)) as coming,
+                closing(map_unordered(_compute, arguments, workers)) as results,
             ):
-                for done, failed in coming:
+                for done, failed in results:
                     deaths.reset()
                     report(len(done), len(failed), sum(costs[name] for name in (*done, *failed)))
         except BrokenProcessPool as death:
@@ -136,10 +137,10 @@ def _tried(
     return selection.read_trials(root, selection.asked_of(study))
 
 
-def _untried(root: Path, wanted: Sequence["Trialled"], study: "Study") -> "list[Trialled]":
+def _missing_trials(root: Path, requested: Sequence["Trialled"], study: "Study") -> "list[Trialled]":
     """Return the wanted trials that are not stored; another process may have added some."""
     stored = selection.read_trials(root, selection.asked_of(study))
-    return [trial for trial in wanted if trial.id not in stored]
+    return [trial for trial in requested if trial.id not in stored]
 
 
 def _batches(todo: Sequence["Trialled"], workers: int) -> list[tuple["Trialled", ...]]:
@@ -167,8 +168,8 @@ def _compute(
     trials: dict[str, Trial | None] = {}
     records: list[tuple[Job, Record]] = []
     try:
-        for wanted in takewhile(lambda _: not stop_requested(), batch):
-            _try(root, wanted, engine, trials, records)
+        for request in takewhile(lambda _: not stop_requested(), batch):
+            _run_trial(root, request, engine, trials, records)
     finally:
         store.write_units(root, records, provenance)
         selection.write_trials(root, store.unit_name(trials), trials)
@@ -176,9 +177,9 @@ def _compute(
     return [name for name in trials if name not in failed], failed
 
 
-def _try(
+def _run_trial(
     root: Path,
-    wanted: "Trialled",
+    request: "Trialled",
     engine: Engine,
     trials: "dict[str, Trial | None]",
     records: "list[tuple[Job, Record]]",
@@ -192,16 +193,16 @@ def _try(
 
     try:
         trial, record = load(engine.try_out)(
-            wanted.case, wanted.asked, wanted.passes, wanted.turn, *wanted.against
+            request.case, request.asked, request.passes, request.turn, *request.against
         )
     except SimulationError:  # reported by the job if this model is chosen
         trial, record = None, None
     except Exception as error:  # perhaps caused by the machine; the candidate is not chosen
-        store.log(root, "trial failed", case=case_id(wanted.case), reason=f"{type(error).__name__}: {error}")
+        store.log(root, "trial failed", case=case_id(request.case), reason=f"{type(error).__name__}: {error}")
         return
-    trials[wanted.id] = trial
+    trials[request.id] = trial
     if record is not None:
-        records.append((Job(wanted.case), record))
+        records.append((Job(request.case), record))
 
 
 def plan_name(study: "Study", keys: Sequence[str]) -> str:
@@ -221,27 +222,27 @@ def earlier_choice_notes(
 
     keys: ``selection.choices.key`` of each case; plans: ``plan_name`` for which each choice was made, by key.
     """
-    now = plan_name(study, keys)
-    before = sum(plans[name] != now for name in keys)
-    if not before:
+    plan = plan_name(study, keys)
+    earlier_count = sum(plans[name] != plan for name in keys)
+    if not earlier_count:
         return
     cases = (
-        f"{before} of {len(keys)} cases keep the model"
-        if before > 1
+        f"{earlier_count} of {len(keys)} cases keep the model"
+        if earlier_count > 1
         else f"1 of {len(keys)} cases keeps the model"
     )
     yield f"{cases} chosen for an earlier plan (remove choices.json to choose all again)"
     curves = [[keys[n] for n in curve.cases] for curve in selection.curves(study)]
-    apart = [names for names in curves if _differ(names, choices, plans)]
-    if apart:
-        models = dict.fromkeys(_model_text(choices[name]) for names in apart for name in names)
+    mixed = [names for names in curves if _models_differ(names, choices, plans)]
+    if mixed:
+        models = dict.fromkeys(_model_text(choices[name]) for names in mixed for name in names)
         yield (
-            f"the choice of the model changes along {len(apart)} of {len(curves)} curves, which may cause a step:"
+            f"the choice of the model changes along {len(mixed)} of {len(curves)} curves, which may cause a step:"
             f" {', '.join(models)}"
         )
 
 
-def _differ(names: Sequence[str], choices: "Choices", plans: Mapping[str, str]) -> bool:
+def _models_differ(names: Sequence[str], choices: "Choices", plans: Mapping[str, str]) -> bool:
     """Return True if the models on a curve that were chosen for different plans differ."""
     candidates: dict[str, set[str]] = {}
     for name in names:

@@ -27,7 +27,9 @@ def group_failures(failures: Iterable[Failure]) -> tuple[FailureGroup, ...]:
     """Group failures whose reasons differ only in numbers, largest group first."""
     ordered = sorted(failures, key=lambda failure: (failure_kind(failure.reason), failure.job))
     groups = [list(group) for _, group in groupby(ordered, key=lambda failure: failure_kind(failure.reason))]
-    kinds = [FailureGroup(g[0].reason, g[0].advice, tuple(failure.job for failure in g)) for g in groups]
+    kinds = [
+        FailureGroup(group[0].reason, group[0].advice, tuple(failure.job for failure in group)) for group in groups
+    ]
     return tuple(sorted(kinds, key=lambda group: -len(group.jobs)))
 
 
@@ -124,10 +126,10 @@ class RunSummary:
         texts = () if self.findings is None else self.findings.statements
         if not self.cpu_s > 0.0:
             return texts
-        apart = f"{self.start_cpu_s:.1f} s of start-up apart"
+        start_up = f"{self.start_cpu_s:.1f} s of start-up apart"
         return (
             *texts,
-            f"{self.integrator_share:.0%} of the workers' CPU time, {apart}, went into the runs' steps",
+            f"{self.integrator_share:.0%} of the workers' CPU time, {start_up}, went into the runs' steps",
         )
 
 

@@ -35,18 +35,20 @@ class Plan:
 
 
 def make_plan(
-    root: Path, jobs: Sequence["Job"], retry_failed: bool, verify: bool, before: set[str] | None
+    root: Path, jobs: Sequence["Job"], retry_failed: bool, verify: bool, stored_before: set[str] | None
 ) -> Plan:
     """Determine the jobs to compute.
 
-    before: ids of the jobs stored when the run began, None if no trials may have added some since.
+    stored_before: ids of the jobs stored when the run began, None if no trials may have added some since.
     """
     holdings = store.holdings(root, verify)
-    left = [job for job in jobs if job.id not in holdings.sealed]
-    ids = {job.id for job in left}
+    remaining = [job for job in jobs if job.id not in holdings.sealed]
+    ids = {job.id for job in remaining}
     failures = {job: failure for job, failure in holdings.failures.items() if job in ids}
-    todo = left if retry_failed else [job for job in left if job.id not in failures]
-    resumed = [job for job in jobs if job.id in holdings.sealed and (before is None or job.id in before)]
+    todo = remaining if retry_failed else [job for job in remaining if job.id not in failures]
+    resumed = [
+        job for job in jobs if job.id in holdings.sealed and (stored_before is None or job.id in stored_before)
+    ]
     return Plan(todo, len(resumed), failures, holdings)
 
 
@@ -65,7 +67,7 @@ class Tally:
     integrator_cpu_s: float = 0.0
 
     @property
-    def full(self) -> bool:
+    def has_reached_limit(self) -> bool:
         """True if the number of jobs failed in this run has reached ``max_failures``."""
         return self.failed >= self.max_failures
 
@@ -81,9 +83,9 @@ class Tally:
                 store.clear_failure(self.root, job)
         for failure in outcome.failed:
             self._add_failure(failure)
-        facts = {"done": len(outcome.done), "failed": len(outcome.failed)}
+        counts = {"done": len(outcome.done), "failed": len(outcome.failed)}
         unit = store.unit_name(outcome.done) if outcome.done else outcome.unit  # name of the stored unit
-        store.log(self.root, "unit", unit=unit, **facts, seconds=round(outcome.seconds, 3))
+        store.log(self.root, "unit", unit=unit, **counts, seconds=round(outcome.seconds, 3))
 
     def summary(
         self,
@@ -115,14 +117,16 @@ class Tally:
         )
 
     def _add_failure(self, failure: store.Failure) -> None:
-        before = self.failures.get(failure.job)
-        attempts = failure.attempts + (before.attempts if before else 0)
+        earlier = self.failures.get(failure.job)
+        attempts = failure.attempts + (earlier.attempts if earlier else 0)
         completed = replace(failure, attempts=attempts, command=self.command, when=store.now())
         self.failures[failure.job] = completed
         completed.write(self.root)
 
 
-def interrupted_summary(study: "Study", root: Path, stop: "TrialsInterrupted", seconds: float) -> RunSummary:
+def interrupted_summary(
+    study: "Study", root: Path, interruption: "TrialsInterrupted", seconds: float
+) -> RunSummary:
     """Summarise a run that was interrupted during the trials of models; trials may have stored some jobs."""
     jobs = {job.id for job in study.jobs()}
     sealed = store.holdings(root).sealed
@@ -134,8 +138,8 @@ def interrupted_summary(study: "Study", root: Path, stop: "TrialsInterrupted", s
         done=0,
         failures=(),
         seconds=seconds,
-        interrupted=stop.number,
-        notes=(stop.what,),
+        interrupted=interruption.number,
+        notes=(interruption.state,),
     )
 
 
@@ -147,15 +151,15 @@ def completed_summary(
     It applies if the study has no `accuracy`, and files, overrides, program and working folder are unchanged.
     """
     started = time.perf_counter()
-    about = outline(path, overrides, quick)
-    if about is None or about.quick != quick:
+    study_outline = outline(path, overrides, quick)
+    if study_outline is None or study_outline.quick != quick:
         return None
-    root = store.results_folder(about.name, quick, out)
+    root = store.results_folder(study_outline.name, quick, out)
     try:
         plan = store.read_plan(root)
-        made_of = store.study_digest(about.files, about.overrides, quick)
-        same = made_of != "" and made_of == plan["made_of"] and plan["accuracy"] is None
-        frame = store.job_frame(root) if same else None
+        digest = store.study_digest(study_outline.files, study_outline.overrides, quick)
+        is_unchanged = digest != "" and digest == plan["made_of"] and plan["accuracy"] is None
+        frame = store.job_frame(root) if is_unchanged else None
     except store.UNREADABLE:
         return None
     if frame is None or not (frame["status"] == "done").all():
@@ -178,11 +182,15 @@ def other_run_notes(root: Path, plan: Mapping[str, Any], count: int) -> Iterator
     if count:
         jobs = f"{count} jobs were" if count > 1 else "1 job was"
         yield f"{jobs} computed by another run in this folder"
-    now = store.planned_jobs(root)
-    ours = {entry["job"] for entry in plan["jobs"]}
-    if now != ours:
-        lacking = f"lacks {len(ours - now)} of this run's {len(ours)} jobs" if ours - now else "has more jobs"
+    planned = store.planned_jobs(root)
+    own_jobs = {entry["job"] for entry in plan["jobs"]}
+    if planned != own_jobs:
+        difference = (
+            f"lacks {len(own_jobs - planned)} of this run's {len(own_jobs)} jobs"
+            if own_jobs - planned
+            else "has more jobs"
+        )
         yield (
-            f"another run has replaced the plan of this folder; its table {lacking}"
+            f"another run has replaced the plan of this folder; its table {difference}"
             " (results are kept, run this command again for its own table)"
         )

@@ -29,18 +29,19 @@ STANDARD_ERRORS = 2.0
 class AuditResult(NamedTuple):
     """Difference of a feature between an audited job and the same job computed with the reference model.
 
-    job: id of the audited job; off: relative difference; scatter: relative difference that random scatter explains
-    (``STANDARD_ERRORS`` standard errors). Both are relative to the largest value on the curve of the feature.
+    job: id of the audited job; difference: relative difference; scatter: relative difference that random scatter
+    explains (``STANDARD_ERRORS`` standard errors). Both are relative to the largest value on the curve of the
+    feature.
     """
 
     job: str
     feature: str
-    off: float
+    difference: float
     scatter: float
 
     def fails(self, within: float) -> bool:
         """Return True if the difference exceeds the accuracy ``within`` by more than the scatter."""
-        return self.off > within + self.scatter
+        return self.difference > within + self.scatter
 
 
 def scales(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
@@ -156,5 +157,5 @@ def withdrawn_errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str
         drawn = [curve["jobs"] for curve in accuracy["curves"] if curve["feature"] == audit.feature]
         on_it = [job for jobs in drawn if audit.job in jobs for job in jobs]
         for job in (audit.job, *on_it):
-            largest[job] = max(largest.get(job, 0.0), audit.off)
+            largest[job] = max(largest.get(job, 0.0), audit.difference)
     return largest

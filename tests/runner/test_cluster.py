@@ -443,7 +443,7 @@ def test_a_wrong_address_is_told_before_models_are_tried(here: Path, monkeypatch
         raise AssertionError("models are tried")
 
     monkeypatch.setattr(handshake, "CONNECTION_S", 0.5)
-    monkeypatch.setattr(select, "_decided", fail)
+    monkeypatch.setattr(select, "_decide", fail)
     text = Path("small.yaml").read_text().partition("figures:")[0].replace("  model: [static, ring]\n", "")
     Path("wanted.yaml").write_text(f"{text}accuracy: {{within: 5 %, of: [velocity.rms]}}\n")
     arguments = ("run", "wanted.yaml", "--scheduler", "tcp://127.0.0.1:9")

@@ -19,10 +19,10 @@ def test_a_torn_unit_is_computed_again_and_told(tmp_path, share):
     study = FakeStudy()
     compute(study, tmp_path)
     [path] = tmp_path.glob("units/??/*.h5")
-    whole = bytearray(path.read_bytes())
-    place = int(share * len(whole))
-    whole[place : place + 2000] = bytes(byte ^ 0xFF for byte in whole[place : place + 2000])
-    path.write_bytes(whole)
+    content = bytearray(path.read_bytes())
+    start = int(share * len(content))
+    content[start : start + 2000] = bytes(byte ^ 0xFF for byte in content[start : start + 2000])
+    path.write_bytes(content)
     summary = compute(study, tmp_path, verify=True)
     assert summary.done == 4
     assert "1 damaged file (units/" in str(summary)
@@ -31,12 +31,12 @@ def test_a_torn_unit_is_computed_again_and_told(tmp_path, share):
 
 @pytest.mark.parametrize("error", [OSError, KeyError, TypeError, ValueError, RuntimeError])
 def test_whatever_reading_raises_is_damage(tmp_path, monkeypatch, error):
-    def torn(*_):
+    def fail(*_):
         raise error("torn")
 
     study = FakeStudy()
     compute(study, tmp_path)
-    monkeypatch.setattr("bearingsim.store.units._check", torn)
+    monkeypatch.setattr("bearingsim.store.units._check", fail)
     [path] = tmp_path.glob("units/??/*.h5")
     with pytest.raises(store.DamagedUnit, match="torn"):
         store.check_unit(path)
@@ -45,11 +45,11 @@ def test_whatever_reading_raises_is_damage(tmp_path, monkeypatch, error):
 def test_jobs_that_leave_the_table_are_told_and_come_back(tmp_path):
     wide, narrow = FakeStudy([1e-3, 2e-3, 3e-3]), FakeStudy([1e-3])
     assert "earlier plan" not in str(compute(wide, tmp_path))
-    told = str(compute(narrow, tmp_path))
-    assert "2 jobs of an earlier plan are not in the table" in told
-    back = compute(wide, tmp_path)
-    assert (back.done, back.resumed) == (0, 4)
-    assert "earlier plan" not in str(back)
+    output = str(compute(narrow, tmp_path))
+    assert "2 jobs of an earlier plan are not in the table" in output
+    summary = compute(wide, tmp_path)
+    assert (summary.done, summary.resumed) == (0, 4)
+    assert "earlier plan" not in str(summary)
 
 
 def test_jobs_of_one_unit_come_back_after_a_narrower_run(tmp_path):
@@ -76,8 +76,8 @@ def test_a_quick_study_has_its_own_folder(tmp_path, monkeypatch):
 
 
 def test_an_interrupt_tells_how_to_continue(tmp_path):
-    with pytest.raises(Interrupted) as stop:
+    with pytest.raises(Interrupted) as interruption:
         compute(FakeStudy(deeds={1: "interrupt"}), tmp_path)
-    told = str(stop.value)
-    assert told.startswith("interrupted: fake: ")
-    assert f"results so far: {tmp_path}; run the same command to continue" in told
+    message = str(interruption.value)
+    assert message.startswith("interrupted: fake: ")
+    assert f"results so far: {tmp_path}; run the same command to continue" in message

@@ -23,19 +23,21 @@ def compute(study: Study, out: Path) -> RunSummary:
 
 
 @pytest.mark.parametrize(
-    ("kind", "over", "before", "new"),
+    ("kind", "over", "count_before", "new_count"),
     [
         ("sobol", OVER_DEFECTS, 64 + 1, 192),  # all with one healthy case
         ("sobol", OVER_LOADS, 64 + 64, 192 + 192),  # each with its own
         ("lhs", OVER_DEFECTS, 64 + 1, 256),
     ],
 )
-def test_from_64_to_256_points(write: Write, tmp_path: Path, kind: str, over: str, before: int, new: int) -> None:
-    assert compute(study_of(write, kind, 64, over), tmp_path / "out").done == before
+def test_from_64_to_256_points(
+    write: Write, tmp_path: Path, kind: str, over: str, count_before: int, new_count: int
+) -> None:
+    assert compute(study_of(write, kind, 64, over), tmp_path / "out").done == count_before
     study = study_of(write, kind, 256, over)
     summary = compute(study, tmp_path / "out")
-    assert (summary.planned, summary.done) == (len(study.jobs()), new)
-    assert summary.resumed == len(study.jobs()) - new
+    assert (summary.planned, summary.done) == (len(study.jobs()), new_count)
+    assert summary.resumed == len(study.jobs()) - new_count
     assert study.design is not None
     results = store.open_results(tmp_path / "out").table()
     assert set(study.design.ids) <= set(results["job"])

@@ -24,8 +24,10 @@ def warnings(within: float | None, error: float) -> tuple[str, ...]:
 
 
 @pytest.mark.parametrize(
-    ("within", "error", "flagged"),
+    ("within", "error", "is_flagged"),
     [(None, 0.004, False), (None, 0.006, True), (0.05, 0.006, True), (0.006, 0.004, True), (0.006, 0.002, False)],
 )
-def test_a_chaotic_result_is_told_of_by_what_is_asked(within: float | None, error: float, flagged: bool) -> None:
-    assert any("chaotic" in text for text in warnings(within, error)) == flagged
+def test_a_chaotic_result_is_told_of_by_what_is_asked(
+    within: float | None, error: float, is_flagged: bool
+) -> None:
+    assert any("chaotic" in text for text in warnings(within, error)) == is_flagged

@@ -31,21 +31,21 @@ def flip(path: Path, bit: int) -> None:
     path.write_bytes(bytes(content))
 
 
-def told(out: Path) -> tuple[pd.DataFrame, list[Any]]:
+def read_all(out: Path) -> tuple[pd.DataFrame, list[Any]]:
     """All that a user reads: table, parameters, failures, series."""
     results = store.open_results(out)
     table = results.table()
     series = [results.series(job)["ring.velocity.x"].tolist() for job in table["job"][table["status"] == "done"]]
-    failures = [(job, one.reason, one.advice) for job, one in results.failures().items()]
+    failures = [(job, failure.reason, failure.advice) for job, failure in results.failures().items()]
     return table, [results.parameters(), failures, series]
 
 
-def same(one: tuple[pd.DataFrame, list[Any]], other: tuple[pd.DataFrame, list[Any]]) -> bool:
-    return one[0].equals(other[0]) and one[1][0].equals(other[1][0]) and one[1][1:] == other[1][1:]
+def are_equal(first: tuple[pd.DataFrame, list[Any]], second: tuple[pd.DataFrame, list[Any]]) -> bool:
+    return first[0].equals(second[0]) and first[1][0].equals(second[1][0]) and first[1][1:] == second[1][1:]
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def complete_results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("whole") / "out"
     compute(out)
     return out
@@ -54,30 +54,32 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     "kind", ["units/??/*.h5", "failed/*.json", "study.h5", "plan.json", "results.csv", "bearingsim.json"]
 )
-@pytest.mark.parametrize("lost", [False, True])
-def test_one_run_repairs_a_flipped_bit(whole: Path, tmp_path: Path, kind: str, lost: bool) -> None:
-    right, csv = told(whole), (whole / "results.csv").read_bytes()
-    [name] = [path.relative_to(whole) for path in whole.glob(kind)]
-    for bit in random.Random(kind).sample(range(8 * (whole / name).stat().st_size), 4):
+@pytest.mark.parametrize("without_table", [False, True])
+def test_one_run_repairs_a_flipped_bit(
+    complete_results: Path, tmp_path: Path, kind: str, without_table: bool
+) -> None:
+    expected, csv = read_all(complete_results), (complete_results / "results.csv").read_bytes()
+    [relative_path] = [path.relative_to(complete_results) for path in complete_results.glob(kind)]
+    for bit in random.Random(kind).sample(range(8 * (complete_results / relative_path).stat().st_size), 4):
         out = tmp_path / str(bit)
-        shutil.copytree(whole, out)
-        if lost:
+        shutil.copytree(complete_results, out)
+        if without_table:
             (out / "study.h5").unlink(missing_ok=True)
-        if (out / name).exists():
-            flip(out / name, bit)
+        if (out / relative_path).exists():
+            flip(out / relative_path, bit)
         summary = compute(out)
         assert (summary.done + summary.resumed, summary.failed, summary.missing) == (3, 1, 0)
-        assert same(told(out), right)
+        assert are_equal(read_all(out), expected)
         assert (out / "results.csv").read_bytes() == csv
         if kind.startswith(("units", "failed")):
-            assert f"1 damaged file ({name})" in str(summary)
+            assert f"1 damaged file ({relative_path})" in str(summary)
 
 
-def test_no_bit_of_a_unit_goes_unnoticed(whole: Path, tmp_path: Path) -> None:
-    [sound] = whole.glob("units/??/*.h5")
-    content, path = sound.read_bytes(), tmp_path / sound.name
-    ends = range(8 * len(content) - 8 * 80, 8 * len(content))  # the digest itself
-    for bit in [*random.Random(1).sample(range(8 * len(content)), 300), *ends]:
+def test_no_bit_of_a_unit_goes_unnoticed(complete_results: Path, tmp_path: Path) -> None:
+    [unit] = complete_results.glob("units/??/*.h5")
+    content, path = unit.read_bytes(), tmp_path / unit.name
+    digest_bits = range(8 * len(content) - 8 * 80, 8 * len(content))  # the digest itself
+    for bit in [*random.Random(1).sample(range(8 * len(content)), 300), *digest_bits]:
         path.write_bytes(content)
         flip(path, bit)
         with pytest.raises(store.DamagedUnit):
@@ -104,9 +106,9 @@ def test_a_flipped_bit_of_a_trial_loses_the_trial_only(tmp_path: Path) -> None:
     assert selection.read_trials(tmp_path) == {"two": None}
 
 
-def test_a_damaged_series_is_refused_with_its_remedy(whole: Path, tmp_path: Path) -> None:
+def test_a_damaged_series_is_refused_with_its_remedy(complete_results: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    shutil.copytree(whole, out)
+    shutil.copytree(complete_results, out)
     results = store.open_results(out)
     [path] = out.glob("units/??/*.h5")
     results.table()
@@ -129,16 +131,18 @@ def test_a_damaged_series_is_refused_with_its_remedy(whole: Path, tmp_path: Path
         ("{" + sealed._json_seal("{"), "Expecting property name"),
     ],
 )
-def test_a_failure_that_cannot_be_read_is_told(whole: Path, tmp_path: Path, text: str, reason: str) -> None:
+def test_a_failure_that_cannot_be_read_is_told(
+    complete_results: Path, tmp_path: Path, text: str, reason: str
+) -> None:
     out = tmp_path / "out"
-    shutil.copytree(whole, out)
+    shutil.copytree(complete_results, out)
     [path] = out.glob("failed/*.json")
     path.write_text(text)
-    said, warned = type_("show", out)
-    assert "3 done, 1 missing" in said
-    assert f"{path} cannot be read ({reason}" in warned
-    assert "run the study again" in warned
-    assert len(warned.splitlines()) == 1
+    output, warnings = type_("show", out)
+    assert "3 done, 1 missing" in output
+    assert f"{path} cannot be read ({reason}" in warnings
+    assert "run the study again" in warnings
+    assert len(warnings.splitlines()) == 1
 
 
 def test_a_failure_of_another_version_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
@@ -146,9 +150,9 @@ def test_a_failure_of_another_version_is_read_as_far_as_it_goes(tmp_path: Path) 
     first, second = "ab" * 8, "cd" * 8
     sealed.write_json(tmp_path / f"failed/{first}.json", {"reason": "diverged", "mood": "bad"})
     sealed.write_json(tmp_path / f"failed/{second}.json", {"job": "cd", "advice": "none"})
-    found = store.read_failures(tmp_path)
-    assert (found[first].job, found[first].reason) == (first, "diverged")
-    assert (found[second].reason, found[second].advice) == ("not known", "none")
+    failures = store.read_failures(tmp_path)
+    assert (failures[first].job, failures[first].reason) == (first, "diverged")
+    assert (failures[second].reason, failures[second].advice) == ("not known", "none")
 
 
 def test_another_schema_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -159,18 +163,18 @@ def test_another_schema_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         store.read_choices(tmp_path)
 
 
-def test_a_unit_is_read_once(whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_unit_is_read_once(complete_results: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     out = tmp_path / "out"
-    shutil.copytree(whole, out)
+    shutil.copytree(complete_results, out)
     (out / "study.h5").unlink()
-    read = list[Path]()
+    paths = list[Path]()
 
-    def reading(path: Path) -> Any:
-        read.append(path)
+    def record(path: Path) -> Any:
+        paths.append(path)
         return read_unit(path)
 
-    monkeypatch.setattr("bearingsim.store.stock.read_unit", reading)
+    monkeypatch.setattr("bearingsim.store.stock.read_unit", record)
     for _ in range(3):
         assert compute(out).resumed == 3
-    assert len(read) == 1
+    assert len(paths) == 1
     assert np.isfinite(store.open_results(out).table()["velocity@BPFO"]).sum() == 3

@@ -37,9 +37,9 @@ def largest_file(size: int) -> Iterator[None]:
 @pytest.mark.parametrize("size", [100, 1000, 8_000, 24_000])
 def test_no_room_ends_the_run_and_blames_no_job(tmp_path: Path, size: int) -> None:
     study, out = FakeStudy([1e-3 * (i + 1) for i in range(40)]), tmp_path / "out"
-    with largest_file(size), pytest.raises(DiskFull, match="ulimit -f") as told:
+    with largest_file(size), pytest.raises(DiskFull, match="ulimit -f") as error:
         compute(study, out)
-    assert str(tmp_path / "out") in str(told.value)
+    assert str(tmp_path / "out") in str(error.value)
     assert not list(out.glob("failed/*"))
     assert not list(out.rglob("*.part"))
     compute(study, out)
@@ -65,15 +65,17 @@ def test_room_is_looked_for_before_anything_is_computed(tmp_path: Path, monkeypa
     assert not list(tmp_path.glob("units/*"))
 
 
-@pytest.mark.parametrize("words", [("plot",), ("export", "--features"), ("export", "--series")])
-def test_figures_and_exports_meet_a_full_disk(done: Path, tmp_path: Path, words: tuple[str, ...]) -> None:
+@pytest.mark.parametrize("arguments", [("plot",), ("export", "--features"), ("export", "--series")])
+def test_figures_and_exports_meet_a_full_disk(done: Path, tmp_path: Path, arguments: tuple[str, ...]) -> None:
     job = store.open_results(done).jobs[0]
-    given: dict[str, list[Any]] = {"--features": [tmp_path / "f.csv"]}
-    given["--series"] = [job, "--out", tmp_path / "s.mat"]
+    options: dict[str, list[Any]] = {"--features": [tmp_path / "f.csv"]}
+    options["--series"] = [job, "--out", tmp_path / "s.mat"]
     with largest_file(1000):
-        _, told = type_(words[0], done, *words[1:], *given.get(words[-1], ["--out", tmp_path]), code=2)
-    assert len(told.splitlines()) == 1
-    assert str(tmp_path) in told
+        _, message = type_(
+            arguments[0], done, *arguments[1:], *options.get(arguments[-1], ["--out", tmp_path]), code=2
+        )
+    assert len(message.splitlines()) == 1
+    assert str(tmp_path) in message
     assert not list(tmp_path.iterdir())
 
 

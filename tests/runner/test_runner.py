@@ -92,16 +92,16 @@ def test_chaotic_jobs_are_told_of_with_what_would_tell_more(
 
 
 @pytest.mark.parametrize(
-    ("errors", "said"),
+    ("errors", "parts"),
     [([0.009, math.nan], []), ([0.02, 0.035], ["2 jobs: the RMS of another recorded channel", "up to 3.5 %"])],
 )
 def test_what_half_the_step_changes_of_a_record_is_told_of_jobs_that_are_not_chaotic(
-    errors: list[float], said: list[str]
+    errors: list[float], parts: list[str]
 ) -> None:
     columns = {"features/step_error.record": [*errors, 0.5], "features/chaotic": [0.0, 0.0, 1.0]}
-    found = list(step_warnings(pd.DataFrame(columns)))
-    assert len(found) == bool(said)
-    assert all(part in found[0] for part in said)
+    warnings = list(step_warnings(pd.DataFrame(columns)))
+    assert len(warnings) == bool(parts)
+    assert all(part in warnings[0] for part in parts)
     assert not list(step_warnings(pd.DataFrame({"status": ["failed"]})))
 
 
@@ -151,20 +151,20 @@ def test_progress_lines_tell_counts_and_time_left(
     assert lines[-1] == "4/4 jobs, 1 failed"
 
 
-@pytest.mark.parametrize(("shown", "said"), [(None, True), (False, False)])
+@pytest.mark.parametrize(("shown", "is_said"), [(None, True), (False, False)])
 def test_a_long_start_is_explained(
-    shown: bool | None, said: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    shown: bool | None, is_said: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(patience, "PATIENCE_S", 0.05)
     with patience.patient(shown) as start:
-        about_to = progress.compiling(start)
-        about_to(1, 5, 7.0)
-        about_to(2, 5, 22.0)
+        announce = progress.compiling(start)
+        announce(1, 5, 7.0)
+        announce(2, 5, 22.0)
         assert "compiling" not in capsys.readouterr().err
         time.sleep(0.3)
-    told = capsys.readouterr().err
-    assert ("compiling 2 of 5, about 22 s" in told) == said
-    assert "compiling 1 of 5" not in told
+    output = capsys.readouterr().err
+    assert ("compiling 2 of 5, about 22 s" in output) == is_said
+    assert "compiling 1 of 5" not in output
 
 
 def test_bar_counts_jobs_and_failures(capsys: pytest.CaptureFixture[str]) -> None:
@@ -285,8 +285,8 @@ def test_failures_are_grouped_by_reason_whatever_the_numbers() -> None:
 
 
 def test_durations_are_readable() -> None:
-    found = [progress.duration(seconds) for seconds in (0.123, 12.4, 99.4, 99.6, 3725.0)]
-    assert found == ["0.12 s", "12 s", "99 s", "1 min 40 s", "1 h 2 min"]
+    texts = [progress.duration(seconds) for seconds in (0.123, 12.4, 99.4, 99.6, 3725.0)]
+    assert texts == ["0.12 s", "12 s", "99 s", "1 min 40 s", "1 h 2 min"]
 
 
 def test_refused_case_fails_alone(tmp_path: Path) -> None:
@@ -328,9 +328,9 @@ def test_job_that_dies_beside_others_only_is_not_blamed(tmp_path: Path) -> None:
 
 def test_interrupted_run_keeps_what_is_done(tmp_path: Path) -> None:
     study = FakeStudy([1e-3, 2e-3, 3e-3], deeds={2: "interrupt"}, seconds=0.3)
-    with pytest.raises(Interrupted) as stop:
+    with pytest.raises(Interrupted) as interruption:
         compute(study, tmp_path)
-    summary = stop.value.summary
+    summary = interruption.value.summary
     assert (summary.done, summary.missing, summary.exit_code) == (2, 2, 130)
     assert list(table_of(tmp_path)["status"]) == ["done", "done", "missing", "missing"]
     assert_tidy(tmp_path)
@@ -342,8 +342,8 @@ def test_interrupted_run_keeps_what_is_done(tmp_path: Path) -> None:
 def other_process(out: Path, jobs: int, count: int, seconds: float) -> Iterator[subprocess.Popen[str]]:
     """A run in a process group of its own."""
     # who is started in the background by a shell is deaf to Ctrl-C, and would hand that on
-    hear = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
-    code = f"{hear}; import sys; from tests.scenes import fake_studies; fake_studies.main(*sys.argv[1:])"
+    handler_code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    code = f"{handler_code}; import sys; from tests.scenes import fake_studies; fake_studies.main(*sys.argv[1:])"
     arguments = [sys.executable, "-c", code, str(out), str(jobs), str(count), str(seconds)]
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     process = subprocess.Popen(
@@ -371,12 +371,12 @@ SIGNALS = ["SIGINT", "SIGTERM", "SIGHUP"]
 def test_a_signal_lets_the_job_in_hand_end_and_seals_what_is_done(tmp_path: Path, name: str) -> None:
     study = FakeStudy([1e-3 * (i + 1) for i in range(9)], deeds={4: f"signal {name}"})  # one unit
     before = signal.getsignal(getattr(signal, name))
-    with pytest.raises(Interrupted) as stop:
+    with pytest.raises(Interrupted) as interruption:
         compute(study, tmp_path)
     number = getattr(signal, name)
-    assert stop.value.number == number
-    assert stop.value.summary.exit_code == 128 + number
-    assert (stop.value.summary.done, stop.value.summary.missing) == (5, 5)
+    assert interruption.value.number == number
+    assert interruption.value.summary.exit_code == 128 + number
+    assert (interruption.value.summary.done, interruption.value.summary.missing) == (5, 5)
     assert list(table_of(tmp_path)["status"]) == ["done"] * 5 + ["missing"] * 5
     assert signal.getsignal(number) == before
     study.deeds[4] = "signal SIGURG"
@@ -413,10 +413,10 @@ def test_workers_die_with_their_parent(tmp_path: Path) -> None:
         workers = [int(path.stem.split("-")[-2]) for path in tmp_path.glob("units/??/*.started")]
         process.kill()
         process.wait()
-        wait_for(lambda: not any(runs(pid) for pid in workers), timeout=2.0)
+        wait_for(lambda: not any(is_running(pid) for pid in workers), timeout=2.0)
 
 
-def runs(pid: int) -> bool:
+def is_running(pid: int) -> bool:
     """Whether a process exists and is not a zombie."""
     with contextlib.suppress(FileNotFoundError):
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
@@ -454,20 +454,20 @@ def test_kill_9_at_any_moment_loses_no_sealed_job(tmp_path: Path) -> None:
 
 def test_shards_share_the_study_and_a_folder(tmp_path: Path) -> None:
     study = FakeStudy([1e-3 * (i + 1) for i in range(6)])
-    parts = [shard_of(study.jobs(), (k, 3)) for k in (1, 2, 3)]
-    assert sorted(len(part) for part in parts) == [2, 2, 3]
-    assert {job.id for part in parts for job in part} == {job.id for job in study.jobs()}
-    assert parts[1] == [job for job in study.jobs() if job in shard_of(study.jobs()[::-1], (2, 3))]
+    shards = [shard_of(study.jobs(), (k, 3)) for k in (1, 2, 3)]
+    assert sorted(len(shard) for shard in shards) == [2, 2, 3]
+    assert {job.id for shard in shards for job in shard} == {job.id for job in study.jobs()}
+    assert shards[1] == [job for job in study.jobs() if job in shard_of(study.jobs()[::-1], (2, 3))]
     for k in (1, 2, 3):
-        assert compute(study, tmp_path, shard=(k, 3)).done == len(parts[k - 1])
+        assert compute(study, tmp_path, shard=(k, 3)).done == len(shards[k - 1])
     table = table_of(tmp_path)
     assert set(table["status"]) == {"done"}
     assert table["velocity@BPFO-healthy"].notna().sum() == 6
 
 
 def test_two_parents_share_a_folder(tmp_path: Path) -> None:
-    with other_process(tmp_path, 1, 12, 0.02) as one, other_process(tmp_path, 1, 12, 0.02) as two:
-        assert [process.wait(timeout=30) for process in (one, two)] == [0, 0]
+    with other_process(tmp_path, 1, 12, 0.02) as first, other_process(tmp_path, 1, 12, 0.02) as second:
+        assert [process.wait(timeout=30) for process in (first, second)] == [0, 0]
     assert set(table_of(tmp_path)["status"]) == {"done"}
     assert len(list(tmp_path.glob("journal-*.jsonl"))) == 2
     assert_tidy(tmp_path)

@@ -15,7 +15,7 @@ import pytest
 
 from bearingsim import selection, store
 from bearingsim.cli.plan import plan_of
-from bearingsim.cli.remarks import model_choices as choices_told
+from bearingsim.cli.remarks import model_choices as choice_remarks
 from bearingsim.runner import Interrupted, RunSummary, run
 from bearingsim.runner.select import MissingChoices, choose_models
 from bearingsim.selection import Choosing
@@ -40,26 +40,26 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def compute(study: Study, out: Path, **options: Any) -> RunSummary:
-    given: dict[str, Any] = {"jobs": 1, "progress": False, "engine": ENGINE}
-    return run(study, out, **given | options)
+    defaults: dict[str, Any] = {"jobs": 1, "progress": False, "engine": ENGINE}
+    return run(study, out, **defaults | options)
 
 
-def lines(log: Path) -> list[str]:
-    found = log.read_text().splitlines()
+def take_lines(log: Path) -> list[str]:
+    lines = log.read_text().splitlines()
     log.write_text("")
-    return found
+    return lines
 
 
-def tried(log: Path) -> int:
-    return sum(line.startswith("try") for line in lines(log))
+def count_trials(log: Path) -> int:
+    return sum(line.startswith("try") for line in take_lines(log))
 
 
-def choices(out: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((out / "choices.json").read_text())["choices"]
-    return found
+def read_choices(out: Path) -> dict[str, Any]:
+    choices: dict[str, Any] = json.loads((out / "choices.json").read_text())["choices"]
+    return choices
 
 
-def results(out: Path) -> pd.DataFrame:
+def read_results(out: Path) -> pd.DataFrame:
     """The table, less what no two runs have alike."""
     return pd.read_csv(out / "results.csv").drop(columns=["seconds", "unit"])
 
@@ -67,32 +67,32 @@ def results(out: Path) -> pd.DataFrame:
 def test_choices_are_there_before_the_first_job(
     write: Write, tmp_path: Path, log: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    out, seen = tmp_path / "out", list[bool]()
-    plain = trials.simulate
+    out, has_choices = tmp_path / "out", list[bool]()
+    original = trials.simulate
 
     def simulate(case: Any) -> Any:
-        seen.append((out / "choices.json").is_file())
-        return plain(case)
+        has_choices.append((out / "choices.json").is_file())
+        return original(case)
 
     monkeypatch.setattr(trials, "simulate", simulate)
     summary = compute(near(write), out)
     assert (summary.done, summary.failed) == (9, 0)  # three jobs, their twins, three audits
-    assert seen == [True] * len(seen)
-    assert {one["candidate"] for one in choices(out).values()} == {"rollers"}
-    told = lines(log)
-    last_try = max(n for n, line in enumerate(told) if line.startswith("try"))
-    assert last_try < min(n for n, line in enumerate(told) if line.startswith("simulate"))
-    assert sum(line.startswith("try planar") for line in told) == 3
+    assert has_choices == [True] * len(has_choices)
+    assert {choice["candidate"] for choice in read_choices(out).values()} == {"rollers"}
+    calls = take_lines(log)
+    last_try = max(n for n, line in enumerate(calls) if line.startswith("try"))
+    assert last_try < min(n for n, line in enumerate(calls) if line.startswith("simulate"))
+    assert sum(line.startswith("try planar") for line in calls) == 3
 
 
 def test_later_runs_and_shards_read_them_and_try_nothing(write: Write, tmp_path: Path, log: Path) -> None:
     study, out = near(write), tmp_path / "out"
     compute(study, out)
-    assert tried(log) > 0
+    assert count_trials(log) > 0
     before = (out / "choices.json").read_bytes()
     compute(near(write), out)
     compute(near(write), out, shard=(2, 3))
-    assert tried(log) == 0
+    assert count_trials(log) == 0
     assert (out / "choices.json").read_bytes() == before
 
 
@@ -101,10 +101,10 @@ def test_a_share_does_not_choose_for_all(write: Write, tmp_path: Path, log: Path
     quick = load_study(write(TEXT + "quick: {duration: 0.1 s}\n"), {"load": "[150 N, 300 N]"}, quick=True)
     with pytest.raises(
         MissingChoices, match=r"no choice of a model for 2 of 2 cases: run `bearingsim check "
-    ) as said:
+    ) as error:
         compute(quick, tmp_path / "out", shard=(1, 3))
-    typed = shlex.split(str(said.value).split("`")[1])
-    assert typed[1:] == [
+    arguments = shlex.split(str(error.value).split("`")[1])
+    assert arguments[1:] == [
         *(
             "check",
             str(quick.path),
@@ -116,18 +116,18 @@ def test_a_share_does_not_choose_for_all(write: Write, tmp_path: Path, log: Path
             "--pilots",
         )
     ]
-    assert lines(log) == []
+    assert take_lines(log) == []
 
 
 def test_shards_come_to_what_one_run_does(write: Write, tmp_path: Path) -> None:
-    one, shared = tmp_path / "one", tmp_path / "shared"
-    compute(near(write), one)
+    single, shared = tmp_path / "one", tmp_path / "shared"
+    compute(near(write), single)
     store.claim_results(shared, "near", quick=False)
     choose_models(near(write), shared, 1, ENGINE, shown=False)  # as `check --pilots` does
     for number in (1, 2, 3):
         compute(near(write), shared, shard=(number, 3))
-    assert choices(one) == choices(shared)
-    pd.testing.assert_frame_equal(results(one), results(shared))
+    assert read_choices(single) == read_choices(shared)
+    pd.testing.assert_frame_equal(read_results(single), read_results(shared))
 
 
 def test_a_study_that_is_extended_keeps_what_was_chosen(
@@ -135,34 +135,34 @@ def test_a_study_that_is_extended_keeps_what_was_chosen(
 ) -> None:
     out = tmp_path / "out"
     compute(near(write), out)
-    before = choices(out)
-    lines(log)
+    before = read_choices(out)
+    take_lines(log)
     monkeypatch.setitem(trials.OFF, "rollers", 1.3)  # what is new is another matter
     study = near(write, TEXT.replace("450 N", "450 N, 600 N"))
     compute(study, out)
-    after = choices(out)
+    after = read_choices(out)
     assert {name: after[name] for name in before} == before
-    assert [one["candidate"] for name, one in after.items() if name not in before] == ["reference"]
-    assert {line.split()[2] for line in lines(log) if line.startswith("try")} == {"600"}
+    assert [choice["candidate"] for name, choice in after.items() if name not in before] == ["reference"]
+    assert {line.split()[2] for line in take_lines(log) if line.startswith("try")} == {"600"}
 
 
 LOADS = "150 N, 300 N, 450 N"
 
 
-def extended(write: Write, loads: str) -> Study:
+def make_extended(write: Write, loads: str) -> Study:
     return near(write, TEXT.replace(LOADS, loads))
 
 
-def notes(out: Path) -> list[str]:
-    found: list[str] = store.read_plan(out)["accuracy"]["notes"]
-    return found
+def plan_notes(out: Path) -> list[str]:
+    notes: list[str] = store.read_plan(out)["accuracy"]["notes"]
+    return notes
 
 
-def errors(out: Path) -> dict[float, float]:
+def model_errors(out: Path) -> dict[float, float]:
     """What is said of the model of each case, by load."""
     table = store.open_results(out).table()
-    own = table[table["healthy"] != ""]
-    return dict(zip(own["load"], own["error.model"], strict=True))
+    cases = table[table["healthy"] != ""]
+    return dict(zip(cases["load"], cases["error.model"], strict=True))
 
 
 def test_a_quick_study_chooses_in_its_own_folder(
@@ -171,76 +171,76 @@ def test_a_quick_study_chooses_in_its_own_folder(
     """What is set on the command line is chosen for, too."""
     monkeypatch.chdir(tmp_path)
     path = write(TEXT + "quick: {duration: 0.15 s, sweep: {load: [150 N, 450 N]}}\n")
-    given = {"clearance": "5 um"}
-    studies = [load_study(path), load_study(path, quick=True), load_study(path, given, quick=True)]
+    overrides = {"clearance": "5 um"}
+    studies = [load_study(path), load_study(path, quick=True), load_study(path, overrides, quick=True)]
     keys = [{key(study, case) for case in study.cases()} for study in studies]
     assert list(map(len, keys)) == [3, 2, 2]
     assert len(set().union(*keys)) == 7
     for study in studies[:2]:
         run(study, jobs=1, progress=False, engine=ENGINE)
-    assert choices(Path("results/near")).keys() == keys[0]
-    assert choices(Path("results/near-quick")).keys() == keys[1]
-    lines(log)
+    assert read_choices(Path("results/near")).keys() == keys[0]
+    assert read_choices(Path("results/near-quick")).keys() == keys[1]
+    take_lines(log)
     run(studies[2], jobs=1, progress=False, engine=ENGINE)
-    assert choices(Path("results/near-quick")).keys() == keys[1] | keys[2]
-    assert notes(Path("results/near-quick")) == []  # another value: none of the cases has been chosen for
-    assert tried(log) > 0
+    assert read_choices(Path("results/near-quick")).keys() == keys[1] | keys[2]
+    assert plan_notes(Path("results/near-quick")) == []  # another value: none of the cases has been chosen for
+    assert count_trials(log) > 0
     run(studies[1], shard=(2, 2), jobs=1, progress=False, engine=ENGINE)
-    assert tried(log) == 0
+    assert count_trials(log) == 0
 
 
 def test_a_new_case_is_judged_by_the_curve_as_it_is_then(write: Write, tmp_path: Path) -> None:
     """By old cases and new ones. An old one has what was said of it then."""
     out = tmp_path / "out"
     compute(near(write), out)
-    told = {150.0: 1.5 / 450.0, 300.0: 3.0 / 450.0, 450.0: 0.01}
+    expected = {150.0: 1.5 / 450.0, 300.0: 3.0 / 450.0, 450.0: 0.01}
     for loads, new in (
         ("200 N", {200.0: 2.0 / 450.0}),
         ("200 N, 4500 N", {4500.0: 0.01}),
         ("200 N, 4500 N, 250 N", {250.0: 125.0 / 4500.0}),
     ):
-        compute(extended(write, f"{LOADS}, {loads}"), out)
-        told |= new
-        assert errors(out) == pytest.approx(told, rel=1e-6)
+        compute(make_extended(write, f"{LOADS}, {loads}"), out)
+        expected |= new
+        assert model_errors(out) == pytest.approx(expected, rel=1e-6)
 
 
 def test_who_extends_a_study_is_told_what_is_kept(write: Write, tmp_path: Path) -> None:
-    out, study = tmp_path / "out", extended(write, f"{LOADS}, 600 N")
+    out, study = tmp_path / "out", make_extended(write, f"{LOADS}, 600 N")
     compute(near(write), out)
-    assert notes(out) == []
+    assert plan_notes(out) == []
     summary = compute(study, out)
-    told = "3 of 4 cases keep the model chosen for an earlier plan (remove choices.json to choose all again)"
-    assert notes(out) == [told]
-    assert told in str(summary).splitlines()
-    assert told in type_("show", out)[0].splitlines()
-    assert told in str(compute(study, out)).splitlines()  # as long as it is so
-    assert told in [*choices_told(plan_of(choose_models(study, out, 1, ENGINE, shown=False), 1))]
+    note = "3 of 4 cases keep the model chosen for an earlier plan (remove choices.json to choose all again)"
+    assert plan_notes(out) == [note]
+    assert note in str(summary).splitlines()
+    assert note in type_("show", out)[0].splitlines()
+    assert note in str(compute(study, out)).splitlines()  # as long as it is so
+    assert note in [*choice_remarks(plan_of(choose_models(study, out, 1, ENGINE, shown=False), 1))]
     (out / "choices.json").unlink()
-    assert told not in str(compute(study, out))
-    assert notes(out) == []
+    assert note not in str(compute(study, out))
+    assert plan_notes(out) == []
 
 
 def test_who_leaves_cases_out_is_told_too(write: Write, tmp_path: Path) -> None:
     compute(near(write), tmp_path / "out")
-    compute(extended(write, "150 N"), tmp_path / "out")
-    assert len(notes(tmp_path / "out")) == 1
-    assert notes(tmp_path / "out")[0].startswith("1 of 1 cases keeps the model")
+    compute(make_extended(write, "150 N"), tmp_path / "out")
+    assert len(plan_notes(tmp_path / "out")) == 1
+    assert plan_notes(tmp_path / "out")[0].startswith("1 of 1 cases keeps the model")
 
 
 def test_what_has_no_say_in_choices_makes_no_other_plan(write: Write, tmp_path: Path) -> None:
     compute(near(write), tmp_path / "out")
     before = (tmp_path / "out/choices.json").read_bytes()
-    compute(extended(write, "450 N, 300 N, 150 N"), tmp_path / "out")
+    compute(make_extended(write, "450 N, 300 N, 150 N"), tmp_path / "out")
     compute(near(write, TEXT + "uncertainty: none\n"), tmp_path / "out")
-    assert notes(tmp_path / "out") == []
+    assert plan_notes(tmp_path / "out") == []
     assert (tmp_path / "out/choices.json").read_bytes() == before
     compute(
         near(write, TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: velocity@BPFO}")), tmp_path / "out"
     )
-    assert notes(tmp_path / "out") == []
-    alone = TEXT.replace("5 %", "{within: 5 %, of: velocity@BPFO}").replace("y: velocity@BPFO", "y: velocity.rms")
-    compute(near(write, alone), tmp_path / "out")  # no curve of it: other choices might be made
-    assert notes(tmp_path / "out")[0].startswith("3 of 3 cases keep the model")
+    assert plan_notes(tmp_path / "out") == []
+    text = TEXT.replace("5 %", "{within: 5 %, of: velocity@BPFO}").replace("y: velocity@BPFO", "y: velocity.rms")
+    compute(near(write, text), tmp_path / "out")  # no curve of it: other choices might be made
+    assert plan_notes(tmp_path / "out")[0].startswith("3 of 3 cases keep the model")
 
 
 def test_models_that_part_on_a_curve_because_it_was_extended_are_told(
@@ -249,14 +249,14 @@ def test_models_that_part_on_a_curve_because_it_was_extended_are_told(
     """One model a curve, unless several cost under a third: so it is among those that are chosen together."""
     compute(near(write), tmp_path / "out")
     monkeypatch.setitem(trials.OFF, "rollers", 1.3)
-    summary = compute(extended(write, f"{LOADS}, 600 N"), tmp_path / "out")
-    told = (
+    summary = compute(make_extended(write, f"{LOADS}, 600 N"), tmp_path / "out")
+    note = (
         "the choice of the model changes along 1 of 1 curves, which may cause a step:"
         " `rollers`, `planar` (reference)"
     )
-    assert notes(tmp_path / "out")[1:] == [told]
-    assert told in str(summary).splitlines()
-    assert told in type_("show", tmp_path / "out")[0].splitlines()
+    assert plan_notes(tmp_path / "out")[1:] == [note]
+    assert note in str(summary).splitlines()
+    assert note in type_("show", tmp_path / "out")[0].splitlines()
 
 
 # Interrupts
@@ -265,57 +265,59 @@ def test_models_that_part_on_a_curve_because_it_was_extended_are_told(
 def test_an_interrupt_while_models_are_tried_keeps_what_was_tried(
     write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plain, left = trials.try_out, [5]
+    original, remaining = trials.try_out, [5]
 
-    def interrupted(*of: Any) -> Any:
-        left[0] -= 1
-        if left[0] == 0:
+    def interrupt(*arguments: Any) -> Any:
+        remaining[0] -= 1
+        if remaining[0] == 0:
             raise KeyboardInterrupt
-        return plain(*of)
+        return original(*arguments)
 
-    monkeypatch.setattr(trials, "try_out", interrupted)
-    with pytest.raises(Interrupted) as stop:
+    monkeypatch.setattr(trials, "try_out", interrupt)
+    with pytest.raises(Interrupted) as interruption:
         compute(near(write), tmp_path / "out")
-    summary = stop.value.summary
+    summary = interruption.value.summary
     assert (summary.planned, summary.resumed, summary.done, summary.missing) == (6, 0, 0, 6)
     assert (summary.exit_code, summary.interrupted) == (130, signal.SIGINT)
-    assert "models were being compared, before the first job: 4 trials kept" in str(stop.value).splitlines()
-    assert "run the same command to continue" in str(stop.value)
+    assert (
+        "models were being compared, before the first job: 4 trials kept" in str(interruption.value).splitlines()
+    )
+    assert "run the same command to continue" in str(interruption.value)
     assert len(selection.read_trials(tmp_path / "out")) == 4
     assert not (tmp_path / "out/choices.json").exists()
-    left[0] = 0
+    remaining[0] = 0
     assert compute(near(write), tmp_path / "out").failed == 0
     compute(near(write), tmp_path / "whole")
-    assert choices(tmp_path / "out") == choices(tmp_path / "whole")
+    assert read_choices(tmp_path / "out") == read_choices(tmp_path / "whole")
 
 
 def test_jobs_that_trials_have_done_count(write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    left = [2]
+    remaining = [2]
 
-    def repeating(case: Any, asked: Any, passes: int, turn: float) -> Any:
-        left[0] -= 1
-        if left[0] < 0:
+    def repeat(case: Any, features: Any, passes: int, turn: float) -> Any:
+        remaining[0] -= 1
+        if remaining[0] < 0:
             raise KeyboardInterrupt
-        return trials.trial(case.load, passes, repeats=True, names=asked), trials.simulate(case)
+        return trials.trial(case.load, passes, repeats=True, names=features), trials.simulate(case)
 
-    monkeypatch.setattr(trials, "try_out", repeating)
-    with pytest.raises(Interrupted) as stop:
+    monkeypatch.setattr(trials, "try_out", repeat)
+    with pytest.raises(Interrupted) as interruption:
         compute(near(write), tmp_path / "out")
-    assert (stop.value.summary.planned, stop.value.summary.resumed) == (6, 2)
+    assert (interruption.value.summary.planned, interruption.value.summary.resumed) == (6, 2)
 
 
 @pytest.mark.parametrize(
-    "words", [("run", "--jobs", "1"), ("run", "--jobs", "2"), ("check", "--pilots", "--jobs", "2")]
+    "arguments", [("run", "--jobs", "1"), ("run", "--jobs", "2"), ("check", "--pilots", "--jobs", "2")]
 )
-def test_ctrl_c_while_models_are_tried(write: Write, tmp_path: Path, words: tuple[str, ...]) -> None:
+def test_ctrl_c_while_models_are_tried(write: Write, tmp_path: Path, arguments: tuple[str, ...]) -> None:
     """It ends with what is kept and how to go on, and no traceback."""
     near(write, TEXT.replace(LOADS, "150 N, 300 N, 450 N, 600 N, 750 N, 900 N"))
     # who is started in the background by a shell is deaf to Ctrl-C, and would hand that on
-    hear = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
-    code = f"{hear}; from tests.scenes import trials; trials.main()"
+    handler_code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    code = f"{handler_code}; from tests.scenes import trials; trials.main()"
     out = tmp_path / "out"
     process = subprocess.Popen(
-        [sys.executable, "-c", code, *words, str(tmp_path / "study.yaml"), "--out", str(out)],
+        [sys.executable, "-c", code, *arguments, str(tmp_path / "study.yaml"), "--out", str(out)],
         cwd=ROOT,
         env={**os.environ, trials.SECONDS: "0.2"},
         text=True,
@@ -329,12 +331,12 @@ def test_ctrl_c_while_models_are_tried(write: Write, tmp_path: Path, words: tupl
         assert process.poll() is None
         time.sleep(0.02)
     os.killpg(process.pid, signal.SIGINT)
-    said, told = process.communicate(timeout=30)
-    assert process.returncode == 130, (said, told)
-    assert "Traceback" not in told
-    assert "models were being compared, before the first job: " in told
-    assert "run the same command to continue" in told
-    assert ("0 of 12 jobs done" in told) == (words[0] == "run")
+    output, errors = process.communicate(timeout=30)
+    assert process.returncode == 130, (output, errors)
+    assert "Traceback" not in errors
+    assert "models were being compared, before the first job: " in errors
+    assert "run the same command to continue" in errors
+    assert ("0 of 12 jobs done" in errors) == (arguments[0] == "run")
     assert not [path for path in out.rglob("*") if path.suffix in (".part", ".started")]
     assert not (out / "choices.json").exists()
 
@@ -342,18 +344,20 @@ def test_ctrl_c_while_models_are_tried(write: Write, tmp_path: Path, words: tupl
 def test_another_accuracy_is_another_choice(write: Write, tmp_path: Path, log: Path) -> None:
     out = tmp_path / "out"
     compute(near(write), out)
-    lines(log)
+    take_lines(log)
     compute(near(write, TEXT.replace("5 %", "0.5 %")), out)
-    assert sorted(one["candidate"] for one in choices(out).values()) == ["reference"] * 3 + ["rollers"] * 3
-    assert tried(log) == 0  # of the same trials
+    assert (
+        sorted(choice["candidate"] for choice in read_choices(out).values()) == ["reference"] * 3 + ["rollers"] * 3
+    )
+    assert count_trials(log) == 0  # of the same trials
 
 
 def test_fresh_forgets_them(write: Write, tmp_path: Path, log: Path) -> None:
     out = tmp_path / "out"
     compute(near(write), out)
-    first = tried(log)
+    first = count_trials(log)
     compute(near(write), out, fresh=True)
-    assert tried(log) == first > 0
+    assert count_trials(log) == first > 0
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"a": 3}', '{"a": {"model": "ring"}}', "\xff"])
@@ -365,40 +369,40 @@ def test_damaged_choices_are_not_guessed(write: Write, tmp_path: Path, text: str
         compute(near(write), out)
 
 
-@pytest.mark.parametrize("keep", [0, 1, 40, -3])
-def test_a_torn_trial_is_made_again(write: Write, tmp_path: Path, log: Path, keep: int) -> None:
+@pytest.mark.parametrize("kept_length", [0, 1, 40, -3])
+def test_a_torn_trial_is_made_again(write: Write, tmp_path: Path, log: Path, kept_length: int) -> None:
     out = tmp_path / "out"
     compute(near(write), out)
-    before = choices(out)
-    lines(log)
+    before = read_choices(out)
+    take_lines(log)
     (out / "choices.json").unlink()
-    torn = sorted((out / "trials").glob("*.json"))[0]
-    lost = len(json.loads(torn.read_text())["trials"])
-    torn.write_text(torn.read_text()[:keep])
+    path = sorted((out / "trials").glob("*.json"))[0]
+    lost_count = len(json.loads(path.read_text())["trials"])
+    path.write_text(path.read_text()[:kept_length])
     compute(near(write), out)
-    assert choices(out) == before
-    assert tried(log) == lost < 12
+    assert read_choices(out) == before
+    assert count_trials(log) == lost_count < 12
 
 
 def test_a_trial_that_fails_is_no_end(write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    plain = trials.try_out
+    original = trials.try_out
 
-    def failing(case: Any, *rest: Any) -> Any:
+    def fail_rollers(case: Any, *arguments: Any) -> Any:
         if case.model == "rollers":
             raise RuntimeError("not this one")
-        return plain(case, *rest)
+        return original(case, *arguments)
 
-    monkeypatch.setattr(trials, "try_out", failing)
+    monkeypatch.setattr(trials, "try_out", fail_rollers)
     summary = compute(near(write), tmp_path / "out")
     assert summary.failed == 0
-    assert {one["candidate"] for one in choices(tmp_path / "out").values()} == {"reference"}
+    assert {choice["candidate"] for choice in read_choices(tmp_path / "out").values()} == {"reference"}
 
 
 def test_killed_while_models_are_tried_it_chooses_the_same(write: Write, tmp_path: Path) -> None:
     """At whichever trial it dies."""
-    whole = tmp_path / "whole"
+    complete = tmp_path / "whole"
     study = near(write)
-    compute(study, whole)
+    compute(study, complete)
     script = (
         "import os, signal, sys; from tests.scenes import trials; from bearingsim.runner import run;"
         "from bearingsim.study import load_study; plain = trials.try_out; left = [int(sys.argv[3])]\n"
@@ -410,42 +414,42 @@ def test_killed_while_models_are_tried_it_chooses_the_same(write: Write, tmp_pat
         "run(load_study(sys.argv[1]), sys.argv[2], jobs=1, progress=False, engine=trials.ENGINE)"
     )
     out = tmp_path / "out"
-    for lasts in (1, 4):
-        died = subprocess.run(
-            [sys.executable, "-c", script, study.path, str(out), str(lasts)], cwd=ROOT, check=False
+    for count in (1, 4):
+        process = subprocess.run(
+            [sys.executable, "-c", script, study.path, str(out), str(count)], cwd=ROOT, check=False
         )
-        assert died.returncode == -signal.SIGKILL
+        assert process.returncode == -signal.SIGKILL
         assert not (out / "choices.json").exists()
         assert selection.read_trials(out)
     compute(near(write), out)
-    assert choices(out) == choices(whole)
+    assert read_choices(out) == read_choices(complete)
     assert not [*out.rglob("*.part")]
-    pd.testing.assert_frame_equal(results(whole), results(out))
+    pd.testing.assert_frame_equal(read_results(complete), read_results(out))
 
 
 def test_in_several_processes_it_is_the_same(write: Write, tmp_path: Path) -> None:
     compute(near(write), tmp_path / "one")
     compute(near(write), tmp_path / "two", jobs=2)
-    assert choices(tmp_path / "one") == choices(tmp_path / "two")
+    assert read_choices(tmp_path / "one") == read_choices(tmp_path / "two")
 
 
 def test_a_reference_that_repeats_itself_is_not_computed_again(
     write: Write, tmp_path: Path, log: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plain = trials.try_out
+    original = trials.try_out
 
-    def repeating(case: Any, asked: Any, passes: int, turn: float) -> Any:
-        plain(case, asked, passes, turn)
-        return trials.trial(case.load, passes, repeats=True, names=asked), trials.simulate(case)
+    def repeat(case: Any, features: Any, passes: int, turn: float) -> Any:
+        original(case, features, passes, turn)
+        return trials.trial(case.load, passes, repeats=True, names=features), trials.simulate(case)
 
-    monkeypatch.setattr(trials, "try_out", repeating)
+    monkeypatch.setattr(trials, "try_out", repeat)
     study, out = near(write), tmp_path / "out"
     assert len(Choosing(study, range(3)).wanted({})) == 3
     summary = compute(study, out)
     assert (summary.planned, summary.resumed, summary.done) == (6, 0, 6)  # none by an earlier run
-    found = selection.read_trials(out)
-    assert len(found) == 3
-    assert Choosing(study, range(3)).wanted(found) == []
+    trials_found = selection.read_trials(out)
+    assert len(trials_found) == 3
+    assert Choosing(study, range(3)).wanted(trials_found) == []
     assert [job.id for job in study.planned()][:3] == [case_id(case) for case in study.cases()]
 
 
@@ -455,27 +459,27 @@ def test_a_reference_that_repeats_itself_is_not_computed_again(
 def test_the_table_tells_models_and_how_far_off_they_may_be(write: Write, tmp_path: Path) -> None:
     compute(near(write, TEXT + RIGID), tmp_path / "out")
     table = store.open_results(tmp_path / "out").table()
-    near_columns = ["model", "error.model", "error.step", "error.scatter", "error"]
-    assert [name for name in table.columns if name in near_columns] == near_columns
-    own, twins = table[table["healthy"] != ""], table[table["healthy"] == ""]
-    assert list(own["model"]) == ["rollers"] * 3
-    assert own["error.model"].to_numpy() == pytest.approx([150 / 450 * 0.01, 300 / 450 * 0.01, 0.01], rel=1e-6)
-    assert (own["error.step"] == 0.0).all()
-    assert own["error"].to_numpy() == pytest.approx(own["error.model"].to_numpy())
-    assert (twins["model"] == "").all()
-    assert twins[near_columns[1:]].isna().all(axis=None)
+    error_columns = ["model", "error.model", "error.step", "error.scatter", "error"]
+    assert [name for name in table.columns if name in error_columns] == error_columns
+    cases, baselines = table[table["healthy"] != ""], table[table["healthy"] == ""]
+    assert list(cases["model"]) == ["rollers"] * 3
+    assert cases["error.model"].to_numpy() == pytest.approx([150 / 450 * 0.01, 300 / 450 * 0.01, 0.01], rel=1e-6)
+    assert (cases["error.step"] == 0.0).all()
+    assert cases["error"].to_numpy() == pytest.approx(cases["error.model"].to_numpy())
+    assert (baselines["model"] == "").all()
+    assert baselines[error_columns[1:]].isna().all(axis=None)
 
 
 def test_the_table_tells_what_friction_changes(write: Write, tmp_path: Path) -> None:
     """Two of three cases are tried with it, at the ends of the curve, in other processes."""
     text = TEXT.replace("friction: none\n", "") + RIGID
     compute(near(write, text), tmp_path / "out", jobs=2)
-    found = store.read_choices(tmp_path / "out").values()
-    assert sorted(one.inferred for one in found) == [False, False, True]
+    choices = store.read_choices(tmp_path / "out").values()
+    assert sorted(choice.inferred for choice in choices) == [False, False, True]
     table = store.open_results(tmp_path / "out").table()
-    own = table[table["healthy"] != ""]
-    assert own["error.friction"].to_numpy() == pytest.approx([0.002 / 3.0, 0.002, 0.002], rel=1e-6)
-    assert own["error"].to_numpy() == pytest.approx((own["error.model"] + own["error.friction"]).to_numpy())
+    cases = table[table["healthy"] != ""]
+    assert cases["error.friction"].to_numpy() == pytest.approx([0.002 / 3.0, 0.002, 0.002], rel=1e-6)
+    assert cases["error"].to_numpy() == pytest.approx((cases["error.model"] + cases["error.friction"]).to_numpy())
     plan = store.read_plan(tmp_path / "out")
     assert "dry friction assumed" in " ".join(plan["assumptions"])
     assert len(plan["accuracy"]["audits"]) == 3
@@ -486,10 +490,10 @@ def test_no_sum_is_told_where_the_ring_is_only_assumed_to_be_rigid(write: Write,
     table = store.open_results(tmp_path / "out").table()
     assert table["error"].isna().all()
     assert table["error.model"].notna().sum() == 3
-    said = str(summary)
-    assert "models for 5 %: `rollers` in 3 of 3 cases" in said
-    assert "3 of 3 cases are within 5 % of the reference, a model" in said
-    assert "audit: 3 of 3 jobs computed again by their reference kept it; the worst is 0.99 % off" in said
+    output = str(summary)
+    assert "models for 5 %: `rollers` in 3 of 3 cases" in output
+    assert "3 of 3 cases are within 5 % of the reference, a model" in output
+    assert "audit: 3 of 3 jobs computed again by their reference kept it; the worst is 0.99 % off" in output
 
 
 def test_nothing_holds_an_accuracy_before_it_is_computed(write: Write, tmp_path: Path) -> None:
@@ -507,30 +511,30 @@ def test_audits_of_what_is_measured_against_a_twin_compare_that(
     text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
     study = load_study(write(text))
 
-    def of_trial(case: Any, asked: Any, passes: int, turn: float) -> Any:
+    def make_trial(case: Any, features: Any, passes: int, turn: float) -> Any:
         return trials.trial(
-            (1.0 + bool(case.defects)) * case.load * trials.OFF[case.model], passes, names=asked
+            (1.0 + bool(case.defects)) * case.load * trials.OFF[case.model], passes, names=features
         ), None
 
-    monkeypatch.setattr(trials, "try_out", of_trial)
-    plain = trials.simulate
+    monkeypatch.setattr(trials, "try_out", make_trial)
+    original = trials.simulate
     monkeypatch.setattr(
-        trials, "simulate", lambda case: _line(plain(case), 1.5 if case.model == "rollers" else 1.0)
+        trials, "simulate", lambda case: _scale_line(original(case), 1.5 if case.model == "rollers" else 1.0)
     )
     summary = compute(study, tmp_path / "out")
-    said = str(summary)
-    assert "audit: 0 of 3 jobs computed again by their reference kept it; the worst is 34 % off" in said
+    output = str(summary)
+    assert "audit: 0 of 3 jobs computed again by their reference kept it; the worst is 34 % off" in output
     assert summary.exit_code == 0
-    assert "withdrawn for 3 of 3 cases: velocity@BPFO-healthy is 34 % off" in said.splitlines()[1]
-    assert "of the reference, a model" not in said
+    assert "withdrawn for 3 of 3 cases: velocity@BPFO-healthy is 34 % off" in output.splitlines()[1]
+    assert "of the reference, a model" not in output
     table = store.open_results(tmp_path / "out").table()
     assert table["error"].dropna().tolist() == pytest.approx([0.34] * 3, abs=0.005)
-    shown = type_("show", tmp_path / "out")[0]
-    assert said.splitlines()[1] in shown.splitlines()
+    printed = type_("show", tmp_path / "out")[0]
+    assert output.splitlines()[1] in printed.splitlines()
 
 
-def _line(record: Any, times: float) -> Any:
-    record.features["velocity@BPFO"] *= times
+def _scale_line(record: Any, factor: float) -> Any:
+    record.features["velocity@BPFO"] *= factor
     return record
 
 
