@@ -83,7 +83,7 @@ def free_estimate(case: Case) -> Any:
     return FreeEstimate
 
 
-def skip_warm_up(cases: list[Case], about_to: Callable[..., Any] | None = None) -> None:
+def skip_warm_up(cases: list[Case], on_compile: Callable[..., Any] | None = None) -> None:
     """Skip compilation."""
 
 

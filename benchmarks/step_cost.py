@@ -25,7 +25,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.advance import RING_MOTION, advance
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import choice, time_grid
-from bearingsim.simulation.run_setup import monitor_of
+from bearingsim.simulation.run_setup import make_monitor
 
 BASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N"}
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
@@ -50,7 +50,7 @@ def variant(labels: dict[str, Any], case: Case, model: Any) -> dict[str, Any]:
     model = assemble.with_friction_lag(model, cut.step)
     y, _ = assemble.start(case, model)
     row = labels | {"auto_step_us": round(1e6 * cut.step, 3)}
-    monitor, method = monitor_of(cut, choice.limits(case)), assemble.method(case, cut.step)
+    monitor, method = make_monitor(cut, choice.limits(case)), assemble.method(case, cut.step)
     return {"row": row, "method": method, "model": model, "watch": monitor, "y": y, "at": 0}
 
 

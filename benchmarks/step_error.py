@@ -24,7 +24,7 @@ from joblib import Parallel, delayed
 from bearingsim.config import Case
 from bearingsim.simulation import SimulationError, choice, simulate
 from bearingsim.simulation.comparison import fault_lines
-from bearingsim.simulation.simulate import Began, Record, _simulate
+from bearingsim.simulation.simulate import Record, Usage, _simulate
 
 QUANTITIES = ("line", "rms", "force")
 STEP_FACTOR = 1 / 8
@@ -82,7 +82,7 @@ def compare_steps(number: int, seed: int) -> dict[str, Any]:
         record = simulate(case)
         method, step_part = str(record.info["method"]), STEP_FACTOR * float(record.info["step_part"])
         unchecked = choice.with_method(case.model_copy(update={"step_check": False}), method)
-        finer = _simulate(choice.Attempt(unchecked, step_part), Began.now())
+        finer = _simulate(choice.Attempt(unchecked, step_part), Usage.now())
     except SimulationError as error:
         return row | {"failed": str(error)}
     reference = values(finer, case)

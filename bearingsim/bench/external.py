@@ -174,6 +174,6 @@ def _features(setup: Setup, y: np.ndarray, states: np.ndarray) -> dict[str, floa
         _observe(model, times, states, p * steps, coordinates, recording.cells, state, y, recorded)
         window[:, tail:] = recorded
         differentiate(window, MOTIONS[0], tail, grid.step)
-        recording.keep(p, window, y)
-    raw = recording.raw(Repetition(grid.passes, 0, float("nan")), y)
+        recording.add_pass(p, window, y)
+    raw = recording.raw_record(Repetition(grid.passes, 0, float("nan")), y)
     return features(setup.case, model, grid, raw)

@@ -206,7 +206,7 @@ def _job_entry(priced: PricedJob) -> dict[str, Any]:
         "model": job.case.model,
         "method": priced.choice.method,
         "method_asked": job.case.method,
-        "method_why": priced.choice.why,
+        "method_why": priced.choice.reason,
         "least_model": hierarchy.least(job.case),
         "reasons": hierarchy.reasons(job.case),
         "step": priced.step,

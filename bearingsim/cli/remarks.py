@@ -99,7 +99,7 @@ def method_choices(plan: Plan) -> list[str]:
     automatic = [priced for priced in plan.priced_jobs if priced.job.case.method == "auto"]
     reasons: dict[str, list[str]] = {}
     for priced in automatic:
-        reasons.setdefault(str(priced.choice.method), []).append(priced.choice.why)
+        reasons.setdefault(str(priced.choice.method), []).append(priced.choice.reason)
     texts = [
         f"`{name}`{f' in {len(whys)} of {len(automatic)} jobs' if len(reasons) > 1 else ''}: {whys[0]}"
         for name, whys in reasons.items()

@@ -35,7 +35,7 @@ class Choice(NamedTuple):
     """
 
     method: str | None
-    why: str
+    reason: str
     prices: dict[str, float]
     patience: int = 0
 
@@ -47,7 +47,7 @@ class Attempt(NamedTuple):
     """
 
     case: Case
-    part: float
+    step_fraction: float
     patience: int = 0
 
 
@@ -75,13 +75,13 @@ def attempts(case: Case) -> Iterator[Attempt]:
     """
     preferred, patience = resolve(case), choice(case).patience
     refuse_unsettled(preferred)
-    parts = STEP_FRACTIONS if has_automatic_step(case) else (1.0,)
-    for part in parts:
-        yield Attempt(preferred, part, patience)
-    for name in tried(case)[1:]:
-        yield from (Attempt(with_method(preferred, name), part) for part in parts)
+    step_fractions = STEP_FRACTIONS if has_automatic_step(case) else (1.0,)
+    for step_fraction in step_fractions:
+        yield Attempt(preferred, step_fraction, patience)
+    for name in candidate_methods(case)[1:]:
+        yield from (Attempt(with_method(preferred, name), step_fraction) for step_fraction in step_fractions)
     if patience > 0:
-        yield from (Attempt(preferred, part) for part in parts)
+        yield from (Attempt(preferred, step_fraction) for step_fraction in step_fractions)
 
 
 def has_automatic_step(case: Case) -> bool:
@@ -89,7 +89,7 @@ def has_automatic_step(case: Case) -> bool:
     return case.automatic and case.tolerance == "auto"
 
 
-def tried(case: Case) -> list[str | None]:
+def candidate_methods(case: Case) -> list[str | None]:
     """List the methods for a case, each used if the previous ones fail; only its own if the case is refused."""
     try:
         preferred = choice(case).method
@@ -112,20 +112,22 @@ def choice(case: Case) -> Choice:
 
     A case with `periodic: false` gets the same method as with `periodic: true`, which it is meant to verify.
     """
-    _refuse_incomplete(case)
+    _refuse_missing_functions(case)
     if case.method != AUTO:
         return Choice(case.method, "the case says so" if case.method else f"{case.model} has no method", {})
-    able = [name for name in METHODS if METHODS[name].automatic and can_step(case, name)]
+    suitable = [name for name in METHODS if METHODS[name].automatic and can_step(case, name)]
     if case.tolerance != "auto":  # only methods with a tolerance
-        able = [name for name in able if METHODS[name].adaptive]
+        suitable = [name for name in suitable if METHODS[name].adaptive]
     periodic = resolve_settling(case).model_copy(update={"periodic": True})
-    costs = {name: _cost(with_method(periodic, name)) for name in able}
-    safe = sorted(able, key=lambda name: margin(name) * costs[name].whole)
-    prices = {name: costs[name].whole for name in safe}
+    costs = {name: _cost(with_method(periodic, name)) for name in suitable}
+    ranked = sorted(suitable, key=lambda name: margin(name) * costs[name].whole)
+    prices = {name: costs[name].whole for name in ranked}
     if EXPLICIT not in prices:
-        return Choice(safe[0], "the cheapest of those that keep a tolerance", prices)
-    if safe[0] != EXPLICIT:
-        return Choice(safe[0], _saving(safe[0], prices, step_limits(with_method(case, EXPLICIT))), prices)
+        return Choice(ranked[0], "the cheapest of those that keep a tolerance", prices)
+    if ranked[0] != EXPLICIT:
+        return Choice(
+            ranked[0], _speedup_text(ranked[0], prices, step_limits(with_method(case, EXPLICIT))), prices
+        )
     if not may_repeat(with_method(periodic, EXPLICIT)):
         return Choice(EXPLICIT, "no other method would take much less CPU time", prices)
     return Choice(EXPLICIT, "the response may be periodic", prices, _patience(case, costs))
@@ -140,8 +142,8 @@ def _patience(case: Case, costs: dict[str, Cost]) -> int:
     """Return the ball passes after which another method replaces Verlet if there is no period yet; 0: never."""
     others = [margin(name) * estimate.whole for name, estimate in costs.items() if name != EXPLICIT]
     patience = int(price("patience"))
-    rest = costs[EXPLICIT].at_most - patience * costs[EXPLICIT].one_pass
-    return patience if case.periodic and case.until is None and min(others, default=inf) < rest else 0
+    remaining_cost = costs[EXPLICIT].at_most - patience * costs[EXPLICIT].one_pass
+    return patience if case.periodic and case.until is None and min(others, default=inf) < remaining_cost else 0
 
 
 def can_step(case: Case, name: str) -> bool:
@@ -161,20 +163,20 @@ def is_frictionless(case: Case) -> bool:
     return not on_races and (case.cage is None or case.cage.motion == "kinematic")
 
 
-def _refuse_incomplete(case: Case) -> None:
+def _refuse_missing_functions(case: Case) -> None:
     """Raise ``Refused`` if laws or model lack a function that the method calls; UserError for invalid features."""
     check_features()
     implicit = case.method not in (None, AUTO) and METHODS[str(case.method)].implicit
-    lacking = next(missing_functions(case, implicit), "")
-    if lacking:
-        why = f", which {case.method} solves with" if implicit else ""
+    problem = next(missing_functions(case, implicit), "")
+    if problem:
+        purpose = f", which {case.method} solves with" if implicit else ""
         advice = "take an explicit method, or register it" if implicit else "register it (docs/extending.md)"
-        raise Refused(lacking + why, advice)
+        raise Refused(problem + purpose, advice)
 
 
-def _saving(chosen: str, prices: dict[str, float], limits: Limits) -> str:
-    saved = prices[EXPLICIT] / prices[chosen]
-    return f"explicit steps are limited to {1e6 * limits.at_impact:.2g} us: about {saved:.2g} times the CPU time"
+def _speedup_text(chosen: str, prices: dict[str, float], limits: Limits) -> str:
+    speedup = prices[EXPLICIT] / prices[chosen]
+    return f"explicit steps are limited to {1e6 * limits.at_impact:.2g} us: about {speedup:.2g} times the CPU time"
 
 
 def _cost(case: Case) -> Cost:
@@ -193,9 +195,13 @@ def automatic_step(case: Case, limits: Limits) -> float:
     """
     model, method = assemble.kind(case), assemble.method_kind(case)
     if assemble.is_adaptive(case):
-        rings = 1.0 / limits.contact_frequency / RECORDED_PER_PERIOD if limits.damping_ratio < 1.0 else inf
-        return min(limits.crossing / RECORDED_PER_CROSSING, rings, LONGEST_STEP)
-    seen = min(limits.crossing / model.per_crossing, LONGEST_STEP)
+        vibration_step = (
+            1.0 / limits.contact_frequency / RECORDED_PER_PERIOD if limits.damping_ratio < 1.0 else inf
+        )
+        return min(limits.crossing / RECORDED_PER_CROSSING, vibration_step, LONGEST_STEP)
+    crossing_step = min(limits.crossing / model.per_crossing, LONGEST_STEP)
     if MODELS[case.model].memoryless:
-        return seen
-    return min(seen, method.fraction * limits.at_impact, 1.0 / limits.contact_frequency / method.per_period)
+        return crossing_step
+    return min(
+        crossing_step, method.fraction * limits.at_impact, 1.0 / limits.contact_frequency / method.per_period
+    )

@@ -37,7 +37,7 @@ from bearingsim.simulation.run_setup import (
     NotPeriodic,
     Setup,
     SimulationError,
-    stopped,
+    run_failure,
 )
 from bearingsim.simulation.settling import SlowModes, slowest_decay
 
@@ -60,22 +60,22 @@ class Pace:
 
 
 @dataclass
-class Taken:
+class StepUsage:
     """Number of integrator steps, and their CPU time (s)."""
 
     steps: int = 0
     cpu_s: float = 0.0
 
 
-_ALL = Taken()
+_TOTAL = StepUsage()
 
 
-def taken() -> Taken:
+def step_usage() -> StepUsage:
     """Return the steps taken in this process so far, including failed runs and those used only for comparison."""
-    return replace(_ALL)
+    return replace(_TOTAL)
 
 
-class Looks(Protocol):
+class Inspector(Protocol):
     """Inspections of a run after each of ``passes`` ball passes."""
 
     @property
@@ -86,7 +86,7 @@ class Looks(Protocol):
         """Check if the ball passes so far are enough."""
 
 
-class Look(NamedTuple):
+class Inspection(NamedTuple):
     """Inspection of a run after each of ``passes``; ``enough`` returns whether the run may end."""
 
     passes: Collection[int]
@@ -99,56 +99,61 @@ class Look(NamedTuple):
 
 def integrate(
     setup: Setup,
-    nudge: float = 0.0,
+    perturbation: float = 0.0,
     start: np.ndarray | None = None,
-    close: Closeness = RECORD_CLOSENESS,
+    closeness: Closeness = RECORD_CLOSENESS,
     patience: int = 0,
-    most: int | None = None,
-    look: Looks | None = None,
+    max_passes: int | None = None,
+    inspector: Inspector | None = None,
 ) -> RawRecord:
     """Integrate the ball passes and record fine samples (and raw values if the case needs them).
 
-    Ends after all passes, at an inspection, or once the motion is periodic within ``close``, after a whole number
-    of periods (so that a run started from its end is in phase). nudge: initial perturbation of the ring, relative
-    to its displacement; start: initial positions and velocities (2, 6, ROW) if not those of static equilibrium;
-    patience: ball passes after which a non-periodic motion raises ``NotPeriodic``, 0 for never; most: largest
-    number of ball passes; look: inspections that may end the run.
+    Ends after all passes, at an inspection, or once the motion is periodic within ``closeness``, after a whole
+    number of periods (so that a run started from its end is in phase). perturbation: initial perturbation of the
+    ring, relative to its displacement; start: initial positions and velocities (2, 6, ROW) if not those of static
+    equilibrium; patience: ball passes after which a non-periodic motion raises ``NotPeriodic``, 0 for never;
+    max_passes: largest number of ball passes; inspector: inspections that may end the run.
     """
     case, cut, pace = setup.case, setup.cut, Pace()
-    y = _start(setup, nudge, _steady_start(setup, pace, start, close, most))
-    kept = Recording(case, cut, setup.model.bearing.Z, y)
-    search, period, difference = _search(setup, kept.cells, close), 0, nan
+    y = _start(setup, perturbation, _find_steady_start(setup, pace, start, closeness, max_passes))
+    recording = Recording(case, cut, setup.model.bearing.Z, y)
+    search, period, difference = _search(setup, recording.cells, closeness), 0, nan
     passes = 0
-    began_at = _defect_passages(setup, 0.0, y)
-    for p, window in enumerate(_ball_passes(setup, kept.samples, y, kept.cells, pace)):
-        kept.keep(p, window, y)
+    initial_passages = _defect_passages(setup, 0.0, y)
+    for p, window in enumerate(_ball_passes(setup, recording.samples, y, recording.cells, pace)):
+        recording.add_pass(p, window, y)
         passes = p + 1
         if search is not None and period == 0:
-            period, difference = search.add_pass(window, y, kept.peaks[p])
-        if (period > 0 and passes % period == 0) or passes == most:
+            period, difference = search.add_pass(window, y, recording.peaks[p])
+        if (period > 0 and passes % period == 0) or passes == max_passes:
             break
-        looks = look is not None and period == 0 and passes in look.passes
-        if look is not None and looks and look.ends(kept.raw(Repetition(passes, 0, nan), y)):
+        is_inspected = inspector is not None and period == 0 and passes in inspector.passes
+        if (
+            inspector is not None
+            and is_inspected
+            and inspector.ends(recording.raw_record(Repetition(passes, 0, nan), y))
+        ):
             break
         if passes == patience:
             raise NotPeriodic(f"no ball pass of {passes} repeats another", "name a `method`", passes / cut.rate)
-    _check_end(setup, began_at, y, passes)
-    raw = kept.raw(Repetition(passes, period, difference), y)
-    if period > 0 and kept.stores_raw_values:
-        kept.pick_repeated(raw.repetition)
+    _check_end(setup, initial_passages, y, passes)
+    raw = recording.raw_record(Repetition(passes, period, difference), y)
+    if period > 0 and recording.stores_raw_values:
+        recording.fill_repeated_passes(raw.repetition)
     if MODELS[case.model].memoryless:  # the motion does not start from rest
         extend_back(case, raw)
     return raw
 
 
-def _search(setup: Setup, cells: np.ndarray, close: Closeness) -> Search | None:
+def _search(setup: Setup, cells: np.ndarray, closeness: Closeness) -> Search | None:
     if not may_repeat(setup.case):
         return None
-    memoryless, keeps = MODELS[setup.case.model].memoryless, exp(-slowest_decay(setup.case) / setup.cut.rate)
-    return Search(cells, setup.cut.steps_per_pass, setup.model, memoryless, close, keeps)
+    memoryless = MODELS[setup.case.model].memoryless
+    slowest_ratio = exp(-slowest_decay(setup.case) / setup.cut.rate)
+    return Search(cells, setup.cut.steps_per_pass, setup.model, memoryless, closeness, slowest_ratio)
 
 
-def _start(setup: Setup, nudge: float, state: np.ndarray | None = None) -> np.ndarray:
+def _start(setup: Setup, perturbation: float, state: np.ndarray | None = None) -> np.ndarray:
     """Return a buffer at t = 0, at static equilibrium or ``state``, with accelerations and a prepared method."""
     case, model = setup.case, setup.model
     y, residual = assemble.start(case, model)
@@ -158,8 +163,8 @@ def _start(setup: Setup, nudge: float, state: np.ndarray | None = None) -> np.nd
         )
     if state is not None:
         y[lay.POSITION : lay.POSITION + 2 * lay.STATE] = state.ravel()
-    y[lay.POSITION + lay.X] *= 1.0 + nudge
-    if nudge != 0.0 or state is not None:
+    y[lay.POSITION + lay.X] *= 1.0 + perturbation
+    if perturbation != 0.0 or state is not None:
         start_at_rest(model, 0.0, y)
     update_extremes(model, y)
     if type(setup.method) in prepare.types:
@@ -167,39 +172,43 @@ def _start(setup: Setup, nudge: float, state: np.ndarray | None = None) -> np.nd
     return y
 
 
-def _go_on_from(setup: Setup, t: float, y: np.ndarray) -> None:
+def _restart_at(setup: Setup, t: float, y: np.ndarray) -> None:
     """Update accelerations and method state in a buffer with new positions and velocities at time ``t`` (s)."""
     start_at_rest(setup.model, t, y)
     if type(setup.method) in prepare.types:
         prepare_first_step(setup.method, setup.model, t, y)
 
 
-def _steady_start(
-    setup: Setup, pace: Pace, start: np.ndarray | None, close: Closeness, most: int | None
+def _find_steady_start(
+    setup: Setup, pace: Pace, start: np.ndarray | None, closeness: Closeness, max_passes: int | None
 ) -> np.ndarray | None:
     """Return the steady state at t = 0 (2, 6, ROW), extrapolated from slow modes; ``start`` if not reached.
 
     The state is found at the end of a ball pass, where each roller is at the initial position of another, and
-    rotated back. most: largest number of ball passes.
+    rotated back. max_passes: largest number of ball passes.
     """
-    slow = SlowModes.from_case(setup.case, setup.model, setup.cut.rate, STEADY_TOLERANCE * close.sum_limit)
-    if slow is None:
+    slow_modes = SlowModes.from_case(
+        setup.case, setup.model, setup.cut.rate, STEADY_TOLERANCE * closeness.sum_limit
+    )
+    if slow_modes is None:
         return start
     y, passes = _start(setup, 0.0, start), 0
     if start is not None:
-        moving = slice(lay.POSITION, lay.POSITION + 2 * lay.STATE)
-        slow.set_initial_change(y[moving], _start(setup, 0.0)[moving])
+        motion = slice(lay.POSITION, lay.POSITION + 2 * lay.STATE)
+        slow_modes.set_initial_change(y[motion], _start(setup, 0.0)[motion])
     cells = channels.recorded_cells(setup.case)
-    shortened = replace(setup, cut=replace(setup.cut, passes=min(slow.passes, most or slow.passes)))
+    short_setup = replace(
+        setup, cut=replace(setup.cut, passes=min(slow_modes.passes, max_passes or slow_modes.passes))
+    )
     with suppress(MethodFailure):  # unless the extrapolation caused it, the run itself fails in the same way
-        for _ in _ball_passes(shortened, NoSamples(), y, cells, pace):
+        for _ in _ball_passes(short_setup, NoSamples(), y, cells, pace):
             passes += 1
-            if slow.extrapolate(y):
-                _go_on_from(setup, passes * setup.cut.steps_per_pass * setup.cut.step, y)
-            if slow.converged:
+            if slow_modes.extrapolate(y):
+                _restart_at(setup, passes * setup.cut.steps_per_pass * setup.cut.step, y)
+            if slow_modes.converged:
                 break
     state = y[lay.POSITION : lay.POSITION + 2 * lay.STATE].reshape(2, 6, lay.ROW)
-    return rotate_state(state, setup.model, passes) if slow.steady and np.isfinite(state).all() else start
+    return rotate_state(state, setup.model, passes) if slow_modes.steady and np.isfinite(state).all() else start
 
 
 def _ball_passes(
@@ -215,8 +224,8 @@ def _ball_passes(
     window[:] = y[cells][:, np.newaxis]
     _warm_up(setup, samples, y, cells)
     if MODELS[case.model].memoryless:  # does not start from rest, so the model also gives samples before t = 0
-        before = window[:, steps:]
-        _record_steps(setup, NoSamples(), -tail, y, cells, before, pace)
+        lead_in = window[:, steps:]
+        _record_steps(setup, NoSamples(), -tail, y, cells, lead_in, pace)
         pop_peaks(y)
     for p in range(cut.passes):
         window[:, :tail] = window[:, steps:].copy()
@@ -227,22 +236,22 @@ def _ball_passes(
         yield window
 
 
-def _check_end(setup: Setup, began_at: list[float], y: np.ndarray, passes: int) -> None:
+def _check_end(setup: Setup, initial_passages: list[float], y: np.ndarray, passes: int) -> None:
     """Raise ``MethodFailure`` if the motion is not finite at the end of a run, or steps missed a defect."""
     end = passes * setup.cut.steps_per_pass * setup.cut.step
     if not np.isfinite(_defect_passages(setup, end, y)).all():
-        raise stopped(setup, outcomes.NOT_FINITE, outcomes.NO_BODY, end)
-    unseen = missed_crossings(setup.model, end, began_at, y) if began_at else 0
-    if unseen > 0:
-        raise stopped(setup, outcomes.SKIPPED, unseen, end)
+        raise run_failure(setup, outcomes.NOT_FINITE, outcomes.NO_BODY, end)
+    missed = missed_crossings(setup.model, end, initial_passages, y) if initial_passages else 0
+    if missed > 0:
+        raise run_failure(setup, outcomes.SKIPPED, missed, end)
 
 
 def _warm_up(setup: Setup, samples: NoSamples | Samples, y: np.ndarray, cells: np.ndarray) -> None:
     """Compile or load the integrator outside of the measured CPU time, by a step that is discarded."""
     y = y.copy()
     y[lay.CPU_END] = cpu_time.end()
-    part = np.empty((len(cells), 2))[:, :1]  # strided like a recording, because numba compiles for the layout
-    advance_and_sample(setup.method, setup.model, setup.monitor, 0, y, cells, part, samples)
+    columns = np.empty((len(cells), 2))[:, :1]  # strided like a recording, because numba compiles for the layout
+    advance_and_sample(setup.method, setup.model, setup.monitor, 0, y, cells, columns, samples)
 
 
 def _record_steps(
@@ -257,21 +266,21 @@ def _record_steps(
     """Take and record all steps of ``out`` from number ``start``. Raises MethodFailure if the run is stopped."""
     n = 0
     while n < out.shape[1]:
-        y[lay.CPU_END], began = cpu_time.end(), cpu_time.now()
-        part = out[:, n : n + pace.steps]
+        y[lay.CPU_END], start_time = cpu_time.end(), cpu_time.now()
+        columns = out[:, n : n + pace.steps]
         count, outcome, body = advance_and_sample(
-            setup.method, setup.model, setup.monitor, start + n, y, cells, part, samples
+            setup.method, setup.model, setup.monitor, start + n, y, cells, columns, samples
         )
         n += count
-        seconds = cpu_time.now() - began
+        seconds = cpu_time.now() - start_time
         pace.add(seconds, count)
-        _ALL.steps += count
-        _ALL.cpu_s += seconds
+        _TOTAL.steps += count
+        _TOTAL.cpu_s += seconds
         cpu_time.check()
         if outcome == outcomes.SUCCESS and pace.cpu_s > setup.max_cpu and setup.case.step == "auto":
             outcome = outcomes.TOO_SLOW
         if outcome != outcomes.SUCCESS:
-            raise stopped(setup, outcome, body, (start + n) * setup.cut.step)
+            raise run_failure(setup, outcome, body, (start + n) * setup.cut.step)
 
 
 MOTIONS = (
@@ -283,7 +292,7 @@ MOTIONS = (
     ),
 )
 """Rows of position, velocity, acceleration in a recording: of the ring, and of a flexible ring at its sensor."""
-NEIGHBOURS = 4  # columns on each side of a difference
+STENCIL_REACH = 4  # columns on each side of a difference
 
 
 def differentiate(window: np.ndarray, motion: tuple[slice, slice, slice], column: int, h: float) -> None:
@@ -297,18 +306,18 @@ def differentiate(window: np.ndarray, motion: tuple[slice, slice, slice], column
     eighth order: the velocity is accurate to 1e-3 up to 0.15 of the column rate, above which nothing is kept. The
     last NEIGHBOURS columns, which lack neighbours, are overwritten in the next pass.
     """
-    place, velocity, push = (window[rows] for rows in motion)
+    position, velocity, acceleration = (window[rows] for rows in motion)
     n = window.shape[1]
-    whole = slice(column - NEIGHBOURS, n - NEIGHBOURS), NEIGHBOURS
-    for columns, reach in whole, *((slice(n - 1 - r, n - r), r) for r in range(NEIGHBOURS - 1, 0, -1)):
-        slopes, bends = difference_weights(reach)
-        velocity[:, columns], push[:, columns] = 0.0, 0.0
+    central = slice(column - STENCIL_REACH, n - STENCIL_REACH), STENCIL_REACH
+    for columns, reach in central, *((slice(n - 1 - r, n - r), r) for r in range(STENCIL_REACH - 1, 0, -1)):
+        first_weights, second_weights = difference_weights(reach)
+        velocity[:, columns], acceleration[:, columns] = 0.0, 0.0
         for k in range(1, reach + 1):
-            centre, after, before = (place[:, columns.start + m : columns.stop + m] for m in (0, k, -k))
-            velocity[:, columns] += slopes[k - 1] / h * (after - before)
-            push[:, columns] += bends[k - 1] / h**2 * ((after - centre) - (centre - before))
-    velocity[:, -1] = (place[:, -1] - place[:, -2]) / h
-    push[:, -1] = push[:, -2]
+            centre, after, before = (position[:, columns.start + m : columns.stop + m] for m in (0, k, -k))
+            velocity[:, columns] += first_weights[k - 1] / h * (after - before)
+            acceleration[:, columns] += second_weights[k - 1] / h**2 * ((after - centre) - (centre - before))
+    velocity[:, -1] = (position[:, -1] - position[:, -2]) / h
+    acceleration[:, -1] = acceleration[:, -2]
 
 
 @cache
@@ -317,11 +326,13 @@ def difference_weights(reach: int) -> tuple[tuple[float, ...], tuple[float, ...]
 
     The order of accuracy is 2 ``reach``. Source: Fornberg 1988.
     """
-    share = [
+    coefficients = [
         (-1) ** (k + 1) * factorial(reach) ** 2 / (factorial(reach - k) * factorial(reach + k))
         for k in range(1, reach + 1)
     ]
-    return tuple(s / k for k, s in enumerate(share, 1)), tuple(2.0 * s / k**2 for k, s in enumerate(share, 1))
+    return tuple(s / k for k, s in enumerate(coefficients, 1)), tuple(
+        2.0 * s / k**2 for k, s in enumerate(coefficients, 1)
+    )
 
 
 def _defect_passages(setup: Setup, t: float, y: np.ndarray) -> list[float]:

@@ -8,32 +8,34 @@ from bearingsim.simulation.limits import step_limits
 
 SKIPPED_PASSES = 1  # ball passes at the start of a pilot that are not compared
 LIGHT_DAMPING = 0.2  # damping ratio of a loaded roller below which the transient decays slowly
-SETTLES = 0.05  # s, longest settling of a pilot
+MAX_SETTLING = 0.05  # s, longest settling of a pilot
 MIN_PASSES, MIN_DURATION = 4, 5e-3  # smallest number of compared ball passes, and their duration (s)
 PILOT_FRACTION = 1 / 16  # part of a run in a pilot; with its finer run, a fifth of the run's CPU time
 TURNS = 2.0  # turns of a defect through the load zone, since its passages differ
 DURATION_MARGIN = 1.5  # ratio of the advised duration to that of a pilot over ``TURNS``
-LONGER_PILOT = 2.0  # length ratio of the advised pilot to one that was too short
+LENGTH_RATIO = 2.0  # length ratio of the advised pilot to one that was too short
 ROUNDING = 1e-9  # of a ball pass
 
 
-def pilot(case: Case, times: float = 1.0) -> tuple[Case, int]:
+def pilot(case: Case, factor: float = 1.0) -> tuple[Case, int]:
     """Return the pilot of a case with a named method, and the number of ball passes compared.
 
-    times: factor on that number. A case with a ramp is run at its highest speed, which needs the shortest step.
+    factor: factor on that number. A case with a ramp is run at its highest speed, which needs the shortest step.
     A lightly damped case settles first, because its transient is long. With `step_check: strict` the pilot settles
     as long as the run.
     """
     case = full_speed_case(case)
     rate = case.bearing.ball_pass_frequency(case.speed)
-    whole = case.settle_s + case.duration
-    settles = case.settle_s if case.step_check == "strict" else SETTLES * is_lightly_damped(case)
-    forgotten = max(SKIPPED_PASSES / rate, min(settles, case.settle_s))
-    wanted = times * max(MIN_PASSES / rate, MIN_DURATION, compared_fraction(case) * whole, turns_of_defects(case))
-    counted = max(1, min(ceil(wanted * rate - ROUNDING), int((whole - forgotten) * rate + ROUNDING)))
-    settle = min(forgotten, max(0.0, whole - counted / rate))
-    short = {"settle": settle, "duration": (counted + 0.5) / rate}
-    return case.model_copy(update=short), counted
+    run_time = case.settle_s + case.duration
+    settling_time = case.settle_s if case.step_check == "strict" else MAX_SETTLING * is_lightly_damped(case)
+    skipped_time = max(SKIPPED_PASSES / rate, min(settling_time, case.settle_s))
+    compared_time = factor * max(
+        MIN_PASSES / rate, MIN_DURATION, compared_fraction(case) * run_time, turns_of_defects(case)
+    )
+    passes = max(1, min(ceil(compared_time * rate - ROUNDING), int((run_time - skipped_time) * rate + ROUNDING)))
+    settle = min(skipped_time, max(0.0, run_time - passes / rate))
+    update = {"settle": settle, "duration": (passes + 0.5) / rate}
+    return case.model_copy(update=update), passes
 
 
 def is_lightly_damped(case: Case) -> bool:
@@ -54,10 +56,10 @@ def covers_defect_turns(case: Case, passes: int) -> bool:
 
 def longer_duration(case: Case) -> float:
     """Return the duration (s) of a run with a longer pilot: over ``TURNS``, or of twice the present length."""
-    short, passes = pilot(case)
+    pilot_case, passes = pilot(case)
     if not covers_defect_turns(case, passes):
         return DURATION_MARGIN * turns_of_defects(case)
-    return LONGER_PILOT * (short.settle_s + short.duration) / compared_fraction(case)
+    return LENGTH_RATIO * (pilot_case.settle_s + pilot_case.duration) / compared_fraction(case)
 
 
 def check_cost(case: Case) -> float:
@@ -66,8 +68,8 @@ def check_cost(case: Case) -> float:
     A check runs a pilot at the step and one at 1/sqrt(5) of it. The third pilot of a possibly chaotic motion and
     the longer ones of a doubtful result are not included.
     """
-    short, _ = pilot(case)
-    return (1.0 + sqrt(5.0)) * (short.settle_s + short.duration) / (case.settle_s + case.duration)
+    pilot_case, _ = pilot(case)
+    return (1.0 + sqrt(5.0)) * (pilot_case.settle_s + pilot_case.duration) / (case.settle_s + case.duration)
 
 
 def turns_of_defects(case: Case) -> float:

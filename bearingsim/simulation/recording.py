@@ -194,33 +194,33 @@ class Recording:
         self.raw_values[:, :1] = y[self.cells][:, np.newaxis]  # t = 0, if the record begins there
         self.peaks = np.empty((self.cut.passes, len(EXTREMES)))
         self.samples = samples_between_steps(self.case, self.raw_values)
-        keeps = self.stores_raw_values and may_repeat(
+        stores_passes = self.stores_raw_values and may_repeat(
             self.case
         )  # store the last passes, for raw values of repeated ones
-        self.last: deque[np.ndarray] = deque(maxlen=LONGEST_PERIOD if keeps else 0)
+        self.last_passes: deque[np.ndarray] = deque(maxlen=LONGEST_PERIOD if stores_passes else 0)
 
-    def keep(self, p: int, window: np.ndarray, y: np.ndarray) -> None:
+    def add_pass(self, p: int, window: np.ndarray, y: np.ndarray) -> None:
         """Record pass ``p``; window: its recording, as yielded by ``_ball_passes``."""
         M, D = self.cut.fine_per_pass, self.cut.decimation
         start = self.lead + p * M
         decimate(window, self.taps, D, self.fine[:, start : start + M])
         if self.stores_raw_values and type(self.samples) is NoSamples:
             _pick_pass(self.case, self.cut, p, window, self.raw_values)
-            if self.last.maxlen:
-                self.last.append(window.copy())
+            if self.last_passes.maxlen:
+                self.last_passes.append(window.copy())
         self.peaks[p] = pop_peaks(y)
 
-    def pick_repeated(self, repetition: Repetition) -> None:
+    def fill_repeated_passes(self, repetition: Repetition) -> None:
         """Sample raw values of the passes that were not computed."""
         for p in range(repetition.computed, self.cut.passes):
             cpu_time.check()
             source = int(repetition.source(p))
             raw_values = _pick_pass(
-                self.case, self.cut, p, self.last[source - repetition.computed], self.raw_values
+                self.case, self.cut, p, self.last_passes[source - repetition.computed], self.raw_values
             )
             raw_values[:] = raw_values[partner_rows(self.cells, self.Z, p - source)]
 
-    def raw(self, repetition: Repetition, y: np.ndarray) -> RawRecord:
+    def raw_record(self, repetition: Repetition, y: np.ndarray) -> RawRecord:
         """Return the record as far as it has been computed."""
         M, passes = self.cut.fine_per_pass, repetition.computed
         return RawRecord(

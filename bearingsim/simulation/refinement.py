@@ -21,25 +21,25 @@ from bearingsim.simulation.repetition import searches_for_period
 from bearingsim.simulation.run_setup import NotPeriodic, Setup, StepRefused, set_up
 from bearingsim.simulation.settling import decay_time, extrapolation_passes
 from bearingsim.simulation.step_check import (
-    OF_COARSE,
-    OF_FINER,
+    COARSE_BOUNDS,
+    FINER_BOUNDS,
     SECOND_PILOT,
     StepCheck,
     check_on_orbit,
     check_on_pilot,
     finer_orbit,
-    refused,
+    refusal,
 )
 from bearingsim.simulation.sufficiency import Inspections
 from bearingsim.simulation.time_grid import SAFETY, requested_step
 
-START = 2.0
+INITIAL_FACTOR = 2.0
 """First step of a refinement, in automatic steps; the second is 0.89 automatic steps."""
-NO_CHANGE = 0.1 * STEP_ACCURACY
+NEGLIGIBLE_CHANGE = 0.1 * STEP_ACCURACY
 """Largest change between the first two pilots at which the run uses the coarse step (docs/evidence/speed.md)."""
 
 
-class Refined(NamedTuple):
+class Refinement(NamedTuple):
     """Run with an accepted step: its setup, its record (None if not yet computed), and its check."""
 
     setup: Setup
@@ -47,35 +47,35 @@ class Refined(NamedTuple):
     check: StepCheck
 
 
-def refined(case: Case, part: float, patience: int = 0) -> Refined:
+def refine_step(case: Case, step_fraction: float, patience: int = 0) -> Refinement:
     """Refine the automatic step of a case with a named method until it is accepted.
 
-    part: factor on the automatic step; patience: raises ``NotPeriodic`` if nonzero and no period is found. Raises
-    ``StepRefused`` if no step is accepted, and like ``integrate``.
+    step_fraction: factor on the automatic step; patience: raises ``NotPeriodic`` if nonzero and no period is
+    found. Raises ``StepRefused`` if no step is accepted, and like ``integrate``.
     """
-    coarse = set_up(case, _start(case, part))
+    coarse = set_up(case, _start(case, step_fraction))
     if not searches_for_period(coarse.case):
-        return _on_pilots(coarse, is_stable=coarse.part == START * part)
-    if (periodic := _on_orbit(coarse)) is not None:
+        return _refine_on_pilots(coarse, is_stable=coarse.step_fraction == INITIAL_FACTOR * step_fraction)
+    if (periodic := _refine_on_orbit(coarse)) is not None:
         return periodic
     if patience > 0:
         raise NotPeriodic("no ball pass repeats another", "name a `method`")
-    return _on_pilots(coarse, is_stable=coarse.part == START * part)
+    return _refine_on_pilots(coarse, is_stable=coarse.step_fraction == INITIAL_FACTOR * step_fraction)
 
 
-def refined_orbit(case: Case, part: float) -> Refined | None:
-    """Refine the step of a case like ``refined``; None if the motion is not periodic within a few passes."""
-    return _on_orbit(set_up(case, _start(case, part)))
+def refine_periodic(case: Case, step_fraction: float) -> Refinement | None:
+    """Refine the step of a case like ``refine_step``; None if the motion is not periodic within a few passes."""
+    return _refine_on_orbit(set_up(case, _start(case, step_fraction)))
 
 
-def _start(case: Case, part: float) -> float:
+def _start(case: Case, step_fraction: float) -> float:
     """Return the multiple of the automatic step at which a refinement starts, limited to a stable step."""
     if assemble.is_adaptive(case):
-        return START * part
-    return part * min(START, SAFETY * choice.limits(case).at_impact / requested_step(case))
+        return INITIAL_FACTOR * step_fraction
+    return step_fraction * min(INITIAL_FACTOR, SAFETY * choice.limits(case).at_impact / requested_step(case))
 
 
-def _on_orbit(coarse: Setup) -> Refined | None:
+def _refine_on_orbit(coarse: Setup) -> Refinement | None:
     """Refine the step of a motion that is periodic within a few ball passes; None if it is not.
 
     The finer run is the result, unless the case is computed in full or the record contains a transient, because it
@@ -83,40 +83,40 @@ def _on_orbit(coarse: Setup) -> Refined | None:
     """
     case = coarse.case
     setup = replace(coarse, case=case.model_copy(update={"periodic": True}))
-    raw = integrate(setup, most=max(int(price("patience")), extrapolation_passes(case)))
+    raw = integrate(setup, max_passes=max(int(price("patience")), extrapolation_passes(case)))
     is_steady = steady_time(setup, raw) <= case.settle_s or decay_time(case) <= case.settle_s
     while raw.repetition.period > 0:
         finer, finer_raw = finer_orbit(setup, raw)
         check = check_on_orbit((setup, raw), (finer, finer_raw))
         if check is None:
             break
-        check = replace(check, bounds=OF_FINER)
+        check = replace(check, bounds=FINER_BOUNDS)
         if _is_last(finer, check):
-            taken = replace(finer, case=case)
-            return Refined(taken, finer_raw if case.periodic and is_steady else None, check)
+            accepted = replace(finer, case=case)
+            return Refinement(accepted, finer_raw if case.periodic and is_steady else None, check)
         setup, raw = finer, finer_raw
     return None
 
 
-def _on_pilots(coarse: Setup, is_stable: bool) -> Refined:
+def _refine_on_pilots(coarse: Setup, is_stable: bool) -> Refinement:
     """Refine the step of a non-periodic motion on pilots.
 
     is_stable: whether the first step is not limited by stability.
     """
-    case, part, times = Inspections(coarse).earliest.case, coarse.part, 1.0
-    last: tuple[Setup, RunSignals] | None = None
+    case, step_fraction, factor = Inspections(coarse).earliest.case, coarse.step_fraction, 1.0
+    previous: tuple[Setup, RunSignals] | None = None
     while True:
-        beginning = pilot(case, times)
-        check, doubtful, finer = check_on_pilot(case, part, *beginning, last)
-        if doubtful and times < SECOND_PILOT and pilot(case, SECOND_PILOT) != beginning:
-            times, last = SECOND_PILOT, None
+        pilot_run = pilot(case, factor)
+        check, is_doubtful, finer = check_on_pilot(case, step_fraction, *pilot_run, previous)
+        if is_doubtful and factor < SECOND_PILOT and pilot(case, SECOND_PILOT) != pilot_run:
+            factor, previous = SECOND_PILOT, None
             continue
-        if part == coarse.part and is_stable and check.error <= NO_CHANGE:
-            return Refined(coarse, None, replace(check, bounds=OF_COARSE))
-        check = replace(check, bounds=OF_FINER)
+        if step_fraction == coarse.step_fraction and is_stable and check.error <= NEGLIGIBLE_CHANGE:
+            return Refinement(coarse, None, replace(check, bounds=COARSE_BOUNDS))
+        check = replace(check, bounds=FINER_BOUNDS)
         if _is_last(finer[0], check):
-            return Refined(set_up(coarse.case, finer[0].part), None, check)
-        part, last = finer[0].part, finer
+            return Refinement(set_up(coarse.case, finer[0].step_fraction), None, check)
+        step_fraction, previous = finer[0].step_fraction, finer
 
 
 def _is_last(finer: Setup, check: StepCheck) -> bool:
@@ -124,9 +124,9 @@ def _is_last(finer: Setup, check: StepCheck) -> bool:
 
     At the shortest step the error of the largest force is ignored.
     """
-    shortest = finer.part <= choice.STEP_FRACTIONS[-1]
-    if check.holds or (shortest and check.holds_but_for_force):
+    shortest = finer.step_fraction <= choice.STEP_FRACTIONS[-1]
+    if check.holds or (shortest and check.holds_without_force):
         return True
     if shortest:
-        raise StepRefused(*refused(finer, check))
+        raise StepRefused(*refusal(finer, check))
     return False

@@ -28,10 +28,10 @@ class SimulationError(Exception):
 
 
 class MethodFailure(SimulationError):
-    """Failure of the method or its step, if another method (``instead``, in words) may succeed."""
+    """Failure of the method or its step, if another method (``alternative``, in words) may succeed."""
 
-    def __init__(self, reason: str, advice: str, time: float | None = None, instead: str = "") -> None:
-        super().__init__(reason, advice + instead, time)
+    def __init__(self, reason: str, advice: str, time: float | None = None, alternative: str = "") -> None:
+        super().__init__(reason, advice + alternative, time)
         self.method_advice = advice
 
 
@@ -59,11 +59,12 @@ class TooChaotic(SimulationError):
 class Setup:
     """Case ready for integration: named method, time grid, parameters of the core and step limits.
 
-    part: fraction of the automatic step; max_cpu: CPU time (s) allowed for the steps, if they are automatic.
+    step_fraction: fraction of the automatic step; max_cpu: CPU time (s) allowed for the steps, if they are
+    automatic.
     """
 
     case: Case
-    part: float
+    step_fraction: float
     cut: time_grid.Grid
     limits: Limits
     model: Any
@@ -72,10 +73,10 @@ class Setup:
     max_cpu: float
 
 
-def set_up(case: Case, part: float = 1.0, max_cpu: float | None = None) -> Setup:
+def set_up(case: Case, step_fraction: float = 1.0, max_cpu: float | None = None) -> Setup:
     """Prepare a case with a named method; max_cpu: allowed CPU time (s). Raises ``Refused``."""
     case = resolve_settling(case)
-    cut, limits = time_grid.grid(case, part, max_cpu or 0.0), choice.limits(case)
+    cut, limits = time_grid.grid(case, step_fraction, max_cpu or 0.0), choice.limits(case)
     time_grid.refuse_too_large(case, cut)
     kind = assemble.method_kind(case)
     lag = kind.lag * cut.step
@@ -84,12 +85,12 @@ def set_up(case: Case, part: float = 1.0, max_cpu: float | None = None) -> Setup
         model = assemble.align_with_cusp(model, cut.steps_per_pass, kind.cusp)
     return Setup(
         case,
-        part,
+        step_fraction,
         cut,
         limits,
         model,
-        assemble.method(case, cut.step, part),
-        monitor_of(cut, limits),
+        assemble.method(case, cut.step, step_fraction),
+        make_monitor(cut, limits),
         max_cpu or time_grid.MAX_CPU,
     )
 
@@ -97,14 +98,14 @@ def set_up(case: Case, part: float = 1.0, max_cpu: float | None = None) -> Setup
 MAX_EVALUATIONS = 2e4  # model evaluations of an adaptive method after which it returns early to read the clock
 
 
-def monitor_of(cut: time_grid.Grid, limits: Limits) -> Monitor:
+def make_monitor(cut: time_grid.Grid, limits: Limits) -> Monitor:
     """Return a monitor that checks the motion at least every quarter of a contact period and defect crossing."""
     patience = 0.5 / limits.contact_frequency if limits.contact_frequency > 0.0 else 1.0
     stride = int(min(patience, limits.crossing / 2.0) / (2.0 * cut.step))
     return Monitor(min(32, max(1, stride)), patience, limits.approach_bound, limits.energy_bound, MAX_EVALUATIONS)
 
 
-WHY = {
+STOP_REASONS = {
     outcomes.STEP_LIMIT_EXCEEDED: "{body} exceeded the step limit for longer than an impact lasts",
     outcomes.NOT_FINITE: "the motion of the ring diverged (not finite)",
     outcomes.TOO_DEEP: "contact deformation of {body} exceeds {approach_bound:.3g} um, {APPROACH_MARGIN:.0f} times"
@@ -120,10 +121,10 @@ WHY = {
 """Reasons why a run was stopped, by its outcome."""
 
 
-def stopped(setup: Setup, outcome: int, body: int, t: float) -> MethodFailure:
+def run_failure(setup: Setup, outcome: int, body: int, t: float) -> MethodFailure:
     """Return the failure of a run stopped at ``t`` (s), with advice; body: body number, or count of crossings."""
-    reason = WHY[outcome].format(
-        body=name_of(setup.model, body),
+    reason = STOP_REASONS[outcome].format(
+        body=body_name(setup.model, body),
         count=body,
         method=setup.case.method,
         approach_bound=1e6 * setup.monitor.approach_bound,
@@ -132,16 +133,16 @@ def stopped(setup: Setup, outcome: int, body: int, t: float) -> MethodFailure:
         APPROACH_MARGIN=APPROACH_MARGIN,
         ENERGY_MARGIN=ENERGY_MARGIN,
     )
-    kind = TooSlow if outcome == outcomes.TOO_SLOW else MethodFailure
-    others = choice.alternatives(setup.case)
-    instead = f", or `method: {others[0]}`" if others and not needs_roller_mass(setup, outcome) else ""
-    return kind(f"{reason}, {1e3 * t:.4g} ms into the run", advice(setup, outcome), t, instead)
+    failure_type = TooSlow if outcome == outcomes.TOO_SLOW else MethodFailure
+    methods = choice.alternatives(setup.case)
+    alternative = f", or `method: {methods[0]}`" if methods and not needs_roller_mass(setup, outcome) else ""
+    return failure_type(f"{reason}, {1e3 * t:.4g} ms into the run", advice(setup, outcome), t, alternative)
 
 
 def needs_roller_mass(setup: Setup, outcome: int) -> bool:
     """Check if a method fails because the rollers have no mass."""
-    stuck = outcome in (outcomes.STEP_TOO_SMALL, outcomes.NEWTON_FAILED, outcomes.TOO_MANY_STEPS)
-    return stuck and not MODELS[setup.case.model].has_inertia and setup.case.contact.jumps
+    has_stalled = outcome in (outcomes.STEP_TOO_SMALL, outcomes.NEWTON_FAILED, outcomes.TOO_MANY_STEPS)
+    return has_stalled and not MODELS[setup.case.model].has_inertia and setup.case.contact.jumps
 
 
 def advice(setup: Setup, outcome: int) -> str:
@@ -153,10 +154,10 @@ def advice(setup: Setup, outcome: int) -> str:
         return f"use `model: {lowest('roller inertia')}`: {hierarchy.NEEDS_ROLLER_MASS}"
     if not adaptive:
         return f"use a step under {1e6 * setup.cut.step / 2:.2g} us"
-    loose = outcome in (outcomes.STEP_TOO_SMALL, outcomes.TOO_MANY_STEPS)
-    return f"use a {'looser' if loose else 'tighter'} `tolerance` than {setup.method.rtol:.2g}"
+    too_tight = outcome in (outcomes.STEP_TOO_SMALL, outcomes.TOO_MANY_STEPS)
+    return f"use a {'looser' if too_tight else 'tighter'} `tolerance` than {setup.method.rtol:.2g}"
 
 
-def name_of(model: Any, body: int) -> str:
+def body_name(model: Any, body: int) -> str:
     """Return the name of a monitored body."""
     return f"roller {body + 1}" if monitored(model) > 1 and body >= 0 else "the ring"

@@ -26,10 +26,10 @@ from bearingsim.simulation import (
 from bearingsim.simulation.accuracy import StandardErrors
 from bearingsim.simulation.channels import CAGE_ANGLE, FEATURE_CELLS
 from bearingsim.simulation.features import band_features, extension_features, features, refuse_undeclared
-from bearingsim.simulation.integration import Look, Taken, integrate, taken
+from bearingsim.simulation.integration import Inspection, StepUsage, integrate, step_usage
 from bearingsim.simulation.pricing import price
 from bearingsim.simulation.recording import RawRecord
-from bearingsim.simulation.refinement import refined, refined_orbit
+from bearingsim.simulation.refinement import refine_periodic, refine_step
 from bearingsim.simulation.repetition import may_be_periodic, may_repeat, searches_for_period
 from bearingsim.simulation.run_setup import (
     MethodFailure,
@@ -93,16 +93,16 @@ class Record:
         return np.stack([self.series[name] for name in names], axis=1)
 
 
-class Began(NamedTuple):
-    """CPU time (s) and number of steps in this process at the start of a job."""
+class Usage(NamedTuple):
+    """CPU time (s) and integrator steps of this process so far."""
 
     cpu_s: float
-    taken: Taken
+    step_usage: StepUsage
 
     @classmethod
-    def now(cls) -> "Began":
+    def now(cls) -> "Usage":
         """Return the current CPU time and number of steps."""
-        return cls(cpu_time.now(), taken())
+        return cls(cpu_time.now(), step_usage())
 
 
 def simulate(case: Case) -> Record:
@@ -111,8 +111,8 @@ def simulate(case: Case) -> Record:
     An automatic step is an estimate, so it is checked (``step_check``), and the run is monitored throughout. If it
     fails, shorter steps are tried, and then (with `method: auto`) other methods.
     """
-    began = Began.now()
-    return _first_sound_attempt(case, lambda attempt: _simulate(attempt, began))
+    start = Usage.now()
+    return _first_sound_attempt(case, lambda attempt: _simulate(attempt, start))
 
 
 def try_out(
@@ -125,30 +125,30 @@ def try_out(
     turns). The whole record is returned as well if the trial completes it (periodic, or `until` reached), unless
     `step_check` is strict or false. Raises like ``simulate``.
     """
-    began = Began.now()
-    return _first_sound_attempt(case, lambda attempt: _try_out(attempt, requested, passes, turn, began, against))
+    start = Usage.now()
+    return _first_sound_attempt(case, lambda attempt: _try_out(attempt, requested, passes, turn, start, against))
 
 
 def _first_sound_attempt(case: Case, compute: Callable[[choice.Attempt], T]) -> T:
     """Run the attempts at a case in order; return the first result that passes its checks."""
     extensions.refuse_broken()
-    failed: dict[str, SimulationError] = {}
-    left: set[tuple[str | None, int]] = set()  # (method, patience) for which shorter steps do not help
+    failures: dict[str, SimulationError] = {}
+    excluded: set[tuple[str | None, int]] = set()  # (method, patience) for which shorter steps do not help
     for attempt in _attempts(case):
-        named = attempt.case.method, attempt.patience
-        if named in left:
+        key = attempt.case.method, attempt.patience
+        if key in excluded:
             continue
         try:
             return compute(attempt)
         except NotPeriodic:
-            left.add(named)
+            excluded.add(key)
         except MethodFailure as error:
-            failed[str(attempt.case.method)] = error.with_traceback(None)  # its frames refer to the whole record
+            failures[str(attempt.case.method)] = error.with_traceback(None)  # its frames refer to the whole record
             if isinstance(error, TooSlow | StepRefused):
-                left |= {named, (attempt.case.method, 0)}
+                excluded |= {key, (attempt.case.method, 0)}
         except Refused as error:  # too many steps; an earlier failure of longer steps is more informative
-            failed.setdefault(str(attempt.case.method), SimulationError(error.reason, error.advice))
-    raise _all_failed(list(failed.values()))
+            failures.setdefault(str(attempt.case.method), SimulationError(error.reason, error.advice))
+    raise _combined_error(list(failures.values()))
 
 
 def _attempts(case: Case) -> list[choice.Attempt]:
@@ -158,42 +158,44 @@ def _attempts(case: Case) -> list[choice.Attempt]:
         raise SimulationError(error.reason, error.advice) from error
 
 
-def _all_failed(errors: list[SimulationError]) -> SimulationError:
+def _combined_error(errors: list[SimulationError]) -> SimulationError:
     """Combine the errors of all attempted methods: all reasons, with the advice and time of the first."""
     reasons = list(dict.fromkeys(error.reason for error in errors))
-    preferred = errors[0]
+    main_error = errors[0]
     advice = (
-        preferred.method_advice if isinstance(preferred, MethodFailure) and len(errors) > 1 else preferred.advice
+        main_error.method_advice
+        if isinstance(main_error, MethodFailure) and len(errors) > 1
+        else main_error.advice
     )
-    return SimulationError("; ".join(reasons), advice, preferred.time)
+    return SimulationError("; ".join(reasons), advice, main_error.time)
 
 
-def _simulate(attempt: choice.Attempt, began: Began) -> Record:
+def _simulate(attempt: choice.Attempt, start: Usage) -> Record:
     """Compute a case by one attempt."""
-    case, part, patience = attempt
+    case, step_fraction, patience = attempt
     if not (case.checks_step and choice.has_automatic_step(case)):
-        return _record(*_unrefined(case, part, patience), began)
-    setup, kept, check = refined(case, part, patience)
+        return _record(*_unrefined(case, step_fraction, patience), start)
+    setup, refined_raw, check = refine_step(case, step_fraction, patience)
     inspections = Inspections(setup)
-    raw = integrate(setup, look=inspections) if kept is None else kept
+    raw = integrate(setup, inspector=inspections) if refined_raw is None else refined_raw
     if case.step_check == "strict":
         step_check.refuse_short_record(setup, check)
-    return _record(inspections, raw, check, began)
+    return _record(inspections, raw, check, start)
 
 
-def _unrefined(case: Case, part: float, patience: int) -> tuple[Inspections, RawRecord, StepCheck]:
+def _unrefined(case: Case, step_fraction: float, patience: int) -> tuple[Inspections, RawRecord, StepCheck]:
     """Compute a case at its own step, or at an unchecked automatic step."""
-    setup = set_up(case, part)
+    setup = set_up(case, step_fraction)
     inspections = Inspections(setup)
     if not searches_for_period(setup.case):
-        check = step_check.checked_step(inspections.earliest)
-        return inspections, integrate(setup, look=inspections), check
+        check = step_check.verify_step(inspections.earliest)
+        return inspections, integrate(setup, inspector=inspections), check
     until_periodic = replace(setup, case=setup.case.model_copy(update={"periodic": True}))
-    raw = integrate(until_periodic, patience=patience, look=inspections)
-    check = step_check.checked_step(until_periodic if raw.repetition.period > 0 else inspections.earliest, raw)
+    raw = integrate(until_periodic, patience=patience, inspector=inspections)
+    check = step_check.verify_step(until_periodic if raw.repetition.period > 0 else inspections.earliest, raw)
     if not case.periodic and raw.repetition.period > 0:
         del raw  # frees its memory before the full run
-        raw = integrate(setup, look=inspections)  # at the step checked on a period
+        raw = integrate(setup, inspector=inspections)  # at the step checked on a period
     return inspections, raw, check
 
 
@@ -202,39 +204,41 @@ def _try_out(
     requested: Sequence[str],
     passes: int,
     turn: float,
-    began: Began,
+    start: Usage,
     against: Against | None,
 ) -> tuple[Trial, Record | None]:
     """Compute the first passes of a case by one attempt, and its record if the passes complete it."""
-    case, part, _ = attempt
-    wanted = case.step_check not in ("strict", False)
-    setup, kept, check = set_up(case, part), None, None
+    case, step_fraction, _ = attempt
+    needs_record = case.step_check not in ("strict", False)
+    setup, refined_raw, check = set_up(case, step_fraction), None, None
     may_end = against is not None and bool(Inspections(setup).passes)
-    if wanted and case.checks_step and choice.has_automatic_step(case) and (may_end or may_repeat(case)):
-        of_step = refined(case, part) if may_end else refined_orbit(case, part)
-        if of_step is not None:
-            setup, kept, check = of_step
+    if needs_record and case.checks_step and choice.has_automatic_step(case) and (may_end or may_repeat(case)):
+        refinement = refine_step(case, step_fraction) if may_end else refine_periodic(case, step_fraction)
+        if refinement is not None:
+            setup, refined_raw, check = refinement
     inspections = Inspections(setup)
-    if kept is not None and check is not None:
-        return trial.read_trial(setup, kept, requested, passes, turn), _record(inspections, kept, check, began)
-    most = trial.last_pass(setup, min(passes, trial.most_passes(setup.case)))
-    look = None if against is None or may_end else _look(setup, requested, turn, against)
+    if refined_raw is not None and check is not None:
+        return trial.read_trial(setup, refined_raw, requested, passes, turn), _record(
+            inspections, refined_raw, check, start
+        )
+    max_passes = trial.last_pass(setup, min(passes, trial.most_passes(setup.case)))
+    inspection = None if against is None or may_end else _trial_inspection(setup, requested, turn, against)
     if may_end:
-        raw = integrate(setup, most=max(most, min(inspections.passes)), look=inspections)
-        passes = min(passes, recording.whole_passes(inspections.ended(raw).case, setup.cut))
+        raw = integrate(setup, max_passes=max(max_passes, min(inspections.passes)), inspector=inspections)
+        passes = min(passes, recording.whole_passes(inspections.ended_setup(raw).case, setup.cut))
     else:
-        raw = integrate(setup, most=most, look=look)
-    if look is not None and raw.repetition.computed in look.passes:
-        passes = trial.LOOK_TURNS * raw.Z
+        raw = integrate(setup, max_passes=max_passes, inspector=inspection)
+    if inspection is not None and raw.repetition.computed in inspection.passes:
+        passes = trial.INSPECTION_TURNS * raw.Z
     result = trial.read_trial(setup, raw, requested, passes, turn)
-    if not (wanted and _is_whole(inspections, raw, may_end)):
+    if not (needs_record and _completes_record(inspections, raw, may_end)):
         return result, None
     if check is None:
-        check = step_check.checked_step(setup if result.repeats else inspections.earliest, raw)
-    return result, _record(inspections, raw, check, began)
+        check = step_check.verify_step(setup if result.repeats else inspections.earliest, raw)
+    return result, _record(inspections, raw, check, start)
 
 
-def _is_whole(inspections: Inspections, raw: RawRecord, may_end: bool) -> bool:
+def _completes_record(inspections: Inspections, raw: RawRecord, may_end: bool) -> bool:
     """Check if a separate run would end where the trial did: periodic, or (``may_end``) accurate enough."""
     computed = raw.repetition.computed
     if raw.repetition.period > 0:
@@ -242,51 +246,51 @@ def _is_whole(inspections: Inspections, raw: RawRecord, may_end: bool) -> bool:
     return may_end and computed in inspections.passes and inspections.ends(raw)
 
 
-def _look(setup: Setup, requested: Sequence[str], turn: float, against: Against) -> Look:
-    """Return the inspection that ends a trial after ``LOOK_TURNS`` cage turns if it is far from the reference."""
-    passes = trial.LOOK_TURNS * setup.model.bearing.Z
-    return Look(
+def _trial_inspection(setup: Setup, requested: Sequence[str], turn: float, against: Against) -> Inspection:
+    """Return the inspection that ends a trial far from the reference after ``INSPECTION_TURNS`` cage turns."""
+    passes = trial.INSPECTION_TURNS * setup.model.bearing.Z
+    return Inspection(
         (trial.last_pass(setup, passes),),
         lambda raw: against.is_far(trial.read_trial(setup, raw, requested, passes, turn)),
     )
 
 
-def _record(inspections: Inspections, raw: RawRecord, checks_step: StepCheck, began: Began) -> Record:
+def _record(inspections: Inspections, raw: RawRecord, check: StepCheck, start: Usage) -> Record:
     """Return the record of a run."""
-    whole, setup = inspections.setup, inspections.ended(raw)
+    full_setup, setup = inspections.setup, inspections.ended_setup(raw)
     case = setup.case
     rows = channels.requested_rows(case, raw.cells)
     sampled = recording.sampled(case, setup.cut, raw, rows)
     instants = np.arange(time_grid.samples(case)) / case.sampling
     series = channels.series(case, setup.model, sampled, raw.cells[rows], case.settle_s + instants)
-    own = features(case, setup.model, setup.cut, raw) | band_features(case, setup.model, setup.cut, raw)
-    by_chance = _is_by_chance(setup, raw, checks_step.chaotic)
-    standard = unknown = StandardErrors(nan, nan)
-    if by_chance or checks_step.chaotic:
-        standard = accuracy.standard_errors(case, setup.model, setup.cut, raw)
-    own |= _check_features(
-        checks_step, _kept(inspections.earliest, setup), standard if checks_step.chaotic else unknown
+    values = features(case, setup.model, setup.cut, raw) | band_features(case, setup.model, setup.cut, raw)
+    is_random = _is_random(setup, raw, check.chaotic)
+    errors = no_errors = StandardErrors(nan, nan)
+    if is_random or check.chaotic:
+        errors = accuracy.standard_errors(case, setup.model, setup.cut, raw)
+    values |= _check_features(
+        check, _pass_ratio(inspections.earliest, setup), errors if check.chaotic else no_errors
     )
-    own |= _start_features(start_errors(setup, raw, standard if by_chance else unknown))
-    if case.step_check == "strict" and not (checks_step.chaotic or has_free_cage(case)):
-        _refuse_start_error(case, max(own["error.start"], own["error.start.rms"]))
-    others, reasons = extension_features(case, instants, series)
-    refuse_undeclared(own | others)
+    values |= _start_features(start_errors(setup, raw, errors if is_random else no_errors))
+    if case.step_check == "strict" and not (check.chaotic or has_free_cage(case)):
+        _refuse_start_error(case, max(values["error.start"], values["error.start.rms"]))
+    extension_values, reasons = extension_features(case, instants, series)
+    refuse_undeclared(values | extension_values)
     return Record(
         time=instants,
         series=series,
-        features=own | others,
-        info=_info(whole, raw, inspections.reached(raw)) | reasons | _spent(began),
+        features=values | extension_values,
+        info=_info(full_setup, raw, inspections.record_errors(raw)) | reasons | _usage_info(start),
     )
 
 
-def _spent(began: Began) -> dict[str, float | int | str]:
+def _usage_info(start: Usage) -> dict[str, float | int | str]:
     """Return the CPU time (s) of a job and the steps of all its runs, step check included."""
-    now = Began.now()
+    now = Usage.now()
     return {
-        "cpu_s": now.cpu_s - began.cpu_s,
-        "steps_taken": now.taken.steps - began.taken.steps,
-        "integrator_cpu_s": now.taken.cpu_s - began.taken.cpu_s,
+        "cpu_s": now.cpu_s - start.cpu_s,
+        "steps_taken": now.step_usage.steps - start.step_usage.steps,
+        "integrator_cpu_s": now.step_usage.cpu_s - start.step_usage.cpu_s,
     }
 
 
@@ -299,38 +303,38 @@ def _refuse_start_error(case: Case, error: float) -> None:
         )
 
 
-def _kept(checked: Setup, record: Setup) -> float:
+def _pass_ratio(checked: Setup, record: Setup) -> float:
     """Return the ratio of a record's ball passes to those of the shortest record, whose step was checked."""
     return recording.whole_passes(record.case, record.cut) / recording.whole_passes(checked.case, checked.cut)
 
 
-def _check_features(checks_step: StepCheck, kept: float, of_chaos: StandardErrors) -> dict[str, float]:
+def _check_features(check: StepCheck, pass_ratio: float, chaos_errors: StandardErrors) -> dict[str, float]:
     """Return a step check as features.
 
-    kept: ratio of ball passes in the record to those of the record whose step was checked; of_chaos: standard
-    errors of a chaotic record, otherwise NaN.
+    pass_ratio: ratio of ball passes in the record to those of the record whose step was checked; chaos_errors:
+    standard errors of a chaotic record, otherwise NaN.
     """
     return {
-        "step_error.line": checks_step.bound(checks_step.line),
-        "step_error.rms": checks_step.bound(checks_step.rms),
-        "step_error.force": checks_step.bound(checks_step.force),
-        "step_error.record": checks_step.bound(checks_step.record),
-        "chaotic": nan if checks_step is step_check.UNCHECKED else float(checks_step.chaotic),
-        "rms_scatter": nan if checks_step is step_check.UNCHECKED else checks_step.scatter / sqrt(kept),
-        "standard_error.line": of_chaos.line,
-        "standard_error.rms": of_chaos.rms,
+        "step_error.line": check.bound(check.line),
+        "step_error.rms": check.bound(check.rms),
+        "step_error.force": check.bound(check.force),
+        "step_error.record": check.bound(check.record),
+        "chaotic": nan if check is step_check.UNCHECKED else float(check.chaotic),
+        "rms_scatter": nan if check is step_check.UNCHECKED else check.scatter / sqrt(pass_ratio),
+        "standard_error.line": chaos_errors.line,
+        "standard_error.rms": chaos_errors.rms,
     }
 
 
 def _info(setup: Setup, raw: RawRecord, reached: StandardErrors) -> dict[str, float | int | str]:
-    """Return facts on the computation of a run; reached: standard errors of a record with `until`, else NaN."""
+    """Return facts on the computation of a run; record_errors: of a record with `until`, else NaN."""
     case, cut, y = setup.case, setup.cut, raw.y
     steps = raw.repetition.computed * cut.steps_per_pass
     adaptive = assemble.is_adaptive(case)
     return {
         "method": case.method or "",
         "step_s": cut.step,
-        "step_part": setup.part,
+        "step_part": setup.step_fraction,
         "settle_s": case.settle_s,
         "passes": cut.passes,
         "passes_computed": raw.repetition.computed,
@@ -352,7 +356,7 @@ def _info(setup: Setup, raw: RawRecord, reached: StandardErrors) -> dict[str, fl
     }
 
 
-def _is_by_chance(setup: Setup, raw: RawRecord, chaotic: bool) -> bool:
+def _is_random(setup: Setup, raw: RawRecord, chaotic: bool) -> bool:
     """Check if line and RMS may scatter at random, and the record has enough ball passes to show it."""
     enough = len(recording.windows(setup.case, setup.cut, raw, reach=0).index) > accuracy.MIN_PASSES
     return enough and (chaotic or may_be_periodic(setup.case) or has_free_cage(setup.case))
@@ -378,33 +382,34 @@ def _cage_angle(setup: Setup, raw: RawRecord) -> float:
     """Return the angle (rad) of the first roller's pocket at the start of the record, cage slip included."""
     bearing, position = setup.model.bearing, setup.case.settle_s * setup.cut.fine_rate
     before, after = raw.read(floor(position), 2, np.array([FEATURE_CELLS.index(CAGE_ANGLE)]))[0]
-    slipped = before + (position - floor(position)) * (after - before)
-    return float(bearing.theta_0 + bearing.omega_c * setup.case.settle_s + slipped)
+    slip = before + (position - floor(position)) * (after - before)
+    return float(bearing.theta_0 + bearing.omega_c * setup.case.settle_s + slip)
 
 
-_WARM: set[tuple] = set()  # kinds of case whose code is compiled or loaded in this process
-WARM_S = 0.3  # s of CPU time for a ball pass, excluding compilation; functions not reached compile during a job
+_COMPILED: set[tuple] = set()  # kinds of case whose code is compiled or loaded in this process
+WARM_UP_LIMIT = 0.3
+"""CPU time (s) for a ball pass, excluding compilation; functions not reached compile during a job."""
 
 
-def warm(cases: Iterable[Case], about_to: Callable[[int, int, float], None] | None = None) -> None:
+def warm(cases: Iterable[Case], on_compile: Callable[[int, int, float], None] | None = None) -> None:
     """Compile the solvers of the cases (or load them from the cache) by computing one ball pass of each new kind.
 
-    about_to: called before each kind with its number (from 1), the number of kinds, and the estimated CPU time (s)
-    of compilation.
+    on_compile: called before each kind with its number (from 1), the number of kinds, and the estimated CPU time
+    (s) of compilation.
     """
     kinds: dict[tuple, Case] = {}
     for case in cases:
         laws = assemble.contacts.outer(case), assemble.contacts.inner(case)
         kinds.setdefault((_words(choice.resolve(case)), _types(laws), channels.stores_raw_values(case)), case)
-    new = {kind: case for kind, case in kinds.items() if kind not in _WARM}
+    new = {kind: case for kind, case in kinds.items() if kind not in _COMPILED}
     for number, (kind, case) in enumerate(new.items(), 1):
-        if about_to is not None:
-            about_to(number, len(new), price("compile", case.model))
+        if on_compile is not None:
+            on_compile(number, len(new), price("compile", case.model))
         short = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
-        plain = {"duration": short, "settle": 0.0, "step": "auto", "step_check": False}
-        with suppress(cpu_time.OutOfCpuTime), cpu_time.at_most(WARM_S):
-            simulate(case.model_copy(update=plain))
-        _WARM.add(kind)
+        settings = {"duration": short, "settle": 0.0, "step": "auto", "step_check": False}
+        with suppress(cpu_time.OutOfCpuTime), cpu_time.at_most(WARM_UP_LIMIT):
+            simulate(case.model_copy(update=settings))
+        _COMPILED.add(kind)
 
 
 def _words(value: Any) -> Any:

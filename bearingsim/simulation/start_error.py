@@ -1,8 +1,8 @@
 """Errors of line, RMS and largest force of a record due to incomplete settling.
 
 For a periodic motion the record is compared with its steady passes. Otherwise its second half is compared with the
-first, and the decay between them is extrapolated. If the motion scatters at random (chaos or a free cage), each
-error is at least the standard error.
+first, and the decay between them is extrapolated; each error is at least the scatter between quarters of the
+record. If the motion scatters at random (chaos or a free cage), each error is also at least the standard error.
 """
 
 from math import exp, hypot, isnan, nan
@@ -24,8 +24,8 @@ from bearingsim.simulation.spectral_lines import angles_of_record, sensor_sample
 from bearingsim.simulation.trial import defect_turn
 
 PARTS = 4  # parts of a record whose successive changes are used to extrapolate the decay
-ALIKE = 12  # ball passes, a multiple of all observed periods
-SLOWER = 16.0  # ratio of the decay rate at rest to the slowest one while contacts open
+PERIOD_MULTIPLE = 12  # ball passes, a multiple of all observed periods
+DECAY_RATIO = 16.0  # ratio of the decay rate at rest to the slowest one while contacts open
 
 
 class StartErrors(NamedTuple):
@@ -64,31 +64,31 @@ def start_errors(setup: Setup, raw: RawRecord, standard: StandardErrors) -> Star
     case, cut = setup.case, setup.cut
     if MODELS[case.model].memoryless:
         return StartErrors(0.0, 0.0, 0.0)
-    of_record = windows(case, cut, raw, reach=len(sampling_kernel(cut.fine_rate / case.sampling)) // 2)
-    if len(of_record.index) < PARTS or not is_steady(setup.model):
+    record_windows = windows(case, cut, raw, reach=len(sampling_kernel(cut.fine_rate / case.sampling)) // 2)
+    if len(record_windows.index) < PARTS or not is_steady(setup.model):
         return StartErrors(nan, nan, nan)
-    passes = _passes(setup, raw, of_record)
+    passes = _passes(setup, raw, record_windows)
     if raw.repetition.period > 0:
-        last = np.zeros(of_record.distinct)
+        last = np.zeros(record_windows.distinct)
         last[-raw.repetition.period :] = 1.0
-        return _changes(passes.mean(of_record.weights), passes.mean(last), passes)
+        return _changes(passes.mean(record_windows.weights), passes.mean(last), passes)
     return _decay_errors(case, passes, cut.rate, standard)
 
 
-def _passes(setup: Setup, raw: RawRecord, of_record: Windows) -> Passes:
-    case, cut, M, n = setup.case, setup.cut, of_record.M, of_record.distinct
-    velocity = sensor_samples(case, raw, "velocity", of_record.start, n * M)
+def _passes(setup: Setup, raw: RawRecord, record_windows: Windows) -> Passes:
+    case, cut, M, n = setup.case, setup.cut, record_windows.M, record_windows.distinct
+    velocity = sensor_samples(case, raw, "velocity", record_windows.start, n * M)
     taps = sampling_kernel(cut.fine_rate / case.sampling)
-    low = sensor_samples(case, raw.through(taps), "velocity", of_record.start, n * M)
-    angles = angles_of_record(case, setup.model, cut, raw, of_record.start, n * M)
+    filtered = sensor_samples(case, raw.through(taps), "velocity", record_windows.start, n * M)
+    angles = angles_of_record(case, setup.model, cut, raw, record_windows.start, n * M)
     lines = np.stack(
         [
             2.0 * (velocity * np.exp(-1j * angles.phase(LINES[name], raw.Z))).reshape(n, M).mean(axis=1)
             for name in fault_lines(case)
         ]
     )
-    sources = raw.repetition.source(round(of_record.start / M) + np.arange(n))
-    return Passes(lines, np.mean(low.reshape(n, M) ** 2, axis=1), raw.peaks[sources, FORCE])
+    sources = raw.repetition.source(round(record_windows.start / M) + np.arange(n))
+    return Passes(lines, np.mean(filtered.reshape(n, M) ** 2, axis=1), raw.peaks[sources, FORCE])
 
 
 def _changes(mean: Passes, other: Passes, passes: Passes) -> StartErrors:
@@ -103,24 +103,24 @@ def _changes(mean: Passes, other: Passes, passes: Passes) -> StartErrors:
 
 
 def _decay_errors(case: Case, passes: Passes, rate: float, standard: StandardErrors) -> StartErrors:
-    """Return errors from the decay between the parts of a record.
+    """Return errors from the decay between the parts of a record, at least the scatter between the parts.
 
     Let r be the part of the transient left after half a record. The error of the record's mean is (1 + r)/(2 (1 -
     r)) times the change from its first half to its second, that of the largest force 1/(1 - r) times the change. r
-    is estimated from successive parts, with an upper limit from the slowest mode at rest, decaying ``SLOWER``
+    is estimated from successive parts, with an upper limit from the slowest mode at rest, decaying ``DECAY_RATIO``
     times more slowly.
     """
-    turn = max(1.0, defect_turn(case) * rate or ALIKE)  # in passes
+    turn = max(1.0, defect_turn(case) * rate or PERIOD_MULTIPLE)  # in passes
     length = len(passes.powers) // PARTS
     length = int(int(length // turn) * turn) or length
     parts = np.repeat(np.eye(PARTS), length, axis=1)
     parts = np.pad(parts, ((0, 0), (0, len(passes.powers) - parts.shape[1])))
     earlier, later = (_changes(passes.mean(parts[n]), passes.mean(parts[n + 2]), passes) for n in range(2))
-    halves = _changes(passes.mean(parts[0] + parts[1]), passes.mean(parts[2] + parts[3]), passes)
-    slow = exp(-slowest_decay(case) / SLOWER * 2.0 * length / rate)
-    before, after, change = (np.array(changes) for changes in (earlier, later, halves))
+    half_changes = _changes(passes.mean(parts[0] + parts[1]), passes.mean(parts[2] + parts[3]), passes)
+    max_ratio = exp(-slowest_decay(case) / DECAY_RATIO * 2.0 * length / rate)
+    before, after, change = (np.array(changes) for changes in (earlier, later, half_changes))
     with np.errstate(divide="ignore", invalid="ignore"):
-        r = np.fmin((after / before) ** 2, slow)
+        r = np.fmin((after / before) ** 2, max_ratio)
         remaining = change * [0.5, 0.5, 1.0] * (1.0 + r * [1.0, 1.0, 0.0]) / (1.0 - r)
     scatter = _scatter([passes.mean(part) for part in parts], passes)
     largest = nan if isnan(standard.rms) else error_of_largest(passes.forces, case.bearing.rollers, length)
@@ -138,14 +138,17 @@ def error_of_largest(forces: np.ndarray, rollers: int, quarter: int) -> float:
     its position in its pocket for tens of turns. Their maxima above the median give the scatter; quarters of the
     record add the changes common to all rollers.
     """
-    of_rollers = np.array([forces[n::rollers].max() for n in range(min(rollers, len(forces)))])
-    of_quarters = forces[: PARTS * quarter].reshape(PARTS, quarter).max(axis=1)
-    above = np.maximum(of_rollers - np.median(of_rollers), 0.0)
-    scatter = hypot(np.sqrt(2.0 * np.mean(above**2)), np.std(of_quarters, ddof=1))
+    roller_maxima = np.array([forces[n::rollers].max() for n in range(min(rollers, len(forces)))])
+    quarter_maxima = forces[: PARTS * quarter].reshape(PARTS, quarter).max(axis=1)
+    excess = np.maximum(roller_maxima - np.median(roller_maxima), 0.0)
+    scatter = hypot(np.sqrt(2.0 * np.mean(excess**2)), np.std(quarter_maxima, ddof=1))
     return float(scatter / (forces.max() or 1.0))
 
 
 def _scatter(means: list[Passes], passes: Passes) -> StartErrors:
-    """Return the standard errors of a record from the means of its parts."""
+    """Return the standard errors of the mean over the parts of a record, from the scatter between the parts.
+
+    For the largest force, it is the standard error of the mean of the parts' largest forces.
+    """
     changes = np.array([_changes(mean, other, passes) for mean in means for other in means])
     return StartErrors(*np.sqrt(np.mean(changes**2, axis=0) * PARTS / (PARTS - 1) / 2.0 / PARTS).tolist())

@@ -35,30 +35,32 @@ from bearingsim.simulation.run_setup import MethodFailure, Setup, TooChaotic, se
 
 
 class Bounds(NamedTuple):
-    """Coefficients of an error bound: ``pass_count`` the change by a shorter step, plus ``resolved``.
+    """Coefficients of an error bound: ``factor`` times the change by a shorter step, plus ``offset``.
 
-    least: lower limit of each change, as a share of the largest change, since a change may be small by chance.
+    min_share: lower limit of each change, as a share of the largest change, since a change may be small by chance.
 
     If a step r = sqrt(5) times shorter changes a result by d, an error of order p is d r^p/(r^p - 1) in the coarse
     run and d/(r^p - 1) in the finer one (Richardson 1911; with a safety factor, the grid convergence index of
     Roache 1994). The order is at least one, as for a force that jumps within a step: 1.81 d and 0.81 d.
     """
 
-    times: float
-    least: float
-    resolved: float
+    factor: float
+    min_share: float
+    offset: float
 
 
-OF_OWN, OF_COARSE, OF_FINER = Bounds(2.5, 0.3, 1e-5), Bounds(2.5, 0.5, 1e-4), Bounds(2.0, 0.5, 1e-4)
+FIXED_STEP_BOUNDS = Bounds(2.5, 0.3, 1e-5)
+COARSE_BOUNDS, FINER_BOUNDS = Bounds(2.5, 0.5, 1e-4), Bounds(2.0, 0.5, 1e-4)
 """Bounds for a step given by the case, and for the coarse and the finer run of a refinement (safety factors 1.4
 and 2.5). Calibrated on random scenes and tested on others (docs/step-check.md)."""
 
-APART = 0.01  # relative to the RMS; if velocities differ by less in every ball pass, chaos is not tested
+MIN_DIVERGENCE = 0.01  # relative to the RMS; if velocities differ by less in every ball pass, chaos is not tested
 PERTURBATION = 1e-10  # relative to the ring's initial displacement; decays if the motion is periodic
 CONFIDENCE = 2.5  # standard deviations, for many passes
 CONFIDENCE_PROBABILITY = 0.9938  # probability of a value below CONFIDENCE standard deviations
-GROWN, PARTED = 3.0, 1e-4  # growth of a perturbation over the pilot; its size in any pass relative to the RMS
-NO_LESS = 0.3  # ratio of the change by the perturbation to that by the shorter step (or tenth of the tolerance)
+MIN_GROWTH = 3.0  # growth of a perturbation over the pilot
+MIN_CHANGE = 1e-4  # by a perturbation in any pass, relative to the RMS
+MIN_CHANGE_RATIO = 0.3  # of the change by the perturbation to that by the shorter step (or tighter tolerance)
 MIN_BLOCKS = 16  # smallest number of blocks of passes for the scatter of the RMS
 SECOND_PILOT = 4.0  # length ratio of the second pilot, used if the first two runs diverge without chaos
 ORBIT_CLOSENESS = Closeness(1e-5, 1e-5, pass_count=1)
@@ -87,7 +89,7 @@ class StepCheck:
     rms: float
     force: float = 0.0
     record: float = 0.0
-    bounds: Bounds = OF_OWN
+    bounds: Bounds = FIXED_STEP_BOUNDS
     chaotic: bool = False
     noise: float = 0.0
     scatter: float = 0.0
@@ -95,8 +97,8 @@ class StepCheck:
     @property
     def changes(self) -> dict[str, float]:
         """Changes that are checked, by quantity."""
-        every = {"line of the fault": self.line, "RMS": self.rms, "largest force": self.force}
-        return {"RMS": self.rms} if self.chaotic else every
+        changes = {"line of the fault": self.line, "RMS": self.rms, "largest force": self.force}
+        return {"RMS": self.rms} if self.chaotic else changes
 
     @property
     def error(self) -> float:
@@ -106,28 +108,28 @@ class StepCheck:
     @property
     def holds(self) -> bool:
         """Acceptance of the step, if the error is small or within the scatter due to chaos."""
-        return bool(self.error <= max(STEP_ACCURACY / self.bounds.times, CONFIDENCE * self.noise))
+        return bool(self.error <= max(STEP_ACCURACY / self.bounds.factor, CONFIDENCE * self.noise))
 
     @property
-    def holds_but_for_force(self) -> bool:
+    def holds_without_force(self) -> bool:
         """Acceptance of the step by line and RMS alone, since a force peak may need impractically short steps."""
         return replace(self, force=0.0).holds
 
     @property
-    def long_enough(self) -> bool:
+    def is_long_enough(self) -> bool:
         """Acceptance of the length of a chaotic record, if its RMS is certain enough (``STEP_ACCURACY``)."""
         return bool(self.scatter <= STEP_ACCURACY)
 
     def bound(self, change: float) -> float:
         """Bound the step error of a quantity from its ``change`` (docs/step-check.md)."""
-        least = self.bounds.least * max(self.line, self.rms, self.force)
-        return self.bounds.times * max(change, least) + self.bounds.resolved
+        min_change = self.bounds.min_share * max(self.line, self.rms, self.force)
+        return self.bounds.factor * max(change, min_change) + self.bounds.offset
 
 
 UNCHECKED = StepCheck(nan, nan, nan, nan)
 
 
-def checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
+def verify_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
     """Check the step of a setup, if the case requests step checks. raw: its run, used if periodic.
 
     Raises ``MethodFailure`` if the error is too large. An error of the largest force is accepted if the step
@@ -136,18 +138,18 @@ def checked_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
     if not setup.case.checks_step:
         return UNCHECKED
     check = check_step(setup, raw if raw is not None and raw.repetition.period > 0 else None)
-    may_be_shorter = choice.has_automatic_step(setup.case) and setup.part > choice.STEP_FRACTIONS[-1]
-    if not (check.holds or (not may_be_shorter and check.holds_but_for_force)):
-        raise MethodFailure(*refused(setup, check))
+    may_be_shorter = choice.has_automatic_step(setup.case) and setup.step_fraction > choice.STEP_FRACTIONS[-1]
+    if not (check.holds or (not may_be_shorter and check.holds_without_force)):
+        raise MethodFailure(*refusal(setup, check))
     return check
 
 
-def refused(setup: Setup, check: StepCheck) -> tuple[str, str]:
+def refusal(setup: Setup, check: StepCheck) -> tuple[str, str]:
     """Return the reason for refusing a step, and advice."""
     refinement = "a shorter step" + " and a tenth of the tolerance" * assemble.is_adaptive(setup.case)
-    what = max(check.changes, key=check.changes.__getitem__)
+    quantity = max(check.changes, key=check.changes.__getitem__)
     chaotic = ", and the motion is chaotic" if check.chaotic else ""
-    changes = f"{refinement} changes the {what} by {100.0 * check.error:.2g} %{chaotic}"
+    changes = f"{refinement} changes the {quantity} by {100.0 * check.error:.2g} %{chaotic}"
     return (
         f"{setup.case.method} is not within {STEP_ACCURACY:.0%}: {changes}",
         "use a longer `duration`" if check.chaotic else f"{_tighter_advice(setup)}, or use `step_check: false`",
@@ -161,39 +163,41 @@ def _tighter_advice(setup: Setup) -> str:
     return "give a `step` of your own" if setup.case.step == "auto" else "use a shorter `step`"
 
 
-def refuse_short_record(setup: Setup, checks_step: StepCheck) -> None:
+def refuse_short_record(setup: Setup, check: StepCheck) -> None:
     """Raise TooChaotic if a chaotic record is too short for its RMS to be accurate."""
-    if checks_step.long_enough:
+    if check.is_long_enough:
         return
-    needed, worth = longer_duration(setup.case), "is of unknown accuracy"
-    if isfinite(checks_step.scatter):
-        needed = setup.case.duration * (checks_step.scatter / STEP_ACCURACY) ** 2
-        worth = f"is uncertain by {checks_step.scatter:.1%}"
+    duration, accuracy_text = longer_duration(setup.case), "is of unknown accuracy"
+    if isfinite(check.scatter):
+        duration = setup.case.duration * (check.scatter / STEP_ACCURACY) ** 2
+        accuracy_text = f"is uncertain by {check.scatter:.1%}"
     raise TooChaotic(
-        f"the motion is chaotic, and its RMS over {setup.case.duration:.2g} s {worth}",
-        f"use a `duration` of {needed:.2g} s, or use `step_check: true`",
-        needed,
+        f"the motion is chaotic, and its RMS over {setup.case.duration:.2g} s {accuracy_text}",
+        f"use a `duration` of {duration:.2g} s, or use `step_check: true`",
+        duration,
     )
 
 
 def check_step(setup: Setup, raw: RawRecord | None = None) -> StepCheck:
     """Check the step of a setup. raw: its run, if periodic. Raises like ``integrate``."""
-    if raw is not None and (on_orbit := check_on_orbit((setup, raw), finer_orbit(setup, raw))) is not None:
-        return on_orbit
-    case, part = setup.case, setup.part
-    beginning = pilot(case)
-    check, doubtful, _ = check_on_pilot(case, part, *beginning)
-    more = pilot(case, SECOND_PILOT)
-    if doubtful and more != beginning:
-        check, *_ = check_on_pilot(case, part, *more)
+    if raw is not None and (orbit_check := check_on_orbit((setup, raw), finer_orbit(setup, raw))) is not None:
+        return orbit_check
+    case, step_fraction = setup.case, setup.step_fraction
+    pilot_run = pilot(case)
+    check, is_doubtful, _ = check_on_pilot(case, step_fraction, *pilot_run)
+    longer_pilot_run = pilot(case, SECOND_PILOT)
+    if is_doubtful and longer_pilot_run != pilot_run:
+        check, *_ = check_on_pilot(case, step_fraction, *longer_pilot_run)
     return check
 
 
 def finer_orbit(coarse: Setup, raw: RawRecord) -> tuple[Setup, RawRecord]:
     """Return a finer run of a periodic motion, started from the end of the coarse run to become periodic soon."""
-    fine = set_up(coarse.case, coarse.part * shorter(coarse.cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU)
+    fine = set_up(
+        coarse.case, coarse.step_fraction * step_ratio(coarse.cut.decimation), MAX_COST_RATIO * time_grid.MAX_CPU
+    )
     start = rewound_state(coarse, raw)
-    return fine, integrate(fine, start=start, close=ORBIT_CLOSENESS, most=most_finer_passes(raw))
+    return fine, integrate(fine, start=start, closeness=ORBIT_CLOSENESS, max_passes=max_finer_passes(raw))
 
 
 def check_on_orbit(coarse: tuple[Setup, RawRecord], fine: tuple[Setup, RawRecord]) -> StepCheck | None:
@@ -205,16 +209,16 @@ def check_on_orbit(coarse: tuple[Setup, RawRecord], fine: tuple[Setup, RawRecord
     if fine[1].repetition.period == 0:
         return None
     steady = max(steady_time(*coarse), steady_time(*fine))
-    if channels.stores_raw_values(coarse[0].case) and steady >= length(coarse[0].case):
+    if channels.stores_raw_values(coarse[0].case) and steady >= run_time(coarse[0].case):
         return None
     return StepCheck(*compare(*(orbit_signals(setup, run, steady) for setup, run in (coarse, fine))))
 
 
-def most_finer_passes(raw: RawRecord) -> int:
+def max_finer_passes(raw: RawRecord) -> int:
     """Return the largest number of ball passes of a finer run; beyond ``FEW_PASSES`` it costs at most the run."""
     computed = raw.repetition.computed
-    as_much = max(FEW_PASSES, round(computed / sqrt(5.0)))
-    return min(MOST_FINER_PASSES[0] * computed + MOST_FINER_PASSES[1], as_much)
+    max_passes = max(FEW_PASSES, round(computed / sqrt(5.0)))
+    return min(MOST_FINER_PASSES[0] * computed + MOST_FINER_PASSES[1], max_passes)
 
 
 def rewound_state(coarse: Setup, raw: RawRecord) -> np.ndarray:
@@ -223,56 +227,68 @@ def rewound_state(coarse: Setup, raw: RawRecord) -> np.ndarray:
     return rotate_state(state, coarse.model, raw.repetition.computed)
 
 
-class OnPilot(NamedTuple):
-    """Step check by a pilot; doubtful: the pilots diverge although no chaos shows; finer: the finer pilot."""
+class PilotCheck(NamedTuple):
+    """Step check by a pilot; is_doubtful: the pilots diverge although no chaos shows; finer: the finer pilot."""
 
     check: StepCheck
-    doubtful: bool
+    is_doubtful: bool
     finer: tuple[Setup, RunSignals]
 
 
 def check_on_pilot(
-    case: Case, part: float, short: Case, passes: int, before: tuple[Setup, RunSignals] | None = None
-) -> OnPilot:
-    """Check the step of a case by a pilot ``short`` of ``passes``; before: its coarse run, if already computed."""
-    allowed = time_grid.MAX_CPU * length(short) / length(case)
-    short = short.model_copy(update={"periodic": False})
-    coarse = before[0] if before is not None else set_up(short, part, allowed)
-    fine = set_up(with_finer_tolerance(short), part * shorter(coarse.cut.decimation), MAX_COST_RATIO * allowed)
-    coarse_run = before[1] if before is not None else run_pilot(coarse, passes)
+    case: Case,
+    step_fraction: float,
+    pilot_case: Case,
+    passes: int,
+    previous: tuple[Setup, RunSignals] | None = None,
+) -> PilotCheck:
+    """Check the step of a case by a pilot of ``passes``; previous: its coarse run, if already computed."""
+    allowed = time_grid.MAX_CPU * run_time(pilot_case) / run_time(case)
+    pilot_case = pilot_case.model_copy(update={"periodic": False})
+    coarse = previous[0] if previous is not None else set_up(pilot_case, step_fraction, allowed)
+    fine = set_up(
+        with_finer_tolerance(pilot_case),
+        step_fraction * step_ratio(coarse.cut.decimation),
+        MAX_COST_RATIO * allowed,
+    )
+    coarse_run = previous[1] if previous is not None else run_pilot(coarse, passes)
     fine_run = run_pilot(fine, passes)
     finer = fine, fine_run
     check = StepCheck(*compare(coarse_run, fine_run))
     scale = float(np.std(fine_run.fine_velocity)) or 1.0
-    apart = (
-        by_pass(
-            coarse_run.fine_velocity - shifted(fine_run.fine_velocity, ahead(coarse, fine) * fine.cut.fine_rate),
+    step_changes = (
+        pass_rms(
+            coarse_run.fine_velocity - shift(fine_run.fine_velocity, lead_time(coarse, fine) * fine.cut.fine_rate),
             passes,
         )
         / scale
     )
-    if not apart.max() > APART:
-        return OnPilot(check, False, finer)
+    if not step_changes.max() > MIN_DIVERGENCE:
+        return PilotCheck(check, False, finer)
     adaptive = assemble.is_adaptive(case)
-    twin, nudged = (fine, fine_run) if adaptive else (coarse, coarse_run)
-    third = run_pilot(twin, passes, nudge=PERTURBATION)
-    beside = by_pass(nudged.fine_velocity - third.fine_velocity, passes) / scale
-    if not is_chaotic_motion(beside, apart, adaptive):
-        return OnPilot(check, True, finer)
+    base, base_run = (fine, fine_run) if adaptive else (coarse, coarse_run)
+    perturbed_run = run_pilot(base, passes, perturbation=PERTURBATION)
+    perturbation_changes = pass_rms(base_run.fine_velocity - perturbed_run.fine_velocity, passes) / scale
+    if not is_chaotic_motion(perturbation_changes, step_changes, adaptive):
+        return PilotCheck(check, True, finer)
     # pilots agree at first: the signal that diverges sooner, usually of the wider band, is more informative
-    noise, sure = max(
-        (scatter(series, passes) for series in zip(coarse_run[:2], fine_run[:2], third[:2], strict=True)),
+    noise, confidence_factor = max(
+        (scatter(series, passes) for series in zip(coarse_run[:2], fine_run[:2], perturbed_run[:2], strict=True)),
         key=np.prod,
     )
-    is_measurable = covers_defect_turns(case, passes) and np.linalg.norm(beside) > NO_LESS * np.linalg.norm(apart)
-    whole = max(1.0, case.duration * coarse.cut.rate)
-    worth = sure * noise / sqrt(whole) if is_measurable else inf
-    return OnPilot(replace(check, chaotic=True, noise=noise / sqrt(passes), scatter=worth), False, finer)
+    is_measurable = covers_defect_turns(case, passes) and np.linalg.norm(
+        perturbation_changes
+    ) > MIN_CHANGE_RATIO * np.linalg.norm(step_changes)
+    record_passes = max(1.0, case.duration * coarse.cut.rate)
+    rms_uncertainty = confidence_factor * noise / sqrt(record_passes) if is_measurable else inf
+    return PilotCheck(
+        replace(check, chaotic=True, noise=noise / sqrt(passes), scatter=rms_uncertainty), False, finer
+    )
 
 
-def run_pilot(setup: Setup, passes: int, nudge: float = 0.0) -> RunSignals:
+def run_pilot(setup: Setup, passes: int, perturbation: float = 0.0) -> RunSignals:
     """Run a pilot; return its compared signals."""
-    return pilot_signals(setup, integrate(setup, nudge), passes)
+    return pilot_signals(setup, integrate(setup, perturbation), passes)
 
 
 def scatter(series: Sequence[np.ndarray], passes: int) -> tuple[float, float]:
@@ -291,20 +307,20 @@ def _scatter(series: Sequence[np.ndarray], blocks: int, size: int) -> tuple[floa
     """Return ``scatter`` from ``blocks`` of ``size`` passes each."""
     from scipy.special import stdtrit
 
-    powers = np.array([by_pass(recording, blocks) ** 2 for recording in series])
+    powers = np.array([pass_rms(recording, blocks) ** 2 for recording in series])
     powers /= np.mean(powers) or 1.0
-    between = np.sum((powers - np.roll(powers, 1, axis=0)) ** 2, axis=0)
-    telling = np.sum(between) ** 2 / (np.sum(between**2) or 1.0)
-    noise = 0.5 * sqrt(size * np.mean(between) / len(series))
-    return noise, float(stdtrit(2.0 * max(1.0, telling), CONFIDENCE_PROBABILITY))
+    differences = np.sum((powers - np.roll(powers, 1, axis=0)) ** 2, axis=0)
+    effective_passes = np.sum(differences) ** 2 / (np.sum(differences**2) or 1.0)
+    noise = 0.5 * sqrt(size * np.mean(differences) / len(series))
+    return noise, float(stdtrit(2.0 * max(1.0, effective_passes), CONFIDENCE_PROBABILITY))
 
 
-def length(case: Case) -> float:
+def run_time(case: Case) -> float:
     """Return the computed time (s) of a case."""
     return case.settle_s + case.duration
 
 
-def shorter(decimation: int) -> float:
+def step_ratio(decimation: int) -> float:
     """Return the ratio of a shorter step, about 1/sqrt(5), if a fine sample has ``decimation`` steps."""
     return decimation / max(2 * decimation + 1, round(sqrt(5.0) * decimation))
 
@@ -314,30 +330,39 @@ def with_finer_tolerance(case: Case) -> Case:
     return case if case.tolerance == "auto" else case.model_copy(update={"tolerance": 0.1 * case.tolerance})
 
 
-def ahead(setup: Setup, other: Setup) -> float:
+def lead_time(setup: Setup, other: Setup) -> float:
     """Return the lead (s) of the rollers of one setup over another, each aligned with its first defect."""
     return float((setup.model.bearing.theta_0 - other.model.bearing.theta_0) / other.model.bearing.omega_c)
 
 
-def shifted(series: np.ndarray, part: float) -> np.ndarray:
-    """Shift a series by a small ``part`` of a sample, to first order."""
-    return series + part * np.gradient(series)
+def shift(series: np.ndarray, fraction: float) -> np.ndarray:
+    """Shift a series by a small ``fraction`` of a sample, to first order."""
+    return series + fraction * np.gradient(series)
 
 
-def by_pass(difference: np.ndarray, passes: int) -> np.ndarray:
+def pass_rms(difference: np.ndarray, passes: int) -> np.ndarray:
     """Return the RMS (passes,) of a difference in each ball pass."""
-    whole = difference[: (len(difference) - 1) // passes * passes].reshape(passes, -1)
-    return np.sqrt(np.mean(whole**2, axis=1))
+    rows = difference[: (len(difference) - 1) // passes * passes].reshape(passes, -1)
+    return np.sqrt(np.mean(rows**2, axis=1))
 
 
-def is_chaotic_motion(beside: np.ndarray, apart: np.ndarray, adaptive: bool) -> bool:
+def is_chaotic_motion(perturbation_changes: np.ndarray, step_changes: np.ndarray, adaptive: bool) -> bool:
     """Check if a motion is chaotic, from the changes of each ball pass by a perturbation and by a shorter step.
 
-    beside, apart: (passes,) changes by the perturbation and by the shorter step, relative to the RMS. In a
-    periodic motion the perturbation decays. With an adaptive method it also changes the steps, by an amount that
-    shrinks with the tolerance. If the perturbed finer run diverges from the finer one about as much as the coarse
-    run does, the motion itself is chaotic.
+    perturbation_changes, step_changes: (passes,) changes by the perturbation and by the shorter step, relative to
+    the RMS. In a periodic motion the perturbation decays. With an adaptive method it also changes the steps, by an
+    amount that shrinks with the tolerance. If the perturbed finer run diverges from the finer one about as much as
+    the coarse run does, the motion itself is chaotic.
     """
     if adaptive:
-        return bool(beside.max() > PARTED and beside.max() > NO_LESS * apart.max())
-    return bool(beside.max() > PARTED or (beside[-1] > 10.0 * PERTURBATION and beside[-1] > GROWN * beside[0]))
+        return bool(
+            perturbation_changes.max() > MIN_CHANGE
+            and perturbation_changes.max() > MIN_CHANGE_RATIO * step_changes.max()
+        )
+    return bool(
+        perturbation_changes.max() > MIN_CHANGE
+        or (
+            perturbation_changes[-1] > 10.0 * PERTURBATION
+            and perturbation_changes[-1] > MIN_GROWTH * perturbation_changes[0]
+        )
+    )

@@ -26,7 +26,7 @@ from bearingsim.simulation.recording import RawRecord, first_sample, whole_passe
 from bearingsim.simulation.run_setup import Setup
 from bearingsim.simulation.spectral_lines import angles_of_record, has_other_lines, lines_of_passes, sensor_samples
 
-FEWEST_BATCHES = 4
+MIN_BATCHES = 4
 TWO_SIGMA = 0.97725  # probability of a deviation below two sigma
 HANN = 1.5  # ratio of the variance of a mean under Hann's window to that of a plain mean
 
@@ -39,41 +39,43 @@ class Inspections:
 
     def __init__(self, setup: Setup) -> None:
         self.setup = setup
-        self.of_record = {trial.last_pass(setup, count): count for count in ending.inspection_passes(setup.case)}
-        self.passes = self.of_record.keys()
+        self.record_passes = {
+            trial.last_pass(setup, count): count for count in ending.inspection_passes(setup.case)
+        }
+        self.passes = self.record_passes.keys()
         self.errors: dict[int, StandardErrors] = {}
 
     def ends(self, raw: RawRecord) -> bool:
         """Check if a run is accurate enough."""
-        return self.reached(raw).largest <= (self.setup.case.until or 0.0)
+        return self.record_errors(raw).largest <= (self.setup.case.until or 0.0)
 
     @property
     def earliest(self) -> Setup:
         """Setup with the shortest record, from which the step check takes its pilot."""
-        return self._of_passes(min(self.of_record.values())) if self.of_record else self.setup
+        return self._with_passes(min(self.record_passes.values())) if self.record_passes else self.setup
 
-    def ended(self, raw: RawRecord) -> Setup:
+    def ended_setup(self, raw: RawRecord) -> Setup:
         """Return the setup of a run's record, shortened if an inspection has ended it."""
         computed = raw.repetition.computed
-        if raw.repetition.period > 0 or computed not in self.of_record:
+        if raw.repetition.period > 0 or computed not in self.record_passes:
             return self.setup
-        return self._of_passes(self.of_record[computed])
+        return self._with_passes(self.record_passes[computed])
 
-    def _of_passes(self, passes: int) -> Setup:
-        shorter = {"duration": passes / self.setup.cut.rate}
-        return replace(self.setup, case=self.setup.case.model_copy(update=shorter))
+    def _with_passes(self, passes: int) -> Setup:
+        update = {"duration": passes / self.setup.cut.rate}
+        return replace(self.setup, case=self.setup.case.model_copy(update=update))
 
-    def reached(self, raw: RawRecord) -> StandardErrors:
+    def record_errors(self, raw: RawRecord) -> StandardErrors:
         """Return the standard errors of a run's record; NaN without `until`."""
         if self.setup.case.until is None:
             return StandardErrors(nan, nan)
         computed = raw.repetition.computed
         if computed not in self.errors:
-            self.errors[computed] = standard_errors(self.ended(raw), raw)
+            self.errors[computed] = standard_errors(self.ended_setup(raw), raw)
         return self.errors[computed]
 
 
-def watched(case: Case) -> list[str]:
+def monitored_features(case: Case) -> list[str]:
     """List the features whose accuracy ends a record: line of each defect, RMS, and the features of the case.
 
     Lines of the acceleration are replaced by those of the velocity, because they differ by a constant factor.
@@ -86,7 +88,7 @@ def standard_errors(setup: Setup, raw: RawRecord) -> StandardErrors:
     """Estimate the largest standard errors of the watched lines and RMS values; infinite for too few passes."""
     if raw.repetition.period > 0:
         return StandardErrors(0.0, 0.0)
-    errors = errors_of(setup, raw, watched(setup.case))
+    errors = feature_errors(setup, raw, monitored_features(setup.case))
     is_line = {name: "@" in name and ".rms" not in name for name in errors}
     return StandardErrors(
         max(error for name, error in errors.items() if is_line[name]),
@@ -94,37 +96,37 @@ def standard_errors(setup: Setup, raw: RawRecord) -> StandardErrors:
     )
 
 
-def errors_of(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> dict[str, float]:
+def feature_errors(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> dict[str, float]:
     """Estimate the relative standard errors of the features of a non-periodic record, by name."""
     case, cut = setup.case, setup.cut
     passes = whole_passes(case, cut)
     start, length = first_sample(case, cut), passes * cut.fine_per_pass + 1
     spans = trial.spans_of(passes, float(ending.unit(case)), cut.fine_per_pass)
-    if len(spans) <= FEWEST_BATCHES:
+    if len(spans) <= MIN_BATCHES:
         return dict.fromkeys(requested, inf)
     low = raw.through(sampling_kernel(cut.fine_rate / case.sampling))
     fine = cache(partial(sensor_samples, case, raw, start=start, count=length))
-    turning = angles_of_record(case, setup.model, cut, raw, start, length)
-    by_window = [name for name in requested if not (has_other_lines(case) and _harmonic(name))]
+    angles = angles_of_record(case, setup.model, cut, raw, start, length)
+    window_features = [name for name in requested if not (has_other_lines(case) and _harmonic(name))]
     lines, powers = trial.parts_of_features(
         setup,
-        by_window,
+        window_features,
         fine,
         cache(partial(sensor_samples, case, low, start=start, count=length)),
-        turning,
+        angles,
         spans,
     )
-    by_pass = {} if len(by_window) == len(requested) else lines_of_passes(case, setup.model, cut, raw)
-    for name in set(requested).difference(by_window) if by_pass else ():
-        of_passes = by_pass[name.partition("@")[0]][_harmonic(name) - 1]
-        weights = signals.pass_weights(len(of_passes), neighbours=True)
-        lines[name] = np.append(np.average(of_passes, weights=weights), of_passes)
+    pass_lines = {} if len(window_features) == len(requested) else lines_of_passes(case, setup.model, cut, raw)
+    for name in set(requested).difference(window_features) if pass_lines else ():
+        lines_by_pass = pass_lines[name.partition("@")[0]][_harmonic(name) - 1]
+        weights = signals.pass_weights(len(lines_by_pass), neighbours=True)
+        lines[name] = np.append(np.average(lines_by_pass, weights=weights), lines_by_pass)
     errors = {}
     for name, parts in lines.items():
-        quiet = 0.0 if read_band(name) else QUIET_LINE * float(np.std(fine(name.partition("@")[0])))
-        along = (parts * np.exp(-1j * np.angle(parts[0]))).real
-        window = HANN if has_other_lines(case) else 1.0
-        errors[name] = window**0.5 * batch_error(along[1:]) / (max(abs(parts[0]), quiet) or 1.0)
+        min_amplitude = 0.0 if read_band(name) else QUIET_LINE * float(np.std(fine(name.partition("@")[0])))
+        in_phase = (parts * np.exp(-1j * np.angle(parts[0]))).real
+        variance_ratio = HANN if has_other_lines(case) else 1.0
+        errors[name] = variance_ratio**0.5 * batch_error(in_phase[1:]) / (max(abs(parts[0]), min_amplitude) or 1.0)
     for name, parts in powers.items():
         errors[name] = 0.5 * batch_error(parts[1:]) / (parts[0] or 1.0)
     return {name: inf if np.isnan(errors.get(name, nan)) else float(errors[name]) for name in requested}
@@ -137,7 +139,7 @@ def _harmonic(name: str) -> int:
 
 
 def batch_error(values: np.ndarray) -> float:
-    """Estimate the standard error of the mean of at least ``FEWEST_BATCHES`` successive values (n,).
+    """Estimate the standard error of the mean of at least ``MIN_BATCHES`` successive values (n,).
 
     The result is the largest for batches of 1, 2, 4 ... values. Twice the variance from batches of one size, minus
     that from batches of half the size, has no first-order bias by correlation between batches. The error is scaled
@@ -145,12 +147,12 @@ def batch_error(values: np.ndarray) -> float:
     """
     from scipy.special import stdtrit
 
-    n, size, largest, before = len(values), 1, 0.0, 0.0
-    while (count := n // size) >= FEWEST_BATCHES:
+    n, size, largest, previous = len(values), 1, 0.0, 0.0
+    while (count := n // size) >= MIN_BATCHES:
         means = values[n - count * size :].reshape(count, size).mean(axis=1)
         variance = size * float(np.var(means, ddof=1))
-        unbiased = max(variance, 2.0 * variance - before) if size > 1 else variance
-        student = float(stdtrit(count - 1.0, TWO_SIGMA)) / 2.0
-        largest = max(largest, student * (unbiased / n) ** 0.5)
-        before, size = variance, 2 * size
+        unbiased = max(variance, 2.0 * variance - previous) if size > 1 else variance
+        t_factor = float(stdtrit(count - 1.0, TWO_SIGMA)) / 2.0
+        largest = max(largest, t_factor * (unbiased / n) ** 0.5)
+        previous, size = variance, 2 * size
     return largest

@@ -33,7 +33,7 @@ MOST_PART = 0.5
 CAGE_TURNS = 5
 """Smallest number of turns of a free cage that are compared. Tens of successive passes are correlated: the
 standard error of a line is 0.9 % over 16 passes and 0.3 % over 64 (100 N, 3000 rpm)."""
-LOOK_TURNS = 2
+INSPECTION_TURNS = 2
 """Turns of the cage after which a trial may end because it is far from the reference."""
 SPARE = 1e-9  # s, margin for rounding in a duration that must contain a number of passes
 MAIN_LOBE, NEAR = 2.0, 4.0

@@ -230,9 +230,9 @@ def case_id(case: Case) -> str:
     """
     if case.method != AUTO:
         return identity(case)
-    from bearingsim.simulation.choice import tried
+    from bearingsim.simulation.choice import candidate_methods
 
-    return identity(case, {"method": tried(case)})
+    return identity(case, {"method": candidate_methods(case)})
 
 
 def identity(case: Case, extra: Mapping[str, Any] | None = None) -> str:

@@ -25,7 +25,7 @@ from bearingsim.core.advance import Monitor, advance, prepare_first_step
 from bearingsim.core.methods.interface import Tolerances, prepare
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import choice, time_grid
-from bearingsim.simulation.run_setup import monitor_of
+from bearingsim.simulation.run_setup import make_monitor
 from benchmarks.speed import peers
 from benchmarks.speed.report import Curve, Section, Target
 from benchmarks.speed.scenes import case
@@ -160,7 +160,7 @@ def rollers_start(method: str, h: float, cusp: float | None = None, steps_per_pa
     if cusp is not None:
         model = assemble.align_with_cusp(model, steps_per_pass, cusp)
     y, _ = assemble.start(rollers_case, model)
-    monitor = monitor_of(replace(time_grid.grid(rollers_case), step=h), choice.limits(rollers_case))
+    monitor = make_monitor(replace(time_grid.grid(rollers_case), step=h), choice.limits(rollers_case))
     return Start(model, y, monitor._replace(max_evaluations=np.inf))
 
 

@@ -23,7 +23,7 @@ from bearingsim.core.models.interface import accelerations
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import choice, time_grid
 from bearingsim.simulation.pricing import TABLE
-from bearingsim.simulation.run_setup import monitor_of
+from bearingsim.simulation.run_setup import make_monitor
 from benchmarks.speed.report import Prices, Section
 from benchmarks.speed.scenes import case
 from benchmarks.speed.study import SHORT, phases_of, run_study
@@ -74,7 +74,7 @@ class Steps:
         h = DURATION / instants if self.adaptive else cut.step
         self.count = instants if self.adaptive else max(1, round(DURATION / h))
         self.model, self.method = assemble.model(model_case), assemble.method(model_case, h)
-        self.monitor = monitor_of(cut, choice.limits(model_case))._replace(max_evaluations=np.inf)
+        self.monitor = make_monitor(cut, choice.limits(model_case))._replace(max_evaluations=np.inf)
         self.y, _ = assemble.start(model_case, self.model)
         self.steps_taken = float(self.count)
 

@@ -60,7 +60,7 @@ def test_what_a_study_needs_is_compiled_beforehand(tmp_path, monkeypatch):
 
 def test_the_default_models_are_compiled_on_request(monkeypatch):
     asked = []
-    monkeypatch.setattr(simulation, "warm", lambda cases, about_to: asked.extend(cases))
+    monkeypatch.setattr(simulation, "warm", lambda cases, on_compile: asked.extend(cases))
     assert type_("warm")[0] == "compiled and in the cache: `rollers`, `planar`\n"
     assert [case.model for case in asked] == ["rollers", "planar", "planar"]
     assert [case.cage and case.cage.motion for case in asked] == [None, "kinematic", "free"]

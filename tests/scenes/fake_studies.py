@@ -124,11 +124,11 @@ def _read(deed: str) -> str:
     return Path(deed.split()[-1]).read_text() if deed.startswith("told in") else deed
 
 
-def warm(cases: list[FakeCase], about_to: Any = None) -> None:
+def warm(cases: list[FakeCase], on_compile: Any = None) -> None:
     """Nothing to compile."""
 
 
-def fail_to_warm(cases: list[FakeCase], about_to: Any = None) -> None:
+def fail_to_warm(cases: list[FakeCase], on_compile: Any = None) -> None:
     raise FakeError("no case is like this", "none", None)
 
 

@@ -122,7 +122,7 @@ def estimate(case: Case) -> SimpleNamespace:
     return SimpleNamespace(cpu_seconds=0.01, bytes=0.0, most_memory=0.0)
 
 
-def warm(cases: Sequence[Case], about_to: Any = None) -> None:
+def warm(cases: Sequence[Case], on_compile: Any = None) -> None:
     """Nothing to compile."""
 
 

@@ -10,7 +10,7 @@ from bearingsim.selection import Choice, Trialled, candidates
 from bearingsim.selection.candidates import WITH_FRICTION, with_friction
 from bearingsim.selection.choices import key
 from bearingsim.simulation import try_out
-from bearingsim.simulation.trial import CAGE_TURNS, LOOK_TURNS, Against, Trial, long_enough, passes_to_try
+from bearingsim.simulation.trial import CAGE_TURNS, INSPECTION_TURNS, Against, Trial, long_enough, passes_to_try
 from bearingsim.study import Study, case_id, load_study
 from tests.scenes.study_text import Write
 from tests.scenes.trials import TEXT, Of, known, near, trial
@@ -201,7 +201,7 @@ def test_a_trial_that_is_far_off_after_two_turns_of_the_cage_ends_there() -> Non
     assert record is not None
     assert (plain.passes, plain.turns, plain.repeats) == (passes, CAGE_TURNS, True)
     size = float(abs(plain.lines[LINE][0]))
-    for most, turns in ((1e-6, LOOK_TURNS), (10.0, CAGE_TURNS)):
+    for most, turns in ((1e-6, INSPECTION_TURNS), (10.0, CAGE_TURNS)):
         rubbing, _ = try_out(long_enough(free), [LINE], passes, turn, Against({LINE: size}, {LINE: most * size}))
         assert (rubbing.turns, rubbing.passes, rubbing.repeats) == (turns, turns * Z, False)
         assert rubbing.is_whole

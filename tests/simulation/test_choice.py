@@ -317,7 +317,7 @@ def test_a_tolerance_is_kept_by_the_method_that_is_chosen() -> None:
     found = choice.choice(given.model_copy(update={"tolerance": 1e-3}))
     assert found.method in found.prices
     assert all(METHODS[name].adaptive for name in found.prices)
-    assert "tolerance" in found.why
+    assert "tolerance" in found.reason
 
 
 def test_another_method_than_verlet_is_taken_for_the_steps_that_it_saves() -> None:
@@ -326,7 +326,7 @@ def test_another_method_than_verlet_is_taken_for_the_steps_that_it_saves() -> No
     assert taken.method == "rodas"
     saved = taken.prices["verlet"] / taken.prices["rodas"]
     told = f"explicit steps are limited to {1e6 * longest:.2g} us: about {saved:.2g} times the CPU time"
-    assert (taken.why, saved > 1.0, 1e-8 < longest < 1e-7) == (told, True, True)
+    assert (taken.reason, saved > 1.0, 1e-8 < longest < 1e-7) == (told, True, True)
 
 
 @pytest.mark.parametrize("model", ["static", "impulse"])

@@ -17,7 +17,7 @@ from bearingsim.core import layout as lay
 from bearingsim.simulation import choice, features, limits, simulate, step_check, time_grid, warm
 from bearingsim.simulation.integration import Pace, integrate
 from bearingsim.simulation.run_setup import set_up
-from bearingsim.simulation.simulate import WARM_S, Began, SimulationError, _record
+from bearingsim.simulation.simulate import WARM_UP_LIMIT, SimulationError, Usage, _record
 from bearingsim.simulation.sufficiency import Inspections
 from bearingsim.study import load_study
 from benchmarks.cpu_bounds import study_of
@@ -74,7 +74,7 @@ def test_as_features_are_read_and_series_filtered(given: Case) -> None:
     for compute in (
         lambda: features.features(given, setup.model, setup.cut, raw),
         lambda: features.statistics(given, setup.cut, raw),
-        lambda: _record(Inspections(setup), raw, step_check.UNCHECKED, Began.now()),
+        lambda: _record(Inspections(setup), raw, step_check.UNCHECKED, Usage.now()),
     ):
         ended_in(compute)
 
@@ -138,7 +138,7 @@ def test_what_compiles_code_beforehand_is_not_computed_for_long() -> None:
     slow = case(model="rollers", method="verlet", defect=SLOT, speed="3 rpm", duration="10 s", settle="0 s")
     began = cpu_time.now()
     warm([slow])
-    assert cpu_time.now() - began < WARM_S + 0.5
+    assert cpu_time.now() - began < WARM_UP_LIMIT + 0.5
 
 
 def test_what_takes_steps_carries_the_end_of_the_job(given: Case) -> None:

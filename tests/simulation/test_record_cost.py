@@ -99,7 +99,7 @@ def test_a_failed_attempt_leaves_no_record_behind() -> None:
     def compute(attempt: Attempt) -> float:
         if left:
             assert left[0]() is None
-            return attempt.part
+            return attempt.step_fraction
         record = np.zeros(1)
         left.append(ref(record))
         raise MethodFailure("too long a step", "")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bearingsim.simulation import choice, limits
-from bearingsim.simulation.integration import MOTIONS, NEIGHBOURS, difference_weights, differentiate
+from bearingsim.simulation.integration import MOTIONS, STENCIL_REACH, difference_weights, differentiate
 from bearingsim.simulation.simulate import simulate
 from tests.scenes.short_cases import SLOT, case
 
@@ -22,7 +22,7 @@ def recorded(place, passes=3):
         t = H * np.arange(p * STEPS - TAIL, (p + 1) * STEPS)
         window[PLACE, TAIL:] = place(t[TAIL:])
         differentiate(window, RING, TAIL, H)
-        whole = slice(TAIL - NEIGHBOURS, TAIL + STEPS - NEIGHBOURS)
+        whole = slice(TAIL - STENCIL_REACH, TAIL + STEPS - STENCIL_REACH)
         found.append((t[whole], window[VELOCITY, whole].copy(), window[ACCELERATION, whole].copy()))
     return (np.concatenate(one, axis=-1) for one in zip(*found, strict=True))
 

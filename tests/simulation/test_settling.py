@@ -136,10 +136,10 @@ def test_a_start_near_the_steady_motion_needs_little_extrapolation(
         return plain(slow, y)
 
     monkeypatch.setattr(SlowModes, "after_pass", counted)
-    integrate(setup, start=step_check.rewound_state(setup, raw), close=step_check.ORBIT_CLOSENESS)
+    integrate(setup, start=step_check.rewound_state(setup, raw), closeness=step_check.ORBIT_CLOSENESS)
     assert 0 < passes[0] <= settling.WAITING_PASSES + 4 + 2
     passes[0] = 0
-    integrate(setup, most=5)
+    integrate(setup, max_passes=5)
     assert passes[0] == 5
 
 

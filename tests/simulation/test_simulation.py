@@ -374,7 +374,7 @@ def test_info_says_how_it_was_computed() -> None:
 
 def test_warming_computes_each_kind_of_case_once() -> None:
     with (
-        mock.patch.object(SIMULATION, "_WARM", set()),
+        mock.patch.object(SIMULATION, "_COMPILED", set()),
         mock.patch.object(SIMULATION, "simulate", wraps=simulate) as spied,
     ):
         cases = [
@@ -400,7 +400,7 @@ def test_exponents_with_code_of_their_own_are_kinds_of_their_own() -> None:
         return case(method="verlet", contact={"stiffness": stiffness, "damping": damping})
 
     cases = [general(m3, m1) for m1 in (1.0, 1.5) for m3 in (0.0, 1.0, 2.0, 0.5, 0.7)]
-    with mock.patch.object(SIMULATION, "_WARM", set()), mock.patch.object(SIMULATION, "simulate") as spied:
+    with mock.patch.object(SIMULATION, "_COMPILED", set()), mock.patch.object(SIMULATION, "simulate") as spied:
         warm(cases)
     assert spied.call_count == 8  # any other exponent is a number
 

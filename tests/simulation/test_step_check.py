@@ -283,7 +283,7 @@ def test_a_long_finer_run_costs_no_more_than_the_run(computed: int, finer: int) 
     """Its steps are shorter by sqrt(5)."""
     raw = integrate(set_up(choice.resolve(rollers())))
     raw = dataclasses.replace(raw, repetition=raw.repetition._replace(computed=computed))
-    assert step_check.most_finer_passes(raw) == finer
+    assert step_check.max_finer_passes(raw) == finer
 
 
 @pytest.mark.parametrize("roller", [1, 7])
@@ -340,7 +340,7 @@ def always(check: StepCheck) -> Any:
 
 def parts_of(calls: list[Any]) -> list[float]:
     """Fractions of the automatic step of the runs that were compared on orbits, the coarsest first."""
-    return [calls[0].args[0][0].part, *(call.args[1][0].part for call in calls)]
+    return [calls[0].args[0][0].step_fraction, *(call.args[1][0].step_fraction for call in calls)]
 
 
 def test_a_step_that_is_never_accurate_enough_fails_the_job_with_a_reason() -> None:
@@ -348,7 +348,7 @@ def test_a_step_that_is_never_accurate_enough_fails_the_job_with_a_reason() -> N
     with checked(hopeless) as tried, pytest.raises(SimulationError) as caught:
         simulate(case(method="verlet"))
     parts = parts_of(tried.call_args_list)
-    assert parts[0] == refinement.START
+    assert parts[0] == refinement.INITIAL_FACTOR
     assert parts[-2] > STEP_FRACTIONS[-1] >= parts[-1]
     assert "verlet is not within 1%: a shorter step changes the line of the fault by 20 %" in caught.value.reason
     assert "step_check: false" in caught.value.advice
@@ -362,7 +362,7 @@ def test_each_finer_run_is_stepped_once_and_the_last_is_the_answer(given: dict[s
 
     def counted(setup: Any, *args: Any, **more: Any) -> Any:
         raw = real(setup, *args, **more)
-        stepped.append((setup.part, raw))
+        stepped.append((setup.step_fraction, raw))
         return raw
 
     pilots = step_check.check_on_pilot
@@ -392,8 +392,8 @@ def test_a_run_in_full_takes_the_coarse_step_if_hardly_anything_changes(change: 
     small = StepCheck(line=change, rms=1e-4)
     with mock.patch.object(refinement, "check_on_pilot", side_effect=always(small)):
         record = simulate(given)
-    coarse = change < refinement.NO_CHANGE
-    assert (record.info["step_part"] == refinement.START) == coarse
+    coarse = change < refinement.NEGLIGIBLE_CHANGE
+    assert (record.info["step_part"] == refinement.INITIAL_FACTOR) == coarse
     times = 2.5 if coarse else 2.0
     assert record.features["step_error.line"] == pytest.approx(times * change + 1e-4)
 
@@ -402,7 +402,7 @@ def test_a_run_in_full_takes_the_coarse_step_if_hardly_anything_changes(change: 
 def test_a_record_that_is_to_hold_a_transient_is_stepped_from_rest(settle: str) -> None:
     """The finer orbit has none."""
     given = case(model="rollers", method="verlet", defect=SLOT, settle=settle)
-    result = refinement.refined(choice.resolve(given), 1.0)
+    result = refinement.refine_step(choice.resolve(given), 1.0)
     assert (result.raw is None) == (settle == "0 s")
     record = simulate(given)
     plain = {"step": record.info["step_s"], "step_check": False}

@@ -290,7 +290,7 @@ def test_dimensions_of_paths() -> None:
 def test_the_id_names_the_methods_that_auto_tries(monkeypatch: pytest.MonkeyPatch) -> None:
     """Other prices that change them give other numbers; what a case names is tried alone."""
     case, named = one(), one(method="verlet")
-    before = choice.tried(case)
+    before = choice.candidate_methods(case)
     assert before[0] == "verlet"
     assert case_id(case) == identity(case, {"method": before}) != case_id(named)
     monkeypatch.setattr(choice, "tried", lambda case: before[::-1])
