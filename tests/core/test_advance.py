@@ -1,4 +1,4 @@
-"""The loop over steps as compiled code."""
+"""Compiled loop over steps."""
 
 from typing import Any
 
@@ -20,22 +20,22 @@ from tests.scenes.short_cases import case
 
 
 @pytest.mark.parametrize("method", ["verlet", "dop853"])
-def test_the_loop_counts_no_references(method: str) -> None:
-    """Counting them takes a third to a half of a step of `ring` and `rollers`."""
+def test_step_loop_counts_no_references(method: str) -> None:
+    """Reference counting would take a third to a half of a step of `ring` and `rollers`."""
     setup = set_up(case(model="rollers", method=method))
     y, cells = assemble.start(setup.case, setup.model)[0], channels.recorded_cells(setup.case)
     loop = numba.njit(**OPTIONS)(advance_and_sample.py_func)
     out = np.empty((len(cells), 4))
     arguments = setup.method, setup.model, setup.monitor, 0, y, cells, out, NoSamples()
     loop(*arguments)
-    code = loop.inspect_llvm(tuple(numba.typeof(one) for one in arguments))
+    code = loop.inspect_llvm(tuple(numba.typeof(argument) for argument in arguments))
     calls = [line for line in code.splitlines() if " call " in line and "NRT_" in line]
     assert not calls
 
 
 @needs_vectors
-def test_the_monitor_looks_at_all_rollers_at_once() -> None:
-    """One by one they took six times as long, a fifth of a step of `rollers`."""
+def test_monitor_is_vectorised_over_rollers() -> None:
+    """A scalar loop takes six times as long, a fifth of a step of `rollers`."""
 
     def ratios(method: Any, model: Any, y: np.ndarray, n: int) -> None:
         for j in range(n):
@@ -47,7 +47,7 @@ def test_the_monitor_looks_at_all_rollers_at_once() -> None:
     assert keeps_lanes(compiled(ratios), setup.method, setup.model, y, 16)
 
 
-def test_the_first_body_over_a_bound_is_found() -> None:
+def test_first_lane_above_a_bound() -> None:
     y = np.zeros(400)
     y[200:216] = 1.0
     assert first_lane_above(200, 1.0, y, 16) == NO_BODY

@@ -1,4 +1,4 @@
-"""The CPU clock in compiled code, and the loops that end by it."""
+"""CPU clock in compiled code, and the loops that it ends."""
 
 import time
 
@@ -29,32 +29,32 @@ def read_clock():
 
 def test_compiled_code_reads_the_clock_of_its_thread() -> None:
     read_clock()
-    before, read, after = time.thread_time(), read_clock(), time.thread_time()
-    assert before <= read <= after
+    start, reading, end = time.thread_time(), read_clock(), time.thread_time()
+    assert start <= reading <= end
 
 
-@pytest.mark.parametrize(("end", "over"), [(PAST, True), (1e9, False), (np.inf, False), (0.0, False)])
-def test_a_buffer_without_an_end_is_never_past_it(end: float, over: bool) -> None:
-    """Which is one of zeros."""
-    assert is_over(end) == over
+@pytest.mark.parametrize(("end", "expected"), [(PAST, True), (1e9, False), (np.inf, False), (0.0, False)])
+def test_zero_and_infinity_are_never_past(end: float, expected: bool) -> None:
+    """An empty buffer has the end 0."""
+    assert is_over(end) == expected
     assert assemble.empty_buffer(assemble.model(case()))[lay.CPU_END] == 0.0
 
 
-def test_the_search_for_an_equilibrium_ends_by_the_clock() -> None:
-    """Of a ring that stands 100 of its longest steps away: after the first 16 of them."""
+def test_equilibrium_search_stops_at_the_cpu_limit() -> None:
+    """A ring starts 100 longest steps from its equilibrium; the search stops after 16 of them."""
     model = assemble.static_model(assemble.model(case()))
-    far = 100.0 * equilibrium.LONGEST_STEP
-    left = {}
+    distance = 100.0 * equilibrium.LONGEST_STEP
+    remaining = {}
     for end in (np.inf, PAST):
         y = assemble.empty_buffer(model)
-        y[lay.POSITION + lay.X], y[lay.CPU_END] = far, end
+        y[lay.POSITION + lay.X], y[lay.CPU_END] = distance, end
         equilibrium.solve_equilibrium(model, 0.0, y)
-        left[end] = y[lay.POSITION + lay.X]
-    assert left[np.inf] < 0.1 * far
-    assert left[PAST] > 0.8 * far
+        remaining[end] = y[lay.POSITION + lay.X]
+    assert remaining[np.inf] < 0.1 * distance
+    assert remaining[PAST] > 0.8 * distance
 
 
-def test_an_adaptive_method_ends_by_the_clock_between_two_recorded_instants(
+def test_adaptive_method_stops_at_the_cpu_limit_between_recorded_instants(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     setup = set_up(choice.resolve(case(method="dop853", defect=SLOT, duration="20 ms")))
@@ -62,16 +62,16 @@ def test_an_adaptive_method_ends_by_the_clock_between_two_recorded_instants(
     y = at_rest(setup.model)
     prepare_first_step(method, setup.model, 0.0, y)
     y[lay.CPU_END] = PAST
-    found = recorded(method, setup.model, setup.monitor, 0, y, PLACES, np.empty((len(PLACES), 3)))
-    assert found[:2] == (1, outcomes.TOO_SLOW)
+    result = recorded(method, setup.model, setup.monitor, 0, y, PLACES, np.empty((len(PLACES), 3)))
+    assert result[:2] == (1, outcomes.TOO_SLOW)
     assert y[lay.STEPS_TAKEN] <= adaptive.CLOCK_INTERVAL
 
 
-def test_estimates_of_an_impact_end_by_the_clock() -> None:
-    given = case(speed="0.01 rpm", defect=SLOT, duration="2000 s")
-    model = assemble.model(given)
-    began = time.thread_time()
+def test_impact_estimates_stop_at_the_cpu_limit() -> None:
+    slow_case = case(speed="0.01 rpm", defect=SLOT, duration="2000 s")
+    model = assemble.model(slow_case)
+    start = time.thread_time()
     peak = passage_peak(model, 0, 1e-6, 1e-6, PAST)
     free_impact(model.bearing.m_r, model.outer, 1e6, PAST)
     assert peak > 0.0
-    assert time.thread_time() - began < 1.0
+    assert time.thread_time() - start < 1.0

@@ -1,7 +1,7 @@
-"""Every generic function has an implementation for every type that can reach it.
+"""Every generic function has an implementation for every type that can be passed to it.
 
-Nobody lists the families of types: generics that have a type in common range over the same family, which is all
-the types that any of them is implemented for. What is missing on purpose stands in ``EXCEPTIONS``.
+Families of types are not listed, but derived: generics with a common type form a family, whose types are all those
+that one of them is implemented for. Intentional gaps are in ``EXCEPTIONS``.
 """
 
 import importlib
@@ -71,7 +71,7 @@ from bearingsim.core.parts.shaft import (
     mobility,
 )
 
-Found = dict[Any, frozenset[type]]
+Registry = dict[Any, frozenset[type]]
 """Generics and the types that each is implemented for."""
 
 MODULES = [
@@ -82,14 +82,18 @@ BY_ROLLER = (shared, load_roller, accelerate_shared, accelerate_roller)
 ADAPTIVE = (attempt, interpolate, reach, estimate_order, failure_outcome, jump_weight, complete_dense_output)
 
 
-def ours(types: Any) -> frozenset[type]:
-    """Those of the package: tests register types of their own."""
-    return frozenset(one for one in types if one.__module__.startswith("bearingsim."))
+def package_types(types: Any) -> frozenset[type]:
+    """Return the types defined in the package, not in tests."""
+    return frozenset(kind for kind in types if kind.__module__.startswith("bearingsim."))
 
 
-FOUND: Found = {one: ours(one.types) for one in jit.GENERICS if one.__module__.startswith("bearingsim.")}
-STEPPED_EVENLY = FOUND[step].difference(*(FOUND[one] for one in ADAPTIVE))
-IN_PLACE_OF: dict[type, type] = {
+REGISTRY: Registry = {
+    generic: package_types(generic.types)
+    for generic in jit.GENERICS
+    if generic.__module__.startswith("bearingsim.")
+}
+FIXED_STEP_METHODS = REGISTRY[step].difference(*(REGISTRY[generic] for generic in ADAPTIVE))
+COUNTERPARTS: dict[type, type] = {
     Frictionless: StaticDynamic,
     RigidShaft: ElasticShaft,
     FixedRing: TorsionSpring,
@@ -104,7 +108,7 @@ IN_PLACE_OF: dict[type, type] = {
     RigidRing: Bending,
     NoSprings: Springs,
 }
-"""Types that stand for nothing, and one of the family that each belongs to: some need no implementation at all."""
+"""Absent types, and a type of the family of each; some absent types need no implementation."""
 
 EXCEPTIONS: list[tuple[tuple[Any, ...], Any, str]] = [
     ((response_groups,), {TracedPath}, "its groups are made with its table, from paths: `defects/traced.py`"),
@@ -126,110 +130,126 @@ EXCEPTIONS: list[tuple[tuple[Any, ...], Any, str]] = [
         {Static, Impulse, Ring, Rollers, Planar},
         "their derivatives are exact, or not needed",
     ),
-    (ADAPTIVE, STEPPED_EVENLY, "`adaptive.py` does not drive them"),
+    (ADAPTIVE, FIXED_STEP_METHODS, "`adaptive.py` does not drive them"),
     ((*ADAPTIVE, step, prepare, stability_ratio), {NoUpdate}, "it is no method, but how none moves the state"),
-    ((drift, kick), FOUND[step] - {Verlet, SymplecticEuler}, "their stages are more than a drift and a kick"),
+    ((drift, kick), REGISTRY[step] - {Verlet, SymplecticEuler}, "their stages are more than a drift and a kick"),
     ((accelerate_inner_ring,), {TorsionSpring}, "a bracket holds the outer ring"),
     ((accelerate_ring_rotation,), {ElasticShaft}, "a shaft carries the inner ring"),
 ]
-"""Generics, the types that they have no implementation for, and why."""
+"""Generics, types without implementation, reason."""
 
-BESIDE = {RollerInRing, Bodies, Monitor, Plane, RingMotion}
-"""Tuples that no generic is chosen by, though they stand in one module with types of a family."""
+WITHOUT_GENERICS = {RollerInRing, Bodies, Monitor, Plane, RingMotion}
+"""Tuples that no generic dispatches on, in modules with types of a family."""
 
 
-class Anything:
-    """A type that nobody has heard of."""
+class UnknownType:
+    """Type without any registration."""
 
 
 @jit.absent
-class Nothing:
-    """And one that stands for nothing."""
+class AbsentType:
+    """Absent type without any registration."""
 
 
-def excepted(of: Any) -> set[type]:
-    return {one for generics, types, _ in EXCEPTIONS if of in generics for one in types}
+def excepted_types(generic: Any) -> set[type]:
+    return {kind for generics, types, _ in EXCEPTIONS if generic in generics for kind in types}
 
 
-def served(of: Any, types: frozenset[type]) -> set[type]:
-    """Those that need no implementation: all if there is one for any type, else those that stand for nothing."""
-    nothing = jit.ABSENT if of.supports(Nothing) else set()
-    return {one for one in types if of.supports(Anything) or one in nothing}
+def types_with_default(generic: Any, types: frozenset[type]) -> set[type]:
+    """Return the types that need no implementation: all if the generic has a default, else the absent types."""
+    absent_types = jit.ABSENT if generic.supports(AbsentType) else set()
+    return {kind for kind in types if generic.supports(UnknownType) or kind in absent_types}
 
 
-def linked(types: frozenset[type]) -> frozenset[type]:
-    """With those that stand for nothing in place of them, and the other way round."""
-    return types.union(*(pair for pair in IN_PLACE_OF.items() if types.intersection(pair)))
+def with_counterparts(types: frozenset[type]) -> frozenset[type]:
+    """Return the types with their absent counterparts, and absent types with their counterparts."""
+    return types.union(*(pair for pair in COUNTERPARTS.items() if types.intersection(pair)))
 
 
-def families(found: Found) -> list[tuple[list[Any], frozenset[type]]]:
-    """Generics that share types, and all the types of each such family."""
+def families(registry: Registry) -> list[tuple[list[Any], frozenset[type]]]:
+    """Group generics with common types into families; return generics and types of each."""
     merged: list[tuple[list[Any], frozenset[type]]] = []
-    for generic, types in ((one, linked(types)) for one, types in found.items()):
-        joined = [family for family in merged if family[1] & types]
+    for generic, types in ((generic, with_counterparts(types)) for generic, types in registry.items()):
+        related = [family for family in merged if family[1] & types]
         merged = [family for family in merged if not family[1] & types]
-        members = [generic, *(member for family in joined for member in family[0])]
-        merged.append((members, types.union(*(family[1] for family in joined))))
+        members = [generic, *(member for family in related for member in family[0])]
+        merged.append((members, types.union(*(family[1] for family in related))))
     return merged
 
 
-def is_tuple(of: Any) -> bool:
-    return isinstance(of, type) and issubclass(of, tuple) and hasattr(of, "_fields")
+def is_tuple(kind: Any) -> bool:
+    return isinstance(kind, type) and issubclass(kind, tuple) and hasattr(kind, "_fields")
 
 
-def missing(found: Found) -> list[str]:
-    """Generics without an implementation that a type of their family needs; and exceptions that are none."""
-    said = []
-    for generics, types in families(found):
-        for one in generics:
-            lacking, left_out = types - found[one] - served(one, types), excepted(one)
-            said += [f"{one.__name__} has none for {kind.__name__}" for kind in lacking - left_out]
-            said += [f"{one.__name__} needs no exception of {kind.__name__}" for kind in left_out - lacking]
-    return said
+def missing_implementations(registry: Registry) -> list[str]:
+    """List missing implementations, and exceptions that are not needed."""
+    messages = []
+    for generics, types in families(registry):
+        for generic in generics:
+            lacking, exceptions = (
+                types - registry[generic] - types_with_default(generic, types),
+                excepted_types(generic),
+            )
+            messages += [f"{generic.__name__} has none for {kind.__name__}" for kind in lacking - exceptions]
+            messages += [
+                f"{generic.__name__} needs no exception of {kind.__name__}" for kind in exceptions - lacking
+            ]
+    return messages
 
 
-def lost(found: Found) -> set[type]:
-    """Types in no family: tuples beside others that are in one, and types that stand for nothing."""
-    known = frozenset().union(*(types for _, types in families(found)))
-    homes = {kind.__module__ for kind in known}
+def types_without_generic(registry: Registry) -> set[type]:
+    """Return the types in no family: tuples in a module with types of a family, and absent types."""
+    covered = frozenset().union(*(types for _, types in families(registry)))
+    modules = {kind.__module__ for kind in covered}
     tuples = {kind for module in MODULES for kind in vars(module).values() if is_tuple(kind)}
-    beside = {kind for kind in tuples if kind.__module__ in homes}
-    return ((beside - BESIDE) | ours(jit.ABSENT)) - known
+    neighbours = {kind for kind in tuples if kind.__module__ in modules}
+    return ((neighbours - WITHOUT_GENERICS) | package_types(jit.ABSENT)) - covered
 
 
-def complaints(found: Found) -> list[str]:
-    """All that is not as it must be, in words."""
-    empty = [f"{one.__name__} has no implementation" for one, types in found.items() if not types]
-    return empty + missing(found) + [f"no generic is chosen by {kind.__name__}" for kind in lost(found)]
+def faults(registry: Registry) -> list[str]:
+    """List all faults of a registry as messages."""
+    empty = [f"{generic.__name__} has no implementation" for generic, types in registry.items() if not types]
+    return (
+        empty
+        + missing_implementations(registry)
+        + [f"no generic is chosen by {kind.__name__}" for kind in types_without_generic(registry)]
+    )
 
 
-def test_nothing_is_missing() -> None:
-    assert complaints(FOUND) == []
+def test_all_generics_are_complete() -> None:
+    assert faults(REGISTRY) == []
 
 
-def test_any_one_that_is_taken_away_is_missed() -> None:
-    """But of generics that say what holds for all other types."""
-    pairs = [(one, kind) for one, types in FOUND.items() for kind in types if not one.supports(Anything)]
-    unnoticed = [
-        (one.__name__, kind.__name__) for one, kind in pairs if not complaints(FOUND | {one: FOUND[one] - {kind}})
+def test_every_missing_implementation_is_reported() -> None:
+    """Generics with a default are left out."""
+    pairs = [
+        (generic, kind)
+        for generic, types in REGISTRY.items()
+        for kind in types
+        if not generic.supports(UnknownType)
     ]
-    assert unnoticed == []
+    unreported = [
+        (generic.__name__, kind.__name__)
+        for generic, kind in pairs
+        if not faults(REGISTRY | {generic: REGISTRY[generic] - {kind}})
+    ]
+    assert unreported == []
     assert len(pairs) > 290
 
 
 @pytest.mark.parametrize(("one", "kind"), [(defect_response_gradient, TracedPath), (set_mounted_ring, RigidMount)])
-def test_a_type_that_is_taken_away_from_one_is_named(one: Any, kind: type) -> None:
-    said = complaints(FOUND | {one: FOUND[one] - {kind}})
+def test_report_names_generic_and_type(one: Any, kind: type) -> None:
+    said = faults(REGISTRY | {one: REGISTRY[one] - {kind}})
     assert said == [f"{one.__name__} has none for {kind.__name__}"]
 
 
-def test_a_new_type_is_wanted_everywhere() -> None:
+def test_new_type_needs_all_generics_of_its_family() -> None:
     class New:
         pass
 
-    said = complaints(FOUND | {normal_force: FOUND[normal_force] | {New}})
+    messages = faults(REGISTRY | {normal_force: REGISTRY[normal_force] | {New}})
     others = (damping_bound, derivatives, stiffness_bound)
-    assert sorted(said) == sorted(f"{one.__name__} has none for New" for one in others)
+    assert sorted(messages) == sorted(f"{generic.__name__} has none for New" for generic in others)
 
 
 @pytest.mark.parametrize(
@@ -241,7 +261,7 @@ def test_a_new_type_is_wanted_everywhere() -> None:
         (elastic, as_power),
     ],
 )
-def test_generics_of_one_family_are_found_together(one: Any, other: Any) -> None:
-    (family,) = (generics for generics, _ in families(FOUND) if one in generics)
+def test_generics_are_grouped_into_families(one: Any, other: Any) -> None:
+    (family,) = (generics for generics, _ in families(REGISTRY) if one in generics)
     assert other in family
     assert defect_response_gradient not in family

@@ -1,4 +1,4 @@
-"""What is compiled, how often, and where it is kept."""
+"""Compilation, its cache, and dispatch of generic functions."""
 
 import os
 import shutil
@@ -58,18 +58,18 @@ print(len(before))
 """
 
 
-def test_values_never_compile_anything_again() -> None:
-    """Ints for floats, defects and shapes, raw or filtered: after ``warm`` everything is there, once."""
+def test_input_values_cause_no_recompilation() -> None:
+    """After ``warm``, ints for floats, other defects, shapes and filters compile no further signature."""
     run = subprocess.run([sys.executable, "-c", VARIATIONS], capture_output=True, text=True, timeout=80)
     assert run.returncode == 0, run.stderr[-2000:]
     assert int(run.stdout) > 20
 
 
-# Where compiled code is kept
+# Cache of compiled code
 
 
 @pytest.fixture
-def copied_core(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def core_copy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     core = tmp_path / "core"
     shutil.copytree(jit.CORE, core, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(jit, "CORE", core)
@@ -78,22 +78,22 @@ def copied_core(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.parametrize("source", ["laws/damping/kraemer.py", "models/ring.py", "__init__.py"])
 def test_a_changed_source_gets_another_folder(
-    copied_core: Path, source: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    core_copy: Path, source: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("BEARINGSIM_CACHE", str(tmp_path / "cache"))
     before = jit.cache_folder()
     assert before.is_dir()
     assert before.parent.parent == tmp_path / "cache"
     assert jit.cache_folder() == before
-    (copied_core / source).write_text((copied_core / source).read_text() + "\n")
+    (core_copy / source).write_text((core_copy / source).read_text() + "\n")
     assert jit.cache_folder() != before
     assert jit.source_digest() in str(jit.cache_folder())
 
 
-def test_a_copy_elsewhere_is_the_same_source(copied_core: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    there = jit.source_digest()
+def test_digest_does_not_depend_on_the_folder(core_copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    digest = jit.source_digest()
     monkeypatch.undo()
-    assert jit.source_digest() == there
+    assert jit.source_digest() == digest
 
 
 def test_another_numba_gets_another_folder(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -108,18 +108,18 @@ def test_a_cache_that_cannot_be_made_falls_back_to_the_temporary_folder(
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("BEARINGSIM_CACHE", str(tmp_path / "file"))
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    found = jit.cache_folder()
-    assert found.is_dir()
-    assert found.parents[1].name == f"bearingsim-{os.getuid()}"
+    folder = jit.cache_folder()
+    assert folder.is_dir()
+    assert folder.parents[1].name == f"bearingsim-{os.getuid()}"
 
 
-def test_no_home_is_no_reason_to_fail(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def homeless() -> Path:
+def test_missing_home_folder_uses_the_temporary_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def raise_error() -> Path:
         raise RuntimeError("Could not determine home directory.")
 
     monkeypatch.delenv("BEARINGSIM_CACHE", raising=False)
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
-    monkeypatch.setattr(Path, "home", homeless)
+    monkeypatch.setattr(Path, "home", raise_error)
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     assert tmp_path in jit.cache_folder().parents
 
@@ -131,21 +131,23 @@ def test_a_cache_that_cannot_be_written_is_not_used(tmp_path: Path, monkeypatch:
     assert tmp_path / "free" in jit.cache_folder().parents
 
 
-def test_compiled_code_goes_into_that_folder_and_nowhere_else() -> None:
+def test_compiled_code_goes_only_into_the_cache_folder() -> None:
     assert Path(driver.advance._cache.cache_path).is_relative_to(str(jit._CACHE))
     assert str(jit.numba_config.CACHE_DIR) == os.environ.get("NUMBA_CACHE_DIR", "")
 
 
 def test_compiled_code_is_saved_by_one_process_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    held = mock.MagicMock()
-    monkeypatch.setattr(jit, "saving_lock", lambda process: held)
-    halved = jit.jit(halve)
-    halved._cache._save_overload = lambda *given: held.saved(held.__enter__.call_count, held.__exit__.call_count)
-    assert halved(3.0) == 1.5
-    held.saved.assert_called_once_with(1, 0)
+    lock = mock.MagicMock()
+    monkeypatch.setattr(jit, "saving_lock", lambda process: lock)
+    compiled_half = jit.jit(half)
+    compiled_half._cache._save_overload = lambda *arguments: lock.saved(
+        lock.__enter__.call_count, lock.__exit__.call_count
+    )
+    assert compiled_half(3.0) == 1.5
+    lock.saved.assert_called_once_with(1, 0)
 
 
-TOGETHER = """
+COMPILE_AFTER_START = """
 import sys, time
 from pathlib import Path
 from bearingsim.core import jit
@@ -162,160 +164,164 @@ print(len(compiled))
 
 
 def test_two_processes_compile_a_function_once(tmp_path: Path) -> None:
-    here, cache = os.environ | {"BEARINGSIM_CACHE": str(tmp_path / "cache")}, tmp_path / "cache"
+    environment, cache = os.environ | {"BEARINGSIM_CACHE": str(tmp_path / "cache")}, tmp_path / "cache"
     cache.mkdir()
-    both = [
-        subprocess.Popen([sys.executable, "-c", TOGETHER, name, str(tmp_path)], env=here, stdout=subprocess.PIPE)
+    processes = [
+        subprocess.Popen(
+            [sys.executable, "-c", COMPILE_AFTER_START, name, str(tmp_path)],
+            env=environment,
+            stdout=subprocess.PIPE,
+        )
         for name in ("one", "other")
     ]
-    assert sorted(int(process.communicate()[0]) for process in both) == [0, 1]
+    assert sorted(int(process.communicate()[0]) for process in processes) == [0, 1]
 
 
-def test_what_others_have_saved_and_took_away_is_compiled_anew() -> None:
-    def gone(*given: Any) -> None:
+def test_unreadable_cache_entries_are_recompiled() -> None:
+    def raise_error(*arguments: Any) -> None:
         raise ModuleNotFoundError("No module named 'elsewhere'")
 
-    dispatcher: Any = numba.njit(cache=True)(halve)
-    dispatcher._cache._load_overload = dispatcher._cache._save_overload = gone
+    dispatcher: Any = numba.njit(cache=True)(half)
+    dispatcher._cache._load_overload = dispatcher._cache._save_overload = raise_error
     assert jit.guard_cache(dispatcher)(3.0) == 1.5
 
 
-def halve(x: float) -> float:
+def half(x: float) -> float:
     return 0.5 * x
 
 
 # One name, one implementation per type
 
 
-class Twice(NamedTuple):
-    """Doubles."""
+class Double(NamedTuple):
+    """Rule that doubles a number."""
 
     unit: float
 
 
-class Plus(NamedTuple):
-    """Adds."""
+class Sum(NamedTuple):
+    """Rule that adds to a number."""
 
     unit: float
     more: float
 
 
 @jit.generic
-def applied(rule: Any, x: float) -> float:
-    """A rule applied to a number."""
+def apply_rule(rule: Any, x: float) -> float:
+    """Apply a rule to a number."""
 
 
-@applied.register(Twice)
-def _twice(rule: Twice, x: float) -> float:
+@apply_rule.register(Double)
+def _twice(rule: Double, x: float) -> float:
     return 2.0 * x * rule.unit
 
 
-@applied.register(Plus)
-def _plus(rule: Plus, x: float) -> float:
+@apply_rule.register(Sum)
+def _plus(rule: Sum, x: float) -> float:
     return x + rule.more * rule.unit
 
 
 @numba.njit
-def compiled(rule: Any, x: float) -> float:
-    return applied(rule, x)
+def compiled_rule(rule: Any, x: float) -> float:
+    return apply_rule(rule, x)
 
 
-@pytest.mark.parametrize(("rule", "expected"), [(Twice(3.0), 12.0), (Plus(3.0, 0.5), 3.5)])
+@pytest.mark.parametrize(("rule", "expected"), [(Double(3.0), 12.0), (Sum(3.0, 0.5), 3.5)])
 def test_dispatch_from_python_equals_the_compiled_one(rule: Any, expected: float) -> None:
-    assert applied(rule, 2.0) == expected
-    assert compiled(rule, 2.0) == expected
+    assert apply_rule(rule, 2.0) == expected
+    assert compiled_rule(rule, 2.0) == expected
 
 
-def test_generic_keeps_name_and_docstring_and_tells_its_types() -> None:
-    assert applied.__name__ == "applied"
-    assert applied.__doc__ == "A rule applied to a number."
-    assert set(applied.types) == {Twice, Plus}
+def test_generic_keeps_name_and_docstring_and_lists_its_types() -> None:
+    assert apply_rule.__name__ == "applied"
+    assert apply_rule.__doc__ == "Apply a rule to a number."
+    assert set(apply_rule.types) == {Double, Sum}
 
 
-def test_a_type_without_implementation_is_refused_by_both() -> None:
+def test_type_without_implementation_is_rejected_by_python_and_compiler() -> None:
     class Other(NamedTuple):
         unit: float
 
     with pytest.raises(TypeError, match=r"`applied` is not registered for Other: @applied.register\(Other\)"):
-        applied(Other(1.0), 2.0)
+        apply_rule(Other(1.0), 2.0)
     with pytest.raises(numba.TypingError, match="`applied` is not registered for Other"):
-        compiled(Other(1.0), 2.0)
+        compiled_rule(Other(1.0), 2.0)
 
 
-# Types that stand for nothing
-
-
-@jit.absent
-class Nothing(NamedTuple):
-    """No rule."""
+# Absent types
 
 
 @jit.absent
-class Silence(NamedTuple):
-    """Nothing either, but for the value it has."""
+class Absent(NamedTuple):
+    """Absent rule."""
 
 
-class Forgotten(NamedTuple):
-    """As empty, but not declared absent."""
+@jit.absent
+class AbsentWithValue(NamedTuple):
+    """Absent rule with its own implementation of ``value``."""
+
+
+class Undeclared(NamedTuple):
+    """Empty type that is not declared absent."""
 
 
 @jit.generic(absent=0.5)
 def value(rule: Any, x: float) -> float:
-    """A number."""
+    """Return a number."""
 
 
-@value.register(Silence)
-def _value_of_silence(rule: Silence, x: float) -> float:
+@value.register(AbsentWithValue)
+def _value_of_silence(rule: AbsentWithValue, x: float) -> float:
     return 10.0 * x
 
 
 @jit.generic(absent=(1.0, 2.0))
 def pair(rule: Any, x: float) -> tuple[float, float]:
-    """Two numbers."""
+    """Return two numbers."""
 
 
 @jit.generic(absent=lambda rule, x: -x)
-def turned(rule: Any, x: float) -> float:
-    """A number that a function gives."""
+def negated(rule: Any, x: float) -> float:
+    """Return a number from the default's function."""
 
 
 @jit.generic(absent=None)
 def fill(rule: Any, x: float) -> None:
-    """Nothing is returned."""
+    """Return nothing."""
 
 
 @jit.generic
-def demanded(rule: Any, x: float) -> float:
-    """What even nothing must say."""
+def required(rule: Any, x: float) -> float:
+    """Return a number; without a default for absent types."""
 
 
 @jit.generic(absent=0.0, otherwise=lambda rule, x: 3.0 * x)
-def anyhow(rule: Any, x: float) -> float:
-    """What every type has."""
+def tripled(rule: Any, x: float) -> float:
+    """Return a number, with a default for all types."""
 
 
 @numba.njit
-def everything(rule: Any, x: float) -> Any:
-    return value(rule, x), pair(rule, x), turned(rule, x), fill(rule, x), anyhow(rule, x)
+def all_values(rule: Any, x: float) -> Any:
+    return value(rule, x), pair(rule, x), negated(rule, x), fill(rule, x), tripled(rule, x)
 
 
-def test_a_type_that_stands_for_nothing_says_so_once() -> None:
-    for run in (everything, everything.py_func):
-        assert run(Nothing(), 2.0) == (0.5, (1.0, 2.0), -2.0, None, 0.0)
-        assert run(Silence(), 2.0) == (20.0, (1.0, 2.0), -2.0, None, 0.0)
+def test_absent_types_use_the_default() -> None:
+    for run in (all_values, all_values.py_func):
+        assert run(Absent(), 2.0) == (0.5, (1.0, 2.0), -2.0, None, 0.0)
+        assert run(AbsentWithValue(), 2.0) == (20.0, (1.0, 2.0), -2.0, None, 0.0)
 
 
-def test_what_every_type_has_needs_no_registration() -> None:
-    assert anyhow(Forgotten(), 2.0) == compiled_anyhow(Forgotten(), 2.0) == 6.0
+def test_otherwise_applies_to_unregistered_types() -> None:
+    assert tripled(Undeclared(), 2.0) == compiled_tripled(Undeclared(), 2.0) == 6.0
 
 
 @numba.njit
-def compiled_anyhow(rule: Any, x: float) -> float:
-    return anyhow(rule, x)
+def compiled_tripled(rule: Any, x: float) -> float:
+    return tripled(rule, x)
 
 
-@pytest.mark.parametrize(("function", "rule"), [(value, Forgotten()), (demanded, Nothing())])
-def test_only_types_declared_absent_fall_back_and_only_where_nothing_has_a_value(function: Any, rule: Any) -> None:
+@pytest.mark.parametrize(("function", "rule"), [(value, Undeclared()), (required, Absent())])
+def test_default_applies_only_to_absent_types(function: Any, rule: Any) -> None:
     @numba.njit
     def called(rule: Any, x: float) -> float:
         return function(rule, x)
@@ -339,9 +345,9 @@ except TypeError as error:
 """
 
 
-def test_types_are_told_apart_without_the_compiler_too() -> None:
-    without = os.environ | {"NUMBA_DISABLE_JIT": "1"}
-    run = subprocess.run([sys.executable, "-c", UNCOMPILED], capture_output=True, text=True, env=without)
+def test_dispatch_works_without_the_compiler() -> None:
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    run = subprocess.run([sys.executable, "-c", UNCOMPILED], capture_output=True, text=True, env=environment)
     assert run.stdout == "`mu` is not registered for Verlet: @mu.register(Verlet)\n", run.stderr
 
 
@@ -365,13 +371,13 @@ def test_contact_laws_from_python_equal_the_compiled_ones(law: Any, delta: float
         assert force(law, delta, v) == pytest.approx(normal_force(law, delta, v), rel=1e-13, abs=1e-15)
 
 
-def test_add_may_reorder_but_nothing_forgets_what_is_not_finite() -> None:
+def test_add_may_reorder_but_propagates_nan() -> None:
     @numba.njit(**jit.OPTIONS)
     def total(values: np.ndarray) -> float:
-        found = 0.0
+        result = 0.0
         for k in range(len(values)):
-            found = jit_add(found, values[k])
-        return found if np.isfinite(found) else -1.0
+            result = jit_add(result, values[k])
+        return result if np.isfinite(result) else -1.0
 
     jit_add = jit.add
     values = np.random.default_rng(5).normal(size=1000)

@@ -1,4 +1,4 @@
-"""Rows of the buffer: declared apart for whoever needs both, and out of reach without their base."""
+"""Rows of the buffer: no overlap for a common owner, no access to relative rows without their base."""
 
 import pkgutil
 from collections.abc import Iterator
@@ -16,42 +16,42 @@ for module in pkgutil.walk_packages(bearingsim.core.__path__, "bearingsim.core."
     import_module(module.name)
 
 
-NAMED = {name: value for name, value in vars(lay).items() if isinstance(value, int) and name.isupper()}
+OFFSETS = {name: value for name, value in vars(lay).items() if isinstance(value, int) and name.isupper()}
 
 
 @pytest.fixture
-def no_more() -> Iterator[list[Rows]]:
-    """Forget what a test declares."""
+def declared_rows() -> Iterator[list[Rows]]:
+    """Remove the declarations of a test afterwards."""
     count = len(rows.DECLARED)
     yield rows.DECLARED
     del rows.DECLARED[count:]
 
 
 @pytest.mark.parametrize("owners", ["planar", "all", "mine planar"])
-def test_a_row_on_anothers_is_refused_with_both_places(owners: str, no_more: list[Rows]) -> None:
-    before = len(no_more)
+def test_overlapping_row_is_rejected_with_both_locations(owners: str, declared_rows: list[Rows]) -> None:
+    before = len(declared_rows)
     with pytest.raises(ValueError, match=r"test_layout\.py:\d+: row 1 .* overlaps row 1 of .*layout\.py:\d+"):
         lay.rows(lay.FORCE_R, "m, m", owners, "evaluation")
-    assert len(no_more) == before
+    assert len(declared_rows) == before
 
 
-def test_rows_of_strangers_may_share_cells(no_more: list[Rows]) -> None:
+def test_rows_without_common_owner_may_share_cells(declared_rows: list[Rows]) -> None:
     assert lay.rows(lay.FORCE_R, "m", "mine", "evaluation") == (lay.FORCE_R,)
-    assert no_more[-1].units == ("m",)
+    assert declared_rows[-1].units == ("m",)
 
 
-def test_rows_of_one_declaration_lie_apart(no_more: list[Rows]) -> None:
+def test_rows_of_one_declaration_lie_apart(declared_rows: list[Rows]) -> None:
     with pytest.raises(ValueError, match=r"row 1 .* overlaps row 2"):
         declare(lay.WORK, "m, m", "mine", "evaluation", size=lay.ROW, step=lay.MAX_ROLLERS)
 
 
-def test_a_relative_row_is_compared_at_each_of_its_bases(no_more: list[Rows]) -> None:
+def test_a_relative_row_is_compared_at_each_of_its_bases(declared_rows: list[Rows]) -> None:
     with pytest.raises(ValueError, match="overlaps"):
         lay.rows(lay.OFFSET_R + 8, "m", "spatial", "evaluation", bases=(lay.INNER_SIDE,))
 
 
 def test_offsets_are_plain_integers() -> None:
-    assert {type(value) for value in NAMED.values()} == {int}
+    assert {type(value) for value in OFFSETS.values()} == {int}
     assert all(type(start) is int for declared in rows.DECLARED for start in declared.starts)
 
 
@@ -62,21 +62,21 @@ def test_declared_rows_lie_in_the_buffer() -> None:
     assert max(last for _, last in spans) <= end
 
 
-def test_a_row_of_a_side_is_out_of_reach_without_the_side() -> None:
+def test_relative_row_without_its_side_raises() -> None:
     y = lay.buffer(Z=4, m_r=1.0, slices=2)
-    relative = [name for name, value in NAMED.items() if value >= lay.RELATIVE and name != "RELATIVE"]
+    relative = [name for name, value in OFFSETS.items() if value >= lay.RELATIVE and name != "RELATIVE"]
     assert len(relative) == lay.SIDE_ROWS
     for name in relative:
         with pytest.raises(IndexError):
-            y[NAMED[name]] = 1.0
-        y[lay.OUTER_SIDE + NAMED[name]] = y[lay.INNER_SIDE + NAMED[name]] = 1.0
+            y[OFFSETS[name]] = 1.0
+        y[lay.OUTER_SIDE + OFFSETS[name]] = y[lay.INNER_SIDE + OFFSETS[name]] = 1.0
     for side in (lay.OUTER_SIDE, lay.INNER_SIDE):
         with pytest.raises(IndexError):
             y[side] = 1.0
     assert np.array_equal(y[: lay.BUFFER_SIZE], lay.buffer(Z=4, m_r=1.0))
 
 
-def test_free_rows_are_those_that_no_common_owner_has(no_more: list[Rows]) -> None:
+def test_free_rows_have_no_common_owner(declared_rows: list[Rows]) -> None:
     free = lay.free_rows("rollers")
     assert 7 not in free["WORK"]  # BEND
     assert 12 in free["WORK"]  # FORCE_R, of `planar` and `spatial`

@@ -1,4 +1,4 @@
-"""What is compiled for a caller has no machine code of its own, until Python calls it."""
+"""Functions compiled for a caller have no machine code of their own until Python calls them."""
 
 import signal
 from concurrent.futures import ThreadPoolExecutor
@@ -13,14 +13,14 @@ from bearingsim.core.linking import HAS_INTERNALS, defer_signals, is_linked
 
 
 class Scaled(NamedTuple):
-    """A parameter type of this test's."""
+    """Parameter type of this test."""
 
     by: float
 
 
 @generic
 def scaled(parameters: Any, x: float) -> float:
-    """Something that has an implementation."""
+    """Scale a number."""
 
 
 @scaled.register(Scaled)
@@ -29,7 +29,7 @@ def _scaled(parameters, x):
 
 
 def functions() -> tuple[Any, Any]:
-    """One that is called by the other, both not compiled yet, nor loaded from the cache."""
+    """Return a callee and its caller, neither compiled nor cached."""
 
     @jit
     def inner(parameters, x):
@@ -38,34 +38,34 @@ def functions() -> tuple[Any, Any]:
     @jit
     def outer(parameters, x):
         total = 0.0
-        for one in x:
-            total += inner(parameters, one)
+        for value in x:
+            total += inner(parameters, value)
         return total
 
-    for one in (inner, outer):
-        one._cache.load_overload = lambda signature, context: None
+    for value in (inner, outer):
+        value._cache.load_overload = lambda signature, context: None
     return inner, outer
 
 
 def code(function: Any) -> Any:
-    """What the function has been compiled to, of one signature."""
-    (found,) = function.overloads.values()
-    return found
+    """Return the code of a function with one compiled signature."""
+    (result,) = function.overloads.values()
+    return result
 
 
-def test_the_numba_of_the_lock_file_is_made_as_is_expected_of_it() -> None:
-    """With another one nothing is linked only; then ``linking.py`` is to be looked at."""
+def test_locked_numba_has_the_required_internals() -> None:
+    """With another numba linking is off; ``linking.py`` must then be adapted."""
     assert HAS_INTERNALS
 
 
-def test_only_what_python_calls_is_made_ready() -> None:
+def test_callee_has_no_machine_code() -> None:
     inner, outer = functions()
     assert outer(Scaled(2.0), np.array([1.0, 2.0])) == 8.0
     assert not is_linked(code(outer))
     assert is_linked(code(inner))
 
 
-def test_a_linked_function_is_made_ready_once_python_calls_it() -> None:
+def test_linked_function_is_compiled_when_python_calls_it() -> None:
     inner, outer = functions()
     outer(Scaled(2.0), np.array([1.0]))
     assert [inner(Scaled(3.0), x) for x in (1.0, 2.0)] == [4.0, 7.0]
@@ -75,7 +75,7 @@ def test_a_linked_function_is_made_ready_once_python_calls_it() -> None:
     assert again(Scaled(2.0), np.array([3.0])) == 7.0
 
 
-def test_what_is_ready_is_linked_as_it_is() -> None:
+def test_complete_function_is_linked_without_recompilation() -> None:
     inner, outer = functions()
     assert inner(Scaled(3.0), 1.0) == 4.0
     assert outer(Scaled(3.0), np.array([1.0, 1.0])) == 8.0
@@ -90,26 +90,26 @@ def test_a_caller_is_compiled_for_other_types_too() -> None:
 
 
 def test_threads_may_compile_at_once() -> None:
-    """One calls what another is compiling for its own caller."""
+    """One thread calls a function that another thread is compiling for its caller."""
     inner, outer = functions()
     with ThreadPoolExecutor(2) as threads:
-        asked = [
+        futures = [
             threads.submit(outer, Scaled(2.0), np.array([1.0])),
             threads.submit(inner, Scaled(2.0), 1.0),
         ]
-        assert [one.result() for one in asked] == [3.0, 3.0]
+        assert [future.result() for future in futures] == [3.0, 3.0]
 
 
-def test_an_interrupt_waits_until_there_is_machine_code(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It would be handled while LLVM calls back, and be lost there."""
+def test_interrupt_is_deferred_until_code_generation_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An interrupt handled during a callback of LLVM would be lost."""
     finalize, finalized = JitEngine.finalize_object, []
 
-    def interrupted(engine: Any) -> None:
+    def interrupt(engine: Any) -> None:
         signal.raise_signal(signal.SIGINT)
         finalize(engine)
         finalized.append(engine)
 
-    monkeypatch.setattr(JitEngine, "finalize_object", interrupted)
+    monkeypatch.setattr(JitEngine, "finalize_object", interrupt)
     _, outer = functions()
     with pytest.raises(KeyboardInterrupt):
         outer(Scaled(3.0), np.array([1.0]))
@@ -118,8 +118,8 @@ def test_an_interrupt_waits_until_there_is_machine_code(monkeypatch: pytest.Monk
     assert outer(Scaled(3.0), np.array([1.0, 2.0])) == 11.0
 
 
-def test_signals_that_are_ignored_or_unhandled_stay_so() -> None:
-    """And in another thread than the main one nothing is held."""
+def test_ignored_signals_stay_ignored() -> None:
+    """Threads other than the main thread defer no signals."""
     handlers = []
     before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
     try:

@@ -1,4 +1,4 @@
-"""Compiled code is kept where nobody else can put any: another user's files are planted, and are not run."""
+"""Cached code in folders that other users can write is not run."""
 
 import os
 import pickle
@@ -15,7 +15,7 @@ from bearingsim import own_folder as trust
 from bearingsim.core import jit
 from bearingsim.own_folder import Distrusted, own_folder
 
-SOMEONE = 65534
+OTHER_USER = 65534
 ADD = "from bearingsim.core import jit; assert jit.add(1.0, 2.0) == 3.0; print(jit._CACHE)"
 as_root = pytest.mark.skipif(
     not hasattr(os, "getuid") or os.getuid() != 0, reason="only root can make files of another user"
@@ -24,20 +24,20 @@ as_root = pytest.mark.skipif(
 
 @pytest.fixture
 def shared() -> Iterator[Path]:
-    """A folder like the temporary one: all may write, and none may rename what is another's."""
+    """Make a folder like the temporary one: writable by all, with the sticky bit."""
     folder = Path(tempfile.mkdtemp(prefix="shared-"))
     folder.chmod(0o1777)
     yield folder
     shutil.rmtree(folder)
 
 
-def by_someone(do: Callable[[], object]) -> None:
-    """Let another user do something."""
+def as_other_user(do: Callable[[], object]) -> None:
+    """Run a function as another user."""
     child = os.fork()
     if child == 0:
         try:
-            os.setgid(SOMEONE)
-            os.setuid(SOMEONE)
+            os.setgid(OTHER_USER)
+            os.setuid(OTHER_USER)
             os.umask(0)
             do()
         except BaseException as error:
@@ -47,8 +47,8 @@ def by_someone(do: Callable[[], object]) -> None:
     assert os.waitpid(child, 0)[1] == 0
 
 
-class Planted:
-    """Makes a file as it is unpickled."""
+class FileOnUnpickling:
+    """Object that creates a file when unpickled."""
 
     def __init__(self, file: Path) -> None:
         self.file = file
@@ -58,59 +58,59 @@ class Planted:
 
 
 @pytest.fixture(scope="module")
-def compiled(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """The files of a cache that holds ``jit.add``."""
+def cache_files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """Return the files of a cache with ``jit.add``."""
     cache = tmp_path_factory.mktemp("cache")
-    add_in(cache)
+    run_add(cache)
     return {str(file.relative_to(cache / "bearingsim")): file.read_bytes() for file in cache.rglob("*.nb?")}
 
 
-def add_in(cache: Path, **more: str) -> subprocess.CompletedProcess:
-    """Add two numbers in a process of its own."""
-    environment = os.environ | {"BEARINGSIM_CACHE": str(cache)} | more
-    done = subprocess.run([sys.executable, "-c", ADD], capture_output=True, text=True, env=environment)
-    assert done.returncode == 0, done.stderr
-    return done
+def run_add(cache: Path, **variables: str) -> subprocess.CompletedProcess:
+    """Add two numbers in a new process."""
+    environment = os.environ | {"BEARINGSIM_CACHE": str(cache)} | variables
+    process = subprocess.run([sys.executable, "-c", ADD], capture_output=True, text=True, env=environment)
+    assert process.returncode == 0, process.stderr
+    return process
 
 
-def plant(compiled: dict[str, bytes], cache: Path, file: Path) -> None:
-    """Write compiled code whose indices make a file as they are read."""
-    for name, content in compiled.items():
+def plant(cache_files: dict[str, bytes], cache: Path, file: Path) -> None:
+    """Write compiled code whose indices create a file when read."""
+    for name, content in cache_files.items():
         target = cache / name
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_bytes(pickle.dumps(Planted(file)) if target.suffix == ".nbi" else content)
+        target.write_bytes(pickle.dumps(FileOnUnpickling(file)) if target.suffix == ".nbi" else content)
 
 
-def test_what_is_planted_is_run_if_the_folder_is_trusted(compiled: dict[str, bytes], tmp_path: Path) -> None:
-    """So the others below would see it."""
-    plant(compiled, tmp_path / "bearingsim", tmp_path / "run")
+def test_planted_code_runs_in_a_trusted_folder(cache_files: dict[str, bytes], tmp_path: Path) -> None:
+    """So the tests below can detect planted code."""
+    plant(cache_files, tmp_path / "bearingsim", tmp_path / "run")
     (tmp_path / "bearingsim" / jit.source_digest()).chmod(0o700)
-    add_in(tmp_path)
+    run_add(tmp_path)
     assert (tmp_path / "run").exists()
 
 
 def foreign_folder(shared: Path, make: Callable[[Path], None]) -> None:
-    by_someone(lambda: make(shared / "bearingsim"))
+    as_other_user(lambda: make(shared / "bearingsim"))
 
 
 def foreign_digest(shared: Path, make: Callable[[Path], None]) -> None:
     (shared / "bearingsim").mkdir()
     (shared / "bearingsim").chmod(0o777)
-    by_someone(lambda: make(shared / "bearingsim"))
+    as_other_user(lambda: make(shared / "bearingsim"))
 
 
 def foreign_link(shared: Path, make: Callable[[Path], None]) -> None:
-    by_someone(lambda: make(shared / "theirs"))
-    by_someone(lambda: (shared / "bearingsim").symlink_to(shared / "theirs"))
+    as_other_user(lambda: make(shared / "theirs"))
+    as_other_user(lambda: (shared / "bearingsim").symlink_to(shared / "theirs"))
 
 
 def own_link(shared: Path, make: Callable[[Path], None]) -> None:
-    by_someone(lambda: make(shared / "theirs"))
+    as_other_user(lambda: make(shared / "theirs"))
     (shared / "bearingsim").symlink_to(shared / "theirs")
 
 
 def open_folder(shared: Path, make: Callable[[Path], None]) -> None:
-    """All is this user's, but the folder above lets others rename it."""
+    """Make the user's own folder below one in which others may rename it."""
     shared.chmod(0o777)
     make(shared / "bearingsim")
 
@@ -118,46 +118,44 @@ def open_folder(shared: Path, make: Callable[[Path], None]) -> None:
 @as_root
 @pytest.mark.parametrize("planted", [foreign_folder, foreign_digest, foreign_link, own_link, open_folder])
 @pytest.mark.parametrize("names", ["BEARINGSIM_CACHE", "XDG_CACHE_HOME"])
-def test_what_another_user_planted_is_not_run(
-    shared: Path, compiled: dict[str, bytes], planted: Callable, names: str
+def test_planted_code_of_another_user_is_not_run(
+    shared: Path, cache_files: dict[str, bytes], planted: Callable, names: str
 ) -> None:
-    planted(shared, lambda cache: plant(compiled, cache, shared / "run"))
-    done = add_in(Path(), **{"BEARINGSIM_CACHE": "", names: str(shared)})
+    planted(shared, lambda cache: plant(cache_files, cache, shared / "run"))
+    process = run_add(Path(), **{"BEARINGSIM_CACHE": "", names: str(shared)})
     assert not (shared / "run").exists()
-    assert not Path(done.stdout.strip()).is_relative_to(shared)
-    (line,) = done.stderr.splitlines()
-    assert line.startswith(f"bearingsim: compiled code is cached in {Path(done.stdout.strip()).parent}: ")
+    assert not Path(process.stdout.strip()).is_relative_to(shared)
+    (line,) = process.stderr.splitlines()
+    assert line.startswith(f"bearingsim: compiled code is cached in {Path(process.stdout.strip()).parent}: ")
     assert str(shared) in line
 
 
 @as_root
-def test_a_name_in_the_temporary_folder_that_another_made_first_is_left(
-    shared: Path, compiled: dict[str, bytes]
-) -> None:
-    """Then the folder is one that passes with the process."""
+def test_temporary_folder_of_another_user_is_not_used(shared: Path, cache_files: dict[str, bytes]) -> None:
+    """The folder of the process is used instead."""
     first = shared / f"bearingsim-{os.getuid()}"
-    by_someone(lambda: plant(compiled, first / "bearingsim", shared / "run"))
-    done = add_in(Path("/dev/null"), TMPDIR=str(shared))
+    as_other_user(lambda: plant(cache_files, first / "bearingsim", shared / "run"))
+    process = run_add(Path("/dev/null"), TMPDIR=str(shared))
     assert not (shared / "run").exists()
-    assert Path(done.stdout.strip()).parts[len(shared.parts)] not in ("bearingsim", first.name)
+    assert Path(process.stdout.strip()).parts[len(shared.parts)] not in ("bearingsim", first.name)
     assert [path.name for path in shared.iterdir()] == [first.name]
 
 
 @as_root
-def test_without_any_place_nothing_is_kept(shared: Path) -> None:
+def test_without_a_trusted_folder_nothing_is_cached(shared: Path) -> None:
     shared.chmod(0o777)
-    done = add_in(shared, TMPDIR=str(shared))
-    assert done.stdout.strip() == "None"
-    assert done.stderr.startswith("bearingsim: compiled code is not cached")
+    process = run_add(shared, TMPDIR=str(shared))
+    assert process.stdout.strip() == "None"
+    assert process.stderr.startswith("bearingsim: compiled code is not cached")
     assert list(shared.iterdir()) == []
 
 
 @as_root
-def test_a_link_of_another_user_is_followed_to_what_is_trusted_only(shared: Path, tmp_path: Path) -> None:
-    """And nothing is made where one leads that leads nowhere."""
-    by_someone(lambda: (shared / "link").symlink_to(tmp_path))
+def test_link_of_another_user_is_followed_only_to_a_trusted_folder(shared: Path, tmp_path: Path) -> None:
+    """A dangling link creates no folder."""
+    as_other_user(lambda: (shared / "link").symlink_to(tmp_path))
     assert own_folder(shared / "link", "mine") == tmp_path / "mine"
-    by_someone(lambda: (shared / "loose").symlink_to(tmp_path / "new"))
+    as_other_user(lambda: (shared / "loose").symlink_to(tmp_path / "new"))
     with pytest.raises(Distrusted, match="another user's link"):
         own_folder(shared / "loose", "mine")
     assert not (tmp_path / "new").exists()
@@ -173,13 +171,13 @@ def test_folders_are_made_for_this_user_alone(tmp_path: Path) -> None:
 
 
 @pytest.fixture
-def among_others(monkeypatch: pytest.MonkeyPatch) -> None:
-    """This user's group has other members."""
+def shared_group(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Give the user's group other members."""
     monkeypatch.setattr(trust, "_is_own_group", lambda group: False)
 
 
-@pytest.mark.usefixtures("among_others")
-def test_an_own_folder_that_the_group_could_write_in_is_closed_but_not_the_code_that_lies_there(
+@pytest.mark.usefixtures("shared_group")
+def test_group_write_access_is_removed_from_the_outer_folder_only(
     tmp_path: Path,
 ) -> None:
     for name in ("bearingsim", "bearingsim/code"):
@@ -192,15 +190,15 @@ def test_an_own_folder_that_the_group_could_write_in_is_closed_but_not_the_code_
         own_folder(tmp_path, "bearingsim", "code")
 
 
-@pytest.mark.usefixtures("among_others")
+@pytest.mark.usefixtures("shared_group")
 def test_a_folder_above_that_the_group_can_write_in_is_not_trusted(tmp_path: Path) -> None:
     tmp_path.chmod(0o775)
     with pytest.raises(Distrusted, match="`chmod go-w`"):
         own_folder(tmp_path, "bearingsim", "code")
 
 
-def test_a_private_group_is_nobody_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where each user has a group of the same name, files are often made for the group to write."""
+def test_private_group_has_no_other_members(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With one group per user, files are often group-writable."""
     import grp
     import pwd
 

@@ -1,4 +1,4 @@
-"""Sums over rollers: in an order of their own, which no processor changes."""
+"""Sums over rollers, in a fixed order that does not depend on the processor."""
 
 import numpy as np
 import pytest
@@ -14,35 +14,35 @@ from tests.simulation.test_same_numbers import elsewhere
 
 
 @pytest.mark.parametrize("n", [8, 16, 32, 104])
-def test_the_order_is_that_of_eight_partial_sums(n: int) -> None:
+def test_lane_sum_adds_eight_partial_sums(n: int) -> None:
     rng = np.random.default_rng(n)
     y = rng.standard_normal(4 + n) * 10.0 ** rng.uniform(-8.0, 8.0, 4 + n)
     lanes = y[4:].reshape(-1, 8)
-    part = lanes[0]
-    for more in lanes[1:]:
-        part = part + more
-    while len(part) > 1:
-        part = part[: len(part) // 2] + part[len(part) // 2 :]
-    assert lane_sum(4, y, n) == part[0]
+    sums = lanes[0]
+    for lane in lanes[1:]:
+        sums = sums + lane
+    while len(sums) > 1:
+        sums = sums[: len(sums) // 2] + sums[len(sums) // 2 :]
+    assert lane_sum(4, y, n) == sums[0]
     assert lane_sum(4, y, n) == pytest.approx(y[4:].sum(), rel=1e-12)
 
 
 def bits(name: str) -> str:
-    """Where the ring is after 2000 steps, to the last bit."""
-    given = case(model=name, method="verlet", defect=SLOT)
-    model = assemble.model(given)
-    y = assemble.start(given, model)[0]
+    """Return the bits of the ring's motion after 2000 steps."""
+    ring_case = case(model=name, method="verlet", defect=SLOT)
+    model = assemble.model(ring_case)
+    y = assemble.start(ring_case, model)[0]
     run(Verlet(4e-7), model, 2000, y)
-    return " ".join(float(y[place]).hex() for place in RING_MOTION)
+    return " ".join(float(y[cell]).hex() for cell in RING_MOTION)
 
 
 FEATURES = cpu_target.target_context.codegen().magic_tuple()[2]
 
 
-@pytest.mark.skipif("+avx2" not in FEATURES, reason="the processor has no AVX2: no other width to compare with")
+@pytest.mark.skipif("+avx2" not in FEATURES, reason="the processor has no AVX2: there is no other width")
 @pytest.mark.parametrize("name", ["ring", "rollers", "planar"])
 def test_the_width_of_vectors_changes_no_bit(name: str) -> None:
-    """Vectors of two, in place of four or eight; the multiplication that adds without rounding is kept."""
+    """Two lanes instead of four or eight, with the same fused multiply-add."""
     code = f"from tests.core.test_sums import *; print(bits('{name}'))"
     narrow = ",".join(one.replace("+avx512", "-avx512") for one in FEATURES.split(","))
     assert elsewhere(code, NUMBA_CPU_NAME="haswell", NUMBA_CPU_FEATURES=narrow) == bits(name)
