@@ -97,15 +97,15 @@ class AutomaticRun:
 
     def __init__(self, study: Study, records: dict[str, tuple[Record, float]]) -> None:
         """Compute the study. done: computed records with their CPU time (s), by the id of their case."""
-        choosing, trials = selection.Choosing(study, [0]), dict[str, Trial | None]()
+        choosing, trials = selection.ModelSelector(study, [0]), dict[str, Trial | None]()
         self.trials_s = 0.0
-        while pending := choosing.wanted(trials):
+        while pending := choosing.next_trials(trials):
             warm([trial.case for trial in pending])
             for trial in pending:
                 began = time.process_time()
                 try:
                     trials[trial.id], record = try_out(
-                        trial.case, trial.asked, trial.passes, trial.turn, *trial.against
+                        trial.case, trial.features, trial.passes, trial.turn, *trial.reference_values
                     )
                 except SimulationError:
                     trials[trial.id], record = None, None
@@ -115,7 +115,7 @@ class AutomaticRun:
                     records[case_id(trial.case)] = record, 0.0
         choices = choosing.decide(trials).choices
         self.choice = choices[key(study, study.cases()[0])]
-        [self.case] = selection.chosen(study, choices).cases()
+        [self.case] = selection.apply_choices(study, choices).cases()
         self.features, self.job_s = features_of(self.case, records)
         self.cpu_s = self.trials_s + self.job_s
 

@@ -32,7 +32,7 @@ from bearingsim.config import Case
 from bearingsim.config.names import FAULT_LINES
 from bearingsim.selection.candidates import candidates, reference
 from bearingsim.selection.choices import key
-from bearingsim.selection.trials import Known, Trialled, first_trials, repeats, trials_of
+from bearingsim.selection.trials import TrialRequest, TrialResults, first_trials, is_settled, trials_of
 from bearingsim.simulation import SimulationError, simulate, try_out
 from bearingsim.simulation.trial import Trial
 from bearingsim.study import Study, StudyError, load_study
@@ -169,13 +169,13 @@ def compute_row(study: Study, unit: str, out: Path) -> dict[str, Any]:
     }
 
 
-def all_trials(study: Study, unit: str, out: Path) -> tuple[dict[str, float], Known]:
+def all_trials(study: Study, unit: str, out: Path) -> tuple[dict[str, float], TrialResults]:
     """Run and store the trials of a scene's reference and candidates; return their CPU times (s) and results."""
     cpu_s: dict[str, float] = {}
     trials: dict[str, Trial | None] = {}
     for trial in first_trials(study, [0]):
         cpu_s[trial.id], trials[trial.id] = run_trial(trial)
-    if not repeats(study, 0, trials):
+    if not is_settled(study, 0, trials):
         for variants in candidates(study, [0]).values():
             for trial in trials_of(study, 0, variants[0]):
                 cpu_s[trial.id], trials[trial.id] = run_trial(trial)
@@ -191,17 +191,17 @@ def repeat_trials(row: dict[str, Any], out: Path) -> dict[str, Any]:
     return row | {"trial_s": all_trials(study, f"{row['seed']}-{row['number']}", out)[0]}
 
 
-def run_trial(trial: Trialled) -> tuple[float, Trial | None]:
+def run_trial(trial: TrialRequest) -> tuple[float, Trial | None]:
     """Return CPU time (s) and result of a trial, run twice if short, to exclude compilation."""
     cpu_s, result = run_trial_once(trial)
     return (cpu_s, result) if cpu_s > COMPILE_TIME else run_trial_once(trial)
 
 
-def run_trial_once(trial: Trialled) -> tuple[float, Trial | None]:
+def run_trial_once(trial: TrialRequest) -> tuple[float, Trial | None]:
     """Return CPU time (s) and result of a trial."""
     began, result = time.process_time(), None
     with suppress(SimulationError):
-        result = try_out(trial.case, trial.asked, trial.passes, trial.turn)[0]
+        result = try_out(trial.case, trial.features, trial.passes, trial.turn)[0]
     return time.process_time() - began, result
 
 
@@ -254,11 +254,11 @@ class Replay(NamedTuple):
     trials_s: float
 
 
-def replay(row: dict[str, Any], study: Study, within: float, line_only: bool, stored: Known) -> Replay:
+def replay(row: dict[str, Any], study: Study, within: float, line_only: bool, stored: TrialResults) -> Replay:
     """Repeat the choice for a scene from stored trials."""
     goal_study = with_accuracy(study, within, line_only)
-    choosing, trials, cpu_s = selection.Choosing(goal_study, [0]), dict[str, Trial | None](), 0.0
-    while pending := choosing.wanted(trials):
+    choosing, trials, cpu_s = selection.ModelSelector(goal_study, [0]), dict[str, Trial | None](), 0.0
+    while pending := choosing.next_trials(trials):
         for trial in pending:
             trial_id = trials_of(study, 0, trial.case)[0].id  # id of the trial with all features
             trials[trial.id] = stored.get(trial_id)
@@ -266,7 +266,7 @@ def replay(row: dict[str, Any], study: Study, within: float, line_only: bool, st
     return Replay(row, choosing.decide(trials).choices[key(goal_study, study.cases()[0])], cpu_s)
 
 
-def report(rows: list[dict[str, Any]], trials: Known) -> None:
+def report(rows: list[dict[str, Any]], trials: TrialResults) -> None:
     """Print how often the accuracy is met, all misses, and the cost."""
     studies = [(row, study_of(row["number"], row["seed"])) for row in rows if "results" in row]
     print(f"{len(rows)} scenes, {len(rows) - len(studies)} refused")
@@ -286,7 +286,7 @@ def report(rows: list[dict[str, Any]], trials: Known) -> None:
         print(f"  {name}: {summarise_group(group)}")
 
 
-def write_csv(path: Path, rows: list[dict[str, Any]], trials: Known) -> None:
+def write_csv(path: Path, rows: list[dict[str, Any]], trials: TrialResults) -> None:
     """Write a row per scene, accuracy and feature: choice, relative error and stated errors."""
     labels = ("seed", "number", "reference", "race", "shape", "offset", "bends", "clearance_um", "repeats")
     with path.open("w", newline="") as file:

@@ -22,13 +22,13 @@ def show(results: "Results", features: Sequence[str], as_json: bool, out: Path |
     out: file of the figure; default: in the figures folder of the results, none with JSON.
     """
     from bearingsim.plots import select
-    from bearingsim.sensitivity import analysed, collect_blocks, design_of
+    from bearingsim.sensitivity import analyse, collect_blocks, design_of
 
     design_of(results)
     feature_names = list(dict.fromkeys(features)) or list(select.default_y(results, results.table()))
     target = _target(results, feature_names, out)
     all_blocks = [collect_blocks(results, feature) for feature in feature_names]
-    answers = [(blocks, analysed(blocks)) for blocks in all_blocks]
+    answers = [(blocks, analyse(blocks)) for blocks in all_blocks]
     if as_json:
         say(json.dumps({blocks.feature: _json_entry(blocks, analysis) for blocks, analysis in answers}, indent=1))
     else:
@@ -159,7 +159,7 @@ def _json_entry(blocks: "Blocks", analysis: "Indices | Effects") -> dict[str, An
         },
         "says": _verdict(blocks, analysis),
     }
-    return entries | ({"together": _interval(analysis.together, 0)} if isinstance(analysis, Indices) else {})
+    return entries | ({"together": _interval(analysis.interaction, 0)} if isinstance(analysis, Indices) else {})
 
 
 def _interval(estimate: "Estimate", index: int) -> dict[str, float]:

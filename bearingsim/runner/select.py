@@ -24,7 +24,7 @@ from bearingsim.store.columns import Value
 from bearingsim.text.patience import patient
 
 if TYPE_CHECKING:
-    from bearingsim.selection import Choice, Choices, Trialled
+    from bearingsim.selection import Choice, Choices, TrialRequest
     from bearingsim.simulation.simulate import Record
     from bearingsim.simulation.trial import Trial
     from bearingsim.study import Job, Study
@@ -84,7 +84,7 @@ def choose_models(
         decision = _decide(study, root, missing, workers, engine, shown)
         choices, plans = store.add_choices(root, decision.choices, plan_name(study, keys))
         store.log(root, "models chosen", cases=len(missing), repeating=decision.repeating)
-    study_with_models = selection.chosen(study, choices)
+    study_with_models = selection.apply_choices(study, choices)
     assert study_with_models.selection is not None
     notes = tuple(earlier_choice_notes(study, keys, choices, plans))
     return replace(study_with_models, selection=replace(study_with_models.selection, notes=notes))
@@ -94,10 +94,10 @@ def _decide(
     study: "Study", root: Path, missing: Sequence[int], workers: int, engine: Engine, shown: bool | None
 ) -> selection.Decision:
     """Run the trials, and choose models for the cases with the indices ``missing``. Raises TrialsInterrupted."""
-    chooser = selection.Choosing(study, missing, load(engine.compiling))
-    trials: dict[str, Trial | None] = selection.read_trials(root, selection.asked_of(study))
+    chooser = selection.ModelSelector(study, missing, load(engine.compiling))
+    trials: dict[str, Trial | None] = selection.read_trials(root, selection.required_features(study))
     try:
-        while requested := chooser.wanted(trials):
+        while requested := chooser.next_trials(trials):
             trials |= dict.fromkeys((trial.id for trial in requested), None)  # failed ones are not repeated
             trials |= _run_trials(root, requested, workers, engine, study, shown)
     except KeyboardInterrupt as interruption:
@@ -109,7 +109,12 @@ def _decide(
 
 
 def _run_trials(
-    root: Path, requested: Sequence["Trialled"], workers: int, engine: Engine, study: "Study", shown: bool | None
+    root: Path,
+    requested: Sequence["TrialRequest"],
+    workers: int,
+    engine: Engine,
+    study: "Study",
+    shown: bool | None,
 ) -> "dict[str, Trial | None]":
     """Compute the wanted trials in batches, each stored when finished; return all trials in the folder."""
     provenance = store.provenance(study)
@@ -134,19 +139,19 @@ def _run_trials(
             deaths.add(death)
         else:
             break
-    return selection.read_trials(root, selection.asked_of(study))
+    return selection.read_trials(root, selection.required_features(study))
 
 
-def _missing_trials(root: Path, requested: Sequence["Trialled"], study: "Study") -> "list[Trialled]":
+def _missing_trials(root: Path, requested: Sequence["TrialRequest"], study: "Study") -> "list[TrialRequest]":
     """Return the wanted trials that are not stored; another process may have added some."""
-    stored = selection.read_trials(root, selection.asked_of(study))
+    stored = selection.read_trials(root, selection.required_features(study))
     return [trial for trial in requested if trial.id not in stored]
 
 
-def _batches(todo: Sequence["Trialled"], workers: int) -> list[tuple["Trialled", ...]]:
+def _batches(todo: Sequence["TrialRequest"], workers: int) -> list[tuple["TrialRequest", ...]]:
     """Split trials into batches of at most LARGEST_BATCH trials and about LONGEST_BATCH_S seconds."""
     size = max(1, min(len(todo) // (BATCHES * workers), LARGEST_BATCH))
-    batches: list[list[Trialled]] = []
+    batches: list[list[TrialRequest]] = []
     seconds = float("inf")
     for trial in todo:
         seconds += price(trial.case)
@@ -158,7 +163,7 @@ def _batches(todo: Sequence["Trialled"], workers: int) -> list[tuple["Trialled",
 
 
 def _compute(
-    root: Path, batch: tuple["Trialled", ...], engine: Engine, provenance: Mapping[str, Value]
+    root: Path, batch: tuple["TrialRequest", ...], engine: Engine, provenance: Mapping[str, Value]
 ) -> tuple[list[str], list[str]]:
     """Compute the trials of a batch; return the ids of finished and failed trials.
 
@@ -179,7 +184,7 @@ def _compute(
 
 def _run_trial(
     root: Path,
-    request: "Trialled",
+    request: "TrialRequest",
     engine: Engine,
     trials: "dict[str, Trial | None]",
     records: "list[tuple[Job, Record]]",
@@ -193,7 +198,7 @@ def _run_trial(
 
     try:
         trial, record = load(engine.try_out)(
-            request.case, request.asked, request.passes, request.turn, *request.against
+            request.case, request.features, request.passes, request.turn, *request.reference_values
         )
     except SimulationError:  # reported by the job if this model is chosen
         trial, record = None, None

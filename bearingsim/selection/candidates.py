@@ -18,7 +18,7 @@ from bearingsim.simulation.time_grid import estimate
 from bearingsim.study import Study
 from bearingsim.study.jobs import identity
 
-AS_SAID, FEW_HARMONICS = "the harmonics that are said", 8
+GIVEN_HARMONICS, FEW_HARMONICS = "the harmonics that are said", 8
 SLICES = {
     "the slices that are said": 1.0,
     "half the slices": 0.5,
@@ -30,7 +30,7 @@ FEWEST_SLICES = 2
 WITH_FRICTION = "reference with friction"
 """Name of the reference with a free cage and friction."""
 FINER = 2  # factor on slices or harmonics for the reference, and on nodes for the trial of their error
-CANDIDATES = (*SLICES, AS_SAID, f"{FEW_HARMONICS} harmonics", *reversed(MODELS))
+CANDIDATES = (*SLICES, GIVEN_HARMONICS, f"{FEW_HARMONICS} harmonics", *reversed(MODELS))
 """Names of all candidates, from the most detailed to the simplest."""
 WORTH_TRYING = 0.8  # largest cost relative to the reference at which a candidate is tried
 
@@ -52,37 +52,37 @@ def with_friction(case: Case) -> Case | None:
     return reference(case).model_copy(update={"cage": Cage(), "friction": StaticDynamic()})
 
 
-def recut(case: Case, judges: bool = True) -> tuple[Case, float] | None:
+def with_other_nodes(case: Case, is_reference: bool = True) -> tuple[Case, float] | None:
     """Return a case with other nodes, and the ratio of its discretisation error to the resulting change.
 
     Nodes along defects are doubled. In a reference, harmonics are doubled as well, and slices are halved, because
     twice as many would exceed their limit. An error of first order is twice the change by doubling, or equal to
-    the change by halving. judges: whether the case is a reference; for any other candidate, the error from the
-    reference already includes that of slices and harmonics. None if nothing changes.
+    the change by halving. is_reference: whether the case is a reference; for any other candidate, the error from
+    the reference already includes that of slices and harmonics. None if nothing changes.
     """
     contact, rig = case.contact, case.rig
     if MODELS[case.model].sliced:
-        fewer = contact.model_copy(update={"slices": max(1, int(contact.slices) // FINER)})
-        return (case.model_copy(update={"contact": fewer}), 1.0) if judges else None
+        coarse_contact = contact.model_copy(update={"slices": max(1, int(contact.slices) // FINER)})
+        return (case.model_copy(update={"contact": coarse_contact}), 1.0) if is_reference else None
     if any(varies_along_roller(defect) for defect in case.defects):
         contact = contact.model_copy(update={"length_nodes": FINER * contact.length_nodes})
-    if judges and rig.ring is not None and int(rig.ring.harmonics) < MAX_HARMONICS:
+    if is_reference and rig.ring is not None and int(rig.ring.harmonics) < MAX_HARMONICS:
         rig = _with_harmonics(case)
-    same = contact is case.contact and rig is case.rig
-    return None if same else (case.model_copy(update={"contact": contact, "rig": rig}), float(FINER))
+    is_unchanged = contact is case.contact and rig is case.rig
+    return None if is_unchanged else (case.model_copy(update={"contact": contact, "rig": rig}), float(FINER))
 
 
 def _with_harmonics(case: Case) -> Rig:
     """Return the rig of a case with a flexible ring, with twice the harmonics."""
     assert case.rig.ring is not None
-    more = {"harmonics": min(MAX_HARMONICS, FINER * int(case.rig.ring.harmonics))}
-    return case.rig.model_copy(update={"ring": case.rig.ring.model_copy(update=more)})
+    update = {"harmonics": min(MAX_HARMONICS, FINER * int(case.rig.ring.harmonics))}
+    return case.rig.model_copy(update={"ring": case.rig.ring.model_copy(update=update)})
 
 
 def _finely_sliced(case: Case) -> Case:
     """Double the slices of a case, unless its defects then cut too many or it records slices by number."""
-    more = {"slices": min(MOST_SLICES, FINER * int(case.contact.slices))}
-    finer = case.model_copy(update={"contact": case.contact.model_copy(update=more)})
+    update = {"slices": min(MOST_SLICES, FINER * int(case.contact.slices))}
+    finer = case.model_copy(update={"contact": case.contact.model_copy(update=update)})
     return case if slice_count(finer) is None or any(map(slice_number, case.record)) else finer
 
 
@@ -94,15 +94,15 @@ def candidates(study: Study, numbers: Sequence[int]) -> dict[str, dict[int, Case
     """
     if study.otherwise is None:
         return {}
-    own, cases_of = study.cases(), {name: dict[int, Case]() for name in CANDIDATES}
+    study_cases, cases_of = study.cases(), {name: dict[int, Case]() for name in CANDIDATES}
     for n in numbers:
-        most = WORTH_TRYING * price(reference(own[n]))
-        for name in ladder(own[n]):
+        max_price = WORTH_TRYING * price(reference(study_cases[n]))
+        for name in ladder(study_cases[n]):
             case = computed_by(study, n, name)
-            if case is not None and price(case) < most:
+            if case is not None and price(case) < max_price:
                 cases_of[name][n] = case
-    apart = {name: _told_apart(cases) for name, cases in cases_of.items()}
-    return {name: cases for name, cases in apart.items() if cases}
+    distinct = {name: _drop_identical(cases) for name, cases in cases_of.items()}
+    return {name: cases for name, cases in distinct.items() if cases}
 
 
 def can_be_tried(case: Case) -> bool:
@@ -110,21 +110,21 @@ def can_be_tried(case: Case) -> bool:
     return case.ramp is None and bool(ladder(case))
 
 
-def _told_apart(cases: Mapping[int, Case]) -> dict[int, Case]:
+def _drop_identical(cases: Mapping[int, Case]) -> dict[int, Case]:
     """Drop all cases that are identical to another."""
     ids = {n: identity(case) for n, case in cases.items()}
-    count = Counter(ids.values())
-    return {n: case for n, case in cases.items() if count[ids[n]] == 1}
+    counts = Counter(ids.values())
+    return {n: case for n, case in cases.items() if counts[ids[n]] == 1}
 
 
 def computed_by(study: Study, number: int, candidate: str) -> Case | None:
     """Return a case of a study with the settings of a candidate; None if the candidate does not apply."""
-    own = study.swept_cases[number][0]
-    changes = ladder(own).get(candidate)
+    case = study.swept_cases[number][0]
+    changes = ladder(case).get(candidate)
     if changes is None:
         return None
     if not changes or study.otherwise is None:
-        return own
+        return case
     return study.otherwise(changes)[number]
 
 
@@ -132,7 +132,7 @@ def ladder(case: Case) -> dict[str, dict[str, str]]:
     """List the candidates below the reference of a case, by name, with the study keys that each changes."""
     steps = dict(_fewer_slices(case)) if MODELS[case.model].sliced else {}
     if case.rig.ring is not None:
-        steps |= {AS_SAID: {}, f"{FEW_HARMONICS} harmonics": {"rig.ring.harmonics": str(FEW_HARMONICS)}}
+        steps |= {GIVEN_HARMONICS: {}, f"{FEW_HARMONICS} harmonics": {"rig.ring.harmonics": str(FEW_HARMONICS)}}
     return steps | {name: {"model": name} | _same_cage(case, name) for name in below(case.model)}
 
 
@@ -144,13 +144,13 @@ def _same_cage(case: Case, name: str) -> dict[str, str]:
 
 def _fewer_slices(case: Case) -> Iterator[tuple[str, dict[str, str]]]:
     """Yield candidates with at most the slices of the case, each number of slices once."""
-    slices = before = int(case.contact.slices)
-    for name, part in SLICES.items():
-        count = max(FEWEST_SLICES, round(part * slices))
-        if part == 1.0:
+    slices = previous = int(case.contact.slices)
+    for name, fraction in SLICES.items():
+        count = max(FEWEST_SLICES, round(fraction * slices))
+        if fraction == 1.0:
             yield name, {}
-        elif count < before:
-            before = count
+        elif count < previous:
+            previous = count
             yield name, {"contact.slices": str(count)}
 
 

@@ -17,7 +17,7 @@ from bearingsim.store.choices import Choice, Choices
 from bearingsim.study import Job, Study
 from bearingsim.study.jobs import Audit, ModelChoice, Selection, case_id, identity
 
-AUDITED, FEWEST_AUDITED = 0.05, 3
+AUDITED_SHARE, MIN_AUDITED = 0.05, 3
 
 
 def key(study: Study, case: Case) -> str:
@@ -27,27 +27,31 @@ def key(study: Study, case: Case) -> str:
     return identity(case, goal | ({"friction": "tried"} if with_friction(case) is not None else {}))
 
 
-def chosen(study: Study, choices: Choices) -> Study:
+def apply_choices(study: Study, choices: Choices) -> Study:
     """Return the study with the chosen models; every case must have a choice."""
-    own = [case for case, _ in study.swept_cases]
-    taken = [choices[key(study, case)] for case in own]
-    cases = [_case(study, own, n, choice.candidate) for n, choice in enumerate(taken)]
+    study_cases = [case for case, _ in study.swept_cases]
+    chosen = [choices[key(study, case)] for case in study_cases]
+    cases = [_case(study, study_cases, n, choice.candidate) for n, choice in enumerate(chosen)]
     swept = tuple((case, values) for case, (_, values) in zip(cases, study.swept_cases, strict=True))
     ids = [case_id(case) for case in cases]
-    drawn = tuple((curve.feature, tuple(ids[n] for n in curve.cases)) for curve in curves(study))
+    curve_ids = tuple((curve.feature, tuple(ids[n] for n in curve.cases)) for curve in curves(study))
     reasons = {
         name: ModelChoice(choice.model, choice.why, dict(choice.error), dict(choice.nodes), dict(choice.friction))
-        for name, choice in zip(ids, taken, strict=True)
+        for name, choice in zip(ids, chosen, strict=True)
     }
-    judges = [_judge(case, choice) for case, choice in zip(own, taken, strict=True)]
-    selection = Selection(reasons, drawn, tuple(audits(study, judges, ids)))
+    references = [_audit_case(case, choice) for case, choice in zip(study_cases, chosen, strict=True)]
+    selection = Selection(reasons, curve_ids, tuple(audits(study, references, ids)))
     return replace(study, swept_cases=swept, selection=selection)
 
 
-def _case(study: Study, own: Sequence[Case], number: int, candidate: str) -> Case:
+def _case(study: Study, study_cases: Sequence[Case], number: int, candidate: str) -> Case:
     """Return a case with the settings of a candidate. Raises ``UserError`` if the candidate does not apply."""
-    named = {REFERENCE: reference, WITH_FRICTION: with_friction}.get(candidate)
-    computed = named(own[number]) if named is not None else computed_by(study, number, candidate)
+    make_reference = {REFERENCE: reference, WITH_FRICTION: with_friction}.get(candidate)
+    computed = (
+        make_reference(study_cases[number])
+        if make_reference is not None
+        else computed_by(study, number, candidate)
+    )
     if computed is None:
         raise UserError(
             f"choices.json names `{candidate}`, which cannot compute a case: remove it to decide again"
@@ -55,25 +59,25 @@ def _case(study: Study, own: Sequence[Case], number: int, candidate: str) -> Cas
     return computed
 
 
-def _judge(own: Case, choice: Choice) -> Case:
+def _audit_case(case: Case, choice: Choice) -> Case:
     """Return the case that audits a choice: the reference, with friction if chosen or inferred from others."""
-    rubbing = with_friction(own) if choice.inferred or choice.candidate == WITH_FRICTION else None
-    return rubbing or reference(own)
+    friction_case = with_friction(case) if choice.inferred or choice.candidate == WITH_FRICTION else None
+    return friction_case or reference(case)
 
 
 def audits(study: Study, references: Sequence[Case], ids: Sequence[str]) -> list[Audit]:
     """Draw a seeded sample of the jobs of other models, to be computed again by their references."""
-    other = [(name, case) for name, case in zip(ids, references, strict=True) if case_id(case) != name]
-    if not other:
+    replaced = [(name, case) for name, case in zip(ids, references, strict=True) if case_id(case) != name]
+    if not replaced:
         return []
-    count = min(len(other), max(FEWEST_AUDITED, round(AUDITED * len(other))))
-    picked = Random(references[0].seed).sample(other, count)
-    return [_audit(study, name, case) for name, case in picked]
+    sample_size = min(len(replaced), max(MIN_AUDITED, round(AUDITED_SHARE * len(replaced))))
+    sample = Random(references[0].seed).sample(replaced, sample_size)
+    return [_audit(study, name, case) for name, case in sample]
 
 
-def _audit(study: Study, of: str, case: Case) -> Audit:
+def _audit(study: Study, job_id: str, case: Case) -> Audit:
     """Return the audit of a job, with its healthy counterpart if a feature is relative to it."""
-    plain = required_healthy_case(study, case)
-    healthy_job = None if plain is None else Job(plain, is_variation=True)
+    healthy = required_healthy_case(study, case)
+    healthy_job = None if healthy is None else Job(healthy, is_variation=True)
     job = Job(case, baseline=healthy_job, is_variation=True)
-    return Audit(of, job, healthy_job)
+    return Audit(job_id, job, healthy_job)

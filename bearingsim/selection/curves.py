@@ -33,20 +33,21 @@ def curves(study: Study) -> list[Curve]:
 def _figure_curves(
     figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]
 ) -> Iterator[tuple[int, ...]]:
-    """Yield the cases of each curve of a figure, one curve for each combination of the paths of ``_apart``."""
-    meant = [
+    """Yield the cases of each curve of a figure, one curve for each combination of the paths of
+    ``_dividing_paths``."""
+    matching = [
         number
         for number, values in enumerate(swept)
-        if all(_is_meant(path, text, values.get(path)) for path, text in figure.where.items())
+        if all(_matches(path, text, values.get(path)) for path, text in figure.where.items())
     ]
-    paths = _apart(figure, [swept[number] for number in meant], design)
-    parted: dict[tuple, list[int]] = {}
-    for number in meant:
-        parted.setdefault(tuple(swept[number].get(path) for path in paths), []).append(number)
-    return (tuple(numbers) for numbers in parted.values())
+    paths = _dividing_paths(figure, [swept[number] for number in matching], design)
+    by_values: dict[tuple, list[int]] = {}
+    for number in matching:
+        by_values.setdefault(tuple(swept[number].get(path) for path in paths), []).append(number)
+    return (tuple(numbers) for numbers in by_values.values())
 
 
-def _apart(figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]) -> list[str]:
+def _dividing_paths(figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequence[str]) -> list[str]:
     """List the paths that divide a figure into curves: those it names, and others that vary at a fixed x.
 
     The rule is the same as in ``plots/select.py``. All points of a design form one cloud, which its paths do not
@@ -60,31 +61,31 @@ def _apart(figure: Figure, swept: Sequence[dict[str, float | str]], design: Sequ
         for values in swept:
             point = tuple(values.get(name) for name in (figure.x, *free, *paths))
             points.setdefault(point, set()).add(values.get(path))
-        if any(len(several) > 1 for several in points.values()):
+        if any(len(swept_values) > 1 for swept_values in points.values()):
             paths.append(path)
     return paths
 
 
-def _is_meant(path: str, text: str, value: Any) -> bool:
+def _matches(path: str, text: str, value: Any) -> bool:
     """Check if a swept value (in SI, or a string) equals that of a `where`."""
     unit = dimension(path)
     if not isinstance(value, float):
         return str(value) == text
     try:
-        wanted = parse(text, unit) if unit else float(text)  # a seed has no unit
+        target = parse(text, unit) if unit else float(text)  # a seed has no unit
     except (UnitError, ValueError):
         return False
-    return abs(wanted - value) <= 1e-9 * max(abs(value), 1e-300)
+    return abs(target - value) <= 1e-9 * max(abs(value), 1e-300)
 
 
-def scales(feature: str, values: Sequence[float], drawn: Iterable[Curve]) -> list[float]:
+def scales(feature: str, values: Sequence[float], study_curves: Iterable[Curve]) -> list[float]:
     """List the values of a feature to which the errors of all cases are relative.
 
     This is the largest value on the curve of a case, the smallest of these if it lies on several curves, and its
     own value if on none. values: of all cases; NaN if unknown.
     """
     sizes: dict[int, float] = {}
-    for curve in drawn:
+    for curve in study_curves:
         if curve.feature == feature:
             largest = max((values[n] for n in curve.cases if values[n] == values[n]), default=float("nan"))
             sizes |= {n: min(sizes.get(n, largest), largest) for n in curve.cases}
@@ -100,20 +101,20 @@ def extremes(curve: Curve, values: Sequence[Mapping[str, Any]]) -> tuple[int, ..
     return curve.cases[0], curve.cases[-1], max(sizes, key=sizes.__getitem__, default=curve.cases[0])
 
 
-def groups(cases: Iterable[int], drawn: Iterable[Curve]) -> list[list[int]]:
+def groups(cases: Iterable[int], study_curves: Iterable[Curve]) -> list[list[int]]:
     """Group cases that are connected by shared curves. The cases of a group usually get the same model."""
     leader = {case: case for case in cases}
 
-    def leading(case: int) -> int:
+    def find_leader(case: int) -> int:
         while leader[case] != case:
             case = leader[case]
         return case
 
-    for curve in drawn:
-        on_it = [case for case in curve.cases if case in leader]
-        for case in on_it[1:]:
-            leader[leading(case)] = leading(on_it[0])
-    together: dict[int, list[int]] = {}
+    for curve in study_curves:
+        members = [case for case in curve.cases if case in leader]
+        for case in members[1:]:
+            leader[find_leader(case)] = find_leader(members[0])
+    connected: dict[int, list[int]] = {}
     for case in leader:
-        together.setdefault(leading(case), []).append(case)
-    return list(together.values())
+        connected.setdefault(find_leader(case), []).append(case)
+    return list(connected.values())

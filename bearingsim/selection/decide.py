@@ -24,19 +24,19 @@ from bearingsim.selection.curves import curves, groups
 from bearingsim.selection.evidence import Evidence
 from bearingsim.selection.friction import Friction
 from bearingsim.selection.nodes import Discretisation
-from bearingsim.selection.trials import Known, Trialled, first_trials, once, repeats, trials_of
+from bearingsim.selection.trials import TrialRequest, TrialResults, first_trials, is_settled, trials_of, unique
 from bearingsim.store.choices import Choice, Choices
 from bearingsim.study import Study
 
 FOR_MODEL = 0.8
 """Largest error of the model, as a share of the requested accuracy; the rest is for step error and scatter."""
-MIXED = 1.0 / 3.0
+MIXED_COST_RATIO = 1.0 / 3.0
 """Cost ratio below which several models replace a single one for the cases of a curve."""
-TIE = 0.9
+SIMPLER_COST_RATIO = 0.9
 """Cost ratio below which a simpler model is preferred to a more detailed one."""
 
 NOTHING_CHEAPER = "no cheaper model can compute this"
-TOO_LITTLE = "cheaper models would save less CPU time than compiling them takes"
+SAVING_TOO_SMALL = "cheaper models would save less CPU time than compiling them takes"
 
 
 class Decision(NamedTuple):
@@ -46,7 +46,7 @@ class Decision(NamedTuple):
     repeating: int
 
 
-class Choosing:
+class ModelSelector:
     """Choice of models for some cases of a study: next trials, and decision from their results."""
 
     def __init__(
@@ -59,155 +59,183 @@ class Choosing:
         already in the cache, so that the choice is the same on every machine.
         """
         self.study, self.numbers, self.compiling, cases = study, numbers, compiling, study.cases()
-        self.tried = [n for n in numbers if can_be_tried(cases[n])]
-        self.drawn = curves(study)
+        self.tried_cases = [n for n in numbers if can_be_tried(cases[n])]
+        self.curves = curves(study)
 
-    def wanted(self, trials: Known) -> list[Trialled]:
+    def next_trials(self, trials: TrialResults) -> list[TrialRequest]:
         """List the trials to compute next; empty once a choice can be made."""
-        missing = [trial for trial in first_trials(self.study, self.tried) if trial.id not in trials]
+        missing = [trial for trial in first_trials(self.study, self.tried_cases) if trial.id not in trials]
         if missing:
             return missing
-        evidence, friction = self._seen(trials)
+        evidence, friction = self._read_evidence(trials)
         missing = friction.trials()
         if not missing:
-            left = self._open(friction)
-            numbers = [n for group in left for n in group]
-            worth = [name for name in self.able if self._is_worth_compiling(name, numbers)]
-            missing = [trial for group in left for trial in self._next(group, worth, evidence, friction)]
-        return once(missing) or self._nodes(evidence, self._models(evidence, friction)).trials()
+            undecided = self._undecided_groups(friction)
+            numbers = [n for group in undecided for n in group]
+            worthwhile = [name for name in self.candidate_cases if self._is_worth_compiling(name, numbers)]
+            missing = [
+                trial
+                for group in undecided
+                for trial in self._candidate_trials(group, worthwhile, evidence, friction)
+            ]
+        return unique(missing) or self._nodes(evidence, self._models(evidence, friction)).trials()
 
-    def _seen(self, trials: Known) -> tuple[Evidence, Friction]:
+    def _read_evidence(self, trials: TrialResults) -> tuple[Evidence, Friction]:
         """Return the errors of models and the effect of friction from trials."""
         assert self.study.goal is not None
-        evidence = Evidence(self.study, self.drawn, trials)
-        return evidence, Friction(evidence, self.tried, self.drawn, FOR_MODEL * self.study.goal.within)
+        evidence = Evidence(self.study, self.curves, trials)
+        return evidence, Friction(evidence, self.tried_cases, self.curves, FOR_MODEL * self.study.goal.within)
 
-    def decide(self, trials: Known) -> Decision:
+    def decide(self, trials: TrialResults) -> Decision:
         """Choose from the available trials; a missing trial counts as failed."""
-        (evidence, friction), cases = self._seen(trials), self.study.cases()
+        (evidence, friction), cases = self._read_evidence(trials), self.study.cases()
         choices = self._models(evidence, friction)
         discretisation = self._nodes(evidence, choices)
-        for n in self.tried:
+        for n in self.tried_cases:
             choices[n] = replace(choices[n], nodes=discretisation.errors(n))
             if choices[n].candidate != WITH_FRICTION:
                 choices[n] = replace(choices[n], friction=friction.errors(n), inferred=friction.inferred(n))
-        repeating = sum(bool(evidence.of_reference[n]) and repeats(self.study, n, trials) for n in self.tried)
+        repeating = sum(
+            bool(evidence.reference_values[n]) and is_settled(self.study, n, trials) for n in self.tried_cases
+        )
         return Decision({key(self.study, cases[n]): choice for n, choice in choices.items()}, repeating)
 
     def _models(self, evidence: Evidence, friction: Friction) -> dict[int, Choice]:
         """Return the choice for each case, without the errors of friction and discretisation."""
-        trials, cases = evidence.known, self.study.cases()
+        trials, cases = evidence.trials, self.study.cases()
         choices = {n: Choice(REFERENCE, cases[n].model, NOTHING_CHEAPER, {}) for n in self.numbers}
-        settled = [n for n in self.tried if repeats(self.study, n, trials)]
-        for n in settled:
-            why = "the reference is periodic, so its trial is the result"
+        periodic_cases = [n for n in self.tried_cases if is_settled(self.study, n, trials)]
+        for n in periodic_cases:
+            reason = "the reference is periodic, so its trial is the result"
             choices[n] = Choice(
-                REFERENCE, cases[n].model, why if evidence.of_reference[n] else "the reference fails", {}
+                REFERENCE, cases[n].model, reason if evidence.reference_values[n] else "the reference fails", {}
             )
-        for group in self._open(friction):
+        for group in self._undecided_groups(friction):
             choices |= self._choices_of_group(group, evidence, friction)
-        rubbing = {n: Choice(WITH_FRICTION, cases[n].model, why, {}) for n, why in friction.too_much.items()}
-        return choices | rubbing
+        friction_choices = {
+            n: Choice(WITH_FRICTION, cases[n].model, reason, {}) for n, reason in friction.required_cases.items()
+        }
+        return choices | friction_choices
 
     def _nodes(self, evidence: Evidence, choices: Mapping[int, Choice]) -> Discretisation:
         """Return the discretisation errors of the choices from trials."""
-        return Discretisation(evidence, self.drawn, choices, lambda n, name: self.able[name][n])
+        return Discretisation(evidence, self.curves, choices, lambda n, name: self.candidate_cases[name][n])
 
-    def _open(self, friction: Friction) -> list[list[int]]:
+    def _undecided_groups(self, friction: Friction) -> list[list[int]]:
         """Group the undecided cases, whose reference is not periodic and needs no friction, by shared curves."""
-        trials = friction.evidence.known
-        left = [n for n in self.tried if n not in friction.too_much and not repeats(self.study, n, trials)]
-        return groups(left, self.drawn)
+        trials = friction.evidence.trials
+        undecided = [
+            n
+            for n in self.tried_cases
+            if n not in friction.required_cases and not is_settled(self.study, n, trials)
+        ]
+        return groups(undecided, self.curves)
 
     @cached_property
-    def able(self) -> dict[str, dict[int, Case]]:
+    def candidate_cases(self) -> dict[str, dict[int, Case]]:
         """Cases of every candidate, by name, most detailed candidate first."""
-        return candidates(self.study, self.tried)
+        return candidates(self.study, self.tried_cases)
 
     def _is_worth_compiling(self, name: str, numbers: Sequence[int]) -> bool:
         """Check if a candidate saves more CPU time over some cases than the compilation of its model needs."""
-        own = self.study.cases()
-        cases = {n: self.able[name][n] for n in numbers if n in self.able[name]}
-        others = [case for n, case in cases.items() if case.model != own[n].model]
-        compiled = max(map(self.compiling, others), default=0.0)
-        saved = sum(price(reference(own[n])) - price(case) for n, case in cases.items())
-        return compiled == 0.0 or saved > compiled
+        study_cases = self.study.cases()
+        cases = {n: self.candidate_cases[name][n] for n in numbers if n in self.candidate_cases[name]}
+        new_models = [case for n, case in cases.items() if case.model != study_cases[n].model]
+        compile_time = max(map(self.compiling, new_models), default=0.0)
+        saved = sum(price(reference(study_cases[n])) - price(case) for n, case in cases.items())
+        return compile_time == 0.0 or saved > compile_time
 
-    def _next(
+    def _candidate_trials(
         self, group: Sequence[int], names: Sequence[str], evidence: Evidence, friction: Friction
-    ) -> list[Trialled]:
+    ) -> list[TrialRequest]:
         """List trials of the cheapest candidate not yet tried on a group, unless a cheaper one is accepted."""
-        held = inf
+        accepted_cost = inf
         for cost, name in sorted((self._cost(name, group), name) for name in names):
-            if held < TIE * cost:
+            if accepted_cost < SIMPLER_COST_RATIO * cost:
                 return []
-            cases = {n: self.able[name][n] for n in group if n in self.able[name]}
+            cases = {n: self.candidate_cases[name][n] for n in group if n in self.candidate_cases[name]}
             trials = [trial for n, case in cases.items() for trial in trials_of(self.study, n, case)]
-            missing = [trial for trial in trials if trial.id not in evidence.known]
+            missing = [trial for trial in trials if trial.id not in evidence.trials]
             if missing:
                 return missing
             if len(cases) == len(group) and all(
-                self._holds(evidence.errors(n, case), friction.errors(n)) for n, case in cases.items()
+                self._is_accurate(evidence.errors(n, case), friction.errors(n)) for n, case in cases.items()
             ):
-                held = cost
+                accepted_cost = cost
         return []
 
     def _cost(self, name: str, group: Sequence[int]) -> float:
         """Return the total cost of a candidate for the cases of a group to which it applies."""
-        return sum(price(self.able[name][n]) for n in group if n in self.able[name])
+        return sum(price(self.candidate_cases[name][n]) for n in group if n in self.candidate_cases[name])
 
-    def _holds(self, errors: Mapping[str, float], friction: Mapping[str, float | None]) -> bool:
+    def _is_accurate(self, errors: Mapping[str, float], friction: Mapping[str, float | None]) -> bool:
         """Check if the errors of model and friction are within ``FOR_MODEL`` of the requested accuracy."""
         assert self.study.goal is not None
         sums = [of + (friction.get(name) or 0.0) for name, of in errors.items()]
         return bool(sums) and max(sums) <= FOR_MODEL * self.study.goal.within
 
     def _choices_of_group(self, group: Sequence[int], evidence: Evidence, friction: Friction) -> dict[int, Choice]:
-        """Choose one model for the cases of a group, or several if these cost less than a third (``MIXED``)."""
+        """Choose one model for the cases of a group, or several if these cost less than a third
+        (``MIXED_COST_RATIO``)."""
         costs = {REFERENCE: {n: price(reference(self.study.cases()[n])) for n in group}}
-        for name, cases in self.able.items():
-            held = [
-                n for n in group if n in cases and self._holds(evidence.errors(n, cases[n]), friction.errors(n))
+        for name, cases in self.candidate_cases.items():
+            accurate = [
+                n
+                for n in group
+                if n in cases and self._is_accurate(evidence.errors(n, cases[n]), friction.errors(n))
             ]
-            costs[name] = {n: price(cases[n]) for n in held}
-        whole = {name: sum(of.values()) for name, of in costs.items() if len(of) == len(group)}
-        alone = _cheapest(whole)
-        each = {n: _cheapest({name: of[n] for name, of in costs.items() if n in of}) for n in group}
-        mixed = sum(costs[name][n] for n, name in each.items())
-        taken = each if mixed < MIXED * whole[alone] else dict.fromkeys(group, alone)
-        return {n: self._told(n, name, evidence) for n, name in taken.items()}
+            costs[name] = {n: price(cases[n]) for n in accurate}
+        group_costs = {
+            name: sum(case_costs.values()) for name, case_costs in costs.items() if len(case_costs) == len(group)
+        }
+        single_choice = _cheapest(group_costs)
+        cheapest = {n: _cheapest({name: of[n] for name, of in costs.items() if n in of}) for n in group}
+        mixed_cost = sum(costs[name][n] for n, name in cheapest.items())
+        names = (
+            cheapest
+            if mixed_cost < MIXED_COST_RATIO * group_costs[single_choice]
+            else dict.fromkeys(group, single_choice)
+        )
+        return {n: self._make_choice(n, name, evidence) for n, name in names.items()}
 
-    def _told(self, n: int, name: str, evidence: Evidence) -> Choice:
+    def _make_choice(self, n: int, name: str, evidence: Evidence) -> Choice:
         """Return a choice with its reason."""
-        own = self.study.cases()[n]
+        study_case = self.study.cases()[n]
         if name == REFERENCE:  # friction adds no cost, as neither is periodic
-            last = REFERENCE if with_friction(own) is None else WITH_FRICTION
-            return Choice(last, own.model, self._why_none(n, evidence), {})
-        case = self.able[name][n]
+            candidate = REFERENCE if with_friction(study_case) is None else WITH_FRICTION
+            return Choice(candidate, study_case.model, self._reference_reason(n, evidence), {})
+        case = self.candidate_cases[name][n]
         errors = evidence.errors(n, case)
-        why = f"{100.0 * max(errors.values()):.2g} % from {own.model}, at the cost of {case.model}"
-        return Choice(name, case.model, why, errors)
+        reason = f"{100.0 * max(errors.values()):.2g} % from {study_case.model}, at the cost of {case.model}"
+        return Choice(name, case.model, reason, errors)
 
-    def _why_none(self, n: int, evidence: Evidence) -> str:
+    def _reference_reason(self, n: int, evidence: Evidence) -> str:
         """Explain why the reference of a case is not replaced by a cheaper model."""
         assert self.study.goal is not None
-        tried = [evidence.errors(n, cases[n]) for cases in self.able.values() if n in cases]
-        own, most = [max(errors.values()) for errors in tried if errors], FOR_MODEL * self.study.goal.within
-        if not own:
-            cases = [cases[n] for cases in self.able.values() if n in cases]
-            untried = [case for case in cases if trials_of(self.study, n, case)[0].id not in evidence.known]
-            return TOO_LITTLE if untried else NOTHING_CHEAPER
-        if min(own) == inf:
+        errors = [evidence.errors(n, cases[n]) for cases in self.candidate_cases.values() if n in cases]
+        largest_errors, limit = (
+            [max(errors.values()) for errors in errors if errors],
+            FOR_MODEL * self.study.goal.within,
+        )
+        if not largest_errors:
+            cases = [cases[n] for cases in self.candidate_cases.values() if n in cases]
+            untried = [case for case in cases if trials_of(self.study, n, case)[0].id not in evidence.trials]
+            return SAVING_TOO_SMALL if untried else NOTHING_CHEAPER
+        if min(largest_errors) == inf:
             return "cheaper models could not be distinguished from it in so few ball passes"
-        nearest = f"the nearest cheaper model is {100.0 * min(own):.2g} % off"
-        over = f"over {100.0 * most:.2g} %"
-        return f"{nearest}: {over}" if min(own) > most else f"{nearest} here, but {over} elsewhere on a curve"
+        reason = f"the nearest cheaper model is {100.0 * min(largest_errors):.2g} % off"
+        limit_text = f"over {100.0 * limit:.2g} %"
+        return (
+            f"{reason}: {limit_text}"
+            if min(largest_errors) > limit
+            else f"{reason} here, but {limit_text} elsewhere on a curve"
+        )
 
 
 def _cheapest(costs: Mapping[str, float]) -> str:
     """Return the cheapest model; a simpler one must save a tenth of the cost. costs: most detailed model first."""
     best = REFERENCE
     for name, cost in costs.items():
-        if cost < TIE * costs[best]:
+        if cost < SIMPLER_COST_RATIO * costs[best]:
             best = name
     return best

@@ -16,15 +16,21 @@ from bearingsim.errors import Refused
 from bearingsim.selection.candidates import with_friction
 from bearingsim.selection.curves import Curve, extremes
 from bearingsim.selection.evidence import Evidence, largest
-from bearingsim.selection.trials import Trialled, trials_of
+from bearingsim.selection.trials import TrialRequest, trials_of
 from bearingsim.simulation.settling import resolve_settling
-from bearingsim.simulation.trial import CAGE_TURNS, LARGEST_FORCE, Against, long_enough, tells_friction
+from bearingsim.simulation.trial import (
+    CAGE_TURNS,
+    LARGEST_FORCE,
+    ReferenceValues,
+    lengthen_for_trial,
+    shows_friction,
+)
 
-CLEARLY = 2.0
+EARLY_END_FACTOR = 2.0
 """Multiple of the allowed change by friction at which a trial ends after two turns of the cage."""
 
 TOO_SHORT = f"the record holds fewer than {CAGE_TURNS} turns of the cage, too few to assess friction"
-NOT_REPEATING = (
+NOT_PERIODIC = (
     f"without friction it is not periodic, and half the record covers under {CAGE_TURNS} turns of the cage"
 )
 
@@ -38,55 +44,59 @@ class Friction:
     def __init__(self, evidence: Evidence, tried: Sequence[int], drawn: Sequence[Curve], limit: float) -> None:
         self.evidence, self.limit = evidence, limit
         cases = evidence.study.cases()
-        self.rubbing = {n: case for n in tried if (case := with_friction(cases[n])) is not None}
-        short = {n for n in self.rubbing if not tells_friction(cases[n])}
-        able = [n for n in self.rubbing if evidence.of_reference[n] and n not in short]
-        few = {n for n in able if evidence.turns(n) < CAGE_TURNS}
-        seen = [n for n in able if n not in few]
-        self.untold = dict.fromkeys(few, NOT_REPEATING) | dict.fromkeys(short, TOO_SHORT)
-        on_one = [Curve(curve.feature, tuple(n for n in curve.cases if n in seen)) for curve in drawn]
-        alone = set(seen) - {n for curve in on_one for n in curve.cases}
-        self.curves = [curve for curve in on_one if curve.cases] + [Curve("", (n,)) for n in sorted(alone)]
+        self.friction_cases = {n: case for n in tried if (case := with_friction(cases[n])) is not None}
+        short = {n for n in self.friction_cases if not shows_friction(cases[n])}
+        usable = [n for n in self.friction_cases if evidence.reference_values[n] and n not in short]
+        too_few = {n for n in usable if evidence.turns(n) < CAGE_TURNS}
+        sufficient = [n for n in usable if n not in too_few]
+        self.undetermined = dict.fromkeys(too_few, NOT_PERIODIC) | dict.fromkeys(short, TOO_SHORT)
+        tried_curves = [Curve(curve.feature, tuple(n for n in curve.cases if n in sufficient)) for curve in drawn]
+        single_cases = set(sufficient) - {n for curve in tried_curves for n in curve.cases}
+        self.curves = [curve for curve in tried_curves if curve.cases] + [
+            Curve("", (n,)) for n in sorted(single_cases)
+        ]
 
     @cached_property
     def extremes(self) -> list[int]:
         """Cases tried with friction: both ends of each curve, and its largest value."""
-        return list(dict.fromkeys(n for curve in self.curves for n in extremes(curve, self.evidence.of_reference)))
+        return list(
+            dict.fromkeys(n for curve in self.curves for n in extremes(curve, self.evidence.reference_values))
+        )
 
-    def trials(self) -> list[Trialled]:
+    def trials(self) -> list[TrialRequest]:
         """Return the trials with friction that are still to be computed."""
         trials = [trial for n in self.extremes for trial in self._trials_of(n)]
-        return [trial for trial in trials if trial.id not in self.evidence.known]
+        return [trial for trial in trials if trial.id not in self.evidence.trials]
 
-    def _trials_of(self, n: int) -> list[Trialled]:
+    def _trials_of(self, n: int) -> list[TrialRequest]:
         """Return the trials of a case with friction, which may end early, and of its healthy counterpart."""
-        own, *baselines = trials_of(self.evidence.study, n, self._tried(n))
-        plain = self.evidence.of_reference[n]
-        names = [name for name in own.asked if name in plain and name != LARGEST_FORCE]
-        most = {name: CLEARLY * self.limit * self.evidence.sizes[name][n] for name in names}
-        against = Against({name: plain[name].value for name in names}, most)
-        return [replace(own, against=(against,)), *baselines]
+        own, *baselines = trials_of(self.evidence.study, n, self._trial_case(n))
+        reference_values = self.evidence.reference_values[n]
+        names = [name for name in own.features if name in reference_values and name != LARGEST_FORCE]
+        limits = {name: EARLY_END_FACTOR * self.limit * self.evidence.scales[name][n] for name in names}
+        early_end = ReferenceValues({name: reference_values[name].value for name in names}, limits)
+        return [replace(own, reference_values=(early_end,)), *baselines]
 
-    def _tried(self, n: int) -> Case:
+    def _trial_case(self, n: int) -> Case:
         """Return the case tried with friction for number ``n``; unchanged if its record may end early.
 
         Otherwise it settles as long as without friction, because the cage's remaining transient is then within the
         scatter between cage turns.
         """
-        case, plain = self.rubbing[n], self.evidence.study.cases()[n]
-        if case.until is not None and long_enough(case) == case:
+        case, study_case = self.friction_cases[n], self.evidence.study.cases()[n]
+        if case.until is not None and lengthen_for_trial(case) == case:
             return case
         with suppress(Refused):  # the trial reports it
-            case = case.model_copy(update={"settle": resolve_settling(plain).settle})
-        return long_enough(case)
+            case = case.model_copy(update={"settle": resolve_settling(study_case).settle})
+        return lengthen_for_trial(case)
 
     @cached_property
     def _changes_at_extremes(self) -> dict[int, dict[str, float | None]]:
         """Change by friction of each case tried with it, by feature; None if the trial failed."""
         changes: dict[int, dict[str, float | None]] = {}
         for n in self.extremes:
-            errors = self.evidence.errors(n, self._tried(n))
-            changes[n] = dict(errors) if errors else dict.fromkeys(self.evidence.of_reference[n])
+            errors = self.evidence.errors(n, self._trial_case(n))
+            changes[n] = dict(errors) if errors else dict.fromkeys(self.evidence.reference_values[n])
         return changes
 
     def errors(self, n: int) -> Mapping[str, float | None]:
@@ -100,7 +110,7 @@ class Friction:
         changes = [
             self._changes_at_extremes[other] for other in sorted(others) if other in self._changes_at_extremes
         ]
-        names = self.evidence.of_reference[n] if changes else ()
+        names = self.evidence.reference_values[n] if changes else ()
         return {name: largest([change[name] for change in changes]) for name in names}
 
     def inferred(self, n: int) -> bool:
@@ -108,15 +118,15 @@ class Friction:
         return bool(self.errors(n)) and n not in self._changes_at_extremes
 
     @cached_property
-    def too_much(self) -> dict[int, str]:
+    def required_cases(self) -> dict[int, str]:
         """Cases computed with friction, with the reason: too large a change on the curve, or an unknown one."""
-        reasons = dict(self.untold)
+        reasons = dict(self.undetermined)
         for curve in self.curves:
-            worst = max(
+            largest = max(
                 (self._largest_at(n) for n in curve.cases if n in self._changes_at_extremes), default=(0.0, "")
             )
-            if worst[0] > self.limit:
-                reasons |= dict.fromkeys(curve.cases, self._why(*worst))
+            if largest[0] > self.limit:
+                reasons |= dict.fromkeys(curve.cases, self._reason(*largest))
         return reasons
 
     def _largest_at(self, n: int) -> tuple[float, str]:
@@ -125,7 +135,7 @@ class Friction:
             ((of, name) for name, of in self._changes_at_extremes[n].items() if of is not None), default=(0.0, "")
         )
 
-    def _why(self, off: float, name: str) -> str:
+    def _reason(self, off: float, name: str) -> str:
         if off == inf:
             return f"friction changes {name} too much, or the record has too few cage turns to tell"
         return (

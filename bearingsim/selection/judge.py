@@ -19,7 +19,7 @@ from bearingsim.config.names import read_band
 from bearingsim.simulation.trial import LARGEST_FORCE, Trial
 from bearingsim.study.goal import HEALTHY
 
-SURE = 0.975
+CONFIDENCE = 0.975
 
 
 class Value(NamedTuple):
@@ -40,8 +40,8 @@ def value(feature: str, trial: Trial, baseline: Trial | None) -> Value:
     share = 2.0 / trial.turns
     line = feature.removesuffix(HEALTHY)
     if read_band(line) is not None and feature != line and baseline is not None:  # magnitudes are subtracted
-        own, healthy = value(line, trial, None), value(line, baseline, None)
-        return Value(own.value - healthy.value, own.parts - healthy.parts, share)
+        faulty, healthy = value(line, trial, None), value(line, baseline, None)
+        return Value(faulty.value - healthy.value, faulty.parts - healthy.parts, share)
     if line in trial.powers:
         rms = float(np.sqrt(trial.powers[line][0]))
         return Value(rms, 0.5 * trial.powers[line][1:] / (rms or 1.0), share)
@@ -56,6 +56,6 @@ def error(own: Value, other: Value) -> float:
 
     if len(own.parts) < 2 or len(own.parts) != len(other.parts):
         return float("inf")  # scatter unknown
-    apart, parts = abs(own.value - other.value), own.parts - other.parts
-    t = float(stdtrit(len(parts) - 1.0, SURE))
-    return apart + t * float(np.sqrt(own.share) * np.std(parts, ddof=1))
+    difference, parts = abs(own.value - other.value), own.parts - other.parts
+    t = float(stdtrit(len(parts) - 1.0, CONFIDENCE))
+    return difference + t * float(np.sqrt(own.share) * np.std(parts, ddof=1))

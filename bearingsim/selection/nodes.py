@@ -10,19 +10,19 @@ from functools import cached_property
 
 from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
-from bearingsim.selection.candidates import WITH_FRICTION, recut, reference
+from bearingsim.selection.candidates import WITH_FRICTION, reference, with_other_nodes
 from bearingsim.selection.curves import Curve, extremes
 from bearingsim.selection.evidence import Evidence, Recut, largest
-from bearingsim.selection.trials import Trialled, once, trials_of
-from bearingsim.simulation.trial import stepped_alike
+from bearingsim.selection.trials import TrialRequest, trials_of, unique
+from bearingsim.simulation.trial import with_trial_step
 from bearingsim.store.choices import Choice
 
 
 class Discretisation:
     """Discretisation errors of chosen cases from trials.
 
-    recuts: by number, each case and the same case with other nodes at the same step; on_one: curves of cases with
-    the same candidate, model and defect shapes.
+    recuts: by number, each case and the same case with other nodes at the same step; uniform_curves: curves of
+    cases with the same candidate, model and defect shapes.
     """
 
     def __init__(
@@ -37,15 +37,15 @@ class Discretisation:
         self.recuts: dict[int, Recut] = {}
         kinds: dict[int, tuple] = {}
         for n, choice in choices.items():
-            judges = choice.candidate in (REFERENCE, WITH_FRICTION)
-            chosen = reference(cases[n]) if judges else computed(n, choice.candidate)
-            other = recut(chosen, judges)
-            trial = evidence.known.get(trials_of(evidence.study, n, chosen)[0].id)
+            is_reference = choice.candidate in (REFERENCE, WITH_FRICTION)
+            chosen = reference(cases[n]) if is_reference else computed(n, choice.candidate)
+            other = with_other_nodes(chosen, is_reference)
+            trial = evidence.trials.get(trials_of(evidence.study, n, chosen)[0].id)
             # instead of a case with friction, the cheaper one without is tried, which has the same nodes
             if other is not None and trial is not None:
-                self.recuts[n] = Recut(chosen, stepped_alike(other[0], trial), other[1])
+                self.recuts[n] = Recut(chosen, with_trial_step(other[0], trial), other[1])
                 kinds[n] = choice.candidate, chosen.model, *(defect.shape for defect in chosen.defects)
-        self.on_one = [
+        self.uniform_curves = [
             Curve(curve.feature, tuple(n for n in curve.cases if kinds.get(n) == kind))
             for curve in drawn
             for kind in dict.fromkeys(kinds[n] for n in curve.cases if n in kinds)
@@ -54,14 +54,14 @@ class Discretisation:
     @cached_property
     def tried(self) -> dict[int, None]:
         """Cases that are tried: the extremes of each curve, and cases on no curve."""
-        drawn = {n for curve in self.on_one for n in curve.cases}
-        ends = [n for curve in self.on_one for n in extremes(curve, self.evidence.of_reference)]
-        return dict.fromkeys(sorted({*ends, *(n for n in self.recuts if n not in drawn)}))
+        on_curve = {n for curve in self.uniform_curves for n in curve.cases}
+        ends = [n for curve in self.uniform_curves for n in extremes(curve, self.evidence.reference_values)]
+        return dict.fromkeys(sorted({*ends, *(n for n in self.recuts if n not in on_curve)}))
 
-    def trials(self) -> list[Trialled]:
+    def trials(self) -> list[TrialRequest]:
         """Return the trials with other nodes that are still to be computed."""
-        trials = [trials_of(self.evidence.study, n, self.recuts[n].recut)[0] for n in self.tried]
-        return once([trial for trial in trials if trial.id not in self.evidence.known])
+        trials = [trials_of(self.evidence.study, n, self.recuts[n].recut_case)[0] for n in self.tried]
+        return unique([trial for trial in trials if trial.id not in self.evidence.trials])
 
     def errors(self, n: int) -> dict[str, float | None]:
         """Return the error of a case by feature, None if unknown; empty for a case without other nodes."""
@@ -69,9 +69,11 @@ class Discretisation:
             return {}
         if n in self.tried:
             return self.evidence.node_errors(n, self.recuts[n])
-        neighbours = {other for curve in self.on_one if n in curve.cases for other in self._neighbours(n, curve)}
+        neighbours = {
+            other for curve in self.uniform_curves if n in curve.cases for other in self._neighbours(n, curve)
+        }
         errors = [self.evidence.node_errors(other, self.recuts[other]) for other in sorted(neighbours)]
-        return {name: largest([each[name] for each in errors]) for name in errors[0]}
+        return {name: largest([values[name] for values in errors]) for name in errors[0]}
 
     def _neighbours(self, n: int, curve: Curve) -> tuple[int, int]:
         """Return the nearest tried cases before and after case ``n`` on a curve."""

@@ -35,7 +35,7 @@ def read_trials(root: Path, features: Collection[str] = ()) -> dict[str, Trial |
             trials = {name: None if values is None else _trial(values) for name, values in entries.items()}
         except UNREADABLE:
             continue
-        by_id |= {name: trial for name, trial in trials.items() if trial is None or trial.tells(features)}
+        by_id |= {name: trial for name, trial in trials.items() if trial is None or trial.has_features(features)}
     return by_id
 
 
@@ -54,7 +54,7 @@ def _plain(trial: Trial) -> dict[str, Any]:
 def _trial(entries: Mapping[str, Any]) -> Trial:
     lines = {name: np.array([complex(*pair) for pair in parts]) for name, parts in entries["lines"].items()}
     powers = {name: np.array(parts) for name, parts in entries["powers"].items()}
-    stepped = entries.get("method", ""), entries.get("step", 0.0)
+    method_and_step = entries.get("method", ""), entries.get("step", 0.0)
     trial = Trial(
         entries["passes"],
         entries["turns"],
@@ -62,8 +62,8 @@ def _trial(entries: Mapping[str, Any]) -> Trial:
         lines,
         powers,
         np.array(entries["forces"]),
-        *stepped,
+        *method_and_step,
     )
-    if not trial.is_whole:
+    if not trial.is_consistent:
         raise Unreadable("the parts of a trial do not fit each other")
     return trial

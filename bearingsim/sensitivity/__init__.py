@@ -17,7 +17,7 @@ __all__ = [
     "Estimate",
     "Indices",
     "SensitivityError",
-    "analysed",
+    "analyse",
     "collect_blocks",
     "design_of",
     "effects_text",
@@ -25,16 +25,16 @@ __all__ = [
 ]
 
 
-def analysed(blocks: Blocks) -> Indices | Effects:
+def analyse(blocks: Blocks) -> Indices | Effects:
     """Compute Sobol indices (design `saltelli`) or Morris effects (design `morris`), with intervals.
 
     Raises SensitivityError if too few blocks vary for the bootstrap.
     """
-    answer: Indices | Effects
+    result: Indices | Effects
     if blocks.kind == "saltelli":
-        answer = estimate_indices(blocks.values)
+        result = estimate_indices(blocks.values)
     else:
-        answer = estimate_effects(blocks.points, blocks.values)
-    if not all(np.isfinite(ends).all() for estimate in answer for ends in estimate):
+        result = estimate_effects(blocks.points, blocks.values)
+    if not all(np.isfinite(ends).all() for estimate in result for ends in estimate):
         raise SensitivityError(f"`{blocks.feature}` varies in too few blocks for an interval: raise `n`")
-    return answer
+    return result

@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-FAILED_AT_MOST = 0.1
+MAX_FAILED_SHARE = 0.1
 """Largest share of jobs without a value for an analysis."""
-LEAST_BLOCKS = 4
+MIN_BLOCKS = 4
 """Smallest number of blocks for a bootstrap."""
-READ_BY = ("saltelli", "morris")
-TO_WRITE = (
+DESIGN_KINDS = ("saltelli", "morris")
+EXAMPLE_SWEEP = (
     "`sweep: {saltelli: {n: 128, seed: 1, over: {defect.width: {uniform: [0.2 mm, 0.8 mm]}, ...}}}`,"
     " or `morris` for a first look with fewer jobs"
 )
@@ -70,11 +70,11 @@ def design_of(results: "Results") -> Mapping[str, Any]:
     """Return the design of a study. Raises SensitivityError if it has none for a sensitivity analysis."""
     design = results.plan.get("design")
     if design is None:
-        raise SensitivityError(f"{results.path}: the study has no design; for indices use {TO_WRITE}")
-    if design["kind"] not in READ_BY:
+        raise SensitivityError(f"{results.path}: the study has no design; for indices use {EXAMPLE_SWEEP}")
+    if design["kind"] not in DESIGN_KINDS:
         raise SensitivityError(
             f"{results.path}: the design `{design['kind']}` gives no indices, only figures (`bearingsim plot`);"
-            f" for indices use {TO_WRITE}"
+            f" for indices use {EXAMPLE_SWEEP}"
         )
     return dict(design)
 
@@ -83,7 +83,7 @@ def collect_blocks(results: "Results", feature: str) -> Blocks:
     """Collect the blocks of a feature.
 
     Raises SensitivityError if the results have no such design, the feature is missing or constant, jobs are not
-    yet computed, more than ``FAILED_AT_MOST`` of them have no value, or fewer than ``LEAST_BLOCKS`` blocks are
+    yet computed, more than ``MAX_FAILED_SHARE`` of them have no value, or fewer than ``MIN_BLOCKS`` blocks are
     complete.
     """
     design = design_of(results)
@@ -95,53 +95,53 @@ def collect_blocks(results: "Results", feature: str) -> Blocks:
     failed = jobs["status"] == "failed"
     valueless = ~failed & ~np.isfinite(jobs[feature])
     lost = int(failed.sum() + valueless.sum())
-    if lost > FAILED_AT_MOST * len(jobs):
+    if lost > MAX_FAILED_SHARE * len(jobs):
         raise SensitivityError(
             f"{lost} of {len(jobs)} jobs have no `{feature}` ({int(failed.sum())} failed), more than"
-            f" {100 * FAILED_AT_MOST:.0f} %. `bearingsim show --failed` lists the reasons; fix them, or exclude"
+            f" {100 * MAX_FAILED_SHARE:.0f} %. `bearingsim show --failed` lists the reasons; fix them, or exclude"
             " that region from the ranges"
         )
     paths = tuple(design["paths"])
     size = designs.block(design["kind"], len(paths))
     values = rows[feature].to_numpy(float).reshape(-1, size)
     points = designs.cube(design["kind"], len(values), len(paths), design["seed"]).reshape(-1, size, len(paths))
-    whole = np.isfinite(values).all(axis=1)
-    kept = Blocks(
+    complete = np.isfinite(values).all(axis=1)
+    blocks = Blocks(
         feature,
         design["kind"],
         paths,
-        points[whole],
-        values[whole],
-        dropped=int((~whole).sum()),
+        points[complete],
+        values[complete],
+        dropped=int((~complete).sum()),
         jobs=len(jobs),
         failed=int(failed.sum()),
         valueless=int(valueless.sum()),
         chaotic=int((jobs["chaotic"] == 1.0).sum()) if "chaotic" in jobs else 0,
     )
-    _check_enough(kept)
-    return kept
+    _check_enough(blocks)
+    return blocks
 
 
 def _check_feature(feature: str, table: "pd.DataFrame") -> None:
     features = [name for name in map(str, table) if name in FEATURES and not name.endswith(".phase")]
     if feature not in features:
-        why = " (a phase is periodic, so it has no variance)" if feature.endswith(".phase") else ""
-        near = "" if feature in FEATURES else suggestion(feature, features)
-        advice = near or f"there are: {', '.join(features) or 'none'}"
-        raise SensitivityError(f"no feature `{feature}` in these results{why} ({advice})")
+        reason = " (a phase is periodic, so it has no variance)" if feature.endswith(".phase") else ""
+        suggestion_text = "" if feature in FEATURES else suggestion(feature, features)
+        advice = suggestion_text or f"there are: {', '.join(features) or 'none'}"
+        raise SensitivityError(f"no feature `{feature}` in these results{reason} ({advice})")
 
 
 def _check_computed(results: "Results", jobs: "pd.DataFrame") -> None:
     missing = int((jobs["status"] == "missing").sum())
     if missing:
         plan = results.plan
-        again = command_line("run", plan["file"], results.path, plan["overrides"], plan["quick"])
-        raise SensitivityError(f"{missing} of {len(jobs)} jobs are not computed yet: {again}")
+        command = command_line("run", plan["file"], results.path, plan["overrides"], plan["quick"])
+        raise SensitivityError(f"{missing} of {len(jobs)} jobs are not computed yet: {command}")
 
 
-def _check_enough(kept: Blocks) -> None:
-    if len(kept.values) < LEAST_BLOCKS:
-        losses = kept.losses() or f"the design has n: {kept.planned}"
+def _check_enough(blocks: Blocks) -> None:
+    if len(blocks.values) < MIN_BLOCKS:
+        losses = blocks.losses() or f"the design has n: {blocks.planned}"
         raise SensitivityError(f"too few blocks for an interval ({losses}): raise `n`")
-    if np.ptp(kept.values) == 0.0:
-        raise SensitivityError(f"`{kept.feature}` is the same in all jobs, so it has no variance")
+    if np.ptp(blocks.values) == 0.0:
+        raise SensitivityError(f"`{blocks.feature}` is the same in all jobs, so it has no variance")

@@ -68,7 +68,7 @@ class Indices(NamedTuple):
 
     first: Estimate
     total: Estimate
-    together: Estimate
+    interaction: Estimate
 
 
 def indices(blocks: Array) -> Array:
@@ -90,24 +90,24 @@ def indices(blocks: Array) -> Array:
         unit = f / np.sqrt((f**2).mean(axis=0))
         a, b, mixed = unit[:, :1], unit[:, 1:2], unit[:, 2:]
         r, c, e = (a * b).mean(), (b * mixed).mean(axis=0), (a * mixed).mean(axis=0)
-        alone = (c - r * e) / (1.0 - r**2)
+        first_order = (c - r * e) / (1.0 - r**2)
         steps = blocks[:, :1] - blocks[:, 2:]
         total = (steps**2).mean(axis=0) / (2.0 * blocks[:, :2].var())
-    return np.stack([alone, total])
+    return np.stack([first_order, total])
 
 
 def estimate_indices(blocks: Array) -> Indices:
     """Compute the indices of blocks, as ``indices`` does, with intervals."""
-    estimates = estimate(_all, blocks)
+    estimates = estimate(_all_indices, blocks)
     d = blocks.shape[1] - 2
     parts = (slice(d), slice(d, 2 * d), slice(2 * d, None))
     return Indices(*(Estimate(*(ends[part] for ends in estimates)) for part in parts))
 
 
-def _all(blocks: Array) -> Array:
+def _all_indices(blocks: Array) -> Array:
     """Concatenate first-order indices, total indices and 1 - sum S_j into (2 d + 1,)."""
-    alone, total = indices(blocks)
-    return np.concatenate([alone, total, [1.0 - alone.sum()]])
+    first_order, total = indices(blocks)
+    return np.concatenate([first_order, total, [1.0 - first_order.sum()]])
 
 
 class Effects(NamedTuple):
@@ -125,9 +125,9 @@ def elementary(points: Array, values: Array) -> Array:
     and each parameter changes once.
     """
     steps, changes = np.diff(points, axis=1), np.diff(values, axis=1)
-    moved = np.argmax(steps != 0.0, axis=1)  # (n, d): step that changes each parameter
-    lengths = np.take_along_axis(steps, moved[:, None, :], axis=1)[:, 0, :]
-    return np.asarray(np.take_along_axis(changes, moved, axis=1) / lengths)
+    changed_step = np.argmax(steps != 0.0, axis=1)  # (n, d): step that changes each parameter
+    lengths = np.take_along_axis(steps, changed_step[:, None, :], axis=1)[:, 0, :]
+    return np.asarray(np.take_along_axis(changes, changed_step, axis=1) / lengths)
 
 
 def estimate_effects(points: Array, values: Array) -> Effects:

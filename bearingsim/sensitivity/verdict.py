@@ -6,7 +6,7 @@ import numpy as np
 
 from bearingsim.sensitivity.estimates import Effects, Estimate, Indices
 
-LITTLE = 0.05
+NEGLIGIBLE_SHARE = 0.05
 """Share of the variance or of the largest effect below which a parameter is negligible."""
 
 
@@ -16,20 +16,28 @@ def indices_text(indices: Indices, feature: str, paths: Sequence[str]) -> str:
         f"`{paths[row]}`, total index {_interval(indices.total, row)}, alone {_interval(indices.first, row)}"
         for row in leaders(indices.total)
     ]
-    weak = _weak(negligible(indices.total, 1.0), paths, "the variance")
-    return " ".join([_deciding(texts, feature, len(paths)), *weak, _together(indices.together)])
+    negligible_texts = _negligible_text(negligible(indices.total, 1.0), paths, "the variance")
+    return " ".join(
+        [_dominant_text(texts, feature, len(paths)), *negligible_texts, _interaction_text(indices.interaction)]
+    )
 
 
 def effects_text(effects: Effects, feature: str, paths: Sequence[str], unit: str = "", factor: float = 1.0) -> str:
     """Describe the influential parameters of a feature, by Morris effects; factor: from SI to ``unit``."""
-    sized = Estimate(*(factor * ends for ends in effects.magnitude))
+    scaled = Estimate(*(factor * ends for ends in effects.magnitude))
     strongest = leaders(effects.magnitude)
-    texts = [f"`{paths[row]}`, mu* {_interval(sized, row)}{f' {unit}' * bool(unit)}" for row in strongest]
-    weak = _weak(negligible(effects.magnitude, effects.magnitude.low[strongest[0]]), paths, "that")
+    texts = [f"`{paths[row]}`, mu* {_interval(scaled, row)}{f' {unit}' * bool(unit)}" for row in strongest]
+    negligible_texts = _negligible_text(
+        negligible(effects.magnitude, effects.magnitude.low[strongest[0]]), paths, "that"
+    )
     slope = np.maximum(np.abs(effects.mean.low), np.abs(effects.mean.high))
-    bent = [f"`{paths[row]}`" for row in strongest if effects.spread.low[row] > slope[row]]
-    nonlinear = [f"The effect of {_listed(bent)} is nonlinear or depends on other parameters (sigma exceeds mu)."]
-    return " ".join([_deciding(texts, feature, len(paths)), *weak, *nonlinear * bool(bent)])
+    nonlinear_paths = [f"`{paths[row]}`" for row in strongest if effects.spread.low[row] > slope[row]]
+    nonlinear = [
+        f"The effect of {_join(nonlinear_paths)} is nonlinear or depends on other parameters (sigma exceeds mu)."
+    ]
+    return " ".join(
+        [_dominant_text(texts, feature, len(paths)), *negligible_texts, *nonlinear * bool(nonlinear_paths)]
+    )
 
 
 def leaders(ranked: Estimate) -> list[int]:
@@ -38,14 +46,14 @@ def leaders(ranked: Estimate) -> list[int]:
     return [int(row) for row in rows if ranked.high[row] >= ranked.low[rows[0]]]
 
 
-def negligible(ranked: Estimate, whole: float) -> list[int]:
-    """List the parameters whose intervals lie below ``LITTLE`` times ``whole``."""
-    return [int(row) for row in np.flatnonzero(ranked.high < LITTLE * whole)]
+def negligible(ranked: Estimate, total: float) -> list[int]:
+    """List the parameters whose intervals lie below ``NEGLIGIBLE_SHARE`` times ``total``."""
+    return [int(row) for row in np.flatnonzero(ranked.high < NEGLIGIBLE_SHARE * total)]
 
 
-def _deciding(texts: Sequence[str], feature: str, many: int) -> str:
-    """Describe the most influential of ``many`` parameters; texts: one for each influential parameter."""
-    if 1 < len(texts) == many:
+def _dominant_text(texts: Sequence[str], feature: str, count: int) -> str:
+    """Describe the most influential of ``count`` parameters; texts: one for each influential parameter."""
+    if 1 < len(texts) == count:
         listed = "; ".join(texts)
         return f"No parameter clearly dominates {feature}, because all intervals overlap: {listed}."
     if len(texts) == 1:
@@ -54,31 +62,31 @@ def _deciding(texts: Sequence[str], feature: str, many: int) -> str:
     return f"{len(texts)} parameters dominate {feature}, with overlapping intervals: {listed}."
 
 
-def _weak(rows: Sequence[int], paths: Sequence[str], whole: str) -> Iterator[str]:
+def _negligible_text(rows: Sequence[int], paths: Sequence[str], total: str) -> Iterator[str]:
     if rows:
-        named = _listed([f"`{paths[row]}`" for row in rows])
+        names = _join([f"`{paths[row]}`" for row in rows])
         verb = "is" if len(rows) == 1 else "are"
-        yield f"{named} {verb} negligible, below {100 * LITTLE:.0f} % of {whole}."
+        yield f"{names} {verb} negligible, below {100 * NEGLIGIBLE_SHARE:.0f} % of {total}."
 
 
-def _together(rest: Estimate) -> str:
+def _interaction_text(interaction: Estimate) -> str:
     """Describe the interactions, from 1 minus the sum of the first-order indices."""
-    share = f"1 - sum of first indices = {_interval(rest, 0)}"
-    if rest.low > 0.0:
+    share = f"1 - sum of first indices = {_interval(interaction, 0)}"
+    if interaction.low > 0.0:
         return f"Parameters interact ({share}), so varying one at a time is not enough."
     return f"Interactions of parameters are not significant ({share})."
 
 
 def _interval(estimate: Estimate, row: int) -> str:
     """Format a value and its interval: `0.71 (0.52 to 0.97)`."""
-    value, low, high = (_short(float(ends[row])) for ends in estimate)
+    value, low, high = (_format(float(ends[row])) for ends in estimate)
     return f"{value} ({low} to {high})"
 
 
-def _short(value: float) -> str:
+def _format(value: float) -> str:
     return f"{value:z.2f}" if abs(value) < 10.0 else f"{value:.3g}"
 
 
-def _listed(texts: Sequence[str]) -> str:
+def _join(texts: Sequence[str]) -> str:
     """Join words: `a`, `a and b`, `a, b and c`."""
     return " and ".join(filter(None, [", ".join(texts[:-1]), *texts[-1:]]))

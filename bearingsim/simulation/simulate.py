@@ -44,7 +44,7 @@ from bearingsim.simulation.settling import has_free_cage
 from bearingsim.simulation.start_error import StartErrors, start_errors
 from bearingsim.simulation.step_check import StepCheck
 from bearingsim.simulation.sufficiency import Inspections
-from bearingsim.simulation.trial import Against, Trial
+from bearingsim.simulation.trial import ReferenceValues, Trial
 
 T = TypeVar("T")
 
@@ -116,7 +116,11 @@ def simulate(case: Case) -> Record:
 
 
 def try_out(
-    case: Case, requested: Sequence[str], passes: int, turn: float = 0.0, against: Against | None = None
+    case: Case,
+    requested: Sequence[str],
+    passes: int,
+    turn: float = 0.0,
+    reference_values: ReferenceValues | None = None,
 ) -> tuple[Trial, Record | None]:
     """Return the first ball passes of a case, to compare its model with others (``trial.py``).
 
@@ -126,7 +130,9 @@ def try_out(
     `step_check` is strict or false. Raises like ``simulate``.
     """
     start = Usage.now()
-    return _first_sound_attempt(case, lambda attempt: _try_out(attempt, requested, passes, turn, start, against))
+    return _first_sound_attempt(
+        case, lambda attempt: _try_out(attempt, requested, passes, turn, start, reference_values)
+    )
 
 
 def _first_sound_attempt(case: Case, compute: Callable[[choice.Attempt], T]) -> T:
@@ -205,13 +211,13 @@ def _try_out(
     passes: int,
     turn: float,
     start: Usage,
-    against: Against | None,
+    reference_values: ReferenceValues | None,
 ) -> tuple[Trial, Record | None]:
     """Compute the first passes of a case by one attempt, and its record if the passes complete it."""
     case, step_fraction, _ = attempt
     needs_record = case.step_check not in ("strict", False)
     setup, refined_raw, check = set_up(case, step_fraction), None, None
-    may_end = against is not None and bool(Inspections(setup).passes)
+    may_end = reference_values is not None and bool(Inspections(setup).passes)
     if needs_record and case.checks_step and choice.has_automatic_step(case) and (may_end or may_repeat(case)):
         refinement = refine_step(case, step_fraction) if may_end else refine_periodic(case, step_fraction)
         if refinement is not None:
@@ -222,7 +228,11 @@ def _try_out(
             inspections, refined_raw, check, start
         )
     max_passes = trial.last_pass(setup, min(passes, trial.most_passes(setup.case)))
-    inspection = None if against is None or may_end else _trial_inspection(setup, requested, turn, against)
+    inspection = (
+        None
+        if reference_values is None or may_end
+        else _trial_inspection(setup, requested, turn, reference_values)
+    )
     if may_end:
         raw = integrate(setup, max_passes=max(max_passes, min(inspections.passes)), inspector=inspections)
         passes = min(passes, recording.whole_passes(inspections.ended_setup(raw).case, setup.cut))
@@ -246,12 +256,14 @@ def _completes_record(inspections: Inspections, raw: RawRecord, may_end: bool) -
     return may_end and computed in inspections.passes and inspections.ends(raw)
 
 
-def _trial_inspection(setup: Setup, requested: Sequence[str], turn: float, against: Against) -> Inspection:
+def _trial_inspection(
+    setup: Setup, requested: Sequence[str], turn: float, reference_values: ReferenceValues
+) -> Inspection:
     """Return the inspection that ends a trial far from the reference after ``INSPECTION_TURNS`` cage turns."""
     passes = trial.INSPECTION_TURNS * setup.model.bearing.Z
     return Inspection(
         (trial.last_pass(setup, passes),),
-        lambda raw: against.is_far(trial.read_trial(setup, raw, requested, passes, turn)),
+        lambda raw: reference_values.is_far(trial.read_trial(setup, raw, requested, passes, turn)),
     )
 
 

@@ -101,14 +101,14 @@ def feature_errors(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> di
     case, cut = setup.case, setup.cut
     passes = whole_passes(case, cut)
     start, length = first_sample(case, cut), passes * cut.fine_per_pass + 1
-    spans = trial.spans_of(passes, float(ending.unit(case)), cut.fine_per_pass)
+    spans = trial.turn_spans(passes, float(ending.unit(case)), cut.fine_per_pass)
     if len(spans) <= MIN_BATCHES:
         return dict.fromkeys(requested, inf)
     low = raw.through(sampling_kernel(cut.fine_rate / case.sampling))
     fine = cache(partial(sensor_samples, case, raw, start=start, count=length))
     angles = angles_of_record(case, setup.model, cut, raw, start, length)
     window_features = [name for name in requested if not (has_other_lines(case) and _harmonic(name))]
-    lines, powers = trial.parts_of_features(
+    lines, powers = trial.feature_parts(
         setup,
         window_features,
         fine,

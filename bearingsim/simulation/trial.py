@@ -28,19 +28,19 @@ from bearingsim.simulation.spectral_lines import SampleAngles
 
 MIN_PASSES, TURNS = 16, 4
 """Smallest numbers of ball passes, and of turns of every defect through the load zone, that are compared."""
-MOST_PART = 0.5
+MAX_FRACTION = 0.5
 """Largest part of a record that is compared. A longer trial would cost as much as the run that it may save."""
 CAGE_TURNS = 5
 """Smallest number of turns of a free cage that are compared. Tens of successive passes are correlated: the
 standard error of a line is 0.9 % over 16 passes and 0.3 % over 64 (100 N, 3000 rpm)."""
 INSPECTION_TURNS = 2
 """Turns of the cage after which a trial may end because it is far from the reference."""
-SPARE = 1e-9  # s, margin for rounding in a duration that must contain a number of passes
+ROUNDING_MARGIN = 1e-9  # s, margin for rounding in a duration that must contain a number of passes
 MAIN_LOBE, NEAR = 2.0, 4.0
 """Half width of the main lobe of Hann's window, and distance beyond which its response is under 0.6 %, in turns.
 The amplitudes of lines closer than the latter are solved for jointly."""
 LARGEST_FORCE = "outer_force.max"
-LEAST_OVERLAP_EIGENVALUE = 0.1
+MIN_OVERLAP_EIGENVALUE = 0.1
 """Smallest eigenvalue of the overlap matrix of jointly solved lines; there, noise is amplified threefold."""
 
 
@@ -65,57 +65,59 @@ class Trial:
     step: float = 0.0
 
     @property
-    def is_whole(self) -> bool:
+    def is_consistent(self) -> bool:
         """Consistency of the lengths of all arrays with the numbers of passes and turns."""
         parts = {len(values) for values in (*self.lines.values(), *self.powers.values())}
-        return parts <= {parts_of(self.turns)} and len(self.forces) == self.passes >= self.turns
+        return parts <= {part_count(self.turns)} and len(self.forces) == self.passes >= self.turns
 
-    def tells(self, requested: Iterable[str]) -> bool:
+    def has_features(self, requested: Iterable[str]) -> bool:
         """Check if the trial has all requested lines and RMS values; it always has the largest force."""
         return all(name in self.lines or name in self.powers for name in requested if name != LARGEST_FORCE)
 
 
 @dataclass(frozen=True)
-class Against:
+class ReferenceValues:
     """Reference values with which a trial is compared, and may end early.
 
-    values: lines and RMS values (SI) by feature; most: differences (SI) beyond which the trial ends.
+    values: lines and RMS values (SI) by feature; limits: differences (SI) beyond which the trial ends.
     """
 
     values: Mapping[str, float]
-    most: Mapping[str, float]
+    limits: Mapping[str, float]
 
     def is_far(self, trial: "Trial") -> bool:
-        """Check if a trial differs by more than ``most`` in any feature."""
-        own = {name: float(abs(parts[0])) for name, parts in trial.lines.items()}
-        own |= {name: float(np.sqrt(parts[0])) for name, parts in trial.powers.items()}
-        return any(abs(own[name] - value) > self.most[name] for name, value in self.values.items() if name in own)
+        """Check if a trial differs by more than ``limits`` in any feature."""
+        values = {name: float(abs(parts[0])) for name, parts in trial.lines.items()}
+        values |= {name: float(np.sqrt(parts[0])) for name, parts in trial.powers.items()}
+        return any(
+            abs(values[name] - value) > self.limits[name] for name, value in self.values.items() if name in values
+        )
 
 
-def passes_to_try(case: Case, loose: bool = False) -> int:
+def trial_passes(case: Case, has_free_cage: bool = False) -> int:
     """Return the number of ball passes over which the model of a case is compared with the reference.
 
-    loose: whether the reference has a free cage, which needs ``CAGE_TURNS`` even if the record is shorter.
+    has_free_cage: whether the reference has a free cage, which needs ``CAGE_TURNS`` even if the record is shorter.
     """
     rate = case.bearing.ball_pass_frequency(case.speed)
-    wanted = max(MIN_PASSES, ceil(TURNS * defect_turn(case) * rate), ceil(PILOT_FRACTION * case.duration * rate))
-    return max(min(wanted, most_passes(case)), loose * CAGE_TURNS * case.bearing.rollers)
+    passes = max(MIN_PASSES, ceil(TURNS * defect_turn(case) * rate), ceil(PILOT_FRACTION * case.duration * rate))
+    return max(min(passes, most_passes(case)), has_free_cage * CAGE_TURNS * case.bearing.rollers)
 
 
 def most_passes(case: Case) -> int:
     """Return the largest number of ball passes in a trial of a case whose motion is not periodic, at least 1."""
-    return max(int(MOST_PART * case.duration * case.bearing.ball_pass_frequency(case.speed)), 1)
+    return max(int(MAX_FRACTION * case.duration * case.bearing.ball_pass_frequency(case.speed)), 1)
 
 
-def tells_friction(case: Case) -> bool:
+def shows_friction(case: Case) -> bool:
     """Check if the record of a case contains enough turns of a free cage to show the effect of friction."""
     return case.duration >= CAGE_TURNS * cage_turn(case)
 
 
-def long_enough(case: Case) -> Case:
+def lengthen_for_trial(case: Case) -> Case:
     """Return the case with a record long enough for a trial of a free cage."""
     return case.model_copy(
-        update={"duration": max(case.duration, CAGE_TURNS * cage_turn(case) / MOST_PART + SPARE)}
+        update={"duration": max(case.duration, CAGE_TURNS * cage_turn(case) / MAX_FRACTION + ROUNDING_MARGIN)}
     )
 
 
@@ -141,75 +143,79 @@ def read_trial(setup: Setup, raw: RawRecord, requested: Sequence[str], passes: i
     start, length = recording.first_sample(case, cut), passes * cut.fine_per_pass + 1
     fine = raw.read(start, length, spectral_lines.feature_rows(case))
     rows = low_pass_rows(setup, raw, start, length) if case.antialias else fine
-    turning = spectral_lines.sample_angles(setup.model, cut, start, np.zeros(length))
+    angles = spectral_lines.sample_angles(setup.model, cut, start, np.zeros(length))
     turn = max(1.0, turn * cut.rate)  # in ball passes
-    spans = spans_of(passes, turn, cut.fine_per_pass)
-    along = partial(spectral_lines.sensor_series, case)
-    lines, powers = parts_of_features(setup, requested, partial(along, fine), partial(along, rows), turning, spans)
-    before = ceil(start / cut.fine_per_pass)
+    spans = turn_spans(passes, turn, cut.fine_per_pass)
+    series = partial(spectral_lines.sensor_series, case)
+    lines, powers = feature_parts(setup, requested, partial(series, fine), partial(series, rows), angles, spans)
+    start_pass = ceil(start / cut.fine_per_pass)
     peaks = raw.peaks[:, FORCE]
-    sources = [int(p) if p < len(peaks) else int(raw.repetition.source(p)) for p in range(before, before + passes)]
+    sources = [
+        int(p) if p < len(peaks) else int(raw.repetition.source(p)) for p in range(start_pass, start_pass + passes)
+    ]
     step = float(setup.method.rtol) if assemble.is_adaptive(case) else cut.step
-    stepped = (case.method, step) if case.method is not None else ("", 0.0)
+    method_and_step = (case.method, step) if case.method is not None else ("", 0.0)
     periodic = raw.repetition.period > 0
-    return Trial(passes, whole_turns(passes, turn), periodic, lines, powers, peaks[sources], *stepped)
+    return Trial(passes, whole_turns(passes, turn), periodic, lines, powers, peaks[sources], *method_and_step)
 
 
-def parts_of_features(
+def feature_parts(
     setup: Setup,
     requested: Sequence[str],
     fine: Callable[[str], np.ndarray],
     low: Callable[[str], np.ndarray],
-    turning: SampleAngles,
+    angles: SampleAngles,
     spans: Sequence[slice],
 ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     """Return amplitudes of requested lines and mean squares of requested RMS values, over each of ``spans``.
 
     fine, low: functions that return the series (n,) of a quantity along the sensor, unfiltered and low-passed;
-    turning: angles (n,) at the same samples.
+    angles: angles (n,) at the same samples.
     """
     case, fs = setup.case, setup.cut.fine_rate
     lines, powers = {}, {}
     for name in requested:
         quantity, _, line = name.partition("@")
-        banded = read_band(name)
-        if banded is not None:
-            series, band = fine(banded.quantity), band_of(case, banded)
-            if banded.line:
+        band_feature = read_band(name)
+        if band_feature is not None:
+            series, band = fine(band_feature.quantity), band_of(case, band_feature)
+            if band_feature.line:
                 envelope = signals.squared_envelope(series, fs, band)
-                lines[name] = amplitudes(envelope, angles_near(case, turning, banded.line, spans[-1]), spans)
+                lines[name] = amplitudes(
+                    envelope, nearby_angles(case, angles, band_feature.line, spans[-1]), spans
+                )
             else:
                 powers[name] = np.square([signals.band_rms(series[span], fs, band) for span in spans])
         elif line:
-            lines[name] = amplitudes(fine(quantity), angles_near(case, turning, line, spans[-1]), spans)
+            lines[name] = amplitudes(fine(quantity), nearby_angles(case, angles, line, spans[-1]), spans)
         elif name.endswith(".rms"):
             series = low(name.removesuffix(".rms"))
             powers[name] = np.array([mean_square(series[span]) for span in spans])
     return lines, powers
 
 
-def stepped_alike(case: Case, trial: Trial) -> Case:
+def with_trial_step(case: Case, trial: Trial) -> Case:
     """Return a case with the method and the step (or tolerance) of a trial, without step check."""
-    fixed: dict[str, Any] = {"step_check": False}
+    settings: dict[str, Any] = {"step_check": False}
     if trial.method:
-        fixed |= {"method": trial.method}
-        fixed |= {"tolerance" if METHODS[trial.method].adaptive else "step": trial.step}
-    return case.model_copy(update=fixed)
+        settings |= {"method": trial.method}
+        settings |= {"tolerance" if METHODS[trial.method].adaptive else "step": trial.step}
+    return case.model_copy(update=settings)
 
 
-def spans_of(passes: int, turn: float, per_pass: int) -> list[slice]:
+def turn_spans(passes: int, turn: float, per_pass: int) -> list[slice]:
     """Return slices of a trial's fine samples: all whole turns, then each pair of successive turns.
 
     turn: in ball passes. With fewer than three turns, only the whole trial is returned.
     """
     turns = whole_turns(passes, turn)
-    if parts_of(turns) == 1:
+    if part_count(turns) == 1:
         return [slice(0, passes * per_pass)]
     ends = [round(n * turn * per_pass) for n in range(turns + 1)]
     return [slice(0, ends[-1]), *(slice(a, b) for a, b in zip(ends, ends[2:], strict=False))]
 
 
-def parts_of(turns: int) -> int:
+def part_count(turns: int) -> int:
     """Return the number of values of a line in a trial: one over all ``turns``, and one per pair of turns."""
     return turns if turns >= 3 else 1
 
@@ -219,46 +225,48 @@ def whole_turns(passes: int, turn: float) -> int:
     return floor(passes / turn + ROUNDING)
 
 
-def angles_near(case: Case, turning: SampleAngles, name: str, span: slice) -> np.ndarray:
+def nearby_angles(case: Case, sample_angles: SampleAngles, name: str, span: slice) -> np.ndarray:
     """Return the angles (1 + L, n) of a line and of L excited lines too near to resolve over ``span``."""
-    angles = {line: turning.phase(LINES[line], case.bearing.rollers) for line in (name, *excited(case))}
+    angles = {
+        line: sample_angles.phase(LINES[line], case.bearing.rollers) for line in (name, *excited_lines(case))
+    }
     turns = {line: float(angle[span][-1] - angle[span][0]) / (2.0 * pi) for line, angle in angles.items()}
     return np.stack([angles[line] for line in angles if abs(turns[line] - turns[name]) < NEAR])
 
 
-def excited(case: Case) -> list[str]:
+def excited_lines(case: Case) -> list[str]:
     """Return the lines at which a case vibrates, due to its defects and to the passing rollers."""
     races = {defect.race for defect in case.defects}
 
-    def is_there(line: Line) -> bool:
+    def is_excited(line: Line) -> bool:
         of_inner, of_rollers = line.inner or line.shaft, line.spin or line.cage
         return not (of_inner and "inner" not in races) and not (of_rollers and "roller" not in races)
 
-    return [name for name, line in LINES.items() if is_there(line)]
+    return [name for name, line in LINES.items() if is_excited(line)]
 
 
 def amplitudes(series: np.ndarray, angles: np.ndarray, spans: Sequence[slice]) -> np.ndarray:
     """Return the complex amplitudes (spans,) of a line, without the contribution of nearby lines.
 
-    Nearby lines are solved for over the whole series and subtracted. angles: as from ``angles_near``. All
+    Nearby lines are solved for over the whole series and subtracted. angles: as from ``nearby_angles``. All
     amplitudes are NaN if the whole series does not resolve the lines from each other or from the mean.
     """
-    whole = solved(series, angles, spans[0])
-    if np.isnan(whole[0]):
-        return np.full(len(spans), whole[0])
-    alone = series - (whole[1:] @ np.exp(1j * angles[1:])).real
-    return np.array([whole[0], *(solved(alone, angles[:1], span)[0] for span in spans[1:])])
+    complete = solve_lines(series, angles, spans[0])
+    if np.isnan(complete[0]):
+        return np.full(len(spans), complete[0])
+    residual = series - (complete[1:] @ np.exp(1j * angles[1:])).real
+    return np.array([complete[0], *(solve_lines(residual, angles[:1], span)[0] for span in spans[1:])])
 
 
-def solved(series: np.ndarray, angles: np.ndarray, span: slice) -> np.ndarray:
+def solve_lines(series: np.ndarray, angles: np.ndarray, span: slice) -> np.ndarray:
     """Solve for the complex amplitudes (1 + L,) of lines (SI) under Hann's window; NaN if not resolved."""
-    turning, x = np.exp(-1j * angles[:, span]), series[span]
+    carriers, x = np.exp(-1j * angles[:, span]), series[span]
     weights = hann(len(x))
-    overlap = (turning * weights) @ turning.conj().T
+    overlap = (carriers * weights) @ carriers.conj().T
     turns = abs(angles[0, span][-1] - angles[0, span][0]) / (2.0 * pi) * len(x) / (len(x) - 1)
-    if np.linalg.eigvalsh(overlap)[0] < LEAST_OVERLAP_EIGENVALUE or turns < MAIN_LOBE * (1.0 - ROUNDING):
+    if np.linalg.eigvalsh(overlap)[0] < MIN_OVERLAP_EIGENVALUE or turns < MAIN_LOBE * (1.0 - ROUNDING):
         return np.full(len(angles), complex(np.nan, np.nan))
-    return np.linalg.solve(overlap, 2.0 * (turning * weights) @ (x - weights @ x))
+    return np.linalg.solve(overlap, 2.0 * (carriers * weights) @ (x - weights @ x))
 
 
 def mean_square(series: np.ndarray) -> float:

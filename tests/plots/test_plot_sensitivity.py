@@ -5,7 +5,7 @@ import pytest
 from matplotlib.container import BarContainer, ErrorbarContainer
 
 from bearingsim.plots.sensitivity import figure
-from bearingsim.sensitivity import analysed, collect_blocks
+from bearingsim.sensitivity import analyse, collect_blocks
 from bearingsim.store import open_results
 from tests.scenes.design_results import PATHS, SLOPES, computed
 
@@ -13,7 +13,7 @@ LINE = "velocity@BPFO"
 
 
 def sheet(results, *features):
-    answers = [(blocks, analysed(blocks)) for blocks in (collect_blocks(results, name) for name in features)]
+    answers = [(blocks, analyse(blocks)) for blocks in (collect_blocks(results, name) for name in features)]
     return figure(results, answers), answers
 
 

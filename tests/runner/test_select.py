@@ -18,7 +18,7 @@ from bearingsim.cli.plan import plan_of
 from bearingsim.cli.remarks import model_choices as choice_remarks
 from bearingsim.runner import Interrupted, RunSummary, run
 from bearingsim.runner.select import MissingChoices, choose_models
-from bearingsim.selection import Choosing
+from bearingsim.selection import ModelSelector
 from bearingsim.selection.choices import key
 from bearingsim.study import Study, case_id, load_study
 from tests.scenes import trials
@@ -444,12 +444,12 @@ def test_a_reference_that_repeats_itself_is_not_computed_again(
 
     monkeypatch.setattr(trials, "try_out", repeat)
     study, out = near(write), tmp_path / "out"
-    assert len(Choosing(study, range(3)).wanted({})) == 3
+    assert len(ModelSelector(study, range(3)).next_trials({})) == 3
     summary = compute(study, out)
     assert (summary.planned, summary.resumed, summary.done) == (6, 0, 6)  # none by an earlier run
     trials_found = selection.read_trials(out)
     assert len(trials_found) == 3
-    assert Choosing(study, range(3)).wanted(trials_found) == []
+    assert ModelSelector(study, range(3)).next_trials(trials_found) == []
     assert [job.id for job in study.planned()][:3] == [case_id(case) for case in study.cases()]
 
 

@@ -14,8 +14,8 @@ import numpy as np
 from bearingsim import cli, runner, selection
 from bearingsim.config import Case
 from bearingsim.runner import Engine
-from bearingsim.selection import Trialled
-from bearingsim.simulation.trial import Against, Trial
+from bearingsim.selection import TrialRequest
+from bearingsim.simulation.trial import ReferenceValues, Trial
 from bearingsim.study import Study, load_study
 from tests.scenes.study_text import Write
 
@@ -75,20 +75,20 @@ def trial(
     return Trial(passes, passes, repeats, lines, powers, size * noise)
 
 
-Of = Callable[[Trialled], Trial | None]
+Of = Callable[[TrialRequest], Trial | None]
 
 
 def known(study: Study, of: Of) -> dict[str, Trial | None]:
     """The trials of a study, each as it is told."""
-    choosing, found = selection.Choosing(study, range(len(study.cases()))), dict[str, Trial | None]()
-    while wanted := choosing.wanted(found):
+    choosing, found = selection.ModelSelector(study, range(len(study.cases()))), dict[str, Trial | None]()
+    while wanted := choosing.next_trials(found):
         found |= {one.id: of(one) for one in wanted}
     return found
 
 
 def by_model(off: Mapping[str, float], **others: Any) -> Of:
     """Trials whose features are the load, times what a model makes of it."""
-    return lambda one: trial(one.case.load * off[one.case.model], names=one.asked, **others)
+    return lambda one: trial(one.case.load * off[one.case.model], names=one.features, **others)
 
 
 # The engine
@@ -101,7 +101,7 @@ def _log(what: str, case: Case) -> None:
 
 
 def try_out(
-    case: Case, asked: Sequence[str], passes: int, turn: float, against: Against | None = None
+    case: Case, asked: Sequence[str], passes: int, turn: float, against: ReferenceValues | None = None
 ) -> tuple[Trial, Any]:
     _log("try" if against is None else "rub", case)
     time.sleep(float(os.environ.get(SECONDS, "0")))

@@ -13,9 +13,9 @@ import pytest
 from bearingsim import selection
 from bearingsim.config import Case
 from bearingsim.config.sections.ring import MAX_HARMONICS
-from bearingsim.selection import Choice, Trialled, candidates, choices
+from bearingsim.selection import Choice, TrialRequest, candidates, choices
 from bearingsim.selection.choices import key
-from bearingsim.simulation.trial import Trial, stepped_alike
+from bearingsim.simulation.trial import Trial, with_trial_step
 from bearingsim.study import Study, case_id, load_study
 from tests.scenes.study_text import Write
 from tests.scenes.trials import HEAD, TEXT, Of, by_model, known, near, trial
@@ -31,7 +31,7 @@ SAID, HALF, QUARTER, SIXTH = candidates.SLICES
 def decided(study: Study, of: Of) -> list[Choice]:
     """What is chosen for each case of a study."""
     numbers = range(len(study.cases()))
-    found = selection.Choosing(study, numbers).decide(known(study, of)).choices
+    found = selection.ModelSelector(study, numbers).decide(known(study, of)).choices
     return [found[key(study, case)] for case in study.cases()]
 
 
@@ -74,8 +74,8 @@ def test_scatter_that_could_be_a_difference_counts_as_one(write: Write, dear: di
     """Two draws of 30 % scatter each agree by no luck within 5 %."""
     noisy = {model: number for number, model in enumerate(FAR)}
 
-    def of(one: Trialled) -> Trial:
-        whole = trial(one.case.load, one.passes + noisy[one.case.model], 0.3, names=one.asked)
+    def of(one: TrialRequest) -> Trial:
+        whole = trial(one.case.load, one.passes + noisy[one.case.model], 0.3, names=one.features)
         cut = {name: parts[: one.passes] for name, parts in whole.lines.items()}
         return replace(whole, passes=one.passes, turns=one.passes, lines=cut, forces=whole.forces[: one.passes])
 
@@ -85,8 +85,8 @@ def test_scatter_that_could_be_a_difference_counts_as_one(write: Write, dear: di
 def test_errors_count_over_the_largest_value_of_the_curve(write: Write, dear: dict[str, float]) -> None:
     """Rollers are 10 N off at each load: 6.7 % of 150 N, but 2.2 % of the 450 N at the curve's end."""
 
-    def of(one: Trialled) -> Trial:
-        return trial(one.case.load + {"planar": 0.0, "rollers": 10.0}.get(one.case.model, 1e3), names=one.asked)
+    def of(one: TrialRequest) -> Trial:
+        return trial(one.case.load + {"planar": 0.0, "rollers": 10.0}.get(one.case.model, 1e3), names=one.features)
 
     study = near(write)
     found = decided(study, of)
@@ -103,9 +103,9 @@ def test_a_model_that_saves_less_than_its_compiling_over_all_cases_is_not_tried(
     """`rollers` saves 7 s in each of three cases."""
     study, of = near(write), by_model(FAR | {"rollers": 1.01})
     dear |= {"ring": 10.0, "static": 10.0}  # save nothing
-    choosing = selection.Choosing(study, range(3), lambda case: compiling_s)
-    found = {one.id: of(one) for one in choosing.wanted({})}
-    wanted = choosing.wanted(found)
+    choosing = selection.ModelSelector(study, range(3), lambda case: compiling_s)
+    found = {one.id: of(one) for one in choosing.next_trials({})}
+    wanted = choosing.next_trials(found)
     assert {one.case.model for one in wanted} == ({"rollers"} if tried else set())
     chosen = choosing.decide(found | {one.id: of(one) for one in wanted}).choices.values()
     assert {one.candidate for one in chosen} == {"rollers" if tried else "reference"}
@@ -130,7 +130,7 @@ def test_a_reference_that_fails_is_left_to_its_job(write: Write, dear: dict[str,
     text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
     of = by_model(FAR | {"rollers": 1.0})
 
-    def failing(one: Trialled) -> Trial | None:
+    def failing(one: TrialRequest) -> Trial | None:
         fails = (
             one.case.model == "planar" and one.case.load == 300.0 and bool(one.case.defects) == (which == "own")
         )
@@ -157,10 +157,10 @@ def test_models_are_mixed_on_a_curve_only_where_that_saves_much(
     """Static does at two of three loads; rollers, at the third alone, save so much."""
     dear |= {"planar": 1.0, "rollers": 0.5, "static": (3.0 * share - 0.5) / 2.0, "ring": 1.0}
 
-    def of(one: Trialled) -> Trial:
+    def of(one: TrialRequest) -> Trial:
         low = one.case.load < 400.0
         off = {"planar": 1.0, "rollers": 1.5 if low else 1.0, "static": 1.0 if low else 1.5}
-        return trial(one.case.load * off.get(one.case.model, 9.0), names=one.asked)
+        return trial(one.case.load * off.get(one.case.model, 9.0), names=one.features)
 
     # one model for all is the reference
     assert taken(near(write), of) == (["static", "static", "rollers"] if mixed else ["reference"] * 3)
@@ -171,9 +171,9 @@ def test_a_reference_that_repeats_itself_is_the_answer(write: Write) -> None:
     of = by_model(FAR, repeats=True)
     found = known(study, of)
     assert len(found) == 3  # nothing else is tried
-    assert selection.Choosing(study, range(3)).wanted(found) == []
+    assert selection.ModelSelector(study, range(3)).next_trials(found) == []
     assert taken(study, of) == ["reference"] * 3
-    assert selection.Choosing(study, range(3)).decide(found).repeating == 3
+    assert selection.ModelSelector(study, range(3)).decide(found).repeating == 3
 
 
 @pytest.mark.parametrize(
@@ -189,7 +189,7 @@ def test_nothing_is_tried_that_costs_more_than_what_holds(
 ) -> None:
     models = set()
 
-    def of(one: Trialled) -> Trial | None:
+    def of(one: TrialRequest) -> Trial | None:
         models.add(one.case.model)
         return by_model(FAR | {"rollers": 1.01} | off)(one)
 
@@ -201,8 +201,8 @@ def test_what_is_not_known_is_not_held(write: Write, dear: dict[str, float]) -> 
     """A number that is none in one feature is not hidden by another that is near."""
     text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO, velocity.rms]}")
 
-    def of(one: Trialled) -> Trial:
-        found = trial(one.case.load, names=one.asked)
+    def of(one: TrialRequest) -> Trial:
+        found = trial(one.case.load, names=one.features)
         return replace(found, powers={"velocity.rms": math.nan * found.powers["velocity.rms"]})
 
     study = near(write, text)
@@ -225,9 +225,9 @@ def test_it_is_told_why_nothing_cheaper_is_taken(
 
 
 def test_a_case_whose_curve_keeps_it_from_a_cheaper_model_is_told_so(write: Write, dear: dict[str, float]) -> None:
-    def of(one: Trialled) -> Trial:
+    def of(one: TrialRequest) -> Trial:
         high = one.case.load > 400.0 and one.case.model != "planar"
-        return trial(one.case.load * (2.0 if high else 1.0), names=one.asked)
+        return trial(one.case.load * (2.0 if high else 1.0), names=one.features)
 
     found = decided(near(write), of)
     assert found[0].why == "the nearest cheaper model is 0 % off here, but over 4 % elsewhere on a curve"
@@ -242,10 +242,10 @@ NODES = 24
 def by_nodes(off: float, scatter: float = 0.0, **others: Any) -> Of:
     """Trials of rollers that hold, whose line doubled nodes change by a share."""
 
-    def of(one: Trialled) -> Trial:
+    def of(one: TrialRequest) -> Trial:
         more = 1.0 + off * (one.case.contact.length_nodes > NODES)
         size = one.case.load * more * {"planar": 1.0, "rollers": 1.01}.get(one.case.model, 9.0)
-        return trial(size, names=one.asked, scatter=scatter * (more > 1.0), **others)
+        return trial(size, names=one.features, scatter=scatter * (more > 1.0), **others)
 
     return of
 
@@ -260,7 +260,7 @@ def test_twice_the_nodes_of_the_choice_tell_the_error_of_its_discretisation(
     """
     of, tried = by_nodes(0.004, repeats=repeats), set()
 
-    def counted(one: Trialled) -> Trial | None:
+    def counted(one: TrialRequest) -> Trial | None:
         if one.case.contact.length_nodes > NODES:
             tried.add(one.case.load)
         return of(one)
@@ -279,7 +279,7 @@ def test_shapes_on_one_curve_have_discretisation_errors_of_their_own(write: Writ
     text = TEXT.replace("load: [150 N, 300 N, 450 N]", f"zip: {{load: [{loads}], defect.shape: [{shapes}]}}")
     tried: set[float] = set()
 
-    def of(one: Trialled) -> Trial | None:
+    def of(one: TrialRequest) -> Trial | None:
         finer = one.case.contact.length_nodes > NODES
         tried.update([one.case.load] * finer)
         spall = bool(one.case.defects) and one.case.defects[0].shape == "spall"
@@ -310,7 +310,7 @@ def test_what_twice_the_nodes_do_is_unknown_where_their_trial_fails(write: Write
     [("rectangular", False), ("triangular", False), ("circular", True), ("elliptical", True), ("spall", True)],
 )
 def test_nodes_are_doubled_where_a_defect_varies_along_the_roller(write: Write, shape: str, varies: bool) -> None:
-    other = candidates.recut(near(write, TEXT.replace("rectangular", shape)).cases()[0])
+    other = candidates.with_other_nodes(near(write, TEXT.replace("rectangular", shape)).cases()[0])
     assert (other is not None) == varies
     assert other is None or (other[0].contact.length_nodes, other[0].contact.slices, other[1]) == (48, 24, 2.0)
 
@@ -318,25 +318,25 @@ def test_nodes_are_doubled_where_a_defect_varies_along_the_roller(write: Write, 
 def test_of_a_reference_slices_are_halved_and_harmonics_doubled_again(write: Write) -> None:
     """Twice the slices would be too many. Of what is judged by a reference that is in the error of the model."""
     leaning = candidates.reference(near(write, SPATIAL.replace("rectangular", "circular")).cases()[0])
-    other = candidates.recut(leaning)
+    other = candidates.with_other_nodes(leaning)
     assert other is not None
     assert (leaning.contact.slices, other[0].contact.slices, other[0].contact.length_nodes) == (48, 24, NODES)
     assert other[1] == 1.0
-    assert candidates.recut(leaning, judges=False) is None
+    assert candidates.with_other_nodes(leaning, is_reference=False) is None
     bending = candidates.reference(near(write, f"{TEXT}rig: {{ring: {RING}}}\n").cases()[0])
-    other = candidates.recut(bending)
+    other = candidates.with_other_nodes(bending)
     assert other is not None
     rings = [case.rig.ring for case in (bending, other[0])]
     assert [int(ring.harmonics) for ring in rings if ring is not None] == [32, min(MAX_HARMONICS, 64)]
     assert other[1] == 2.0
-    assert candidates.recut(bending, judges=False) is None
+    assert candidates.with_other_nodes(bending, is_reference=False) is None
 
 
 @pytest.mark.parametrize(("method", "step"), [("verlet", 1e-6), ("dop853", 1e-5), ("", 0.0)])
 def test_nodes_are_doubled_at_the_step_of_the_trial(write: Write, method: str, step: float) -> None:
     """Another step would have an error of its own. It has been taken before, and is not checked again."""
     case = near(write, BOWL).cases()[0]
-    found = stepped_alike(case, replace(trial(1.0), method=method, step=step))
+    found = with_trial_step(case, replace(trial(1.0), method=method, step=step))
     assert found.step_check is False
     assert (found.method, found.step, found.tolerance) == {
         "verlet": ("verlet", 1e-6, "auto"),
@@ -376,16 +376,16 @@ def test_what_two_cases_come_to_is_no_candidate(write: Write, dear: dict[str, fl
     text = f"{HEAD}load: 150 N\naccuracy: {{within: 5 %, of: [velocity.rms]}}\n{BENDS}"
     dear["static"] = 1.0
     found = names(write, f"{text}sweep: {{rig.ring: [{RING}, {RING.replace('16', '32')}]}}\n")
-    assert found == {candidates.AS_SAID: [0, 1], "static": [0, 1]}
+    assert found == {candidates.GIVEN_HARMONICS: [0, 1], "static": [0, 1]}
     other = names(write, f"{text}sweep: {{load: [150 N, 300 N]}}\n".replace("load: 150 N\n", ""))
-    assert list(other) == [candidates.AS_SAID, "8 harmonics", "static"]
+    assert list(other) == [candidates.GIVEN_HARMONICS, "8 harmonics", "static"]
 
 
 def test_what_changes_its_speed_is_left_to_the_reference(write: Write, dear: dict[str, float]) -> None:
     """Its first passes are at one speed."""
     assert names(write, SPATIAL) == {of: [0, 1, 2] for of in candidates.SLICES}
     study = near(write, SPATIAL + "ramp: {to: 7000 rpm, time: 0.1 s}\n")
-    assert selection.Choosing(study, range(3)).wanted({}) == []
+    assert selection.ModelSelector(study, range(3)).next_trials({}) == []
     assert [one.why for one in decided(study, by_model(FAR))] == ["no cheaper model can compute this"] * 3
 
 
@@ -402,7 +402,7 @@ def test_candidates_of_a_case_do_not_depend_on_its_neighbours(write: Write, dear
     found = {key(study, case): Choice(HALF, "spatial", "", {}) for case in study.cases()}
     more = near(write, text.replace("{slices: 20}]", "{slices: 20}, {slices: 40}]"))
     found |= {key(more, more.cases()[2]): Choice("reference", "spatial", "", {})}
-    assert [case.contact.slices for case in selection.chosen(more, found).cases()] == [5, 10, 48]
+    assert [case.contact.slices for case in selection.apply_choices(more, found).cases()] == [5, 10, 48]
 
 
 def test_a_ring_that_bends_is_judged_by_twice_its_harmonics(write: Write) -> None:
@@ -414,7 +414,7 @@ def test_a_ring_that_bends_is_judged_by_twice_its_harmonics(write: Write) -> Non
     assert own is not None
     assert above is not None
     assert int(above.harmonics) == 2 * int(own.harmonics)
-    assert list(candidates.ladder(case)) == [candidates.AS_SAID, "8 harmonics", "ring", "static"]
+    assert list(candidates.ladder(case)) == [candidates.GIVEN_HARMONICS, "8 harmonics", "ring", "static"]
     assert candidates.reference(near(write).cases()[0]) == near(write).cases()[0]
 
 
@@ -439,7 +439,7 @@ def test_slices_that_are_recorded_by_number_stay(write: Write) -> None:
 
 def with_choice(study: Study, candidate: str, error: Mapping[str, float] | None = None) -> Study:
     found = {key(study, case): Choice(candidate, candidate, "told", error or {}) for case in study.cases()}
-    return selection.chosen(study, found)
+    return selection.apply_choices(study, found)
 
 
 @pytest.mark.parametrize("model", ["rollers", "ring", "static", "reference"])
@@ -466,7 +466,7 @@ def test_some_are_audited_by_seed(write: Write) -> None:
     found = with_choice(study, "static")
     assert found.selection is not None
     audits = found.selection.audits
-    assert len(audits) == choices.FEWEST_AUDITED == 3
+    assert len(audits) == choices.MIN_AUDITED == 3
     references = {case_id(own): case_id(case) for own, case in zip(study.cases(), found.cases(), strict=True)}
     assert all(references[one.job.id] == one.of for one in audits)
     again = with_choice(near(write, text), "static").selection
@@ -506,7 +506,7 @@ def test_a_study_of_many_cases_is_made_otherwise_once_for_each_candidate(
     monkeypatch.setattr(Plan, "_otherwise", counted)
     study = near(write)
     found = known(study, by_model(FAR | {"rollers": 1.01}))
-    selection.chosen(study, selection.Choosing(study, range(3)).decide(found).choices)
+    selection.apply_choices(study, selection.ModelSelector(study, range(3)).decide(found).choices)
     assert len(calls) == 3
 
 
@@ -514,7 +514,9 @@ def test_choices_are_json(write: Write, tmp_path: Path, dear: dict[str, float]) 
     from bearingsim import store
 
     study = near(write)
-    found = selection.Choosing(study, range(3)).decide(known(study, by_model(FAR | {"rollers": 1.01}))).choices
+    found = (
+        selection.ModelSelector(study, range(3)).decide(known(study, by_model(FAR | {"rollers": 1.01}))).choices
+    )
     store.write_choices(tmp_path, found)
     assert store.read_choices(tmp_path) == found
     assert len(json.loads((tmp_path / "choices.json").read_text())["choices"]) == 3

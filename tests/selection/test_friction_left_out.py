@@ -6,11 +6,18 @@ import pytest
 
 from bearingsim import selection
 from bearingsim.config import Case
-from bearingsim.selection import Choice, Trialled, candidates
+from bearingsim.selection import Choice, TrialRequest, candidates
 from bearingsim.selection.candidates import WITH_FRICTION, with_friction
 from bearingsim.selection.choices import key
 from bearingsim.simulation import try_out
-from bearingsim.simulation.trial import CAGE_TURNS, INSPECTION_TURNS, Against, Trial, long_enough, passes_to_try
+from bearingsim.simulation.trial import (
+    CAGE_TURNS,
+    INSPECTION_TURNS,
+    ReferenceValues,
+    Trial,
+    lengthen_for_trial,
+    trial_passes,
+)
 from bearingsim.study import Study, case_id, load_study
 from tests.scenes.study_text import Write
 from tests.scenes.trials import TEXT, Of, known, near, trial
@@ -28,17 +35,17 @@ def is_free(case: Case) -> bool:
 def by_friction(change: float, off: Mapping[str, float] = OFF, repeats: bool = False) -> Of:
     """Trials whose features are the load, times what a model makes of it, and what friction changes."""
 
-    def of(one: Trialled) -> Trial:
+    def of(one: TrialRequest) -> Trial:
         free = is_free(one.case)
         size = one.case.load * off[one.case.model] * (1.0 + change * free)
-        return trial(size, names=one.asked, repeats=repeats and not free)
+        return trial(size, names=one.features, repeats=repeats and not free)
 
     return of
 
 
 def decided(study: Study, of: Of) -> list[Choice]:
     numbers = range(len(study.cases()))
-    found = selection.Choosing(study, numbers).decide(known(study, of)).choices
+    found = selection.ModelSelector(study, numbers).decide(known(study, of)).choices
     return [found[key(study, case)] for case in study.cases()]
 
 
@@ -60,7 +67,9 @@ def test_friction_that_changes_much_is_computed(write: Write, repeats: bool) -> 
     assert [one.candidate for one in found] == [WITH_FRICTION] * 3
     assert found[0].why == "friction changes velocity@BPFO by up to 4.5 % on its curve, over 4 %"
     assert [one.friction for one in found] == [{}] * 3
-    done = selection.chosen(study, selection.Choosing(study, range(3)).decide(known(study, of)).choices)
+    done = selection.apply_choices(
+        study, selection.ModelSelector(study, range(3)).decide(known(study, of)).choices
+    )
     named = OPEN.replace("accuracy: 5 %", "model: planar\nrecord: []\nuntil: 1.25 %")
     assert [case_id(case) for case in done.cases()] == [case_id(case) for case in load_study(write(named)).cases()]
     assert done.selection is not None
@@ -95,7 +104,7 @@ def test_it_is_tried_at_the_ends_of_a_curve_and_where_it_is_largest(write: Write
     study = near(write, OPEN.replace(LOADS, "150 N, 800 N, 200 N, 300 N, 450 N"))
     tried: set[float] = set()
 
-    def of(one: Trialled) -> Trial | None:
+    def of(one: TrialRequest) -> Trial | None:
         if is_free(one.case):
             tried.add(one.case.load)
         return by_friction(0.01 * one.case.load / 800.0, repeats=True)(one)
@@ -105,8 +114,8 @@ def test_it_is_tried_at_the_ends_of_a_curve_and_where_it_is_largest(write: Write
     assert [one.inferred for one in found] == [False, False, True, True, False]
     largest = found[1].friction[LINE]
     assert [one.friction[LINE] for one in found[2:4]] == [largest, largest]
-    choices = selection.Choosing(study, range(5)).decide(known(study, of)).choices
-    done = selection.chosen(study, choices)
+    choices = selection.ModelSelector(study, range(5)).decide(known(study, of)).choices
+    done = selection.apply_choices(study, choices)
     assert done.selection is not None
     ids = [case_id(case) for case in done.cases()]
     assert {one.of for one in done.selection.audits} == {ids[2], ids[3]}
@@ -118,7 +127,7 @@ def test_the_case_tried_with_friction_is_the_one_that_would_be_computed(write: W
     study = near(write, OPEN.replace("duration: 0.2 s", "duration: 0.5 s"))
     tried: list[Case] = []
 
-    def of(one: Trialled) -> Trial | None:
+    def of(one: TrialRequest) -> Trial | None:
         tried.extend([one.case] * is_free(one.case))
         return by_friction(0.1)(one)
 
@@ -134,7 +143,7 @@ def test_each_curve_is_judged_by_itself(write: Write) -> None:
     )
     study = near(write, text)
 
-    def of(one: Trialled) -> Trial | None:
+    def of(one: TrialRequest) -> Trial | None:
         wide = bool(one.case.defects) and one.case.defects[0].width > 5e-4
         return by_friction(0.1 if wide else 0.0)(one)
 
@@ -158,9 +167,9 @@ def test_a_record_of_too_few_turns_of_the_cage_is_computed_with_friction(write: 
 
 
 def test_too_few_turns_of_what_does_not_repeat_itself_are_not_compared(write: Write) -> None:
-    def of(one: Trialled) -> Trial:
+    def of(one: TrialRequest) -> Trial:
         assert not is_free(one.case)
-        return trial(one.case.load, CAGE_TURNS - 1, names=one.asked)
+        return trial(one.case.load, CAGE_TURNS - 1, names=one.features)
 
     found = decided(near(write, OPEN), of)
     assert [one.candidate for one in found] == [WITH_FRICTION] * 3
@@ -170,12 +179,12 @@ def test_too_few_turns_of_what_does_not_repeat_itself_are_not_compared(write: Wr
 def test_trials_beside_a_free_cage_count_whole_turns_of_it(write: Write) -> None:
     case = near(write, OPEN).cases()[0]
     Z, rate = case.bearing.rollers, case.bearing.ball_pass_frequency(case.speed)
-    first = selection.Choosing(near(write, OPEN), [0]).wanted({})[0]
-    assert first.passes == passes_to_try(case, loose=True) == CAGE_TURNS * Z
+    first = selection.ModelSelector(near(write, OPEN), [0]).next_trials({})[0]
+    assert first.passes == trial_passes(case, has_free_cage=True) == CAGE_TURNS * Z
     assert first.turn == pytest.approx(Z / rate)
-    assert passes_to_try(case) < CAGE_TURNS * Z
-    assert long_enough(case).duration * rate / 2.0 >= CAGE_TURNS * Z
-    assert long_enough(long_enough(case)).duration == long_enough(case).duration
+    assert trial_passes(case) < CAGE_TURNS * Z
+    assert lengthen_for_trial(case).duration * rate / 2.0 >= CAGE_TURNS * Z
+    assert lengthen_for_trial(lengthen_for_trial(case)).duration == lengthen_for_trial(case).duration
 
 
 # Computed
@@ -202,6 +211,8 @@ def test_a_trial_that_is_far_off_after_two_turns_of_the_cage_ends_there() -> Non
     assert (plain.passes, plain.turns, plain.repeats) == (passes, CAGE_TURNS, True)
     size = float(abs(plain.lines[LINE][0]))
     for most, turns in ((1e-6, INSPECTION_TURNS), (10.0, CAGE_TURNS)):
-        rubbing, _ = try_out(long_enough(free), [LINE], passes, turn, Against({LINE: size}, {LINE: most * size}))
+        rubbing, _ = try_out(
+            lengthen_for_trial(free), [LINE], passes, turn, ReferenceValues({LINE: size}, {LINE: most * size})
+        )
         assert (rubbing.turns, rubbing.passes, rubbing.repeats) == (turns, turns * Z, False)
-        assert rubbing.is_whole
+        assert rubbing.is_consistent

@@ -8,7 +8,7 @@ import pytest
 from scipy.special import stdtrit
 
 from bearingsim.selection.judge import error, value
-from bearingsim.simulation.trial import Trial, amplitudes, spans_of
+from bearingsim.simulation.trial import Trial, amplitudes, turn_spans
 from tests.scenes.trials import PASSES, trial
 
 LINE, RMS, FORCE = "velocity@BPFO", "velocity.rms", "outer_force.max"
@@ -43,7 +43,7 @@ def test_what_each_pass_adds_alike_is_off_by_just_that(feature: str) -> None:
 def windowed(noise: np.ndarray) -> Trial:
     """A trial of a line of noise: (turns, samples), read as a run's is."""
     turns, per_turn = noise.shape
-    spans = spans_of(turns, 1.0, per_turn)
+    spans = turn_spans(turns, 1.0, per_turn)
     angles = 2.0 * np.pi * 8.0 / per_turn * np.arange(noise.size)[np.newaxis]
     return Trial(turns, turns, False, {LINE: amplitudes(noise.ravel(), angles, spans)}, {}, np.ones(turns))
 

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from bearingsim.designs import block, cube
-from bearingsim.sensitivity import SensitivityError, analysed, collect_blocks, estimates
+from bearingsim.sensitivity import SensitivityError, analyse, collect_blocks, estimates
 from tests.scenes.closed_forms import ISHIGAMI
 
 LINE = "velocity@BPFO"
@@ -124,4 +124,4 @@ def test_what_varies_in_one_block_has_no_interval():
     """Draws without that block do not vary at all."""
     of_one = collect_blocks(results(of=lambda points: 1.0 * (np.arange(len(points)) == 1)), LINE)
     with pytest.raises(SensitivityError, match="varies in too few blocks"):
-        analysed(of_one)
+        analyse(of_one)

@@ -79,8 +79,8 @@ def test_what_acts_only_together_is_the_rest():
     d = 2
     f = np.prod(cube("saltelli", 4096, d, 1) - 0.5, axis=1).reshape(-1, d + 2)  # x y: nothing alone
     found = estimates.estimate_indices(f)
-    assert found.together.value == pytest.approx([1.0], abs=0.05)
-    assert found.together.low[0] > 0.9
+    assert found.interaction.value == pytest.approx([1.0], abs=0.05)
+    assert found.interaction.low[0] > 0.9
     assert found.total.value == pytest.approx([1.0, 1.0], abs=0.05)
 
 

@@ -14,8 +14,8 @@ from bearingsim.simulation.trial import (
     defect_turn,
     mean_square,
     most_passes,
-    passes_to_try,
-    spans_of,
+    trial_passes,
+    turn_spans,
 )
 from bearingsim.study import healthy_case
 from tests.scenes.short_cases import SLOT, case
@@ -59,7 +59,7 @@ def test_one_that_does_not_is_seen_in_its_first_passes(said: dict[str, bool]) ->
 
 def test_a_healthy_twin_is_cut_as_the_case_whose_defect_turns() -> None:
     damaged = case(defects=[SLOT | {"race": "inner"}], duration="0.25 s")
-    passes, turn = passes_to_try(damaged), defect_turn(damaged)
+    passes, turn = trial_passes(damaged), defect_turn(damaged)
     healthy = healthy_case(damaged)
     assert healthy is not None
     own, twin = (try_out(one, ("velocity@BPFI",), passes, turn)[0] for one in (damaged, healthy))
@@ -96,10 +96,10 @@ def test_a_strict_step_is_proven_by_the_run_itself() -> None:
 def test_enough_passes_are_tried_and_never_most_of_a_record(race: str, duration: str, passes: int) -> None:
     one = case(defects=[SLOT | {"race": race}], duration=duration)
     rate = one.bearing.ball_pass_frequency(one.speed)
-    assert passes_to_try(one) == pytest.approx(passes, abs=1)
-    assert passes_to_try(one) <= max(1.0, 0.5 * one.duration * rate)
+    assert trial_passes(one) == pytest.approx(passes, abs=1)
+    assert trial_passes(one) <= max(1.0, 0.5 * one.duration * rate)
     if one.duration >= 1.0:
-        assert passes_to_try(one) >= max(MIN_PASSES, TURNS * defect_turn(one) * rate)
+        assert trial_passes(one) >= max(MIN_PASSES, TURNS * defect_turn(one) * rate)
 
 
 # Lines of series that are known
@@ -121,7 +121,7 @@ def turning(spans: list[slice], *cycles: float) -> np.ndarray:
 
 def test_what_turns_with_a_defect_is_no_scatter() -> None:
     """A line that a defect's turn modulates, though no whole number of ball passes is a turn."""
-    spans = spans_of(22, PER_TURN, PER_PASS)
+    spans = turn_spans(22, PER_TURN, PER_PASS)
     series = tones(spans, (CYCLES, 1.0), *((CYCLES + k / PER_TURN, 0.4) for k in (-2, -1, 1, 2)))
     found = amplitudes(series, turning(spans, CYCLES), spans)
     assert len(found) == 1 + 3  # four turns
@@ -135,7 +135,7 @@ def test_what_turns_with_a_defect_is_no_scatter() -> None:
 @pytest.mark.parametrize(("beside", "known"), [(2.5, True), (0.7, True), (0.4, False), (0.0, False)])
 def test_lines_nearer_than_a_window_tells_are_solved_for(beside: float, known: bool) -> None:
     """``beside``: how many cycles more the other line, 30 times as large, makes in the window."""
-    spans = spans_of(22, PER_TURN, PER_PASS)
+    spans = turn_spans(22, PER_TURN, PER_PASS)
     other = CYCLES + beside / (4.0 * PER_TURN)
     series = tones(spans, (CYCLES, 0.01), (other, 0.3))
     found = amplitudes(series, turning(spans, CYCLES, other), spans)

@@ -13,7 +13,7 @@ from bearingsim.simulation.choice import resolve
 from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.sufficiency import Inspections, batch_error
 from bearingsim.simulation.time_grid import estimate
-from bearingsim.simulation.trial import Against
+from bearingsim.simulation.trial import ReferenceValues
 from tests.scenes.short_cases import SLOT, case
 
 CHATTERS: dict[str, Any] = {"model": "rollers", "defect": SLOT | {"depth": "5 um", "angle": "20 deg"}}
@@ -128,7 +128,7 @@ def test_a_record_that_ends_early_is_priced_as_such() -> None:
 def test_a_trial_that_is_accurate_enough_is_the_record() -> None:
     given = case(**FREE, duration="0.4 s", until="1 %")
     record = simulate(given)
-    result, of_trial = try_out(given, ["velocity@BPFO", "velocity.rms"], 65, 0.0, Against({}, {}))
+    result, of_trial = try_out(given, ["velocity@BPFO", "velocity.rms"], 65, 0.0, ReferenceValues({}, {}))
     assert of_trial is not None
     assert result.passes == 65
     assert of_trial.features == pytest.approx(record.features, rel=0.0, abs=0.0, nan_ok=True)
@@ -141,7 +141,7 @@ def test_a_trial_that_is_accurate_enough_is_the_record() -> None:
 
 def test_a_trial_that_is_not_accurate_enough_is_no_record() -> None:
     given = case(**FREE, duration="0.4 s", until="0.0001 %", step_check=False)
-    result, record = try_out(given, ["velocity@BPFO"], 65, 0.0, Against({}, {}))
+    result, record = try_out(given, ["velocity@BPFO"], 65, 0.0, ReferenceValues({}, {}))
     assert record is None
     assert result.passes == 65
 

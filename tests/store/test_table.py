@@ -20,7 +20,7 @@ from tests.scenes.trials import TEXT, near
 def test_the_plan_of_an_accuracy_names_the_models_that_were_chosen(write: Write) -> None:
     study = near(write)
     choices = {key(study, case): Choice("static", "static", "near enough", {}) for case in study.cases()}
-    chosen = selection.chosen(study, choices)
+    chosen = selection.apply_choices(study, choices)
     plan = json.loads(json.dumps(store.make_plan(chosen, chosen.jobs())))
     layouts.check_plan(plan)
     accuracy = plan["accuracy"]

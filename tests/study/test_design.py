@@ -321,7 +321,7 @@ def test_with_an_accuracy_the_ids_are_those_of_the_models_chosen(write: Write) -
     figures = "duration: 0.2 s\naccuracy: 5 %\nfigures: [{y: velocity@BPFO, x: load}]\n"
     study = load_study(write(sweep("saltelli", 4) + figures))
     found = {key(study, case): Choice("ring", "ring", "told", {}) for case in study.cases()}
-    after = selection.chosen(study, found)
+    after = selection.apply_choices(study, found)
     named = load_study(write(sweep("saltelli", 4) + "duration: 0.2 s\nmodel: ring\nrecord: []\nuntil: 1.25 %\n"))
     assert design_of(after) == design_of(named) != design_of(study)
     assert set(design_of(after).ids) <= {job.id for job in after.planned()}
