@@ -16,7 +16,7 @@ from bearingsim.cli import streams
 from bearingsim.cli.group import Commands
 from bearingsim.cli.opening import find_job, find_results, reads_results, short_path
 from bearingsim.interruption import interrupt
-from bearingsim.text.patience import patient
+from bearingsim.text.announcer import announcer
 from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ def check(
         from bearingsim import runner
 
         loaded_study = runner.with_models(loaded_study, out, jobs, run_trials=pilots)
-    with patient(seconds=SILENCE_S) as patience:
+    with announcer(seconds=SILENCE_S) as patience:
         study_plan = plan.plan_of(loaded_study, jobs, patience)
     if as_json:
         say(plan_table.as_json(study_plan))
@@ -385,7 +385,7 @@ def warm(
     """Compile the solver of a study, or of the default models, into the cache, before the first run."""
     from bearingsim.cli.warm import compile_solver
 
-    with patient(seconds=SILENCE_S) as patience:
+    with announcer(seconds=SILENCE_S) as patience:
         models = compile_solver(study, patience)
     say(f"compiled and in the cache: {models}")
 
@@ -472,7 +472,7 @@ def _load(path: Path, assignments: list[str] | None, quick: bool) -> "Study":
     """Load a study, with the assignments of `--set`."""
     from bearingsim.study import load_study
 
-    with patient(seconds=SILENCE_S) as patience:
+    with announcer(seconds=SILENCE_S) as patience:
         overrides = dict(map(_parse_assignment, assignments or []))
         study = load_study(
             path, overrides, quick, lambda count: patience.begin(f"reading {group_digits(count)} cases")

@@ -7,7 +7,7 @@ from functools import lru_cache
 from random import Random
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.text.patience import ONCE, QUIET, Patience
+from bearingsim.text.announcer import COMPILATION_REMARK, SILENT, Announcer
 
 if TYPE_CHECKING:
     from bearingsim.config import Case
@@ -113,10 +113,10 @@ class Plan:
 
 
 ESTIMATING = "estimating what the jobs take"
-COMPILING = f"compiling what the estimate needs, some seconds: {ONCE}"
+COMPILING = f"compiling what the estimate needs, some seconds: {COMPILATION_REMARK}"
 
 
-def plan_of(study: "Study", workers: int | None, patience: Patience = QUIET) -> Plan:
+def plan_of(study: "Study", workers: int | None, patience: Announcer = SILENT) -> Plan:
     """Price the jobs of a study, or a sample of many; refusals are collected, not raised."""
     from joblib import cpu_count
 

@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from bearingsim.text.patience import Patience
+from bearingsim.text.announcer import Announcer
 
 DEFECT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 CASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "defects": [DEFECT]}
 
 
-def compile_solver(study: Path | None, patience: Patience) -> str:
+def compile_solver(study: Path | None, patience: Announcer) -> str:
     """Compile the solver for the cases of a study; return their models, in words.
 
     Without a study, compile the usual model and the reference of most studies with an accuracy, both with and

@@ -34,7 +34,7 @@ def find(kind: Kind, name: str, beside: Path | None = None) -> Path:
     else:
         candidates = [folder / f"{name}.yaml" for folder in folders(kind)]
     for path in candidates:
-        files_read.note(path)
+        files_read.record(path)
         if name and isfile(path):
             return path
     raise ValueError(_not_found(kind, name))

@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 
-from bearingsim.text.patience import ONCE, Patience
+from bearingsim.text.announcer import COMPILATION_REMARK, Announcer
 from bearingsim.text.terminal import say
 
 LINE_INTERVAL_S = 10.0  # s between lines
@@ -22,11 +22,11 @@ def progress(shown: bool | None, jobs: int, seconds: float) -> AbstractContextMa
     return _bar(jobs, seconds) if sys.stderr and sys.stderr.isatty() else _lines(jobs, seconds)
 
 
-def compiling(patience: Patience) -> Callable[[int, int, float], None]:
+def compiling(patience: Announcer) -> Callable[[int, int, float], None]:
     """Return a callback that announces compilation ``number`` of ``count``, and its estimated duration (s)."""
 
     def announce(number: int, count: int, seconds: float) -> None:
-        patience.begin(f"compiling {number} of {count}, about {duration(seconds)}: {ONCE}")
+        patience.begin(f"compiling {number} of {count}, about {duration(seconds)}: {COMPILATION_REMARK}")
 
     return announce
 

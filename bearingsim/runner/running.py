@@ -33,7 +33,7 @@ from bearingsim.runner.stopping import flag_for_workers, stop_switch
 from bearingsim.runner.summary import Interrupted, RunSummary
 from bearingsim.runner.tally import Plan, Tally, interrupted_summary, make_plan, other_run_notes
 from bearingsim.runner.work import BEARINGSIM, Engine, OtherRuns, Outcome, Work, load
-from bearingsim.text.patience import Patience, patient
+from bearingsim.text.announcer import Announcer, announcer
 from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
@@ -180,7 +180,7 @@ def _compute(setting: _Setting, plan: Plan, tally: Tally, notes: list[str]) -> N
             works = _make_works(setting, todo, cluster.wait_for_workers(), plan.holdings.units)
             _track(works, cluster.outcomes(works), tally, options.progress)
         return
-    with patient(options.progress) as patience:
+    with announcer(options.progress) as patience:
         patience.begin("estimating what the jobs take")
         todo = affordable_jobs()
         notes += [*todo.notes, *worker_note(todo.costs, workers)]
@@ -286,7 +286,7 @@ def _make_works(setting: _Setting, todo: AffordableJobs, workers: int, known_uni
     return works
 
 
-def _warm(root: Path, engine: Engine, todo: Sequence["Job"], patience: Patience) -> None:
+def _warm(root: Path, engine: Engine, todo: Sequence["Job"], patience: Announcer) -> None:
     """Compile before workers start; log errors, because the job that needs the code raises them again."""
     try:
         load(engine.warm)([job.case for job in todo], compiling(patience))

@@ -21,7 +21,7 @@ from bearingsim.runner.work import Engine, load
 from bearingsim.selection.candidates import price
 from bearingsim.selection.choices import key
 from bearingsim.store.columns import Value
-from bearingsim.text.patience import patient
+from bearingsim.text.announcer import announcer
 
 if TYPE_CHECKING:
     from bearingsim.selection import Choice, Choices, TrialRequest
@@ -121,7 +121,7 @@ def _run_trials(
     deaths = DeathCounter(root, "while models were tried")
     while todo := _missing_trials(root, requested, study):
         with (
-            patient(shown) as patience,
+            announcer(shown) as patience,
             suppress(Exception),
         ):  # the trial raises the error again
             load(engine.warm)([trial.case for trial in todo], compiling(patience))

@@ -14,7 +14,7 @@ from bearingsim.config.fields import Conflict, Path
 from bearingsim.config.sections.contact import WORD
 from bearingsim.study.paths import all_paths, label, path_hint
 from bearingsim.text.units import EXPECTED
-from bearingsim.text.yamlfile import MAX_TOLD, Mark, Node, Problem, plain, problem
+from bearingsim.text.yamlfile import MAX_PROBLEMS, Mark, Node, Problem, plain, problem
 
 STUDY_KEYS = ("study", "figures", "sweep", "quick", "uncertainty", "accuracy")
 
@@ -100,7 +100,7 @@ def case_of(tree: Node, swept: frozenset[Path], problems: Problems, sections: Se
     try:
         Case.model_validate(data)
     except ValidationError as error:
-        errors = error.errors(include_url=False)[:MAX_TOLD]
+        errors = error.errors(include_url=False)[:MAX_PROBLEMS]
     for details in errors:
         for path, kind, entry in _problems(details, tree, swept):
             problems.setdefault((mark_of(entry), label(path, 0), kind), entry)
@@ -118,7 +118,7 @@ def check_replaced(tree: Node, swept: frozenset[Path], problems: Problems) -> No
     try:
         Case.model_validate(plain(tree))
     except ValidationError as error:
-        for details in error.errors(include_url=False)[:MAX_TOLD]:
+        for details in error.errors(include_url=False)[:MAX_PROBLEMS]:
             for path, kind, entry in _problems(details, tree, swept):
                 is_parent = kind in NON_SECTION_ERRORS and any(s[: len(path)] == path for s in swept)
                 if is_parent or (kind in SINGLE_VALUE_ERRORS and any(path[: len(s)] == s for s in swept)):
@@ -127,7 +127,7 @@ def check_replaced(tree: Node, swept: frozenset[Path], problems: Problems) -> No
 
 def problems_of(error: ValidationError, tree: Node) -> list[Problem]:
     """List all problems in the validation of a tree that is not a case."""
-    errors = error.errors(include_url=False)[:MAX_TOLD]
+    errors = error.errors(include_url=False)[:MAX_PROBLEMS]
     return [entry for details in errors for _, _, entry in _problems(details, tree, frozenset())]
 
 

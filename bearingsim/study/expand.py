@@ -8,7 +8,7 @@ from pathlib import Path as FilePath
 from bearingsim.config.case import LAWS
 from bearingsim.config.library import Kind, find, read
 from bearingsim.study.paths import put
-from bearingsim.text.files_read import note
+from bearingsim.text.files_read import record
 from bearingsim.text.yamlfile import Mark, Node, Problem, StudyError, problem
 
 
@@ -51,7 +51,7 @@ def _locate_scans(tree: Node, folder: FilePath) -> Node:
             candidates = [base / file.value for base in (FilePath(), folder)]
             existing = next(filter(isfile, candidates), None)
             for candidate in candidates:
-                note(candidate)
+                record(candidate)
             if existing is not None:
                 tree = put(tree, ("defects", number, "file"), replace(file, value=str(existing.absolute())))
     return tree

@@ -9,7 +9,7 @@ from bearingsim.config.bands import EXAMPLES
 from bearingsim.config.names import read_band
 from bearingsim.config.vocabulary import sentence
 from bearingsim.text.units import suggestion
-from bearingsim.text.yamlfile import MAX_TOLD, Node, Problem, problem
+from bearingsim.text.yamlfile import MAX_PROBLEMS, Node, Problem, problem
 
 PLOT_COLUMNS = (*FEATURES, "seconds")
 """Columns of the results table that can be plotted on a y axis: features, and the CPU time of a job."""
@@ -151,7 +151,11 @@ def _check_word(
     if word not in words:
         choices = "known: " + ", ".join(words) if 0 < len(words) < 10 else None
         band = f"bands are named as in {EXAMPLES}" if words is PLOT_COLUMNS and _resembles_band(word) else ""
-        hint = (sentence(word) or band or suggestion(word, words) or choices) if len(problems) < MAX_TOLD else None
+        hint = (
+            (sentence(word) or band or suggestion(word, words) or choices)
+            if len(problems) < MAX_PROBLEMS
+            else None
+        )
         mark = node.key if node.key and node.key.column and where in ("figures", "where") else node.mark
         problems.append(problem(mark, f"{where}: no {noun} `{word}`", hint))
 

@@ -176,8 +176,8 @@ class _StudyFile(NamedTuple):
 
 
 def _open(path: FilePath, overrides: Mapping[str, str]) -> _StudyFile:
-    with files_read.noted() as files:
-        files_read.note(path)
+    with files_read.recorded_files() as files:
+        files_read.record(path)
         text = read_text(path)
         root, syntax_problems = parse(text, str(path))
         if not isinstance(root.value, dict):

@@ -10,7 +10,16 @@ from graphlib import CycleError, TopologicalSorter
 from bearingsim.config.fields import Path
 from bearingsim.study.paths import dimension, node_at, put
 from bearingsim.study.words import SweepSettings
-from bearingsim.text.expressions import PLAIN, TRUTH, Expression, ExpressionError, Kind, kind_of, kind_text, read
+from bearingsim.text.expressions import (
+    DIMENSIONLESS,
+    TRUTH,
+    Expression,
+    ExpressionError,
+    Kind,
+    kind_of,
+    kind_text,
+    read,
+)
 from bearingsim.text.units import DISPLAY, EXPECTED, UnitError, display, parse
 from bearingsim.text.yamlfile import Node, Problem, problem
 
@@ -172,7 +181,7 @@ def _derived(
     except ValueError as error:
         problems.append(problem(key, str(error)))
         return None
-    if kind != (kind_of(expected_kind) if expected_kind else PLAIN):
+    if kind != (kind_of(expected_kind) if expected_kind else DIMENSIONLESS):
         expected = EXPECTED[expected_kind] if expected_kind else "a plain number"
         problems.append(problem(node.mark, f"derived.{path}: expected {expected}, and this is {kind_text(kind)}"))
         return None
@@ -197,7 +206,7 @@ def _kind(path: str, key_path: KeyPathOf) -> Kind:
     """Return the kind of the values at a path; words instead of numbers are detected during evaluation."""
     key_path(path)
     quantity = dimension(path)
-    return kind_of(quantity) if quantity else PLAIN
+    return kind_of(quantity) if quantity else DIMENSIONLESS
 
 
 def _sort(derived: list[Derived], key_path: KeyPathOf, problems: list[Problem]) -> tuple[Derived, ...]:

@@ -18,12 +18,12 @@ from typing import NamedTuple
 from bearingsim.text.units import EXPECTED, UNITS, Dimension, UnitError, parse, split, suggestion
 from bearingsim.text.yamlfile import Mark, Node
 
-MAX_LETTERS, MAX_DEPTH = 400, 100
+MAX_CHARACTERS, MAX_DEPTH = 400, 100
 """Limits of the characters and the nesting of a formula, for Python's parser and for recursion."""
-MOST_POWER = 10
+MAX_EXPONENT = 10
 """Largest exponent of a quantity with a unit."""
 
-SAME = 1e-11
+EQUALITY_TOLERANCE = 1e-11
 """Relative tolerance of equality, because 3 * 10 um differs from 30 um by rounding."""
 
 Kind = tuple[Fraction, ...]
@@ -41,15 +41,15 @@ _SYMBOLS: dict[str, tuple[int, ...]] = {
     "Pa": (-1, 1, -2, 0, 0),
     "Hz": (0, 0, -1, 0, 0),
 }
-PLAIN: Kind = (Fraction(0),) * len(_BASES)
+DIMENSIONLESS: Kind = (Fraction(0),) * len(_BASES)
 
 
 def kind_of(dimension: Dimension) -> Kind:
     """Return the exponents of a dimension's SI unit; shares and numbers are dimensionless."""
-    word = next((word for word, factor in UNITS[dimension].items() if factor == (1, False, 0)), "")
-    above, *below = word.replace("^2", "2").replace("^3", "3").split("/")
-    powers = list(PLAIN)
-    for sign, factors in ((1, above), *((-1, part) for part in below)):
+    unit = next((unit for unit, factor in UNITS[dimension].items() if factor == (1, False, 0)), "")
+    numerator, *denominators = unit.replace("^2", "2").replace("^3", "3").split("/")
+    powers = list(DIMENSIONLESS)
+    for sign, factors in ((1, numerator), *((-1, denominator) for denominator in denominators)):
         for factor in factors.replace("1", "").split():
             symbol, power = factor.rstrip("23"), int(factor[-1]) if factor[-1] in "23" else 1
             powers = [p + sign * power * exponent for p, exponent in zip(powers, _SYMBOLS[symbol], strict=True)]
@@ -73,17 +73,17 @@ class ExpressionError(Exception):
 class _Function(NamedTuple):
     """Function available in formulas: limits of the number of arguments, value, and kind of the value."""
 
-    least: int
-    most: int
+    min_arguments: int
+    max_arguments: int
     call: Callable[..., float]
     kind: Callable[[Kind], Kind] = lambda argument: argument
 
 
 _FUNCTIONS = {
-    "sqrt": _Function(1, 1, math.sqrt, lambda argument: _scaled(argument, Fraction(1, 2))),
+    "sqrt": _Function(1, 1, math.sqrt, lambda argument: _scale(argument, Fraction(1, 2))),
     "abs": _Function(1, 1, abs),
-    "min": _Function(2, MAX_LETTERS, min),
-    "max": _Function(2, MAX_LETTERS, max),
+    "min": _Function(2, MAX_CHARACTERS, min),
+    "max": _Function(2, MAX_CHARACTERS, max),
 }
 _CONSTANTS = {"pi": math.pi}
 _SUMS: dict[type[ast.operator], Callable[[float, float], float]] = {ast.Add: operator.add, ast.Sub: operator.sub}
@@ -92,7 +92,7 @@ _PRODUCTS: dict[type[ast.operator], Callable[[float, float], float]] = {
     ast.Div: operator.truediv,
 }
 _BINARY = _SUMS | _PRODUCTS | {ast.Pow: operator.pow}
-_SAID: dict[type[ast.operator], str] = {
+_OPERATION_NAMES: dict[type[ast.operator], str] = {
     ast.Add: "a sum",
     ast.Sub: "a difference",
     ast.Mult: "a product",
@@ -103,29 +103,29 @@ _CELSIUS = ("C", "degC")
 _SIGNS: dict[type[ast.unaryop], Callable[[float], float]] = {ast.USub: operator.neg, ast.UAdd: operator.pos}
 
 
-def _same(a: float, b: float) -> bool:
-    return math.isclose(a, b, rel_tol=SAME, abs_tol=0.0)
+def _is_close(a: float, b: float) -> bool:
+    return math.isclose(a, b, rel_tol=EQUALITY_TOLERANCE, abs_tol=0.0)
 
 
-_COMPARED: dict[type[ast.cmpop], Callable[[float, float], bool]] = {
-    ast.Lt: lambda a, b: a < b and not _same(a, b),
-    ast.LtE: lambda a, b: a < b or _same(a, b),
-    ast.Gt: lambda a, b: a > b and not _same(a, b),
-    ast.GtE: lambda a, b: a > b or _same(a, b),
-    ast.Eq: _same,
-    ast.NotEq: lambda a, b: not _same(a, b),
+_COMPARISONS: dict[type[ast.cmpop], Callable[[float, float], bool]] = {
+    ast.Lt: lambda a, b: a < b and not _is_close(a, b),
+    ast.LtE: lambda a, b: a < b or _is_close(a, b),
+    ast.Gt: lambda a, b: a > b and not _is_close(a, b),
+    ast.GtE: lambda a, b: a > b or _is_close(a, b),
+    ast.Eq: _is_close,
+    ast.NotEq: lambda a, b: not _is_close(a, b),
 }
-_POSSIBLE = (
+_SYNTAX_HINT = (
     "possible are numbers with their units, paths, `+ - * / **`, comparisons, `and`, `or`, `not`, and "
     + ", ".join(f"`{name}`" for name in (*_FUNCTIONS, *_CONSTANTS))
 )
 _UNITS = "|".join(re.escape(word) for word in sorted((*_DIMENSIONS, "°"), key=len, reverse=True))
-_NO_PYTHON = re.compile(
+_QUANTITY_OR_PATH = re.compile(
     rf"(?<![\w.])(?P<quantity>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?![\d.]) *(?:{_UNITS})(?![\w.^]))"
     r"|(?<![\w.])(?P<path>[A-Za-z_]\w*(?:\.\w+)+)",
     re.ASCII,
 )
-_ONE_LETTER = str.maketrans({"µ": "u", "μ": "u", "\n": " "})
+_ASCII_SPELLING = str.maketrans({"µ": "u", "μ": "u", "\n": " "})
 
 
 @dataclass(frozen=True)
@@ -141,80 +141,80 @@ class Expression:
     def names(self) -> Iterator[tuple[str, Mark]]:
         """Yield the paths of the formula, with their positions."""
         for node in ast.walk(self.tree):
-            if isinstance(node, ast.Name) and not self._is_own(node):
+            if isinstance(node, ast.Name) and not self._is_builtin(node):
                 yield self._path(node), self._mark(node)
 
-    def kind(self, of: Callable[[str], Kind]) -> Kind:
-        """Return the kind of the value; ``of``: function of a path's kind, which raises ValueError if unknown.
+    def kind(self, path_kind: Callable[[str], Kind]) -> Kind:
+        """Return the kind of the value; ``path_kind``: function of a path's kind, ValueError if unknown.
 
         Raises ExpressionError for a node that is not allowed, and for incompatible units. Call before ``value``.
         """
-        return self._kind(self.tree, of, 0)
+        return self._kind(self.tree, path_kind, 0)
 
-    def value(self, of: Callable[[str], float]) -> float:
-        """Evaluate the formula in SI, a comparison to True or False; ``of``: function of a path's value.
+    def value(self, path_value: Callable[[str], float]) -> float:
+        """Evaluate the formula in SI, a comparison to True or False; ``path_value``: function of a path's value.
 
         Raises ExpressionError for a division by zero, a root of a negative number, or a result that is not finite.
         """
-        return self._value(self.tree, of)
+        return self._value(self.tree, path_value)
 
     # Kinds
 
-    def _kind(self, node: ast.expr, of: Callable[[str], Kind], depth: int) -> Kind:
+    def _kind(self, node: ast.expr, path_kind: Callable[[str], Kind], depth: int) -> Kind:
         if depth > MAX_DEPTH:
-            raise self._wrong(node, f"more than {MAX_DEPTH} levels within each other")
-        within = [self._kind(part, of, depth + 1) for part in _parts(node)]
+            raise self._error(node, f"more than {MAX_DEPTH} levels within each other")
+        kinds = [self._kind(operand, path_kind, depth + 1) for operand in _operands(node)]
         match node:
             case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
-                self._finite(node, lambda: float(number))
-                return PLAIN
+                self._evaluate(node, lambda: float(number))
+                return DIMENSIONLESS
             case ast.Name():
-                return self._kind_of_name(node, of)
+                return self._kind_of_name(node, path_kind)
             case ast.UnaryOp(op=op) if type(op) in _SIGNS:
-                return self._number(node.operand, within[0])
+                return self._check_number(node.operand, kinds[0])
             case ast.UnaryOp(op=ast.Not()):
-                return self._truth(node.operand, within[0])
+                return self._check_truth(node.operand, kinds[0])
             case ast.BinOp(op=op) if type(op) in _BINARY:
-                return self._kind_of_pair(node, *within)
+                return self._kind_of_operation(node, *kinds)
             case ast.BoolOp():
-                for part, kind in zip(node.values, within, strict=True):
-                    self._truth(part, kind)
+                for operand, kind in zip(node.values, kinds, strict=True):
+                    self._check_truth(operand, kind)
                 return TRUTH
-            case ast.Compare() if all(type(op) in _COMPARED for op in node.ops):
-                self._alike(_parts(node), within)
-                self._no_celsius_beside_a_difference(_parts(node))
+            case ast.Compare() if all(type(op) in _COMPARISONS for op in node.ops):
+                self._check_same_kind(_operands(node), kinds)
+                self._reject_celsius_with_difference(_operands(node))
                 return TRUTH
             case ast.Call(func=ast.Name(id=name), keywords=[]) if name in _FUNCTIONS:
-                return self._kind_of_call(node, _FUNCTIONS[name], within)
-            case ast.Call(func=ast.Name(id=name) as called) if name not in _FUNCTIONS:
-                raise self._wrong(called, f"no function `{name}`", suggestion(name, _FUNCTIONS) or _POSSIBLE)
-        raise self._wrong(node, "not allowed in a formula", _POSSIBLE)
+                return self._kind_of_call(node, _FUNCTIONS[name], kinds)
+            case ast.Call(func=ast.Name(id=name) as function) if name not in _FUNCTIONS:
+                raise self._error(function, f"no function `{name}`", suggestion(name, _FUNCTIONS) or _SYNTAX_HINT)
+        raise self._error(node, "not allowed in a formula", _SYNTAX_HINT)
 
-    def _kind_of_name(self, node: ast.Name, of: Callable[[str], Kind]) -> Kind:
+    def _kind_of_name(self, node: ast.Name, path_kind: Callable[[str], Kind]) -> Kind:
         if node.id in _CONSTANTS:
-            return PLAIN
+            return DIMENSIONLESS
         if node.col_offset in self.quantities:
             return self._kind_of_quantity(node, self.quantities[node.col_offset])
         if node.id in _FUNCTIONS:
-            raise self._wrong(node, f"`{node.id}` without what it is taken of", f"as in `{node.id}(...)`")
+            raise self._error(node, f"`{node.id}` without what it is taken of", f"as in `{node.id}(...)`")
         try:
-            return of(self._path(node))
+            return path_kind(self._path(node))
         except ValueError as error:
-            raise self._wrong(node, str(error)) from None
+            raise self._error(node, str(error)) from None
 
     def _kind_of_quantity(self, node: ast.Name, text: str) -> Kind:
         try:
             parse(text, _dimension(text))
         except UnitError as error:
-            raise self._wrong(node, error.hint or str(error)) from None
+            raise self._error(node, error.hint or str(error)) from None
         return _KINDS[_dimension(text)]
 
-    def _kind_of_pair(self, node: ast.BinOp, left: Kind, right: Kind) -> Kind:
-        self._number(node.left, left)
-        self._number(node.right, right)
+    def _kind_of_operation(self, node: ast.BinOp, left: Kind, right: Kind) -> Kind:
+        self._check_number(node.left, left)
+        self._check_number(node.right, right)
         if type(node.op) in _SUMS:
-            self._alike([node.left, node.right], [left, right])
-        self._no_celsius(f"{_SAID[type(node.op)]} with degrees Celsius", node.left, node.right)
+            self._check_same_kind([node.left, node.right], [left, right])
+        self._reject_celsius(f"{_OPERATION_NAMES[type(node.op)]} with degrees Celsius", node.left, node.right)
         if type(node.op) in _SUMS:
             return left
         if isinstance(node.op, ast.Pow):
@@ -223,19 +223,19 @@ class Expression:
         return tuple(a + sign * b for a, b in zip(left, right, strict=True))
 
     def _kind_of_power(self, node: ast.BinOp, base: Kind, exponent: Kind) -> Kind:
-        if exponent != PLAIN:
-            raise self._wrong(node.right, f"an exponent is a plain number, and this is {kind_text(exponent)}")
-        self._in_brackets(node)
-        if base == PLAIN:
-            return PLAIN
-        if any(isinstance(part, ast.Name) for part in ast.walk(node.right)):
-            raise self._wrong(node.right, f"the exponent of {kind_text(base)} must be written as a number")
-        power = self._value(node.right, _no_path)
-        if abs(power) > MOST_POWER:
-            raise self._wrong(node.right, f"the exponent of {kind_text(base)} is at most {MOST_POWER}")
-        return _scaled(base, Fraction(power).limit_denominator(1000))
+        if exponent != DIMENSIONLESS:
+            raise self._error(node.right, f"an exponent is a plain number, and this is {kind_text(exponent)}")
+        self._check_brackets(node)
+        if base == DIMENSIONLESS:
+            return DIMENSIONLESS
+        if any(isinstance(operand, ast.Name) for operand in ast.walk(node.right)):
+            raise self._error(node.right, f"the exponent of {kind_text(base)} must be written as a number")
+        power = self._value(node.right, _reject_path)
+        if abs(power) > MAX_EXPONENT:
+            raise self._error(node.right, f"the exponent of {kind_text(base)} is at most {MAX_EXPONENT}")
+        return _scale(base, Fraction(power).limit_denominator(1000))
 
-    def _in_brackets(self, node: ast.BinOp) -> None:
+    def _check_brackets(self, node: ast.BinOp) -> None:
         """Reject a power of a quantity without brackets, because `3 mm**2` may mean 9 mm^2 or 3 mm^2."""
         base, exponent = node.left, node.right
         if not isinstance(base, ast.Name) or base.col_offset not in self.quantities:
@@ -245,122 +245,124 @@ class Expression:
             number, unit = split(quantity)
             power = ast.unparse(exponent) if isinstance(exponent, ast.Constant) else "(...)"
             is_unit = f"{unit}^{power}" in _DIMENSIONS
-            other = f"{number} {unit}^{power}" if is_unit else f"{number} * (1 {unit})**{power}"
-            raise self._wrong(
-                node, f"a power of `{quantity}` without brackets", f"write `({quantity})**{power}` or `{other}`"
+            alternative = f"{number} {unit}^{power}" if is_unit else f"{number} * (1 {unit})**{power}"
+            raise self._error(
+                node,
+                f"a power of `{quantity}` without brackets",
+                f"write `({quantity})**{power}` or `{alternative}`",
             )
 
-    def _kind_of_call(self, node: ast.Call, function: _Function, within: list[Kind]) -> Kind:
-        if not function.least <= len(within) <= function.most:
-            count = "one value" if function.most == 1 else "two values or more"
-            raise self._wrong(node, f"expected {count}, got {len(within)}")
-        for part, kind in zip(node.args, within, strict=True):
-            self._number(part, kind)
-        self._alike(node.args, within)
-        if function.most == 1:
-            self._no_celsius("a function of degrees Celsius", *node.args)
+    def _kind_of_call(self, node: ast.Call, function: _Function, kinds: list[Kind]) -> Kind:
+        if not function.min_arguments <= len(kinds) <= function.max_arguments:
+            count = "one value" if function.max_arguments == 1 else "two values or more"
+            raise self._error(node, f"expected {count}, got {len(kinds)}")
+        for operand, kind in zip(node.args, kinds, strict=True):
+            self._check_number(operand, kind)
+        self._check_same_kind(node.args, kinds)
+        if function.max_arguments == 1:
+            self._reject_celsius("a function of degrees Celsius", *node.args)
         else:  # min and max return an argument unchanged
-            self._no_celsius_beside_a_difference(node.args)
-        return function.kind(within[0])
+            self._reject_celsius_with_difference(node.args)
+        return function.kind(kinds[0])
 
-    def _no_celsius(self, message: str, *nodes: ast.expr) -> None:
+    def _reject_celsius(self, message: str, *nodes: ast.expr) -> None:
         """Reject degrees Celsius in arithmetic: 20 C + 10 C is neither 30 C nor 293.15 K + 283.15 K."""
         for node in nodes:
             if text := self._celsius(node):
                 kelvins = f"{parse(text, 'temperature'):.12g} K"
                 hint = f"write `{split(text)[0]} K` for a difference, `{kelvins}` for a temperature"
-                raise self._wrong(node, message, hint)
+                raise self._error(node, message, hint)
 
-    def _no_celsius_beside_a_difference(self, nodes: list[ast.expr]) -> None:
+    def _reject_celsius_with_difference(self, nodes: list[ast.expr]) -> None:
         """Reject degrees Celsius compared with a temperature difference, which has no offset."""
-        if any(isinstance(part, ast.Sub) for node in nodes for part in ast.walk(node)):
-            self._no_celsius("degrees Celsius beside a difference", *nodes)
+        if any(isinstance(operand, ast.Sub) for node in nodes for operand in ast.walk(node)):
+            self._reject_celsius("degrees Celsius beside a difference", *nodes)
 
-    def _number(self, node: ast.expr, kind: Kind) -> Kind:
+    def _check_number(self, node: ast.expr, kind: Kind) -> Kind:
         if kind == TRUTH:
-            raise self._wrong(node, "expected a number, and this is true or false")
+            raise self._error(node, "expected a number, and this is true or false")
         return kind
 
-    def _truth(self, node: ast.expr, kind: Kind) -> Kind:
+    def _check_truth(self, node: ast.expr, kind: Kind) -> Kind:
         if kind != TRUTH:
-            raise self._wrong(node, f"expected a comparison such as `load < 200 N`, and this is {kind_text(kind)}")
+            raise self._error(node, f"expected a comparison such as `load < 200 N`, and this is {kind_text(kind)}")
         return kind
 
-    def _alike(self, nodes: list[ast.expr], kinds: list[Kind]) -> None:
+    def _check_same_kind(self, nodes: list[ast.expr], kinds: list[Kind]) -> None:
         for node, kind in zip(nodes, kinds, strict=True):
-            self._number(node, kind)
+            self._check_number(node, kind)
             if kind != kinds[0]:
-                raise self._wrong(
+                raise self._error(
                     node, f"expected {kind_text(kinds[0])} as on the left, and this is {kind_text(kind)}"
                 )
 
     # Values
 
-    def _value(self, node: ast.expr, of: Callable[[str], float]) -> float:
+    def _value(self, node: ast.expr, path_value: Callable[[str], float]) -> float:
         match node:
             case ast.Constant(value=int() | float() as number):
                 return float(number)
             case ast.Name():
-                return self._value_of_name(node, of)
+                return self._value_of_name(node, path_value)
             case ast.UnaryOp(op=ast.Not()):
-                return not self._value(node.operand, of)
+                return not self._value(node.operand, path_value)
             case ast.UnaryOp():
                 if text := self._celsius(node):
                     return parse(text, "temperature")
-                return _SIGNS[type(node.op)](self._value(node.operand, of))
+                return _SIGNS[type(node.op)](self._value(node.operand, path_value))
             case ast.BinOp():
-                left, right = self._value(node.left, of), self._value(node.right, of)
-                return self._finite(node, lambda: _BINARY[type(node.op)](left, right))
+                left, right = self._value(node.left, path_value), self._value(node.right, path_value)
+                return self._evaluate(node, lambda: _BINARY[type(node.op)](left, right))
             case ast.BoolOp(op=ast.And()):
-                return all(self._value(part, of) for part in node.values)
+                return all(self._value(operand, path_value) for operand in node.values)
             case ast.BoolOp():
-                return any(self._value(part, of) for part in node.values)
+                return any(self._value(operand, path_value) for operand in node.values)
             case ast.Compare():
-                return self._compared(node, of)
+                return self._compare(node, path_value)
             case ast.Call(func=ast.Name(id=name)):
-                arguments = [self._value(part, of) for part in node.args]
-                return self._finite(node, lambda: _FUNCTIONS[name].call(*arguments))
+                arguments = [self._value(operand, path_value) for operand in node.args]
+                return self._evaluate(node, lambda: _FUNCTIONS[name].call(*arguments))
         raise AssertionError("`kind` has let this pass")
 
-    def _value_of_name(self, node: ast.Name, of: Callable[[str], float]) -> float:
+    def _value_of_name(self, node: ast.Name, path_value: Callable[[str], float]) -> float:
         if node.id in _CONSTANTS:
             return _CONSTANTS[node.id]
         if node.col_offset in self.quantities:
             text = self.quantities[node.col_offset]
             return parse(text, _dimension(text))
         try:
-            return of(self._path(node))
+            return path_value(self._path(node))
         except ValueError as error:
-            raise self._wrong(node, str(error)) from None
+            raise self._error(node, str(error)) from None
 
-    def _compared(self, node: ast.Compare, of: Callable[[str], float]) -> bool:
+    def _compare(self, node: ast.Compare, path_value: Callable[[str], float]) -> bool:
         """Evaluate a chain of comparisons as Python does, up to the first false one."""
-        left = self._value(node.left, of)
-        for op, part in zip(node.ops, node.comparators, strict=True):
-            right = self._value(part, of)
-            if not _COMPARED[type(op)](left, right):
+        left = self._value(node.left, path_value)
+        for op, operand in zip(node.ops, node.comparators, strict=True):
+            right = self._value(operand, path_value)
+            if not _COMPARISONS[type(op)](left, right):
                 return False
             left = right
         return True
 
-    def _finite(self, node: ast.expr, evaluate: Callable[[], float]) -> float:
+    def _evaluate(self, node: ast.expr, evaluate: Callable[[], float]) -> float:
         try:
             value = evaluate()
         except ZeroDivisionError:
-            raise self._wrong(node, "a division by zero") from None
+            raise self._error(node, "a division by zero") from None
         except OverflowError:
-            raise self._wrong(node, "the number is too large") from None
+            raise self._error(node, "the number is too large") from None
         except ValueError:
-            raise self._wrong(node, "a root of less than zero") from None
+            raise self._error(node, "a root of less than zero") from None
         if isinstance(value, complex):
-            raise self._wrong(node, "a root of less than zero")
+            raise self._error(node, "a root of less than zero")
         if not math.isfinite(value):
-            raise self._wrong(node, "the number is too large")
+            raise self._error(node, "the number is too large")
         return value
 
     # Positions
 
-    def _is_own(self, node: ast.Name) -> bool:
+    def _is_builtin(self, node: ast.Name) -> bool:
         """Check if a name is not a path of the study."""
         return node.id in _CONSTANTS or node.id in _FUNCTIONS or node.col_offset in self.quantities
 
@@ -384,11 +386,11 @@ class Expression:
         column = self.shift + node.col_offset
         if isinstance(node, ast.BinOp):  # at its operator
             column = self.shift + (node.left.end_col_offset or 0)
-            rest = self.node.text[column:]
-            column += len(rest) - len(rest.lstrip(" )"))
+            remainder = self.node.text[column:]
+            column += len(remainder) - len(remainder.lstrip(" )"))
         return _mark_at(self.node, column)
 
-    def _wrong(self, node: ast.expr, message: str, hint: str | None = None) -> ExpressionError:
+    def _error(self, node: ast.expr, message: str, hint: str | None = None) -> ExpressionError:
         return ExpressionError(self._mark(node), message, hint)
 
 
@@ -396,23 +398,23 @@ def read(node: Node) -> Expression:
     """Parse a scalar of a file as a formula. Raises ExpressionError if it is not a formula."""
     if not isinstance(node.value, str) or not node.value.strip():
         raise ExpressionError(node.mark, "expected a formula such as `defect.width / 4`")
-    if len(node.value) > MAX_LETTERS:
-        raise ExpressionError(node.mark, f"more than {MAX_LETTERS} letters in a formula")
-    text = node.value.translate(_ONE_LETTER)
+    if len(node.value) > MAX_CHARACTERS:
+        raise ExpressionError(node.mark, f"more than {MAX_CHARACTERS} letters in a formula")
+    text = node.value.translate(_ASCII_SPELLING)
     shift = len(text) - len(text.lstrip())
     quantities: dict[int, str] = {}
     paths: dict[int, str] = {}
 
-    def replaced(match: re.Match[str]) -> str:
-        kept = quantities if match["quantity"] else paths
-        kept[match.start()] = match.group()
+    def substitute(match: re.Match[str]) -> str:
+        texts = quantities if match["quantity"] else paths
+        texts[match.start()] = match.group()
         return "_" * len(match.group())
 
-    python = _NO_PYTHON.sub(replaced, text.strip())
-    strange = next((column for column, letter in enumerate(python) if not letter.isascii()), None)
-    if strange is not None:
-        message = f"a character that is not allowed in formulas: {python[strange]!a}"
-        raise ExpressionError(_mark_at(node, shift + strange), message)
+    python = _QUANTITY_OR_PATH.sub(substitute, text.strip())
+    invalid = next((column for column, letter in enumerate(python) if not letter.isascii()), None)
+    if invalid is not None:
+        message = f"a character that is not allowed in formulas: {python[invalid]!a}"
+        raise ExpressionError(_mark_at(node, shift + invalid), message)
     return Expression(node, _tree(node, python, shift), quantities, paths, shift)
 
 
@@ -429,7 +431,7 @@ def _tree(node: Node, python: str, shift: int) -> ast.expr:
         raise ExpressionError(node.mark, "this is no formula") from None
 
 
-def _parts(node: ast.expr) -> list[ast.expr]:
+def _operands(node: ast.expr) -> list[ast.expr]:
     """List the operands of a node, from left to right."""
     match node:
         case ast.UnaryOp():
@@ -445,7 +447,7 @@ def _parts(node: ast.expr) -> list[ast.expr]:
     return []
 
 
-def _scaled(kind: Kind, power: Fraction) -> Kind:
+def _scale(kind: Kind, power: Fraction) -> Kind:
     return tuple(power * exponent for exponent in kind)
 
 
@@ -453,7 +455,7 @@ def kind_text(kind: Kind) -> str:
     """Describe a kind in words: `a length`, `in m^2`, `true or false`."""
     if kind == TRUTH:
         return "true or false"
-    if kind == PLAIN:
+    if kind == DIMENSIONLESS:
         return "a plain number"
     if kind in _KIND_DIMENSIONS:
         return EXPECTED[_KIND_DIMENSIONS[kind]].split(" such as ")[0]
@@ -466,7 +468,7 @@ def _dimension(quantity: str) -> Dimension:
     return _DIMENSIONS[split(quantity)[1]]
 
 
-def _no_path(path: str) -> float:
+def _reject_path(path: str) -> float:
     raise AssertionError(f"a constant has no path `{path}`")
 
 

@@ -11,7 +11,7 @@ _files: ContextVar[dict[str, str | None] | None] = ContextVar("files", default=N
 
 
 @contextmanager
-def noted() -> Iterator[dict[str, str | None]]:
+def recorded_files() -> Iterator[dict[str, str | None]]:
     """Collect the SHA-256 of each file noted in the context, by its absolute path; None for a missing file."""
     files: dict[str, str | None] = {}
     token = _files.set(files)
@@ -21,11 +21,11 @@ def noted() -> Iterator[dict[str, str | None]]:
         _files.reset(token)
 
 
-def note(path: Path) -> None:
+def record(path: Path) -> None:
     """Record a file that is read or looked for."""
-    files, whole = _files.get(), os.path.abspath(path)
-    if files is not None and whole not in files:
-        files[whole] = _digest(whole)
+    files, absolute = _files.get(), os.path.abspath(path)
+    if files is not None and absolute not in files:
+        files[absolute] = _digest(absolute)
 
 
 def _digest(path: str) -> str | None:

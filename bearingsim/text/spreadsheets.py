@@ -7,24 +7,24 @@ from bearingsim.text.terminal import plain
 if TYPE_CHECKING:
     import pandas as pd
 
-FORMULA = ("=", "+", "-", "@", "\t", "\n")
+FORMULA_PREFIXES = ("=", "+", "-", "@", "\t", "\n")
 """Characters that can begin a formula (OWASP, CSV injection)."""
 
 
 def csv_text(table: "pd.DataFrame") -> str:
     """Return a table as CSV. Texts that begin like a formula are prefixed by `'`; numbers are unchanged."""
-    quoted = table.copy(deep=False)
+    safe_table = table.copy(deep=False)
     for name in table.columns:
         if table[name].dtype.kind not in "fiub":
-            quoted[name] = [_cell(value) for value in table[name]]
-    return quoted.rename(columns=_cell).to_csv(index=False)
+            safe_table[name] = [_cell(value) for value in table[name]]
+    return safe_table.rename(columns=_cell).to_csv(index=False)
 
 
 def _cell(value: Any) -> Any:
     if not isinstance(value, str):
         return value
     text = plain(value)
-    return f"'{text}" if text.startswith(FORMULA) and not _is_number(text) else text
+    return f"'{text}" if text.startswith(FORMULA_PREFIXES) and not _is_number(text) else text
 
 
 def _is_number(text: str) -> bool:

@@ -6,7 +6,7 @@ displayed order of a text. Results folders of unknown origin may contain both.
 
 import sys
 
-LONGEST_LINE = 1000  # characters
+MAX_LINE = 1000  # characters
 
 
 def plain(text: str) -> str:
@@ -20,7 +20,7 @@ def _printable(line: str) -> str:
 
 def is_line(text: str) -> bool:
     """Check if a text is a single line of limited length without control characters."""
-    return 0 < len(text) <= LONGEST_LINE and text.isprintable()
+    return 0 < len(text) <= MAX_LINE and text.isprintable()
 
 
 def say(text: str, err: bool = False) -> None:

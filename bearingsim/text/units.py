@@ -53,11 +53,17 @@ class Factor(NamedTuple):
 
 
 def _decimal(**powers: int) -> dict[str, Factor]:
-    return {word: Factor(Fraction(10) ** power) for word, power in powers.items()}
+    return {unit: Factor(Fraction(10) ** power) for unit, power in powers.items()}
 
 
-def _per(above: dict[str, Factor], below: dict[str, Factor], between: str = "/") -> dict[str, Factor]:
-    return {f"{a}{between}{b}": Factor(fa.exact / fb.exact) for a, fa in above.items() for b, fb in below.items()}
+def _per(
+    numerators: dict[str, Factor], denominators: dict[str, Factor], separator: str = "/"
+) -> dict[str, Factor]:
+    return {
+        f"{a}{separator}{b}": Factor(fa.exact / fb.exact)
+        for a, fa in numerators.items()
+        for b, fb in denominators.items()
+    }
 
 
 _METRES = _decimal(m=0, mm=-3, um=-6)
@@ -78,7 +84,7 @@ UNITS: dict[Dimension, dict[str, Factor]] = {
     "frequency": _decimal(Hz=0, kHz=3),
     "stiffness": _per(_NEWTONS | _decimal(MN=6), _METRES),
     "stiffness per length": _decimal(**{"N/m/m": 0, "N/m^2": 0, "N/mm/mm": 6, "N/mm^2": 6}),
-    "damping": _per(_NEWTONS, _METRES, between=" s/"),
+    "damping": _per(_NEWTONS, _METRES, separator=" s/"),
     "inverse velocity": _per(_decimal(s=0), _decimal(m=0, mm=-3)),
     "velocity": _per(_METRES, _decimal(s=0)),
     "mass": _decimal(kg=0, g=-3),
@@ -195,24 +201,24 @@ def parse(text: str, dimension: Dimension) -> float:
     Raises UnitError for a decimal comma, NaN, infinity, and a missing, unknown or incompatible unit.
     """
     try:
-        number, word = split(text)
+        number, unit = split(text)
     except UnitError as error:
         raise UnitError(text, EXPECTED[dimension], error.hint) from None
-    factor = UNITS[dimension].get(word)
+    factor = UNITS[dimension].get(unit)
     if factor is None:
-        raise UnitError(text, EXPECTED[dimension], *_unit_hint(word, dimension))
+        raise UnitError(text, EXPECTED[dimension], *_unit_hint(unit, dimension))
     return _convert(text, number, factor, dimension)
 
 
 def pattern(dimension: Dimension) -> str:
     """Return the regular expression (ECMA 262) of quantities that ``parse`` accepts for a dimension."""
-    words = "|".join(map(_spellings, UNITS[dimension]))
-    return rf"{_NUMBER.pattern}[\s·*]*({words})\s*"
+    units = "|".join(map(_spellings, UNITS[dimension]))
+    return rf"{_NUMBER.pattern}[\s·*]*({units})\s*"
 
 
-def _spellings(word: str) -> str:
+def _spellings(unit: str) -> str:
     """Return the pattern of all spellings of a unit; `N s/m` may be written `N·s / m`."""
-    parts = {
+    patterns = {
         " ": r"[\s.·*]*",
         "/": r"\s*/\s*",
         "u": "[uµμ]",
@@ -220,33 +226,33 @@ def _spellings(word: str) -> str:
         "^3": "(\\^?3|³)",
         "deg": "(deg|°)",
     }
-    return re.sub(r"deg|\^[23]|.", lambda match: parts.get(match[0], match[0]), word)
+    return re.sub(r"deg|\^[23]|.", lambda match: patterns.get(match[0], match[0]), unit)
 
 
-def display(value: float, word: str, dimension: Dimension | None = None) -> float:
-    """Convert an SI value to the unit `word`.
+def display(value: float, unit: str, dimension: Dimension | None = None) -> float:
+    """Convert an SI value to `unit`.
 
     `dimension` is needed only for an ambiguous unit: Hz is a frequency or a rotation speed. Raises UnitError for
     an unknown or ambiguous unit.
     """
-    spelt = _spelling(word)
-    factors = {d: f[spelt] for d, f in UNITS.items() if spelt in f}
+    name = _spelling(unit)
+    factors = {d: f[name] for d, f in UNITS.items() if name in f}
     if dimension is not None and dimension not in factors:
-        raise UnitError(word, f"a unit of {dimension}", *_unit_hint(spelt, dimension))
-    chosen = {factors[dimension]} if dimension else set(factors.values())
-    if len(chosen) != 1:
-        raise UnitError(word, "a unit with one meaning", "say which dimension is meant")
-    return _in_unit(value, chosen.pop())
+        raise UnitError(unit, f"a unit of {dimension}", *_unit_hint(name, dimension))
+    candidates = {factors[dimension]} if dimension else set(factors.values())
+    if len(candidates) != 1:
+        raise UnitError(unit, "a unit with one meaning", "say which dimension is meant")
+    return _in_unit(value, candidates.pop())
 
 
-def show(value: float, word: str, dimension: Dimension | None = None) -> str:
-    """Format an SI value in the unit `word` with six digits: `show(0.0008, "mm")` is `0.8 mm`."""
-    return f"{display(value, word, dimension):.6g} {word}".strip()
+def show(value: float, unit: str, dimension: Dimension | None = None) -> str:
+    """Format an SI value in `unit` with six digits: `show(0.0008, "mm")` is `0.8 mm`."""
+    return f"{display(value, unit, dimension):.6g} {unit}".strip()
 
 
-def common_dimension(word: str, other: str) -> Dimension | None:
+def common_dimension(unit: str, other: str) -> Dimension | None:
     """Return a dimension with both unit words, or None."""
-    return next((d for d, words in UNITS.items() if word in words and other in words), None)
+    return next((d for d, words in UNITS.items() if unit in words and other in words), None)
 
 
 def nearest_word(word: str, words: Collection[str]) -> str | None:
@@ -256,60 +262,65 @@ def nearest_word(word: str, words: Collection[str]) -> str | None:
 
 def suggestion(word: str, words: Collection[str]) -> str:
     """Suggest the elements of `words` most similar to a misspelt `word`; empty if none is similar."""
-    nearest = [f"`{near}`" for near in _nearest_words(word, words)[:MOST_SUGGESTED]]
-    return f"did you mean {' or '.join(nearest)}?" if nearest else ""
+    quoted = [f"`{similar}`" for similar in _nearest_words(word, words)[:MAX_SUGGESTIONS]]
+    return f"did you mean {' or '.join(quoted)}?" if quoted else ""
 
 
-MOST_SUGGESTED = 3
-SLIPS_FROM = (3, 9, 14)
+MAX_SUGGESTIONS = 3
+ERROR_LENGTHS = (3, 9, 14)
 """Least lengths of words that may contain one, two and three typing errors."""
-_ALIKE = str.maketrans("01", "ol")
+_SIMILAR_CHARACTERS = str.maketrans("01", "ol")
 
 
 def _nearest_words(typed: str, words: Collection[str]) -> list[str]:
     """List the words with the fewest typing errors, or else the only word with this prefix."""
     folded = typed.lower()
-    slips = {word: _slips(folded, word.lower()) for word in sorted(words) if _may_be_slip(folded, word.lower())}
-    likely = {word: count for word, count in slips.items() if count <= _most_slips(folded, word)}
-    if likely:
-        return [word for word, count in likely.items() if count == min(likely.values())]
-    longer = [word for word in words if len(typed) > 1 and word.lower().startswith(folded)]
-    whole = [word for word in longer if not word[len(typed)].isalnum()]  # `N m/rad` of `N m`, not `N mm/rad`
-    begun = whole or longer
-    return begun if len(begun) == 1 and begun[0][len(typed)] not in "_-" else []
+    distances = {
+        word: _edit_distance(folded, word.lower())
+        for word in sorted(words)
+        if _may_be_misspelt(folded, word.lower())
+    }
+    close = {word: distance for word, distance in distances.items() if distance <= _max_distance(folded, word)}
+    if close:
+        return [word for word, distance in close.items() if distance == min(close.values())]
+    completions = [word for word in words if len(typed) > 1 and word.lower().startswith(folded)]
+    # `N m/rad` completes `N m`; `N mm/rad` does not
+    whole_words = [word for word in completions if not word[len(typed)].isalnum()]
+    candidates = whole_words or completions
+    return candidates if len(candidates) == 1 and candidates[0][len(typed)] not in "_-" else []
 
 
-def _may_be_slip(typed: str, meant: str) -> bool:
+def _may_be_misspelt(typed: str, word: str) -> bool:
     """Check if lengths are similar and numbers equal, because `6204` is not a misspelt `6205`."""
-    numbers = {"".join(filter(str.isdecimal, word)) for word in (typed, meant)} - {""}
-    return abs(len(typed) - len(meant)) <= _most_slips(typed, meant) and len(numbers) < 2
+    numbers = {"".join(filter(str.isdecimal, text)) for text in (typed, word)} - {""}
+    return abs(len(typed) - len(word)) <= _max_distance(typed, word) and len(numbers) < 2
 
 
-def _most_slips(typed: str, meant: str) -> int:
-    return sum(max(len(typed), len(meant)) >= length for length in SLIPS_FROM)
+def _max_distance(typed: str, word: str) -> int:
+    return sum(max(len(typed), len(word)) >= length for length in ERROR_LENGTHS)
 
 
-def _slips(typed: str, meant: str) -> int:
+def _edit_distance(typed: str, word: str) -> int:
     """Count wrong, missing, extra and transposed letters (optimal string alignment distance)."""
-    typed, meant = typed.translate(_ALIKE), meant.translate(_ALIKE)
-    before, row = [0] * (len(meant) + 1), list(range(len(meant) + 1))
+    typed, word = typed.translate(_SIMILAR_CHARACTERS), word.translate(_SIMILAR_CHARACTERS)
+    previous, row = [0] * (len(word) + 1), list(range(len(word) + 1))
     for i, a in enumerate(typed, 1):
-        above, before, row = before, row, [i]
-        for j, b in enumerate(meant, 1):
-            least = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (a != b))
-            if i > 1 and j > 1 and a == meant[j - 2] and typed[i - 2] == b:
-                least = min(least, above[j - 2] + 1)
-            row.append(least)
+        before_previous, previous, row = previous, row, [i]
+        for j, b in enumerate(word, 1):
+            distance = min(previous[j] + 1, row[j - 1] + 1, previous[j - 1] + (a != b))
+            if i > 1 and j > 1 and a == word[j - 2] and typed[i - 2] == b:
+                distance = min(distance, before_previous[j - 2] + 1)
+            row.append(distance)
     return row[-1]
 
 
 @lru_cache(maxsize=256)
-def _spelling(word: str) -> str:
+def _spelling(unit: str) -> str:
     """Normalise the spelling of a unit: one blank between factors, powers with `^`."""
-    word = " ".join(word.translate(SPELLING).split())
-    word = re.sub(r"\b(N|Pa|mPa) ?[. ] ?s\b", r"\1 s", re.sub(r"\b(Pa|mPa)s\b", r"\1 s", word))
-    word = re.sub(r"\bN ?[. ]? ?(m|mm)( ?[. ] ?s)?(?= ?/ ?rad)", _torsional, word)
-    return re.sub(r"(?<=m)([23])$", r"^\1", re.sub(r" ?/ ?", "/", word))
+    unit = " ".join(unit.translate(SPELLING).split())
+    unit = re.sub(r"\b(N|Pa|mPa) ?[. ] ?s\b", r"\1 s", re.sub(r"\b(Pa|mPa)s\b", r"\1 s", unit))
+    unit = re.sub(r"\bN ?[. ]? ?(m|mm)( ?[. ] ?s)?(?= ?/ ?rad)", _torsional, unit)
+    return re.sub(r"(?<=m)([23])$", r"^\1", re.sub(r" ?/ ?", "/", unit))
 
 
 def _torsional(match: re.Match[str]) -> str:
@@ -318,9 +329,9 @@ def _torsional(match: re.Match[str]) -> str:
 
 
 def _convert(text: str, number: str, factor: Factor, dimension: Dimension) -> float:
-    rough = float(number)
-    if rough == 0.0 or math.isinf(rough):  # 1e999999999 would be slow in exact arithmetic
-        value = abs(rough) + float(factor.zero)
+    approximate = float(number)
+    if approximate == 0.0 or math.isinf(approximate):  # 1e999999999 would be slow in exact arithmetic
+        value = abs(approximate) + float(factor.zero)
     else:
         try:
             value = float(Fraction(number) * factor.exact + factor.zero) * (math.pi if factor.pi else 1.0)
@@ -332,8 +343,8 @@ def _convert(text: str, number: str, factor: Factor, dimension: Dimension) -> fl
 
 
 def _in_unit(value: float, factor: Factor) -> float:
-    turns = value / math.pi if factor.pi else value - float(factor.zero)
-    return turns * factor.exact.denominator / factor.exact.numerator
+    scaled = value / math.pi if factor.pi else value - float(factor.zero)
+    return scaled * factor.exact.denominator / factor.exact.numerator
 
 
 def _number_hint(text: str) -> str | None:
@@ -346,17 +357,17 @@ def _number_hint(text: str) -> str | None:
     return None
 
 
-def _unit_hint(word: str, dimension: Dimension) -> tuple[str | None, str | None]:
+def _unit_hint(unit: str, dimension: Dimension) -> tuple[str | None, str | None]:
     """Describe the mistake in a unit; return the description and the most similar valid unit."""
-    words = [w for w in UNITS[dimension] if w]
-    if not word:
+    units = [name for name in UNITS[dimension] if name]
+    if not unit:
         return "the unit is missing", None
-    if not words:
+    if not units:
         return "no unit here", None
-    other = next((d for d in UNITS if word in UNITS[d]), None)
+    other = next((d for d in UNITS if unit in UNITS[d]), None)
     if other is not None:
-        return f"`{word}` is a unit of {other}", None
-    near = nearest_word(word, words)
-    if near and word.endswith(near) and word.removesuffix(near).isalpha():
-        near = None  # an unknown prefix; without it the value would be another
-    return f"did you mean `{near}`?" if near else f"units: {', '.join(words)}", near
+        return f"`{unit}` is a unit of {other}", None
+    nearest = nearest_word(unit, units)
+    if nearest and unit.endswith(nearest) and unit.removesuffix(nearest).isalpha():
+        nearest = None  # an unknown prefix; without it the value would be another
+    return f"did you mean `{nearest}`?" if nearest else f"units: {', '.join(units)}", nearest

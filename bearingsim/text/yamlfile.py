@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 ARGUMENT = "command line"
 """File name of values from the command line."""
-MAX_LETTERS = 100_000
+MAX_CHARACTERS = 100_000
 """Limit of the characters of a file with aliases expanded, read in about 2 s. Usual studies have up to 4000."""
 MAX_DEPTH = 20
 """Limit of the nesting of lists and mappings. Studies need 8; the recursion of Python fails at about 300."""
-MAX_TOLD = 50
+MAX_PROBLEMS = 50
 """Limit of the problems reported at once; each takes milliseconds to find a suggestion."""
-LONGEST_ECHO, LONGEST_MESSAGE, LONGEST_LINE = 200, 2000, 160
+MAX_ECHO, MAX_MESSAGE, MAX_LINE = 200, 2000, 160
 """Limits of the characters of a quoted value, of a message, and of the source line shown with it."""
 
 
@@ -81,23 +81,25 @@ class Problem:
 
     def __str__(self) -> str:
         location = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
-        text = f"{location}: {_clipped(self.message)}" + (f" ({_clipped(self.hint)})" if self.hint else "")
+        text = f"{location}: {_shorten_message(self.message)}" + (
+            f" ({_shorten_message(self.hint)})" if self.hint else ""
+        )
         text = "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text)
         if not self.column:
             return text
-        start = max(0, self.column - LONGEST_LINE // 2) if self.column > LONGEST_LINE else 0
-        line = self.source_line[start : start + LONGEST_LINE]
+        start = max(0, self.column - MAX_LINE // 2) if self.column > MAX_LINE else 0
+        line = self.source_line[start : start + MAX_LINE]
         line = "".join(letter if letter.isprintable() else " " for letter in line)
         return f"{text}\n    {line}\n    {' ' * (self.column - 1 - start)}^"
 
 
-def _clipped(text: str) -> str:
+def _shorten_message(text: str) -> str:
     """Shorten a message and the values quoted in it."""
-    return _QUOTED.sub(lambda match: _cut(match[1], LONGEST_ECHO).join("``"), text)[:LONGEST_MESSAGE]
+    return _QUOTED.sub(lambda match: _shorten(match[1], MAX_ECHO).join("``"), text)[:MAX_MESSAGE]
 
 
-def _cut(text: str, most: int) -> str:
-    return text if len(text) <= most else text[:most] + "..."
+def _shorten(text: str, limit: int) -> str:
+    return text if len(text) <= limit else text[:limit] + "..."
 
 
 _QUOTED = re.compile(r"`([^`]*)`")
@@ -108,9 +110,9 @@ class StudyError(UserError):
 
     def __init__(self, problems: Iterable[Problem]) -> None:
         self.problems = list(problems)
-        left = len(self.problems) - MAX_TOLD
-        more = [f"and {left} more like these"] if left > 0 else []
-        super().__init__("\n".join([*map(str, self.problems[:MAX_TOLD]), *more]))
+        excess = len(self.problems) - MAX_PROBLEMS
+        more = [f"and {excess} more like these"] if excess > 0 else []
+        super().__init__("\n".join([*map(str, self.problems[:MAX_PROBLEMS]), *more]))
 
 
 def problem(mark: Mark, message: str, hint: str | None = None) -> Problem:
@@ -136,7 +138,7 @@ def read_text(path: Path) -> str:
         before = content[: error.start].decode("utf-8", "replace")
         mark = _mark_at(before, len(before), str(path))
         raise StudyError([problem(mark, "not a text file in UTF-8", "save it as UTF-8")]) from None
-    if len(text) > MAX_LETTERS:
+    if len(text) > MAX_CHARACTERS:
         raise StudyError([problem(Mark(str(path)), *_TOO_LONG)])
     return text
 
@@ -145,20 +147,23 @@ def _content(path: Path) -> bytes:
     """Read the bytes of a file. Raises StudyError if that is impossible, or the file too long."""
     try:
         if path.exists() and not path.is_file():  # pipes and devices may never end
-            what = "a folder" if path.is_dir() else "a pipe or a device"
-            raise StudyError([problem(Mark(str(path)), f"this is {what}", "name a file")])
+            kind = "a folder" if path.is_dir() else "a pipe or a device"
+            raise StudyError([problem(Mark(str(path)), f"this is {kind}", "name a file")])
         with path.open("rb") as file:
-            content = file.read(4 * MAX_LETTERS + 1)  # UTF-8 has at most four bytes per character
+            content = file.read(4 * MAX_CHARACTERS + 1)  # UTF-8 has at most four bytes per character
     except (FileNotFoundError, ValueError):  # ValueError: invalid file name
         raise StudyError([problem(Mark(str(path)), "no such file")]) from None
     except OSError as error:
         raise StudyError([problem(Mark(str(path)), f"cannot be read: {error.strerror}")]) from None
-    if len(content) > 4 * MAX_LETTERS:
+    if len(content) > 4 * MAX_CHARACTERS:
         raise StudyError([problem(Mark(str(path)), *_TOO_LONG)])
     return content
 
 
-_TOO_LONG = f"more than {MAX_LETTERS} letters, those that aliases repeat counted", "give ranges, or more studies"
+_TOO_LONG = (
+    f"more than {MAX_CHARACTERS} letters, those that aliases repeat counted",
+    "give ranges, or more studies",
+)
 
 
 class Document(NamedTuple):
@@ -193,13 +198,13 @@ def parse(text: str, file: str) -> Document:
         raise StudyError([_syntax_problem(error, text, file)]) from None
     if root is None:
         return Document(Node({}, Mark(file)), ())
-    walk = _Walk(file, _lines(text))
-    return Document(walk.node(root), tuple(walk.problems))
+    converter = _Converter(file, _lines(text))
+    return Document(converter.node(root), tuple(converter.problems))
 
 
 _BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
-_OWN = "tag:yaml.org,2002:"
-_NO_TEXT = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
+_YAML_TAG = "tag:yaml.org,2002:"
+_CONTROL_CHARACTERS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
 """Rejected characters, which HDF5 cannot store or terminals interpret."""
 
 
@@ -210,49 +215,49 @@ def _lines(text: str) -> list[str]:
 
 def _mark_at(text: str, index: int, file: str) -> Mark:
     """Return the position of a character of a text."""
-    before = _BREAK.split(text[:index])
-    rest = _BREAK.split(text[index:], maxsplit=1)[0]
-    return Mark(file, len(before), len(before[-1]) + 1, before[-1] + rest)
+    lines = _BREAK.split(text[:index])
+    remainder = _BREAK.split(text[index:], maxsplit=1)[0]
+    return Mark(file, len(lines), len(lines[-1]) + 1, lines[-1] + remainder)
 
 
-def parse_argument(text: str, typed: str) -> Document:
-    """Parse a value ``text`` from the command line, the end of the argument ``typed``.
+def parse_argument(text: str, argument: str) -> Document:
+    """Parse a value ``text`` from the command line, the end of ``argument``.
 
     Raises StudyError for a syntax error.
     """
-    before = typed[: len(typed) - len(text)].replace("\n", " ")
-    indented = " " * len(before) + text.replace("\n", " ")
+    option = argument[: len(argument) - len(text)].replace("\n", " ")
+    indented = " " * len(option) + text.replace("\n", " ")
     try:
         root, problems = parse(indented, ARGUMENT)
     except StudyError as error:
-        raise StudyError(_retyped(mistake, typed) for mistake in error.problems) from None
-    return Document(_moved(root, typed), tuple(_retyped(mistake, typed) for mistake in problems))
+        raise StudyError(_relocate_problem(entry, argument) for entry in error.problems) from None
+    return Document(_relocate(root, argument), tuple(_relocate_problem(entry, argument) for entry in problems))
 
 
-def argument_mark(typed: str, column: int) -> Mark:
+def argument_mark(argument: str, column: int) -> Mark:
     """Return a position on the command line."""
-    return Mark(ARGUMENT, 0, column, typed)
+    return Mark(ARGUMENT, 0, column, argument)
 
 
-def _retyped(mistake: Problem, typed: str) -> Problem:
-    return replace(mistake, line=0, source_line=typed)
+def _relocate_problem(entry: Problem, argument: str) -> Problem:
+    return replace(entry, line=0, source_line=argument)
 
 
-def _moved(node: Node, typed: str) -> Node:
+def _relocate(node: Node, argument: str) -> Node:
     value = node.value
     if isinstance(value, dict):
-        value = {key: _moved(child, typed) for key, child in value.items()}
+        value = {key: _relocate(child, argument) for key, child in value.items()}
     elif isinstance(value, tuple):
-        value = tuple(_moved(child, typed) for child in value)
-    key = argument_mark(typed, node.key.column) if node.key else None
-    return Node(value, argument_mark(typed, node.mark.column), key)
+        value = tuple(_relocate(child, argument) for child in value)
+    key = argument_mark(argument, node.key.column) if node.key else None
+    return Node(value, argument_mark(argument, node.mark.column), key)
 
 
 def _syntax_problem(error: yaml.YAMLError, text: str, file: str) -> Problem:
     start, position = getattr(error, "problem_mark", None), getattr(error, "position", None)
-    what = getattr(error, "problem", None) or str(error).splitlines()[0]
+    reason = getattr(error, "problem", None) or str(error).splitlines()[0]
     if getattr(error, "context", None) == "expected a single document in the stream":
-        what = "a second document begins here"
+        reason = "a second document begins here"
     if start is not None:
         lines = _lines(text)
         line = min(start.line, len(lines) - 1)
@@ -260,32 +265,32 @@ def _syntax_problem(error: yaml.YAMLError, text: str, file: str) -> Problem:
         mark = Mark(file, line + 1, column + 1, lines[line])
     else:
         mark = Mark(file) if position is None else _mark_at(text, position, file)
-    return problem(mark, f"not valid YAML: {what}")
+    return problem(mark, f"not valid YAML: {reason}")
 
 
 _UNIT = re.compile(r"[^\W\d]|%|°")
 
 
-def _is_decimal_comma(before: yaml.Node | None, after: yaml.Node) -> bool:
+def _is_decimal_comma(previous: yaml.Node | None, following: yaml.Node) -> bool:
     """Check if two entries result from the comma of a decimal such as `0,2 mm`."""
-    if before is None or not isinstance(before.value, str) or not isinstance(after.value, str):
+    if previous is None or not isinstance(previous.value, str) or not isinstance(following.value, str):
         return False
-    touching = before.end_mark.index + 1 == after.start_mark.index
-    return touching and bool(re.fullmatch(r"[+-]?\d+", before.value)) and after.value[:1].isdecimal()
+    adjacent = previous.end_mark.index + 1 == following.start_mark.index
+    return adjacent and bool(re.fullmatch(r"[+-]?\d+", previous.value)) and following.value[:1].isdecimal()
 
 
-def _joined(before: Node, after: Node) -> Node:
-    return replace(before, value=f"{before.text},{after.text}")
+def _join(previous: Node, following: Node) -> Node:
+    return replace(previous, value=f"{previous.text},{following.text}")
 
 
-class _Walk:
+class _Converter:
     """Converter of PyYAML's nodes, which collects all mistakes."""
 
     def __init__(self, file: str, lines: list[str]) -> None:
         self.file, self.lines = file, lines
         self.problems: list[Problem] = []
-        self.done: dict[int, tuple[Node, int] | None] = {}  # with its characters; None while in conversion
-        self.letters = 0  # characters so far, aliases expanded
+        self.converted: dict[int, tuple[Node, int] | None] = {}  # with its characters; None while in conversion
+        self.characters = 0  # characters so far, aliases expanded
 
     def mark(self, node: yaml.Node) -> Mark:
         start = node.start_mark
@@ -293,72 +298,74 @@ class _Walk:
         return Mark(self.file, start.line + 1, start.column + 1, line)
 
     def node(self, raw: yaml.Node) -> Node:
-        if id(raw) in self.done:  # an alias
-            visited = self.done[id(raw)]
-            if visited is None:
-                return self.refuse(raw, "an alias inside its own anchor")
-            self.count(raw, visited[1])
-            return visited[0]
-        self.done[id(raw)] = None
-        before = self.letters
+        if id(raw) in self.converted:  # an alias
+            result = self.converted[id(raw)]
+            if result is None:
+                return self.reject(raw, "an alias inside its own anchor")
+            self.count(raw, result[1])
+            return result[0]
+        self.converted[id(raw)] = None
+        start = self.characters
         self.count(raw, 1 + len(raw.value) * isinstance(raw.value, str))
-        node = self.fresh(raw)
-        self.done[id(raw)] = node, self.letters - before
+        node = self.convert(raw)
+        self.converted[id(raw)] = node, self.characters - start
         return node
 
-    def count(self, raw: yaml.Node, letters: int) -> None:
+    def count(self, raw: yaml.Node, characters: int) -> None:
         """Count characters. Raises StudyError for too many: nine nested lists of ten aliases have 1e9 values."""
-        self.letters += letters
-        if self.letters > MAX_LETTERS:
+        self.characters += characters
+        if self.characters > MAX_CHARACTERS:
             raise StudyError([problem(self.mark(raw), *_TOO_LONG)])
 
-    def fresh(self, raw: yaml.Node) -> Node:
+    def convert(self, raw: yaml.Node) -> Node:
         import yaml
 
-        usual = {yaml.MappingNode: "map", yaml.SequenceNode: "seq", yaml.ScalarNode: "str"}
-        if raw.tag != _OWN + usual[type(raw)]:
-            return self.refuse(raw, f"the tag `{raw.tag.replace(_OWN, '!!')}` means nothing here")
+        tags = {yaml.MappingNode: "map", yaml.SequenceNode: "seq", yaml.ScalarNode: "str"}
+        if raw.tag != _YAML_TAG + tags[type(raw)]:
+            return self.reject(raw, f"the tag `{raw.tag.replace(_YAML_TAG, '!!')}` means nothing here")
         if isinstance(raw, yaml.MappingNode):
             return Node(self.entries(raw), self.mark(raw))
         if isinstance(raw, yaml.SequenceNode):
             items = [self.node(child) for child in raw.value]
-            return Node(tuple(self.rejoined(raw.value, items)), self.mark(raw))
-        if _NO_TEXT.search(raw.value):
-            return self.refuse(raw, f"a letter that is none in {ascii(raw.value)[:LONGEST_ECHO]}")
+            return Node(tuple(self.join_decimals(raw.value, items)), self.mark(raw))
+        if _CONTROL_CHARACTERS.search(raw.value):
+            return self.reject(raw, f"a letter that is none in {ascii(raw.value)[:MAX_ECHO]}")
         return Node(str(raw.value), self.mark(raw))
 
     def entries(self, raw: yaml.MappingNode) -> dict[str, Node]:
         entries: dict[str, Node] = {}
-        before: tuple[str, yaml.Node | None] = ("", None)  # the last key, and its value
+        previous: tuple[str, yaml.Node | None] = ("", None)  # the last key, and its value
         for raw_key, raw_value in raw.value:
             key, value = self.node(raw_key), self.node(raw_value)
-            if _is_decimal_comma(before[1], raw_key) and value.value == "":
-                entries[before[0]] = _joined(entries[before[0]], key)
+            if _is_decimal_comma(previous[1], raw_key) and value.value == "":
+                entries[previous[0]] = _join(entries[previous[0]], key)
                 continue
-            self.enter(entries, key, value)
-            before = (key.text, raw_value if key.text in entries else None)
+            self.add(entries, key, value)
+            previous = (key.text, raw_value if key.text in entries else None)
         return entries
 
-    def enter(self, entries: dict[str, Node], key: Node, value: Node) -> None:
+    def add(self, entries: dict[str, Node], key: Node, value: Node) -> None:
         if not isinstance(key.value, str):
             self.problems.append(problem(key.mark, "a key must be a word"))
         elif key.value in entries:
             earlier = entries[key.value].key
-            where = f", first on line {earlier.line}" if earlier else ""
-            self.problems.append(problem(key.mark, f"the key `{key.value}` is given twice{where}"))
+            location = f", first on line {earlier.line}" if earlier else ""
+            self.problems.append(problem(key.mark, f"the key `{key.value}` is given twice{location}"))
         else:
             entries[key.value] = replace(value, key=key.mark)
 
-    def rejoined(self, raw: list[yaml.Node], items: list[Node]) -> Iterator[Node]:
+    def join_decimals(self, raw: list[yaml.Node], items: list[Node]) -> Iterator[Node]:
         """Yield the items of a list, after joining `0` and `2 mm` that were written as `0,2 mm`."""
         skip = False
         for i, item in enumerate(items):
-            after = raw[i + 1] if i + 1 < len(raw) else None
-            splits = after is not None and _is_decimal_comma(raw[i], after) and _UNIT.search(items[i + 1].text)
+            following = raw[i + 1] if i + 1 < len(raw) else None
+            is_split = (
+                following is not None and _is_decimal_comma(raw[i], following) and _UNIT.search(items[i + 1].text)
+            )
             if not skip:
-                yield _joined(item, items[i + 1]) if splits else item
-            skip = bool(splits) and not skip
+                yield _join(item, items[i + 1]) if is_split else item
+            skip = bool(is_split) and not skip
 
-    def refuse(self, raw: yaml.Node, message: str) -> Node:
+    def reject(self, raw: yaml.Node, message: str) -> Node:
         self.problems.append(problem(self.mark(raw), message))
         return Node("", self.mark(raw))

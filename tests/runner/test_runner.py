@@ -23,7 +23,7 @@ from bearingsim.runner import Interrupted, RunSummary, progress, run
 from bearingsim.runner.findings import scatter_warnings, step_warnings
 from bearingsim.runner.packing import Cost, pack, shard_of, unit_seconds
 from bearingsim.runner.summary import group_failures
-from bearingsim.text import patience
+from bearingsim.text import announcer
 from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
 
 ROOT = Path(__file__).parents[2]
@@ -155,8 +155,8 @@ def test_progress_lines_tell_counts_and_time_left(
 def test_a_long_start_is_explained(
     shown: bool | None, is_said: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(patience, "PATIENCE_S", 0.05)
-    with patience.patient(shown) as start:
+    monkeypatch.setattr(announcer, "ANNOUNCEMENT_DELAY_S", 0.05)
+    with announcer.announcer(shown) as start:
         announce = progress.compiling(start)
         announce(1, 5, 7.0)
         announce(2, 5, 22.0)

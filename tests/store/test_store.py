@@ -514,7 +514,7 @@ def flipped(content: bytes) -> bytes:
 def test_whoever_waits_for_a_lock_says_for_whom(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(files, "PATIENCE_S", 0.1)
+    monkeypatch.setattr(files, "ANNOUNCEMENT_DELAY_S", 0.1)
     (tmp_path / "run.elsewhere-123-abcdef01.started").touch()
     other, released = FileLock(tmp_path / ".lock"), threading.Event()
 

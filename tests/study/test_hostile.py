@@ -9,7 +9,7 @@ import pytest
 
 from bearingsim.study import StudyError, diagnose, load_study, plan
 from bearingsim.text import yamlfile
-from bearingsim.text.yamlfile import LONGEST_ECHO, LONGEST_LINE, MAX_LETTERS, MAX_TOLD
+from bearingsim.text.yamlfile import MAX_CHARACTERS, MAX_ECHO, MAX_LINE, MAX_PROBLEMS
 from benchmarks import altered_studies, check_limits, crossed_blocks, hostile, malformed
 from tests.conftest import Write
 
@@ -110,9 +110,9 @@ def test_limits_are_those_of_what_was_checked() -> None:
 def test_an_echo_is_clipped_and_the_caret_still_points(write: Write) -> None:
     first, line, caret = told(write(malformed.study_with(f"load: [{'150 N, ' * 100}&a &b]")))
     assert line[caret.index("^")] == "&"
-    assert len(line) <= LONGEST_LINE + 4
+    assert len(line) <= MAX_LINE + 4
     first, *_ = told(write(malformed.study_with(f"load: {'x' * 5000}")))
-    assert f"`{'x' * LONGEST_ECHO}...`" in first
+    assert f"`{'x' * MAX_ECHO}...`" in first
 
 
 def test_a_message_has_no_letters_of_control(write: Write) -> None:
@@ -124,7 +124,7 @@ def test_a_message_has_no_letters_of_control(write: Write) -> None:
 def test_no_more_problems_are_told_than_one_mends(write: Write) -> None:
     said = told(write(malformed.BASE + "".join(f"figures{n}: 1\n" for n in range(40)) + "load: 1 N\n" * 200))
     assert said[-1] == "and 190 more like these"
-    assert sum(line.strip() == "^" for line in said) == MAX_TOLD
+    assert sum(line.strip() == "^" for line in said) == MAX_PROBLEMS
 
 
 def test_a_file_that_is_no_text_says_where(tmp_path: Path) -> None:
@@ -134,7 +134,7 @@ def test_a_file_that_is_no_text_says_where(tmp_path: Path) -> None:
 
 
 def test_letters_are_counted_with_their_aliases() -> None:
-    text = "a" * (MAX_LETTERS // 10)
+    text = "a" * (MAX_CHARACTERS // 10)
     assert yamlfile.parse(f"[&a {text}, {', '.join(['*a'] * 7)}]", "f").root.items[7].value == text
     with pytest.raises(StudyError, match="f:1:2: more than 100000 letters"):
         yamlfile.parse(f"[&a {text}, {', '.join(['*a'] * 10)}]", "f")

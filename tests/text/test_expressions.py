@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 from bearingsim.study.paths import dimension, known_paths
 from bearingsim.text.expressions import (
-    MAX_LETTERS,
-    PLAIN,
+    DIMENSIONLESS,
+    MAX_CHARACTERS,
     TRUTH,
     ExpressionError,
     Kind,
@@ -39,7 +39,7 @@ def kind(path: str) -> Kind:
     if path not in VALUES:
         raise ValueError(f"no such path `{path}`")
     known = dimension(path)
-    return kind_of(known) if known else PLAIN
+    return kind_of(known) if known else DIMENSIONLESS
 
 
 def value(text: str, values: dict[str, float] = VALUES) -> tuple[float, str]:
@@ -157,7 +157,7 @@ def test_of_less_equal_and_more_one_holds(pair: tuple[float, float]) -> None:
     holds = {}
     for sign in ("<", "<=", ">", ">=", "==", "!="):
         found = read(Node(f"a.x {sign} b", Mark("f")))
-        found.kind(lambda _: PLAIN)
+        found.kind(lambda _: DIMENSIONLESS)
         holds[sign] = bool(found.value(names.__getitem__))
     assert holds["<"] + holds["=="] + holds[">"] == 1
     assert [holds["<="], holds[">="], holds["!="]] == [not holds[">"], not holds["<"], not holds["=="]]
@@ -272,7 +272,7 @@ def test_what_stands_behind_a_decided_condition_is_not_worked_out() -> None:
         ("1) + (2", "this is no formula", ") + (2"),
         ("2 × 3", "a character that is not allowed in formulas: '\\xd7'", "× 3"),
         ("", "expected a formula such as `defect.width / 4`", ""),
-        ("1" + " " * MAX_LETTERS, f"more than {MAX_LETTERS} letters in a formula", "1"),
+        ("1" + " " * MAX_CHARACTERS, f"more than {MAX_CHARACTERS} letters in a formula", "1"),
     ],
 )  # fmt: skip
 def test_what_is_refused_and_where(text: str, message: str, caret: str) -> None:
@@ -416,10 +416,10 @@ def by_python(text: str) -> float | bool | None:
     return found if isinstance(found, bool) else float(found)
 
 
-@given(st.one_of(ARITHMETIC, CONDITIONS).filter(lambda text: len(text) <= MAX_LETTERS))
+@given(st.one_of(ARITHMETIC, CONDITIONS).filter(lambda text: len(text) <= MAX_CHARACTERS))
 def test_values_are_those_of_python(text: str) -> None:
     found = read(Node(text, Mark("f")))
-    found.kind(lambda _: PLAIN)
+    found.kind(lambda _: DIMENSIONLESS)
     try:
         ours: float | bool | None = found.value(NAMES.__getitem__)
     except ExpressionError:

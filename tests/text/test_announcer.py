@@ -4,11 +4,11 @@ import time
 
 import pytest
 
-from bearingsim.text.patience import patient
+from bearingsim.text.announcer import announcer
 
 
 def test_what_takes_long_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
-    with patient(seconds=0.05) as patience:
+    with announcer(seconds=0.05) as patience:
         for what in ("first", "second", "third", "second"):
             patience.begin(what)
             if what != "first":
@@ -18,7 +18,7 @@ def test_what_takes_long_is_said_once(capsys: pytest.CaptureFixture[str]) -> Non
 
 @pytest.mark.parametrize("shown", [None, False])
 def test_what_is_short_or_not_wanted_is_not_said(shown: bool | None, capsys: pytest.CaptureFixture[str]) -> None:
-    with patient(shown, seconds=10.0 if shown is None else 0.0) as patience:
+    with announcer(shown, seconds=10.0 if shown is None else 0.0) as patience:
         patience.begin("short")
     time.sleep(0.01)
     assert capsys.readouterr().err == ""
