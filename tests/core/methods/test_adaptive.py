@@ -1,4 +1,4 @@
-"""The driver of adaptive methods: accuracy asked and got, dense output, jumps, pieces, and how it gives up."""
+"""Driver of adaptive methods: accuracy, dense output, jumps, runs in chunks, failures."""
 
 from itertools import pairwise
 
@@ -31,52 +31,52 @@ METHODS = (Dop853, DormandPrince)
 SWING = swing(4.0, 0.3, 0.7)
 
 
-def peer(model, times, q, v):
-    """Places and speeds (n, 2) of a swing by SciPy's DOP853 at its tightest."""
+def scipy_solution(model, times, q, v):
+    """Return positions and speeds (n, 2) of a swing by SciPy's DOP853 at its tightest tolerance."""
     K, C, P = model.K, model.C, model.P
 
-    def slopes(t, s):
+    def rates(t, s):
         return s[1], -K * (s[0] - s[0] ** 3 / 6.0) - C * s[1] * (1.0 + s[1] ** 2) + P * np.cos(t)
 
-    found = solve_ivp(slopes, (0.0, times[-1]), (q, v), "DOP853", t_eval=times, rtol=2.3e-14, atol=1e-15)
-    assert found.success
-    return found.y.T
+    solution = solve_ivp(rates, (0.0, times[-1]), (q, v), "DOP853", t_eval=times, rtol=2.3e-14, atol=1e-15)
+    assert solution.success
+    return solution.y.T
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_agrees_with_scipy(method):
-    """To 1e-9 everywhere, at tight tolerance; recorded instants lie anywhere in the steps."""
+    """Agreement is within 1e-9 at a tight tolerance, with recorded instants anywhere in the steps."""
     out, y = run(tight(method, 0.037, 1e-12), SWING, 300)
-    assert np.abs(out - peer(SWING, 0.037 * np.arange(1, 301), 0.5, 0.2)).max() < 1e-9
+    assert np.abs(out - scipy_solution(SWING, 0.037 * np.arange(1, 301), 0.5, 0.2)).max() < 1e-9
     assert y[lay.FAILED] == SUCCESS
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_decade_tighter_never_doubles_the_error(method):
-    """And over seven decades it falls by six at least; the steps it takes hardly depend on what is recorded."""
-    exact = peer(SWING, 0.1 * np.arange(1, 101), 0.5, 0.2)
+def test_error_falls_with_the_tolerance(method):
+    """The error falls by six decades over seven decades of the tolerance, and nowhere more than doubles."""
+    exact = scipy_solution(SWING, 0.1 * np.arange(1, 101), 0.5, 0.2)
     errors = [np.abs(run(tight(method, 0.1, 10.0**-k), SWING, 100)[0] - exact).max() for k in range(4, 12)]
-    assert all(after < 2.0 * before for before, after in pairwise(errors))
+    assert all(finer < 2.0 * coarser for coarser, finer in pairwise(errors))
     assert errors[-1] < 1e-6 * errors[0]
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_what_is_recorded_changes_no_step(method):
+def test_recording_does_not_change_the_steps(method):
     """Recording ten times as often gives the same states at the common instants, to the bit."""
-    often, seldom = (run(tight(method, h, 1e-6), SWING, n)[0] for h, n in ((0.125, 160), (1.25, 16)))
-    assert (often[9::10] == seldom).all()
+    frequent, sparse = (run(tight(method, h, 1e-6), SWING, n)[0] for h, n in ((0.125, 160), (1.25, 16)))
+    assert (frequent[9::10] == sparse).all()
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_run_in_pieces_is_the_same_run(method):
-    """Bit for bit, buffer and all: what a run remembers lies in the buffer."""
-    chosen = tight(method, 0.1, 1e-6)
-    whole, y = run(chosen, SWING, 100)
-    z, pieces = lay.buffer(1, 1.0), np.empty((100, 2))
-    start(chosen, SWING, 0.0, 0.5, 0.2, z)
-    for first, end in ((0, 7), (7, 8), (8, 63), (63, 100)):
-        go(chosen, SWING, first, z, pieces[first:end])
-    assert (pieces == whole).all()
+def test_run_in_chunks_is_identical(method):
+    """All states and the buffer are identical, because the buffer contains the complete state of a run."""
+    tolerant_method = tight(method, 0.1, 1e-6)
+    expected, y = run(tolerant_method, SWING, 100)
+    z, chunks = lay.buffer(1, 1.0), np.empty((100, 2))
+    start(tolerant_method, SWING, 0.0, 0.5, 0.2, z)
+    for begin, end in ((0, 7), (7, 8), (8, 63), (63, 100)):
+        go(tolerant_method, SWING, begin, z, chunks[begin:end])
+    assert (chunks == expected).all()
     assert (y == z).all()
 
 
@@ -87,46 +87,50 @@ def test_order_of_dense_output(method, order):
     lengths = 0.8 * 0.8 ** np.arange(5) if order == 7 else 0.4 * 0.7 ** np.arange(5)
     for h in lengths:
         worst = 0.0
-        for part in (0.15, 0.3, 0.45, 0.6, 0.75, 0.9):
-            chosen, y, out = tolerant(method, part * h, h), lay.buffer(1, 1.0), np.empty((1, 2))
-            start(chosen, model, 0.0, 0.5, 0.2, y)
+        for fraction in (0.15, 0.3, 0.45, 0.6, 0.75, 0.9):
+            tolerant_method, y, out = tolerant(method, fraction * h, h), lay.buffer(1, 1.0), np.empty((1, 2))
+            start(tolerant_method, model, 0.0, 0.5, 0.2, y)
             y[lay.H_NEXT] = h
-            go(chosen, model, 0, y, out)
+            go(tolerant_method, model, 0, y, out)
             assert y[lay.T_END] == h
-            worst = max(worst, abs(out[0, 1] - swung(4.0, 0.6, part * h, 0.5, 0.2)[1]))
+            worst = max(worst, abs(out[0, 1] - swung(4.0, 0.6, fraction * h, 0.5, 0.2)[1]))
         errors.append(worst)
-    fitted = np.polyfit(np.log(lengths), np.log(errors), 1)[0]
-    assert fitted == pytest.approx(order + 1, abs=0.3)
+    slope = np.polyfit(np.log(lengths), np.log(errors), 1)[0]
+    assert slope == pytest.approx(order + 1, abs=0.3)
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_known_jump_is_stopped_on(method):
-    """q'' = 1 + q' up to a time, -1 after it: exact to tolerance without a refusal, in a few steps."""
-    at = 0.6180339887
-    out, y = run(tight(method, 0.1, 1e-10), switched(1.0, at), 20, q=0.0, v=0.0)
+def test_steps_end_at_a_known_jump(method):
+    """q'' = 1 + q' up to a time, -1 after it: exact to tolerance without a rejected step."""
+    t_jump = 0.6180339887
+    out, y = run(tight(method, 0.1, 1e-10), switched(1.0, t_jump), 20, q=0.0, v=0.0)
     t = 0.1 * np.arange(1, 21)
-    v = np.where(t < at, np.expm1(t), np.expm1(at) - (t - at))
-    q = np.where(t < at, np.expm1(t) - t, np.expm1(at) - at + np.expm1(at) * (t - at) - (t - at) ** 2 / 2)
+    v = np.where(t < t_jump, np.expm1(t), np.expm1(t_jump) - (t - t_jump))
+    q = np.where(
+        t < t_jump,
+        np.expm1(t) - t,
+        np.expm1(t_jump) - t_jump + np.expm1(t_jump) * (t - t_jump) - (t - t_jump) ** 2 / 2,
+    )
     assert np.abs(out - np.stack([q, v], axis=1)).max() < 1e-9
     assert counts(y)["refused"] == 0
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_bouncing_roller_comes_back(method):
-    """A linear floor: after seven bounces, none foreseen, the error is far above the tolerance, but falls with it.
+def test_accuracy_of_a_bouncing_roller(method):
+    """On a linear floor the error after seven bounces is far above the tolerance, but falls with it.
 
-    docs/touch_down.md says why: the estimate is made for smooth forces.
+    The error estimate assumes smooth forces (docs/touch_down.md).
     """
     model = bounce(10.0, 1e4, 1.0)
     period = bounce_period(model, 1.0)
-    for tolerance, allowed in ((1e-8, 1e-4), (1e-10, 1e-5), (1e-12, 1e-8)):
+    for tolerance, max_error in ((1e-8, 1e-4), (1e-10, 1e-5), (1e-12, 1e-8)):
         out, _ = run(tight(method, 7.0 * period, tolerance), model, 1, q=0.0, v=1.0)
-        assert abs(out[0, 1] - 1.0) < allowed
+        assert abs(out[0, 1] - 1.0) < max_error
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_force_that_is_no_number_ends_on_the_floor(method):
-    """The run goes on to where it stops making sense, then fails, and stays failed."""
+def test_nan_force_fails_at_the_least_step(method):
+    """The run reaches the time at which the force becomes NaN, then fails."""
     out, y = run(tight(method, 0.1, 1e-6), unfinished(0.55), 10, q=0.0, v=0.0)
     assert y[lay.FAILED] == STEP_TOO_SMALL
     assert y[lay.T_END] == pytest.approx(0.55, abs=1e-12)
@@ -134,16 +138,16 @@ def test_a_force_that_is_no_number_ends_on_the_floor(method):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_too_stiff_a_model_stalls(method):
-    """A dashpot that decays in a picosecond: so many steps between two recorded instants, and no more."""
+def test_too_stiff_model_reaches_the_step_count(method):
+    """With a decay time of a picosecond the number of steps between two recorded instants reaches its limit."""
     _, y = run(tight(method, 1.0, 1e-6), Oscillator(1.0, 1e12), 3)
     assert y[lay.FAILED] == TOO_MANY_STEPS
     assert y[lay.STEPS_TAKEN] <= MAX_ATTEMPTS + 1
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_stiffness_is_held_without_refusals(method):
-    """Where stability limits the step, proportional-integral control keeps refusals under a tenth of the steps."""
+def test_few_rejected_steps_at_the_stability_limit(method):
+    """Proportional-integral control rejects less than a tenth of the steps if stability limits the step."""
     _, y = run(tight(method, 0.1, 1e-5), Oscillator(1e4, 1e3, 1.0, 1.0), 100)
     assert y[lay.FAILED] == SUCCESS
     assert counts(y)["refused"] < 0.1 * counts(y)["taken"]

@@ -1,4 +1,4 @@
-"""The arrow's algebra against numpy's dense one."""
+"""Algebra of arrow matrices against NumPy's dense matrices."""
 
 from itertools import product
 
@@ -17,7 +17,7 @@ SIZES = [
 B, C = lay.STAGE, lay.STAGE + lay.STATE  # blocks of the state that the tests work on
 
 
-def words(model):
+def size_id(model):
     return f"{model.own}x{model.Z}+{model.shared}"
 
 
@@ -27,8 +27,8 @@ def right_hand_side(model, y):
     return b
 
 
-@pytest.mark.parametrize("model", SIZES, ids=words)
-def test_solve_equals_a_dense_one(model):
+@pytest.mark.parametrize("model", SIZES, ids=size_id)
+def test_solve_equals_dense_solution(model):
     y, A_q, A_v = random_arrows(model, 0.2 / np.sqrt(model.Z))
     b = right_hand_side(model, y)
     assemble_system(model, 0.7, 0.9, y)
@@ -40,9 +40,9 @@ def test_solve_equals_a_dense_one(model):
     assert not y[unused(model, B)].any()
 
 
-@pytest.mark.parametrize("model", SIZES, ids=words)
-def test_solve_of_springs_up_to_1e16_leaves_a_residual_of_rounding(model):
-    """What contacts make of the matrix, in units of 1e-3 to 1e3: its condition is 1e16 and more."""
+@pytest.mark.parametrize("model", SIZES, ids=size_id)
+def test_backward_error_of_solve_with_springs_up_to_1e16(model):
+    """Contacts give the matrix a condition number of 1e16 and more, here with units from 1e-3 to 1e3."""
     y, A_q = sprung(model, 10.0 ** RANDOM.uniform(0, 16, (model.Z, 4)))
     T = turning(model)
     b = right_hand_side(model, y)
@@ -54,9 +54,9 @@ def test_solve_of_springs_up_to_1e16_leaves_a_residual_of_rounding(model):
     assert backward.max() < 1e-12
 
 
-@pytest.mark.parametrize("model", SIZES, ids=words)
+@pytest.mark.parametrize("model", SIZES, ids=size_id)
 @pytest.mark.parametrize("matrix", [lay.POSITION_JACOBIAN, lay.VELOCITY_JACOBIAN])
-def test_multiply_equals_a_dense_one(model, matrix):
+def test_multiply_equals_dense_product(model, matrix):
     y, A_q, A_v = random_arrows(model)
     b = right_hand_side(model, y)
     multiply(model, matrix, B, C, y)

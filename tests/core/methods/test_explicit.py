@@ -1,4 +1,4 @@
-"""Explicit methods: their tables, their order, and the longest step of each on an oscillator and on a bearing."""
+"""Explicit methods: tables, order, and longest stable step on an oscillator and on a bearing."""
 
 from math import inf, nan, sqrt
 
@@ -33,7 +33,7 @@ RUNGE_KUTTA = {
     "dop853, of third order": (runge_kutta(EIGHTH.a, EIGHTH.b - dop853.E_3_V[:12]), 3),
     "stabilised": (stabilised.TABLE, 2),
 }
-FIXED = (Verlet, SymplecticEuler, RungeKutta4, Nystrom, Stabilised)
+FIXED_STEP_METHODS = (Verlet, SymplecticEuler, RungeKutta4, Nystrom, Stabilised)
 
 
 # Tables
@@ -41,7 +41,7 @@ FIXED = (Verlet, SymplecticEuler, RungeKutta4, Nystrom, Stabilised)
 
 @pytest.mark.parametrize("name", RUNGE_KUTTA)
 def test_order_conditions(name):
-    """Bushy trees b c^(k-1) = 1/k, tall trees b a^(k-2) c = 1/k!, and those of two branches, up to the order."""
+    """Bushy trees b c^(k-1) = 1/k, tall trees b a^(k-2) c = 1/k!, and trees of two branches, up to the order."""
     (c, a, _, b, _), order = RUNGE_KUTTA[name]
     tall = np.ones(len(c))
     for k in range(1, order + 1):
@@ -53,25 +53,25 @@ def test_order_conditions(name):
             assert b @ (c**m * (a @ c**n)) == pytest.approx(1.0 / ((n + 1) * (m + n + 2)), abs=1e-13)
 
 
-def test_nodes_are_those_of_the_books():
-    """Row sums of the tables against the printed nodes."""
+def test_nodes_equal_published_values():
+    """Row sums of the tables equal the published nodes."""
     assert dormand_prince.TABLE.c == pytest.approx([0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1, 1], abs=1e-14)
     root = sqrt(6.0)
-    early = [0, 2 / 135 * (6 - root), (6 - root) / 45, (6 - root) / 30, (6 + root) / 30]
-    late = [1 / 3, 1 / 4, 4 / 13, 127 / 195, 3 / 5, 6 / 7, 1, 1, 1 / 10, 1 / 5, 7 / 9]
-    assert dop853.TABLE.c == pytest.approx([*early, *late], abs=1e-13)
+    nodes = [0, 2 / 135 * (6 - root), (6 - root) / 45, (6 - root) / 30, (6 + root) / 30]
+    more_nodes = [1 / 3, 1 / 4, 4 / 13, 127 / 195, 3 / 5, 6 / 7, 1, 1, 1 / 10, 1 / 5, 7 / 9]
+    assert dop853.TABLE.c == pytest.approx([*nodes, *more_nodes], abs=1e-13)
     assert stabilised.TABLE.c[0] == 0.0
     assert (np.diff(stabilised.TABLE.c) > 0.0).all()
 
 
 def test_continuous_extensions_join_start_and_end():
-    """At the end they give the step itself; time is integrated exactly everywhere."""
+    """The extensions equal the step at its end, and integrate time exactly everywhere."""
     for extension, b in ((dop853.EXTENSION_V, dop853.a[12]), (dormand_prince.EXTENSION_V, dormand_prince.b)):
         assert extension[0] == pytest.approx(b)
         assert extension.sum(axis=1) == pytest.approx([1.0, *[0.0] * (len(extension) - 1)], abs=1e-11)
 
 
-def test_the_stabilised_table_is_the_recurrence():
+def test_stabilised_table_equals_the_recurrence():
     """R(z) of the table is that of the paper, 1 + b_s (T_s(w_0 + w_1 z) - T_s(w_0)) scaled to 1 at z = 0."""
     s = stabilised.STAGES
     T = np.polynomial.Chebyshev.basis(s)
@@ -98,7 +98,7 @@ def test_the_stabilised_table_is_the_recurrence():
     ],
 )
 def test_order_on_a_smooth_problem(method, order, steps):
-    """A bent oscillator with a force that sees place, speed and time, against the finest of DOP853."""
+    """A nonlinear oscillator with a force of position, speed and time, against DOP853 with a short step."""
     model, span = swing(4.0, 0.3, 0.7), 4.0
     exact = at_even_steps(Dop853, model, span / 400, 400, 0.5, 0.2)
     errors = [np.abs(at_even_steps(method, model, span / n, n, 0.5, 0.2) - exact).max() for n in steps]
@@ -108,89 +108,92 @@ def test_order_on_a_smooth_problem(method, order, steps):
 # Limits
 
 
-def grows(method, K, C):
-    """Whether the oscillator's motion gets out of hand: by a factor of 1000 in 6000 steps."""
+def is_unstable(method, K, C):
+    """Check if the oscillator's motion grows by a factor of 1000 in 6000 steps."""
     out, _ = run(method, Oscillator(K, C), 6000, q=1.0 / sqrt(K), v=0.7)
     return not np.abs(out[-50:, 1] + sqrt(K) * out[-50:, 0]).max() < 1e3
 
 
-THREADS = (0.9, 1.5)  # between these damping ratios, and below 0.04, Chebyshev's stability hangs by threads
+UNCERTAIN_ZETA = (
+    0.9,
+    1.5,
+)  # between these damping ratios, and below 0.04, Chebyshev's stability interval has gaps
 
 
 @pytest.mark.parametrize(
     ("method", "zeta"),
     [
         (method, zeta)
-        for method in FIXED
+        for method in FIXED_STEP_METHODS
         for zeta in (0.0, 0.01, 0.05, 0.2, 0.4, 0.54, 0.8, 0.97, 1.05, 1.8, 5.0, 16.0, 40.0)
-        if method is not Stabilised or (0.04 < zeta < THREADS[0] or zeta > THREADS[1])
+        if method is not Stabilised or (0.04 < zeta < UNCERTAIN_ZETA[0] or zeta > UNCERTAIN_ZETA[1])
     ],
 )
-def test_measured_limit_is_the_linear_theorys(method, zeta):
-    """Of each explicit method within 2 %, over all damping ratios; symplectic Euler's is h_c itself."""
+def test_measured_limit_equals_linear_theory(method, zeta):
+    """Limits agree within 2 % for each explicit method and damping ratio; that of symplectic Euler is h_c."""
     if method is Stabilised and (zeta < 0.04 or (zeta > 0.9 and zeta < 1.5)):
-        pytest.skip("its stability hangs together by threads here")
+        pytest.skip("its stability interval has gaps here")
     omega = 2e5
     K, C = omega * omega, 2.0 * zeta * omega
     low, high = 0.0, 60.0 / (C + omega)
     while high - low > 2e-3 * high:
         h = 0.5 * (low + high)
-        low, high = (low, h) if grows(method(h), K, C) else (h, high)
+        low, high = (low, h) if is_unstable(method(h), K, C) else (h, high)
     assert stability_ratio(method(low), K, C) == pytest.approx(1.0, abs=0.02)
     if method is SymplecticEuler:
         assert low == pytest.approx(2.0 / omega * (sqrt(1.0 + zeta * zeta) - zeta), rel=0.02)
 
 
-def test_adaptive_methods_have_no_limit_to_watch():
-    """Their error holds them."""
+def test_adaptive_methods_have_no_stability_limit():
+    """Error control limits their steps."""
     for method in (Dop853, DormandPrince):
         assert stability_ratio(method(1.0, 1e-6, 1e-9, 1e-9, 1.0), 1e12, 1e9) == 0.0
 
 
 @jit
-def shaken(method, model, steps, y):
-    """Take steps of a bearing, the accelerations in place."""
+def take_steps(method, model, steps, y):
+    """Take steps of a bearing after an evaluation of its accelerations."""
     accelerations(model, 0.0, y)
     for n in range(steps):
         step(method, model, n * method.h, y)
 
 
 @jit
-def body(model, y, j):
-    """K (1/s^2) and C (1/s) of a watched body."""
+def stiffness_and_damping(model, y, j):
+    """Return K (1/s^2) and C (1/s) of a monitored body."""
     accelerations(model, 0.0, y)
     return stiffness_per_mass(model, y, j), damping_per_mass(model, y, j)
 
 
 @pytest.fixture(scope="module", params=["0.5 s/m", "50 s/m"])
-def held(request):
-    """The NF308 preloaded and under 300 N, its cage held still; at rest, and its linear equations about it."""
+def preloaded_bearing(request):
+    """Return the preloaded NF308 under 300 N with a fixed cage, its equilibrium and the linearised equations."""
     model = assemble.model(case(clearance="-4 um", load="300 N", contact={"damping": {"chi": request.param}}))
     model = model._replace(bearing=model.bearing._replace(omega_c=0.0))
     y = at_rest(model)
-    places = np.array([lay.POSITION, lay.POSITION + 1, *range(lay.RADIAL, lay.RADIAL + 13)])
+    cells = np.array([lay.POSITION, lay.POSITION + 1, *range(lay.RADIAL, lay.RADIAL + 13)])
     shift, A_q, A_v = lay.VELOCITY - lay.POSITION, np.empty((15, 15)), np.empty((15, 15))
-    for k, place in enumerate(places):
-        for matrix, at, small in ((A_q, place, 1e-11), (A_v, place + shift, 1e-6)):
-            found = []
+    for k, cell in enumerate(cells):
+        for matrix, varied, increment in ((A_q, cell, 1e-11), (A_v, cell + shift, 1e-6)):
+            results = []
             for sign in (-1.0, 1.0):
                 z = y.copy()
-                z[at] += sign * small
+                z[varied] += sign * increment
                 accelerations(model, 0.0, z)
-                found.append(z[places + lay.ACCELERATION - lay.POSITION])
-            matrix[:, k] = (found[1] - found[0]) / (2.0 * small)
-    return model, y, places, A_q, A_v
+                results.append(z[cells + lay.ACCELERATION - lay.POSITION])
+            matrix[:, k] = (results[1] - results[0]) / (2.0 * increment)
+    return model, y, cells, A_q, A_v
 
 
 def step_matrix(method, A_q, A_v, h):
-    """What one step makes of a state of q'' = A_q q + A_v v: the method's own formula, in matrices."""
+    """Return the amplification matrix of one step for q'' = A_q q + A_v v, from the method's formula."""
     n = len(A_q)
     I, O = np.eye(n), np.zeros((n, n))  # noqa: E741
     if method is SymplecticEuler:
         return np.block([[I, h * I], [O, I]]) @ np.block([[I, O], [h * A_q, I + h * A_v]])
-    if method is Verlet:  # it begins from the accelerations that the last step found: (q, v, a)
-        q_1, ahead = np.block([I, h * I, h * h / 2 * I]), np.block([O, I, h * I])
-        a_1 = A_q @ q_1 + A_v @ ahead
+    if method is Verlet:  # the state includes the last accelerations: (q, v, a)
+        q_1, v_predicted = np.block([I, h * I, h * h / 2 * I]), np.block([O, I, h * I])
+        a_1 = A_q @ q_1 + A_v @ v_predicted
         return np.block([[q_1], [np.block([O, I, h / 2 * I]) + h / 2 * a_1], [a_1]])
     table = {RungeKutta4: rk4.TABLE, Nystrom: nystrom.TABLE, Stabilised: stabilised.TABLE}[method]
     q, v, f = np.block([I, O]), np.block([O, I]), []
@@ -202,67 +205,67 @@ def step_matrix(method, A_q, A_v, h):
     return np.block([[new_q], [v + h * sum(b * f_j for b, f_j in zip(table.b, f, strict=True))]])
 
 
-def bisected(unstable, high, tries):
-    """The greatest stable step (s): the first of ``tries`` places up to ``high`` that is not, then from there."""
-    tried = high * np.arange(1, tries + 1) / tries
-    first = next(h for h in tried if unstable(h))
-    low = first - tried[0]
-    while first - low > 1e-3 * first:
-        h = 0.5 * (low + first)
-        low, first = (low, h) if unstable(h) else (h, first)
+def largest_stable_step(unstable, high, count):
+    """Return the largest stable step (s): bisection below the first unstable of ``count`` steps up to ``high``."""
+    trial_steps = high * np.arange(1, count + 1) / count
+    high_stable = next(h for h in trial_steps if unstable(h))
+    low = high_stable - trial_steps[0]
+    while high_stable - low > 1e-3 * high_stable:
+        h = 0.5 * (low + high_stable)
+        low, high_stable = (low, h) if unstable(h) else (h, high_stable)
     return low
 
 
-@pytest.mark.parametrize("method", FIXED)
-def test_measured_limit_on_the_loaded_bearing(method, held):
-    """Within 2 % of the linear theory of the bearing as a whole, and the watch's, body by body, within 10 %.
+@pytest.mark.parametrize("method", FIXED_STEP_METHODS)
+def test_measured_limit_on_the_loaded_bearing(method, preloaded_bearing):
+    """The limit agrees within 2 % with linear theory of the whole bearing, within 10 % with the monitor's limit.
 
-    Growth is seen in the accelerations: beyond its limit Verlet comes to a false rest under heavy damping, with
-    forces that alternate from step to step (a contact cannot pull) and nothing moving (docs/touch_down.md).
+    Growth is measured in the accelerations: beyond its limit Verlet reaches a false equilibrium under heavy
+    damping, with forces that alternate from step to step and no motion (docs/touch_down.md).
     """
-    model, y, places, A_q, A_v = held
-    K, C = np.max([body(model, y, j) for j in range(13)], axis=0)
+    model, y, cells, A_q, A_v = preloaded_bearing
+    K, C = np.max([stiffness_and_damping(model, y, j) for j in range(13)], axis=0)
     longest = 25.0 * critical_step(K, C)
 
-    def theory(h):
+    def is_unstable_in_theory(h):
         return np.abs(np.linalg.eigvals(step_matrix(method, A_q, A_v, h))).max() > 1.0 + 1e-6
 
-    def measured(h):
-        z, random = y.copy(), np.random.default_rng(1)
-        z[places + lay.VELOCITY - lay.POSITION] += 1e-9 * random.normal(size=15)
-        shaken(method(h), model, 20_000, z)
-        return not np.abs(z[places + lay.ACCELERATION - lay.POSITION]).max() < 10.0
+    def is_unstable_in_simulation(h):
+        z, rng = y.copy(), np.random.default_rng(1)
+        z[cells + lay.VELOCITY - lay.POSITION] += 1e-9 * rng.normal(size=15)
+        take_steps(method(h), model, 20_000, z)
+        return not np.abs(z[cells + lay.ACCELERATION - lay.POSITION]).max() < 10.0
 
-    limit = bisected(measured, longest, 20)
-    assert limit == pytest.approx(bisected(theory, longest, 200), rel=0.02)
+    limit = largest_stable_step(is_unstable_in_simulation, longest, 20)
+    assert limit == pytest.approx(largest_stable_step(is_unstable_in_theory, longest, 200), rel=0.02)
     assert stability_ratio(method(limit), K, C) == pytest.approx(1.0, abs=0.1)
 
 
 # Energy
 
 
-def test_verlet_keeps_the_energy_of_a_contact():
-    """38 000 periods of a contact of power 10/9 in 52 steps each, pressed: under 1e-4 (seen: 4e-8).
+def test_verlet_conserves_the_energy_of_a_contact():
+    """The energy of a closed contact of power 10/9 changes by less than 1e-4 (measured: 4e-8) in 38 000 periods.
 
-    One that bounces meets its floor at another place in a step each time: its energy wanders by a percent.
+    A bouncing body touches the floor at another fraction of a step each time; its energy varies by a per cent.
     """
-    for v, allowed in ((0.3, 1e-4), (3.0, 0.03)):  # of the speed at which it leaves the floor
+    for v, max_change in ((0.3, 1e-4), (3.0, 0.03)):  # relative to the speed of lift-off
         K, n, g = 1e4, 10.0 / 9.0, 100.0
         model = bounce(g, K, n)
-        pressed = (g / K) ** (1.0 / n)
-        h = 2.0 * np.pi / sqrt(n * K * pressed ** (n - 1.0)) / 52.0
-        out, _ = run(Verlet(h), model, 38_000 * 52, q=-pressed, v=v * sqrt(g * pressed))
+        rest_depth = (g / K) ** (1.0 / n)
+        h = 2.0 * np.pi / sqrt(n * K * rest_depth ** (n - 1.0)) / 52.0
+        out, _ = run(Verlet(h), model, 38_000 * 52, q=-rest_depth, v=v * sqrt(g * rest_depth))
         depth = np.maximum(-out[:, 0], 0.0)
         energy = 0.5 * out[:, 1] ** 2 + K * depth ** (n + 1.0) / (n + 1.0) + g * out[:, 0]
-        at_rest = K * pressed ** (n + 1.0) / (n + 1.0) - g * pressed
-        means = (energy.reshape(-1, 52 * 380).mean(axis=1) - at_rest) / (energy[0] - at_rest)
+        rest_energy = K * rest_depth ** (n + 1.0) / (n + 1.0) - g * rest_depth
+        means = (energy.reshape(-1, 52 * 380).mean(axis=1) - rest_energy) / (energy[0] - rest_energy)
         assert (out[:, 0].max() > 0.0) == (v > 1.0)
-        assert np.ptp(means) < allowed
+        assert np.ptp(means) < max_change
 
 
-@pytest.mark.parametrize("method", FIXED)
+@pytest.mark.parametrize("method", FIXED_STEP_METHODS)
 @pytest.mark.parametrize(("K", "C"), [(inf, inf), (nan, nan), (nan, 1.0), (1.0, nan), (inf, 1.0), (1.0, inf)])
-def test_what_has_blown_up_is_over_every_limit(method, K, C):
-    """Of a table's entries none is looked up by what is no number: it would be anywhere in memory."""
-    found = stability_ratio(method(1e-6), K, C)
-    assert found == inf if method in (RungeKutta4, Nystrom, Stabilised) else not found <= 1.0
+def test_non_finite_stiffness_exceeds_every_limit(method, K, C):
+    """A non-finite value is never used as an index of a table."""
+    ratio = stability_ratio(method(1e-6), K, C)
+    assert ratio == inf if method in (RungeKutta4, Nystrom, Stabilised) else not ratio <= 1.0

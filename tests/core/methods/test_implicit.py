@@ -1,4 +1,4 @@
-"""Implicit methods on one coordinate: order, damping of what is stiff, touch-down, how they fail."""
+"""Implicit methods on one coordinate: order, damping of stiff motion, touch-down, failures."""
 
 from itertools import pairwise
 from math import exp, inf, pi
@@ -21,26 +21,26 @@ STIFF = Scene(K=1e6, C=200.0, P=1.0)  # h omega from 50 to 200
 DASHPOT = Scene(K=1e6, C=1e6, P=1.0)
 
 
-def every(method, h):
-    """Steps of ``h`` exactly, whatever their error."""
+def with_fixed_step(method, h):
+    """Return the method with steps of ``h`` whatever their error."""
     return method(h, 0.0, inf, inf, h) if method in (Rodas, BackwardEuler) else method(h)
 
 
 def errors(model, method, steps, span=1.0):
-    """(steps, 2) errors of position and velocity at the end of forced motion."""
-    ends = [run(model, every(method, span / n), span, *on_path(model, 0.0)).path[-1, :2] for n in steps]
+    """Return the errors (steps, 2) of position and velocity at the end of forced motion."""
+    ends = [run(model, with_fixed_step(method, span / n), span, *on_path(model, 0.0)).path[-1, :2] for n in steps]
     return np.abs(np.array(ends) - on_path(model, span))
 
 
-def orders(found):
-    return [np.log2(a / b) for a, b in pairwise(found)]
+def orders(results):
+    return [np.log2(a / b) for a, b in pairwise(results)]
 
 
 # the table
 
 
 def standard_form():
-    """alpha, Gamma and b of the textbook's form."""
+    """Return alpha, Gamma and b of the textbook's form."""
     square = np.zeros((6, 6))
     square[:, :5] = rodas.E
     inverse = np.eye(6) / rodas.GAMMA - square
@@ -51,8 +51,8 @@ def standard_form():
     return a @ gammas, gammas, m @ gammas
 
 
-def test_the_table_meets_the_conditions_of_order_four():
-    """Hairer and Wanner, Solving ODEs II, sec. IV.7, table 7.1; and the stages' times are sums of rows."""
+def test_table_satisfies_order_four_conditions():
+    """Hairer and Wanner, Solving ODEs II, sec. IV.7, table 7.1; the times of the stages are row sums."""
     alpha, gammas, b = standard_form()
     beta, one = alpha + gammas, np.ones(6)
     c, d, e = alpha @ one, gammas @ one, (alpha + gammas) @ one
@@ -68,8 +68,8 @@ def test_the_table_meets_the_conditions_of_order_four():
     assert b @ beta @ beta @ e == pytest.approx(1 / 24, abs=1e-13)
 
 
-def test_infinitely_fast_motion_is_gone_after_a_step():
-    """R(inf) = 1 - b (alpha + Gamma)^-1 1 = 0, of the embedded solution too."""
+def test_rodas_is_l_stable():
+    """R(inf) = 1 - b (alpha + Gamma)^-1 1 = 0, also for the embedded solution."""
     alpha, gammas, b = standard_form()
     embedded = np.append(rodas.A[5], 0.0) @ gammas
     assert 1.0 - b @ np.linalg.solve(alpha + gammas, np.ones(6)) == pytest.approx(0.0, abs=1e-12)
@@ -94,50 +94,50 @@ def test_infinitely_fast_motion_is_gone_after_a_step():
         (VelocityImplicitEuler, DASHPOT, 1.0),
     ],
 )
-def test_order_on_forced_motion_soft_and_stiff(method, model, order):
-    """Prothero and Robinson's test in second order: of the velocity, which loses order first."""
-    found = errors(model, method, (5, 10, 20) if method is Rodas else (20, 40, 80))
-    assert orders(found[:, 1])[-1] == pytest.approx(order, abs=0.25)
+def test_order_on_soft_and_stiff_forced_motion(method, model, order):
+    """Prothero and Robinson's test for a second-order equation; the velocity loses order first."""
+    results = errors(model, method, (5, 10, 20) if method is Rodas else (20, 40, 80))
+    assert orders(results[:, 1])[-1] == pytest.approx(order, abs=0.25)
 
 
 @pytest.mark.parametrize(("method", "order"), [(Rodas, 4.0), (BackwardEuler, 1.0), (GeneralisedAlpha, 2.0)])
 def test_order_on_van_der_pol(method, order):
-    """mu = 1 over 3 s, by differences between halvings."""
+    """Order from differences between halved steps, for mu = 1 over 3 s."""
     model = Scene(mu=1.0, K=1.0)
-    ends = [run(model, every(method, 3.0 / n), 3.0, 2.0, 0.0).path[-1, :2] for n in (80, 160, 320, 640)]
+    ends = [run(model, with_fixed_step(method, 3.0 / n), 3.0, 2.0, 0.0).path[-1, :2] for n in (80, 160, 320, 640)]
     assert orders([np.linalg.norm(a - b) for a, b in pairwise(ends)])[-1] == pytest.approx(order, abs=0.25)
 
 
 @pytest.mark.parametrize("fault", [1e-4, 1e-3])
-def test_derivatives_that_are_a_little_wrong_cost_accuracy_not_boundedness(fault):
-    """The error grows by about the part that they leave out, and the motion stays."""
+def test_inexact_jacobian_costs_accuracy_not_stability(fault):
+    """The error grows by about the relative error of the Jacobian, and the motion stays bounded."""
     exact = errors(STIFF, Rodas, (20, 40))[:, 1]
-    wrong = errors(STIFF._replace(fault=fault), Rodas, (20, 40))[:, 1]
-    assert (wrong < exact + 3.0 * fault).all()
+    inexact = errors(STIFF._replace(fault=fault), Rodas, (20, 40))[:, 1]
+    assert (inexact < exact + 3.0 * fault).all()
 
 
-# what is stiff
+# stiff motion
 
 
 @pytest.mark.parametrize("method", [Rodas, BackwardEuler, VelocityImplicitEuler])
-def test_nothing_is_left_of_a_stiff_motion_after_a_step(method):
-    """A dashpot of 1e9 per kg: the velocity after one step of 1 s, of 1 m/s."""
-    assert abs(run(Scene(C=1e9), every(method, 1.0), 1.0, 0.0, 1.0).path[-1, 1]) < 1e-6
+def test_stiff_motion_decays_in_one_step(method):
+    """A dashpot of 1e9 N s/m per kg reduces a velocity of 1 m/s below 1e-6 m/s in one step of 1 s."""
+    assert abs(run(Scene(C=1e9), with_fixed_step(method, 1.0), 1.0, 0.0, 1.0).path[-1, 1]) < 1e-6
 
 
-def test_generalised_alpha_keeps_rho_of_a_stiff_motion():
-    """Of the same dashpot's velocity, step for step, its sign changing."""
+def test_generalised_alpha_multiplies_stiff_motion_by_minus_rho():
+    """The velocity of the same dashpot changes by the factor -rho per step."""
     v = run(Scene(C=1e9), GeneralisedAlpha(1.0), 30.0, 0.0, 1.0).path[:, 1]
     assert v[-1] / v[-2] == pytest.approx(-RHO, rel=1e-3)
 
 
 def van_der_pol(mu):
-    """The oscillator in time over mu, as it is usually posed: 1/mu^2 q'' = (1 - q^2) q' - q."""
+    """Return the oscillator in the usual scaling, time over mu: 1/mu^2 q'' = (1 - q^2) q' - q."""
     return Scene(mu=mu * mu, K=mu * mu)
 
 
 REFERENCE = 1.706167732170483, -0.8928097010247975
-"""At 2, for mu = 1000: Mazzia and Magherini, Test Set for Initial Value Problem Solvers."""
+"""State at time 2 for mu = 1000: Mazzia and Magherini, Test Set for Initial Value Problem Solvers."""
 
 
 @pytest.mark.parametrize(
@@ -150,8 +150,8 @@ def test_stiff_van_der_pol(method, rtol, error):
 
 
 @pytest.mark.parametrize("mu", [1e4, 1e5, 1e6])
-def test_van_der_pol_stiffer_still(mu):
-    """Up to 1/mu^2 = 1e-12, two tolerances agree."""
+def test_very_stiff_van_der_pol(mu):
+    """Two tolerances agree up to 1/mu^2 = 1e-12."""
     ends = [run(van_der_pol(mu), Rodas(0.04, r, r, r, 0.1), 2.0, 2.0, 0.0) for r in (1e-5, 1e-7)]
     assert [w.failed for w in ends] == [SUCCESS, SUCCESS]
     assert ends[0].path[-1, 0] == pytest.approx(ends[1].path[-1, 0], rel=1e-3)
@@ -162,50 +162,50 @@ def test_van_der_pol_stiffer_still(mu):
 K_FLOOR, SPEED, DROP = 1e9, 1e-2, 1e-6  # N/m on 1 kg; m/s; m above the floor
 
 
-def bounce(method, rtol):
-    """Error of the place, over the way, as far after a bounce off a spring as the drop was before it."""
-    rest = pi / K_FLOOR**0.5 + 2.0 * DROP / SPEED
-    tolerances = method(rest, rtol, rtol * SPEED / K_FLOOR**0.5, rtol * SPEED, rest)
-    w = run(Scene(floor=dashpot(PowerLaw(K_FLOOR, 1.0), 0.0, 0.0)), tolerances, rest, DROP, -SPEED)
+def bounce_error(method, rtol):
+    """Return the relative error of position and speed after a bounce off a spring, back at the initial height."""
+    span = pi / K_FLOOR**0.5 + 2.0 * DROP / SPEED
+    tolerances = method(span, rtol, rtol * SPEED / K_FLOOR**0.5, rtol * SPEED, span)
+    w = run(Scene(floor=dashpot(PowerLaw(K_FLOOR, 1.0), 0.0, 0.0)), tolerances, span, DROP, -SPEED)
     assert w.failed == SUCCESS
     return abs(w.path[-1, 0] / DROP - 1.0) + abs(w.path[-1, 1] / SPEED - 1.0)
 
 
-def test_a_bounce_off_a_spring_is_as_exact_as_asked_for():
-    found = [bounce(Rodas, rtol) for rtol in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)]
-    assert all(error < 3.0 * rtol for error, rtol in zip(found, (1e-2, 1e-3, 1e-4, 1e-5, 1e-6), strict=True))
+def test_error_of_a_bounce_follows_the_tolerance():
+    results = [bounce_error(Rodas, rtol) for rtol in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)]
+    assert all(error < 3.0 * rtol for error, rtol in zip(results, (1e-2, 1e-3, 1e-4, 1e-5, 1e-6), strict=True))
 
 
-def test_backward_euler_loses_speed_in_a_bounce_by_the_root_of_the_tolerance():
-    found = [bounce(BackwardEuler, rtol) for rtol in (1e-3, 1e-5, 1e-7)]
-    assert found[-1] < 1e-2
-    for coarse, fine in pairwise(found):
+def test_backward_euler_error_of_a_bounce_is_root_of_the_tolerance():
+    results = [bounce_error(BackwardEuler, rtol) for rtol in (1e-3, 1e-5, 1e-7)]
+    assert results[-1] < 1e-2
+    for coarse, fine in pairwise(results):
         assert coarse / fine == pytest.approx(10.0, rel=0.25)
 
 
 @pytest.mark.parametrize("c", [1e4, 1e6, 1e9])
 @pytest.mark.parametrize("method", [Rodas, BackwardEuler])
-def test_a_dashpot_that_sets_in_with_a_jump(method, c):
-    """A weight falls on a spring beside a dashpot whose force jumps at touch-down; then it creeps.
+def test_dashpot_force_that_jumps_at_contact(method, c):
+    """A mass of 1 kg falls on a spring and a parallel dashpot whose force jumps at contact.
 
-    Overdamped, so after the jump delta = (g/k)(1 - exp(-k t/c)), plus v m/c that the jump takes (1 kg).
+    The motion is overdamped: after the jump delta = (g/k)(1 - exp(-k t/c)), plus v m/c from the jump itself.
     """
-    k, g, span, fall = 1e9, 300.0, 1e-3, 1e-4
+    k, g, span, t_contact = 1e9, 300.0, 1e-3, 1e-4
     floor = dashpot(PowerLaw(k, 1.0), c, 0.0)
     tolerances = method(span / 5, 1e-3, 1e-12, min(1e-5, 1e-3 * g / c), span)
-    w = run(Scene(floor=floor, g=g), tolerances, span, SPEED * fall + 0.5 * g * fall**2, -SPEED)
+    w = run(Scene(floor=floor, g=g), tolerances, span, SPEED * t_contact + 0.5 * g * t_contact**2, -SPEED)
     assert w.failed == SUCCESS
     if c >= 1e6:
-        slow = k / c
-        lost = (SPEED + g * fall) / c
-        deep = g / k * (1.0 - exp(-slow * (span - fall))) + lost * exp(-slow * (span - fall))
-        assert -w.path[-1, 0] == pytest.approx(deep, rel=5e-3)
+        rate = k / c
+        jump = (SPEED + g * t_contact) / c
+        depth = g / k * (1.0 - exp(-rate * (span - t_contact))) + jump * exp(-rate * (span - t_contact))
+        assert -w.path[-1, 0] == pytest.approx(depth, rel=5e-3)
 
 
 @pytest.mark.parametrize(("c", "m3"), [(1e4, 0.0), (1e9, 0.0), (1e4, 1.0 / 9.0), (1e4, 1.0)])
 @pytest.mark.parametrize("method", [GeneralisedAlpha, VelocityImplicitEuler])
-def test_fixed_steps_go_on_over_a_jump(method, c, m3):
-    """Newton's method finds its way, or the linear solve goes on, where the dashpot's force sets in."""
+def test_fixed_steps_cross_a_jump(method, c, m3):
+    """Newton's method converges, or the linear solution continues, where the dashpot's force begins."""
     floor = dashpot(PowerLaw(1e9, 10.0 / 9.0), c, m3)
     w = run(Scene(floor=floor, g=300.0), method(1e-7), 2e-4, DROP, -SPEED)
     assert w.failed == SUCCESS
@@ -216,38 +216,38 @@ def test_fixed_steps_go_on_over_a_jump(method, c, m3):
 
 
 @pytest.mark.parametrize(("method", "first"), [(Rodas, 1e-3), (BackwardEuler, 1e-2)])
-def test_a_tighter_tolerance_is_never_worse(method, first):
+def test_error_falls_with_the_tolerance_on_a_dashpot(method, first):
     model = DASHPOT._replace(w=3.0)
-    found = []
+    results = []
     for rtol in first * 10.0 ** -np.arange(4):
         w = run(model, method(0.01, rtol, rtol, rtol, 1.0), 1.0, *on_path(model, 0.0))
         path = np.array([on_path(model, 0.01 * (n + 1)) for n in range(100)])
-        found.append(np.abs(w.path[:, :2] - path).max())
-    assert all(fine < 0.5 * coarse for coarse, fine in pairwise(found))
-    assert found[-1] < 1e-2 * found[0] or method is BackwardEuler
+        results.append(np.abs(w.path[:, :2] - path).max())
+    assert all(fine < 0.5 * coarse for coarse, fine in pairwise(results))
+    assert results[-1] < 1e-2 * results[0] or method is BackwardEuler
 
 
-def test_what_is_linear_takes_two_newton_iterations_at_most():
-    """The second sees that the first was right."""
+def test_linear_problem_takes_at_most_two_newton_iterations():
+    """The second iteration confirms the first."""
     w = run(DASHPOT, BackwardEuler(0.01, 1e-3, 1e-3, 1e-3, 0.01), 0.5, *on_path(DASHPOT, 0.0))
     assert w.iterated <= 2 * (w.taken + w.refused)
     assert w.evaluated == w.iterated + w.taken + len(w.path) + 2  # one in the middle of each step, for peaks
 
 
 def test_evaluations_of_rodas_are_counted():
-    w = run(SOFT, every(Rodas, 0.1), 1.0, *on_path(SOFT, 0.0))
+    w = run(SOFT, with_fixed_step(Rodas, 0.1), 1.0, *on_path(SOFT, 0.0))
     assert w.evaluated == 7 * (w.taken + w.refused) + w.taken + len(w.path) + 2
 
 
 @pytest.mark.parametrize("method", [Rodas, BackwardEuler])
 def test_recorded_instants_lie_within_steps(method):
-    """Ten instants within each step, as exact as its ends: of third order, or of first."""
+    """Errors at ten instants within each step are of third order, or of first for backward Euler."""
     h = 0.1 if method is Rodas else 0.02
     model = SOFT
-    fine = run(model, method(h / 10, 0.0, inf, inf, h), 1.0, *on_path(model, 0.0))
-    half = run(model, method(h / 20, 0.0, inf, inf, h / 2), 1.0, *on_path(model, 0.0))
+    full_steps = run(model, method(h / 10, 0.0, inf, inf, h), 1.0, *on_path(model, 0.0))
+    half_steps = run(model, method(h / 20, 0.0, inf, inf, h / 2), 1.0, *on_path(model, 0.0))
     worst = []
-    for w in (fine, half):
+    for w in (full_steps, half_steps):
         instants = np.arange(1, len(w.path) + 1) / len(w.path)
         worst.append(np.abs(w.path[:, :2] - [on_path(model, t) for t in instants]).max())
     assert np.log2(worst[0] / worst[1]) > (2.7 if method is Rodas else 0.8)
@@ -256,21 +256,21 @@ def test_recorded_instants_lie_within_steps(method):
 # failure
 
 
-def test_a_newton_method_that_stalls_says_so():
-    """Derivatives of the wrong sign: each iterate is further off than the last."""
+def test_diverging_newton_iteration_fails():
+    """With derivatives of the wrong sign the iteration diverges."""
     w = run(Scene(K=1e8, fault=-3.0), GeneralisedAlpha(0.1), 1.0, 1.0, 0.0)
     assert w.failed == NEWTON_FAILED
     assert w.y[lay.FAILED_BODY] == 0
 
 
 @pytest.mark.parametrize(("method", "outcome"), [(Rodas, STEP_TOO_SMALL), (BackwardEuler, NEWTON_FAILED)])
-def test_what_is_not_finite_ends_the_run(method, outcome):
+def test_non_finite_force_ends_the_run(method, outcome):
     w = run(Scene(K=np.nan), method(0.1, 1e-3, 1e-3, 1e-3, 0.1), 0.3, 1.0, 0.0)
     assert w.failed == outcome
 
 
-def test_backward_euler_takes_shorter_steps_where_newton_stalls():
-    """Derivatives of the wrong sign do no harm to a step well under the motion's own time."""
+def test_backward_euler_shortens_steps_if_newton_fails():
+    """Derivatives of the wrong sign do not matter in steps much shorter than the period."""
     floor = dashpot(PowerLaw(K_FLOOR, 1.0), 0.0, 0.0)
     w = run(Scene(floor=floor, fault=-3.0), BackwardEuler(1e-4, 1e-2, 1e-9, 1e-4, 1e-4), 4e-4, DROP, -SPEED)
     assert w.failed == SUCCESS

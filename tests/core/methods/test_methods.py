@@ -1,4 +1,4 @@
-"""Integrators: order, linear stability limit, energy, and runs in pieces."""
+"""Integrators: order, linear stability limit, energy, and runs in chunks."""
 
 from itertools import pairwise
 
@@ -17,8 +17,8 @@ from tests.scenes.nf308 import PLACES, SLOT, at_rest, case, drive
 SMOOTH = {"clearance": "-4 um", "contact": {"damping": {"chi": "5 s/m"}}}  # preloaded: no contact opens
 
 
-def shaken(model):
-    """The smooth scene in motion: the ring pushed aside, everything else at rest."""
+def displaced_state(model):
+    """Return the state of the smooth case at rest, with an initial velocity of the ring."""
     y = at_rest(model)
     y[lay.VELOCITY] += 2e-3
     y[lay.VELOCITY + 1] -= 1e-3
@@ -28,14 +28,14 @@ def shaken(model):
 
 @pytest.mark.parametrize(("method", "order", "tolerance"), [(RungeKutta4, 4.0, 0.3), (Verlet, 2.0, 0.2)])
 @pytest.mark.parametrize("model", ["ring", "rollers"])
-def test_order_on_a_smooth_scene(method, order, tolerance, model):
-    """Richardson's order from three halvings of the step: the differences fall by 2^order."""
+def test_order_on_smooth_motion(method, order, tolerance, model):
+    """Differences between successive halvings of the step fall by 2^order."""
     scene = assemble.model(case(model=model, **SMOOTH))
     span, longest = (256e-6, 1e-6) if method is RungeKutta4 else (256e-6, 0.25e-6)
     ends = []
     for n in range(4):
         h = longest / 2**n
-        y = shaken(scene)
+        y = displaced_state(scene)
         drive(scene, method(h), round(span / h), y)
         ends.append(
             np.concatenate(
@@ -46,13 +46,13 @@ def test_order_on_a_smooth_scene(method, order, tolerance, model):
                 ]
             )
         )
-    gaps = [np.linalg.norm(a - b) for a, b in pairwise(ends)]
-    orders = [np.log2(a / b) for a, b in pairwise(gaps)]
+    differences = [np.linalg.norm(a - b) for a, b in pairwise(ends)]
+    orders = [np.log2(a / b) for a, b in pairwise(differences)]
     assert orders[-1] == pytest.approx(order, abs=tolerance)
 
 
-def test_verlet_keeps_the_energy_of_undamped_contacts():
-    """Preloaded, undamped, standing cage: the energy drifts under 1e-4 of what moves in 40 ms."""
+def test_verlet_conserves_the_energy_of_undamped_contacts():
+    """With preload and a fixed cage the energy changes by less than 1e-4 of the kinetic energy in 40 ms."""
     model = assemble.model(case(clearance="-4 um", contact={"damping": {"chi": "0 s/m"}}))
     bearing = model.bearing._replace(omega_c=0.0)
     model = model._replace(bearing=bearing, support=model.support._replace(c_b=0.0))
@@ -68,7 +68,7 @@ def test_verlet_keeps_the_energy_of_undamped_contacts():
 
 
 def energy(model, y):
-    """Kinetic + elastic + spring + potential of the load (J)."""
+    """Return the total energy (J): kinetic, elastic, of the bracket's spring and of the load."""
     b, s, k = model.bearing, model.support, model.outer.stiffness.k
     angle = b.theta_0 + 2 * np.pi * np.arange(13) / 13
     u = y[lay.POSITION : lay.POSITION + 2]
@@ -83,34 +83,34 @@ def energy(model, y):
 
 
 @pytest.mark.parametrize("method", [Verlet(4e-7), RungeKutta4(1e-6)])
-def test_a_run_in_pieces_is_the_same_run(method):
+def test_run_in_chunks_is_identical(method):
     model = assemble.model(case(defect=SLOT))
-    whole = drive(model, method, 9000)
-    y, monitor, pieces = at_rest(model), Monitor(8, 1.0), []
+    expected = drive(model, method, 9000)
+    y, monitor, chunks = at_rest(model), Monitor(8, 1.0), []
     for start, count in ((0, 1000), (1000, 3001), (4001, 4999)):
         out = np.empty((len(PLACES), count))
         advance(method, model, monitor, start, y, PLACES, out)
-        pieces.append(out)
-    assert np.array_equal(np.hstack(pieces), whole)
+        chunks.append(out)
+    assert np.array_equal(np.hstack(chunks), expected)
 
 
-def outcome(method, patience=13e-6, steps=60_000, **given):
-    model = assemble.model(case(**given))
+def outcome(method, overrun_limit=13e-6, steps=60_000, **options):
+    model = assemble.model(case(**options))
     out = np.empty((len(PLACES), steps))
-    return advance(method, model, Monitor(2, patience), 0, at_rest(model), PLACES, out)
+    return advance(method, model, Monitor(2, overrun_limit), 0, at_rest(model), PLACES, out)
 
 
-def test_the_watch_lets_a_good_run_pass():
+def test_monitor_passes_a_stable_run():
     assert outcome(Verlet(4e-7), defect=SLOT)[1] == SUCCESS
 
 
 @pytest.mark.parametrize("method", [Verlet(2e-6), RungeKutta4(6e-6)])
-def test_the_watch_stops_a_run_that_outruns_its_limit(method):
+def test_monitor_stops_a_run_over_the_step_limit(method):
     taken, result, body = outcome(method, defect=SLOT)
     assert result == STEP_LIMIT_EXCEEDED
     assert taken * method.h < 10e-3
     assert 0 <= body < 13
 
 
-def test_the_watch_stops_a_run_that_blows_up():
-    assert outcome(Verlet(2e-5), patience=1.0, defect=SLOT)[1] == NOT_FINITE
+def test_monitor_stops_a_diverging_run():
+    assert outcome(Verlet(2e-5), overrun_limit=1.0, defect=SLOT)[1] == NOT_FINITE
