@@ -24,7 +24,7 @@ from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.simulate import Record
 from bearingsim.simulation.spectral_lines import ball_pass_lines
 from bearingsim.store import NOTABLE_ERROR, is_uncertain
-from bearingsim.store.spread import BY_BLOCKS
+from bearingsim.store.spread import BLOCK_ERRORS
 
 DURATION_S, SETTLE_S, LENGTH_FACTOR, RECORDS = 0.5, 0.1, 10, 4
 NEAR_FACTOR = 2.0
@@ -75,7 +75,7 @@ def check_flags(number: int, fields: dict[str, Any]) -> list[FlagResult]:
     name = f"{fields['bearing']} {fields['model']} {fields['load']} {fields['speed']}"
     rows = []
     for feature, error in errors.items():
-        flagged, stated = bool(is_uncertain(table, feature).iloc[0]), run.features[BY_BLOCKS[feature]]
+        flagged, stated = bool(is_uncertain(table, feature).iloc[0]), run.features[BLOCK_ERRORS[feature]]
         chaotic = run.features["chaotic"] == 1.0
         rows.append(FlagResult(number, name, feature, chaotic, flagged, stated, error, verdict(flagged, error)))
     return rows
@@ -84,7 +84,7 @@ def check_flags(number: int, fields: dict[str, Any]) -> list[FlagResult]:
 def standard_errors(case: Case, run: Record) -> dict[str, float]:
     """Return relative standard errors of a run's features, from their scatter over parts of longer records."""
     if run.info["period_passes"] != 0:  # periodic
-        return dict.fromkeys(BY_BLOCKS, 0.0)
+        return dict.fromkeys(BLOCK_ERRORS, 0.0)
     count = LENGTH_FACTOR * RECORDS
     changes = {"duration": count * case.duration, "method": run.info["method"], "step_check": False}
     setup = set_up(case.model_copy(update=changes), float(run.info["step_part"]))
@@ -99,7 +99,7 @@ def standard_errors(case: Case, run: Record) -> dict[str, float]:
         ball_pass_lines(part, setup.model, setup.cut, raw) | statistics(part, setup.cut, raw) for part in parts
     ]
     table = pd.DataFrame(features)
-    return {name: float(table[name].std() / table[name].mean()) for name in BY_BLOCKS}
+    return {name: float(table[name].std() / table[name].mean()) for name in BLOCK_ERRORS}
 
 
 def verdict(flagged: bool, error: float) -> str:

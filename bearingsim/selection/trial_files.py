@@ -27,7 +27,7 @@ def read_trials(root: Path, features: Collection[str] = ()) -> dict[str, Trial |
     Unreadable files and trials without these features are ignored, so that they are computed again.
     """
     by_id: dict[str, Trial | None] = {}
-    for path in own_files.TRIALS.of(root):
+    for path in own_files.TRIALS.find(root):
         try:
             entries = read_json(path)
             entries = entries[TRIALS]

@@ -42,8 +42,8 @@ Choices = dict[str, Choice]
 
 def write_choices(root: Path, choices: Choices, plans: Mapping[str, str] | None = None) -> None:
     """Write the choices; plans: name of the plan for which each choice was made."""
-    named = plans or {}
-    entries = {name: asdict(choice) | {PLAN: named.get(name, "")} for name, choice in sorted(choices.items())}
+    plan_names = plans or {}
+    entries = {name: asdict(choice) | {PLAN: plan_names.get(name, "")} for name, choice in sorted(choices.items())}
     write_json(root / CHOICES, {"choices": entries})
 
 
@@ -74,7 +74,7 @@ def _read(root: Path) -> dict[str, tuple[Choice, str]]:
         entries = read_json(path)
         entries = entries.get("choices", entries)
         check(layouts.Choices, entries)
-        return {name: _choice(choice) for name, choice in entries.items()}
+        return {name: _choice(entry) for name, entry in entries.items()}
     except FileNotFoundError:
         return {}
     except UNREADABLE as error:

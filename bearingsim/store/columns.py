@@ -50,39 +50,48 @@ def write_jobs(file: h5py.File, ids: Sequence[str]) -> h5py.Dataset:
     return jobs
 
 
-def write_columns(file: h5py.File, jobs: h5py.Dataset, group: str, named: Mapping[str, NDArray[Any]]) -> None:
+def write_columns(
+    file: h5py.File, jobs: h5py.Dataset, group: str, columns_by_name: Mapping[str, NDArray[Any]]
+) -> None:
     """Write a group of columns over ``job``, sorted by name."""
-    names = sorted(named)
-    numbers = [name for name in names if named[name].dtype != object]
-    words = [name for name in names if named[name].dtype == object]
+    names = sorted(columns_by_name)
+    number_names = [name for name in names if columns_by_name[name].dtype != object]
+    text_names = [name for name in names if columns_by_name[name].dtype == object]
     item = GROUPS[group]
-    if numbers:
-        scale = _table(file, jobs, group, item, np.stack([named[name] for name in numbers], axis=1), numbers)
+    if number_names:
+        scale = _table(
+            file,
+            jobs,
+            group,
+            item,
+            np.stack([columns_by_name[name] for name in number_names], axis=1),
+            number_names,
+        )
         if group in ATTRIBUTES:
-            unit_texts = [ATTRIBUTES[group](name).get("units", "") for name in numbers]
+            unit_texts = [ATTRIBUTES[group](name).get("units", "") for name in number_names]
             units = file.create_dataset(f"{item}_units", data=unit_texts, dtype=TEXT)
             units.dims[0].attach_scale(scale)
-    if words:
-        texts = _fixed(np.stack([named[name] for name in words], axis=1))
-        _table(file, jobs, f"{item}_text", f"{item}_text_name", texts, words)
+    if text_names:
+        texts = _encode(np.stack([columns_by_name[name] for name in text_names], axis=1))
+        _table(file, jobs, f"{item}_text", f"{item}_text_name", texts, text_names)
 
 
 def _table(
-    file: h5py.File, jobs: h5py.Dataset, name: str, along: str, values: NDArray[Any], names: Sequence[str]
+    file: h5py.File, jobs: h5py.Dataset, name: str, dimension: str, values: NDArray[Any], names: Sequence[str]
 ) -> h5py.Dataset:
     """Write a dataset (job, name) with its scales; return the scale of the names."""
     table = file.create_dataset(name, data=values, compression="gzip", compression_opts=1, shuffle=True)
-    scale = file.create_dataset(along, data=names, dtype=TEXT)
-    scale.make_scale(along)
+    scale = file.create_dataset(dimension, data=names, dtype=TEXT)
+    scale.make_scale(dimension)
     table.dims[0].attach_scale(jobs)
     table.dims[1].attach_scale(scale)
     return scale
 
 
-def _fixed(words: NDArray[Any]) -> NDArray[np.bytes_]:
+def _encode(texts: NDArray[Any]) -> NDArray[np.bytes_]:
     """Encode strings as UTF-8 of fixed length: repeated strings then compress well."""
-    coded = np.char.encode(words.astype(str), "utf-8")
-    return coded.astype(h5py.string_dtype(length=max(coded.dtype.itemsize, 1)))
+    encoded = np.char.encode(texts.astype(str), "utf-8")
+    return encoded.astype(h5py.string_dtype(length=max(encoded.dtype.itemsize, 1)))
 
 
 def read_columns(file: Hdf5, groups: Sequence[str] = tuple(GROUPS)) -> dict[str, NDArray[Any]]:

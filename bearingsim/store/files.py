@@ -23,9 +23,9 @@ from bearingsim.store.regular import Unreadable, open_regular
 from bearingsim.text.terminal import say
 
 ADVICE = "free some space or use another folder (--out), then run the command again; stored results are kept"
-PATIENCE_S = 5.0
+LOCK_REPORT_S = 5.0
 """Time in s after which waiting for a lock is reported."""
-NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)
+NO_LOCK_ERRORS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)
 
 
 class DiskFull(UserError):
@@ -55,36 +55,36 @@ def full_disk_errors(path: Path) -> Iterator[None]:
 
 def describe_full_disk(path: Path, number: int) -> str:
     """Describe why a file does not fit on the disk; number: the error number, one of NO_ROOM."""
-    folder = _nearest(path.parent)
+    folder = _existing_folder(path.parent)
     if number == errno.EFBIG:
         return f"{path.name} in {folder} exceeds the file size limit (`ulimit -f`)"
-    left = f"{shutil.disk_usage(folder).free / 1e3:.0f} kB are left"
-    full = f"has no inodes left, although {left}" if _inodes_are_out(folder) else f"is full ({left})"
-    return f"the disk {_mount(folder)} {full}; {path.name} in {folder} cannot be written"
+    free_text = f"{shutil.disk_usage(folder).free / 1e3:.0f} kB are left"
+    state = f"has no inodes left, although {free_text}" if _inodes_exhausted(folder) else f"is full ({free_text})"
+    return f"the disk {_mount(folder)} {state}; {path.name} in {folder} cannot be written"
 
 
-def _inodes_are_out(folder: Path) -> bool:
+def _inodes_exhausted(folder: Path) -> bool:
     if not hasattr(os, "statvfs"):
         return False
     disk = os.statvfs(folder)
     return disk.f_files > 0 and disk.f_favail == 0  # some file systems report 0 inodes
 
 
-def _nearest(folder: Path) -> Path:
+def _existing_folder(folder: Path) -> Path:
     """Return the folder itself if it exists, or its nearest existing parent."""
     return next((path for path in (folder, *folder.absolute().parents) if path.is_dir()), folder)
 
 
 def _mount(folder: Path) -> Path:
-    whole = folder.resolve()
-    return next(path for path in (whole, *whole.parents) if path.is_mount() or path == path.parent)
+    resolved = folder.resolve()
+    return next(path for path in (resolved, *resolved.parents) if path.is_mount() or path == path.parent)
 
 
-def check_free_space(root: Path, wanted: float) -> None:
-    """Raise DiskFull if the disk of ``root`` has less than ``wanted`` bytes of free space."""
-    left = shutil.disk_usage(root).free
-    if left < wanted:
-        sizes = f"{left / 1e6:.3g} MB are left of at least {wanted / 1e6:.3g} MB"
+def check_free_space(root: Path, required: float) -> None:
+    """Raise DiskFull if the disk of ``root`` has less than ``required`` bytes of free space."""
+    free = shutil.disk_usage(root).free
+    if free < required:
+        sizes = f"{free / 1e6:.3g} MB are left of at least {required / 1e6:.3g} MB"
         raise DiskFull(f"the disk {_mount(root)} is too full for {root}: {sizes}; {ADVICE}")
 
 
@@ -105,20 +105,20 @@ def write_bytes(path: Path, content: bytes | BinaryIO) -> None:
             _fsync(path.parent)
 
 
-def copy(path: Path, into: Path) -> None:
+def copy(path: Path, target: Path) -> None:
     """Copy a file atomically. Raises Unreadable for a link or a special file, DiskFull, OSError."""
     try:
         with open_regular(path) as file:
-            write_bytes(into, file)
+            write_bytes(target, file)
     except Unreadable as error:
         raise Unreadable(f"{path} cannot be copied: {error}") from None
 
 
 @contextmanager
-def temporary(folder: Path, name: str, end: str) -> Iterator[BinaryIO]:
+def temporary(folder: Path, name: str, suffix: str) -> Iterator[BinaryIO]:
     """Create a temporary file, locked until its writer ends; remove it on exit unless it was renamed."""
     folder.mkdir(parents=True, exist_ok=True)
-    file = _locked(folder, name, end)
+    file = _create_locked(folder, name, suffix)
     try:
         with file:
             yield file
@@ -126,17 +126,17 @@ def temporary(folder: Path, name: str, end: str) -> Iterator[BinaryIO]:
         Path(file.name).unlink(missing_ok=True)
 
 
-def _locked(folder: Path, name: str, end: str) -> BinaryIO:
+def _create_locked(folder: Path, name: str, suffix: str) -> BinaryIO:
     while True:
-        path = folder / f"{name}.{writer_name()}-{secrets.token_hex(4)}.{end}"
+        path = folder / f"{name}.{writer_name()}-{secrets.token_hex(4)}.{suffix}"
         file = path.open("xb")
-        _take(file, wait=True)
+        _lock_file(file, wait=True)
         if path.exists():
             return file
         file.close()  # a sweep removed it before it was locked
 
 
-def _take(file: BinaryIO, wait: bool) -> bool:
+def _lock_file(file: BinaryIO, wait: bool) -> bool:
     """Lock a file; return False if another process has locked it, or the file system does not support locks."""
     try:
         import fcntl
@@ -159,7 +159,7 @@ def lock_leftover(path: Path) -> Iterator[bool]:
         yield False
         return
     with file:
-        yield _take(file, wait=False)
+        yield _lock_file(file, wait=False)
 
 
 def _fsync(folder: Path) -> None:
@@ -190,23 +190,23 @@ def lock(root: Path, wait: bool = True) -> Iterator[None]:
     is False, and LinkInFolder if the lock file is a link.
     """
     _refuse_link(root / LOCK)
-    held = FileLock(root / LOCK, timeout=PATIENCE_S if wait else 0)
+    folder_lock = FileLock(root / LOCK, timeout=LOCK_REPORT_S if wait else 0)
     try:
         with full_disk_errors(root / LOCK):
-            held.acquire()
+            folder_lock.acquire()
     except Timeout:
         if not wait:
             raise
         advice = "end it if it is suspended or hangs"
-        say(f"waiting for {_other_runs(root)}, which holds {held.lock_file}: {advice}", err=True)
-        held.acquire(timeout=-1)  # the holder may be building a large table
+        say(f"waiting for {_other_runs(root)}, which holds {folder_lock.lock_file}: {advice}", err=True)
+        folder_lock.acquire(timeout=-1)  # the holder may be building a large table
     except OSError as error:
-        if error.errno not in NO_LOCKS:
+        if error.errno not in NO_LOCK_ERRORS:
             raise
     try:
         yield
     finally:
-        held.release()
+        folder_lock.release()
 
 
 def _other_runs(root: Path) -> str:
@@ -234,8 +234,8 @@ def sweep(root: Path) -> list[Path]:
     removed = []
     with lock(root):
         for path in temporary_files(root):
-            with lock_leftover(path) as left:
-                if left:
+            with lock_leftover(path) as is_leftover:
+                if is_leftover:
                     path.unlink()
                     removed.append(path)
     return removed

@@ -50,7 +50,7 @@ def holdings(root: Path, verify: bool = False) -> Holdings:
     verify: also read the units whose rows are in the table.
     """
     frame = read_frame(root, groups=())
-    units = own_files.UNITS.of(root)
+    units = own_files.UNITS.find(root)
     stock = check_units(units, frame, {}, verify)
     failures, unreadable = load_failures(root)
     damaged = stock.damaged | unreadable
@@ -58,9 +58,9 @@ def holdings(root: Path, verify: bool = False) -> Holdings:
         mark_damaged(path)
         log(root, "damaged", file=str(path.relative_to(root)), reason=reason)
     jobs = set() if frame is None else set(frame.index[frame["unit"].isin(stock.in_table)])
-    jobs = jobs.union(*(rows.index for rows in stock.read.values()))
+    jobs = jobs.union(*(rows.index for rows in stock.rows.values()))
     names = frozenset(path.stem for path in units)
-    return Holdings(names, jobs, failures, stock.read, [str(path.relative_to(root)) for path in damaged])
+    return Holdings(names, jobs, failures, stock.rows, [str(path.relative_to(root)) for path in damaged])
 
 
 @contextmanager
@@ -69,17 +69,17 @@ def in_use(root: Path) -> Iterator[None]:
 
     Other runs may use the folder at the same time.
     """
-    with ExitStack() as held:
+    with ExitStack() as stack:
         with full_disk_errors(root / "run"), lock(root):  # clearing takes this lock, too, and checks for runs
-            held.enter_context(temporary(root, "run", "started"))
+            stack.enter_context(temporary(root, "run", "started"))
         yield
 
 
 def refuse_folder_in_use(root: Path) -> None:
     """Raise FolderInUse if another run uses a folder."""
     for path in own_files.temporary_files(root):
-        with lock_leftover(path) as left:
-            if not left and path.exists():
+        with lock_leftover(path) as is_leftover:
+            if not is_leftover and path.exists():
                 advice = "wait for it, or use another folder (on a disk without locks, remove this file)"
                 raise FolderInUse(f"another run is writing {path}: {advice}")
 
@@ -90,46 +90,46 @@ def claim_results(root: Path, study: str, quick: bool, fresh: bool = False) -> N
     Raises ForeignFolder for a folder with files of the user, and OtherStudy for a folder of another kind or,
     unless ``fresh``, of another study. The folder is then left unchanged.
     """
-    instead = _instead(root, study, quick)
-    before = _study_in(root)
-    if before is None:
-        claim(root, RESULTS, study, instead)
-    elif before != study and not fresh:
+    suggestion = _suggested_folder(root, study, quick)
+    stored_study = _stored_study(root)
+    if stored_study is None:
+        claim(root, RESULTS, study, suggestion)
+    elif stored_study != study and not fresh:
         raise OtherStudy(
-            f"{root} holds results of the study `{before}` ({_held(root)}): use another folder, such as"
-            f" --out {instead}, or delete them by `run --fresh`"
+            f"{root} holds results of the study `{stored_study}` ({_contents(root)}): use another folder, such as"
+            f" --out {suggestion}, or delete them by `run --fresh`"
         )
     elif owner(root) is None:  # a folder of an earlier version; ``discard`` marks a folder of another study
-        mark(root, RESULTS, before)
+        mark(root, RESULTS, stored_study)
 
 
 def refuse_own_study_file(root: Path, study: "Study") -> None:
     """Raise ForeignFolder if ``study.yaml`` in the folder is the study file of an earlier run, not of this one."""
     copy = (root / STUDY_FILE).resolve()
     try:
-        before = open_results(root).plan.get("file")
+        stored_file = open_results(root).plan.get("file")
     except ResultsError:
         return
-    if copy.is_file() and _is_of(before, copy) and not _is_of(study.path, copy):
-        instead = _instead(root, study.name, bool(study.quick))
+    if copy.is_file() and _is_same_file(stored_file, copy) and not _is_same_file(study.path, copy):
+        suggestion = _suggested_folder(root, study.name, bool(study.quick))
         raise ForeignFolder(
             f"{copy} is the study file of an earlier run and would be overwritten: use another folder, such as"
-            f" --out {instead}, or move the file"
+            f" --out {suggestion}, or move the file"
         )
 
 
-def _is_of(file: object, copy: Path) -> bool:
+def _is_same_file(file: object, copy: Path) -> bool:
     """Return True if a study was read from the file ``copy``; file: path of the study, as typed."""
     return file is not None and Path(str(file)).resolve() == copy
 
 
-def _instead(root: Path, study: str, quick: bool) -> str:
+def _suggested_folder(root: Path, study: str, quick: bool) -> str:
     """Suggest another folder than ``root``."""
-    usual = "results/" + results_folder(study, quick, None).name
-    return f"{usual}-2" if root.resolve() == Path(usual).resolve() else usual
+    default = "results/" + results_folder(study, quick, None).name
+    return f"{default}-2" if root.resolve() == Path(default).resolve() else default
 
 
-def _study_in(root: Path) -> str | None:
+def _stored_study(root: Path) -> str | None:
     """Return the study of a results folder, from its marker or its plan; None for a folder without results."""
     kind, name = owner(root) or ("", "")
     if kind == RESULTS:
@@ -140,10 +140,10 @@ def _study_in(root: Path) -> str | None:
         return None
 
 
-def _held(root: Path) -> str:
+def _contents(root: Path) -> str:
     """Count the units and failures that a fresh start removes, as `12 units, 1 failure`."""
-    counts = {"unit": len(own_files.UNITS.of(root)), "failure": len(own_files.FAILURES.of(root))}
-    return ", ".join(f"{count} {what}{'s' * (count != 1)}" for what, count in counts.items())
+    counts = {"unit": len(own_files.UNITS.find(root)), "failure": len(own_files.FAILURES.find(root))}
+    return ", ".join(f"{count} {kind}{'s' * (count != 1)}" for kind, count in counts.items())
 
 
 DISCARDED = (
@@ -164,10 +164,10 @@ def discard(root: Path, study: str) -> str:
     """
     with lock(root):
         refuse_folder_in_use(root)
-        before, held = _study_in(root), _held(root)
+        stored_study, contents = _stored_study(root), _contents(root)
         own_files.remove(root, *DISCARDED)
-        if before == study:
+        if stored_study == study:
             return ""
         mark(root, RESULTS, study)
         (root / "plan.json").unlink(missing_ok=True)
-    return f"deleted in {root}: the results of the study `{before}` ({held})"
+    return f"deleted in {root}: the results of the study `{stored_study}` ({contents})"

@@ -58,7 +58,7 @@ def _failure_path(root: Path, job: str) -> Path:
 def load_failures(root: Path) -> tuple[dict[str, Failure], dict[Path, str]]:
     """Read the stored failures; return them by job id, and the error of each unreadable file by path."""
     failures, damaged = dict[str, Failure](), dict[Path, str]()
-    for path in FAILURES.of(root):
+    for path in FAILURES.find(root):
         try:
             failures[path.stem] = _failure(path)
         except FileNotFoundError:  # another run has computed the job meanwhile
@@ -73,11 +73,11 @@ def _failure(path: Path) -> Failure:
     entries = read_json(path)
     check(layouts.Failure, entries)
     values = {field.name: entries[field.name] for field in fields(Failure) if field.name in entries}
-    again = _own_command(str(values.get("command", "")))
-    return Failure(**{"reason": "not known", **values, "job": path.stem, "command": again})
+    command = _safe_command(str(values.get("command", "")))
+    return Failure(**{"reason": "not known", **values, "job": path.stem, "command": command})
 
 
-def _own_command(text: str) -> str:
+def _safe_command(text: str) -> str:
     """Return a stored command if it is a single `bearingsim run`, else "", because users paste it into a shell."""
     try:
         words = shlex.split(text)
@@ -118,11 +118,11 @@ def start_marker(root: Path, unit: str) -> Iterator[Callable[[str], None]]:
 
 def take_suspects(root: Path, units: Iterable[str]) -> set[str]:
     """Return the jobs that were running in ``units`` when their processes died; remove the markers."""
-    suspects, wanted = set[str](), set(units)
+    suspects, unit_names = set[str](), set(units)
     markers = [path for path in temporary_files(root) if path.suffix == ".started"]
-    for path in (path for path in markers if path.name.partition(".")[0] in wanted):
-        with lock_leftover(path) as left:
-            if left:
+    for path in (path for path in markers if path.name.partition(".")[0] in unit_names):
+        with lock_leftover(path) as is_leftover:
+            if is_leftover:
                 with suppress(*UNREADABLE):
                     suspects.update(read_regular(path).decode().split()[-1:])
                 path.unlink()

@@ -61,7 +61,7 @@ class Design(Layout):
     ids: list[Id]
 
 
-class Chosen(Layout):
+class ModelChoice(Layout):
     model: str
     why: str
     error: dict[Name, float]
@@ -82,7 +82,7 @@ class Audit(Layout):
 class Accuracy(Layout):
     within: float
     of: list[Name]
-    jobs: dict[Id, Chosen]
+    jobs: dict[Id, ModelChoice]
     curves: list[Curve]
     audits: list[Audit]
     notes: list[str] = []
@@ -170,9 +170,9 @@ def check_plan(plan: Mapping[str, Any]) -> None:
     ids = {entry["job"] for entry in plan["jobs"]}
     if len(ids) < len(plan["jobs"]):
         raise Unreadable("jobs: an id occurs twice")
-    lacking = next((job for job in _references(plan) if job not in ids), None)
-    if lacking is not None:
-        raise Unreadable(f"jobs: there is no {lacking}, which the plan names elsewhere")
+    unknown_id = next((job for job in _references(plan) if job not in ids), None)
+    if unknown_id is not None:
+        raise Unreadable(f"jobs: there is no {unknown_id}, which the plan names elsewhere")
     design = plan.get("design")
     if design is not None:
         rows = block(design["kind"], len(design["paths"])) if design["kind"] in BLOCK_DESIGNS else 1
@@ -183,7 +183,7 @@ def check_plan(plan: Mapping[str, Any]) -> None:
 def _references(plan: Mapping[str, Any]) -> Iterator[str]:
     """Yield the job ids that a plan mentions outside its list of jobs."""
     yield from (entry["healthy"] for entry in plan["jobs"] if entry["healthy"] is not None)
-    yield from chain.from_iterable((varied["of"], varied["job"]) for varied in plan.get("variations", ()))
+    yield from chain.from_iterable((variation["of"], variation["job"]) for variation in plan.get("variations", ()))
     yield from (plan.get("design") or {"ids": ()})["ids"]
     accuracy = plan.get("accuracy")
     if accuracy is not None:

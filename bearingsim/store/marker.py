@@ -15,7 +15,7 @@ from bearingsim.store.sealed import UNREADABLE, read_json, write_json
 from bearingsim.text.terminal import is_line
 
 MARKER = "bearingsim.json"
-NAMED = 3
+MAX_NAMED_FILES = 3
 """Largest number of the user's files that a message names."""
 
 
@@ -37,21 +37,21 @@ def owner(folder: Path) -> tuple[str, str] | None:
         return None
 
 
-def claim(folder: Path, kind: str, name: str, instead: str) -> None:
+def claim(folder: Path, kind: str, name: str, suggestion: str) -> None:
     """Mark a folder with the ``kind`` of its results and the ``name`` of the study; create it if it is missing.
 
-    instead: folder suggested in error messages. Raises ForeignFolder for a folder with other files, OtherStudy for
-    a folder with another marker, LinkInFolder for a folder with a link to a file. Nothing is written then.
+    suggestion: folder suggested in error messages. Raises ForeignFolder for a folder with other files, OtherStudy
+    for a folder with another marker, LinkInFolder for a folder with a link to a file. Nothing is written then.
     """
-    names = _strangers(folder, instead)
+    names = _foreign_files(folder, suggestion)
     # The marker is read after the files are listed: another run may mark the folder and write to it meanwhile.
-    if _is_marked(folder, kind, name, instead):
+    if _is_marked(folder, kind, name, suggestion):
         _refuse_links_to_files(folder)
         return
-    _refuse(folder, names, instead)
+    _refuse(folder, names, suggestion)
     folder.mkdir(parents=True, exist_ok=True)
     with lock(folder):
-        if not _is_marked(folder, kind, name, instead):
+        if not _is_marked(folder, kind, name, suggestion):
             mark(folder, kind, name)
 
 
@@ -60,20 +60,20 @@ def mark(folder: Path, kind: str, name: str) -> None:
     write_json(folder / MARKER, {"format": kind, "name": name, "id": secrets.token_hex(8)})
 
 
-def _is_marked(folder: Path, kind: str, name: str, instead: str) -> bool:
+def _is_marked(folder: Path, kind: str, name: str, suggestion: str) -> bool:
     """Return True if a folder is marked with this kind and name. Raises OtherStudy for another marker."""
-    marked = owner(folder)
-    if marked is not None and marked != (kind, name):
+    current = owner(folder)
+    if current is not None and current != (kind, name):
         raise OtherStudy(
-            f"{folder} holds {marked[0]} of `{marked[1]}`: use another folder, such as --out {instead}"
+            f"{folder} holds {current[0]} of `{current[1]}`: use another folder, such as --out {suggestion}"
         )
-    return marked is not None
+    return current is not None
 
 
-def _strangers(folder: Path, instead: str) -> list[str]:
+def _foreign_files(folder: Path, suggestion: str) -> list[str]:
     """List the files of a folder except those of a killed run. Raises ForeignFolder if ``folder`` is a file."""
     if folder.exists() and not folder.is_dir():
-        raise ForeignFolder(f"{folder} is a file: use a folder, such as --out {instead}")
+        raise ForeignFolder(f"{folder} is a file: use a folder, such as --out {suggestion}")
     return foreign_entries(folder) if folder.exists() else []
 
 
@@ -84,11 +84,11 @@ def _refuse_links_to_files(folder: Path) -> None:
             raise LinkInFolder(f"{path} is a link out of the folder: remove it")
 
 
-def _refuse(folder: Path, names: Sequence[str], instead: str) -> None:
+def _refuse(folder: Path, names: Sequence[str], suggestion: str) -> None:
     """Raise ForeignFolder if there are files of the user in a folder."""
     if names:
-        more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+        more = f" and {len(names) - MAX_NAMED_FILES} more" if len(names) > MAX_NAMED_FILES else ""
         raise ForeignFolder(
-            f"{folder} holds files of your own ({', '.join(names[:NAMED])}{more}):"
-            f" use a separate folder for the results, such as --out {instead}"
+            f"{folder} holds files of your own ({', '.join(names[:MAX_NAMED_FILES])}{more}):"
+            f" use a separate folder for the results, such as --out {suggestion}"
         )

@@ -30,9 +30,9 @@ from bearingsim.store.units import DamagedUnit, check_unit, result_digests, unit
 
 RUN_ENTRIES = {"file", "made_of", "notes"}
 """Entries of a plan that may differ between runs of one study."""
-FIRST_NAMED = ("study", "model_version", "quick", "overrides", "jobs")
+REPORTED_FIRST = ("study", "model_version", "quick", "overrides", "jobs")
 """Entries of a plan whose differences are reported first."""
-LONGEST = 60
+MAX_QUOTED_LENGTH = 60
 """Largest number of characters of a value quoted in a message."""
 
 
@@ -44,22 +44,22 @@ class Unmergeable(UserError):
 class MergeSummary:
     """Result of a merge.
 
-    folders: number of merged folders; copied: units copied; there: units present before; jobs: number of jobs of
-    the plan by status.
+    folders: number of merged folders; copied: units copied; existing: units present before; jobs: number of jobs
+    of the plan by status.
     """
 
     folders: int
     copied: int
-    there: int
+    existing: int
     jobs: dict[str, int]
 
     def __str__(self) -> str:
         units = f"{self.copied} unit{'s' * (self.copied != 1)} copied" + (
-            f", {self.there} there before" if self.there else ""
+            f", {self.existing} there before" if self.existing else ""
         )
         jobs = ", ".join(f"{count} {status}" for status, count in self.jobs.items() if count)
-        whole = sum(self.jobs.values())
-        return f"{self.folders} folder{'s' * (self.folders > 1)} merged: {units}; {jobs} of {whole} jobs"
+        job_count = sum(self.jobs.values())
+        return f"{self.folders} folder{'s' * (self.folders > 1)} merged: {units}; {jobs} of {job_count} jobs"
 
 
 def merge(folders: Sequence[Path], out: Path) -> MergeSummary:
@@ -70,19 +70,19 @@ def merge(folders: Sequence[Path], out: Path) -> MergeSummary:
     for different studies, plans or versions of the model; DamagedUnit, ScanError, DamagedChoices and ResultsError
     for damaged files. All of these are raised before anything is copied.
     """
-    _refuse_among(folders, out)
-    held = [out, *folders] if (out / "plan.json").is_file() else list(folders)
-    opened = [open_results(folder) for folder in held]
-    for other in opened[1:]:
-        _refuse_other_plan(opened[0], other)
-    units = {folder: UNITS.of(folder) for folder in (out, *folders)}
-    sealed = _judged([path for paths in units.values() for path in paths])
+    _refuse_out_among(folders, out)
+    sources = [out, *folders] if (out / "plan.json").is_file() else list(folders)
+    results = [open_results(folder) for folder in sources]
+    for other in results[1:]:
+        _refuse_other_plan(results[0], other)
+    units = {folder: UNITS.find(folder) for folder in (out, *folders)}
+    sealed = _check_units([path for paths in units.values() for path in paths])
     scans = [path for folder in folders for path in check_scans(folder)]
-    choices, plans = _choices(held)
-    claim_results(out, opened[0].plan["study"], opened[0].plan["quick"])
+    choices, plans = _merge_choices(sources)
+    claim_results(out, results[0].plan["study"], results[0].plan["quick"])
     refuse_links(out)
     sweep(out)
-    if out not in held:
+    if out not in sources:
         for name in ("study.yaml", "plan.json"):
             copy(folders[0] / name, out / name)
     if choices != read_choices(out):
@@ -90,20 +90,21 @@ def merge(folders: Sequence[Path], out: Path) -> MergeSummary:
     copy_scans(scans, out)
     for folder in folders:
         _copy_trials(folder, out)
-    new = {path.stem: path for folder in reversed(folders) for path in units[folder]}  # the first folder wins
+    # The first folder takes precedence.
+    new_units = {path.stem: path for folder in reversed(folders) for path in units[folder]}
     for path in units[out]:
-        new.pop(path.stem, None)
-    for name, path in sorted(new.items()):
+        new_units.pop(path.stem, None)
+    for name, path in sorted(new_units.items()):
         copy(path, unit_path(out, name))
-    _take_failures(folders, out, sealed)
+    _merge_failures(folders, out, sealed)
     status = build_table(out)["status"]
-    if new:
-        log(out, "merged", folders=[str(folder) for folder in folders], units=len(new))
+    if new_units:
+        log(out, "merged", folders=[str(folder) for folder in folders], units=len(new_units))
     counts = {name: int((status == name).sum()) for name in ("done", "failed", "missing")}
-    return MergeSummary(len(folders), len(new), len(units[out]), counts)
+    return MergeSummary(len(folders), len(new_units), len(units[out]), counts)
 
 
-def _refuse_among(folders: Sequence[Path], out: Path) -> None:
+def _refuse_out_among(folders: Sequence[Path], out: Path) -> None:
     if any(folder.resolve() == out.resolve() for folder in folders):
         raise Unmergeable(f"{out} is one of the merged folders; use another one")
 
@@ -112,11 +113,13 @@ def _refuse_among(folders: Sequence[Path], out: Path) -> None:
 
 
 def _refuse_other_plan(results: Results, other: Results) -> None:
-    apart = {
-        name for name in {*results.plan, *other.plan} - RUN_ENTRIES if _text(results, name) != _text(other, name)
+    differing = {
+        name
+        for name in {*results.plan, *other.plan} - RUN_ENTRIES
+        if _entry_text(results, name) != _entry_text(other, name)
     }
-    for name in [*FIRST_NAMED, *sorted(apart)]:
-        if name in apart:
+    for name in [*REPORTED_FIRST, *sorted(differing)]:
+        if name in differing:
             difference = _difference(name, results.plan, other.plan)
             raise Unmergeable(
                 f"{results.path} and {other.path} hold results of two plans: {difference}"
@@ -124,30 +127,30 @@ def _refuse_other_plan(results: Results, other: Results) -> None:
             )
 
 
-def _text(results: Results, name: str) -> str:
+def _entry_text(results: Results, name: str) -> str:
     value = results.plan.get(name)
     if name == "accuracy" and value:  # the notes depend on the run: they mention the plan of each choice
-        value = {key: item for key, item in value.items() if key != "notes"}
+        value = {key: entry for key, entry in value.items() if key != "notes"}
     return json.dumps(value, sort_keys=True)
 
 
 def _difference(name: str, plan: dict[str, Any], other: dict[str, Any]) -> str:
     if name == "jobs":
-        jobs, other_jobs = ({entry["job"] for entry in either["jobs"]} for either in (plan, other))
+        jobs, other_jobs = ({entry["job"] for entry in entries["jobs"]} for entries in (plan, other))
         if jobs != other_jobs:
             return (
                 f"{len(jobs - other_jobs)} jobs are only in the first, {len(other_jobs - jobs)} only in the second"
             )
         return "their jobs have other swept values"
-    texts = [json.dumps(either.get(name)) for either in (plan, other)]
-    values = f" ({texts[0]} and {texts[1]})" if max(map(len, texts)) <= LONGEST else ""
+    texts = [json.dumps(entries.get(name)) for entries in (plan, other)]
+    values = f" ({texts[0]} and {texts[1]})" if max(map(len, texts)) <= MAX_QUOTED_LENGTH else ""
     return f"`{name}` differs{values}"
 
 
 # Units
 
 
-def _judged(paths: Sequence[Path]) -> set[str]:
+def _check_units(paths: Sequence[Path]) -> set[str]:
     """Check all units, and return the ids of their jobs.
 
     Raises DamagedUnit, and Unmergeable if a job has different results in two units.
@@ -157,9 +160,9 @@ def _judged(paths: Sequence[Path]) -> set[str]:
         for job in _jobs(path):
             units[job].append(path)
     shared = defaultdict[tuple[Path, Path], list[str]](list)
-    for job, holders in units.items():
-        for other in holders[1:]:
-            shared[holders[0], other].append(job)
+    for job, unit_paths in units.items():
+        for other in unit_paths[1:]:
+            shared[unit_paths[0], other].append(job)
     for (unit, other), jobs in shared.items():
         if unit.name != other.name or digest(unit) != digest(other):
             _refuse_other_results(unit, other, jobs)
@@ -178,15 +181,16 @@ def _refuse_other_results(unit: Path, other: Path, jobs: Sequence[str]) -> None:
     digests, other_digests = result_digests(unit, jobs), result_digests(other, jobs)
     for job in jobs:
         for name in sorted({*digests[job], *other_digests[job]}):
-            a, b = digests[job].get(name), other_digests[job].get(name)
-            if a != b:
+            value, other_value = digests[job].get(name), other_digests[job].get(name)
+            if value != other_value:
                 raise Unmergeable(
-                    f"job {job} has other results in {unit} and in {other}: {_apart(name, a, b)}"
+                    f"job {job} has other results in {unit} and in {other}:"
+                    f" {_describe_difference(name, value, other_value)}"
                     " (by another processor, or other packages? Leave a folder out, or remove one of the units)"
                 )
 
 
-def _apart(name: str, *contents: bytes | None) -> str:
+def _describe_difference(name: str, *contents: bytes | None) -> str:
     """Describe the difference of one quantity of a job between two units, with both values if they are numbers."""
     if any(content is None for content in contents):
         return f"only one has `{name}`"
@@ -204,7 +208,7 @@ def _copy_trials(source: Path, root: Path) -> None:
 
     Files of the same name contain trials of the same cases, so an existing file is kept without comparison.
     """
-    for path in TRIALS.of(source):
+    for path in TRIALS.find(source):
         target = root / path.relative_to(source)
         with suppress(*UNREADABLE):
             read_json(path)
@@ -212,7 +216,7 @@ def _copy_trials(source: Path, root: Path) -> None:
                 write_bytes(target, read_regular(path))
 
 
-def _choices(folders: Sequence[Path]) -> tuple[dict[str, Any], dict[str, str]]:
+def _merge_choices(folders: Sequence[Path]) -> tuple[dict[str, Any], dict[str, str]]:
     """Return the choices of all folders, and the plan of each choice, by key.
 
     Raises DamagedChoices, and Unmergeable if two folders chose different models for a case.
@@ -230,15 +234,15 @@ def _choices(folders: Sequence[Path]) -> tuple[dict[str, Any], dict[str, str]]:
     return choices, plans
 
 
-def _take_failures(folders: Sequence[Path], out: Path, sealed: set[str]) -> None:
+def _merge_failures(folders: Sequence[Path], out: Path, sealed: set[str]) -> None:
     """Store the latest failure of each job without a result, and delete the failures of finished jobs."""
-    before = read_failures(out)
-    for job in before.keys() & sealed:
+    stored = read_failures(out)
+    for job in stored.keys() & sealed:
         clear_failure(out, job)
-    last: dict[str, Failure] = {}
+    latest: dict[str, Failure] = {}
     for failure in chain.from_iterable(read_failures(folder).values() for folder in (out, *folders)):
-        if failure.job not in sealed and (failure.job not in last or failure.when > last[failure.job].when):
-            last[failure.job] = failure
-    for job, failure in last.items():
-        if before.get(job) != failure:
+        if failure.job not in sealed and (failure.job not in latest or failure.when > latest[failure.job].when):
+            latest[failure.job] = failure
+    for job, failure in latest.items():
+        if stored.get(job) != failure:
             failure.write(out)

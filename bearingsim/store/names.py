@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from bearingsim.config import Case
 
 FREE_TEXT = ("source",)  # fields that do not influence results; not stored
-PATHS = ("file",)  # fields stored as short paths
-WORDS = ("record", "features")  # fields that ``case_of`` leaves out
+PATH_FIELDS = ("file",)  # fields stored as short paths
+OMITTED_FIELDS = ("record", "features")  # fields that ``case_of`` leaves out
 
 
 def flat_parameters(case: Any) -> dict[str, float | str]:
@@ -39,7 +39,7 @@ def _flat(path: str, value: Any) -> Iterator[tuple[str, float | str]]:
     elif isinstance(value, int | float):
         yield path, float(value)
     elif value is not None:
-        yield path, short_path(value) if path.rpartition(".")[2] in PATHS else str(value)
+        yield path, short_path(value) if path.rpartition(".")[2] in PATH_FIELDS else str(value)
 
 
 def case_of(parameters: Mapping[Any, Any], root: Path | None = None) -> "Case":
@@ -54,25 +54,25 @@ def case_of(parameters: Mapping[Any, Any], root: Path | None = None) -> "Case":
     tree: dict[str, Any] = {}
     for path, value in parameters.items():
         if value == value and value != "":
-            _plant(tree, str(path).split("."), _plain(value))
+            _set_nested(tree, str(path).split("."), _as_integer(value))
     if root is not None:
         for defect in _mapping(tree.get("defects", {})).values():
-            _take_kept(root, _mapping(defect))
-    return Case.model_validate({name: _lists(item) for name, item in tree.items() if name not in WORDS})
+            _use_scan_copy(root, _mapping(defect))
+    return Case.model_validate({name: _lists(item) for name, item in tree.items() if name not in OMITTED_FIELDS})
 
 
-def _take_kept(root: Path, defect: dict[str, Any]) -> None:
+def _use_scan_copy(root: Path, defect: dict[str, Any]) -> None:
     """Set the file of a scanned defect to its stored copy. Raises ScanError if there is no copy."""
     if "file" in defect:
         defect["file"] = str(find_scan_copy(root, str(defect.get("digest")), str(defect["file"])))
 
 
-def _plain(value: Any) -> Any:
+def _as_integer(value: Any) -> Any:
     """Convert integers stored as floats to int."""
     return int(value) if isinstance(value, float) and value.is_integer() and abs(value) < 1e9 else value
 
 
-def _plant(tree: dict[str, Any], path: list[str], value: Any) -> None:
+def _set_nested(tree: dict[str, Any], path: list[str], value: Any) -> None:
     for name in path[:-1]:
         tree = _mapping(tree.setdefault(name, {}))
     tree[path[-1]] = value
@@ -88,8 +88,8 @@ def _lists(item: Any) -> Any:
     """Convert mappings with keys 1, 2, ... to lists."""
     if not isinstance(item, dict):
         return item
-    inner = {name: _lists(value) for name, value in item.items()}
-    return [inner[name] for name in sorted(inner, key=int)] if all(map(str.isdecimal, inner)) else inner
+    items = {name: _lists(value) for name, value in item.items()}
+    return [items[name] for name in sorted(items, key=int)] if all(map(str.isdecimal, items)) else items
 
 
 def parameter_attributes(name: str) -> dict[str, str]:
@@ -113,10 +113,10 @@ def channel_attributes(name: str) -> dict[str, str]:
     """Return ``units`` and ``long_name`` of a stored channel such as ``ring.velocity.x``. Raises KeyError."""
     from bearingsim.config import CHANNELS
 
-    whole, _, component = name.rpartition(".")
+    base, _, component = name.rpartition(".")
     if name in CHANNELS:
-        whole, component = name, ""
-    channel = CHANNELS[whole]
+        base, component = name, ""
+    channel = CHANNELS[base]
     return {"units": channel.unit, "long_name": f"{channel.long_name} {component}".strip()}
 
 

@@ -16,10 +16,10 @@ from bearingsim.study.uncertainty import RIGID_RING
 if TYPE_CHECKING:
     import pandas as pd
 
-STEP_OF = {"rms": "rms", "max": "force"}  # kind by the suffix of a feature; all others are spectral lines
+STEP_KINDS = {"rms": "rms", "max": "force"}  # kind by the suffix of a feature; all others are spectral lines
 RECORD_FEATURES = ("acceleration.rms", "displacement.rms")
 """Features bounded by the largest step error of all recorded channels, not by that of the velocity RMS."""
-START_OF = {"line": "", "rms": ".rms", "force": ".force"}
+START_SUFFIXES = {"line": "", "rms": ".rms", "force": ".force"}
 """Suffixes of the column `error.start`, by kind of feature."""
 ERROR_PARTS = ("error.model", "error.friction", "error.nodes", "error.start", "error.step", "error.scatter")
 """Columns whose sum is ``error``."""
@@ -73,13 +73,13 @@ def error_bounds(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFram
     cases = [job for job in accuracy["jobs"] if job in frame.index]
     parts = {feature: _parts(plan, frame, feature) for feature in accuracy["of"] if f"features/{feature}" in frame}
     for name in ERROR_PARTS:
-        of_features = pd.DataFrame({feature: part[name] for feature, part in parts.items()})
-        table.loc[cases, name] = of_features.max(axis=1).replace(inf, nan).reindex(cases)
+        by_feature = pd.DataFrame({feature: part[name] for feature, part in parts.items()})
+        table.loc[cases, name] = by_feature.max(axis=1).replace(inf, nan).reindex(cases)
     if RIGID_RING not in plan.get("assumptions", ()):
         sums = pd.DataFrame({feature: part.sum(axis=1, skipna=False) for feature, part in parts.items()})
         table.loc[cases, "error"] = sums.max(axis=1).replace(inf, nan).reindex(cases)
-    refuted = pd.Series(withdrawn_errors(plan, frame), dtype=float).reindex(table.index)
-    table["error"] = table["error"].where(~(refuted > table["error"].fillna(0.0)), refuted)
+    refuted_jobs = pd.Series(withdrawn_errors(plan, frame), dtype=float).reindex(table.index)
+    table["error"] = table["error"].where(~(refuted_jobs > table["error"].fillna(0.0)), refuted_jobs)
     return table.where(frame["status"] == "done")
 
 
@@ -87,34 +87,38 @@ def _parts(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str) -> "pd.
     """Return the parts of the error of a feature by job."""
     import pandas as pd
 
-    size, plain = scales(plan, frame, feature), feature.removesuffix(HEALTHY)
-    chosen = plan["accuracy"]["jobs"]
+    scale, base = scales(plan, frame, feature), feature.removesuffix(HEALTHY)
+    choices = plan["accuracy"]["jobs"]
 
-    def tried(part: str) -> "pd.Series[float]":
-        errors = {job: choice.get(part, {}).get(feature, 0.0) for job, choice in chosen.items()}
+    def trial_errors(part: str) -> "pd.Series[float]":
+        errors = {job: choice.get(part, {}).get(feature, 0.0) for job, choice in choices.items()}
         return pd.Series(errors, dtype=float).fillna(inf).reindex(frame.index)
 
-    step = _step_errors(frame, plain) * frame[f"features/{plain}"].abs() / size
-    scatter = standard_error(frame, plain).where(~has_unknown_scatter(frame, plain), inf) / size
-    of_trials = {"error.model": tried("error"), "error.friction": tried("friction"), "error.nodes": tried("nodes")}
-    start = _relative(frame, f"error.start{START_OF[_kind(plain)]}") * frame[f"features/{plain}"].abs() / size
-    beyond = (start - scatter.fillna(0.0)).clip(lower=0.0)  # for non-periodic motion it includes scatter
-    parts = pd.DataFrame(of_trials | {"error.start": beyond, "error.step": step, "error.scatter": scatter})
+    step = _step_errors(frame, base) * frame[f"features/{base}"].abs() / scale
+    scatter = standard_error(frame, base).where(~has_unknown_scatter(frame, base), inf) / scale
+    from_trials = {
+        "error.model": trial_errors("error"),
+        "error.friction": trial_errors("friction"),
+        "error.nodes": trial_errors("nodes"),
+    }
+    start = _relative(frame, f"error.start{START_SUFFIXES[_kind(base)]}") * frame[f"features/{base}"].abs() / scale
+    excess = (start - scatter.fillna(0.0)).clip(lower=0.0)  # for non-periodic motion it includes scatter
+    parts = pd.DataFrame(from_trials | {"error.start": excess, "error.step": step, "error.scatter": scatter})
     return parts.where(frame["status"] == "done")
 
 
 def _step_errors(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     """Return the relative step error of a feature: for an envelope, a square, twice that of the acceleration."""
-    banded = read_band(feature)
-    times = 2.0 if banded is not None and banded.line else 1.0
-    of_acceleration = banded is not None and (banded.line or banded.quantity == "acceleration")
-    kind = "record" if of_acceleration or feature.partition("@")[0] in RECORD_FEATURES else _kind(feature)
-    return times * _relative(frame, f"step_error.{kind}")
+    band = read_band(feature)
+    factor = 2.0 if band is not None and band.line else 1.0
+    from_acceleration = band is not None and (band.line or band.quantity == "acceleration")
+    kind = "record" if from_acceleration or feature.partition("@")[0] in RECORD_FEATURES else _kind(feature)
+    return factor * _relative(frame, f"step_error.{kind}")
 
 
 def _kind(feature: str) -> str:
     """Return the kind of a feature: `line`, `rms` or `force`."""
-    return STEP_OF.get(feature.partition("@")[0].rpartition(".")[2], "line")
+    return STEP_KINDS.get(feature.partition("@")[0].rpartition(".")[2], "line")
 
 
 def _relative(frame: "pd.DataFrame", name: str) -> "pd.Series[float]":
@@ -128,19 +132,19 @@ def audit_results(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[Au
     """Yield the differences found by audits, by job and feature, for pairs of finished jobs."""
     accuracy = plan.get("accuracy") or {"audits": [], "of": []}
     features = [feature for feature in accuracy["of"] if f"features/{feature}" in frame]
-    sizes = {feature: scales(plan, frame, feature) for feature in features if accuracy["audits"]}
+    scale_values = {feature: scales(plan, frame, feature) for feature in features if accuracy["audits"]}
     for audit in accuracy["audits"]:
         pair = [audit["of"], audit["job"]]
         if not frame["status"].reindex(pair).eq("done").all():
             continue
         for feature in features:
-            own, reference = frame[f"features/{feature}"].loc[pair]
-            if own != own or reference != reference:  # NaN
+            value, reference = frame[f"features/{feature}"].loc[pair]
+            if value != value or reference != reference:  # NaN
                 continue
-            size = float(sizes[feature][audit["of"]]) or 1.0
+            scale = float(scale_values[feature][audit["of"]]) or 1.0
             errors = standard_error(frame, feature.removesuffix(HEALTHY)).reindex(pair)
-            scatter = STANDARD_ERRORS * float((errors**2).sum() ** 0.5) / size
-            yield AuditResult(audit["of"], feature, abs(float(own - reference)) / size, scatter)
+            scatter = STANDARD_ERRORS * float((errors**2).sum() ** 0.5) / scale
+            yield AuditResult(audit["of"], feature, abs(float(value - reference)) / scale, scatter)
 
 
 def withdrawn_errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str, float]:
@@ -154,8 +158,8 @@ def withdrawn_errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> dict[str
     for audit in audit_results(plan, frame):
         if not audit.fails(accuracy["within"]):
             continue
-        drawn = [curve["jobs"] for curve in accuracy["curves"] if curve["feature"] == audit.feature]
-        on_it = [job for jobs in drawn if audit.job in jobs for job in jobs]
-        for job in (audit.job, *on_it):
+        curves = [curve["jobs"] for curve in accuracy["curves"] if curve["feature"] == audit.feature]
+        curve_jobs = [job for jobs in curves if audit.job in jobs for job in jobs]
+        for job in (audit.job, *curve_jobs):
             largest[job] = max(largest.get(job, 0.0), audit.difference)
     return largest

@@ -17,12 +17,12 @@ class OwnFiles(NamedTuple):
     folder: str
     path: str
 
-    def of(self, root: Path) -> list[Path]:
+    def find(self, root: Path) -> list[Path]:
         """List the files of this kind in a results folder, sorted; folders with such a name are left out."""
         paths = sorted(root.glob(f"{self.folder}*"))
-        return [path for path in paths if self._names(path.relative_to(root)) and not path.is_dir()]
+        return [path for path in paths if self._matches(path.relative_to(root)) and not path.is_dir()]
 
-    def _names(self, path: Path) -> bool:
+    def _matches(self, path: Path) -> bool:
         return re.fullmatch(self.path, path.as_posix()) is not None
 
 
@@ -38,8 +38,8 @@ DAMAGED = (OwnFiles("units/??/", rf"{UNIT}\.damaged"), OwnFiles("failed/", rf"fa
 FOLDERS = ("failed", "figures", "scans", "trials", "units", "units/??")
 """Subfolders of a results folder; none may be a link."""
 
-AT_TOP = r"bearingsim\.json|plan\.json|study\.yaml|study\.h5|results\.csv|choices\.json"
-TEMPORARY = re.compile(rf"(run|{AT_TOP}|{ID}(\.\w+)?)\.[\w-]+-\d+-[0-9a-f]{{8}}\.(part|started)")
+TOP_FILES = r"bearingsim\.json|plan\.json|study\.yaml|study\.h5|results\.csv|choices\.json"
+TEMPORARY = re.compile(rf"(run|{TOP_FILES}|{ID}(\.\w+)?)\.[\w-]+-\d+-[0-9a-f]{{8}}\.(part|started)")
 LOCK = ".lock"
 
 
@@ -61,7 +61,7 @@ def _is_lock(path: Path) -> bool:
 
 def remove(root: Path, *kinds: OwnFiles) -> int:
     """Remove all files of some kinds and the folders that this leaves empty; return the number of files."""
-    files = [path for kind in kinds for path in kind.of(root)]
+    files = [path for kind in kinds for path in kind.find(root)]
     for path in files:
         path.unlink(missing_ok=True)
     for folder in sorted({path.parent for path in files} - {root}):

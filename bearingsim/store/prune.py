@@ -35,12 +35,12 @@ class RemovableFiles:
         return sum(sum(sizes.values()) for sizes in self.files.values())
 
     def __str__(self) -> str:
-        lines = [f"{what}: {_counted(len(sizes), sum(sizes.values()))}" for what, sizes in self.files.items()]
-        total = f"in all {_counted(len(self.paths), self.bytes)}" if self.paths else "nothing to remove"
+        lines = [f"{kind}: {_size_text(len(sizes), sum(sizes.values()))}" for kind, sizes in self.files.items()]
+        total = f"in all {_size_text(len(self.paths), self.bytes)}" if self.paths else "nothing to remove"
         return "\n".join([*lines, *self.notes, total])
 
 
-def _counted(files: int, size: int) -> str:
+def _size_text(files: int, size: int) -> str:
     return f"{_files(files)}, {size} bytes"
 
 
@@ -65,32 +65,34 @@ def find_removable(root: Path) -> RemovableFiles:
     results = open_results(root)
     planned = set(results.planned)
     units, notes = list[_Unit](), list[str]()
-    for path in own_files.UNITS.of(root):
+    for path in own_files.UNITS.find(root):
         try:
             units.append(_unit(path, planned))
         except DamagedUnit as damage:
             notes.append(f"{path.parent}/{damage}: kept (a run with --verify recomputes its jobs)")
-    scans = own_files.SCANS.of(root)
+    scans = own_files.SCANS.find(root)
     done = set[str]().union(*(unit.planned for unit in units))
     if scans and done != planned:
-        left = len(planned - done)
-        jobs = f"{left} jobs that may need them are" if left > 1 else "1 job that may need them is"
+        remaining = len(planned - done)
+        jobs = f"{remaining} jobs that may need them are" if remaining > 1 else "1 job that may need them is"
         notes.append(f"scans are kept ({_files(len(scans))}): {jobs} not done")
         scans = []
-    named = set[str]().union(*(unit.scans for unit in units))
+    used_scans = set[str]().union(*(unit.scans for unit in units))
     temporary = own_files.temporary_files(root)
     by_kind = {
         "units of jobs outside the plan": [unit.path for unit in units if not unit.planned],
         "failures of jobs outside the plan": [
-            path for path in own_files.FAILURES.of(root) if path.stem not in planned
+            path for path in own_files.FAILURES.find(root) if path.stem not in planned
         ],
-        "damaged files (.damaged)": [path for kind in own_files.DAMAGED for path in kind.of(root)],
+        "damaged files (.damaged)": [path for kind in own_files.DAMAGED for path in kind.find(root)],
         "unused trials": _trials(results),
-        "scans of no job": [path for path in scans if path.stem not in named],
-        "temporary files of ended processes": [path for path in temporary if _is_left(path)],
+        "scans of no job": [path for path in scans if path.stem not in used_scans],
+        "temporary files of ended processes": [path for path in temporary if _is_leftover(path)],
     }
-    sizes = {what: {path: path.lstat().st_size for path in sorted(paths)} for what, paths in by_kind.items()}
-    return RemovableFiles({what: files for what, files in sizes.items() if files}, (*notes, *_whole(units)))
+    sizes = {kind: {path: path.lstat().st_size for path in sorted(paths)} for kind, paths in by_kind.items()}
+    return RemovableFiles(
+        {kind: files for kind, files in sizes.items() if files}, (*notes, *_mixed_unit_notes(units))
+    )
 
 
 def _unit(path: Path, planned: set[str]) -> _Unit:
@@ -101,34 +103,40 @@ def _unit(path: Path, planned: set[str]) -> _Unit:
         for name, column in columns.items()
         if name.startswith("parameters/defects.") and name.endswith(".digest")
     ]
-    ours = [row for row, job in enumerate(jobs) if job in planned]
+    planned_rows = [row for row, job in enumerate(jobs) if job in planned]
     return _Unit(
-        path, set(jobs), {jobs[row] for row in ours}, {str(column[row]) for column in digests for row in ours}
+        path,
+        set(jobs),
+        {jobs[row] for row in planned_rows},
+        {str(column[row]) for column in digests for row in planned_rows},
     )
 
 
-def _whole(units: Iterable[_Unit]) -> Iterator[str]:
+def _mixed_unit_notes(units: Iterable[_Unit]) -> Iterator[str]:
     """Yield a note on units with jobs both in the plan and outside it, if there are any."""
     mixed = [unit for unit in units if unit.planned and unit.planned != unit.jobs]
     if mixed:
-        stay = f"{len(mixed)} units are kept" if len(mixed) > 1 else "1 unit is kept"
-        unnamed, jobs = sum(len(u.jobs - u.planned) for u in mixed), sum(len(u.jobs) for u in mixed)
-        yield f"{stay} whole, although the plan names only {jobs - unnamed} of {jobs} jobs there"
+        kept_text = f"{len(mixed)} units are kept" if len(mixed) > 1 else "1 unit is kept"
+        unplanned = sum(len(unit.jobs - unit.planned) for unit in mixed)
+        jobs = sum(len(unit.jobs) for unit in mixed)
+        yield f"{kept_text} whole, although the plan names only {jobs - unplanned} of {jobs} jobs there"
 
 
-def _is_left(path: Path) -> bool:
-    with lock_leftover(path) as left:
-        return left
+def _is_leftover(path: Path) -> bool:
+    with lock_leftover(path) as is_leftover:
+        return is_leftover
 
 
 def _trials(results: Results) -> list[Path]:
     """List unreadable trials, or all trials if the study has no `accuracy`."""
     return [
-        path for path in own_files.TRIALS.of(results.path) if not (results.plan.get("accuracy") and _reads(path))
+        path
+        for path in own_files.TRIALS.find(results.path)
+        if not (results.plan.get("accuracy") and _is_readable(path))
     ]
 
 
-def _reads(path: Path) -> bool:
+def _is_readable(path: Path) -> bool:
     try:
         read_json(path)
     except UNREADABLE:

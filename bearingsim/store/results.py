@@ -47,8 +47,8 @@ def open_results(path: str | Path) -> "Results":
 
 def results_folder(name: str, quick: bool, out: str | Path | None) -> Path:
     """Return the results folder of a study: ``out``, or ``results/<study>`` (``-quick`` for a quick study)."""
-    usual = Path("results") / (f"{name}-quick" if quick else name)
-    return Path(usual if out is None else out).resolve()
+    default = Path("results") / (f"{name}-quick" if quick else name)
+    return Path(default if out is None else out).resolve()
 
 
 def planned_jobs(root: Path) -> set[str]:
@@ -145,15 +145,15 @@ class Results:
         unknown = sorted(set(jobs or ()) - set(rows.index))
         if unknown:
             raise ResultsError(f"no row of the table: {', '.join(unknown)}")
-        done = rows[rows["status"] == "done"] if jobs is None else rows.loc[list(jobs)]
+        done_rows = rows[rows["status"] == "done"] if jobs is None else rows.loc[list(jobs)]
         swept = {path for entry in self.plan["jobs"] for path in entry["swept"]}
         columns = {
-            name: ("job", done[name].to_numpy(), _attributes(name, name in swept))
-            for name in done.columns
+            name: ("job", done_rows[name].to_numpy(), _attributes(name, name in swept))
+            for name in done_rows.columns
             if name in swept or f"features/{name}" in self._frame
         }
-        series = _stack({job: self.series(job) for job in done.index})
-        data = xr.Dataset({**columns, **series}, coords={"job": done.index.to_numpy(object)})
+        series = _stack({job: self.series(job) for job in done_rows.index})
+        data = xr.Dataset({**columns, **series}, coords={"job": done_rows.index.to_numpy(object)})
         data = data.set_coords(sorted(swept))
         return data.assign_attrs(study=self.plan["study"])
 

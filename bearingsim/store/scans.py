@@ -19,23 +19,26 @@ def store_scans(root: Path, cases: Iterable["Case"]) -> None:
     Raises ScanError if a scan is missing, or has changed since the study was read.
     """
     for digest, file in _scans(cases):
-        kept = scan_path(root, digest, file)
-        if not _holds(kept, digest):
-            write_bytes(kept, _content(Path(file), digest))
+        copy_path = scan_path(root, digest, file)
+        if not _is_intact(copy_path, digest):
+            write_bytes(copy_path, _content(Path(file), digest))
 
 
 def read_scans(root: Path, cases: Iterable["Case"]) -> dict[str, bytes]:
     """Read the stored scans of some cases, by file name ``<digest>.<ext>``."""
-    copies = (scan_path(root, digest, file) for digest, file in _scans(cases))
-    return {copy.name: copy.read_bytes() for copy in copies}
+    paths = (scan_path(root, digest, file) for digest, file in _scans(cases))
+    return {path.name: path.read_bytes() for path in paths}
 
 
 def with_short_paths(case: "Case") -> "Case":
     """Return the case with shortened paths of its scans, for a machine without the original files."""
-    if all(d.file is None for d in case.defects):
+    if all(defect.file is None for defect in case.defects):
         return case
-    named = tuple(d if d.file is None else d.model_copy(update={"file": short_path(d.file)}) for d in case.defects)
-    return case.model_copy(update={"defects": named})
+    defects = tuple(
+        defect if defect.file is None else defect.model_copy(update={"file": short_path(defect.file)})
+        for defect in case.defects
+    )
+    return case.model_copy(update={"defects": defects})
 
 
 def _scans(cases: Iterable["Case"]) -> list[tuple[str, str]]:
@@ -47,9 +50,9 @@ def check_scans(root: Path) -> list[Path]:
     """List the scans stored in a results folder. Raises ScanError if one has been changed."""
     from bearingsim.config.scan.file import ScanError
 
-    scans = SCANS.of(root)
+    scans = SCANS.find(root)
     for path in scans:
-        if not _holds(path, path.stem):
+        if not _is_intact(path, path.stem):
             raise ScanError(f"`{path}` has been changed", "remove it, and run the study there again")
     return scans
 
@@ -57,19 +60,19 @@ def check_scans(root: Path) -> list[Path]:
 def copy_scans(scans: Iterable[Path], root: Path) -> None:
     """Copy scans from another results folder, unless intact copies exist."""
     for path in scans:
-        kept = root / "scans" / path.name
-        if not _holds(kept, path.stem):
-            copy(path, kept)
+        target = root / "scans" / path.name
+        if not _is_intact(target, path.stem):
+            copy(path, target)
 
 
 def find_scan_copy(root: Path, digest: str, file: str) -> Path:
     """Return the path of the copy of a scan in a results folder. Raises ScanError without an intact copy."""
     from bearingsim.config.scan.file import ScanError
 
-    kept = scan_path(root, digest, file)
-    if not re.fullmatch(ID, digest) or not _holds(kept, digest):
+    copy_path = scan_path(root, digest, file)
+    if not re.fullmatch(ID, digest) or not _is_intact(copy_path, digest):
         raise ScanError(f"its scan is not kept in {root / 'scans'}", "run the study again where the scan is")
-    return kept
+    return copy_path
 
 
 def scan_path(root: Path, digest: str, file: str) -> Path:
@@ -85,7 +88,7 @@ def short_path(file: str) -> str:
     return path.relative_to(Path.cwd()).as_posix() if path.is_relative_to(Path.cwd()) else path.name
 
 
-def _holds(path: Path, digest: str) -> bool:
+def _is_intact(path: Path, digest: str) -> bool:
     try:
         return regular.digest(path).startswith(digest)
     except (OSError, regular.Unreadable):

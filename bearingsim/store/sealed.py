@@ -21,7 +21,7 @@ from bearingsim.store.regular import BLOCK_BYTES, MEMORY_RATIO, Unreadable, open
 
 SCHEMA = 2  # version of the layout of all files
 LIBVER = ("v108", "v108")  # object headers with checksums and no 64 kB limit on attributes
-LEAST_BYTES = 8
+MIN_BYTES_PER_ENTRY = 8
 """Smallest average number of characters per list or mapping of a JSON file: each takes 64 bytes of memory."""
 HDF5_MARK, JSON_MARK = b"\nSHA-256 ", ',\n "sha256": "'
 
@@ -54,8 +54,8 @@ def new_hdf5(path: Path) -> AbstractContextManager[h5py.File]:
 
 
 @contextmanager
-def hdf5_in_memory(take: Callable[[bytes], None]) -> Iterator[h5py.File]:
-    """Create an HDF5 file in memory; on exit pass its bytes and their digest to ``take``.
+def hdf5_in_memory(save: Callable[[bytes], None]) -> Iterator[h5py.File]:
+    """Create an HDF5 file in memory; on exit pass its bytes and their digest to ``save``.
 
     The core driver of HDF5 1.14 is not used, because the superblock of its image has a wrong checksum.
     """
@@ -64,14 +64,14 @@ def hdf5_in_memory(take: Callable[[bytes], None]) -> Iterator[h5py.File]:
         file.attrs["schema"] = SCHEMA
         yield file
     image = memory.getvalue()
-    take(image + _seal(image))
+    save(image + _seal(image))
 
 
 def _seal(image: bytes) -> bytes:
-    return _as_seal(_digest(image))
+    return _seal_text(_digest(image))
 
 
-def _as_seal(digest: str) -> bytes:
+def _seal_text(digest: str) -> bytes:
     return HDF5_MARK + digest.encode() + b"\n"
 
 
@@ -102,7 +102,7 @@ def open_sealed(stream: BinaryIO) -> Hdf5:
         size, digest, seal = _read_through(stream)
         if not seal.startswith(HDF5_MARK):
             raise Unreadable("its checksum is missing")
-        if seal != _as_seal(digest):
+        if seal != _seal_text(digest):
             raise Unreadable("its content does not match its checksum")
         file = Hdf5(stream, MEMORY_RATIO * size)
         _check_schema(file.attribute("schema"))
@@ -115,11 +115,11 @@ def open_sealed(stream: BinaryIO) -> Hdf5:
 def _read_through(stream: BinaryIO) -> tuple[int, str, bytes]:
     """Read a stream; return its size, the digest of all bytes before the seal, and the seal."""
     size = stream.seek(0, io.SEEK_END)
-    left, digest = max(size - SEAL_BYTES, 0), hashlib.sha256()
+    remaining, digest = max(size - SEAL_BYTES, 0), hashlib.sha256()
     stream.seek(0)
-    while left and (block := stream.read(min(left, BLOCK_BYTES))):
+    while remaining and (block := stream.read(min(remaining, BLOCK_BYTES))):
         digest.update(block)
-        left -= len(block)
+        remaining -= len(block)
     return size, digest.hexdigest(), stream.read()
 
 
@@ -144,7 +144,7 @@ def read_json(path: Path) -> dict[str, Any]:
         raise Unreadable("its checksum is missing")
     if text != body + _json_seal(body):
         raise Unreadable("its content does not match its checksum")
-    if LEAST_BYTES * (text.count("[") + text.count("{")) > max(len(text), BLOCK_BYTES):
+    if MIN_BYTES_PER_ENTRY * (text.count("[") + text.count("{")) > max(len(text), BLOCK_BYTES):
         raise Unreadable("it holds more lists and mappings than any file of its size")
     entries = json.loads(text)
     _check_schema(entries["schema"])

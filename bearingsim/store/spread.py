@@ -11,7 +11,7 @@ from bearingsim.config.names import ERRORS, FAULT_LINES, is_mean
 if TYPE_CHECKING:
     import pandas as pd
 
-BY_BLOCKS = {"velocity@BPFO": "standard_error.line", "velocity.rms": "standard_error.rms"}
+BLOCK_ERRORS = {"velocity@BPFO": "standard_error.line", "velocity.rms": "standard_error.rms"}
 """Columns with relative standard errors from blocks of ball passes; results of earlier versions lack them."""
 NOTABLE_ERROR = 0.005
 """Relative standard error above which a result of a chaotic motion is reported as a random sample."""
@@ -36,18 +36,18 @@ def spread(
     if not entries or name not in frame or name.endswith(".phase"):
         return pd.DataFrame(columns=columns)
     pairs = pd.DataFrame([(varied["of"], varied["job"]) for varied in entries], columns=["of", "job"])
-    lacking = frame[name].reindex(pairs["job"]).isna().to_numpy()
-    pairs = pairs[~pairs["of"].isin(pairs["of"][lacking])]  # a partial range would be mistaken for the full one
+    is_missing = frame[name].reindex(pairs["job"]).isna().to_numpy()
+    pairs = pairs[~pairs["of"].isin(pairs["of"][is_missing])]  # a partial range would be mistaken for the full one
     if pairs.empty:
         return pd.DataFrame(columns=columns)
-    own = pd.DataFrame({"of": pairs["of"].unique(), "job": pairs["of"].unique()})
-    pairs = pd.concat([own, pairs], ignore_index=True)
+    nominal = pd.DataFrame({"of": pairs["of"].unique(), "job": pairs["of"].unique()})
+    pairs = pd.concat([nominal, pairs], ignore_index=True)
     value = frame[name].reindex(pairs["job"]).to_numpy()
-    beside = standard_error(frame, feature).reindex(pairs["job"]).to_numpy()
-    pairs = pairs.assign(least=value - beside, largest=value + beside)
+    standard_errors = standard_error(frame, feature).reindex(pairs["job"]).to_numpy()
+    pairs = pairs.assign(least=value - standard_errors, largest=value + standard_errors)
     pairs["chaotic"] = _chaotic(frame).reindex(pairs["job"]).to_numpy()
     ranges = pairs.groupby("of", sort=False).agg({"least": "min", "largest": "max", "chaotic": "any"})
-    unknown = pairs["of"][np.isnan(beside)]  # chaotic, and the record is too short
+    unknown = pairs["of"][np.isnan(standard_errors)]  # chaotic, and the record is too short
     ranges = ranges[~ranges.index.isin(unknown)]
     return ranges if (value < 0.0).any() else ranges.assign(least=ranges["least"].clip(lower=0.0))
 
@@ -66,11 +66,11 @@ def standard_error(frame: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     elif ".rms" in feature and "features/rms_scatter" in frame:
         error = frame["features/rms_scatter"] / STANDARD_DEVIATIONS * frame[f"features/{feature}"].abs()
     chaotic_jobs = error.replace(np.inf, np.nan).where(_chaotic(frame), 0.0)
-    reached = early_end_errors(frame, feature)
+    early_errors = early_end_errors(frame, feature)
     return (
         chaotic_jobs
-        if reached is None
-        else chaotic_jobs.where(reached.isna(), reached * frame[f"features/{feature}"].abs())
+        if early_errors is None
+        else chaotic_jobs.where(early_errors.isna(), early_errors * frame[f"features/{feature}"].abs())
     )
 
 
@@ -103,24 +103,24 @@ def relative_error(table: "pd.DataFrame", feature: str) -> "pd.Series[float]":
     import pandas as pd
 
     frame = table.add_prefix("features/")
-    plain = feature.removesuffix("-healthy.phase").removesuffix(".phase").removesuffix("-healthy")
-    judged = plain if is_line(plain) else "velocity.rms"
-    if f"features/{judged}" not in frame or (is_line(plain) and f"features/{plain}-scatter" not in frame):
+    base = feature.removesuffix("-healthy.phase").removesuffix(".phase").removesuffix("-healthy")
+    reference = base if is_line(base) else "velocity.rms"
+    if f"features/{reference}" not in frame or (is_line(base) and f"features/{base}-scatter" not in frame):
         return pd.Series(float("nan"), frame.index)
-    relative = standard_error(frame, judged) / frame[f"features/{judged}"].abs()
-    block_errors = frame.get(f"features/{BY_BLOCKS.get(judged, '')}")
+    relative = standard_error(frame, reference) / frame[f"features/{reference}"].abs()
+    block_errors = frame.get(f"features/{BLOCK_ERRORS.get(reference, '')}")
     if block_errors is not None:
         relative = block_errors.where(block_errors.notna(), relative)
-    if plain != feature.removesuffix(".phase") and f"features/{plain}-healthy" in frame:  # the change may be small
-        relative = relative * (frame[f"features/{judged}"] / frame[f"features/{plain}-healthy"]).abs()
+    if base != feature.removesuffix(".phase") and f"features/{base}-healthy" in frame:  # the change may be small
+        relative = relative * (frame[f"features/{reference}"] / frame[f"features/{base}-healthy"]).abs()
     return relative
 
 
 def has_unknown_scatter(frame: "pd.DataFrame", feature: str) -> "pd.Series[bool]":
     """Mark chaotic jobs in which the feature is a spectral line without a standard error."""
     has_scatter = not is_line(feature) or f"features/{feature}-scatter" in frame
-    reached = early_end_errors(frame, feature)
-    return _chaotic(frame) & (not has_scatter) & (True if reached is None else reached.isna())
+    early_errors = early_end_errors(frame, feature)
+    return _chaotic(frame) & (not has_scatter) & (True if early_errors is None else early_errors.isna())
 
 
 def _chaotic(frame: "pd.DataFrame") -> "pd.Series[bool]":
@@ -134,29 +134,29 @@ def errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     import pandas as pd
 
     table = pd.DataFrame(index=frame.index)
-    for what in dict.fromkeys(varied["what"] for varied in plan.get("variations", ())):
-        for ending in ERRORS:
-            features = _features(frame, ending)
-            parts = [_relative(plan, frame, name, what)[features == name] for name in features.unique()]
-            table[f"error.{what}{ending}"] = pd.concat(parts)
+    for quantity in dict.fromkeys(variation["what"] for variation in plan.get("variations", ())):
+        for suffix in ERRORS:
+            features = _features(frame, suffix)
+            parts = [_relative(plan, frame, name, quantity)[features == name] for name in features.unique()]
+            table[f"error.{quantity}{suffix}"] = pd.concat(parts)
     return table.dropna(how="all", axis=1)
 
 
-def _features(frame: "pd.DataFrame", ending: str) -> "pd.Series[str]":
+def _features(frame: "pd.DataFrame", suffix: str) -> "pd.Series[str]":
     """Return by job the feature of a column of ``ERRORS``; the line is that of the race of the first defect."""
     import pandas as pd
 
-    if ending:
-        return pd.Series({".rms": "velocity.rms", ".force": "outer_force.max"}[ending], frame.index)
+    if suffix:
+        return pd.Series({".rms": "velocity.rms", ".force": "outer_force.max"}[suffix], frame.index)
     races = frame.get("parameters/defects.1.race", pd.Series("", frame.index))
     return "velocity@" + races.map(FAULT_LINES).fillna(FAULT_LINES["outer"])
 
 
-def _relative(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str, what: str) -> "pd.Series[float]":
+def _relative(plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str, quantity: str) -> "pd.Series[float]":
     """Return (largest - least)/value of a feature by job; NaN for jobs without variations."""
     import numpy as np
     import pandas as pd
 
-    between = spread(plan, frame, feature, what).reindex(frame.index)
+    ranges = spread(plan, frame, feature, quantity).reindex(frame.index)
     value = frame.get(f"features/{feature}", pd.Series(np.nan, frame.index))
-    return (between["largest"] - between["least"]) / value.abs()
+    return (ranges["largest"] - ranges["least"]) / value.abs()

@@ -24,25 +24,25 @@ class Stock:
     """Result of a check: names of units in the table, rows of units not in it, errors of damaged units by path."""
 
     in_table: set[str] = field(default_factory=set)
-    read: "dict[str, pd.DataFrame]" = field(default_factory=dict)
+    rows: "dict[str, pd.DataFrame]" = field(default_factory=dict)
     damaged: dict[Path, str] = field(default_factory=dict)
 
 
 def check_units(
-    units: Iterable[Path], table: "pd.DataFrame | None", read: Rows, everything: bool = False
+    units: Iterable[Path], table: "pd.DataFrame | None", known_rows: Rows, verify: bool = False
 ) -> Stock:
     """Check units.
 
-    table: with the columns ``unit`` and ``stamp``; read: rows read before, by unit; everything: also read the
+    table: with the columns ``unit`` and ``stamp``; known_rows: rows read before, by unit; verify: also read the
     units in the table.
     """
-    stock, remembered = Stock(), {} if everything else _remembered(table)
+    stock, known_stamps = Stock(), {} if verify else _known_stamps(table)
     for path in units:
         stamp = _stamp(path)
-        if remembered.get(path.stem) == stamp:
+        if known_stamps.get(path.stem) == stamp:
             stock.in_table.add(path.stem)
-        elif path.stem in read and read[path.stem]["stamp"].iloc[0].startswith(f"{stamp} "):
-            stock.read[path.stem] = read[path.stem]
+        elif path.stem in known_rows and known_rows[path.stem]["stamp"].iloc[0].startswith(f"{stamp} "):
+            stock.rows[path.stem] = known_rows[path.stem]
         else:
             _read(path, stamp, stock)
     return stock
@@ -56,7 +56,7 @@ def _read(path: Path, stamp: str, stock: Stock) -> None:
     except DamagedUnit as damage:
         stock.damaged[path] = str(damage)
     else:
-        stock.read[path.stem] = rows.assign(stamp=f"{stamp} {len(rows)}")
+        stock.rows[path.stem] = rows.assign(stamp=f"{stamp} {len(rows)}")
 
 
 def _stamp(path: Path) -> str:
@@ -64,7 +64,7 @@ def _stamp(path: Path) -> str:
     return f"{status.st_size} {status.st_mtime_ns}"
 
 
-def _remembered(table: "pd.DataFrame | None") -> dict[str, str]:
+def _known_stamps(table: "pd.DataFrame | None") -> dict[str, str]:
     """Return the stamps of the units whose jobs are all in the table, by name.
 
     The table may lack some jobs of a unit, because its plan has fewer jobs.
@@ -73,5 +73,5 @@ def _remembered(table: "pd.DataFrame | None") -> dict[str, str]:
         return {}
     counts = table["unit"].value_counts()
     stamps = table.drop_duplicates("unit").set_index("unit")["stamp"].str.rpartition(" ")
-    whole = stamps[2] == counts.reindex(stamps.index).astype(str)
-    return dict(stamps[0][whole])
+    complete = stamps[2] == counts.reindex(stamps.index).astype(str)
+    return dict(stamps[0][complete])

@@ -94,12 +94,12 @@ def _accuracy(study: "Study") -> dict[str, Any] | None:
     goal, selection = study.goal, study.selection
     if goal is None or selection is None:
         return None
-    jobs = {job: chosen._asdict() for job, chosen in selection.jobs.items()}
+    jobs = {job: choice._asdict() for job, choice in selection.jobs.items()}
     return {
         "within": goal.within,
         "of": list(goal.of),
         "jobs": jobs,
-        "curves": [{"feature": feature, "jobs": list(on_it)} for feature, on_it in selection.curves],
+        "curves": [{"feature": feature, "jobs": list(curve_jobs)} for feature, curve_jobs in selection.curves],
         "audits": [{"of": audit.of, "job": audit.job.id} for audit in selection.audits],
         "notes": list(selection.notes),
     }
@@ -170,10 +170,10 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     """
     import pandas as pd
 
-    ours = rows_of(plan)
-    spreads, near = errors(plan, frame), error_bounds(plan, frame)  # these need the jobs without a row, too
-    frame = frame.loc[[entry["job"] for entry in ours]]
-    swept = pd.DataFrame([entry["swept"] for entry in ours], index=frame.index)
+    entries = rows_of(plan)
+    spreads, bounds = errors(plan, frame), error_bounds(plan, frame)  # these need the jobs without a row, too
+    frame = frame.loc[[entry["job"] for entry in entries]]
+    swept = pd.DataFrame([entry["swept"] for entry in entries], index=frame.index)
     features = frame.filter(regex="^features/").rename(columns=lambda name: name.partition("/")[2])
     features = pd.concat([features, spreads.reindex(frame.index)], axis=1)
     features = features[sort_features(features.columns)]
@@ -181,14 +181,14 @@ def table(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
     if models_chosen:
         names = [models_chosen[job]["model"] if job in models_chosen else "" for job in frame.index]
         models = pd.DataFrame({"model": names})
-        own = near.drop(columns=[name for name in near if name in features])  # such as `error.start`
-        features = pd.concat([models.set_index(frame.index), own.reindex(frame.index), features], axis=1)
+        bound_columns = bounds.drop(columns=[name for name in bounds if name in features])  # such as `error.start`
+        features = pd.concat([models.set_index(frame.index), bound_columns.reindex(frame.index), features], axis=1)
     seconds = frame["info/cpu_s"] if "info/cpu_s" in frame else pd.Series(np.nan, frame.index)
-    rest = pd.DataFrame({"status": frame["status"], "reason": frame["reason"], "seconds": seconds})
+    states = pd.DataFrame({"status": frame["status"], "reason": frame["reason"], "seconds": seconds})
     jobs = pd.DataFrame({"job": frame.index}, index=frame.index)
-    others = [features, rest, frame[["healthy", "unit"]]]
-    swept = swept.drop(columns={name for columns in (jobs, *others) for name in columns}, errors="ignore")
-    return pd.concat([jobs, swept, *others], axis=1).reset_index(drop=True)
+    further_columns = [features, states, frame[["healthy", "unit"]]]
+    swept = swept.drop(columns={name for columns in (jobs, *further_columns) for name in columns}, errors="ignore")
+    return pd.concat([jobs, swept, *further_columns], axis=1).reset_index(drop=True)
 
 
 def info(frame: "pd.DataFrame") -> "pd.DataFrame":
@@ -218,8 +218,8 @@ def _make_frame(
     healthy = [entry["healthy"] for entry in plan["jobs"]]
     states = pd.DataFrame({"reason": reason, "status": status, "healthy": healthy}, index=stored.index)
     frame = pd.concat([stored, states], axis=1)  # inserting columns one by one is slow
-    words = frame.select_dtypes(exclude="number").columns
-    frame = frame.fillna(dict.fromkeys(words, "")).astype(dict.fromkeys(words, str))
+    text_columns = frame.select_dtypes(exclude="number").columns
+    frame = frame.fillna(dict.fromkeys(text_columns, "")).astype(dict.fromkeys(text_columns, str))
     return pd.concat([frame, healthy_differences(frame)], axis=1)
 
 
@@ -227,17 +227,19 @@ def _collect(root: Path, table_rows: "pd.DataFrame | None", rows: Rows) -> "pd.D
     """Collect the rows of all intact units; a job in several units is read from the first."""
     import pandas as pd
 
-    stock = check_units(UNITS.of(root), table_rows, rows)
+    stock = check_units(UNITS.find(root), table_rows, rows)
     for path, reason in stock.damaged.items():
         text = f"{path} cannot be read ({reason}), its jobs count as missing: run the study again"
         warnings.warn(text, DamageWarning, stacklevel=2)
     empty = {name: pd.Series(dtype=object) for name in ("unit", "stamp")}
-    frames = [pd.DataFrame(empty, index=pd.Index([], name="job")), *stock.read.values()]
+    frames = [pd.DataFrame(empty, index=pd.Index([], name="job")), *stock.rows.values()]
     if table_rows is not None:
-        kept = table_rows[table_rows["unit"].isin(stock.in_table)].drop(columns=["status", "reason", "healthy"])
-        frames.append(kept.loc[:, ~kept.columns.str.endswith("-healthy")])
-    whole = pd.concat([frame for frame in frames if len(frame)] or frames[:1])
-    return whole[~whole.index.duplicated()]
+        unchanged_rows = table_rows[table_rows["unit"].isin(stock.in_table)].drop(
+            columns=["status", "reason", "healthy"]
+        )
+        frames.append(unchanged_rows.loc[:, ~unchanged_rows.columns.str.endswith("-healthy")])
+    rows_found = pd.concat([frame for frame in frames if len(frame)] or frames[:1])
+    return rows_found[~rows_found.index.duplicated()]
 
 
 def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
@@ -265,7 +267,7 @@ def healthy_differences(frame: "pd.DataFrame") -> "pd.DataFrame":
 
 def _fingerprint(root: Path) -> str:
     """Return the digest of the sources of the table: plan, and names, sizes and times of units and failures."""
-    sources = [*UNITS.of(root), *FAILURES.of(root)]
+    sources = [*UNITS.find(root), *FAILURES.find(root)]
     states = ((path.name, path.lstat()) for path in sources)
     listing = "\n".join(f"{name} {stat.st_size} {stat.st_mtime_ns}" for name, stat in states)
     return hashlib.sha256(regular.read_regular(root / "plan.json") + listing.encode()).hexdigest()

@@ -69,7 +69,7 @@ def unit_name(jobs: Iterable[str]) -> str:
 
 def unit_names(root: Path) -> set[str]:
     """Return the names of the units in a results folder."""
-    return {path.stem for path in UNITS.of(root)}
+    return {path.stem for path in UNITS.find(root)}
 
 
 def unit_path(root: Path, unit: str) -> Path:
@@ -244,9 +244,9 @@ def _check(path: Path, file: Hdf5) -> None:
     if unit_name(ids) != path.stem:
         raise Unreadable("its job ids are not those of its name")
     for name in _channels(file):
-        whole = (len(ids), *file.shape("time"))
-        if file.shape(name) != whole:
-            raise Unreadable(f"{name} has shape {file.shape(name)}, not {whole}")
+        expected_shape = (len(ids), *file.shape("time"))
+        if file.shape(name) != expected_shape:
+            raise Unreadable(f"{name} has shape {file.shape(name)}, not {expected_shape}")
 
 
 def _channels(file: Hdf5) -> list[str]:
@@ -262,7 +262,7 @@ def _channels(file: Hdf5) -> list[str]:
 
 def read_series(path: Path, job: str) -> Series:
     """Read the series of one job from its unit. Raises DamagedUnit, and KeyError for a job that it lacks."""
-    with _advised(path), open_unit(path) as file:
+    with _add_advice(path), open_unit(path) as file:
         ids = list(file.texts("job"))
         if job in ids:
             return _series(file, ids.index(job), len(ids))
@@ -279,7 +279,7 @@ def _series(file: Hdf5, row: int, rows: int) -> Series:
 
 
 @contextmanager
-def _advised(path: Path) -> Iterator[None]:
+def _add_advice(path: Path) -> Iterator[None]:
     try:
         yield
     except DamagedUnit as damage:

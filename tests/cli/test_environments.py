@@ -178,5 +178,5 @@ def test_a_full_disk_is_told_from_one_without_inodes(tmp_path, monkeypatch) -> N
     disk = SimpleNamespace(f_files=1000, f_favail=0)
     error = OSError(errno.ENOSPC, "No space left on device", str(tmp_path / "file"))
     assert "is full" in group.error_text(error)
-    monkeypatch.setattr("bearingsim.store.files._inodes_are_out", lambda folder: disk.f_favail == 0)
+    monkeypatch.setattr("bearingsim.store.files._inodes_exhausted", lambda folder: disk.f_favail == 0)
     assert "has no inodes left" in group.error_text(error)

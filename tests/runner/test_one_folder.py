@@ -85,10 +85,10 @@ def test_a_plan_that_is_gone_at_the_end_is_told(tmp_path: Path) -> None:
 
 def test_what_another_run_has_just_set_aside_is_no_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     store.Failure("0123456789abcdef", "none").write(tmp_path)
-    paths = own_files.FAILURES.of(tmp_path)
+    paths = own_files.FAILURES.find(tmp_path)
     paths[0].unlink()
     sealed.mark_damaged(paths[0])
-    monkeypatch.setattr(own_files.OwnFiles, "of", lambda *_: paths)
+    monkeypatch.setattr(own_files.OwnFiles, "find", lambda *_: paths)
     assert journal.load_failures(tmp_path) == ({}, {})
 
 

@@ -67,35 +67,39 @@ def test_nobody_s_folder_is_stored(home: Path, tmp_path: Path, monkeypatch: Any)
     assert set(store.open_results(tmp_path / "out").parameters()["defects.1.file"]) == {"a.csv", "b.CSV", ""}
     monkeypatch.chdir(home)
     run(load_study("study.yaml"), "results", jobs=1, progress=False)
-    found = store.open_results("results").parameters()["defects.1.file"]
-    assert set(found) == {"scans/a.csv", "scans/b.CSV", ""}
-    stored = [path.read_bytes() for path in Path("results").rglob("*") if path.suffix in (".h5", ".csv", ".json")]
-    assert not any(str(home).encode() in content for content in stored)
+    paths = store.open_results("results").parameters()["defects.1.file"]
+    assert set(paths) == {"scans/a.csv", "scans/b.CSV", ""}
+    contents = [
+        path.read_bytes() for path in Path("results").rglob("*") if path.suffix in (".h5", ".csv", ".json")
+    ]
+    assert not any(str(home).encode() in content for content in contents)
 
 
 def test_scans_are_kept_once_whatever_is_run_again(home: Path, tmp_path: Path) -> None:
     compute(home, tmp_path / "out", shard=(1, 2))
-    [kept, other] = [tmp_path / "out/scans" / f"{digest}.csv" for digest in digests(home)]
-    written = kept.stat().st_ino
-    other.write_bytes(b"torn")
+    [first_copy, second_copy] = [tmp_path / "out/scans" / f"{digest}.csv" for digest in digests(home)]
+    inode = first_copy.stat().st_ino
+    second_copy.write_bytes(b"torn")
     summary = compute(home, tmp_path / "out", shard=(2, 2))
     assert compute(home, tmp_path / "out").resumed == 3
     assert summary.failed == 0
-    assert kept.stat().st_ino == written
-    assert other.read_bytes() == (home / "scans" / "b.CSV").read_bytes()
+    assert first_copy.stat().st_ino == inode
+    assert second_copy.read_bytes() == (home / "scans" / "b.CSV").read_bytes()
     (home / "scans").rename(home / "moved")
     (home / "study.yaml").write_text(TEXT.replace("scans/", "moved/"))
     assert compute(home, tmp_path / "out").resumed == 3
     compute(home, tmp_path / "out", fresh=True)
-    assert kept.is_file()
+    assert first_copy.is_file()
     assert not list((tmp_path / "out").glob("scans/*.part"))
 
 
-@pytest.mark.parametrize(("changed", "message"), [(b"else", "has changed since"), (None, "no file")])
-def test_a_scan_that_goes_before_the_run_is_told(home: Path, tmp_path: Path, changed: Any, message: str) -> None:
+@pytest.mark.parametrize(("new_content", "message"), [(b"else", "has changed since"), (None, "no file")])
+def test_a_scan_that_goes_before_the_run_is_told(
+    home: Path, tmp_path: Path, new_content: Any, message: str
+) -> None:
     study, file = study_of(home), home / "scans" / "a.csv"
     file.unlink()
-    if changed:
+    if new_content:
         gridded(file, 0.9 * bowl())
     with pytest.raises(ScanError, match=message):
         run(study, tmp_path / "out", jobs=1, progress=False)
@@ -103,10 +107,10 @@ def test_a_scan_that_goes_before_the_run_is_told(home: Path, tmp_path: Path, cha
 
 def test_a_leftover_of_a_dead_writer_is_swept(tmp_path: Path) -> None:
     (tmp_path / "scans").mkdir()
-    left = (
+    leftover = (
         tmp_path
         / "scans"
         / f"0123456789abcdef.csv.{store.files.writer_name().rpartition('-')[0]}-4194304-0123abcd.part"
     )
-    left.touch()
-    assert store.sweep(tmp_path) == [left]
+    leftover.touch()
+    assert store.sweep(tmp_path) == [leftover]

@@ -38,14 +38,14 @@ def plan() -> dict[str, Any]:
     return store.make_plan(study, study.jobs())
 
 
-def changed(plan: dict[str, Any], place: str, value: Any) -> dict[str, Any]:
-    found = copy.deepcopy(plan)
-    *path, last = (int(word) if word.isdecimal() else word for word in place.split("/"))
-    inner: Any = found
-    for word in path:
-        inner = inner[word]
-    inner[last] = value
-    return found
+def replaced(plan: dict[str, Any], path: str, value: Any) -> dict[str, Any]:
+    copied = copy.deepcopy(plan)
+    *parents, key = (int(word) if word.isdecimal() else word for word in path.split("/"))
+    node: Any = copied
+    for word in parents:
+        node = node[word]
+    node[key] = value
+    return copied
 
 
 def test_what_a_study_expands_to_is_a_plan(plan: dict[str, Any]) -> None:
@@ -56,7 +56,7 @@ def test_what_a_study_expands_to_is_a_plan(plan: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("place", "value"),
+    ("path", "value"),
     [
         ("study", "../../x"),
         ("study", "a/b"),
@@ -88,9 +88,9 @@ def test_what_a_study_expands_to_is_a_plan(plan: dict[str, Any]) -> None:
         ("accuracy", {"within": 0.1, "of": [], "jobs": {}, "curves": [], "audits": [{"of": OTHER, "job": OTHER}]}),
     ],
 )
-def test_what_is_no_plan_is_refused_with_its_place(plan: dict[str, Any], place: str, value: Any) -> None:
-    with pytest.raises(Unreadable, match=f"{place.split('/')[0]}|names elsewhere"):
-        layouts.check_plan(changed(plan, place, value))
+def test_what_is_no_plan_is_refused_with_its_place(plan: dict[str, Any], path: str, value: Any) -> None:
+    with pytest.raises(Unreadable, match=f"{path.split('/')[0]}|names elsewhere"):
+        layouts.check_plan(replaced(plan, path, value))
 
 
 def test_ids_that_occur_twice_or_fill_no_block_are_refused(plan: dict[str, Any]) -> None:
@@ -131,12 +131,12 @@ def test_other_files_are_refused(layout: Any, value: Any) -> None:
     ],
 )
 def test_a_trial_whose_parts_do_not_fit_counts_as_absent(tmp_path: Path, change: Callable[[Any], Any]) -> None:
-    folder, asked = tmp_path / "trials", ["velocity@BPFO", "outer_force.max"]
+    folder, features = tmp_path / "trials", ["velocity@BPFO", "outer_force.max"]
     folder.mkdir()
     write_json(folder / f"{OTHER}.json", {"trials": {"one": TRIAL, "two": None}})
-    assert set(selection.read_trials(tmp_path, asked)) == {"one", "two"}
+    assert set(selection.read_trials(tmp_path, features)) == {"one", "two"}
     write_json(folder / f"{OTHER}.json", {"trials": {"one": TRIAL | change(TRIAL), "two": None}})
-    assert "one" not in selection.read_trials(tmp_path, asked)
+    assert "one" not in selection.read_trials(tmp_path, features)
 
 
 def test_trials_are_written_as_they_are_read(tmp_path: Path) -> None:
@@ -148,7 +148,7 @@ def test_trials_are_written_as_they_are_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("command", "kept"),
+    ("command", "is_kept"),
     [
         ("bearingsim run 'my study.yaml' --out results/x --retry-failed", True),
         ("bearingsim run x.yaml; rm -rf ~", False),
@@ -159,10 +159,10 @@ def test_trials_are_written_as_they_are_read(tmp_path: Path) -> None:
         ("bearingsim run 'x", False),
     ],
 )
-def test_only_commands_of_this_program_are_repeated(tmp_path: Path, command: str, kept: bool) -> None:
+def test_only_commands_of_this_program_are_repeated(tmp_path: Path, command: str, is_kept: bool) -> None:
     (tmp_path / "failed").mkdir()
     write_json(tmp_path / "failed" / f"{OTHER}.json", {"reason": "a", "command": command})
-    assert store.read_failures(tmp_path)[OTHER].command == (command if kept else "")
+    assert store.read_failures(tmp_path)[OTHER].command == (command if is_kept else "")
 
 
 def test_a_plan_that_is_none_is_told_by_its_place(tmp_path: Path) -> None:

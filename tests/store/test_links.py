@@ -15,7 +15,7 @@ from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy
 
 
-def marked(root: Any) -> Any:
+def make_results_folder(root: Any) -> Any:
     """A results folder without results."""
     store.claim_results(root, FakeStudy().name, quick=False)
     return root
@@ -23,7 +23,7 @@ def marked(root: Any) -> Any:
 
 @pytest.mark.parametrize("name", [*FOLDERS, LOCK])
 def test_a_link_for_a_folder_is_refused(tmp_path: Any, name: str) -> None:
-    outside, root = tmp_path / "outside", marked(tmp_path / "results")
+    outside, root = tmp_path / "outside", make_results_folder(tmp_path / "results")
     outside.mkdir()
     link = root / name.replace("??", "ab")
     link.parent.mkdir(exist_ok=True)
@@ -47,14 +47,14 @@ def test_no_command_follows_a_link_for_a_folder(tmp_path: Any, name: str) -> Non
     if link.exists():
         link.rename(tmp_path / "before")
     link.symlink_to(outside)
-    for words in (
+    for arguments in (
         ["prune", root, "--no-dry-run"],
         ["plot", root],
         ["show", root],
         ["export", root, "--features", tmp_path / "table.csv"],
         ["merge", root, "--out", tmp_path / "merged"],
     ):
-        assert f"{link.name} is a link" in " ".join(type_(*words, code=2)[1].split())
+        assert f"{link.name} is a link" in " ".join(type_(*arguments, code=2)[1].split())
     assert {path: path.read_bytes() for path in outside.iterdir()} == before
 
 
@@ -70,7 +70,7 @@ def test_no_table_or_map_is_written_through_a_link(tmp_path: Any, name: str) -> 
 
 @pytest.mark.skipif(not hasattr(os, "O_NOFOLLOW"), reason="this system follows links")
 def test_no_journal_is_written_through_a_link(tmp_path: Any) -> None:
-    precious, root = tmp_path / "precious", marked(tmp_path / "results")
+    precious, root = tmp_path / "precious", make_results_folder(tmp_path / "results")
     precious.write_text("precious")
     (root / f"journal-{writer_name()}.jsonl").symlink_to(precious)
     study: Any = FakeStudy()
@@ -89,24 +89,24 @@ def test_no_lock_is_taken_through_a_link(tmp_path: Any) -> None:
     assert precious.read_text() == "precious"
 
 
-def made_link(path: Any) -> None:
+def make_link(path: Any) -> None:
     """The file elsewhere, and a link to it in its place."""
-    other = path.parents[3] / "elsewhere"
-    path.rename(other)
-    path.symlink_to(other)
+    target = path.parents[3] / "elsewhere"
+    path.rename(target)
+    path.symlink_to(target)
 
 
-def made_pipe(path: Any) -> None:
+def make_pipe(path: Any) -> None:
     path.unlink()
     os.mkfifo(path)
 
 
-def made_hole(path: Any) -> None:
+def make_sparse(path: Any) -> None:
     with path.open("r+b") as file:
         file.truncate(1 << 43)
 
 
-@pytest.mark.parametrize("change", [made_link, made_pipe, made_hole])
+@pytest.mark.parametrize("change", [make_link, make_pipe, make_sparse])
 def test_a_unit_that_is_no_file_of_the_folder_is_damaged(tmp_path: Any, change: Any) -> None:
     study, root = FakeStudy(), tmp_path / "results"
     run(study, root, jobs=1, progress=False, engine=ENGINE)  # type: ignore[arg-type]
@@ -124,7 +124,7 @@ def test_a_unit_that_is_no_file_of_the_folder_is_damaged(tmp_path: Any, change: 
 def test_a_file_elsewhere_is_not_copied_by_a_merge(tmp_path: Any, name: str) -> None:
     study, root = FakeStudy(), tmp_path / "a" / "b" / "c"
     run(study, root, jobs=1, progress=False, engine=ENGINE)  # type: ignore[arg-type]
-    made_link(root / name)
+    make_link(root / name)
     with pytest.raises(UserError, match=rf"{name}.*is a link"):
         store.merge([root], tmp_path / "out")
     assert not (tmp_path / "out" / name).exists()

@@ -19,10 +19,10 @@ from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
 
 WIDTHS = [1e-3 * (i + 1) for i in range(7)]  # and the healthy case
-FAILED = "the ring left"
+REASON = "the ring left"
 
 
-def folder(
+def make_folder(
     root: Path, study: Any, units: Sequence[Sequence[int]], failed: Sequence[int] = (), host: str = "a"
 ) -> Path:
     """A results folder of a study with units of these jobs, by number, computed by a host at its own pace."""
@@ -35,7 +35,7 @@ def folder(
             record.info["cpu_s"] = float(len(host))
         store.write_units(root, done, {"host": host})
     for number in failed:
-        store.Failure(jobs[number].id, FAILED, when=f"2026-01-0{len(host)}").write(root)
+        store.Failure(jobs[number].id, REASON, when=f"2026-01-0{len(host)}").write(root)
     return root
 
 
@@ -44,41 +44,43 @@ def table_of(root: Path) -> pd.DataFrame:
     return store.open_results(root).table().drop(columns=["unit", "seconds"])
 
 
-def content(*roots: Path) -> dict[Path, tuple[bytes, int]]:
+def read_files(*roots: Path) -> dict[Path, tuple[bytes, int]]:
     """All files of some folders: bytes, and time of last change."""
     files = [path for root in roots for path in sorted(root.rglob("*")) if path.is_file()]
     return {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in files}
 
 
-jobs_of_units = st.lists(st.lists(st.integers(0, len(WIDTHS)), min_size=1, unique=True), max_size=3)
+unit_lists = st.lists(st.lists(st.integers(0, len(WIDTHS)), min_size=1, unique=True), max_size=3)
 
 
 @settings(max_examples=25)
-@given(st.lists(jobs_of_units, min_size=1, max_size=3), st.integers(0, len(WIDTHS)))
+@given(st.lists(unit_lists, min_size=1, max_size=3), st.integers(0, len(WIDTHS)))
 def test_any_split_and_any_overlap_gives_the_table_of_a_single_run(
-    tmp_path_factory: pytest.TempPathFactory, splits: list[list[list[int]]], lost: int
+    tmp_path_factory: pytest.TempPathFactory, splits: list[list[list[int]]], failed_job: int
 ) -> None:
     root, study = tmp_path_factory.mktemp("merge"), FakeStudy(WIDTHS)
-    everything = {number for units in splits for unit in units for number in unit}
-    failed = [lost] if lost not in everything else []
-    single = folder(root / "single", study, [sorted(everything)] if everything else [], failed)
+    job_numbers = {number for units in splits for unit in units for number in unit}
+    failed = [failed_job] if failed_job not in job_numbers else []
+    single = make_folder(root / "single", study, [sorted(job_numbers)] if job_numbers else [], failed)
     shards = [
-        folder(root / str(k), study, units, failed if k == 0 else [], host="x" * (k + 1))
+        make_folder(root / str(k), study, units, failed if k == 0 else [], host="x" * (k + 1))
         for k, units in enumerate(splits)
     ]
-    before = content(*shards)
+    files_before = read_files(*shards)
     merged = store.merge(shards, root / "out")
-    assert merged.jobs["done"] == len(everything)
+    assert merged.jobs["done"] == len(job_numbers)
     assert merged.jobs["failed"] == len(failed)
     pd.testing.assert_frame_equal(table_of(root / "out"), table_of(single), check_exact=True)
     for path in [path for shard in shards for path in shard.glob("units/??/*.h5")]:
-        held = [one for one in before if one.name == path.name]
-        assert store.unit_path(root / "out", path.stem).read_bytes() in [before[one][0] for one in held]
-    after = content(root / "out")
-    again = store.merge(shards, root / "out")
-    assert (again.copied, again.jobs) == (0, merged.jobs)
-    assert content(root / "out") == after
-    assert content(*shards) == before
+        paths = [path_before for path_before in files_before if path_before.name == path.name]
+        assert store.unit_path(root / "out", path.stem).read_bytes() in [
+            files_before[path_before][0] for path_before in paths
+        ]
+    files_after = read_files(root / "out")
+    repeated = store.merge(shards, root / "out")
+    assert (repeated.copied, repeated.jobs) == (0, merged.jobs)
+    assert read_files(root / "out") == files_after
+    assert read_files(*shards) == files_before
 
 
 def test_three_shards_give_the_table_of_a_single_run(tmp_path: Path) -> None:
@@ -87,8 +89,8 @@ def test_three_shards_give_the_table_of_a_single_run(tmp_path: Path) -> None:
     shards = [tmp_path / f"shard{k}" for k in (1, 2, 3)]
     for k, shard in enumerate(shards, 1):
         run(study, shard, jobs=1, progress=False, engine=ENGINE, shard=(k, 3))
-    said, _ = type_("merge", *shards, "--out", tmp_path / "out")
-    assert said.splitlines()[0] == "3 folders merged: 3 units copied; 6 done, 2 failed of 8 jobs"
+    output, _ = type_("merge", *shards, "--out", tmp_path / "out")
+    assert output.splitlines()[0] == "3 folders merged: 3 units copied; 6 done, 2 failed of 8 jobs"
     pd.testing.assert_frame_equal(table_of(tmp_path / "out"), table_of(tmp_path / "single"), check_exact=True)
     assert (tmp_path / "out/study.yaml").read_bytes() == (tmp_path / "single/study.yaml").read_bytes()
     resumed = run(study, tmp_path / "out", jobs=1, progress=False, engine=ENGINE)
@@ -99,7 +101,7 @@ def test_three_shards_give_the_table_of_a_single_run(tmp_path: Path) -> None:
 def two_shards(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     """Two folders with all jobs of a study between them."""
     root, study = tmp_path_factory.mktemp("merge"), FakeStudy(WIDTHS)
-    return [folder(root / name, study, [jobs]) for name, jobs in (("a", [0, 1, 7]), ("b", [2, 3, 4, 5, 6]))]
+    return [make_folder(root / name, study, [jobs]) for name, jobs in (("a", [0, 1, 7]), ("b", [2, 3, 4, 5, 6]))]
 
 
 @given(st.data())
@@ -107,47 +109,52 @@ def test_one_changed_bit_anywhere_in_a_unit_is_found_and_nothing_is_copied(
     two_shards: list[Path], data: st.DataObject
 ) -> None:
     [path] = data.draw(st.sampled_from(two_shards)).glob("units/??/*.h5")
-    sound = path.read_bytes()
-    changed = bytearray(sound)
-    changed[data.draw(st.integers(0, len(changed) - 1))] ^= 1 << data.draw(st.integers(0, 7))
+    content = path.read_bytes()
+    changed_content = bytearray(content)
+    changed_content[data.draw(st.integers(0, len(changed_content) - 1))] ^= 1 << data.draw(st.integers(0, 7))
     out = path.parents[3] / "out"
-    path.write_bytes(bytes(changed))
+    path.write_bytes(bytes(changed_content))
     try:
         with pytest.raises(store.DamagedUnit, match=path.name):
             store.merge(two_shards, out)
     finally:
-        path.write_bytes(sound)
+        path.write_bytes(content)
     assert not out.exists()
 
 
-@pytest.mark.parametrize("what", ["feature", "series", "time"])
-@pytest.mark.parametrize("others", [[1, 2], [0, 1]], ids=["another unit", "the same unit"])
-def test_a_job_with_other_results_is_refused_with_both_paths(tmp_path: Path, what: str, others: list[int]) -> None:
+@pytest.mark.parametrize("quantity", ["feature", "series", "time"])
+@pytest.mark.parametrize("numbers", [[1, 2], [0, 1]], ids=["another unit", "the same unit"])
+def test_a_job_with_other_results_is_refused_with_both_paths(
+    tmp_path: Path, quantity: str, numbers: list[int]
+) -> None:
     study = FakeStudy(WIDTHS)
-    first, second = folder(tmp_path / "a", study, [[0, 1]]), folder(tmp_path / "b", study, [])
+    first, second = make_folder(tmp_path / "a", study, [[0, 1]]), make_folder(tmp_path / "b", study, [])
     jobs = study.jobs()
-    records = [record_of(jobs[number].case) for number in others]
-    changed = records[others.index(1)]
+    records = [record_of(jobs[number].case) for number in numbers]
+    changed_record = records[numbers.index(1)]
     for record in records:
-        if what == "time":
+        if quantity == "time":
             record.time[-1] += 1e-12
-    if what == "feature":
-        changed.features["velocity@BPFO"] *= 1.0 + 1e-15
-    if what == "series":
-        changed.series["ring.velocity.y"][-1] += 1e-6
-    [path] = store.write_units(second, [(jobs[n], r) for n, r in zip(others, records, strict=True)], {})
-    [mine] = first.glob("units/??/*.h5")
-    with pytest.raises(store.Unmergeable) as refusal:
+    if quantity == "feature":
+        changed_record.features["velocity@BPFO"] *= 1.0 + 1e-15
+    if quantity == "series":
+        changed_record.series["ring.velocity.y"][-1] += 1e-6
+    [second_unit] = store.write_units(
+        second, [(jobs[number], record) for number, record in zip(numbers, records, strict=True)], {}
+    )
+    [first_unit] = first.glob("units/??/*.h5")
+    with pytest.raises(store.Unmergeable) as error:
         store.merge([first, second], tmp_path / "out")
     assert all(
-        text in str(refusal.value) for text in (str(mine), str(path), jobs[1].id if what != "time" else "time")
+        text in str(error.value)
+        for text in (str(first_unit), str(second_unit), jobs[1].id if quantity != "time" else "time")
     )
     assert not (tmp_path / "out").exists()
 
 
 def test_features_that_a_unit_s_other_jobs_have_make_no_difference(tmp_path: Path) -> None:
     study = FakeStudy(WIDTHS)
-    first, second = folder(tmp_path / "a", study, [[0]]), folder(tmp_path / "b", study, [])
+    first, second = make_folder(tmp_path / "a", study, [[0]]), make_folder(tmp_path / "b", study, [])
     jobs = study.jobs()
     records = [record_of(jobs[number].case) for number in (0, 1)]
     records[1].features |= {"cage.slip.mean": 0.1}
@@ -156,7 +163,7 @@ def test_features_that_a_unit_s_other_jobs_have_make_no_difference(tmp_path: Pat
 
 
 @pytest.mark.parametrize(
-    ("other", "said"),
+    ("fields", "message"),
     [
         ({"name": "another"}, '`study` differs ("fake" and "another")'),
         ({"widths": WIDTHS[:5]}, "2 jobs are only in the first, 0 only in the second"),
@@ -165,77 +172,80 @@ def test_features_that_a_unit_s_other_jobs_have_make_no_difference(tmp_path: Pat
         ({"units": {"defect.width": "um"}}, "`units` differs"),
     ],
 )
-def test_other_plans_are_refused_with_what_differs(tmp_path: Path, other: dict[str, Any], said: str) -> None:
-    first = folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
-    second = folder(tmp_path / "b", FakeStudy(**{"widths": WIDTHS} | other), [[1]])
-    with pytest.raises(store.Unmergeable) as refusal:
+def test_other_plans_are_refused_with_what_differs(tmp_path: Path, fields: dict[str, Any], message: str) -> None:
+    first = make_folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
+    second = make_folder(tmp_path / "b", FakeStudy(**{"widths": WIDTHS} | fields), [[1]])
+    with pytest.raises(store.Unmergeable) as error:
         store.merge([first, second], tmp_path / "out")
-    assert said in str(refusal.value)
-    assert all(str(path) in str(refusal.value) for path in (first, second))
+    assert message in str(error.value)
+    assert all(str(path) in str(error.value) for path in (first, second))
 
 
 def test_another_version_of_the_model_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    first = folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
+    first = make_folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
     monkeypatch.setattr("bearingsim.core.MODEL_VERSION", 1)
-    second = folder(tmp_path / "b", FakeStudy(WIDTHS), [[1]])
+    second = make_folder(tmp_path / "b", FakeStudy(WIDTHS), [[1]])
     with pytest.raises(store.Unmergeable, match=r"`model_version` differs \(\d+ and 1\)"):
         store.merge([first, second], tmp_path / "out")
 
 
 def test_where_a_study_lay_is_no_other_plan(tmp_path: Path) -> None:
-    first = folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
-    second = folder(tmp_path / "b", FakeStudy(WIDTHS, path=Path("/elsewhere/fake.yaml")), [[1]])
+    first = make_folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
+    second = make_folder(tmp_path / "b", FakeStudy(WIDTHS, path=Path("/elsewhere/fake.yaml")), [[1]])
     assert store.merge([first, second], tmp_path / "out").jobs["done"] == 2
 
 
-def accuracy(within: float, notes: list[str]) -> dict[str, Any]:
+def make_accuracy(within: float, notes: list[str]) -> dict[str, Any]:
     return {"within": within, "notes": notes, "of": [], "jobs": {}, "curves": [], "audits": []}
 
 
 def test_what_is_said_of_an_earlier_plan_s_choices_is_no_other_plan(tmp_path: Path) -> None:
-    folders = [folder(tmp_path / name, FakeStudy(WIDTHS), [[n]]) for n, name in enumerate("ab")]
-    for one, notes in zip(folders, ([], ["3 choices were made for an earlier plan"]), strict=True):
-        write_json(one / "plan.json", store.read_plan(one) | {"accuracy": accuracy(0.05, notes)})
+    folders = [make_folder(tmp_path / name, FakeStudy(WIDTHS), [[n]]) for n, name in enumerate("ab")]
+    for root, notes in zip(folders, ([], ["3 choices were made for an earlier plan"]), strict=True):
+        write_json(root / "plan.json", store.read_plan(root) | {"accuracy": make_accuracy(0.05, notes)})
     assert "2 units copied" in str(store.merge(folders, tmp_path / "out"))
     assert "1 unit copied" in str(store.merge(folders[:1], tmp_path / "one"))
-    write_json(folders[1] / "plan.json", store.read_plan(folders[1]) | {"accuracy": accuracy(0.02, [])})
+    write_json(folders[1] / "plan.json", store.read_plan(folders[1]) | {"accuracy": make_accuracy(0.02, [])})
     with pytest.raises(store.Unmergeable, match="`accuracy` differs"):
         store.merge(folders, tmp_path / "other")
 
 
 def test_what_was_there_counts_as_a_folder_that_is_merged(tmp_path: Path) -> None:
     study = FakeStudy(WIDTHS)
-    first, second = folder(tmp_path / "a", study, [[0, 1]]), folder(tmp_path / "b", study, [[1, 2]], host="bb")
+    first, second = (
+        make_folder(tmp_path / "a", study, [[0, 1]]),
+        make_folder(tmp_path / "b", study, [[1, 2]], host="bb"),
+    )
     merged = store.merge([second], first)
-    assert (merged.copied, merged.there, merged.jobs["done"]) == (1, 1, 3)
-    other = folder(tmp_path / "c", FakeStudy(WIDTHS[:3]), [[0]])
+    assert (merged.copied, merged.existing, merged.jobs["done"]) == (1, 1, 3)
+    other = make_folder(tmp_path / "c", FakeStudy(WIDTHS[:3]), [[0]])
     with pytest.raises(store.Unmergeable, match="two plans"):
         store.merge([other], first)
 
 
 def test_a_folder_is_not_merged_into_itself(tmp_path: Path) -> None:
-    first = folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
-    _, told = type_("merge", first, tmp_path / "a/../a", "--out", first, code=2)
-    assert "is one of the merged folders" in told
+    first = make_folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
+    _, message = type_("merge", first, tmp_path / "a/../a", "--out", first, code=2)
+    assert "is one of the merged folders" in message
 
 
 def test_folders_without_results_are_refused(tmp_path: Path) -> None:
-    first = folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
-    _, told = type_("merge", first, tmp_path / "b", "--out", tmp_path / "out", code=2)
-    assert "b holds no results of a study" in told
+    first = make_folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
+    _, message = type_("merge", first, tmp_path / "b", "--out", tmp_path / "out", code=2)
+    assert "b holds no results of a study" in message
     assert not (tmp_path / "out").exists()
 
 
 def test_an_interrupted_merge_can_be_repeated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     study = FakeStudy(WIDTHS)
-    shards = [folder(tmp_path / str(k), study, [[k], [k + 3]]) for k in range(3)]
+    shards = [make_folder(tmp_path / str(k), study, [[k], [k + 3]]) for k in range(3)]
     copy, copied = store.merge.__globals__["copy"], []
 
-    def copy_a_few(path: Path, into: Path) -> None:
+    def copy_a_few(path: Path, target: Path) -> None:
         if len(copied) == 5:
             raise KeyboardInterrupt
         copied.append(path)
-        copy(path, into)
+        copy(path, target)
 
     with monkeypatch.context() as patch:
         patch.setitem(store.merge.__globals__, "copy", copy_a_few)
@@ -243,13 +253,13 @@ def test_an_interrupted_merge_can_be_repeated(tmp_path: Path, monkeypatch: pytes
             store.merge(shards, tmp_path / "out")
     assert len([*tmp_path.glob("out/units/??/*.h5")]) == 3
     merged = store.merge(shards, tmp_path / "out")
-    assert (merged.copied, merged.there, merged.jobs["done"]) == (3, 3, 6)
+    assert (merged.copied, merged.existing, merged.jobs["done"]) == (3, 3, 6)
 
 
 def test_a_job_that_one_has_done_has_not_failed_and_the_last_failure_counts(tmp_path: Path) -> None:
     study = FakeStudy(WIDTHS)
-    first = folder(tmp_path / "a", study, [[0]], failed=[1, 2])
-    second = folder(tmp_path / "b", study, [[1]], failed=[0, 2], host="bb")
+    first = make_folder(tmp_path / "a", study, [[0]], failed=[1, 2])
+    second = make_folder(tmp_path / "b", study, [[1]], failed=[0, 2], host="bb")
     for number, order in enumerate([[first, second], [second, first]]):
         merged = store.merge(order, tmp_path / f"out{number}")
         assert merged.jobs == {"done": 2, "failed": 1, "missing": 5}
@@ -257,42 +267,42 @@ def test_a_job_that_one_has_done_has_not_failed_and_the_last_failure_counts(tmp_
         assert (failure.job, failure.when) == (study.jobs()[2].id, "2026-01-02")
 
 
-TRIALS = [letter * 16 for letter in "abc"]
+TRIAL_NAMES = [letter * 16 for letter in "abc"]
 
 
 def test_scans_trials_and_choices_come_along(tmp_path: Path) -> None:
     from bearingsim.config.scan.file import digest_of
 
     study = FakeStudy(WIDTHS)
-    first, second = folder(tmp_path / "a", study, [[0]]), folder(tmp_path / "b", study, [[1]])
+    first, second = make_folder(tmp_path / "a", study, [[0]]), make_folder(tmp_path / "b", study, [[1]])
     scan = first / "scans" / f"{digest_of(b'1 2 3')}.csv"
     scan.parent.mkdir()
     scan.write_bytes(b"1 2 3")
-    chosen = {name: Choice("ring", "ring", "cheap", {}) for name in ("one", "two", "three")}
-    store.write_choices(first, {name: chosen[name] for name in ("one", "two")}, {"one": "p"})
-    store.write_choices(second, {name: chosen[name] for name in ("two", "three")}, {"three": "q"})
-    for name, shard in ((TRIALS[0], first), (TRIALS[1], second)):
+    choices = {name: Choice("ring", "ring", "cheap", {}) for name in ("one", "two", "three")}
+    store.write_choices(first, {name: choices[name] for name in ("one", "two")}, {"one": "p"})
+    store.write_choices(second, {name: choices[name] for name in ("two", "three")}, {"three": "q"})
+    for name, shard in ((TRIAL_NAMES[0], first), (TRIAL_NAMES[1], second)):
         selection.write_trials(shard, name, {f"trial of {name}": None})
-    (second / f"trials/{TRIALS[2]}.json").write_text("{")
+    (second / f"trials/{TRIAL_NAMES[2]}.json").write_text("{")
     out = tmp_path / "out"
     store.merge([first, second], out)
     assert (out / "scans" / scan.name).read_bytes() == b"1 2 3"
-    assert store.read_choices(out) == chosen
+    assert store.read_choices(out) == choices
     assert store.read_plans(out)["three"] == "q"
-    assert set(selection.read_trials(out)) == {f"trial of {name}" for name in TRIALS[:2]}
-    assert sorted(path.name for path in (out / "trials").iterdir()) == [f"{name}.json" for name in TRIALS[:2]]
+    assert set(selection.read_trials(out)) == {f"trial of {name}" for name in TRIAL_NAMES[:2]}
+    assert sorted(path.name for path in (out / "trials").iterdir()) == [f"{name}.json" for name in TRIAL_NAMES[:2]]
     store.write_choices(second, {"two": Choice("planar", "planar", "near", {})})
     with pytest.raises(store.Unmergeable, match="chose different models"):
         store.merge([first, second], tmp_path / "other")
     scan.write_bytes(b"1 2 4")
     shutil.rmtree(out)
-    _, told = type_("merge", first, "--out", out, code=2)
-    assert f"{scan.name}` has been changed" in told
+    _, message = type_("merge", first, "--out", out, code=2)
+    assert f"{scan.name}` has been changed" in message
     assert not out.exists()
 
 
 def test_the_journal_tells_of_a_merge_once(tmp_path: Path) -> None:
-    first = folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
+    first = make_folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
     for _ in range(2):
         store.merge([first], tmp_path / "out")
     [journal] = (tmp_path / "out").glob("journal-*.jsonl")

@@ -40,10 +40,10 @@ def test_without_an_accuracy_nothing_is_said() -> None:
 
 def test_errors_count_over_the_lowest_curves_largest_value() -> None:
     curves = [{"feature": LINE, "jobs": ["a", "b"]}, {"feature": LINE, "jobs": ["b", "c"]}]
-    found = scales(plan([LINE], curves=curves), frame({LINE: [1.0, 2.0, -5.0, 7.0]}), LINE)
-    assert found.tolist() == [2.0, 2.0, 5.0, 7.0]  # d is on none
-    lacking = scales(plan([LINE], curves=curves), frame({LINE: [1.0, math.nan, 5.0, 7.0]}), LINE)
-    assert lacking.tolist()[::2] == [1.0, 5.0]
+    largest = scales(plan([LINE], curves=curves), frame({LINE: [1.0, 2.0, -5.0, 7.0]}), LINE)
+    assert largest.tolist() == [2.0, 2.0, 5.0, 7.0]  # d is on none
+    with_gap = scales(plan([LINE], curves=curves), frame({LINE: [1.0, math.nan, 5.0, 7.0]}), LINE)
+    assert with_gap.tolist()[::2] == [1.0, 5.0]
 
 
 @pytest.mark.parametrize(
@@ -59,10 +59,10 @@ def test_errors_count_over_the_lowest_curves_largest_value() -> None:
 )
 def test_each_feature_has_its_step_error(feature: str, column: str) -> None:
     steps = {f"step_error.{name}": [0.5, 0.5, 0.5] for name in ("line", "rms", "force", "record")}
-    found = error_bounds(
+    bounds = error_bounds(
         plan([feature]), frame({feature: [1.0, 2.0, 4.0]} | steps | {f"step_error.{column}": [0.01] * 3})
     )
-    assert found["error.step"].tolist() == pytest.approx([0.005, 0.01, 0.01])
+    assert bounds["error.step"].tolist() == pytest.approx([0.005, 0.01, 0.01])
 
 
 def test_model_step_and_scatter_add_up_and_the_worst_feature_counts() -> None:
@@ -74,24 +74,24 @@ def test_model_step_and_scatter_add_up_and_the_worst_feature_counts() -> None:
         "step_error.line": [0.01, 0.01, math.nan],
         "step_error.rms": [0.02, 0.0, 0.0],
     }
-    found = error_bounds(plan([LINE, RMS], {LINE: 0.03, RMS: 0.001}), frame(columns))
-    assert found["error.model"].tolist() == pytest.approx([0.03] * 3)
-    assert found["error.step"].tolist() == pytest.approx([0.02, 0.01, 0.0])
-    assert found["error.scatter"].tolist() == pytest.approx([0.05, 0.1, 0.0])
-    assert found["error"].tolist() == pytest.approx([0.03 + 0.005 + 0.05, 0.03 + 0.01 + 0.1, 0.03])
+    bounds = error_bounds(plan([LINE, RMS], {LINE: 0.03, RMS: 0.001}), frame(columns))
+    assert bounds["error.model"].tolist() == pytest.approx([0.03] * 3)
+    assert bounds["error.step"].tolist() == pytest.approx([0.02, 0.01, 0.0])
+    assert bounds["error.scatter"].tolist() == pytest.approx([0.05, 0.1, 0.0])
+    assert bounds["error"].tolist() == pytest.approx([0.03 + 0.005 + 0.05, 0.03 + 0.01 + 0.1, 0.03])
 
 
-@pytest.mark.parametrize(("feature", "ending"), [(LINE, ""), (RMS, ".rms"), (FORCE, ".force")])
-def test_the_error_of_the_start_is_added(feature: str, ending: str) -> None:
+@pytest.mark.parametrize(("feature", "suffix"), [(LINE, ""), (RMS, ".rms"), (FORCE, ".force")])
+def test_the_error_of_the_start_is_added(feature: str, suffix: str) -> None:
     """Where nothing repeats itself it counts the scatter, too: only what it is beyond that is added."""
-    columns = {f"error.start{one}": [0.5, 0.5, 0.5] for one in ("", ".rms", ".force")}
-    columns |= {feature: [1.0, 2.0, 4.0], f"error.start{ending}": [0.01, 0.02, 0.02], "chaotic": [0.0, 1.0, 1.0]}
+    columns = {f"error.start{name}": [0.5, 0.5, 0.5] for name in ("", ".rms", ".force")}
+    columns |= {feature: [1.0, 2.0, 4.0], f"error.start{suffix}": [0.01, 0.02, 0.02], "chaotic": [0.0, 1.0, 1.0]}
     columns |= {f"{feature}-scatter": [0.0, 0.01, 0.2]} if feature == LINE else {}
-    found = error_bounds(plan([feature]), frame(columns))
-    assert found["error.start"].tolist() == pytest.approx(
+    bounds = error_bounds(plan([feature]), frame(columns))
+    assert bounds["error.start"].tolist() == pytest.approx(
         [0.005, 0.015, 0.0] if feature == LINE else [0.005, 0.02, 0.02]
     )
-    assert found["error"].tolist() == pytest.approx(
+    assert bounds["error"].tolist() == pytest.approx(
         [0.005, 0.02, 0.05] if feature == LINE else [0.005, 0.02, 0.02]
     )
 
@@ -180,11 +180,11 @@ def test_a_failed_audit_withdraws_the_promise_of_its_curve() -> None:
     assert list(accuracy_notes(asked, given)) == ["of the other 1 cases 1 are within 5 % by their trials"]
 
 
-@pytest.mark.parametrize(("audit", "fails"), [(1.099, False), (1.101, True), (0.901, False), (0.899, True)])
-def test_an_audit_fails_beyond_what_was_asked(audit: float, fails: bool) -> None:
-    asked, given = plan([LINE], audits=AUDIT), frame({LINE: [1.0, 2.0, 2.0, audit]})
-    assert bool(withdrawn_errors(asked, given)) == fails
-    assert any("of the reference" in text for text in accuracy_notes(asked, given)) != fails
+@pytest.mark.parametrize(("audit", "is_failed"), [(1.099, False), (1.101, True), (0.901, False), (0.899, True)])
+def test_an_audit_fails_beyond_what_was_asked(audit: float, is_failed: bool) -> None:
+    goal, values = plan([LINE], audits=AUDIT), frame({LINE: [1.0, 2.0, 2.0, audit]})
+    assert bool(withdrawn_errors(goal, values)) == is_failed
+    assert any("of the reference" in text for text in accuracy_notes(goal, values)) != is_failed
 
 
 def test_scatter_of_both_runs_excuses_an_audit() -> None:
@@ -195,19 +195,19 @@ def test_scatter_of_both_runs_excuses_an_audit() -> None:
 def test_each_feature_has_a_curve_of_its_own_to_lose() -> None:
     """The scatter of one feature excuses no other."""
     curves = [{"feature": LINE, "jobs": ["a", "b"]}, {"feature": RMS, "jobs": ["a", "c"]}]
-    asked = plan([LINE, RMS], audits=AUDIT, curves=curves)
-    given = {LINE: [1.0, 2.0, 2.0, 1.0], RMS: [1.0, 1.0, 1.0, 1.3]}
-    noisy = {f"{LINE}-scatter": [9.0] * 4, "chaotic": [1.0] * 4, "rms_scatter": [0.0] * 4}
-    assert withdrawn_errors(asked, frame(given | noisy)) == pytest.approx({"a": 0.3, "c": 0.3})
+    goal = plan([LINE, RMS], audits=AUDIT, curves=curves)
+    columns = {LINE: [1.0, 2.0, 2.0, 1.0], RMS: [1.0, 1.0, 1.0, 1.3]}
+    scatter = {f"{LINE}-scatter": [9.0] * 4, "chaotic": [1.0] * 4, "rms_scatter": [0.0] * 4}
+    assert withdrawn_errors(goal, frame(columns | scatter)) == pytest.approx({"a": 0.3, "c": 0.3})
 
 
 def test_a_feature_on_no_curve_loses_its_own_case_alone() -> None:
-    asked = plan([LINE], audits=AUDIT, curves=[])
-    assert withdrawn_errors(asked, frame({LINE: [1.0, 2.0, 2.0, 1.4]})) == {"a": pytest.approx(0.4)}
+    goal = plan([LINE], audits=AUDIT, curves=[])
+    assert withdrawn_errors(goal, frame({LINE: [1.0, 2.0, 2.0, 1.4]})) == {"a": pytest.approx(0.4)}
 
 
 def test_what_an_audit_found_is_in_the_table_though_the_ring_is_only_assumed_to_be_rigid() -> None:
-    asked = plan([LINE], audits=AUDIT) | {"assumptions": [RIGID_RING]}
-    found = error_bounds(asked, frame({LINE: [1.0, 2.0, 2.0, 1.4]}))
-    assert found["error"].iloc[:2].tolist() == pytest.approx([0.2, 0.2])
-    assert math.isnan(found["error"].iloc[2])
+    goal = plan([LINE], audits=AUDIT) | {"assumptions": [RIGID_RING]}
+    bounds = error_bounds(goal, frame({LINE: [1.0, 2.0, 2.0, 1.4]}))
+    assert bounds["error"].iloc[:2].tolist() == pytest.approx([0.2, 0.2])
+    assert math.isnan(bounds["error"].iloc[2])

@@ -18,7 +18,7 @@ def table(chaotic: float = 1.0, line: float = 0.0, rms: float = 0.0) -> pd.DataF
 
 
 @pytest.mark.parametrize(
-    ("feature", "found", "is_so"),
+    ("feature", "results", "is_flagged"),
     [
         (LINE, table(line=0.006), True),
         (LINE, table(line=0.004, rms=0.1), False),
@@ -35,8 +35,10 @@ def table(chaotic: float = 1.0, line: float = 0.0, rms: float = 0.0) -> pd.DataF
         (LINE, table(chaotic=math.nan, line=0.1), False),
     ],
 )
-def test_a_result_is_flagged_by_its_own_standard_error(feature: str, found: pd.DataFrame, is_so: bool) -> None:
-    assert bool(is_uncertain(found, feature).iloc[0]) == is_so
+def test_a_result_is_flagged_by_its_own_standard_error(
+    feature: str, results: pd.DataFrame, is_flagged: bool
+) -> None:
+    assert bool(is_uncertain(results, feature).iloc[0]) == is_flagged
 
 
 def test_a_closer_look_may_be_asked_for() -> None:
@@ -48,22 +50,22 @@ def test_results_that_were_not_checked_are_not_flagged() -> None:
 
 
 def test_blocks_of_passes_tell_more_than_single_ones() -> None:
-    found = table(line=0.1, rms=0.1).assign(**{"standard_error.line": [0.004], "standard_error.rms": [0.006]})
-    assert not is_uncertain(found, LINE).iloc[0]
-    assert is_uncertain(found, RMS).iloc[0]
-    assert is_uncertain(found.assign(**{"standard_error.line": [math.nan]}), LINE).iloc[0]
-    assert is_uncertain(found.assign(**{"standard_error.line": [math.inf]}), LINE).iloc[0]
+    results = table(line=0.1, rms=0.1).assign(**{"standard_error.line": [0.004], "standard_error.rms": [0.006]})
+    assert not is_uncertain(results, LINE).iloc[0]
+    assert is_uncertain(results, RMS).iloc[0]
+    assert is_uncertain(results.assign(**{"standard_error.line": [math.nan]}), LINE).iloc[0]
+    assert is_uncertain(results.assign(**{"standard_error.line": [math.inf]}), LINE).iloc[0]
 
 
 def test_a_record_that_ended_early_has_the_standard_error_it_ended_by() -> None:
     """Of lines and RMS values; that of one in full counts only where it is chaotic."""
     features = table(chaotic=0.0, line=0.1).add_prefix("features/")
-    known = {"info/standard_error_line": 0.004, "info/standard_error_rms": 0.002, "info/passes": 200}
-    early, full = (features.assign(**known, **{"info/passes_computed": n}) for n in (130, 200))
-    assert standard_error(early, LINE).iloc[0] == pytest.approx(0.004 * 2.0)
-    assert standard_error(early, RMS).iloc[0] == pytest.approx(0.002 * 3.0)
-    assert standard_error(early, "outer_force.max").iloc[0] == 0.0
-    assert standard_error(full, LINE).iloc[0] == 0.0
-    chaotic = early.assign(**{"features/chaotic": 1.0})
+    columns = {"info/standard_error_line": 0.004, "info/standard_error_rms": 0.002, "info/passes": 200}
+    early_end, full_record = (features.assign(**columns, **{"info/passes_computed": n}) for n in (130, 200))
+    assert standard_error(early_end, LINE).iloc[0] == pytest.approx(0.004 * 2.0)
+    assert standard_error(early_end, RMS).iloc[0] == pytest.approx(0.002 * 3.0)
+    assert standard_error(early_end, "outer_force.max").iloc[0] == 0.0
+    assert standard_error(full_record, LINE).iloc[0] == 0.0
+    chaotic = early_end.assign(**{"features/chaotic": 1.0})
     assert not has_unknown_scatter(chaotic, "velocity@BPFI").iloc[0]
-    assert has_unknown_scatter(full.assign(**{"features/chaotic": 1.0}), "velocity@BPFI").iloc[0]
+    assert has_unknown_scatter(full_record.assign(**{"features/chaotic": 1.0}), "velocity@BPFI").iloc[0]

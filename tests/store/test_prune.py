@@ -42,7 +42,7 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def narrowed(tmp_path: Path) -> Path:
+def narrowed_results(tmp_path: Path) -> Path:
     """Results of a study of three widths, then of one: a unit holds what is wanted, another does not."""
     compute(FakeStudy([2e-3]), tmp_path)
     compute(FakeStudy([2e-3, 5e-3], deeds={1: "raise"}), tmp_path)
@@ -53,29 +53,29 @@ def narrowed(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_what_is_not_planned_is_told_and_nothing_changes(narrowed: Path) -> None:
-    before = {path: path.read_bytes() for path in files_of(narrowed)}
-    said, _ = type_("prune", narrowed)
-    found = store.find_removable(narrowed)
-    assert {what: len(paths) for what, paths in found.files.items()} == {UNITS: 1, FAILURES: 1}
-    assert found.bytes == sum(len(before[path]) for path in found.paths)
-    assert f"in all 2 files, {found.bytes} bytes" in said
-    assert "nothing is removed yet" in said
-    assert "1 unit is kept whole, although the plan names only 1 of 2 jobs there" in said
-    assert {path: path.read_bytes() for path in files_of(narrowed)} == before
+def test_what_is_not_planned_is_told_and_nothing_changes(narrowed_results: Path) -> None:
+    before = {path: path.read_bytes() for path in files_of(narrowed_results)}
+    output, _ = type_("prune", narrowed_results)
+    removable = store.find_removable(narrowed_results)
+    assert {kind: len(paths) for kind, paths in removable.files.items()} == {UNITS: 1, FAILURES: 1}
+    assert removable.bytes == sum(len(before[path]) for path in removable.paths)
+    assert f"in all 2 files, {removable.bytes} bytes" in output
+    assert "nothing is removed yet" in output
+    assert "1 unit is kept whole, although the plan names only 1 of 2 jobs there" in output
+    assert {path: path.read_bytes() for path in files_of(narrowed_results)} == before
 
 
-def test_what_is_not_planned_is_removed_and_nothing_else(narrowed: Path) -> None:
-    before, table = files_of(narrowed), store.open_results(narrowed).table()
-    found = store.find_removable(narrowed)
-    said, _ = type_("prune", narrowed, "--no-dry-run", "-v")
-    assert said.splitlines()[-1] == "removed"
-    assert all(path.name in said for path in found.paths)
-    assert before - files_of(narrowed) == set(found.paths)
-    assert files_of(narrowed) <= before
-    pd.testing.assert_frame_equal(store.open_results(narrowed).table(), table)
-    assert compute(FakeStudy([3e-3]), narrowed).resumed == 2
-    assert type_("prune", narrowed, "--no-dry-run")[0].splitlines()[-1] == "nothing to remove"
+def test_what_is_not_planned_is_removed_and_nothing_else(narrowed_results: Path) -> None:
+    before, table = files_of(narrowed_results), store.open_results(narrowed_results).table()
+    removable = store.find_removable(narrowed_results)
+    output, _ = type_("prune", narrowed_results, "--no-dry-run", "-v")
+    assert output.splitlines()[-1] == "removed"
+    assert all(path.name in output for path in removable.paths)
+    assert before - files_of(narrowed_results) == set(removable.paths)
+    assert files_of(narrowed_results) <= before
+    pd.testing.assert_frame_equal(store.open_results(narrowed_results).table(), table)
+    assert compute(FakeStudy([3e-3]), narrowed_results).resumed == 2
+    assert type_("prune", narrowed_results, "--no-dry-run")[0].splitlines()[-1] == "nothing to remove"
 
 
 def test_what_was_set_aside_and_what_the_dead_left_goes(tmp_path: Path) -> None:
@@ -88,9 +88,9 @@ def test_what_was_set_aside_and_what_the_dead_left_goes(tmp_path: Path) -> None:
     ):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_bytes(b"12345")
-    found = store.prune(tmp_path)
-    assert found.bytes == 20
-    assert {what: len(paths) for what, paths in found.files.items()} == {
+    removed = store.prune(tmp_path)
+    assert removed.bytes == 20
+    assert {kind: len(paths) for kind, paths in removed.files.items()} == {
         "damaged files (.damaged)": 2,
         "temporary files of ended processes": 2,
     }
@@ -101,9 +101,9 @@ def test_a_unit_that_cannot_be_read_stays(tmp_path: Path) -> None:
     compute(FakeStudy(), tmp_path)
     [path] = tmp_path.glob("units/??/*.h5")
     path.write_bytes(path.read_bytes()[:-3])
-    found = store.prune(tmp_path)
-    assert not found.paths
-    assert f"{path.name}: its checksum is missing: kept" in str(found)
+    removed = store.prune(tmp_path)
+    assert not removed.paths
+    assert f"{path.name}: its checksum is missing: kept" in str(removed)
     assert path.exists()
 
 
@@ -120,21 +120,21 @@ def test_scans_go_once_all_jobs_are_done_and_none_is_made_from_them(
     root = tmp_path / "results"
     flag = tmp_path / "flag"
     study: Any = FakeStudy(deeds={1: f"raise-unless {flag}"})
-    used, orphan = with_scan(tmp_path, b"1 2"), b"3 4"
-    flat = store.flat_parameters
+    used, orphan_content = with_scan(tmp_path, b"1 2"), b"3 4"
+    original = store.flat_parameters
 
     def with_digest(case: Any) -> dict[str, float | str]:
-        return flat(case) | ({} if case.healthy else {"defects.1.digest": used.stem})
+        return original(case) | ({} if case.healthy else {"defects.1.digest": used.stem})
 
     monkeypatch.setattr("bearingsim.store.units.flat_parameters", with_digest)
     compute(study, root)
-    kept = [with_scan(root, b"1 2"), with_scan(root, orphan)]
+    scans = [with_scan(root, b"1 2"), with_scan(root, orphan_content)]
     assert "scans are kept (2 files): 1 job that may need them is not done" in str(store.find_removable(root))
     assert not store.find_removable(root).paths
     flag.touch()
     run(study, root, jobs=1, progress=False, engine=ENGINE, retry_failed=True)
-    assert store.prune(root).paths == [kept[1]]
-    assert kept[0].exists()
+    assert store.prune(root).paths == [scans[1]]
+    assert scans[0].exists()
 
 
 def test_trials_go_with_the_accuracy_that_asked_for_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -146,15 +146,15 @@ def test_trials_go_with_the_accuracy_that_asked_for_them(tmp_path: Path, monkeyp
     assert [path.name for path in store.prune(tmp_path).paths] == [f"{OTHER}.json"]
 
 
-def test_a_folder_in_use_is_refused(narrowed: Path) -> None:
-    found = store.find_removable(narrowed)
-    with FileLock(narrowed / ".lock"):
-        assert "another run holds" in type_("prune", narrowed, "--no-dry-run", code=2)[1]
-    with temporary(narrowed / "units/00", ID, "started"):
-        assert "another run is writing" in type_("prune", narrowed, "--no-dry-run", code=2)[1]
-        type_("prune", narrowed)
-    assert all(path.exists() for path in found.paths)
-    assert len(store.prune(narrowed).paths) == len(found.paths)
+def test_a_folder_in_use_is_refused(narrowed_results: Path) -> None:
+    removable = store.find_removable(narrowed_results)
+    with FileLock(narrowed_results / ".lock"):
+        assert "another run holds" in type_("prune", narrowed_results, "--no-dry-run", code=2)[1]
+    with temporary(narrowed_results / "units/00", ID, "started"):
+        assert "another run is writing" in type_("prune", narrowed_results, "--no-dry-run", code=2)[1]
+        type_("prune", narrowed_results)
+    assert all(path.exists() for path in removable.paths)
+    assert len(store.prune(narrowed_results).paths) == len(removable.paths)
 
 
 def test_a_folder_without_a_plan_is_left_alone(tmp_path: Path) -> None:
@@ -168,7 +168,7 @@ def test_a_folder_without_a_plan_is_left_alone(tmp_path: Path) -> None:
     assert "holds no results" in type_("prune", tmp_path, "--no-dry-run", code=2)[1]
 
 
-def refused(root: Path, study: Any) -> None:
+def assert_in_use(root: Path, study: Any) -> None:
     """Nothing is cleared in a folder now, and another run may work there."""
     before = files_of(root)
     with pytest.raises(store.FolderInUse, match="another run is writing"):
@@ -182,49 +182,49 @@ def test_nothing_goes_while_models_are_tried(
     write: Write, tmp_path: Path, log: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The plan is still the one before, which names no accuracy."""
-    out, tried = tmp_path / "out", list[bool]()
+    out, calls = tmp_path / "out", list[bool]()
     compute(FakeStudy(name="near"), out)
-    plain = trials.try_out
+    original = trials.try_out
 
-    def try_out(*given: Any) -> Any:
-        refused(out, FakeStudy(name="near"))
-        tried.append(True)
-        return plain(*given)
+    def try_out(*arguments: Any) -> Any:
+        assert_in_use(out, FakeStudy(name="near"))
+        calls.append(True)
+        return original(*arguments)
 
     monkeypatch.setattr(trials, "try_out", try_out)
     run(trials.near(write), out, jobs=1, progress=False, engine=trials.ENGINE)
-    assert len(tried) == len([line for line in log.read_text().splitlines() if line.startswith("try")]) > 3
+    assert len(calls) == len([line for line in log.read_text().splitlines() if line.startswith("try")]) > 3
     assert not list(out.rglob("*.started"))
 
 
-def test_nothing_goes_before_the_first_job(narrowed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_goes_before_the_first_job(narrowed_results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What the folder holds has been judged, and counts."""
-    plain, seen, study = fake_studies.estimate, list[bool](), FakeStudy([4e-3, 6e-3])
+    original, calls, study = fake_studies.estimate, list[bool](), FakeStudy([4e-3, 6e-3])
 
     def estimate(case: Any) -> Any:
-        seen.append(True)
-        refused(narrowed, FakeStudy())
-        if len(seen) == 1:
-            compute(study, narrowed)
-        return plain(case)
+        calls.append(True)
+        assert_in_use(narrowed_results, FakeStudy())
+        if len(calls) == 1:
+            compute(study, narrowed_results)
+        return original(case)
 
     monkeypatch.setattr(fake_studies, "estimate", estimate)
-    assert compute(study, narrowed).resumed == 2
-    assert len(seen) == 2  # of the run within, too
+    assert compute(study, narrowed_results).resumed == 2
+    assert len(calls) == 2  # of the run within, too
 
 
 def test_nothing_goes_while_a_check_tries_models(
-    write: Write, narrowed: Path, monkeypatch: pytest.MonkeyPatch
+    write: Write, narrowed_results: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    seen = list[bool]()
+    calls = list[bool]()
 
-    def selected(study: Any, *_: Any, **__: Any) -> Any:
-        refused(narrowed, FakeStudy())
-        seen.append(True)
+    def check_use(study: Any, *_: Any, **__: Any) -> Any:
+        assert_in_use(narrowed_results, FakeStudy())
+        calls.append(True)
         return study
 
-    monkeypatch.setattr(sys.modules[with_models.__module__], "choose_models", selected)
-    near = trials.near(write)
-    with_models(replace(near, name="fake"), narrowed, 1, run_trials=True)
-    assert seen
-    assert store.prune(narrowed).paths
+    monkeypatch.setattr(sys.modules[with_models.__module__], "choose_models", check_use)
+    study = trials.near(write)
+    with_models(replace(study, name="fake"), narrowed_results, 1, run_trials=True)
+    assert calls
+    assert store.prune(narrowed_results).paths

@@ -9,21 +9,21 @@ import pytest
 import bearingsim as bs
 from tests.scenes.commands import type_
 
-KEPT = Path(__file__).parents[1] / "data" / "results_of_model_9.tar.xz"
+ARCHIVE = Path(__file__).parents[1] / "data" / "results_of_model_9.tar.xz"
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """The folder, as it was."""
-    with tarfile.open(KEPT) as kept:
-        kept.extractall(tmp_path, filter="data")
+    with tarfile.open(ARCHIVE) as archive:
+        archive.extractall(tmp_path, filter="data")
     return tmp_path / "kept"
 
 
 def test_it_is_shown(folder: Path) -> None:
-    said, _ = type_("show", folder)
-    assert said.count("static") >= 2
-    assert said.count("ring") >= 2
+    output, _ = type_("show", folder)
+    assert output.count("static") >= 2
+    assert output.count("ring") >= 2
 
 
 def test_it_is_drawn(folder: Path) -> None:

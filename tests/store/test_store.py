@@ -32,7 +32,7 @@ from tests.scenes.reading import EVERY_DIGIT
 PROVENANCE: dict[str, int | str] = {"model_version": 1, "study_text": "study: fake\n" + "# long\n" * 20_000}
 
 
-def seal(root: Path, study: Any, jobs: list[Any] | None = None) -> list[Path]:
+def store_jobs(root: Path, study: Any, jobs: list[Any] | None = None) -> list[Path]:
     """Store jobs of a study (all by default) as a run would."""
     store.write_plan(root, study, study.jobs())
     return store.write_units(root, [(job, record_of(job.case)) for job in jobs or study.jobs()], PROVENANCE)
@@ -44,7 +44,7 @@ def study() -> FakeStudy:
 
 
 def test_unit_file_returns_what_was_stored(tmp_path: Path, study: FakeStudy) -> None:
-    [path] = seal(tmp_path, study)
+    [path] = store_jobs(tmp_path, study)
     job = study.jobs()[1]
     series, record = store.read_series(path, job.id), record_of(job.case)
     np.testing.assert_array_equal(series.time, record.time)
@@ -54,7 +54,7 @@ def test_unit_file_returns_what_was_stored(tmp_path: Path, study: FakeStudy) -> 
 
 
 def test_series_are_a_mapping_of_channels(tmp_path: Path, study: FakeStudy) -> None:
-    [path] = seal(tmp_path, study)
+    [path] = store_jobs(tmp_path, study)
     series = store.read_series(path, study.jobs()[1].id)
     assert list(series) == ["ring.velocity.x", "ring.velocity.y"]
     assert (len(series), "ring.velocity.x" in series, "ring.velocity.z" in series, "time" in series) == (
@@ -67,42 +67,42 @@ def test_series_are_a_mapping_of_channels(tmp_path: Path, study: FakeStudy) -> N
         series["ring.velocity.z"]
 
 
-class OfVariations(FakeStudy):
+class VariedStudy(FakeStudy):
     """A study whose jobs have one variation more each."""
 
     def jobs(self) -> list[Any]:
         """Cases and healthy cases, then variations."""
-        return [*super().jobs(), *(one.job for one in self.variations())]
+        return [*super().jobs(), *(variation.job for variation in self.variations())]
 
     def variations(self) -> list[Any]:
         """Each case once more, twice as wide."""
-        own = [job for job in super().jobs() if not job.is_baseline]
-        varied = [replace(job.case, width=2.0 * job.case.width, seconds=1.0) for job in own]
-        jobs = [FakeJob(case_id(case), case, {}, None, is_variation=True) for case in varied]
+        nominal = [job for job in super().jobs() if not job.is_baseline]
+        cases = [replace(job.case, width=2.0 * job.case.width, seconds=1.0) for job in nominal]
+        jobs = [FakeJob(case_id(case), case, {}, None, is_variation=True) for case in cases]
         return [
-            SimpleNamespace(of=job.id, what="damping", value=1e-6, job=one)
-            for job, one in zip(own, jobs, strict=True)
+            SimpleNamespace(of=job.id, what="damping", value=1e-6, job=varied_job)
+            for job, varied_job in zip(nominal, jobs, strict=True)
         ]
 
 
 def test_jobs_are_the_rows_of_the_table_and_the_plan_names_variations_too(tmp_path: Path) -> None:
-    study = OfVariations()
-    for varied in (False, True):
-        seal(tmp_path, study, [job for job in study.jobs() if job.is_variation == varied])
+    study = VariedStudy()
+    for is_varied in (False, True):
+        store_jobs(tmp_path, study, [job for job in study.jobs() if job.is_variation == is_varied])
     results = store.open_results(tmp_path)
-    ids, own = [job.id for job in study.jobs()], [job.id for job in study.jobs() if not job.is_variation]
-    assert results.jobs == tuple(own) == tuple(results.table()["job"])
+    ids, nominal = [job.id for job in study.jobs()], [job.id for job in study.jobs() if not job.is_variation]
+    assert results.jobs == tuple(nominal) == tuple(results.table()["job"])
     assert results.planned == tuple(ids)
-    assert len(ids) > len(own)
+    assert len(ids) > len(nominal)
     assert store.planned_jobs(tmp_path) == set(ids)
     assert not store.find_removable(tmp_path).paths  # variations are not pruned
-    one = study.variations()[0].job.id
-    assert find_job(results, one) == one
-    assert len(results.series(one)) == 2
+    variation = study.variations()[0].job.id
+    assert find_job(results, variation) == variation
+    assert len(results.series(variation)) == 2
 
 
 def test_unit_file_is_compressed_and_has_checksums(tmp_path: Path, study: FakeStudy) -> None:
-    [path] = seal(tmp_path, study)
+    [path] = store_jobs(tmp_path, study)
     with h5py.File(path) as file:
         channel = file["ring.velocity.x"]
         assert (channel.dtype, file["time"].dtype) == (np.float32, np.float64)
@@ -132,7 +132,7 @@ def test_a_job_of_3_kb_of_series_takes_less_than_8_kb(tmp_path: Path) -> None:
 
 
 def test_xarray_opens_a_unit_unaided(tmp_path: Path, study: FakeStudy) -> None:
-    [path] = seal(tmp_path, study)
+    [path] = store_jobs(tmp_path, study)
     with xr.open_dataset(path, engine="h5netcdf") as data:
         assert data["ring.velocity.x"].dims == ("job", "time")
         assert data["ring.velocity.x"].attrs == {"units": "m/s", "long_name": "velocity of the outer ring x"}
@@ -150,16 +150,16 @@ def test_jobs_of_other_time_axes_get_their_own_unit(tmp_path: Path) -> None:
     jobs: list[Any] = [FakeJob(case_id(case), case, {}, None) for case in cases]
     units = store.write_units(tmp_path, [(job, record_of(job.case)) for job in jobs], PROVENANCE)
     assert sorted(len(store.check_unit(unit)) for unit in units) == [1, 1, 2]
-    held = store.holdings(tmp_path)
-    assert (held.sealed, held.damaged) == ({job.id for job in jobs}, [])
-    [bare] = [unit for unit in units if jobs[2].id in store.check_unit(unit)]
-    assert store.read_series(bare, jobs[2].id).channels == {}
+    holdings = store.holdings(tmp_path)
+    assert (holdings.sealed, holdings.damaged) == ({job.id for job in jobs}, [])
+    [unit_without_series] = [unit for unit in units if jobs[2].id in store.check_unit(unit)]
+    assert store.read_series(unit_without_series, jobs[2].id).channels == {}
 
 
 def test_columns_keep_words_and_mark_what_is_absent() -> None:
-    found = columns([{"a": 1.0, "step": "auto"}, {"a": 2, "step": 0.5}, {"b": 3.0}])
-    assert list(found["step"]) == ["auto", "0.5", ""]
-    np.testing.assert_array_equal(found["a"], [1.0, 2.0, np.nan])
+    arrays = columns([{"a": 1.0, "step": "auto"}, {"a": 2, "step": 0.5}, {"b": 3.0}])
+    assert list(arrays["step"]) == ["auto", "0.5", ""]
+    np.testing.assert_array_equal(arrays["a"], [1.0, 2.0, np.nan])
 
 
 def test_parameters_are_flat_and_in_si() -> None:
@@ -191,10 +191,10 @@ def test_parameters_carry_their_si_unit() -> None:
 
 
 def test_nothing_stays_when_writing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken(descriptor: int) -> None:
+    def fail(descriptor: int) -> None:
         raise OSError("the cable is out")
 
-    monkeypatch.setattr(os, "fsync", broken)
+    monkeypatch.setattr(os, "fsync", fail)
     with pytest.raises(OSError, match="cable"):
         write_bytes(tmp_path / "a.txt", b"half")
     assert list(tmp_path.iterdir()) == []
@@ -203,59 +203,61 @@ def test_nothing_stays_when_writing_fails(tmp_path: Path, monkeypatch: pytest.Mo
 # Resuming
 
 
-@pytest.mark.parametrize("kept", [0, 100, 0.5, 0.999])
-def test_truncated_unit_is_found_and_set_aside(tmp_path: Path, study: FakeStudy, kept: float) -> None:
+@pytest.mark.parametrize("kept_length", [0, 100, 0.5, 0.999])
+def test_truncated_unit_is_found_and_set_aside(tmp_path: Path, study: FakeStudy, kept_length: float) -> None:
     first, second = study.jobs()[:2], study.jobs()[2:]
-    [bad], [_] = seal(tmp_path, study, first), seal(tmp_path, study, second)
-    content = bad.read_bytes()
-    bad.write_bytes(content[: int(kept if kept >= 1 else kept * len(content))])
-    held = store.holdings(tmp_path)
-    assert held.sealed == {job.id for job in second}
-    assert held.damaged == [str(bad.relative_to(tmp_path))]
-    assert not bad.exists()
-    assert bad.with_suffix(".damaged").exists()
+    [damaged_unit], [_] = store_jobs(tmp_path, study, first), store_jobs(tmp_path, study, second)
+    content = damaged_unit.read_bytes()
+    damaged_unit.write_bytes(content[: int(kept_length if kept_length >= 1 else kept_length * len(content))])
+    holdings = store.holdings(tmp_path)
+    assert holdings.sealed == {job.id for job in second}
+    assert holdings.damaged == [str(damaged_unit.relative_to(tmp_path))]
+    assert not damaged_unit.exists()
+    assert damaged_unit.with_suffix(".damaged").exists()
     [journal] = tmp_path.glob("journal-*.jsonl")
-    assert json.loads(journal.read_text())["file"] == held.damaged[0]
+    assert json.loads(journal.read_text())["file"] == holdings.damaged[0]
 
 
 def test_unit_under_another_name_is_not_trusted(tmp_path: Path, study: FakeStudy) -> None:
-    [path] = seal(tmp_path, study)
+    [path] = store_jobs(tmp_path, study)
     moved = path.rename(path.with_name("0123456789abcdef.h5"))
     with pytest.raises(store.DamagedUnit, match="ids"):
         store.check_unit(moved)
 
 
 def test_unit_with_a_missing_row_is_not_trusted(tmp_path: Path, study: FakeStudy) -> None:
-    [path] = seal(tmp_path, study)
-    with h5py.File(path) as old, new_hdf5(path) as file:
-        for name in old:
-            old.copy(name, file)
+    [path] = store_jobs(tmp_path, study)
+    with h5py.File(path) as original, new_hdf5(path) as file:
+        for name in original:
+            original.copy(name, file)
         file.attrs["status"] = "complete"
-        short = file["ring.velocity.x"][1:]
+        shortened = file["ring.velocity.x"][1:]
         del file["ring.velocity.x"]
-        file["ring.velocity.x"] = short
+        file["ring.velocity.x"] = shortened
     with pytest.raises(store.DamagedUnit, match="shape"):
         store.check_unit(path)
 
 
 UNIT = "cafe" * 4
-LEAVES = """import os, sys, time; from pathlib import Path; from bearingsim.store.files import temporary
+LEFTOVER_SCRIPT = """import os, sys, time; from pathlib import Path; from bearingsim.store.files import temporary
 with temporary(Path(sys.argv[1]), "ab" * 8 + ".h5", "part") as file: print(flush=True); {}
 """
 
 
 def test_sweep_takes_leftovers_of_dead_writers_only(tmp_path: Path) -> None:
     folder = tmp_path / "units" / "ab"
-    subprocess.run([sys.executable, "-c", LEAVES.format("os._exit(9)"), str(folder)], check=False, stdout=-1)
-    [left] = folder.iterdir()
-    command = [sys.executable, "-c", LEAVES.format("time.sleep(60)"), str(folder)]
+    subprocess.run(
+        [sys.executable, "-c", LEFTOVER_SCRIPT.format("os._exit(9)"), str(folder)], check=False, stdout=-1
+    )
+    [leftover] = folder.iterdir()
+    command = [sys.executable, "-c", LEFTOVER_SCRIPT.format("time.sleep(60)"), str(folder)]
     with (
         subprocess.Popen(command, stdout=subprocess.PIPE) as other,
         temporary(folder, f"{UNIT}.h5", "part") as own,
     ):
         assert other.stdout is not None
         other.stdout.readline()
-        assert store.sweep(tmp_path) == [left]
+        assert store.sweep(tmp_path) == [leftover]
         assert len(list(folder.iterdir())) == 2
         other.kill()
         os.waitid(os.P_PID, other.pid, os.WEXITED | os.WNOWAIT)  # dead, but not yet waited for
@@ -267,25 +269,25 @@ def test_sweep_takes_leftovers_of_dead_writers_only(tmp_path: Path) -> None:
 def test_a_sweep_that_is_quicker_than_the_lock_costs_a_file_and_no_more(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plain, swept = files._take, list[str]()
+    original, swept = files._lock_file, list[str]()
 
     def take(file: Any, wait: bool) -> bool:
         if not swept:
             swept.append(file.name)
             Path(file.name).unlink()
-        return plain(file, wait)
+        return original(file, wait)
 
-    monkeypatch.setattr(files, "_take", take)
+    monkeypatch.setattr(files, "_lock_file", take)
     write_bytes(tmp_path / "a", b"whole")
     assert (tmp_path / "a").read_bytes() == b"whole"
     assert [path.name for path in tmp_path.iterdir()] == ["a"]
 
 
 def test_without_locks_nothing_is_taken_for_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def none(*arguments: Any) -> None:
+    def fail(*arguments: Any) -> None:
         raise OSError(errno.ENOLCK, "no locks available")
 
-    monkeypatch.setattr("fcntl.flock", none)
+    monkeypatch.setattr("fcntl.flock", fail)
     (tmp_path / "plan.json.host-1-0123abcd.part").touch()
     write_bytes(tmp_path / "b", b"whole")
     assert store.sweep(tmp_path) == []
@@ -297,20 +299,20 @@ def test_without_locks_nothing_is_taken_for_left(tmp_path: Path, monkeypatch: py
 def test_a_stale_table_is_read_where_nothing_can_be_written(
     tmp_path: Path, study: FakeStudy, monkeypatch: pytest.MonkeyPatch, number: int
 ) -> None:
-    seal(tmp_path, study)
-    whole = store.open_results(tmp_path).table()
+    store_jobs(tmp_path, study)
+    table = store.open_results(tmp_path).table()
     (tmp_path / "study.h5").write_bytes(b"stale")
 
     def refuse(*arguments: Any, **options: Any) -> None:
         raise OSError(number, "cannot be written")
 
-    monkeypatch.setattr(files, "_locked", refuse)
+    monkeypatch.setattr(files, "_create_locked", refuse)
     monkeypatch.setattr("filelock.FileLock.acquire", refuse)
-    assert store.open_results(tmp_path).table().equals(whole)
+    assert store.open_results(tmp_path).table().equals(table)
 
 
 def test_fresh_start_refuses_a_folder_in_use(tmp_path: Path, study: FakeStudy) -> None:
-    [path] = seal(tmp_path, study)
+    [path] = store_jobs(tmp_path, study)
     with store.start_marker(tmp_path, path.stem), pytest.raises(store.FolderInUse, match="another run"):
         store.discard(tmp_path, study.name)
     store.discard(tmp_path, study.name)
@@ -332,7 +334,7 @@ def test_marker_of_a_dead_process_names_the_job_in_hand(tmp_path: Path) -> None:
 
 
 def test_table_has_one_row_per_job_in_order(tmp_path: Path, study: FakeStudy) -> None:
-    seal(tmp_path, study, study.jobs()[2:])
+    store_jobs(tmp_path, study, study.jobs()[2:])
     failure = store.Failure(study.jobs()[0].id, "no steady state", attempts=2)
     failure.write(tmp_path)
     store.build_table(tmp_path)
@@ -346,7 +348,7 @@ def test_table_has_one_row_per_job_in_order(tmp_path: Path, study: FakeStudy) ->
 
 
 def test_difference_from_the_healthy_twin_is_complex(tmp_path: Path, study: FakeStudy) -> None:
-    seal(tmp_path, study)
+    store_jobs(tmp_path, study)
     table = store.open_results(tmp_path).table()
     expected = [abs(1j * width - 1e-3) for width in study.widths]  # a quarter turn from a healthy 1 mm/s
     np.testing.assert_allclose(table["velocity@BPFO-healthy"], [*expected, np.nan], rtol=1e-12)
@@ -356,30 +358,30 @@ def test_difference_from_the_healthy_twin_is_complex(tmp_path: Path, study: Fake
 def test_csv_reads_back_exactly(tmp_path: Path, study: FakeStudy) -> None:
     import pandas as pd
 
-    seal(tmp_path, study)
+    store_jobs(tmp_path, study)
     store.build_table(tmp_path)
-    again = pd.read_csv(tmp_path / "results.csv", dtype={"job": str}, **EVERY_DIGIT)
+    csv = pd.read_csv(tmp_path / "results.csv", dtype={"job": str}, **EVERY_DIGIT)
     table = store.open_results(tmp_path).table()
-    assert list(again.columns[:2]) == ["job", "defect.width"]
+    assert list(csv.columns[:2]) == ["job", "defect.width"]
     for name in ("velocity@BPFO", "velocity.rms", "velocity@BPFO-healthy", "seconds"):
-        np.testing.assert_array_equal(again[name], table[name])
+        np.testing.assert_array_equal(csv[name], table[name])
 
 
 def test_table_is_rebuilt_when_lost_damaged_or_stale(tmp_path: Path, study: FakeStudy) -> None:
     jobs = study.jobs()
-    seal(tmp_path, study, jobs[:2])
+    store_jobs(tmp_path, study, jobs[:2])
     assert list(store.open_results(tmp_path).table()["status"]) == ["done", "done", "missing", "missing"]
-    seal(tmp_path, study, jobs[2:])
-    whole = store.open_results(tmp_path).table()
-    assert set(whole["status"]) == {"done"}
+    store_jobs(tmp_path, study, jobs[2:])
+    table = store.open_results(tmp_path).table()
+    assert set(table["status"]) == {"done"}
     (tmp_path / "study.h5").write_bytes(b"not HDF5")
-    assert store.open_results(tmp_path).table().equals(whole)
+    assert store.open_results(tmp_path).table().equals(table)
     (tmp_path / "study.h5").unlink()
-    assert store.open_results(tmp_path).table().equals(whole)
+    assert store.open_results(tmp_path).table().equals(table)
 
 
 def test_table_is_read_without_the_units_while_up_to_date(tmp_path: Path, study: FakeStudy) -> None:
-    [path] = seal(tmp_path, study)
+    [path] = store_jobs(tmp_path, study)
     first = store.open_results(tmp_path).table()
     written, unit = (tmp_path / "study.h5").stat().st_mtime_ns, path.stat()
     path.write_bytes(b"x" * unit.st_size)
@@ -392,18 +394,18 @@ def test_table_is_read_without_the_units_while_up_to_date(tmp_path: Path, study:
 def test_parents_that_share_a_folder_take_turns(
     tmp_path: Path, study: FakeStudy, action: Callable[[Path], Any]
 ) -> None:
-    seal(tmp_path, study)
-    other = threading.Thread(target=action, args=(tmp_path,))
+    store_jobs(tmp_path, study)
+    thread = threading.Thread(target=action, args=(tmp_path,))
     with store.lock(tmp_path):
-        other.start()
-        other.join(0.3)
-        assert other.is_alive()
-    other.join(10.0)
-    assert not other.is_alive()
+        thread.start()
+        thread.join(0.3)
+        assert thread.is_alive()
+    thread.join(10.0)
+    assert not thread.is_alive()
 
 
 def test_damaged_unit_is_missing_from_the_table_with_a_warning(tmp_path: Path, study: FakeStudy) -> None:
-    [path] = seal(tmp_path, study)
+    [path] = store_jobs(tmp_path, study)
     path.write_bytes(path.read_bytes()[:1000])
     with pytest.warns(UserWarning, match="cannot be read"):
         table = store.open_results(tmp_path).table()
@@ -411,13 +413,13 @@ def test_damaged_unit_is_missing_from_the_table_with_a_warning(tmp_path: Path, s
 
 
 def test_job_in_two_units_is_counted_once(tmp_path: Path, study: FakeStudy) -> None:
-    seal(tmp_path, study, study.jobs()[:2])
-    seal(tmp_path, study)
+    store_jobs(tmp_path, study, study.jobs()[:2])
+    store_jobs(tmp_path, study)
     assert len(store.open_results(tmp_path).table()) == 4
 
 
 def test_table_file_opens_in_xarray(tmp_path: Path, study: FakeStudy) -> None:
-    seal(tmp_path, study)
+    store_jobs(tmp_path, study)
     store.build_table(tmp_path)
     with xr.open_dataset(tmp_path / "study.h5", engine="h5netcdf") as data:
         assert data["features"].sel(feature="velocity@BPFO-healthy").dims == ("job",)
@@ -451,7 +453,7 @@ def test_a_plan_of_an_older_version_is_refused(tmp_path: Path, study: Any) -> No
 
 
 def test_results_give_series_and_parameters(tmp_path: Path, study: FakeStudy) -> None:
-    seal(tmp_path, study)
+    store_jobs(tmp_path, study)
     results = store.open_results(str(tmp_path))
     job = results.jobs[2]
     record = record_of(study.jobs()[2].case)
@@ -463,8 +465,8 @@ def test_results_give_series_and_parameters(tmp_path: Path, study: FakeStudy) ->
 
 
 def test_results_become_one_dataset(tmp_path: Path, study: FakeStudy) -> None:
-    seal(tmp_path, study, study.jobs()[:2])
-    seal(tmp_path, study, study.jobs()[2:])
+    store_jobs(tmp_path, study, study.jobs()[:2])
+    store_jobs(tmp_path, study, study.jobs()[2:])
     data = store.open_results(tmp_path).to_xarray()
     assert dict(data.sizes) == {"job": 4, "time": 205}
     assert data["defect.width"].attrs["units"] == "m"
@@ -477,7 +479,7 @@ def test_results_become_one_dataset(tmp_path: Path, study: FakeStudy) -> None:
 def test_dataset_without_xarray_says_what_to_install(
     tmp_path: Path, study: FakeStudy, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    seal(tmp_path, study)
+    store_jobs(tmp_path, study)
     monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(store.ResultsError, match="pip install xarray"):
         store.open_results(tmp_path).to_xarray()
@@ -486,7 +488,7 @@ def test_dataset_without_xarray_says_what_to_install(
 def test_what_is_not_there_is_said(tmp_path: Path, study: FakeStudy) -> None:
     with pytest.raises(store.ResultsError, match="holds no results"):
         store.open_results(tmp_path)
-    seal(tmp_path, study, study.jobs()[1:])
+    store_jobs(tmp_path, study, study.jobs()[1:])
     results = store.open_results(tmp_path)
     with pytest.raises(store.ResultsError, match="not computed yet"):
         results.series(study.jobs()[0].id)
@@ -495,18 +497,18 @@ def test_what_is_not_there_is_said(tmp_path: Path, study: FakeStudy) -> None:
 
 
 def test_a_unit_sealed_elsewhere_is_taken_as_it_is(tmp_path: Path, study: FakeStudy) -> None:
-    [path] = seal(tmp_path / "there", study)
+    [path] = store_jobs(tmp_path / "there", study)
     content = path.read_bytes()
-    taken = store.store_unit(tmp_path / "here", path.stem, content)
-    assert taken.read_bytes() == content
-    assert taken.relative_to(tmp_path / "here") == path.relative_to(tmp_path / "there")
-    for wrong, unit in ((content[:-200], path.stem), (flipped(content), path.stem), (content, "0" * 16)):
+    copy = store.store_unit(tmp_path / "here", path.stem, content)
+    assert copy.read_bytes() == content
+    assert copy.relative_to(tmp_path / "here") == path.relative_to(tmp_path / "there")
+    for wrong_content, unit in ((content[:-200], path.stem), (flip_bit(content), path.stem), (content, "0" * 16)):
         with pytest.raises(store.DamagedUnit, match="as it came"):
-            store.store_unit(tmp_path / "other", unit, wrong)
+            store.store_unit(tmp_path / "other", unit, wrong_content)
     assert not (tmp_path / "other").exists()
 
 
-def flipped(content: bytes) -> bytes:
+def flip_bit(content: bytes) -> bytes:
     middle = len(content) // 2
     return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
 
@@ -516,20 +518,20 @@ def test_whoever_waits_for_a_lock_says_for_whom(
 ) -> None:
     monkeypatch.setattr(files, "ANNOUNCEMENT_DELAY_S", 0.1)
     (tmp_path / "run.elsewhere-123-abcdef01.started").touch()
-    other, released = FileLock(tmp_path / ".lock"), threading.Event()
+    other_lock, released = FileLock(tmp_path / ".lock"), threading.Event()
 
     def hold() -> None:
-        with other:
-            held.set()
+        with other_lock:
+            locked.set()
             released.wait()
 
-    held = threading.Event()
-    holder = threading.Thread(target=hold)
-    holder.start()
-    held.wait()
+    locked = threading.Event()
+    thread = threading.Thread(target=hold)
+    thread.start()
+    locked.wait()
     threading.Timer(0.4, released.set).start()
     with store.lock(tmp_path):
         assert (
             f"waiting for another run (elsewhere-123), which holds {tmp_path / '.lock'}" in capsys.readouterr().err
         )
-    holder.join()
+    thread.join()

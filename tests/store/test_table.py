@@ -31,9 +31,9 @@ def test_the_plan_of_an_accuracy_names_the_models_that_were_chosen(write: Write)
     assert store.make_plan(study, [])["accuracy"] is None
 
 
-@pytest.mark.parametrize(("said", "nothing"), [("", False), ("uncertainty: none\n", True)])
-def test_a_plan_tells_nothing_uncertain_from_nothing_said(write: Write, said: str, nothing: bool) -> None:
-    assert store.make_plan(near(write, TEXT + said), [])["nothing_uncertain"] is nothing
+@pytest.mark.parametrize(("text", "nothing"), [("", False), ("uncertainty: none\n", True)])
+def test_a_plan_tells_nothing_uncertain_from_nothing_said(write: Write, text: str, nothing: bool) -> None:
+    assert store.make_plan(near(write, TEXT + text), [])["nothing_uncertain"] is nothing
 
 
 def test_a_damaged_plan_is_not_read(tmp_path: Path) -> None:
