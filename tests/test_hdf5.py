@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bearingsim.hdf5 import Hdf5, Unsafe
-from tests.scenes.bombs import DATASETS, same_letters, stated_letters
+from tests.scenes.bombs import DATASETS, overstate_text, share_text
 
 MOST = 32e6
 TEXT = h5py.string_dtype()
@@ -47,14 +47,14 @@ def test_texts_that_share_their_letters_are_refused() -> None:
     content = made(lambda file: file.create_dataset("job", data=["x" * 100_000, *["y"] * 999], dtype=TEXT))
     with opened(content) as file:
         assert len(file.texts("job")) == 1000
-    bomb = same_letters(content, references(content), 1000)
+    bomb = share_text(content, references(content), 1000)
     with opened(bomb) as file, pytest.raises(Unsafe, match="`job` would take 500 MB"):
         file.texts("job")
 
 
 def test_a_text_that_states_four_gigabytes_is_refused() -> None:
     content = made(lambda file: file.create_dataset("job", data=["x", "y"], dtype=TEXT))
-    bomb = stated_letters(content, references(content), 0xFFFFFFF0)
+    bomb = overstate_text(content, references(content), 0xFFFFFFF0)
     with opened(bomb) as file, pytest.raises(Unsafe, match="`job` would take"):
         file.texts("job")
 

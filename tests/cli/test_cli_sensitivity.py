@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.scenes.commands import type_
-from tests.scenes.design_results import SLOPES, computed
+from tests.scenes.design_results import SLOPES, run_design
 
 LINE = "velocity@BPFO"
 SHARES = np.square(SLOPES) / np.square(SLOPES).sum()
@@ -17,7 +17,7 @@ SHARES = np.square(SLOPES) / np.square(SLOPES).sum()
 
 @pytest.fixture(scope="session")
 def plane(tmp_path_factory):
-    return computed(tmp_path_factory.mktemp("plane") / "results" / "fake", n=64)
+    return run_design(tmp_path_factory.mktemp("plane") / "results" / "fake", n=64)
 
 
 def test_it_prints_indices_a_verdict_and_the_figure(plane):
@@ -44,7 +44,7 @@ def test_the_newest_results_and_the_faults_line_are_the_default(plane, monkeypat
 
 
 def test_json_has_indices_with_intervals_and_draws_nothing(tmp_path):
-    results = computed(tmp_path / "fake", n=64)
+    results = run_design(tmp_path / "fake", n=64)
     said, _ = type_("sensitivity", results, "--of", LINE, "--json")
     found = json.loads(said)[LINE]
     assert {name: found[name] for name in ("design", "blocks", "dropped", "jobs", "failed")} == {
@@ -76,7 +76,7 @@ def test_the_figure_goes_where_it_is_told(plane, tmp_path):
 
 
 def test_blocks_of_failed_jobs_are_dropped_and_counted(tmp_path):
-    results = computed(tmp_path / "fake", deeds={3: "raise", 4: "raise", 5: "raise"})  # blocks 0 and 1
+    results = run_design(tmp_path / "fake", deeds={3: "raise", 4: "raise", 5: "raise"})  # blocks 0 and 1
     said, _ = type_("sensitivity", results, "--of", LINE)
     assert "Sobol' indices from 14 blocks, 64 jobs" in said
     assert "2 of 16 blocks dropped: of 64 jobs 3 failed; indices are those of the rest" in said
@@ -85,7 +85,7 @@ def test_blocks_of_failed_jobs_are_dropped_and_counted(tmp_path):
 
 
 def test_too_many_failures_are_refused(tmp_path):
-    results = computed(tmp_path / "fake", deeds=dict.fromkeys(range(7), "raise"))
+    results = run_design(tmp_path / "fake", deeds=dict.fromkeys(range(7), "raise"))
     assert (
         "7 of 64 jobs have no `velocity@BPFO` (7 failed), more than 10 %"
         in type_("sensitivity", results, code=2)[1]
@@ -100,7 +100,7 @@ def test_jobs_that_lack_are_refused_with_the_command(plane, tmp_path):
 
 
 def test_morris_effects_are_slopes(tmp_path):
-    results = computed(tmp_path / "fake", kind="morris", n=8)
+    results = run_design(tmp_path / "fake", kind="morris", n=8)
     said, _ = type_("sensitivity", results, "--of", LINE)
     assert "Morris' effects from 8 blocks" in said
     assert [line.split()[:2] for line in said.splitlines()[3:5]] == [["defect.width", "3"], ["load", "1"]]
@@ -130,5 +130,5 @@ def test_results_without_a_design_are_refused(done):
 
 @pytest.mark.parametrize("kind", ["lhs", "sobol"])
 def test_points_that_fill_the_space_are_to_be_drawn(kind, tmp_path):
-    told = type_("sensitivity", computed(tmp_path / "fake", kind=kind), code=2)[1]
+    told = type_("sensitivity", run_design(tmp_path / "fake", kind=kind), code=2)[1]
     assert f"the design `{kind}` gives no indices, only figures" in told

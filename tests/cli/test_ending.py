@@ -7,7 +7,7 @@ import pytest
 from bearingsim.runner import run
 from bearingsim.store import open_results
 from tests.scenes.commands import STUDY, type_
-from tests.scenes.trials import ENGINE, near
+from tests.scenes.trials import ENGINE, accuracy_study
 
 
 def test_a_run_ends_with_its_results_and_the_next_command(here):
@@ -80,10 +80,10 @@ def test_what_is_varied_is_no_assumption(here, varied, left):
 
 def test_jobs_that_trials_have_done_are_not_done_before(write, tmp_path, monkeypatch):
     """A first run never says that its jobs were done before."""
-    study = near(write)
+    study = accuracy_study(write)
     summary = run(study, tmp_path / "out", jobs=1, progress=False, engine=ENGINE)
     assert summary.resumed == 0
     assert "before" not in summary.headline
-    again = run(near(write), tmp_path / "out", jobs=1, progress=False, engine=ENGINE)
+    again = run(accuracy_study(write), tmp_path / "out", jobs=1, progress=False, engine=ENGINE)
     assert again.resumed == again.planned
     assert again.headline.endswith(f", {again.planned} of them before")

@@ -17,7 +17,7 @@ import pytest
 from bearingsim.cli import app, group, streams
 from bearingsim.runner import stopping
 from tests.scenes.commands import type_
-from tests.scenes.design_results import computed
+from tests.scenes.design_results import run_design
 from tests.scenes.every_command import COMMANDS, WRITING, refused_lock
 
 NOTEBOOK = {"MPLBACKEND": "module://matplotlib_inline.backend_inline", "MPLCONFIGDIR": "{}/tex", "HOME": "{}/file"}
@@ -61,7 +61,7 @@ REFUSED: dict[str, tuple[Set[str], str]] = {
 
 @pytest.fixture(scope="session")
 def design(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return computed(tmp_path_factory.mktemp("design") / "design", n=16)
+    return run_design(tmp_path_factory.mktemp("design") / "design", n=16)
 
 
 def surroundings(root: Path, variables: Mapping[str, str]) -> dict[str, str]:

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from tests.scenes import hostile_results
-from tests.scenes.hostile_results import ATTACKS, SECRET, attacked, make
+from tests.scenes.hostile_results import ATTACKS, SECRET, make, run_attack
 
 MOST_MEMORY = 500e6
 PATIENCE_S = 120.0
@@ -56,7 +56,7 @@ def test_nothing_leaves_the_folder_or_its_bounds(name: str, results: Path, forke
     work = tmp_path / "work"
     shutil.copytree(results, work)
     before = outside(work)
-    forked(attacked, name, work)
+    forked(run_attack, name, work)
     found = json.loads((work / "seen.json").read_text())
     for entry in found["seen"]:
         assert entry["error"] == repr(""), entry

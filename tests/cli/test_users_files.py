@@ -9,7 +9,7 @@ import pytest
 
 from bearingsim.cli import app
 from tests.scenes.commands import STUDY, type_
-from tests.scenes.design_results import computed
+from tests.scenes.design_results import run_design
 
 ANYWHERE = [
     "thesis.tex",
@@ -142,7 +142,7 @@ WAY_OUT = ("--out", "another", "holds no results", "--force", "not a folder")
 
 @pytest.fixture(scope="session")
 def plane(tmp_path_factory):
-    return computed(tmp_path_factory.mktemp("plane") / "fake", n=16)
+    return run_design(tmp_path_factory.mktemp("plane") / "fake", n=16)
 
 
 def commands():

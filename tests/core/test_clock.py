@@ -16,7 +16,7 @@ from bearingsim.core.methods import adaptive
 from bearingsim.core.models import equilibrium
 from bearingsim.simulation import choice
 from bearingsim.simulation.run_setup import set_up
-from tests.scenes.nf308 import PLACES, SLOT, at_rest, case, recorded
+from tests.scenes.nf308 import ROWS, SLOT, advance_recorded, at_rest, case
 
 PAST = 1e-9  # s: CPU time that every thread has used
 
@@ -62,7 +62,7 @@ def test_adaptive_method_stops_at_the_cpu_limit_between_recorded_instants(
     y = at_rest(setup.model)
     prepare_first_step(method, setup.model, 0.0, y)
     y[lay.CPU_END] = PAST
-    result = recorded(method, setup.model, setup.monitor, 0, y, PLACES, np.empty((len(PLACES), 3)))
+    result = advance_recorded(method, setup.model, setup.monitor, 0, y, ROWS, np.empty((len(ROWS), 3)))
     assert result[:2] == (1, outcomes.TOO_SLOW)
     assert y[lay.STEPS_TAKEN] <= adaptive.CLOCK_INTERVAL
 

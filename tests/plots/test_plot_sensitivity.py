@@ -7,7 +7,7 @@ from matplotlib.container import BarContainer, ErrorbarContainer
 from bearingsim.plots.sensitivity import figure
 from bearingsim.sensitivity import analyse, collect_blocks
 from bearingsim.store import open_results
-from tests.scenes.design_results import PATHS, SLOPES, computed
+from tests.scenes.design_results import PATHS, SLOPES, run_design
 
 LINE = "velocity@BPFO"
 
@@ -18,7 +18,7 @@ def sheet(results, *features):
 
 
 def test_bars_are_the_indices_the_largest_on_top(tmp_path):
-    results = open_results(computed(tmp_path / "fake", n=64))
+    results = open_results(run_design(tmp_path / "fake", n=64))
     canvas, [(_, found), _] = sheet(results, LINE, "velocity.rms")
     first, total = (one for one in canvas.axes[0].containers if isinstance(one, BarContainer))
     for bars, known in ((first, found.first), (total, found.total)):
@@ -39,7 +39,7 @@ def test_bars_are_the_indices_the_largest_on_top(tmp_path):
 
 
 def test_points_are_the_effects_in_a_readable_unit(tmp_path):
-    results = open_results(computed(tmp_path / "fake", kind="morris", n=8))
+    results = open_results(run_design(tmp_path / "fake", kind="morris", n=8))
     canvas, _ = sheet(results, LINE)
     [ax] = canvas.axes
     points = [one for one in ax.containers if isinstance(one, ErrorbarContainer)]
@@ -52,7 +52,7 @@ def test_points_are_the_effects_in_a_readable_unit(tmp_path):
 
 
 def test_the_caption_counts_the_blocks(tmp_path):
-    results = open_results(computed(tmp_path / "fake", deeds={0: "raise"}))
+    results = open_results(run_design(tmp_path / "fake", deeds={0: "raise"}))
     canvas, _ = sheet(results, LINE)
     told = canvas.get_supxlabel().replace("\u00a0", " ")
     assert "15 of 16 blocks (saltelli)" in told

@@ -15,7 +15,7 @@ from bearingsim.store import DiskFull, files
 from tests.scenes.commands import type_
 from tests.scenes.fake_studies import ENGINE, FakeStudy
 from tests.scenes.study_text import Write
-from tests.scenes.trials import DIE, near
+from tests.scenes.trials import DEATHS, accuracy_study
 from tests.scenes.trials import ENGINE as TRIALS
 
 
@@ -104,6 +104,6 @@ def test_two_jobs_that_kill_are_blamed_where_others_are_done(tmp_path: Path) -> 
 def test_deaths_while_models_are_tried_are_told(
     write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv(DIE, "1")
+    monkeypatch.setenv(DEATHS, "1")
     with pytest.raises(RepeatedWorkerDeaths, match="while models were tried 3 times"):
-        run(near(write), tmp_path / "out", jobs=2, progress=False, engine=TRIALS)
+        run(accuracy_study(write), tmp_path / "out", jobs=2, progress=False, engine=TRIALS)

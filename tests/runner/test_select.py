@@ -24,7 +24,7 @@ from bearingsim.study import Study, case_id, load_study
 from tests.scenes import trials
 from tests.scenes.commands import type_
 from tests.scenes.study_text import Write
-from tests.scenes.trials import ENGINE, LOG, TEXT, near
+from tests.scenes.trials import ENGINE, LOG, TEXT, accuracy_study
 
 ROOT = Path(__file__).parents[2]
 RIGID = "rig: {ring: {bends: false}}\n"
@@ -75,7 +75,7 @@ def test_choices_are_there_before_the_first_job(
         return original(case)
 
     monkeypatch.setattr(trials, "simulate", simulate)
-    summary = compute(near(write), out)
+    summary = compute(accuracy_study(write), out)
     assert (summary.done, summary.failed) == (9, 0)  # three jobs, their twins, three audits
     assert has_choices == [True] * len(has_choices)
     assert {choice["candidate"] for choice in read_choices(out).values()} == {"rollers"}
@@ -86,12 +86,12 @@ def test_choices_are_there_before_the_first_job(
 
 
 def test_later_runs_and_shards_read_them_and_try_nothing(write: Write, tmp_path: Path, log: Path) -> None:
-    study, out = near(write), tmp_path / "out"
+    study, out = accuracy_study(write), tmp_path / "out"
     compute(study, out)
     assert count_trials(log) > 0
     before = (out / "choices.json").read_bytes()
-    compute(near(write), out)
-    compute(near(write), out, shard=(2, 3))
+    compute(accuracy_study(write), out)
+    compute(accuracy_study(write), out, shard=(2, 3))
     assert count_trials(log) == 0
     assert (out / "choices.json").read_bytes() == before
 
@@ -121,11 +121,11 @@ def test_a_share_does_not_choose_for_all(write: Write, tmp_path: Path, log: Path
 
 def test_shards_come_to_what_one_run_does(write: Write, tmp_path: Path) -> None:
     single, shared = tmp_path / "one", tmp_path / "shared"
-    compute(near(write), single)
+    compute(accuracy_study(write), single)
     store.claim_results(shared, "near", quick=False)
-    choose_models(near(write), shared, 1, ENGINE, shown=False)  # as `check --pilots` does
+    choose_models(accuracy_study(write), shared, 1, ENGINE, shown=False)  # as `check --pilots` does
     for number in (1, 2, 3):
-        compute(near(write), shared, shard=(number, 3))
+        compute(accuracy_study(write), shared, shard=(number, 3))
     assert read_choices(single) == read_choices(shared)
     pd.testing.assert_frame_equal(read_results(single), read_results(shared))
 
@@ -134,11 +134,11 @@ def test_a_study_that_is_extended_keeps_what_was_chosen(
     write: Write, tmp_path: Path, log: Path, monkeypatch
 ) -> None:
     out = tmp_path / "out"
-    compute(near(write), out)
+    compute(accuracy_study(write), out)
     before = read_choices(out)
     take_lines(log)
-    monkeypatch.setitem(trials.OFF, "rollers", 1.3)  # what is new is another matter
-    study = near(write, TEXT.replace("450 N", "450 N, 600 N"))
+    monkeypatch.setitem(trials.MODEL_FACTORS, "rollers", 1.3)  # what is new is another matter
+    study = accuracy_study(write, TEXT.replace("450 N", "450 N, 600 N"))
     compute(study, out)
     after = read_choices(out)
     assert {name: after[name] for name in before} == before
@@ -150,7 +150,7 @@ LOADS = "150 N, 300 N, 450 N"
 
 
 def make_extended(write: Write, loads: str) -> Study:
-    return near(write, TEXT.replace(LOADS, loads))
+    return accuracy_study(write, TEXT.replace(LOADS, loads))
 
 
 def plan_notes(out: Path) -> list[str]:
@@ -192,7 +192,7 @@ def test_a_quick_study_chooses_in_its_own_folder(
 def test_a_new_case_is_judged_by_the_curve_as_it_is_then(write: Write, tmp_path: Path) -> None:
     """By old cases and new ones. An old one has what was said of it then."""
     out = tmp_path / "out"
-    compute(near(write), out)
+    compute(accuracy_study(write), out)
     expected = {150.0: 1.5 / 450.0, 300.0: 3.0 / 450.0, 450.0: 0.01}
     for loads, new in (
         ("200 N", {200.0: 2.0 / 450.0}),
@@ -206,7 +206,7 @@ def test_a_new_case_is_judged_by_the_curve_as_it_is_then(write: Write, tmp_path:
 
 def test_who_extends_a_study_is_told_what_is_kept(write: Write, tmp_path: Path) -> None:
     out, study = tmp_path / "out", make_extended(write, f"{LOADS}, 600 N")
-    compute(near(write), out)
+    compute(accuracy_study(write), out)
     assert plan_notes(out) == []
     summary = compute(study, out)
     note = "3 of 4 cases keep the model chosen for an earlier plan (remove choices.json to choose all again)"
@@ -221,25 +221,26 @@ def test_who_extends_a_study_is_told_what_is_kept(write: Write, tmp_path: Path) 
 
 
 def test_who_leaves_cases_out_is_told_too(write: Write, tmp_path: Path) -> None:
-    compute(near(write), tmp_path / "out")
+    compute(accuracy_study(write), tmp_path / "out")
     compute(make_extended(write, "150 N"), tmp_path / "out")
     assert len(plan_notes(tmp_path / "out")) == 1
     assert plan_notes(tmp_path / "out")[0].startswith("1 of 1 cases keeps the model")
 
 
 def test_what_has_no_say_in_choices_makes_no_other_plan(write: Write, tmp_path: Path) -> None:
-    compute(near(write), tmp_path / "out")
+    compute(accuracy_study(write), tmp_path / "out")
     before = (tmp_path / "out/choices.json").read_bytes()
     compute(make_extended(write, "450 N, 300 N, 150 N"), tmp_path / "out")
-    compute(near(write, TEXT + "uncertainty: none\n"), tmp_path / "out")
+    compute(accuracy_study(write, TEXT + "uncertainty: none\n"), tmp_path / "out")
     assert plan_notes(tmp_path / "out") == []
     assert (tmp_path / "out/choices.json").read_bytes() == before
     compute(
-        near(write, TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: velocity@BPFO}")), tmp_path / "out"
+        accuracy_study(write, TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: velocity@BPFO}")),
+        tmp_path / "out",
     )
     assert plan_notes(tmp_path / "out") == []
     text = TEXT.replace("5 %", "{within: 5 %, of: velocity@BPFO}").replace("y: velocity@BPFO", "y: velocity.rms")
-    compute(near(write, text), tmp_path / "out")  # no curve of it: other choices might be made
+    compute(accuracy_study(write, text), tmp_path / "out")  # no curve of it: other choices might be made
     assert plan_notes(tmp_path / "out")[0].startswith("3 of 3 cases keep the model")
 
 
@@ -247,8 +248,8 @@ def test_models_that_part_on_a_curve_because_it_was_extended_are_told(
     write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """One model a curve, unless several cost under a third: so it is among those that are chosen together."""
-    compute(near(write), tmp_path / "out")
-    monkeypatch.setitem(trials.OFF, "rollers", 1.3)
+    compute(accuracy_study(write), tmp_path / "out")
+    monkeypatch.setitem(trials.MODEL_FACTORS, "rollers", 1.3)
     summary = compute(make_extended(write, f"{LOADS}, 600 N"), tmp_path / "out")
     note = (
         "the choice of the model changes along 1 of 1 curves, which may cause a step:"
@@ -275,7 +276,7 @@ def test_an_interrupt_while_models_are_tried_keeps_what_was_tried(
 
     monkeypatch.setattr(trials, "try_out", interrupt)
     with pytest.raises(Interrupted) as interruption:
-        compute(near(write), tmp_path / "out")
+        compute(accuracy_study(write), tmp_path / "out")
     summary = interruption.value.summary
     assert (summary.planned, summary.resumed, summary.done, summary.missing) == (6, 0, 0, 6)
     assert (summary.exit_code, summary.interrupted) == (130, signal.SIGINT)
@@ -286,8 +287,8 @@ def test_an_interrupt_while_models_are_tried_keeps_what_was_tried(
     assert len(selection.read_trials(tmp_path / "out")) == 4
     assert not (tmp_path / "out/choices.json").exists()
     remaining[0] = 0
-    assert compute(near(write), tmp_path / "out").failed == 0
-    compute(near(write), tmp_path / "whole")
+    assert compute(accuracy_study(write), tmp_path / "out").failed == 0
+    compute(accuracy_study(write), tmp_path / "whole")
     assert read_choices(tmp_path / "out") == read_choices(tmp_path / "whole")
 
 
@@ -302,7 +303,7 @@ def test_jobs_that_trials_have_done_count(write: Write, tmp_path: Path, monkeypa
 
     monkeypatch.setattr(trials, "try_out", repeat)
     with pytest.raises(Interrupted) as interruption:
-        compute(near(write), tmp_path / "out")
+        compute(accuracy_study(write), tmp_path / "out")
     assert (interruption.value.summary.planned, interruption.value.summary.resumed) == (6, 2)
 
 
@@ -311,7 +312,7 @@ def test_jobs_that_trials_have_done_count(write: Write, tmp_path: Path, monkeypa
 )
 def test_ctrl_c_while_models_are_tried(write: Write, tmp_path: Path, arguments: tuple[str, ...]) -> None:
     """It ends with what is kept and how to go on, and no traceback."""
-    near(write, TEXT.replace(LOADS, "150 N, 300 N, 450 N, 600 N, 750 N, 900 N"))
+    accuracy_study(write, TEXT.replace(LOADS, "150 N, 300 N, 450 N, 600 N, 750 N, 900 N"))
     # who is started in the background by a shell is deaf to Ctrl-C, and would hand that on
     handler_code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
     code = f"{handler_code}; from tests.scenes import trials; trials.main()"
@@ -343,9 +344,9 @@ def test_ctrl_c_while_models_are_tried(write: Write, tmp_path: Path, arguments: 
 
 def test_another_accuracy_is_another_choice(write: Write, tmp_path: Path, log: Path) -> None:
     out = tmp_path / "out"
-    compute(near(write), out)
+    compute(accuracy_study(write), out)
     take_lines(log)
-    compute(near(write, TEXT.replace("5 %", "0.5 %")), out)
+    compute(accuracy_study(write, TEXT.replace("5 %", "0.5 %")), out)
     assert (
         sorted(choice["candidate"] for choice in read_choices(out).values()) == ["reference"] * 3 + ["rollers"] * 3
     )
@@ -354,32 +355,32 @@ def test_another_accuracy_is_another_choice(write: Write, tmp_path: Path, log: P
 
 def test_fresh_forgets_them(write: Write, tmp_path: Path, log: Path) -> None:
     out = tmp_path / "out"
-    compute(near(write), out)
+    compute(accuracy_study(write), out)
     first = count_trials(log)
-    compute(near(write), out, fresh=True)
+    compute(accuracy_study(write), out, fresh=True)
     assert count_trials(log) == first > 0
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"a": 3}', '{"a": {"model": "ring"}}', "\xff"])
 def test_damaged_choices_are_not_guessed(write: Write, tmp_path: Path, text: str) -> None:
     out = tmp_path / "out"
-    compute(near(write), out)
+    compute(accuracy_study(write), out)
     (out / "choices.json").write_text(text, encoding="latin-1")
     with pytest.raises(store.DamagedChoices, match=r"choices.json cannot be read .*: restore it, or remove it"):
-        compute(near(write), out)
+        compute(accuracy_study(write), out)
 
 
 @pytest.mark.parametrize("kept_length", [0, 1, 40, -3])
 def test_a_torn_trial_is_made_again(write: Write, tmp_path: Path, log: Path, kept_length: int) -> None:
     out = tmp_path / "out"
-    compute(near(write), out)
+    compute(accuracy_study(write), out)
     before = read_choices(out)
     take_lines(log)
     (out / "choices.json").unlink()
     path = sorted((out / "trials").glob("*.json"))[0]
     lost_count = len(json.loads(path.read_text())["trials"])
     path.write_text(path.read_text()[:kept_length])
-    compute(near(write), out)
+    compute(accuracy_study(write), out)
     assert read_choices(out) == before
     assert count_trials(log) == lost_count < 12
 
@@ -393,7 +394,7 @@ def test_a_trial_that_fails_is_no_end(write: Write, tmp_path: Path, monkeypatch:
         return original(case, *arguments)
 
     monkeypatch.setattr(trials, "try_out", fail_rollers)
-    summary = compute(near(write), tmp_path / "out")
+    summary = compute(accuracy_study(write), tmp_path / "out")
     assert summary.failed == 0
     assert {choice["candidate"] for choice in read_choices(tmp_path / "out").values()} == {"reference"}
 
@@ -401,7 +402,7 @@ def test_a_trial_that_fails_is_no_end(write: Write, tmp_path: Path, monkeypatch:
 def test_killed_while_models_are_tried_it_chooses_the_same(write: Write, tmp_path: Path) -> None:
     """At whichever trial it dies."""
     complete = tmp_path / "whole"
-    study = near(write)
+    study = accuracy_study(write)
     compute(study, complete)
     script = (
         "import os, signal, sys; from tests.scenes import trials; from bearingsim.runner import run;"
@@ -421,15 +422,15 @@ def test_killed_while_models_are_tried_it_chooses_the_same(write: Write, tmp_pat
         assert process.returncode == -signal.SIGKILL
         assert not (out / "choices.json").exists()
         assert selection.read_trials(out)
-    compute(near(write), out)
+    compute(accuracy_study(write), out)
     assert read_choices(out) == read_choices(complete)
     assert not [*out.rglob("*.part")]
     pd.testing.assert_frame_equal(read_results(complete), read_results(out))
 
 
 def test_in_several_processes_it_is_the_same(write: Write, tmp_path: Path) -> None:
-    compute(near(write), tmp_path / "one")
-    compute(near(write), tmp_path / "two", jobs=2)
+    compute(accuracy_study(write), tmp_path / "one")
+    compute(accuracy_study(write), tmp_path / "two", jobs=2)
     assert read_choices(tmp_path / "one") == read_choices(tmp_path / "two")
 
 
@@ -443,7 +444,7 @@ def test_a_reference_that_repeats_itself_is_not_computed_again(
         return trials.trial(case.load, passes, repeats=True, names=features), trials.simulate(case)
 
     monkeypatch.setattr(trials, "try_out", repeat)
-    study, out = near(write), tmp_path / "out"
+    study, out = accuracy_study(write), tmp_path / "out"
     assert len(ModelSelector(study, range(3)).next_trials({})) == 3
     summary = compute(study, out)
     assert (summary.planned, summary.resumed, summary.done) == (6, 0, 6)  # none by an earlier run
@@ -457,7 +458,7 @@ def test_a_reference_that_repeats_itself_is_not_computed_again(
 
 
 def test_the_table_tells_models_and_how_far_off_they_may_be(write: Write, tmp_path: Path) -> None:
-    compute(near(write, TEXT + RIGID), tmp_path / "out")
+    compute(accuracy_study(write, TEXT + RIGID), tmp_path / "out")
     table = store.open_results(tmp_path / "out").table()
     error_columns = ["model", "error.model", "error.step", "error.scatter", "error"]
     assert [name for name in table.columns if name in error_columns] == error_columns
@@ -473,7 +474,7 @@ def test_the_table_tells_models_and_how_far_off_they_may_be(write: Write, tmp_pa
 def test_the_table_tells_what_friction_changes(write: Write, tmp_path: Path) -> None:
     """Two of three cases are tried with it, at the ends of the curve, in other processes."""
     text = TEXT.replace("friction: none\n", "") + RIGID
-    compute(near(write, text), tmp_path / "out", jobs=2)
+    compute(accuracy_study(write, text), tmp_path / "out", jobs=2)
     choices = store.read_choices(tmp_path / "out").values()
     assert sorted(choice.inferred for choice in choices) == [False, False, True]
     table = store.open_results(tmp_path / "out").table()
@@ -486,7 +487,7 @@ def test_the_table_tells_what_friction_changes(write: Write, tmp_path: Path) -> 
 
 
 def test_no_sum_is_told_where_the_ring_is_only_assumed_to_be_rigid(write: Write, tmp_path: Path) -> None:
-    summary = compute(near(write), tmp_path / "out")
+    summary = compute(accuracy_study(write), tmp_path / "out")
     table = store.open_results(tmp_path / "out").table()
     assert table["error"].isna().all()
     assert table["error.model"].notna().sum() == 3
@@ -499,7 +500,7 @@ def test_no_sum_is_told_where_the_ring_is_only_assumed_to_be_rigid(write: Write,
 def test_nothing_holds_an_accuracy_before_it_is_computed(write: Write, tmp_path: Path) -> None:
     from bearingsim.runner.promises import accuracy_notes
 
-    compute(near(write), tmp_path / "out")
+    compute(accuracy_study(write), tmp_path / "out")
     frame = store.job_frame(tmp_path / "out").assign(status="missing")
     assert not list(accuracy_notes(store.read_plan(tmp_path / "out"), frame))
 
@@ -513,7 +514,7 @@ def test_audits_of_what_is_measured_against_a_twin_compare_that(
 
     def make_trial(case: Any, features: Any, passes: int, turn: float) -> Any:
         return trials.trial(
-            (1.0 + bool(case.defects)) * case.load * trials.OFF[case.model], passes, names=features
+            (1.0 + bool(case.defects)) * case.load * trials.MODEL_FACTORS[case.model], passes, names=features
         ), None
 
     monkeypatch.setattr(trials, "try_out", make_trial)

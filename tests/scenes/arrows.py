@@ -8,7 +8,7 @@ from bearingsim.core import layout as lay
 from bearingsim.core.models.interface import degrees_of_freedom, state_width
 
 
-class Sized(NamedTuple):
+class ArrowModel(NamedTuple):
     """A model of ``Z`` rollers with ``own`` coordinates each and ``shared`` of the border, known at run time."""
 
     own: int
@@ -16,24 +16,24 @@ class Sized(NamedTuple):
     Z: int
 
 
-@state_width.register(Sized)
+@state_width.register(ArrowModel)
 def _state_width(model):
     lanes = (model.Z + lay.VECTOR_WIDTH - 1) // lay.VECTOR_WIDTH * lay.VECTOR_WIDTH
     return lay.FIRST_LANE if model.own == 0 else (model.own - 1) * lay.ROW + lay.FIRST_LANE + lanes
 
 
-@degrees_of_freedom.register(Sized)
+@degrees_of_freedom.register(ArrowModel)
 def _degrees_of_freedom(model):
     return model.own, model.shared
 
 
-def cells(model: Sized, block: int = 0) -> np.ndarray:
+def cells(model: ArrowModel, block: int = 0) -> np.ndarray:
     """Where the coordinates stand in a state block, in the order of the dense matrix: rollers, then border."""
     rollers = [block + i * lay.ROW + lay.FIRST_LANE + j for j in range(model.Z) for i in range(model.own)]
     return np.array(rollers + [block + lay.shared_cell(k) for k in range(model.shared)])
 
 
-def places(model: Sized, matrix: int) -> np.ndarray:
+def arrow_cells(model: ArrowModel, matrix: int) -> np.ndarray:
     """Where the entries of the dense matrix stand in the arrow at ``matrix``; -1 where the arrow has none."""
     own, shared, Z = model
     N = own * Z
@@ -48,9 +48,9 @@ def places(model: Sized, matrix: int) -> np.ndarray:
     return where
 
 
-def fill(model: Sized, matrix: int, scatter: float | np.ndarray, y: np.ndarray) -> np.ndarray:
+def fill(model: ArrowModel, matrix: int, scatter: float | np.ndarray, y: np.ndarray) -> np.ndarray:
     """Put random entries in the arrow at ``matrix``; the same, dense. scatter: () or (n, n), their size."""
-    where = places(model, matrix)
+    where = arrow_cells(model, matrix)
     size = np.broadcast_to(scatter, where.shape)
     dense = np.where(where >= 0, size * RANDOM.standard_normal(where.shape), 0.0)
     y[where[where >= 0]] = dense[where >= 0]
@@ -60,7 +60,7 @@ def fill(model: Sized, matrix: int, scatter: float | np.ndarray, y: np.ndarray) 
 RANDOM = np.random.default_rng(5)
 
 
-def turning(model: Sized) -> np.ndarray:
+def cage_transform(model: ArrowModel) -> np.ndarray:
     """T of x_absolute = T x: each roller's angle is counted from where the cage has turned to."""
     T = np.eye(model.own * model.Z + model.shared)
     if model.own > 1 and model.shared > lay.PHI_C:
@@ -68,16 +68,18 @@ def turning(model: Sized) -> np.ndarray:
     return T
 
 
-def random_arrows(model: Sized, scatter: float | np.ndarray = 0.2) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def random_arrows(
+    model: ArrowModel, scatter: float | np.ndarray = 0.2
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """A buffer with random derivatives, and these dense, in the coordinates of the state."""
     y = lay.buffer(model.Z, 1.0)
-    T = turning(model)
+    T = cage_transform(model)
     by_position = np.linalg.solve(T, fill(model, lay.POSITION_JACOBIAN, scatter, y) @ T)
     by_velocity = np.linalg.solve(T, fill(model, lay.VELOCITY_JACOBIAN, scatter, y) @ T)
     return y, by_position, by_velocity
 
 
-def sprung(model: Sized, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def spring_arrow(model: ArrowModel, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A buffer with -M^-1 sum_j k_j n_j n_j^T in POSITION_JACOBIAN, springs (Z, s) from each roller to the border.
 
     And this, dense. In absolute angles. The units of coordinates, and with them M, differ by up to 1e6.
@@ -91,11 +93,11 @@ def sprung(model: Sized, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         for one in stiffness:
             n = RANDOM.standard_normal(len(at)) * units[at]
             dense[np.ix_(at, at)] -= one * np.outer(n, n) / units[at, np.newaxis] ** 2
-    where = places(model, lay.POSITION_JACOBIAN)
+    where = arrow_cells(model, lay.POSITION_JACOBIAN)
     y[where[where >= 0]] = dense[where >= 0]
     return y, dense
 
 
-def unused(model: Sized, block: int) -> np.ndarray:
+def unused_cells(model: ArrowModel, block: int) -> np.ndarray:
     """Cells of a state block that belong to no coordinate."""
     return np.setdiff1d(np.arange(block, block + lay.STATE), cells(model, block))

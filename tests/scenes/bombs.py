@@ -9,7 +9,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-__all__ = ["DATASETS", "same_letters", "stated_letters"]
+__all__ = ["DATASETS", "overstate_text", "share_text"]
 
 HUGE = (2, 2_000_000_000)
 
@@ -95,11 +95,11 @@ DATASETS: dict[str, tuple[Callable[[Any, str, Path], None], str]] = {
 """By kind: what adds such a dataset, and how the refusal to read it as numbers begins."""
 
 
-def same_letters(content: bytes, of: int, count: int) -> bytes:
+def share_text(content: bytes, of: int, count: int) -> bytes:
     """The texts of a dataset of variable length whose references lie at ``of``, all made the first of them."""
     return content[:of] + count * content[of : of + 16] + content[of + 16 * count :]
 
 
-def stated_letters(content: bytes, of: int, letters: int) -> bytes:
+def overstate_text(content: bytes, of: int, letters: int) -> bytes:
     """The text of a dataset whose reference lies at ``of``, stated to have so many letters."""
     return content[:of] + struct.pack("<I", letters) + content[of + 4 :]

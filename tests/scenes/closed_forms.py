@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-class Known(NamedTuple):
+class KnownIndices(NamedTuple):
     """A function of points (..., d), and its indices (d,)."""
 
     of: Callable[[Array], Array]
@@ -18,7 +18,7 @@ class Known(NamedTuple):
     total: Array
 
 
-def _ishigami(a: float = 7.0, b: float = 0.1) -> Known:
+def _ishigami(a: float = 7.0, b: float = 0.1) -> KnownIndices:
     """sin x + a sin^2 y + b z^4 sin x, each of them from -pi to pi (Ishigami and Homma, 1990)."""
 
     def of(u: Array) -> Array:
@@ -29,10 +29,10 @@ def _ishigami(a: float = 7.0, b: float = 0.1) -> Known:
     of_y = a**2 / 8.0
     both = b**2 * math.pi**8 * (1.0 / 18.0 - 1.0 / 50.0)  # x and z
     whole = of_x + of_y + both
-    return Known(of, np.array([of_x, of_y, 0.0]) / whole, np.array([of_x + both, of_y, both]) / whole)
+    return KnownIndices(of, np.array([of_x, of_y, 0.0]) / whole, np.array([of_x + both, of_y, both]) / whole)
 
 
-def _sobol_g(a: Array) -> Known:
+def _sobol_g(a: Array) -> KnownIndices:
     """The product of (|4 x_j - 2| + a_j)/(1 + a_j) (Saltelli and Sobol', 1995)."""
 
     def of(u: Array) -> Array:
@@ -40,7 +40,7 @@ def _sobol_g(a: Array) -> Known:
 
     alone = 1.0 / 3.0 / (1.0 + a) ** 2
     whole = np.prod(1.0 + alone) - 1.0
-    return Known(of, alone / whole, alone * np.prod(1.0 + alone) / (1.0 + alone) / whole)
+    return KnownIndices(of, alone / whole, alone * np.prod(1.0 + alone) / (1.0 + alone) / whole)
 
 
 ISHIGAMI = _ishigami()

@@ -24,13 +24,17 @@ radii = st.sampled_from([R_OUTER, R_INNER])
 lengths, widths, depths = st.floats(1e-3, 12e-3), st.floats(5e-5, 4e-3), st.floats(1e-7, 1e-4)
 shapes = st.builds(lambda kind, *sizes: kind(*sizes), st.sampled_from(SMOOTH), lengths, widths, depths)
 spalls = st.builds(Spall, lengths, widths, depths, st.floats(0.0, 1.0), st.integers(0, 1000))
-plain = shapes | spalls
-eased = st.builds(lambda defect, r: EasedDefect(defect, r, 0.0), plain, st.floats(2e-6, 1e-4)) | st.builds(
-    lambda defect, ramp: EasedDefect(defect, 0.0, ramp), plain, st.floats(5e-6, 2e-4)
+plain_defects = shapes | spalls
+eased_defects = st.builds(
+    lambda defect, r: EasedDefect(defect, r, 0.0), plain_defects, st.floats(2e-6, 1e-4)
+) | st.builds(lambda defect, ramp: EasedDefect(defect, 0.0, ramp), plain_defects, st.floats(5e-6, 2e-4))
+shifted_defects = st.builds(
+    ShiftedDefect, plain_defects | eased_defects, st.floats(-2e-3, 2e-3), st.floats(-2e-3, 2e-3)
 )
-placed = st.builds(ShiftedDefect, plain | eased, st.floats(-2e-3, 2e-3), st.floats(-2e-3, 2e-3))
-merged = st.builds(lambda defects: MergedDefects(tuple(defects)), st.lists(placed, min_size=2, max_size=4))
-smooth_defects = shapes | spalls | eased | merged
+merged_defects = st.builds(
+    lambda defects: MergedDefects(tuple(defects)), st.lists(shifted_defects, min_size=2, max_size=4)
+)
+smooth_defects = shapes | spalls | eased_defects | merged_defects
 """Defects without a burr."""
 
 
@@ -45,7 +49,7 @@ def rough_scan(seed, burr=0.0):
     return ScannedDefect(f"scan {seed} {burr}", s, z, depth)
 
 
-def brute(profile, s, R, reach=1e-3):
+def brute_force(profile, s, R, reach=1e-3):
     """h(s) = min over t of p(t) + (t - s)^2/(2 R) on a fine grid that has every end and every s on it."""
     ends = profile.pieces[:, :2].ravel()
     t = np.linspace(min(ends.min(), s.min()) - reach, max(ends.max(), s.max()) + reach, 20001)

@@ -43,7 +43,7 @@ class DesignStudy(FakeStudy):
         return [*cases.values(), FakeJob(case_id(twin), twin, {}, None, is_baseline=True)]
 
 
-def computed(root: Path, **study: Any) -> Path:
+def run_design(root: Path, **study: Any) -> Path:
     """The results of a design, in a folder."""
     asked: Any = DesignStudy(**study)
     run(asked, root, jobs=1, progress=False, engine=ENGINE)

@@ -17,7 +17,7 @@ MATRICES = ((lay.POSITION_JACOBIAN, lay.POSITION), (lay.VELOCITY_JACOBIAN, lay.V
 
 
 @compiled
-def derive(model, t, y):
+def compute_derivatives(model, t, y):
     linearise(model, t, y)
 
 
@@ -28,7 +28,7 @@ def cells(model: Any) -> np.ndarray:
     return np.array([lay.shared_cell(k) for k in range(shared)] + rollers)
 
 
-def in_full(model: Any, matrix: int, y: np.ndarray) -> np.ndarray:
+def dense_matrix(model: Any, matrix: int, y: np.ndarray) -> np.ndarray:
     """An arrow as a dense matrix (N, N), in the order of ``cells``."""
     (own, shared), Z = degrees_of_freedom(model), model.bearing.Z
     full = np.zeros((shared + own * Z, shared + own * Z))
@@ -50,11 +50,11 @@ def derivatives(model: Any, t: float, y: np.ndarray) -> list[np.ndarray]:
     y = y.copy()
     start_at_rest(model, t, y)
     y[lay.POSITION_JACOBIAN : lay.SYSTEM] = np.nan  # nothing may survive
-    derive(model, t, y)
-    return [in_full(model, matrix, y) for matrix, _ in MATRICES]
+    compute_derivatives(model, t, y)
+    return [dense_matrix(model, matrix, y) for matrix, _ in MATRICES]
 
 
-def absolutely(model: Any, y: np.ndarray, block: int) -> np.ndarray:
+def absolute_values(model: Any, y: np.ndarray, block: int) -> np.ndarray:
     """Values (N,) of the model's coordinates in a block, rollers' angles counted absolutely."""
     (own, shared), Z = degrees_of_freedom(model), model.bearing.Z
     values = y[block + cells(model)]
@@ -63,7 +63,7 @@ def absolutely(model: Any, y: np.ndarray, block: int) -> np.ndarray:
     return values
 
 
-def moved(model: Any, y: np.ndarray, block: int, cell: int, by: float) -> np.ndarray:
+def shift_coordinate(model: Any, y: np.ndarray, block: int, cell: int, by: float) -> np.ndarray:
     """The buffer with one coordinate moved; rollers stay where they are while the cage turns."""
     y = y.copy()
     y[block + cell] += by
@@ -81,9 +81,9 @@ def differences(model: Any, t: float, y: np.ndarray, steps: tuple[np.ndarray, np
         for cell, h in zip(cells(model), by, strict=True):
             values = []
             for part in (-2.0, -1.0, 1.0, 2.0):
-                shifted = moved(model, y, block, cell, part * h)
+                shifted = shift_coordinate(model, y, block, cell, part * h)
                 start_at_rest(model, t, shifted)
-                values.append(absolutely(model, shifted, lay.ACCELERATION))
+                values.append(absolute_values(model, shifted, lay.ACCELERATION))
             columns.append((8.0 * (values[2] - values[1]) - (values[3] - values[0])) / (12.0 * h))
         full.append(np.array(columns).T)
     return full

@@ -36,7 +36,7 @@ _Core.add_constructor("tag:yaml.org,2002:float", lambda loader, node: float(node
 VALIDATOR = jsonschema.Draft7Validator(json_schema())
 
 
-def marked(text: str) -> list[str]:
+def schema_errors(text: str) -> list[str]:
     """What an editor marks as wrong: places, and why."""
     errors = VALIDATOR.iter_errors(yaml.load(text, _Core))
     return [f"{'.'.join(map(str, error.absolute_path))}: {error.message}" for error in errors]

@@ -103,7 +103,7 @@ FAULTS: dict[str, Callable[[], AbstractContextManager[None]]] = {
 }
 
 
-def leave_out_long_computations() -> None:
+def replace_long_computations() -> None:
     """Replace the runs of `stability` and `bench` by rows that nobody computed."""
     from bearingsim.bench import measure, plan
     from bearingsim.stability import mapping
@@ -150,7 +150,7 @@ def run_all(fault: str, places: dict[str, str]) -> dict[str, Any]:
 if __name__ == "__main__":
     record, results, design, *faults = sys.argv[1:]
     run(["--version"])  # before anything else is imported, as in a process of its own
-    leave_out_long_computations()
+    replace_long_computations()
     ends = {}
     for fault, jobs in (word.split("=") for word in faults):
         ends[fault] = run_all(fault, {"RESULTS": results, "DESIGN": design, "JOBS": jobs})

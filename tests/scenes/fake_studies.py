@@ -144,21 +144,26 @@ def record_of(case: FakeCase) -> Any:
         time=time_s,
         series=series,
         features=features,
-        info={"step_s": 5e-7, "cpu_s": case.seconds, "integrator_cpu_s": spun(case), "model": "fake"},
+        info={
+            "step_s": 5e-7,
+            "cpu_s": case.seconds,
+            "integrator_cpu_s": integrator_seconds(case),
+            "model": "fake",
+        },
     )
 
 
-def spun(case: FakeCase) -> float:
+def integrator_seconds(case: FakeCase) -> float:
     """CPU time in s that counts as the integrator's: that of spinning, not of sleeping."""
     return case.seconds if case.deed == "spin" else 0.0
 
 
 def simulate(case: FakeCase) -> SimpleNamespace:
     """Take its time, do its deed, and give the record if that can still be."""
-    end = time.process_time() + spun(case)
+    end = time.process_time() + integrator_seconds(case)
     while time.process_time() < end:
         cpu_time.check()
-    time.sleep(case.seconds - spun(case))
+    time.sleep(case.seconds - integrator_seconds(case))
     deed, _, flag = case.deed.partition(" ")
     if deed == "raise":
         raise FakeError("no steady state after 0.3 s", "shorten the step", 0.3)

@@ -26,7 +26,7 @@ from bearingsim.runner import Engine
 from bearingsim.store import sealed
 from bearingsim.store.columns import TEXT
 from bearingsim.store.sealed import read_json, write_json
-from tests.scenes.bombs import DATASETS, same_letters
+from tests.scenes.bombs import DATASETS, share_text
 
 STUDY = """\
 study: sent
@@ -113,7 +113,7 @@ def first_unit(root: Path) -> Path:
 
 
 @contextmanager
-def resealed(path: Path) -> Iterator[Any]:
+def reseal(path: Path) -> Iterator[Any]:
     """An HDF5 file to change, whose digest is made anew."""
     content = path.read_bytes()[: -sealed.SEAL_BYTES]
     memory = io.BytesIO(content)
@@ -123,16 +123,16 @@ def resealed(path: Path) -> Iterator[Any]:
     path.write_bytes(image + sealed._seal(image))
 
 
-def replaced(add: Callable[[Any, str, Path], None], root: Path, outside: Path) -> None:
+def replace_channel(add: Callable[[Any, str, Path], None], root: Path, outside: Path) -> None:
     """A channel of a unit that is not what it states."""
-    with resealed(first_unit(root)) as file:
+    with reseal(first_unit(root)) as file:
         del file["ring.velocity.x"]
         add(file, "ring.velocity.x", outside / "secret.h5")
 
 
-def of_shape(name: str, root: Path, outside: Path) -> None:
+def inflate_columns(name: str, root: Path, outside: Path) -> None:
     """Columns of a unit that state gigabytes."""
-    with resealed(first_unit(root)) as file:
+    with reseal(first_unit(root)) as file:
         jobs, names = file[name].shape
         dtype = file[name].dtype
         del file[name]
@@ -141,7 +141,7 @@ def of_shape(name: str, root: Path, outside: Path) -> None:
 
 
 def external_raw(root: Path, outside: Path) -> None:
-    with resealed(first_unit(root)) as file:
+    with reseal(first_unit(root)) as file:
         shape = file["ring.velocity.x"].shape
         del file["ring.velocity.x"]
         where = [(str(outside / "secret.raw"), 0, 4 * shape[0] * shape[1])]
@@ -150,7 +150,7 @@ def external_raw(root: Path, outside: Path) -> None:
 
 def long_record(root: Path, outside: Path) -> None:
     """A record of gigabytes, of which nothing was ever written."""
-    with resealed(first_unit(root)) as file:
+    with reseal(first_unit(root)) as file:
         jobs = len(file["job"])
         for name, shape in (("time", ()), ("ring.velocity.x", (jobs,)), ("ring.velocity.y", (jobs,))):
             del file[name]
@@ -158,7 +158,7 @@ def long_record(root: Path, outside: Path) -> None:
 
 
 def external_time(root: Path, outside: Path) -> None:
-    with resealed(first_unit(root)) as file:
+    with reseal(first_unit(root)) as file:
         count = len(file["time"])
         del file["time"]
         file.create_dataset("time", (count,), "f4", external=[(str(outside / "secret.raw"), 0, 4 * count)])
@@ -167,26 +167,26 @@ def external_time(root: Path, outside: Path) -> None:
 def shared_letters(root: Path, outside: Path) -> None:
     """A unit without jobs to speak of, whose names of columns share a long text."""
     path = first_unit(root)
-    with resealed(path) as file:
+    with reseal(path) as file:
         del file["fact"]
         file.create_dataset("fact", data=["x" * 100_000, *["y"] * 20_000], dtype=TEXT)
         place = file["fact"].id.get_offset()
-    image = same_letters(path.read_bytes()[: -sealed.SEAL_BYTES], place, 20_001)
+    image = share_text(path.read_bytes()[: -sealed.SEAL_BYTES], place, 20_001)
     path.write_bytes(image + sealed._seal(image))
 
 
 def stale_table(root: Path, outside: Path) -> None:
     """A table that states gigabytes, and is up to date by what it says."""
-    with resealed(root / "study.h5") as file:
+    with reseal(root / "study.h5") as file:
         shape = file["features"].shape
         del file["features"]
         file.create_dataset("features", (shape[0], 500_000_000), "f8", chunks=(1, 1000), compression="gzip")
 
 
-def words(root: Path, outside: Path) -> None:
+def obeyed_words(root: Path, outside: Path) -> None:
     """Words of a unit, and of the table, that a terminal or a spreadsheet would obey."""
     for path in (first_unit(root), root / "study.h5"):
-        with resealed(path) as file:
+        with reseal(path) as file:
             for name in ("parameter_text", "fact_text"):
                 if name in file:
                     shape = file[name].shape
@@ -196,7 +196,7 @@ def words(root: Path, outside: Path) -> None:
 
 def text_features(root: Path, outside: Path) -> None:
     """Features that are no numbers."""
-    with resealed(first_unit(root)) as file:
+    with reseal(first_unit(root)) as file:
         shape, names = file["features"].shape, file["feature"].asstr()[()]
         del file["features"]
         file["feature_text"] = np.full(shape, b"=1")
@@ -206,7 +206,7 @@ def text_features(root: Path, outside: Path) -> None:
 def scan_elsewhere(digest: str, root: Path, outside: Path) -> None:
     """A scan that lies elsewhere, by its path or by its digest."""
     for path in (first_unit(root), root / "study.h5"):
-        with resealed(path) as file:
+        with reseal(path) as file:
             names, texts = list(file["parameter_text_name"].asstr()[()]), file["parameter_text"][()].astype("S200")
             del file["parameter_text"]
             texts[:, names.index("defects.1.file")] = str(outside / "secret.csv").encode()
@@ -214,7 +214,7 @@ def scan_elsewhere(digest: str, root: Path, outside: Path) -> None:
             file["parameter_text"] = texts
 
 
-def of_plan(change: Callable[[dict[str, Any]], Any], root: Path, outside: Path) -> None:
+def change_plan(change: Callable[[dict[str, Any]], Any], root: Path, outside: Path) -> None:
     """A plan that says something else."""
     plan = read_json(root / "plan.json")
     write_json(root / "plan.json", plan | change(plan))
@@ -311,21 +311,21 @@ def names_of_files(root: Path, outside: Path) -> None:
 ELSEWHERE, LARGE = ("virtual", "external link"), ("never written", "one chunk")
 Attack = Callable[[Path, Path], None]
 ATTACKS: dict[str, Attack] = {
-    **{f"channel: {kind}": partial(replaced, DATASETS[kind][0]) for kind in ELSEWHERE + LARGE},
+    **{f"channel: {kind}": partial(replace_channel, DATASETS[kind][0]) for kind in ELSEWHERE + LARGE},
     "channel: external raw": external_raw,
     "channels and time: gigabytes": long_record,
     "time: external raw": external_time,
-    "features: gigabytes": partial(of_shape, "features"),
-    "words: gigabytes": partial(of_shape, "parameter_text"),
+    "features: gigabytes": partial(inflate_columns, "features"),
+    "words: gigabytes": partial(inflate_columns, "parameter_text"),
     "names that share letters": shared_letters,
     "table: gigabytes": stale_table,
-    "words for terminal and spreadsheet": words,
+    "words for terminal and spreadsheet": obeyed_words,
     "features that are texts": text_features,
     "scan elsewhere": partial(scan_elsewhere, "0123456789abcdef"),
     "scan elsewhere by its digest": partial(scan_elsewhere, "OUTSIDE/secret"),
-    "plan: study in another folder": partial(of_plan, lambda plan: {"study": "../../outside/x"}),
-    "plan: job in another folder": partial(of_plan, moved_job),
-    "plan: words": partial(of_plan, words_of_plan),
+    "plan: study in another folder": partial(change_plan, lambda plan: {"study": "../../outside/x"}),
+    "plan: job in another folder": partial(change_plan, moved_job),
+    "plan: words": partial(change_plan, words_of_plan),
     "plan: empty lists": large_plan,
     "failures": failure,
     "choices and trials": choices,
@@ -347,7 +347,7 @@ ATTACKS: dict[str, Attack] = {
 # Commands, watched
 
 
-def attacked(name: str, work: Path) -> None:
+def run_attack(name: str, work: Path) -> None:
     """Change the results in ``work`` as an attack does, run all commands, and write what was seen of them."""
     os.chdir(work)
     root, outside = work / "sent", work / "outside"

@@ -11,8 +11,8 @@ from bearingsim.core.advance import RING_MOTION, Monitor, NoSamples, advance_and
 from bearingsim.core.models.equilibrium import solve_initial_equilibrium
 from bearingsim.core.outcomes import SUCCESS
 
-ON_INNER_RACE, ON_A_ROLLER = {"race": "inner"}, {"race": "roller"}  # of a defect: what carries it
-PLACES = np.array([*RING_MOTION, lay.Q_O, lay.Q_I])  # the ring's motion, and the first roller's forces
+INNER_DEFECT, ROLLER_DEFECT = {"race": "inner"}, {"race": "roller"}  # of a defect: what carries it
+ROWS = np.array([*RING_MOTION, lay.Q_O, lay.Q_I])  # the ring's motion, and the first roller's forces
 SLOT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth": "0.05 mm"}
 
 
@@ -52,7 +52,7 @@ def at_rest(model: Any, t: float = 0.0) -> np.ndarray:
     return y
 
 
-def recorded(
+def advance_recorded(
     method: Any, model: Any, monitor: Monitor, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray
 ) -> tuple[int, int, int]:
     """``advance`` by the code that simulates a case: compiled once for both, if ``out`` is laid out as there.
@@ -68,7 +68,7 @@ def recorded(
 def drive(model: Any, method: Any, steps: int, y: np.ndarray | None = None, patience: float = 1.0) -> np.ndarray:
     """Recording (len(PLACES), steps) from rest, or from ``y``."""
     y = at_rest(model) if y is None else y
-    out = np.empty((len(PLACES), steps))
-    taken, outcome, _ = recorded(method, model, Monitor(8, patience), 0, y, PLACES, out)
+    out = np.empty((len(ROWS), steps))
+    taken, outcome, _ = advance_recorded(method, model, Monitor(8, patience), 0, y, ROWS, out)
     assert (taken, outcome) == (steps, SUCCESS)
     return out

@@ -46,22 +46,22 @@ class Oscillator(NamedTuple):
     bearing: Bearing = UNIT
 
 
-def swing(K: float, C: float, P: float) -> Oscillator:
+def pendulum(K: float, C: float, P: float) -> Oscillator:
     """q'' = -K (q - q^3/6) - C v (1 + v^2) + P cos t: smooth, and bent in all it depends on."""
     return Oscillator(K, C, P, w=1.0, B=1.0 / 6.0, D=1.0)
 
 
-def bounce(g: float, K: float, n: float) -> Oscillator:
+def bouncing_roller(g: float, K: float, n: float) -> Oscillator:
     """q'' = -g + K <-q>^n: a roller on a floor that it may leave."""
     return Oscillator(0.0, 0.0, g=g, floor=K, n=n)
 
 
-def switched(P: float, at: float) -> Oscillator:
+def jump_at(P: float, at: float) -> Oscillator:
     """q'' = P (1 + v) up to the time ``at``, -P after it: a jump, of which ``next_jump`` tells."""
     return Oscillator(0.0, -P, g=-P, until=at, after=-P, foreseen=at)
 
 
-def unfinished(end: float) -> Oscillator:
+def undefined_after(end: float) -> Oscillator:
     """q'' = 1 up to the time ``end`` (s), and no number after it."""
     return Oscillator(0.0, 0.0, g=-1.0, until=end, after=nan)
 
@@ -96,7 +96,7 @@ def start(method, model, t, q, v, y):
 
 
 @jit
-def go(method, model, first, y, out):
+def take_steps(method, model, first, y, out):
     """Take len(out) steps from step number ``first``, recording place and speed after each: out (n, 2)."""
     for n in range(len(out)):
         step(method, model, (first + n) * method.h, y)
@@ -107,7 +107,7 @@ def run(method: Any, model: Any, steps: int, q: float = 0.5, v: float = 0.2) -> 
     """Places and speeds (steps, 2) from (q, v) at t = 0, and the buffer."""
     y, out = lay.buffer(1, 1.0), np.empty((steps, 2))
     start(method, model, 0.0, q, v, y)
-    go(method, model, 0, y, out)
+    take_steps(method, model, 0, y, out)
     return out, y
 
 
@@ -116,20 +116,20 @@ def at_even_steps(parameters: type, model: Any, h: float, steps: int, q: float, 
     if "longest" not in parameters._fields:  # type: ignore[attr-defined]
         return run(parameters(h), model, steps, q, v)[0][-1]
     y, out = lay.buffer(1, 1.0), np.empty((steps, 2))
-    method = tolerant(parameters, h, h)
+    method = without_error_control(parameters, h, h)
     start(method, model, 0.0, q, v, y)
     y[lay.H_NEXT] = h
-    go(method, model, 0, y, out)
+    take_steps(method, model, 0, y, out)
     assert y[lay.STEPS_TAKEN] == steps
     return out[-1]
 
 
-def tolerant(parameters: Any, h: float, longest: float) -> Any:
+def without_error_control(parameters: Any, h: float, longest: float) -> Any:
     """An adaptive method that accepts any step, so that all are as long as allowed."""
     return parameters(h, 1e30, 1e30, 1e30, longest)
 
 
-def tight(parameters: Any, h: float, tolerance: float, longest: float = 1.0) -> Any:
+def with_tolerance(parameters: Any, h: float, tolerance: float, longest: float = 1.0) -> Any:
     """An adaptive method with one tolerance for all."""
     return parameters(h, tolerance, tolerance, tolerance, longest)
 
@@ -144,7 +144,7 @@ def counts(y: np.ndarray) -> dict[str, float]:
     }
 
 
-def swung(K: float, C: float, t: float, q: float, v: float) -> np.ndarray:
+def exact_state(K: float, C: float, t: float, q: float, v: float) -> np.ndarray:
     """The free oscillator's exact state (2,) at ``t`` (s), underdamped."""
     w, c = sqrt(K - C * C / 4.0), C / 2.0
     e, co, si = exp(-c * t), cos(w * t), cos(w * t - pi / 2.0)

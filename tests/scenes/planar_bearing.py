@@ -28,7 +28,7 @@ from bearingsim.core.parts.shaft import FixedRing, RigidShaft, TorsionSpring
 from tests.independent import planar
 
 FAR = 0.01  # m: a pocket that no roller touches
-PLACES = np.array(
+ROWS = np.array(
     [
         lay.POSITION + lay.X,
         lay.POSITION + lay.Y,
@@ -63,19 +63,19 @@ def _stiffness_unclamped(contact, delta, v):
     return tangent(contact.stiffness, delta) * max(1.0 + contact.chi * v, 0.0)
 
 
-class Zone(NamedTuple):
+class RegularisedCoulomb(NamedTuple):
     """Coulomb friction, proportional to the slip below ``v`` (m/s)."""
 
     mu: float
     v: float
 
 
-@mu.register(Zone)
+@mu.register(RegularisedCoulomb)
 def _mu_zone(law, v, u):
     return law.mu * min(max(v / law.v, -1.0), 1.0)
 
 
-@mu_derivative_bound.register(Zone)
+@mu_derivative_bound.register(RegularisedCoulomb)
 def _mu_derivative_bound_zone(law, u):
     return law.mu / law.v
 
@@ -85,12 +85,12 @@ def friction(given: Any) -> Any:
     if given is planar.frictionless:
         return Frictionless()
     if isinstance(given, planar.Coulomb):
-        return Zone(given.mu, given.zone)
+        return RegularisedCoulomb(given.mu, given.zone)
     mu_s, mu_d = float(given(0.02)), float(given(1.0))
     return StaticDynamic(mu_s, mu_d, 0.02, 0.1)
 
 
-def meetings(scene: planar.Scene, defect: planar.Defect) -> list[RollerDefectPair]:
+def defect_pairs(scene: planar.Scene, defect: planar.Defect) -> list[RollerDefectPair]:
     """A box over the full length, as each contact meets it."""
     rings: dict[Any, tuple[int, float, tuple[int, ...]]] = {
         planar.OUTER: (ON_OUTER, scene.R_o, (OUTER,)),
@@ -111,7 +111,7 @@ def meetings(scene: planar.Scene, defect: planar.Defect) -> list[RollerDefectPai
     ]
 
 
-def carried(scene: planar.Scene) -> Planar:
+def planar_model(scene: planar.Scene) -> Planar:
     """The scene as the package's model."""
     bearing = Bearing(
         Z=scene.Z,
@@ -147,7 +147,7 @@ def carried(scene: planar.Scene) -> Planar:
         support=Support(load.real, load.imag, scene.k_b, scene.c_b, rest.x, rest.y),
         outer=law,
         inner=law,
-        defects=pack_defects([one for defect in scene.defects for one in meetings(scene, defect)], Envelope()),
+        defects=pack_defects([one for defect in scene.defects for one in defect_pairs(scene, defect)], Envelope()),
         motion=Steady(),
         friction=friction(scene.friction),
         cage=free,
@@ -160,7 +160,7 @@ def carried(scene: planar.Scene) -> Planar:
 
 def at_rest(scene: planar.Scene) -> tuple[Planar, np.ndarray]:
     """The scene as the package's model, and a buffer in its static start."""
-    model = carried(scene)
+    model = planar_model(scene)
     y = lay.buffer(scene.Z, scene.m_r)
     assert solve_initial_equilibrium(static_model(model), 0.0, y) <= 1e-8 * abs(scene.load)
     if len(scene.eps):
@@ -173,8 +173,8 @@ def simulate(scene: planar.Scene, duration: float, step: float) -> tuple[np.ndar
     """Times (n + 1,) s and the rows PLACES (7, n + 1), from the static start by RK4, friction without lag."""
     model, y = at_rest(scene)
     steps = round(duration / step)
-    out = np.empty((len(PLACES), steps + 1))
-    out[:, 0] = y[PLACES]
-    taken, outcome, _ = advance(RungeKutta4(step), model, Monitor(1000, 1.0), 0, y, PLACES, out[:, 1:])
+    out = np.empty((len(ROWS), steps + 1))
+    out[:, 0] = y[ROWS]
+    taken, outcome, _ = advance(RungeKutta4(step), model, Monitor(1000, 1.0), 0, y, ROWS, out[:, 1:])
     assert (taken, outcome) == (steps, SUCCESS)
     return step * np.arange(steps + 1), out

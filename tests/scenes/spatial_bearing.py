@@ -21,10 +21,10 @@ from bearingsim.core.parts.flanges import Flanges
 from bearingsim.core.parts.mounts import RigidMount
 
 L_W = 12e-3
-STRAIGHT = RigidMount(0.0, 0.0)
-LIMP, SLIPPERY = HuntCrossley(Linear(0.0), 0.0), StaticDynamic(0.0, 0.0, 0.02, 0.1)
-WITHOUT_FLANGES = Flanges(0.0, 0.0, 0.0, 0.0, 1.0, 1e-3, LIMP, SLIPPERY)
-UPRIGHT = CageInSpace(1e9, 1.0, LIMP)  # too inert to lean
+ALIGNED_MOUNT = RigidMount(0.0, 0.0)
+NO_STIFFNESS, NO_FRICTION = HuntCrossley(Linear(0.0), 0.0), StaticDynamic(0.0, 0.0, 0.02, 0.1)
+WITHOUT_FLANGES = Flanges(0.0, 0.0, 0.0, 0.0, 1.0, 1e-3, NO_STIFFNESS, NO_FRICTION)
+INERT_CAGE = CageInSpace(1e9, 1.0, NO_STIFFNESS)  # too inert to lean
 
 
 def flat(z):
@@ -32,18 +32,18 @@ def flat(z):
     return 0.0
 
 
-def even(n: int, L_w: float = L_W) -> Slices:
+def even_slices(n: int, L_w: float = L_W) -> Slices:
     """n even slices of a cylinder."""
     return slices(np.linspace(-L_w / 2, L_w / 2, n + 1), flat)
 
 
-def uneven(n: int, seed: int = 0, L_w: float = L_W) -> Slices:
+def uneven_slices(n: int, seed: int = 0, L_w: float = L_W) -> Slices:
     """n slices of random length."""
     inner = np.sort(np.random.default_rng(seed).uniform(-L_w / 2, L_w / 2, n - 1))
     return slices(np.concatenate([[-L_w / 2], inner, [L_w / 2]]), flat)
 
 
-def felt_by_slices(defects: Any, table: np.ndarray, reach: Any = None) -> Any:
+def slice_defects(defects: Any, table: np.ndarray, reach: Any = None) -> Any:
     """Defects of one section, met by every slice whose middle lies between the ends ``reach`` (m)."""
     head, n = defects.head.copy(), len(table)
     groups = np.zeros((len(head), n, defects.groups.shape[2]))
@@ -57,22 +57,22 @@ def felt_by_slices(defects: Any, table: np.ndarray, reach: Any = None) -> Any:
     return defects._replace(head=head, groups=groups)
 
 
-def in_space(model: Any, cut: Slices, reach: Any = None, **given: Any) -> Spatial:
+def spatial_model(model: Any, cut: Slices, reach: Any = None, **given: Any) -> Spatial:
     """The planar model cut into slices; what is not given lies still."""
     b = model.bearing
     fields = model._asdict()
     lag = fields.pop("lag")
     fields["defects"] = (
-        felt_by_slices(model.defects, cut.table, reach) if len(model.defects.head) else model.defects
+        slice_defects(model.defects, cut.table, reach) if len(model.defects.head) else model.defects
     )
     rest = {
         "slices": cut,
         "L_w": L_W,
         "I_t": b.m_r * (b.R_w**2 / 4 + L_W**2 / 12),
-        "mount_o": STRAIGHT,
-        "mount_i": STRAIGHT,
+        "mount_o": ALIGNED_MOUNT,
+        "mount_i": ALIGNED_MOUNT,
         "flanges": WITHOUT_FLANGES,
-        "cage_z": CageInPlane() if isinstance(model.cage, KinematicCage) else UPRIGHT,
+        "cage_z": CageInPlane() if isinstance(model.cage, KinematicCage) else INERT_CAGE,
         "lag": lag,
     }
     return Spatial(**fields | rest | given)

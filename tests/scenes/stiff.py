@@ -30,7 +30,7 @@ def dashpot(stiffness: PowerLaw, c: float, m3: float) -> General:
     return General(stiffness, c, Power(1.0), Power(m3))
 
 
-AIR = dashpot(PowerLaw(0.0, 1.0), 0.0, 0.0)
+NO_FLOOR = dashpot(PowerLaw(0.0, 1.0), 0.0, 0.0)
 """A floor that is not felt."""
 
 
@@ -41,7 +41,7 @@ class Scene(NamedTuple):
     K = 1 van der Pol's oscillator. fault: part by which its derivatives are wrong.
     """
 
-    floor: Any = AIR
+    floor: Any = NO_FLOOR
     K: float = 0.0
     C: float = 0.0
     P: float = 0.0
@@ -77,7 +77,7 @@ def _linearise(model, t, y):
 
 
 @jit
-def walk(method, model, y, path):
+def integrate(method, model, y, path):
     """Make ready what a method needs at t = 0, and take steps; q, v and a after each into ``path`` (n, 3)."""
     accelerations(model, 0.0, y)
     prepare(method, model, 0.0, y)
@@ -86,7 +86,7 @@ def walk(method, model, y, path):
         path[n, 0], path[n, 1], path[n, 2] = y[lay.RADIAL], y[lay.RADIAL_V], y[lay.RADIAL_A]
 
 
-class Walk(NamedTuple):
+class Run(NamedTuple):
     """path: (n, 3) q, v, a at the recorded instants; counts; y: the buffer as it was left."""
 
     path: np.ndarray
@@ -98,17 +98,17 @@ class Walk(NamedTuple):
     y: np.ndarray
 
 
-def run(model: Scene, method: Any, span: float, q: float, v: float) -> Walk:
+def run(model: Scene, method: Any, span: float, q: float, v: float) -> Run:
     """The scene from (q, v) over ``span`` (s) with a method whose ``h`` is the recorded step."""
     y = lay.buffer(1, 1.0)
     y[lay.RADIAL], y[lay.RADIAL_V] = q, v
     path = np.empty((round(span / method.h), 3))
-    walk(method, model, y, path)
+    integrate(method, model, y, path)
     cells = [lay.STEPS_TAKEN, lay.STEPS_REJECTED, lay.EVALUATIONS, lay.NEWTON_ITERATIONS, lay.FAILED]
     taken, rejected, evaluated, iterated, failed = y[cells].astype(int)
-    return Walk(path, taken, rejected, evaluated, iterated, failed, y)
+    return Run(path, taken, rejected, evaluated, iterated, failed, y)
 
 
-def on_path(model: Scene, t: float) -> tuple[float, float]:
+def exact_state(model: Scene, t: float) -> tuple[float, float]:
     """p and p' at ``t``."""
     return model.P * sin(1.0 + model.w * t), model.P * model.w * cos(1.0 + model.w * t)

@@ -33,7 +33,7 @@ LOG = "FAKE_TRIALS"
 SECONDS = "FAKE_SECONDS"
 """Another: what a trial takes (s)."""
 
-DIE = "FAKE_DEATHS"
+DEATHS = "FAKE_DEATHS"
 """Another: if it is there, a trial ends its process."""
 
 HEAD = """\
@@ -50,13 +50,13 @@ sweep: {{load: [150 N, 300 N, 450 N]}}
 figures: [{{y: velocity@BPFO, x: load}}]
 """
 
-OFF = {"planar": 1.0, "rollers": 1.01, "ring": 1.5, "static": 2.0}
+MODEL_FACTORS = {"planar": 1.0, "rollers": 1.01, "ring": 1.5, "static": 2.0}
 """What each model makes of a line, over what the reference does."""
 FRICTION = 0.002
 """By what share a free cage changes that."""
 
 
-def near(write: Write, text: str = TEXT) -> Study:
+def accuracy_study(write: Write, text: str = TEXT) -> Study:
     """A study that asks for an accuracy."""
     return load_study(write(text))
 
@@ -75,10 +75,10 @@ def trial(
     return Trial(passes, passes, repeats, lines, powers, size * noise)
 
 
-Of = Callable[[TrialRequest], Trial | None]
+TrialFunction = Callable[[TrialRequest], Trial | None]
 
 
-def known(study: Study, of: Of) -> dict[str, Trial | None]:
+def run_trials(study: Study, of: TrialFunction) -> dict[str, Trial | None]:
     """The trials of a study, each as it is told."""
     choosing, found = selection.ModelSelector(study, range(len(study.cases()))), dict[str, Trial | None]()
     while wanted := choosing.next_trials(found):
@@ -86,7 +86,7 @@ def known(study: Study, of: Of) -> dict[str, Trial | None]:
     return found
 
 
-def by_model(off: Mapping[str, float], **others: Any) -> Of:
+def trials_by_model(off: Mapping[str, float], **others: Any) -> TrialFunction:
     """Trials whose features are the load, times what a model makes of it."""
     return lambda one: trial(one.case.load * off[one.case.model], names=one.features, **others)
 
@@ -105,15 +105,15 @@ def try_out(
 ) -> tuple[Trial, Any]:
     _log("try" if against is None else "rub", case)
     time.sleep(float(os.environ.get(SECONDS, "0")))
-    if DIE in os.environ:
+    if DEATHS in os.environ:
         os._exit(3)
     free = case.cage is not None and case.cage.motion == "free"
-    return trial(case.load * OFF[case.model] * (1.0 + FRICTION * free), passes, names=asked), None
+    return trial(case.load * MODEL_FACTORS[case.model] * (1.0 + FRICTION * free), passes, names=asked), None
 
 
 def simulate(case: Case) -> SimpleNamespace:
     _log("simulate", case)
-    line = case.load * OFF[case.model] * bool(case.defects)
+    line = case.load * MODEL_FACTORS[case.model] * bool(case.defects)
     features = {"velocity@BPFO": line, "velocity@BPFO.phase": 0.0, "velocity.rms": 2.0 * line}
     return SimpleNamespace(time=np.zeros(0), series={}, features=features, info={"cpu_s": 0.0})
 

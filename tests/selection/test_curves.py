@@ -6,14 +6,16 @@ import pytest
 
 from bearingsim.selection.curves import Curve, curves, groups, scales
 from tests.scenes.study_text import Write
-from tests.scenes.trials import HEAD, near
+from tests.scenes.trials import HEAD, accuracy_study
 
 SWEEP = "sweep: {load: [150 N, 300 N], defect.width: [0.2 mm, 0.8 mm], seed: [0, 1]}\n"
 
 
 def drawn(write: Write, *figures: str, sweep: str = SWEEP) -> list[tuple[int, ...]]:
     listed = "".join(f"  - {{{figure}}}\n" for figure in figures)
-    study = near(write, f"{HEAD}accuracy: {{within: 5 %, of: [velocity@BPFO]}}\n{sweep}figures:\n{listed}")
+    study = accuracy_study(
+        write, f"{HEAD}accuracy: {{within: 5 %, of: [velocity@BPFO]}}\n{sweep}figures:\n{listed}"
+    )
     return [curve.cases for curve in curves(study)]
 
 

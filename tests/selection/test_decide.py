@@ -18,7 +18,7 @@ from bearingsim.selection.choices import key
 from bearingsim.simulation.trial import Trial, with_trial_step
 from bearingsim.study import Study, case_id, load_study
 from tests.scenes.study_text import Write
-from tests.scenes.trials import HEAD, TEXT, Of, by_model, known, near, trial
+from tests.scenes.trials import HEAD, TEXT, TrialFunction, accuracy_study, run_trials, trial, trials_by_model
 
 FAR = {"planar": 1.0, "rollers": 1.5, "ring": 1.5, "static": 2.0}
 SPATIAL = TEXT + "misalignment: {inner: 0.2 mrad}\n"
@@ -28,14 +28,14 @@ RING = "{bends: true, harmonics: 16}"
 SAID, HALF, QUARTER, SIXTH = candidates.SLICES
 
 
-def decided(study: Study, of: Of) -> list[Choice]:
+def decided(study: Study, of: TrialFunction) -> list[Choice]:
     """What is chosen for each case of a study."""
     numbers = range(len(study.cases()))
-    found = selection.ModelSelector(study, numbers).decide(known(study, of)).choices
+    found = selection.ModelSelector(study, numbers).decide(run_trials(study, of)).choices
     return [found[key(study, case)] for case in study.cases()]
 
 
-def taken(study: Study, of: Of) -> list[str]:
+def taken(study: Study, of: TrialFunction) -> list[str]:
     return [choice.candidate for choice in decided(study, of)]
 
 
@@ -67,7 +67,7 @@ def dear(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
 def test_the_cheapest_that_holds_is_taken(
     write: Write, dear: dict[str, float], off: dict[str, float], model: str
 ) -> None:
-    assert taken(near(write), by_model(FAR | {"rollers": 1.01} | off)) == [model] * 3
+    assert taken(accuracy_study(write), trials_by_model(FAR | {"rollers": 1.01} | off)) == [model] * 3
 
 
 def test_scatter_that_could_be_a_difference_counts_as_one(write: Write, dear: dict[str, float]) -> None:
@@ -79,7 +79,7 @@ def test_scatter_that_could_be_a_difference_counts_as_one(write: Write, dear: di
         cut = {name: parts[: one.passes] for name, parts in whole.lines.items()}
         return replace(whole, passes=one.passes, turns=one.passes, lines=cut, forces=whole.forces[: one.passes])
 
-    assert taken(near(write), of) == ["reference"] * 3
+    assert taken(accuracy_study(write), of) == ["reference"] * 3
 
 
 def test_errors_count_over_the_largest_value_of_the_curve(write: Write, dear: dict[str, float]) -> None:
@@ -88,11 +88,13 @@ def test_errors_count_over_the_largest_value_of_the_curve(write: Write, dear: di
     def of(one: TrialRequest) -> Trial:
         return trial(one.case.load + {"planar": 0.0, "rollers": 10.0}.get(one.case.model, 1e3), names=one.features)
 
-    study = near(write)
+    study = accuracy_study(write)
     found = decided(study, of)
     assert [one.candidate for one in found] == ["rollers"] * 3
     assert [one.error["velocity@BPFO"] for one in found] == pytest.approx([10.0 / 450.0] * 3, rel=1e-6)
-    apart = near(write, TEXT.replace("x: load", "x: seed, by: load").replace("sweep: {", "sweep: {seed: [0], "))
+    apart = accuracy_study(
+        write, TEXT.replace("x: load", "x: seed, by: load").replace("sweep: {", "sweep: {seed: [0], ")
+    )
     assert taken(apart, of) == ["reference", "rollers", "rollers"]
 
 
@@ -101,7 +103,7 @@ def test_a_model_that_saves_less_than_its_compiling_over_all_cases_is_not_tried(
     write: Write, dear: dict[str, float], compiling_s: float, tried: bool
 ) -> None:
     """`rollers` saves 7 s in each of three cases."""
-    study, of = near(write), by_model(FAR | {"rollers": 1.01})
+    study, of = accuracy_study(write), trials_by_model(FAR | {"rollers": 1.01})
     dear |= {"ring": 10.0, "static": 10.0}  # save nothing
     choosing = selection.ModelSelector(study, range(3), lambda case: compiling_s)
     found = {one.id: of(one) for one in choosing.next_trials({})}
@@ -115,8 +117,8 @@ def test_a_model_that_saves_less_than_its_compiling_over_all_cases_is_not_tried(
 
 
 def test_a_candidate_that_fails_is_not_taken(write: Write, dear: dict[str, float]) -> None:
-    of = by_model(FAR | {"rollers": 1.01, "ring": 1.01})
-    study = near(write)
+    of = trials_by_model(FAR | {"rollers": 1.01, "ring": 1.01})
+    study = accuracy_study(write)
     assert taken(study, lambda one: None if one.case.model == "ring" else of(one)) == ["rollers"] * 3
     failing = (300.0, "ring")
     assert (
@@ -128,7 +130,7 @@ def test_a_candidate_that_fails_is_not_taken(write: Write, dear: dict[str, float
 @pytest.mark.parametrize("which", ["own", "twin"])
 def test_a_reference_that_fails_is_left_to_its_job(write: Write, dear: dict[str, float], which: str) -> None:
     text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
-    of = by_model(FAR | {"rollers": 1.0})
+    of = trials_by_model(FAR | {"rollers": 1.0})
 
     def failing(one: TrialRequest) -> Trial | None:
         fails = (
@@ -139,7 +141,7 @@ def test_a_reference_that_fails_is_left_to_its_job(write: Write, dear: dict[str,
         )
         return None if fails else of(lower)
 
-    found = decided(near(write, text), failing)
+    found = decided(accuracy_study(write, text), failing)
     assert [one.candidate for one in found] == ["rollers", "reference", "rollers"]
     assert found[1].why == "the reference fails"
 
@@ -147,7 +149,7 @@ def test_a_reference_that_fails_is_left_to_its_job(write: Write, dear: dict[str,
 @pytest.mark.parametrize(("saving", "model"), [(0.09, "rollers"), (0.11, "ring")])
 def test_a_lower_model_must_save_a_tenth(write: Write, dear: dict[str, float], saving: float, model: str) -> None:
     dear["ring"] = (1.0 - saving) * dear["rollers"]
-    assert taken(near(write), by_model(FAR | {"rollers": 1.01, "ring": 1.01})) == [model] * 3
+    assert taken(accuracy_study(write), trials_by_model(FAR | {"rollers": 1.01, "ring": 1.01})) == [model] * 3
 
 
 @pytest.mark.parametrize(("share", "mixed"), [(0.32, True), (0.34, False)])
@@ -163,13 +165,13 @@ def test_models_are_mixed_on_a_curve_only_where_that_saves_much(
         return trial(one.case.load * off.get(one.case.model, 9.0), names=one.features)
 
     # one model for all is the reference
-    assert taken(near(write), of) == (["static", "static", "rollers"] if mixed else ["reference"] * 3)
+    assert taken(accuracy_study(write), of) == (["static", "static", "rollers"] if mixed else ["reference"] * 3)
 
 
 def test_a_reference_that_repeats_itself_is_the_answer(write: Write) -> None:
-    study = near(write)
-    of = by_model(FAR, repeats=True)
-    found = known(study, of)
+    study = accuracy_study(write)
+    of = trials_by_model(FAR, repeats=True)
+    found = run_trials(study, of)
     assert len(found) == 3  # nothing else is tried
     assert selection.ModelSelector(study, range(3)).next_trials(found) == []
     assert taken(study, of) == ["reference"] * 3
@@ -191,9 +193,9 @@ def test_nothing_is_tried_that_costs_more_than_what_holds(
 
     def of(one: TrialRequest) -> Trial | None:
         models.add(one.case.model)
-        return by_model(FAR | {"rollers": 1.01} | off)(one)
+        return trials_by_model(FAR | {"rollers": 1.01} | off)(one)
 
-    known(near(write), of)
+    run_trials(accuracy_study(write), of)
     assert models == tried
 
 
@@ -205,7 +207,7 @@ def test_what_is_not_known_is_not_held(write: Write, dear: dict[str, float]) -> 
         found = trial(one.case.load, names=one.features)
         return replace(found, powers={"velocity.rms": math.nan * found.powers["velocity.rms"]})
 
-    study = near(write, text)
+    study = accuracy_study(write, text)
     assert taken(study, of) == ["reference"] * 3
     assert "could not be distinguished" in decided(study, of)[0].why
 
@@ -221,7 +223,7 @@ def test_it_is_told_why_nothing_cheaper_is_taken(
     write: Write, dear: dict[str, float], off: dict[str, float], said: str
 ) -> None:
     text = TEXT.replace("150 N, 300 N, 450 N", "450 N")
-    assert decided(near(write, text), by_model(FAR | off))[0].why == said
+    assert decided(accuracy_study(write, text), trials_by_model(FAR | off))[0].why == said
 
 
 def test_a_case_whose_curve_keeps_it_from_a_cheaper_model_is_told_so(write: Write, dear: dict[str, float]) -> None:
@@ -229,7 +231,7 @@ def test_a_case_whose_curve_keeps_it_from_a_cheaper_model_is_told_so(write: Writ
         high = one.case.load > 400.0 and one.case.model != "planar"
         return trial(one.case.load * (2.0 if high else 1.0), names=one.features)
 
-    found = decided(near(write), of)
+    found = decided(accuracy_study(write), of)
     assert found[0].why == "the nearest cheaper model is 0 % off here, but over 4 % elsewhere on a curve"
 
 
@@ -239,7 +241,7 @@ BOWL = TEXT.replace("rectangular", "circular")
 NODES = 24
 
 
-def by_nodes(off: float, scatter: float = 0.0, **others: Any) -> Of:
+def by_nodes(off: float, scatter: float = 0.0, **others: Any) -> TrialFunction:
     """Trials of rollers that hold, whose line doubled nodes change by a share."""
 
     def of(one: TrialRequest) -> Trial:
@@ -265,7 +267,7 @@ def test_twice_the_nodes_of_the_choice_tell_the_error_of_its_discretisation(
             tried.add(one.case.load)
         return of(one)
 
-    found = decided(near(write, BOWL), counted)
+    found = decided(accuracy_study(write, BOWL), counted)
     assert tried == {150.0, 450.0}
     assert [one.candidate for one in found] == ["reference" if repeats else "rollers"] * 3
     size = 1.0 if repeats else 1.01
@@ -285,15 +287,15 @@ def test_shapes_on_one_curve_have_discretisation_errors_of_their_own(write: Writ
         spall = bool(one.case.defects) and one.case.defects[0].shape == "spall"
         return by_nodes(0.01 if spall else 0.004, repeats=True)(one)
 
-    errors = [choice.nodes["velocity@BPFO"] for choice in decided(near(write, text), of)]
+    errors = [choice.nodes["velocity@BPFO"] for choice in decided(accuracy_study(write, text), of)]
     assert tried == {150.0, 200.0, 350.0, 400.0}
     of_loads = [0.004 * 150.0, 0.01 * 200.0, 0.004 * 350.0, 0.01 * 400.0, 0.004 * 350.0, 0.01 * 400.0]
     assert errors == pytest.approx([2.0 * of_load / 400.0 for of_load in of_loads], rel=1e-6)
 
 
 def test_nodes_whose_change_scatters_count_with_their_scatter(write: Write, dear: dict[str, float]) -> None:
-    plain = decided(near(write, BOWL), by_nodes(0.004))[2].nodes["velocity@BPFO"]
-    noisy = decided(near(write, BOWL), by_nodes(0.004, scatter=0.01))[2].nodes["velocity@BPFO"]
+    plain = decided(accuracy_study(write, BOWL), by_nodes(0.004))[2].nodes["velocity@BPFO"]
+    noisy = decided(accuracy_study(write, BOWL), by_nodes(0.004, scatter=0.01))[2].nodes["velocity@BPFO"]
     assert plain is not None
     assert noisy is not None
     assert noisy > plain + 0.005
@@ -301,7 +303,9 @@ def test_nodes_whose_change_scatters_count_with_their_scatter(write: Write, dear
 
 def test_what_twice_the_nodes_do_is_unknown_where_their_trial_fails(write: Write, dear: dict[str, float]) -> None:
     of = by_nodes(0.0)
-    found = decided(near(write, BOWL), lambda one: None if one.case.contact.length_nodes > NODES else of(one))
+    found = decided(
+        accuracy_study(write, BOWL), lambda one: None if one.case.contact.length_nodes > NODES else of(one)
+    )
     assert [one.nodes for one in found] == [{"velocity@BPFO": None}] * 3
 
 
@@ -310,20 +314,20 @@ def test_what_twice_the_nodes_do_is_unknown_where_their_trial_fails(write: Write
     [("rectangular", False), ("triangular", False), ("circular", True), ("elliptical", True), ("spall", True)],
 )
 def test_nodes_are_doubled_where_a_defect_varies_along_the_roller(write: Write, shape: str, varies: bool) -> None:
-    other = candidates.with_other_nodes(near(write, TEXT.replace("rectangular", shape)).cases()[0])
+    other = candidates.with_other_nodes(accuracy_study(write, TEXT.replace("rectangular", shape)).cases()[0])
     assert (other is not None) == varies
     assert other is None or (other[0].contact.length_nodes, other[0].contact.slices, other[1]) == (48, 24, 2.0)
 
 
 def test_of_a_reference_slices_are_halved_and_harmonics_doubled_again(write: Write) -> None:
     """Twice the slices would be too many. Of what is judged by a reference that is in the error of the model."""
-    leaning = candidates.reference(near(write, SPATIAL.replace("rectangular", "circular")).cases()[0])
+    leaning = candidates.reference(accuracy_study(write, SPATIAL.replace("rectangular", "circular")).cases()[0])
     other = candidates.with_other_nodes(leaning)
     assert other is not None
     assert (leaning.contact.slices, other[0].contact.slices, other[0].contact.length_nodes) == (48, 24, NODES)
     assert other[1] == 1.0
     assert candidates.with_other_nodes(leaning, is_reference=False) is None
-    bending = candidates.reference(near(write, f"{TEXT}rig: {{ring: {RING}}}\n").cases()[0])
+    bending = candidates.reference(accuracy_study(write, f"{TEXT}rig: {{ring: {RING}}}\n").cases()[0])
     other = candidates.with_other_nodes(bending)
     assert other is not None
     rings = [case.rig.ring for case in (bending, other[0])]
@@ -335,7 +339,7 @@ def test_of_a_reference_slices_are_halved_and_harmonics_doubled_again(write: Wri
 @pytest.mark.parametrize(("method", "step"), [("verlet", 1e-6), ("dop853", 1e-5), ("", 0.0)])
 def test_nodes_are_doubled_at_the_step_of_the_trial(write: Write, method: str, step: float) -> None:
     """Another step would have an error of its own. It has been taken before, and is not checked again."""
-    case = near(write, BOWL).cases()[0]
+    case = accuracy_study(write, BOWL).cases()[0]
     found = with_trial_step(case, replace(trial(1.0), method=method, step=step))
     assert found.step_check is False
     assert (found.method, found.step, found.tolerance) == {
@@ -349,7 +353,7 @@ def test_nodes_are_doubled_at_the_step_of_the_trial(write: Write, method: str, s
 
 
 def names(write: Write, text: str) -> dict[str, list[int]]:
-    study = near(write, text)
+    study = accuracy_study(write, text)
     return {name: list(found) for name, found in candidates.candidates(study, range(len(study.cases()))).items()}
 
 
@@ -359,11 +363,11 @@ def test_candidates_go_from_the_highest_down(write: Write, dear: dict[str, float
 
 def test_a_model_below_has_the_cage_of_the_reference(write: Write) -> None:
     """Without slip neither slips: with it, `planar` would never repeat itself, and be judged for what it adds."""
-    study = near(write, OFFSET)
+    study = accuracy_study(write, OFFSET)
     own, planar = study.cases()[0], candidates.computed_by(study, 0, "planar")
     assert planar is not None
     assert (planar.model, planar.cage, planar.friction) == ("planar", own.cage, own.friction)
-    free = near(write, OFFSET + "cage: {pocket_clearance: 0.1 mm}\n")
+    free = accuracy_study(write, OFFSET + "cage: {pocket_clearance: 0.1 mm}\n")
     below = candidates.computed_by(free, 0, "planar")
     assert below is not None
     assert below.cage == free.cases()[0].cage
@@ -384,9 +388,9 @@ def test_what_two_cases_come_to_is_no_candidate(write: Write, dear: dict[str, fl
 def test_what_changes_its_speed_is_left_to_the_reference(write: Write, dear: dict[str, float]) -> None:
     """Its first passes are at one speed."""
     assert names(write, SPATIAL) == {of: [0, 1, 2] for of in candidates.SLICES}
-    study = near(write, SPATIAL + "ramp: {to: 7000 rpm, time: 0.1 s}\n")
+    study = accuracy_study(write, SPATIAL + "ramp: {to: 7000 rpm, time: 0.1 s}\n")
     assert selection.ModelSelector(study, range(3)).next_trials({}) == []
-    assert [one.why for one in decided(study, by_model(FAR))] == ["no cheaper model can compute this"] * 3
+    assert [one.why for one in decided(study, trials_by_model(FAR))] == ["no cheaper model can compute this"] * 3
 
 
 def test_candidates_of_a_case_do_not_depend_on_its_neighbours(write: Write, dear: dict[str, float]) -> None:
@@ -395,18 +399,18 @@ def test_candidates_of_a_case_do_not_depend_on_its_neighbours(write: Write, dear
     text = SPATIAL.replace("sweep: {load: [150 N, 300 N, 450 N]}", f"load: 150 N\n{sweep}").replace(
         "x: load", "x: contact"
     )
-    study = near(write, text)
+    study = accuracy_study(write, text)
     assert study.cases()[0].model == "spatial"
     half = [candidates.computed_by(study, n, HALF) for n in range(2)]
     assert [case.contact.slices for case in half if case is not None] == [5, 10]
     found = {key(study, case): Choice(HALF, "spatial", "", {}) for case in study.cases()}
-    more = near(write, text.replace("{slices: 20}]", "{slices: 20}, {slices: 40}]"))
+    more = accuracy_study(write, text.replace("{slices: 20}]", "{slices: 20}, {slices: 40}]"))
     found |= {key(more, more.cases()[2]): Choice("reference", "spatial", "", {})}
     assert [case.contact.slices for case in selection.apply_choices(more, found).cases()] == [5, 10, 48]
 
 
 def test_a_ring_that_bends_is_judged_by_twice_its_harmonics(write: Write) -> None:
-    study = near(write, TEXT + BENDS)
+    study = accuracy_study(write, TEXT + BENDS)
     case = study.cases()[0]
     assert case.model == "rollers"
     own = case.rig.ring
@@ -415,22 +419,22 @@ def test_a_ring_that_bends_is_judged_by_twice_its_harmonics(write: Write) -> Non
     assert above is not None
     assert int(above.harmonics) == 2 * int(own.harmonics)
     assert list(candidates.ladder(case)) == [candidates.GIVEN_HARMONICS, "8 harmonics", "ring", "static"]
-    assert candidates.reference(near(write).cases()[0]) == near(write).cases()[0]
+    assert candidates.reference(accuracy_study(write).cases()[0]) == accuracy_study(write).cases()[0]
 
 
 def test_a_sliced_roller_is_judged_by_twice_its_slices(write: Write) -> None:
-    case = near(write, SPATIAL).cases()[0]
+    case = accuracy_study(write, SPATIAL).cases()[0]
     assert (case.model, case.contact.slices) == ("spatial", 24)
     assert candidates.reference(case).contact.slices == 48
     assert list(candidates.ladder(case))[:4] == [SAID, HALF, QUARTER, SIXTH]
-    assert candidates.computed_by(near(write, SPATIAL), 0, SAID) == case
-    most = near(write, SPATIAL + "contact: {slices: 40}\n").cases()[0]
+    assert candidates.computed_by(accuracy_study(write, SPATIAL), 0, SAID) == case
+    most = accuracy_study(write, SPATIAL + "contact: {slices: 40}\n").cases()[0]
     assert candidates.reference(most).contact.slices == 48
 
 
 def test_slices_that_are_recorded_by_number_stay(write: Write) -> None:
     """Number 7 of 48 slices is elsewhere than number 7 of 24."""
-    case = near(write, SPATIAL + "record: [roller.outer_line_load]\n").cases()[0]
+    case = accuracy_study(write, SPATIAL + "record: [roller.outer_line_load]\n").cases()[0]
     assert candidates.reference(case) == case
 
 
@@ -444,16 +448,16 @@ def with_choice(study: Study, candidate: str, error: Mapping[str, float] | None 
 
 @pytest.mark.parametrize("model", ["rollers", "ring", "static", "reference"])
 def test_chosen_jobs_are_those_of_a_study_that_names_the_model(write: Write, model: str) -> None:
-    found = with_choice(near(write), model)
+    found = with_choice(accuracy_study(write), model)
     named = load_study(write(TEXT.replace("accuracy: 5 %", f"model: {model}\nrecord: []\nuntil: 1.25 %")))
     assert [job.id for job in found.planned()] == [job.id for job in named.planned()]
     assert [values for _, values in found.swept_cases] == [values for _, values in named.swept_cases]
 
 
 def test_what_was_chosen_is_told_by_job(write: Write) -> None:
-    found = with_choice(near(write), "ring", {"velocity@BPFO": 0.02}).selection
+    found = with_choice(accuracy_study(write), "ring", {"velocity@BPFO": 0.02}).selection
     assert found is not None
-    study = with_choice(near(write), "ring")
+    study = with_choice(accuracy_study(write), "ring")
     ids = [case_id(case) for case in study.cases()]
     assert found.jobs == {name: ("ring", "told", {"velocity@BPFO": 0.02}, {}, {}) for name in ids}
     assert found.curves == (("velocity@BPFO", tuple(ids)),)
@@ -462,14 +466,14 @@ def test_what_was_chosen_is_told_by_job(write: Write) -> None:
 def test_some_are_audited_by_seed(write: Write) -> None:
     loads = ", ".join(f"{100 + n} N" for n in range(10))
     text = TEXT.replace("150 N, 300 N, 450 N", loads)
-    study = near(write, text)
+    study = accuracy_study(write, text)
     found = with_choice(study, "static")
     assert found.selection is not None
     audits = found.selection.audits
     assert len(audits) == choices.MIN_AUDITED == 3
     references = {case_id(own): case_id(case) for own, case in zip(study.cases(), found.cases(), strict=True)}
     assert all(references[one.job.id] == one.of for one in audits)
-    again = with_choice(near(write, text), "static").selection
+    again = with_choice(accuracy_study(write, text), "static").selection
     assert again is not None
     assert [one.job.id for one in again.audits] == [one.job.id for one in audits]
     assert {one.job.id for one in audits} <= {job.id for job in found.jobs() if job.is_variation}
@@ -480,7 +484,7 @@ def test_some_are_audited_by_seed(write: Write) -> None:
 
 def test_an_audit_has_the_twin_that_a_line_is_measured_against(write: Write) -> None:
     text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
-    found = with_choice(near(write, text), "static")
+    found = with_choice(accuracy_study(write, text), "static")
     assert found.selection is not None
     jobs = {job.id: job for job in found.jobs()}
     for one in found.selection.audits:
@@ -504,8 +508,8 @@ def test_a_study_of_many_cases_is_made_otherwise_once_for_each_candidate(
         return once(plan, given)
 
     monkeypatch.setattr(Plan, "_otherwise", counted)
-    study = near(write)
-    found = known(study, by_model(FAR | {"rollers": 1.01}))
+    study = accuracy_study(write)
+    found = run_trials(study, trials_by_model(FAR | {"rollers": 1.01}))
     selection.apply_choices(study, selection.ModelSelector(study, range(3)).decide(found).choices)
     assert len(calls) == 3
 
@@ -513,9 +517,11 @@ def test_a_study_of_many_cases_is_made_otherwise_once_for_each_candidate(
 def test_choices_are_json(write: Write, tmp_path: Path, dear: dict[str, float]) -> None:
     from bearingsim import store
 
-    study = near(write)
+    study = accuracy_study(write)
     found = (
-        selection.ModelSelector(study, range(3)).decide(known(study, by_model(FAR | {"rollers": 1.01}))).choices
+        selection.ModelSelector(study, range(3))
+        .decide(run_trials(study, trials_by_model(FAR | {"rollers": 1.01})))
+        .choices
     )
     store.write_choices(tmp_path, found)
     assert store.read_choices(tmp_path) == found

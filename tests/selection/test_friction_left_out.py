@@ -20,7 +20,7 @@ from bearingsim.simulation.trial import (
 )
 from bearingsim.study import Study, case_id, load_study
 from tests.scenes.study_text import Write
-from tests.scenes.trials import TEXT, Of, known, near, trial
+from tests.scenes.trials import TEXT, TrialFunction, accuracy_study, run_trials, trial
 
 OPEN = TEXT.replace("friction: none\n", "")
 LOADS = "150 N, 300 N, 450 N"
@@ -32,7 +32,7 @@ def is_free(case: Case) -> bool:
     return case.cage is not None and case.cage.motion == "free"
 
 
-def by_friction(change: float, off: Mapping[str, float] = OFF, repeats: bool = False) -> Of:
+def by_friction(change: float, off: Mapping[str, float] = OFF, repeats: bool = False) -> TrialFunction:
     """Trials whose features are the load, times what a model makes of it, and what friction changes."""
 
     def of(one: TrialRequest) -> Trial:
@@ -43,15 +43,15 @@ def by_friction(change: float, off: Mapping[str, float] = OFF, repeats: bool = F
     return of
 
 
-def decided(study: Study, of: Of) -> list[Choice]:
+def decided(study: Study, of: TrialFunction) -> list[Choice]:
     numbers = range(len(study.cases()))
-    found = selection.ModelSelector(study, numbers).decide(known(study, of)).choices
+    found = selection.ModelSelector(study, numbers).decide(run_trials(study, of)).choices
     return [found[key(study, case)] for case in study.cases()]
 
 
 @pytest.mark.parametrize("repeats", [False, True])
 def test_friction_that_changes_little_is_an_error(write: Write, repeats: bool) -> None:
-    found = decided(near(write, OPEN), by_friction(0.002, repeats=repeats))
+    found = decided(accuracy_study(write, OPEN), by_friction(0.002, repeats=repeats))
     assert [one.candidate for one in found] == ["reference" if repeats else "rollers"] * 3
     told = [one.friction[LINE] for one in found]
     assert told == pytest.approx([0.002 * load / 450.0 for load in (150.0, 450.0, 450.0)], rel=1e-6)
@@ -61,14 +61,14 @@ def test_friction_that_changes_little_is_an_error(write: Write, repeats: bool) -
 @pytest.mark.parametrize("repeats", [False, True])
 def test_friction_that_changes_much_is_computed(write: Write, repeats: bool) -> None:
     """On all of the curve: as `planar` has it by default."""
-    study = near(write, OPEN)
+    study = accuracy_study(write, OPEN)
     of = by_friction(0.045, repeats=repeats)
     found = decided(study, of)
     assert [one.candidate for one in found] == [WITH_FRICTION] * 3
     assert found[0].why == "friction changes velocity@BPFO by up to 4.5 % on its curve, over 4 %"
     assert [one.friction for one in found] == [{}] * 3
     done = selection.apply_choices(
-        study, selection.ModelSelector(study, range(3)).decide(known(study, of)).choices
+        study, selection.ModelSelector(study, range(3)).decide(run_trials(study, of)).choices
     )
     named = OPEN.replace("accuracy: 5 %", "model: planar\nrecord: []\nuntil: 1.25 %")
     assert [case_id(case) for case in done.cases()] == [case_id(case) for case in load_study(write(named)).cases()]
@@ -78,15 +78,15 @@ def test_friction_that_changes_much_is_computed(write: Write, repeats: bool) -> 
 
 def test_model_and_friction_share_what_is_asked(write: Write) -> None:
     """4 % of 5 %: neither is over that alone. With friction the last resort costs no more than without."""
-    alone = decided(near(write, OPEN), by_friction(0.001, OFF | {"rollers": 1.03}))
-    both = decided(near(write, OPEN), by_friction(0.02, OFF | {"rollers": 1.03}))
+    alone = decided(accuracy_study(write, OPEN), by_friction(0.001, OFF | {"rollers": 1.03}))
+    both = decided(accuracy_study(write, OPEN), by_friction(0.02, OFF | {"rollers": 1.03}))
     assert [one.candidate for one in alone] == ["rollers"] * 3
     assert [one.candidate for one in both] == [WITH_FRICTION] * 3
 
 
 @pytest.mark.parametrize("said", ["friction: none", "cage: {pocket_clearance: 0.1 mm}", "friction: traction"])
 def test_who_speaks_of_it_has_what_is_said(write: Write, said: str) -> None:
-    study = near(write, f"{OPEN}{said}\n")
+    study = accuracy_study(write, f"{OPEN}{said}\n")
     assert candidates.with_friction(study.cases()[0]) is None
     found = decided(study, by_friction(9.0, OFF))
     assert WITH_FRICTION not in [one.candidate for one in found]
@@ -94,14 +94,14 @@ def test_who_speaks_of_it_has_what_is_said(write: Write, said: str) -> None:
 
 
 def test_a_choice_with_friction_left_open_is_another(write: Write) -> None:
-    named, left = near(write), near(write, OPEN)
+    named, left = accuracy_study(write), accuracy_study(write, OPEN)
     assert case_id(named.cases()[0]) == case_id(left.cases()[0])
     assert key(named, named.cases()[0]) != key(left, left.cases()[0])
 
 
 def test_it_is_tried_at_the_ends_of_a_curve_and_where_it_is_largest(write: Write) -> None:
     """The others are taken to change by no more; their audits have friction."""
-    study = near(write, OPEN.replace(LOADS, "150 N, 800 N, 200 N, 300 N, 450 N"))
+    study = accuracy_study(write, OPEN.replace(LOADS, "150 N, 800 N, 200 N, 300 N, 450 N"))
     tried: set[float] = set()
 
     def of(one: TrialRequest) -> Trial | None:
@@ -114,7 +114,7 @@ def test_it_is_tried_at_the_ends_of_a_curve_and_where_it_is_largest(write: Write
     assert [one.inferred for one in found] == [False, False, True, True, False]
     largest = found[1].friction[LINE]
     assert [one.friction[LINE] for one in found[2:4]] == [largest, largest]
-    choices = selection.ModelSelector(study, range(5)).decide(known(study, of)).choices
+    choices = selection.ModelSelector(study, range(5)).decide(run_trials(study, of)).choices
     done = selection.apply_choices(study, choices)
     assert done.selection is not None
     ids = [case_id(case) for case in done.cases()]
@@ -124,7 +124,7 @@ def test_it_is_tried_at_the_ends_of_a_curve_and_where_it_is_largest(write: Write
 
 def test_the_case_tried_with_friction_is_the_one_that_would_be_computed(write: Write) -> None:
     """Its record may end early, and is then the job."""
-    study = near(write, OPEN.replace("duration: 0.2 s", "duration: 0.5 s"))
+    study = accuracy_study(write, OPEN.replace("duration: 0.2 s", "duration: 0.5 s"))
     tried: list[Case] = []
 
     def of(one: TrialRequest) -> Trial | None:
@@ -141,7 +141,7 @@ def test_each_curve_is_judged_by_itself(write: Write) -> None:
     text = OPEN.replace("sweep: {", "sweep: {defect.width: [0.4 mm, 0.8 mm], ").replace(
         "x: load", "x: load, by: defect.width"
     )
-    study = near(write, text)
+    study = accuracy_study(write, text)
 
     def of(one: TrialRequest) -> Trial | None:
         wide = bool(one.case.defects) and one.case.defects[0].width > 5e-4
@@ -152,17 +152,17 @@ def test_each_curve_is_judged_by_itself(write: Write) -> None:
 
 def test_what_friction_does_is_unknown_where_its_trial_fails(write: Write) -> None:
     of = by_friction(0.0, repeats=True)
-    found = decided(near(write, OPEN), lambda one: None if is_free(one.case) else of(one))
+    found = decided(accuracy_study(write, OPEN), lambda one: None if is_free(one.case) else of(one))
     assert [one.candidate for one in found] == ["reference"] * 3
     assert [one.friction for one in found] == [{LINE: None}] * 3
 
 
 def test_a_record_of_too_few_turns_of_the_cage_is_computed_with_friction(write: Write) -> None:
     """Nothing is tried: that would cost more. 65 ball passes are 0.122 s."""
-    short = near(write, OPEN.replace("0.2 s", "0.12 s"))
-    assert known(short, by_friction(0.0)) == {}
+    short = accuracy_study(write, OPEN.replace("0.2 s", "0.12 s"))
+    assert run_trials(short, by_friction(0.0)) == {}
     assert [one.candidate for one in decided(short, by_friction(0.0))] == [WITH_FRICTION] * 3
-    long = near(write, OPEN.replace("0.2 s", "0.13 s"))
+    long = accuracy_study(write, OPEN.replace("0.2 s", "0.13 s"))
     assert [one.candidate for one in decided(long, by_friction(0.0, repeats=True))] == ["reference"] * 3
 
 
@@ -171,15 +171,15 @@ def test_too_few_turns_of_what_does_not_repeat_itself_are_not_compared(write: Wr
         assert not is_free(one.case)
         return trial(one.case.load, CAGE_TURNS - 1, names=one.features)
 
-    found = decided(near(write, OPEN), of)
+    found = decided(accuracy_study(write, OPEN), of)
     assert [one.candidate for one in found] == [WITH_FRICTION] * 3
     assert found[0].why.startswith("without friction it is not periodic")
 
 
 def test_trials_beside_a_free_cage_count_whole_turns_of_it(write: Write) -> None:
-    case = near(write, OPEN).cases()[0]
+    case = accuracy_study(write, OPEN).cases()[0]
     Z, rate = case.bearing.rollers, case.bearing.ball_pass_frequency(case.speed)
-    first = selection.ModelSelector(near(write, OPEN), [0]).next_trials({})[0]
+    first = selection.ModelSelector(accuracy_study(write, OPEN), [0]).next_trials({})[0]
     assert first.passes == trial_passes(case, has_free_cage=True) == CAGE_TURNS * Z
     assert first.turn == pytest.approx(Z / rate)
     assert trial_passes(case) < CAGE_TURNS * Z

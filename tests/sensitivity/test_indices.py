@@ -7,13 +7,13 @@ from scipy.stats import sobol_indices
 from bearingsim.designs import cube
 from bearingsim.sensitivity import estimates
 from bearingsim.sensitivity.estimates import estimate
-from tests.scenes.closed_forms import ISHIGAMI, SOBOL_G, Known
+from tests.scenes.closed_forms import ISHIGAMI, SOBOL_G, KnownIndices
 
 KNOWN = pytest.mark.parametrize("known", [ISHIGAMI, SOBOL_G], ids=["ishigami", "sobol-g"])
 BOTH = np.stack
 
 
-def blocks_of(known: Known, n: int, seed: int = 1):
+def blocks_of(known: KnownIndices, n: int, seed: int = 1):
     d = len(known.first)
     return known.of(cube("saltelli", n, d, seed)).reshape(n, d + 2)
 

@@ -7,7 +7,7 @@ import pytest
 
 from bearingsim.core import MODEL_VERSION
 from bearingsim.simulation.simulate import simulate
-from tests.scenes.nf308 import ON_A_ROLLER, ON_INNER_RACE, SLOT, case
+from tests.scenes.nf308 import INNER_DEFECT, ROLLER_DEFECT, SLOT, case
 
 SHORT = {"duration": "80 ms", "settle": "30 ms"}
 GOLDEN_VERSION = 11  # the MODEL_VERSION whose numbers these are
@@ -34,7 +34,7 @@ SCENES: dict[str, dict[str, Any]] = {
     "inner race and roller": {
         "model": "rollers",
         "method": "verlet",
-        "defects": [SLOT | ON_INNER_RACE, WIDE | ON_A_ROLLER | THIRD],
+        "defects": [SLOT | INNER_DEFECT, WIDE | ROLLER_DEFECT | THIRD],
     },
 }
 """Where a scene says no damping, chi = 50 s/m acts as ``nf308.case`` has it: not the default."""

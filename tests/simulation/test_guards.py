@@ -18,7 +18,7 @@ from bearingsim.errors import Refused
 from bearingsim.simulation import choice, limits, step_check, time_grid
 from bearingsim.simulation.run_setup import set_up
 from bearingsim.simulation.simulate import SimulationError, simulate
-from tests.scenes.nf308 import PLACES, SLOT, at_rest, recorded
+from tests.scenes.nf308 import ROWS, SLOT, advance_recorded, at_rest
 from tests.scenes.short_cases import RATE, case
 
 INTEGRATION = importlib.import_module("bearingsim.simulation.integration")
@@ -30,8 +30,8 @@ VERLET = {"model": "ring", "method": "verlet", "step": "1 us", "step_check": Fal
 def ended(monitor: Monitor, y: np.ndarray | None = None, steps: int = 100) -> tuple[int, int, int]:
     """How a short run of `ring` ends: steps taken, outcome, body."""
     model = set_up(choice.resolve(case(**VERLET))).model
-    out = np.empty((len(PLACES), steps))
-    return recorded(Verlet(1e-6), model, monitor, 0, at_rest(model) if y is None else y, PLACES, out)
+    out = np.empty((len(ROWS), steps))
+    return advance_recorded(Verlet(1e-6), model, monitor, 0, at_rest(model) if y is None else y, ROWS, out)
 
 
 # In the core
@@ -42,18 +42,18 @@ def test_a_contact_pressed_too_deep_ends_the_run_and_names_the_roller() -> None:
     model = set_up(given).model
     y = at_rest(model)
     y[lay.RADIAL + 4] += 1e-3
-    out = np.empty((len(PLACES), 10))
-    found = recorded(Verlet(1e-9), model, Monitor(1, 1.0, approach_bound=5e-4), 0, y, PLACES, out)
+    out = np.empty((len(ROWS), 10))
+    found = advance_recorded(Verlet(1e-9), model, Monitor(1, 1.0, approach_bound=5e-4), 0, y, ROWS, out)
     assert found == (1, outcomes.TOO_DEEP, 4)
 
 
 def test_motion_without_a_cause_ends_the_run() -> None:
     model = set_up(choice.resolve(case(model="rollers", method="verlet"))).model
-    y, out = at_rest(model), np.empty((len(PLACES), 10))
+    y, out = at_rest(model), np.empty((len(ROWS), 10))
     y[lay.RADIAL_V + 2] = 10.0
     energy = 0.5 * model.bearing.m_r * 100.0
     for bound, ends in ((0.9 * energy, True), (1.1 * energy, False)):
-        found = recorded(Verlet(1e-12), model, Monitor(1, 1.0, energy_bound=bound), 0, y.copy(), PLACES, out)
+        found = advance_recorded(Verlet(1e-12), model, Monitor(1, 1.0, energy_bound=bound), 0, y.copy(), ROWS, out)
         assert found == ((1, outcomes.TOO_MUCH_ENERGY, outcomes.NO_BODY) if ends else (10, outcomes.SUCCESS, -1))
 
 
@@ -232,10 +232,12 @@ def test_the_clock_is_looked_at_within_a_ball_pass() -> None:
 def test_the_clock_is_looked_at_where_steps_are_much_work() -> None:
     """An adaptive method may take thousands of steps of its own between two recorded instants."""
     setup = set_up(choice.resolve(case(model="rollers", method="dop853", defect=SLOT, duration="20 ms")))
-    y, places = at_rest(setup.model), PLACES
+    y, places = at_rest(setup.model), ROWS
     INTEGRATION.ready(setup.method, setup.model, 0.0, y)
     hurried = setup.monitor._replace(max_evaluations=1000.0)
-    taken, outcome, _ = recorded(setup.method, setup.model, hurried, 0, y, places, np.empty((len(PLACES), 10_000)))
+    taken, outcome, _ = advance_recorded(
+        setup.method, setup.model, hurried, 0, y, places, np.empty((len(ROWS), 10_000))
+    )
     assert outcome == outcomes.SUCCESS
     assert taken < 1000
     assert 1000 < y[lay.EVALUATIONS] < 1200

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bearingsim.simulation.simulate import simulate
-from tests.scenes.nf308 import ON_A_ROLLER, ON_INNER_RACE, SLOT, case, light_rollers
+from tests.scenes.nf308 import INNER_DEFECT, ROLLER_DEFECT, SLOT, case, light_rollers
 
 FREQUENCY = {"BPFO": 159.0, "BPFI": 231.0, "BPFI+fr": 261.0, "BPFI-fr": 201.0}  # Hz, at 1800 rpm
 FREQUENCY |= {"2BSF": 156.9615, "2BSF+FTF": 169.1923, "2BSF-FTF": 144.7308}
@@ -36,8 +36,8 @@ def turning(model, **given):
     """Displacement lines of a slot on the inner race and of one on a roller."""
     usual = {"model": model, "settle": "30 ms", "quantity": "displacement"} | given
     usual |= {"step": "16 us"} if model == "static" else {}  # moves its lines by 0.1 %
-    inner = lines(OF_THE_INNER_RACE, duration="0.2 s", defect=SLOT | ON_INNER_RACE, **usual)
-    return inner, lines(OF_A_ROLLER, duration="1 s", defect=SLOT | ON_A_ROLLER, **usual)
+    inner = lines(OF_THE_INNER_RACE, duration="0.2 s", defect=SLOT | INNER_DEFECT, **usual)
+    return inner, lines(OF_A_ROLLER, duration="1 s", defect=SLOT | ROLLER_DEFECT, **usual)
 
 
 def standing(model):
@@ -98,9 +98,9 @@ def test_a_healthy_bearing_has_nothing_there():
 @pytest.mark.parametrize(
     ("carried", "more", "turned"),
     [
-        (ON_INNER_RACE, {"angle": 0.3}, {"BPFI": 13 * 0.3, "BPFI+fr": 14 * 0.3, "BPFI-fr": 12 * 0.3}),
-        (ON_A_ROLLER, {"angle": 0.3}, {"2BSF": -0.6, "2BSF+FTF": -0.6, "2BSF-FTF": -0.6, "4BSF": -1.2}),
-        (ON_A_ROLLER, {"roller": 4}, {"2BSF": 0.0, "2BSF+FTF": 6 * pi / 13, "2BSF-FTF": -6 * pi / 13}),
+        (INNER_DEFECT, {"angle": 0.3}, {"BPFI": 13 * 0.3, "BPFI+fr": 14 * 0.3, "BPFI-fr": 12 * 0.3}),
+        (ROLLER_DEFECT, {"angle": 0.3}, {"2BSF": -0.6, "2BSF+FTF": -0.6, "2BSF-FTF": -0.6, "4BSF": -1.2}),
+        (ROLLER_DEFECT, {"roller": 4}, {"2BSF": 0.0, "2BSF+FTF": 6 * pi / 13, "2BSF-FTF": -6 * pi / 13}),
     ],
 )
 def test_phases_tell_where_a_defect_was_at_the_start(carried, more, turned):
@@ -113,10 +113,10 @@ def test_phases_tell_where_a_defect_was_at_the_start(carried, more, turned):
     assert np.abs(second / first - np.exp(1j * np.array(list(turned.values())))).max() < 2e-3
 
 
-@pytest.mark.parametrize("carried", [ON_INNER_RACE, ON_A_ROLLER])
+@pytest.mark.parametrize("carried", [INNER_DEFECT, ROLLER_DEFECT])
 def test_lines_do_not_depend_on_when_one_looks(carried):
     """Their phases count from t = 0, not from the record's start."""
-    names = OF_THE_INNER_RACE if carried is ON_INNER_RACE else OF_A_ROLLER
+    names = OF_THE_INNER_RACE if carried is INNER_DEFECT else OF_A_ROLLER
     usual = {"model": "ring", "defect": SLOT | carried, "duration": "1 s"}
     first, second = (lines(names, settle=settle, **usual) for settle in ("30 ms", "47.3 ms"))
     assert np.abs(second / first - 1.0).max() < 5e-3
@@ -127,7 +127,7 @@ def test_lines_do_not_depend_on_when_one_looks(carried):
 
 @pytest.mark.parametrize(
     ("carried", "names", "duration"),
-    [(ON_INNER_RACE, OF_THE_INNER_RACE, "0.1 s"), (ON_A_ROLLER, OF_A_ROLLER[1:], "0.2 s")],
+    [(INNER_DEFECT, OF_THE_INNER_RACE, "0.1 s"), (ROLLER_DEFECT, OF_A_ROLLER[1:], "0.2 s")],
 )
 @pytest.mark.parametrize("shape", ["rectangular", "circular"])
 def test_rollers_without_mass_are_a_ring(carried, names, duration, shape):
@@ -140,7 +140,7 @@ def test_rollers_without_mass_are_a_ring(carried, names, duration, shape):
 
 @pytest.mark.parametrize(
     ("carried", "names", "duration"),
-    [(ON_INNER_RACE, OF_THE_INNER_RACE, "4 s"), (ON_A_ROLLER, OF_A_ROLLER[2:], "10 s")],
+    [(INNER_DEFECT, OF_THE_INNER_RACE, "4 s"), (ROLLER_DEFECT, OF_A_ROLLER[2:], "10 s")],
 )
 def test_slow_rotation_is_static(carried, names, duration):
     """At 30 rpm inertia and damping have nothing to do: displacement lines within 0.1 %."""
@@ -157,8 +157,8 @@ def test_small_defects_of_all_elements_add_up():
     shallow = SLOT | {"depth": "0.05 um"}
     each = [
         shallow | {"angle": "10 deg"},
-        shallow | ON_INNER_RACE | {"angle": "70 deg"},
-        shallow | ON_A_ROLLER | {"roller": 3, "angle": "30 deg"},
+        shallow | INNER_DEFECT | {"angle": "70 deg"},
+        shallow | ROLLER_DEFECT | {"roller": 3, "angle": "30 deg"},
     ]
 
     def found(defects):

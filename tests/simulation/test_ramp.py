@@ -7,7 +7,7 @@ from bearingsim.core.geometry.motion import Ramp, Steady, kinematic_time, kinema
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.simulation.simulate import simulate
 from tests.scenes.nf308 import SLOT, case
-from tests.scenes.planar_runs import begun, closing, orders
+from tests.scenes.planar_runs import energy_error, orders, start_planar
 
 T = 0.05  # s: length of the ramps
 RECORD = ["ring.velocity", "cage.speed", "cage.slip", "roller.spin", "roller.cage_force"]
@@ -80,7 +80,7 @@ def test_a_cage_that_must_speed_up_is_pushed():
 
 def test_energy_closes_on_a_ramp():
     """Drive, friction, damping and pockets while the speed grows by an eighth: Verlet to second order."""
-    model, y = begun(ramp={"to": "2160 rpm", "time": "10 ms"})
-    slow, lost = zip(*(closing(model, Verlet(h), 6.4e-3, y) for h in (8e-7, 4e-7, 2e-7)), strict=True)
+    model, y = start_planar(ramp={"to": "2160 rpm", "time": "10 ms"})
+    slow, lost = zip(*(energy_error(model, Verlet(h), 6.4e-3, y) for h in (8e-7, 4e-7, 2e-7)), strict=True)
     assert orders(slow) == pytest.approx(2.0, abs=0.05)
     assert slow[-1] < 2e-3 * lost[-1]

@@ -192,7 +192,7 @@ def test_nothing_goes_while_models_are_tried(
         return original(*arguments)
 
     monkeypatch.setattr(trials, "try_out", try_out)
-    run(trials.near(write), out, jobs=1, progress=False, engine=trials.ENGINE)
+    run(trials.accuracy_study(write), out, jobs=1, progress=False, engine=trials.ENGINE)
     assert len(calls) == len([line for line in log.read_text().splitlines() if line.startswith("try")]) > 3
     assert not list(out.rglob("*.started"))
 
@@ -224,7 +224,7 @@ def test_nothing_goes_while_a_check_tries_models(
         return study
 
     monkeypatch.setattr(sys.modules[with_models.__module__], "choose_models", check_use)
-    study = trials.near(write)
+    study = trials.accuracy_study(write)
     with_models(replace(study, name="fake"), narrowed_results, 1, run_trials=True)
     assert calls
     assert store.prune(narrowed_results).paths

@@ -14,11 +14,11 @@ from bearingsim.store.regular import Unreadable
 from bearingsim.store.sealed import write_json
 from tests.scenes.fake_studies import FakeStudy
 from tests.scenes.study_text import Write
-from tests.scenes.trials import TEXT, near
+from tests.scenes.trials import TEXT, accuracy_study
 
 
 def test_the_plan_of_an_accuracy_names_the_models_that_were_chosen(write: Write) -> None:
-    study = near(write)
+    study = accuracy_study(write)
     choices = {key(study, case): Choice("static", "static", "near enough", {}) for case in study.cases()}
     chosen = selection.apply_choices(study, choices)
     plan = json.loads(json.dumps(store.make_plan(chosen, chosen.jobs())))
@@ -33,7 +33,7 @@ def test_the_plan_of_an_accuracy_names_the_models_that_were_chosen(write: Write)
 
 @pytest.mark.parametrize(("text", "nothing"), [("", False), ("uncertainty: none\n", True)])
 def test_a_plan_tells_nothing_uncertain_from_nothing_said(write: Write, text: str, nothing: bool) -> None:
-    assert store.make_plan(near(write, TEXT + text), [])["nothing_uncertain"] is nothing
+    assert store.make_plan(accuracy_study(write, TEXT + text), [])["nothing_uncertain"] is nothing
 
 
 def test_a_damaged_plan_is_not_read(tmp_path: Path) -> None:

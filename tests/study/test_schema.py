@@ -13,7 +13,7 @@ from bearingsim.study.paths import known_paths
 from bearingsim.text.units import UNITS, UnitError, parse, pattern
 from benchmarks.crossed_blocks import SHIPPED_STUDIES, write_crossed
 from tests.conftest import ROOT
-from tests.scenes.editor import marked
+from tests.scenes.editor import schema_errors
 from tests.scenes.study_text import BASE
 
 
@@ -30,11 +30,11 @@ def test_it_is_a_schema() -> None:
 
 @pytest.mark.parametrize("path", SHIPPED_STUDIES, ids=lambda path: path.stem)
 def test_every_shipped_study_passes(path: Path) -> None:
-    assert marked(path.read_text()) == []
+    assert schema_errors(path.read_text()) == []
 
 
 def test_the_template_and_the_studies_of_the_docs_pass() -> None:
-    assert [marked(text) for text in (NEW_STUDY, *in_docs())] == [[]] * (1 + len(in_docs()))
+    assert [schema_errors(text) for text in (NEW_STUDY, *in_docs())] == [[]] * (1 + len(in_docs()))
     assert in_docs()
 
 
@@ -134,21 +134,21 @@ def with_(lines: str) -> str:
 
 @pytest.mark.parametrize("lines", ALLOWED)
 def test_what_a_study_may_say_passes(lines: str) -> None:
-    assert marked(with_(lines)) == []
+    assert schema_errors(with_(lines)) == []
 
 
 @pytest.mark.parametrize("line", WRONG)
 def test_what_is_wrong_is_marked_where_it_stands(line: str) -> None:
     lines, _, place = line.partition(" |")
-    assert {entry.partition(": ")[0] for entry in marked(with_(lines))} == {place.strip()}
+    assert {entry.partition(": ")[0] for entry in schema_errors(with_(lines))} == {place.strip()}
 
 
 @pytest.mark.parametrize("missing", ["study", "bearing", "speed", "load"])
 def test_what_is_missing_is_marked_unless_the_sweep_gives_it(missing: str) -> None:
     text = "".join(line for line in BASE.splitlines(keepends=True) if not line.startswith(missing))
-    assert marked(text) == [f": '{missing}' is a required property"]
+    assert schema_errors(text) == [f": '{missing}' is a required property"]
     if missing == "load":
-        assert marked(text + "sweep: {load: [150 N]}") == []
+        assert schema_errors(text + "sweep: {load: [150 N]}") == []
 
 
 def test_every_path_can_be_swept() -> None:
@@ -165,7 +165,7 @@ def test_crossed_studies_are_marked_as_check_refuses_them(tmp_path: Path) -> Non
     for name, path in write_crossed(tmp_path, 45, seed=35):
         if "unswept_figure" in name:
             continue  # its 36 000 cases are read elsewhere
-        found = marked(path.read_text())
+        found = schema_errors(path.read_text())
         try:
             load_study(path)
             valid += 1

@@ -42,7 +42,7 @@ from bearingsim.core.defects.traced import (
 )
 from tests.scenes.defect_maps import (
     R_OUTER,
-    brute,
+    brute_force,
     depths,
     radii,
     rough_scan,
@@ -79,7 +79,7 @@ def span(profile, n=301, beyond=0.1):
 def test_the_path_is_the_minimum_over_contact_points(defect, part, R):
     profile = at_height(defect, part)
     s = span(profile)
-    expected = brute(profile, s, R)
+    expected = brute_force(profile, s, R)
     assert path_drop(path_over(profile, R), s)[0] == pytest.approx(expected, abs=1e-3 * expected.max())
 
 
@@ -90,7 +90,7 @@ def test_rough_scans_too(seed, burr):
     for z in (0.0, 1.3e-3, -2.2e-3):
         profile = section(scan, z)
         s = span(profile, beyond=0.4)
-        expected = brute(profile, s, R_OUTER)
+        expected = brute_force(profile, s, R_OUTER)
         found, _ = path_drop(path_over(profile, R_OUTER), s)
         assert found == pytest.approx(expected, abs=1e-3 * np.abs(expected).max())
         assert -burr - 1e-15 <= found.min() <= -0.5 * burr
@@ -277,7 +277,7 @@ def test_the_ridge_between_two_hollows_carries_the_roller(apart):
     s = np.linspace(-4e-4, 4e-4, 201)
     ridge = 5e-5 * (1 - (apart / 4e-4) ** 2)
     path = path_over(pair, R_OUTER)
-    assert path_drop(path, s)[0] == pytest.approx(brute(pair, s, R_OUTER), abs=1e-4 * 2e-6)
+    assert path_drop(path, s)[0] == pytest.approx(brute_force(pair, s, R_OUTER), abs=1e-4 * 2e-6)
     assert path_drop(path, np.zeros(1))[0] == pytest.approx(ridge, rel=1e-9)
 
 
@@ -287,7 +287,7 @@ def test_the_edge_from_a_hollow_into_a_deeper_defect_carries_the_roller():
     s = np.linspace(-2e-4, 9e-4, 301)
     for profile in (section(MergedDefects((bowl_, slot)), 0.0), section(MergedDefects((slot, bowl_)), 0.0)):
         found = path_drop(path_over(profile, R_OUTER), s)[0]
-        assert found == pytest.approx(brute(profile, s, R_OUTER), abs=1e-9)
+        assert found == pytest.approx(brute_force(profile, s, R_OUTER), abs=1e-9)
         on_edge = path_drop(path_over(profile, R_OUTER), np.array([2e-4]))[0]
         assert on_edge == pytest.approx(1.5e-6 + (1.5e-4) ** 2 / (2 * R_OUTER), rel=1e-6)
 
@@ -425,5 +425,5 @@ def test_the_sharpest_cusp_of_an_uneven_defect():
     )
     groups, paths = group_paths(uneven, R_OUTER, cut_along_roller(uneven, 12e-3, 6))
     s = np.linspace(-3e-4, 7e-4, 100001)
-    h = brute(section(uneven, 0.0), s[::50], R_OUTER)
+    h = brute_force(section(uneven, 0.0), s[::50], R_OUTER)
     assert sharpest_cusp(groups, paths) == pytest.approx(s[::50][np.argmin(np.diff(h, 2)) + 1], abs=1e-6)

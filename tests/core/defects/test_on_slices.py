@@ -14,7 +14,7 @@ from bearingsim.core.defects.on_slices import clear_defect_response, mark_roller
 from bearingsim.core.defects.pairs import ON_OUTER, OUTER, RollerDefectPair
 from bearingsim.core.defects.traced import pack_traced_defects
 from tests.scenes.nf308 import case
-from tests.scenes.spatial_bearing import empty, even, in_space
+from tests.scenes.spatial_bearing import empty, even_slices, spatial_model
 
 B = 1e-4  # m: half of every defect
 AT = 0.3 * B  # m: where the roller stands
@@ -29,7 +29,7 @@ def level(h):
 
 def standing_over(depths):
     """A bearing whose first roller stands over defects of these depths (m) at once, and its buffer."""
-    model = in_space(assemble.model(case(model="planar")), even(2))
+    model = spatial_model(assemble.model(case(model="planar")), even_slices(2))
     model = model._replace(bearing=model.bearing._replace(theta_0=AT / 0.0385))
     y = empty(model)
     start_at_rest(model, 0.0, y)

@@ -11,8 +11,8 @@ from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.outcomes import SUCCESS
 from tests.core.models.test_planar_balance import orders
 from tests.independent.spatial_bodies import leant
-from tests.scenes.nf308 import case, recorded
-from tests.scenes.spatial_bearing import SLIPPERY, empty, even, in_space
+from tests.scenes.nf308 import advance_recorded, case
+from tests.scenes.spatial_bearing import NO_FRICTION, empty, even_slices, spatial_model
 
 APART = 1e-3  # m: how far from the races
 SPEED = 3000.0  # rad/s
@@ -22,9 +22,9 @@ ROWS = np.array([lay.AXIS_X, lay.AXIS_Y, lay.AXIS_X_V, lay.AXIS_Y_V, lay.SPIN, l
 
 def flying():
     """A bearing that does not turn, its rollers off both races; they spin at SPEED."""
-    model = in_space(assemble.model(case(model="planar")), even(2))
+    model = spatial_model(assemble.model(case(model="planar")), even_slices(2))
     bearing = model.bearing._replace(gap=APART, omega_c=0.0, omega_i=0.0, omega_b=-SPEED)
-    return model._replace(bearing=bearing, cage=model.cage._replace(play=APART), friction=SLIPPERY)
+    return model._replace(bearing=bearing, cage=model.cage._replace(play=APART), friction=NO_FRICTION)
 
 
 def flight(model, h, span, make=RungeKutta4):
@@ -37,7 +37,7 @@ def flight(model, h, span, make=RungeKutta4):
     n = round(span / h)
     out = np.empty((6, n + 1))
     out[:, 0] = y[ROWS]
-    assert recorded(make(h), model, Monitor(1000, 1.0), 0, y, ROWS, out[:, 1:])[1] == SUCCESS
+    assert advance_recorded(make(h), model, Monitor(1000, 1.0), 0, y, ROWS, out[:, 1:])[1] == SUCCESS
     return out
 
 

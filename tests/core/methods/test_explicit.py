@@ -21,7 +21,7 @@ from bearingsim.core.methods.tableau import runge_kutta
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.models.interface import accelerations, damping_per_mass, stiffness_per_mass
 from tests.scenes.nf308 import at_rest, case
-from tests.scenes.oscillators import Oscillator, at_even_steps, bounce, run, swing
+from tests.scenes.oscillators import Oscillator, at_even_steps, bouncing_roller, pendulum, run
 
 EIGHTH = runge_kutta(dop853.a[:12, :12], dop853.a[12, :12])
 RUNGE_KUTTA = {
@@ -99,7 +99,7 @@ def test_stabilised_table_equals_the_recurrence():
 )
 def test_order_on_a_smooth_problem(method, order, steps):
     """A nonlinear oscillator with a force of position, speed and time, against DOP853 with a short step."""
-    model, span = swing(4.0, 0.3, 0.7), 4.0
+    model, span = pendulum(4.0, 0.3, 0.7), 4.0
     exact = at_even_steps(Dop853, model, span / 400, 400, 0.5, 0.2)
     errors = [np.abs(at_even_steps(method, model, span / n, n, 0.5, 0.2) - exact).max() for n in steps]
     assert -np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(order, abs=0.3)
@@ -251,7 +251,7 @@ def test_verlet_conserves_the_energy_of_a_contact():
     """
     for v, max_change in ((0.3, 1e-4), (3.0, 0.03)):  # relative to the speed of lift-off
         K, n, g = 1e4, 10.0 / 9.0, 100.0
-        model = bounce(g, K, n)
+        model = bouncing_roller(g, K, n)
         rest_depth = (g / K) ** (1.0 / n)
         h = 2.0 * np.pi / sqrt(n * K * rest_depth ** (n - 1.0)) / 52.0
         out, _ = run(Verlet(h), model, 38_000 * 52, q=-rest_depth, v=v * sqrt(g * rest_depth))

@@ -14,7 +14,7 @@ from bearingsim.core.methods.generalised_alpha import RHO, GeneralisedAlpha
 from bearingsim.core.methods.rodas import Rodas
 from bearingsim.core.methods.velocity_implicit import VelocityImplicitEuler
 from bearingsim.core.outcomes import NEWTON_FAILED, STEP_TOO_SMALL, SUCCESS
-from tests.scenes.stiff import Scene, dashpot, on_path, run
+from tests.scenes.stiff import Scene, dashpot, exact_state, run
 
 SOFT = Scene(K=1.0, C=1.0, P=1.0)
 STIFF = Scene(K=1e6, C=200.0, P=1.0)  # h omega from 50 to 200
@@ -28,8 +28,10 @@ def with_fixed_step(method, h):
 
 def errors(model, method, steps, span=1.0):
     """Return the errors (steps, 2) of position and velocity at the end of forced motion."""
-    ends = [run(model, with_fixed_step(method, span / n), span, *on_path(model, 0.0)).path[-1, :2] for n in steps]
-    return np.abs(np.array(ends) - on_path(model, span))
+    ends = [
+        run(model, with_fixed_step(method, span / n), span, *exact_state(model, 0.0)).path[-1, :2] for n in steps
+    ]
+    return np.abs(np.array(ends) - exact_state(model, span))
 
 
 def orders(results):
@@ -220,8 +222,8 @@ def test_error_falls_with_the_tolerance_on_a_dashpot(method, first):
     model = DASHPOT._replace(w=3.0)
     results = []
     for rtol in first * 10.0 ** -np.arange(4):
-        w = run(model, method(0.01, rtol, rtol, rtol, 1.0), 1.0, *on_path(model, 0.0))
-        path = np.array([on_path(model, 0.01 * (n + 1)) for n in range(100)])
+        w = run(model, method(0.01, rtol, rtol, rtol, 1.0), 1.0, *exact_state(model, 0.0))
+        path = np.array([exact_state(model, 0.01 * (n + 1)) for n in range(100)])
         results.append(np.abs(w.path[:, :2] - path).max())
     assert all(fine < 0.5 * coarse for coarse, fine in pairwise(results))
     assert results[-1] < 1e-2 * results[0] or method is BackwardEuler
@@ -229,13 +231,13 @@ def test_error_falls_with_the_tolerance_on_a_dashpot(method, first):
 
 def test_linear_problem_takes_at_most_two_newton_iterations():
     """The second iteration confirms the first."""
-    w = run(DASHPOT, BackwardEuler(0.01, 1e-3, 1e-3, 1e-3, 0.01), 0.5, *on_path(DASHPOT, 0.0))
+    w = run(DASHPOT, BackwardEuler(0.01, 1e-3, 1e-3, 1e-3, 0.01), 0.5, *exact_state(DASHPOT, 0.0))
     assert w.iterated <= 2 * (w.taken + w.refused)
     assert w.evaluated == w.iterated + w.taken + len(w.path) + 2  # one in the middle of each step, for peaks
 
 
 def test_evaluations_of_rodas_are_counted():
-    w = run(SOFT, with_fixed_step(Rodas, 0.1), 1.0, *on_path(SOFT, 0.0))
+    w = run(SOFT, with_fixed_step(Rodas, 0.1), 1.0, *exact_state(SOFT, 0.0))
     assert w.evaluated == 7 * (w.taken + w.refused) + w.taken + len(w.path) + 2
 
 
@@ -244,12 +246,12 @@ def test_recorded_instants_lie_within_steps(method):
     """Errors at ten instants within each step are of third order, or of first for backward Euler."""
     h = 0.1 if method is Rodas else 0.02
     model = SOFT
-    full_steps = run(model, method(h / 10, 0.0, inf, inf, h), 1.0, *on_path(model, 0.0))
-    half_steps = run(model, method(h / 20, 0.0, inf, inf, h / 2), 1.0, *on_path(model, 0.0))
+    full_steps = run(model, method(h / 10, 0.0, inf, inf, h), 1.0, *exact_state(model, 0.0))
+    half_steps = run(model, method(h / 20, 0.0, inf, inf, h / 2), 1.0, *exact_state(model, 0.0))
     worst = []
     for w in (full_steps, half_steps):
         instants = np.arange(1, len(w.path) + 1) / len(w.path)
-        worst.append(np.abs(w.path[:, :2] - [on_path(model, t) for t in instants]).max())
+        worst.append(np.abs(w.path[:, :2] - [exact_state(model, t) for t in instants]).max())
     assert np.log2(worst[0] / worst[1]) > (2.7 if method is Rodas else 0.8)
 
 

@@ -11,7 +11,7 @@ from bearingsim.core.methods.backward_euler import BackwardEuler
 from bearingsim.core.methods.rodas import Rodas
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.outcomes import SUCCESS
-from tests.scenes.nf308 import PLACES, SLOT, at_rest, case, recorded
+from tests.scenes.nf308 import ROWS, SLOT, advance_recorded, at_rest, case
 
 INSTANT, PASS = 1e-5, 1.0 / 159.0  # s: between recorded instants; of a ball pass
 LOAD = 150.0  # N
@@ -25,10 +25,10 @@ def simulate(model, method, passes=2.0, seed=0):
     y, steps_per_instant = at_rest(model), round(INSTANT / method.h)
     if seed:
         y[lay.RADIAL : lay.RADIAL + 13] *= 1.0 + 1e-14 * np.random.default_rng(seed).normal(size=13)
-    out = np.empty((len(PLACES), steps_per_instant * round(passes * PASS / INSTANT)))
+    out = np.empty((len(ROWS), steps_per_instant * round(passes * PASS / INSTANT)))
     if not isinstance(method, Verlet):
         prepare_first_step(method, model, 0.0, y)
-    recorded(method, model, Monitor(8, 1.0), 0, y, PLACES, out)
+    advance_recorded(method, model, Monitor(8, 1.0), 0, y, ROWS, out)
     return out[[2, 3, 6], steps_per_instant - 1 :: steps_per_instant].T, y
 
 

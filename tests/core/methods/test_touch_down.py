@@ -11,7 +11,7 @@ from bearingsim.core.methods.dop853 import Dop853
 from bearingsim.core.methods.dormand_prince import DormandPrince
 from bearingsim.core.methods.nystrom import Nystrom
 from bearingsim.core.methods.rk4 import RungeKutta4
-from tests.scenes.oscillators import at_even_steps, bounce, run
+from tests.scenes.oscillators import at_even_steps, bouncing_roller, run
 
 METHODS = (RungeKutta4, Nystrom, DormandPrince, Dop853)
 G, V, FLIGHT, CONTACT_TIME, PHASES = 10.0, 1.0, 0.02, 0.012, 64
@@ -21,7 +21,7 @@ SCALE = np.array([100.0, 1.0])
 
 def floor(m):
     """Return a floor of exponent ``m`` with the force of a spring of 1e4 1/s^2 at 5 mm."""
-    return bounce(G, 1e4 * 5e-3 ** (1.0 - m), m)
+    return bouncing_roller(G, 1e4 * 5e-3 ** (1.0 - m), m)
 
 
 def exact_state(model, t):

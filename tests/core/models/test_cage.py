@@ -10,7 +10,7 @@ from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parts.cage import OilDrag
 from bearingsim.simulation.simulate import simulate
-from tests.scenes.nf308 import SLOT, case, recorded
+from tests.scenes.nf308 import SLOT, advance_recorded, case
 
 RECORD = ["cage.slip", "cage.speed", "roller.cage_force"]
 STILL = {
@@ -27,7 +27,7 @@ ON_A_RAMP = {"ramp": {"to": "2400 rpm", "time": "5 ms"}, "friction": "traction"}
 def follow(model, y, seconds, places):
     """Recording (places, n) at every step of 0.4 us."""
     out = np.empty((len(places), round(seconds / 4e-7)))
-    assert recorded(Verlet(4e-7), model, Monitor(8, 1.0), 0, y, np.array(places), out)[1] == SUCCESS
+    assert advance_recorded(Verlet(4e-7), model, Monitor(8, 1.0), 0, y, np.array(places), out)[1] == SUCCESS
     return out
 
 

@@ -15,8 +15,8 @@ from bearingsim.core.models.interface import accelerations, update_extremes
 from bearingsim.core.models.spatial_equilibrium import solve_spatial_equilibrium
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parts.mounts import RigidMount
-from tests.scenes.nf308 import case, recorded
-from tests.scenes.spatial_bearing import L_W, empty, even, in_space
+from tests.scenes.nf308 import advance_recorded, case
+from tests.scenes.spatial_bearing import L_W, empty, even_slices, spatial_model
 
 SHOVED = 8e-7  # m: how far rollers stand off their rest
 
@@ -24,7 +24,7 @@ SHOVED = 8e-7  # m: how far rollers stand off their rest
 def shaken():
     """A misaligned bearing whose rollers ring, and its buffer."""
     planar = assemble.with_friction_lag(assemble.model(case(model="planar")), 3e-6)
-    model = in_space(planar, even(4), mount_o=RigidMount(3e-4, -2e-4), mount_i=RigidMount(0.0, 1e-4))
+    model = spatial_model(planar, even_slices(4), mount_o=RigidMount(3e-4, -2e-4), mount_i=RigidMount(0.0, 1e-4))
     y = empty(model)
     solve_initial_equilibrium(assemble.static_model(model), 0.0, y)
     assert solve_spatial_equilibrium(model, 0.0, y) < 1e-8 * model.support.F
@@ -59,7 +59,7 @@ def test_extremes_are_those_of_whole_steps(method):
     widths = np.repeat(model.slices.table[:, WEIGHT], 2) * L_W
     places = np.concatenate([row + np.arange(13) for row in (lay.TILT, lay.Q_O, *slices)])
     out = np.empty((len(places), 1000))
-    assert recorded(method, model, Monitor(1000, 1.0), 0, y, places, out)[1] == SUCCESS
+    assert advance_recorded(method, model, Monitor(1000, 1.0), 0, y, places, out)[1] == SUCCESS
     found = np.abs(out).reshape(-1, 13, 1000).max(axis=2)
     assert (y[lay.TILT_MAX : lay.TILT_MAX + 13] == found[0]).all()
     assert (y[lay.Q_O_MAX : lay.Q_O_MAX + 13] == found[1]).all()

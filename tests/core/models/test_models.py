@@ -18,7 +18,7 @@ from bearingsim.core.models.interface import accelerations
 from bearingsim.core.outcomes import NOT_FINITE
 from bearingsim.simulation.simulate import simulate
 from tests.independent import rollers
-from tests.scenes.nf308 import PLACES, SLOT, at_rest, case, drive, light_rollers, recorded
+from tests.scenes.nf308 import ROWS, SLOT, advance_recorded, at_rest, case, drive, light_rollers
 
 
 @pytest.fixture(scope="module")
@@ -52,8 +52,8 @@ def test_verlet_meets_an_independent_solution_and_converges(independent):
 
 def test_the_step_that_is_refused_would_be_wrong(independent):
     """Verlet at 2 us on the 0.8 mm slot, unwatched: not finite, or off by a tenth of the range and more."""
-    out, model = np.empty((len(PLACES), 10_000)), assemble.model(case(defect=SLOT))
-    taken, outcome, _ = recorded(Verlet(2e-6), model, Monitor(1, 1.0), 0, at_rest(model), PLACES, out)
+    out, model = np.empty((len(ROWS), 10_000)), assemble.model(case(defect=SLOT))
+    taken, outcome, _ = advance_recorded(Verlet(2e-6), model, Monitor(1, 1.0), 0, at_rest(model), ROWS, out)
     wrong = out[2, 4:taken:5]
     assert outcome == NOT_FINITE or np.abs(wrong - independent[0]).max() > 0.1 * np.ptp(independent[0])
 

@@ -16,7 +16,7 @@ from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.parts.cage import RingGuided
 from tests.independent import planar_bodies as bodies
 from tests.scenes.nf308 import SLOT, case
-from tests.scenes.planar_runs import balances, begun, closing, orders, recorded
+from tests.scenes.planar_runs import balances, energy_error, orders, record_run, start_planar
 
 WHERE = 2e-3  # s: when the balances at any state are drawn up
 NARROW = SLOT | {"width": "0.3 mm", "length": "8 mm"}
@@ -156,9 +156,9 @@ def test_power_balances_at_any_state(way, seed):
 
 def test_energy_closes_in_a_healthy_bearing():
     """Damping and friction on: Verlet closes to second order, Runge-Kutta to fourth."""
-    model, y = begun()
-    slow = [closing(model, Verlet(h), 6.4e-3, y)[0] for h in (8e-7, 4e-7, 2e-7)]
-    fast = [closing(model, RungeKutta4(h), 6.4e-3, y)[0] for h in (3.2e-6, 1.6e-6, 8e-7)]
+    model, y = start_planar()
+    slow = [energy_error(model, Verlet(h), 6.4e-3, y)[0] for h in (8e-7, 4e-7, 2e-7)]
+    fast = [energy_error(model, RungeKutta4(h), 6.4e-3, y)[0] for h in (3.2e-6, 1.6e-6, 8e-7)]
     assert orders(slow) == pytest.approx(2.0, abs=0.1)
     assert orders(fast) == pytest.approx(4.2, abs=0.4)
 
@@ -168,9 +168,9 @@ def test_energy_closes_over_a_slot():
 
     A contact's force begins as tau^(10/9) and so holds Runge-Kutta to little more than second order.
     """
-    model, y = begun(defect=SLOT)
-    slow, lost = zip(*(closing(model, Verlet(h), 6.4e-3, y) for h in (4e-7, 2e-7, 1e-7)), strict=True)
-    fast = [closing(model, RungeKutta4(h), 6.4e-3, y)[0] for h in (8e-7, 1e-7)]
+    model, y = start_planar(defect=SLOT)
+    slow, lost = zip(*(energy_error(model, Verlet(h), 6.4e-3, y) for h in (4e-7, 2e-7, 1e-7)), strict=True)
+    fast = [energy_error(model, RungeKutta4(h), 6.4e-3, y)[0] for h in (8e-7, 1e-7)]
     assert orders(slow).mean() > 1.75
     assert np.log2(fast[0] / fast[1]) / 3 > 1.9
     assert lost[-1] > 1.5e-4
@@ -180,7 +180,7 @@ def test_energy_closes_over_a_slot():
 
 def test_verlet_keeps_the_energy_of_an_undamped_bearing():
     """No damping, no friction: the energy strays with the square of the step, by 2e-5 of what is exchanged."""
-    model, y = begun()
+    model, y = start_planar()
     slides = StaticDynamic(0.0, 0.0, 0.02, 0.1)
     cage = model.cage._replace(friction=slides, pocket=model.cage.pocket._replace(chi=0.0))
     support = model.support._replace(c_b=0.0)
@@ -190,7 +190,7 @@ def test_verlet_keeps_the_energy_of_an_undamped_bearing():
     start_at_rest(model, 0.0, y)
     strays = []
     for h in (8e-7, 4e-7, 2e-7):
-        t, out = recorded(model, Verlet(h), 12.8e-3, y)
+        t, out = record_run(model, Verlet(h), 12.8e-3, y)
         found = balances(model, t, out)
         assert np.abs(found.lost).max() == 0.0
         strays.append(np.ptp(found.energy + model.support.F * out[lay.X]))

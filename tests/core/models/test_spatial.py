@@ -19,19 +19,19 @@ from bearingsim.core.parts.mounts import ElasticMount, RigidMount
 from tests.core.models.test_planar_balance import EVERYTHING, WAYS, WHERE, lead_onto_defects, random_state
 from tests.independent.planar_bodies import places
 from tests.scenes.lanes import compiled, keeps_lanes, needs_vectors
-from tests.scenes.nf308 import SLOT, case, recorded
-from tests.scenes.spatial_bearing import empty, even, in_space, uneven
+from tests.scenes.nf308 import SLOT, advance_recorded, case
+from tests.scenes.spatial_bearing import empty, even_slices, spatial_model, uneven_slices
 
 FULL = SLOT | {"width": "0.3 mm"}
 ON_ALL = EVERYTHING | {"defects": [FULL, FULL | {"race": "inner"}, FULL | {"race": "roller", "roller": 5}]}
-CUTS = [even(1), even(6), uneven(7)]
+CUTS = [even_slices(1), even_slices(6), uneven_slices(7)]
 SPRUNG = ElasticMount(1.0, 1e-3, 1e-3, 1e7, 100.0, 1e4, 1.0, 0.0, 0.0)
 """Rings that could lean, but stand straight."""
 
 
 def same_state(model, cut, y, **given):
     """The model in space, and its buffer at the planar state in ``y``."""
-    space = in_space(model, cut, **given)
+    space = spatial_model(model, cut, **given)
     x = empty(space)
     x[: lay.BUFFER_SIZE] = y[: lay.BUFFER_SIZE]
     x[lay.ACCELERATION : lay.ACCELERATION + lay.STATE] = 0.0
@@ -66,10 +66,10 @@ def test_over_20_ms_it_moves_as_planar():
     at = places(13)
     found = {}
     for name, h in (("planar", 1e-6), ("finer", 5e-7), ("space", 1e-6)):
-        one, x = same_state(model, even(6), y) if name == "space" else (model, y.copy())
+        one, x = same_state(model, even_slices(6), y) if name == "space" else (model, y.copy())
         start_at_rest(one, 0.0, x)
         out = np.empty((len(at), round(20e-3 / h)))
-        assert recorded(RungeKutta4(h), one, Monitor(1000, 1.0), 0, x, at, out)[1] == SUCCESS
+        assert advance_recorded(RungeKutta4(h), one, Monitor(1000, 1.0), 0, x, at, out)[1] == SUCCESS
         found[name] = out[:, :: round(1e-6 / h)] if name != "finer" else out[:, 1::2]
     strayed = np.abs(found["space"] - found["planar"]).max(axis=1)
     halved = np.abs(found["finer"] - found["planar"]).max(axis=1)
@@ -82,15 +82,15 @@ def test_a_kinematic_cage_holds_all_but_the_tilt():
     given = case(model="planar")
     model = assemble.model(given)
     y, _ = assemble.start(given, model)
-    free, x = same_state(model, even(6), y, **leaning)
+    free, x = same_state(model, even_slices(6), y, **leaning)
     assert solve_spatial_equilibrium(free, 0.0, x) < 1e-8 * model.support.F
     kinematic = assemble.model(case(model="planar", cage={"motion": "kinematic"}))
-    space = in_space(kinematic, even(6), flanges=NoFlanges(), **leaning)
+    space = spatial_model(kinematic, even_slices(6), flanges=NoFlanges(), **leaning)
     start_at_rest(space, 0.0, x)
     assert np.abs(x[lay.TILT : lay.TILT + 13]).max() > 2e-5
     out = np.empty((2, 2000))
     at = np.array([lay.TILT + 2, lay.SKEW + 2])
-    assert recorded(RungeKutta4(1e-6), space, Monitor(8, 1.0), 0, x, at, out)[1] == SUCCESS
+    assert advance_recorded(RungeKutta4(1e-6), space, Monitor(8, 1.0), 0, x, at, out)[1] == SUCCESS
     assert np.abs(out[1]).max() < 1e-9 * np.abs(out[0]).max()
     assert np.ptp(out[0]) > 1e-2 * np.abs(out[0]).max()
     for row in (lay.EPS, lay.SPIN, lay.AXIAL):
@@ -99,7 +99,7 @@ def test_a_kinematic_cage_holds_all_but_the_tilt():
 
 @needs_vectors
 def test_loops_over_rollers_keep_their_lanes():
-    model = in_space(assemble.model(case(model="planar")), even(2))
+    model = spatial_model(assemble.model(case(model="planar")), even_slices(2))
     y, n = empty(model), lanes(model.bearing)
     ring, b = Body._make([0.0] * 8 + [1.0] + [0.0] * 4), model.bearing
     for side in (OuterSide(), InnerSide()):

@@ -23,7 +23,7 @@ from tests.core.models.test_planar_balance import EVERYTHING, RUBBING, SPEEDING,
 from tests.core.models.test_planar_balance import random_state as planar_state
 from tests.independent import spatial_bodies as bodies
 from tests.scenes.nf308 import SLOT, case
-from tests.scenes.spatial_bearing import L_W, empty, in_space
+from tests.scenes.spatial_bearing import L_W, empty, spatial_model
 
 DEFECT = SLOT | {"width": "0.3 mm"}
 REACH = ((-0.1e-3, 5e-3), (-6e-3, 1e-3), (1e-3, 4e-3), (1e-3, 4e-3))
@@ -50,7 +50,7 @@ def model_of(way):
     model = assemble.model(case(**EVERYTHING | {"defects": defects}, **WAYS[way]))
     cut = slices(slice_edges(L_W, REACH, 9), lambda z: 2e-6 * (2 * z / L_W) ** 2)
     inertia = model.bracket.inertia
-    return in_space(
+    return spatial_model(
         model,
         cut,
         REACH,

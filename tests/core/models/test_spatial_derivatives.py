@@ -10,7 +10,7 @@ from bearingsim.core.parts.flanges import NoFlanges
 from tests.core.models.test_spatial_balance import STATES, WAYS, WHERE, shaken
 from tests.scenes.differences import derivatives, differences
 from tests.scenes.nf308 import case
-from tests.scenes.spatial_bearing import L_W, empty, even, in_space
+from tests.scenes.spatial_bearing import L_W, empty, even_slices, spatial_model
 
 KINEMATIC = {"motion": "kinematic"}
 LENGTHS = [0, 1, 4, 5, 6, 7, 8, 9, 10]
@@ -56,7 +56,7 @@ def test_derivatives_are_those_of_the_accelerations(way, lean, own, seed):
 def test_of_a_kinematic_cage_only_what_moves_is_derived():
     """Rings held, axes that lean by 0.1 mrad."""
     kinematic, free = (assemble.model(case(model="planar", **given)) for given in ({"cage": KINEMATIC}, {}))
-    model = in_space(kinematic, even(6), flanges=NoFlanges())
+    model = spatial_model(kinematic, even_slices(6), flanges=NoFlanges())
     y = empty(model)
     y[: lay.BUFFER_SIZE] = assemble.start(case(model="planar"), free)[0]
     random, Z = np.random.default_rng(0), model.bearing.Z

@@ -28,8 +28,8 @@ from bearingsim.core.parts.flanges import Flanges, NoFlanges, axial_position, ha
 from bearingsim.core.parts.mounts import RigidMount
 from tests.core.models.test_planar_balance import orders
 from tests.independent.energy import CONVERGED, energy, rest, slopes
-from tests.scenes.nf308 import SLOT, case, recorded
-from tests.scenes.spatial_bearing import L_W, SLIPPERY, empty, even, flat, in_space
+from tests.scenes.nf308 import SLOT, advance_recorded, case
+from tests.scenes.spatial_bearing import L_W, NO_FRICTION, empty, even_slices, flat, spatial_model
 
 HALF, PLATE = L_W / 2, 1e3  # m: how far off the plates' axes are
 K = 4e8  # N/m^(10/9)
@@ -45,11 +45,11 @@ def crowned(z):
 
 def between_plates(n, tilt, inwards=2e-6):
     """Load (N) of the outer plate and moment (N m) of both on a roller that tilts, pressed ``inwards`` by each."""
-    model = in_space(assemble.model(case(model="planar")), even(n))
+    model = spatial_model(assemble.model(case(model="planar")), even_slices(n))
     still = model.bearing._replace(omega_c=0.0, omega_i=0.0, omega_b=0.0, theta_0=pi / 13)
     bearing = still._replace(gap=-inwards, R_o=PLATE, R_i=PLATE)
     law = HuntCrossley(TenNinths(K), 1.0)
-    model = model._replace(bearing=bearing, outer=law, inner=law, friction=SLIPPERY)
+    model = model._replace(bearing=bearing, outer=law, inner=law, friction=NO_FRICTION)
     y = empty(model)
     y[lay.AXIS_X : lay.AXIS_X + 13], y[lay.AXIS_Y : lay.AXIS_Y + 13] = tilt * np.cos(ANGLES), tilt * np.sin(ANGLES)
     start_at_rest(model, 0.0, y)
@@ -119,7 +119,7 @@ def along(y, slices_of, row=lay.LOAD_O):
 def misaligned():
     """Both rings leaning, profiled rollers."""
     cut, planar = slices(np.linspace(-HALF, HALF, 10), crowned), assemble.model(case(model="planar", load="400 N"))
-    return in_space(planar, cut, mount_o=MISALIGNED, mount_i=RigidMount(-2e-4, 0.0))
+    return spatial_model(planar, cut, mount_o=MISALIGNED, mount_i=RigidMount(-2e-4, 0.0))
 
 
 def test_the_independent_forces_are_slopes_of_the_independent_energy():
@@ -150,7 +150,7 @@ def test_the_load_along_rollers_in_a_misaligned_ring():
 
 def test_a_straight_bearing_rests_as_in_the_plane():
     model = assemble.model(case(model="planar"))
-    y, left = at_rest(in_space(model, even(7)))
+    y, left = at_rest(spatial_model(model, even_slices(7)))
     flat_one, _ = assemble.start(case(model="planar"), model)
     assert left <= 1e-8
     # u.e_r there
@@ -162,7 +162,7 @@ def test_an_off_centre_defect_tilts_a_roller():
     """A 3 mm defect off the middle under the most loaded roller: its tilt of an independent minimum."""
     reach = (1e-3, 4e-3)
     given = case(model="planar", defect=SLOT | {"width": "0.1 mm"}, start_angle=1e-9)
-    model = in_space(assemble.model(given), slices(slice_edges(L_W, [reach], 12), flat), (reach,))
+    model = spatial_model(assemble.model(given), slices(slice_edges(L_W, [reach], 12), flat), (reach,))
     y, left = at_rest(model)
     assert left <= 1e-8
     theirs, unbalanced = rest(model, found_by_model(y, 13) * 0.9)
@@ -177,7 +177,7 @@ def test_an_off_centre_defect_tilts_a_roller():
 def test_the_mean_rest_of_a_misaligned_bearing():
     """Where the bracket is anchored: over a ball pass the ring carries the load, wherever it leans to."""
     planar = assemble.model(case(model="planar"))
-    model = in_space(planar, even(6), mount_o=MISALIGNED)
+    model = spatial_model(planar, even_slices(6), mount_o=MISALIGNED)
     free = model._replace(support=model.support._replace(k_b=0.0))
     y, _ = at_rest(model)
     found = mean_spatial_equilibrium(free, y, samples=8)
@@ -209,13 +209,13 @@ def body_of_ring(z, lean):
 # skewed
 
 PLAY = 5e-6
-FLANGES = Flanges(0.0, 0.0, 1.0, 1.0, PLAY, 1e-3, HuntCrossley(Linear(1e7), 5.0), SLIPPERY)
+FLANGES = Flanges(0.0, 0.0, 1.0, 1.0, PLAY, 1e-3, HuntCrossley(Linear(1e7), 5.0), NO_FRICTION)
 SKEWED = 2e-3
 
 
 def skewed(flanges_given, skew=SKEWED):
     """A bearing at rest but that every roller skews, and stays so for as long as its inertia lasts."""
-    model = in_space(assemble.model(case(model="planar", speed="3600 rpm")), even(6), **flanges_given)
+    model = spatial_model(assemble.model(case(model="planar", speed="3600 rpm")), even_slices(6), **flanges_given)
     model = model._replace(I_t=1e3 * model.I_t, friction=StaticDynamic(0.3, 0.15, 0.02, 0.1))
     y, _ = at_rest(model)
     y[lay.AXIS_X : lay.AXIS_X + 13] -= skew * y[lay.SIN : lay.SIN + 13]
@@ -253,7 +253,7 @@ def test_a_flange_stops_a_skewed_roller():
     for name, given in (("free", {}), ("held", {"flanges": FLANGES})):
         model, y = skewed(given)
         out = np.empty((4, 2000))
-        assert recorded(RungeKutta4(1e-6), model, Monitor(1000, 1.0), 0, y, places, out)[1] == SUCCESS
+        assert advance_recorded(RungeKutta4(1e-6), model, Monitor(1000, 1.0), 0, y, places, out)[1] == SUCCESS
         far[name] = out
     speed = -model.bearing.omega_b * model.bearing.R_w * far["free"][3, -1]
     assert far["free"][1, -1] == pytest.approx(speed, rel=0.05)
@@ -271,9 +271,9 @@ ROLLER = np.array([lay.RADIAL_V, lay.EPS_V, lay.SPIN_V, lay.AXIAL_V, lay.AXIS_X_
 def pressed(where):
     """A roller that no load presses on the races, but its flange or its pocket, both with friction."""
     law = HuntCrossley(Linear(1e8), 0.0)
-    model = in_space(assemble.model(case(model="planar")), even(6), flanges=FLANGES)
+    model = spatial_model(assemble.model(case(model="planar")), even_slices(6), flanges=FLANGES)
     model = model._replace(
-        friction=SLIPPERY,
+        friction=NO_FRICTION,
         flanges=FLANGES._replace(law=law, friction=RUBBING),
         cage=model.cage._replace(pocket=law, friction=RUBBING),
         lag=1e-6,
