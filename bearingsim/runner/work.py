@@ -44,7 +44,7 @@ class Engine:
     warm: str = "bearingsim.simulation:warm"
     try_out: str = "bearingsim.simulation:try_out"
     notes: str = "bearingsim.config.scan.repair:notes"
-    compiling: str = "bearingsim.simulation.pricing:compiling"
+    compiling: str = "bearingsim.simulation.pricing:compile_time"
 
 
 BEARINGSIM = Engine()

@@ -39,7 +39,7 @@ def standard_errors(case: Case, model: Any, cut: Grid, raw: RawRecord) -> Standa
     M, n = record_windows.M, len(record_windows.index)
     if n < MIN_PASSES:
         return StandardErrors(np.inf, np.inf)
-    velocity = sensor_samples(case, raw.through(taps), "velocity", record_windows.start, n * M)
+    velocity = sensor_samples(case, raw.low_pass(taps), "velocity", record_windows.start, n * M)
     powers = np.mean(velocity.reshape(n, M) ** 2, axis=1, keepdims=True)
     min_amplitude = QUIET_LINE * np.sqrt(powers.mean())
     line_error = _error_from_passes if has_other_lines(case) else _error_from_samples

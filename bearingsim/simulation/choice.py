@@ -120,8 +120,8 @@ def choice(case: Case) -> Choice:
         suitable = [name for name in suitable if METHODS[name].adaptive]
     periodic = resolve_settling(case).model_copy(update={"periodic": True})
     costs = {name: _cost(with_method(periodic, name)) for name in suitable}
-    ranked = sorted(suitable, key=lambda name: margin(name) * costs[name].whole)
-    prices = {name: costs[name].whole for name in ranked}
+    ranked = sorted(suitable, key=lambda name: margin(name) * costs[name].total)
+    prices = {name: costs[name].total for name in ranked}
     if EXPLICIT not in prices:
         return Choice(ranked[0], "the cheapest of those that keep a tolerance", prices)
     if ranked[0] != EXPLICIT:
@@ -140,9 +140,9 @@ def margin(name: str) -> float:
 
 def _patience(case: Case, costs: dict[str, Cost]) -> int:
     """Return the ball passes after which another method replaces Verlet if there is no period yet; 0: never."""
-    others = [margin(name) * estimate.whole for name, estimate in costs.items() if name != EXPLICIT]
+    others = [margin(name) * estimate.total for name, estimate in costs.items() if name != EXPLICIT]
     patience = int(price("patience"))
-    remaining_cost = costs[EXPLICIT].at_most - patience * costs[EXPLICIT].one_pass
+    remaining_cost = costs[EXPLICIT].non_periodic - patience * costs[EXPLICIT].one_pass
     return patience if case.periodic and case.until is None and min(others, default=inf) < remaining_cost else 0
 
 

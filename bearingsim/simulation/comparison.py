@@ -133,7 +133,7 @@ def orbit_signals(setup: Setup, raw: RawRecord, steady: float) -> RunSignals:
     start = turns * raw.Z * M
     fine = spectral_lines.sensor_series(case, raw.read(start, period * M), "velocity")
     length = raw.Z * M if np.any(lay.lane_of(raw.cells) >= 0) else period * M
-    filtered = raw.through(taps).read(start, length) if case.antialias else None
+    filtered = raw.low_pass(taps).read(start, length) if case.antialias else None
     lines = signals.lines_by_pass(fine, M, [1], start, case.bearing.rollers * model.bearing.theta_0)
     raw_values = raw.raw_values[:, max(0, ceil((steady - case.settle_s) * case.sampling)) :]
     return _collect_signals(
@@ -191,4 +191,4 @@ def pilot_signals(setup: Setup, raw: RawRecord, passes: int) -> RunSignals:
 def low_pass_rows(setup: Setup, raw: RawRecord, start: int, length: int) -> np.ndarray:
     """Return all rows (C, ``length``) at fine samples from number ``start``, low-passed like the record."""
     taps = sampling_kernel(setup.cut.fine_rate / setup.case.sampling)
-    return raw.through(taps).read(start, length)
+    return raw.low_pass(taps).read(start, length)

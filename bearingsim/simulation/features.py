@@ -75,7 +75,7 @@ def _raw_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
 def _low_passed_motion(case: Case, cut: Grid, raw: RawRecord) -> Motion:
     """Filter the motion along the sensor over the record's distinct passes."""
     taps = sampling_kernel(cut.fine_rate / case.sampling)
-    record_windows, filtered = windows(case, cut, raw, reach=len(taps) // 2), raw.through(taps)
+    record_windows, filtered = windows(case, cut, raw, reach=len(taps) // 2), raw.low_pass(taps)
     count, weights = record_windows.distinct * record_windows.M, record_windows.weights
     multiplicities = np.repeat(weights, record_windows.M) if np.any(weights > 1) else None
     return lambda quantity: (sensor_samples(case, filtered, quantity, record_windows.start, count), multiplicities)

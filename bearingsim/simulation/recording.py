@@ -92,7 +92,7 @@ class RawRecord:
             return np.broadcast_to(np.arange(len(self.cells)), (self.Z, len(self.cells)))
         return np.array([partner_rows(self.cells, self.Z, m) for m in range(self.Z)])
 
-    def through(self, taps: np.ndarray) -> "RawRecord | LowPassed":
+    def low_pass(self, taps: np.ndarray) -> "RawRecord | LowPassed":
         """Return the record filtered by the low-pass ``taps`` (odd number), with the same ``read``.
 
         For a periodic motion the computed passes, and the following ones within reach of the filter, are filtered
@@ -106,7 +106,7 @@ class RawRecord:
         return replace(self, fine=fine, lead=self.lead - reach, zero=self.zero - reach, repetition=repetition)
 
 
-PRODUCTS = 1 << 28
+MULTIPLICATIONS = 1 << 28
 """Multiplications in the filter between two readings of the clock, about 0.1 s."""
 
 
@@ -122,7 +122,7 @@ class LowPassed:
         reach = len(self.taps) // 2
         wide = np.ascontiguousarray(self.raw.read(start - reach, count + 2 * reach, rows))
         out = np.empty((len(wide), count))
-        block = max(1, PRODUCTS // (len(self.taps) * max(1, len(wide))))
+        block = max(1, MULTIPLICATIONS // (len(self.taps) * max(1, len(wide))))
         for begin in range(0, count, block):
             cpu_time.check()
             low_pass(wide, self.taps, out, begin, min(begin + block, count))
@@ -205,7 +205,7 @@ class Recording:
         start = self.lead + p * M
         decimate(window, self.taps, D, self.fine[:, start : start + M])
         if self.stores_raw_values and type(self.samples) is NoSamples:
-            _pick_pass(self.case, self.cut, p, window, self.raw_values)
+            _sample_pass(self.case, self.cut, p, window, self.raw_values)
             if self.last_passes.maxlen:
                 self.last_passes.append(window.copy())
         self.peaks[p] = pop_peaks(y)
@@ -215,7 +215,7 @@ class Recording:
         for p in range(repetition.computed, self.cut.passes):
             cpu_time.check()
             source = int(repetition.source(p))
-            raw_values = _pick_pass(
+            raw_values = _sample_pass(
                 self.case, self.cut, p, self.last_passes[source - repetition.computed], self.raw_values
             )
             raw_values[:] = raw_values[partner_rows(self.cells, self.Z, p - source)]
@@ -262,15 +262,15 @@ def extend_back(case: Case, raw: RawRecord) -> None:
     If the motion is not periodic, only the ring's motion and the other ``feature_cells`` rows are extended, by
     their first pass. Filters use these samples, but features do not.
     """
-    fine, zero, turn = raw.fine, raw.zero, raw.Z * raw.M
+    fine, zero, turn_samples = raw.fine, raw.zero, raw.Z * raw.M
     if raw.repetition.period > 0:
-        fine[:, :zero] = raw.read(-zero % turn, zero)
+        fine[:, :zero] = raw.read(-zero % turn_samples, zero)
     else:
         rows = len(channels.feature_cells(case))
         fine[:rows, :zero] = fine[:rows, zero + np.arange(-zero, 0) % raw.M]
 
 
-def _pick_pass(case: Case, cut: Grid, p: int, window: np.ndarray, raw_values: np.ndarray) -> np.ndarray:
+def _sample_pass(case: Case, cut: Grid, p: int, window: np.ndarray, raw_values: np.ndarray) -> np.ndarray:
     """Fill in and return the raw values at the instants within ball pass ``p``.
 
     Its end is included, its start only in pass 0.
@@ -289,7 +289,7 @@ def _pick_pass(case: Case, cut: Grid, p: int, window: np.ndarray, raw_values: np
 BLOCK = 1 << 15  # fine samples resampled at a time
 
 
-def sampled(case: Case, cut: Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
+def sample_rows(case: Case, cut: Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
     """Return the samples (R, n) of ``rows`` of the raw record.
 
     With ``antialias`` all rows except contact forces are low-passed.
@@ -297,11 +297,11 @@ def sampled(case: Case, cut: Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarr
     if not case.antialias:
         return raw.raw_values[rows]
     forces = channels.contact_force_mask(case, raw.cells[rows])
-    sampled = np.empty((len(rows), samples(case)))
+    values = np.empty((len(rows), samples(case)))
     if forces.any():
-        sampled[forces] = raw.raw_values[rows[forces]]
-    sampled[~forces] = _low_passed(case, cut, raw, rows[~forces])
-    return sampled
+        values[forces] = raw.raw_values[rows[forces]]
+    values[~forces] = _low_passed(case, cut, raw, rows[~forces])
+    return values
 
 
 def _low_passed(case: Case, cut: Grid, raw: RawRecord, rows: np.ndarray) -> np.ndarray:
@@ -310,7 +310,7 @@ def _low_passed(case: Case, cut: Grid, raw: RawRecord, rows: np.ndarray) -> np.n
     if len(rows) == 0:
         return out
     ratio, kernel = cut.fine_rate / case.sampling, interpolation_kernel()
-    low, weights = raw.through(sampling_kernel(ratio)), np.empty(2 * INTERPOLATION_REACH)
+    filtered, weights = raw.low_pass(sampling_kernel(ratio)), np.empty(2 * INTERPOLATION_REACH)
     block = max(1, int(BLOCK / ratio))
     start = case.settle_s * cut.fine_rate
     for n in range(0, out.shape[1], block):
@@ -318,5 +318,5 @@ def _low_passed(case: Case, cut: Grid, raw: RawRecord, rows: np.ndarray) -> np.n
         end = min(n + block, out.shape[1])
         begin = floor(start + n * ratio) - INTERPOLATION_REACH
         count = ceil((end - n) * ratio) + 2 * INTERPOLATION_REACH + 1
-        interpolate(low.read(begin, count, rows), start - begin, ratio, kernel, weights, out, n, end)
+        interpolate(filtered.read(begin, count, rows), start - begin, ratio, kernel, weights, out, n, end)
     return out

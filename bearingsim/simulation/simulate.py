@@ -272,9 +272,9 @@ def _record(inspections: Inspections, raw: RawRecord, check: StepCheck, start: U
     full_setup, setup = inspections.setup, inspections.ended_setup(raw)
     case = setup.case
     rows = channels.requested_rows(case, raw.cells)
-    sampled = recording.sampled(case, setup.cut, raw, rows)
+    samples = recording.sample_rows(case, setup.cut, raw, rows)
     instants = np.arange(time_grid.samples(case)) / case.sampling
-    series = channels.series(case, setup.model, sampled, raw.cells[rows], case.settle_s + instants)
+    series = channels.series(case, setup.model, samples, raw.cells[rows], case.settle_s + instants)
     values = features(case, setup.model, setup.cut, raw) | band_features(case, setup.model, setup.cut, raw)
     is_random = _is_random(setup, raw, check.chaotic)
     errors = no_errors = StandardErrors(nan, nan)

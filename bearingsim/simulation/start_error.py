@@ -79,7 +79,7 @@ def _passes(setup: Setup, raw: RawRecord, record_windows: Windows) -> Passes:
     case, cut, M, n = setup.case, setup.cut, record_windows.M, record_windows.distinct
     velocity = sensor_samples(case, raw, "velocity", record_windows.start, n * M)
     taps = sampling_kernel(cut.fine_rate / case.sampling)
-    filtered = sensor_samples(case, raw.through(taps), "velocity", record_windows.start, n * M)
+    filtered = sensor_samples(case, raw.low_pass(taps), "velocity", record_windows.start, n * M)
     angles = angles_of_record(case, setup.model, cut, raw, record_windows.start, n * M)
     lines = np.stack(
         [

@@ -104,7 +104,7 @@ def feature_errors(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> di
     spans = trial.turn_spans(passes, float(ending.unit(case)), cut.fine_per_pass)
     if len(spans) <= MIN_BATCHES:
         return dict.fromkeys(requested, inf)
-    low = raw.through(sampling_kernel(cut.fine_rate / case.sampling))
+    filtered = raw.low_pass(sampling_kernel(cut.fine_rate / case.sampling))
     fine = cache(partial(sensor_samples, case, raw, start=start, count=length))
     angles = angles_of_record(case, setup.model, cut, raw, start, length)
     window_features = [name for name in requested if not (has_other_lines(case) and _harmonic(name))]
@@ -112,7 +112,7 @@ def feature_errors(setup: Setup, raw: RawRecord, requested: Sequence[str]) -> di
         setup,
         window_features,
         fine,
-        cache(partial(sensor_samples, case, low, start=start, count=length)),
+        cache(partial(sensor_samples, case, filtered, start=start, count=length)),
         angles,
         spans,
     )

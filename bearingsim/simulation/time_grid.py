@@ -13,13 +13,13 @@ from bearingsim.memory import PROGRAM
 from bearingsim.simulation import pricing
 from bearingsim.simulation.choice import automatic_step, resolve
 from bearingsim.simulation.limits import Limits, step_limits
-from bearingsim.simulation.pricing import Cost, Size, cost, per_second, price, solved_once
+from bearingsim.simulation.pricing import Cost, Size, cost, cpu_per_second, price, solved_once
 from bearingsim.simulation.repetition import searches_for_period
 from bearingsim.simulation.settling import refuse_unsettled
 
 SAFETY = 0.9  # largest part of the limit at impact, which is that of a single roller; the ring's motion lowers it
 FINE_PER_SAMPLE, MIN_FINE = 4, 64  # smallest numbers of fine samples per sample, and per ball pass
-LET_THROUGH = 0.15  # part of the fine rate up to which fine samples are not attenuated (core/sampling.py)
+PASSBAND = 0.15  # part of the fine rate up to which fine samples are not attenuated (core/sampling.py)
 MAX_STEPS = 10_000_000  # largest number in a ball pass, whose recording is stored in memory (640 MB)
 MAX_CPU = 12 * 3600.0  # s, above which a job is refused unless it gives its own step
 
@@ -72,8 +72,8 @@ def requested_step(case: Case) -> float:
     limits = step_limits(case)
     if case.step == "auto":
         return automatic_step(case, limits)
-    safe = min(SAFETY * limits.at_impact, limits.crossing / MIN_STEPS_PER_CROSSING)
-    if case.step > safe:
+    max_step = min(SAFETY * limits.at_impact, limits.crossing / MIN_STEPS_PER_CROSSING)
+    if case.step > max_step:
         advice = f"use `step: auto` ({1e6 * automatic_step(case, limits):.2g} us)"
         raise Refused(_refusal(case.step, limits), advice)
     return case.step
@@ -93,7 +93,7 @@ def samples(case: Case) -> int:
     return floor(case.duration * case.sampling + 1e-6)
 
 
-def highest(case: Case) -> float:
+def highest_band_limit(case: Case) -> float:
     """Return the highest upper limit (Hz) of the bands in a case's features; 0 if there are none."""
     features = (read_band(name) for name in case.features)
     return max((feature.band.high for feature in features if feature and feature.band), default=0.0)
@@ -108,10 +108,10 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
     """
     if samples(case) < 1:
         raise Refused("no sample falls into the record", "use a higher `sampling` or a longer `duration`")
-    named, case = case.method != "auto", resolve(case)
-    other = ", or use `method: auto`" if named else ""
+    has_named_method, case = case.method != "auto", resolve(case)
+    other = ", or use `method: auto`" if has_named_method else ""
     rate = case.bearing.ball_pass_frequency(full_speed_case(case).speed)
-    fine = max(MIN_FINE, ceil(max(FINE_PER_SAMPLE * case.sampling, highest(case) / LET_THROUGH) / rate))
+    fine = max(MIN_FINE, ceil(max(FINE_PER_SAMPLE * case.sampling, highest_band_limit(case) / PASSBAND) / rate))
     decimation = max(1, ceil(1.0 / (rate * fine * part * requested_step(case)) * (1.0 - 1e-12)))
     if fine * decimation > MAX_STEPS:
         raise Refused(
@@ -121,18 +121,18 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
             else "use a longer `step`, or use `step: auto`",
         )
     computed = 1.0 / rate if solved_once(case) else case.settle_s + case.duration
-    seconds = computed * per_second(case, 1.0 / (rate * fine * decimation))
+    seconds = computed * cpu_per_second(case, 1.0 / (rate * fine * decimation))
     adaptive = assemble.is_adaptive(case)
-    most = max(max_cpu, MAX_CPU)
-    if seconds > most and (case.step == "auto" or adaptive):
-        what, hours = case.method or f"`{case.model}`", seconds / 3600.0
+    limit = max(max_cpu, MAX_CPU)
+    if seconds > limit and (case.step == "auto" or adaptive):
+        name, hours = case.method or f"`{case.model}`", seconds / 3600.0
         raise Refused(
-            f"{what} would take about {hours:.2g} h of CPU time, over {most / 3600.0:.2g} h",
+            f"{name} would take about {hours:.2g} h of CPU time, over {limit / 3600.0:.2g} h",
             "use a shorter `duration`, lower `contact.damping`"
             + (other if adaptive else ", or give a `step` of your own"),
         )
-    beyond = RESAMPLE_REACH / case.sampling + (DECIMATION_REACH + INTERPOLATION_REACH + 2) / (rate * fine)
-    passes = ceil((case.settle_s + case.duration + beyond) * rate)
+    filter_reach = RESAMPLE_REACH / case.sampling + (DECIMATION_REACH + INTERPOLATION_REACH + 2) / (rate * fine)
+    passes = ceil((case.settle_s + case.duration + filter_reach) * rate)
     return Grid(rate, 1.0 / (rate * fine * decimation), fine, decimation, passes)
 
 
@@ -145,17 +145,19 @@ def estimate(case: Case) -> Estimate:
     refuse_unsettled(case)
     cut = grid(case)
     costs = cost(case, cut.step, cut.passes)
-    expected, most = _sizes(case, cut, costs)
+    expected, non_periodic_size = _sizes(case, cut, costs)
     memory_expected, most_memory = _memory(case, cut, costs)
     _refuse_too_large(most_memory)
-    plain = expected._replace(checked=0.0)
-    seconds, unchecked, longest = (pricing.counts(case, size).seconds for size in (expected, plain, most))
+    unchecked_size = expected._replace(checked=0.0)
+    seconds, unchecked, longest = (
+        pricing.counts(case, size).seconds for size in (expected, unchecked_size, non_periodic_size)
+    )
     return Estimate(
-        cpu_seconds=price("job") + costs.whole + seconds,
+        cpu_seconds=price("job") + costs.total + seconds,
         bytes=4 * expected.columns * expected.samples,
         steps=costs.passes * cut.steps_per_pass,
-        check_seconds=costs.proof + seconds - unchecked,
-        most_seconds=price("job") + costs.at_most + longest,
+        check_seconds=costs.check + seconds - unchecked,
+        most_seconds=price("job") + costs.non_periodic + longest,
         memory=memory_expected,
         most_memory=most_memory,
     )
@@ -166,20 +168,22 @@ def _memory(case: Case, cut: Grid, costs: Cost) -> tuple[float, float]:
 
     With `periodic: false` and a step check on a period, the search for the period may need more than the run.
     """
-    in_full = [pricing.memory(case, size) for size in _sizes(case, cut, costs)]
+    peaks = [pricing.memory(case, size) for size in _sizes(case, cut, costs)]
     if not case.periodic and searches_for_period(case):
         periodic = case.model_copy(update={"periodic": True})
-        searches = _sizes(periodic, cut, cost(periodic, cut.step, cut.passes))
-        in_full = [max(run, pricing.memory(periodic, size)) for run, size in zip(in_full, searches, strict=True)]
-    return in_full[0], in_full[1]
+        search_sizes = _sizes(periodic, cut, cost(periodic, cut.step, cut.passes))
+        peaks = [max(run, pricing.memory(periodic, size)) for run, size in zip(peaks, search_sizes, strict=True)]
+    return peaks[0], peaks[1]
 
 
 def _sizes(case: Case, cut: Grid, costs: Cost) -> tuple[Size, Size]:
     """Return the size of a case with a named method: expected, and if its response is not periodic."""
-    expected = pricing.size(case, cut.fine_per_pass, cut.decimation, costs.passes, costs.proof / costs.one_pass)
-    if costs.at_most == costs.whole:
+    expected = pricing.record_size(
+        case, cut.fine_per_pass, cut.decimation, costs.passes, costs.check / costs.one_pass
+    )
+    if costs.non_periodic == costs.total:
         return expected, expected
-    return expected, expected.with_passes(cut.passes, costs.at_most / costs.one_pass - cut.passes)
+    return expected, expected.with_passes(cut.passes, costs.non_periodic / costs.one_pass - cut.passes)
 
 
 def refuse_too_large(case: Case, cut: Grid) -> None:
@@ -188,9 +192,9 @@ def refuse_too_large(case: Case, cut: Grid) -> None:
 
 
 def _refuse_too_large(most_memory: float) -> None:
-    needed, there = PROGRAM + most_memory, memory.limit()
-    if needed > there:
+    needed, available = PROGRAM + most_memory, memory.limit()
+    if needed > available:
         raise Refused(
-            f"it may take {needed / 1e9:.2g} GB of memory, and there are {there / 1e9:.2g} GB",
+            f"it may take {needed / 1e9:.2g} GB of memory, and there are {available / 1e9:.2g} GB",
             "use a shorter `duration`, a lower `sampling`, or a shorter `record`",
         )

@@ -349,7 +349,7 @@ def test_powers_of_the_library_are_priced(m1: float, m3: float, ns: float) -> No
     stiffness = {"law": "constant", "coefficient": 1e6, "exponent": m1}
     damping = {"law": "general", "coefficient": 100.0, "indentation_exponent": m3}
     given = case(method="verlet", contact={"stiffness": stiffness, "damping": damping})
-    assert pricing.per_second(given, 1e-6) == pytest.approx(1e-3 * ns, rel=0.35)
+    assert pricing.cpu_per_second(given, 1e-6) == pytest.approx(1e-3 * ns, rel=0.35)
 
 
 def test_static_is_priced_as_one_pass_and_refused_by_its_model() -> None:

@@ -84,7 +84,7 @@ def test_a_filter_is_applied_a_part_at_a_time(given: Case) -> None:
     from bearingsim.simulation import recording
 
     setup = set_up(given)
-    low = integrate(setup).through(np.ones(101) / 101)
+    low = integrate(setup).low_pass(np.ones(101) / 101)
     whole = low.read(100, 500)
     with mock.patch.object(recording, "PRODUCTS", 1):
         assert np.array_equal(low.read(100, 500), whole)

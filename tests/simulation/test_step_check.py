@@ -475,7 +475,7 @@ def test_where_strictness_is_asked_for_the_whole_run_is_proven() -> None:
 def test_a_proof_may_take_longer_than_a_run_may() -> None:
     """The finer pilot of a strict proof takes more than twice the CPU time of its run."""
     given = choice.resolve(rollers(step_check="strict"))
-    price = (given.settle_s + given.duration) * pricing.per_second(given, time_grid.grid(given).step)
+    price = (given.settle_s + given.duration) * pricing.cpu_per_second(given, time_grid.grid(given).step)
     begun = mock.patch.object(step_check, "run_pilot", side_effect=InterruptedError)
     with mock.patch.object(time_grid, "MAX_CPU", 1.3 * price), begun, pytest.raises(InterruptedError):
         step_check.check_step(set_up(given, 1.0))  # both pilots were let begin
