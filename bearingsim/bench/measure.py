@@ -9,11 +9,10 @@ from bearingsim.bench.plan import AUTOMATIC, JOB, JUDGE, Run, Setting
 from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
 from bearingsim.errors import Refused
+from bearingsim.simulation import Record, SimulationError, simulate, warm
 from bearingsim.simulation import limits as case_limits
-from bearingsim.simulation import simulate
 from bearingsim.simulation.choice import automatic_step
 from bearingsim.simulation.settling import resolve_settling
-from bearingsim.simulation.simulate import Record, SimulationError, warm
 
 FULL_RUN = {"periodic": False, "step_check": False}
 SHORT_TIME = 0.3  # s; shorter runs are timed twice, and the smaller time counts

@@ -14,7 +14,6 @@ from bearingsim.simulation.time_grid import Grid
 MIN_PASSES = 16  # smallest number of ball passes for a standard error
 COSINES = 12  # over the record: fewer increase Student's t, more miss the correlation of successive passes
 THREE_SIGMA = 0.99865  # probability of a deviation below three sigma
-LOOK_AGAIN = 1.1  # ratio of the numbers of passes at successive estimates of the errors
 QUIET_LINE = 1e-3  # part of the RMS (-60 dB) to which changes of a weaker line are relative
 
 

@@ -1,16 +1,15 @@
 """Simulation of a case, from integration to time series and features."""
 
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import floor, nan, sqrt
-from typing import Any, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from bearingsim import assemble, cpu_time, extensions
 from bearingsim.catalogue import MODELS
-from bearingsim.config import Case, Section, dataset_names
+from bearingsim.config import Case, dataset_names
 from bearingsim.config.names import STEP_ACCURACY
 from bearingsim.core import layout as lay
 from bearingsim.errors import Refused
@@ -27,7 +26,6 @@ from bearingsim.simulation.accuracy import StandardErrors
 from bearingsim.simulation.channels import CAGE_ANGLE, FEATURE_CELLS
 from bearingsim.simulation.features import band_features, extension_features, features, refuse_undeclared
 from bearingsim.simulation.integration import Inspection, StepUsage, integrate, step_usage
-from bearingsim.simulation.pricing import price
 from bearingsim.simulation.recording import RawRecord
 from bearingsim.simulation.refinement import refine_periodic, refine_step
 from bearingsim.simulation.repetition import may_be_periodic, may_repeat, searches_for_period
@@ -48,7 +46,7 @@ from bearingsim.simulation.trial import ReferenceValues, Trial
 
 T = TypeVar("T")
 
-__all__ = ["Record", "SimulationError", "simulate", "try_out", "warm"]
+__all__ = ["Record", "SimulationError", "simulate", "try_out"]
 
 
 @dataclass(frozen=True)
@@ -396,43 +394,3 @@ def _cage_angle(setup: Setup, raw: RawRecord) -> float:
     before, after = raw.read(floor(position), 2, np.array([FEATURE_CELLS.index(CAGE_ANGLE)]))[0]
     slip = before + (position - floor(position)) * (after - before)
     return float(bearing.theta_0 + bearing.omega_c * setup.case.settle_s + slip)
-
-
-_COMPILED: set[tuple] = set()  # kinds of case whose code is compiled or loaded in this process
-WARM_UP_LIMIT = 0.3
-"""CPU time (s) for a ball pass, excluding compilation; functions not reached compile during a job."""
-
-
-def warm(cases: Iterable[Case], on_compile: Callable[[int, int, float], None] | None = None) -> None:
-    """Compile the solvers of the cases (or load them from the cache) by computing one ball pass of each new kind.
-
-    on_compile: called before each kind with its number (from 1), the number of kinds, and the estimated CPU time
-    (s) of compilation.
-    """
-    kinds: dict[tuple, Case] = {}
-    for case in cases:
-        laws = assemble.contacts.outer(case), assemble.contacts.inner(case)
-        kinds.setdefault((_words(choice.resolve(case)), _types(laws), channels.stores_raw_values(case)), case)
-    new = {kind: case for kind, case in kinds.items() if kind not in _COMPILED}
-    for number, (kind, case) in enumerate(new.items(), 1):
-        if on_compile is not None:
-            on_compile(number, len(new), price("compile", case.model))
-        short = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
-        settings = {"duration": short, "settle": 0.0, "step": "auto", "step_check": False}
-        with suppress(cpu_time.OutOfCpuTime), cpu_time.at_most(WARM_UP_LIMIT):
-            simulate(case.model_copy(update=settings))
-        _COMPILED.add(kind)
-
-
-def _words(value: Any) -> Any:
-    """List the string settings of a section and the types of its numbers, which determine the compiled code."""
-    if isinstance(value, Section):
-        return tuple(_words(getattr(value, name)) for name in type(value).model_fields)
-    if isinstance(value, tuple):
-        return bool(value)
-    return value if isinstance(value, str | bool | None) else type(value)
-
-
-def _types(value: Any) -> Any:
-    """Return the nested types of a law; its exponents may be types as well."""
-    return (type(value), *map(_types, value)) if isinstance(value, tuple) else type(value)

@@ -17,8 +17,9 @@ from bearingsim.core import layout as lay
 from bearingsim.simulation import choice, features, limits, simulate, step_check, time_grid, warm
 from bearingsim.simulation.integration import Pace, integrate
 from bearingsim.simulation.run_setup import set_up
-from bearingsim.simulation.simulate import WARM_UP_LIMIT, SimulationError, Usage, _record
+from bearingsim.simulation.simulate import SimulationError, Usage, _record
 from bearingsim.simulation.sufficiency import Inspections
+from bearingsim.simulation.warm_up import WARM_UP_LIMIT
 from bearingsim.study import load_study
 from benchmarks.cpu_bounds import study_of
 from tests.scenes.short_cases import SLOT, case

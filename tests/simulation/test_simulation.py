@@ -18,13 +18,14 @@ from bearingsim.core.models.equilibrium import solve_initial_equilibrium
 from bearingsim.core.models.interface import begin
 from bearingsim.core.outcomes import SUCCESS
 from bearingsim.simulation import channels, choice, time_grid
-from bearingsim.simulation.simulate import simulate, warm
+from bearingsim.simulation.simulate import simulate
 from bearingsim.simulation.spectral_lines import OTHER_LINES
+from bearingsim.simulation.warm_up import warm
 from tests.independent import rollers
 from tests.scenes.nf308 import light_rollers
 from tests.scenes.short_cases import FORCES, RATE, RING, SLOT, case
 
-SIMULATION = importlib.import_module("bearingsim.simulation.simulate")
+WARM_UP = importlib.import_module("bearingsim.simulation.warm_up")
 INTEGRATION = importlib.import_module("bearingsim.simulation.integration")
 
 
@@ -374,8 +375,8 @@ def test_info_says_how_it_was_computed() -> None:
 
 def test_warming_computes_each_kind_of_case_once() -> None:
     with (
-        mock.patch.object(SIMULATION, "_COMPILED", set()),
-        mock.patch.object(SIMULATION, "simulate", wraps=simulate) as spied,
+        mock.patch.object(WARM_UP, "_COMPILED", set()),
+        mock.patch.object(WARM_UP, "simulate", wraps=simulate) as spied,
     ):
         cases = [
             case(defects=[SLOT, SLOT | {"angle": 1}]),
@@ -400,7 +401,7 @@ def test_exponents_with_code_of_their_own_are_kinds_of_their_own() -> None:
         return case(method="verlet", contact={"stiffness": stiffness, "damping": damping})
 
     cases = [general(m3, m1) for m1 in (1.0, 1.5) for m3 in (0.0, 1.0, 2.0, 0.5, 0.7)]
-    with mock.patch.object(SIMULATION, "_COMPILED", set()), mock.patch.object(SIMULATION, "simulate") as spied:
+    with mock.patch.object(WARM_UP, "_COMPILED", set()), mock.patch.object(WARM_UP, "simulate") as spied:
         warm(cases)
     assert spied.call_count == 8  # any other exponent is a number
 

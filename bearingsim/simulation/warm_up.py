@@ -1,0 +1,52 @@
+"""Compilation of the solvers of some cases ahead of their first use."""
+
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from typing import Any
+
+from bearingsim import assemble, cpu_time
+from bearingsim.config import Case, Section
+from bearingsim.simulation import channels, choice
+from bearingsim.simulation.pricing import price
+from bearingsim.simulation.simulate import simulate
+
+_COMPILED: set[tuple] = set()  # kinds of case whose code is compiled or loaded in this process
+WARM_UP_LIMIT = 0.3
+"""CPU time (s) for a ball pass, excluding compilation; functions not reached compile during a job."""
+
+
+def warm(cases: Iterable[Case], on_compile: Callable[[int, int, float], None] | None = None) -> None:
+    """Compile the solvers of the cases (or load them from the cache) by computing one ball pass of each new kind.
+
+    on_compile: called before each kind with its number (from 1), the number of kinds, and the estimated CPU time
+    (s) of compilation.
+    """
+    kinds: dict[tuple, Case] = {}
+    for case in cases:
+        laws = assemble.contacts.outer(case), assemble.contacts.inner(case)
+        kinds.setdefault(
+            (_settings_key(choice.resolve(case)), _nested_types(laws), channels.stores_raw_values(case)), case
+        )
+    new = {kind: case for kind, case in kinds.items() if kind not in _COMPILED}
+    for number, (kind, case) in enumerate(new.items(), 1):
+        if on_compile is not None:
+            on_compile(number, len(new), price("compile", case.model))
+        short = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
+        settings = {"duration": short, "settle": 0.0, "step": "auto", "step_check": False}
+        with suppress(cpu_time.OutOfCpuTime), cpu_time.at_most(WARM_UP_LIMIT):
+            simulate(case.model_copy(update=settings))
+        _COMPILED.add(kind)
+
+
+def _settings_key(value: Any) -> Any:
+    """List the string settings of a section and the types of its numbers, which determine the compiled code."""
+    if isinstance(value, Section):
+        return tuple(_settings_key(getattr(value, name)) for name in type(value).model_fields)
+    if isinstance(value, tuple):
+        return bool(value)
+    return value if isinstance(value, str | bool | None) else type(value)
+
+
+def _nested_types(value: Any) -> Any:
+    """Return the nested types of a law; its exponents may be types as well."""
+    return (type(value), *map(_nested_types, value)) if isinstance(value, tuple) else type(value)
