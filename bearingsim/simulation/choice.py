@@ -114,7 +114,7 @@ def choice(case: Case) -> Choice:
     """
     _refuse_missing_functions(case)
     if case.method != AUTO:
-        return Choice(case.method, "the case says so" if case.method else f"{case.model} has no method", {})
+        return Choice(case.method, "given by the case" if case.method else f"{case.model} has no method", {})
     suitable = [name for name in METHODS if METHODS[name].automatic and can_step(case, name)]
     if case.tolerance != "auto":  # only methods with a tolerance
         suitable = [name for name in suitable if METHODS[name].adaptive]
@@ -123,7 +123,7 @@ def choice(case: Case) -> Choice:
     ranked = sorted(suitable, key=lambda name: margin(name) * costs[name].total)
     prices = {name: costs[name].total for name in ranked}
     if EXPLICIT not in prices:
-        return Choice(ranked[0], "the cheapest of those that keep a tolerance", prices)
+        return Choice(ranked[0], "the cheapest method with a tolerance", prices)
     if ranked[0] != EXPLICIT:
         return Choice(
             ranked[0], _speedup_text(ranked[0], prices, step_limits(with_method(case, EXPLICIT))), prices
@@ -169,8 +169,8 @@ def _refuse_missing_functions(case: Case) -> None:
     implicit = case.method not in (None, AUTO) and METHODS[str(case.method)].implicit
     problem = next(missing_functions(case, implicit), "")
     if problem:
-        purpose = f", which {case.method} solves with" if implicit else ""
-        advice = "take an explicit method, or register it" if implicit else "register it (docs/extending.md)"
+        purpose = f", which {case.method} needs" if implicit else ""
+        advice = "use an explicit method, or register it" if implicit else "register it (docs/extending.md)"
         raise Refused(problem + purpose, advice)
 
 

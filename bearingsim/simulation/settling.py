@@ -72,10 +72,10 @@ def has_transient(case: Case) -> bool:
 def refuse_unsettled(case: Case) -> None:
     """Raise ``Refused`` if the step check is strict and ``has_transient`` is true; `settle` is a time."""
     if case.step_check == "strict" and has_transient(case):
-        time = decay_time(case)
-        remedy = f"use a `settle` of {time:.2g} s" if time <= MAX_SETTLING else "take more damping"
+        time, share = decay_time(case), remaining_transient(case)
+        remedy = f"use a `settle` of {time:.2g} s" if time <= MAX_SETTLING else "use more damping"
         raise Refused(
-            f"{remaining_transient(case):.1%} of the start is left after `settle`, {case.settle_s:.2g} s",
+            f"{share:.1%} of the initial transient is left after `settle`, {case.settle_s:.2g} s",
             f"{remedy}, or use `step_check: true`",
         )
 

@@ -309,7 +309,7 @@ def _refuse_start_error(case: Case, error: float) -> None:
     if error > STEP_ACCURACY:
         raise SimulationError(
             f"after {case.settle_s:.2g} s the run has not settled: line or RMS is off by {error:.1%}",
-            "take `settle: auto` or a longer one, or use `step_check: true`",
+            "use `settle: auto` or a longer one, or use `step_check: true`",
         )
 
 

@@ -115,7 +115,7 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
     decimation = max(1, ceil(1.0 / (rate * fine * part * requested_step(case)) * (1.0 - 1e-12)))
     if fine * decimation > MAX_STEPS:
         raise Refused(
-            f"a ball pass would take {fine * decimation:.2g} steps (at most {MAX_STEPS:.0e} are held in memory)",
+            f"a ball pass would take {fine * decimation:.2g} steps (at most {MAX_STEPS:.0e} are stored in memory)",
             f"lower `contact.damping`, which sets an explicit method's step{other or ', or use a higher speed'}"
             if case.step == "auto"
             else "use a longer `step`, or use `step: auto`",
@@ -195,6 +195,6 @@ def _refuse_too_large(most_memory: float) -> None:
     needed, available = PROGRAM + most_memory, memory.limit()
     if needed > available:
         raise Refused(
-            f"it may take {needed / 1e9:.2g} GB of memory, and there are {available / 1e9:.2g} GB",
+            f"a job may take {needed / 1e9:.2g} GB of memory, and there are {available / 1e9:.2g} GB",
             "use a shorter `duration`, a lower `sampling`, or a shorter `record`",
         )

@@ -215,7 +215,7 @@ def test_an_automatic_step_is_the_same_periodic_or_in_full(rig: dict[str, Any]) 
     ("settle", "rig", "advice"),
     [
         ("50 ms", {"ring_mass": "60 kg"}, "use a `settle` of 0.48 s"),
-        ("auto", {"ring_mass": "20000 kg", "bracket_damping": 0.0}, "take more damping"),
+        ("auto", {"ring_mass": "20000 kg", "bracket_damping": 0.0}, "use more damping"),
     ],
 )
 def test_a_strict_check_refuses_before_the_run_what_cannot_settle(
@@ -225,7 +225,7 @@ def test_a_strict_check_refuses_before_the_run_what_cannot_settle(
     fields = {"model": "planar", "rig": rig, "defect": SLOT, "settle": settle}
     strict = case(**fields, step_check="strict")
     monkeypatch.setattr(sys.modules[simulate.__module__], "integrate", lambda *_, **__: pytest.fail("it ran"))
-    with pytest.raises(SimulationError, match="of the start is left after `settle`") as refusal:
+    with pytest.raises(SimulationError, match="of the initial transient is left after `settle`") as refusal:
         simulate(strict)
     assert advice in refusal.value.advice
     with pytest.raises(Refused, match=advice):
