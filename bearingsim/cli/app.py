@@ -1,10 +1,9 @@
-"""The commands."""
+"""Entry point of the command line, and its commands other than those that read results."""
 
 import gc
 import json
 import os
 import signal
-import warnings
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,7 +13,19 @@ import typer
 from bearingsim import __version__, blas_threads
 from bearingsim.cli import streams
 from bearingsim.cli.group import Commands
-from bearingsim.cli.opening import find_job, find_results, reads_results, short_path
+from bearingsim.cli.options import (
+    Jobs,
+    Json,
+    Quick,
+    Set,
+    StudyFile,
+    is_verbose,
+    parse_assignment,
+    parse_failure_limit,
+    parse_shard,
+    parse_time,
+)
+from bearingsim.cli.results_commands import export, merge, plot, prune, sensitivity, show
 from bearingsim.interruption import interrupt
 from bearingsim.text.announcer import announcer
 from bearingsim.text.terminal import say
@@ -34,17 +45,6 @@ app = typer.Typer(
 
 SILENCE_S = 1.0  # s without output, after which the step in progress is named
 FRESH_SHARD = "would delete the results of other shards: remove the folder yourself, then run each shard"
-StudyFile = Annotated[Path, typer.Argument(metavar="STUDY", help="study file (YAML)", show_default=False)]
-Results = Annotated[
-    Path | None, typer.Argument(metavar="RESULTS", help="results folder; default: the newest in ./results")
-]
-Set = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="replace a value, or sweep a list of values; repeatable"),
-]
-Quick = Annotated[bool, typer.Option("--quick", help="run the reduced grid (`quick:` of the study)")]
-Json = Annotated[bool, typer.Option("--json", help="print JSON, for scripts")]
-Jobs = Annotated[int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help="number of worker processes")]
 
 
 def main() -> None:
@@ -134,7 +134,7 @@ def check(
     if as_json:
         say(plan_table.as_json(study_plan))
     else:
-        plan_table.show(study_plan, verbose=_verbose(ctx))
+        plan_table.show(study_plan, verbose=is_verbose(ctx))
     for text in study_plan.refusal_texts:
         say(f"{study}: {text}", err=True)
     if study_plan.refusal_texts:
@@ -173,10 +173,10 @@ def run(
 
     Exit code 1 if any job failed or was skipped; finished jobs are kept.
     """
-    shard_numbers = _parse_shard(shard)
+    shard_numbers = parse_shard(shard)
     failure_limit, cpu_limit = (
-        _max_failures(fail_fast, max_failures),
-        _parse_time("--max-cpu", max_cpu) if max_cpu else inf,
+        parse_failure_limit(fail_fast, max_failures),
+        parse_time("--max-cpu", max_cpu) if max_cpu else inf,
     )
     if fresh and shard_numbers != (1, 1):
         raise typer.BadParameter(FRESH_SHARD, param_hint="--fresh")
@@ -184,7 +184,7 @@ def run(
 
     summary = None
     if shard_numbers == (1, 1) and not (fresh or verify):
-        summary = runner.completed_summary(study, out, dict(map(_parse_assignment, set_ or [])), quick)
+        summary = runner.completed_summary(study, out, dict(map(parse_assignment, set_ or [])), quick)
     if summary is None:
         loaded_study = _load(study, set_, quick)
         summary = runner.run(
@@ -201,185 +201,18 @@ def run(
         )
     from bearingsim.cli import ending
 
-    ending.show(summary, _verbose(ctx))
+    ending.show(summary, is_verbose(ctx))
     raise typer.Exit(summary.exit_code)
 
 
-@app.command()
-@reads_results
-def plot(
-    results: Results = None,
-    kind: Annotated[
-        str,
-        typer.Option(
-            help="of the study: sweep, phase, design; of single jobs: series, spectrum, envelope (spectrum), "
-            "roller, load, pit, ring"
-        ),
-    ] = "sweep",
-    x: Annotated[str | None, typer.Option(metavar="PATH", help="swept parameter on the x axis")] = None,
-    by: Annotated[
-        list[str] | None, typer.Option(metavar="PATH", help="one curve per value of this parameter; repeatable")
-    ] = None,
-    y: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME", help="feature, or channel of a job; one column of axes each; repeatable"),
-    ] = None,
-    panels: Annotated[
-        list[str] | None,
-        typer.Option(metavar="PATH", help="one row of axes per value of this parameter; repeatable"),
-    ] = None,
-    where: Annotated[
-        list[str] | None, typer.Option(metavar="PATH=VALUE", help="plot only cases with this value; repeatable")
-    ] = None,
-    job: Annotated[list[str] | None, typer.Option(metavar="JOB", help="job to plot, or `all`; repeatable")] = None,
-    span: Annotated[
-        str | None, typer.Option(metavar="TIME", help="length of the time axis, such as `20 ms`")
-    ] = None,
-    file_format: Annotated[str, typer.Option("--format", help="png, svg or pdf")] = "png",
-    out: Annotated[Path | None, typer.Option(metavar="DIR", help="folder (default: RESULTS/figures)")] = None,
-) -> None:
-    """Draw the figures that the study defines, or one for each swept parameter."""
-    from bearingsim import plots
-    from bearingsim.plots.plot import ALL, FORMATS
-
-    _check_choice("--kind", kind, plots.KINDS)
-    _check_choice("--format", file_format, FORMATS)
-    study_results = find_results(results)
-    ids = [ALL] if job == [ALL] else [find_job(study_results, text) for text in job or []]
-    filters = dict(_parse_assignment(text, "--where") for text in where or [])
-    options = {
-        "y": y,
-        "by": by,
-        "panels": panels,
-        "where": filters,
-        "span": _parse_time("--span", span) if span else None,
-    }
-    with warnings.catch_warnings(record=True) as recorded_warnings:
-        warnings.simplefilter("always", plots.PlotWarning)
-        files = plots.plot(study_results, kind, x, ids, file_format, out, **options)
-    say("\n".join(map(short_path, files)))
-    for warning in recorded_warnings:
-        say(str(warning.message), err=True)
-
-
-@app.command()
-@reads_results
-def show(
-    results: Results = None,
-    failed: Annotated[bool, typer.Option("--failed", help="list failed jobs, with reason and advice")] = False,
-    assumptions: Annotated[
-        bool, typer.Option("--assumptions", help="list the assumptions that the study does not vary")
-    ] = False,
-    columns: Annotated[list[str] | None, typer.Option(metavar="NAME", help="column to print; repeatable")] = None,
-    as_json: Json = False,
-) -> None:
-    """Print a table of the jobs with swept parameters, status and features."""
-    from bearingsim.cli import tables
-
-    study_results = find_results(results)
-    if assumptions:
-        tables.show_assumptions(study_results)
-    elif failed and not as_json:
-        tables.show_failures(study_results.path)
-    else:
-        tables.show_jobs(study_results, columns or [], failed, as_json)
-
-
-@app.command()
-@reads_results
-def sensitivity(
-    results: Results = None,
-    features: Annotated[
-        list[str] | None,
-        typer.Option("--of", metavar="FEATURE", help="default: amplitude at the defect frequency; repeatable"),
-    ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(metavar="FIGURE", help="figure file (.png, .svg, .pdf; default: in RESULTS/figures)"),
-    ] = None,
-    as_json: Json = False,
-) -> None:
-    """Rank parameters by their influence on a feature: Sobol' indices or Morris effects, with intervals."""
-    from bearingsim.cli import sensitivity as sensitivity_command
-
-    sensitivity_command.show(find_results(results), features or [], as_json, out)
-
-
-@app.command()
-@reads_results
-def export(
-    results: Results = None,
-    features: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="file for the table of features (.csv, .parquet; -: csv to stdout)"),
-    ] = None,
-    series: Annotated[
-        list[str] | None, typer.Option(metavar="JOB", help="job whose time series are written; repeatable")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="file for the time series (.csv, .mat; -: csv to stdout)")
-    ] = None,
-    file_format: Annotated[
-        str | None, typer.Option("--format", help="csv, parquet or mat, if no file is named")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="overwrite existing files")] = False,
-) -> None:
-    """Write features to csv or parquet, or the time series of chosen jobs to csv or mat."""
-    from bearingsim.cli import exporting
-
-    study_results = find_results(results)
-    ids = [find_job(study_results, text) for text in series or []]
-    exporting.check(features, ids, out, file_format)
-    files = []
-    if features or not ids:
-        files.append(exporting.features(study_results, features, None if ids else file_format, force))
-    if ids:
-        files.append(exporting.series(study_results, ids, out, file_format, force))
-    for path in files:
-        if path != exporting.STDOUT:
-            say(short_path(path), err=exporting.STDOUT in files)
-
-
-@app.command()
-def merge(
-    folders: Annotated[
-        list[Path], typer.Argument(metavar="DIR...", help="results folders of one study", show_default=False)
-    ],
-    out: Annotated[Path, typer.Option(metavar="DIR", help="folder to create", show_default=False)],
-) -> None:
-    """Merge results folders of one study, from shards or other machines, into a new one."""
-    from bearingsim import store
-
-    say(str(store.merge(folders, out)))
-    say(f"results: {short_path(out)}")
-
-
-@app.command()
-def prune(
-    ctx: typer.Context,
-    results: Results = None,
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run/--no-dry-run", help="list what would be removed, or remove it")
-    ] = True,
-) -> None:
-    """Remove results that are no longer in the plan, and damaged and temporary files."""
-    from bearingsim import store
-
-    root = find_results(results).path
-    leftovers = store.find_removable(root) if dry_run else store.prune(root)
-    if _verbose(ctx):
-        for path in leftovers.paths:
-            say(short_path(path))
-    say(str(leftovers))
-    if leftovers.paths:
-        note = f"nothing is removed yet; to remove: bearingsim prune {short_path(root)} --no-dry-run"
-        say(note if dry_run else "removed")
+for results_command in (plot, show, sensitivity, export, merge, prune):
+    app.command()(results_command)
 
 
 @app.command()
 def warm(
     study: Annotated[
-        Path | None, typer.Argument(metavar="STUDY", help="study file; default: the default models")
+        Path | None, typer.Argument(metavar="STUDY", help="study file; without it, the default models")
     ] = None,
 ) -> None:
     """Compile the solver of a study, or of the default models, into the cache, before the first run."""
@@ -464,16 +297,12 @@ def bench(
     bench_command.show(study, scene or [], quick, out, jobs or 1)
 
 
-def _verbose(ctx: typer.Context) -> bool:
-    return bool(ctx.find_root().params["verbose"])
-
-
 def _load(path: Path, assignments: list[str] | None, quick: bool) -> "Study":
     """Load a study, with the assignments of `--set`."""
     from bearingsim.study import load_study
 
     with announcer(seconds=SILENCE_S) as patience:
-        overrides = dict(map(_parse_assignment, assignments or []))
+        overrides = dict(map(parse_assignment, assignments or []))
         study = load_study(
             path, overrides, quick, lambda count: patience.begin(f"reading {group_digits(count)} cases")
         )
@@ -485,43 +314,3 @@ def _load(path: Path, assignments: list[str] | None, quick: bool) -> "Study":
 def group_digits(count: int) -> str:
     """Format a count with its digits in groups of three: `36 000`."""
     return f"{count:,}".replace(",", " ")
-
-
-def _parse_assignment(text: str, option: str = "--set") -> tuple[str, str]:
-    path, _, value = text.partition("=")
-    if not path.strip() or not value.strip():
-        raise typer.BadParameter(f"expected PATH=VALUE such as `load=200 N`, got `{text}`", param_hint=option)
-    return path.strip(), value.strip()
-
-
-def _parse_time(option: str, text: str) -> float:
-    from bearingsim.text.units import UnitError, parse
-
-    try:
-        seconds = parse(text, "time")
-    except UnitError as error:
-        raise typer.BadParameter(str(error), param_hint=option) from None
-    if seconds <= 0.0:
-        raise typer.BadParameter(f"expected a time above zero, got `{text}`", param_hint=option)
-    return seconds
-
-
-def _max_failures(fail_fast: bool, max_failures: int | None) -> float:
-    if fail_fast and max_failures:
-        raise typer.BadParameter(
-            "already stops at the first failure; omit `--max-failures`", param_hint="--fail-fast"
-        )
-    return 1 if fail_fast else max_failures or inf
-
-
-def _parse_shard(text: str) -> tuple[int, int]:
-    k, _, n = text.partition("/")
-    if not (k.isdecimal() and n.isdecimal() and 1 <= int(k) <= int(n)):
-        raise typer.BadParameter(f"expected K/N such as 1/4, got `{text}`", param_hint="--shard")
-    return int(k), int(n)
-
-
-def _check_choice(option: str, value: str, choices: tuple[str, ...]) -> None:
-    if value not in choices:
-        expected = f"{', '.join(choices[:-1])} or {choices[-1]}"
-        raise typer.BadParameter(f"expected {expected}, got `{value}`", param_hint=option)

@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-import typer
-
 from bearingsim.cli.opening import short_path
+from bearingsim.cli.options import check_choice
 from bearingsim.text.terminal import say
 
 
@@ -15,9 +14,7 @@ def select(option: str, names: Sequence[str] | None, choices: Sequence[str], def
     Raises BadParameter for a word that is not in ``choices``.
     """
     for name in names or []:
-        if name not in choices:
-            expected = f"{', '.join(choices[:-1])} or {choices[-1]}"
-            raise typer.BadParameter(f"expected {expected}, got `{name}`", param_hint=option)
+        check_choice(option, name, choices)
     return list(dict.fromkeys(names or defaults))
 
 

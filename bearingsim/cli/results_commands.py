@@ -1,0 +1,176 @@
+"""Commands that read results folders: plot, show, sensitivity, export, merge, prune."""
+
+import warnings
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bearingsim.cli.opening import find_job, find_results, reads_results, short_path
+from bearingsim.cli.options import Json, Results, check_choice, is_verbose, parse_assignment, parse_time
+from bearingsim.text.terminal import say
+
+
+@reads_results
+def plot(
+    results: Results = None,
+    kind: Annotated[
+        str,
+        typer.Option(
+            help="figure of the study: sweep, phase, design; or of a job: series, spectrum, envelope (spectrum), "
+            "roller, load, pit, ring"
+        ),
+    ] = "sweep",
+    x: Annotated[str | None, typer.Option(metavar="PATH", help="swept parameter on the x axis")] = None,
+    by: Annotated[
+        list[str] | None, typer.Option(metavar="PATH", help="one curve per value of this parameter; repeatable")
+    ] = None,
+    y: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="feature, or channel of a job; one column of axes each; repeatable"),
+    ] = None,
+    panels: Annotated[
+        list[str] | None,
+        typer.Option(metavar="PATH", help="one row of axes per value of this parameter; repeatable"),
+    ] = None,
+    where: Annotated[
+        list[str] | None, typer.Option(metavar="PATH=VALUE", help="plot only cases with this value; repeatable")
+    ] = None,
+    job: Annotated[list[str] | None, typer.Option(metavar="JOB", help="job to plot, or `all`; repeatable")] = None,
+    span: Annotated[
+        str | None, typer.Option(metavar="TIME", help="length of the time axis, such as `20 ms`")
+    ] = None,
+    file_format: Annotated[str, typer.Option("--format", help="png, svg or pdf")] = "png",
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="folder (default: RESULTS/figures)")] = None,
+) -> None:
+    """Draw the figures that the study defines, or one for each swept parameter."""
+    from bearingsim import plots
+    from bearingsim.plots.plot import ALL, FORMATS
+
+    check_choice("--kind", kind, plots.KINDS)
+    check_choice("--format", file_format, FORMATS)
+    study_results = find_results(results)
+    ids = [ALL] if job == [ALL] else [find_job(study_results, text) for text in job or []]
+    filters = dict(parse_assignment(text, "--where") for text in where or [])
+    options = {
+        "y": y,
+        "by": by,
+        "panels": panels,
+        "where": filters,
+        "span": parse_time("--span", span) if span else None,
+    }
+    with warnings.catch_warnings(record=True) as recorded_warnings:
+        warnings.simplefilter("always", plots.PlotWarning)
+        files = plots.plot(study_results, kind, x, ids, file_format, out, **options)
+    say("\n".join(map(short_path, files)))
+    for warning in recorded_warnings:
+        say(str(warning.message), err=True)
+
+
+@reads_results
+def show(
+    results: Results = None,
+    failed: Annotated[bool, typer.Option("--failed", help="list failed jobs, with reason and advice")] = False,
+    assumptions: Annotated[
+        bool, typer.Option("--assumptions", help="list the assumptions that the study does not vary")
+    ] = False,
+    columns: Annotated[list[str] | None, typer.Option(metavar="NAME", help="column to print; repeatable")] = None,
+    as_json: Json = False,
+) -> None:
+    """Print a table of the jobs with swept parameters, status and features."""
+    from bearingsim.cli import tables
+
+    study_results = find_results(results)
+    if assumptions:
+        tables.show_assumptions(study_results)
+    elif failed and not as_json:
+        tables.show_failures(study_results.path)
+    else:
+        tables.show_jobs(study_results, columns or [], failed, as_json)
+
+
+@reads_results
+def sensitivity(
+    results: Results = None,
+    features: Annotated[
+        list[str] | None,
+        typer.Option("--of", metavar="FEATURE", help="default: amplitude at the defect frequency; repeatable"),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FIGURE", help="figure file (.png, .svg, .pdf; default: in RESULTS/figures)"),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Rank parameters by their influence on a feature: Sobol' indices or Morris effects, with intervals."""
+    from bearingsim.cli import sensitivity as sensitivity_command
+
+    sensitivity_command.show(find_results(results), features or [], as_json, out)
+
+
+@reads_results
+def export(
+    results: Results = None,
+    features: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="file for the table of features (.csv, .parquet; -: csv to stdout)"),
+    ] = None,
+    series: Annotated[
+        list[str] | None, typer.Option(metavar="JOB", help="job whose time series are written; repeatable")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="file for the time series (.csv, .mat; -: csv to stdout)")
+    ] = None,
+    file_format: Annotated[
+        str | None, typer.Option("--format", help="csv, parquet or mat, if no file is named")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="overwrite existing files")] = False,
+) -> None:
+    """Write features to csv or parquet, or the time series of chosen jobs to csv or mat."""
+    from bearingsim.cli import exporting
+
+    study_results = find_results(results)
+    ids = [find_job(study_results, text) for text in series or []]
+    exporting.check(features, ids, out, file_format)
+    files = []
+    if features or not ids:
+        files.append(exporting.features(study_results, features, None if ids else file_format, force))
+    if ids:
+        files.append(exporting.series(study_results, ids, out, file_format, force))
+    for path in files:
+        if path != exporting.STDOUT:
+            say(short_path(path), err=exporting.STDOUT in files)
+
+
+def merge(
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="DIR...", help="results folders of one study", show_default=False)
+    ],
+    out: Annotated[Path, typer.Option(metavar="DIR", help="folder to create", show_default=False)],
+) -> None:
+    """Merge results folders of one study, from shards or other machines, into a new one."""
+    from bearingsim import store
+
+    say(str(store.merge(folders, out)))
+    say(f"results: {short_path(out)}")
+
+
+def prune(
+    ctx: typer.Context,
+    results: Results = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run/--no-dry-run", help="only list the files, or remove them")
+    ] = True,
+) -> None:
+    """Remove results that are no longer in the plan, and damaged and temporary files."""
+    from bearingsim import store
+
+    root = find_results(results).path
+    leftovers = store.find_removable(root) if dry_run else store.prune(root)
+    if is_verbose(ctx):
+        for path in leftovers.paths:
+            say(short_path(path))
+    say(str(leftovers))
+    if leftovers.paths:
+        note = f"nothing is removed yet; to remove: bearingsim prune {short_path(root)} --no-dry-run"
+        say(note if dry_run else "removed")
