@@ -76,7 +76,7 @@ def _cell(best: Verdict) -> str:
         return f"{best.job['variant']}, {seconds(best.job['cpu_per_s'])}"
     if best.point is not None:
         return f"{best.point['variant']} by {method_text(best.point)}, {seconds(best.point['cpu_per_s'])} in full"
-    return "not to be told" if best.unknown else "none"
+    return "unknown" if best.unknown else "none"
 
 
 def write(sections: Sequence[Section], folder: Path) -> Path:
@@ -90,7 +90,7 @@ def write(sections: Sequence[Section], folder: Path) -> Path:
 def lines(sections: Sequence[Section], provenance: dict[str, Any]) -> Iterator[str]:
     """Yield the lines of the text in Markdown. provenance: that of the numbers."""
     instructions = Path(__file__).with_name("how_to_read.md").read_text(encoding="utf-8")
-    yield from ("# Speed against accuracy", "", instructions.rstrip(), "", "## What to take", "")
+    yield from ("# Speed against accuracy", "", instructions.rstrip(), "", "## Recommendations", "")
     yield "The cheapest automatic choice within the accuracy, and its CPU time per second of signal, as a job."
     yield "All three: the line, the RMS and the largest force at once."
     yield ""
@@ -112,7 +112,7 @@ def lines(sections: Sequence[Section], provenance: dict[str, Any]) -> Iterator[s
         yield from _table(CHOICE_HEADS, _choice_rows(section))
         yield ""
         yield from _table(
-            ("asked of", *(f"within {percent(accuracy)}" for accuracy in ACCURACIES)), _verdict_rows(section)
+            ("quantity", *(f"within {percent(accuracy)}" for accuracy in ACCURACIES)), _verdict_rows(section)
         )
     yield from ("", "## Where these numbers come from", "", *_provenance_lines(provenance))
 
@@ -160,7 +160,7 @@ def _method_texts(section: Section) -> Iterator[str]:
             error = f"{percent(worst_error(comparison.row, NUMERICAL))} numerical error of the worst of the three"
             text = f"**Method, in full:** {choice} ({seconds(comparison.row['cpu_per_s'])}, {error})"
             if comparison.cost_ratio < NOTABLE:
-                yield f"{text}, is near the front: nothing as close costs less by over {NOTABLE} times."
+                yield f"{text}, is near the front: no run as accurate is over {NOTABLE} times cheaper."
             else:
                 cheaper = method_text(comparison.cheapest)
                 yield f"{text}, is off the front: {cheaper} is as close for {_cost(comparison.cheapest)}."
@@ -204,18 +204,18 @@ def _remarks(section: Section) -> Iterator[str]:
     chaotic = list(dict.fromkeys(row["variant"] for row in section.rows if row["chaotic"] == 1.0))
     if chaotic:
         yield (
-            f"**Chaotic** in {_quote(chaotic)}: no step holds the motion pass by pass. Errors count against the"
-            " mean of all solutions, and what these scatter by is the floor."
+            f"**Chaotic** in {_quote(chaotic)}: no step reproduces the motion pass by pass. Errors are relative to the"
+            " mean of all solutions; their scatter is the floor."
         )
     reference = section.rows[0]
     floors = ", ".join(
         f"{percent(reference[f'{TOTAL}.{name}.floor'])} ({QUANTITY_NAMES[name]})" for name in QUANTITIES
     )
     yield f"**The record** is {section.duration:g} s."
-    yield f"**The reference** is `{reference['variant']}`, by {reference['against']}, which lie apart by {floors}."
+    yield f"**The reference** is `{reference['variant']}`, by {reference['against']}, which differ by {floors}."
     refused = [row for row in section.rows if row["failure"] and row["role"] == "job"]
     if refused:
-        yield f"**Cannot do this:** {_quote([row['variant'] for row in refused])}."
+        yield f"**Not possible:** {_quote([row['variant'] for row in refused])}."
 
 
 def _quote(names: Sequence[str]) -> str:

@@ -97,7 +97,7 @@ def method_text(row: Row) -> str:
 def setting(row: Row) -> str:
     """Describe the step or tolerance of a row, with a leading blank."""
     if row["role"] == AUTOMATIC:
-        return " as it is chosen by `auto`"
+        return " as chosen by `auto`"
     value, is_step, _ = row["setting"].partition(" of the step")
     if is_step:
         return " at its first step" if value == "1" else f" at {value} times its first step"
@@ -128,7 +128,7 @@ def step_text(row: Row, rows: Sequence[Row]) -> str:
 
 def short_text(best: Verdict) -> str:
     """Abbreviate a verdict: `5 %: rollers`."""
-    return f"{percent(best.accuracy)}: {best.model or (best.unknown and 'not to be told') or 'none'}"
+    return f"{percent(best.accuracy)}: {best.model or (best.unknown and 'unknown') or 'none'}"
 
 
 def automatic_rows(rows: Sequence[Row]) -> list[Row]:
@@ -150,22 +150,22 @@ def verdict_texts(rows: Sequence[Row]) -> list[str]:
 
 def _verdict_text(best: Verdict, rows: Sequence[Row], jobs: Sequence[Row]) -> str:
     if best.unknown:
-        return f"not to be told: {best.unknown}."
+        return f"unknown: {best.unknown}."
     if best.job is None and best.point is None:
         job = min(jobs, key=worst_error)
-        return f"nothing that was run; the nearest automatic choice, `{job['variant']}`, is off by {_errors(job)}."
+        return f"none of the runs; the nearest automatic choice, `{job['variant']}`, is off by {_errors(job)}."
     if best.job is None:
         assert best.point is not None
         return (
             f"`{best.point['variant']}` by {method_text(best.point)} ({seconds(best.point['cpu_per_s'])} in full);"
-            " no automatic choice is so close."
+            " no automatic choice is as accurate."
         )
     text = f"`{best.job['variant']}`, {seconds(best.job['cpu_per_s'])} as a job. It is off by {_errors(best.job)}."
     cheaper = [row for row in jobs if row["cpu_per_s"] < best.job["cpu_per_s"] and row is not best.job]
     if cheaper:
         next_row = max(cheaper, key=lambda row: row["cpu_per_s"])
         text += (
-            f" The next cheaper will not do: `{next_row['variant']}` costs {seconds(next_row['cpu_per_s'])} and is"
+            f" The next cheaper fails: `{next_row['variant']}` costs {seconds(next_row['cpu_per_s'])} and is"
             f" off by {_errors(next_row)}."
         )
     else:

@@ -67,7 +67,9 @@ def _check_speeds(speed: str, inner: float, outer_speed: str | None, outer: floa
     if inner <= 0.0 and outer_speed is None:
         raise UnitError(speed, "a rotation speed above zero, such as `1800 rpm`")
     if inner == outer == 0.0:
-        raise UnitError(speed, "a rotation speed of one of the rings, such as `1800 rpm`", "both stand")
+        raise UnitError(
+            speed, "a rotation speed of one of the rings, such as `1800 rpm`", "both rings are stationary"
+        )
 
 
 def _contact_angle(text: str) -> float:

@@ -82,7 +82,7 @@ def show_assumptions(results: "Results") -> None:
     texts = [*assumption_notes(results.plan, frame), *damping.job_sentences(results.info())]
     unvaried_names = [name for name in findings(results.plan, frame).assumptions if name in EXAMPLE_VALUES]
     texts += [
-        f"{name} has one value per case; to vary it: `uncertainty: {{{name}: [{EXAMPLE_VALUES[name]}]}}` varies it"
+        f"{name} has one value per case; `uncertainty: {{{name}: [{EXAMPLE_VALUES[name]}]}}` varies it"
         for name in unvaried_names
     ]
     for text in texts or ["every uncertain parameter is varied"]:

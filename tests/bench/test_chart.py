@@ -171,7 +171,7 @@ def test_the_text_says_which_to_take_and_why():
     assert "| a scene | rollers, 0.1 s | planar, 1 s | rollers, 0.1 s | planar, 1 s |" in text
     assert "| RMS | rollers, 0.1 s | planar, 1 s |" in text
     assert "**Within 5 %:** `rollers`, 0.1 s as a job. It is off by 3 % (line)" in text
-    assert "The next cheaper will not do: `rollers` costs 0.1 s and is off by 3 % (line)" in text
+    assert "The next cheaper fails: `rollers` costs 0.1 s and is off by 3 % (line)" in text
     assert (
         "**Peers:** the cheapest within 1 % (numerical) of line and RMS is scipy-lsoda at a tolerance of 0.001"
         in text

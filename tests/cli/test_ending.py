@@ -57,7 +57,7 @@ def test_all_else_is_said_when_asked_for(here):
     assert assumed[0].startswith("damping not varied: ")
     assert any(line.startswith("rigid ring assumed") for line in assumed)
     for name, values in {"clearance": "[0 um, 10 um]", "bracket": "[0.5, 2]"}.items():
-        said = f"{name} has one value per case; to vary it: `uncertainty: {{{name}: {values}}}` varies it"
+        said = f"{name} has one value per case; `uncertainty: {{{name}: {values}}}` varies it"
         assert said in assumed
         text = Path("small.yaml").read_text() + f"uncertainty: {{{name}: {values}}}\n"
         Path("varied.yaml").write_text(text)

@@ -84,7 +84,7 @@ def test_a_ring_that_turns_alone_or_the_other_way():
         ),
         (["--contact-angle", "15"], "the unit is missing"),
         (["--outer-speed", "15"], "the unit is missing"),
-        (["--speed", "0 rpm", "--outer-speed", "0 rpm"], "(both stand)"),
+        (["--speed", "0 rpm", "--outer-speed", "0 rpm"], "(both rings are stationary)"),
     ],
 )
 def test_wrong_options_are_refused(words, message):
