@@ -204,8 +204,8 @@ def _remarks(section: Section) -> Iterator[str]:
     chaotic = list(dict.fromkeys(row["variant"] for row in section.rows if row["chaotic"] == 1.0))
     if chaotic:
         yield (
-            f"**Chaotic** in {_quote(chaotic)}: no step reproduces the motion pass by pass. Errors are relative to the"
-            " mean of all solutions; their scatter is the floor."
+            f"**Chaotic** in {_quote(chaotic)}: no step reproduces the motion pass by pass. Errors are relative to"
+            " the mean of all solutions; their scatter is the floor."
         )
     reference = section.rows[0]
     floors = ", ".join(

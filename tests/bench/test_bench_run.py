@@ -31,10 +31,10 @@ def small_plan(monkeypatch):
     monkeypatch.setattr(plan, "plan_of", lambda case, quick: small)
 
 
-def test_a_study_is_charted(here, write, small_plan):
+def test_chart_of_a_study(here, write, small_plan):
     path = write(STUDY)
-    out, _ = type_("bench", path, "--out", "charted")
-    assert "A small slot" in out
+    stdout, _ = type_("bench", path, "--out", "charted")
+    assert "A small slot" in stdout
     with (here / "charted/chart.csv").open() as file:
         rows = list(csv.DictReader(file))
     models = list(dict.fromkeys(row["variant"] for row in rows))
@@ -51,15 +51,15 @@ def test_a_study_is_charted(here, write, small_plan):
     assert "**Within 1 %:** `rollers`" in text
 
 
-def test_a_solver_of_another_package_finds_what_ours_does(write):
-    one = scene.load_scenes(write(STUDY), quick=False)[0]
-    case = next(variant.case for variant in one.variants if variant.name == "rollers")
+def test_external_solver_agrees_with_own_method(write):
+    study_scene = scene.load_scenes(write(STUDY), quick=False)[0]
+    case = next(variant.case for variant in study_scene.variants if variant.name == "rollers")
     assert case is not None
-    found, cpu, simulated = external.solve(case, external.SOLVERS["scipy-dop853"], 1e-7)
-    run = Run("s", "rollers", "rollers", POINT, "dop853", Setting(tolerance=1e-7), one.line, case)
-    ours = measure.rows(run)[0]
-    assert found[one.line] == pytest.approx(ours["line"], rel=1e-4)
-    assert found["velocity.rms"] == pytest.approx(ours["rms"], rel=1e-4)
-    assert found["outer_force.max"] == pytest.approx(ours["force"], rel=2e-3)
+    features, cpu, simulated = external.solve(case, external.SOLVERS["scipy-dop853"], 1e-7)
+    run = Run("s", "rollers", "rollers", POINT, "dop853", Setting(tolerance=1e-7), study_scene.line, case)
+    own_row = measure.rows(run)[0]
+    assert features[study_scene.line] == pytest.approx(own_row["line"], rel=1e-4)
+    assert features["velocity.rms"] == pytest.approx(own_row["rms"], rel=1e-4)
+    assert features["outer_force.max"] == pytest.approx(own_row["force"], rel=2e-3)
     assert cpu > 0.0
     assert 0.05 <= simulated < 0.1

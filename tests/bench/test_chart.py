@@ -1,4 +1,4 @@
-"""`bearingsim bench`: verdicts, the front, what is kept between runs, text and figures, what is refused."""
+"""`bearingsim bench`: verdicts, Pareto front, stored rows, text and figures, refusals."""
 
 import re
 from dataclasses import replace
@@ -16,157 +16,165 @@ from tests.scenes.bench_runs import rows_of
 from tests.scenes.commands import type_
 
 
-def row(variant="planar", role=POINT, method="verlet", cpu=1.0, value=1.0, setting="1 of the step", **more):
-    """A run whose line, RMS and force are all ``value``."""
+def row(variant="planar", role=POINT, method="verlet", cpu=1.0, value=1.0, setting="1 of the step", **fields):
+    """Return the row of a run whose line, RMS and force are all ``value``."""
     empty = dict.fromkeys(measure.COLUMNS, nan) | {"failure": "", "reason": "", "key": "", "period_passes": 0}
-    told = {
+    identity = {
         "scene": "s",
         "variant": variant,
-        "model": more.pop("model", variant),
+        "model": fields.pop("model", variant),
         "role": role,
         "method": method,
         "setting": setting,
     }
-    return empty | told | {"cpu_per_s": cpu} | dict.fromkeys(QUANTITIES, value) | more
+    return empty | identity | {"cpu_per_s": cpu} | dict.fromkeys(QUANTITIES, value) | fields
 
 
-def judges(variant="planar", one=1.0, other=1.0 + 1e-4):
+def reference_rows(variant="planar", value=1.0, other=1.0 + 1e-4):
     return [
-        row(variant, JUDGE, value=one),
+        row(variant, JUDGE, value=value),
         row(variant, JUDGE, "dop853", value=other, setting="1e-07"),
     ]
 
 
 def ladder(lower=1.03, force=None):
-    """A reference and a model below it that costs a tenth, and is off by 3 %."""
-    of_lower = row("rollers", JOB, cpu=0.1, value=lower)
+    """Return rows of a reference, and of a cheaper model at a tenth of its cost with an error of 3 %."""
+    lower_job = row("rollers", JOB, cpu=0.1, value=lower)
     return errors.with_errors(
         [
             row("planar", JOB, cpu=1.0),
             row("planar", AUTOMATIC, cpu=2.0),
             row("planar", POINT, "rodas", cpu=1.5, setting="0.001"),
-            *judges("planar", 1.0, 1.0 + 1e-4),
-            of_lower | ({} if force is None else {"force": force}),
+            *reference_rows("planar", 1.0, 1.0 + 1e-4),
+            lower_job | ({} if force is None else {"force": force}),
             row("rollers", AUTOMATIC, cpu=0.2, value=lower),
             row("rollers", PEER, "scipy-lsoda", cpu=9.0, value=lower, setting="0.001"),
             row("rollers", JOB, failure="refused", reason="too long", value=nan, cpu=nan),
-            *judges("rollers", lower, lower * (1.0 + 1e-4)),
+            *reference_rows("rollers", lower, lower * (1.0 + 1e-4)),
         ]
     )
 
 
-def test_errors_are_numerical_against_the_own_model_and_total_against_the_reference():
-    found = [one for one in ladder() if one["variant"] == "rollers" and one["role"] == JOB]
-    assert found[0]["numerical.line"] == pytest.approx(1e-4, rel=0.01)  # no less than the judges lie apart
-    assert found[0]["total.line"] == pytest.approx(0.03, rel=0.01)
-    assert found[1]["total.line"] != found[1]["total.line"]  # what failed has no error
+def test_numerical_and_total_errors():
+    rows = [row for row in ladder() if row["variant"] == "rollers" and row["role"] == JOB]
+    assert rows[0]["numerical.line"] == pytest.approx(1e-4, rel=0.01)  # no less than the judges lie apart
+    assert rows[0]["total.line"] == pytest.approx(0.03, rel=0.01)
+    assert rows[1]["total.line"] != rows[1]["total.line"]  # what failed has no error
 
 
 def test_a_model_without_steps_has_no_numerical_error():
-    rows = [*ladder(), row("static", JOB, ""), row("static", JUDGE, "", value=1.001)]
-    found = errors.with_errors([*judges(), *rows])
-    static = [one["numerical.line"] for one in found if one["variant"] == "static"]
+    inputs = [*ladder(), row("static", JOB, ""), row("static", JUDGE, "", value=1.001)]
+    rows = errors.with_errors([*reference_rows(), *inputs])
+    static = [row["numerical.line"] for row in rows if row["variant"] == "static"]
     assert len(static) == 1
     assert all(error != error for error in static)
 
 
-def test_judges_that_part_make_a_chaotic_truth_as_wide_as_all_of_them():
+def test_diverging_references_make_a_chaotic_solution():
     rows = [row(role=JUDGE, value=value) for value in (1.0, 1.03, 1.08)]
-    found = errors.converged_solution(rows)
-    assert found.chaotic
-    assert found.values["line"] == pytest.approx(1.11 / 1.08 * 1.0, rel=0.02)
-    assert found.floor["line"] == pytest.approx(0.08, rel=0.1)
-    calm = errors.converged_solution([row(role=JUDGE, value=value) for value in (1.0, 1.0001, 1.08)])
-    assert not calm.chaotic
-    assert calm.values["line"] == pytest.approx(1.00005)
+    chaotic = errors.converged_solution(rows)
+    assert chaotic.chaotic
+    assert chaotic.values["line"] == pytest.approx(1.11 / 1.08 * 1.0, rel=0.02)
+    assert chaotic.floor["line"] == pytest.approx(0.08, rel=0.1)
+    agreeing = errors.converged_solution([row(role=JUDGE, value=value) for value in (1.0, 1.0001, 1.08)])
+    assert not agreeing.chaotic
+    assert agreeing.values["line"] == pytest.approx(1.00005)
     close = [row(role=JUDGE, value=value) for value in (1.0, 1.0001, 1.01)]
-    told = errors.converged_solution([*close, row(role=JOB, chaotic=1.0)])  # by the step check of the job
-    assert told.values["line"] == pytest.approx(3.0101 / 3.0)
-    assert told.floor["line"] == pytest.approx(0.01, rel=0.02)
+    job_chaotic = errors.converged_solution([*close, row(role=JOB, chaotic=1.0)])  # by the step check of the job
+    assert job_chaotic.values["line"] == pytest.approx(3.0101 / 3.0)
+    assert job_chaotic.floor["line"] == pytest.approx(0.01, rel=0.02)
 
 
-def test_the_least_model_is_the_cheapest_job_that_is_close_in_all_three():
+def test_verdict_is_the_cheapest_sufficient_job():
     assert verdict.verdict(ladder(), 0.05).model == "rollers"
     assert verdict.verdict(ladder(), 0.01).model == "planar"
     assert verdict.verdict(ladder(force=1.2), 0.05).model == "planar"  # its largest force is not
 
 
-def test_where_no_job_is_close_a_run_in_full_is_named():
+def test_full_run_is_named_if_no_job_suffices():
     rows = errors.with_errors(
-        [row(role=JOB, value=1.02), row(role=POINT, cpu=3.0, value=1.001, setting="0.25 of the step"), *judges()]
+        [
+            row(role=JOB, value=1.02),
+            row(role=POINT, cpu=3.0, value=1.001, setting="0.25 of the step"),
+            *reference_rows(),
+        ]
     )
-    found = verdict.verdict(rows, 0.01)
-    assert found.job is None
-    assert found.point is not None
-    assert verdict.method_text(found.point) == "verlet at 0.25 times its first step"
+    best = verdict.verdict(rows, 0.01)
+    assert best.job is None
+    assert best.point is not None
+    assert verdict.method_text(best.point) == "verlet at 0.25 times its first step"
 
 
-def test_nothing_is_told_that_the_reference_does_not_know():
-    rows = errors.with_errors([row(role=JOB), *judges(other=1.015)])
+def test_accuracy_below_the_floor_has_no_verdict():
+    rows = errors.with_errors([row(role=JOB), *reference_rows(other=1.015)])
     assert verdict.verdict(rows, 0.01).unknown == "the reference's line is known to 1.5 % only"
     assert verdict.verdict(rows, 0.05).model == "planar"
 
 
-def of_steps(*errors_by_step, model=0.0):
-    """Runs with steps halved from one to the next, of a model that is off by ``model``."""
+def rows_with_steps(*errors_by_step, model=0.0):
+    """Return rows with successively halved steps, of a model with the error ``model``."""
     runs = [
         row("rollers", cpu=2.0**n, value=1.0 + error, setting=f"{0.5**n:g} of the step", step_s=0.5**n)
         for n, error in enumerate(errors_by_step)
     ]
-    return errors.with_errors([row("planar", JOB, cpu=99.0), *judges(), *runs, *judges("rollers", 1.0 + model)])
+    return errors.with_errors(
+        [row("planar", JOB, cpu=99.0), *reference_rows(), *runs, *reference_rows("rollers", 1.0 + model)]
+    )
 
 
-def test_an_error_that_a_finer_step_makes_larger_was_small_by_chance():
-    found = of_steps(0.2, 0.004, 0.03, 0.008)
-    of = [one for one in found if one["variant"] == "rollers"]
-    assert [round(one["total.line"], 3) for one in of] == [0.2, 0.004, 0.03, 0.008]
-    assert [round(one["total.line.counted"], 3) for one in of] == [0.2, 0.03, 0.03, 0.008]
-    best = verdict.verdict(found, 0.01).point
+def test_error_exceeded_by_a_finer_step_is_raised():
+    rows = rows_with_steps(0.2, 0.004, 0.03, 0.008)
+    variant_rows = [row for row in rows if row["variant"] == "rollers"]
+    assert [round(row["total.line"], 3) for row in variant_rows] == [0.2, 0.004, 0.03, 0.008]
+    assert [round(row["total.line.counted"], 3) for row in variant_rows] == [0.2, 0.03, 0.03, 0.008]
+    best = verdict.verdict(rows, 0.01).point
     assert best is not None
     assert best["cpu_per_s"] == 8.0
 
 
-def test_a_step_does_not_make_up_for_what_a_model_leaves_out():
-    found = of_steps(0.02, 0.004, 0.015, model=0.02)
-    assert verdict.verdict(found, 0.01).point is None
-    best = verdict.verdict(found, 0.05).point
+def test_step_error_does_not_compensate_model_error():
+    rows = rows_with_steps(0.02, 0.004, 0.015, model=0.02)
+    assert verdict.verdict(rows, 0.01).point is None
+    best = verdict.verdict(rows, 0.05).point
     assert best is not None
     assert best["variant"] == "rollers"
 
 
-def test_a_quantity_alone_may_take_less_than_all_three():
+def test_single_quantity_may_need_a_cheaper_model():
     rows = ladder(force=1.2)
     assert verdict.verdict(rows, 0.05, ("line",)).model == "rollers"
     assert verdict.verdict(rows, 0.05).model == "planar"
 
 
-def test_an_automatic_choice_is_told_as_a_part_of_the_first_step():
+def test_automatic_step_is_given_relative_to_first_step():
     rows = [row(step_s=8e-7), row(role=JOB, setting="", step_s=2e-7), row(role=JOB, setting="", tolerance=1e-5)]
     assert verdict.step_text(rows[1], rows) == "0.25 x 0.8 us"
     assert verdict.step_text(rows[2], rows) == "1e-5"
 
 
-def test_the_front_holds_what_nothing_beats():
+def test_pareto_front():
     rows = [
         row(cpu=cpu, value=value) for cpu, value in ((1.0, 0.3), (2.0, 0.4), (3.0, 0.1), (4.0, nan), (5.0, 0.1))
     ]
-    assert [one["cpu_per_s"] for one in verdict.pareto_front(rows, "line")] == [1.0, 3.0]
+    assert [row["cpu_per_s"] for row in verdict.pareto_front(rows, "line")] == [1.0, 3.0]
 
 
-def test_an_automatic_choice_off_the_front_is_found():
+def test_automatic_choice_off_the_front_is_reported():
     rows = ladder()
-    of_planar = next(
-        off for off in verdict.compare_with_front(rows, errors.NUMERICAL) if off.row["variant"] == "planar"
+    planar = next(
+        comparison
+        for comparison in verdict.compare_with_front(rows, errors.NUMERICAL)
+        if comparison.row["variant"] == "planar"
     )
-    assert of_planar.cost_ratio == pytest.approx(2.0 / 1.5)
-    assert of_planar.cheapest["method"] == "rodas"
+    assert planar.cost_ratio == pytest.approx(2.0 / 1.5)
+    assert planar.cheapest["method"] == "rodas"
 
 
-def test_the_text_says_which_to_take_and_why():
-    part = report.Section("s", "a scene", ladder(), 0.3)
-    about = provenance.provenance({"numbalsoda": "not here"}) | {"runs": 9, "jobs": 1}
-    lines = list(report.lines([part], about))
-    assert max(len(line) for one in lines for line in one.splitlines()) <= 140
+def test_report_gives_recommendations_with_reasons():
+    section = report.Section("s", "a scene", ladder(), 0.3)
+    provenance_entries = provenance.provenance({"numbalsoda": "not here"}) | {"runs": 9, "jobs": 1}
+    lines = list(report.lines([section], provenance_entries))
+    assert max(len(line) for entry in lines for line in entry.splitlines()) <= 140
     text = re.sub(r"\n +", " ", "\n".join(lines))
     assert "| a scene | rollers, 0.1 s | planar, 1 s | rollers, 0.1 s | planar, 1 s |" in text
     assert "| RMS | rollers, 0.1 s | planar, 1 s |" in text
@@ -182,85 +190,85 @@ def test_the_text_says_which_to_take_and_why():
 
 
 @pytest.mark.parametrize(
-    ("share", "words"), [(0.012, "1.2 %"), (1e-6, "under 0.01 %"), (2.0, "3 times"), (inf, "not known")]
+    ("share", "text"), [(0.012, "1.2 %"), (1e-6, "under 0.01 %"), (2.0, "3 times"), (inf, "not known")]
 )
-def test_shares_in_words(share, words):
-    assert verdict.percent(share) == words
+def test_percent_texts(share, text):
+    assert verdict.percent(share) == text
 
 
 def test_a_model_keeps_its_colour_and_its_variants_differ():
-    few = speed_accuracy._colours([row("planar"), row("static")])
-    more = speed_accuracy._colours(
+    base = speed_accuracy._colours([row("planar"), row("static")])
+    extended = speed_accuracy._colours(
         [row("a", model="spatial"), row("b", model="spatial"), row("planar"), row("static")]
     )
-    assert few.items() <= more.items()
-    assert len(set(more.values())) == 4
+    assert base.items() <= extended.items()
+    assert len(set(extended.values())) == 4
 
 
-def test_a_figure_rings_the_automatic_choice_and_names_failures_on_the_rail(tmp_path):
-    found = speed_accuracy.figure(ladder(), "a scene")
-    numerical, total = found.axes[:2]
+def test_figure_marks_automatic_choice_and_failures(tmp_path):
+    canvas = speed_accuracy.figure(ladder(), "a scene")
+    numerical, total = canvas.axes[:2]
     rings = [line for line in total.lines if line.get_marker() == "o" and line.get_markersize() > 10.0]
     assert len(rings) == 2
-    on_the_rail = [text.get_text() for text in numerical.texts if text.get_position()[1] > speed_accuracy.RAIL]
-    assert on_the_rail == ["failed", "any method"]
+    rail_texts = [text.get_text() for text in numerical.texts if text.get_position()[1] > speed_accuracy.RAIL]
+    assert rail_texts == ["failed", "any method"]
     assert {"auto", "1e-3"} <= {text.get_text() for text in total.texts}  # the runs of the front
-    title = found.get_suptitle()
+    title = canvas.get_suptitle()
     assert "line, RMS and force all within 5 %: cheapest is rollers" in title
     assert "line, RMS and force all within 1 %: cheapest is planar" in title
     path = speed_accuracy.draw(ladder(), "a scene", tmp_path / "s.png")
     assert 5_000 < path.stat().st_size < 100_000
 
 
-# What is kept
+# Stored rows
 
 
 @pytest.fixture
-def counted(monkeypatch):
-    """Runs are counted in place of being computed."""
-    made = []
+def computed_runs(monkeypatch):
+    """Replace computation by a list of the runs."""
+    calls = []
 
     def rows(run):
-        made.append(run)
+        calls.append(run)
         return rows_of(run)
 
     monkeypatch.setattr(measure, "rows", rows)
     monkeypatch.setattr(measure, "compile_run", lambda run: run.model)
-    return made
+    return calls
 
 
 SCENES = scene.built_in_scenes(["healthy"], quick=True)
 
 
-def test_what_is_there_is_not_computed_again(tmp_path, counted, monkeypatch):
+def test_stored_rows_are_not_recomputed(tmp_path, computed_runs, monkeypatch):
     first = table.compute(SCENES, tmp_path, quick=True)
-    made = len(counted)
-    assert made == len(list(plan.runs(SCENES[0], quick=True)))
-    again = table.compute(SCENES, tmp_path, quick=True)
-    assert len(counted) == made
-    assert [one["key"] for one in again] == [one["key"] for one in first]
+    count = len(computed_runs)
+    assert count == len(list(plan.runs(SCENES[0], quick=True)))
+    repeat = table.compute(SCENES, tmp_path, quick=True)
+    assert len(computed_runs) == count
+    assert [row["key"] for row in repeat] == [row["key"] for row in first]
     monkeypatch.setattr(plan, "code_version", lambda: "another")
     table.compute(SCENES, tmp_path, quick=True)
-    assert len(counted) == 2 * made
+    assert len(computed_runs) == 2 * count
 
 
-def test_a_row_that_was_cut_off_is_computed_again(tmp_path, counted):
+def test_truncated_row_is_recomputed(tmp_path, computed_runs):
     table.compute(SCENES, tmp_path, quick=True)
-    made, path = len(counted), tmp_path / table.RUNS_FILE
+    count, path = len(computed_runs), tmp_path / table.RUNS_FILE
     path.write_text(path.read_text()[:-20])
     table.compute(SCENES, tmp_path, quick=True)
-    assert len(counted) == made + 1
-    assert len(table.read(path)) == made
+    assert len(computed_runs) == count + 1
+    assert len(table.read(path)) == count
 
 
-def test_a_job_whose_second_row_is_missing_is_computed_again(tmp_path, counted):
+def test_job_without_second_row_is_recomputed(tmp_path, computed_runs):
     table.compute(SCENES, tmp_path, quick=True)
-    made, path = len(counted), tmp_path / table.RUNS_FILE
+    count, path = len(computed_runs), tmp_path / table.RUNS_FILE
     lines = path.read_text().splitlines(keepends=True)
     first = next(n for n, line in enumerate(lines) if f",{AUTOMATIC}," in line)
     path.write_text("".join(lines[:first] + lines[first + 1 :]))
     table.compute(SCENES, tmp_path, quick=True)
-    assert len(counted) == made + 1
+    assert len(computed_runs) == count + 1
 
 
 def test_another_step_or_model_is_another_run():
@@ -269,18 +277,18 @@ def test_another_step_or_model_is_another_run():
     assert replace(first, case=first.case.model_copy(update={"load": 1.0})).key != first.key
 
 
-# Scenes, and what is refused
+# Scenes and refusals
 
 
 def test_every_scene_is_listed_and_can_be_computed_by_its_reference():
     assert {path.stem for path in scene.FOLDER.glob("*.yaml")} == set(scene.ORDER)
-    for one in scene.built_in_scenes(scene.ORDER, quick=False):
-        assert one.reference.duration <= scene.MAX_RECORD
-        assert len(one.variants) >= 4
+    for built_in in scene.built_in_scenes(scene.ORDER, quick=False):
+        assert built_in.reference.duration <= scene.MAX_RECORD
+        assert len(built_in.variants) >= 4
     assert set(plan.default_scenes(quick=True)) < set(scene.ORDER)
 
 
-def test_what_a_model_cannot_do_stands_on_the_rail_with_the_reason():
+def test_unsuitable_model_is_refused_with_reason():
     bent = scene.built_in_scenes(["bent-ring"], quick=True)[0]
     refused = [variant for variant in bent.variants if variant.case is None]
     assert [variant.name for variant in refused] == ["ring"]
@@ -290,25 +298,29 @@ def test_what_a_model_cannot_do_stands_on_the_rail_with_the_reason():
 
 
 def test_a_step_over_the_limit_is_refused():
-    run = next(r for r in plan.runs(SCENES[0], quick=True) if r.variant == "ring" and r.setting.step == 16.0)
-    found = measure.rows(run)[0]
-    assert found["failure"] == "refused"
-    assert "limit" in found["reason"]
+    run = next(
+        candidate
+        for candidate in plan.runs(SCENES[0], quick=True)
+        if candidate.variant == "ring" and candidate.setting.step == 16.0
+    )
+    result = measure.rows(run)[0]
+    assert result["failure"] == "refused"
+    assert "limit" in result["reason"]
 
 
-def test_an_unknown_scene_is_told_with_the_nearest(here):
+def test_unknown_scene_suggests_the_nearest(here):
     _, err = type_("bench", "--scene", "slot-08", code=2)
     assert "unknown scene `slot-08`; did you mean `slot-0.8`?" in err
 
 
-def test_a_wrong_study_is_told_as_check_tells_it(here, write):
+def test_wrong_study_is_reported_as_by_check(here, write):
     path = write("study: wrong\nbearing: nf308\nspeed: 1800 rpm\nload: 150 kg\n")
-    as_check = type_("check", path, code=2)[1]
-    assert type_("bench", path, code=2)[1] == as_check
-    assert re.search(r"150 kg", as_check)
+    expected = type_("check", path, code=2)[1]
+    assert type_("bench", path, code=2)[1] == expected
+    assert re.search(r"150 kg", expected)
 
 
-def test_a_study_and_a_scene_are_too_much(here):
+def test_study_and_scene_are_exclusive(here):
     assert "not both" in type_("bench", "small.yaml", "--scene", "healthy", code=2)[1]
 
 
@@ -321,13 +333,13 @@ def test_a_ramp_is_refused(write):
 
 
 def test_the_first_cases_of_a_study_are_scenes(here):
-    found = scene.load_scenes(here / "small.yaml", quick=False)
-    assert [one.name for one in found] == ["small-1", "small-2"]
-    assert [one.reference.load for one in found] == [150.0, 300.0]
-    assert [variant.name for variant in found[0].variants] == ["planar", "rollers", "ring", "static"]
+    scenes = scene.load_scenes(here / "small.yaml", quick=False)
+    assert [case_scene.name for case_scene in scenes] == ["small-1", "small-2"]
+    assert [case_scene.reference.load for case_scene in scenes] == [150.0, 300.0]
+    assert [variant.name for variant in scenes[0].variants] == ["planar", "rollers", "ring", "static"]
 
 
-def test_a_study_that_names_an_accuracy_has_the_same_ladder(write):
+def test_study_with_accuracy_has_the_same_models(write):
     path = write(
         "study: promised\nbearing: nf308\nspeed: 1800 rpm\nload: 150 N\n"
         "accuracy: {within: 2 %, of: [velocity.rms]}\n"
@@ -340,7 +352,7 @@ def test_a_study_that_names_an_accuracy_has_the_same_ladder(write):
     ]
 
 
-def test_the_command_writes_table_figures_text_and_provenance(tmp_path, counted, capsys):
+def test_the_command_writes_table_figures_text_and_provenance(tmp_path, computed_runs, capsys):
     files = command.chart(None, ["healthy"], True, tmp_path / "out", 1)
     assert [file.name for file in files] == [
         "chart.csv",

@@ -1,4 +1,4 @@
-"""What a user types, and what comes back: text, exit code, files."""
+"""Commands: text, exit code, files."""
 
 import json
 import math
@@ -20,7 +20,7 @@ from tests.scenes.commands import STUDY, type_
 # The program
 
 
-def python(code, **env):
+def run_python(code, **env):
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=os.environ | env)
 
 
@@ -31,9 +31,9 @@ def test_help_imports_nothing_heavy():
         "heavy = {'numba', 'scipy', 'pandas', 'matplotlib', 'h5py', 'numpy', 'pydantic', 'yaml', 'joblib'}\n"
         "print('HEAVY', sorted(heavy & set(sys.modules)))"
     )
-    told = python(code).stdout
-    assert told.rstrip().endswith("HEAVY []")
-    assert "Parametric studies" in told
+    stdout = run_python(code).stdout
+    assert stdout.rstrip().endswith("HEAVY []")
+    assert "Parametric studies" in stdout
 
 
 def test_checking_a_wrong_study_imports_nothing_heavy(here):
@@ -43,37 +43,37 @@ def test_checking_a_wrong_study_imports_nothing_heavy(here):
         "try: main()\nexcept SystemExit as end: assert end.code == 2\n"
         "print('HEAVY', sorted({'numba', 'scipy', 'pandas', 'matplotlib', 'h5py'} & set(sys.modules)))"
     )
-    assert python(code).stdout.rstrip().endswith("HEAVY []")
+    assert run_python(code).stdout.rstrip().endswith("HEAVY []")
 
 
 def test_python_m_is_the_command():
-    told = subprocess.run([sys.executable, "-m", "bearingsim", "--version"], capture_output=True, text=True)
-    assert told.stdout == f"bearingsim {__version__}\n"
+    result = subprocess.run([sys.executable, "-m", "bearingsim", "--version"], capture_output=True, text=True)
+    assert result.stdout == f"bearingsim {__version__}\n"
 
 
 def test_no_color_is_honoured(here):
     code = "import sys\nfrom bearingsim.cli import main\nsys.argv = ['bearingsim', 'freq', 'nf308']\nmain()"
-    assert "\x1b" in python(code, FORCE_COLOR="1", NO_COLOR="").stdout
-    told = python(code, FORCE_COLOR="1", NO_COLOR="1").stdout
-    assert "BPFO" in told
-    assert "\x1b[3" not in told
+    assert "\x1b" in run_python(code, FORCE_COLOR="1", NO_COLOR="").stdout
+    stdout = run_python(code, FORCE_COLOR="1", NO_COLOR="1").stdout
+    assert "BPFO" in stdout
+    assert "\x1b[3" not in stdout
 
 
 @pytest.mark.parametrize("words", [["rum"], ["run"], ["check", "small.yaml", "--sett", "a=b"]])
-def test_a_wrong_command_is_a_message_and_2(here, words):
-    out, told = type_(*words, code=2)
-    assert out == ""
-    assert told
+def test_wrong_command_exits_with_2(here, words):
+    stdout, stderr = type_(*words, code=2)
+    assert stdout == ""
+    assert stderr
 
 
 # new, check
 
 
 def test_new_writes_a_study_that_checks(here):
-    said, _ = type_("new", "mine.yaml")
-    assert "mine.yaml" in said
-    said, _ = type_("check", "mine.yaml")
-    assert said.startswith("defect-length: 15 jobs (12 cases, 3 healthy twins)")
+    stdout, _ = type_("new", "mine.yaml")
+    assert "mine.yaml" in stdout
+    stdout, _ = type_("check", "mine.yaml")
+    assert stdout.startswith("defect-length: 15 jobs (12 cases, 3 healthy twins)")
 
 
 def test_new_writes_the_schema_that_the_study_names(here):
@@ -87,168 +87,168 @@ def test_new_writes_the_schema_that_the_study_names(here):
 
 
 @pytest.mark.parametrize(
-    "made", [lambda path: path.write_text("{}"), Path.mkdir, lambda path: path.symlink_to("x")]
+    "create", [lambda path: path.write_text("{}"), Path.mkdir, lambda path: path.symlink_to("x")]
 )
-def test_new_leaves_another_schema(here, made):
-    def stamps():
-        found = {path.name: path.lstat() for path in Path().iterdir() if path.name != "mine.yaml"}
-        return {name: (stat.st_ino, stat.st_mode, stat.st_size, stat.st_mtime_ns) for name, stat in found.items()}
+def test_new_keeps_another_schema(here, create):
+    def file_stats():
+        stats = {path.name: path.lstat() for path in Path().iterdir() if path.name != "mine.yaml"}
+        return {name: (stat.st_ino, stat.st_mode, stat.st_size, stat.st_mtime_ns) for name, stat in stats.items()}
 
-    made(Path(SCHEMA_FILE))
-    before = stamps()
-    _, told = type_("new", "mine.yaml")
-    assert told.startswith(f"{SCHEMA_FILE} is not this version's schema and is kept")
-    assert "`bearingsim check --schema`" in told
-    assert stamps() == before
+    create(Path(SCHEMA_FILE))
+    before = file_stats()
+    _, stderr = type_("new", "mine.yaml")
+    assert stderr.startswith(f"{SCHEMA_FILE} is not this version's schema and is kept")
+    assert "`bearingsim check --schema`" in stderr
+    assert file_stats() == before
 
 
 def test_new_overwrites_nothing(here):
-    _, told = type_("new", "small.yaml", code=2)
-    assert "small.yaml exists; name another file" in told
+    _, stderr = type_("new", "small.yaml", code=2)
+    assert "small.yaml exists; name another file" in stderr
     assert Path("small.yaml").read_text() == STUDY
 
 
 def test_check_prints_the_plan(here):
-    said, _ = type_("-v", "check", "small.yaml", "--jobs", "2")
-    assert "8 jobs (4 cases, 4 healthy twins); sweeps load, model" in said
-    rows = {line[: line.find("  ")].strip(): line.split() for line in said.splitlines() if "  " in line}
+    stdout, _ = type_("-v", "check", "small.yaml", "--jobs", "2")
+    assert "8 jobs (4 cases, 4 healthy twins); sweeps load, model" in stdout
+    rows = {line[: line.find("  ")].strip(): line.split() for line in stdout.splitlines() if "  " in line}
     assert rows["cases"][-2:] == ["2", "2"]
     assert rows["crossing of the defect (us)"][-2:] == ["270", "270"]  # 0.8 mm at 2.959 m/s
     assert rows["step limit at rest (us)"][5] == "-"  # the static model has none
-    assert "2 workers" in said
+    assert "2 workers" in stdout
     assert rows["damping c/k at rest (us)"][-2:] == ["2.5", "2.5"]
-    assert "\ndamping: c/k 2.5 us (plausible: 0.3 to 25), ratio 0.0765 to 0.0789;" in said
+    assert "\ndamping: c/k 2.5 us (plausible: 0.3 to 25), ratio 0.0765 to 0.0789;" in stdout
 
 
-def test_check_says_what_an_engineer_asks_first(here):
+def test_check_prints_frequencies_and_drop(here):
     """Z = 13, D_w/d_m = 12/65 at 30 Hz: FTF 15 (1 - 12/65), BPFO 13 FTF, BPFI 13 (30 - FTF)."""
-    said, _ = type_("check", "small.yaml", "--jobs", "2")
-    rows = {line[: line.find("  ")].strip(): line.split() for line in said.splitlines() if "  " in line}
+    stdout, _ = type_("check", "small.yaml", "--jobs", "2")
+    rows = {line[: line.find("  ")].strip(): line.split() for line in stdout.splitlines() if "  " in line}
     for name, hertz in {"BPFO": 159.0, "BPFI": 231.0, "BSF": 78.5, "FTF": 12.2308}.items():
         assert float(rows[f"{name} (Hz)"][-1]) == pytest.approx(hertz, rel=3e-3)
     assert float(rows["samples per crossing"][-1]) == pytest.approx(270e-6 * 10240, rel=0.01)
-    assert max(map(len, said.splitlines())) < 100
-    assert "rollers drop 11.3 um and do not reach the floor at 50 um; rectangle and triangle" in said
-    assert "step limit" not in said
-    assert "plausible" not in said
+    assert max(map(len, stdout.splitlines())) < 100
+    assert "rollers drop 11.3 um and do not reach the floor at 50 um; rectangle and triangle" in stdout
+    assert "step limit" not in stdout
+    assert "plausible" not in stdout
 
 
 @pytest.mark.parametrize(("depth", "same"), [("25 um", True), ("20 um", False)])
-def test_a_triangle_is_as_a_rectangle_only_where_its_walls_are_steep(here, depth, same):
+def test_triangle_equals_rectangle_only_with_steep_walls(here, depth, same):
     """A roller sinks 11.3 um between the rims, and touches the walls of a V less than twice as deep."""
-    said, _ = type_("check", "small.yaml", "--set", f"defect.depth={depth}")
-    assert "rollers drop 11.3 um" in said
-    assert ("rectangle and triangle give equal results" in said) == same
+    stdout, _ = type_("check", "small.yaml", "--set", f"defect.depth={depth}")
+    assert "rollers drop 11.3 um" in stdout
+    assert ("rectangle and triangle give equal results" in stdout) == same
 
 
 def test_check_shows_the_design(here):
     sweep = STUDY.replace("load: [150 N, 300 N]", "morris: {n: 6, over: {load: [150 N, 300 N]}}")
     Path("design.yaml").write_text(sweep.replace("model: [static, ring]", "model: [static]"))
-    said, _ = type_("check", "design.yaml")
-    assert said.splitlines()[1] == "design: morris, 6 trajectories of 1 path, seed 0; 12 rows, 4 cases"
-    found = json.loads(type_("check", "design.yaml", "--json")[0])
-    assert (found["design"]["kind"], found["design"]["paths"]) == ("morris", ["load"])
-    assert set(found["design"]["ids"]) == {job["job"] for job in found["jobs"] if not job["twin"]}
+    stdout, _ = type_("check", "design.yaml")
+    assert stdout.splitlines()[1] == "design: morris, 6 trajectories of 1 path, seed 0; 12 rows, 4 cases"
+    plan = json.loads(type_("check", "design.yaml", "--json")[0])
+    assert (plan["design"]["kind"], plan["design"]["paths"]) == ("morris", ["load"])
+    assert set(plan["design"]["ids"]) == {job["job"] for job in plan["jobs"] if not job["twin"]}
     assert json.loads(type_("check", "small.yaml", "--json")[0])["design"] is None
 
 
 def test_a_design_of_a_billion_points_is_refused(here):
     sweep = STUDY.replace("load: [150 N, 300 N]", "sobol: {n: 1000000000, over: {load: [150 N, 300 N]}}")
     Path("design.yaml").write_text(sweep)
-    _, told = type_("check", "design.yaml", code=2)
-    first, line, caret = told.splitlines()
+    _, stderr = type_("check", "design.yaml", code=2)
+    first, line, caret = stderr.splitlines()
     assert first.startswith("design.yaml:7:14: sweep.sobol.n: 1000000000 points of 1 path")
     assert line[caret.index("^") :].startswith("1000000000")
 
 
 @pytest.mark.parametrize(
-    ("found", "text"),
+    ("values", "text"),
     [([0.2, 0.35], "0.2 .. 0.35"), ([2.0, 2.001], "2"), ([math.inf, 2.0, 0.0], "2"), ([math.inf], "-")],
 )
-def test_a_quantity_of_many_cases_is_a_span(found, text):
-    assert screen.span(found) == text
+def test_values_of_many_cases_are_a_range(values, text):
+    assert screen.span(values) == text
 
 
-def test_check_says_what_friction_can_do(here):
+def test_check_prints_friction_scale(here):
     """0.3 of 49.6 N; slip settles in I/(2 mu' Q R^2) with I = m R^2/2, m = 10.65 g and mu' = 1.5 0.3/0.02 s/m."""
-    found = json.loads(type_("check", "small.yaml", "--set", "load=150 N", "--set", "model=planar", "--json")[0])
-    limits = found["jobs"][0]["limits"]
+    plan = json.loads(type_("check", "small.yaml", "--set", "load=150 N", "--set", "model=planar", "--json")[0])
+    limits = plan["jobs"][0]["limits"]
     assert limits["friction"] == pytest.approx(0.3 * limits["rest_load"], rel=0.01)
     assert limits["slip_settles"] == pytest.approx(0.01065 / (4.0 * 22.5 * limits["rest_load"]), rel=1e-3)
-    assert found["jobs"][0]["least_model"] == "static"
+    assert plan["jobs"][0]["least_model"] == "static"
     words = ["--set", "load=150 N", "--set", "model=[ring, planar]"]
-    said, _ = type_("-v", "check", "small.yaml", *words)
-    rows = {line[: line.find("  ")].strip(): line.split() for line in said.splitlines() if "  " in line}
+    stdout, _ = type_("-v", "check", "small.yaml", *words)
+    rows = {line[: line.find("  ")].strip(): line.split() for line in stdout.splitlines() if "  " in line}
     assert rows["largest friction at rest (N)"][-2:] == ["-", "14.9"]
     assert rows["slip time constant at rest (us)"][-2:] == ["-", "2.39"]
     assert "slip time constant at rest" not in type_("-v", "check", "small.yaml")[0]
 
 
-def test_check_for_a_script(here):
-    found = json.loads(type_("check", "small.yaml", "--json", "--jobs", "2")[0])
-    assert (found["cases"], found["twins"], found["refused"]) == (4, 4, [])
-    ring = [job for job in found["jobs"] if job["model"] == "ring"]
+def test_check_json(here):
+    plan = json.loads(type_("check", "small.yaml", "--json", "--jobs", "2")[0])
+    assert (plan["cases"], plan["twins"], plan["refused"]) == (4, 4, [])
+    ring = [job for job in plan["jobs"] if job["model"] == "ring"]
     assert [0.0 < job["step"] < job["limits"]["at_impact"] for job in ring] == 4 * [True]
-    assert found["cpu_seconds"] == pytest.approx(sum(job["estimate"]["cpu_seconds"] for job in found["jobs"]))
-    assert found["cpu_seconds"] / 2 <= found["wall_seconds"] <= found["cpu_seconds"]
+    assert plan["cpu_seconds"] == pytest.approx(sum(job["estimate"]["cpu_seconds"] for job in plan["jobs"]))
+    assert plan["cpu_seconds"] / 2 <= plan["wall_seconds"] <= plan["cpu_seconds"]
 
 
 def test_check_lists_cases_when_asked(here):
-    said, _ = type_("check", "small.yaml", "-v")
-    assert sum(line.startswith(("150 N", "300 N")) for line in said.splitlines()) == 4
+    stdout, _ = type_("check", "small.yaml", "-v")
+    assert sum(line.startswith(("150 N", "300 N")) for line in stdout.splitlines()) == 4
 
 
 def test_set_and_quick_change_the_plan(here):
-    said, _ = type_("check", "small.yaml", "--quick", "--set", "load=[100 N, 150 N, 200 N]")
-    assert "6 jobs (3 cases, 3 healthy twins)" in said
+    stdout, _ = type_("check", "small.yaml", "--quick", "--set", "load=[100 N, 150 N, 200 N]")
+    assert "6 jobs (3 cases, 3 healthy twins)" in stdout
 
 
 def test_check_shows_every_mistake_at_once(here):
     Path("small.yaml").write_text(STUDY.replace("0.8 mm", "0,8 mm").replace("30 ms", "30"))
-    out, told = type_("check", "small.yaml", code=2)
-    assert out == ""
-    assert "small.yaml:5:52: defect.width" in told
-    assert "write a decimal point" in told
-    assert "duration" in told
+    stdout, stderr = type_("check", "small.yaml", code=2)
+    assert stdout == ""
+    assert "small.yaml:5:52: defect.width" in stderr
+    assert "write a decimal point" in stderr
+    assert "duration" in stderr
 
 
 def test_a_step_over_the_limit_is_refused_once(here):
-    said, told = type_("check", "small.yaml", "--set", "model=rollers", "--set", "step=20 us", code=2)
-    assert said == "small: 4 jobs (2 cases, 2 healthy twins), 4 refused; sweeps load, model\n"
-    [line] = told.splitlines()
+    stdout, stderr = type_("check", "small.yaml", "--set", "model=rollers", "--set", "step=20 us", code=2)
+    assert stdout == "small: 4 jobs (2 cases, 2 healthy twins), 4 refused; sweeps load, model\n"
+    [line] = stderr.splitlines()
     assert line.startswith("small.yaml: 4 jobs refused, the first at load 150 N")
     assert "of the method's limit" in line
     assert "use `step: auto`" in line
 
 
 @pytest.mark.parametrize(("coefficient", "warned"), [(1e2, False), (1e6, True)])
-def test_contacts_that_creep_longer_than_the_run_settles_are_told(here, coefficient, warned):
+def test_slow_contact_decay_is_reported(here, coefficient, warned):
     """C/K of steel at 150 N: 0.3 ms with 1e2 N s/mm, 3 s with 1e6."""
     law = f"contact.damping={{law: general, coefficient: {coefficient}, indentation_exponent: 0}}"
-    said, _ = type_("check", "small.yaml", "--set", "model=rollers", "--set", law)
-    assert ("of the initial transient is left" in said) == warned
+    stdout, _ = type_("check", "small.yaml", "--set", "model=rollers", "--set", law)
+    assert ("of the initial transient is left" in stdout) == warned
 
 
-def test_refused_jobs_are_counted_for_a_script(here):
+def test_refused_jobs_are_counted_in_json(here):
     """The step is too long for `ring` over a defect; its healthy cases and `static` take it."""
     words = ["--set", "step=20 us", "--set", "contact.damping={chi: 50 s/m}", "--json"]
-    found = json.loads(type_("check", "small.yaml", *words, code=2)[0])
-    assert (found["cases"], found["twins"], found["refused_jobs"]) == (4, 4, 2)
-    assert len(found["jobs"]) == 6
-    assert len(found["refused"]) == 1
+    plan = json.loads(type_("check", "small.yaml", *words, code=2)[0])
+    assert (plan["cases"], plan["twins"], plan["refused_jobs"]) == (4, 4, 2)
+    assert len(plan["jobs"]) == 6
+    assert len(plan["refused"]) == 1
 
 
 def test_a_case_without_equilibrium_is_refused(here, monkeypatch):
-    def nothing_holds(case):
+    def raise_no_equilibrium(case):
         raise NoEquilibrium(f"no equilibrium at {case.load} N")
 
-    monkeypatch.setattr("bearingsim.simulation.limits.loads_at_rest", nothing_holds)
+    monkeypatch.setattr("bearingsim.simulation.limits.loads_at_rest", raise_no_equilibrium)
     limits._common_limits.cache_clear()
-    _, told = type_("check", "small.yaml", code=2)
-    first = "8 jobs refused, the first at load 150 N, model static"
+    _, stderr = type_("check", "small.yaml", code=2)
+    place = "8 jobs refused, the first at load 150 N, model static"
     assert (
-        told
-        == f"small.yaml: {first}: no equilibrium at 150.0 N; give the bearing a load that its rollers can carry\n"
+        stderr
+        == f"small.yaml: {place}: no equilibrium at 150.0 N; give the bearing a load that its rollers can carry\n"
     )
 
 
@@ -265,26 +265,26 @@ def test_check_needs_a_study():
 
 
 def test_run_resumes(done):
-    said, _ = type_("run", done.parents[1] / "small.yaml", "--jobs", "1", "--out", done, "--verify")
-    assert said.startswith("small: 8 of 8 jobs done")
+    stdout, _ = type_("run", done.parents[1] / "small.yaml", "--jobs", "1", "--out", done, "--verify")
+    assert stdout.startswith("small: 8 of 8 jobs done")
 
 
-def test_run_goes_to_results(here):
-    said, _ = type_("run", "small.yaml", "--jobs", "1", "--quick", "--shard", "1/2")
-    assert "2 of 2 jobs done" in said
-    assert ", in results/small-quick\n" in said
+def test_default_results_folder(here):
+    stdout, _ = type_("run", "small.yaml", "--jobs", "1", "--quick", "--shard", "1/2")
+    assert "2 of 2 jobs done" in stdout
+    assert ", in results/small-quick\n" in stdout
     assert Path("results/small-quick/results.csv").is_file()
 
 
-def test_failed_jobs_are_stored_and_told(here):
+def test_failed_jobs_are_stored_and_reported(here):
     words = ["run", "small.yaml", "--jobs", "1", "--set", "load=150 N", "--set", "model=[static, rollers]"]
-    said, _ = type_(*words, "--set", "step=5 us", code=1)
-    assert "2 of 4 jobs done" in said
-    assert "2 jobs failed: a step of" in said
-    said, _ = type_("show", "--failed")
-    assert "model rollers" in said
-    assert "of the method's limit" in said
-    assert "again: bearingsim run small.yaml" in said
+    stdout, _ = type_(*words, "--set", "step=5 us", code=1)
+    assert "2 of 4 jobs done" in stdout
+    assert "2 jobs failed: a step of" in stdout
+    stdout, _ = type_("show", "--failed")
+    assert "model rollers" in stdout
+    assert "of the method's limit" in stdout
+    assert "again: bearingsim run small.yaml" in stdout
     table = json.loads(type_("show", "--failed", "--json")[0])
     assert [row["status"] for row in table] == ["failed", "failed"]
     assert table[0]["velocity@BPFO"] is None
@@ -301,31 +301,31 @@ def test_failed_jobs_are_stored_and_told(here):
         (["--jobs", "0"], "greater than or equal to 1"),
     ],
 )
-def test_a_wrong_option_is_a_message_and_2(here, words, message):
-    _, told = type_("run", "small.yaml", *words, code=2)
-    assert message in " ".join(told.replace("│", " ").split())
+def test_wrong_option_exits_with_2(here, words, message):
+    _, stderr = type_("run", "small.yaml", *words, code=2)
+    assert message in " ".join(stderr.replace("│", " ").split())
     assert not Path("results").exists()
 
 
-def test_a_file_that_is_not_there(here):
+def test_missing_study_file(here):
     assert type_("run", "none.yaml", code=2)[1] == "none.yaml: no such file\n"
 
 
-def test_a_folder_that_cannot_be_written(here):
+def test_unwritable_output_folder(here):
     Path("file").write_text("")
-    _, told = type_("run", "small.yaml", "--jobs", "1", "--out", "file/results", code=2)
-    assert told == f"{here / 'file' / 'results'}: a part of this path is a file, not a folder\n"
+    _, stderr = type_("run", "small.yaml", "--jobs", "1", "--out", "file/results", code=2)
+    assert stderr == f"{here / 'file' / 'results'}: a part of this path is a file, not a folder\n"
 
 
-def test_an_interrupt_is_130_and_tells_what_is_done(here, monkeypatch):
+def test_interrupt_exits_with_130_and_counts_done_jobs(here, monkeypatch):
     from bearingsim import runner
 
     def interrupted(*_, **__):
         raise runner.Interrupted(runner.RunSummary("small", here, 8, 1, 2, (), 0.5, 0.2, 0.4, 0.3, interrupted=2))
 
     monkeypatch.setattr(runner, "run", interrupted)
-    _, told = type_("run", "small.yaml", code=130)
-    assert "3 of 8 jobs done in 0.5 s, 1 of them before, 5 left" in told
+    _, stderr = type_("run", "small.yaml", code=130)
+    assert "3 of 8 jobs done in 0.5 s, 1 of them before, 5 left" in stderr
 
 
 def test_detail_shows_the_traceback_of_an_error(here):
@@ -338,23 +338,23 @@ def test_detail_shows_the_traceback_of_an_error(here):
 
 
 def test_freq_prints_the_frequencies():
-    said, _ = type_("freq", "nf308")
-    found = {line.split()[0]: line.split()[-6:] for line in said.splitlines()[3:]}
-    assert found["BPFO"] == ["5.3000", "159.000", "318.000", "477.000", "636.000", "795.000"]
-    assert found["BPFI"][:2] == ["7.7000", "231.000"]
-    assert found["FTF"][1] == "12.231"
-    assert found["BSF"][1] == "78.481"
+    stdout, _ = type_("freq", "nf308")
+    rows = {line.split()[0]: line.split()[-6:] for line in stdout.splitlines()[3:]}
+    assert rows["BPFO"] == ["5.3000", "159.000", "318.000", "477.000", "636.000", "795.000"]
+    assert rows["BPFI"][:2] == ["7.7000", "231.000"]
+    assert rows["FTF"][1] == "12.231"
+    assert rows["BSF"][1] == "78.481"
 
 
-def test_freq_at_another_speed_for_a_script():
-    found = json.loads(type_("freq", "nf308", "--speed", "900 rpm", "--json")[0])
-    assert found["shaft_hz"] == pytest.approx(15.0)
-    assert found["frequencies"]["BPFO"]["hz"][1] == pytest.approx(159.0)
+def test_freq_json_at_another_speed():
+    result = json.loads(type_("freq", "nf308", "--speed", "900 rpm", "--json")[0])
+    assert result["shaft_hz"] == pytest.approx(15.0)
+    assert result["frequencies"]["BPFO"]["hz"][1] == pytest.approx(159.0)
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [(["nf309"], "there are: 6203, 6205, 6309, nf308, "), (["nf308", "--speed", "1800"], "the unit is missing")],
 )
-def test_freq_refuses_what_it_does_not_know(words, message):
+def test_freq_refuses_unknown_names_and_missing_units(words, message):
     assert message in type_("freq", *words, code=2)[1]

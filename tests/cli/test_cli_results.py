@@ -20,15 +20,15 @@ def ids(results):
 
 
 def test_plot_writes_the_figures_of_the_study(done, tmp_path):
-    said, _ = type_("plot", done, "--out", tmp_path, "--format", "svg")
-    assert said.split() == [str(tmp_path / "fig1-velocity-bpfo-vs-load.svg")]
+    stdout, _ = type_("plot", done, "--out", tmp_path, "--format", "svg")
+    assert stdout.split() == [str(tmp_path / "fig1-velocity-bpfo-vs-load.svg")]
     assert (tmp_path / "fig1-velocity-bpfo-vs-load.svg").stat().st_size > 10_000
 
 
 def test_plot_takes_the_newest_results(done, monkeypatch):
     monkeypatch.chdir(done.parents[1])
-    said, _ = type_("plot", "--kind", "spectrum", "--job", ids(done)[0][:9])
-    assert said.split() == [f"results/small/figures/spectrum-{ids(done)[0][:8]}.png"]
+    stdout, _ = type_("plot", "--kind", "spectrum", "--job", ids(done)[0][:9])
+    assert stdout.split() == [f"results/small/figures/spectrum-{ids(done)[0][:8]}.png"]
 
 
 @pytest.mark.parametrize(
@@ -43,23 +43,23 @@ def test_plot_takes_the_newest_results(done, monkeypatch):
         (["--kind", "spectrum", "--span", "20 ms"], "a spectrum takes no span"),
     ],
 )
-def test_plot_refuses_what_it_does_not_know(done, words, message):
-    _, told = type_("plot", done, *words, code=2)
-    assert message in " ".join(told.replace("│", " ").split())
+def test_plot_refuses_wrong_options(done, words, message):
+    _, stderr = type_("plot", done, *words, code=2)
+    assert message in " ".join(stderr.replace("│", " ").split())
 
 
-def test_plot_tells_which_figure_it_left_out(done, tmp_path):
+def test_plot_reports_omitted_figures(done, tmp_path):
     words = ["--where", "model=rollers", "--where", "load=150 N"]
     assert "no case has model rollers, load 150 N" in type_("plot", done, *words, "--out", tmp_path, code=2)[1]
-    said, told = type_("plot", done, "--where", "model=ring", "--panels", "model", "--out", tmp_path)
-    assert len(said.splitlines()) == 1
-    assert told == ""
+    stdout, stderr = type_("plot", done, "--where", "model=ring", "--panels", "model", "--out", tmp_path)
+    assert len(stdout.splitlines()) == 1
+    assert stderr == ""
 
 
-def test_a_reader_that_stops_reading_is_no_error(done):
+def test_closed_stdout_pipe_is_no_error(done):
     command = f"{sys.executable} -m bearingsim show {done} | head -c 1"
-    told = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
-    assert told.stderr == ""
+    result = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
+    assert result.stderr == ""
 
 
 @pytest.mark.parametrize("command", ["plot", "show", "export"])
@@ -69,22 +69,22 @@ def test_without_results_there_is_a_message(here, command):
 
 
 def test_show_prints_a_row_per_job(done):
-    said, _ = type_("show", done)
-    lines = said.splitlines()
+    stdout, _ = type_("show", done)
+    lines = stdout.splitlines()
     assert "velocity@BPFO (µm/s)" in lines[0]
     assert sum(line.startswith(tuple(job[:8] for job in ids(done))) for line in lines) == 8
-    told = lines[lines.index("8 jobs: 8 done") + 1 :]  # a job may need a pass more than the record has
-    assert re.match(r"[78] of 8 responses are periodic: 1 to ", told[0])
+    remarks = lines[lines.index("8 jobs: 8 done") + 1 :]  # a job may need a pass more than the record has
+    assert re.match(r"[78] of 8 responses are periodic: 1 to ", remarks[0])
     assert lines[-1].startswith("damping: c/k 2.5 us (plausible: 0.3 to 25), ratio 0.0765 to 0.0789;")
 
 
-def test_show_takes_columns(done):
-    said, _ = type_("show", done, "--columns", "load", "--columns", "velocity.rms")
-    assert said.splitlines()[0].split() == ["job", "load", "velocity.rms", "(µm/s)"]
+def test_show_columns(done):
+    stdout, _ = type_("show", done, "--columns", "load", "--columns", "velocity.rms")
+    assert stdout.splitlines()[0].split() == ["job", "load", "velocity.rms", "(µm/s)"]
     assert "did you mean `velocity.rms`?" in type_("show", done, "--columns", "velocity.rmse", code=2)[1]
 
 
-def test_show_for_a_script(done):
+def test_show_json(done):
     rows = json.loads(type_("show", done, "--json")[0])
     assert {row["load"] for row in rows} == {150.0, 300.0}
     assert all(row["status"] == "done" for row in rows)
@@ -95,9 +95,9 @@ def test_features_are_exported(done, tmp_path, suffix):
     file = tmp_path / f"features.{suffix}"
     assert type_("export", done, "--features", file)[0].strip() == str(file)
     read = pd.read_csv if suffix == "csv" else pd.read_parquet
-    table, whole = read(file), pd.read_csv(done / "results.csv")
-    assert list(table["job"]) == list(whole["job"])
-    assert table["velocity@BPFO"].to_numpy() == pytest.approx(whole["velocity@BPFO"].to_numpy())
+    table, expected = read(file), pd.read_csv(done / "results.csv")
+    assert list(table["job"]) == list(expected["job"])
+    assert table["velocity@BPFO"].to_numpy() == pytest.approx(expected["velocity@BPFO"].to_numpy())
 
 
 def test_export_names_its_file(done, tmp_path, monkeypatch):
@@ -131,12 +131,12 @@ def test_series_are_exported_to_matlab(done, tmp_path):
 
 def test_tables_go_to_stdout(done, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    said, told = type_("export", done, "--features", "-")
-    assert (said, told) == ((done / "results.csv").read_text(), "")
+    stdout, stderr = type_("export", done, "--features", "-")
+    assert (stdout, stderr) == ((done / "results.csv").read_text(), "")
     job = ids(done)[0]
-    said, told = type_("export", done, "--series", job, "--out", "-", "--features", "own.csv")
-    assert pd.read_csv(StringIO(said)).columns[0] == "time [s]"
-    assert told == "own.csv\n"
+    stdout, stderr = type_("export", done, "--series", job, "--out", "-", "--features", "own.csv")
+    assert pd.read_csv(StringIO(stdout)).columns[0] == "time [s]"
+    assert stderr == "own.csv\n"
     assert [path.name for path in tmp_path.iterdir()] == ["own.csv"]
 
 
@@ -148,7 +148,7 @@ def test_tables_go_to_stdout(done, tmp_path, monkeypatch):
         (["--out", "x.csv"], "`--out` is for time series; name a job by `--series`"),
     ],
 )
-def test_what_stdout_cannot_hold_is_refused(done, words, message):
+def test_unsuitable_exports_to_stdout_are_refused(done, words, message):
     assert (
         message in type_("export", done, *(ids(done)[0] if word == "JOB" else word for word in words), code=2)[1]
     )

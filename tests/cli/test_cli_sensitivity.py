@@ -20,9 +20,9 @@ def plane(tmp_path_factory):
     return run_design(tmp_path_factory.mktemp("plane") / "results" / "fake", n=64)
 
 
-def test_it_prints_indices_a_verdict_and_the_figure(plane):
-    said, told = type_("sensitivity", plane, "--of", LINE)
-    lines = said.splitlines()
+def test_indices_verdict_and_figure_are_printed(plane):
+    stdout, stderr = type_("sensitivity", plane, "--of", LINE)
+    lines = stdout.splitlines()
     assert lines[0].startswith(f"{LINE}: mean 12 mm/s, standard deviation 0.9")
     assert lines[0].endswith("; Sobol' indices from 64 blocks, 256 jobs")
     assert lines[1].split() == ["parameter", "total", "95", "%", "first", "95", "%"]
@@ -33,21 +33,21 @@ def test_it_prints_indices_a_verdict_and_the_figure(plane):
     assert lines[6].endswith("figures/sensitivity-velocity-bpfo.png")
     assert len(lines) == 7
     assert (plane / "figures/sensitivity-velocity-bpfo.png").stat().st_size > 10_000
-    assert told == ""
+    assert stderr == ""
 
 
-def test_the_newest_results_and_the_faults_line_are_the_default(plane, monkeypatch):
+def test_newest_results_and_defect_line_are_the_defaults(plane, monkeypatch):
     monkeypatch.chdir(plane.parents[1])
-    said, _ = type_("sensitivity")
-    assert re.findall(r"^(\S+): mean", said, re.MULTILINE) == [LINE, f"{LINE}-healthy"]
-    assert said.endswith("results/fake/figures/sensitivity-velocity-bpfo-velocity-bpfo-healthy.png\n")
+    stdout, _ = type_("sensitivity")
+    assert re.findall(r"^(\S+): mean", stdout, re.MULTILINE) == [LINE, f"{LINE}-healthy"]
+    assert stdout.endswith("results/fake/figures/sensitivity-velocity-bpfo-velocity-bpfo-healthy.png\n")
 
 
 def test_json_has_indices_with_intervals_and_draws_nothing(tmp_path):
     results = run_design(tmp_path / "fake", n=64)
-    said, _ = type_("sensitivity", results, "--of", LINE, "--json")
-    found = json.loads(said)[LINE]
-    assert {name: found[name] for name in ("design", "blocks", "dropped", "jobs", "failed")} == {
+    stdout, _ = type_("sensitivity", results, "--of", LINE, "--json")
+    analysis = json.loads(stdout)[LINE]
+    assert {name: analysis[name] for name in ("design", "blocks", "dropped", "jobs", "failed")} == {
         "design": "saltelli",
         "blocks": 64,
         "dropped": 0,
@@ -56,32 +56,32 @@ def test_json_has_indices_with_intervals_and_draws_nothing(tmp_path):
     }
     for path, share in zip(("defect.width", "load"), SHARES, strict=True):
         for name in ("first", "total"):
-            one = found["parameters"][path][name]
-            assert one["low"] <= share <= one["high"]
-            assert one["value"] == pytest.approx(share, abs=0.05)
-    assert found["together"]["value"] == pytest.approx(0.0, abs=0.05)
-    assert found["says"].startswith("One parameter clearly dominates")
+            estimate = analysis["parameters"][path][name]
+            assert estimate["low"] <= share <= estimate["high"]
+            assert estimate["value"] == pytest.approx(share, abs=0.05)
+    assert analysis["together"]["value"] == pytest.approx(0.0, abs=0.05)
+    assert analysis["says"].startswith("One parameter clearly dominates")
     assert not (results / "figures").exists()
 
 
-def test_the_figure_goes_where_it_is_told(plane, tmp_path):
-    said, _ = type_("sensitivity", plane, "--of", LINE, "--of", "velocity.rms", "--out", tmp_path / "who.svg")
-    assert said.splitlines()[-1] == str(tmp_path / "who.svg")
+def test_figure_is_written_to_the_given_file(plane, tmp_path):
+    stdout, _ = type_("sensitivity", plane, "--of", LINE, "--of", "velocity.rms", "--out", tmp_path / "who.svg")
+    assert stdout.splitlines()[-1] == str(tmp_path / "who.svg")
     text = (tmp_path / "who.svg").read_text()
     for label in ("Defect width", "0 to 1 mm", "Load", "100 to 200 N", "64 of 64 blocks (saltelli)"):
         assert label in text.replace("\u00a0", " ")
-    said, _ = type_("sensitivity", plane, "--of", LINE, "--json", "--out", tmp_path / "who.pdf")
-    assert json.loads(said)
+    stdout, _ = type_("sensitivity", plane, "--of", LINE, "--json", "--out", tmp_path / "who.pdf")
+    assert json.loads(stdout)
     assert (tmp_path / "who.pdf").exists()
 
 
 def test_blocks_of_failed_jobs_are_dropped_and_counted(tmp_path):
     results = run_design(tmp_path / "fake", deeds={3: "raise", 4: "raise", 5: "raise"})  # blocks 0 and 1
-    said, _ = type_("sensitivity", results, "--of", LINE)
-    assert "Sobol' indices from 14 blocks, 64 jobs" in said
-    assert "2 of 16 blocks dropped: of 64 jobs 3 failed; indices are those of the rest" in said
-    found = json.loads(type_("sensitivity", results, "--of", LINE, "--json")[0])[LINE]
-    assert (found["blocks"], found["dropped"], found["failed"]) == (14, 2, 3)
+    stdout, _ = type_("sensitivity", results, "--of", LINE)
+    assert "Sobol' indices from 14 blocks, 64 jobs" in stdout
+    assert "2 of 16 blocks dropped: of 64 jobs 3 failed; indices are those of the rest" in stdout
+    analysis = json.loads(type_("sensitivity", results, "--of", LINE, "--json")[0])[LINE]
+    assert (analysis["blocks"], analysis["dropped"], analysis["failed"]) == (14, 2, 3)
 
 
 def test_too_many_failures_are_refused(tmp_path):
@@ -92,7 +92,7 @@ def test_too_many_failures_are_refused(tmp_path):
     )
 
 
-def test_jobs_that_lack_are_refused_with_the_command(plane, tmp_path):
+def test_missing_jobs_are_refused_with_the_command(plane, tmp_path):
     results = shutil.copytree(plane, tmp_path / "part")
     sorted((results / "units").rglob("*.h5"))[0].unlink()
     expected = r"\d+ of 256 jobs are not computed yet: bearingsim run studies/fake.yaml --out \S+/part\n"
@@ -101,12 +101,12 @@ def test_jobs_that_lack_are_refused_with_the_command(plane, tmp_path):
 
 def test_morris_effects_are_slopes(tmp_path):
     results = run_design(tmp_path / "fake", kind="morris", n=8)
-    said, _ = type_("sensitivity", results, "--of", LINE)
-    assert "Morris' effects from 8 blocks" in said
-    assert [line.split()[:2] for line in said.splitlines()[3:5]] == [["defect.width", "3"], ["load", "1"]]
-    assert "`defect.width`, mu* 3.00 (3.00 to 3.00) mm/s." in said
-    found = json.loads(type_("sensitivity", results, "--of", LINE, "--json")[0])[LINE]
-    assert found["parameters"]["load"]["mu*"]["value"] == pytest.approx(SLOPES[1])
+    stdout, _ = type_("sensitivity", results, "--of", LINE)
+    assert "Morris' effects from 8 blocks" in stdout
+    assert [line.split()[:2] for line in stdout.splitlines()[3:5]] == [["defect.width", "3"], ["load", "1"]]
+    assert "`defect.width`, mu* 3.00 (3.00 to 3.00) mm/s." in stdout
+    analysis = json.loads(type_("sensitivity", results, "--of", LINE, "--json")[0])[LINE]
+    assert analysis["parameters"]["load"]["mu*"]["value"] == pytest.approx(SLOPES[1])
     assert (results / "figures/sensitivity-velocity-bpfo.png").exists()
 
 
@@ -119,16 +119,16 @@ def test_morris_effects_are_slopes(tmp_path):
         (["--out", "nowhere/who.png"], "there is no folder nowhere"),
     ],
 )
-def test_what_cannot_be_answered_is_refused(plane, words, message):
+def test_wrong_sensitivity_options_are_refused(plane, words, message):
     assert message in type_("sensitivity", plane, *words, code=2)[1]
 
 
 def test_results_without_a_design_are_refused(done):
-    told = type_("sensitivity", done, code=2)[1]
-    assert "the study has no design; for indices use `sweep: {saltelli: {n: 128, seed: 1, over:" in told
+    stderr = type_("sensitivity", done, code=2)[1]
+    assert "the study has no design; for indices use `sweep: {saltelli: {n: 128, seed: 1, over:" in stderr
 
 
 @pytest.mark.parametrize("kind", ["lhs", "sobol"])
-def test_points_that_fill_the_space_are_to_be_drawn(kind, tmp_path):
-    told = type_("sensitivity", run_design(tmp_path / "fake", kind=kind), code=2)[1]
-    assert f"the design `{kind}` gives no indices, only figures" in told
+def test_space_filling_designs_have_no_indices(kind, tmp_path):
+    stderr = type_("sensitivity", run_design(tmp_path / "fake", kind=kind), code=2)[1]
+    assert f"the design `{kind}` gives no indices, only figures" in stderr

@@ -1,4 +1,4 @@
-"""Results that are damaged or do not belong together: what the user is told."""
+"""Damaged results: messages to the user."""
 
 import shutil
 
@@ -9,17 +9,17 @@ from tests.scenes.commands import type_
 
 @pytest.mark.parametrize("text", ["", "{}", "[]", "junk", '{"study": "a", "jobs": [1]}', "\udcff"])
 @pytest.mark.parametrize("command", ["show", "plot", "export"])
-def test_a_damaged_plan_is_told_with_its_remedy(tmp_path, command, text):
+def test_damaged_plan_is_reported_with_remedy(tmp_path, command, text):
     (tmp_path / "plan.json").write_bytes(text.encode(errors="surrogateescape"))
-    _, told = type_(command, tmp_path, code=2)
-    assert f"{tmp_path / 'plan.json'} is damaged or of another version: run the study again" in told
+    _, stderr = type_(command, tmp_path, code=2)
+    assert f"{tmp_path / 'plan.json'} is damaged or of another version: run the study again" in stderr
 
 
-def test_the_newest_sound_results_are_taken(done, tmp_path, monkeypatch):
+def test_newest_valid_results_are_used(done, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shutil.copytree(done, "results/small")
     (tmp_path / "results" / "torn").mkdir()
     (tmp_path / "results" / "torn" / "plan.json").write_text("{")
-    said, told = type_("show")
-    assert "8 jobs: 8 done" in said
-    assert "results/torn/plan.json is damaged" in told
+    stdout, stderr = type_("show")
+    assert "8 jobs: 8 done" in stdout
+    assert "results/torn/plan.json is damaged" in stderr

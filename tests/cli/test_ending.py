@@ -1,4 +1,4 @@
-"""The end of a run, as a user reads it: what was done, what came of it, what comes next."""
+"""Summary at the end of a run: counts, results, next command."""
 
 from pathlib import Path
 
@@ -11,8 +11,8 @@ from tests.scenes.trials import ENGINE, accuracy_study
 
 
 def test_a_run_ends_with_its_results_and_the_next_command(here):
-    said, _ = type_("run", "small.yaml", "--jobs", "1")
-    lines = said.splitlines()
+    stdout, _ = type_("run", "small.yaml", "--jobs", "1")
+    lines = stdout.splitlines()
     assert lines[0].startswith("small: 8 of 8 jobs done in ")
     assert lines[0].endswith(" s, in results/small")
     table = open_results("results/small").table()
@@ -23,15 +23,15 @@ def test_a_run_ends_with_its_results_and_the_next_command(here):
     )
     assert lines[2] == f"    healthy: {healthy.min():.3g} to {healthy.max():.3g} µm/s"
     for text, row in zip(lines[3:5], (line.argmax(), line.argmin()), strict=True):
-        at = table.iloc[int(row)]
-        assert text.partition(": ")[2] == f"load {at['load']:.0f} N, model {at['model']}"
+        table_row = table.iloc[int(row)]
+        assert text.partition(": ")[2] == f"load {table_row['load']:.0f} N, model {table_row['model']}"
     assert lines[-3] == "4 assumptions not varied: damping, clearance, bracket, rigid ring"
     assert lines[-1] == "next: bearingsim plot results/small"
     assert len(lines) <= 24
     assert all(len(text) <= 100 for text in lines)
 
 
-def test_a_reduced_grid_is_named_and_varies_nothing(here):
+def test_reduced_grid_is_named_and_has_no_variations(here):
     text = STUDY.replace("quick: {sweep: {model: [static]}}", "quick: {sweep: {model: [ring]}}")
     Path("small.yaml").write_text(f"{text}uncertainty: {{damping: [1 us, 5 us]}}\n")
     lines = type_("run", "small.yaml", "--jobs", "1", "--quick")[0].splitlines()
@@ -39,7 +39,7 @@ def test_a_reduced_grid_is_named_and_varies_nothing(here):
     assert lines[-2] == "this was the reduced grid; run without --quick for the whole study"
 
 
-def test_features_beyond_the_first_three_are_counted(here):
+def test_features_after_the_first_three_are_counted(here):
     drawn = "[velocity@BPFO, velocity.rms, velocity.peak, outer_force.max, velocity.crest]"
     Path("small.yaml").write_text(STUDY.replace("y: velocity@BPFO", f"y: {drawn}"))
     lines = type_("run", "small.yaml", "--jobs", "1")[0].splitlines()
@@ -47,20 +47,20 @@ def test_features_beyond_the_first_three_are_counted(here):
     assert "  and 2 more: bearingsim show results/small" in lines
 
 
-def test_all_else_is_said_when_asked_for(here):
-    brief = type_("run", "small.yaml", "--jobs", "1")[0].splitlines()[1:]
-    whole = type_("-v", "run", "small.yaml", "--jobs", "1")[0].splitlines()
-    assert set(brief) <= set(whole)
-    assert any("responses are periodic" in line for line in whole)
-    assert not any("responses are periodic" in line for line in brief)
-    assumed = type_("show", "results/small", "--assumptions")[0].splitlines()
-    assert assumed[0].startswith("damping not varied: ")
-    assert any(line.startswith("rigid ring assumed") for line in assumed)
+def test_verbose_prints_details(here):
+    lines = type_("run", "small.yaml", "--jobs", "1")[0].splitlines()[1:]
+    verbose_lines = type_("-v", "run", "small.yaml", "--jobs", "1")[0].splitlines()
+    assert set(lines) <= set(verbose_lines)
+    assert any("responses are periodic" in line for line in verbose_lines)
+    assert not any("responses are periodic" in line for line in lines)
+    assumptions = type_("show", "results/small", "--assumptions")[0].splitlines()
+    assert assumptions[0].startswith("damping not varied: ")
+    assert any(line.startswith("rigid ring assumed") for line in assumptions)
     for name, values in {"clearance": "[0 um, 10 um]", "bracket": "[0.5, 2]"}.items():
-        said = f"{name} has one value per case; `uncertainty: {{{name}: {values}}}` varies it"
-        assert said in assumed
-        text = Path("small.yaml").read_text() + f"uncertainty: {{{name}: {values}}}\n"
-        Path("varied.yaml").write_text(text)
+        text = f"{name} has one value per case; `uncertainty: {{{name}: {values}}}` varies it"
+        assert text in assumptions
+        study_text = Path("small.yaml").read_text() + f"uncertainty: {{{name}: {values}}}\n"
+        Path("varied.yaml").write_text(study_text)
         type_("check", "varied.yaml")
 
 
@@ -71,15 +71,15 @@ BOTH = "uncertainty: {damping: [1 us, 5 us], clearance: [0 um, 5 um]}"
     ("varied", "left"),
     [(BOTH, "2 assumptions not varied: bracket, rigid"), ("uncertainty: none", "1 assumption not")],
 )
-def test_what_is_varied_is_no_assumption(here, varied, left):
+def test_varied_parameters_are_not_assumptions(here, varied, left):
     text = STUDY.replace("model: [static, ring]", "model: [static]") + varied + "\n"
     Path("small.yaml").write_text(text)
-    said = type_("run", "small.yaml", "--jobs", "1")[0]
-    assert left in said
+    stdout = type_("run", "small.yaml", "--jobs", "1")[0]
+    assert left in stdout
 
 
-def test_jobs_that_trials_have_done_are_not_done_before(write, tmp_path, monkeypatch):
-    """A first run never says that its jobs were done before."""
+def test_jobs_done_by_trials_are_not_counted_as_earlier(write, tmp_path, monkeypatch):
+    """A first run does not count its own trials as jobs done before."""
     study = accuracy_study(write)
     summary = run(study, tmp_path / "out", jobs=1, progress=False, engine=ENGINE)
     assert summary.resumed == 0

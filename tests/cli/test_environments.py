@@ -1,4 +1,4 @@
-"""Every command in every environment: no traceback, and a message where an environment rules it out."""
+"""All commands in unusual environments: a message instead of a traceback."""
 
 import errno
 import io
@@ -32,7 +32,7 @@ PRINTING = frozenset({*COMMANDS, "help"})
 
 
 class Shell(NamedTuple):
-    """The surroundings of a process that runs all commands; ``{}``: a folder of its own.
+    """Environment of a process that runs all commands; ``{}``: its own folder.
 
     variables: HOME among them takes BEARINGSIM_CACHE away; redirections: of the shell; faults: of
     ``tests.scenes.every_command``, with the worker processes of `run` meanwhile.
@@ -56,7 +56,7 @@ REFUSED: dict[str, tuple[Set[str], str]] = {
     "no inodes": (WRITING, "has no inodes left"),
     "full stdout": (PRINTING, "the disk is full (stdout"),
 }
-"""Of each fault the commands that end with exit code 2, and the message of each of them."""
+"""Commands that end with exit code 2, and their message, by fault."""
 
 
 @pytest.fixture(scope="session")
@@ -64,20 +64,20 @@ def design(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return run_design(tmp_path_factory.mktemp("design") / "design", n=16)
 
 
-def surroundings(root: Path, variables: Mapping[str, str]) -> dict[str, str]:
-    """The variables of a shell; without a home the compiled code lies in the temporary folder."""
+def environment_variables(root: Path, variables: Mapping[str, str]) -> dict[str, str]:
+    """Return the variables of a shell; without a home the compiled code lies in the temporary folder."""
     (root / "tex").mkdir()
     (root / "tex/matplotlibrc").write_text("text.usetex: True\n")
     (root / "file").touch()
-    usual = dict(os.environ)
+    environment = dict(os.environ)
     if "HOME" in variables:
-        kept = Path(usual.pop("BEARINGSIM_CACHE"), "bearingsim")
-        kept.mkdir(parents=True, exist_ok=True)
+        cache = Path(environment.pop("BEARINGSIM_CACHE"), "bearingsim")
+        cache.mkdir(parents=True, exist_ok=True)
         (root / f"bearingsim-{os.getuid()}").mkdir(mode=0o700)
-        (root / f"bearingsim-{os.getuid()}/bearingsim").symlink_to(kept)
-        usual.pop("XDG_CACHE_HOME", None)
-        usual["TMPDIR"] = str(root)
-    return usual | {name: value.format(root) for name, value in variables.items()}
+        (root / f"bearingsim-{os.getuid()}/bearingsim").symlink_to(cache)
+        environment.pop("XDG_CACHE_HOME", None)
+        environment["TMPDIR"] = str(root)
+    return environment | {name: value.format(root) for name, value in variables.items()}
 
 
 @pytest.mark.parametrize("name", SHELLS)
@@ -88,7 +88,7 @@ def test_every_command_ends_well_or_with_a_message(name: str, done: Path, design
     subprocess.run(
         ["sh", "-c", line, "sh", sys.executable, "-m", "tests.scenes.every_command", *map(str, words)],
         cwd=tmp_path,
-        env=surroundings(tmp_path, shell.variables),
+        env=environment_variables(tmp_path, shell.variables),
         check=False,
         timeout=300,
     )
@@ -118,7 +118,7 @@ def test_every_command_is_tried() -> None:
         (errno.EACCES, "is not writable"),
     ],
 )
-def test_shared_memory_is_named_before_results_are_thrown_away(here, done, monkeypatch, number, state) -> None:
+def test_missing_shared_memory_is_reported_before_deletion(here, done, monkeypatch, number, state) -> None:
     type_("merge", done, "--out", "kept")
     monkeypatch.setattr(
         import_module("joblib.externals.loky.backend.synchronize"), "_SemLock", refused_lock(number)
@@ -130,7 +130,7 @@ def test_shared_memory_is_named_before_results_are_thrown_away(here, done, monke
     assert "8 jobs: 8 done" in type_("show", "kept")[0]
 
 
-def test_a_broken_pipe_that_is_not_stdout_is_told(here, monkeypatch) -> None:
+def test_broken_pipe_other_than_stdout_is_reported(here, monkeypatch) -> None:
     def broken(*arguments: Any) -> None:
         raise BrokenPipeError(errno.EPIPE, "Broken pipe")
 
@@ -139,7 +139,7 @@ def test_a_broken_pipe_that_is_not_stdout_is_told(here, monkeypatch) -> None:
     assert "a process that this one writes to has ended (broken pipe)" in messages
 
 
-def test_stdout_that_nobody_reads_is_seen() -> None:
+def test_closed_stdout_is_detected() -> None:
     """A child sees the pipe of its stdout before and after the reader closes it."""
     script = (
         "import sys; from bearingsim.cli.streams import stdout_is_closed; print(stdout_is_closed(), flush=True);"
@@ -156,12 +156,12 @@ def test_stdout_that_nobody_reads_is_seen() -> None:
         assert child.stderr.read() == b"True\n"
 
 
-def test_units_are_spelt_in_ascii_and_other_letters_escaped() -> None:
+def test_units_are_spelt_in_ascii_and_other_characters_escaped() -> None:
     error = UnicodeEncodeError("ascii", "µm/s² at Gießen, \udcff", 0, 20, "")
     assert streams._spell_out(error) == ("um/s^2 at Gie\\xdfen, \\udcff", 20)
 
 
-def test_messages_that_cannot_be_written_are_dropped() -> None:
+def test_unwritable_messages_are_dropped() -> None:
     class Full(io.RawIOBase):
         def writable(self) -> bool:
             return True
@@ -174,7 +174,7 @@ def test_messages_that_cannot_be_written_are_dropped() -> None:
     messages.detach()
 
 
-def test_a_full_disk_is_told_from_one_without_inodes(tmp_path, monkeypatch) -> None:
+def test_full_disk_and_missing_inodes_are_distinguished(tmp_path, monkeypatch) -> None:
     disk = SimpleNamespace(f_files=1000, f_favail=0)
     error = OSError(errno.ENOSPC, "No space left on device", str(tmp_path / "file"))
     assert "is full" in group.error_text(error)

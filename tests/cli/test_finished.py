@@ -1,4 +1,4 @@
-"""A run with nothing left to do is told by its plan, and by nothing else that may have changed."""
+"""Repeated runs of a finished study, recognised by its plan, unless a file or option has changed."""
 
 from importlib import import_module
 from pathlib import Path
@@ -32,63 +32,63 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def repeated(*words):
-    """What a second run says, and whether it made the cases of the study."""
-    made, usual = [], running.make_plan
+def run_again(*options):
+    """Run the study again; return stdout, and whether the cases of the study were built."""
+    calls, make_plan = [], running.make_plan
 
-    def planned(*given):
-        made.append(True)
-        return usual(*given)
+    def recorded_plan(*arguments):
+        calls.append(True)
+        return make_plan(*arguments)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(running, "make_plan", planned)
-        said, _ = type_("run", "told.yaml", "--jobs", 1, *words)
-    return said, bool(made)
+        patch.setattr(running, "make_plan", recorded_plan)
+        stdout, _ = type_("run", "told.yaml", "--jobs", 1, *options)
+    return stdout, bool(calls)
 
 
-def test_a_second_run_says_what_the_first_said(folder):
-    first, made = repeated("--verify")
-    second, quick = repeated()
-    assert (made, quick) == (True, False)
-    assert [line for line in first.splitlines() if "CPU" not in line][1:] == second.splitlines()[1:]
-    assert "4 of 4 jobs done" in second
+def test_second_run_prints_the_same_summary(folder):
+    verified, planned = run_again("--verify")
+    repeat, replanned = run_again()
+    assert (planned, replanned) == (True, False)
+    assert [line for line in verified.splitlines() if "CPU" not in line][1:] == repeat.splitlines()[1:]
+    assert "4 of 4 jobs done" in repeat
 
 
 @pytest.mark.parametrize(
     ("file", "old", "new"), [("told.yaml", "1800 rpm", "1700 rpm"), ("mine.yaml", "12 mm", "12.1 mm")]
 )
-def test_a_file_that_has_changed_is_read(folder, file, old, new):
+def test_changed_input_is_recomputed(folder, file, old, new):
     path = folder / file
     path.write_text(path.read_text().replace(old, new))
-    said, made = repeated()
-    assert made
-    assert "4 of 4 jobs done" in said
+    stdout, is_planned = run_again()
+    assert is_planned
+    assert "4 of 4 jobs done" in stdout
 
 
-def test_a_file_that_would_be_found_first_is_seen(folder):
+def test_new_file_earlier_on_search_path_is_noticed(folder):
     (folder / "told.yaml").write_text(STUDY.replace("mine.yaml", "nf308"))
-    assert repeated()[1]
-    assert not repeated()[1]
+    assert run_again()[1]
+    assert not run_again()[1]
     (folder / "configs" / "bearings").mkdir(parents=True)
     (folder / "configs" / "bearings" / "nf308.yaml").write_text(NF308)
-    assert repeated()[1]
+    assert run_again()[1]
 
 
-def test_what_is_asked_otherwise_is_computed(folder):
-    assert repeated("--set", "speed=900 rpm")[1]
-    assert not repeated("--set", "speed=900 rpm")[1]
-    assert repeated()[1]
+def test_changed_options_are_recomputed(folder):
+    assert run_again("--set", "speed=900 rpm")[1]
+    assert not run_again("--set", "speed=900 rpm")[1]
+    assert run_again()[1]
 
 
-def test_a_result_that_is_missing_is_computed(folder):
+def test_missing_result_is_computed(folder):
     unit = next((folder / "results" / "told" / "units").rglob("*.h5"))
     unit.unlink()
-    said, made = repeated()
-    assert made
-    assert "4 jobs" in said
+    stdout, is_planned = run_again()
+    assert is_planned
+    assert "4 jobs" in stdout
 
 
-def test_a_program_that_is_being_changed_says_nothing(folder, monkeypatch):
+def test_modified_source_tree_is_recomputed(folder, monkeypatch):
     monkeypatch.setattr(provenance, "_commit", lambda: "0123-dirty")
-    assert repeated()[1]
-    assert repeated()[1]
+    assert run_again()[1]
+    assert run_again()[1]

@@ -1,6 +1,6 @@
-"""Results folders of somebody who means harm: every command that reads one stays in it, in bounds, and is quiet.
+"""Malicious results folders: commands that read one stay inside, within bounds, and print no control characters.
 
-An attack is a folder with digests made anew, so that nothing in it is damaged.
+The digests of an attack are valid, so that nothing in the folder counts as damaged.
 """
 
 import json
@@ -24,7 +24,7 @@ Forked = Callable[..., None]
 
 @pytest.fixture(scope="module")
 def forked() -> Forked:
-    """Runs a function in a process that has imported the program already."""
+    """Return a function that runs another in a process that has already imported the program."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload([hostile_results.__name__])
 
@@ -47,7 +47,7 @@ def results(tmp_path_factory: pytest.TempPathFactory, forked: Forked) -> Path:
     return work
 
 
-def outside(work: Path) -> dict[str, bytes]:
+def outside_files(work: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in (work / "outside").iterdir() if path.name != "unit.h5"}
 
 
@@ -55,10 +55,10 @@ def outside(work: Path) -> dict[str, bytes]:
 def test_nothing_leaves_the_folder_or_its_bounds(name: str, results: Path, forked: Forked, tmp_path: Path) -> None:
     work = tmp_path / "work"
     shutil.copytree(results, work)
-    before = outside(work)
+    before = outside_files(work)
     forked(run_attack, name, work)
-    found = json.loads((work / "seen.json").read_text())
-    for entry in found["seen"]:
+    observed = json.loads((work / "seen.json").read_text())
+    for entry in observed["seen"]:
         assert entry["error"] == repr(""), entry
         assert entry["code"] in (0, 1, 2), entry
         for text in (entry["out"], entry["err"]):
@@ -66,11 +66,11 @@ def test_nothing_leaves_the_folder_or_its_bounds(name: str, results: Path, forke
             assert str(SECRET)[:5] not in text, entry
             assert "rm -rf" not in text, entry
             assert "Traceback" not in text, entry
-    assert found["opened"] == []
-    assert outside(work) == before
-    assert found["memory"] < MOST_MEMORY
-    made = [path for path in work.glob("*.csv") if path.name != "scan.csv"]
-    for path in (*made, *(path for path in (work / "merged").rglob("*") if path.is_file())):
+    assert observed["opened"] == []
+    assert outside_files(work) == before
+    assert observed["memory"] < MOST_MEMORY
+    written_files = [path for path in work.glob("*.csv") if path.name != "scan.csv"]
+    for path in (*written_files, *(path for path in (work / "merged").rglob("*") if path.is_file())):
         content = path.read_bytes()
         assert str(SECRET)[:5].encode() not in content, path
         assert np.float32(SECRET).tobytes() not in content, path

@@ -1,4 +1,4 @@
-"""What a plan says of friction, and of jobs that cannot be run."""
+"""Friction scale and refusals of a plan."""
 
 from math import inf, isnan
 from types import SimpleNamespace
@@ -17,18 +17,18 @@ FORCE = 50.0  # N
 def test_slip_decays_by_the_steepest_friction(steep: float) -> None:
     """The slip of a solid roller of mass m decays in m/(4 mu' Q), mu' being the slope of friction on each side."""
     friction = {"static": 0.3, "dynamic": 0.3, "static_speed": 1.5 * 0.3 / steep, "dynamic_speed": 3.0 / steep}
-    rubbing = case(model="planar", friction=friction)
-    mass = assemble.model(rubbing).bearing.m_r
-    largest, settled = friction_scale(rubbing, FORCE)
+    scene = case(model="planar", friction=friction)
+    mass = assemble.model(scene).bearing.m_r
+    largest, decay_time = friction_scale(scene, FORCE)
     assert largest == pytest.approx(0.3 * FORCE, rel=0.01)
-    assert settled == pytest.approx(mass / (4.0 * steep * FORCE), rel=1e-3)
+    assert decay_time == pytest.approx(mass / (4.0 * steep * FORCE), rel=1e-3)
 
 
-def test_what_does_not_rub_keeps_its_slip() -> None:
+def test_slip_without_friction_does_not_decay() -> None:
     assert friction_scale(case(model="planar", friction="none"), FORCE) == (0.0, inf)
-    force, settled = friction_scale(case(model="ring"), FORCE)
+    force, decay_time = friction_scale(case(model="ring"), FORCE)
     assert isnan(force)
-    assert settled == inf
+    assert decay_time == inf
 
 
 def test_refusals_that_differ_in_numbers_only_are_one_message() -> None:

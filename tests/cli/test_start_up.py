@@ -1,4 +1,4 @@
-"""Commands that read results start without what computes them, which takes a second of CPU time to import."""
+"""Commands that read results do not import the simulation, which takes a second of CPU time."""
 
 import json
 import subprocess
@@ -40,9 +40,9 @@ def test_commands_that_read_results_import_nothing_that_computes_them(tmp_path, 
     monkeypatch.chdir(tmp_path)
     Path("small.yaml").write_text(STUDY)
     type_("run", "small.yaml", "--quick", "--jobs", 1, "--out", "small")
-    words = [sys.executable, "-c", CODE, json.dumps(READING)]
-    ended = subprocess.run(words, capture_output=True, text=True)
-    assert ended.returncode == 0, ended.stderr[-500:]
+    command = [sys.executable, "-c", CODE, json.dumps(READING)]
+    result = subprocess.run(command, capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr[-500:]
 
 
 def test_the_simulation_imports_the_parts_of_scipy_where_it_calls_them():
@@ -50,7 +50,7 @@ def test_the_simulation_imports_the_parts_of_scipy_where_it_calls_them():
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "set()\n"
 
 
-def test_what_a_study_needs_is_compiled_beforehand(tmp_path, monkeypatch):
+def test_warm_compiles_the_models_of_a_study(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("small.yaml").write_text(STUDY.replace("[static, ring]", "[static]"))
     assert type_("warm", "small.yaml")[0] == "compiled and in the cache: `static`\n"
@@ -59,8 +59,8 @@ def test_what_a_study_needs_is_compiled_beforehand(tmp_path, monkeypatch):
 
 
 def test_the_default_models_are_compiled_on_request(monkeypatch):
-    asked = []
-    monkeypatch.setattr(simulation, "warm", lambda cases, on_compile: asked.extend(cases))
+    cases = []
+    monkeypatch.setattr(simulation, "warm", lambda requested, on_compile: cases.extend(requested))
     assert type_("warm")[0] == "compiled and in the cache: `rollers`, `planar`\n"
-    assert [case.model for case in asked] == ["rollers", "planar", "planar"]
-    assert [case.cage and case.cage.motion for case in asked] == [None, "kinematic", "free"]
+    assert [case.model for case in cases] == ["rollers", "planar", "planar"]
+    assert [case.cage and case.cage.motion for case in cases] == [None, "kinematic", "free"]

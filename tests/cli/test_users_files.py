@@ -1,4 +1,4 @@
-"""Whatever command is typed, not one byte of the user's own files changes."""
+"""No command changes a file of the user."""
 
 import json
 import shutil
@@ -11,7 +11,7 @@ from bearingsim.cli import app
 from tests.scenes.commands import STUDY, type_
 from tests.scenes.design_results import run_design
 
-ANYWHERE = [
+USER_FILES = [
     "thesis.tex",
     "notes.md",
     "movie.part",
@@ -45,8 +45,8 @@ ANYWHERE = [
     "journal-of-vibration.pdf",
     "data/long.csv",
 ]
-"""Names that the program does not make, and so are the user's even in a results folder."""
-ELSEWHERE = [
+"""Names that the program never writes, so that the files are the user's even in a results folder."""
+PROGRAM_FILES = [
     "study.yaml",
     "small.yaml",
     "accurate.yaml",
@@ -63,7 +63,7 @@ ELSEWHERE = [
     "failed/abcdef0123456789.json",
     "figures/fig1-velocity-bpfo-vs-load.png",
 ]
-"""Names that the program makes, too."""
+"""Names that the program writes, too."""
 
 ONE_MODEL = STUDY.partition("quick:")[0].replace("  model: [static, ring]\n", "").replace(", by: model", "")
 TEXTS = {
@@ -75,8 +75,8 @@ TEXTS = {
 }
 
 
-def put(folder, names):
-    """Files of the user, each with a text of its own, and a link to a folder outside."""
+def write_files(folder, names):
+    """Write files of the user, each with its own text, and a link to a folder outside."""
     for name in names:
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -87,20 +87,20 @@ def put(folder, names):
     (folder / "archive").symlink_to(outside)
 
 
-def bytes_of(folder, names):
+def read_files(folder, names):
     return {name: (folder / name).read_bytes() for name in [*names, "archive/0123456789abcdef.h5"]}
 
 
 @pytest.fixture
-def users(tmp_path, monkeypatch):
+def user_folder(tmp_path, monkeypatch):
     """A folder of the user, with 47 files and a link, that is the working folder."""
     folder = tmp_path / "users"
-    put(folder, [*ANYWHERE, *ELSEWHERE])
+    write_files(folder, [*USER_FILES, *PROGRAM_FILES])
     monkeypatch.chdir(folder)
     return folder
 
 
-INTO_IT = {
+COMMAND_LINES = {
     "check": [["check", "accurate.yaml", "--pilots", "--out", "."]],
     "run": [
         ["run", "small.yaml", "--out", "."],
@@ -134,10 +134,10 @@ INTO_IT = {
     "bench": [["bench", "--quick", "--out", "."], ["bench", "small.yaml", "--quick", "--out", "archive"]],
     "new": [["new", "study.yaml"], ["new", "thesis.tex"]],
 }
-"""By command: what would write into a folder of the user, or over a file. DONE, PLANE, JOB stand for results."""
-NO_FOLDER = {"freq", "warm"}
-"""Commands that write into no folder of the user."""
-WAY_OUT = ("--out", "another", "holds no results", "--force", "not a folder")
+"""Commands that would write into a folder or over a file of the user. DONE, PLANE, JOB: placeholders."""
+WITHOUT_FOLDER = {"freq", "warm"}
+"""Commands that write no files into folders of the user."""
+REMEDIES = ("--out", "another", "holds no results", "--force", "not a folder")
 
 
 @pytest.fixture(scope="session")
@@ -146,50 +146,56 @@ def plane(tmp_path_factory):
 
 
 def commands():
-    """The functions of all commands by name."""
+    """Return the functions of all commands by name."""
     return {
-        str(one.name or one.callback.__name__): one.callback for one in app.registered_commands if one.callback
+        str(command.name or command.callback.__name__): command.callback
+        for command in app.registered_commands
+        if command.callback
     }
 
 
 def test_every_command_and_option_that_names_a_path_is_tried():
-    assert {*INTO_IT, *NO_FOLDER} == {*commands()}
-    for name, lines in INTO_IT.items():
-        options = {one for one, about in signature(commands()[name]).parameters.items() if "Path" in str(about)}
-        typed = {word.removeprefix("--") for line in lines for word in line if word.startswith("--")}
-        assert options - {"study", "results", "path", "folders"} <= typed, name
+    assert {*COMMAND_LINES, *WITHOUT_FOLDER} == {*commands()}
+    for name, lines in COMMAND_LINES.items():
+        options = {
+            option
+            for option, parameter in signature(commands()[name]).parameters.items()
+            if "Path" in str(parameter)
+        }
+        tried_options = {word.removeprefix("--") for line in lines for word in line if word.startswith("--")}
+        assert options - {"study", "results", "path", "folders"} <= tried_options, name
 
 
-@pytest.mark.parametrize("words", [line for lines in INTO_IT.values() for line in lines], ids=" ".join)
-def test_a_folder_of_the_user_stays_as_it_is(users, done, plane, words):
+@pytest.mark.parametrize("words", [line for lines in COMMAND_LINES.values() for line in lines], ids=" ".join)
+def test_user_folder_is_unchanged(user_folder, done, plane, words):
     job = json.loads((done / "plan.json").read_text())["jobs"][0]["job"]
-    stand_for = {"DONE": str(done), "PLANE": str(plane), "JOB": job}
-    before = bytes_of(users, [*ANYWHERE, *ELSEWHERE])
-    everything = sorted(users.parent.rglob("*"))
-    _, told = type_(*(stand_for.get(word, word) for word in words), code=2)
-    message = " ".join(told.replace("│", " ").split())
-    assert any(way in message for way in WAY_OUT), message
-    assert bytes_of(users, [*ANYWHERE, *ELSEWHERE]) == before
-    assert sorted(users.parent.rglob("*")) == everything  # and nothing is laid beside them
+    placeholders = {"DONE": str(done), "PLANE": str(plane), "JOB": job}
+    before = read_files(user_folder, [*USER_FILES, *PROGRAM_FILES])
+    paths = sorted(user_folder.parent.rglob("*"))
+    _, stderr = type_(*(placeholders.get(word, word) for word in words), code=2)
+    message = " ".join(stderr.replace("│", " ").split())
+    assert any(phrase in message for phrase in REMEDIES), message
+    assert read_files(user_folder, [*USER_FILES, *PROGRAM_FILES]) == before
+    assert sorted(user_folder.parent.rglob("*")) == paths  # and no file is added
 
 
-def test_a_proposed_folder_is_named(users):
-    told = type_("run", "small.yaml", "--out", ".", code=2)[1]
-    assert "use a separate folder for the results, such as --out results/small" in " ".join(told.split())
-    told = type_("run", "small.yaml", "--out", ".", "--quick", code=2)[1]
-    assert "such as --out results/small-quick" in " ".join(told.split())
-    put(users / "results/small", ["mine.txt"])
+def test_separate_folder_is_proposed(user_folder):
+    stderr = type_("run", "small.yaml", "--out", ".", code=2)[1]
+    assert "use a separate folder for the results, such as --out results/small" in " ".join(stderr.split())
+    stderr = type_("run", "small.yaml", "--out", ".", "--quick", code=2)[1]
+    assert "such as --out results/small-quick" in " ".join(stderr.split())
+    write_files(user_folder / "results/small", ["mine.txt"])
     assert "such as --out results/small-2" in " ".join(type_("run", "small.yaml", code=2)[1].split())
 
 
-def test_a_lock_with_content_is_a_file_of_the_user(users):
-    put(users / "locked", [".lock"])
+def test_lock_with_content_counts_as_user_file(user_folder):
+    write_files(user_folder / "locked", [".lock"])
     assert "holds files of your own (.lock" in " ".join(
         type_("run", "small.yaml", "--out", "locked", code=2)[1].split()
     )
 
 
-IN_RESULTS = [
+RESULTS_LINES = [
     ["run", "small.yaml", "--out", "ours"],
     ["run", "small.yaml", "--out", "ours", "--set", "load=170 N", "--quick"],
     ["run", "small.yaml", "--out", "ours", "--verify", "--retry-failed"],
@@ -205,31 +211,31 @@ IN_RESULTS = [
 ]
 
 
-@pytest.mark.parametrize("words", IN_RESULTS, ids=" ".join)
-def test_files_of_the_user_in_a_results_folder_stay_as_they_are(tmp_path, monkeypatch, done, words):
+@pytest.mark.parametrize("words", RESULTS_LINES, ids=" ".join)
+def test_user_files_in_a_results_folder_are_unchanged(tmp_path, monkeypatch, done, words):
     monkeypatch.chdir(tmp_path)
     Path("small.yaml").write_text(STUDY)
     Path("other.yaml").write_text(STUDY.replace("study: small", "study: other"))
     shutil.copytree(done, "ours")
-    put(tmp_path / "ours", ANYWHERE)
-    before = bytes_of(tmp_path / "ours", ANYWHERE)
+    write_files(tmp_path / "ours", USER_FILES)
+    before = read_files(tmp_path / "ours", USER_FILES)
     type_(*(str(done) if word == "DONE" else word for word in words), *(["--jobs", "1"] * (words[0] == "run")))
-    assert bytes_of(tmp_path / "ours", ANYWHERE) == before
+    assert read_files(tmp_path / "ours", USER_FILES) == before
     if "--fresh" in words:
         assert not (tmp_path / "ours/units/00").exists()
 
 
-def test_a_fresh_start_removes_results_and_says_whose(tmp_path, monkeypatch, done):
+def test_fresh_removes_results_and_names_their_study(tmp_path, monkeypatch, done):
     monkeypatch.chdir(tmp_path)
     Path("other.yaml").write_text(STUDY.replace("study: small", "study: other"))
     shutil.copytree(done, "ours")
     units = {path.stem for path in Path("ours").glob("units/*/*.h5")}
-    told = " ".join(type_("run", "other.yaml", "--out", "ours", "--quick", "--jobs", "1", code=2)[1].split())
-    assert f"ours holds results of the study `small` ({len(units)} units, 0 failures)" in told
-    assert "such as --out results/other-quick, or delete them by `run --fresh`" in told
+    stderr = " ".join(type_("run", "other.yaml", "--out", "ours", "--quick", "--jobs", "1", code=2)[1].split())
+    assert f"ours holds results of the study `small` ({len(units)} units, 0 failures)" in stderr
+    assert "such as --out results/other-quick, or delete them by `run --fresh`" in stderr
     assert {path.stem for path in Path("ours").glob("units/*/*.h5")} == units
-    told = type_("run", "other.yaml", "--out", "ours", "--quick", "--jobs", "1", "--fresh")[1]
-    assert f"the results of the study `small` ({len(units)} units, 0 failures)" in told
+    stderr = type_("run", "other.yaml", "--out", "ours", "--quick", "--jobs", "1", "--fresh")[1]
+    assert f"the results of the study `small` ({len(units)} units, 0 failures)" in stderr
     assert json.loads(Path("ours/bearingsim.json").read_text())["name"] == "other"
     assert not units & {path.stem for path in Path("ours").glob("units/*/*.h5")}
 
@@ -248,8 +254,8 @@ def test_results_of_an_earlier_version_are_marked_by_their_plan(tmp_path, monkey
     type_("run", "small.yaml", "--out", "ours", "--jobs", "1", code=2)
 
 
-def test_a_study_file_that_was_run_where_its_results_are_is_never_written(tmp_path, monkeypatch, done):
-    """As earlier versions let one do: `run study.yaml --out .`."""
+def test_study_file_in_its_results_folder_is_unchanged(tmp_path, monkeypatch, done):
+    """Earlier versions allowed `run study.yaml --out .`."""
     shutil.copytree(done, tmp_path / "ours")
     monkeypatch.chdir(tmp_path / "ours")
     mine = STUDY.replace("\n", "\r\n").encode()
@@ -258,30 +264,30 @@ def test_a_study_file_that_was_run_where_its_results_are_is_never_written(tmp_pa
     type_("run", "study.yaml", "--out", ".", "--jobs", "1", "--quick")
     assert Path("study.yaml").read_bytes() == mine
     Path("../other.yaml").write_text(STUDY.replace("study: small", "study: other"))
-    told = type_("run", "../other.yaml", "--out", ".", "--jobs", "1", "--quick", "--fresh", code=2)[1]
-    assert "such as --out results/other-quick, or move the file" in " ".join(told.split())
+    stderr = type_("run", "../other.yaml", "--out", ".", "--jobs", "1", "--quick", "--fresh", code=2)[1]
+    assert "such as --out results/other-quick, or move the file" in " ".join(stderr.split())
     assert Path("study.yaml").read_bytes() == mine
 
 
-def test_a_figure_of_this_program_is_drawn_anew(done, tmp_path):
+def test_existing_figure_is_replaced(done, tmp_path):
     for file_format in ("png", "svg", "pdf"):
         first = type_("plot", done, "--out", tmp_path, "--format", file_format)[0]
         assert type_("plot", done, "--out", tmp_path, "--format", file_format)[0] == first
 
 
 @pytest.mark.parametrize("kind", ["link", "folder"])
-def test_a_link_or_a_folder_is_no_figure(done, tmp_path, kind):
+def test_link_or_folder_is_not_replaced_by_a_figure(done, tmp_path, kind):
     path = tmp_path / "fig1-velocity-bpfo-vs-load.png"
     if kind == "link":
         path.symlink_to(tmp_path / "nowhere")
     else:
         path.mkdir()
-    told = type_("plot", done, "--out", tmp_path, code=2)[1]
-    assert "is not a figure of this program" in " ".join(told.split())
+    stderr = type_("plot", done, "--out", tmp_path, code=2)[1]
+    assert "is not a figure of this program" in " ".join(stderr.split())
     assert path.is_symlink() or path.is_dir()
 
 
-def test_a_figure_with_an_ending_in_capitals_is_drawn(plane, tmp_path):
+def test_figure_suffix_may_be_upper_case(plane, tmp_path):
     type_("sensitivity", plane, "--of", "velocity@BPFO", "--out", tmp_path / "plane.PNG")
     assert (tmp_path / "plane.PNG").read_bytes().startswith(b"\x89PNG")
 

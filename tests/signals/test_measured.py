@@ -1,4 +1,4 @@
-"""Measured signals: read as others have read them. Run where BEARINGSIM_MEASURED names their folder.
+"""Measured signals: comparison with published analyses. Run if BEARINGSIM_MEASURED names their folder.
 
 Files: two of the CWRU Bearing Data Center (drive end, 6205-2RS, 1796 rpm; 130: 0.007 in. fault of the outer race,
 97: healthy), as .npz with x, fs, rpm; three of the Harbin Institute of Technology (6205, outer-race arcs of 8 deg;
@@ -49,7 +49,7 @@ SIGNALS = {
 }
 
 
-def strongest(signal: Signal) -> float:
+def strongest_frequency(signal: Signal) -> float:
     """Frequency (Hz) of the highest bin of the squared-envelope spectrum from 3 Hz to 1 kHz."""
     frequencies, amplitudes = envelope_spectrum(signal.series, signal.fs)
     low = (frequencies > 3.0) & (frequencies < 1000.0)
@@ -61,28 +61,30 @@ def strongest(signal: Signal) -> float:
 )
 def test_the_strongest_line_of_the_squared_envelope(name: str, frequency: float) -> None:
     signal = SIGNALS[name]()
-    assert strongest(signal) == pytest.approx(frequency, abs=0.005)  # the very bin; without the arc, the mains
+    assert strongest_frequency(signal) == pytest.approx(
+        frequency, abs=0.005
+    )  # the very bin; without the arc, the mains
 
 
 @pytest.mark.parametrize(
     ("name", "harmonic", "prominence"),
     [("fault", 1, 621.0), ("fault", 2, 502.0), ("fault", 3, 425.0), ("arc at 900", 1, 217.0)],
 )
-def test_the_ball_pass_stands_as_high_as_others_found(name: str, harmonic: int, prominence: float) -> None:
+def test_ball_pass_prominence_agrees_with_publication(name: str, harmonic: int, prominence: float) -> None:
     """Prominences of the highest bin, over a local median of unsaid width: 10 %; between bins up to 16 % more."""
     signal = SIGNALS[name]()
     frequencies, amplitudes = envelope_spectrum(signal.series, signal.fs)
     picked = pick_from(frequencies, amplitudes, harmonic * BPFO * signal.shaft)
     assert picked is not None
-    near = np.abs(frequencies - picked.frequency) < 20.0
+    in_band = np.abs(frequencies - picked.frequency) < 20.0
     highest = amplitudes[np.abs(frequencies - picked.frequency) < frequencies[1]].max()
-    assert highest / np.median(amplitudes[near]) == pytest.approx(prominence, rel=0.1)
+    assert highest / np.median(amplitudes[in_band]) == pytest.approx(prominence, rel=0.1)
     assert 0.95 < picked.prominence / prominence < 1.2
 
 
 @pytest.mark.parametrize(("name", "limit"), [("healthy", 4.0), ("no arc", 10.0)])
 @pytest.mark.parametrize("order", [BPFO, BPFI])
-def test_a_healthy_bearing_shows_next_to_nothing(name: str, limit: float, order: float) -> None:
+def test_healthy_bearing_has_no_prominent_line(name: str, limit: float, order: float) -> None:
     signal = SIGNALS[name]()
     for picked in (
         pick_from(*envelope_spectrum(signal.series, signal.fs), order * signal.shaft),
@@ -92,7 +94,7 @@ def test_a_healthy_bearing_shows_next_to_nothing(name: str, limit: float, order:
 
 
 @pytest.mark.parametrize("name", ["fault", "arc at 900", "arc at 600"])
-def test_both_ways_of_picking_agree(name: str) -> None:
+def test_both_pickers_agree(name: str) -> None:
     signal = SIGNALS[name]()
     expected = BPFO * signal.shaft
     rough = pick_from(*envelope_spectrum(signal.series, signal.fs), expected)
@@ -105,27 +107,27 @@ def test_both_ways_of_picking_agree(name: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "expected"), [("arc at 900", 3.09e-3), ("arc at 600", 4.65e-3)])
-def test_entry_and_exit_are_as_far_apart_as_others_found(name: str, expected: float) -> None:
+def test_measured_spacing_agrees_with_publication(name: str, expected: float) -> None:
     """Wang 2022: the spacing times the speed is constant within 4 %, and 0.75 to 0.95 of the crossing of the arc.
 
     A ball crosses 8 deg of the outer race in 8/360 of a turn of the cage.
     """
     signal = SIGNALS[name]()
-    found = spacing(signal.series, signal.fs, 1.0 / strongest(signal))
-    assert found == pytest.approx(expected, rel=0.01)
+    measured = spacing(signal.series, signal.fs, 1.0 / strongest_frequency(signal))
+    assert measured == pytest.approx(expected, rel=0.01)
     crossing = 8 / 360 / (BPFO / 9 * signal.shaft)
-    assert 0.75 < found / crossing < 0.95
+    assert 0.75 < measured / crossing < 0.95
 
 
 def test_spacing_times_speed_is_constant() -> None:
     products = [
-        spacing(signal.series, signal.fs, 1.0 / strongest(signal)) * signal.shaft
+        spacing(signal.series, signal.fs, 1.0 / strongest_frequency(signal)) * signal.shaft
         for signal in (SIGNALS["arc at 900"](), SIGNALS["arc at 600"]())
     ]
     assert max(products) / min(products) < 1.04
 
 
 @pytest.mark.parametrize("name", ["fault", "healthy", "no arc"])
-def test_a_small_fault_or_none_has_no_spacing(name: str) -> None:
+def test_small_or_missing_fault_has_no_spacing(name: str) -> None:
     signal = SIGNALS[name]()
     assert np.isnan(spacing(signal.series, signal.fs, 1.0 / (BPFO * signal.shaft)))
