@@ -129,8 +129,8 @@ def check(
         from bearingsim import runner
 
         loaded_study = runner.with_models(loaded_study, out, jobs, run_trials=pilots)
-    with announcer(seconds=SILENCE_S) as patience:
-        study_plan = plan.plan_of(loaded_study, jobs, patience)
+    with announcer(seconds=SILENCE_S) as announcements:
+        study_plan = plan.plan_of(loaded_study, jobs, announcements)
     if as_json:
         say(plan_table.as_json(study_plan))
     else:
@@ -218,8 +218,8 @@ def warm(
     """Compile the solver of a study, or of the default models, into the cache, before the first run."""
     from bearingsim.cli.warm import compile_solver
 
-    with announcer(seconds=SILENCE_S) as patience:
-        models = compile_solver(study, patience)
+    with announcer(seconds=SILENCE_S) as announcements:
+        models = compile_solver(study, announcements)
     say(f"compiled and in the cache: {models}")
 
 
@@ -301,10 +301,10 @@ def _load(path: Path, assignments: list[str] | None, quick: bool) -> "Study":
     """Load a study, with the assignments of `--set`."""
     from bearingsim.study import load_study
 
-    with announcer(seconds=SILENCE_S) as patience:
+    with announcer(seconds=SILENCE_S) as announcements:
         overrides = dict(map(parse_assignment, assignments or []))
         study = load_study(
-            path, overrides, quick, lambda count: patience.begin(f"reading {group_digits(count)} cases")
+            path, overrides, quick, lambda count: announcements.begin(f"reading {group_digits(count)} cases")
         )
     if quick and not study.quick:
         say(f"{path} has no `quick:` section, so this is the whole study", err=True)

@@ -116,15 +116,15 @@ ESTIMATING = "estimating what the jobs take"
 COMPILING = f"compiling what the estimate needs, some seconds: {COMPILATION_REMARK}"
 
 
-def plan_of(study: "Study", workers: int | None, patience: Announcer = SILENT) -> Plan:
+def plan_of(study: "Study", workers: int | None, announcements: Announcer = SILENT) -> Plan:
     """Price the jobs of a study, or a sample of many; refusals are collected, not raised."""
     from joblib import cpu_count
 
     from bearingsim.core.jit import compilation_callbacks
 
-    patience.begin(ESTIMATING)
+    announcements.begin(ESTIMATING)
     jobs, priced_jobs, refusals = study.jobs(), [], []
-    with compilation_callbacks(lambda: patience.begin(COMPILING), lambda: patience.begin(ESTIMATING)):
+    with compilation_callbacks(lambda: announcements.begin(COMPILING), lambda: announcements.begin(ESTIMATING)):
         for job in sample_jobs(jobs):
             try:
                 priced_jobs.append(_price(job))

@@ -8,7 +8,7 @@ DEFECT = {"shape": "rectangular", "length": "12 mm", "width": "0.8 mm", "depth":
 CASE = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "defects": [DEFECT]}
 
 
-def compile_solver(study: Path | None, patience: Announcer) -> str:
+def compile_solver(study: Path | None, announcements: Announcer) -> str:
     """Compile the solver for the cases of a study; return their models, in words.
 
     Without a study, compile the usual model and the reference of most studies with an accuracy, both with and
@@ -26,5 +26,5 @@ def compile_solver(study: Path | None, patience: Announcer) -> str:
     else:
         usual, reference = (Case.model_validate(CASE | {"model": model}) for model in (USUAL_MODEL, REFERENCE))
         cases = [usual, reference, with_friction(reference) or reference]
-    warm(cases, compiling(patience))
+    warm(cases, compiling(announcements))
     return ", ".join(f"`{model}`" for model in dict.fromkeys(case.model for case in cases))
