@@ -1,4 +1,4 @@
-"""What bounds a run: failures that end it, and CPU time that a job may take. Neither changes a result or an id."""
+"""Limits of failures and CPU time of a run, which change neither results nor ids."""
 
 import time
 from dataclasses import replace
@@ -26,7 +26,7 @@ def statuses(out: Path) -> list[str]:
     return list(store.open_results(out).table()["status"])
 
 
-def test_the_first_failed_job_ends_the_run_and_what_was_done_before_is_sealed(tmp_path: Path) -> None:
+def test_fail_fast_ends_the_run_and_stores_finished_jobs(tmp_path: Path) -> None:
     study = FakeStudy(WIDTHS, deeds={3: "raise", 5: "raise"})  # one unit
     summary = compute(study, tmp_path, max_failures=1)
     assert (summary.done, summary.failed, summary.missing, summary.exit_code) == (3, 1, 6, 1)
@@ -34,7 +34,7 @@ def test_the_first_failed_job_ends_the_run_and_what_was_done_before_is_sealed(tm
     assert "stopped early: 1 job failed (`--fail-fast`)" in str(summary)
 
 
-def test_the_same_command_goes_on_without_what_failed(tmp_path: Path) -> None:
+def test_repeated_command_continues_without_failed_jobs(tmp_path: Path) -> None:
     study = FakeStudy(WIDTHS, deeds={3: "raise", 5: "raise"})
     compute(study, tmp_path, max_failures=1)
     summary = compute(study, tmp_path, max_failures=1)
@@ -44,21 +44,21 @@ def test_the_same_command_goes_on_without_what_failed(tmp_path: Path) -> None:
     assert "stopped early" not in str(last)
 
 
-def test_a_run_ends_when_so_many_have_failed(tmp_path: Path) -> None:
+def test_run_ends_at_the_limit_of_failures(tmp_path: Path) -> None:
     study = FakeStudy(WIDTHS, deeds={1: "raise", 3: "divide", 5: "raise"})
     summary = compute(study, tmp_path, max_failures=2)
     assert (summary.done, summary.failed, summary.missing) == (2, 2, 6)
     assert "stopped early: 2 jobs failed (`--max-failures 2`)" in str(summary)
 
 
-def test_fewer_failures_end_nothing(tmp_path: Path) -> None:
+def test_failures_below_the_limit_do_not_end_the_run(tmp_path: Path) -> None:
     summary = compute(FakeStudy(WIDTHS, deeds={1: "raise"}), tmp_path, max_failures=2)
     assert (summary.done, summary.failed, summary.missing) == (9, 1, 0)
     assert "stopped early" not in str(summary)
 
 
-def test_failures_of_all_units_count(tmp_path: Path) -> None:
-    """In one process each unit begins after the one before."""
+def test_failures_count_over_all_units(tmp_path: Path) -> None:
+    """Units are computed one after another in a single process."""
     jobs = FakeStudy(WIDTHS, deeds={1: "raise", 2: "raise", 3: "raise", 4: "raise", 5: "raise"}).jobs()
     units = (jobs[:3], jobs[3:6], jobs[6:9])
     works = [Work(tmp_path, tuple(unit), (0.0,) * 3, ENGINE, {}, max_failures=3) for unit in units]
@@ -66,20 +66,18 @@ def test_failures_of_all_units_count(tmp_path: Path) -> None:
     assert [(len(outcome.done), len(outcome.failed)) for outcome in results] == [(1, 2), (0, 1), (0, 0)]
 
 
-def test_workers_seal_what_is_in_hand_when_another_s_job_has_failed(tmp_path: Path) -> None:
+def test_workers_store_running_jobs_when_the_run_ends_early(tmp_path: Path) -> None:
     widths = [1e-3 * (i + 1) for i in range(200)]
     study = FakeStudy(widths, deeds={5: "raise"}, seconds=0.1)  # not the first: the other worker may start late
     summary = compute(study, tmp_path, 2, max_failures=1)
     assert summary.failed == 1
-    assert 0 < summary.done < 100  # those of the other's unit until it heard
+    assert 0 < summary.done < 100  # jobs of the other unit until its worker stops
     assert summary.done + summary.missing == 200
     assert summary.exit_code == 1
-    assert (
-        compute(FakeStudy(widths[:4], seconds=0.1), tmp_path, 2).missing == 0
-    )  # the next run hears nothing of it
+    assert compute(FakeStudy(widths[:4], seconds=0.1), tmp_path, 2).missing == 0  # the next run is not stopped
 
 
-def test_a_job_that_kills_its_worker_ends_the_run_before_the_next_suspect(tmp_path: Path) -> None:
+def test_worker_death_counts_as_failure_before_the_next_suspect(tmp_path: Path) -> None:
     study = FakeStudy(WIDTHS, deeds={0: "exit", 8: "exit"}, seconds=0.1)
     summary = compute(study, tmp_path, 2, max_failures=1)
     assert summary.failed == 1
@@ -87,7 +85,7 @@ def test_a_job_that_kills_its_worker_ends_the_run_before_the_next_suspect(tmp_pa
     assert "stopped early" in str(summary)
 
 
-def test_dear_jobs_are_told_of_beforehand_and_left(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_expensive_jobs_are_reported_and_skipped(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     study: Any = FakeStudy(seconds=0.2)
     summary = run(study, tmp_path, jobs=1, engine=ENGINE, max_cpu=0.1)
     note = "4 jobs are skipped: estimated at up to 0.2 s of CPU time, over 0.1 s (`--max-cpu`)"
@@ -95,11 +93,11 @@ def test_dear_jobs_are_told_of_beforehand_and_left(tmp_path: Path, capsys: pytes
     assert note in summary.notes
     assert note in capsys.readouterr().err
     assert not store.read_failures(tmp_path)
-    second = compute(study, tmp_path)  # nothing of it is left behind
+    second = compute(study, tmp_path)  # skipped jobs leave no trace
     assert (second.done, second.exit_code) == (4, 0)
 
 
-def test_a_job_that_takes_longer_than_was_thought_is_stopped_and_fails(tmp_path: Path) -> None:
+def test_job_that_exceeds_its_cpu_limit_fails(tmp_path: Path) -> None:
     study = FakeStudy(deeds={1: "spin"}, seconds=0.3)
     optimistic_engine = ENGINE.__class__(ENGINE.simulate, "tests.runner.test_bounds:cheap", ENGINE.warm)
     summary = run(study, tmp_path, jobs=1, progress=False, engine=optimistic_engine, max_cpu=0.1)  # type: ignore
@@ -114,7 +112,7 @@ def cheap(case: Any) -> Any:
     return type("Estimate", (), {"cpu_seconds": 0.001, "bytes": 0.0, "most_memory": 0.0})
 
 
-def test_what_its_estimate_took_is_part_of_a_job_s_time(tmp_path: Path) -> None:
+def test_cpu_time_of_the_estimate_counts_for_the_job(tmp_path: Path) -> None:
     """An estimate that finds no equilibrium may take longer than the job."""
     study: Any = FakeStudy(deeds={1: "spin"}, seconds=0.15)
     slow = replace(ENGINE, estimate="tests.runner.test_bounds:thoughtful")
@@ -124,7 +122,7 @@ def test_what_its_estimate_took_is_part_of_a_job_s_time(tmp_path: Path) -> None:
     assert (summary.done, summary.failed) == (1, 0)
 
 
-def test_a_job_whose_estimate_takes_all_its_time_is_left_out(tmp_path: Path) -> None:
+def test_job_whose_estimate_exceeds_the_limit_is_skipped(tmp_path: Path) -> None:
     slow = replace(ENGINE, estimate="tests.runner.test_bounds:thoughtful")
     began = time.thread_time()
     study: Any = FakeStudy([1e-3])
@@ -141,7 +139,7 @@ def thoughtful(case: Any) -> Any:
     return cheap(case)
 
 
-def test_a_simulation_is_stopped_between_its_steps_and_no_other_method_is_tried() -> None:
+def test_simulation_stops_at_the_cpu_limit_without_another_method() -> None:
     long = case(duration="5 s", periodic="false")
     short = simulation.simulate(case())  # compiled
     with pytest.raises(cpu_time.OutOfCpuTime, match="stopped"), cpu_time.at_most(0.02):
@@ -149,11 +147,11 @@ def test_a_simulation_is_stopped_between_its_steps_and_no_other_method_is_tried(
     with cpu_time.at_most(1e4):
         bounded = simulation.simulate(case())
     assert bounded.features == pytest.approx(short.features, rel=0.0, abs=0.0, nan_ok=True)
-    cpu_time.check()  # the bound ends with what it bounds
+    cpu_time.check()  # the limit ends with its context
 
 
 @pytest.mark.parametrize("options", [{"max_failures": 0}, {"max_cpu": 0.0}])
-def test_bounds_by_which_no_run_could_begin_are_refused(tmp_path: Path, options: Any) -> None:
+def test_limits_that_no_job_satisfies_are_refused(tmp_path: Path, options: Any) -> None:
     with pytest.raises(ValueError, match="expected"):
         compute(FakeStudy(), tmp_path / "out", **options)
     assert not (tmp_path / "out").exists()
@@ -169,12 +167,12 @@ def test_bounds_by_which_no_run_could_begin_are_refused(tmp_path: Path, options:
         (["--fail-fast", "--max-failures", "3"], "omit `--max-failures`"),
     ],
 )
-def test_the_command_refuses_what_it_cannot_mean(here: Path, words: list[str], message: str) -> None:
+def test_command_refuses_invalid_limits(here: Path, words: list[str], message: str) -> None:
     _, error = type_("run", "small.yaml", *words, code=2)
     assert message in " ".join(error.replace("│", " ").split())
 
 
-def test_the_command_leaves_what_is_too_dear(here: Path) -> None:
+def test_command_skips_expensive_jobs(here: Path) -> None:
     message, errors = type_("run", "small.yaml", "--jobs", "1", "--max-cpu", "1 ns", code=1)
     assert "0 of 8 jobs done" in message
     assert "8 jobs are skipped: estimated at" in errors

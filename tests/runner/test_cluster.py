@@ -1,4 +1,4 @@
-"""Running studies by the workers of a dask scheduler: the processes are real, and on this machine."""
+"""Studies computed by the workers of a dask scheduler, which are processes of this machine."""
 
 import json
 import logging
@@ -56,7 +56,7 @@ LOGGING = {"DASK_DISTRIBUTED__LOGGING__DISTRIBUTED": "warning"}
 
 
 class Machines:
-    """A scheduler and its workers: processes of their own, in a folder."""
+    """Processes of a scheduler and its workers, with their files in a folder."""
 
     def __init__(self, folder: Path) -> None:
         self.folder, self.processes = folder, list[subprocess.Popen]()
@@ -84,17 +84,17 @@ class Machines:
         return process
 
     def worker(self, *options: str, **environment: str) -> subprocess.Popen:
-        """One that was started apart, with a nanny, which starts it anew when it dies."""
+        """Start a worker with a nanny, which restarts it when it dies."""
         names = ("--nthreads", "1", "--local-directory", str(self.folder / "scratch"))
         return self._start("worker", self.address, *names, *options, **environment)
 
     def kill_scheduler(self) -> None:
-        """End the scheduler at once."""
+        """Kill the scheduler."""
         self.scheduler.kill()
         self.scheduler.wait()
 
     def restart_scheduler(self) -> None:
-        """Another scheduler, where the first was."""
+        """Start another scheduler at the same address."""
         port = self.address.rsplit(":", 1)[1]
         self.scheduler = self._start(
             "scheduler", "--port", port, "--host", "127.0.0.1", *self._file_options("second")
@@ -102,13 +102,13 @@ class Machines:
         self._read_address("second")
 
     def end_all(self) -> None:
-        """Whatever happens: nothing of it stays."""
+        """Kill all processes."""
         for process in reversed(self.processes):
             kill_all(process)
 
 
 def kill_all(process: subprocess.Popen) -> None:
-    """SIGKILL a process, and what it started: the nanny and its worker."""
+    """Send SIGKILL to a process and its children: a nanny and its worker."""
     with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()
@@ -128,7 +128,7 @@ def count_workers(machines: Machines) -> int:
 
 @contextmanager
 def in_thread(function: Callable[[], None]) -> Iterator[None]:
-    """Something happens in another thread."""
+    """Run a function in another thread during the context."""
     thread = threading.Thread(target=function)
     thread.start()
     try:
@@ -139,7 +139,7 @@ def in_thread(function: Callable[[], None]) -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def machines(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Machines]:
-    """A scheduler and two workers."""
+    """Start a scheduler and two workers."""
     machines = Machines(tmp_path_factory.mktemp("machines"))
     try:
         machines.worker()
@@ -150,7 +150,7 @@ def machines(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Machines]:
 
 
 class FakeClient:
-    """In place of a client: it has workers and loses units as a test says, and notes what it is told."""
+    """Substitute for a client; a test sets its workers and lost units, and reads the recorded calls."""
 
     status = "running"
 
@@ -161,7 +161,7 @@ class FakeClient:
         self.scheduler = SimpleNamespace(gather=None)
 
     def register_plugin(self, plugin: Any) -> None:
-        """Nobody dies here."""
+        """Ignore the plugin, because no worker dies."""
 
     def nthreads(self) -> dict[str, int]:
         self.check_count += 1
@@ -191,7 +191,7 @@ class FakeClient:
 
 
 class FakeFuture:
-    """Of a scripted client: it is called back when the test says so."""
+    """Future of a fake client; a test sets its status."""
 
     def __init__(self, key: Any) -> None:
         self.key, self.status = key, "pending"
@@ -209,7 +209,7 @@ def make_cluster(client: Any) -> Any:
 
 
 def make_works(study: Any, root: Path) -> list[Work]:
-    """A unit for each job."""
+    """Make a unit for each job."""
     return [Work(root, (job,), (0.1,), ENGINE, {}) for job in study.jobs()]
 
 
@@ -231,7 +231,7 @@ def journal_entries(out: Path, event: str) -> list[dict[str, Any]]:
 
 
 def computed_values(out: Path) -> pd.DataFrame:
-    """All that was computed and found of it, but what tells of time."""
+    """Return all computed values except times."""
     frame = store.job_frame(out)
     assert "features/velocity@BPFO" in frame
     return frame.drop(columns=["unit", "stamp", "reason", *(name for name in frame if str(name).endswith("_s"))])
@@ -246,7 +246,7 @@ def is_same_series(first: Path, second: Path, jobs: list[str]) -> bool:
     )
 
 
-def test_results_are_those_of_a_local_run(tmp_path: Path, machines: Machines) -> None:
+def test_results_equal_those_of_a_local_run(tmp_path: Path, machines: Machines) -> None:
     study: Any = FakeStudy([1e-3 * n for n in range(1, 30)], deeds={3: "raise"}, seconds=0.02)
     summary = compute(study, tmp_path / "there", machines.address)
     local = run(study, tmp_path / "here", jobs=1, progress=False, engine=ENGINE)
@@ -261,10 +261,10 @@ def test_results_are_those_of_a_local_run(tmp_path: Path, machines: Machines) ->
     assert compute(study, tmp_path / "there", machines.address).resumed == 29
 
 
-def test_real_numbers_and_scans_travel(
+def test_real_results_and_scans_equal_those_of_a_local_run(
     tmp_path: Path, machines: Machines, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.chdir(tmp_path)  # where no worker is
+    monkeypatch.chdir(tmp_path)  # a folder without workers
     s, z = np.meshgrid(np.linspace(-0.5, 0.5, 11), np.linspace(-6.0, 6.0, 7))
     points = np.stack([s, z, np.where(np.abs(s) < 0.4, 50.0, 0.0)], axis=-1).reshape(-1, 3)
     np.savetxt("map.csv", points, delimiter=",", header="s [mm],z [mm],depth [um]", comments="")
@@ -277,7 +277,7 @@ def test_real_numbers_and_scans_travel(
     assert is_same_series(Path("there"), Path("here"), list(here.index))
 
 
-def test_a_job_that_kills_its_worker_fails_alone(tmp_path: Path, machines: Machines) -> None:
+def test_only_the_job_that_kills_its_worker_fails(tmp_path: Path, machines: Machines) -> None:
     out, count = tmp_path / "out", tmp_path / "count"
     study: Any = FakeStudy([1e-3 * n for n in range(1, 9)], deeds={3: f"kill {count}"}, seconds=0.05)
     summary = compute(study, out, machines.address)
@@ -289,7 +289,7 @@ def test_a_job_that_kills_its_worker_fails_alone(tmp_path: Path, machines: Machi
     assert sum(failure.job in line["suspects"] for line in journal_entries(out, "worker died")) == 2
 
 
-def test_where_all_die_no_job_is_blamed(
+def test_no_job_fails_if_all_workers_die(
     tmp_path: Path, machines: Machines, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cluster, "RESTARTS_WITHOUT_PROGRESS", 1)
@@ -300,7 +300,7 @@ def test_where_all_die_no_job_is_blamed(
     assert not store.read_failures(tmp_path)
 
 
-def test_stopping_lets_jobs_in_hand_end(tmp_path: Path, machines: Machines) -> None:
+def test_running_jobs_finish_after_a_stop_request(tmp_path: Path, machines: Machines) -> None:
     wait_until(lambda: count_workers(machines) == 2, "a worker that died was not started anew")
     out, count = tmp_path / "out", tmp_path / "count"
     widths = [1e-3 * n for n in range(1, 200)]  # 5 s: on a busy machine the signal comes late
@@ -316,18 +316,18 @@ def test_stopping_lets_jobs_in_hand_end(tmp_path: Path, machines: Machines) -> N
     assert summary.exit_code == 130
     baselines = {job.id for job in study.jobs() if job.is_baseline}
     assert 8 < summary.done < 200
-    assert job_counts(count).keys() == store.holdings(out).sealed - baselines  # nothing that was begun is lost
+    assert job_counts(count).keys() == store.holdings(out).sealed - baselines  # no started job is lost
     assert compute(study, out, machines.address).done == 200 - summary.done
     assert set(job_counts(count).values()) == {1}
 
 
 @pytest.mark.parametrize("late", [False, True])
-def test_another_installation_is_refused(
+def test_worker_with_another_installation_is_refused(
     tmp_path: Path, machines: Machines, monkeypatch: pytest.MonkeyPatch, late: bool
 ) -> None:
     installed = required_installation() | {"numpy": "1.0", "model version": "0"}
     monkeypatch.setattr(cluster, "required_installation", lambda: installed)
-    if late:  # it came when the others had been asked
+    if late:  # it joined after the check of the others
         monkeypatch.setattr(cluster.Cluster, "wait_for_workers", lambda self: 2)
     message = rf"worker tcp://\S+: numpy {np.__version__} in place of 1.0, model version \d+ in place of 0"
     with pytest.raises(InstallationMismatch, match=message):
@@ -335,7 +335,7 @@ def test_another_installation_is_refused(
     assert not [*tmp_path.glob("units/??/*.h5")]
 
 
-def test_a_worker_of_several_threads_is_refused(tmp_path: Path, machines: Machines) -> None:
+def test_worker_with_several_threads_is_refused(tmp_path: Path, machines: Machines) -> None:
     extra = machines.worker("--nthreads", "2", "--no-nanny")
     try:
         wait_until(lambda: count_workers(machines) == 3)
@@ -346,20 +346,20 @@ def test_a_worker_of_several_threads_is_refused(tmp_path: Path, machines: Machin
         wait_until(lambda: count_workers(machines) == 2)
 
 
-def test_a_worker_of_several_threads_that_comes_late_refuses(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_worker_with_several_threads_that_joins_late_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     worker = SimpleNamespace(address="tcp://late:1", state=SimpleNamespace(nthreads=2))
     monkeypatch.setattr(delivery, "get_worker", lambda: worker)
     with pytest.raises(InstallationMismatch, match=r"worker tcp://late:1 has 2 threads"):
         deliver(Parcel(b"", {}, "", {}))
 
 
-def test_several_threads_here_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_several_threads_in_this_process_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "4")
     with pytest.raises(InstallationMismatch, match=r"OPENBLAS_NUM_THREADS=4 is set.*unset it"):
         required_installation()
 
 
-def test_who_dies_while_it_is_asked_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_worker_lost_during_a_request_is_omitted(monkeypatch: pytest.MonkeyPatch) -> None:
     client: Any = FakeClient()
     answers: dict[str, Any] = {"there": {"numpy": "1"}, "gone": OSError("closed")}
     monkeypatch.setattr(client, "run", lambda *arguments, on_error: answers)
@@ -369,7 +369,7 @@ def test_who_dies_while_it_is_asked_is_left_out(monkeypatch: pytest.MonkeyPatch)
         make_cluster(client).assembled()
 
 
-def test_stopping_ends_where_no_worker_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stop_request_ends_a_run_without_workers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     client = FakeClient(workers=0)
     monkeypatch.setattr(cluster, "stop_requested", lambda: bool(client.futures))
     assert not list(make_cluster(client)._compute(make_works(FakeStudy(), tmp_path), None))
@@ -377,7 +377,7 @@ def test_stopping_ends_where_no_worker_is(tmp_path: Path, monkeypatch: pytest.Mo
     assert len(client.futures) == 4
 
 
-def test_stopping_reaches_workers_that_come_later(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stop_request_reaches_workers_that_join_later(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     client, works = FakeClient(), make_works(FakeStudy(), tmp_path)
     monkeypatch.setattr(cluster, "stop_requested", lambda: bool(client.futures))
     monkeypatch.setattr(cluster, "POLL_S", 0.01)
@@ -392,12 +392,12 @@ def test_stopping_reaches_workers_that_come_later(tmp_path: Path, monkeypatch: p
 
     monkeypatch.setattr(client, "run", run)
     outcomes = list(make_cluster(client)._compute(works, None))
-    assert outcomes == [make_delivery(works[0]).outcome]  # what a worker has is waited for
+    assert outcomes == [make_delivery(works[0]).outcome]  # a unit in progress is awaited
     assert client.cancelled == client.futures[1:]
     assert client.calls == [stop] * 3
 
 
-def test_a_lost_unit_is_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_lost_unit_is_awaited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     client, works = FakeClient(), make_works(FakeStudy([1e-3]), tmp_path)
     monkeypatch.setattr(cluster, "POLL_S", 0.01)
     monkeypatch.setattr(cluster, "WORKER_CHECK_S", 0.1)
@@ -428,7 +428,7 @@ def test_a_lost_unit_is_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert not client.answers
 
 
-def test_a_delivery_of_other_jobs_is_refused(tmp_path: Path) -> None:
+def test_delivery_of_unsent_jobs_is_refused(tmp_path: Path) -> None:
     client, works = FakeClient(), make_works(FakeStudy([1e-3]), tmp_path)
     cluster_run = make_cluster(client)
     submitted = cluster_run._submit(works)
@@ -438,7 +438,7 @@ def test_a_delivery_of_other_jobs_is_refused(tmp_path: Path) -> None:
         list(cluster_run._collect(submitted))
 
 
-def test_a_wrong_address_is_told_before_models_are_tried(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_wrong_address_is_reported_before_the_trials(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*arguments: Any) -> None:
         raise AssertionError("models are tried")
 
@@ -451,8 +451,8 @@ def test_a_wrong_address_is_told_before_models_are_tried(here: Path, monkeypatch
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "http://127.0.0.1:9", "tcp://127.0.0.1", "nonsense"])
-def test_no_client_is_made_where_nobody_listens(monkeypatch: pytest.MonkeyPatch, address: str) -> None:
-    """It would wait for half a minute, deaf to Ctrl-C."""
+def test_no_client_is_created_without_a_scheduler(monkeypatch: pytest.MonkeyPatch, address: str) -> None:
+    """A client would wait for half a minute and ignore Ctrl-C."""
 
     def fail(*arguments: Any, **options: Any) -> None:
         raise AssertionError("a client is made")
@@ -464,7 +464,7 @@ def test_no_client_is_made_where_nobody_listens(monkeypatch: pytest.MonkeyPatch,
     assert reason in str(error.value)
 
 
-def test_nobody_there_and_nothing_installed(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_scheduler_and_missing_package_are_reported(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(handshake, "CONNECTION_S", 0.5)
     arguments = ("run", "small.yaml", "--scheduler", "tcp://127.0.0.1:9")
     assert "no scheduler responds at tcp://127.0.0.1:9" in type_(*arguments, code=2)[1]
@@ -473,7 +473,7 @@ def test_nobody_there_and_nothing_installed(here: Path, monkeypatch: pytest.Monk
     assert "pip install 'bearingsim[cluster]'" in type_(*arguments, code=2)[1]
 
 
-def test_a_worker_dies_and_then_the_scheduler(
+def test_run_resumes_after_the_loss_of_a_worker_and_the_scheduler(
     tmp_path: Path, machines: Machines, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     wait_until(lambda: count_workers(machines) == 2)
@@ -495,7 +495,7 @@ def test_a_worker_dies_and_then_the_scheduler(
 
     with in_thread(kill), pytest.raises(handshake.SchedulerUnreachable, match="run the command again"):
         compute(study, out, machines.address)
-    assert not caplog.records  # the message says it all
+    assert not caplog.records  # the message replaces the log
     wait_until(lambda: machines.processes[2].poll() is not None, "a worker stays when its scheduler has gone")
     before, sealed = job_counts(count), store.holdings(out).sealed
     suspects = {job for line in journal_entries(out, "worker died") for job in line["suspects"]}
@@ -508,8 +508,8 @@ def test_a_worker_dies_and_then_the_scheduler(
     repeated = {job for job, count in job_counts(count).items() if count > 1}
     assert (
         len(repeated) <= 2 * 2 * 2
-    )  # of two workers: the two of a pair in hand, and of one that was on its way back
-    assert repeated <= suspects | (set(before) - sealed)  # what was under way, and no more
+    )  # two workers, each with the two jobs of a running unit and of one in transit
+    assert repeated <= suspects | (set(before) - sealed)  # only jobs in progress
     assert all(job_counts(count)[job] == before[job] for job in sealed)
     run(study, here, jobs=1, progress=False, engine=ENGINE)
     pd.testing.assert_frame_equal(computed_values(out), computed_values(here), check_exact=True)

@@ -1,4 +1,4 @@
-"""A run into a folder that holds results: what is torn is computed again, what leaves the table is told."""
+"""Runs in a folder with earlier results: damaged units, and jobs outside the plan."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +15,7 @@ def compute(study, out, **options):
 
 
 @pytest.mark.parametrize("share", [0.02, 0.1, 0.3, 0.5, 0.7, 0.9])
-def test_a_torn_unit_is_computed_again_and_told(tmp_path, share):
+def test_damaged_unit_is_computed_again_and_reported(tmp_path, share):
     study = FakeStudy()
     compute(study, tmp_path)
     [path] = tmp_path.glob("units/??/*.h5")
@@ -30,7 +30,7 @@ def test_a_torn_unit_is_computed_again_and_told(tmp_path, share):
 
 
 @pytest.mark.parametrize("error", [OSError, KeyError, TypeError, ValueError, RuntimeError])
-def test_whatever_reading_raises_is_damage(tmp_path, monkeypatch, error):
+def test_any_read_error_counts_as_damage(tmp_path, monkeypatch, error):
     def fail(*_):
         raise error("torn")
 
@@ -42,7 +42,7 @@ def test_whatever_reading_raises_is_damage(tmp_path, monkeypatch, error):
         store.check_unit(path)
 
 
-def test_jobs_that_leave_the_table_are_told_and_come_back(tmp_path):
+def test_jobs_outside_the_plan_are_reported_and_reused(tmp_path):
     wide, narrow = FakeStudy([1e-3, 2e-3, 3e-3]), FakeStudy([1e-3])
     assert "earlier plan" not in str(compute(wide, tmp_path))
     output = str(compute(narrow, tmp_path))
@@ -52,8 +52,8 @@ def test_jobs_that_leave_the_table_are_told_and_come_back(tmp_path):
     assert "earlier plan" not in str(summary)
 
 
-def test_jobs_of_one_unit_come_back_after_a_narrower_run(tmp_path):
-    """Of a unit whose jobs a narrower plan names in part only, all are read again."""
+def test_jobs_of_one_unit_are_reused_after_a_narrower_run(tmp_path):
+    """All jobs of a unit are read again, although a narrower plan contained only some of them."""
     for widths in ([1e-3, 2e-3, 3e-3], [2e-3], [1e-3, 2e-3, 3e-3]):
         compute(FakeStudy(widths), tmp_path)
         table = store.open_results(tmp_path).table()
@@ -62,7 +62,7 @@ def test_jobs_of_one_unit_come_back_after_a_narrower_run(tmp_path):
     assert len(list(tmp_path.glob("units/??/*.h5"))) == 1
 
 
-def test_a_damaged_earlier_plan_is_written_anew(tmp_path):
+def test_damaged_plan_is_replaced(tmp_path):
     compute(FakeStudy(), tmp_path)
     (tmp_path / "plan.json").write_text("{")
     assert compute(FakeStudy(), tmp_path).resumed == 4
@@ -75,7 +75,7 @@ def test_a_quick_study_has_its_own_folder(tmp_path, monkeypatch):
     assert sorted(path.name for path in Path("results").iterdir()) == ["fake", "fake-quick"]
 
 
-def test_an_interrupt_tells_how_to_continue(tmp_path):
+def test_interruption_message_tells_how_to_continue(tmp_path):
     with pytest.raises(Interrupted) as interruption:
         compute(FakeStudy(deeds={1: "interrupt"}), tmp_path)
     message = str(interruption.value)

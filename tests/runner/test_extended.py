@@ -1,4 +1,4 @@
-"""A design that is extended: only its new points are computed."""
+"""Extended designs, of which only the new points are computed."""
 
 from pathlib import Path
 
@@ -30,7 +30,7 @@ def compute(study: Study, out: Path) -> RunSummary:
         ("lhs", OVER_DEFECTS, 64 + 1, 256),
     ],
 )
-def test_from_64_to_256_points(
+def test_design_is_extended_from_64_to_256_points(
     write: Write, tmp_path: Path, kind: str, over: str, count_before: int, new_count: int
 ) -> None:
     assert compute(study_of(write, kind, 64, over), tmp_path / "out").done == count_before
@@ -45,6 +45,6 @@ def test_from_64_to_256_points(
     assert store.read_plan(tmp_path / "out")["design"]["ids"] == list(study.design.ids)
 
 
-def test_a_latin_hypercube_says_that_it_is_not_extended(write: Write, tmp_path: Path) -> None:
+def test_latin_hypercube_reports_that_it_cannot_be_extended(write: Write, tmp_path: Path) -> None:
     notes = compute(study_of(write, "lhs", 4, OVER_DEFECTS), tmp_path / "out").notes
     assert "lhs cannot be extended with a larger `n`; `sobol` can" in notes

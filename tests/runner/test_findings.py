@@ -1,4 +1,4 @@
-"""What the end of a run says of chaotic results: by 0.5 %, or by half of the accuracy asked."""
+"""Warnings of chaotic results, above 0.5 % or half of the requested accuracy."""
 
 import pandas as pd
 import pytest
@@ -27,7 +27,7 @@ def warnings(within: float | None, error: float) -> tuple[str, ...]:
     ("within", "error", "is_flagged"),
     [(None, 0.004, False), (None, 0.006, True), (0.05, 0.006, True), (0.006, 0.004, True), (0.006, 0.002, False)],
 )
-def test_a_chaotic_result_is_told_of_by_what_is_asked(
+def test_chaotic_result_is_reported_relative_to_the_accuracy(
     within: float | None, error: float, is_flagged: bool
 ) -> None:
     assert any("chaotic" in text for text in warnings(within, error)) == is_flagged

@@ -1,4 +1,4 @@
-"""One flipped bit in any stored file: it is refused by name, or repaired by the next run; never another result."""
+"""Flipped bits in stored files, which are refused or repaired and never change a result."""
 
 import random
 import shutil
@@ -32,7 +32,7 @@ def flip(path: Path, bit: int) -> None:
 
 
 def read_all(out: Path) -> tuple[pd.DataFrame, list[Any]]:
-    """All that a user reads: table, parameters, failures, series."""
+    """Read table, parameters, failures and series."""
     results = store.open_results(out)
     table = results.table()
     series = [results.series(job)["ring.velocity.x"].tolist() for job in table["job"][table["status"] == "done"]]
@@ -106,7 +106,7 @@ def test_a_flipped_bit_of_a_trial_loses_the_trial_only(tmp_path: Path) -> None:
     assert selection.read_trials(tmp_path) == {"two": None}
 
 
-def test_a_damaged_series_is_refused_with_its_remedy(complete_results: Path, tmp_path: Path) -> None:
+def test_damaged_series_is_refused_with_a_remedy(complete_results: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     shutil.copytree(complete_results, out)
     results = store.open_results(out)
@@ -131,9 +131,7 @@ def test_a_damaged_series_is_refused_with_its_remedy(complete_results: Path, tmp
         ("{" + sealed._json_seal("{"), "Expecting property name"),
     ],
 )
-def test_a_failure_that_cannot_be_read_is_told(
-    complete_results: Path, tmp_path: Path, text: str, reason: str
-) -> None:
+def test_unreadable_failure_is_reported(complete_results: Path, tmp_path: Path, text: str, reason: str) -> None:
     out = tmp_path / "out"
     shutil.copytree(complete_results, out)
     [path] = out.glob("failed/*.json")
@@ -145,7 +143,7 @@ def test_a_failure_that_cannot_be_read_is_told(
     assert len(warnings.splitlines()) == 1
 
 
-def test_a_failure_of_another_version_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
+def test_known_entries_of_a_failure_of_another_version_are_read(tmp_path: Path) -> None:
     (tmp_path / "failed").mkdir()
     first, second = "ab" * 8, "cd" * 8
     sealed.write_json(tmp_path / f"failed/{first}.json", {"reason": "diverged", "mood": "bad"})
@@ -155,7 +153,7 @@ def test_a_failure_of_another_version_is_read_as_far_as_it_goes(tmp_path: Path) 
     assert (failures[second].reason, failures[second].advice) == ("not known", "none")
 
 
-def test_another_schema_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_another_schema_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("bearingsim.store.sealed.SCHEMA", 9)
     store.write_choices(tmp_path, {})
     monkeypatch.undo()

@@ -1,4 +1,4 @@
-"""A full disk, and workers that die one after the other: the run ends with the cause, and no job is blamed."""
+"""Full disks and repeated worker deaths, which end a run without failed jobs."""
 
 import contextlib
 import resource
@@ -25,7 +25,7 @@ def compute(study: Any, out: Path, jobs: int = 1) -> RunSummary:
 
 @contextlib.contextmanager
 def largest_file(size: int) -> Iterator[None]:
-    """No file of this process, or of one that it starts, may grow beyond ``size`` bytes."""
+    """Limit files of this process and its children to ``size`` bytes."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
     try:
@@ -35,7 +35,7 @@ def largest_file(size: int) -> Iterator[None]:
 
 
 @pytest.mark.parametrize("size", [100, 1000, 8_000, 24_000])
-def test_no_room_ends_the_run_and_blames_no_job(tmp_path: Path, size: int) -> None:
+def test_full_disk_ends_the_run_without_failed_jobs(tmp_path: Path, size: int) -> None:
     study, out = FakeStudy([1e-3 * (i + 1) for i in range(40)]), tmp_path / "out"
     with largest_file(size), pytest.raises(DiskFull, match="ulimit -f") as error:
         compute(study, out)
@@ -46,19 +46,19 @@ def test_no_room_ends_the_run_and_blames_no_job(tmp_path: Path, size: int) -> No
     assert set(store.open_results(out).table()["status"]) == {"done"}
 
 
-def test_workers_meet_a_full_disk_too(tmp_path: Path) -> None:
+def test_full_disk_is_reported_by_workers(tmp_path: Path) -> None:
     with largest_file(8_000), pytest.raises(DiskFull, match="free some space"):
         compute(FakeStudy([1e-3 * (i + 1) for i in range(40)]), tmp_path, jobs=2)
     assert not list(tmp_path.glob("failed/*"))
 
 
-def test_a_job_that_finds_no_room_is_not_blamed(tmp_path: Path) -> None:
+def test_job_that_raises_a_full_disk_does_not_fail(tmp_path: Path) -> None:
     with pytest.raises(DiskFull):
         compute(FakeStudy(deeds={0: "no room"}), tmp_path)
     assert not list(tmp_path.glob("failed/*"))
 
 
-def test_room_is_looked_for_before_anything_is_computed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_free_space_is_checked_before_the_first_job(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("bearingsim.store.files.shutil.disk_usage", lambda _: SimpleNamespace(free=500))
     with pytest.raises(DiskFull, match=r"too full for .*0.0005 MB are left of at least 0.00\d+ MB"):
         compute(FakeStudy(), tmp_path)
@@ -66,7 +66,9 @@ def test_room_is_looked_for_before_anything_is_computed(tmp_path: Path, monkeypa
 
 
 @pytest.mark.parametrize("arguments", [("plot",), ("export", "--features"), ("export", "--series")])
-def test_figures_and_exports_meet_a_full_disk(done: Path, tmp_path: Path, arguments: tuple[str, ...]) -> None:
+def test_full_disk_is_reported_by_figures_and_exports(
+    done: Path, tmp_path: Path, arguments: tuple[str, ...]
+) -> None:
     job = store.open_results(done).jobs[0]
     options: dict[str, list[Any]] = {"--features": [tmp_path / "f.csv"]}
     options["--series"] = [job, "--out", tmp_path / "s.mat"]
@@ -79,7 +81,7 @@ def test_figures_and_exports_meet_a_full_disk(done: Path, tmp_path: Path, argume
     assert not list(tmp_path.iterdir())
 
 
-def test_a_full_disk_is_named(tmp_path: Path) -> None:
+def test_full_disk_is_named(tmp_path: Path) -> None:
     with pytest.raises(DiskFull, match=r"the disk /\S* is full"), files.full_disk_errors(tmp_path / "new" / "a"):
         raise OSError(28, "No space left on device")
 
@@ -87,7 +89,7 @@ def test_a_full_disk_is_named(tmp_path: Path) -> None:
 # Workers that die
 
 
-def test_three_deaths_with_nothing_finished_between_blame_no_job(tmp_path: Path) -> None:
+def test_three_worker_deaths_without_a_result_end_the_run(tmp_path: Path) -> None:
     study = FakeStudy([1e-3 * (i + 1) for i in range(6)], deeds=dict.fromkeys(range(6), "exit"))
     study.deeds[3] = "kill"
     with pytest.raises(RepeatedWorkerDeaths, match=r"3 times without finishing a job \((EXIT\(3\)|SIGKILL)"):
@@ -95,13 +97,13 @@ def test_three_deaths_with_nothing_finished_between_blame_no_job(tmp_path: Path)
     assert not list(tmp_path.glob("failed/*"))
 
 
-def test_two_jobs_that_kill_are_blamed_where_others_are_done(tmp_path: Path) -> None:
+def test_two_jobs_that_kill_workers_fail(tmp_path: Path) -> None:
     study = FakeStudy([1e-3 * (i + 1) for i in range(8)], deeds={0: "exit", 5: "kill"}, seconds=0.02)
     summary = compute(study, tmp_path, jobs=2)
     assert (summary.done, summary.failed) == (7, 2)
 
 
-def test_deaths_while_models_are_tried_are_told(
+def test_worker_deaths_during_trials_are_reported(
     write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv(DEATHS, "1")

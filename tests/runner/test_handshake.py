@@ -1,4 +1,4 @@
-"""A wrong scheduler is reported before a deadline, and Ctrl-C interrupts the wait."""
+"""Deadlines and interruption of the connection to a scheduler."""
 
 import os
 import random
@@ -20,25 +20,25 @@ NOT_DASK = "is not a dask scheduler ("
 
 @pytest.fixture
 def short_deadlines(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Deadlines that a test can wait for."""
+    """Set deadlines that are short enough for a test."""
     monkeypatch.setattr(handshake, "GREETING_S", 0.3)
     monkeypatch.setattr(handshake, "CONNECTION_S", 0.6)
 
 
-def test_an_answer_in_time_is_given_and_so_is_an_error() -> None:
+def test_result_or_error_before_the_deadline_is_passed_on() -> None:
     assert call_with_timeout(5.0, lambda: 3) == 3
     with pytest.raises(ZeroDivisionError):
         call_with_timeout(5.0, lambda: 1 / 0)
 
 
-def test_a_question_without_an_answer_is_given_up() -> None:
+def test_call_without_a_result_times_out() -> None:
     answer = threading.Event()
     with pytest.raises(TimeoutError, match="no answer within"):
         call_with_timeout(0.05, answer.wait)
     answer.set()
 
 
-def test_ctrl_c_is_heard_while_an_answer_is_waited_for() -> None:
+def test_ctrl_c_interrupts_the_wait_for_a_result() -> None:
     answer = threading.Event()
     threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
     began = time.monotonic()
@@ -59,7 +59,7 @@ def test_ctrl_c_is_heard_while_an_answer_is_waited_for() -> None:
         (peers.listen(lambda peer: peer.close()), f"{NOT_DASK}it closes the connection)"),
     ],
 )
-def test_what_is_no_scheduler_is_told(peer: peers.Peer, message: str) -> None:
+def test_program_other_than_a_scheduler_is_reported(peer: peers.Peer, message: str) -> None:
     with peer as address, pytest.raises(SchedulerUnreachable) as refused, connect(address):
         pass
     assert message in str(refused.value)
@@ -74,7 +74,7 @@ def test_an_invalid_address_is_refused(address: str) -> None:
 
 
 @pytest.mark.usefixtures("short_deadlines")
-def test_a_greeting_and_nothing_more_is_told() -> None:
+def test_peer_silent_after_its_greeting_is_reported() -> None:
     greeting = b"\x20" + bytes(7) + handshake.GREETING_KEY.ljust(32)
     with (
         peers.listen(lambda peer: peer.sendall(greeting)) as address,
@@ -84,8 +84,8 @@ def test_a_greeting_and_nothing_more_is_told() -> None:
         pass
 
 
-def test_a_greeting_of_any_size_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its length is believed up to 64 kB; of a web page it would be 3e18 bytes."""
+def test_oversized_greeting_is_refused_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lengths up to 64 kB are accepted; the first bytes of a web page would mean 3e18 bytes."""
     monkeypatch.setattr(handshake, "GREETING_S", 60.0)
     with peers.listen(lambda peer: peer.sendall(b"HTTP/1.1")) as address:
         began = time.monotonic()
@@ -95,7 +95,7 @@ def test_a_greeting_of_any_size_is_not_waited_for(monkeypatch: pytest.MonkeyPatc
 
 
 def test_ctrl_c_ends_a_run_that_waits_for_a_greeting(tmp_path: Path) -> None:
-    """One run of the campaign `benchmarks/handshakes.py`: a process of its own, and a real SIGINT."""
+    """The run is one trial of `benchmarks/handshakes.py`: another process receives SIGINT."""
     study = tmp_path / "study.yaml"
     study.write_text(handshakes.STUDY)
     with peers.silent() as address:

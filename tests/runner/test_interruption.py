@@ -1,4 +1,4 @@
-"""Interruption whose exception is lost, as in a destructor, is raised again before a long wait."""
+"""Interruptions whose exception is lost, as in a destructor, and raised again before a long wait."""
 
 import signal
 
@@ -36,7 +36,7 @@ def test_work_does_not_begin_after_a_lost_signal() -> None:
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.usefixtures("lost_signal")
-def test_no_scheduler_is_joined_after_a_lost_signal() -> None:
+def test_no_connection_begins_after_a_lost_signal() -> None:
     handshake = pytest.importorskip("bearingsim.runner.handshake", reason="needs distributed")
     with pytest.raises(Signalled), handshake.client_of("tcp://127.0.0.1:1"):
         pytest.fail("joined")

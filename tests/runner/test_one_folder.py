@@ -1,4 +1,4 @@
-"""Several runs in one folder: none loses a job, or computes what another has done."""
+"""Concurrent runs in one folder, which neither lose nor repeat a job."""
 
 from collections import Counter
 from pathlib import Path
@@ -29,10 +29,10 @@ def compute(widths: list[float], out: Path) -> RunSummary:
     ],
     ids=["shorter", "longer", "other"],
 )
-def test_a_run_beside_that_replaces_the_plan_loses_nothing(
+def test_concurrent_run_that_replaces_the_plan_loses_no_job(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, other_widths: list[float], difference: str
 ) -> None:
-    """The other begins while this one has its first job in hand, and ends before that is done."""
+    """The other run begins and ends during the first job of this run."""
     original, computed, other_summaries = fake_studies.simulate, list[str](), list[RunSummary]()
 
     def simulate(case: Any) -> Any:
@@ -47,7 +47,7 @@ def test_a_run_beside_that_replaces_the_plan_loses_nothing(
     assert (summary.exit_code, other_summaries[0].exit_code) == (0, 0)
     assert (summary.done, summary.planned, summary.missing) == (5, 5, 0)
     counts = Counter(computed)
-    del counts[computed[0]]  # in hand of both
+    del counts[computed[0]]  # run by both
     assert {*counts.values()} == {1}
     assert "another run has replaced the plan of this folder" in str(summary)
     assert difference in str(summary)
@@ -59,8 +59,8 @@ def test_a_run_beside_that_replaces_the_plan_loses_nothing(
     assert (again.resumed, again.done) == (5, 0)
 
 
-def test_the_same_run_beside_computes_each_job_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its units have the same names: the other ends while this one has its first job in hand."""
+def test_concurrent_equal_run_computes_each_job_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The units have the same names; the other run ends during the first job of this run."""
     original, computed = fake_studies.simulate, list[str]()
 
     def simulate(case: Any) -> Any:
@@ -73,17 +73,17 @@ def test_the_same_run_beside_computes_each_job_once(tmp_path: Path, monkeypatch:
     monkeypatch.setattr(work, "LISTING_INTERVAL_S", 0.0)
     summary = compute(MM, tmp_path)
     assert (summary.exit_code, summary.done) == (0, 5)
-    assert len(computed) == 6  # the job in hand of both
+    assert len(computed) == 6  # the job run by both
 
 
-def test_a_plan_that_is_gone_at_the_end_is_told(tmp_path: Path) -> None:
+def test_plan_missing_at_the_end_is_reported(tmp_path: Path) -> None:
     compute(MM, tmp_path)
     plan = store.read_plan(tmp_path)
     (tmp_path / "plan.json").unlink()
     assert "lacks 5 of this run's 5 jobs" in "".join(tally.other_run_notes(tmp_path, plan, 0))
 
 
-def test_what_another_run_has_just_set_aside_is_no_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_file_renamed_by_a_concurrent_run_is_no_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     store.Failure("0123456789abcdef", "none").write(tmp_path)
     paths = own_files.FAILURES.find(tmp_path)
     paths[0].unlink()
@@ -92,15 +92,13 @@ def test_what_another_run_has_just_set_aside_is_no_error(tmp_path: Path, monkeyp
     assert journal.load_failures(tmp_path) == ({}, {})
 
 
-def test_a_folder_that_a_run_beside_has_just_marked_is_claimed_too(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_folder_marked_by_a_concurrent_run_is_claimed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     original, calls = marker.owner, list[Path]()
 
     def owner(folder: Path) -> tuple[str, str] | None:
         calls.append(folder)
         owner_before = original(folder)
-        if len(calls) == 1:  # between this look and the next
+        if len(calls) == 1:  # between this read and the next
             marker.mark(tmp_path, "results", "fake")
         return owner_before
 
@@ -109,9 +107,7 @@ def test_a_folder_that_a_run_beside_has_just_marked_is_claimed_too(
     assert original(tmp_path) == ("results", "fake")
 
 
-def test_a_folder_that_another_study_has_cleared_before_the_first_job_is_left(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_folder_cleared_by_another_study_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     original = store.in_use
 
     def in_use(root: Path) -> Any:
@@ -125,7 +121,7 @@ def test_a_folder_that_another_study_has_cleared_before_the_first_job_is_left(
     assert not (tmp_path / "plan.json").exists()
 
 
-def test_a_fresh_start_names_what_goes_of_an_earlier_version(tmp_path: Path) -> None:
+def test_fresh_start_names_the_deleted_results_of_an_earlier_version(tmp_path: Path) -> None:
     compute(MM, tmp_path)
     (tmp_path / marker.MARKER).unlink()
     store.claim_results(tmp_path, "other", quick=False, fresh=True)
@@ -135,10 +131,10 @@ def test_a_fresh_start_names_what_goes_of_an_earlier_version(tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("moment", ["estimate", "simulate"])
-def test_the_same_run_beside_is_not_done_again(
+def test_jobs_of_a_concurrent_equal_run_are_not_repeated(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moment: str
 ) -> None:
-    """The other runs when this one has judged what is there, or when it has its first job in hand."""
+    """The other run takes place after this run has checked the folder, or during its first job."""
     original, simulate = getattr(fake_studies, moment), fake_studies.simulate
     requested, computed = list[str](), list[str]()
 
@@ -163,7 +159,7 @@ def test_the_same_run_beside_is_not_done_again(
     assert "replaced" not in str(summary)
 
 
-def test_choices_of_a_run_beside_stay(tmp_path: Path) -> None:
+def test_choices_of_a_concurrent_run_are_kept(tmp_path: Path) -> None:
     from bearingsim.selection import Choice
 
     first, second = (Choice(candidate=name, model=name, why="", error={}) for name in ("ring", "planar"))

@@ -1,4 +1,4 @@
-"""Running studies: what is stored whatever happens to workers, parents and files."""
+"""Runs of studies: stored results, failures, interruptions and shards."""
 
 import contextlib
 import json
@@ -42,7 +42,7 @@ def journal_of(out: Path) -> list[dict[str, Any]]:
 
 
 def assert_tidy(out: Path) -> None:
-    """Every sealed file opens and nothing temporary is left."""
+    """Check that every unit can be read and that no temporary file is left."""
     for path in out.glob("units/??/*.h5"):
         store.check_unit(path)
     assert not [*out.rglob("*.part"), *out.rglob("*.started")]
@@ -79,9 +79,7 @@ def assert_tidy(out: Path) -> None:
         ),
     ],
 )
-def test_chaotic_jobs_are_told_of_with_what_would_tell_more(
-    line: list[float], rms: list[float], texts: list[str]
-) -> None:
+def test_chaotic_jobs_are_reported_with_a_remedy(line: list[float], rms: list[float], texts: list[str]) -> None:
     features = {"velocity@BPFO": 2.0, "velocity@BPFO-scatter": 1.0, "velocity.rms": 3.0, "rms_scatter": 1.0}
     frame = pd.DataFrame(
         {**features, "standard_error.line": line, "standard_error.rms": rms, "chaotic": 1.0}, range(len(line))
@@ -95,9 +93,7 @@ def test_chaotic_jobs_are_told_of_with_what_would_tell_more(
     ("errors", "parts"),
     [([0.009, math.nan], []), ([0.02, 0.035], ["2 jobs: the RMS of another recorded channel", "up to 3.5 %"])],
 )
-def test_what_half_the_step_changes_of_a_record_is_told_of_jobs_that_are_not_chaotic(
-    errors: list[float], parts: list[str]
-) -> None:
+def test_step_error_of_a_record_is_reported_for_non_chaotic_jobs(errors: list[float], parts: list[str]) -> None:
     columns = {"features/step_error.record": [*errors, 0.5], "features/chaotic": [0.0, 0.0, 1.0]}
     warnings = list(step_warnings(pd.DataFrame(columns)))
     assert len(warnings) == bool(parts)
@@ -133,13 +129,13 @@ def test_workers_are_single_threaded_processes(tmp_path: Path) -> None:
     assert (tmp_path / "threads").read_text() == "1"
 
 
-def test_summary_tells_the_integrator_share(tmp_path: Path) -> None:
+def test_summary_reports_the_integrator_share(tmp_path: Path) -> None:
     summary = compute(FakeStudy(seconds=0.3, deeds=dict.fromkeys(range(3), "spin")), tmp_path)
     assert 0.5 < summary.integrator_share < 1.0
     assert "of the workers' CPU time, " in str(summary)
 
 
-def test_progress_lines_tell_counts_and_time_left(
+def test_progress_lines_report_counts_and_remaining_time(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("bearingsim.runner.progress.LINE_INTERVAL_S", 0.0)
@@ -177,15 +173,15 @@ def test_bar_counts_jobs_and_failures(capsys: pytest.CaptureFixture[str]) -> Non
 # Resuming
 
 
-def test_summary_tells_what_is_to_be_known_of_the_cases(tmp_path: Path) -> None:
-    """Each thing once, whatever the number of cases."""
+def test_summary_reports_each_note_on_the_cases_once(tmp_path: Path) -> None:
+    """Each note appears once for all cases."""
     summary = compute(FakeStudy(deeds={0: "told a", 1: "told b", 2: "told a"}), tmp_path)
     assert summary.notes == ("the deed is told a", "the deed is told b")
     assert summary.events == summary.notes
     assert str(summary).splitlines()[1:3] == list(summary.notes)
 
 
-def test_what_is_to_be_known_is_gathered_before_its_source_can_go(tmp_path: Path) -> None:
+def test_notes_are_collected_before_their_source_is_removed(tmp_path: Path) -> None:
     (tmp_path / "deed").write_text("a file's")
     summary = compute(FakeStudy(deeds={0: f"told in {tmp_path / 'deed'}"}), tmp_path / "out")
     assert not (tmp_path / "deed").exists()
@@ -203,7 +199,7 @@ def test_second_run_computes_nothing(tmp_path: Path) -> None:
     assert table_of(tmp_path).equals(before)
 
 
-def test_wider_study_computes_what_is_new(tmp_path: Path) -> None:
+def test_wider_study_computes_new_jobs_only(tmp_path: Path) -> None:
     compute(FakeStudy([1e-3]), tmp_path)
     summary = compute(FakeStudy([1e-3, 2e-3]), tmp_path)
     assert (summary.done, summary.resumed) == (1, 2)
@@ -219,14 +215,14 @@ def test_truncated_unit_is_computed_again(tmp_path: Path) -> None:
     assert table_of(tmp_path).equals(before)
 
 
-def test_verify_reads_what_has_not_changed_since(tmp_path: Path) -> None:
+def test_verify_reads_unchanged_units(tmp_path: Path) -> None:
     study = FakeStudy()
     compute(study, tmp_path)
     [path] = tmp_path.glob("units/??/*.h5")
     content, before = bytearray(path.read_bytes()), path.stat()
     content[len(content) // 2] ^= 16
     path.write_bytes(bytes(content))
-    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))  # as a disk does that loses a bit
+    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))  # as after bit rot on the disk
     assert compute(study, tmp_path).done == 0
     assert compute(study, tmp_path, verify=True).done == 4
 
@@ -244,7 +240,7 @@ def test_fresh_run_computes_everything_again(tmp_path: Path) -> None:
 # Failures
 
 
-def test_failing_jobs_are_told_and_kept_out_of_the_way(tmp_path: Path) -> None:
+def test_failed_jobs_are_reported_and_stored(tmp_path: Path) -> None:
     study = FakeStudy(deeds={0: "raise", 1: "divide"})
     summary = compute(study, tmp_path)
     assert (summary.done, summary.failed, summary.exit_code) == (2, 2, 1)
@@ -259,7 +255,7 @@ def test_failing_jobs_are_told_and_kept_out_of_the_way(tmp_path: Path) -> None:
     assert_tidy(tmp_path)
 
 
-def test_failed_jobs_are_tried_again_only_when_asked(tmp_path: Path) -> None:
+def test_failed_jobs_are_repeated_only_on_request(tmp_path: Path) -> None:
     flag = tmp_path / "flag"
     study = FakeStudy(deeds={0: f"raise-unless {flag}"})
     out = tmp_path / "out"
@@ -277,7 +273,7 @@ def test_failed_jobs_are_tried_again_only_when_asked(tmp_path: Path) -> None:
     assert not store.read_failures(out)
 
 
-def test_failures_are_grouped_by_reason_whatever_the_numbers() -> None:
+def test_failures_are_grouped_by_reason_apart_from_numbers() -> None:
     reasons = ["diverged at 0.12 s", "no such law", "diverged at 3e-05 s"]
     groups = group_failures(store.Failure(f"job{i}", reason, "halve the step") for i, reason in enumerate(reasons))
     assert [len(group.jobs) for group in groups] == [2, 1]
@@ -294,7 +290,7 @@ def test_refused_case_fails_alone(tmp_path: Path) -> None:
     assert (summary.done, summary.failed) == (3, 1)
 
 
-def test_failing_warm_up_costs_nothing_but_time(tmp_path: Path) -> None:
+def test_failed_warm_up_does_not_fail_jobs(tmp_path: Path) -> None:
     engine = replace(ENGINE, warm="tests.scenes.fake_studies:fail_to_warm")
     study: Any = FakeStudy()
     summary = run(study, tmp_path, jobs=1, progress=False, engine=engine)
@@ -303,7 +299,7 @@ def test_failing_warm_up_costs_nothing_but_time(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("deed", "cause"), [("exit", "EXIT(3)"), ("kill", "SIGKILL(-9)")])
-def test_dying_worker_costs_its_job_only(tmp_path: Path, deed: str, cause: str) -> None:
+def test_worker_death_fails_its_job_only(tmp_path: Path, deed: str, cause: str) -> None:
     study = FakeStudy([1e-3 * (i + 1) for i in range(8)], deeds={3: deed}, seconds=0.02)
     summary = compute(study, tmp_path, 2)
     assert (summary.done, summary.failed, summary.exit_code) == (8, 1, 1)
@@ -315,7 +311,7 @@ def test_dying_worker_costs_its_job_only(tmp_path: Path, deed: str, cause: str) 
     assert_tidy(tmp_path)
 
 
-def test_job_that_dies_beside_others_only_is_not_blamed(tmp_path: Path) -> None:
+def test_job_that_succeeds_alone_does_not_fail(tmp_path: Path) -> None:
     study = FakeStudy(deeds={1: f"die-once {tmp_path / 'died'}"})
     summary = compute(study, tmp_path / "out", 2)
     assert (tmp_path / "died").exists()
@@ -326,7 +322,7 @@ def test_job_that_dies_beside_others_only_is_not_blamed(tmp_path: Path) -> None:
 # Interruptions
 
 
-def test_interrupted_run_keeps_what_is_done(tmp_path: Path) -> None:
+def test_interrupted_run_keeps_finished_jobs(tmp_path: Path) -> None:
     study = FakeStudy([1e-3, 2e-3, 3e-3], deeds={2: "interrupt"}, seconds=0.3)
     with pytest.raises(Interrupted) as interruption:
         compute(study, tmp_path)
@@ -340,8 +336,8 @@ def test_interrupted_run_keeps_what_is_done(tmp_path: Path) -> None:
 
 @contextlib.contextmanager
 def other_process(out: Path, jobs: int, count: int, seconds: float) -> Iterator[subprocess.Popen[str]]:
-    """A run in a process group of its own."""
-    # who is started in the background by a shell is deaf to Ctrl-C, and would hand that on
+    """Start a run in another process group."""
+    # a process started in the background by a shell ignores SIGINT, and its children inherit that
     handler_code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
     code = f"{handler_code}; import sys; from tests.scenes import fake_studies; fake_studies.main(*sys.argv[1:])"
     arguments = [sys.executable, "-c", code, str(out), str(jobs), str(count), str(seconds)]
@@ -357,7 +353,7 @@ def other_process(out: Path, jobs: int, count: int, seconds: float) -> Iterator[
 
 
 def wait_for(condition: Any, timeout: float = 20.0) -> None:
-    """Poll until a condition holds; fail the test when it never does."""
+    """Poll until a condition is true; fail the test at the timeout."""
     end = time.monotonic() + timeout
     while not condition():
         assert time.monotonic() < end
@@ -368,7 +364,7 @@ SIGNALS = ["SIGINT", "SIGTERM", "SIGHUP"]
 
 
 @pytest.mark.parametrize("name", SIGNALS)
-def test_a_signal_lets_the_job_in_hand_end_and_seals_what_is_done(tmp_path: Path, name: str) -> None:
+def test_running_job_finishes_and_is_stored_after_a_signal(tmp_path: Path, name: str) -> None:
     study = FakeStudy([1e-3 * (i + 1) for i in range(9)], deeds={4: f"signal {name}"})  # one unit
     before = signal.getsignal(getattr(signal, name))
     with pytest.raises(Interrupted) as interruption:
@@ -417,13 +413,13 @@ def test_workers_die_with_their_parent(tmp_path: Path) -> None:
 
 
 def is_running(pid: int) -> bool:
-    """Whether a process exists and is not a zombie."""
+    """Check if a process exists and is not a zombie."""
     with contextlib.suppress(FileNotFoundError):
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     return False
 
 
-def test_kill_9_at_any_moment_loses_no_sealed_job(tmp_path: Path) -> None:
+def test_sigkill_at_any_time_loses_no_stored_job(tmp_path: Path) -> None:
     count, seconds = 24, 0.03
     undisturbed = FakeStudy([1e-3 * (i + 1) for i in range(count)], seconds=seconds)
     compute(undisturbed, tmp_path / "undisturbed", 2)
@@ -465,7 +461,7 @@ def test_shards_share_the_study_and_a_folder(tmp_path: Path) -> None:
     assert table["velocity@BPFO-healthy"].notna().sum() == 6
 
 
-def test_two_parents_share_a_folder(tmp_path: Path) -> None:
+def test_two_runs_share_a_folder(tmp_path: Path) -> None:
     with other_process(tmp_path, 1, 12, 0.02) as first, other_process(tmp_path, 1, 12, 0.02) as second:
         assert [process.wait(timeout=30) for process in (first, second)] == [0, 0]
     assert set(table_of(tmp_path)["status"]) == {"done"}
@@ -479,14 +475,14 @@ def test_shard_out_of_range_is_refused(shard: tuple[int, int]) -> None:
         shard_of(FakeStudy().jobs(), shard)
 
 
-def test_contradicting_options_are_refused(tmp_path: Path) -> None:
+def test_contradictory_options_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="other shards"):
         compute(FakeStudy(), tmp_path, fresh=True, shard=(1, 2))
     with pytest.raises(ValueError, match="at least 1 worker"):
         compute(FakeStudy(), tmp_path, jobs=0)
 
 
-def test_units_are_worth_their_file() -> None:
+def test_cheap_jobs_share_a_unit() -> None:
     study = FakeStudy([1e-6 * (i + 1) for i in range(999)])
     costs = [Cost(0.05, 1e5)] * 1000
     units = pack(study.jobs(), costs, workers=2)
@@ -494,18 +490,18 @@ def test_units_are_worth_their_file() -> None:
     assert all(len(unit) == 40 for unit in units)
 
 
-def test_long_jobs_are_alone_and_first() -> None:
+def test_long_jobs_have_their_own_unit_and_come_first() -> None:
     study = FakeStudy([1e-3, 2e-3, 3e-3, 4e-3])
     costs = [Cost(0.1, 1e5), Cost(30.0, 1e5), Cost(0.1, 1e5), Cost(60.0, 1e5), Cost(0.1, 1e5)]
     assert pack(study.jobs(), costs, workers=2) == [[3], [1], [0, 2, 4]]
 
 
-def test_large_series_are_not_gathered_in_memory() -> None:
+def test_size_of_series_limits_a_unit() -> None:
     costs = [Cost(0.001, 5e7)] * 4
     assert [len(unit) for unit in pack(FakeStudy().jobs(), costs, workers=1)] == [2, 2]
 
 
-def test_size_of_units_follows_the_study() -> None:
+def test_unit_duration_depends_on_the_study() -> None:
     assert unit_seconds(100.0, 2) == 2.0
     assert unit_seconds(6.0, 4) == 0.5  # short: three units for each worker
     assert unit_seconds(0.1, 64) == 0.25

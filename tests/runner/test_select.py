@@ -1,4 +1,4 @@
-"""Models are chosen before the first job, once, and whoever comes later reads what was chosen."""
+"""Choice of models before the first job, and its use by later runs and shards."""
 
 import json
 import os
@@ -32,7 +32,7 @@ RIGID = "rig: {ring: {bends: false}}\n"
 
 @pytest.fixture
 def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """What the engine was asked for, in order."""
+    """Return the log of the calls of the engine."""
     path = tmp_path / "log"
     path.touch()
     monkeypatch.setenv(LOG, str(path))
@@ -60,11 +60,11 @@ def read_choices(out: Path) -> dict[str, Any]:
 
 
 def read_results(out: Path) -> pd.DataFrame:
-    """The table, less what no two runs have alike."""
+    """Read the table, without the columns that differ between runs."""
     return pd.read_csv(out / "results.csv").drop(columns=["seconds", "unit"])
 
 
-def test_choices_are_there_before_the_first_job(
+def test_choices_are_stored_before_the_first_job(
     write: Write, tmp_path: Path, log: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out, has_choices = tmp_path / "out", list[bool]()
@@ -85,7 +85,7 @@ def test_choices_are_there_before_the_first_job(
     assert sum(line.startswith("try planar") for line in calls) == 3
 
 
-def test_later_runs_and_shards_read_them_and_try_nothing(write: Write, tmp_path: Path, log: Path) -> None:
+def test_later_runs_and_shards_read_the_choices(write: Write, tmp_path: Path, log: Path) -> None:
     study, out = accuracy_study(write), tmp_path / "out"
     compute(study, out)
     assert count_trials(log) > 0
@@ -96,8 +96,8 @@ def test_later_runs_and_shards_read_them_and_try_nothing(write: Write, tmp_path:
     assert (out / "choices.json").read_bytes() == before
 
 
-def test_a_share_does_not_choose_for_all(write: Write, tmp_path: Path, log: Path) -> None:
-    """What is to be typed first is told as it is to be typed."""
+def test_shard_without_choices_is_refused(write: Write, tmp_path: Path, log: Path) -> None:
+    """The message contains the command to be run first."""
     quick = load_study(write(TEXT + "quick: {duration: 0.1 s}\n"), {"load": "[150 N, 300 N]"}, quick=True)
     with pytest.raises(
         MissingChoices, match=r"no choice of a model for 2 of 2 cases: run `bearingsim check "
@@ -119,7 +119,7 @@ def test_a_share_does_not_choose_for_all(write: Write, tmp_path: Path, log: Path
     assert take_lines(log) == []
 
 
-def test_shards_come_to_what_one_run_does(write: Write, tmp_path: Path) -> None:
+def test_shards_choose_as_a_single_run(write: Write, tmp_path: Path) -> None:
     single, shared = tmp_path / "one", tmp_path / "shared"
     compute(accuracy_study(write), single)
     store.claim_results(shared, "near", quick=False)
@@ -130,9 +130,7 @@ def test_shards_come_to_what_one_run_does(write: Write, tmp_path: Path) -> None:
     pd.testing.assert_frame_equal(read_results(single), read_results(shared))
 
 
-def test_a_study_that_is_extended_keeps_what_was_chosen(
-    write: Write, tmp_path: Path, log: Path, monkeypatch
-) -> None:
+def test_extended_study_keeps_earlier_choices(write: Write, tmp_path: Path, log: Path, monkeypatch) -> None:
     out = tmp_path / "out"
     compute(accuracy_study(write), out)
     before = read_choices(out)
@@ -159,16 +157,16 @@ def plan_notes(out: Path) -> list[str]:
 
 
 def model_errors(out: Path) -> dict[float, float]:
-    """What is said of the model of each case, by load."""
+    """Return the error of the model of each case by load."""
     table = store.open_results(out).table()
     cases = table[table["healthy"] != ""]
     return dict(zip(cases["load"], cases["error.model"], strict=True))
 
 
-def test_a_quick_study_chooses_in_its_own_folder(
+def test_quick_study_stores_choices_in_its_own_folder(
     write: Write, tmp_path: Path, log: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What is set on the command line is chosen for, too."""
+    """Overrides on the command line lead to other choices."""
     monkeypatch.chdir(tmp_path)
     path = write(TEXT + "quick: {duration: 0.15 s, sweep: {load: [150 N, 450 N]}}\n")
     overrides = {"clearance": "5 um"}
@@ -183,14 +181,14 @@ def test_a_quick_study_chooses_in_its_own_folder(
     take_lines(log)
     run(studies[2], jobs=1, progress=False, engine=ENGINE)
     assert read_choices(Path("results/near-quick")).keys() == keys[1] | keys[2]
-    assert plan_notes(Path("results/near-quick")) == []  # another value: none of the cases has been chosen for
+    assert plan_notes(Path("results/near-quick")) == []  # another value: all cases are new
     assert count_trials(log) > 0
     run(studies[1], shard=(2, 2), jobs=1, progress=False, engine=ENGINE)
     assert count_trials(log) == 0
 
 
-def test_a_new_case_is_judged_by_the_curve_as_it_is_then(write: Write, tmp_path: Path) -> None:
-    """By old cases and new ones. An old one has what was said of it then."""
+def test_error_of_a_new_case_is_relative_to_the_current_curve(write: Write, tmp_path: Path) -> None:
+    """The curve contains old and new cases; the errors of old cases do not change."""
     out = tmp_path / "out"
     compute(accuracy_study(write), out)
     expected = {150.0: 1.5 / 450.0, 300.0: 3.0 / 450.0, 450.0: 0.01}
@@ -204,7 +202,7 @@ def test_a_new_case_is_judged_by_the_curve_as_it_is_then(write: Write, tmp_path:
         assert model_errors(out) == pytest.approx(expected, rel=1e-6)
 
 
-def test_who_extends_a_study_is_told_what_is_kept(write: Write, tmp_path: Path) -> None:
+def test_extension_reports_the_number_of_kept_choices(write: Write, tmp_path: Path) -> None:
     out, study = tmp_path / "out", make_extended(write, f"{LOADS}, 600 N")
     compute(accuracy_study(write), out)
     assert plan_notes(out) == []
@@ -213,21 +211,21 @@ def test_who_extends_a_study_is_told_what_is_kept(write: Write, tmp_path: Path) 
     assert plan_notes(out) == [note]
     assert note in str(summary).splitlines()
     assert note in type_("show", out)[0].splitlines()
-    assert note in str(compute(study, out)).splitlines()  # as long as it is so
+    assert note in str(compute(study, out)).splitlines()  # repeated by later runs
     assert note in [*choice_remarks(plan_of(choose_models(study, out, 1, ENGINE, shown=False), 1))]
     (out / "choices.json").unlink()
     assert note not in str(compute(study, out))
     assert plan_notes(out) == []
 
 
-def test_who_leaves_cases_out_is_told_too(write: Write, tmp_path: Path) -> None:
+def test_reduction_reports_the_number_of_kept_choices(write: Write, tmp_path: Path) -> None:
     compute(accuracy_study(write), tmp_path / "out")
     compute(make_extended(write, "150 N"), tmp_path / "out")
     assert len(plan_notes(tmp_path / "out")) == 1
     assert plan_notes(tmp_path / "out")[0].startswith("1 of 1 cases keeps the model")
 
 
-def test_what_has_no_say_in_choices_makes_no_other_plan(write: Write, tmp_path: Path) -> None:
+def test_settings_without_influence_on_choices_keep_the_plan(write: Write, tmp_path: Path) -> None:
     compute(accuracy_study(write), tmp_path / "out")
     before = (tmp_path / "out/choices.json").read_bytes()
     compute(make_extended(write, "450 N, 300 N, 150 N"), tmp_path / "out")
@@ -244,10 +242,10 @@ def test_what_has_no_say_in_choices_makes_no_other_plan(write: Write, tmp_path: 
     assert plan_notes(tmp_path / "out")[0].startswith("3 of 3 cases keep the model")
 
 
-def test_models_that_part_on_a_curve_because_it_was_extended_are_told(
+def test_change_of_the_model_along_an_extended_curve_is_reported(
     write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One model a curve, unless several cost under a third: so it is among those that are chosen together."""
+    """One model per curve, unless several cost under per third: so it is among those that are chosen together."""
     compute(accuracy_study(write), tmp_path / "out")
     monkeypatch.setitem(trials.MODEL_FACTORS, "rollers", 1.3)
     summary = compute(make_extended(write, f"{LOADS}, 600 N"), tmp_path / "out")
@@ -263,9 +261,7 @@ def test_models_that_part_on_a_curve_because_it_was_extended_are_told(
 # Interrupts
 
 
-def test_an_interrupt_while_models_are_tried_keeps_what_was_tried(
-    write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_interruption_keeps_finished_trials(write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     original, remaining = trials.try_out, [5]
 
     def interrupt(*arguments: Any) -> Any:
@@ -292,7 +288,9 @@ def test_an_interrupt_while_models_are_tried_keeps_what_was_tried(
     assert read_choices(tmp_path / "out") == read_choices(tmp_path / "whole")
 
 
-def test_jobs_that_trials_have_done_count(write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_jobs_stored_by_trials_count_as_resumed(
+    write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     remaining = [2]
 
     def repeat(case: Any, features: Any, passes: int, turn: float) -> Any:
@@ -310,10 +308,10 @@ def test_jobs_that_trials_have_done_count(write: Write, tmp_path: Path, monkeypa
 @pytest.mark.parametrize(
     "arguments", [("run", "--jobs", "1"), ("run", "--jobs", "2"), ("check", "--pilots", "--jobs", "2")]
 )
-def test_ctrl_c_while_models_are_tried(write: Write, tmp_path: Path, arguments: tuple[str, ...]) -> None:
-    """It ends with what is kept and how to go on, and no traceback."""
+def test_ctrl_c_during_trials(write: Write, tmp_path: Path, arguments: tuple[str, ...]) -> None:
+    """It ends with what process kept without how to go on, without a traceback."""
     accuracy_study(write, TEXT.replace(LOADS, "150 N, 300 N, 450 N, 600 N, 750 N, 900 N"))
-    # who is started in the background by a shell is deaf to Ctrl-C, and would hand that on
+    # a process started in the background by a shell process deaf to Ctrl-C, without would hand that on
     handler_code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
     code = f"{handler_code}; from tests.scenes import trials; trials.main()"
     out = tmp_path / "out"
@@ -342,7 +340,7 @@ def test_ctrl_c_while_models_are_tried(write: Write, tmp_path: Path, arguments: 
     assert not (out / "choices.json").exists()
 
 
-def test_another_accuracy_is_another_choice(write: Write, tmp_path: Path, log: Path) -> None:
+def test_other_accuracy_leads_to_other_choices(write: Write, tmp_path: Path, log: Path) -> None:
     out = tmp_path / "out"
     compute(accuracy_study(write), out)
     take_lines(log)
@@ -353,7 +351,7 @@ def test_another_accuracy_is_another_choice(write: Write, tmp_path: Path, log: P
     assert count_trials(log) == 0  # of the same trials
 
 
-def test_fresh_forgets_them(write: Write, tmp_path: Path, log: Path) -> None:
+def test_fresh_start_repeats_the_trials(write: Write, tmp_path: Path, log: Path) -> None:
     out = tmp_path / "out"
     compute(accuracy_study(write), out)
     first = count_trials(log)
@@ -362,7 +360,7 @@ def test_fresh_forgets_them(write: Write, tmp_path: Path, log: Path) -> None:
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"a": 3}', '{"a": {"model": "ring"}}', "\xff"])
-def test_damaged_choices_are_not_guessed(write: Write, tmp_path: Path, text: str) -> None:
+def test_damaged_choices_are_refused(write: Write, tmp_path: Path, text: str) -> None:
     out = tmp_path / "out"
     compute(accuracy_study(write), out)
     (out / "choices.json").write_text(text, encoding="latin-1")
@@ -371,7 +369,7 @@ def test_damaged_choices_are_not_guessed(write: Write, tmp_path: Path, text: str
 
 
 @pytest.mark.parametrize("kept_length", [0, 1, 40, -3])
-def test_a_torn_trial_is_made_again(write: Write, tmp_path: Path, log: Path, kept_length: int) -> None:
+def test_damaged_trial_is_repeated(write: Write, tmp_path: Path, log: Path, kept_length: int) -> None:
     out = tmp_path / "out"
     compute(accuracy_study(write), out)
     before = read_choices(out)
@@ -385,7 +383,7 @@ def test_a_torn_trial_is_made_again(write: Write, tmp_path: Path, log: Path, kep
     assert count_trials(log) == lost_count < 12
 
 
-def test_a_trial_that_fails_is_no_end(write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_trial_does_not_end_the_run(write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     original = trials.try_out
 
     def fail_rollers(case: Any, *arguments: Any) -> Any:
@@ -399,8 +397,8 @@ def test_a_trial_that_fails_is_no_end(write: Write, tmp_path: Path, monkeypatch:
     assert {choice["candidate"] for choice in read_choices(tmp_path / "out").values()} == {"reference"}
 
 
-def test_killed_while_models_are_tried_it_chooses_the_same(write: Write, tmp_path: Path) -> None:
-    """At whichever trial it dies."""
+def test_run_killed_during_trials_chooses_the_same_models(write: Write, tmp_path: Path) -> None:
+    """The run is killed at different trials."""
     complete = tmp_path / "whole"
     study = accuracy_study(write)
     compute(study, complete)
@@ -428,13 +426,13 @@ def test_killed_while_models_are_tried_it_chooses_the_same(write: Write, tmp_pat
     pd.testing.assert_frame_equal(read_results(complete), read_results(out))
 
 
-def test_in_several_processes_it_is_the_same(write: Write, tmp_path: Path) -> None:
+def test_choices_do_not_depend_on_the_number_of_processes(write: Write, tmp_path: Path) -> None:
     compute(accuracy_study(write), tmp_path / "one")
     compute(accuracy_study(write), tmp_path / "two", jobs=2)
     assert read_choices(tmp_path / "one") == read_choices(tmp_path / "two")
 
 
-def test_a_reference_that_repeats_itself_is_not_computed_again(
+def test_periodic_reference_is_not_computed_again(
     write: Write, tmp_path: Path, log: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     original = trials.try_out
@@ -457,7 +455,7 @@ def test_a_reference_that_repeats_itself_is_not_computed_again(
 # The table
 
 
-def test_the_table_tells_models_and_how_far_off_they_may_be(write: Write, tmp_path: Path) -> None:
+def test_table_contains_models_and_error_bounds(write: Write, tmp_path: Path) -> None:
     compute(accuracy_study(write, TEXT + RIGID), tmp_path / "out")
     table = store.open_results(tmp_path / "out").table()
     error_columns = ["model", "error.model", "error.step", "error.scatter", "error"]
@@ -471,8 +469,8 @@ def test_the_table_tells_models_and_how_far_off_they_may_be(write: Write, tmp_pa
     assert baselines[error_columns[1:]].isna().all(axis=None)
 
 
-def test_the_table_tells_what_friction_changes(write: Write, tmp_path: Path) -> None:
-    """Two of three cases are tried with it, at the ends of the curve, in other processes."""
+def test_table_contains_the_error_of_friction(write: Write, tmp_path: Path) -> None:
+    """Two of three cases, at the ends of the curve, are tried with friction in other processes."""
     text = TEXT.replace("friction: none\n", "") + RIGID
     compute(accuracy_study(write, text), tmp_path / "out", jobs=2)
     choices = store.read_choices(tmp_path / "out").values()
@@ -486,7 +484,7 @@ def test_the_table_tells_what_friction_changes(write: Write, tmp_path: Path) -> 
     assert len(plan["accuracy"]["audits"]) == 3
 
 
-def test_no_sum_is_told_where_the_ring_is_only_assumed_to_be_rigid(write: Write, tmp_path: Path) -> None:
+def test_no_total_error_for_a_ring_assumed_to_be_rigid(write: Write, tmp_path: Path) -> None:
     summary = compute(accuracy_study(write), tmp_path / "out")
     table = store.open_results(tmp_path / "out").table()
     assert table["error"].isna().all()
@@ -497,7 +495,7 @@ def test_no_sum_is_told_where_the_ring_is_only_assumed_to_be_rigid(write: Write,
     assert "audit: 3 of 3 jobs computed again by their reference kept it; the worst is 0.99 % off" in output
 
 
-def test_nothing_holds_an_accuracy_before_it_is_computed(write: Write, tmp_path: Path) -> None:
+def test_no_accuracy_is_reported_before_the_first_job(write: Write, tmp_path: Path) -> None:
     from bearingsim.runner.promises import accuracy_notes
 
     compute(accuracy_study(write), tmp_path / "out")
@@ -505,10 +503,10 @@ def test_nothing_holds_an_accuracy_before_it_is_computed(write: Write, tmp_path:
     assert not list(accuracy_notes(store.read_plan(tmp_path / "out"), frame))
 
 
-def test_audits_of_what_is_measured_against_a_twin_compare_that(
+def test_audits_compare_differences_from_the_healthy_case(
     write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The records, unlike the trials, are far apart: the audit sees it."""
+    """The records differ far more than the trials, so the audits fail."""
     text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
     study = load_study(write(text))
 
@@ -539,5 +537,5 @@ def _scale_line(record: Any, factor: float) -> Any:
     return record
 
 
-def test_the_engine_says_nothing_in_other_tests() -> None:
+def test_engine_log_is_off_by_default() -> None:
     assert LOG not in os.environ

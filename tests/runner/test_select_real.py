@@ -1,6 +1,6 @@
-"""Models chosen by the real engine: what is chosen and stored does not depend on how the work went on.
+"""Models chosen by the real engine: choices and results do not depend on interruptions and processes.
 
-What differs by nature is left out: CPU times in `info`, the unit that a job lies in, provenance, journals.
+CPU times in `info`, the unit of a job, provenance and journals are not compared.
 """
 
 import signal
@@ -42,9 +42,9 @@ sweep:
 figures:
   - {y: [velocity.rms, velocity@BPFI-healthy], x: defect.width, by: [clearance, defect.race]}
 """
-"""A motion with a defect in the outer race repeats itself; with one in the inner race two models are taken."""
+"""Study whose motion is periodic for a defect in the outer race, and uses two models for the inner race."""
 ENGINE = Engine(compiling="tests.scenes.trials:compiling")
-"""The engine, whose compiling costs nothing: for eight short cases no model would be worth it."""
+"""Engine with a compilation cost of zero, because otherwise no other model would pay for eight short cases."""
 TIMES = ["info/cpu_s", "info/integrator_cpu_s", "unit", "stamp"]
 
 KILLED_RUN = """\
@@ -82,21 +82,21 @@ def compute(folder: Path, out: Path, **options: Any) -> RunSummary:
 
 @pytest.fixture(scope="module")
 def complete(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The study, computed in one go in one process."""
+    """Compute the study without interruption in one process."""
     folder = tmp_path_factory.mktemp("whole")
     assert compute(folder, folder / "out").failed == 0
     return folder / "out"
 
 
 def run_and_kill(folder: Path, out: Path, function: str, count: int) -> None:
-    """A run that dies at such a call, after so many that go well."""
+    """Run the study, and kill the process after ``count`` calls of ``function``."""
     load_real(folder)
     arguments = [sys.executable, "-c", KILLED_RUN, str(folder / "real.yaml"), str(out), function, str(count)]
     assert subprocess.run(arguments, cwd=ROOT, check=False).returncode == -signal.SIGKILL
 
 
 def assert_equal(first_path: Path, second_path: Path) -> None:
-    """Choices, byte for byte; jobs in their order; series, features, parameters, what else is known of each."""
+    """Compare the choices byte by byte, the order of the jobs, and their series, features and parameters."""
     assert (first_path / "choices.json").read_bytes() == (second_path / "choices.json").read_bytes()
     first, second = store.open_results(first_path), store.open_results(second_path)
     assert first.plan["accuracy"] == second.plan["accuracy"]
@@ -112,18 +112,18 @@ def assert_equal(first_path: Path, second_path: Path) -> None:
     assert not [path for path in second_path.rglob("*") if path.suffix in (".part", ".started", ".damaged")]
 
 
-def test_each_case_takes_what_holds_for_it(complete: Path) -> None:
-    """Else the other tests would compare little."""
+def test_each_case_has_its_model(complete: Path) -> None:
+    """Otherwise the other tests would compare little."""
     choices = store.read_choices(complete).values()
     assert Counter(choice.candidate for choice in choices) == {"reference": 4, "rollers": 2, "ring": 2}
 
 
-def test_two_workers_come_to_the_same(complete: Path, tmp_path: Path) -> None:
+def test_two_workers_compute_the_same_results(complete: Path, tmp_path: Path) -> None:
     compute(tmp_path, tmp_path / "out", jobs=2)
     assert_equal(complete, tmp_path / "out")
 
 
-def test_pilots_and_shards_come_to_the_same(complete: Path, tmp_path: Path) -> None:
+def test_pilots_and_shards_compute_the_same_results(complete: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     with_models(load_real(tmp_path), out, 1, run_trials=True, engine=ENGINE)
     assert (out / "choices.json").read_bytes() == (complete / "choices.json").read_bytes()
@@ -132,8 +132,8 @@ def test_pilots_and_shards_come_to_the_same(complete: Path, tmp_path: Path) -> N
     assert_equal(complete, out)
 
 
-def test_a_run_killed_while_models_are_tried_comes_to_the_same(complete: Path, tmp_path: Path) -> None:
-    """By its first trials, then by further ones."""
+def test_run_killed_during_trials_computes_the_same_results(complete: Path, tmp_path: Path) -> None:
+    """The run is killed at an early and at a later trial."""
     out = tmp_path / "out"
     for count in (3, 9):
         run_and_kill(tmp_path, out, "try_out", count)
@@ -143,7 +143,7 @@ def test_a_run_killed_while_models_are_tried_comes_to_the_same(complete: Path, t
     assert_equal(complete, out)
 
 
-def test_a_run_killed_while_jobs_are_computed_comes_to_the_same(complete: Path, tmp_path: Path) -> None:
+def test_run_killed_during_jobs_computes_the_same_results(complete: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     for count in (2, 4):
         run_and_kill(tmp_path, out, "simulate", count)
@@ -153,8 +153,8 @@ def test_a_run_killed_while_jobs_are_computed_comes_to_the_same(complete: Path, 
     assert_equal(complete, out)
 
 
-def test_two_workers_that_are_killed_come_to_the_same(complete: Path, tmp_path: Path) -> None:
-    """The process that leads them is killed as trials appear, and again as units do."""
+def test_killed_run_with_two_workers_computes_the_same_results(complete: Path, tmp_path: Path) -> None:
+    """The parent is killed after the first trials, and again after the plan has been written."""
     out = tmp_path / "out"
     path = load_real(tmp_path).path
     code = "from bearingsim.runner import run; from bearingsim.study import load_study; import sys"

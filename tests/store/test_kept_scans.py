@@ -1,4 +1,4 @@
-"""Scans kept with the results of a study: drawn elsewhere, without the files, and without anybody's folders."""
+"""Copies of scans in a results folder, which can be drawn without the original files."""
 
 import shutil
 from pathlib import Path
@@ -29,7 +29,7 @@ settle: 0 ms
 
 @pytest.fixture
 def home(tmp_path: Path) -> Path:
-    """A folder of somebody, with a study and its scans."""
+    """Make a folder with a study and its scans."""
     (tmp_path / "somebody" / "scans").mkdir(parents=True)
     gridded(tmp_path / "somebody" / "scans" / "a.csv", bowl())
     gridded(tmp_path / "somebody" / "scans" / "b.CSV", 0.5 * bowl())
@@ -50,7 +50,7 @@ def digests(home: Path) -> list[str]:
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
-def test_results_are_drawn_elsewhere(home: Path, tmp_path: Path, jobs: int, monkeypatch: Any) -> None:
+def test_results_are_drawn_in_another_folder(home: Path, tmp_path: Path, jobs: int, monkeypatch: Any) -> None:
     assert compute(home, tmp_path / "out", jobs=jobs).done == 3
     expected = [digest + ".csv" for digest in digests(home)]
     assert sorted(path.name for path in (tmp_path / "out" / "scans").iterdir()) == sorted(expected)
@@ -62,7 +62,7 @@ def test_results_are_drawn_elsewhere(home: Path, tmp_path: Path, jobs: int, monk
     assert sorted(deepest) == pytest.approx([25.0, 50.0], rel=1e-3)
 
 
-def test_nobody_s_folder_is_stored(home: Path, tmp_path: Path, monkeypatch: Any) -> None:
+def test_no_path_outside_the_folder_is_stored(home: Path, tmp_path: Path, monkeypatch: Any) -> None:
     compute(home, tmp_path / "out")
     assert set(store.open_results(tmp_path / "out").parameters()["defects.1.file"]) == {"a.csv", "b.CSV", ""}
     monkeypatch.chdir(home)
@@ -75,7 +75,7 @@ def test_nobody_s_folder_is_stored(home: Path, tmp_path: Path, monkeypatch: Any)
     assert not any(str(home).encode() in content for content in contents)
 
 
-def test_scans_are_kept_once_whatever_is_run_again(home: Path, tmp_path: Path) -> None:
+def test_scans_are_stored_once(home: Path, tmp_path: Path) -> None:
     compute(home, tmp_path / "out", shard=(1, 2))
     [first_copy, second_copy] = [tmp_path / "out/scans" / f"{digest}.csv" for digest in digests(home)]
     inode = first_copy.stat().st_ino
@@ -94,7 +94,7 @@ def test_scans_are_kept_once_whatever_is_run_again(home: Path, tmp_path: Path) -
 
 
 @pytest.mark.parametrize(("new_content", "message"), [(b"else", "has changed since"), (None, "no file")])
-def test_a_scan_that_goes_before_the_run_is_told(
+def test_scan_missing_or_changed_before_the_run_is_reported(
     home: Path, tmp_path: Path, new_content: Any, message: str
 ) -> None:
     study, file = study_of(home), home / "scans" / "a.csv"
@@ -105,7 +105,7 @@ def test_a_scan_that_goes_before_the_run_is_told(
         run(study, tmp_path / "out", jobs=1, progress=False)
 
 
-def test_a_leftover_of_a_dead_writer_is_swept(tmp_path: Path) -> None:
+def test_temporary_scan_of_an_ended_writer_is_removed(tmp_path: Path) -> None:
     (tmp_path / "scans").mkdir()
     leftover = (
         tmp_path

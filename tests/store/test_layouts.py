@@ -1,4 +1,4 @@
-"""The JSON files of a results folder hold ids, names, numbers and texts, each in its place, or are refused."""
+"""Layouts of the JSON files of a results folder."""
 
 import copy
 from collections.abc import Callable
@@ -48,7 +48,7 @@ def replaced(plan: dict[str, Any], path: str, value: Any) -> dict[str, Any]:
     return copied
 
 
-def test_what_a_study_expands_to_is_a_plan(plan: dict[str, Any]) -> None:
+def test_expanded_study_is_a_valid_plan(plan: dict[str, Any]) -> None:
     layouts.check_plan(plan)
     layouts.check_plan(plan | {"figures": [FIGURE], "of another version": [1]})
     ids = [entry["job"] for entry in plan["jobs"]]
@@ -88,12 +88,12 @@ def test_what_a_study_expands_to_is_a_plan(plan: dict[str, Any]) -> None:
         ("accuracy", {"within": 0.1, "of": [], "jobs": {}, "curves": [], "audits": [{"of": OTHER, "job": OTHER}]}),
     ],
 )
-def test_what_is_no_plan_is_refused_with_its_place(plan: dict[str, Any], path: str, value: Any) -> None:
+def test_invalid_plan_is_refused_with_the_location(plan: dict[str, Any], path: str, value: Any) -> None:
     with pytest.raises(Unreadable, match=f"{path.split('/')[0]}|names elsewhere"):
         layouts.check_plan(replaced(plan, path, value))
 
 
-def test_ids_that_occur_twice_or_fill_no_block_are_refused(plan: dict[str, Any]) -> None:
+def test_duplicate_ids_and_incomplete_blocks_are_refused(plan: dict[str, Any]) -> None:
     with pytest.raises(Unreadable, match="twice"):
         layouts.check_plan(plan | {"jobs": [*plan["jobs"], plan["jobs"][0]]})
     ids = [entry["job"] for entry in plan["jobs"]]
@@ -114,7 +114,7 @@ def test_ids_that_occur_twice_or_fill_no_block_are_refused(plan: dict[str, Any])
         (layouts.Trials, {"one": TRIAL | {"passes": 1e9}}),
     ],
 )
-def test_other_files_are_refused(layout: Any, value: Any) -> None:
+def test_invalid_entries_of_other_files_are_refused(layout: Any, value: Any) -> None:
     with pytest.raises(Unreadable):
         layouts.check(layout, value)
 
@@ -130,7 +130,7 @@ def test_other_files_are_refused(layout: Any, value: Any) -> None:
         lambda trial: {"passes": 10**12},
     ],
 )
-def test_a_trial_whose_parts_do_not_fit_counts_as_absent(tmp_path: Path, change: Callable[[Any], Any]) -> None:
+def test_inconsistent_trial_counts_as_absent(tmp_path: Path, change: Callable[[Any], Any]) -> None:
     folder, features = tmp_path / "trials", ["velocity@BPFO", "outer_force.max"]
     folder.mkdir()
     write_json(folder / f"{OTHER}.json", {"trials": {"one": TRIAL, "two": None}})
@@ -139,7 +139,7 @@ def test_a_trial_whose_parts_do_not_fit_counts_as_absent(tmp_path: Path, change:
     assert "one" not in selection.read_trials(tmp_path, features)
 
 
-def test_trials_are_written_as_they_are_read(tmp_path: Path) -> None:
+def test_written_trials_can_be_read(tmp_path: Path) -> None:
     lines = {"velocity@BPFO": np.array([1.0 + 2.0j])}
     selection.write_trials(
         tmp_path, OTHER, {"one": Trial(3, 0, True, lines, {"velocity.rms": np.ones(1)}, np.ones(3))}
@@ -159,13 +159,13 @@ def test_trials_are_written_as_they_are_read(tmp_path: Path) -> None:
         ("bearingsim run 'x", False),
     ],
 )
-def test_only_commands_of_this_program_are_repeated(tmp_path: Path, command: str, is_kept: bool) -> None:
+def test_stored_command_is_a_run_of_this_program(tmp_path: Path, command: str, is_kept: bool) -> None:
     (tmp_path / "failed").mkdir()
     write_json(tmp_path / "failed" / f"{OTHER}.json", {"reason": "a", "command": command})
     assert store.read_failures(tmp_path)[OTHER].command == (command if is_kept else "")
 
 
-def test_a_plan_that_is_none_is_told_by_its_place(tmp_path: Path) -> None:
+def test_results_with_an_invalid_plan_are_refused_with_the_location(tmp_path: Path) -> None:
     study: Any = FakeStudy()
     run(study, tmp_path, jobs=1, progress=False, engine=ENGINE)
     write_json(tmp_path / "plan.json", read_json(tmp_path / "plan.json") | {"study": "../../x"})

@@ -1,4 +1,4 @@
-"""Links that somebody else has put into a results folder lead nothing out of it."""
+"""Links in a results folder, which are not followed out of it."""
 
 import os
 from typing import Any
@@ -16,13 +16,13 @@ from tests.scenes.fake_studies import ENGINE, FakeStudy
 
 
 def make_results_folder(root: Any) -> Any:
-    """A results folder without results."""
+    """Make a results folder without results."""
     store.claim_results(root, FakeStudy().name, quick=False)
     return root
 
 
 @pytest.mark.parametrize("name", [*FOLDERS, LOCK])
-def test_a_link_for_a_folder_is_refused(tmp_path: Any, name: str) -> None:
+def test_link_in_place_of_a_folder_is_refused(tmp_path: Any, name: str) -> None:
     outside, root = tmp_path / "outside", make_results_folder(tmp_path / "results")
     outside.mkdir()
     link = root / name.replace("??", "ab")
@@ -36,7 +36,7 @@ def test_a_link_for_a_folder_is_refused(tmp_path: Any, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", FOLDERS)
-def test_no_command_follows_a_link_for_a_folder(tmp_path: Any, name: str) -> None:
+def test_no_command_follows_a_link_in_place_of_a_folder(tmp_path: Any, name: str) -> None:
     outside, root, study = tmp_path / "outside", tmp_path / "results", FakeStudy()
     run(study, root, jobs=1, progress=False, engine=ENGINE)  # type: ignore[arg-type]
     outside.mkdir()
@@ -90,7 +90,7 @@ def test_no_lock_is_taken_through_a_link(tmp_path: Any) -> None:
 
 
 def make_link(path: Any) -> None:
-    """The file elsewhere, and a link to it in its place."""
+    """Move a file and replace it by a link."""
     target = path.parents[3] / "elsewhere"
     path.rename(target)
     path.symlink_to(target)
@@ -107,7 +107,7 @@ def make_sparse(path: Any) -> None:
 
 
 @pytest.mark.parametrize("change", [make_link, make_pipe, make_sparse])
-def test_a_unit_that_is_no_file_of_the_folder_is_damaged(tmp_path: Any, change: Any) -> None:
+def test_link_or_special_file_counts_as_a_damaged_unit(tmp_path: Any, change: Any) -> None:
     study, root = FakeStudy(), tmp_path / "results"
     run(study, root, jobs=1, progress=False, engine=ENGINE)  # type: ignore[arg-type]
     [unit] = root.glob("units/*/*.h5")
@@ -121,7 +121,7 @@ def test_a_unit_that_is_no_file_of_the_folder_is_damaged(tmp_path: Any, change: 
 
 
 @pytest.mark.parametrize("name", ["plan.json", "study.yaml"])
-def test_a_file_elsewhere_is_not_copied_by_a_merge(tmp_path: Any, name: str) -> None:
+def test_merge_does_not_copy_link_targets(tmp_path: Any, name: str) -> None:
     study, root = FakeStudy(), tmp_path / "a" / "b" / "c"
     run(study, root, jobs=1, progress=False, engine=ENGINE)  # type: ignore[arg-type]
     make_link(root / name)

@@ -1,4 +1,4 @@
-"""Results folders made one: the table of a single run, whatever was computed where, and nothing wrong let in."""
+"""Merge of results folders, which equals a single run and refuses damaged or contradictory results."""
 
 import json
 import shutil
@@ -25,7 +25,7 @@ REASON = "the ring left"
 def make_folder(
     root: Path, study: Any, units: Sequence[Sequence[int]], failed: Sequence[int] = (), host: str = "a"
 ) -> Path:
-    """A results folder of a study with units of these jobs, by number, computed by a host at its own pace."""
+    """Make a results folder of a study with units of these jobs (numbers) and failed jobs, computed by a host."""
     root.mkdir(parents=True)
     jobs = study.jobs()
     store.write_plan(root, study, jobs)
@@ -40,12 +40,12 @@ def make_folder(
 
 
 def table_of(root: Path) -> pd.DataFrame:
-    """The table, less what tells where and how fast it was computed."""
+    """Return the table without unit and time."""
     return store.open_results(root).table().drop(columns=["unit", "seconds"])
 
 
 def read_files(*roots: Path) -> dict[Path, tuple[bytes, int]]:
-    """All files of some folders: bytes, and time of last change."""
+    """Read all files of some folders: bytes, and modification time."""
     files = [path for root in roots for path in sorted(root.rglob("*")) if path.is_file()]
     return {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in files}
 
@@ -55,7 +55,7 @@ unit_lists = st.lists(st.lists(st.integers(0, len(WIDTHS)), min_size=1, unique=T
 
 @settings(max_examples=25)
 @given(st.lists(unit_lists, min_size=1, max_size=3), st.integers(0, len(WIDTHS)))
-def test_any_split_and_any_overlap_gives_the_table_of_a_single_run(
+def test_any_split_and_overlap_gives_the_table_of_a_single_run(
     tmp_path_factory: pytest.TempPathFactory, splits: list[list[list[int]]], failed_job: int
 ) -> None:
     root, study = tmp_path_factory.mktemp("merge"), FakeStudy(WIDTHS)
@@ -99,15 +99,13 @@ def test_three_shards_give_the_table_of_a_single_run(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def two_shards(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
-    """Two folders with all jobs of a study between them."""
+    """Make two folders that together contain all jobs of a study."""
     root, study = tmp_path_factory.mktemp("merge"), FakeStudy(WIDTHS)
     return [make_folder(root / name, study, [jobs]) for name, jobs in (("a", [0, 1, 7]), ("b", [2, 3, 4, 5, 6]))]
 
 
 @given(st.data())
-def test_one_changed_bit_anywhere_in_a_unit_is_found_and_nothing_is_copied(
-    two_shards: list[Path], data: st.DataObject
-) -> None:
+def test_any_changed_bit_in_a_unit_prevents_the_merge(two_shards: list[Path], data: st.DataObject) -> None:
     [path] = data.draw(st.sampled_from(two_shards)).glob("units/??/*.h5")
     content = path.read_bytes()
     changed_content = bytearray(content)
@@ -152,7 +150,7 @@ def test_a_job_with_other_results_is_refused_with_both_paths(
     assert not (tmp_path / "out").exists()
 
 
-def test_features_that_a_unit_s_other_jobs_have_make_no_difference(tmp_path: Path) -> None:
+def test_features_of_other_jobs_in_a_unit_do_not_prevent_a_merge(tmp_path: Path) -> None:
     study = FakeStudy(WIDTHS)
     first, second = make_folder(tmp_path / "a", study, [[0]]), make_folder(tmp_path / "b", study, [])
     jobs = study.jobs()
@@ -172,7 +170,7 @@ def test_features_that_a_unit_s_other_jobs_have_make_no_difference(tmp_path: Pat
         ({"units": {"defect.width": "um"}}, "`units` differs"),
     ],
 )
-def test_other_plans_are_refused_with_what_differs(tmp_path: Path, fields: dict[str, Any], message: str) -> None:
+def test_other_plans_are_refused_with_the_difference(tmp_path: Path, fields: dict[str, Any], message: str) -> None:
     first = make_folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
     second = make_folder(tmp_path / "b", FakeStudy(**{"widths": WIDTHS} | fields), [[1]])
     with pytest.raises(store.Unmergeable) as error:
@@ -189,7 +187,7 @@ def test_another_version_of_the_model_is_refused(tmp_path: Path, monkeypatch: py
         store.merge([first, second], tmp_path / "out")
 
 
-def test_where_a_study_lay_is_no_other_plan(tmp_path: Path) -> None:
+def test_path_of_the_study_file_may_differ(tmp_path: Path) -> None:
     first = make_folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
     second = make_folder(tmp_path / "b", FakeStudy(WIDTHS, path=Path("/elsewhere/fake.yaml")), [[1]])
     assert store.merge([first, second], tmp_path / "out").jobs["done"] == 2
@@ -199,7 +197,7 @@ def make_accuracy(within: float, notes: list[str]) -> dict[str, Any]:
     return {"within": within, "notes": notes, "of": [], "jobs": {}, "curves": [], "audits": []}
 
 
-def test_what_is_said_of_an_earlier_plan_s_choices_is_no_other_plan(tmp_path: Path) -> None:
+def test_notes_on_earlier_choices_may_differ(tmp_path: Path) -> None:
     folders = [make_folder(tmp_path / name, FakeStudy(WIDTHS), [[n]]) for n, name in enumerate("ab")]
     for root, notes in zip(folders, ([], ["3 choices were made for an earlier plan"]), strict=True):
         write_json(root / "plan.json", store.read_plan(root) | {"accuracy": make_accuracy(0.05, notes)})
@@ -210,7 +208,7 @@ def test_what_is_said_of_an_earlier_plan_s_choices_is_no_other_plan(tmp_path: Pa
         store.merge(folders, tmp_path / "other")
 
 
-def test_what_was_there_counts_as_a_folder_that_is_merged(tmp_path: Path) -> None:
+def test_results_in_the_output_folder_are_merged(tmp_path: Path) -> None:
     study = FakeStudy(WIDTHS)
     first, second = (
         make_folder(tmp_path / "a", study, [[0, 1]]),
@@ -256,7 +254,7 @@ def test_an_interrupted_merge_can_be_repeated(tmp_path: Path, monkeypatch: pytes
     assert (merged.copied, merged.existing, merged.jobs["done"]) == (3, 3, 6)
 
 
-def test_a_job_that_one_has_done_has_not_failed_and_the_last_failure_counts(tmp_path: Path) -> None:
+def test_result_replaces_failures_and_the_latest_failure_counts(tmp_path: Path) -> None:
     study = FakeStudy(WIDTHS)
     first = make_folder(tmp_path / "a", study, [[0]], failed=[1, 2])
     second = make_folder(tmp_path / "b", study, [[1]], failed=[0, 2], host="bb")
@@ -270,7 +268,7 @@ def test_a_job_that_one_has_done_has_not_failed_and_the_last_failure_counts(tmp_
 TRIAL_NAMES = [letter * 16 for letter in "abc"]
 
 
-def test_scans_trials_and_choices_come_along(tmp_path: Path) -> None:
+def test_scans_trials_and_choices_are_merged(tmp_path: Path) -> None:
     from bearingsim.config.scan.file import digest_of
 
     study = FakeStudy(WIDTHS)
@@ -301,7 +299,7 @@ def test_scans_trials_and_choices_come_along(tmp_path: Path) -> None:
     assert not out.exists()
 
 
-def test_the_journal_tells_of_a_merge_once(tmp_path: Path) -> None:
+def test_journal_records_a_merge_once(tmp_path: Path) -> None:
     first = make_folder(tmp_path / "a", FakeStudy(WIDTHS), [[0]])
     for _ in range(2):
         store.merge([first], tmp_path / "out")

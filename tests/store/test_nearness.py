@@ -1,4 +1,4 @@
-"""What is said of each result of a study that names an accuracy, from a plan and a frame."""
+"""Error bounds and audits of a study with `accuracy`."""
 
 import math
 from typing import Any
@@ -34,14 +34,14 @@ def frame(columns: dict[str, list[float]], **others: list[Any]) -> pd.DataFrame:
     return pd.DataFrame(named | {"status": ["done"] * count} | others, index=index)
 
 
-def test_without_an_accuracy_nothing_is_said() -> None:
+def test_no_error_bounds_without_an_accuracy() -> None:
     assert error_bounds({}, frame({LINE: [1.0]})).shape == (1, 0)
 
 
-def test_errors_count_over_the_lowest_curves_largest_value() -> None:
+def test_errors_are_relative_to_the_lowest_maximum_of_the_curves() -> None:
     curves = [{"feature": LINE, "jobs": ["a", "b"]}, {"feature": LINE, "jobs": ["b", "c"]}]
     largest = scales(plan([LINE], curves=curves), frame({LINE: [1.0, 2.0, -5.0, 7.0]}), LINE)
-    assert largest.tolist() == [2.0, 2.0, 5.0, 7.0]  # d is on none
+    assert largest.tolist() == [2.0, 2.0, 5.0, 7.0]  # d is on no curve
     with_gap = scales(plan([LINE], curves=curves), frame({LINE: [1.0, math.nan, 5.0, 7.0]}), LINE)
     assert with_gap.tolist()[::2] == [1.0, 5.0]
 
@@ -65,7 +65,7 @@ def test_each_feature_has_its_step_error(feature: str, column: str) -> None:
     assert bounds["error.step"].tolist() == pytest.approx([0.005, 0.01, 0.01])
 
 
-def test_model_step_and_scatter_add_up_and_the_worst_feature_counts() -> None:
+def test_error_is_the_largest_sum_over_the_features() -> None:
     columns = {
         LINE: [1.0, 2.0, 2.0],
         RMS: [1.0, 1.0, 1.0],
@@ -83,7 +83,7 @@ def test_model_step_and_scatter_add_up_and_the_worst_feature_counts() -> None:
 
 @pytest.mark.parametrize(("feature", "suffix"), [(LINE, ""), (RMS, ".rms"), (FORCE, ".force")])
 def test_the_error_of_the_start_is_added(feature: str, suffix: str) -> None:
-    """Where nothing repeats itself it counts the scatter, too: only what it is beyond that is added."""
+    """The start error of a non-periodic motion includes the scatter, so only the excess is added."""
     columns = {f"error.start{name}": [0.5, 0.5, 0.5] for name in ("", ".rms", ".force")}
     columns |= {feature: [1.0, 2.0, 4.0], f"error.start{suffix}": [0.01, 0.02, 0.02], "chaotic": [0.0, 1.0, 1.0]}
     columns |= {f"{feature}-scatter": [0.0, 0.01, 0.2]} if feature == LINE else {}
@@ -96,7 +96,7 @@ def test_the_error_of_the_start_is_added(feature: str, suffix: str) -> None:
     )
 
 
-def test_errors_of_nodes_are_added_and_where_unknown_there_is_no_sum() -> None:
+def test_unknown_error_of_nodes_leaves_no_total_error() -> None:
     asked = plan([LINE], {LINE: 0.01})
     asked["accuracy"]["jobs"]["a"]["nodes"] = {LINE: 0.02}
     asked["accuracy"]["jobs"]["b"]["nodes"] = {LINE: None}
@@ -105,18 +105,18 @@ def test_errors_of_nodes_are_added_and_where_unknown_there_is_no_sum() -> None:
     assert found["error"].tolist() == pytest.approx([0.03, math.nan, 0.01], nan_ok=True)
 
 
-def test_it_is_told_where_more_nodes_would_do() -> None:
+def test_more_nodes_are_recommended_where_they_suffice() -> None:
     asked = plan([LINE], {LINE: 0.01})
     for job, nodes in {"a": 0.03, "b": 0.045, "c": 0.5}.items():
         asked["accuracy"]["jobs"][job]["nodes"] = {LINE: nodes}
-    asked["accuracy"]["jobs"]["c"]["error"] = {LINE: 0.06}  # too far off without
+    asked["accuracy"]["jobs"]["c"]["error"] = {LINE: 0.06}  # too far off without more nodes
     assert list(accuracy_notes(asked, frame({LINE: [1.0, 2.0, 2.0]}))) == [
         "1 of 3 cases are within 5 % of the reference, a model, the others within 56 %",
         "  1 more would be with more `contact.length_nodes` (slices, harmonics)",
     ]
 
 
-def test_a_chaotic_line_whose_scatter_nothing_tells_has_no_sum() -> None:
+def test_chaotic_line_with_unknown_scatter_has_no_total_error() -> None:
     columns = {"velocity@2BSF": [1.0, 2.0, 2.0], RMS: [1.0, 1.0, 1.0], "chaotic": [1.0, 0.0, 0.0]}
     asked = plan(["velocity@2BSF", RMS], {RMS: 0.03})
     found = error_bounds(asked, frame(columns))
@@ -128,7 +128,7 @@ def test_a_chaotic_line_whose_scatter_nothing_tells_has_no_sum() -> None:
     assert "1 chaotic cases: standard error of a line, and so accuracy, unknown" in told
 
 
-def test_no_sum_where_the_ring_is_only_assumed_to_be_rigid() -> None:
+def test_no_total_error_for_a_ring_assumed_to_be_rigid() -> None:
     found = error_bounds(
         plan([LINE], {LINE: 0.03}) | {"assumptions": [RIGID_RING]}, frame({LINE: [1.0, 2.0, 2.0]})
     )
@@ -136,7 +136,7 @@ def test_no_sum_where_the_ring_is_only_assumed_to_be_rigid() -> None:
     assert found["error.model"].tolist() == [0.03] * 3
 
 
-def test_what_failed_has_no_errors() -> None:
+def test_failed_jobs_have_no_errors() -> None:
     found = error_bounds(
         plan([LINE], {LINE: 0.03}), frame({LINE: [1.0, 2.0, 2.0]}, status=["done", "failed", "done"])
     )
@@ -147,14 +147,14 @@ def test_what_failed_has_no_errors() -> None:
 AUDIT = [{"of": "a", "job": "d"}]
 
 
-def test_an_audit_is_off_by_what_differs_over_the_curve() -> None:
+def test_difference_of_an_audit_is_relative_to_the_curve() -> None:
     (found,) = audit_results(plan([LINE], audits=AUDIT), frame({LINE: [1.0, 2.0, 2.0, 1.1]}))
     assert found == ("a", LINE, pytest.approx(0.05), 0.0)
 
 
 @pytest.mark.parametrize("audit", [math.nan, None])
-def test_an_audit_that_compares_nothing_is_none(audit: float | None) -> None:
-    """It would else count as one that kept its accuracy."""
+def test_audit_without_values_has_no_result(audit: float | None) -> None:
+    """Otherwise it would count as within the accuracy."""
     healthy = f"{LINE}-healthy"
     given = frame({healthy: [1.0, 2.0, 2.0, math.nan]} if audit is not None else {LINE: [1.0] * 4})
     assert not list(audit_results(plan([healthy], audits=AUDIT), given))
@@ -165,8 +165,8 @@ def test_an_audit_that_compares_nothing_is_none(audit: float | None) -> None:
 # An audit that fails
 
 
-def test_a_failed_audit_withdraws_the_promise_of_its_curve() -> None:
-    """Of that curve alone: `c` is on none, and keeps its own error."""
+def test_failed_audit_withdraws_the_accuracy_of_its_curve() -> None:
+    """Job `c` is on no curve, and keeps its own error."""
     asked = plan([LINE], {LINE: 0.01}, audits=AUDIT)
     given = frame({LINE: [1.0, 2.0, 2.0, 1.4]})  # a is 20 % of the curve's largest value off
     assert withdrawn_errors(asked, given) == pytest.approx({"a": 0.2, "b": 0.2})
@@ -181,19 +181,19 @@ def test_a_failed_audit_withdraws_the_promise_of_its_curve() -> None:
 
 
 @pytest.mark.parametrize(("audit", "is_failed"), [(1.099, False), (1.101, True), (0.901, False), (0.899, True)])
-def test_an_audit_fails_beyond_what_was_asked(audit: float, is_failed: bool) -> None:
+def test_audit_fails_beyond_the_accuracy(audit: float, is_failed: bool) -> None:
     goal, values = plan([LINE], audits=AUDIT), frame({LINE: [1.0, 2.0, 2.0, audit]})
     assert bool(withdrawn_errors(goal, values)) == is_failed
     assert any("of the reference" in text for text in accuracy_notes(goal, values)) != is_failed
 
 
-def test_scatter_of_both_runs_excuses_an_audit() -> None:
+def test_audit_passes_within_the_scatter_of_both_runs() -> None:
     columns = {LINE: [1.0, 2.0, 2.0, 1.4], f"{LINE}-scatter": [0.15, 0.0, 0.0, 0.1], "chaotic": [1.0] * 4}
     assert not withdrawn_errors(plan([LINE], audits=AUDIT), frame(columns))
 
 
-def test_each_feature_has_a_curve_of_its_own_to_lose() -> None:
-    """The scatter of one feature excuses no other."""
+def test_failed_audit_withdraws_the_curve_of_its_feature_only() -> None:
+    """The scatter of one feature does not excuse another."""
     curves = [{"feature": LINE, "jobs": ["a", "b"]}, {"feature": RMS, "jobs": ["a", "c"]}]
     goal = plan([LINE, RMS], audits=AUDIT, curves=curves)
     columns = {LINE: [1.0, 2.0, 2.0, 1.0], RMS: [1.0, 1.0, 1.0, 1.3]}
@@ -201,12 +201,12 @@ def test_each_feature_has_a_curve_of_its_own_to_lose() -> None:
     assert withdrawn_errors(goal, frame(columns | scatter)) == pytest.approx({"a": 0.3, "c": 0.3})
 
 
-def test_a_feature_on_no_curve_loses_its_own_case_alone() -> None:
+def test_failed_audit_without_a_curve_withdraws_its_case_only() -> None:
     goal = plan([LINE], audits=AUDIT, curves=[])
     assert withdrawn_errors(goal, frame({LINE: [1.0, 2.0, 2.0, 1.4]})) == {"a": pytest.approx(0.4)}
 
 
-def test_what_an_audit_found_is_in_the_table_though_the_ring_is_only_assumed_to_be_rigid() -> None:
+def test_audit_difference_is_reported_for_a_ring_assumed_to_be_rigid() -> None:
     goal = plan([LINE], audits=AUDIT) | {"assumptions": [RIGID_RING]}
     bounds = error_bounds(goal, frame({LINE: [1.0, 2.0, 2.0, 1.4]}))
     assert bounds["error"].iloc[:2].tolist() == pytest.approx([0.2, 0.2])

@@ -1,4 +1,4 @@
-"""Which results of a chaotic motion are one draw of many."""
+"""Standard errors of chaotic motions."""
 
 import math
 
@@ -12,7 +12,7 @@ LINE, RMS = "velocity@BPFO", "velocity.rms"
 
 
 def table(chaotic: float = 1.0, line: float = 0.0, rms: float = 0.0) -> pd.DataFrame:
-    """A result with a relative standard error of the line, and of the RMS (of 2.5 standard deviations)."""
+    """Make a result with relative standard errors of the line and of the RMS (stored times 2.5)."""
     row = {LINE: 2.0, f"{LINE}-scatter": 2.0 * line, RMS: 3.0, "rms_scatter": 2.5 * rms, "chaotic": chaotic}
     return pd.DataFrame([row | {"velocity@BPFI": 1.0, "outer_force.max": 5.0}])
 
@@ -30,7 +30,7 @@ def table(chaotic: float = 1.0, line: float = 0.0, rms: float = 0.0) -> pd.DataF
         ("velocity.rms@10-1000Hz", table(rms=0.006), True),
         ("outer_force.max", table(rms=0.006), True),
         ("outer_force.max", table(line=0.1), False),
-        ("velocity@BPFI", table(), True),  # nothing tells how it scatters
+        ("velocity@BPFI", table(), True),  # its scatter is unknown
         (LINE, table(chaotic=0.0, line=0.1), False),
         (LINE, table(chaotic=math.nan, line=0.1), False),
     ],
@@ -41,7 +41,7 @@ def test_a_result_is_flagged_by_its_own_standard_error(
     assert bool(is_uncertain(results, feature).iloc[0]) == is_flagged
 
 
-def test_a_closer_look_may_be_asked_for() -> None:
+def test_smaller_limit_flags_smaller_errors() -> None:
     assert is_uncertain(table(line=0.004), LINE, notable=0.003).iloc[0]
 
 
@@ -49,7 +49,7 @@ def test_results_that_were_not_checked_are_not_flagged() -> None:
     assert not is_uncertain(pd.DataFrame([{LINE: 2.0}]), LINE).iloc[0]
 
 
-def test_blocks_of_passes_tell_more_than_single_ones() -> None:
+def test_block_errors_take_precedence_over_pass_errors() -> None:
     results = table(line=0.1, rms=0.1).assign(**{"standard_error.line": [0.004], "standard_error.rms": [0.006]})
     assert not is_uncertain(results, LINE).iloc[0]
     assert is_uncertain(results, RMS).iloc[0]
@@ -57,8 +57,8 @@ def test_blocks_of_passes_tell_more_than_single_ones() -> None:
     assert is_uncertain(results.assign(**{"standard_error.line": [math.inf]}), LINE).iloc[0]
 
 
-def test_a_record_that_ended_early_has_the_standard_error_it_ended_by() -> None:
-    """Of lines and RMS values; that of one in full counts only where it is chaotic."""
+def test_early_record_has_the_standard_error_at_its_end() -> None:
+    """This holds for lines and RMS values; for a full record the error counts only if it is chaotic."""
     features = table(chaotic=0.0, line=0.1).add_prefix("features/")
     columns = {"info/standard_error_line": 0.004, "info/standard_error_rms": 0.002, "info/passes": 200}
     early_end, full_record = (features.assign(**columns, **{"info/passes_computed": n}) for n in (130, 200))

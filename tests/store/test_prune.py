@@ -1,4 +1,4 @@
-"""What a plan no longer names: said first, removed when asked, and nothing else with it."""
+"""Removal of files that a plan no longer contains."""
 
 import os
 import sys
@@ -34,7 +34,7 @@ def files_of(root: Path) -> set[Path]:
 
 @pytest.fixture
 def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """What the engine was asked for, in order."""
+    """Return the log of the calls of the engine."""
     path = tmp_path / "log"
     path.touch()
     monkeypatch.setenv(trials.LOG, str(path))
@@ -43,7 +43,7 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def narrowed_results(tmp_path: Path) -> Path:
-    """Results of a study of three widths, then of one: a unit holds what is wanted, another does not."""
+    """Compute wider studies, then one of one width: one unit contains a planned job, another none."""
     compute(FakeStudy([2e-3]), tmp_path)
     compute(FakeStudy([2e-3, 5e-3], deeds={1: "raise"}), tmp_path)
     compute(FakeStudy([3e-3]), tmp_path)
@@ -53,7 +53,7 @@ def narrowed_results(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_what_is_not_planned_is_told_and_nothing_changes(narrowed_results: Path) -> None:
+def test_unplanned_files_are_listed_without_removal(narrowed_results: Path) -> None:
     before = {path: path.read_bytes() for path in files_of(narrowed_results)}
     output, _ = type_("prune", narrowed_results)
     removable = store.find_removable(narrowed_results)
@@ -65,7 +65,7 @@ def test_what_is_not_planned_is_told_and_nothing_changes(narrowed_results: Path)
     assert {path: path.read_bytes() for path in files_of(narrowed_results)} == before
 
 
-def test_what_is_not_planned_is_removed_and_nothing_else(narrowed_results: Path) -> None:
+def test_only_unplanned_files_are_removed(narrowed_results: Path) -> None:
     before, table = files_of(narrowed_results), store.open_results(narrowed_results).table()
     removable = store.find_removable(narrowed_results)
     output, _ = type_("prune", narrowed_results, "--no-dry-run", "-v")
@@ -78,7 +78,7 @@ def test_what_is_not_planned_is_removed_and_nothing_else(narrowed_results: Path)
     assert type_("prune", narrowed_results, "--no-dry-run")[0].splitlines()[-1] == "nothing to remove"
 
 
-def test_what_was_set_aside_and_what_the_dead_left_goes(tmp_path: Path) -> None:
+def test_damaged_and_leftover_files_are_removed(tmp_path: Path) -> None:
     compute(FakeStudy(), tmp_path)
     for name in (
         f"units/01/{ID}.damaged",
@@ -97,7 +97,7 @@ def test_what_was_set_aside_and_what_the_dead_left_goes(tmp_path: Path) -> None:
     assert not [*tmp_path.rglob("*.damaged"), *tmp_path.rglob("*.part"), *tmp_path.rglob("*.started")]
 
 
-def test_a_unit_that_cannot_be_read_stays(tmp_path: Path) -> None:
+def test_unreadable_unit_is_kept(tmp_path: Path) -> None:
     compute(FakeStudy(), tmp_path)
     [path] = tmp_path.glob("units/??/*.h5")
     path.write_bytes(path.read_bytes()[:-3])
@@ -114,9 +114,7 @@ def with_scan(root: Path, text: bytes) -> Path:
     return scan
 
 
-def test_scans_go_once_all_jobs_are_done_and_none_is_made_from_them(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_unused_scans_are_removed_once_all_jobs_are_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     root = tmp_path / "results"
     flag = tmp_path / "flag"
     study: Any = FakeStudy(deeds={1: f"raise-unless {flag}"})
@@ -137,7 +135,7 @@ def test_scans_go_once_all_jobs_are_done_and_none_is_made_from_them(
     assert scans[0].exists()
 
 
-def test_trials_go_with_the_accuracy_that_asked_for_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_trials_are_removed_from_a_study_without_accuracy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     compute(FakeStudy(), tmp_path)
     selection.write_trials(tmp_path, ID, {"one": None})
     (tmp_path / f"trials/{OTHER}.json").write_text("{")
@@ -157,7 +155,7 @@ def test_a_folder_in_use_is_refused(narrowed_results: Path) -> None:
     assert len(store.prune(narrowed_results).paths) == len(removable.paths)
 
 
-def test_a_folder_without_a_plan_is_left_alone(tmp_path: Path) -> None:
+def test_folder_without_a_plan_is_unchanged(tmp_path: Path) -> None:
     compute(FakeStudy(), tmp_path)
     plan = tmp_path / "plan.json"
     plan.write_bytes(plan.read_bytes()[:-10])
@@ -169,7 +167,7 @@ def test_a_folder_without_a_plan_is_left_alone(tmp_path: Path) -> None:
 
 
 def assert_in_use(root: Path, study: Any) -> None:
-    """Nothing is cleared in a folder now, and another run may work there."""
+    """Check that the folder cannot be cleared because a run uses it."""
     before = files_of(root)
     with pytest.raises(store.FolderInUse, match="another run is writing"):
         store.prune(root)
@@ -178,10 +176,10 @@ def assert_in_use(root: Path, study: Any) -> None:
     assert files_of(root) >= before
 
 
-def test_nothing_goes_while_models_are_tried(
+def test_nothing_is_removed_during_trials(
     write: Write, tmp_path: Path, log: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The plan is still the one before, which names no accuracy."""
+    """The plan is still the earlier one, without an accuracy."""
     out, calls = tmp_path / "out", list[bool]()
     compute(FakeStudy(name="near"), out)
     original = trials.try_out
@@ -197,8 +195,8 @@ def test_nothing_goes_while_models_are_tried(
     assert not list(out.rglob("*.started"))
 
 
-def test_nothing_goes_before_the_first_job(narrowed_results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What the folder holds has been judged, and counts."""
+def test_nothing_is_removed_before_the_first_job(narrowed_results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The run has already checked the contents of the folder."""
     original, calls, study = fake_studies.estimate, list[bool](), FakeStudy([4e-3, 6e-3])
 
     def estimate(case: Any) -> Any:
@@ -210,10 +208,10 @@ def test_nothing_goes_before_the_first_job(narrowed_results: Path, monkeypatch: 
 
     monkeypatch.setattr(fake_studies, "estimate", estimate)
     assert compute(study, narrowed_results).resumed == 2
-    assert len(calls) == 2  # of the run within, too
+    assert len(calls) == 2  # including the inner run
 
 
-def test_nothing_goes_while_a_check_tries_models(
+def test_nothing_is_removed_while_a_check_runs_trials(
     write: Write, narrowed_results: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     calls = list[bool]()

@@ -1,4 +1,4 @@
-"""The results folder: unit files, table, resuming, leftovers."""
+"""Results folder: unit files, table, resuming, leftovers."""
 
 import errno
 import json
@@ -68,14 +68,14 @@ def test_series_are_a_mapping_of_channels(tmp_path: Path, study: FakeStudy) -> N
 
 
 class VariedStudy(FakeStudy):
-    """A study whose jobs have one variation more each."""
+    """Study with one variation of each job."""
 
     def jobs(self) -> list[Any]:
-        """Cases and healthy cases, then variations."""
+        """Return cases and healthy cases, then variations."""
         return [*super().jobs(), *(variation.job for variation in self.variations())]
 
     def variations(self) -> list[Any]:
-        """Each case once more, twice as wide."""
+        """Return each case with twice the width."""
         nominal = [job for job in super().jobs() if not job.is_baseline]
         cases = [replace(job.case, width=2.0 * job.case.width, seconds=1.0) for job in nominal]
         jobs = [FakeJob(case_id(case), case, {}, None, is_variation=True) for case in cases]
@@ -85,7 +85,7 @@ class VariedStudy(FakeStudy):
         ]
 
 
-def test_jobs_are_the_rows_of_the_table_and_the_plan_names_variations_too(tmp_path: Path) -> None:
+def test_jobs_are_the_rows_of_the_table_and_planned_includes_variations(tmp_path: Path) -> None:
     study = VariedStudy()
     for is_varied in (False, True):
         store_jobs(tmp_path, study, [job for job in study.jobs() if job.is_variation == is_varied])
@@ -131,7 +131,7 @@ def test_a_job_of_3_kb_of_series_takes_less_than_8_kb(tmp_path: Path) -> None:
     assert path.stat().st_size / 100 < 8000
 
 
-def test_xarray_opens_a_unit_unaided(tmp_path: Path, study: FakeStudy) -> None:
+def test_xarray_opens_a_unit(tmp_path: Path, study: FakeStudy) -> None:
     [path] = store_jobs(tmp_path, study)
     with xr.open_dataset(path, engine="h5netcdf") as data:
         assert data["ring.velocity.x"].dims == ("job", "time")
@@ -156,7 +156,7 @@ def test_jobs_of_other_time_axes_get_their_own_unit(tmp_path: Path) -> None:
     assert store.read_series(unit_without_series, jobs[2].id).channels == {}
 
 
-def test_columns_keep_words_and_mark_what_is_absent() -> None:
+def test_columns_keep_strings_and_mark_missing_values() -> None:
     arrays = columns([{"a": 1.0, "step": "auto"}, {"a": 2, "step": 0.5}, {"b": 3.0}])
     assert list(arrays["step"]) == ["auto", "0.5", ""]
     np.testing.assert_array_equal(arrays["a"], [1.0, 2.0, np.nan])
@@ -190,7 +190,7 @@ def test_parameters_carry_their_si_unit() -> None:
     assert parameter_attributes("defect.grown") == {}
 
 
-def test_nothing_stays_when_writing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_file_remains_after_a_write_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(descriptor: int) -> None:
         raise OSError("the cable is out")
 
@@ -204,7 +204,7 @@ def test_nothing_stays_when_writing_fails(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 @pytest.mark.parametrize("kept_length", [0, 100, 0.5, 0.999])
-def test_truncated_unit_is_found_and_set_aside(tmp_path: Path, study: FakeStudy, kept_length: float) -> None:
+def test_truncated_unit_is_marked_damaged(tmp_path: Path, study: FakeStudy, kept_length: float) -> None:
     first, second = study.jobs()[:2], study.jobs()[2:]
     [damaged_unit], [_] = store_jobs(tmp_path, study, first), store_jobs(tmp_path, study, second)
     content = damaged_unit.read_bytes()
@@ -218,14 +218,14 @@ def test_truncated_unit_is_found_and_set_aside(tmp_path: Path, study: FakeStudy,
     assert json.loads(journal.read_text())["file"] == holdings.damaged[0]
 
 
-def test_unit_under_another_name_is_not_trusted(tmp_path: Path, study: FakeStudy) -> None:
+def test_unit_under_another_name_is_damaged(tmp_path: Path, study: FakeStudy) -> None:
     [path] = store_jobs(tmp_path, study)
     moved = path.rename(path.with_name("0123456789abcdef.h5"))
     with pytest.raises(store.DamagedUnit, match="ids"):
         store.check_unit(moved)
 
 
-def test_unit_with_a_missing_row_is_not_trusted(tmp_path: Path, study: FakeStudy) -> None:
+def test_unit_with_a_missing_row_is_damaged(tmp_path: Path, study: FakeStudy) -> None:
     [path] = store_jobs(tmp_path, study)
     with h5py.File(path) as original, new_hdf5(path) as file:
         for name in original:
@@ -244,7 +244,7 @@ with temporary(Path(sys.argv[1]), "ab" * 8 + ".h5", "part") as file: print(flush
 """
 
 
-def test_sweep_takes_leftovers_of_dead_writers_only(tmp_path: Path) -> None:
+def test_sweep_removes_files_of_ended_writers_only(tmp_path: Path) -> None:
     folder = tmp_path / "units" / "ab"
     subprocess.run(
         [sys.executable, "-c", LEFTOVER_SCRIPT.format("os._exit(9)"), str(folder)], check=False, stdout=-1
@@ -266,9 +266,7 @@ def test_sweep_takes_leftovers_of_dead_writers_only(tmp_path: Path) -> None:
     assert not list(folder.iterdir())
 
 
-def test_a_sweep_that_is_quicker_than_the_lock_costs_a_file_and_no_more(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_sweep_before_the_lock_costs_one_temporary_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     original, swept = files._lock_file, list[str]()
 
     def take(file: Any, wait: bool) -> bool:
@@ -283,7 +281,7 @@ def test_a_sweep_that_is_quicker_than_the_lock_costs_a_file_and_no_more(
     assert [path.name for path in tmp_path.iterdir()] == ["a"]
 
 
-def test_without_locks_nothing_is_taken_for_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_file_counts_as_leftover_without_locks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*arguments: Any) -> None:
         raise OSError(errno.ENOLCK, "no locks available")
 
@@ -296,7 +294,7 @@ def test_without_locks_nothing_is_taken_for_left(tmp_path: Path, monkeypatch: py
 
 
 @pytest.mark.parametrize("number", [errno.EROFS, errno.EACCES, errno.ENOSPC])
-def test_a_stale_table_is_read_where_nothing_can_be_written(
+def test_stale_table_is_rebuilt_in_memory_if_nothing_can_be_written(
     tmp_path: Path, study: FakeStudy, monkeypatch: pytest.MonkeyPatch, number: int
 ) -> None:
     store_jobs(tmp_path, study)
@@ -319,7 +317,7 @@ def test_fresh_start_refuses_a_folder_in_use(tmp_path: Path, study: FakeStudy) -
     assert not path.exists()
 
 
-def test_marker_of_a_dead_process_names_the_job_in_hand(tmp_path: Path) -> None:
+def test_marker_of_an_ended_process_names_the_running_job(tmp_path: Path) -> None:
     code = "import os, sys; from pathlib import Path; from bearingsim import store\n"
     code += "with store.start_marker(Path(sys.argv[1]), 'cafe' * 4) as note: note('a'); note('b'); os._exit(9)"
     subprocess.run([sys.executable, "-c", code, str(tmp_path)], check=False)
@@ -347,7 +345,7 @@ def test_table_has_one_row_per_job_in_order(tmp_path: Path, study: FakeStudy) ->
     assert store.open_results(tmp_path).failures() == {failure.job: failure}
 
 
-def test_difference_from_the_healthy_twin_is_complex(tmp_path: Path, study: FakeStudy) -> None:
+def test_difference_from_the_healthy_case_is_complex(tmp_path: Path, study: FakeStudy) -> None:
     store_jobs(tmp_path, study)
     table = store.open_results(tmp_path).table()
     expected = [abs(1j * width - 1e-3) for width in study.widths]  # a quarter turn from a healthy 1 mm/s
@@ -367,7 +365,7 @@ def test_csv_reads_back_exactly(tmp_path: Path, study: FakeStudy) -> None:
         np.testing.assert_array_equal(csv[name], table[name])
 
 
-def test_table_is_rebuilt_when_lost_damaged_or_stale(tmp_path: Path, study: FakeStudy) -> None:
+def test_missing_damaged_or_stale_table_is_rebuilt(tmp_path: Path, study: FakeStudy) -> None:
     jobs = study.jobs()
     store_jobs(tmp_path, study, jobs[:2])
     assert list(store.open_results(tmp_path).table()["status"]) == ["done", "done", "missing", "missing"]
@@ -380,7 +378,7 @@ def test_table_is_rebuilt_when_lost_damaged_or_stale(tmp_path: Path, study: Fake
     assert store.open_results(tmp_path).table().equals(table)
 
 
-def test_table_is_read_without_the_units_while_up_to_date(tmp_path: Path, study: FakeStudy) -> None:
+def test_current_table_is_read_without_the_units(tmp_path: Path, study: FakeStudy) -> None:
     [path] = store_jobs(tmp_path, study)
     first = store.open_results(tmp_path).table()
     written, unit = (tmp_path / "study.h5").stat().st_mtime_ns, path.stat()
@@ -391,7 +389,7 @@ def test_table_is_read_without_the_units_while_up_to_date(tmp_path: Path, study:
 
 
 @pytest.mark.parametrize("action", [store.build_table, store.sweep, lambda root: store.discard(root, "study")])
-def test_parents_that_share_a_folder_take_turns(
+def test_processes_that_share_a_folder_wait_for_the_lock(
     tmp_path: Path, study: FakeStudy, action: Callable[[Path], Any]
 ) -> None:
     store_jobs(tmp_path, study)
@@ -426,7 +424,7 @@ def test_table_file_opens_in_xarray(tmp_path: Path, study: FakeStudy) -> None:
         assert data["feature_units"].sel(feature="velocity@BPFO") == "m/s"
 
 
-def test_plan_tells_what_was_asked(tmp_path: Path, study: Any) -> None:
+def test_plan_contains_the_study_and_its_jobs(tmp_path: Path, study: Any) -> None:
     store.write_plan(tmp_path, study, study.jobs())
     plan = store.read_plan(tmp_path)
     assert (tmp_path / "study.yaml").read_text() == study.text
@@ -452,7 +450,7 @@ def test_a_plan_of_an_older_version_is_refused(tmp_path: Path, study: Any) -> No
         store.open_results(tmp_path)
 
 
-def test_results_give_series_and_parameters(tmp_path: Path, study: FakeStudy) -> None:
+def test_results_return_series_and_parameters(tmp_path: Path, study: FakeStudy) -> None:
     store_jobs(tmp_path, study)
     results = store.open_results(str(tmp_path))
     job = results.jobs[2]
@@ -464,7 +462,7 @@ def test_results_give_series_and_parameters(tmp_path: Path, study: FakeStudy) ->
     assert results.info().loc[job, "step_s"] == 5e-7
 
 
-def test_results_become_one_dataset(tmp_path: Path, study: FakeStudy) -> None:
+def test_results_convert_to_one_dataset(tmp_path: Path, study: FakeStudy) -> None:
     store_jobs(tmp_path, study, study.jobs()[:2])
     store_jobs(tmp_path, study, study.jobs()[2:])
     data = store.open_results(tmp_path).to_xarray()
@@ -476,7 +474,7 @@ def test_results_become_one_dataset(tmp_path: Path, study: FakeStudy) -> None:
     np.testing.assert_array_equal(wide["ring.velocity.y"], expected)
 
 
-def test_dataset_without_xarray_says_what_to_install(
+def test_missing_xarray_is_reported_with_the_command_to_install_it(
     tmp_path: Path, study: FakeStudy, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     store_jobs(tmp_path, study)
@@ -485,7 +483,7 @@ def test_dataset_without_xarray_says_what_to_install(
         store.open_results(tmp_path).to_xarray()
 
 
-def test_what_is_not_there_is_said(tmp_path: Path, study: FakeStudy) -> None:
+def test_missing_results_are_reported(tmp_path: Path, study: FakeStudy) -> None:
     with pytest.raises(store.ResultsError, match="holds no results"):
         store.open_results(tmp_path)
     store_jobs(tmp_path, study, study.jobs()[1:])
@@ -496,7 +494,7 @@ def test_what_is_not_there_is_said(tmp_path: Path, study: FakeStudy) -> None:
         results.series("nonsense")
 
 
-def test_a_unit_sealed_elsewhere_is_taken_as_it_is(tmp_path: Path, study: FakeStudy) -> None:
+def test_unit_of_another_machine_is_stored_unchanged(tmp_path: Path, study: FakeStudy) -> None:
     [path] = store_jobs(tmp_path / "there", study)
     content = path.read_bytes()
     copy = store.store_unit(tmp_path / "here", path.stem, content)
@@ -513,7 +511,7 @@ def flip_bit(content: bytes) -> bytes:
     return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
 
 
-def test_whoever_waits_for_a_lock_says_for_whom(
+def test_wait_for_a_lock_names_its_holder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(files, "ANNOUNCEMENT_DELAY_S", 0.1)

@@ -1,4 +1,4 @@
-"""What a plan tells of its study, and the table that is made of it."""
+"""Plan of a study, and its table."""
 
 import json
 from pathlib import Path
@@ -17,7 +17,7 @@ from tests.scenes.study_text import Write
 from tests.scenes.trials import TEXT, accuracy_study
 
 
-def test_the_plan_of_an_accuracy_names_the_models_that_were_chosen(write: Write) -> None:
+def test_plan_names_the_chosen_models(write: Write) -> None:
     study = accuracy_study(write)
     choices = {key(study, case): Choice("static", "static", "near enough", {}) for case in study.cases()}
     chosen = selection.apply_choices(study, choices)
@@ -32,11 +32,11 @@ def test_the_plan_of_an_accuracy_names_the_models_that_were_chosen(write: Write)
 
 
 @pytest.mark.parametrize(("text", "nothing"), [("", False), ("uncertainty: none\n", True)])
-def test_a_plan_tells_nothing_uncertain_from_nothing_said(write: Write, text: str, nothing: bool) -> None:
+def test_plan_states_whether_nothing_is_uncertain(write: Write, text: str, nothing: bool) -> None:
     assert store.make_plan(accuracy_study(write, TEXT + text), [])["nothing_uncertain"] is nothing
 
 
-def test_a_damaged_plan_is_not_read(tmp_path: Path) -> None:
+def test_damaged_plan_is_refused(tmp_path: Path) -> None:
     study: Any = FakeStudy()
     plan = store.write_plan(tmp_path, study, study.jobs())
     assert store.read_plan(tmp_path)["study"] == "fake"
