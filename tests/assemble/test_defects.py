@@ -1,4 +1,4 @@
-"""From a case's defects to what its contacts meet: off the middle, merged, traced, in slices."""
+"""Defects of a case as roller-defect pairs: offset, merged, traced, in slices."""
 
 from math import pi
 
@@ -35,34 +35,37 @@ BOWL = SHORT | {"shape": "circular"}
 R_O = 0.0385
 
 
-def sunk(defects, s, d=0):
-    """Mean sinking (m) of a roller at ``s`` (m) from the middle of one meeting."""
+def mean_drop(defects, s, d=0):
+    """Return the mean drop (m) of a roller at ``s`` (m) from the middle of one roller-defect pair."""
     return mean_roller_drop(defects, d, s)
 
 
 @pytest.mark.parametrize("shape", ["rectangular", "triangular", "circular"])
-def test_a_defect_off_the_middle_is_felt_as_in_the_middle_while_it_is_on_the_roller(shape):
-    centred, off = (
-        packed_defects(case(defect=SHORT | {"shape": shape, "offset": at})) for at in ("0 mm", "-4.5 mm")
+def test_offset_does_not_matter_within_the_roller(shape):
+    centred, offset = (
+        packed_defects(case(defect=SHORT | {"shape": shape, "offset": offset_text}))
+        for offset_text in ("0 mm", "-4.5 mm")
     )
     s = np.linspace(-5e-4, 5e-4, 41)
-    assert [sunk(off, x) for x in s] == pytest.approx([sunk(centred, x) for x in s], rel=1e-12, abs=1e-18)
-    assert isinstance(off.excitation, Envelope)
+    assert [mean_drop(offset, x) for x in s] == pytest.approx(
+        [mean_drop(centred, x) for x in s], rel=1e-12, abs=1e-18
+    )
+    assert isinstance(offset.excitation, Envelope)
 
 
 @pytest.mark.parametrize("offset", ["5.5 mm", "-5.5 mm"])
-def test_what_hangs_over_the_rollers_end_is_not_felt(offset):
-    """Of 3 mm with their middle 0.5 mm from the end 2 mm are on the roller."""
-    found = packed_defects(case(defect=SHORT | {"offset": offset}))
+def test_part_beyond_the_roller_end_does_not_act(offset):
+    """A defect of 3 mm with its middle 0.5 mm from the roller's end has 2 mm on the roller."""
+    packed = packed_defects(case(defect=SHORT | {"offset": offset}))
     row = np.array([1.0, 4e-4, 1.0, 0.0, 5e-5])
-    assert sunk(found, 1e-4) == pytest.approx(
-        2 / 12 * roller_drop(row, 1e-4, found.head[0, REDUCED_RADIUS])[0], rel=1e-12
+    assert mean_drop(packed, 1e-4) == pytest.approx(
+        2 / 12 * roller_drop(row, 1e-4, packed.head[0, REDUCED_RADIUS])[0], rel=1e-12
     )
 
 
 @pytest.mark.parametrize("offset", [0.0, 4.9e-3, -5.5e-3, 6.5e-3])
-def test_a_bowls_weights_are_its_overlap_with_the_roller(offset):
-    """Against 20000 slices of even length."""
+def test_weights_of_a_bowl_equal_its_overlap_with_the_roller(offset):
+    """The reference has 20000 slices of equal length."""
     R, length, width, depth, L_w = 7.1e-3, 3e-3, 8e-4, 5e-5, 12e-3
     rows = groups_of(Circular(length, width, depth), L_w, R, 24, offset)
     assert sum(row[GROUP_WEIGHT] for row in rows) == pytest.approx(1.0, rel=1e-12)
@@ -70,19 +73,19 @@ def test_a_bowls_weights_are_its_overlap_with_the_roller(offset):
     zeta = 2 * (z - offset) / length
     b = width / 2 * np.sqrt(np.maximum(1 - zeta**2, 0.0))
     for s in (0.0, 1.5e-4):
-        mean = np.mean(np.maximum(b - s, 0.0) ** 2 / (2 * R))  # narrow: on its rims
-        found = sum(row[GROUP_WEIGHT] * roller_drop(np.array(row), s, R)[0] for row in rows)
-        assert found == pytest.approx(mean, rel=5e-4)
+        mean = np.mean(np.maximum(b - s, 0.0) ** 2 / (2 * R))  # narrow, so the roller rests on the rims
+        total = sum(row[GROUP_WEIGHT] * roller_drop(np.array(row), s, R)[0] for row in rows)
+        assert total == pytest.approx(mean, rel=5e-4)
 
 
 @pytest.mark.parametrize(("race", "side"), [("outer", -1), ("inner", 1), ("roller", -1)])
-def test_a_spall_begins_where_the_rollers_come_from(race, side):
-    """They run towards +s on the outer race and over a roller's surface, towards -s on the inner race."""
-    young = case(defect=SHORT | {"shape": "spall", "race": race, "grown": "0 %"})
-    model = assemble.model(young)
+def test_spall_starts_at_the_entry_side(race, side):
+    """Rollers move towards +s on the outer race and over a roller's surface, towards -s on the inner race."""
+    initial = case(defect=SHORT | {"shape": "spall", "race": race, "grown": "0 %"})
+    model = assemble.model(initial)
     assert np.sign(passing_speed(model.defects, 0, model.bearing)) == -side
-    (found, *_) = roller_defect_pairs(young)
-    low, high = found.paths[-1].pieces[0, 0], found.paths[-1].end
+    (pair, *_) = roller_defect_pairs(initial)
+    low, high = pair.paths[-1].pieces[0, 0], pair.paths[-1].end
     assert side * low > 0.0
     assert side * high > 0.0
 
@@ -90,62 +93,66 @@ def test_a_spall_begins_where_the_rollers_come_from(race, side):
 # Merged
 
 
-def test_two_slots_side_by_side_are_one():
-    """0.4 mm and 0.4 mm, touching: as one of 0.8 mm, whose middle is between them."""
-    apart = np.degrees(4e-4 / R_O)
+def test_touching_slots_equal_one_slot():
+    """Two touching slots of 0.4 mm equal one of 0.8 mm with its middle between them."""
+    spacing = np.degrees(4e-4 / R_O)
     half = SLOT | {"width": "0.4001 mm"}
-    pair = [half | {"angle": "5 deg"}, half | {"angle": f"{5 + apart} deg"}]
-    found, one = packed_defects(case(defects=pair)), packed_defects(case(defect=SLOT))
-    assert len(found.head) == 1
-    assert np.degrees(found.head[0, ANGLE]) == pytest.approx(5 + apart / 2)
-    assert sunk(found, 0.0) == pytest.approx(sunk(one, 0.0), rel=1e-3)
-    assert found.head[0, CUSP] == pytest.approx(0.0, abs=1e-9)
+    pair = [half | {"angle": "5 deg"}, half | {"angle": f"{5 + spacing} deg"}]
+    merged, single = packed_defects(case(defects=pair)), packed_defects(case(defect=SLOT))
+    assert len(merged.head) == 1
+    assert np.degrees(merged.head[0, ANGLE]) == pytest.approx(5 + spacing / 2)
+    assert mean_drop(merged, 0.0) == pytest.approx(mean_drop(single, 0.0), rel=1e-3)
+    assert merged.head[0, CUSP] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_a_merged_defect_is_the_same_wherever_it_is_counted_from():
-    """Across the load line's far side, in either order, on either race and on a roller."""
-    for on in ({}, {"race": "inner"}, {"race": "roller"}):
+def test_merging_does_not_depend_on_the_order():
+    """Pairs in both orders, on both races and on a roller, also across 180 deg."""
+    for carrier in ({}, {"race": "inner"}, {"race": "roller"}):
         for angles in ((179.8, -179.9), (10.0, 10.3)):
-            pair = [SHORT | on | {"angle": f"{angle} deg", "offset": f"{n} mm"} for n, angle in enumerate(angles)]
+            pair = [
+                SHORT | carrier | {"angle": f"{angle} deg", "offset": f"{n} mm"} for n, angle in enumerate(angles)
+            ]
             one, other = packed_defects(case(defects=pair)), packed_defects(case(defects=pair[::-1]))
-            assert len(one.head) == (2 if on.get("race") == "roller" else 1)
+            assert len(one.head) == (2 if carrier.get("race") == "roller" else 1)
             assert np.cos(one.head[0, ANGLE] - other.head[0, ANGLE]) == pytest.approx(1.0, abs=1e-15)
             s = np.linspace(-6e-4, 6e-4, 31)
-            assert [sunk(one, x) for x in s] == pytest.approx([sunk(other, x) for x in s], rel=1e-9, abs=1e-15)
+            assert [mean_drop(one, x) for x in s] == pytest.approx(
+                [mean_drop(other, x) for x in s], rel=1e-9, abs=1e-15
+            )
 
 
-def test_side_by_side_along_the_roller_is_one_meeting_too():
-    """A roller meets both at once, with two lengths of it."""
+def test_defects_side_by_side_along_the_roller_form_one_pair():
+    """Both act on the roller at once, on different parts of its length."""
     pair = [SHORT | {"offset": "-3 mm"}, SHORT | {"offset": "3 mm", "depth": "0.2 um"}]
-    found = packed_defects(case(defects=pair))
-    alone = [packed_defects(case(defect=defect)) for defect in pair]
-    assert len(found.head) == 1
+    merged = packed_defects(case(defects=pair))
+    singles = [packed_defects(case(defect=defect)) for defect in pair]
+    assert len(merged.head) == 1
     for s in (0.0, 2e-4, -3.9e-4):
-        assert sunk(found, s) == pytest.approx(sum(sunk(one, s) for one in alone), rel=1e-9)
+        assert mean_drop(merged, s) == pytest.approx(sum(mean_drop(single, s) for single in singles), rel=1e-9)
 
 
-def test_defects_apart_stay_apart_with_their_closed_forms():
-    found = packed_defects(case(defects=[SLOT, SLOT | {"angle": "1.3 deg"}, SLOT | {"race": "inner"}]))
-    assert len(found.head) == 3
-    assert isinstance(found.excitation, Envelope)
+def test_separate_defects_have_closed_forms():
+    packed = packed_defects(case(defects=[SLOT, SLOT | {"angle": "1.3 deg"}, SLOT | {"race": "inner"}]))
+    assert len(packed.head) == 3
+    assert isinstance(packed.excitation, Envelope)
 
 
-def test_a_merged_defects_shortest_part_says_how_long_a_crossing_takes():
+def test_span_is_that_of_the_shortest_merged_defect():
     pair = [SLOT, SLOT | {"width": "0.2 mm", "angle": f"{np.degrees(4.5e-4 / R_O)} deg"}]
-    found = packed_defects(case(defects=pair))
-    assert 2 * found.head[0, HALF_WIDTH] == pytest.approx(9.5e-4, rel=1e-9)
-    assert found.head[0, SPAN] == pytest.approx(2e-4, rel=1e-9)
+    packed = packed_defects(case(defects=pair))
+    assert 2 * packed.head[0, HALF_WIDTH] == pytest.approx(9.5e-4, rel=1e-9)
+    assert packed.head[0, SPAN] == pytest.approx(2e-4, rel=1e-9)
 
 
-def test_too_much_for_one_roller_is_refused():
-    """Ten slots of 1.8 mm in a chain: refused by the case; by the defects if it is only what the edges add."""
+def test_defect_wider_than_the_roller_spacing_is_rejected():
+    """The edges make the merged defect wider than the spacing, which the case does not check."""
     edged = SLOT | {"width": "9.2 mm", "edge": {"radius": "0.2 mm"}}
     pair = [edged, edged | {"angle": f"{np.degrees(9.5e-3 / R_O)} deg"}]
     with pytest.raises(Refused, match="mm between two contacts; make them narrower, or the edge's radius smaller"):
         packed_defects(case(defects=pair))
 
 
-def test_what_a_ball_does_not_reach_is_refused_with_advice():
+def test_defect_outside_the_contact_of_a_ball_is_rejected():
     defect = {"shape": "rectangular", "length": "0.5 mm", "width": "0.8 mm", "depth": "50 um", "offset": "2 mm"}
     with pytest.raises(SimulationError, match=r"has no depth; the contact ends 0\.\d+ mm from the middle; use"):
         simulate(case(bearing="6205", defect=defect))
@@ -156,31 +163,33 @@ def test_what_a_ball_does_not_reach_is_refused_with_advice():
 
 @pytest.mark.parametrize("shape", ["rectangular", "triangular", "circular"])
 @pytest.mark.parametrize("depth", ["50 um", "2 um"])
-def test_a_traced_defect_is_its_closed_form(shape, depth):
-    """A spall far away makes a case trace all of its defects."""
+def test_traced_defect_equals_its_closed_form(shape, depth):
+    """A distant spall requires a case to trace all of its defects."""
     defect = SHORT | {"shape": shape, "depth": depth}
-    far = SHORT | {"shape": "spall", "angle": "90 deg"}
-    found, expected = packed_defects(case(defects=[defect, far])), packed_defects(case(defect=defect))
-    assert isinstance(found.excitation, TracedPath)
+    distant = SHORT | {"shape": "spall", "angle": "90 deg"}
+    packed, expected = packed_defects(case(defects=[defect, distant])), packed_defects(case(defect=defect))
+    assert isinstance(packed.excitation, TracedPath)
     s = np.linspace(-5e-4, 5e-4, 101)
-    assert [sunk(found, x) for x in s] == pytest.approx([sunk(expected, x) for x in s], rel=1e-9, abs=1e-18)
+    assert [mean_drop(packed, x) for x in s] == pytest.approx(
+        [mean_drop(expected, x) for x in s], rel=1e-9, abs=1e-18
+    )
 
 
 def test_rollers_over_a_traced_slot_move_as_over_its_closed_form():
-    """One ball pass; forces, that jump at the cusp, to 1e-6 of the largest."""
+    """Forces agree to 1e-6 of the largest over one ball pass, although they jump at the cusp."""
     model = assemble.align_with_cusp(assemble.model(case(defect=SLOT)), 6289, 0.5)
     (slot,) = roller_defect_pairs(case(defect=SLOT))
     defect = Rectangular(12e-3, 8e-4, 5e-5)
     rows, paths = group_paths(defect, slot.R, cut_along_roller(defect, 12e-3, 6))
     by_table = model._replace(defects=pack_traced_defects([slot._replace(groups=rows, paths=paths)]))
-    expected, found = (drive(one, Verlet(1e-6), 6289, at_rest(one)) for one in (model, by_table))
+    expected, result = (drive(variant, Verlet(1e-6), 6289, at_rest(variant)) for variant in (model, by_table))
     scale = np.abs(expected).max(axis=1, keepdims=True) + 1e-12
-    assert expected[4].max() > 1000.0  # the ring is struck
-    assert found / scale == pytest.approx(expected / scale, abs=1e-6)
+    assert expected[4].max() > 1000.0  # an impact occurs
+    assert result / scale == pytest.approx(expected / scale, abs=1e-6)
 
 
-def test_shapes_of_the_same_sizes_are_told_apart():
-    """Tuples of the same numbers are equal in Python."""
+def test_shapes_of_equal_sizes_are_cached_separately():
+    """Named tuples of different types with the same numbers are equal in Python."""
     sizes = (3e-3, 8e-4, 2e-6)
     box, groove, bowl = (
         group_paths(kind(*sizes), 7e-3, [(1.0, 0.0)])[1][0] for kind in (Rectangular, Triangular, Circular)
@@ -188,21 +197,21 @@ def test_shapes_of_the_same_sizes_are_told_apart():
     assert len({path.pieces.tobytes() for path in (box, groove, bowl)}) == 3
 
 
-def test_defects_are_kept_in_step_by_their_cusp():
-    """The cusp of a slot with a low step on one side is off its middle."""
+def test_rollers_are_aligned_with_the_cusp():
+    """The cusp of a slot with a low step on one side is not in its middle."""
     pair = [SLOT, SLOT | {"depth": "0.5 um", "angle": f"{np.degrees(7.9e-4 / R_O)} deg"}]
     model = assemble.model(case(defects=pair))
     head = model.defects.head[0]
     assert abs(head[CUSP]) > 1e-5
-    stepped = assemble.align_with_cusp(model, 1000, 0.5)
-    place = head[ANGLE] + head[CUSP] / R_O
-    steps = (stepped.bearing.theta_0 - place) / (2 * pi / 13) * 1000
+    aligned = assemble.align_with_cusp(model, 1000, 0.5)
+    cusp_angle = head[ANGLE] + head[CUSP] / R_O
+    steps = (aligned.bearing.theta_0 - cusp_angle) / (2 * pi / 13) * 1000
     assert steps - np.floor(steps) == pytest.approx(0.5, abs=1e-6)
 
 
 @pytest.mark.parametrize("shape", ["elliptical", "spall"])
-def test_a_contact_over_a_defect_gives_back_the_work_it_takes(shape):
-    """Without damping the force along rolling, sum Q dh/ds, adds up to nothing at a held approach."""
+def test_undamped_crossing_does_no_work(shape):
+    """Without damping the integral of the force along rolling, sum Q dh/ds, is zero at constant approach."""
     defects = packed_defects(
         case(defect=SHORT | {"shape": shape, "width": "1 mm", "depth": "3 um", "edge": {"radius": "20 um"}})
     )
@@ -220,34 +229,34 @@ ZETAS = (-5.5e-3, -2e-3, -0.5e-3, 0.0, 1e-3, 5.5e-3)
 
 
 @pytest.mark.parametrize(
-    "more",
+    "changes",
     [{}, {"shape": "triangular"}, {"shape": "circular"}, {"shape": "elliptical"}, {"edge": {"ramp": "30 um"}}],
 )
-def test_a_group_for_each_slice(more):
-    found = packed_defects(case(defect=SHORT | {"offset": "0.5 mm"} | more), ZETAS)
-    rows = found.groups[0]
-    assert int(found.head[0, GROUP_COUNT]) == len(rows) == len(ZETAS)
+def test_a_group_for_each_slice(changes):
+    packed = packed_defects(case(defect=SHORT | {"offset": "0.5 mm"} | changes), ZETAS)
+    rows = packed.groups[0]
+    assert int(packed.head[0, GROUP_COUNT]) == len(rows) == len(ZETAS)
     assert rows[:, GROUP_WEIGHT] == pytest.approx(np.ones(len(ZETAS)))
-    on = [abs(z - 0.5e-3) < 1.5e-3 for z in ZETAS]
-    assert [row[GROUP_HALF_WIDTH] > 0.0 for row in rows] == on
-    sunk_there = [
-        defect_response(found.excitation, row, 0.0, found.head[0, REDUCED_RADIUS])[1] > 0.0 for row in rows
+    in_slice = [abs(z - 0.5e-3) < 1.5e-3 for z in ZETAS]
+    assert [row[GROUP_HALF_WIDTH] > 0.0 for row in rows] == in_slice
+    has_drop = [
+        defect_response(packed.excitation, row, 0.0, packed.head[0, REDUCED_RADIUS])[1] > 0.0 for row in rows
     ]
-    assert sunk_there == on
+    assert has_drop == in_slice
 
 
 def test_other_excitations_in_slices():
-    found = packed_defects(case(defect=SHORT, excitation="half-sine-pulse"), ZETAS)
-    assert found.groups[0, 3, GROUP_HALF_WIDTH] == 4e-4
+    packed = packed_defects(case(defect=SHORT, excitation="half-sine-pulse"), ZETAS)
+    assert packed.groups[0, 3, GROUP_HALF_WIDTH] == 4e-4
     with pytest.raises(ValueError, match="`pressure-share` has no form for slices; take `excitation: envelope`"):
         packed_defects(case(defect=SHORT, excitation="pressure-share", model="ring"), ZETAS)
 
 
-def test_slices_add_up_to_the_groups():
+def test_mean_of_slices_equals_the_groups():
     zetas = (np.arange(2400) + 0.5) / 2400 * 12e-3 - 6e-3
-    for more in ({"shape": "elliptical"}, {"shape": "circular", "edge": {"radius": "20 um"}}):
-        defect = case(defect=SHORT | more)
-        whole, slices = packed_defects(defect), packed_defects(defect, zetas)
+    for changes in ({"shape": "elliptical"}, {"shape": "circular", "edge": {"radius": "20 um"}}):
+        defect = case(defect=SHORT | changes)
+        groups, slices = packed_defects(defect), packed_defects(defect, zetas)
         for s in (0.0, 2e-4):
             mean = np.mean(
                 [
@@ -255,14 +264,14 @@ def test_slices_add_up_to_the_groups():
                     for row in slices.groups[0]
                 ]
             )
-            assert sunk(whole, s) == pytest.approx(mean, rel=2e-3)
+            assert mean_drop(groups, s) == pytest.approx(mean, rel=2e-3)
 
 
 # Impulses
 
 
 def test_impulses_of_a_traced_slot():
-    """The ring's impulses at a slot with edges rounded by nothing to speak of are those of the slot."""
+    """Impulses at a slot with a negligible edge radius equal those at a sharp slot."""
     fields = {"model": "impulse", "excitation": "impulse-train"}
     sharp, eased = (
         assemble.model(case(defect=SLOT | edge, **fields)) for edge in ({}, {"edge": {"radius": "0.001 um"}})

@@ -1,4 +1,4 @@
-"""``elastic-edge`` in a study: what it takes from the case, and what it refuses."""
+"""Excitation ``elastic-edge`` in a case: parameters and rejected cases."""
 
 from typing import Any
 
@@ -21,27 +21,29 @@ def case(**fields: Any) -> Case:
     return Case.model_validate(base | {"contact": {"damping": CHI}} | fields)
 
 
-def test_it_takes_load_radii_and_steel_from_the_case() -> None:
-    found = assemble.model(case(defect=SLOT | {"edge": {"radius": "10 um"}})).defects.excitation
-    assert isinstance(found, EdgeContact)
+def test_parameters_come_from_the_case() -> None:
+    excitation = assemble.model(case(defect=SLOT | {"edge": {"radius": "10 um"}})).defects.excitation
+    assert isinstance(excitation, EdgeContact)
     E_star = 207e9 / (2.0 * (1.0 - 0.3**2))
-    assert found.load * 0.012 * 3.141592653589793 * E_star == pytest.approx(4.09 * 150 / 13 + 2.04, abs=0.5)  # N
-    assert found.rho == 1e-5
+    assert excitation.load * 0.012 * 3.141592653589793 * E_star == pytest.approx(
+        4.09 * 150 / 13 + 2.04, abs=0.5
+    )  # N
+    assert excitation.rho == 1e-5
     assert assemble.model(case(defect=SLOT)).defects.excitation.rho == 2e-5
 
 
-def test_edges_said_and_not_said_may_be_alike() -> None:
-    both = [SLOT, SLOT | {"angle": "20 deg", "edge": {"radius": "20 um"}}]
-    assert len(case(defects=both).defects) == 2
+def test_explicit_and_default_edge_radius_may_be_combined() -> None:
+    pair = [SLOT, SLOT | {"angle": "20 deg", "edge": {"radius": "20 um"}}]
+    assert len(case(defects=pair).defects) == 2
 
 
-def test_the_steel_is_part_of_its_id() -> None:
+def test_material_is_part_of_the_case_id() -> None:
     soft = case(defect=SLOT).bearing.material.model_copy(update={"young_modulus": 100e9})
     softer = case(defect=SLOT, bearing=case().bearing.model_copy(update={"material": soft}))
     assert case_id(softer) != case_id(case(defect=SLOT))
 
 
-def test_the_line_hardly_changes_and_the_peak_force_falls() -> None:
+def test_elastic_edge_reduces_the_peak_force() -> None:
     short = {"duration": "50 ms", "settle": "20 ms", "defect": SLOT}
     elastic, rigid = (simulate(case(excitation=word, **short)).features for word in ("elastic-edge", "envelope"))
     assert elastic["velocity@BPFO"] == pytest.approx(1.025 * rigid["velocity@BPFO"], rel=0.01)
@@ -49,14 +51,14 @@ def test_the_line_hardly_changes_and_the_peak_force_falls() -> None:
 
 
 @pytest.mark.slow
-def test_an_implicit_method_steps_it() -> None:
-    """A heavy dashpot asks for one; that the force is differentiated along the defect: test_planar_derivatives."""
+def test_implicit_method_with_elastic_edge() -> None:
+    """A heavy dashpot requires an implicit method (derivatives along the defect: test_planar_derivatives)."""
     dashpot = {"law": "general", "coefficient": 1e6, "indentation_exponent": 1.0}
     short = {"duration": "7 ms", "settle": "1 ms", "defect": SLOT}
-    found = simulate(case(contact={"damping": dashpot}, **short))
-    assert found.info["method"] == "rodas"
-    assert found.info["crossings"] == 2
-    assert np.isfinite(found.velocity).all()
+    result = simulate(case(contact={"damping": dashpot}, **short))
+    assert result.info["method"] == "rodas"
+    assert result.info["crossings"] == 2
+    assert np.isfinite(result.velocity).all()
 
 
 @pytest.mark.parametrize(
@@ -69,6 +71,6 @@ def test_an_implicit_method_steps_it() -> None:
         ({"defect": SLOT, "model": "static"}, "changes the contact force"),
     ],
 )
-def test_what_it_has_no_form_for_is_refused(fields: dict[str, Any], words: str) -> None:
+def test_unsupported_cases_are_rejected(fields: dict[str, Any], words: str) -> None:
     with pytest.raises(ValidationError, match=words):
         case(**fields)

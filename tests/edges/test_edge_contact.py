@@ -1,4 +1,4 @@
-"""The excitation of elastic edges: against half-planes, and what every excitation must keep to."""
+"""Excitation with elastic edges, against half-planes, and properties of every excitation."""
 
 from math import inf, log, sqrt
 
@@ -28,29 +28,29 @@ EDGES = edge_contact(47.0, L_W, PAIR.R_w, PAIR.R_o, PAIR.E_star, 2e-5)
 shapes = st.sampled_from(["rectangular", "triangular", "circular"])
 widths = st.floats(5e-5, 4e-3)
 depths = st.floats(1e-7, 1e-4)
-places = st.floats(-0.7, 0.7)
+positions = st.floats(-0.7, 0.7)
 
 
-def rows_of(shape, width, depth, length=L_W, excitation=EDGES):
+def response_rows(shape, width, depth, length=L_W, excitation=EDGES):
     rows = groups_of(SHAPES[shape](length, width, depth), L_W, R, 6)
     return [np.array(row) for row in response_groups(excitation, SHAPES[shape](length, width, depth), rows, R)]
 
 
 def test_a_sharp_edge_of_a_half_plane():
-    """f is exact: half-planes, an edge without radius, the material behind it there."""
+    """f is exact for half-planes and an edge without radius, with the material behind the edge present."""
     slot = Slot(inf, 5e-5, 0.0)
     body = make_body(PAIR, slot, cut_out=False)
     unit = FORCE / (np.pi * PAIR.E_star)
     for xi in (-1.0, -0.5, 0.0, 0.5, 1.0, 3.0, 10.0):
-        found = contact_under_force(PAIR, slot, body, FORCE, xi * HALF)
+        contact = contact_under_force(PAIR, slot, body, FORCE, xi * HALF)
         f, _ = narrow_contact(xi)
-        assert (found.approach - found.h - found.smooth_approach) / unit == pytest.approx(f, abs=0.02)
+        assert (contact.approach - contact.h - contact.smooth_approach) / unit == pytest.approx(f, abs=0.02)
     assert narrow_contact(0.0)[0] == pytest.approx(log(3.0), rel=1e-12)
     assert narrow_contact(-1.0)[0] == pytest.approx(0.0, abs=1e-12)
 
 
-def test_where_the_pressure_s_centre_lies():
-    """b before the rim as Hertz, a third of the contact at the rim, s before it from farther away."""
+def test_centre_of_pressure():
+    """The centre is at b before the rim for Hertz's contact, and at a third of the contact at the rim."""
     assert narrow_contact(-1.0)[1] == pytest.approx(1.0)
     assert narrow_contact(0.0)[1] == pytest.approx(2.0 / sqrt(3.0) / 3.0)
     assert narrow_contact(-4.0)[1] == pytest.approx(4.0)
@@ -62,85 +62,88 @@ def test_far_behind_the_rim_it_is_hertz_on_the_edge():
 
 @pytest.mark.parametrize("width", [0.1e-3, 0.8e-3])
 def test_two_sharp_edges_are_as_stiff_as_the_race(width):
-    """In the middle, the material behind the edges there: but for where the pressure's centre lies, exactly."""
+    """In the middle, with the material behind the edges present, exact except for the centre of pressure."""
     assert two_edges(width, HALF, 0.0, 1e-12, R, PAIR.D) == pytest.approx(0.0, abs=0.1)
 
 
 @pytest.mark.parametrize(("shape", "width", "depth"), [("triangular", 0.8e-3, 5e-6), ("triangular", 0.2e-3, 2e-6)])
 def test_a_flat_wall(shape, width, depth):
-    """A V whose wall the roller meets, in half-planes: within 2.5 % of the approach."""
+    """The approach agrees within 2.5 % with half-planes for a V whose wall the roller touches."""
     half = graded(6e-4, Graded(5e-8, 0.03), 6e-7)
     t = np.append(-half[::-1], half[1:])
     gap = np.where((t > 0.0) & (t < width), 2.0 * depth / width * np.minimum(t, width - t), 0.0)
     body = two_half_planes(t, PAIR.E_star, PAIR.D)
-    (row,) = rows_of(shape, width, depth, excitation=EDGES._replace(rho=1e-9))
+    (row,) = response_rows(shape, width, depth, excitation=EDGES._replace(rho=1e-9))
     for x in np.linspace(-1.0, 5.0, 7) * HALF:
         share, h, _ = defect_response(EDGES._replace(rho=1e-9), row, x - width / 2.0, R)
-        found = press(body, gap + (t - x) ** 2 / (2.0 * R), FORCE).approach
-        assert h + share**-0.9 * PAIR.approach(FORCE) == pytest.approx(found, rel=0.025)
+        approach = press(body, gap + (t - x) ** 2 / (2.0 * R), FORCE).approach
+        assert h + share**-0.9 * PAIR.approach(FORCE) == pytest.approx(approach, rel=0.025)
 
 
-def test_half_planes_are_followed_over_a_shallow_defect():
+def test_correction_equals_half_planes_over_a_shallow_defect():
     slot = Slot(0.2e-3, 1e-6, 1e-5)
     body = make_body(PAIR, slot, cut_out=False)
     for s in np.linspace(-2.0, 5.0, 15) * HALF:
-        found = contact_under_force(PAIR, slot, body, FORCE, s).ratio
-        assert corrected_ratio(PAIR, slot, FORCE, FORCE, s) == pytest.approx(found, rel=0.02)
+        ratio = contact_under_force(PAIR, slot, body, FORCE, s).ratio
+        assert corrected_ratio(PAIR, slot, FORCE, FORCE, s) == pytest.approx(ratio, rel=0.02)
 
 
-@given(shape=shapes, width=widths, depth=depths, place=places)
-def test_it_is_the_envelope_with_a_share(shape, width, depth, place):
-    """h is that of a roller larger by the edge's radius; beyond the half width nothing is felt."""
-    for row, usual in zip(
-        rows_of(shape, width, depth), rows_of(shape, width, depth, excitation=Envelope()), strict=True
+@given(shape=shapes, width=widths, depth=depths, position=positions)
+def test_response_is_the_envelope_with_a_share(shape, width, depth, position):
+    """h is that of a roller larger by the edge's radius; there is no response beyond the half width."""
+    for row, envelope_row in zip(
+        response_rows(shape, width, depth), response_rows(shape, width, depth, excitation=Envelope()), strict=True
     ):
-        share, h, slope = defect_response(EDGES, row, place * width, R)
-        _, expected, steepness = defect_response(Envelope(), usual, place * width, R + EDGES.rho)
-        assert (h, slope) == pytest.approx((expected, steepness), rel=1e-9, abs=1e-15)
+        share, h, slope = defect_response(EDGES, row, position * width, R)
+        _, expected, expected_slope = defect_response(Envelope(), envelope_row, position * width, R + EDGES.rho)
+        assert (h, slope) == pytest.approx((expected, expected_slope), rel=1e-9, abs=1e-15)
         assert 0.2 < share < 1.3
-        if abs(place * width) >= row[GROUP_HALF_WIDTH]:
+        if abs(position * width) >= row[GROUP_HALF_WIDTH]:
             assert (share, h, slope) == (1.0, 0.0, 0.0)
 
 
-@given(shape=shapes, width=widths, depth=depths, place=places)
-def test_slopes_have_the_bound_that_impact_speeds_are_estimated_with(shape, width, depth, place):
-    for row in rows_of(shape, width, depth):
+@given(shape=shapes, width=widths, depth=depths, position=positions)
+def test_slopes_are_within_the_bound_of_impact_speeds(shape, width, depth, position):
+    for row in response_rows(shape, width, depth):
         bound = min(row[GROUP_HALF_WIDTH], row[X_E], sqrt(2 * R * row[DEPTH])) / R
-        assert abs(defect_response(EDGES, row, place * width, R)[2]) <= bound * (1 + 1e-9)
+        assert abs(defect_response(EDGES, row, position * width, R)[2]) <= bound * (1 + 1e-9)
 
 
 @settings(max_examples=200)
-@given(width=widths, depth=depths, place=st.floats(-0.9, 0.9))
-def test_the_approach_at_the_reference_load_is_continuous(width, depth, place):
-    """Over rim, middle and the edge of the floor: h + share^(-0.9) delta moves no faster than the geometry."""
-    (row,) = rows_of("rectangular", width, depth)
+@given(width=widths, depth=depths, position=st.floats(-0.9, 0.9))
+def test_the_approach_at_the_reference_load_is_continuous(width, depth, position):
+    """h + share^(-0.9) delta is continuous over rim, middle and the edge of the floor."""
+    (row,) = response_rows("rectangular", width, depth)
     assume(row[GROUP_HALF_WIDTH] > 1e-9)
-    s, step = place * row[GROUP_HALF_WIDTH], 1e-9
-    (share, h, _), (other, sunk, _) = defect_response(EDGES, row, s, R), defect_response(EDGES, row, s + step, R)
-    full = PAIR.approach(FORCE)
-    change = (h + share**-0.9 * full) - (sunk + other**-0.9 * full)
-    assert abs(change) <= 0.35 * step + 1e-14 + 1e-3 * full * (abs(s) > 0.99 * row[GROUP_HALF_WIDTH])
+    s, step = position * row[GROUP_HALF_WIDTH], 1e-9
+    (share, h, _), (next_share, next_h, _) = (
+        defect_response(EDGES, row, s, R),
+        defect_response(EDGES, row, s + step, R),
+    )
+    race_approach = PAIR.approach(FORCE)
+    change = (h + share**-0.9 * race_approach) - (next_h + next_share**-0.9 * race_approach)
+    assert abs(change) <= 0.35 * step + 1e-14 + 1e-3 * race_approach * (abs(s) > 0.99 * row[GROUP_HALF_WIDTH])
 
 
 def test_a_defect_shorter_than_the_roller():
-    rows = rows_of("rectangular", 0.8e-3, 5e-5, length=0.003)
+    rows = response_rows("rectangular", 0.8e-3, 5e-5, length=0.003)
     assert [row[GROUP_WEIGHT] for row in rows] == pytest.approx([0.75, 0.25])
     assert defect_response(EDGES, rows[0], 0.0, R) == (1.0, 0.0, 0.0)
 
 
-def test_what_cannot_be():
+def test_invalid_load_and_radius_are_rejected():
     for force, rho in ((0.0, 1e-5), (47.0, 0.0)):
         with pytest.raises(ValueError, match="above 0"):
             edge_contact(force, L_W, PAIR.R_w, PAIR.R_o, PAIR.E_star, rho)
 
 
-def test_compiled_it_is_the_same():
+def test_compiled_response_is_identical():
     @jit
     def call(excitation, group, s, R):
         return defect_response(excitation, group, s, R)
 
     for shape, depth in (("rectangular", 5e-5), ("triangular", 5e-6)):
-        (row,) = rows_of(shape, 0.8e-3, depth)
+        (row,) = response_rows(shape, 0.8e-3, depth)
         for s in np.linspace(-5e-4, 5e-4, 41):
             assert call(EDGES, row, s, R) == pytest.approx(defect_response(EDGES, row, s, R), rel=1e-12)
     assert isinstance(EDGES, EdgeContact)

@@ -1,4 +1,4 @@
-"""Where forces jump, and when contacts come there."""
+"""Positions of force jumps, and times at which contacts reach them."""
 
 from math import inf
 
@@ -16,83 +16,85 @@ from tests.scenes.nf308 import SLOT, at_rest, case
 WIDE = SLOT | {"width": "3 mm"}
 
 
-def jumps(**given):
-    """Places (mm) of the first meeting's jumps."""
-    head = assemble.defects.packed_defects(case(**given)).head[0]
+def jump_positions(**options):
+    """Return the positions (mm) of jumps of the first roller-defect pair."""
+    head = assemble.defects.packed_defects(case(**options)).head[0]
     return 1e3 * head[FIRST_JUMP : FIRST_JUMP + int(head[JUMP_COUNT])]
 
 
-def test_a_narrow_slot_has_one_cusp_and_a_wide_one_where_the_floor_begins_and_ends():
+def test_jumps_of_narrow_and_wide_slots():
     """The roller (relative radius R) reaches the floor sqrt(2 R d) behind the rim."""
-    assert jumps(defect=SLOT) == pytest.approx([0.0], abs=1e-9)
+    assert jump_positions(defect=SLOT) == pytest.approx([0.0], abs=1e-9)
     R = assemble.defects.reduced_radius(case(), 0)
-    reached = 1.5 - 1e3 * np.sqrt(2.0 * R * 0.05e-3)
-    assert jumps(defect=WIDE) == pytest.approx([-reached, reached], abs=1e-6)
+    floor_edge = 1.5 - 1e3 * np.sqrt(2.0 * R * 0.05e-3)
+    assert jump_positions(defect=WIDE) == pytest.approx([-floor_edge, floor_edge], abs=1e-6)
 
 
-def test_rims_of_an_envelope_are_smooth_and_those_of_a_pulse_are_not():
-    """A parabola starts level; a rectangle and a sine do not; a smooth bowl that is touched has no jump at all."""
-    assert jumps(defect=SLOT, excitation="rectangular-pulse") == pytest.approx([-0.4, 0.4])
-    assert jumps(defect=SLOT, excitation="half-sine-pulse") == pytest.approx([-0.4, 0.4])
-    assert len(jumps(defect=WIDE | {"shape": "circular", "length": "9 mm", "depth": "5 um"})) == 0
+def test_jumps_at_rims_of_envelopes_and_pulses():
+    """A parabola starts with zero slope, a rectangle and a sine do not; a smooth bowl has no jump."""
+    assert jump_positions(defect=SLOT, excitation="rectangular-pulse") == pytest.approx([-0.4, 0.4])
+    assert jump_positions(defect=SLOT, excitation="half-sine-pulse") == pytest.approx([-0.4, 0.4])
+    assert len(jump_positions(defect=WIDE | {"shape": "circular", "length": "9 mm", "depth": "5 um"})) == 0
 
 
 def test_a_traced_defect_has_the_cusps_of_its_path():
-    """An ellipse as narrow as a slot, and a rough spall: the sharpest, no more than there is room for."""
-    assert jumps(defect=SLOT | {"shape": "elliptical", "length": "9 mm"}) == pytest.approx([0.0], abs=1e-6)
-    rough = jumps(defect=SLOT | {"shape": "spall", "width": "2 mm", "grown": 0.5})
+    """A narrow ellipse has one cusp; of a rough spall at most the 32 sharpest are stored."""
+    assert jump_positions(defect=SLOT | {"shape": "elliptical", "length": "9 mm"}) == pytest.approx(
+        [0.0], abs=1e-6
+    )
+    rough = jump_positions(defect=SLOT | {"shape": "spall", "width": "2 mm", "grown": 0.5})
     assert 1 < len(rough) <= 32
     assert (np.diff(rough) > 0).all()
 
 
 @jit
-def asked(model, t, y):
-    """``next_jump``, compiled."""
+def compiled_next_jump(model, t, y):
+    """Return ``next_jump`` in compiled code."""
     return next_jump(model, t, y)
 
 
 @jit
-def told(model, t, y):
-    """What ``next_jump`` says, and where the first meeting's contact stands."""
+def jump_and_roller(model, t, y):
+    """Return ``next_jump``, and roller and position at the first roller-defect pair."""
     accelerations(model, t, y)
     return next_jump(model, t, y), roller_at_defect(model, 0, t, y)
 
 
 @pytest.mark.parametrize("race", ["outer", "inner", "roller"])
-def test_with_a_kinematic_cage_the_next_jump_is_known(race):
-    """At the time told a contact stands on the jump; times follow each other, each jump once."""
+def test_next_jump_with_a_kinematic_cage_is_exact(race):
+    """A contact is at the jump at the predicted time; each jump is predicted once."""
     model = assemble.model(case(defect=WIDE | {"race": race}))
-    y, t, places = at_rest(model), 0.0, model.defects.head[0, FIRST_JUMP:]
-    seen = []
+    y, t, positions = at_rest(model), 0.0, model.defects.head[0, FIRST_JUMP:]
+    distances = []
     for _ in range(12):
-        at, _ = told(model, t, y)
-        assert t < at < t + 0.02
-        _, (_, s) = told(model, at, y)
-        seen.append(np.abs(s - places).min() if race != "roller" else 0.0)
-        t = at + 1e-12
-    assert max(seen) < 1e-11
+        t_jump, _ = jump_and_roller(model, t, y)
+        assert t < t_jump < t + 0.02
+        _, (_, s) = jump_and_roller(model, t_jump, y)
+        distances.append(np.abs(s - positions).min() if race != "roller" else 0.0)
+        t = t_jump + 1e-12
+    assert max(distances) < 1e-11
 
 
-def test_without_defects_nothing_jumps():
-    """And the next jump is never."""
+def test_no_jump_without_defects():
+    """The time of the next jump is infinite."""
     model = assemble.model(case())
-    assert asked(model, 0.0, at_rest(model)) == inf
+    assert compiled_next_jump(model, 0.0, at_rest(model)) == inf
 
 
-def test_a_free_roller_is_closed_in_upon():
-    """In `planar` each time told falls short of the jump, by a hundredth of the way, until it is met."""
+def test_predicted_jump_of_a_free_roller_converges():
+    """In `planar` each prediction is short of the jump by a hundredth of the distance, until it is reached."""
     model = assemble.model(case(model="planar", defect=SLOT))
     y = at_rest(model)
-    t, way = 0.0, []
+    t, distances = 0.0, []
     for _ in range(600):
-        at, (_, s) = told(model, t, y)
+        t_jump, (_, s) = jump_and_roller(model, t, y)
         if abs(s) < model.defects.head[0, HALF_WIDTH] and s < 0.0:
-            way.append(-s)
-            t = at
+            distances.append(-s)
+            t = t_jump
         else:
             t += 2e-5
-        if way and way[-1] < 1e-10:
+        if distances and distances[-1] < 1e-10:
             break
-    ratios = np.array(way[1:]) / way[:-1]
-    assert way[-1] < 1e-10
+    ratios = np.array(distances[1:]) / distances[:-1]
+    assert distances[-1] < 1e-10
     assert (ratios < 0.02).all()

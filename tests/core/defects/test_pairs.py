@@ -1,4 +1,4 @@
-"""The roller's envelope over a defect, against its definition."""
+"""Roller path over a defect, against its definition."""
 
 from math import nan, pi
 
@@ -28,7 +28,7 @@ PROFILES = {
 }
 widths = st.floats(5e-5, 4e-3)
 depths = st.floats(1e-7, 1e-4)
-places = st.floats(-0.6, 0.6)
+positions = st.floats(-0.6, 0.6)
 shapes = st.sampled_from(sorted(SECTIONS))
 
 
@@ -36,24 +36,26 @@ def envelope(shape, width, depth, s):
     return roller_drop(np.array([1.0, *SECTIONS[shape](width, depth)]), s, R)
 
 
-def brute(shape, width, depth, s):
-    """h(s) = min over t of p(t) + (t - s)^2/(2 R), on a fine grid with the rims and the point itself on it."""
+def path_by_definition(shape, width, depth, s):
+    """Return h(s) = min over t of p(t) + (t - s)^2/(2 R) on a fine grid that includes the rims and s."""
     t = np.concatenate([np.linspace(-width / 2, width / 2, 20001), [s]])
     return np.min(PROFILES[shape](t, width, depth) + (t - s) ** 2 / (2 * R))
 
 
 @settings(max_examples=300)
-@given(shape=shapes, width=widths, depth=depths, place=places)
-def test_envelope_is_the_minimum_over_contact_points(shape, width, depth, place):
-    s = place * width
-    largest = brute(shape, width, depth, 0.0)
-    assert envelope(shape, width, depth, s)[0] == pytest.approx(brute(shape, width, depth, s), abs=1e-3 * largest)
+@given(shape=shapes, width=widths, depth=depths, position=positions)
+def test_envelope_is_the_minimum_over_contact_points(shape, width, depth, position):
+    s = position * width
+    largest = path_by_definition(shape, width, depth, 0.0)
+    assert envelope(shape, width, depth, s)[0] == pytest.approx(
+        path_by_definition(shape, width, depth, s), abs=1e-3 * largest
+    )
 
 
 @settings(max_examples=300)
-@given(shape=shapes, width=widths, depth=depths, place=places)
-def test_slope_is_the_derivative_of_the_envelope(shape, width, depth, place):
-    s, step = place * width, 1e-7 * width
+@given(shape=shapes, width=widths, depth=depths, position=positions)
+def test_slope_is_the_derivative_of_the_envelope(shape, width, depth, position):
+    s, step = position * width, 1e-7 * width
     _, x_e, _, _ = SECTIONS[shape](width, depth)
     x = width / 2 - abs(s)
     kinks = (x, s, x - x_e, depth - envelope(shape, width, depth, s)[0])
@@ -64,17 +66,17 @@ def test_slope_is_the_derivative_of_the_envelope(shape, width, depth, place):
     assert envelope(shape, width, depth, s)[1] == pytest.approx(difference / (2 * step), abs=1e-5 * steepest)
 
 
-@given(shape=shapes, width=widths, depth=depths, place=places)
-def test_envelope_stays_within_the_defect_and_grows_with_it(shape, width, depth, place):
-    s = place * width
+@given(shape=shapes, width=widths, depth=depths, position=positions)
+def test_envelope_is_within_the_defect_and_grows_with_it(shape, width, depth, position):
+    s = position * width
     h = envelope(shape, width, depth, s)[0]
     assert 0.0 <= h <= depth * (1 + 1e-12)
     assert envelope(shape, width, 1.1 * depth, s)[0] >= h * (1 - 1e-12)
     assert envelope(shape, 1.1 * width, depth, s)[0] >= h * (1 - 1e-12)
 
 
-def test_a_narrow_slot_holds_the_roller_at_its_rims():
-    """A 0.2 mm slot lets a roller of 12 mm sink 0.70 um, (w^2/8)(1/6 - 1/38.5) in mm, whatever its depth."""
+def test_drop_in_a_narrow_slot():
+    """A 0.2 mm slot gives a roller of 12 mm a drop of 0.70 um, (w^2/8)(1/6 - 1/38.5) in mm, whatever its depth."""
     expected = (0.2e-3) ** 2 / 8 * (1 / R_W - 1 / R_O)
     assert expected == pytest.approx(0.70e-6, abs=0.005e-6)
     for depth in (1e-6, 5e-5, 1e-3):
@@ -82,7 +84,7 @@ def test_a_narrow_slot_holds_the_roller_at_its_rims():
 
 
 def test_crossing_time_of_a_narrow_slot():
-    """At 1800 rpm the contact runs along the outer race at 2.959 m/s: 0.2 mm take 67.6 us."""
+    """At 1800 rpm the contact moves along the outer race at 2.959 m/s and crosses 0.2 mm in 67.6 us."""
     model = assemble.model(case())
     speed = model.bearing.R_o * model.bearing.omega_c
     assert speed == pytest.approx(2.959, abs=5e-4)
@@ -90,14 +92,14 @@ def test_crossing_time_of_a_narrow_slot():
 
 
 @given(shape=shapes, length=st.floats(1e-4, 12e-3), width=widths, depth=depths, nodes=st.integers(1, 20))
-def test_groups_share_out_the_whole_roller(shape, length, width, depth, nodes):
+def test_group_weights_sum_to_one(shape, length, width, depth, nodes):
     groups = groups_of(SHAPES[shape](length, width, depth), 12e-3, R, nodes)
     assert all(len(group) == GROUP for group in groups)
     assert sum(group[0] for group in groups) == pytest.approx(1.0, rel=1e-12)
 
 
 def test_a_bowls_mean_depth_converges_with_the_nodes():
-    """Mean of h along a bowl: six nodes on the half length are within 0.2 % of sixty."""
+    """The mean of h along a bowl with six nodes on the half length is within 0.2 % of that with sixty."""
 
     def mean(nodes):
         groups = groups_of(Circular(9e-3, 0.8e-3, 5e-5), 12e-3, R, nodes)
@@ -110,15 +112,15 @@ def test_a_bowls_mean_depth_converges_with_the_nodes():
 @example(theta_c=1e18, angle=0.0, Z=13)
 @example(theta_c=-1.7e17, angle=0.0, Z=13)
 @example(theta_c=nan, angle=0.0, Z=13)
-def test_a_roller_is_found_even_where_motion_has_blown_up(theta_c, angle, Z):
-    """A step or two may follow before the watch looks, and the number indexes memory."""
+def test_nearest_roller_is_a_valid_index_for_any_angle(theta_c, angle, Z):
+    """A diverged motion may continue for some steps, and the roller is an array index."""
     defects = assemble.defects.packed_defects(case(defect=SLOT))
     defects.head[0, ANGLE] = angle
     assert 0 <= nearest_roller(defects, 0, theta_c, 0.0, 0.0, Z)[0] < Z
 
 
 @given(theta_c=st.floats(-20.0, 20.0), angle=st.floats(-4.0, 4.0), Z=st.integers(3, 64))
-def test_the_nearest_roller_is_found_at_any_angle(theta_c, angle, Z):
+def test_nearest_roller(theta_c, angle, Z):
     defects = assemble.defects.packed_defects(case(defect=SLOT))
     defects.head[0, ANGLE] = angle
     R_o = defects.head[0, RADIUS]

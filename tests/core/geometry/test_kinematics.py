@@ -29,20 +29,20 @@ BEARINGS = {
 
 
 @pytest.mark.parametrize("name", BEARINGS)
-def test_frequencies_meet_printed_ones(name):
+def test_frequencies_equal_published_values(name):
     Z, D_w, d_m, shaft, *expected, tolerance = BEARINGS[name]
     omega = TURN * shaft
-    found = (
+    frequencies = (
         fundamental_train_frequency(omega, D_w, d_m),
         ball_spin_frequency(omega, D_w, d_m),
         ball_pass_frequency_outer(omega, D_w, d_m, Z),
         ball_pass_frequency_inner(omega, D_w, d_m, Z),
     )
-    for value, printed in zip(found, expected, strict=True):
+    for value, printed in zip(frequencies, expected, strict=True):
         assert printed is None or value == pytest.approx(printed, abs=tolerance)
 
 
-def test_inner_and_outer_passes_share_the_shaft():
+def test_inner_and_outer_passes_sum_to_shaft_turns():
     omega = TURN * 30
-    both = ball_pass_frequency_outer(omega, 12, 65, 13) + ball_pass_frequency_inner(omega, 12, 65, 13)
-    assert both == pytest.approx(13 * 30)
+    total = ball_pass_frequency_outer(omega, 12, 65, 13) + ball_pass_frequency_inner(omega, 12, 65, 13)
+    assert total == pytest.approx(13 * 30)

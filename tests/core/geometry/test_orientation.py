@@ -1,4 +1,4 @@
-"""A body that turns freely in space, against the closed form of a symmetric top."""
+"""Free rotation of a body in space, against the closed form of a symmetric top."""
 
 import numpy as np
 import pytest
@@ -14,23 +14,23 @@ from tests.independent.spatial_bodies import leant
 from tests.scenes.nf308 import advance_recorded, case
 from tests.scenes.spatial_bearing import NO_FRICTION, empty, even_slices, spatial_model
 
-APART = 1e-3  # m: how far from the races
+GAP = 1e-3  # m: distance from the races
 SPEED = 3000.0  # rad/s
-LEAN, TIPPING = np.array([0.02, -0.05]), np.array([150.0, 90.0])
+TILT, TILT_RATE = np.array([0.02, -0.05]), np.array([150.0, 90.0])
 ROWS = np.array([lay.AXIS_X, lay.AXIS_Y, lay.AXIS_X_V, lay.AXIS_Y_V, lay.SPIN, lay.SPIN_V])
 
 
-def flying():
-    """A bearing that does not turn, its rollers off both races; they spin at SPEED."""
+def free_rollers():
+    """Return a bearing at rest whose rollers touch no race and spin at SPEED."""
     model = spatial_model(assemble.model(case(model="planar")), even_slices(2))
-    bearing = model.bearing._replace(gap=APART, omega_c=0.0, omega_i=0.0, omega_b=-SPEED)
-    return model._replace(bearing=bearing, cage=model.cage._replace(play=APART), friction=NO_FRICTION)
+    bearing = model.bearing._replace(gap=GAP, omega_c=0.0, omega_i=0.0, omega_b=-SPEED)
+    return model._replace(bearing=bearing, cage=model.cage._replace(play=GAP), friction=NO_FRICTION)
 
 
-def flight(model, h, span, make=RungeKutta4):
-    """Axis, its rate, angle and its rate of the first roller, at every step: (6, n + 1)."""
+def simulate(model, h, span, make=RungeKutta4):
+    """Return axis, its rate, angle and its rate of the first roller at every step, (6, n + 1)."""
     y = empty(model)
-    for row, value in zip(ROWS[:4], (*LEAN, *TIPPING), strict=True):
+    for row, value in zip(ROWS[:4], (*TILT, *TILT_RATE), strict=True):
         y[row] = value
     y[lay.AXIAL_V] = 0.3
     start_at_rest(model, 0.0, y)
@@ -42,63 +42,63 @@ def flight(model, h, span, make=RungeKutta4):
 
 
 def rotation(axis, angle):
-    """Matrix that turns about ``axis`` by ``angle`` (rad)."""
+    """Return the matrix of a rotation about ``axis`` by ``angle`` (rad)."""
     x, y, z = axis / np.linalg.norm(axis)
     K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
 
 
-def upright(lean):
-    """The axis with these two components."""
-    return np.array([*lean, np.sqrt(1 - lean @ lean)])
+def axis_of(tilt):
+    """Return the axis with these two components."""
+    return np.array([*tilt, np.sqrt(1 - tilt @ tilt)])
 
 
-def matrix(lean, angle):
-    """Orientation of a body by its axis and its angle."""
-    frame = leant(upright(lean), np.eye(3)).T
+def orientation(tilt, angle):
+    """Return the orientation of a body with this axis and angle."""
+    frame = leant(axis_of(tilt), np.eye(3)).T
     return frame @ rotation(np.array([0.0, 0.0, 1.0]), angle)
 
 
 def free_top(model, t):
-    """Orientation at ``t`` (s), written out: the body turns about its axis, that about the angular momentum."""
-    a = upright(LEAN)
-    rate = np.array([*TIPPING, -(LEAN @ TIPPING) / a[2]])
+    """Return the orientation at ``t`` (s): the body turns about its axis, the axis about the angular momentum."""
+    a = axis_of(TILT)
+    rate = np.array([*TILT_RATE, -(TILT @ TILT_RATE) / a[2]])
     winding = (rate[0] * a[1] - a[0] * rate[1]) / (1 + a[2])
     omega, I_a, I_t = SPEED + winding, model.bearing.I_r, model.I_t
     L = I_t * np.cross(a, rate) + I_a * omega * a
-    about_itself = omega * (1 - I_a / I_t)
+    spin = omega * (1 - I_a / I_t)
     return (
         rotation(L, np.linalg.norm(L) / I_t * t)
-        @ matrix(LEAN, 0.0)
-        @ rotation(np.array([0.0, 0.0, 1.0]), about_itself * t)
+        @ orientation(TILT, 0.0)
+        @ rotation(np.array([0.0, 0.0, 1.0]), spin * t)
     )
 
 
 def test_a_free_roller_precesses_as_a_symmetric_top():
-    """All nine cosines, over 24 turns of the roller and some of its axis: fourth order in the step."""
-    model, span = flying(), 0.05
+    """The error of all nine direction cosines after 24 turns of the roller is of fourth order in the step."""
+    model, span = free_rollers(), 0.05
     errors = []
     for h in (2e-5, 1e-5, 5e-6):
-        out = flight(model, h, span)
-        found = matrix(out[:2, -1], SPEED * span + out[4, -1])
-        errors.append(np.abs(found - free_top(model, span)).max())
+        out = simulate(model, h, span)
+        result = orientation(out[:2, -1], SPEED * span + out[4, -1])
+        errors.append(np.abs(result - free_top(model, span)).max())
     assert orders(errors) == pytest.approx(4.0, abs=0.2)
     assert errors[-1] < 1e-6
-    assert np.abs(matrix(LEAN, SPEED * span) - free_top(model, span)).max() > 0.05
+    assert np.abs(orientation(TILT, SPEED * span) - free_top(model, span)).max() > 0.05
 
 
 @pytest.mark.parametrize(("method", "order"), [(RungeKutta4, 4.0), (Verlet, 2.0)])
-def test_a_free_roller_keeps_energy_and_angular_momentum(method, order):
-    """To the method's order."""
-    model = flying()
-    strays = []
+def test_free_roller_conserves_energy_and_angular_momentum(method, order):
+    """The errors have the method's order."""
+    model = free_rollers()
+    errors = []
     for h in (2e-5, 1e-5):
-        out = flight(model, h, 0.02, method)
+        out = simulate(model, h, 0.02, method)
         a = np.array([*out[:2], np.sqrt(1 - out[0] ** 2 - out[1] ** 2)])
         rate = np.array([*out[2:4], -(out[0] * out[2] + out[1] * out[3]) / a[2]])
         omega = SPEED + out[5] + (rate[0] * a[1] - a[0] * rate[1]) / (1 + a[2])
         L = model.I_t * np.cross(a.T, rate.T) + (model.bearing.I_r * omega * a).T
         energy = model.I_t * (rate**2).sum(axis=0) + model.bearing.I_r * omega**2
-        strays.append([np.abs(L - L[0]).max() / np.linalg.norm(L[0]), np.ptp(energy) / energy[0]])
-    assert (np.log2(np.divide(strays[0], strays[1])) > order - 0.3).all()
-    assert (np.array(strays[1]) < (1e-6 if order > 3 else 1e-3)).all()
+        errors.append([np.abs(L - L[0]).max() / np.linalg.norm(L[0]), np.ptp(energy) / energy[0]])
+    assert (np.log2(np.divide(errors[0], errors[1])) > order - 0.3).all()
+    assert (np.array(errors[1]) < (1e-6 if order > 3 else 1e-3)).all()
