@@ -35,10 +35,10 @@ SAMPLED = (ROOT / "tests/sampled.txt").read_text().split()
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """The long files come first, so that no process is left alone with one of them; all of them are slow."""
-    left_out = [item for item in items if is_left_out(item.path.stem, item.name)]
-    config.hook.pytest_deselected(items=left_out)
-    items[:] = [item for item in items if item not in left_out]
-    order = {f"test_{name}": place for place, name in enumerate(LONG)}
+    deselected = [item for item in items if is_left_out(item.path.stem, item.name)]
+    config.hook.pytest_deselected(items=deselected)
+    items[:] = [item for item in items if item not in deselected]
+    order = {f"test_{name}": index for index, name in enumerate(LONG)}
     items.sort(key=lambda item: order.get(item.path.stem, len(order)))
     for item in items:
         if item.path.stem in order:
@@ -48,16 +48,16 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 @lru_cache(maxsize=1)
 def commit() -> str:
     """The commit that is tested; empty outside of a clone."""
-    asked = ["git", "-C", str(ROOT), "rev-parse", "HEAD"]
-    return subprocess.run(asked, capture_output=True, text=True, check=False).stdout.strip()
+    command = ["git", "-C", str(ROOT), "rev-parse", "HEAD"]
+    return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
 
 
 def is_left_out(file: str, name: str) -> bool:
     """Tell whether a test is none of those drawn for this commit."""
-    share = int(os.environ.get("SAMPLE") or 1)
+    fraction = int(os.environ.get("SAMPLE") or 1)
     if f"{file.removeprefix('test_')}::{name.partition('[')[0]}" not in SAMPLED:
         return False
-    return int(sha256(f"{commit()} {file} {name}".encode()).hexdigest(), 16) % share != 0
+    return int(sha256(f"{commit()} {file} {name}".encode()).hexdigest(), 16) % fraction != 0
 
 
 @pytest.fixture
@@ -86,6 +86,6 @@ def done(tmp_path_factory):
     folder = tmp_path_factory.mktemp("done")
     (folder / "small.yaml").write_text(STUDY)
     out = folder / "results" / "small"
-    said, _ = type_("run", folder / "small.yaml", "--jobs", "1", "--out", out)
-    assert said.startswith("small: 8 of 8 jobs done")
+    output, _ = type_("run", folder / "small.yaml", "--jobs", "1", "--out", out)
+    assert output.startswith("small: 8 of 8 jobs done")
     return out

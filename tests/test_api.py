@@ -31,9 +31,9 @@ def test_importing_costs_nothing():
         "import sys, bearingsim as bs\nheavy = {'numba', 'numpy', 'scipy', 'pandas', 'h5py', 'pydantic', 'yaml'}\n"
         "print(sorted(heavy & set(sys.modules)), dir(bs))"
     )
-    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    output = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     names = ["Case", "__version__", "load_study", "open_results", "run", "simulate"]
-    assert told.strip() == f"[] {names}"
+    assert output.strip() == f"[] {names}"
 
 
 def test_a_case_is_simulated(study):
@@ -54,8 +54,8 @@ def test_a_study_is_run_and_opened(study, tmp_path):
     table = result.table()
     assert list(table["status"]) == ["done"] * 4
     assert len(result.series(table["job"][0]).time) == 307
-    again = bs.open_results(tmp_path / "out")
-    assert again.jobs == result.jobs
+    reopened = bs.open_results(tmp_path / "out")
+    assert reopened.jobs == result.jobs
 
 
 def test_an_unknown_name_is_an_attribute_error():
@@ -69,5 +69,5 @@ def test_the_command_frees_no_objects_as_it_ends():
         "import atexit, gc\nfrom bearingsim.cli import main\n"
         "atexit.register(lambda: print(gc.get_freeze_count() > 1000))\nmain()"
     )
-    ended = subprocess.run([sys.executable, "-c", code, "--version"], capture_output=True, text=True, check=True)
-    assert ended.stdout.endswith("\nTrue\n")
+    process = subprocess.run([sys.executable, "-c", code, "--version"], capture_output=True, text=True, check=True)
+    assert process.stdout.endswith("\nTrue\n")

@@ -32,13 +32,13 @@ def test_steps_are_told_by_all_their_bits() -> None:
 
 
 @pytest.mark.parametrize(
-    ("now", "code", "said"),
+    ("current", "code", "message"),
     [(BEFORE, 0, "3 numbers and words, all the same"), (BEFORE | {"schema": "[]"}, 1, "schema: {} -> []")],
 )
 def test_the_exit_code_says_whether_anything_differs(
-    now: dict[str, str],
+    current: dict[str, str],
     code: int,
-    said: str,
+    message: str,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -47,9 +47,9 @@ def test_the_exit_code_says_whether_anything_differs(
     monkeypatch.setattr(same_numbers, "numbers", lambda: BEFORE)
     monkeypatch.setattr(sys, "argv", ["same_numbers.py", "--write", file])
     same_numbers.main()
-    monkeypatch.setattr(same_numbers, "numbers", lambda: now)
+    monkeypatch.setattr(same_numbers, "numbers", lambda: current)
     monkeypatch.setattr(sys, "argv", ["same_numbers.py", "--against", file])
-    with pytest.raises(SystemExit) as ended:
+    with pytest.raises(SystemExit) as exit_info:
         same_numbers.main()
-    assert ended.value.code == code
-    assert capsys.readouterr().out.strip() == said
+    assert exit_info.value.code == code
+    assert capsys.readouterr().out.strip() == message

@@ -88,11 +88,11 @@ def test_a_law_whose_section_does_not_load_is_left_out(text, no_extensions, monk
 
 def test_a_feature_with_a_name_of_the_program_is_left_out(monkeypatch) -> None:
     install(monkeypatch, "features")
-    taken = Feature("velocity.rms", "", "another", "features:rms")
-    monkeypatch.setitem(catalogue.FEATURES, "velocity.rms", taken)
+    feature = Feature("velocity.rms", "", "another", "features:rms")
+    monkeypatch.setitem(catalogue.FEATURES, "velocity.rms", feature)
     assert "velocity.rms" not in names._extension_features(names.FEATURES)
-    why = "the extension `mine` registers the feature `velocity.rms`, which the program has: rename it"
-    assert {"mine": why} == extensions.BROKEN
+    reason = "the extension `mine` registers the feature `velocity.rms`, which the program has: rename it"
+    assert {"mine": reason} == extensions.BROKEN
 
 
 def test_nothing_is_computed_without_a_broken_extension(write, monkeypatch) -> None:
@@ -100,12 +100,12 @@ def test_nothing_is_computed_without_a_broken_extension(write, monkeypatch) -> N
     monkeypatch.setenv(extensions.SKIP, "other")
     extensions.leave_out("mine", "it is broken")
     extensions.leave_out("mine", "in two ways")
-    told = "^it is broken; fix it, or set BEARINGSIM_SKIP_EXTENSIONS=mine,other to compute without it$"
-    with pytest.raises(extensions.BrokenExtension, match=told):
+    message = "^it is broken; fix it, or set BEARINGSIM_SKIP_EXTENSIONS=mine,other to compute without it$"
+    with pytest.raises(extensions.BrokenExtension, match=message):
         load_study(write("study: own\n"))
-    with pytest.raises(extensions.BrokenExtension, match=told):
+    with pytest.raises(extensions.BrokenExtension, match=message):
         installation.__wrapped__()
-    with pytest.raises(extensions.BrokenExtension, match=told):
+    with pytest.raises(extensions.BrokenExtension, match=message):
         simulate(case(model="static"))
 
 
@@ -135,8 +135,8 @@ def test_a_function_that_fails_is_named(no_extensions, monkeypatch) -> None:
     """One of the program's own fails as it fails."""
     (no_extensions / "flawed.py").write_text("def build(case):\n    raise SystemExit(case)\n")
     install(monkeypatch, "flawed")
-    told = "^`flawed:build` of the extension `mine` fails .SystemExit: 4.$"
-    with pytest.raises(extensions.BrokenExtension, match=told):
+    message = "^`flawed:build` of the extension `mine` fails .SystemExit: 4.$"
+    with pytest.raises(extensions.BrokenExtension, match=message):
         catalogue.call("flawed:build", 4)
     with pytest.raises(TypeError):
         catalogue.call("bearingsim.errors:Refused")

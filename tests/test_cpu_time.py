@@ -33,20 +33,20 @@ def test_time_spent_before_counts_and_is_not_reported_as_the_limit() -> None:
 
 def test_what_is_not_charged_leaves_the_job_its_time() -> None:
     with cpu_time.at_most(0.02):
-        began, last = cpu_time.now(), cpu_time.end()
+        start, end = cpu_time.now(), cpu_time.end()
         with cpu_time.uncharged():
             spin(0.03)
             with cpu_time.uncharged():  # as a function that is compiled for another
                 spin(0.03)
         cpu_time.check()
-        assert cpu_time.now() - began < 0.01
-        assert cpu_time.end() - last == pytest.approx(0.06, abs=0.01)
+        assert cpu_time.now() - start < 0.01
+        assert cpu_time.end() - end == pytest.approx(0.06, abs=0.01)
 
 
 def test_compiled_code_is_given_the_time_of_the_thread_at_which_it_must_end() -> None:
     with cpu_time.at_most(1.0):
-        last = cpu_time.bounded(lambda end: end)
-        assert 0.9 < last - thread_time() <= 1.0
+        limit = cpu_time.bounded(lambda end: end)
+        assert 0.9 < limit - thread_time() <= 1.0
     assert cpu_time.bounded(lambda end: end) == inf
 
 
@@ -73,5 +73,5 @@ def test_the_result_of_a_function_that_ended_early_is_not_used() -> None:
 
 def test_the_error_reaches_another_process_whole() -> None:
     error = cpu_time.OutOfCpuTime("it took long", "take less")
-    again = pickle.loads(pickle.dumps(error))
-    assert (again.reason, again.advice) == (error.reason, error.advice)
+    copy = pickle.loads(pickle.dumps(error))
+    assert (copy.reason, copy.advice) == (error.reason, error.advice)

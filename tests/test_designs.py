@@ -53,13 +53,13 @@ def test_saltelli_takes_both_samples_from_one_sequence() -> None:
 
 
 def test_morris_moves_each_parameter_once_by_its_step() -> None:
-    d, seen = 5, set()
+    d, steps = 5, set()
     for trajectory in cube("morris", 200, d, seed=2).reshape(200, d + 1, d):
         moves = np.diff(trajectory, axis=0)
         assert np.array_equal(np.abs(moves).sum(axis=0), np.full(d, MORRIS_STEP))
         assert np.array_equal(np.count_nonzero(moves, axis=1), np.ones(d))
-        seen |= {(int(np.flatnonzero(move)[0]), float(move.sum())) for move in moves}
-    assert seen == {(j, sign * MORRIS_STEP) for j in range(d) for sign in (-1.0, 1.0)}
+        steps |= {(int(np.flatnonzero(move)[0]), float(move.sum())) for move in moves}
+    assert steps == {(j, sign * MORRIS_STEP) for j in range(d) for sign in (-1.0, 1.0)}
 
 
 def test_morris_levels_come_up_equally_often() -> None:

@@ -12,11 +12,11 @@ PAGES = {"M": "model", "C": "contact", "P": "planar", "S": "spatial", "R": "ring
 NUMBER = re.compile(rf"\(([{''.join(PAGES)}])(\d+)\)")
 
 
-def numbered(letter: str) -> list[int]:
+def equation_numbers(letter: str) -> list[int]:
     """Return the numbers at the ends of the equations of a page, in order."""
     lines = (ROOT / "docs" / f"{PAGES[letter]}.md").read_text(encoding="utf-8").splitlines()
-    ends = [re.search(rf"   \({letter}(\d+)\)$", line) for line in lines if line.startswith("    ")]
-    return [int(end[1]) for end in ends if end]
+    matches = [re.search(rf"   \({letter}(\d+)\)$", line) for line in lines if line.startswith("    ")]
+    return [int(match[1]) for match in matches if match]
 
 
 def citations() -> Iterator[tuple[str, str, int]]:
@@ -32,14 +32,14 @@ def citations() -> Iterator[tuple[str, str, int]]:
 
 @pytest.mark.parametrize("letter", PAGES)
 def test_equations_of_a_page_are_numbered_in_order(letter: str) -> None:
-    numbers = numbered(letter)
+    numbers = equation_numbers(letter)
     assert numbers
     assert numbers == list(range(1, len(numbers) + 1))
 
 
 @pytest.mark.parametrize("letter", PAGES)
 def test_every_equation_is_cited_where_it_is_computed(letter: str) -> None:
-    assert set(numbered(letter)) == {number for _, cited, number in citations() if cited == letter}
+    assert set(equation_numbers(letter)) == {number for _, cited, number in citations() if cited == letter}
 
 
 def test_a_citation_names_its_page() -> None:

@@ -27,26 +27,26 @@ step_check: false
 DEFECT = "defect: {shape: rectangular, length: 12 mm, width: 0.8 mm, depth: 50 um}\n"
 QUADRATIC = "stiffness: {law: quadratic, coefficient: 1e7}"
 DASHPOTS = f"contact: {{{QUADRATIC}, damping: {{law: viscous, c: 200 N s/m}}}}\n{DEFECT}"
-WIDE = DASHPOTS.replace("0.8 mm, depth: 50 um", "2 mm, depth: 20 um")  # a roller touches its floor
+WIDE_DEFECT = DASHPOTS.replace("0.8 mm, depth: 50 um", "2 mm, depth: 20 um")  # a roller touches its floor
 UNFINISHED = f"contact: {{{QUADRATIC}, damping: unfinished}}\n"
 STATIC = "model: static\n"
-PUSHED = "model: one-mass\nrig: {ring_mass: 1 kg}\n"
+ONE_MASS = "model: one-mass\nrig: {ring_mass: 1 kg}\n"
 RING = "model: ring\nsweep: {contact.damping.c: [200 N s/m, 400 N s/m]}\n"
-ADDED = {
+TOY_STUDIES = {
     "contact law": f"contact: {{{QUADRATIC}}}\n{STATIC}sweep: {{contact.stiffness.coefficient: [1e7, 4e7]}}",
     "damping law": f"{DASHPOTS}{RING}method: leapfrog",
     "damping law, implicit": f"{DASHPOTS}{RING}method: velocity-implicit-euler",
-    "method and model": f"{DASHPOTS}{PUSHED}sweep: {{method: [leapfrog, verlet]}}",
-    "shape": f"{WIDE}{STATIC}sweep: {{defect.shape: [wedge, rectangular]}}",
+    "method and model": f"{DASHPOTS}{ONE_MASS}sweep: {{method: [leapfrog, verlet]}}",
+    "shape": f"{WIDE_DEFECT}{STATIC}sweep: {{defect.shape: [wedge, rectangular]}}",
     "figure": f"{DASHPOTS}{STATIC}sweep: {{load: [150 N, 200 N]}}\nfigures: [{{y: velocity.span, x: load}}]",
 }
 """Studies of the toys. All have the same contact, whatever they are about: another one would be compiled anew."""
-WRONG = {
+WRONG_STUDIES = {
     "word": "method: leapfrogg",
     "unfinished": UNFINISHED,
     "unfinished, implicit": f"{UNFINISHED}method: rodas",
 }
-OWN = {"own": f"{STATIC}{DEFECT}"}
+OWN_STUDIES = {"own": f"{STATIC}{DEFECT}"}
 """A study of the program's own."""
 TYPE = """\
 import json, sys
@@ -58,24 +58,24 @@ for words in json.load(sys.stdin):
     said.append((done.exit_code, done.stdout, done.stderr))
 print(json.dumps(said))
 """
-Said = dict[tuple[str, ...], tuple[int, str, str]]
+Outputs = dict[tuple[str, ...], tuple[int, str, str]]
 """Of commands: exit code, stdout and stderr."""
 
 
-def started(site: Path, *words: str, given: str = "") -> subprocess.CompletedProcess[str]:
+def run_python(site: Path, *words: str, stdin: str = "") -> subprocess.CompletedProcess[str]:
     """A process where the toys are installed."""
     path = os.pathsep.join([str(site), os.environ["PYTHONPATH"]])
     environment = os.environ | {"PYTHONPATH": path, "BEARINGSIM_CACHE": str(site / "cache"), "COLUMNS": "200"}
     return subprocess.run(
-        [sys.executable, *words], env=environment, capture_output=True, text=True, cwd=site, input=given
+        [sys.executable, *words], env=environment, capture_output=True, text=True, cwd=site, input=stdin
     )
 
 
-def typed(site: Path, *commands: tuple[str, ...]) -> Said:
+def type_commands(site: Path, *commands: tuple[str, ...]) -> Outputs:
     """What commands say that are typed in one new process, one after the other."""
-    done = started(site, "-c", TYPE, given=json.dumps(commands))
-    assert done.returncode == 0, done.stdout + done.stderr
-    return {words: tuple(said) for words, said in zip(commands, json.loads(done.stdout), strict=True)}
+    process = run_python(site, "-c", TYPE, stdin=json.dumps(commands))
+    assert process.returncode == 0, process.stdout + process.stderr
+    return {words: tuple(output) for words, output in zip(commands, json.loads(process.stdout), strict=True)}
 
 
 def run(name: str, jobs: int = 1) -> tuple[str, ...]:
@@ -88,16 +88,18 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the toys as an installed package, and studies of them."""
     folder = tmp_path_factory.mktemp("site")
     shutil.copytree(TOYS, folder, dirs_exist_ok=True)
-    for name, more in (ADDED | WRONG | OWN).items():
-        (folder / f"{name}.yaml").write_text(f"{STUDY}{more}\n")
+    for name, settings in (TOY_STUDIES | WRONG_STUDIES | OWN_STUDIES).items():
+        (folder / f"{name}.yaml").write_text(f"{STUDY}{settings}\n")
     return folder
 
 
 @pytest.fixture(scope="module")
-def said(site: Path) -> Said:
+def said(site: Path) -> Outputs:
     """What most commands of this file say; they are typed in one process, which starts and compiles once."""
-    checks = [("check", f"{name}.yaml") for name in ADDED | WRONG]
-    return typed(site, *checks, ("check", "--schema"), *(run(name) for name in ADDED if name != "figure"))
+    checks = [("check", f"{name}.yaml") for name in TOY_STUDIES | WRONG_STUDIES]
+    return type_commands(
+        site, *checks, ("check", "--schema"), *(run(name) for name in TOY_STUDIES if name != "figure")
+    )
 
 
 def results(site: Path, name: str) -> pd.DataFrame:
@@ -105,19 +107,19 @@ def results(site: Path, name: str) -> pd.DataFrame:
     return pd.read_csv(site / "out" / name / "results.csv", comment="#")
 
 
-def table(site: Path, said: Said, name: str) -> pd.DataFrame:
+def table(site: Path, said: Outputs, name: str) -> pd.DataFrame:
     """The results of a study of the toys that was checked and run."""
     for command in (("check", f"{name}.yaml"), run(name)):
-        code, *words = said[command]
-        assert code == 0, words
-    found = results(site, name)
-    assert (found["status"] == "done").all()
-    assert (found["velocity.span"] > 0.0).all()
-    return found
+        code, *output = said[command]
+        assert code == 0, output
+    results_ = results(site, name)
+    assert (results_["status"] == "done").all()
+    assert (results_["velocity.span"] > 0.0).all()
+    return results_
 
 
 @pytest.fixture(scope="module")
-def before(site: Path, said: Said) -> pd.DataFrame:
+def before(site: Path, said: Outputs) -> pd.DataFrame:
     """The results with the contact law as it is."""
     return table(site, said, "contact law")
 
@@ -128,7 +130,7 @@ def test_a_study_runs_with_a_contact_law(before: pd.DataFrame) -> None:
     assert soft / stiff == pytest.approx(2.0, rel=0.1)
 
 
-def test_a_study_runs_with_a_damping_law(site: Path, said: Said) -> None:
+def test_a_study_runs_with_a_damping_law(site: Path, said: Outputs) -> None:
     """An explicit and an implicit method call different parts of it, and find the same."""
     explicit, implicit = (
         table(site, said, name)["velocity.rms"][:2] for name in ("damping law", "damping law, implicit")
@@ -137,7 +139,7 @@ def test_a_study_runs_with_a_damping_law(site: Path, said: Said) -> None:
     assert list(implicit) == pytest.approx(list(explicit), rel=0.01)
 
 
-def test_a_study_runs_with_a_method_and_a_model(site: Path, said: Said) -> None:
+def test_a_study_runs_with_a_method_and_a_model(site: Path, said: Outputs) -> None:
     """The push of 1 N once a ball pass has an answer that is known; another method is not wholly the same."""
     leapfrog, verlet = table(site, said, "method and model")["velocity.rms"][:2]
     omega = 2.0 * pi * 30.0 * 13 / 2 * (1.0 - 12.0 / 65.0)
@@ -146,26 +148,26 @@ def test_a_study_runs_with_a_method_and_a_model(site: Path, said: Said) -> None:
     assert leapfrog == pytest.approx(verlet, rel=1e-3)
 
 
-def test_a_study_runs_with_a_shape(site: Path, said: Said) -> None:
+def test_a_study_runs_with_a_shape(site: Path, said: Outputs) -> None:
     """Its defect is neither the program's own nor none at all."""
     wedge, rectangular, healthy = table(site, said, "shape")["velocity.rms"]
     assert wedge != pytest.approx(rectangular, rel=0.01)
     assert wedge > 2.0 * healthy
 
 
-def test_the_schema_knows_them(said: Said) -> None:
+def test_the_schema_knows_them(said: Outputs) -> None:
     _, schema, _ = said["check", "--schema"]
     assert json.loads(schema)["properties"]["model"]["enum"][-1] == "one-mass"
     assert all(word in schema for word in ("quadratic", "viscous", "leapfrog", "wedge", "velocity.span"))
 
 
-def test_a_wrong_word_is_answered_with_them(said: Said) -> None:
+def test_a_wrong_word_is_answered_with_them(said: Outputs) -> None:
     code, _, answer = said["check", "word.yaml"]
     assert code != 0
     assert "leapfrog" in answer
 
 
-def test_a_law_without_its_derivatives_is_refused_by_name(said: Said) -> None:
+def test_a_law_without_its_derivatives_is_refused_by_name(said: Outputs) -> None:
     code, *refused = said["check", "unfinished, implicit.yaml"]
     assert code != 0
     assert "the damping law `unfinished` lacks `derivatives`, which rodas" in "".join(refused)
@@ -173,18 +175,18 @@ def test_a_law_without_its_derivatives_is_refused_by_name(said: Said) -> None:
 
 
 @pytest.fixture(scope="module")
-def edited(site: Path, before: pd.DataFrame) -> Said:
+def edited(site: Path, before: pd.DataFrame) -> Outputs:
     """What a second process says while a law is edited: it runs a study again, and another one by two workers."""
     law = site / "toy_bearing" / "quadratic.py"
     text = law.read_text()
     try:
         law.write_text(text.replace("return law.k", "return 4.0 * law.k").replace("2.0 * law.k", "8.0 * law.k"))
-        return typed(site, run("contact law"), run("figure", jobs=2), ("plot", "out/figure"))
+        return type_commands(site, run("contact law"), run("figure", jobs=2), ("plot", "out/figure"))
     finally:
         law.write_text(text)
 
 
-def test_an_edited_law_gives_its_new_number(site: Path, before: pd.DataFrame, edited: Said) -> None:
+def test_an_edited_law_gives_its_new_number(site: Path, before: pd.DataFrame, edited: Outputs) -> None:
     """Compiled code and results are kept between processes, but not beyond a change of anybody's law."""
     assert "2 of 2 jobs done" in edited[run("contact law")][1]
     after = results(site, "contact law")["velocity.rms"]
@@ -192,7 +194,7 @@ def test_an_edited_law_gives_its_new_number(site: Path, before: pd.DataFrame, ed
     assert after[0] != pytest.approx(before["velocity.rms"][0], rel=0.1)
 
 
-def test_a_figure_draws_a_feature(site: Path, edited: Said) -> None:
+def test_a_figure_draws_a_feature(site: Path, edited: Outputs) -> None:
     """Its jobs are computed by two workers, which find the extension too."""
     for command in (run("figure", jobs=2), ("plot", "out/figure")):
         code, *words = edited[command]
@@ -200,11 +202,11 @@ def test_a_figure_draws_a_feature(site: Path, edited: Said) -> None:
     assert list((site / "out" / "figure" / "figures").glob("*.png"))
 
 
-def test_a_feature_without_a_finite_value_is_named(site: Path, said: Said) -> None:
+def test_a_feature_without_a_finite_value_is_named(site: Path, said: Outputs) -> None:
     """A healthy bearing has no depth: the number is left out, not stored as inf, and the run says so."""
-    found = table(site, said, "shape")
-    healthy = found["healthy"].isna()
-    assert found["velocity.per_depth"].isna().equals(healthy)
+    results_ = table(site, said, "shape")
+    healthy = results_["healthy"].isna()
+    assert results_["velocity.per_depth"].isna().equals(healthy)
     assert f"feature `velocity.per_depth` has no value in {healthy.sum()} of 3 jobs: computed as inf" in "".join(
         said[run("shape")][1:]
     )
@@ -239,14 +241,14 @@ COMPUTING = [("check", "own.yaml"), run("own"), ("stability", "--quick")]
 
 def test_what_needs_no_extension_goes_on_without_it(broken: Path) -> None:
     """A line on stderr names the extension and its error; what computes ends with it, and with the way out."""
-    answers = typed(broken, *WITHOUT, *COMPUTING)
+    outputs = type_commands(broken, *WITHOUT, *COMPUTING)
     for words in WITHOUT:
-        code, stdout, stderr = answers[words]
+        code, stdout, stderr = outputs[words]
         assert (code, stderr) == (0, f"{REASON} (left out)\n" if words != ("--help",) else ""), words
         assert stdout, words
     for words in COMPUTING:
-        way_out = "fix it, or set BEARINGSIM_SKIP_EXTENSIONS=toys to compute without it"
-        assert answers[words] == (2, "", f"{REASON}; {way_out}\n"), words
+        advice = "fix it, or set BEARINGSIM_SKIP_EXTENSIONS=toys to compute without it"
+        assert outputs[words] == (2, "", f"{REASON}; {advice}\n"), words
 
 
 IDS = "from bearingsim import load_study\nprint(*(job.id for job in load_study('own.yaml').jobs()))"
@@ -256,15 +258,15 @@ def test_an_edited_feature_gives_other_jobs(site: Path, broken: Path) -> None:
     """Of a study, too, that uses nothing else of an extension; one that is skipped leaves the ids of none."""
     feature = site / "toy_bearing" / "span.py"
     text = feature.read_text()
-    ids = [started(site, "-c", IDS).stdout.split()]
+    ids = [run_python(site, "-c", IDS).stdout.split()]
     try:
         feature.write_text(text.replace("velocity.max() -", "velocity.max() +"))
-        ids.append(started(site, "-c", IDS).stdout.split())
+        ids.append(run_python(site, "-c", IDS).stdout.split())
     finally:
         feature.write_text(text)
     assert len({*ids[0], *ids[1]}) == 4
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv(extensions.SKIP, "other, toys")
-        without = started(broken, "-c", IDS).stdout.split()
+        without = run_python(broken, "-c", IDS).stdout.split()
     assert without == [job.id for job in load_study(site / "own.yaml").jobs()]
     assert not {*without} & {*ids[0], *ids[1]}

@@ -10,8 +10,8 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 TOP = "."
-"""The modules of the package itself, outside all rooms."""
-ROOMS = (  # packages checked; add a package once it passes
+"""The modules of the package itself, outside all subpackages."""
+PACKAGES = (  # packages checked; add a package once it passes
     TOP, "assemble", "bench", "cli", "config", "core", "plots", "runner", "selection", "sensitivity",
     "signals", "simulation", "stability", "store", "study", "text",
 )  # fmt: skip
@@ -32,15 +32,15 @@ NO_VERBS = frozenset({  # openings of a docstring that are no imperative
     "velocity", "viscosity",
 })  # fmt: skip
 VERBS_IN_S = frozenset({"pass", "process", "compress", "express", "discuss", "address", "guess", "assess", "bias"})
-VAGUE = frozenset({"found", "told", "one", "known", "given", "here", "asked", "said", "at", "first"})
-PRIVATE = re.compile(r"(?i)(?<![a-z])(places?|leans?|twins?)(?![a-z])")
+VAGUE_NAMES = frozenset({"found", "told", "one", "known", "given", "here", "asked", "said", "at", "first"})
+PRIVATE_WORDS = re.compile(r"(?i)(?<![a-z])(places?|leans?|twins?)(?![a-z])")
 """Words that the field does not use for a position, a tilt or a healthy case."""
 
 
-def modules(room: str) -> list[Path]:
+def source_files(package: str) -> list[Path]:
     """Return the source files of a package of the program."""
-    package = ROOT / "bearingsim"
-    return sorted(package.glob("*.py") if room == TOP else (package / room).rglob("*.py"))
+    root = ROOT / "bearingsim"
+    return sorted(root.glob("*.py") if package == TOP else (root / package).rglob("*.py"))
 
 
 def test_vague_names_are_recognised() -> None:
@@ -70,7 +70,7 @@ def odd_openings(tree: ast.Module) -> Iterator[str]:
                 yield f"{node.lineno} {node.name}: {text.splitlines()[0]}"
 
 
-def documented(tree: ast.Module) -> Iterator[tuple[ast.AST, str]]:
+def docstrings(tree: ast.Module) -> Iterator[tuple[ast.AST, str]]:
     """List the module, its classes, properties and constants with their docstrings."""
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef) and is_property(node):
@@ -85,7 +85,7 @@ def documented(tree: ast.Module) -> Iterator[tuple[ast.AST, str]]:
 
 def clauses(tree: ast.Module) -> Iterator[str]:
     """List docstrings that begin with a clause in place of a noun."""
-    for node, text in documented(tree):
+    for node, text in docstrings(tree):
         if text and text.split()[0].rstrip(",.:;") in NO_NOUNS:
             yield f"{getattr(node, 'lineno', 1)} {text.splitlines()[0]}"
 
@@ -96,17 +96,22 @@ def vague_names(tree: ast.Module) -> Iterator[str]:
     Fields of classes are left out, because they are read behind the name of their owner.
     """
     classes = [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
-    fields = {id(part.target) for owner in classes for part in owner.body if isinstance(part, ast.AnnAssign)}
+    fields = {
+        id(statement.target)
+        for owner in classes
+        for statement in owner.body
+        if isinstance(statement, ast.AnnAssign)
+    }
     for node in ast.walk(tree):
         if id(node) in fields:
             continue
         match node:
-            case ast.Name(id=name, ctx=ast.Store()) if name in VAGUE:
+            case ast.Name(id=name, ctx=ast.Store()) if name in VAGUE_NAMES:
                 yield f"{node.lineno} {name}"
-            case ast.arg(arg=name) | ast.FunctionDef(name=name) if name in VAGUE:
+            case ast.arg(arg=name) | ast.FunctionDef(name=name) if name in VAGUE_NAMES:
                 yield f"{node.lineno} {name}"
             case ast.ExceptHandler(name=str(name)) | ast.MatchAs(name=str(name)) | ast.MatchStar(name=str(name)):
-                if name in VAGUE:
+                if name in VAGUE_NAMES:
                     yield f"{node.lineno} {name}"
 
 
@@ -114,13 +119,13 @@ def private_names(tree: ast.Module) -> Iterator[str]:
     """List functions and constants named by a private word."""
     for node in ast.walk(tree):
         match node:
-            case ast.FunctionDef(name=name) | ast.ClassDef(name=name) if PRIVATE.search(name):
+            case ast.FunctionDef(name=name) | ast.ClassDef(name=name) if PRIVATE_WORDS.search(name):
                 yield f"{node.lineno} {name}"
-            case ast.Assign(targets=[ast.Name(id=name)]) if name.isupper() and PRIVATE.search(name):
+            case ast.Assign(targets=[ast.Name(id=name)]) if name.isupper() and PRIVATE_WORDS.search(name):
                 yield f"{node.lineno} {name}"
 
 
-def pits(tree: ast.Module) -> Iterator[str]:
+def pit_names(tree: ast.Module) -> Iterator[str]:
     """List names that call a defect a pit."""
     for node in ast.walk(tree):
         match node:
@@ -129,34 +134,34 @@ def pits(tree: ast.Module) -> Iterator[str]:
                     yield f"{node.lineno} {name}"
 
 
-def places(room: str, faults_in: Callable[[ast.Module], Iterator[str]]) -> list[str]:
+def faults(package: str, faults_in: Callable[[ast.Module], Iterator[str]]) -> list[str]:
     """Return the faults of a package, with file and line."""
     return [
         f"{path.relative_to(ROOT)}:{fault}"
-        for path in modules(room)
+        for path in source_files(package)
         for fault in faults_in(ast.parse(path.read_text(encoding="utf-8")))
     ]
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_docstrings_of_functions_begin_with_a_verb(room: str) -> None:
-    assert modules(room)
-    assert places(room, odd_openings) == []
+@pytest.mark.parametrize("package", PACKAGES)
+def test_docstrings_of_functions_begin_with_a_verb(package: str) -> None:
+    assert source_files(package)
+    assert faults(package, odd_openings) == []
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_docstrings_of_modules_classes_and_constants_begin_with_a_noun(room: str) -> None:
-    assert places(room, clauses) == []
+@pytest.mark.parametrize("package", PACKAGES)
+def test_docstrings_of_modules_classes_and_constants_begin_with_a_noun(package: str) -> None:
+    assert faults(package, clauses) == []
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_names_describe_their_content(room: str) -> None:
-    assert places(room, vague_names) == []
+@pytest.mark.parametrize("package", PACKAGES)
+def test_names_describe_their_content(package: str) -> None:
+    assert faults(package, vague_names) == []
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_functions_and_constants_have_words_of_the_field(room: str) -> None:
-    assert places(room, private_names) == []
+@pytest.mark.parametrize("package", PACKAGES)
+def test_functions_and_constants_have_words_of_the_field(package: str) -> None:
+    assert faults(package, private_names) == []
 
 
 def test_private_names_are_recognised() -> None:
@@ -164,15 +169,17 @@ def test_private_names_are_recognised() -> None:
     assert list(private_names(ast.parse(source))) == ["1 healthy_twin", "2 LONGEST_PLACE"]
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_a_defect_is_called_defect(room: str) -> None:
-    assert modules(room)
-    assert [path for path in modules(room) if re.search(r"(?<![A-Za-z])[Pp]its?(?![A-Za-z])", path.stem)] == []
-    assert places(room, pits) == []
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_defect_is_called_defect(package: str) -> None:
+    assert source_files(package)
+    assert [
+        path for path in source_files(package) if re.search(r"(?<![A-Za-z])[Pp]its?(?![A-Za-z])", path.stem)
+    ] == []
+    assert faults(package, pit_names) == []
 
 
 def test_pits_are_recognised() -> None:
-    assert list(pits(ast.parse("split = pitch = one_pit = PITS = x.pit"))) == ["1 one_pit", "1 PITS", "1 pit"]
+    assert list(pit_names(ast.parse("split = pitch = one_pit = PITS = x.pit"))) == ["1 one_pit", "1 PITS", "1 pit"]
 
 
 def test_openings_that_are_no_imperative_are_recognised() -> None:

@@ -22,7 +22,7 @@ V1 = "sys/fs/cgroup/memory"
 
 
 @pytest.mark.parametrize(
-    ("files", "told"),
+    ("files", "limit"),
     [
         ({}, inf),
         (MACHINE, 8.192 * GB),
@@ -36,16 +36,16 @@ V1 = "sys/fs/cgroup/memory"
     ],
 )
 def test_the_limit_is_the_smaller_of_the_machines_and_of_the_groups(
-    tmp_path: Path, files: dict[str, str], told: float
+    tmp_path: Path, files: dict[str, str], limit: float
 ) -> None:
     for name, text in files.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)
-    assert memory.limit_in(tmp_path) == told
+    assert memory.limit_in(tmp_path) == limit
 
 
 def costs(*gigabytes: float) -> list[Cost]:
-    return [Cost(1.0, 0.0, one * GB) for one in gigabytes]
+    return [Cost(1.0, 0.0, size * GB) for size in gigabytes]
 
 
 @pytest.mark.parametrize(
@@ -56,25 +56,27 @@ def test_workers_are_as_few_as_the_heaviest_jobs_leave_memory_for(
 ) -> None:
     monkeypatch.setattr(memory, "limit", lambda: 8 * GB)
     assert workers_in_memory(jobs, 4) == workers
-    told = [line.partition(":")[0] for line in worker_note(jobs, 4)]
-    assert told == ([] if workers == 4 else [f"{workers} worker{'s' * (workers > 1)} in place of 4"])
+    limit = [line.partition(":")[0] for line in worker_note(jobs, 4)]
+    assert limit == ([] if workers == 4 else [f"{workers} worker{'s' * (workers > 1)} in place of 4"])
 
 
-def long(**more: Any) -> Case:
-    return Case.model_validate({"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "ring"} | more)
+def long_case(**changes: Any) -> Case:
+    return Case.model_validate(
+        {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "ring"} | changes
+    )
 
 
 def test_a_job_that_cannot_fit_is_refused_before_it_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    given = long(duration="300 s", sampling="50 kHz")
-    needed = time_grid.estimate(given).most_memory
+    case = long_case(duration="300 s", sampling="50 kHz")
+    needed = time_grid.estimate(case).most_memory
     monkeypatch.setattr(memory, "limit", lambda: 0.5 * needed)
-    with pytest.raises(Refused, match=r"may take .* GB of memory, and there are .* GB") as caught:
-        time_grid.estimate(given)
-    assert "duration" in caught.value.advice
+    with pytest.raises(Refused, match=r"may take .* GB of memory, and there are .* GB") as error_info:
+        time_grid.estimate(case)
+    assert "duration" in error_info.value.advice
     with pytest.raises(SimulationError, match="GB of memory"):
-        simulate(given)
+        simulate(case)
     study: Any = SimpleNamespace(
-        jobs=lambda: [SimpleNamespace(case=given, swept={}, is_baseline=False, is_variation=False)], units={}
+        jobs=lambda: [SimpleNamespace(case=case, swept={}, is_baseline=False, is_variation=False)], units={}
     )
     (text,) = plan_of(study, 1).refusal_texts
     assert "GB of memory" in text
@@ -82,8 +84,8 @@ def test_a_job_that_cannot_fit_is_refused_before_it_runs(monkeypatch: pytest.Mon
 
 
 def test_memory_grows_with_what_is_computed_of_a_record_and_with_its_series() -> None:
-    def needed(**more: Any) -> float:
-        return time_grid.estimate(long(**more)).memory
+    def needed(**changes: Any) -> float:
+        return time_grid.estimate(long_case(**changes)).memory
 
     full = {"periodic": False, "step_check": False}
     assert needed(duration="100 s", **full) > 8.0 * needed(duration="10 s", **full) > 0.0

@@ -36,7 +36,7 @@ SCHEMES = ("stability/matrix.py", "study/template.py", "catalogue.py")
 """Where a person has chosen the names: the methods of the map, the template of a study, the table itself."""
 
 
-def place(file: Path) -> str:
+def relative_path(file: Path) -> str:
     return file.relative_to(PACKAGE).as_posix()
 
 
@@ -46,32 +46,32 @@ def words(file: Path) -> Iterator[str]:
             yield node.value
 
 
-@pytest.mark.parametrize("file", FILES, ids=place)
+@pytest.mark.parametrize("file", FILES, ids=relative_path)
 def test_no_model_or_method_is_named_outside_the_catalogue(file: Path) -> None:
-    if place(file) in SCHEMES:
+    if relative_path(file) in SCHEMES:
         return
     entries: dict[str, Any] = {**catalogue.MODELS, **catalogue.METHODS}
-    module = "bearingsim." + place(file).removesuffix(".py").replace("/", ".")
+    module = "bearingsim." + relative_path(file).removesuffix(".py").replace("/", ".")
     names = {name for name, entry in entries.items() if entry.module != module}
-    meant = {word for at, word in OTHER_MEANINGS if at == place(file)}
-    assert not {word for word in words(file) if word in names} - meant
+    other_words = {word for path, word in OTHER_MEANINGS if path == relative_path(file)}
+    assert not {word for word in words(file) if word in names} - other_words
 
 
 def test_every_other_meaning_is_still_there() -> None:
-    for at, word in OTHER_MEANINGS:
-        assert word in words(PACKAGE / at), at
+    for path, word in OTHER_MEANINGS:
+        assert word in words(PACKAGE / path), path
 
 
 def classes() -> dict[str, set[str]]:
     """The classes of models, methods and laws, by the module that defines each."""
-    known: list[Any] = [*catalogue.MODELS.values(), *catalogue.METHODS.values()]
+    entries: list[Any] = [*catalogue.MODELS.values(), *catalogue.METHODS.values()]
     for law in (law for laws in catalogue.LAWS.values() for law in laws.values()):
         catalogue.code(law.build)
-    found = {catalogue.code(one.module).KIND.parameters for one in known}
-    found |= {*elastic.types, *normal_force.types, *mu.types}
+    kinds = {catalogue.code(entry.module).KIND.parameters for entry in entries}
+    kinds |= {*elastic.types, *normal_force.types, *mu.types}
     modules: dict[str, set[str]] = {}
-    for one in found:
-        modules.setdefault(one.__module__, set()).add(one.__name__)
+    for entry in kinds:
+        modules.setdefault(entry.__module__, set()).add(entry.__name__)
     return modules
 
 
@@ -79,13 +79,17 @@ SHARED = {"Undamped", "Frictionless", "Linear"}
 """Laws that other parts are made with: no damping, no friction, a plain spring."""
 
 
-@pytest.mark.parametrize("file", FILES, ids=place)
+@pytest.mark.parametrize("file", FILES, ids=relative_path)
 def test_no_class_of_theirs_is_imported_outside_assemble(file: Path) -> None:
-    if place(file).startswith("assemble/") or place(file) == "catalogue.py":
+    if relative_path(file).startswith("assemble/") or relative_path(file) == "catalogue.py":
         return
-    here = "bearingsim." + place(file).removesuffix(".py").removesuffix("/__init__").replace("/", ".")
-    known = classes()
+    module = "bearingsim." + relative_path(file).removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+    classes_by_module = classes()
     for node in ast.walk(ast.parse(file.read_text())):
-        if isinstance(node, ast.ImportFrom) and node.module in known and not str(node.module).startswith(here):
-            taken = {alias.name for alias in node.names} & known[str(node.module)] - SHARED
-            assert not taken, f"line {node.lineno}"
+        if (
+            isinstance(node, ast.ImportFrom)
+            and node.module in classes_by_module
+            and not str(node.module).startswith(module)
+        ):
+            imported = {alias.name for alias in node.names} & classes_by_module[str(node.module)] - SHARED
+            assert not imported, f"line {node.lineno}"

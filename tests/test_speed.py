@@ -21,10 +21,10 @@ from benchmarks.speed.timing import Measure
 
 def run(processor: str = "one", **measures: Measure) -> dict[str, Any]:
     """A run as its file is read back."""
-    part = Section(measures=measures)
-    whole = {"machine": {"processor": processor}, "sections": {"steps": part.to_json()}}
-    read: dict[str, Any] = json.loads(json.dumps(whole))
-    return read
+    section = Section(measures=measures)
+    content = {"machine": {"processor": processor}, "sections": {"steps": section.to_json()}}
+    run_: dict[str, Any] = json.loads(json.dumps(content))
+    return run_
 
 
 def measure(seconds: float, yardstick: float = 1.0, noise: float = 0.01) -> Measure:
@@ -73,9 +73,9 @@ class TestCompare:
         slow.write_text(json.dumps(run("another", step=measure(1.3), forces=measure(1.0))))
         same.write_text(json.dumps(run(step=measure(1.02), forces=measure(0.98))))
         assert compare.main([str(slow), str(old)]) == 1
-        told = capsys.readouterr().out
-        assert "another processor" in told
-        assert "2 measures: 1 lost, 0 won" in told
+        output = capsys.readouterr().out
+        assert "another processor" in output
+        assert "2 measures: 1 lost, 0 won" in output
         assert compare.main([str(same), str(old)]) == 0
 
     def test_the_committed_baseline_has_lost_nothing_against_itself(self) -> None:
@@ -123,18 +123,18 @@ class TestNumbers:
         turns: list[str] = []
         times = iter([9.0, 5.0, 3.0, 4.0])  # the first is not counted
 
-        def one() -> float:
+        def first_task() -> float:
             turns.append("one")
             return next(times)
 
-        def other() -> float:
+        def second_task() -> float:
             turns.append("other")
             return 1.0
 
         with mock.patch.object(timing, "yardstick", return_value=0.5):
-            found = timing.measure_in_turns({"one": one, "other": other}, rounds=3)
+            measures = timing.measure_in_turns({"one": first_task, "other": second_task}, rounds=3)
         assert turns == ["one", "other"] * 4
-        assert (found["one"].seconds, found["one"].yardstick, found["one"].rounds) == (3.0, 0.5, 3)
+        assert (measures["one"].seconds, measures["one"].yardstick, measures["one"].rounds) == (3.0, 0.5, 3)
 
     def test_targets_are_bounds(self) -> None:
         assert Target("ratio", 0.7, at_most=0.75).met
@@ -149,11 +149,11 @@ class TestAccuracy:
 
     @staticmethod
     def runs(method: str, errors: list[float], seconds: list[float], ours: bool) -> list[accuracy.Run]:
-        def found(error: float, took: float) -> accuracy.Result:
-            return took, np.array(error)
+        def result(error: float, cpu_s: float) -> accuracy.Result:
+            return cpu_s, np.array(error)
 
-        each = enumerate(zip(errors, seconds, strict=True))
-        return [accuracy.Run(method, k, partial(found, *point), float, ours) for k, point in each]
+        points = enumerate(zip(errors, seconds, strict=True))
+        return [accuracy.Run(method, k, partial(result, *point), float, ours) for k, point in points]
 
     def test_costs_are_told_at_equal_error_and_a_peers_are_not_kept(self) -> None:
         section = Section()
@@ -187,21 +187,21 @@ class TestPeers:
         assert problem.instants == pytest.approx([10.0])
         assert du[:13] == pytest.approx(np.linspace(-0.01, 0.01, 13), rel=1e-12)
         assert du[15:28] == pytest.approx(1e-6 * y[lay.RADIAL_A : lay.RADIAL_A + 13], rel=1e-9)
-        right = 1e-6 * y[lay.ACCELERATION : lay.ACCELERATION + 2]
-        assert du[problem.ring] == pytest.approx(right, rel=1e-9)
+        expected = 1e-6 * y[lay.ACCELERATION : lay.ACCELERATION + 2]
+        assert du[problem.ring] == pytest.approx(expected, rel=1e-9)
         assert np.abs(du[15:]).min() > 0.0
 
     def test_a_missing_one_is_named_and_the_others_run(self) -> None:
-        def gone(name: str) -> Any:
+        def refuse(name: str) -> Any:
             raise ImportError(f"No module named '{name}'")
 
-        with mock.patch.object(peers, "import_module", gone):
-            found = Section(missing=peers.missing_peers())
+        with mock.patch.object(peers, "import_module", refuse):
+            section = Section(missing=peers.missing_peers())
             model = assemble.model(case("rollers"))
             y, _ = assemble.start(case("rollers"), model)
             names = [name for name, _ in peers.solvers(peers.problem(model, y, np.array([1e-5])))]
-        assert list(found.missing) == list(peers.PACKAGES)
-        assert any("numbalsoda is not here: No module named 'numbalsoda'" in line for line in found.lines())
+        assert list(section.missing) == list(peers.PACKAGES)
+        assert any("numbalsoda is not here: No module named 'numbalsoda'" in line for line in section.lines())
         assert names == ["SciPy LSODA", "SciPy DOP853", "SciPy RK45"]
 
 
@@ -209,16 +209,16 @@ class TestPrices:
     """A proposal stands beside the table, which stays as it is."""
 
     def test_a_proposal_has_new_numbers_and_keeps_the_rest(self, tmp_path: Path) -> None:
-        before = TABLE.read_bytes()
+        content = TABLE.read_bytes()
         rows = prices.proposal({("evaluation", "ring"): 1e-7, ("step", "new"): 3.0})
         prices.write(rows, tmp_path / "prices.csv")
-        found = {(row["what"], row["name"]): row for row in rows}
-        assert found["evaluation", "ring"]["value"] == "1e-07"
-        assert found["passes", ""]["new/old"] == "not measured"
-        assert found["step", "new"]["new/old"] == "new row"
-        assert TABLE.read_bytes() == before
+        by_key = {(row["what"], row["name"]): row for row in rows}
+        assert by_key["evaluation", "ring"]["value"] == "1e-07"
+        assert by_key["passes", ""]["new/old"] == "not measured"
+        assert by_key["step", "new"]["new/old"] == "new row"
+        assert TABLE.read_bytes() == content
 
     def test_its_ratio_is_to_the_committed_number(self) -> None:
         committed = {(row["what"], row["name"]): float(row["value"]) for row in prices.proposal({})}
-        twice = prices.proposal({key: 2.0 * value for key, value in committed.items()})
-        assert {row["new/old"] for row in twice} == {"2.00"}
+        doubled = prices.proposal({key: 2.0 * value for key, value in committed.items()})
+        assert {row["new/old"] for row in doubled} == {"2.00"}

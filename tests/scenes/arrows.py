@@ -37,23 +37,23 @@ def arrow_cells(model: ArrowModel, matrix: int) -> np.ndarray:
     """Where the entries of the dense matrix stand in the arrow at ``matrix``; -1 where the arrow has none."""
     own, shared, Z = model
     N = own * Z
-    where = np.full((N + shared, N + shared), -1)
+    cells_ = np.full((N + shared, N + shared), -1)
     for j in range(Z):
-        at = slice(own * j, own * (j + 1))
-        where[at, at] = [[lay.diagonal_block(matrix, i, k) + j for k in range(own)] for i in range(own)]
+        rows = slice(own * j, own * (j + 1))
+        cells_[rows, rows] = [[lay.diagonal_block(matrix, i, k) + j for k in range(own)] for i in range(own)]
         if own:
-            where[at, N:] = [[lay.border_column(matrix, i, k) + j for k in range(shared)] for i in range(own)]
-            where[N:, at] = [[lay.border_row(matrix, k, i) + j for i in range(own)] for k in range(shared)]
-    where[N:, N:] = [[lay.corner_block(matrix, k, m) for m in range(shared)] for k in range(shared)]
-    return where
+            cells_[rows, N:] = [[lay.border_column(matrix, i, k) + j for k in range(shared)] for i in range(own)]
+            cells_[N:, rows] = [[lay.border_row(matrix, k, i) + j for i in range(own)] for k in range(shared)]
+    cells_[N:, N:] = [[lay.corner_block(matrix, k, m) for m in range(shared)] for k in range(shared)]
+    return cells_
 
 
 def fill(model: ArrowModel, matrix: int, scatter: float | np.ndarray, y: np.ndarray) -> np.ndarray:
     """Put random entries in the arrow at ``matrix``; the same, dense. scatter: () or (n, n), their size."""
-    where = arrow_cells(model, matrix)
-    size = np.broadcast_to(scatter, where.shape)
-    dense = np.where(where >= 0, size * RANDOM.standard_normal(where.shape), 0.0)
-    y[where[where >= 0]] = dense[where >= 0]
+    cells_ = arrow_cells(model, matrix)
+    size = np.broadcast_to(scatter, cells_.shape)
+    dense = np.where(cells_ >= 0, size * RANDOM.standard_normal(cells_.shape), 0.0)
+    y[cells_[cells_ >= 0]] = dense[cells_ >= 0]
     return dense
 
 
@@ -89,12 +89,12 @@ def spring_arrow(model: ArrowModel, k: np.ndarray) -> tuple[np.ndarray, np.ndarr
     units = 10.0 ** RANDOM.uniform(-3, 3, size)
     dense = np.zeros((size, size))
     for j, stiffness in enumerate(k):
-        at = np.r_[own * j : own * (j + 1), own * Z : size]
-        for one in stiffness:
-            n = RANDOM.standard_normal(len(at)) * units[at]
-            dense[np.ix_(at, at)] -= one * np.outer(n, n) / units[at, np.newaxis] ** 2
-    where = arrow_cells(model, lay.POSITION_JACOBIAN)
-    y[where[where >= 0]] = dense[where >= 0]
+        indices = np.r_[own * j : own * (j + 1), own * Z : size]
+        for stiffness_ in stiffness:
+            n = RANDOM.standard_normal(len(indices)) * units[indices]
+            dense[np.ix_(indices, indices)] -= stiffness_ * np.outer(n, n) / units[indices, np.newaxis] ** 2
+    cells_ = arrow_cells(model, lay.POSITION_JACOBIAN)
+    y[cells_[cells_ >= 0]] = dense[cells_ >= 0]
     return y, dense
 
 

@@ -40,12 +40,12 @@ def vast_chunk(file: Any, name: str, other: Path) -> None:
 
 
 def deflated_twice(file: Any, name: str, other: Path) -> None:
-    made = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-    made.set_chunk((1, 2))
-    made.set_deflate(9)
-    made.set_deflate(9)
+    properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    properties.set_chunk((1, 2))
+    properties.set_deflate(9)
+    properties.set_deflate(9)
     space = h5py.h5s.create_simple((1, 2))
-    h5py.h5d.create(file.id, name.encode(), h5py.h5t.IEEE_F64LE, space, made)
+    h5py.h5d.create(file.id, name.encode(), h5py.h5t.IEEE_F64LE, space, properties)
 
 
 def other_filter(file: Any, name: str, other: Path) -> None:
@@ -95,11 +95,11 @@ DATASETS: dict[str, tuple[Callable[[Any, str, Path], None], str]] = {
 """By kind: what adds such a dataset, and how the refusal to read it as numbers begins."""
 
 
-def share_text(content: bytes, of: int, count: int) -> bytes:
+def share_text(content: bytes, offset: int, count: int) -> bytes:
     """The texts of a dataset of variable length whose references lie at ``of``, all made the first of them."""
-    return content[:of] + count * content[of : of + 16] + content[of + 16 * count :]
+    return content[:offset] + count * content[offset : offset + 16] + content[offset + 16 * count :]
 
 
-def overstate_text(content: bytes, of: int, letters: int) -> bytes:
+def overstate_text(content: bytes, offset: int, length: int) -> bytes:
     """The text of a dataset whose reference lies at ``of``, stated to have so many letters."""
-    return content[:of] + struct.pack("<I", letters) + content[of + 4 :]
+    return content[:offset] + struct.pack("<I", length) + content[offset + 4 :]

@@ -40,11 +40,11 @@ smooth_defects = shapes | spalls | eased_defects | merged_defects
 
 def rough_scan(seed, burr=0.0):
     """A measured spall, 6 mm by 2 mm and 40 um deep, rough by 2 um; with a raised rim of ``burr`` (m)."""
-    draw = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     s, z = np.linspace(-2e-3, 2e-3, 161), np.linspace(-4e-3, 4e-3, 33)
     r = np.hypot(*np.meshgrid(s / 1e-3, z / 3e-3))
-    r *= 1.0 + 0.15 * np.cos(3.0 * np.arctan2(*np.meshgrid(z, s, indexing="ij")) + draw.uniform(0.0, 6.0))
-    depth = np.where(r < 1.0, np.abs(4e-5 * (1.0 - r**4) + draw.normal(0.0, 2e-6, r.shape)), 0.0)
+    r *= 1.0 + 0.15 * np.cos(3.0 * np.arctan2(*np.meshgrid(z, s, indexing="ij")) + rng.uniform(0.0, 6.0))
+    depth = np.where(r < 1.0, np.abs(4e-5 * (1.0 - r**4) + rng.normal(0.0, 2e-6, r.shape)), 0.0)
     depth -= np.where((r >= 1.0) & (r < 1.1), burr, 0.0)
     return ScannedDefect(f"scan {seed} {burr}", s, z, depth)
 

@@ -38,13 +38,13 @@ class DesignStudy(FakeStudy):
         return FakeJob(case_id(case), case, swept, case_id(FakeCase(healthy=True)))
 
     def jobs(self) -> list[Any]:
-        twin = FakeCase(healthy=True)
+        healthy = FakeCase(healthy=True)
         cases = {job.id: job for job in self.rows()}
-        return [*cases.values(), FakeJob(case_id(twin), twin, {}, None, is_baseline=True)]
+        return [*cases.values(), FakeJob(case_id(healthy), healthy, {}, None, is_baseline=True)]
 
 
 def run_design(root: Path, **study: Any) -> Path:
     """The results of a design, in a folder."""
-    asked: Any = DesignStudy(**study)
-    run(asked, root, jobs=1, progress=False, engine=ENGINE)
+    design_study: Any = DesignStudy(**study)
+    run(design_study, root, jobs=1, progress=False, engine=ENGINE)
     return root

@@ -31,18 +31,18 @@ def cells(model: Any) -> np.ndarray:
 def dense_matrix(model: Any, matrix: int, y: np.ndarray) -> np.ndarray:
     """An arrow as a dense matrix (N, N), in the order of ``cells``."""
     (own, shared), Z = degrees_of_freedom(model), model.bearing.Z
-    full = np.zeros((shared + own * Z, shared + own * Z))
+    dense = np.zeros((shared + own * Z, shared + own * Z))
     rows = [shared + i * Z + np.arange(Z) for i in range(own)]
     for k in range(shared):
         for m in range(shared):
-            full[k, m] = y[lay.corner_block(matrix, k, m)]
+            dense[k, m] = y[lay.corner_block(matrix, k, m)]
         for i in range(own):
-            full[rows[i], k] = y[lay.border_column(matrix, i, k) :][:Z]
-            full[k, rows[i]] = y[lay.border_row(matrix, k, i) :][:Z]
+            dense[rows[i], k] = y[lay.border_column(matrix, i, k) :][:Z]
+            dense[k, rows[i]] = y[lay.border_row(matrix, k, i) :][:Z]
     for i in range(own):
         for m in range(own):
-            full[rows[i], rows[m]] = y[lay.diagonal_block(matrix, i, m) :][:Z]
-    return full
+            dense[rows[i], rows[m]] = y[lay.diagonal_block(matrix, i, m) :][:Z]
+    return dense
 
 
 def derivatives(model: Any, t: float, y: np.ndarray) -> list[np.ndarray]:
@@ -63,27 +63,27 @@ def absolute_values(model: Any, y: np.ndarray, block: int) -> np.ndarray:
     return values
 
 
-def shift_coordinate(model: Any, y: np.ndarray, block: int, cell: int, by: float) -> np.ndarray:
+def shift_coordinate(model: Any, y: np.ndarray, block: int, cell: int, shift: float) -> np.ndarray:
     """The buffer with one coordinate moved; rollers stay where they are while the cage turns."""
     y = y.copy()
-    y[block + cell] += by
+    y[block + cell] += shift
     if cell == lay.PHI_C and degrees_of_freedom(model)[0] > ORBIT:
         eps = block + lay.FIRST_LANE + ORBIT * lay.ROW
-        y[eps : eps + model.bearing.Z] -= by
+        y[eps : eps + model.bearing.Z] -= shift
     return y
 
 
 def differences(model: Any, t: float, y: np.ndarray, steps: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
     """The same by central differences of fourth order; ``steps``: of positions and of velocities, (N,) each."""
-    full = []
-    for (_, block), by in zip(MATRICES, steps, strict=True):
+    matrices = []
+    for (_, block), step_sizes in zip(MATRICES, steps, strict=True):
         columns = []
-        for cell, h in zip(cells(model), by, strict=True):
+        for cell, h in zip(cells(model), step_sizes, strict=True):
             values = []
-            for part in (-2.0, -1.0, 1.0, 2.0):
-                shifted = shift_coordinate(model, y, block, cell, part * h)
-                start_at_rest(model, t, shifted)
-                values.append(absolute_values(model, shifted, lay.ACCELERATION))
+            for multiple in (-2.0, -1.0, 1.0, 2.0):
+                shifted_buffer = shift_coordinate(model, y, block, cell, multiple * h)
+                start_at_rest(model, t, shifted_buffer)
+                values.append(absolute_values(model, shifted_buffer, lay.ACCELERATION))
             columns.append((8.0 * (values[2] - values[1]) - (values[3] - values[0])) / (12.0 * h))
-        full.append(np.array(columns).T)
-    return full
+        matrices.append(np.array(columns).T)
+    return matrices

@@ -55,22 +55,22 @@ def refused_lock(number: int) -> type:
 def no_locks() -> Iterator[None]:
     """Refuse every lock in shared memory, as where nothing is mounted at /dev/shm."""
     locks: Any = import_module("joblib.externals.loky.backend.synchronize")
-    locks._SemLock, usual = refused_lock(errno.ENOENT), locks._SemLock
+    locks._SemLock, original = refused_lock(errno.ENOENT), locks._SemLock
     yield
-    locks._SemLock = usual
+    locks._SemLock = original
 
 
 @contextmanager
 def no_inodes() -> Iterator[None]:
     """Refuse every new file in the working folder, as a disk without inodes does."""
-    root, statvfs, ended = Path.cwd(), os.statvfs, []
+    root, statvfs, is_over = Path.cwd(), os.statvfs, []
 
     def refuse(event: str, arguments: tuple[Any, ...]) -> None:
-        if ended or event not in ("open", "os.mkdir") or not isinstance(arguments[0], str | bytes | Path):
+        if is_over or event not in ("open", "os.mkdir") or not isinstance(arguments[0], str | bytes | Path):
             return
         path = Path(os.fsdecode(arguments[0])).absolute()
-        is_made = event == "os.mkdir" or bool(arguments[2] & os.O_CREAT)
-        if is_made and root in path.parents and not path.exists():
+        is_creation = event == "os.mkdir" or bool(arguments[2] & os.O_CREAT)
+        if is_creation and root in path.parents and not path.exists():
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
 
     def without_inodes(path: Any) -> Any:
@@ -82,16 +82,16 @@ def no_inodes() -> Iterator[None]:
     os.statvfs = without_inodes
     yield
     os.statvfs = statvfs
-    ended.append(True)
+    is_over.append(True)
 
 
 @contextmanager
 def full_stdout() -> Iterator[None]:
     """Let stdout be a file on a full disk."""
-    usual, full = os.dup(1), os.open("/dev/full", os.O_WRONLY)
+    original, full = os.dup(1), os.open("/dev/full", os.O_WRONLY)
     os.dup2(full, 1)
     yield
-    os.dup2(usual, 1)
+    os.dup2(original, 1)
     sys.stdout.flush()
 
 
@@ -127,24 +127,24 @@ def run(words: list[str]) -> dict[str, Any]:
     sys.argv = ["bearingsim", *words]
     try:
         main()
-    except SystemExit as end:
-        return {"code": end.code or 0, "traceback": ""}
+    except SystemExit as error:
+        return {"code": error.code or 0, "traceback": ""}
     except BaseException:
         return {"code": None, "traceback": traceback.format_exc()}
     return {"code": 0, "traceback": ""}
 
 
-def run_all(fault: str, places: dict[str, str]) -> dict[str, Any]:
+def run_all(fault: str, arguments: dict[str, str]) -> dict[str, Any]:
     """Run every command in a folder of its own under a fault; what ``run`` says of each."""
     Path(fault).mkdir()
     os.chdir(fault)
     Path("small.yaml").write_text(STUDY)
     with FAULTS[fault]():
-        ends = {"help": run(["--help"])}
+        results = {"help": run(["--help"])}
         for name, words in COMMANDS.items():
-            ends[name] = run([name, *(places.get(word, word) for word in words)])
+            results[name] = run([name, *(arguments.get(word, word) for word in words)])
     os.chdir("..")
-    return ends
+    return results
 
 
 if __name__ == "__main__":

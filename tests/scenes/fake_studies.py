@@ -89,11 +89,13 @@ class FakeStudy:
     design: Any = None
 
     def jobs(self) -> list[Any]:
-        twin = FakeCase(healthy=True, seconds=self.seconds)
-        twin_id = case_id(twin)
-        cases = [FakeCase(w, self.deeds.get(i, ""), self.seconds) for i, w in enumerate(self.widths)]
-        jobs = [FakeJob(case_id(case), case, {"defect.width": case.width}, twin_id) for case in cases]
-        return [*jobs, FakeJob(twin_id, twin, {}, None, is_baseline=True)]
+        healthy = FakeCase(healthy=True, seconds=self.seconds)
+        healthy_id = case_id(healthy)
+        cases = [
+            FakeCase(width, self.deeds.get(number, ""), self.seconds) for number, width in enumerate(self.widths)
+        ]
+        jobs = [FakeJob(case_id(case), case, {"defect.width": case.width}, healthy_id) for case in cases]
+        return [*jobs, FakeJob(healthy_id, healthy, {}, None, is_baseline=True)]
 
     def cases(self) -> list[FakeCase]:
         return [job.case for job in self.jobs() if not job.is_baseline]

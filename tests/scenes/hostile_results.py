@@ -91,8 +91,8 @@ def make(work: Path) -> None:
     Path("study.yaml").write_text(STUDY)
     Path("scan.csv").write_text(SCAN)
     _use_engine()
-    run = CliRunner().invoke(app, ["run", "study.yaml", "--jobs", "1", "--out", "sent"])
-    assert run.exit_code == 0, (run.output, run.exc_info)
+    result = CliRunner().invoke(app, ["run", "study.yaml", "--jobs", "1", "--out", "sent"])
+    assert result.exit_code == 0, (result.output, result.exc_info)
     outside = work / "outside"
     outside.mkdir()
     np.full(200, SECRET, "<f4").tofile(outside / "secret.raw")
@@ -136,16 +136,16 @@ def inflate_columns(name: str, root: Path, outside: Path) -> None:
         jobs, names = file[name].shape
         dtype = file[name].dtype
         del file[name]
-        wide = np.dtype("S1000000") if dtype.kind in "SO" else dtype
-        file.create_dataset(name, (jobs, names * 10**6), wide, chunks=(1, 10), compression="gzip")
+        item_type = np.dtype("S1000000") if dtype.kind in "SO" else dtype
+        file.create_dataset(name, (jobs, names * 10**6), item_type, chunks=(1, 10), compression="gzip")
 
 
 def external_raw(root: Path, outside: Path) -> None:
     with reseal(first_unit(root)) as file:
         shape = file["ring.velocity.x"].shape
         del file["ring.velocity.x"]
-        where = [(str(outside / "secret.raw"), 0, 4 * shape[0] * shape[1])]
-        file.create_dataset("ring.velocity.x", shape, "f4", external=where)
+        external_files = [(str(outside / "secret.raw"), 0, 4 * shape[0] * shape[1])]
+        file.create_dataset("ring.velocity.x", shape, "f4", external=external_files)
 
 
 def long_record(root: Path, outside: Path) -> None:
@@ -170,8 +170,8 @@ def shared_letters(root: Path, outside: Path) -> None:
     with reseal(path) as file:
         del file["fact"]
         file.create_dataset("fact", data=["x" * 100_000, *["y"] * 20_000], dtype=TEXT)
-        place = file["fact"].id.get_offset()
-    image = share_text(path.read_bytes()[: -sealed.SEAL_BYTES], place, 20_001)
+        offset = file["fact"].id.get_offset()
+    image = share_text(path.read_bytes()[: -sealed.SEAL_BYTES], offset, 20_001)
     path.write_bytes(image + sealed._seal(image))
 
 
@@ -235,8 +235,8 @@ def failure(root: Path, outside: Path) -> None:
     first_unit(root).unlink()
     (root / "failed").mkdir(exist_ok=True)
     for job in (entry["job"] for entry in read_json(root / "plan.json")["jobs"]):
-        said = {"reason": FORMULA + ESCAPE, "advice": ESCAPE, "traceback": ESCAPE, "command": "rm -rf ~"}
-        write_json(root / "failed" / f"{job}.json", said)
+        content = {"reason": FORMULA + ESCAPE, "advice": ESCAPE, "traceback": ESCAPE, "command": "rm -rf ~"}
+        write_json(root / "failed" / f"{job}.json", content)
 
 
 def large_plan(root: Path, outside: Path) -> None:
@@ -355,15 +355,15 @@ def run_attack(name: str, work: Path) -> None:
     ATTACKS[name](root, outside)
     _use_engine()
     opened = _watch(outside)
-    seen: list[dict[str, Any]] = []
-    for command, told in ((DEFECT if "scan" in name else {}) | COMMANDS).items():
-        started = time.process_time()
-        said = CliRunner().invoke(app, [{"ROOT": str(root), "JOB": job}.get(word, word) for word in told])
-        error = said.exception if not isinstance(said.exception, SystemExit) else None
-        entry = {"command": command, "code": said.exit_code, "out": said.stdout, "err": said.stderr}
-        seen.append(entry | {"error": repr(error or ""), "cpu_s": time.process_time() - started})
+    entries: list[dict[str, Any]] = []
+    for command, arguments in ((DEFECT if "scan" in name else {}) | COMMANDS).items():
+        start = time.process_time()
+        result = CliRunner().invoke(app, [{"ROOT": str(root), "JOB": job}.get(word, word) for word in arguments])
+        error = result.exception if not isinstance(result.exception, SystemExit) else None
+        entry = {"command": command, "code": result.exit_code, "out": result.stdout, "err": result.stderr}
+        entries.append(entry | {"error": repr(error or ""), "cpu_s": time.process_time() - start})
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-    (work / "seen.json").write_text(json.dumps({"seen": seen, "opened": opened, "memory": memory}))
+    (work / "seen.json").write_text(json.dumps({"seen": entries, "opened": opened, "memory": memory}))
 
 
 def _watch(outside: Path) -> list[str]:

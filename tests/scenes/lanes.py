@@ -36,6 +36,6 @@ def keeps_lanes(loop: Any, *arguments: Any) -> bool:
     code = loop.inspect_llvm(tuple(numba.typeof(argument) for argument in arguments))
     blocks = re.split(r"\n(?=[\w.]+:)", code)
     bodies = [block for block in blocks if block.startswith("vector.body")]
-    called = {name for body in bodies for name in re.findall(r"call [^@\n]*@([\w.]+)\(", body)}
-    real_calls = {name for name in called if not re.fullmatch(INSTRUCTIONS, name)}
-    return bool(bodies) and "x double>" in "".join(bodies) and not real_calls
+    names = {name for body in bodies for name in re.findall(r"call [^@\n]*@([\w.]+)\(", body)}
+    calls = {name for name in names if not re.fullmatch(INSTRUCTIONS, name)}
+    return bool(bodies) and "x double>" in "".join(bodies) and not calls

@@ -20,23 +20,23 @@ CHI = {"law": "hunt-crossley", "chi": "50 s/m"}
 """The damping under which the numbers of most tests were found; continuous at touch-down, unlike the default."""
 
 
-def case(**given: Any) -> Case:
+def case(**fields: Any) -> Case:
     """The NF308 at 1800 rpm and 150 N in `rollers`, healthy unless a defect is given, its step taken unproven.
 
     Its contacts are damped by ``CHI`` unless `contact` says otherwise.
     """
     base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "rollers", "step_check": False}
-    contact = given.get("contact", {})
-    damped = {"contact": {"damping": CHI} | contact} if isinstance(contact, dict) else {}
-    return Case.model_validate(base | given | damped)
+    contact = fields.get("contact", {})
+    damping = {"contact": {"damping": CHI} | contact} if isinstance(contact, dict) else {}
+    return Case.model_validate(base | fields | damping)
 
 
 def light_rollers(factor: float) -> dict[str, Any]:
     """Fields of a case: the NF308 of a material so light that only the rollers tell (the ring's mass is given)."""
-    usual = case()
-    material = usual.bearing.material.model_copy(update={"density": factor * usual.bearing.material.density})
-    bearing = usual.bearing.model_copy(update={"material": material})
-    return {"bearing": bearing, "rig": {"ring_mass": f"{assemble.geometry.ring_mass(usual)} kg"}}
+    default = case()
+    material = default.bearing.material.model_copy(update={"density": factor * default.bearing.material.density})
+    bearing = default.bearing.model_copy(update={"material": material})
+    return {"bearing": bearing, "rig": {"ring_mass": f"{assemble.geometry.ring_mass(default)} kg"}}
 
 
 def weightless(model: Any) -> Any:
@@ -53,22 +53,22 @@ def at_rest(model: Any, t: float = 0.0) -> np.ndarray:
 
 
 def advance_recorded(
-    method: Any, model: Any, monitor: Monitor, start: int, y: np.ndarray, places: np.ndarray, out: np.ndarray
+    method: Any, model: Any, monitor: Monitor, start: int, y: np.ndarray, rows: np.ndarray, out: np.ndarray
 ) -> tuple[int, int, int]:
     """``advance`` by the code that simulates a case: compiled once for both, if ``out`` is laid out as there.
 
     That is as a part of a larger array, so that its rows do not follow each other.
     """
-    part = np.empty((out.shape[0], out.shape[1] + 1))[:, 1:]
-    ended = advance_and_sample(method, model, monitor, start, y, places, part, NoSamples())
-    out[:] = part
-    return ended
+    columns = np.empty((out.shape[0], out.shape[1] + 1))[:, 1:]
+    result = advance_and_sample(method, model, monitor, start, y, rows, columns, NoSamples())
+    out[:] = columns
+    return result
 
 
 def drive(model: Any, method: Any, steps: int, y: np.ndarray | None = None, patience: float = 1.0) -> np.ndarray:
     """Recording (len(PLACES), steps) from rest, or from ``y``."""
     y = at_rest(model) if y is None else y
     out = np.empty((len(ROWS), steps))
-    taken, outcome, _ = advance_recorded(method, model, Monitor(8, patience), 0, y, ROWS, out)
-    assert (taken, outcome) == (steps, SUCCESS)
+    steps_taken, outcome, _ = advance_recorded(method, model, Monitor(8, patience), 0, y, ROWS, out)
+    assert (steps_taken, outcome) == (steps, SUCCESS)
     return out

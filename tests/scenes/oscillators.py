@@ -27,7 +27,7 @@ UNIT = Bearing(1, 1.0, 3.0, 1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0)
 class Oscillator(NamedTuple):
     """q'' = -K (q - B q^3) - C v (1 + D v^2) + P cos(w t) - g + floor <-q>^n, with v = q', up to ``until`` (s).
 
-    From then on q'' = ``after``. foreseen: when (s) ``next_jump`` tells of. One type for all the scenes below: so
+    From then on q'' = ``after``. jump_time: s, returned by ``next_jump``. One type for all the scenes below: so
     each method is compiled once.
     """
 
@@ -42,7 +42,7 @@ class Oscillator(NamedTuple):
     n: float = 1.0
     until: float = inf
     after: float = 0.0
-    foreseen: float = inf
+    jump_time: float = inf
     bearing: Bearing = UNIT
 
 
@@ -58,7 +58,7 @@ def bouncing_roller(g: float, K: float, n: float) -> Oscillator:
 
 def jump_at(P: float, at: float) -> Oscillator:
     """q'' = P (1 + v) up to the time ``at``, -P after it: a jump, of which ``next_jump`` tells."""
-    return Oscillator(0.0, -P, g=-P, until=at, after=-P, foreseen=at)
+    return Oscillator(0.0, -P, g=-P, until=at, after=-P, jump_time=at)
 
 
 def undefined_after(end: float) -> Oscillator:
@@ -70,15 +70,15 @@ state_width.register(Oscillator)(lambda model: lay.FIRST_LANE + 8)
 monitored.register(Oscillator)(lambda model: 1)
 degrees_of_freedom.register(Oscillator)(lambda model: (1, 0))
 update_extremes.register(Oscillator)(lambda model, y: None)
-next_jump.register(Oscillator)(lambda model, t, y: model.foreseen if t < model.foreseen else inf)
+next_jump.register(Oscillator)(lambda model, t, y: model.jump_time if t < model.jump_time else inf)
 
 
 @accelerations.register(Oscillator)
 def _accelerations(model, t, y):
     q, v = y[lay.RADIAL], y[lay.RADIAL_V]
-    pulled = model.K * q if model.B == 0.0 else model.K * (q - model.B * q * q * q)
-    damped = model.C * v if model.D == 0.0 else model.C * v * (1.0 + model.D * v * v)
-    a = -pulled - damped - model.g
+    spring_force = model.K * q if model.B == 0.0 else model.K * (q - model.B * q * q * q)
+    damping_force = model.C * v if model.D == 0.0 else model.C * v * (1.0 + model.D * v * v)
+    a = -spring_force - damping_force - model.g
     if model.P != 0.0:
         a += model.P * cos(model.w * t)
     if model.floor != 0.0:
@@ -96,10 +96,10 @@ def start(method, model, t, q, v, y):
 
 
 @jit
-def take_steps(method, model, first, y, out):
+def take_steps(method, model, start_step, y, out):
     """Take len(out) steps from step number ``first``, recording place and speed after each: out (n, 2)."""
     for n in range(len(out)):
-        step(method, model, (first + n) * method.h, y)
+        step(method, model, (start_step + n) * method.h, y)
         out[n, 0], out[n, 1] = y[lay.RADIAL], y[lay.RADIAL_V]
 
 
@@ -147,8 +147,8 @@ def counts(y: np.ndarray) -> dict[str, float]:
 def exact_state(K: float, C: float, t: float, q: float, v: float) -> np.ndarray:
     """The free oscillator's exact state (2,) at ``t`` (s), underdamped."""
     w, c = sqrt(K - C * C / 4.0), C / 2.0
-    e, co, si = exp(-c * t), cos(w * t), cos(w * t - pi / 2.0)
-    return e * np.array([q * co + (v + c * q) / w * si, v * co - (K * q + c * v) / w * si])
+    decay, cosine, sine = exp(-c * t), cos(w * t), cos(w * t - pi / 2.0)
+    return decay * np.array([q * cosine + (v + c * q) / w * sine, v * cosine - (K * q + c * v) / w * sine])
 
 
 def bounce_period(model: Oscillator, v: float) -> float:

@@ -27,7 +27,7 @@ from bearingsim.core.parts.cage import Centred, FreeCage, OilDrag, RollerGuided
 from bearingsim.core.parts.shaft import FixedRing, RigidShaft, TorsionSpring
 from tests.independent import planar
 
-FAR = 0.01  # m: a pocket that no roller touches
+NO_CONTACT_PLAY = 0.01  # m: a pocket that no roller touches
 ROWS = np.array(
     [
         lay.POSITION + lay.X,
@@ -80,13 +80,13 @@ def _mu_derivative_bound_zone(law, u):
     return law.mu / law.v
 
 
-def friction(given: Any) -> Any:
+def friction(law: Any) -> Any:
     """The package's law for a friction of the reference."""
-    if given is planar.frictionless:
+    if law is planar.frictionless:
         return Frictionless()
-    if isinstance(given, planar.Coulomb):
-        return RegularisedCoulomb(given.mu, given.zone)
-    mu_s, mu_d = float(given(0.02)), float(given(1.0))
+    if isinstance(law, planar.Coulomb):
+        return RegularisedCoulomb(law.mu, law.zone)
+    mu_s, mu_d = float(law(0.02)), float(law(1.0))
     return StaticDynamic(mu_s, mu_d, 0.02, 0.1)
 
 
@@ -96,12 +96,12 @@ def defect_pairs(scene: planar.Scene, defect: planar.Defect) -> list[RollerDefec
         planar.OUTER: (ON_OUTER, scene.R_o, (OUTER,)),
         planar.INNER: (ON_INNER, scene.R_i, (INNER,)),
     }
-    on, radius, sides = rings.get(defect.on) or (defect.on[1], scene.R_w, (OUTER, INNER))
+    carrier, radius, sides = rings.get(defect.on) or (defect.on[1], scene.R_w, (OUTER, INNER))
     reduced = {OUTER: scene.reduced(planar.OUTER), INNER: scene.reduced(planar.INNER)}
     return [
         RollerDefectPair(
             side,
-            on,
+            carrier,
             defect.angle,
             radius,
             reduced[side],
@@ -132,25 +132,27 @@ def planar_model(scene: planar.Scene) -> Planar:
     healthy = static_bearing(
         bearing, Support(load.real, load.imag, 0.0, 0.0, 0.0, 0.0), law, law, pack_defects([], Envelope())
     )
-    rest = mean_equilibrium(healthy, lay.buffer(scene.Z, scene.m_r), samples=16)  # as many as the reference
-    wall = HuntCrossley(Linear(max(scene.pocket_stiffness, 1.0)), scene.pocket_chi)
-    free = FreeCage(
+    equilibrium = mean_equilibrium(healthy, lay.buffer(scene.Z, scene.m_r), samples=16)  # as many as the reference
+    wall_law = HuntCrossley(Linear(max(scene.pocket_stiffness, 1.0)), scene.pocket_chi)
+    cage = FreeCage(
         m=scene.cage_mass,
         inertia=scene.cage_inertia,
-        play=scene.pocket_clearance / 2.0 if scene.pocket_stiffness else FAR,
-        pocket=wall,
+        play=scene.pocket_clearance / 2.0 if scene.pocket_stiffness else NO_CONTACT_PLAY,
+        pocket=wall_law,
         friction=friction(scene.pocket_friction),
-        guide=RollerGuided(FAR, wall) if scene.cage_moves else Centred(),
+        guide=RollerGuided(NO_CONTACT_PLAY, wall_law) if scene.cage_moves else Centred(),
     )
     return Planar(
         bearing=bearing,
-        support=Support(load.real, load.imag, scene.k_b, scene.c_b, rest.x, rest.y),
+        support=Support(load.real, load.imag, scene.k_b, scene.c_b, equilibrium.x, equilibrium.y),
         outer=law,
         inner=law,
-        defects=pack_defects([one for defect in scene.defects for one in defect_pairs(scene, defect)], Envelope()),
+        defects=pack_defects(
+            [pair for defect in scene.defects for pair in defect_pairs(scene, defect)], Envelope()
+        ),
         motion=Steady(),
         friction=friction(scene.friction),
-        cage=free,
+        cage=cage,
         drag=OilDrag(scene.roller_drag, scene.cage_drag, 1.0),  # zero or not: compiled once
         shaft=RigidShaft(),
         bracket=TorsionSpring(scene.ring_inertia, *scene.torsion) if scene.torsion else FixedRing(),
@@ -175,6 +177,6 @@ def simulate(scene: planar.Scene, duration: float, step: float) -> tuple[np.ndar
     steps = round(duration / step)
     out = np.empty((len(ROWS), steps + 1))
     out[:, 0] = y[ROWS]
-    taken, outcome, _ = advance(RungeKutta4(step), model, Monitor(1000, 1.0), 0, y, ROWS, out[:, 1:])
-    assert (taken, outcome) == (steps, SUCCESS)
+    steps_taken, outcome, _ = advance(RungeKutta4(step), model, Monitor(1000, 1.0), 0, y, ROWS, out[:, 1:])
+    assert (steps_taken, outcome) == (steps, SUCCESS)
     return step * np.arange(steps + 1), out

@@ -12,28 +12,28 @@ from tests.scenes.nf308 import case
 
 def record_run(model, method, span, y):
     """Instants (n + 1,) and all that moves (places, n + 1) over ``span`` (s) from the state in ``y``."""
-    at, n = bodies.places(model.bearing.Z), round(span / method.h)
-    y, out = y.copy(), np.empty((len(at), n + 1))
-    out[:, 0], later = y[at], np.empty((len(at), n))
-    taken, outcome, _ = nf308.advance_recorded(method, model, Monitor(8, 1.0), 0, y, at, later)
-    assert (taken, outcome) == (n, SUCCESS)
-    out[:, 1:] = later
+    rows, n = bodies.places(model.bearing.Z), round(span / method.h)
+    y, out = y.copy(), np.empty((len(rows), n + 1))
+    out[:, 0], columns = y[rows], np.empty((len(rows), n))
+    steps_taken, outcome, _ = nf308.advance_recorded(method, model, Monitor(8, 1.0), 0, y, rows, columns)
+    assert (steps_taken, outcome) == (n, SUCCESS)
+    out[:, 1:] = columns
     return method.h * np.arange(n + 1), out
 
 
 def balances(model, t, out):
     """Balances at all instants, some thousands at a time."""
-    pieces = [slice(k, k + 4000) for k in range(0, len(t), 4000)]
-    found = [bodies.balance(bodies.scene(model, t[piece], out[:, piece])) for piece in pieces]
-    return bodies.Balance(*(np.concatenate(column) for column in zip(*found, strict=True)))
+    slices_ = [slice(k, k + 4000) for k in range(0, len(t), 4000)]
+    parts = [bodies.balance(bodies.scene(model, t[slice_], out[:, slice_])) for slice_ in slices_]
+    return bodies.Balance(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
 def energy_error(model, method, span, y):
     """Most energy (J) that came from nowhere at any (second) instant, and all that was lost; Simpson's rule."""
-    found, h = balances(model, *record_run(model, method, span, y)), method.h
-    net = found.power - found.lost
-    gone = np.cumsum(net[:-2:2] + 4 * net[1:-1:2] + net[2::2]) * h / 3
-    return np.abs(found.energy[2::2] - found.energy[0] - gone).max(), h * found.lost.sum()
+    totals, h = balances(model, *record_run(model, method, span, y)), method.h
+    net = totals.power - totals.lost
+    work = np.cumsum(net[:-2:2] + 4 * net[1:-1:2] + net[2::2]) * h / 3
+    return np.abs(totals.energy[2::2] - totals.energy[0] - work).max(), h * totals.lost.sum()
 
 
 def orders(errors):
@@ -41,8 +41,8 @@ def orders(errors):
     return np.log2(np.array(errors[:-1]) / errors[1:])
 
 
-def start_planar(**given):
+def start_planar(**fields):
     """A model of the plain kind at static equilibrium."""
-    at_hand = case(model="planar", **given)
-    model = assemble.model(at_hand)
-    return model, assemble.start(at_hand, model)[0]
+    planar_case = case(model="planar", **fields)
+    model = assemble.model(planar_case)
+    return model, assemble.start(planar_case, model)[0]

@@ -14,5 +14,5 @@ FORCES = ["roller.outer_force", "roller.inner_force"]
 def case(**fields: Any) -> Case:
     """The NF308 at 1800 rpm and 150 N in `ring`; its contacts are damped by ``CHI`` unless `contact` says else."""
     base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "duration": "80 ms", "settle": "30 ms"}
-    damped = {"contact": {"damping": CHI} | fields.get("contact", {})}
-    return Case.model_validate(base | {"model": "ring"} | fields | damped)
+    damping = {"contact": {"damping": CHI} | fields.get("contact", {})}
+    return Case.model_validate(base | {"model": "ring"} | fields | damping)

@@ -49,15 +49,15 @@ def slice_defects(defects: Any, table: np.ndarray, reach: Any = None) -> Any:
     groups = np.zeros((len(head), n, defects.groups.shape[2]))
     for d in range(len(head)):
         ends = (-1.0, 1.0) if reach is None else reach[d]
-        over = np.array([ends[0] < zeta < ends[1] for zeta in table[:, 0]])
-        whole = defects.groups[d, np.argmax(defects.groups[d, :, GROUP_HALF_WIDTH])]
-        groups[d, over] = whole
-        groups[d, :, GROUP_WEIGHT] = over
-        head[d, GROUP_COUNT], head[d, HALF_WIDTH] = n, whole[GROUP_HALF_WIDTH]
+        is_met = np.array([ends[0] < zeta < ends[1] for zeta in table[:, 0]])
+        group = defects.groups[d, np.argmax(defects.groups[d, :, GROUP_HALF_WIDTH])]
+        groups[d, is_met] = group
+        groups[d, :, GROUP_WEIGHT] = is_met
+        head[d, GROUP_COUNT], head[d, HALF_WIDTH] = n, group[GROUP_HALF_WIDTH]
     return defects._replace(head=head, groups=groups)
 
 
-def spatial_model(model: Any, cut: Slices, reach: Any = None, **given: Any) -> Spatial:
+def spatial_model(model: Any, cut: Slices, reach: Any = None, **changes: Any) -> Spatial:
     """The planar model cut into slices; what is not given lies still."""
     b = model.bearing
     fields = model._asdict()
@@ -65,7 +65,7 @@ def spatial_model(model: Any, cut: Slices, reach: Any = None, **given: Any) -> S
     fields["defects"] = (
         slice_defects(model.defects, cut.table, reach) if len(model.defects.head) else model.defects
     )
-    rest = {
+    defaults = {
         "slices": cut,
         "L_w": L_W,
         "I_t": b.m_r * (b.R_w**2 / 4 + L_W**2 / 12),
@@ -75,7 +75,7 @@ def spatial_model(model: Any, cut: Slices, reach: Any = None, **given: Any) -> S
         "cage_z": CageInPlane() if isinstance(model.cage, KinematicCage) else INERT_CAGE,
         "lag": lag,
     }
-    return Spatial(**fields | rest | given)
+    return Spatial(**fields | defaults | changes)
 
 
 def empty(model: Spatial) -> np.ndarray:

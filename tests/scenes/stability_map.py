@@ -18,7 +18,7 @@ def table() -> pd.DataFrame:
             "m3": float(number % 3),
             "c": 10.0**number,
         }
-        told = {"class": name, "measure": "RMS" if number == 1 else "L2", "step_limit": 2e-6}
-        rows.append(cell | told | {"method": "verlet", "step": 1e-6, "tolerance": np.nan})
-        rows.append(cell | told | {"method": "rodas", "step": np.nan, "tolerance": 1e-4, "step_limit": np.inf})
+        result = {"class": name, "measure": "RMS" if number == 1 else "L2", "step_limit": 2e-6}
+        rows.append(cell | result | {"method": "verlet", "step": 1e-6, "tolerance": np.nan})
+        rows.append(cell | result | {"method": "rodas", "step": np.nan, "tolerance": 1e-4, "step_limit": np.inf})
     return pd.DataFrame(rows)

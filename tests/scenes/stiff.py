@@ -71,9 +71,9 @@ def _accelerations(model, t, y):
 def _linearise(model, t, y):
     q, v = y[lay.RADIAL], y[lay.RADIAL_V]
     K, C = derivatives(model.floor, -q, -v)
-    right = 1.0 + model.fault
-    y[lay.diagonal_block(lay.POSITION_JACOBIAN, 0, 0)] = right * (-model.K - 2.0 * model.mu * q * v - K)
-    y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, 0, 0)] = right * (-model.C + model.mu * (1.0 - q * q) - C)
+    factor = 1.0 + model.fault
+    y[lay.diagonal_block(lay.POSITION_JACOBIAN, 0, 0)] = factor * (-model.K - 2.0 * model.mu * q * v - K)
+    y[lay.diagonal_block(lay.VELOCITY_JACOBIAN, 0, 0)] = factor * (-model.C + model.mu * (1.0 - q * q) - C)
 
 
 @jit

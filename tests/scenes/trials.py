@@ -69,35 +69,37 @@ def trial(
     scatter: standard deviation, over ``size``, of what a pass, or two, differ by from the whole (seeded).
     """
     noise = 1.0 + scatter * np.random.default_rng(passes).normal(size=passes)
-    parts = size * np.array([1.0, *noise[1:]])
-    lines = {name: parts * np.exp(1j) for name in names if "@" in name}
-    powers = {name: parts**2 for name in names if name.endswith(".rms")}
+    amplitudes = size * np.array([1.0, *noise[1:]])
+    lines = {name: amplitudes * np.exp(1j) for name in names if "@" in name}
+    powers = {name: amplitudes**2 for name in names if name.endswith(".rms")}
     return Trial(passes, passes, repeats, lines, powers, size * noise)
 
 
 TrialFunction = Callable[[TrialRequest], Trial | None]
 
 
-def run_trials(study: Study, of: TrialFunction) -> dict[str, Trial | None]:
+def run_trials(study: Study, trial_of: TrialFunction) -> dict[str, Trial | None]:
     """The trials of a study, each as it is told."""
-    choosing, found = selection.ModelSelector(study, range(len(study.cases()))), dict[str, Trial | None]()
-    while wanted := choosing.next_trials(found):
-        found |= {one.id: of(one) for one in wanted}
-    return found
+    choosing, results = selection.ModelSelector(study, range(len(study.cases()))), dict[str, Trial | None]()
+    while wanted := choosing.next_trials(results):
+        results |= {wanted_trial.id: trial_of(wanted_trial) for wanted_trial in wanted}
+    return results
 
 
-def trials_by_model(off: Mapping[str, float], **others: Any) -> TrialFunction:
+def trials_by_model(factors: Mapping[str, float], **options: Any) -> TrialFunction:
     """Trials whose features are the load, times what a model makes of it."""
-    return lambda one: trial(one.case.load * off[one.case.model], names=one.features, **others)
+    return lambda wanted_trial: trial(
+        wanted_trial.case.load * factors[wanted_trial.case.model], names=wanted_trial.features, **options
+    )
 
 
 # The engine
 
 
-def _log(what: str, case: Case) -> None:
+def _log(event: str, case: Case) -> None:
     if LOG in os.environ:
         with Path(os.environ[LOG]).open("a") as file:
-            file.write(f"{what} {case.model} {case.load:g}\n")
+            file.write(f"{event} {case.model} {case.load:g}\n")
 
 
 def try_out(

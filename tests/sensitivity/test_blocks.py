@@ -15,7 +15,7 @@ LINE = "velocity@BPFO"
 PATHS = ["defect.width", "load", "clearance"]
 
 
-def results(kind="saltelli", n=8, failed=(), missing=(), without=(), of=ISHIGAMI.of, **columns):
+def results(kind="saltelli", n=8, failed=(), missing=(), without=(), of=ISHIGAMI.function, **columns):
     """Results with the values of a function in the rows of a design; some jobs, by row, without."""
     points = cube(kind, n, len(PATHS), 1)
     ids = [f"{row:04}" for row in range(len(points))]
@@ -40,14 +40,14 @@ def refused(*asked, of=LINE, **told):
 def test_values_stand_in_the_rows_of_the_design(kind):
     found = collect_blocks(results(kind), LINE)
     assert found.values.shape == (8, block(kind, 3))
-    assert found.values == pytest.approx(ISHIGAMI.of(found.points))
+    assert found.values == pytest.approx(ISHIGAMI.function(found.points))
     assert (found.dropped, found.failed, found.valueless, found.jobs) == (0, 0, 0, found.values.size)
     assert found.losses() == ""
 
 
 def test_a_job_without_a_value_spoils_its_block():
     found = collect_blocks(results(failed=[0, 1, 7], without=[39]), LINE)  # blocks 0, 1 and 7 of 8, 5 rows each
-    assert found.values == pytest.approx(ISHIGAMI.of(found.points))
+    assert found.values == pytest.approx(ISHIGAMI.function(found.points))
     assert (len(found.values), found.dropped, found.planned, found.failed, found.valueless) == (5, 3, 8, 3, 1)
     assert found.losses() == "3 of 8 blocks dropped: of 40 jobs 3 failed and 1 have no `velocity@BPFO`"
 

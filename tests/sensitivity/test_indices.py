@@ -15,7 +15,7 @@ BOTH = np.stack
 
 def blocks_of(known: KnownIndices, n: int, seed: int = 1):
     d = len(known.first)
-    return known.of(cube("saltelli", n, d, seed)).reshape(n, d + 2)
+    return known.function(cube("saltelli", n, d, seed)).reshape(n, d + 2)
 
 
 def test_closed_forms_are_those_of_the_literature():
@@ -127,7 +127,7 @@ def test_blocks_are_drawn_whole():
 def test_morris_ranks_by_total_index(known, n):
     d = len(known.first)
     points = cube("morris", n, d, 1).reshape(n, d + 1, d)
-    magnitude = np.abs(estimates.elementary(points, known.of(points))).mean(axis=0)
+    magnitude = np.abs(estimates.elementary(points, known.function(points))).mean(axis=0)
     assert np.argsort(-magnitude).tolist() == np.argsort(-known.total).tolist()
 
 
