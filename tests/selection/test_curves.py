@@ -49,9 +49,9 @@ def test_the_points_of_a_design_are_one_cloud(write: Write) -> None:
     derived = blocks % "derived: {defect.depth: defect.width / 20}"
     assert drawn(write, "y: velocity@BPFO, x: load", sweep=derived) == [tuple(range(16))]
     clouds = blocks.replace("saltelli", "sobol") % "clearance: [0 um, 5 um]"
-    apart = [tuple(range(0, 8, 2)), tuple(range(1, 8, 2))]
-    assert drawn(write, "y: velocity@BPFO, x: load", sweep=clouds) == apart
-    assert drawn(write, "y: velocity@BPFO, x: load, by: clearance", sweep=clouds) == apart
+    two_curves = [tuple(range(0, 8, 2)), tuple(range(1, 8, 2))]
+    assert drawn(write, "y: velocity@BPFO, x: load", sweep=clouds) == two_curves
+    assert drawn(write, "y: velocity@BPFO, x: load, by: clearance", sweep=clouds) == two_curves
 
 
 def test_where_knows_words_and_plain_numbers(write: Write) -> None:

@@ -28,15 +28,15 @@ RING = "{bends: true, harmonics: 16}"
 SAID, HALF, QUARTER, SIXTH = candidates.SLICES
 
 
-def decided(study: Study, of: TrialFunction) -> list[Choice]:
+def choose(study: Study, evaluate: TrialFunction) -> list[Choice]:
     """What is chosen for each case of a study."""
     numbers = range(len(study.cases()))
-    found = selection.ModelSelector(study, numbers).decide(run_trials(study, of)).choices
-    return [found[key(study, case)] for case in study.cases()]
+    result = selection.ModelSelector(study, numbers).decide(run_trials(study, evaluate)).choices
+    return [result[key(study, case)] for case in study.cases()]
 
 
-def taken(study: Study, of: TrialFunction) -> list[str]:
-    return [choice.candidate for choice in decided(study, of)]
+def chosen_candidates(study: Study, evaluate: TrialFunction) -> list[str]:
+    return [choice.candidate for choice in choose(study, evaluate)]
 
 
 @pytest.fixture
@@ -67,35 +67,40 @@ def dear(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
 def test_the_cheapest_that_holds_is_taken(
     write: Write, dear: dict[str, float], off: dict[str, float], model: str
 ) -> None:
-    assert taken(accuracy_study(write), trials_by_model(FAR | {"rollers": 1.01} | off)) == [model] * 3
+    assert chosen_candidates(accuracy_study(write), trials_by_model(FAR | {"rollers": 1.01} | off)) == [model] * 3
 
 
 def test_scatter_that_could_be_a_difference_counts_as_one(write: Write, dear: dict[str, float]) -> None:
     """Two draws of 30 % scatter each agree by no luck within 5 %."""
-    noisy = {model: number for number, model in enumerate(FAR)}
+    offsets = {model: number for number, model in enumerate(FAR)}
 
-    def of(one: TrialRequest) -> Trial:
-        whole = trial(one.case.load, one.passes + noisy[one.case.model], 0.3, names=one.features)
-        cut = {name: parts[: one.passes] for name, parts in whole.lines.items()}
-        return replace(whole, passes=one.passes, turns=one.passes, lines=cut, forces=whole.forces[: one.passes])
+    def evaluate(request: TrialRequest) -> Trial:
+        full = trial(request.case.load, request.passes + offsets[request.case.model], 0.3, names=request.features)
+        cut = {name: parts[: request.passes] for name, parts in full.lines.items()}
+        return replace(
+            full, passes=request.passes, turns=request.passes, lines=cut, forces=full.forces[: request.passes]
+        )
 
-    assert taken(accuracy_study(write), of) == ["reference"] * 3
+    assert chosen_candidates(accuracy_study(write), evaluate) == ["reference"] * 3
 
 
 def test_errors_count_over_the_largest_value_of_the_curve(write: Write, dear: dict[str, float]) -> None:
     """Rollers are 10 N off at each load: 6.7 % of 150 N, but 2.2 % of the 450 N at the curve's end."""
 
-    def of(one: TrialRequest) -> Trial:
-        return trial(one.case.load + {"planar": 0.0, "rollers": 10.0}.get(one.case.model, 1e3), names=one.features)
+    def evaluate(request: TrialRequest) -> Trial:
+        return trial(
+            request.case.load + {"planar": 0.0, "rollers": 10.0}.get(request.case.model, 1e3),
+            names=request.features,
+        )
 
     study = accuracy_study(write)
-    found = decided(study, of)
-    assert [one.candidate for one in found] == ["rollers"] * 3
-    assert [one.error["velocity@BPFO"] for one in found] == pytest.approx([10.0 / 450.0] * 3, rel=1e-6)
-    apart = accuracy_study(
+    result = choose(study, evaluate)
+    assert [choice.candidate for choice in result] == ["rollers"] * 3
+    assert [choice.error["velocity@BPFO"] for choice in result] == pytest.approx([10.0 / 450.0] * 3, rel=1e-6)
+    separate = accuracy_study(
         write, TEXT.replace("x: load", "x: seed, by: load").replace("sweep: {", "sweep: {seed: [0], ")
     )
-    assert taken(apart, of) == ["reference", "rollers", "rollers"]
+    assert chosen_candidates(separate, evaluate) == ["reference", "rollers", "rollers"]
 
 
 @pytest.mark.parametrize(("compiling_s", "tried"), [(0.0, True), (20.0, True), (22.0, False)])
@@ -103,26 +108,32 @@ def test_a_model_that_saves_less_than_its_compiling_over_all_cases_is_not_tried(
     write: Write, dear: dict[str, float], compiling_s: float, tried: bool
 ) -> None:
     """`rollers` saves 7 s in each of three cases."""
-    study, of = accuracy_study(write), trials_by_model(FAR | {"rollers": 1.01})
+    study, evaluate = accuracy_study(write), trials_by_model(FAR | {"rollers": 1.01})
     dear |= {"ring": 10.0, "static": 10.0}  # save nothing
     choosing = selection.ModelSelector(study, range(3), lambda case: compiling_s)
-    found = {one.id: of(one) for one in choosing.next_trials({})}
-    wanted = choosing.next_trials(found)
-    assert {one.case.model for one in wanted} == ({"rollers"} if tried else set())
-    chosen = choosing.decide(found | {one.id: of(one) for one in wanted}).choices.values()
-    assert {one.candidate for one in chosen} == {"rollers" if tried else "reference"}
+    result = {request.id: evaluate(request) for request in choosing.next_trials({})}
+    pending = choosing.next_trials(result)
+    assert {request.case.model for request in pending} == ({"rollers"} if tried else set())
+    chosen = choosing.decide(result | {request.id: evaluate(request) for request in pending}).choices.values()
+    assert {choice.candidate for choice in chosen} == {"rollers" if tried else "reference"}
     if not tried:
         why = "cheaper models would save less CPU time than compiling them takes"
-        assert {one.why for one in chosen} == {why}
+        assert {choice.why for choice in chosen} == {why}
 
 
 def test_a_candidate_that_fails_is_not_taken(write: Write, dear: dict[str, float]) -> None:
-    of = trials_by_model(FAR | {"rollers": 1.01, "ring": 1.01})
+    evaluate = trials_by_model(FAR | {"rollers": 1.01, "ring": 1.01})
     study = accuracy_study(write)
-    assert taken(study, lambda one: None if one.case.model == "ring" else of(one)) == ["rollers"] * 3
+    assert (
+        chosen_candidates(study, lambda request: None if request.case.model == "ring" else evaluate(request))
+        == ["rollers"] * 3
+    )
     failing = (300.0, "ring")
     assert (
-        taken(study, lambda one: None if (one.case.load, one.case.model) == failing else of(one))
+        chosen_candidates(
+            study,
+            lambda request: None if (request.case.load, request.case.model) == failing else evaluate(request),
+        )
         == ["rollers"] * 3
     )
 
@@ -130,26 +141,34 @@ def test_a_candidate_that_fails_is_not_taken(write: Write, dear: dict[str, float
 @pytest.mark.parametrize("which", ["own", "twin"])
 def test_a_reference_that_fails_is_left_to_its_job(write: Write, dear: dict[str, float], which: str) -> None:
     text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
-    of = trials_by_model(FAR | {"rollers": 1.0})
+    evaluate = trials_by_model(FAR | {"rollers": 1.0})
 
-    def failing(one: TrialRequest) -> Trial | None:
+    def failing(request: TrialRequest) -> Trial | None:
         fails = (
-            one.case.model == "planar" and one.case.load == 300.0 and bool(one.case.defects) == (which == "own")
+            request.case.model == "planar"
+            and request.case.load == 300.0
+            and bool(request.case.defects) == (which == "own")
         )
         lower = replace(
-            one, case=one.case.model_copy(update={"load": one.case.load * (2.0 if one.case.defects else 1.0)})
+            request,
+            case=request.case.model_copy(
+                update={"load": request.case.load * (2.0 if request.case.defects else 1.0)}
+            ),
         )
-        return None if fails else of(lower)
+        return None if fails else evaluate(lower)
 
-    found = decided(accuracy_study(write, text), failing)
-    assert [one.candidate for one in found] == ["rollers", "reference", "rollers"]
-    assert found[1].why == "the reference fails"
+    result = choose(accuracy_study(write, text), failing)
+    assert [choice.candidate for choice in result] == ["rollers", "reference", "rollers"]
+    assert result[1].why == "the reference fails"
 
 
 @pytest.mark.parametrize(("saving", "model"), [(0.09, "rollers"), (0.11, "ring")])
 def test_a_lower_model_must_save_a_tenth(write: Write, dear: dict[str, float], saving: float, model: str) -> None:
     dear["ring"] = (1.0 - saving) * dear["rollers"]
-    assert taken(accuracy_study(write), trials_by_model(FAR | {"rollers": 1.01, "ring": 1.01})) == [model] * 3
+    assert (
+        chosen_candidates(accuracy_study(write), trials_by_model(FAR | {"rollers": 1.01, "ring": 1.01}))
+        == [model] * 3
+    )
 
 
 @pytest.mark.parametrize(("share", "mixed"), [(0.32, True), (0.34, False)])
@@ -159,23 +178,25 @@ def test_models_are_mixed_on_a_curve_only_where_that_saves_much(
     """Static does at two of three loads; rollers, at the third alone, save so much."""
     dear |= {"planar": 1.0, "rollers": 0.5, "static": (3.0 * share - 0.5) / 2.0, "ring": 1.0}
 
-    def of(one: TrialRequest) -> Trial:
-        low = one.case.load < 400.0
+    def evaluate(request: TrialRequest) -> Trial:
+        low = request.case.load < 400.0
         off = {"planar": 1.0, "rollers": 1.5 if low else 1.0, "static": 1.0 if low else 1.5}
-        return trial(one.case.load * off.get(one.case.model, 9.0), names=one.features)
+        return trial(request.case.load * off.get(request.case.model, 9.0), names=request.features)
 
     # one model for all is the reference
-    assert taken(accuracy_study(write), of) == (["static", "static", "rollers"] if mixed else ["reference"] * 3)
+    assert chosen_candidates(accuracy_study(write), evaluate) == (
+        ["static", "static", "rollers"] if mixed else ["reference"] * 3
+    )
 
 
 def test_a_reference_that_repeats_itself_is_the_answer(write: Write) -> None:
     study = accuracy_study(write)
-    of = trials_by_model(FAR, repeats=True)
-    found = run_trials(study, of)
-    assert len(found) == 3  # nothing else is tried
-    assert selection.ModelSelector(study, range(3)).next_trials(found) == []
-    assert taken(study, of) == ["reference"] * 3
-    assert selection.ModelSelector(study, range(3)).decide(found).repeating == 3
+    evaluate = trials_by_model(FAR, repeats=True)
+    result = run_trials(study, evaluate)
+    assert len(result) == 3  # nothing else is tried
+    assert selection.ModelSelector(study, range(3)).next_trials(result) == []
+    assert chosen_candidates(study, evaluate) == ["reference"] * 3
+    assert selection.ModelSelector(study, range(3)).decide(result).repeating == 3
 
 
 @pytest.mark.parametrize(
@@ -191,11 +212,11 @@ def test_nothing_is_tried_that_costs_more_than_what_holds(
 ) -> None:
     models = set()
 
-    def of(one: TrialRequest) -> Trial | None:
-        models.add(one.case.model)
-        return trials_by_model(FAR | {"rollers": 1.01} | off)(one)
+    def evaluate(request: TrialRequest) -> Trial | None:
+        models.add(request.case.model)
+        return trials_by_model(FAR | {"rollers": 1.01} | off)(request)
 
-    run_trials(accuracy_study(write), of)
+    run_trials(accuracy_study(write), evaluate)
     assert models == tried
 
 
@@ -203,13 +224,13 @@ def test_what_is_not_known_is_not_held(write: Write, dear: dict[str, float]) -> 
     """A number that is none in one feature is not hidden by another that is near."""
     text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO, velocity.rms]}")
 
-    def of(one: TrialRequest) -> Trial:
-        found = trial(one.case.load, names=one.features)
-        return replace(found, powers={"velocity.rms": math.nan * found.powers["velocity.rms"]})
+    def evaluate(request: TrialRequest) -> Trial:
+        result = trial(request.case.load, names=request.features)
+        return replace(result, powers={"velocity.rms": math.nan * result.powers["velocity.rms"]})
 
     study = accuracy_study(write, text)
-    assert taken(study, of) == ["reference"] * 3
-    assert "could not be distinguished" in decided(study, of)[0].why
+    assert chosen_candidates(study, evaluate) == ["reference"] * 3
+    assert "could not be distinguished" in choose(study, evaluate)[0].why
 
 
 @pytest.mark.parametrize(
@@ -223,16 +244,16 @@ def test_it_is_told_why_nothing_cheaper_is_taken(
     write: Write, dear: dict[str, float], off: dict[str, float], said: str
 ) -> None:
     text = TEXT.replace("150 N, 300 N, 450 N", "450 N")
-    assert decided(accuracy_study(write, text), trials_by_model(FAR | off))[0].why == said
+    assert choose(accuracy_study(write, text), trials_by_model(FAR | off))[0].why == said
 
 
 def test_a_case_whose_curve_keeps_it_from_a_cheaper_model_is_told_so(write: Write, dear: dict[str, float]) -> None:
-    def of(one: TrialRequest) -> Trial:
-        high = one.case.load > 400.0 and one.case.model != "planar"
-        return trial(one.case.load * (2.0 if high else 1.0), names=one.features)
+    def evaluate(request: TrialRequest) -> Trial:
+        high = request.case.load > 400.0 and request.case.model != "planar"
+        return trial(request.case.load * (2.0 if high else 1.0), names=request.features)
 
-    found = decided(accuracy_study(write), of)
-    assert found[0].why == "the nearest cheaper model is 0 % off here, but over 4 % elsewhere on a curve"
+    result = choose(accuracy_study(write), evaluate)
+    assert result[0].why == "the nearest cheaper model is 0 % off here, but over 4 % elsewhere on a curve"
 
 
 # Discretisation
@@ -244,12 +265,12 @@ NODES = 24
 def by_nodes(off: float, scatter: float = 0.0, **others: Any) -> TrialFunction:
     """Trials of rollers that hold, whose line doubled nodes change by a share."""
 
-    def of(one: TrialRequest) -> Trial:
-        more = 1.0 + off * (one.case.contact.length_nodes > NODES)
-        size = one.case.load * more * {"planar": 1.0, "rollers": 1.01}.get(one.case.model, 9.0)
-        return trial(size, names=one.features, scatter=scatter * (more > 1.0), **others)
+    def evaluate(request: TrialRequest) -> Trial:
+        more = 1.0 + off * (request.case.contact.length_nodes > NODES)
+        size = request.case.load * more * {"planar": 1.0, "rollers": 1.01}.get(request.case.model, 9.0)
+        return trial(size, names=request.features, scatter=scatter * (more > 1.0), **others)
 
-    return of
+    return evaluate
 
 
 @pytest.mark.parametrize("repeats", [False, True])
@@ -260,19 +281,19 @@ def test_twice_the_nodes_of_the_choice_tell_the_error_of_its_discretisation(
 
     Both ends of the curve are tried: in between the error is the larger one of them.
     """
-    of, tried = by_nodes(0.004, repeats=repeats), set()
+    evaluate, tried = by_nodes(0.004, repeats=repeats), set()
 
-    def counted(one: TrialRequest) -> Trial | None:
-        if one.case.contact.length_nodes > NODES:
-            tried.add(one.case.load)
-        return of(one)
+    def counted(request: TrialRequest) -> Trial | None:
+        if request.case.contact.length_nodes > NODES:
+            tried.add(request.case.load)
+        return evaluate(request)
 
-    found = decided(accuracy_study(write, BOWL), counted)
+    result = choose(accuracy_study(write, BOWL), counted)
     assert tried == {150.0, 450.0}
-    assert [one.candidate for one in found] == ["reference" if repeats else "rollers"] * 3
+    assert [choice.candidate for choice in result] == ["reference" if repeats else "rollers"] * 3
     size = 1.0 if repeats else 1.01
-    told = [one.nodes["velocity@BPFO"] for one in found]
-    assert told == pytest.approx([2.0 * 0.004 * size * load / 450.0 for load in (150.0, 450.0, 450.0)], rel=1e-6)
+    errors = [choice.nodes["velocity@BPFO"] for choice in result]
+    assert errors == pytest.approx([2.0 * 0.004 * size * load / 450.0 for load in (150.0, 450.0, 450.0)], rel=1e-6)
 
 
 def test_shapes_on_one_curve_have_discretisation_errors_of_their_own(write: Write, dear: dict[str, float]) -> None:
@@ -281,32 +302,33 @@ def test_shapes_on_one_curve_have_discretisation_errors_of_their_own(write: Writ
     text = TEXT.replace("load: [150 N, 300 N, 450 N]", f"zip: {{load: [{loads}], defect.shape: [{shapes}]}}")
     tried: set[float] = set()
 
-    def of(one: TrialRequest) -> Trial | None:
-        finer = one.case.contact.length_nodes > NODES
-        tried.update([one.case.load] * finer)
-        spall = bool(one.case.defects) and one.case.defects[0].shape == "spall"
-        return by_nodes(0.01 if spall else 0.004, repeats=True)(one)
+    def evaluate(request: TrialRequest) -> Trial | None:
+        finer = request.case.contact.length_nodes > NODES
+        tried.update([request.case.load] * finer)
+        spall = bool(request.case.defects) and request.case.defects[0].shape == "spall"
+        return by_nodes(0.01 if spall else 0.004, repeats=True)(request)
 
-    errors = [choice.nodes["velocity@BPFO"] for choice in decided(accuracy_study(write, text), of)]
+    errors = [choice.nodes["velocity@BPFO"] for choice in choose(accuracy_study(write, text), evaluate)]
     assert tried == {150.0, 200.0, 350.0, 400.0}
     of_loads = [0.004 * 150.0, 0.01 * 200.0, 0.004 * 350.0, 0.01 * 400.0, 0.004 * 350.0, 0.01 * 400.0]
     assert errors == pytest.approx([2.0 * of_load / 400.0 for of_load in of_loads], rel=1e-6)
 
 
 def test_nodes_whose_change_scatters_count_with_their_scatter(write: Write, dear: dict[str, float]) -> None:
-    plain = decided(accuracy_study(write, BOWL), by_nodes(0.004))[2].nodes["velocity@BPFO"]
-    noisy = decided(accuracy_study(write, BOWL), by_nodes(0.004, scatter=0.01))[2].nodes["velocity@BPFO"]
+    plain = choose(accuracy_study(write, BOWL), by_nodes(0.004))[2].nodes["velocity@BPFO"]
+    noisy = choose(accuracy_study(write, BOWL), by_nodes(0.004, scatter=0.01))[2].nodes["velocity@BPFO"]
     assert plain is not None
     assert noisy is not None
     assert noisy > plain + 0.005
 
 
 def test_what_twice_the_nodes_do_is_unknown_where_their_trial_fails(write: Write, dear: dict[str, float]) -> None:
-    of = by_nodes(0.0)
-    found = decided(
-        accuracy_study(write, BOWL), lambda one: None if one.case.contact.length_nodes > NODES else of(one)
+    evaluate = by_nodes(0.0)
+    result = choose(
+        accuracy_study(write, BOWL),
+        lambda request: None if request.case.contact.length_nodes > NODES else evaluate(request),
     )
-    assert [one.nodes for one in found] == [{"velocity@BPFO": None}] * 3
+    assert [choice.nodes for choice in result] == [{"velocity@BPFO": None}] * 3
 
 
 @pytest.mark.parametrize(
@@ -340,9 +362,9 @@ def test_of_a_reference_slices_are_halved_and_harmonics_doubled_again(write: Wri
 def test_nodes_are_doubled_at_the_step_of_the_trial(write: Write, method: str, step: float) -> None:
     """Another step would have an error of its own. It has been taken before, and is not checked again."""
     case = accuracy_study(write, BOWL).cases()[0]
-    found = with_trial_step(case, replace(trial(1.0), method=method, step=step))
-    assert found.step_check is False
-    assert (found.method, found.step, found.tolerance) == {
+    result = with_trial_step(case, replace(trial(1.0), method=method, step=step))
+    assert result.step_check is False
+    assert (result.method, result.step, result.tolerance) == {
         "verlet": ("verlet", 1e-6, "auto"),
         "dop853": ("dop853", "auto", 1e-5),
         "": (case.method, "auto", "auto"),
@@ -354,7 +376,7 @@ def test_nodes_are_doubled_at_the_step_of_the_trial(write: Write, method: str, s
 
 def names(write: Write, text: str) -> dict[str, list[int]]:
     study = accuracy_study(write, text)
-    return {name: list(found) for name, found in candidates.candidates(study, range(len(study.cases()))).items()}
+    return {name: list(result) for name, result in candidates.candidates(study, range(len(study.cases()))).items()}
 
 
 def test_candidates_go_from_the_highest_down(write: Write, dear: dict[str, float]) -> None:
@@ -379,8 +401,8 @@ def test_what_two_cases_come_to_is_no_candidate(write: Write, dear: dict[str, fl
     """Its results would be one row of the table, and one point of the figure."""
     text = f"{HEAD}load: 150 N\naccuracy: {{within: 5 %, of: [velocity.rms]}}\n{BENDS}"
     dear["static"] = 1.0
-    found = names(write, f"{text}sweep: {{rig.ring: [{RING}, {RING.replace('16', '32')}]}}\n")
-    assert found == {candidates.GIVEN_HARMONICS: [0, 1], "static": [0, 1]}
+    result = names(write, f"{text}sweep: {{rig.ring: [{RING}, {RING.replace('16', '32')}]}}\n")
+    assert result == {candidates.GIVEN_HARMONICS: [0, 1], "static": [0, 1]}
     other = names(write, f"{text}sweep: {{load: [150 N, 300 N]}}\n".replace("load: 150 N\n", ""))
     assert list(other) == [candidates.GIVEN_HARMONICS, "8 harmonics", "static"]
 
@@ -390,7 +412,9 @@ def test_what_changes_its_speed_is_left_to_the_reference(write: Write, dear: dic
     assert names(write, SPATIAL) == {of: [0, 1, 2] for of in candidates.SLICES}
     study = accuracy_study(write, SPATIAL + "ramp: {to: 7000 rpm, time: 0.1 s}\n")
     assert selection.ModelSelector(study, range(3)).next_trials({}) == []
-    assert [one.why for one in decided(study, trials_by_model(FAR))] == ["no cheaper model can compute this"] * 3
+    assert [choice.why for choice in choose(study, trials_by_model(FAR))] == [
+        "no cheaper model can compute this"
+    ] * 3
 
 
 def test_candidates_of_a_case_do_not_depend_on_its_neighbours(write: Write, dear: dict[str, float]) -> None:
@@ -403,10 +427,10 @@ def test_candidates_of_a_case_do_not_depend_on_its_neighbours(write: Write, dear
     assert study.cases()[0].model == "spatial"
     half = [candidates.computed_by(study, n, HALF) for n in range(2)]
     assert [case.contact.slices for case in half if case is not None] == [5, 10]
-    found = {key(study, case): Choice(HALF, "spatial", "", {}) for case in study.cases()}
+    result = {key(study, case): Choice(HALF, "spatial", "", {}) for case in study.cases()}
     more = accuracy_study(write, text.replace("{slices: 20}]", "{slices: 20}, {slices: 40}]"))
-    found |= {key(more, more.cases()[2]): Choice("reference", "spatial", "", {})}
-    assert [case.contact.slices for case in selection.apply_choices(more, found).cases()] == [5, 10, 48]
+    result |= {key(more, more.cases()[2]): Choice("reference", "spatial", "", {})}
+    assert [case.contact.slices for case in selection.apply_choices(more, result).cases()] == [5, 10, 48]
 
 
 def test_a_ring_that_bends_is_judged_by_twice_its_harmonics(write: Write) -> None:
@@ -442,41 +466,41 @@ def test_slices_that_are_recorded_by_number_stay(write: Write) -> None:
 
 
 def with_choice(study: Study, candidate: str, error: Mapping[str, float] | None = None) -> Study:
-    found = {key(study, case): Choice(candidate, candidate, "told", error or {}) for case in study.cases()}
-    return selection.apply_choices(study, found)
+    result = {key(study, case): Choice(candidate, candidate, "told", error or {}) for case in study.cases()}
+    return selection.apply_choices(study, result)
 
 
 @pytest.mark.parametrize("model", ["rollers", "ring", "static", "reference"])
 def test_chosen_jobs_are_those_of_a_study_that_names_the_model(write: Write, model: str) -> None:
-    found = with_choice(accuracy_study(write), model)
+    result = with_choice(accuracy_study(write), model)
     named = load_study(write(TEXT.replace("accuracy: 5 %", f"model: {model}\nrecord: []\nuntil: 1.25 %")))
-    assert [job.id for job in found.planned()] == [job.id for job in named.planned()]
-    assert [values for _, values in found.swept_cases] == [values for _, values in named.swept_cases]
+    assert [job.id for job in result.planned()] == [job.id for job in named.planned()]
+    assert [values for _, values in result.swept_cases] == [values for _, values in named.swept_cases]
 
 
 def test_what_was_chosen_is_told_by_job(write: Write) -> None:
-    found = with_choice(accuracy_study(write), "ring", {"velocity@BPFO": 0.02}).selection
-    assert found is not None
+    result = with_choice(accuracy_study(write), "ring", {"velocity@BPFO": 0.02}).selection
+    assert result is not None
     study = with_choice(accuracy_study(write), "ring")
     ids = [case_id(case) for case in study.cases()]
-    assert found.jobs == {name: ("ring", "told", {"velocity@BPFO": 0.02}, {}, {}) for name in ids}
-    assert found.curves == (("velocity@BPFO", tuple(ids)),)
+    assert result.jobs == {name: ("ring", "told", {"velocity@BPFO": 0.02}, {}, {}) for name in ids}
+    assert result.curves == (("velocity@BPFO", tuple(ids)),)
 
 
 def test_some_are_audited_by_seed(write: Write) -> None:
     loads = ", ".join(f"{100 + n} N" for n in range(10))
     text = TEXT.replace("150 N, 300 N, 450 N", loads)
     study = accuracy_study(write, text)
-    found = with_choice(study, "static")
-    assert found.selection is not None
-    audits = found.selection.audits
+    result = with_choice(study, "static")
+    assert result.selection is not None
+    audits = result.selection.audits
     assert len(audits) == choices.MIN_AUDITED == 3
-    references = {case_id(own): case_id(case) for own, case in zip(study.cases(), found.cases(), strict=True)}
-    assert all(references[one.job.id] == one.of for one in audits)
+    references = {case_id(own): case_id(case) for own, case in zip(study.cases(), result.cases(), strict=True)}
+    assert all(references[audit.job.id] == audit.of for audit in audits)
     again = with_choice(accuracy_study(write, text), "static").selection
     assert again is not None
-    assert [one.job.id for one in again.audits] == [one.job.id for one in audits]
-    assert {one.job.id for one in audits} <= {job.id for job in found.jobs() if job.is_variation}
+    assert [audit.job.id for audit in again.audits] == [audit.job.id for audit in audits]
+    assert {audit.job.id for audit in audits} <= {job.id for job in result.jobs() if job.is_variation}
     nothing = with_choice(study, "reference").selection
     assert nothing is not None
     assert nothing.audits == ()
@@ -484,14 +508,14 @@ def test_some_are_audited_by_seed(write: Write) -> None:
 
 def test_an_audit_has_the_twin_that_a_line_is_measured_against(write: Write) -> None:
     text = TEXT.replace("accuracy: 5 %", "accuracy: {within: 5 %, of: [velocity@BPFO-healthy]}")
-    found = with_choice(accuracy_study(write, text), "static")
-    assert found.selection is not None
-    jobs = {job.id: job for job in found.jobs()}
-    for one in found.selection.audits:
-        twin = one.job.healthy
-        assert twin is not None
-        assert jobs[twin].case.defects == ()
-        assert jobs[twin].case.model == "planar"
+    result = with_choice(accuracy_study(write, text), "static")
+    assert result.selection is not None
+    jobs = {job.id: job for job in result.jobs()}
+    for audit in result.selection.audits:
+        healthy = audit.job.healthy
+        assert healthy is not None
+        assert jobs[healthy].case.defects == ()
+        assert jobs[healthy].case.model == "planar"
 
 
 def test_a_study_of_many_cases_is_made_otherwise_once_for_each_candidate(
@@ -509,8 +533,8 @@ def test_a_study_of_many_cases_is_made_otherwise_once_for_each_candidate(
 
     monkeypatch.setattr(Plan, "_otherwise", counted)
     study = accuracy_study(write)
-    found = run_trials(study, trials_by_model(FAR | {"rollers": 1.01}))
-    selection.apply_choices(study, selection.ModelSelector(study, range(3)).decide(found).choices)
+    result = run_trials(study, trials_by_model(FAR | {"rollers": 1.01}))
+    selection.apply_choices(study, selection.ModelSelector(study, range(3)).decide(result).choices)
     assert len(calls) == 3
 
 
@@ -518,11 +542,11 @@ def test_choices_are_json(write: Write, tmp_path: Path, dear: dict[str, float]) 
     from bearingsim import store
 
     study = accuracy_study(write)
-    found = (
+    result = (
         selection.ModelSelector(study, range(3))
         .decide(run_trials(study, trials_by_model(FAR | {"rollers": 1.01})))
         .choices
     )
-    store.write_choices(tmp_path, found)
-    assert store.read_choices(tmp_path) == found
+    store.write_choices(tmp_path, result)
+    assert store.read_choices(tmp_path) == result
     assert len(json.loads((tmp_path / "choices.json").read_text())["choices"]) == 3

@@ -35,40 +35,40 @@ def is_free(case: Case) -> bool:
 def by_friction(change: float, off: Mapping[str, float] = OFF, repeats: bool = False) -> TrialFunction:
     """Trials whose features are the load, times what a model makes of it, and what friction changes."""
 
-    def of(one: TrialRequest) -> Trial:
-        free = is_free(one.case)
-        size = one.case.load * off[one.case.model] * (1.0 + change * free)
-        return trial(size, names=one.features, repeats=repeats and not free)
+    def evaluate(request: TrialRequest) -> Trial:
+        free = is_free(request.case)
+        size = request.case.load * off[request.case.model] * (1.0 + change * free)
+        return trial(size, names=request.features, repeats=repeats and not free)
 
-    return of
+    return evaluate
 
 
-def decided(study: Study, of: TrialFunction) -> list[Choice]:
+def choose(study: Study, evaluate: TrialFunction) -> list[Choice]:
     numbers = range(len(study.cases()))
-    found = selection.ModelSelector(study, numbers).decide(run_trials(study, of)).choices
-    return [found[key(study, case)] for case in study.cases()]
+    result = selection.ModelSelector(study, numbers).decide(run_trials(study, evaluate)).choices
+    return [result[key(study, case)] for case in study.cases()]
 
 
 @pytest.mark.parametrize("repeats", [False, True])
 def test_friction_that_changes_little_is_an_error(write: Write, repeats: bool) -> None:
-    found = decided(accuracy_study(write, OPEN), by_friction(0.002, repeats=repeats))
-    assert [one.candidate for one in found] == ["reference" if repeats else "rollers"] * 3
-    told = [one.friction[LINE] for one in found]
-    assert told == pytest.approx([0.002 * load / 450.0 for load in (150.0, 450.0, 450.0)], rel=1e-6)
-    assert [one.inferred for one in found] == [False, True, False]  # that between the ends of the curve
+    result = choose(accuracy_study(write, OPEN), by_friction(0.002, repeats=repeats))
+    assert [choice.candidate for choice in result] == ["reference" if repeats else "rollers"] * 3
+    errors = [choice.friction[LINE] for choice in result]
+    assert errors == pytest.approx([0.002 * load / 450.0 for load in (150.0, 450.0, 450.0)], rel=1e-6)
+    assert [choice.inferred for choice in result] == [False, True, False]  # that between the ends of the curve
 
 
 @pytest.mark.parametrize("repeats", [False, True])
 def test_friction_that_changes_much_is_computed(write: Write, repeats: bool) -> None:
     """On all of the curve: as `planar` has it by default."""
     study = accuracy_study(write, OPEN)
-    of = by_friction(0.045, repeats=repeats)
-    found = decided(study, of)
-    assert [one.candidate for one in found] == [WITH_FRICTION] * 3
-    assert found[0].why == "friction changes velocity@BPFO by up to 4.5 % on its curve, over 4 %"
-    assert [one.friction for one in found] == [{}] * 3
+    evaluate = by_friction(0.045, repeats=repeats)
+    result = choose(study, evaluate)
+    assert [choice.candidate for choice in result] == [WITH_FRICTION] * 3
+    assert result[0].why == "friction changes velocity@BPFO by up to 4.5 % on its curve, over 4 %"
+    assert [choice.friction for choice in result] == [{}] * 3
     done = selection.apply_choices(
-        study, selection.ModelSelector(study, range(3)).decide(run_trials(study, of)).choices
+        study, selection.ModelSelector(study, range(3)).decide(run_trials(study, evaluate)).choices
     )
     named = OPEN.replace("accuracy: 5 %", "model: planar\nrecord: []\nuntil: 1.25 %")
     assert [case_id(case) for case in done.cases()] == [case_id(case) for case in load_study(write(named)).cases()]
@@ -78,19 +78,19 @@ def test_friction_that_changes_much_is_computed(write: Write, repeats: bool) -> 
 
 def test_model_and_friction_share_what_is_asked(write: Write) -> None:
     """4 % of 5 %: neither is over that alone. With friction the last resort costs no more than without."""
-    alone = decided(accuracy_study(write, OPEN), by_friction(0.001, OFF | {"rollers": 1.03}))
-    both = decided(accuracy_study(write, OPEN), by_friction(0.02, OFF | {"rollers": 1.03}))
-    assert [one.candidate for one in alone] == ["rollers"] * 3
-    assert [one.candidate for one in both] == [WITH_FRICTION] * 3
+    alone = choose(accuracy_study(write, OPEN), by_friction(0.001, OFF | {"rollers": 1.03}))
+    both = choose(accuracy_study(write, OPEN), by_friction(0.02, OFF | {"rollers": 1.03}))
+    assert [choice.candidate for choice in alone] == ["rollers"] * 3
+    assert [choice.candidate for choice in both] == [WITH_FRICTION] * 3
 
 
 @pytest.mark.parametrize("said", ["friction: none", "cage: {pocket_clearance: 0.1 mm}", "friction: traction"])
 def test_who_speaks_of_it_has_what_is_said(write: Write, said: str) -> None:
     study = accuracy_study(write, f"{OPEN}{said}\n")
     assert candidates.with_friction(study.cases()[0]) is None
-    found = decided(study, by_friction(9.0, OFF))
-    assert WITH_FRICTION not in [one.candidate for one in found]
-    assert [one.friction for one in found] == [{}] * 3
+    result = choose(study, by_friction(9.0, OFF))
+    assert WITH_FRICTION not in [choice.candidate for choice in result]
+    assert [choice.friction for choice in result] == [{}] * 3
 
 
 def test_a_choice_with_friction_left_open_is_another(write: Write) -> None:
@@ -104,22 +104,22 @@ def test_it_is_tried_at_the_ends_of_a_curve_and_where_it_is_largest(write: Write
     study = accuracy_study(write, OPEN.replace(LOADS, "150 N, 800 N, 200 N, 300 N, 450 N"))
     tried: set[float] = set()
 
-    def of(one: TrialRequest) -> Trial | None:
-        if is_free(one.case):
-            tried.add(one.case.load)
-        return by_friction(0.01 * one.case.load / 800.0, repeats=True)(one)
+    def evaluate(request: TrialRequest) -> Trial | None:
+        if is_free(request.case):
+            tried.add(request.case.load)
+        return by_friction(0.01 * request.case.load / 800.0, repeats=True)(request)
 
-    found = decided(study, of)
+    result = choose(study, evaluate)
     assert tried == {150.0, 450.0, 800.0}
-    assert [one.inferred for one in found] == [False, False, True, True, False]
-    largest = found[1].friction[LINE]
-    assert [one.friction[LINE] for one in found[2:4]] == [largest, largest]
-    choices = selection.ModelSelector(study, range(5)).decide(run_trials(study, of)).choices
+    assert [choice.inferred for choice in result] == [False, False, True, True, False]
+    largest = result[1].friction[LINE]
+    assert [choice.friction[LINE] for choice in result[2:4]] == [largest, largest]
+    choices = selection.ModelSelector(study, range(5)).decide(run_trials(study, evaluate)).choices
     done = selection.apply_choices(study, choices)
     assert done.selection is not None
     ids = [case_id(case) for case in done.cases()]
-    assert {one.of for one in done.selection.audits} == {ids[2], ids[3]}
-    assert all(is_free(one.job.case) for one in done.selection.audits)
+    assert {audit.of for audit in done.selection.audits} == {ids[2], ids[3]}
+    assert all(is_free(audit.job.case) for audit in done.selection.audits)
 
 
 def test_the_case_tried_with_friction_is_the_one_that_would_be_computed(write: Write) -> None:
@@ -127,13 +127,13 @@ def test_the_case_tried_with_friction_is_the_one_that_would_be_computed(write: W
     study = accuracy_study(write, OPEN.replace("duration: 0.2 s", "duration: 0.5 s"))
     tried: list[Case] = []
 
-    def of(one: TrialRequest) -> Trial | None:
-        tried.extend([one.case] * is_free(one.case))
-        return by_friction(0.1)(one)
+    def evaluate(request: TrialRequest) -> Trial | None:
+        tried.extend([request.case] * is_free(request.case))
+        return by_friction(0.1)(request)
 
-    decided(study, of)
-    rubbing = {case_id(case) for own in study.cases() if (case := with_friction(own)) is not None}
-    assert {case_id(case) for case in tried if case.defects} <= rubbing
+    choose(study, evaluate)
+    friction_trial = {case_id(case) for own in study.cases() if (case := with_friction(own)) is not None}
+    assert {case_id(case) for case in tried if case.defects} <= friction_trial
     assert tried
 
 
@@ -143,37 +143,39 @@ def test_each_curve_is_judged_by_itself(write: Write) -> None:
     )
     study = accuracy_study(write, text)
 
-    def of(one: TrialRequest) -> Trial | None:
-        wide = bool(one.case.defects) and one.case.defects[0].width > 5e-4
-        return by_friction(0.1 if wide else 0.0)(one)
+    def evaluate(request: TrialRequest) -> Trial | None:
+        wide = bool(request.case.defects) and request.case.defects[0].width > 5e-4
+        return by_friction(0.1 if wide else 0.0)(request)
 
-    assert [one.candidate for one in decided(study, of)] == ["rollers"] * 3 + [WITH_FRICTION] * 3
+    assert [choice.candidate for choice in choose(study, evaluate)] == ["rollers"] * 3 + [WITH_FRICTION] * 3
 
 
 def test_what_friction_does_is_unknown_where_its_trial_fails(write: Write) -> None:
-    of = by_friction(0.0, repeats=True)
-    found = decided(accuracy_study(write, OPEN), lambda one: None if is_free(one.case) else of(one))
-    assert [one.candidate for one in found] == ["reference"] * 3
-    assert [one.friction for one in found] == [{LINE: None}] * 3
+    evaluate = by_friction(0.0, repeats=True)
+    result = choose(
+        accuracy_study(write, OPEN), lambda request: None if is_free(request.case) else evaluate(request)
+    )
+    assert [choice.candidate for choice in result] == ["reference"] * 3
+    assert [choice.friction for choice in result] == [{LINE: None}] * 3
 
 
 def test_a_record_of_too_few_turns_of_the_cage_is_computed_with_friction(write: Write) -> None:
     """Nothing is tried: that would cost more. 65 ball passes are 0.122 s."""
     short = accuracy_study(write, OPEN.replace("0.2 s", "0.12 s"))
     assert run_trials(short, by_friction(0.0)) == {}
-    assert [one.candidate for one in decided(short, by_friction(0.0))] == [WITH_FRICTION] * 3
+    assert [choice.candidate for choice in choose(short, by_friction(0.0))] == [WITH_FRICTION] * 3
     long = accuracy_study(write, OPEN.replace("0.2 s", "0.13 s"))
-    assert [one.candidate for one in decided(long, by_friction(0.0, repeats=True))] == ["reference"] * 3
+    assert [choice.candidate for choice in choose(long, by_friction(0.0, repeats=True))] == ["reference"] * 3
 
 
 def test_too_few_turns_of_what_does_not_repeat_itself_are_not_compared(write: Write) -> None:
-    def of(one: TrialRequest) -> Trial:
-        assert not is_free(one.case)
-        return trial(one.case.load, CAGE_TURNS - 1, names=one.features)
+    def evaluate(request: TrialRequest) -> Trial:
+        assert not is_free(request.case)
+        return trial(request.case.load, CAGE_TURNS - 1, names=request.features)
 
-    found = decided(accuracy_study(write, OPEN), of)
-    assert [one.candidate for one in found] == [WITH_FRICTION] * 3
-    assert found[0].why.startswith("without friction it is not periodic")
+    result = choose(accuracy_study(write, OPEN), evaluate)
+    assert [choice.candidate for choice in result] == [WITH_FRICTION] * 3
+    assert result[0].why.startswith("without friction it is not periodic")
 
 
 def test_trials_beside_a_free_cage_count_whole_turns_of_it(write: Write) -> None:
@@ -211,8 +213,8 @@ def test_a_trial_that_is_far_off_after_two_turns_of_the_cage_ends_there() -> Non
     assert (plain.passes, plain.turns, plain.repeats) == (passes, CAGE_TURNS, True)
     size = float(abs(plain.lines[LINE][0]))
     for most, turns in ((1e-6, INSPECTION_TURNS), (10.0, CAGE_TURNS)):
-        rubbing, _ = try_out(
+        friction_trial, _ = try_out(
             lengthen_for_trial(free), [LINE], passes, turn, ReferenceValues({LINE: size}, {LINE: most * size})
         )
-        assert (rubbing.turns, rubbing.passes, rubbing.repeats) == (turns, turns * Z, False)
-        assert rubbing.is_consistent
+        assert (friction_trial.turns, friction_trial.passes, friction_trial.repeats) == (turns, turns * Z, False)
+        assert friction_trial.is_consistent

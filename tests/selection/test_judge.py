@@ -50,32 +50,32 @@ def windowed(noise: np.ndarray) -> Trial:
 
 def test_scatter_counts_as_often_as_student_says() -> None:
     """Of many draws of equal lines under noise, whose true difference is none, the error covers 95 %."""
-    draw, line = np.random.default_rng(3), np.cos(2.0 * np.pi * np.arange(PASSES * 64) / 8.0).reshape(PASSES, 64)
-    found = []
+    rng, line = np.random.default_rng(3), np.cos(2.0 * np.pi * np.arange(PASSES * 64) / 8.0).reshape(PASSES, 64)
+    result = []
     for _ in range(400):
-        pair = [windowed(line + 0.1 * draw.normal(size=line.shape)) for _ in range(2)]
-        apart = abs(value(LINE, pair[0], None).value - value(LINE, pair[1], None).value)
-        found.append((off(LINE, pair[0], pair[1]) - apart, apart))
-    more, apart = np.array(found).T
-    assert np.median(more) == pytest.approx(stdtrit(PASSES - 2, 0.975) * np.sqrt(np.mean(apart**2)), rel=0.15)
-    assert np.mean(apart < more) == pytest.approx(0.95, abs=0.03)
+        pair = [windowed(line + 0.1 * rng.normal(size=line.shape)) for _ in range(2)]
+        difference = abs(value(LINE, pair[0], None).value - value(LINE, pair[1], None).value)
+        result.append((off(LINE, pair[0], pair[1]) - difference, difference))
+    more, difference = np.array(result).T
+    assert np.median(more) == pytest.approx(stdtrit(PASSES - 2, 0.975) * np.sqrt(np.mean(difference**2)), rel=0.15)
+    assert np.mean(difference < more) == pytest.approx(0.95, abs=0.03)
 
 
 def test_rms_scatters_as_half_the_power_does() -> None:
-    draw = np.random.default_rng(4)
-    noise = [np.array([0.0, *0.1 * draw.normal(size=PASSES - 1)]) for _ in range(2)]
+    rng = np.random.default_rng(4)
+    noise = [np.array([0.0, *0.1 * rng.normal(size=PASSES - 1)]) for _ in range(2)]
     pair = [Trial(PASSES, PASSES, False, {}, {RMS: (1.0 + one) * 4.0}, np.ones(PASSES)) for one in noise]
     s = float(np.std((noise[0] - noise[1])[1:], ddof=1)) * np.sqrt(2.0 / PASSES)  # half of 4, over an RMS of 2
     assert off(RMS, pair[0], pair[1]) == pytest.approx(stdtrit(PASSES - 2, 0.975) * s, rel=1e-9)
 
 
 def test_a_healthy_twin_is_taken_off_part_by_part() -> None:
-    own, twin = trial(3.0, scatter=0.2, names=NAMES), trial(1.0, scatter=0.2, names=NAMES)
-    found = value(f"{LINE}-healthy", own, twin)
-    assert found.value == pytest.approx(2.0, rel=1e-12)
-    assert found.parts == pytest.approx(2.0 / 3.0 * value(LINE, own, twin).parts, rel=1e-9)
-    turned = replace(twin, lines={LINE: -twin.lines[LINE]})  # against its phase: the two add up
-    assert value(f"{LINE}-healthy", own, turned).value == pytest.approx(2.0 * found.value, rel=1e-9)
+    own, healthy = trial(3.0, scatter=0.2, names=NAMES), trial(1.0, scatter=0.2, names=NAMES)
+    result = value(f"{LINE}-healthy", own, healthy)
+    assert result.value == pytest.approx(2.0, rel=1e-12)
+    assert result.parts == pytest.approx(2.0 / 3.0 * value(LINE, own, healthy).parts, rel=1e-9)
+    turned = replace(healthy, lines={LINE: -healthy.lines[LINE]})  # against its phase: the two add up
+    assert value(f"{LINE}-healthy", own, turned).value == pytest.approx(2.0 * result.value, rel=1e-9)
 
 
 @pytest.mark.parametrize("turns", [1, 2])

@@ -23,72 +23,72 @@ def results(kind="saltelli", n=8, failed=(), missing=(), without=(), of=ISHIGAMI
     for rows, status in ((failed, "failed"), (missing, "missing")):
         table.loc[list(rows), ["status"]] = status
     table.loc[[*failed, *missing, *without], [LINE]] = np.nan
-    twin = pd.DataFrame({"job": ["twin"], "status": ["done"], LINE: [1e9]})
+    healthy = pd.DataFrame({"job": ["twin"], "status": ["done"], LINE: [1e9]})
     design = {"kind": kind, "n": n, "seed": 1, "paths": PATHS, "ids": ids}
     plan = {"design": design, "file": "my study.yaml", "overrides": {"speed": "900 rpm"}, "quick": True}
-    shuffled = pd.concat([table[::-1], twin], ignore_index=True)  # what belongs together is told by ids alone
+    shuffled = pd.concat([table[::-1], healthy], ignore_index=True)  # what belongs together is told by ids alone
     return SimpleNamespace(path=Path("results/mine"), plan=plan, table=lambda: shuffled)
 
 
-def refused(*asked, of=LINE, **told):
+def refused(*positional, of=LINE, **columns):
     with pytest.raises(SensitivityError) as caught:
-        collect_blocks(results(*asked, **told), of)
+        collect_blocks(results(*positional, **columns), of)
     return str(caught.value)
 
 
 @pytest.mark.parametrize("kind", ["saltelli", "morris"])
 def test_values_stand_in_the_rows_of_the_design(kind):
-    found = collect_blocks(results(kind), LINE)
-    assert found.values.shape == (8, block(kind, 3))
-    assert found.values == pytest.approx(ISHIGAMI.function(found.points))
-    assert (found.dropped, found.failed, found.valueless, found.jobs) == (0, 0, 0, found.values.size)
-    assert found.losses() == ""
+    result = collect_blocks(results(kind), LINE)
+    assert result.values.shape == (8, block(kind, 3))
+    assert result.values == pytest.approx(ISHIGAMI.function(result.points))
+    assert (result.dropped, result.failed, result.valueless, result.jobs) == (0, 0, 0, result.values.size)
+    assert result.losses() == ""
 
 
 def test_a_job_without_a_value_spoils_its_block():
-    found = collect_blocks(results(failed=[0, 1, 7], without=[39]), LINE)  # blocks 0, 1 and 7 of 8, 5 rows each
-    assert found.values == pytest.approx(ISHIGAMI.function(found.points))
-    assert (len(found.values), found.dropped, found.planned, found.failed, found.valueless) == (5, 3, 8, 3, 1)
-    assert found.losses() == "3 of 8 blocks dropped: of 40 jobs 3 failed and 1 have no `velocity@BPFO`"
+    result = collect_blocks(results(failed=[0, 1, 7], without=[39]), LINE)  # blocks 0, 1 and 7 of 8, 5 rows each
+    assert result.values == pytest.approx(ISHIGAMI.function(result.points))
+    assert (len(result.values), result.dropped, result.planned, result.failed, result.valueless) == (5, 3, 8, 3, 1)
+    assert result.losses() == "3 of 8 blocks dropped: of 40 jobs 3 failed and 1 have no `velocity@BPFO`"
 
 
 def test_three_per_cent_of_failures_leave_the_indices():
     n = 2**14
     failed = np.flatnonzero(np.random.default_rng(3).random(5 * n) < 0.03)
-    found = collect_blocks(results(n=n, failed=failed), LINE)
-    assert found.failed == len(failed)
-    assert 0.12 < found.dropped / n < 0.16
-    indices = estimates.indices(found.values)
+    result = collect_blocks(results(n=n, failed=failed), LINE)
+    assert result.failed == len(failed)
+    assert 0.12 < result.dropped / n < 0.16
+    indices = estimates.indices(result.values)
     assert np.abs(indices - [ISHIGAMI.first, ISHIGAMI.total]).max() < 0.05
 
 
 def test_over_a_tenth_of_failures_is_refused():
     assert collect_blocks(results(failed=range(4)), LINE).dropped == 1  # 4 of 40
-    told = refused(failed=range(4), without=[4])
-    assert told.startswith("5 of 40 jobs have no `velocity@BPFO` (4 failed), more than 10 %.")
-    assert "`bearingsim show --failed`" in told
+    message = refused(failed=range(4), without=[4])
+    assert message.startswith("5 of 40 jobs have no `velocity@BPFO` (4 failed), more than 10 %.")
+    assert "`bearingsim show --failed`" in message
 
 
 def test_what_is_not_computed_yet_is_refused_with_the_command():
-    told = refused(missing=[3, 4])
-    assert told == (
+    message = refused(missing=[3, 4])
+    assert message == (
         "2 of 40 jobs are not computed yet: "
         "bearingsim run 'my study.yaml' --out results/mine --set 'speed=900 rpm' --quick"
     )
 
 
 def test_a_job_that_stands_in_several_rows_counts_once():
-    told = results("morris", n=8, failed=[0])
-    told.plan["design"]["ids"][4] = "0000"  # the first rows of two trajectories
-    found = collect_blocks(told, LINE)
-    assert (found.dropped, found.failed, found.jobs) == (2, 1, 31)
+    repeated = results("morris", n=8, failed=[0])
+    repeated.plan["design"]["ids"][4] = "0000"  # the first rows of two trajectories
+    result = collect_blocks(repeated, LINE)
+    assert (result.dropped, result.failed, result.jobs) == (2, 1, 31)
 
 
 @pytest.mark.parametrize("kind", ["lhs", "sobol"])
 def test_points_without_blocks_tell_no_indices(kind):
-    told = refused(kind)
-    assert f"the design `{kind}` gives no indices, only figures" in told
-    assert "`sweep: {saltelli: {n: 128, seed: 1, over: {defect.width: {uniform:" in told
+    message = refused(kind)
+    assert f"the design `{kind}` gives no indices, only figures" in message
+    assert "`sweep: {saltelli: {n: 128, seed: 1, over: {defect.width: {uniform:" in message
 
 
 def test_a_study_without_a_design_is_told_what_to_write():

@@ -27,27 +27,27 @@ def test_closed_forms_are_those_of_the_literature():
 @KNOWN
 @pytest.mark.parametrize("seed", [1, 2])
 def test_indices_are_those_of_closed_forms(known, seed):
-    found = estimates.indices(blocks_of(known, 2**14, seed))
-    assert np.abs(found - BOTH([known.first, known.total])).max() < 0.02
+    result = estimates.indices(blocks_of(known, 2**14, seed))
+    assert np.abs(result - BOTH([known.first, known.total])).max() < 0.02
 
 
 @KNOWN
 def test_dropped_blocks_leave_the_indices(known):
     f = blocks_of(known, 2**14)
     f[np.random.default_rng(1).random(f.shape) < 0.03] = np.nan
-    whole = f[np.isfinite(f).all(axis=1)]
-    assert 0.8 < len(whole) / len(f) < 0.9
-    assert np.abs(estimates.indices(whole) - BOTH([known.first, known.total])).max() < 0.05
+    full = f[np.isfinite(f).all(axis=1)]
+    assert 0.8 < len(full) / len(f) < 0.9
+    assert np.abs(estimates.indices(full) - BOTH([known.first, known.total])).max() < 0.05
 
 
 @KNOWN
 @pytest.mark.parametrize("offset", [0.0, 1e3])
 def test_total_indices_are_those_of_scipy_and_first_ones_near_them(known, offset):
     f = blocks_of(known, 2**12) + offset
-    theirs = sobol_indices(func={"f_A": f[:, 0], "f_B": f[:, 1], "f_AB": f[:, None, 2:].T}, n=2**12)
+    scipy_result = sobol_indices(func={"f_A": f[:, 0], "f_B": f[:, 1], "f_AB": f[:, None, 2:].T}, n=2**12)
     first, total = estimates.indices(f)
-    assert total == pytest.approx(theirs.total_order, abs=1e-9)
-    assert first == pytest.approx(theirs.first_order, abs=0.01)
+    assert total == pytest.approx(scipy_result.total_order, abs=1e-9)
+    assert first == pytest.approx(scipy_result.first_order, abs=0.01)
 
 
 def pair(u):
@@ -60,9 +60,9 @@ def test_correlated_columns_of_a_small_design_make_no_first_index(seed):
     """Of six parameters at 128 blocks, those columns of A and B are correlated whatever the scramble."""
     f = pair(cube("saltelli", 128, 6, seed)).reshape(128, 8)
     assert abs(np.corrcoef(f[:, 0], f[:, 1])[0, 1]) > 0.3
-    found = estimates.estimate_indices(f)
-    assert np.abs(found.first.value).max() < 0.12
-    assert np.all((found.first.low <= 0.0) & (found.first.high >= 0.0))
+    result = estimates.estimate_indices(f)
+    assert np.abs(result.first.value).max() < 0.12
+    assert np.all((result.first.low <= 0.0) & (result.first.high >= 0.0))
 
 
 def test_an_inert_parameter_has_no_index_and_the_only_one_all_of_it():
@@ -78,10 +78,10 @@ def test_a_large_mean_does_not_blur_the_first_indices():
 def test_what_acts_only_together_is_the_rest():
     d = 2
     f = np.prod(cube("saltelli", 4096, d, 1) - 0.5, axis=1).reshape(-1, d + 2)  # x y: nothing alone
-    found = estimates.estimate_indices(f)
-    assert found.interaction.value == pytest.approx([1.0], abs=0.05)
-    assert found.interaction.low[0] > 0.9
-    assert found.total.value == pytest.approx([1.0, 1.0], abs=0.05)
+    result = estimates.estimate_indices(f)
+    assert result.interaction.value == pytest.approx([1.0], abs=0.05)
+    assert result.interaction.low[0] > 0.9
+    assert result.total.value == pytest.approx([1.0, 1.0], abs=0.05)
 
 
 def independent(n, d, seed):
@@ -102,24 +102,24 @@ def test_intervals_hold_the_value_as_often_as_they_say(points, tries, least, mos
     weights, n, d = np.array([3.0, 2.0, 1.0]), 128, 3
     first, held = weights**2 / (weights**2).sum(), 0
     for seed in range(tries):
-        found = estimates.estimate_indices((points(n, d, seed) @ weights).reshape(n, d + 2)).first
-        held += int(np.count_nonzero((found.low <= first) & (first <= found.high)))
+        result = estimates.estimate_indices((points(n, d, seed) @ weights).reshape(n, d + 2)).first
+        held += int(np.count_nonzero((result.low <= first) & (first <= result.high)))
     assert least <= held / (tries * d) <= most
 
 
 def test_intervals_are_the_same_each_time_and_shrink_with_the_design():
-    few, again, many = (estimates.estimate_indices(blocks_of(ISHIGAMI, n)) for n in (128, 128, 2048))
-    assert np.array_equal(few.total.low, again.total.low)
-    narrower = (many.total.high - many.total.low) / (few.total.high - few.total.low)
+    short_design, again, many = (estimates.estimate_indices(blocks_of(ISHIGAMI, n)) for n in (128, 128, 2048))
+    assert np.array_equal(short_design.total.low, again.total.low)
+    narrower = (many.total.high - many.total.low) / (short_design.total.high - short_design.total.low)
     assert narrower == pytest.approx(0.25, abs=0.08)  # 16 times as many blocks
 
 
 def test_blocks_are_drawn_whole():
     """Rows drawn each for itself would tear A from its mixtures: the total index of a constant step would move."""
     a = np.random.default_rng(1).normal(size=200)
-    found = estimate(lambda f: (f[:, 2] - f[:, 0]).mean(keepdims=True), np.stack([a, a, a + 1.0], axis=1))
-    assert found.low == pytest.approx([1.0])
-    assert found.high == pytest.approx([1.0])
+    result = estimate(lambda f: (f[:, 2] - f[:, 0]).mean(keepdims=True), np.stack([a, a, a + 1.0], axis=1))
+    assert result.low == pytest.approx([1.0])
+    assert result.high == pytest.approx([1.0])
 
 
 @KNOWN
@@ -133,17 +133,17 @@ def test_morris_ranks_by_total_index(known, n):
 
 def test_effects_of_a_plane_are_its_slopes():
     points = cube("morris", 20, 3, 1).reshape(20, 4, 3)
-    found = estimates.estimate_effects(points, points @ np.array([3.0, -2.0, 0.0]))
-    assert found.mean.value == pytest.approx([3.0, -2.0, 0.0])
-    assert found.magnitude.value == pytest.approx([3.0, 2.0, 0.0])
-    assert found.spread.value == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
+    result = estimates.estimate_effects(points, points @ np.array([3.0, -2.0, 0.0]))
+    assert result.mean.value == pytest.approx([3.0, -2.0, 0.0])
+    assert result.magnitude.value == pytest.approx([3.0, 2.0, 0.0])
+    assert result.spread.value == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
 
 
 def test_what_depends_on_the_others_has_a_spread():
     points = cube("morris", 400, 2, 1).reshape(400, 3, 2)
     x, y = np.moveaxis(points, -1, 0)
-    found = estimates.estimate_effects(points, x * (y - 0.5))
-    assert found.spread.low[0] > np.abs(found.mean.high[0])
-    assert found.magnitude.low[0] > 0.2
+    result = estimates.estimate_effects(points, x * (y - 0.5))
+    assert result.spread.low[0] > np.abs(result.mean.high[0])
+    assert result.magnitude.low[0] > 0.2
     of_levels = np.sqrt((3**2 + 7**2) / 2) / 16  # y - 0.5 at four levels
-    assert found.spread.value[0] == pytest.approx(of_levels, abs=0.01)
+    assert result.spread.value[0] == pytest.approx(of_levels, abs=0.01)

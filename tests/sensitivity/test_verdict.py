@@ -29,12 +29,12 @@ def test_one_parameter_decides_where_its_interval_stands_clear():
 
 def test_overlapping_intervals_leave_the_order_open():
     total = known((0.5, 0.4, 0.6), (0.6, 0.45, 0.7), (0.2, 0.1, 0.3))
-    told = indices_text(Indices(ALONE, total, known((0.3, -0.1, 0.5))), "velocity.rms", PATHS)
-    assert told.startswith("2 parameters dominate velocity.rms, with overlapping intervals: `load`")
-    assert told.index("`load`") < told.index("`defect.width`")
-    assert "negligible" not in told
+    text = indices_text(Indices(ALONE, total, known((0.3, -0.1, 0.5))), "velocity.rms", PATHS)
+    assert text.startswith("2 parameters dominate velocity.rms, with overlapping intervals: `load`")
+    assert text.index("`load`") < text.index("`defect.width`")
+    assert "negligible" not in text
     assert (
-        "Interactions of parameters are not significant (1 - sum of first indices = 0.30 (-0.10 to 0.50))." in told
+        "Interactions of parameters are not significant (1 - sum of first indices = 0.30 (-0.10 to 0.50))." in text
     )
 
 
@@ -68,5 +68,5 @@ def test_a_spread_within_the_mean_is_a_straight_line_whichever_way(sign):
 
 def test_where_all_intervals_overlap_nothing_decides():
     total = known((0.5, 0.2, 0.9), (0.4, 0.1, 0.8), (0.3, 0.1, 0.7))
-    told = indices_text(Indices(ALONE, total, known((0.3, -0.1, 0.5))), "velocity.rms", PATHS)
-    assert told.startswith("No parameter clearly dominates velocity.rms, because all intervals overlap:")
+    text = indices_text(Indices(ALONE, total, known((0.3, -0.1, 0.5))), "velocity.rms", PATHS)
+    assert text.startswith("No parameter clearly dominates velocity.rms, because all intervals overlap:")

@@ -24,8 +24,10 @@ STUDIES = sorted((ROOT / "studies").glob("*.yaml"))
 def taken(study: Path) -> list[tuple[str, str, str]]:
     """Model, method and step (s) of every job; jobs beside each other that are given the same stand once."""
     cases = [job.case for job in load_study(study).jobs()]
-    found = [(case.model, choice.choice(case).method or "", f"{time_grid.grid(case).step:.10g}") for case in cases]
-    return [given for given, _ in groupby(found)]
+    result = [
+        (case.model, choice.choice(case).method or "", f"{time_grid.grid(case).step:.10g}") for case in cases
+    ]
+    return [variant for variant, _ in groupby(result)]
 
 
 def kept(study: Path) -> list[tuple[str, str, str]]:
@@ -35,9 +37,9 @@ def kept(study: Path) -> list[tuple[str, str, str]]:
 
 @pytest.mark.parametrize("study", STUDIES, ids=lambda path: path.stem)
 def test_every_job_of_a_study_is_given_the_method_and_step_it_was_given(study: Path) -> None:
-    found, before = taken(study), kept(study)
-    assert [one[:2] for one in found] == [one[:2] for one in before]
-    steps = [float(one[2]) for one in found]
+    result, before = taken(study), kept(study)
+    assert [one[:2] for one in result] == [one[:2] for one in before]
+    steps = [float(one[2]) for one in result]
     assert steps == pytest.approx([float(one[2]) for one in before], rel=1e-8)  # processors differ in rounding
 
 

@@ -54,12 +54,12 @@ def test_other_names_are_no_bands(name):
 
 
 def test_a_line_that_the_band_is_too_narrow_for_is_none():
-    found = simulate(case(defect=NARROW, duration="0.1 s", features=["envelope@BPFO@1000-1100Hz"], record=[]))
-    assert np.isnan(found.features["envelope@BPFO@1000-1100Hz"])
+    result = simulate(case(defect=NARROW, duration="0.1 s", features=["envelope@BPFO@1000-1100Hz"], record=[]))
+    assert np.isnan(result.features["envelope@BPFO@1000-1100Hz"])
 
 
 def test_a_line_that_the_record_does_not_tell_from_another_is_none():
     """157 Hz beside BPFO at 159 Hz, in 0.1 s."""
-    found = simulate(case(defect=NARROW, duration="0.1 s", features=["envelope@2BSF"], record=[]))
-    assert np.isnan(found.features["envelope@2BSF"])
-    assert np.isnan(found.features["velocity@2BSF"])
+    result = simulate(case(defect=NARROW, duration="0.1 s", features=["envelope@2BSF"], record=[]))
+    assert np.isnan(result.features["envelope@2BSF"])
+    assert np.isnan(result.features["velocity@2BSF"])

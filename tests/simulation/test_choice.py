@@ -99,17 +99,17 @@ def test_limits_fall_with_the_load_where_damping_grows_with_it(
     model: str, method: str, rise: float, defects: tuple
 ) -> None:
     """Those of RK4 but for a twentieth: damping of more than half the critical widens its stability a little."""
-    found = [
+    result = [
         limits(case(model=model, method=method, defects=defects, load=load, **HEAVY))
         for load in (50, 150, 300, 1000, 5000)
     ]
     for name in ("at_rest", "at_impact"):
-        series = [getattr(one, name) for one in found]
+        series = [getattr(one, name) for one in result]
         assert all(after < rise * before for before, after in pairwise(series))
         assert series[-1] < 0.7 * series[0]
         assert len(set(series)) == len(series)
-    assert all(one.at_impact <= one.at_rest for one in found)
-    assert [one.rest_load for one in found] == sorted(one.rest_load for one in found)
+    assert all(one.at_impact <= one.at_rest for one in result)
+    assert [one.rest_load for one in result] == sorted(one.rest_load for one in result)
 
 
 @pytest.mark.parametrize("model", ["ring", "rollers"])
@@ -130,9 +130,9 @@ def test_limits_do_not_depend_on_what_is_recorded_or_for_how_long() -> None:
 
 
 def test_crossing_is_the_time_over_the_narrowest_defect() -> None:
-    found = limits(case(defects=[SLOT | {"angle": "30 deg"}, NARROW]))
+    result = limits(case(defects=[SLOT | {"angle": "30 deg"}, NARROW]))
     cage = 2 * pi * 30 * (1 - 12 / 65) / 2
-    assert found.crossing == pytest.approx(0.2e-3 / (0.0385 * cage), rel=1e-12)
+    assert result.crossing == pytest.approx(0.2e-3 / (0.0385 * cage), rel=1e-12)
     assert limits(case()).crossing == inf
 
 
@@ -153,9 +153,9 @@ def test_closing_speed_is_the_steepest_slope_times_the_speed_along_the_race(defe
 @pytest.mark.parametrize("race", ["inner", "roller"])
 def test_defects_that_turn_are_crossed_at_the_same_speed_and_met_on_the_tighter_race(race: str) -> None:
     """Rolling: 2.959 m/s everywhere. On the inner race 1/R is 1/6 + 1/26.5 per mm: the edge is steeper there."""
-    found, speed = limits(case(defect=SLOT | {"race": race})), 0.0385 * 2 * pi * 30 * (1 - 12 / 65) / 2
-    assert found.crossing == pytest.approx(0.8e-3 / speed, rel=1e-12)
-    assert found.closing_speed == pytest.approx(0.4e-3 * (1 / 6e-3 + 1 / 26.5e-3) * speed, rel=1e-12)
+    result, speed = limits(case(defect=SLOT | {"race": race})), 0.0385 * 2 * pi * 30 * (1 - 12 / 65) / 2
+    assert result.crossing == pytest.approx(0.8e-3 / speed, rel=1e-12)
+    assert result.closing_speed == pytest.approx(0.4e-3 * (1 / 6e-3 + 1 / 26.5e-3) * speed, rel=1e-12)
 
 
 def test_only_a_defect_that_stands_is_put_in_step() -> None:
@@ -186,8 +186,8 @@ def test_a_dashpot_that_jumps_stops_a_roller_by_its_own_force() -> None:
 
 def test_a_faster_impact_is_harder() -> None:
     model = assemble.model(case())
-    found = [limiting.impact(model.bearing.m_r, model.outer, speed) for speed in (0.01, 0.03, 0.1, 0.3)]
-    assert (np.diff(found, axis=0) > 0.0).all()
+    result = [limiting.impact(model.bearing.m_r, model.outer, speed) for speed in (0.01, 0.03, 0.1, 0.3)]
+    assert (np.diff(result, axis=0) > 0.0).all()
     assert limiting.impact(model.bearing.m_r, model.outer, 0.0) == (0.0, 0.0, 0.0)
     assert limiting.impact(0.0, model.outer, 0.1) == (0.0, 0.0, 0.0)
 
@@ -211,19 +211,19 @@ def test_two_microseconds_are_too_long_for_verlet(defect: dict) -> None:
 
 @pytest.mark.parametrize("method", ["verlet", "rk4"])
 def test_half_a_microsecond_is_accepted(method: str) -> None:
-    given = case(defect=SLOT, method=method, step="0.5 us")
-    assert requested_step(given) == 0.5e-6
-    assert grid(given).step <= 0.5e-6
+    test_case = case(defect=SLOT, method=method, step="0.5 us")
+    assert requested_step(test_case) == 0.5e-6
+    assert grid(test_case).step <= 0.5e-6
 
 
 @pytest.mark.parametrize("defects", SLOTS)
 @pytest.mark.parametrize("method", ["verlet", "rk4"])
 def test_a_step_is_refused_exactly_above_the_limit(method: str, defects: tuple) -> None:
-    given = {"method": method, "defects": defects, "load": "300 N"}
-    found = limits(case(**given))
-    assert requested_step(case(**given, step=0.899 * found.at_impact)) == 0.899 * found.at_impact
+    settings = {"method": method, "defects": defects, "load": "300 N"}
+    result = limits(case(**settings))
+    assert requested_step(case(**settings, step=0.899 * result.at_impact)) == 0.899 * result.at_impact
     with pytest.raises(Refused):
-        requested_step(case(**given, step=0.901 * found.at_impact))
+        requested_step(case(**settings, step=0.901 * result.at_impact))
 
 
 def test_a_defect_must_not_be_passed_in_too_few_steps() -> None:
@@ -240,22 +240,22 @@ def test_a_defect_must_not_be_passed_in_too_few_steps() -> None:
 @pytest.mark.parametrize("defects", SLOTS)
 @pytest.mark.parametrize("chi", [0.01, 50.0])
 def test_the_automatic_step_obeys_every_bound(model: str, method: str | None, defects: tuple, chi: float) -> None:
-    given = case(model=model, method=method, defects=defects, contact={"damping": {"chi": chi}})
-    found, chosen = limits(given), requested_step(given)
-    bounds = [found.crossing / (100 if model == "rollers" else 50), 20e-6]
+    test_case = case(model=model, method=method, defects=defects, contact={"damping": {"chi": chi}})
+    result, chosen = limits(test_case), requested_step(test_case)
+    bounds = [result.crossing / (100 if model == "rollers" else 50), 20e-6]
     if method:
-        bounds.append({"verlet": 0.5, "rk4": 0.25}[method] * found.at_impact)
-        bounds.append(1.0 / found.contact_frequency / {"verlet": 40, "rk4": 20}[method])
+        bounds.append({"verlet": 0.5, "rk4": 0.25}[method] * result.at_impact)
+        bounds.append(1.0 / result.contact_frequency / {"verlet": 40, "rk4": 20}[method])
     assert chosen == pytest.approx(min(bounds), rel=1e-12)
-    assert requested_step(given.model_copy(update={"step": chosen})) == chosen
+    assert requested_step(test_case.model_copy(update={"step": chosen})) == chosen
 
 
 @pytest.mark.parametrize("sampling", [200e3, 1024.0, 10240.0, 12345.678, 37.0])
 @pytest.mark.parametrize("model", ["static", "ring"])
 def test_the_grid_fits(sampling: float, model: str) -> None:
-    given = case(model=model, sampling=sampling, defect=SLOT, duration="0.3 s", settle="11 ms")
-    cut = grid(given)
-    assert cut.step <= requested_step(given) * (1 + 1e-12)
+    test_case = case(model=model, sampling=sampling, defect=SLOT, duration="0.3 s", settle="11 ms")
+    cut = grid(test_case)
+    assert cut.step <= requested_step(test_case) * (1 + 1e-12)
     assert cut.steps_per_pass * cut.step * 159.0 == pytest.approx(1.0, rel=1e-12)
     assert cut.fine_rate >= 4.0 * sampling * (1 - 1e-12)
     assert cut.fine_per_pass >= 64
@@ -276,10 +276,10 @@ def test_a_record_without_samples_is_refused() -> None:
 
 def test_estimate_counts_steps_and_bytes() -> None:
     asked = {"duration": 0.29, "sampling": 10000.0, "record": ["ring.velocity", "roller.outer_force"]}
-    given = case(model="ring", periodic=False, **asked)
-    found, cut = time_grid.estimate(given), grid(given)
-    assert found.bytes == 3 * 4 * 2900
-    assert found.steps == cut.passes * cut.steps_per_pass
+    test_case = case(model="ring", periodic=False, **asked)
+    result, cut = time_grid.estimate(test_case), grid(test_case)
+    assert result.bytes == 3 * 4 * 2900
+    assert result.steps == cut.passes * cut.steps_per_pass
     assert time_grid.estimate(case(record=[])).bytes == 0
 
 
@@ -312,12 +312,12 @@ def test_methods_that_keep_a_tolerance_are_told_all_of_it() -> None:
 
 def test_a_tolerance_is_kept_by_the_method_that_is_chosen() -> None:
     """Verlet, which is cheapest here, would do nothing with it."""
-    given = case(defect=SLOT, duration="0.1 s")
-    assert choice.choice(given).method == "verlet"
-    found = choice.choice(given.model_copy(update={"tolerance": 1e-3}))
-    assert found.method in found.prices
-    assert all(METHODS[name].adaptive for name in found.prices)
-    assert "tolerance" in found.reason
+    test_case = case(defect=SLOT, duration="0.1 s")
+    assert choice.choice(test_case).method == "verlet"
+    result = choice.choice(test_case.model_copy(update={"tolerance": 1e-3}))
+    assert result.method in result.prices
+    assert all(METHODS[name].adaptive for name in result.prices)
+    assert "tolerance" in result.reason
 
 
 def test_another_method_than_verlet_is_taken_for_the_steps_that_it_saves() -> None:
@@ -338,9 +338,9 @@ def test_a_model_without_a_method_has_no_other(model: str) -> None:
 def test_dashpots_that_jump_as_contacts_open_shorten_own_steps(coefficient, taken):
     """Mean step of Rodas over a 0.8 mm slot, counted over 25 ms; unforeseen it was up to 26 times off."""
     damping = {"law": "general", "coefficient": coefficient, "indentation_exponent": 0.0}
-    given = case(method="rodas", defect=SLOT, contact={"damping": damping})
-    found = pricing.adaptive_step(given, choice.limits(choice.with_method(given, "verlet")))
-    assert found == pytest.approx(taken, rel=0.5)
+    test_case = case(method="rodas", defect=SLOT, contact={"damping": damping})
+    result = pricing.adaptive_step(test_case, choice.limits(choice.with_method(test_case, "verlet")))
+    assert result == pytest.approx(taken, rel=0.5)
 
 
 @pytest.mark.parametrize(("m1", "m3", "ns"), [(1.0, 1.0, 97), (1.0, 1.5, 413), (1.2, 1.0, 578), (1.2, 1.5, 625)])
@@ -348,19 +348,19 @@ def test_powers_of_the_library_are_priced(m1: float, m3: float, ns: float) -> No
     """A Verlet step of `rollers`, timed by benchmarks/step_cost.py: to a third; unpriced 4 to 6 times off."""
     stiffness = {"law": "constant", "coefficient": 1e6, "exponent": m1}
     damping = {"law": "general", "coefficient": 100.0, "indentation_exponent": m3}
-    given = case(method="verlet", contact={"stiffness": stiffness, "damping": damping})
-    assert pricing.cpu_per_second(given, 1e-6) == pytest.approx(1e-3 * ns, rel=0.35)
+    test_case = case(method="verlet", contact={"stiffness": stiffness, "damping": damping})
+    assert pricing.cpu_per_second(test_case, 1e-6) == pytest.approx(1e-3 * ns, rel=0.35)
 
 
 def test_static_is_priced_as_one_pass_and_refused_by_its_model() -> None:
-    given = case(model="static", defect=SLOT, duration="1 s")
-    watched = given.model_copy(update={"periodic": False})
-    least = mock.patch.object(time_grid, "MAX_CPU", 0.1 * time_grid.estimate(given).cpu_seconds)
+    test_case = case(model="static", defect=SLOT, duration="1 s")
+    watched = test_case.model_copy(update={"periodic": False})
+    least = mock.patch.object(time_grid, "MAX_CPU", 0.1 * time_grid.estimate(test_case).cpu_seconds)
     with least, pytest.raises(Refused, match="`static` would take about"):
         grid(watched)
-    one_pass = time_grid.estimate(given).cpu_seconds - pricing.price("job")
+    one_pass = time_grid.estimate(test_case).cpu_seconds - pricing.price("job")
     with mock.patch.object(time_grid, "MAX_CPU", 2.0 * one_pass):
-        grid(given)
+        grid(test_case)
 
 
 def test_the_price_of_a_job_holds_its_proof() -> None:
@@ -374,14 +374,14 @@ def test_the_price_of_a_job_holds_its_proof() -> None:
 
 
 def test_what_may_repeat_is_priced_by_the_passes_that_are_expected() -> None:
-    given = case(defect=SLOT, method="verlet")
-    long, short = (time_grid.estimate(given.model_copy(update={"duration": s})) for s in (20.0, 1.0))
-    whole = time_grid.estimate(given.model_copy(update={"duration": 20.0, "periodic": False}))
+    test_case = case(defect=SLOT, method="verlet")
+    long, short = (time_grid.estimate(test_case.model_copy(update={"duration": s})) for s in (20.0, 1.0))
+    full = time_grid.estimate(test_case.model_copy(update={"duration": 20.0, "periodic": False}))
     assert long.steps == short.steps
-    assert short.cpu_seconds < long.cpu_seconds < 0.05 * whole.cpu_seconds  # its series are longer
-    assert short.memory < long.memory < whole.memory < whole.most_memory
-    assert whole.most_memory == long.most_memory < 1.3 * whole.memory  # passes are held only while it is stepped
-    assert whole.cpu_seconds < long.most_seconds == whole.most_seconds  # if a period is found, it proves the step
+    assert short.cpu_seconds < long.cpu_seconds < 0.05 * full.cpu_seconds  # its series are longer
+    assert short.memory < long.memory < full.memory < full.most_memory
+    assert full.most_memory == long.most_memory < 1.3 * full.memory  # passes are held only while it is stepped
+    assert full.cpu_seconds < long.most_seconds == full.most_seconds  # if a period is found, it proves the step
     assert 0.0 < long.check_seconds < long.cpu_seconds
 
 
@@ -389,5 +389,5 @@ def test_adaptive_steps_are_bounded_by_the_highest_speed_of_a_ramp() -> None:
     fields = {"model": "planar", "defect": SLOT, "method": "rodas"}
     ramp = case(**fields, ramp={"to": "3600 rpm", "time": "1 s"})
     slow, fast = case(**fields), case(**fields, speed="3600 rpm")
-    longest = [assemble.method(given, 1e-6).longest for given in (slow, ramp, fast)]
+    longest = [assemble.method(variant, 1e-6).longest for variant in (slow, ramp, fast)]
     assert longest[1] == longest[2] == pytest.approx(0.5 * longest[0])

@@ -86,9 +86,9 @@ def test_a_filter_is_applied_a_part_at_a_time(given: Case) -> None:
 
     setup = set_up(given)
     low = integrate(setup).low_pass(np.ones(101) / 101)
-    whole = low.read(100, 500)
+    full = low.read(100, 500)
     with mock.patch.object(recording, "PRODUCTS", 1):
-        assert np.array_equal(low.read(100, 500), whole)
+        assert np.array_equal(low.read(100, 500), full)
 
 
 def test_as_raw_values_are_picked_of_what_repeats(given: Case) -> None:

@@ -67,9 +67,9 @@ def test_the_sensor_sees_the_spacing_that_the_forces_have():
 def test_a_lightly_damped_ball_leaves_the_floor_again_and_strikes_later(depth, times, part):
     """With the default, c/k = 2.5 us: ``part`` of the way by geometry is left. The spacing is 2 to 4 % longer."""
     case = scene("6205", times * 600, ARC_8, depth, contact={"damping": "kraemer"})
-    found, heavy = read(case), reading("6205", ARC_8, depth, times * 600)
-    assert (ARC_8 - found.strike) / reach(case) == pytest.approx(part, abs=0.02)
-    assert found.spacing == pytest.approx(heavy.spacing, rel=0.05)
+    result, heavy = read(case), reading("6205", ARC_8, depth, times * 600)
+    assert (ARC_8 - result.strike) / reach(case) == pytest.approx(part, abs=0.02)
+    assert result.spacing == pytest.approx(heavy.spacing, rel=0.05)
 
 
 def test_free_rollers_strike_at_the_same_place():

@@ -17,31 +17,31 @@ from tests.scenes.short_cases import SLOT, case
 
 def at_rest(**fields: Any) -> tuple[Any, np.ndarray, Rates, Rates]:
     """A model, its buffer at rest, the rates found of it, and those of its monitored bodies."""
-    given = case(contact={"damping": {"law": "kraemer", "beta": "2.5 us"}}, **fields)
-    model = assemble.with_friction_lag(assemble.model(given), limits.LONGEST_STEP)
+    test_case = case(contact={"damping": {"law": "kraemer", "beta": "2.5 us"}}, **fields)
+    model = assemble.with_friction_lag(assemble.model(test_case), limits.LONGEST_STEP)
     t, y, K, C = next(limits.rest_states(model))
     deep = approach(model.outer, float(assemble.outer_forces(model, y).max()))
     before = y.copy()
-    found = rates_at_rest(model, t, y, deep)
+    result = rates_at_rest(model, t, y, deep)
     assert np.array_equal(y, before)
-    return model, y, found, Rates(K, C)
+    return model, y, result, Rates(K, C)
 
 
 @pytest.mark.parametrize("model", ["ring", "rollers", "planar"])
 def test_of_an_ordinary_bearing_it_is_that_of_the_monitored_bodies(model: str) -> None:
-    _, _, found, monitored = at_rest(model=model)
+    _, _, result, monitored = at_rest(model=model)
     least = 0.5 if model == "ring" else 0.9  # all contacts in one line are at most twice the eigenvalue
-    assert least < found.K / monitored.K < 1.1
-    assert least < found.C / monitored.C < 1.1
+    assert least < result.K / monitored.K < 1.1
+    assert least < result.C / monitored.C < 1.1
     assert limits.fast_body_rates(limits.rest_case(case(model=model))) == (0.0, 0.0)
 
 
 def test_of_a_light_ring_it_is_that_of_the_ring_on_its_contacts() -> None:
-    model, y, found, _ = at_rest(model="rollers", rig={"ring_mass": "1e-6 kg"})
+    model, y, result, _ = at_rest(model="rollers", rig={"ring_mass": "1e-6 kg"})
     deep = np.maximum(y[lay.DELTA_O : lay.DELTA_O + model.bearing.Z], 0.0)
     normals = np.stack([y[row : row + model.bearing.Z] for row in (lay.COS, lay.SIN)])
     for value, bound, bracket in zip(
-        found, (stiffness_bound, damping_bound), (model.support.k_b, model.support.c_b), strict=True
+        result, (stiffness_bound, damping_bound), (model.support.k_b, model.support.c_b), strict=True
     ):
         contacts = np.array([float(bound(model.outer, float(one), 0.0)) for one in deep])
         held = normals * contacts @ normals.T + bracket * np.eye(2)
@@ -49,9 +49,9 @@ def test_of_a_light_ring_it_is_that_of_the_ring_on_its_contacts() -> None:
 
 
 def test_a_ring_that_its_bracket_holds_hard_is_as_fast_as_that() -> None:
-    model, _, found, monitored = at_rest(model="rollers", rig={"bracket_stiffness": "1e14 N/m"})
-    assert pytest.approx(1e14 / model.bearing.m_o, rel=0.02) == found.K
-    assert found.fastest > limits.FASTER_RATIO * monitored.fastest
+    model, _, result, monitored = at_rest(model="rollers", rig={"bracket_stiffness": "1e14 N/m"})
+    assert pytest.approx(1e14 / model.bearing.m_o, rel=0.02) == result.K
+    assert result.fastest > limits.FASTER_RATIO * monitored.fastest
 
 
 def test_the_rate_of_a_damped_motion_is_its_largest_eigenvalue() -> None:

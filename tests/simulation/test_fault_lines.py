@@ -36,17 +36,17 @@ def picked(name: str, hertz: float) -> PickedLine | None:
 def test_a_turning_defect_has_its_line_and_sidebands(name: str, line: float, sideband: float) -> None:
     """BPFI with sidebands of the shaft, 2 BSF with sidebands of the cage: far above what is around them."""
     for hertz in (line, line - sideband, line + sideband):
-        found = picked(name, hertz)
-        assert found is not None, hertz
-        assert found.frequency == pytest.approx(hertz, rel=5e-4)
-        assert found.prominence > 10.0
+        result = picked(name, hertz)
+        assert result is not None, hertz
+        assert result.frequency == pytest.approx(hertz, rel=5e-4)
+        assert result.prominence > 10.0
 
 
 def test_a_defect_on_a_roller_has_no_line_at_the_outer_race_frequency() -> None:
     """2 BSF is 1.3 % below BPFO: its shoulder is not taken for a line. What is there is variable compliance."""
-    found, line = picked("roller", BPFO), picked("roller", TWICE_BSF)
+    result, line = picked("roller", BPFO), picked("roller", TWICE_BSF)
     assert line is not None
-    assert found is None or found.amplitude < 0.3 * line.amplitude
+    assert result is None or result.amplitude < 0.3 * line.amplitude
 
 
 def test_both_are_told_apart_in_a_second() -> None:
@@ -68,9 +68,9 @@ def test_the_picker_reads_what_the_features_say(name: str) -> None:
     compared = [line for line, amplitude in strong.items() if amplitude > 0.2 * largest]
     assert compared
     for line in compared:
-        found = picked(name, hertz[line])
-        assert found is not None, line
-        assert found.amplitude == pytest.approx(strong[line], rel=0.02)
+        result = picked(name, hertz[line])
+        assert result is not None, line
+        assert result.amplitude == pytest.approx(strong[line], rel=0.02)
 
 
 def test_the_statement_of_frequencies_is_the_geometry() -> None:

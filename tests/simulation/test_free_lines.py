@@ -25,30 +25,36 @@ IDLE = {
 
 def test_an_unbalance_leaks_little_into_the_ball_pass_line():
     """The ring moves by 100 um/s at the shaft's frequency and by nothing at BPFO: 1e-3 of it is read there."""
-    given = {"model": "planar", "method": "verlet", "duration": "0.2 s", "settle": "0.1 s", "clearance": "-10 um"}
-    found = simulate(case(**given, **SHAFT, **IDLE)).features
-    assert found["velocity@fr"] == pytest.approx(100.5e-6, rel=0.01)
-    assert found["velocity@BPFO"] < 1e-3 * found["velocity@fr"]
+    settings = {
+        "model": "planar",
+        "method": "verlet",
+        "duration": "0.2 s",
+        "settle": "0.1 s",
+        "clearance": "-10 um",
+    }
+    result = simulate(case(**settings, **SHAFT, **IDLE)).features
+    assert result["velocity@fr"] == pytest.approx(100.5e-6, rel=0.01)
+    assert result["velocity@BPFO"] < 1e-3 * result["velocity@fr"]
 
 
 def test_lines_of_a_cage_that_slips_by_half_are_not_folded():
     """Read at the samples of a kinematic pass the line was 9.8 um/s; read finely enough, and by a window, 20.5."""
-    given = {"speed": "6000 rpm", "load": "5 N", "drag": {}, "rig": {"bracket_stiffness": "1e5 N/m"}}
-    found = simulate(case(model="planar", defect=SLOT, settle="0.3 s", duration="0.2 s", **given)).features
-    assert found["cage.slip.mean"] == pytest.approx(0.49, abs=0.03)
-    assert found["velocity@BPFO"] == pytest.approx(20.5e-6, rel=0.1)
+    settings = {"speed": "6000 rpm", "load": "5 N", "drag": {}, "rig": {"bracket_stiffness": "1e5 N/m"}}
+    result = simulate(case(model="planar", defect=SLOT, settle="0.3 s", duration="0.2 s", **settings)).features
+    assert result["cage.slip.mean"] == pytest.approx(0.49, abs=0.03)
+    assert result["velocity@BPFO"] == pytest.approx(20.5e-6, rel=0.1)
 
 
 def test_the_angle_of_a_cage_that_has_slipped_is_told_as_it_is():
     """What it turns from one start of the record to a later one, against its recorded speed in between."""
-    given = {"speed": "6000 rpm", "load": "5 N", "drag": {}, "rig": {"bracket_stiffness": "1e5 N/m"}}
-    given |= {"model": "planar", "duration": "40 ms", "record": ["cage.speed"]}
-    early, late = (simulate(case(settle=settle, **given)) for settle in ("20 ms", "50 ms"))
+    settings = {"speed": "6000 rpm", "load": "5 N", "drag": {}, "rig": {"bracket_stiffness": "1e5 N/m"}}
+    settings |= {"model": "planar", "duration": "40 ms", "record": ["cage.speed"]}
+    early, late = (simulate(case(settle=settle, **settings)) for settle in ("20 ms", "50 ms"))
     speed = early.series["cage.speed"]
     turned = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(early.time))])
-    found = float(late.info["cage_angle_start_rad"]) - float(early.info["cage_angle_start_rad"])
-    assert found == pytest.approx(np.interp(0.03, early.time, turned), abs=2e-4)
-    assert found < 7.0  # and not 7.7, as without slip
+    result = float(late.info["cage_angle_start_rad"]) - float(early.info["cage_angle_start_rad"])
+    assert result == pytest.approx(np.interp(0.03, early.time, turned), abs=2e-4)
+    assert result < 7.0  # and not 7.7, as without slip
 
 
 def test_on_a_ramp_an_acceleration_is_the_derivative_at_each_speed():
@@ -67,10 +73,10 @@ def test_a_defect_is_felt_whatever_a_slipped_roller_carries():
     outer, own = SLOT, SLOT | {"race": "roller", "width": "1.2 mm"}
     forces = []
     for defects in ([outer], [outer, own]):
-        given = case(model="planar", start_angle=0.0, defects=defects)
-        model = assemble.model(given)
+        test_case = case(model="planar", start_angle=0.0, defects=defects)
+        model = assemble.model(test_case)
         y, _ = assemble.start(
-            given, assemble.model(case(model="planar", start_angle=0.0))
+            test_case, assemble.model(case(model="planar", start_angle=0.0))
         )  # pressed as if healthy
         y[lay.SPIN] = 1.0
         start_at_rest(model, 0.0, y)
@@ -82,8 +88,8 @@ def test_a_defect_is_felt_whatever_a_slipped_roller_carries():
 @pytest.mark.parametrize("model", ["static", "ring", "rollers", "planar"])
 def test_under_preload_the_load_zone_is_the_whole_turn(model):
     method = {} if model == "static" else {"method": "verlet"}
-    found = simulate(case(model=model, clearance="-10 um", duration="20 ms", settle="10 ms", **method)).features
-    assert found["load_zone.extent"] == pytest.approx(2.0 * np.pi, rel=1e-6)
+    result = simulate(case(model=model, clearance="-10 um", duration="20 ms", settle="10 ms", **method)).features
+    assert result["load_zone.extent"] == pytest.approx(2.0 * np.pi, rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -155,10 +155,10 @@ NUMBERS: dict[str, dict[str, float]] = {
 @pytest.mark.parametrize("scene", SCENES)
 def test_numbers_do_not_change_unless_the_model_version_does(scene):
     features, numbers = simulate(case(**SHORT, **SCENES[scene])).features, NUMBERS[scene]
-    found = {name: features[name] for name in numbers}
-    assert MODEL_VERSION == GOLDEN_VERSION, f"new model version: set GOLDEN_VERSION and these numbers: {found}"
-    if found != pytest.approx(numbers, rel=SENSITIVE.get(scene, 1e-9)):
+    result = {name: features[name] for name in numbers}
+    assert MODEL_VERSION == GOLDEN_VERSION, f"new model version: set GOLDEN_VERSION and these numbers: {result}"
+    if result != pytest.approx(numbers, rel=SENSITIVE.get(scene, 1e-9)):
         pytest.fail(
             "the same case gives other numbers than before. If that was meant, raise MODEL_VERSION in"
-            f" bearingsim/core/__init__.py (stored results are then computed anew) and put here: {found}"
+            f" bearingsim/core/__init__.py (stored results are then computed anew) and put here: {result}"
         )

@@ -38,13 +38,13 @@ def ended(monitor: Monitor, y: np.ndarray | None = None, steps: int = 100) -> tu
 
 
 def test_a_contact_pressed_too_deep_ends_the_run_and_names_the_roller() -> None:
-    given = choice.resolve(case(model="rollers", method="verlet"))
-    model = set_up(given).model
+    test_case = choice.resolve(case(model="rollers", method="verlet"))
+    model = set_up(test_case).model
     y = at_rest(model)
     y[lay.RADIAL + 4] += 1e-3
     out = np.empty((len(ROWS), 10))
-    found = advance_recorded(Verlet(1e-9), model, Monitor(1, 1.0, approach_bound=5e-4), 0, y, ROWS, out)
-    assert found == (1, outcomes.TOO_DEEP, 4)
+    result = advance_recorded(Verlet(1e-9), model, Monitor(1, 1.0, approach_bound=5e-4), 0, y, ROWS, out)
+    assert result == (1, outcomes.TOO_DEEP, 4)
 
 
 def test_motion_without_a_cause_ends_the_run() -> None:
@@ -53,8 +53,10 @@ def test_motion_without_a_cause_ends_the_run() -> None:
     y[lay.RADIAL_V + 2] = 10.0
     energy = 0.5 * model.bearing.m_r * 100.0
     for bound, ends in ((0.9 * energy, True), (1.1 * energy, False)):
-        found = advance_recorded(Verlet(1e-12), model, Monitor(1, 1.0, energy_bound=bound), 0, y.copy(), ROWS, out)
-        assert found == ((1, outcomes.TOO_MUCH_ENERGY, outcomes.NO_BODY) if ends else (10, outcomes.SUCCESS, -1))
+        result = advance_recorded(
+            Verlet(1e-12), model, Monitor(1, 1.0, energy_bound=bound), 0, y.copy(), ROWS, out
+        )
+        assert result == ((1, outcomes.TOO_MUCH_ENERGY, outcomes.NO_BODY) if ends else (10, outcomes.SUCCESS, -1))
 
 
 @pytest.mark.parametrize("outcome", [outcomes.STEP_TOO_SMALL, outcomes.NEWTON_FAILED, outcomes.TOO_MANY_STEPS])
@@ -71,8 +73,8 @@ def test_what_a_method_gives_up_ends_the_run_at_once(outcome: int) -> None:
 @pytest.mark.parametrize("race", ["outer", "inner", "roller"])
 @pytest.mark.parametrize("model", ["ring", "rollers"])
 def test_crossings_are_those_of_kinematics(model: str, race: str) -> None:
-    given = case(model=model, defect=SLOT | {"race": race}, step_check=False, duration="0.2 s")
-    info = simulate(given).info
+    test_case = case(model=model, defect=SLOT | {"race": race}, step_check=False, duration="0.2 s")
+    info = simulate(test_case).info
     span = float(info["steps"]) * float(info["step_s"])
     each = {"outer": RATE, "inner": 13 * 30 - RATE, "roller": 30 * (65 / 12 - 12 / 65)}[race]
     assert abs(int(info["crossings"]) - each * span) <= (2 if race == "roller" else 1)
@@ -83,8 +85,8 @@ def test_a_crossing_that_was_not_seen_is_missed() -> None:
     y = at_rest(setup.model)
     before = [passages(setup.model, 0, 0.0, y)]
     y[lay.DEFECT_CROSSINGS] = y[lay.PAIR_CROSSINGS] = 15.0
-    for seen, unseen in ((16, 0), (15, 0), (14, 0), (13, 1), (3, 11)):
-        y[lay.PAIR_CROSSINGS] = seen
+    for observed, unseen in ((16, 0), (15, 0), (14, 0), (13, 1), (3, 11)):
+        y[lay.PAIR_CROSSINGS] = observed
         assert missed_crossings(setup.model, 15.5 / RATE, before, y) == unseen
 
 
@@ -131,16 +133,16 @@ SAID_OF_ADAPTIVE = {
 @pytest.mark.parametrize("outcome", [*SAID, *SAID_OF_ADAPTIVE])
 def test_reason_time_body_and_advice(outcome: int) -> None:
     adaptive = outcome in SAID_OF_ADAPTIVE
-    given = case(model="rollers", defect=SLOT, step_check=False, method="dop853" if adaptive else "verlet")
-    given = given.model_copy(update={"tolerance": 1e-3} if adaptive else {"step": 5e-7})
+    test_case = case(model="rollers", defect=SLOT, step_check=False, method="dop853" if adaptive else "verlet")
+    test_case = test_case.model_copy(update={"tolerance": 1e-3} if adaptive else {"step": 5e-7})
     with (
         mock.patch.object(INTEGRATION, "advance_and_sample", return_value=(4000, outcome, 2)),
         pytest.raises(SimulationError) as caught,
     ):
-        simulate(given)
+        simulate(test_case)
     reason, advice = (SAID | SAID_OF_ADAPTIVE)[outcome]
     caught.match(reason)
-    assert caught.value.time == pytest.approx(4000 * time_grid.grid(given).step, rel=1e-9)
+    assert caught.value.time == pytest.approx(4000 * time_grid.grid(test_case).step, rel=1e-9)
     assert f"{1e3 * float(caught.value.time or 0.0):.4g} ms into the run" in caught.value.reason
     assert advice in caught.value.advice
     assert "or `method: " in caught.value.advice
@@ -152,13 +154,13 @@ def test_reason_time_body_and_advice(outcome: int) -> None:
 )
 def test_who_is_stuck_on_rollers_without_mass_is_told_of_some_with(outcome, model, m3, advised) -> None:
     damping = {"law": "general", "coefficient": 1e3, "indentation_exponent": m3}
-    given = case(model=model, defect=SLOT, step_check=False, method="rodas", contact={"damping": damping})
+    test_case = case(model=model, defect=SLOT, step_check=False, method="rodas", contact={"damping": damping})
     with (
         mock.patch.object(INTEGRATION, "ready"),
         mock.patch.object(INTEGRATION, "advance_and_sample", return_value=(4000, outcome, 0)),
         pytest.raises(SimulationError) as caught,
     ):
-        simulate(given)
+        simulate(test_case)
     with_mass = "use `model: rollers`: a damping force at first contact needs the mass of a roller"
     assert (caught.value.advice == with_mass) == advised
     assert ("or `method: " in caught.value.advice) != advised
@@ -173,9 +175,9 @@ def test_bounds_hold_what_a_hard_case_reaches_and_no_more() -> None:
         contact={"damping": {"chi": "1 s/m"}},
         step_check=False,
     )
-    found = choice.limits(hard)
-    assert found.approach_bound < 2e-3
-    assert found.energy_bound < 1e3
+    result = choice.limits(hard)
+    assert result.approach_bound < 2e-3
+    assert result.energy_bound < 1e3
     for name in ("APPROACH_MARGIN", "ENERGY_MARGIN"):
         with mock.patch.object(limits, name, 0.1 * getattr(limits, name)):
             simulate(hard)
@@ -185,10 +187,10 @@ def test_bounds_hold_what_a_hard_case_reaches_and_no_more() -> None:
     ("name", "reason"), [("APPROACH_MARGIN", "contact deformation"), ("ENERGY_MARGIN", "kinetic energy exceeds")]
 )
 def test_a_bound_that_is_passed_fails_the_job(name: str, reason: str) -> None:
-    given = case(model="rollers", method="verlet", step="0.4 us", defect=SLOT)
+    test_case = case(model="rollers", method="verlet", step="0.4 us", defect=SLOT)
     limits._common_limits.cache_clear()
     with mock.patch.object(limits, name, 1e-9), pytest.raises(SimulationError, match=reason) as caught:
-        simulate(given)
+        simulate(test_case)
     limits._common_limits.cache_clear()
     assert caught.value.time is not None
 
@@ -197,12 +199,12 @@ def test_a_bound_that_is_passed_fails_the_job(name: str, reason: str) -> None:
 
 
 def test_a_job_that_would_take_too_long_is_refused_before_it_runs() -> None:
-    given = case(model="rollers", defect=SLOT)
+    test_case = case(model="rollers", defect=SLOT)
     with mock.patch.object(time_grid, "MAX_CPU", 1e-3):
         with pytest.raises(Refused, match="h of CPU time, over") as caught:
-            time_grid.grid(given)
+            time_grid.grid(test_case)
         assert "shorter `duration`" in caught.value.advice
-        time_grid.grid(given.model_copy(update={"step": 5e-7}))  # what the study gives is taken
+        time_grid.grid(test_case.model_copy(update={"step": 5e-7}))  # what the study gives is taken
 
 
 def test_a_method_that_is_too_slow_is_not_tried_with_shorter_steps() -> None:
@@ -214,11 +216,11 @@ def test_a_method_that_is_too_slow_is_not_tried_with_shorter_steps() -> None:
 
 
 def test_a_pilot_may_take_its_part_of_what_a_run_may() -> None:
-    given = choice.resolve(case(model="rollers", method="dop853", defect=SLOT, duration="1 s"))
+    test_case = choice.resolve(case(model="rollers", method="dop853", defect=SLOT, duration="1 s"))
     little = mock.patch.object(time_grid, "MAX_CPU", 0.01)
     unforeseen = mock.patch.object(time_grid, "per_second", return_value=0.0)
     with little, unforeseen, pytest.raises(SIMULATION.TooSlow) as caught:
-        step_check.check_step(set_up(given, 1.0))
+        step_check.check_step(set_up(test_case, 1.0))
     assert caught.value.time < 0.02
 
 
@@ -247,27 +249,27 @@ def test_the_clock_is_looked_at_where_steps_are_much_work() -> None:
     "way", [{"method": "verlet"}, {"model": "rollers", "method": "dop853"}, {"model": "static"}]
 )
 def test_looks_at_the_clock_change_nothing(way: dict[str, str]) -> None:
-    given = choice.resolve(case(defect=SLOT, duration="20 ms", **way))
-    seldom = INTEGRATION.integrate(set_up(given))
+    test_case = choice.resolve(case(defect=SLOT, duration="20 ms", **way))
+    seldom = INTEGRATION.integrate(set_up(test_case))
     with (
         mock.patch.object(INTEGRATION, "STEPS_PER_CALL", 7),
         mock.patch.object(RUN_SETUP, "MAX_EVALUATIONS", 50.0),
     ):
-        often = INTEGRATION.integrate(set_up(given))
+        often = INTEGRATION.integrate(set_up(test_case))
     assert np.array_equal(often.fine, seldom.fine)
     assert np.array_equal(often.y, seldom.y, equal_nan=True)
 
 
 def test_a_run_asks_to_be_looked_at_where_steps_are_much_work() -> None:
-    given = choice.resolve(case(model="rollers", method="dop853", defect=SLOT, duration="20 ms"))
-    setup = set_up(given)
+    test_case = choice.resolve(case(model="rollers", method="dop853", defect=SLOT, duration="20 ms"))
+    setup = set_up(test_case)
     assert setup.monitor.max_evaluations == RUN_SETUP.MAX_EVALUATIONS
     with (
         mock.patch.object(RUN_SETUP, "MAX_EVALUATIONS", 1000.0),
-        mock.patch.object(INTEGRATION, "advance_and_sample", wraps=advance_and_sample) as spied,
+        mock.patch.object(INTEGRATION, "advance_and_sample", wraps=advance_and_sample) as mocked,
     ):
-        INTEGRATION.integrate(set_up(given))
-    columns = sum(call.args[6].shape[1] for call in spied.call_args_list)
+        INTEGRATION.integrate(set_up(test_case))
+    columns = sum(call.args[6].shape[1] for call in mocked.call_args_list)
     assert columns > setup.cut.passes * setup.cut.steps_per_pass + 1000  # many came back early
 
 
@@ -288,14 +290,14 @@ def test_what_takes_steps_is_compiled_before_the_clock_runs() -> None:
 def test_what_was_wrong_is_said_before_what_shorter_steps_would_cost() -> None:
     """Of each method the last run that went wrong; a refusal only of one that never ran."""
     wrong = SIMULATION.MethodFailure("verlet is wrong", "do this", 0.25)
-    dear = Refused("too many steps", "do that")
-    given = case(method="verlet")
-    ends = mock.patch.object(SIMULATION, "_simulate", side_effect=[wrong, dear, dear, dear])
+    costs = Refused("too many steps", "do that")
+    test_case = case(method="verlet")
+    ends = mock.patch.object(SIMULATION, "_simulate", side_effect=[wrong, costs, costs, costs])
     with ends, pytest.raises(SimulationError) as caught:
-        simulate(given)
+        simulate(test_case)
     assert (caught.value.reason, caught.value.advice, caught.value.time) == ("verlet is wrong", "do this", 0.25)
-    with mock.patch.object(SIMULATION, "_simulate", side_effect=dear), pytest.raises(SimulationError) as caught:
-        simulate(given)
+    with mock.patch.object(SIMULATION, "_simulate", side_effect=costs), pytest.raises(SimulationError) as caught:
+        simulate(test_case)
     assert (caught.value.reason, caught.value.advice, caught.value.time) == ("too many steps", "do that", None)
 
 

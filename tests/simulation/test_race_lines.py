@@ -19,8 +19,8 @@ EVERY_10_DEG = np.radians(np.arange(0.0, 181.0, 10.0))
 def lines(names, quantity="velocity", **given):
     """Complex amplitudes of the named lines of a case."""
     features = simulate(case(**given)).features
-    found = [f"{quantity}@{name}" for name in names]
-    return np.array([features[name] * np.exp(1j * features[f"{name}.phase"]) for name in found])
+    result = [f"{quantity}@{name}" for name in names]
+    return np.array([features[name] * np.exp(1j * features[f"{name}.phase"]) for name in result])
 
 
 @lru_cache
@@ -44,8 +44,8 @@ def standing(model):
     """g(phi) (m): displacement line at BPFO of a standing slot, less the healthy one, told from its own place."""
     usual = {"model": model, "duration": "40 ms", "settle": "30 ms", "quantity": "displacement"}
     healthy = lines(["BPFO"], **usual)[0]
-    found = [lines(["BPFO"], defect=SLOT | {"angle": float(phi)}, **usual)[0] for phi in EVERY_10_DEG]
-    return (np.array(found) - healthy) * np.exp(13j * EVERY_10_DEG)
+    result = [lines(["BPFO"], defect=SLOT | {"angle": float(phi)}, **usual)[0] for phi in EVERY_10_DEG]
+    return (np.array(result) - healthy) * np.exp(13j * EVERY_10_DEG)
 
 
 @pytest.mark.parametrize("model", ["static", "ring"])
@@ -62,9 +62,9 @@ def test_a_turning_defects_lines_are_those_of_a_standing_one_all_round(model):
     assert np.abs(g.imag).max() < 0.01 * np.abs(g).max()
     once = np.array([0.5, *[1.0] * 17, 0.5]) / 18.0
     all_round, with_cosine = once @ g.real, once @ (g.real * np.cos(EVERY_10_DEG))
-    for found, names in zip(turning(model), (OF_THE_INNER_RACE, OF_A_ROLLER), strict=True):
+    for result, names in zip(turning(model), (OF_THE_INNER_RACE, OF_A_ROLLER), strict=True):
         expected = np.array([all_round, with_cosine, with_cosine]) * FREQUENCY[names[0]] / FREQUENCY["BPFO"]
-        assert found == pytest.approx(expected, rel=0.03)
+        assert result == pytest.approx(expected, rel=0.03)
 
 
 PINNED = {  # um/s, `rollers`, 0.8 mm slot, 150 N, 1 s; less than `ring`'s 5.189 and 2.379 by little
@@ -76,17 +76,17 @@ PINNED = {  # um/s, `rollers`, 0.8 mm slot, 150 N, 1 s; less than `ring`'s 5.189
 def test_lines_of_one_second():
     """Each defect's own lines are there, the other's are not, nor in a healthy bearing."""
     for race, expected in PINNED.items():
-        found = simulate(case(duration="1 s", defect=SLOT | {"race": race})).features
+        result = simulate(case(duration="1 s", defect=SLOT | {"race": race})).features
         for name, value in expected.items():
-            assert 1e6 * found[f"velocity@{name}"] == pytest.approx(value, abs=2e-3), name
-            assert healthy()[f"velocity@{name}"] < 2e-3 * found[f"velocity@{name}"], name
+            assert 1e6 * result[f"velocity@{name}"] == pytest.approx(value, abs=2e-3), name
+            assert healthy()[f"velocity@{name}"] < 2e-3 * result[f"velocity@{name}"], name
         for other in set(PINNED) - {race}:
             for name in list(PINNED[other])[:2]:
-                assert found[f"velocity@{name}"] < 0.01 * max(expected.values()) * 1e-6, name
+                assert result[f"velocity@{name}"] < 0.01 * max(expected.values()) * 1e-6, name
         for name in list(expected)[:3]:
             omega = 2 * pi * FREQUENCY[name]
-            assert found[f"velocity@{name}"] == pytest.approx(omega * found[f"displacement@{name}"], rel=2e-3)
-            assert found[f"acceleration@{name}"] == pytest.approx(omega * found[f"velocity@{name}"], rel=2e-6)
+            assert result[f"velocity@{name}"] == pytest.approx(omega * result[f"displacement@{name}"], rel=2e-3)
+            assert result[f"acceleration@{name}"] == pytest.approx(omega * result[f"velocity@{name}"], rel=2e-6)
 
 
 def test_a_healthy_bearing_has_nothing_there():

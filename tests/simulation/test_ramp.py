@@ -49,9 +49,9 @@ def test_motion_of_a_series():
 
 def test_a_ramp_to_the_same_speed_is_none():
     """The same ring to rounding, over a slot."""
-    given = {"defect": SLOT, "duration": "80 ms", "seed": 3}
-    ramp = ramped("1800 rpm", **given)
-    steady = simulate(case(model="planar", settle="0 s", record=RECORD, **given))
+    settings = {"defect": SLOT, "duration": "80 ms", "seed": 3}
+    ramp = ramped("1800 rpm", **settings)
+    steady = simulate(case(model="planar", settle="0 s", record=RECORD, **settings))
     for name, values in steady.series.items():
         assert ramp.series[name] == pytest.approx(values, abs=1e-6 * np.abs(values).max() + 1e-12)
 

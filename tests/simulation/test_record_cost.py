@@ -59,11 +59,11 @@ def test_what_is_read_and_written_is_priced() -> None:
 
 @pytest.mark.parametrize("more", [{"model": "ring"}, TURNING, RAMP, {"model": "ring", "antialias": False}])
 def test_features_are_the_same_whatever_is_read_at_a_time(monkeypatch: pytest.MonkeyPatch, more: Any) -> None:
-    given = case(duration="0.15 s", **more, **FULL)
-    at_once = simulate(given).features
+    test_case = case(duration="0.15 s", **more, **FULL)
+    at_once = simulate(test_case).features
     for module in (spectral_lines, passes, lines):
         monkeypatch.setattr(module, "BLOCK", 1000)
-    in_blocks = simulate(given).features
+    in_blocks = simulate(test_case).features
     for name, value in at_once.items():
         quantity = name.partition("@")[0]
         scale = at_once[f"{quantity}.rms"] if "@" in name and "phase" not in name else abs(value)
@@ -75,7 +75,7 @@ def test_features_of_a_long_record_copy_little_of_it(
     monkeypatch: pytest.MonkeyPatch, more: dict[str, Any], times: float
 ) -> None:
     """In bytes of the recording: 9 rows. All of it was copied two to five times."""
-    found: dict[str, float] = {}
+    result: dict[str, float] = {}
     compute = features.features
 
     def watched(case: Case, model: Any, cut: Any, raw: Any) -> dict[str, float]:
@@ -83,14 +83,14 @@ def test_features_of_a_long_record_copy_little_of_it(
         try:
             return compute(case, model, cut, raw)
         finally:
-            found["peak"] = tracemalloc.get_traced_memory()[1] / raw.fine.nbytes
+            result["peak"] = tracemalloc.get_traced_memory()[1] / raw.fine.nbytes
             tracemalloc.stop()
 
     monkeypatch.setattr(import_module("bearingsim.simulation.simulate"), "features", watched)
     for module in (spectral_lines, passes, lines):
         monkeypatch.setattr(module, "BLOCK", 1 << 10)
     simulate(case(duration="0.6 s", **more, **FULL))
-    assert found["peak"] < times
+    assert result["peak"] < times
 
 
 def test_a_failed_attempt_leaves_no_record_behind() -> None:
@@ -150,18 +150,18 @@ OF_BANDS = {
 )
 def test_memory_is_that_which_is_taken(more: dict[str, Any]) -> None:
     """Of passes held while a period is sought, forces picked as they are, bands, and lines of bodies that slip."""
-    given = case(**more)
-    priced = time_grid.estimate(given).memory
-    assert 0.6 * priced < largest_memory(given) < priced
+    test_case = case(**more)
+    priced = time_grid.estimate(test_case).memory
+    assert 0.6 * priced < largest_memory(test_case) < priced
 
 
 def test_memory_of_a_long_search_for_a_period_is_priced() -> None:
     """Of a run in full whose period, on which its step is checked, is found after 101 of 160 ball passes."""
     slow = REPEATS | {"rig": {"ring_mass": "20 kg"}, "settle": "0 s", "periodic": False}
-    given = case(**slow)
-    priced = time_grid.estimate(given)
+    test_case = case(**slow)
+    priced = time_grid.estimate(test_case)
     assert priced.memory < 0.95 * priced.most_memory
-    assert 0.6 * priced.most_memory < largest_memory(given) < priced.most_memory
+    assert 0.6 * priced.most_memory < largest_memory(test_case) < priced.most_memory
 
 
 def test_the_search_for_a_period_leaves_no_record_behind(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -197,8 +197,8 @@ def test_lines_of_blocks_are_those_of_the_whole_series() -> None:
                 slopes[:, part],
             )
 
-    found = lines_of_blocks(blocks(), angles[:, 0], angles[:, -1])
+    result = lines_of_blocks(blocks(), angles[:, 0], angles[:, -1])
     expected = np.array([line_at(series, angle) for angle in angles])
-    assert np.abs(found - expected).max() < 1e-11
+    assert np.abs(result - expected).max() < 1e-11
     none = lines_of_blocks(blocks(), np.zeros(2), np.ones(2))
     assert np.isnan(none).all()

@@ -15,16 +15,16 @@ H, TAIL, STEPS = 1e-3, 16, 50
 
 def recorded(place, passes=3):
     """Velocity and acceleration of ``place``(t), pass by pass as a run writes them."""
-    window, found = np.zeros((6, TAIL + STEPS)), []
+    window, result = np.zeros((6, TAIL + STEPS)), []
     window[PLACE] = place(H * np.arange(-TAIL - STEPS, 0))
     for p in range(passes):
         window[:, :TAIL] = window[:, STEPS:].copy()
         t = H * np.arange(p * STEPS - TAIL, (p + 1) * STEPS)
         window[PLACE, TAIL:] = place(t[TAIL:])
         differentiate(window, RING, TAIL, H)
-        whole = slice(TAIL - STENCIL_REACH, TAIL + STEPS - STENCIL_REACH)
-        found.append((t[whole], window[VELOCITY, whole].copy(), window[ACCELERATION, whole].copy()))
-    return (np.concatenate(one, axis=-1) for one in zip(*found, strict=True))
+        full = slice(TAIL - STENCIL_REACH, TAIL + STEPS - STENCIL_REACH)
+        result.append((t[full], window[VELOCITY, full].copy(), window[ACCELERATION, full].copy()))
+    return (np.concatenate(one, axis=-1) for one in zip(*result, strict=True))
 
 
 @pytest.mark.parametrize("omega", [400.0, 800.0])
@@ -60,9 +60,9 @@ def test_of_a_velocity_that_jumps_the_way_gone_is_kept(late):
 
 @pytest.mark.parametrize("method", ["dop853", "rodas"])
 def test_the_line_does_not_depend_on_how_often_is_recorded(method):
-    given = case(model="rollers", defect=SLOT, method=method, step_check=False)
-    often = choice.automatic_step(given, limits.step_limits(given))
-    fine, coarse = (simulate(given.model_copy(update={"step": k * often})).features for k in (0.25, 1))
+    test_case = case(model="rollers", defect=SLOT, method=method, step_check=False)
+    often = choice.automatic_step(test_case, limits.step_limits(test_case))
+    fine, coarse = (simulate(test_case.model_copy(update={"step": k * often})).features for k in (0.25, 1))
     assert coarse["velocity@BPFO"] == pytest.approx(fine["velocity@BPFO"], rel=5e-4)
     assert coarse["velocity.rms"] == pytest.approx(fine["velocity.rms"], rel=2e-4)
 
@@ -73,25 +73,25 @@ WIDE = {"load": "240 N", "defect": SLOT | {"width": "1.3 mm"}, "duration": "20 m
 @pytest.mark.parametrize("method", ["dop853", "rodas"])
 def test_raw_values_are_the_methods_own(method):
     """On lines between recorded instants accelerations were 20 % off, and the step check did not see it."""
-    given = case(model="rollers", method=method, antialias=False, tolerance=1e-5, **WIDE)
-    found, fine = (
-        simulate(given.model_copy(update=one)) for one in ({}, {"step_check": False, "tolerance": 1e-7})
+    test_case = case(model="rollers", method=method, antialias=False, tolerance=1e-5, **WIDE)
+    result, fine = (
+        simulate(test_case.model_copy(update=one)) for one in ({}, {"step_check": False, "tolerance": 1e-7})
     )
     for name, bound in (("velocity.rms", 1e-3), ("acceleration.rms", 3e-3), ("acceleration.peak", 3e-3)):
-        assert found.features[name] == pytest.approx(fine.features[name], rel=bound)
-    assert 0.0 < found.features["step_error.record"] < 3e-3
-    smooth = simulate(given.model_copy(update={"step_check": False, "antialias": True})).features
+        assert result.features[name] == pytest.approx(fine.features[name], rel=bound)
+    assert 0.0 < result.features["step_error.record"] < 3e-3
+    smooth = simulate(test_case.model_copy(update={"step_check": False, "antialias": True})).features
     # no step depends on where it is looked at
-    assert smooth["velocity@BPFO"] == pytest.approx(found.features["velocity@BPFO"], rel=1e-12)
+    assert smooth["velocity@BPFO"] == pytest.approx(result.features["velocity@BPFO"], rel=1e-12)
 
 
 def test_raw_values_begin_where_the_record_does():
     """At t = 0 the bearing stands at rest; the next value is that of the run as well."""
     times = {"settle": "0 ms", "duration": "20 ms", "sampling": "50 kHz"}
-    given = case(model="rollers", method="rodas", antialias=False, record=["ring.velocity"], **times)
-    found, later = simulate(given), simulate(given.model_copy(update={"settle": 4e-3, "duration": 10e-3}))
-    assert found.velocity[0].tolist() == [0.0, 0.0]
-    assert np.allclose(found.velocity[200:700], later.velocity, rtol=1e-9, atol=1e-15)
+    test_case = case(model="rollers", method="rodas", antialias=False, record=["ring.velocity"], **times)
+    result, later = simulate(test_case), simulate(test_case.model_copy(update={"settle": 4e-3, "duration": 10e-3}))
+    assert result.velocity[0].tolist() == [0.0, 0.0]
+    assert np.allclose(result.velocity[200:700], later.velocity, rtol=1e-9, atol=1e-15)
 
 
 @pytest.mark.parametrize("ring", [{}, {"ring": {"harmonics": 5}}])
@@ -100,14 +100,14 @@ def test_the_sensor_s_series_is_what_its_features_are_read_from(ring, more):
     """At 30 deg, of a rigid ring its two coordinates, turned; of a bent one its bending too."""
     rig = {"sensor": {"angle": "30 deg"}} | ring
     channels = ["sensor.velocity", "ring.velocity", "sensor.displacement"]
-    found = simulate(case(model="rollers", rig=rig, record=channels, defects=[], **more))
-    series, angle = found.series, np.pi / 6.0
+    result = simulate(case(model="rollers", rig=rig, record=channels, defects=[], **more))
+    series, angle = result.series, np.pi / 6.0
     turned = np.cos(angle) * series["ring.velocity.x"] + np.sin(angle) * series["ring.velocity.y"]
     if ring:
         assert np.std(series["sensor.velocity"] - turned) > 0.1 * np.std(turned)
     else:
         assert series["sensor.velocity"] == pytest.approx(turned, abs=1e-15)
-    assert np.std(series["sensor.velocity"]) == pytest.approx(found.features["velocity.rms"], rel=0.1)
+    assert np.std(series["sensor.velocity"]) == pytest.approx(result.features["velocity.rms"], rel=0.1)
 
 
 @pytest.mark.parametrize("method", ["verlet", "dop853"])

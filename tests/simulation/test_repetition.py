@@ -72,22 +72,22 @@ def test_a_field_that_nobody_thought_of_is_computed_in_full() -> None:
     class Later(Case):
         wear: float = 0.0
 
-    given = resolved(model="ring")
-    assert may_repeat(given)
-    assert not may_repeat(Later.model_construct(**dict(given)))
+    test_case = resolved(model="ring")
+    assert may_repeat(test_case)
+    assert not may_repeat(Later.model_construct(**dict(test_case)))
 
 
 def test_a_model_of_another_package_is_computed_in_full(monkeypatch: pytest.MonkeyPatch) -> None:
     from dataclasses import replace
 
-    given = resolved(model="ring")
+    test_case = resolved(model="ring")
     monkeypatch.setitem(MODELS, "ring", replace(MODELS["ring"], repeats=False))
-    assert not may_repeat(given)
+    assert not may_repeat(test_case)
 
 
 def test_passes_are_those_of_the_last_period() -> None:
-    found = Repetition(computed=7, period=3, difference=0.0)
-    assert found.source(np.arange(14)).tolist() == [0, 1, 2, 3, 4, 5, 6, 4, 5, 6, 4, 5, 6, 4]
+    result = Repetition(computed=7, period=3, difference=0.0)
+    assert result.source(np.arange(14)).tolist() == [0, 1, 2, 3, 4, 5, 6, 4, 5, 6, 4, 5, 6, 4]
     assert Repetition(4, 0, 0.0).source(np.arange(4)).tolist() == [0, 1, 2, 3]
 
 
@@ -105,13 +105,13 @@ def test_what_repeats_is_as_if_it_had_been_computed(model: str, clearance: str, 
     fields: dict[str, Any] = KINEMATIC if model == "planar" else {}
     fields |= {"model": model, "clearance": clearance, "antialias": antialias, "record": RING + FORCES}
     fields |= {"defect": WIDE, "duration": 0.25, "settle": 0.041, "step_check": False}
-    short, whole = simulate(case(**fields)), simulate(case(**fields, periodic=False))
-    assert float(short.info["passes_computed"]) < 0.5 * float(whole.info["passes_computed"])
-    assert (short.info["period_passes"], whole.info["period_passes"]) == (1, 0)
-    for name, series in whole.series.items():
+    short, full = simulate(case(**fields)), simulate(case(**fields, periodic=False))
+    assert float(short.info["passes_computed"]) < 0.5 * float(full.info["passes_computed"])
+    assert (short.info["period_passes"], full.info["period_passes"]) == (1, 0)
+    for name, series in full.series.items():
         assert np.abs(short.series[name] - series).max() < 1e-6 * np.ptp(series), name
-    for name, value in whole.features.items():
-        size = 1e-3 * whole.features.get(f"{name.partition('@')[0]}.rms", 0.0)
+    for name, value in full.features.items():
+        size = 1e-3 * full.features.get(f"{name.partition('@')[0]}.rms", 0.0)
         size = 1e-3 if name.startswith("error.start") else size
         if not name.endswith((".phase", "-scatter")):
             assert short.features[name] == pytest.approx(value, rel=1e-6, abs=1e-6 * size, nan_ok=True), name
@@ -119,13 +119,13 @@ def test_what_repeats_is_as_if_it_had_been_computed(model: str, clearance: str, 
 
 def test_a_motion_that_never_repeats_is_computed_in_full() -> None:
     """Unloaded rollers chatter at this speed."""
-    given = case(
+    test_case = case(
         model="rollers", defect=WIDE, speed="600 rpm", clearance="10 um", method="verlet", step_check=False
     )
-    found = simulate(given)
-    assert found.info["passes_computed"] == found.info["passes"]
-    assert found.info["period_passes"] == 0
-    assert float(found.info["last_difference"]) > 1e-7
+    result = simulate(test_case)
+    assert result.info["passes_computed"] == result.info["passes"]
+    assert result.info["period_passes"] == 0
+    assert float(result.info["last_difference"]) > 1e-7
 
 
 # The search alone
@@ -145,9 +145,9 @@ def period_of(motion: Callable[[int], np.ndarray], passes: int = 40) -> tuple[in
         y[[lay.POSITION + lay.X, lay.POSITION + lay.Y, lay.VELOCITY + lay.X, lay.VELOCITY + lay.Y]] = window[
             :4, -1
         ]
-        found, _ = search.add_pass(window, y, np.ones(5))
-        if found:
-            return found, p + 1
+        result, _ = search.add_pass(window, y, np.ones(5))
+        if result:
+            return result, p + 1
     return 0, passes
 
 
@@ -175,17 +175,17 @@ def nothing_repeats(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("nothing_repeats")
 def test_what_has_not_repeated_itself_is_handed_to_another_method() -> None:
-    given = case(**LONG)
-    found = choice.choice(given)
-    assert found.method == "verlet"
-    assert 0 < found.patience < 30
-    record = simulate(given)
-    assert record.info["method"] == next(name for name in found.prices if name != "verlet")
+    test_case = case(**LONG)
+    result = choice.choice(test_case)
+    assert result.method == "verlet"
+    assert 0 < result.patience < 30
+    record = simulate(test_case)
+    assert record.info["method"] == next(name for name in result.prices if name != "verlet")
     assert record.info["passes_computed"] == record.info["passes"]
-    whole = simulate(given.model_copy(update={"method": "verlet"}))
-    assert whole.info["passes_computed"] == whole.info["passes"]
-    assert record.features["velocity@BPFO"] == pytest.approx(whole.features["velocity@BPFO"], rel=0.01)
-    assert record.features["outer_force.max"] == pytest.approx(whole.features["outer_force.max"], rel=0.01)
+    full = simulate(test_case.model_copy(update={"method": "verlet"}))
+    assert full.info["passes_computed"] == full.info["passes"]
+    assert record.features["velocity@BPFO"] == pytest.approx(full.features["velocity@BPFO"], rel=0.01)
+    assert record.features["outer_force.max"] == pytest.approx(full.features["outer_force.max"], rel=0.01)
 
 
 @pytest.mark.usefixtures("nothing_repeats")

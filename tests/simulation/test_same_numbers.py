@@ -18,9 +18,9 @@ ROOT = Path(__file__).parents[2]
 
 
 def fingerprint(given: Case) -> str:
-    found = simulate(given)
-    digest = hashlib.sha256(repr(sorted(found.features.items())).encode())
-    for name, series in sorted(found.series.items()):
+    result = simulate(given)
+    digest = hashlib.sha256(repr(sorted(result.features.items())).encode())
+    for name, series in sorted(result.series.items()):
         digest.update(name.encode() + series.tobytes())
     return digest.hexdigest()
 
@@ -36,13 +36,13 @@ def elsewhere(code: str, **environment: str) -> str:
 
 
 def test_the_same_case_gives_the_same_bits() -> None:
-    given = case(model="rollers", defect=SLOT, record=RING + FORCES)
-    here = fingerprint(given)
-    assert fingerprint(given) == here
+    test_case = case(model="rollers", defect=SLOT, record=RING + FORCES)
+    here = fingerprint(test_case)
+    assert fingerprint(test_case) == here
     fields = "model='rollers', defect=SLOT, record=RING + FORCES"
     code = f"from tests.simulation.test_same_numbers import *; print(fingerprint(case({fields})))"
     assert elsewhere(code) == here
-    assert fingerprint(given.model_copy(update={"load": given.load * (1 + 1e-15)})) != here
+    assert fingerprint(test_case.model_copy(update={"load": test_case.load * (1 + 1e-15)})) != here
 
 
 THREE = {  # a small bearing, turning fast, so that plain Python gets through a few ball passes
@@ -61,8 +61,8 @@ FAST = {"bearing": THREE, "speed": "12000 rpm", "settle": "0 ms", "sampling": "1
 
 
 def numbers(**fields: Any) -> list[float]:
-    found = simulate(case(**(FAST | {"duration": 1.001 / 244.6} | fields)))
-    return [found.features[n] for n in sorted(found.features) if "scatter" not in n and "kurtosis" not in n]
+    result = simulate(case(**(FAST | {"duration": 1.001 / 244.6} | fields)))
+    return [result.features[n] for n in sorted(result.features) if "scatter" not in n and "kurtosis" not in n]
 
 
 CARRIED: list[dict[str, Any]] = [{}, {"race": "inner"}, {"race": "roller", "roller": 2}]

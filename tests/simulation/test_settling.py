@@ -62,7 +62,7 @@ def test_a_free_cage_settles_for_two_turns_before_a_record_that_may_end_early() 
     early = {"model": "planar", "record": [], "until": "1 %"}
     dry, oiled = auto(**early), auto(**early, drag={"oil_fraction": 0.1})
     turn = settling.cage_turn(dry)
-    assert [settling.settling(given) for given in (dry, oiled)] == pytest.approx([2.0 * turn, 5.0 * turn])
+    assert [settling.settling(variant) for variant in (dry, oiled)] == pytest.approx([2.0 * turn, 5.0 * turn])
 
 
 def test_models_without_memory_have_no_modes() -> None:
@@ -156,42 +156,42 @@ def test_only_slow_modes_of_passes_that_are_alike_are_extrapolated() -> None:
 
 
 def test_a_heavy_ring_that_starts_from_rest_is_told_and_auto_forgets_it() -> None:
-    long, short, found = (
+    long, short, result = (
         simulate(case(**HEAVY | {"settle": settle}, periodic=periodic))
         for settle, periodic in (("1.5 s", False), ("50 ms", True), ("auto", True))
     )
     for name, column in (("velocity@BPFO", ""), ("velocity.rms", ".rms"), ("outer_force.max", ".force")):
         right = long.features[name]
-        assert found.features[name] == pytest.approx(right, rel=1e-5)
-        assert found.features[f"error.start{column}"] < 1e-6
+        assert result.features[name] == pytest.approx(right, rel=1e-5)
+        assert result.features[f"error.start{column}"] < 1e-6
         error = abs(short.features[name] / right - 1.0)
         assert error <= 1.2 * short.features[f"error.start{column}"] + 1e-5
         assert short.features[f"error.start{column}"] <= max(5.0 * error, 5e-3)
     assert short.features["error.start.force"] > 2e-4
-    assert float(found.info["passes_computed"]) < 20
+    assert float(result.info["passes_computed"]) < 20
 
 
 def test_periodic_or_in_full_the_motion_is_the_same() -> None:
-    short, whole = (simulate(auto(**HEAVY, periodic=periodic)) for periodic in (True, False))
-    assert whole.info["passes_computed"] == whole.info["passes"]
+    short, full = (simulate(auto(**HEAVY, periodic=periodic)) for periodic in (True, False))
+    assert full.info["passes_computed"] == full.info["passes"]
     for name in ("velocity@BPFO", "velocity.rms", "velocity.kurtosis", "acceleration.peak", "outer_force.max"):
-        assert short.features[name] == pytest.approx(whole.features[name], rel=1e-6)
+        assert short.features[name] == pytest.approx(full.features[name], rel=1e-6)
 
 
 def test_no_error_of_a_free_cage_is_under_its_standard_error() -> None:
-    found = simulate(auto(model="planar", defect=SLOT, step_check=False, duration="0.3 s")).features
+    result = simulate(auto(model="planar", defect=SLOT, step_check=False, duration="0.3 s")).features
     one = simulate(auto(model="planar", defect=SLOT, duration="0.3 s", step_check=False, seed=1)).features
-    assert 1e-4 < found["error.start"] < 0.5
-    assert abs(one["velocity@BPFO"] / found["velocity@BPFO"] - 1.0) < 5.0 * found["error.start"]
-    assert 1e-5 < found["error.start.force"] < 0.1
-    assert abs(one["outer_force.max"] / found["outer_force.max"] - 1.0) < 5.0 * found["error.start.force"]
+    assert 1e-4 < result["error.start"] < 0.5
+    assert abs(one["velocity@BPFO"] / result["velocity@BPFO"] - 1.0) < 5.0 * result["error.start"]
+    assert 1e-5 < result["error.start.force"] < 0.1
+    assert abs(one["outer_force.max"] / result["outer_force.max"] - 1.0) < 5.0 * result["error.start.force"]
 
 
 def test_a_slow_decay_is_no_repetition() -> None:
     """A difference of 1e-8 that shrinks by half, but of a mode that may keep 0.995 of itself, is not the last."""
-    seen = [4e-8, 2e-8, 1e-8]
-    assert repetition._has_converged(seen, repetition.RECORD_CLOSENESS, 0.0)
-    assert not repetition._has_converged(seen, repetition.RECORD_CLOSENESS, 0.995)
+    observed = [4e-8, 2e-8, 1e-8]
+    assert repetition._has_converged(observed, repetition.RECORD_CLOSENESS, 0.0)
+    assert not repetition._has_converged(observed, repetition.RECORD_CLOSENESS, 0.995)
     tiny = [1e-9, 1e-9, 0.9e-10]
     assert repetition._has_converged(tiny, repetition.RECORD_CLOSENESS, 0.99)
     assert not repetition._has_converged(tiny, repetition.RECORD_CLOSENESS, 0.9999)
@@ -202,13 +202,13 @@ def test_an_automatic_step_is_the_same_periodic_or_in_full(rig: dict[str, Any]) 
     """Pilots from rest asked for a quarter of the step that holds on the steady motion."""
     defect = SLOT | {"width": "0.35 mm", "angle": "11 deg"}
     fields = {"speed": "1700 rpm", "load": "180 N", "clearance": "8 um", "defect": defect, "duration": "0.25 s"}
-    short, whole = (simulate(auto(**fields, rig=rig, periodic=periodic)) for periodic in (True, False))
-    assert whole.info["passes_computed"] == whole.info["passes"]
-    assert float(short.info["passes_computed"]) < 0.5 * float(whole.info["passes"])
-    assert whole.info["step_s"] == short.info["step_s"]
-    assert whole.features["step_error.rms"] == short.features["step_error.rms"]
+    short, full = (simulate(auto(**fields, rig=rig, periodic=periodic)) for periodic in (True, False))
+    assert full.info["passes_computed"] == full.info["passes"]
+    assert float(short.info["passes_computed"]) < 0.5 * float(full.info["passes"])
+    assert full.info["step_s"] == short.info["step_s"]
+    assert full.features["step_error.rms"] == short.features["step_error.rms"]
     for name in ("velocity@BPFO", "velocity@3BPFO", "velocity.rms", "velocity.kurtosis", "outer_force.max"):
-        assert short.features[name] == pytest.approx(whole.features[name], rel=1e-5)
+        assert short.features[name] == pytest.approx(full.features[name], rel=1e-5)
 
 
 @pytest.mark.parametrize(

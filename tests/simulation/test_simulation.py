@@ -65,72 +65,72 @@ SAMPLINGS = [200e3, 10240.0, 1024.0, 12345.678]
 @pytest.mark.parametrize("share", [0.03, 0.37])
 def test_a_tone_in_the_pass_band_is_recorded_where_it_was(sampling: float, share: float) -> None:
     omega = 2 * np.pi * share * sampling
-    found = driven(case(sampling=sampling), lambda t: np.cos(omega * t + 0.7))
-    t = 0.03 + found.time
-    assert np.abs(found.series["ring.velocity.x"] - np.cos(omega * t + 0.7)).max() < 3e-4
-    assert not found.series["ring.velocity.y"].any()
+    result = driven(case(sampling=sampling), lambda t: np.cos(omega * t + 0.7))
+    t = 0.03 + result.time
+    assert np.abs(result.series["ring.velocity.x"] - np.cos(omega * t + 0.7)).max() < 3e-4
+    assert not result.series["ring.velocity.y"].any()
 
 
 @pytest.mark.parametrize("sampling", SAMPLINGS[1:])
 @pytest.mark.parametrize("share", [0.62, 1.02, 2.7, 3.9, 4.05, 8.03])
 def test_a_tone_that_would_alias_is_rejected(sampling: float, share: float) -> None:
-    given = case(sampling=sampling, step="1 us")
-    found = driven(given, lambda t: np.cos(2 * np.pi * share * sampling * t))
-    assert np.abs(found.series["ring.velocity.x"]).max() < 10 ** (-70 / 20)
+    test_case = case(sampling=sampling, step="1 us")
+    result = driven(test_case, lambda t: np.cos(2 * np.pi * share * sampling * t))
+    assert np.abs(result.series["ring.velocity.x"]).max() < 10 ** (-70 / 20)
 
 
 def test_a_constant_stays_a_constant() -> None:
-    found = driven(case(), lambda t: np.full_like(t, 0.3))
-    assert found.series["ring.velocity.x"] == pytest.approx(0.3, rel=1e-13)
-    assert math.isnan(found.features["velocity.crest"])
+    result = driven(case(), lambda t: np.full_like(t, 0.3))
+    assert result.series["ring.velocity.x"] == pytest.approx(0.3, rel=1e-13)
+    assert math.isnan(result.features["velocity.crest"])
 
 
 @pytest.mark.parametrize("settle", [0.03, 0.0371])
 def test_raw_samples_of_a_straight_line_are_exact(settle: float) -> None:
-    found = driven(case(antialias=False, settle=settle, sampling=7777.7), lambda t: 2.0 - 5.0 * t)
-    assert found.series["ring.velocity.x"] == pytest.approx(2.0 - 5.0 * (settle + found.time), abs=1e-12)
+    result = driven(case(antialias=False, settle=settle, sampling=7777.7), lambda t: 2.0 - 5.0 * t)
+    assert result.series["ring.velocity.x"] == pytest.approx(2.0 - 5.0 * (settle + result.time), abs=1e-12)
 
 
 @pytest.mark.parametrize("sampling", SAMPLINGS)
 @pytest.mark.parametrize("settle", [0.03, 0.0371])
 def test_lines_of_a_known_motion(sampling: float, settle: float) -> None:
-    given = case(sampling=sampling, settle=settle, start_angle=0.2)
+    test_case = case(sampling=sampling, settle=settle, start_angle=0.2)
     lines = {1: (2.0, 0.4), 2: (0.3, -2.0), 3: (1e-3, 3.0), 5: (0.2, 1.0), 7: (3.0, 0.1), 61: (1.0, 1.2)}
 
     def signal(t: np.ndarray) -> np.ndarray:
         Z_theta = 13 * 0.2 + 2 * np.pi * RATE * t
         return 1.0 + np.sum([A * np.cos(k * Z_theta + phase) for k, (A, phase) in lines.items()], axis=0)
 
-    found = driven(given, signal).features
+    result = driven(test_case, signal).features
     for k in range(1, 6):
         A, phase = lines.get(k, (0.0, 0.0))
         name = "velocity@BPFO" if k == 1 else f"velocity@{k}BPFO"
-        assert abs(line(found, name) - A * np.exp(1j * phase)) < 2e-4
-        assert found[f"{name}-scatter"] < 1e-9
-    assert found["displacement@BPFO"] == 0.0
-    expected = 1j * 2 * np.pi * RATE * line(found, "velocity@BPFO")
-    assert line(found, "acceleration@BPFO") == pytest.approx(expected, rel=1e-9)
+        assert abs(line(result, name) - A * np.exp(1j * phase)) < 2e-4
+        assert result[f"{name}-scatter"] < 1e-9
+    assert result["displacement@BPFO"] == 0.0
+    expected = 1j * 2 * np.pi * RATE * line(result, "velocity@BPFO")
+    assert line(result, "acceleration@BPFO") == pytest.approx(expected, rel=1e-9)
 
 
 def test_nothing_before_settling_gets_into_the_features() -> None:
     """Loud until 35 ms, with 2 ms for the filters to forget: settled after 37 ms, in the middle of a ball pass."""
-    found = driven(
+    result = driven(
         case(settle=0.037, periodic=False), lambda t: np.where(t < 0.035, np.cos(2 * np.pi * RATE * t), 0.0)
     )
-    assert found.features["velocity.peak"] < 1e-3
-    assert found.features["velocity@BPFO"] < 1e-6
-    assert found.features["velocity@BPFO-scatter"] < 1e-6
+    assert result.features["velocity.peak"] < 1e-3
+    assert result.features["velocity@BPFO"] < 1e-6
+    assert result.features["velocity@BPFO-scatter"] < 1e-6
 
 
 @pytest.mark.parametrize(
     ("duration", "sampling", "count"), [(0.29, 10000.0, 2900), (0.0101, 10240.0, 103), (0.05, 333.3, 16)]
 )
 def test_the_time_axis(duration: float, sampling: float, count: int) -> None:
-    found = simulate(case(duration=duration, sampling=sampling))
-    assert len(found.time) == count
-    assert all(len(series) == count for series in found.series.values())
-    assert found.time[0] == 0.0
-    assert found.time == pytest.approx(np.arange(count) / sampling, rel=1e-15)
+    result = simulate(case(duration=duration, sampling=sampling))
+    assert len(result.time) == count
+    assert all(len(series) == count for series in result.series.values())
+    assert result.time[0] == 0.0
+    assert result.time == pytest.approx(np.arange(count) / sampling, rel=1e-15)
 
 
 # The chain on real motion, against the integrator driven by hand
@@ -156,12 +156,12 @@ ROW = {name: row for row, name in enumerate(name for channel in RING + FORCES fo
 @pytest.mark.parametrize("settle", [0.0, 0.0123])
 def test_without_antialias_samples_lie_on_lines_between_steps(settle: float) -> None:
     times = {"settle": settle, "duration": 0.021, "sampling": 8765.4}
-    given = case(defect=SLOT, antialias=False, record=RING + FORCES, step_check=False, **times)
-    raw, h = by_hand(given, 6)
-    found = simulate(given)
-    places = (settle + found.time) / h
-    assert len(found.series) == 8
-    for name, series in found.series.items():
+    test_case = case(defect=SLOT, antialias=False, record=RING + FORCES, step_check=False, **times)
+    raw, h = by_hand(test_case, 6)
+    result = simulate(test_case)
+    places = (settle + result.time) / h
+    assert len(result.series) == 8
+    for name, series in result.series.items():
         row = raw[ROW[name]]
         expected = np.interp(places, np.arange(len(row)), row)
         assert np.abs(series - expected).max() < 1e-9 * np.abs(row).max()
@@ -169,39 +169,39 @@ def test_without_antialias_samples_lie_on_lines_between_steps(settle: float) -> 
 
 @pytest.mark.parametrize("model", ["ring", "rollers"])
 def test_lines_equal_those_of_the_raw_steps(model: str) -> None:
-    given = case(model=model, defect=SLOT, settle=0.03, duration=0.04, sampling=2048.0)
-    raw, h = by_hand(given, 11)
-    cut = time_grid.grid(given)
+    test_case = case(model=model, defect=SLOT, settle=0.03, duration=0.04, sampling=2048.0)
+    raw, h = by_hand(test_case, 11)
+    cut = time_grid.grid(test_case)
     start = math.ceil(0.03 * cut.fine_rate - 1e-6) * cut.decimation
     steps = start + np.arange(6 * cut.steps_per_pass)
-    theta = 13 * given.start_angle + 2 * np.pi * RATE * h * steps
-    found = simulate(given).features
+    theta = 13 * test_case.start_angle + 2 * np.pi * RATE * h * steps
+    result = simulate(test_case).features
     for quantity, row in (("displacement", 0), ("velocity", 2), ("acceleration", 4)):
         for k in (1, 2, 5):
             expected = 2 * np.mean(raw[row][steps] * np.exp(-1j * k * theta))
             name = f"{quantity}@BPFO" if k == 1 else f"{quantity}@{k}BPFO"
-            assert abs(line(found, name) / expected - 1.0) < 5e-4
+            assert abs(line(result, name) / expected - 1.0) < 5e-4
 
 
 def test_settle_zero_starts_at_static_equilibrium() -> None:
-    given = case(model="rollers", settle=0.0, antialias=False, record=RING, sampling=50e3)
-    model = assemble.model(given)
+    test_case = case(model="rollers", settle=0.0, antialias=False, record=RING, sampling=50e3)
+    model = assemble.model(test_case)
     y = assemble.empty_buffer(model)
     solve_initial_equilibrium(assemble.static_model(model), 0.0, y)
-    found = simulate(given)
-    assert found.displacement[0].tolist() == y[lay.POSITION : lay.POSITION + 2].tolist()
-    assert found.displacement[0, 0] == pytest.approx(-3.4e-7, rel=0.1)
-    assert found.velocity[0].tolist() == [0.0, 0.0]
-    smooth = simulate(given.model_copy(update={"antialias": True}))
-    assert smooth.displacement[0] == pytest.approx(found.displacement[0], rel=1e-3, abs=1e-10)
+    result = simulate(test_case)
+    assert result.displacement[0].tolist() == y[lay.POSITION : lay.POSITION + 2].tolist()
+    assert result.displacement[0, 0] == pytest.approx(-3.4e-7, rel=0.1)
+    assert result.velocity[0].tolist() == [0.0, 0.0]
+    smooth = simulate(test_case.model_copy(update={"antialias": True}))
+    assert smooth.displacement[0] == pytest.approx(result.displacement[0], rel=1e-3, abs=1e-10)
 
 
 @pytest.mark.parametrize("model", ["static", "ring"])
 def test_velocity_lines_are_omega_times_displacement_lines(model: str) -> None:
-    found = simulate(case(model=model, defect=SLOT)).features
+    result = simulate(case(model=model, defect=SLOT)).features
     for k, name in ((1, "BPFO"), (2, "2BPFO"), (3, "3BPFO")):
-        expected = 1j * 2 * np.pi * k * RATE * line(found, f"displacement@{name}")
-        assert abs(line(found, f"velocity@{name}") / expected - 1.0) < 2e-3
+        expected = 1j * 2 * np.pi * k * RATE * line(result, f"displacement@{name}")
+        assert abs(line(result, f"velocity@{name}") / expected - 1.0) < 2e-3
 
 
 @pytest.mark.parametrize("model", ["static", "ring"])
@@ -241,19 +241,19 @@ def test_a_longer_record_of_the_same_motion_has_the_same_features(model: str) ->
 def test_static_is_periodic_from_its_first_sample() -> None:
     """Nothing has memory: no start-up in displacement, velocity or acceleration, in raw and filtered samples."""
     for antialias in (True, False):
-        given = case(
+        test_case = case(
             model="static", start_angle=0.1, settle=0.0, sampling=RATE * 40, record=RING, antialias=antialias
         )
-        for name, series in simulate(given).series.items():
+        for name, series in simulate(test_case).series.items():
             passes = series[:400].reshape(10, 40)
             assert np.abs(passes - passes[-1]).max() < 1e-6 * np.ptp(series), name
 
 
 def test_a_recorded_roller_goes_around_the_bearing_in_static_too() -> None:
     """With rollers so light that nothing presses them outwards: `ring` has none of that."""
-    given = {"record": FORCES, "duration": 13 / RATE} | light_rollers(1e-6)
+    settings = {"record": FORCES, "duration": 13 / RATE} | light_rollers(1e-6)
     static, ring = (
-        simulate(case(model=model, **given)).series["roller.outer_force"] for model in ("static", "ring")
+        simulate(case(model=model, **settings)).series["roller.outer_force"] for model in ("static", "ring")
     )
     assert 0.3 < np.mean(static > 1.0) < 0.6  # half of the bearing carries
     assert np.abs(static - ring).max() < 0.02 * ring.max()
@@ -268,56 +268,56 @@ def test_the_sensor_sees_the_direction_it_looks_in() -> None:
         return simulate(case(defect=SLOT | {"angle": "20 deg"}, rig=rig, record=RING, antialias=False)).features
 
     record = simulate(case(defect=SLOT | {"angle": "20 deg"}, rig={"name": "r"}, record=RING, antialias=False))
-    whole = round(math.floor(80e-3 * RATE) / RATE * 10240)  # samples of the record's whole ball passes
+    full = round(math.floor(80e-3 * RATE) / RATE * 10240)  # samples of the record's whole ball passes
     along, across, between = features("0 deg"), features("90 deg"), features("30 deg")
     for quantity, series in (("velocity", record.velocity), ("displacement", record.displacement)):
-        for found, direction in ((along, series[:, 0]), (across, series[:, 1])):
-            assert found[f"{quantity}.rms"] == pytest.approx(direction[:whole].std(), rel=1e-9)
+        for result, direction in ((along, series[:, 0]), (across, series[:, 1])):
+            assert result[f"{quantity}.rms"] == pytest.approx(direction[:full].std(), rel=1e-9)
         mixed = math.cos(math.pi / 6) * line(along, f"{quantity}@BPFO") + 0.5 * line(across, f"{quantity}@BPFO")
         assert line(between, f"{quantity}@BPFO") == pytest.approx(mixed, rel=1e-9)
     both = math.cos(math.pi / 6) * record.velocity[:, 0] + 0.5 * record.velocity[:, 1]
-    assert between["velocity.rms"] == pytest.approx(both[:whole].std(), rel=1e-9)
+    assert between["velocity.rms"] == pytest.approx(both[:full].std(), rel=1e-9)
     assert across["velocity.rms"] != pytest.approx(along["velocity.rms"], rel=0.01)
 
 
 def test_statistics_are_those_of_the_motion_between_samples_too() -> None:
     """Nearly those of the samples; but a peak between two of them counts."""
-    found = simulate(case(defect=SLOT, record=RING))
-    whole = round(math.floor(80e-3 * RATE) / RATE * 10240)
-    for quantity, series in (("velocity", found.velocity), ("acceleration", found.acceleration)):
-        along = series[:whole, 0] - series[:whole, 0].mean()
-        assert found.features[f"{quantity}.rms"] == pytest.approx(along.std(), rel=5e-3)
-        assert 0.99 < found.features[f"{quantity}.peak"] / np.abs(along).max() < 1.2
+    result = simulate(case(defect=SLOT, record=RING))
+    full = round(math.floor(80e-3 * RATE) / RATE * 10240)
+    for quantity, series in (("velocity", result.velocity), ("acceleration", result.acceleration)):
+        along = series[:full, 0] - series[:full, 0].mean()
+        assert result.features[f"{quantity}.rms"] == pytest.approx(along.std(), rel=5e-3)
+        assert 0.99 < result.features[f"{quantity}.peak"] / np.abs(along).max() < 1.2
 
 
 @pytest.mark.parametrize("antialias", [True, False])
 def test_what_is_recorded_does_not_change_the_features(antialias: bool) -> None:
     """All of it is compared as the motion is looked at for a repetition: a run may stop a pass later for it."""
-    found = {
+    result = {
         len(record): simulate(case(defect=SLOT, record=record, antialias=antialias, periodic=False))
         for record in ([], RING, FORCES)
     }
     names = {len(record): {n for c in record for n in dataset_names(c)} for record in ([], RING, FORCES)}
-    assert {size: set(record.series) for size, record in found.items()} == names
-    errors = [record.features.pop("step_error.record") for record in found.values()]  # of other sums
+    assert {size: set(record.series) for size, record in result.items()} == names
+    errors = [record.features.pop("step_error.record") for record in result.values()]  # of other sums
     assert errors == pytest.approx([errors[0]] * len(errors), rel=1e-9)
-    assert repr(found[0].features) == repr(found[3].features) == repr(found[2].features)  # nan is not itself
+    assert repr(result[0].features) == repr(result[3].features) == repr(result[2].features)  # nan is not itself
     with pytest.raises(KeyError, match="record"):
-        found[0].velocity  # noqa: B018
+        result[0].velocity  # noqa: B018
 
 
 def test_features_are_those_announced() -> None:
-    found = simulate(case(defect=SLOT, record=[])).features
+    result = simulate(case(defect=SLOT, record=[])).features
     by_table = ("error.damping", "error.clearance", "error.bracket", "error.support")
     of_tables = [name for name in FEATURES if name.endswith("-healthy") or name.startswith(by_table)]
-    assert set(found) == FEATURES.keys() - set(of_tables)
-    assert all(type(value) is float for value in found.values())
+    assert set(result) == FEATURES.keys() - set(of_tables)
+    assert all(type(value) is float for value in result.values())
 
 
 def test_forces_recorded_are_consistent() -> None:
     """The inner contact of the first roller carries what the outer does, less its centrifugal load, on average."""
-    found = simulate(case(model="rollers", record=FORCES, duration=13 / RATE)).series
-    outer, inner = found["roller.outer_force"], found["roller.inner_force"]
+    result = simulate(case(model="rollers", record=FORCES, duration=13 / RATE)).series
+    outer, inner = result["roller.outer_force"], result["roller.inner_force"]
     cage = 2 * np.pi * 30 * (1 - 12 / 65) / 2
     mass = 7850 * np.pi / 4 * 0.012**3
     assert np.mean(outer - inner) == pytest.approx(mass * cage**2 * 0.0325, rel=0.01)
@@ -343,17 +343,17 @@ def test_peak_force_of_static_equals_the_load_sharing() -> None:
 
     expected = max(rest(theta) for theta in np.linspace(0, 2 * np.pi / 13, 101))
     soft = {"name": "soft", "bracket_stiffness": "1 N/m"}
-    found = simulate(case(model="static", rig=soft)).features["outer_force.max"]
-    assert found == pytest.approx(expected, rel=1e-4)
+    result = simulate(case(model="static", rig=soft)).features["outer_force.max"]
+    assert result == pytest.approx(expected, rel=1e-4)
 
 
 @pytest.mark.parametrize(("settle", "counts"), [("0 ms", True), ("1 ms", False), ("30 ms", False)])
 def test_forces_count_from_the_first_ball_pass_of_the_record(settle: str, counts: bool) -> None:
     def knocked(method: Any, model: Any, monitor: Monitor, start: int, y: np.ndarray, *rest: Any) -> tuple:
-        found = advance_and_sample(method, model, monitor, start, y, *rest)
+        result = advance_and_sample(method, model, monitor, start, y, *rest)
         if start == 0:
             y[lay.Q_O_MAX + 3] = 1e6
-        return found
+        return result
 
     with mock.patch.object(INTEGRATION, "advance_and_sample", knocked):
         largest = simulate(case(settle=settle)).features["outer_force.max"]
@@ -361,14 +361,14 @@ def test_forces_count_from_the_first_ball_pass_of_the_record(settle: str, counts
 
 
 def test_info_says_how_it_was_computed() -> None:
-    given = case(defect=SLOT)
-    info = simulate(given).info
-    cut = time_grid.grid(given, float(info["step_part"]))
+    test_case = case(defect=SLOT)
+    info = simulate(test_case).info
+    cut = time_grid.grid(test_case, float(info["step_part"]))
     assert info["step_s"] == cut.step
     assert info["steps"] == info["passes_computed"] * cut.steps_per_pass
     assert info["passes"] == cut.passes
     cage = 2 * np.pi * RATE / 13
-    asked = given.start_angle + cage * 0.03
+    asked = test_case.start_angle + cage * 0.03
     assert 0.0 <= float(info["cage_angle_start_rad"]) - asked <= cage * cut.step  # moved to put the cusp in step
     assert 0.0 < float(info["integrator_cpu_s"]) <= float(info["cpu_s"])
 
@@ -376,7 +376,7 @@ def test_info_says_how_it_was_computed() -> None:
 def test_warming_computes_each_kind_of_case_once() -> None:
     with (
         mock.patch.object(WARM_UP, "_COMPILED", set()),
-        mock.patch.object(WARM_UP, "simulate", wraps=simulate) as spied,
+        mock.patch.object(WARM_UP, "simulate", wraps=simulate) as mocked,
     ):
         cases = [
             case(defects=[SLOT, SLOT | {"angle": 1}]),
@@ -388,10 +388,10 @@ def test_warming_computes_each_kind_of_case_once() -> None:
         ]
         warm(cases)
         warm(cases)
-    warmed = [call.args[0] for call in spied.call_args_list]
-    kinds = [(given.model, given.antialias, len(given.defects)) for given in warmed]
+    warmed = [call.args[0] for call in mocked.call_args_list]
+    kinds = [(variant.model, variant.antialias, len(variant.defects)) for variant in warmed]
     assert kinds == [("ring", True, 2), ("ring", True, 0), ("static", True, 0), ("ring", False, 0)]
-    assert all(given.duration <= 0.01 for given in warmed)
+    assert all(variant.duration <= 0.01 for variant in warmed)
 
 
 def test_exponents_with_code_of_their_own_are_kinds_of_their_own() -> None:
@@ -401,9 +401,9 @@ def test_exponents_with_code_of_their_own_are_kinds_of_their_own() -> None:
         return case(method="verlet", contact={"stiffness": stiffness, "damping": damping})
 
     cases = [general(m3, m1) for m1 in (1.0, 1.5) for m3 in (0.0, 1.0, 2.0, 0.5, 0.7)]
-    with mock.patch.object(WARM_UP, "_COMPILED", set()), mock.patch.object(WARM_UP, "simulate") as spied:
+    with mock.patch.object(WARM_UP, "_COMPILED", set()), mock.patch.object(WARM_UP, "simulate") as mocked:
         warm(cases)
-    assert spied.call_count == 8  # any other exponent is a number
+    assert mocked.call_count == 8  # any other exponent is a number
 
 
 # The jump of the damping force at a narrow defect's cusp
@@ -419,14 +419,16 @@ NARROW = [  # at high speed the jump decays within a step: these were 5 and 3 % 
 @pytest.mark.parametrize("angle", ["0 deg", "3.3 deg"])
 def test_the_cusp_of_a_narrow_defect_costs_no_first_order_error(method: str, fields: dict, angle: str) -> None:
     """Half the step changes the line by less than 0.5 %, wherever the defect lies, at 50 steps a crossing."""
-    given = case(model="rollers", method=method, duration="30 ms", settle="20 ms", **fields)
-    given = given.model_copy(update={"defects": (given.defects[0].model_copy(update={"angle": radians(angle)}),)})
-    step = choice.limits(given).crossing / 50
-    found = []
+    test_case = case(model="rollers", method=method, duration="30 ms", settle="20 ms", **fields)
+    test_case = test_case.model_copy(
+        update={"defects": (test_case.defects[0].model_copy(update={"angle": radians(angle)}),)}
+    )
+    step = choice.limits(test_case).crossing / 50
+    result = []
     for h in (step, step / 2):
         with mock.patch.object(time_grid, "requested_step", return_value=h):
-            found.append(simulate(given).features["velocity@BPFO"])
-    assert found[0] == pytest.approx(found[1], rel=5e-3)
+            result.append(simulate(test_case).features["velocity@BPFO"])
+    assert result[0] == pytest.approx(result[1], rel=5e-3)
 
 
 def radians(angle: str) -> float:
@@ -435,9 +437,9 @@ def radians(angle: str) -> float:
 
 @pytest.mark.parametrize("method", ["verlet", "rk4"])
 def test_the_cusp_lies_where_the_method_wants_it(method: str) -> None:
-    given = case(model="rollers", method=method, defect=SLOT | {"angle": "7 deg"})
+    test_case = case(model="rollers", method=method, defect=SLOT | {"angle": "7 deg"})
     cusp, steps = assemble.kind_of_method(method).cusp, 12345
-    moved = assemble.align_with_cusp(assemble.model(given), steps, cusp).bearing
+    moved = assemble.align_with_cusp(assemble.model(test_case), steps, cusp).bearing
     place = (moved.theta_0 - math.radians(7)) * moved.Z * steps / (2 * math.pi)
     assert abs(place + cusp - round(place + cusp)) < 1e-6
-    assert 0.0 <= moved.theta_0 - given.start_angle < 2 * math.pi / (moved.Z * steps)
+    assert 0.0 <= moved.theta_0 - test_case.start_angle < 2 * math.pi / (moved.Z * steps)

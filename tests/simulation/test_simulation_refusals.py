@@ -28,13 +28,13 @@ def test_a_step_over_the_limit_is_refused_with_advice() -> None:
 @pytest.mark.parametrize(("model", "defects"), [("rollers", ()), ("rollers", (SLOT,)), ("ring", ())])
 def test_a_run_forced_over_the_limit_is_stopped_live(model: str, defects: tuple, factor: float) -> None:
     """``time_grid`` would refuse these: whatever slips past it must not come back as a result."""
-    given = case(model=model, defects=defects, sampling=100.0, step="0.1 us")
-    forced = min(factor * choice.limits(given).at_impact, 0.99 / RATE / time_grid.MIN_FINE)
+    test_case = case(model=model, defects=defects, sampling=100.0, step="0.1 us")
+    forced = min(factor * choice.limits(test_case).at_impact, 0.99 / RATE / time_grid.MIN_FINE)
     with (
         mock.patch.object(time_grid, "requested_step", return_value=forced),
         pytest.raises(SimulationError) as caught,
     ):
-        simulate(given)
+        simulate(test_case)
     assert caught.value.time is not None
     assert 0.0 < caught.value.time < 0.12
     if model == "rollers":
@@ -45,26 +45,26 @@ def test_a_run_forced_over_the_limit_is_stopped_live(model: str, defects: tuple,
 @pytest.mark.parametrize("factor", [2.0, 4.0])
 def test_an_automatic_step_that_is_too_long_is_refined(factor: float) -> None:
     """The estimate of the impacts is forced to be wrong; the line stays at 9.30 um/s."""
-    given = case(model="rollers", method="verlet", defect=SLOT, sampling=1000.0)
-    limit = choice.limits(given).at_impact
+    test_case = case(model="rollers", method="verlet", defect=SLOT, sampling=1000.0)
+    limit = choice.limits(test_case).at_impact
     with (
         mock.patch.object(time_grid, "requested_step", return_value=factor * limit),
         mock.patch.object(refinement, "requested_step", return_value=factor * limit),
     ):
-        found = simulate(given)
+        result = simulate(test_case)
     stable = time_grid.SAFETY * limit
-    assert found.info["step_s"] in [pytest.approx(stable / 5.0 ** (k / 2.0), rel=0.05) for k in (1, 2, 3)]
-    assert 1e6 * found.features["velocity@BPFO"] == pytest.approx(9.30, abs=0.05)
+    assert result.info["step_s"] in [pytest.approx(stable / 5.0 ** (k / 2.0), rel=0.05) for k in (1, 2, 3)]
+    assert 1e6 * result.features["velocity@BPFO"] == pytest.approx(9.30, abs=0.05)
 
 
 def test_an_automatic_step_is_not_halved_for_ever() -> None:
-    given = case(model="rollers", method="verlet", defect=SLOT, sampling=100.0)
-    forced = 30.0 * choice.limits(given).at_impact
+    test_case = case(model="rollers", method="verlet", defect=SLOT, sampling=100.0)
+    forced = 30.0 * choice.limits(test_case).at_impact
     with (
         mock.patch.object(time_grid, "requested_step", return_value=forced),
         pytest.raises(SimulationError) as caught,
     ):
-        simulate(given)
+        simulate(test_case)
     assert "step under" in caught.value.advice
     assert type(pickle.loads(pickle.dumps(caught.value))) is SimulationError
 

@@ -35,8 +35,8 @@ class Pocket(dict):
 @lru_cache
 def slip(rpm: float, load: float, **changes) -> float:
     """Mean slip of the cage over 0.2 s, after 0.5 s."""
-    given = {"settle": "0.5 s", "duration": "0.2 s"} | changes
-    return simulate(oiled(rpm, load, **given)).features["cage.slip.mean"]
+    settings = {"settle": "0.5 s", "duration": "0.2 s"} | changes
+    return simulate(oiled(rpm, load, **settings)).features["cage.slip.mean"]
 
 
 def early(rpm: float, load: float, **changes) -> float:
@@ -51,8 +51,8 @@ def test_without_drag_the_cage_is_kinematic(rpm, load, friction):
     tight = {"drag": "none", "friction": friction, "cage": {"pocket_clearance": "20 um"}} | ramp
     if friction == "static-dynamic":  # on a shaft, as in `test_free_lines`: so both are compiled once
         tight["shaft"] = {"stiffness": "1e8 N/m", "mass": "2 kg", "damping": "2000 N s/m"}
-    found = simulate(oiled(rpm, load, settle="0.3 s", duration="0.2 s", **tight)).features
-    assert abs(found["cage.slip.mean"]) < 1e-4
+    result = simulate(oiled(rpm, load, settle="0.3 s", duration="0.2 s", **tight)).features
+    assert abs(result["cage.slip.mean"]) < 1e-4
 
 
 def test_drag_by_hand():
@@ -67,9 +67,9 @@ def test_drag_by_hand():
 def test_friction_by_hand():
     """Far into slip each roller slides at 0.15 and both races push it: 2 * 0.15 * sum Q_i * 32.5 mm."""
     model = assemble.model(oiled(1800, 20))
-    found = loads(model, 0.5)
-    assert friction_torque(model, found, 0.5) == pytest.approx(0.15 * 0.065 * found.inner.sum(), rel=0.01)
-    assert 20.0 < found.inner.sum() < 1.28 * 20.0  # 1.2733 for linear contacts, half the circle loaded
+    result = loads(model, 0.5)
+    assert friction_torque(model, result, 0.5) == pytest.approx(0.15 * 0.065 * result.inner.sum(), rel=0.01)
+    assert 20.0 < result.inner.sum() < 1.28 * 20.0  # 1.2733 for linear contacts, half the circle loaded
 
 
 def test_the_floor_is_the_pockets_clearance_over_the_load_zone():
@@ -80,13 +80,13 @@ def test_the_floor_is_the_pockets_clearance_over_the_load_zone():
 
 
 def test_slip_grows_as_load_falls_and_speed_rises():
-    found = [[early(rpm, load) for load in (150, 10)] for rpm in (600, 1800, 6000)]
-    for row in found:
+    result = [[early(rpm, load) for load in (150, 10)] for rpm in (600, 1800, 6000)]
+    for row in result:
         assert row[0] < row[1]
-    for column in list(zip(*found, strict=True))[1:]:
+    for column in list(zip(*result, strict=True))[1:]:
         assert column[0] < column[1] < column[2]
-    assert found[0][1] < 0.01
-    assert found[2][1] > 0.5
+    assert result[0][1] < 0.01
+    assert result[2][1] > 0.5
 
 
 @pytest.mark.parametrize(("rpm", "load", "friction"), [(3000, 10, "static-dynamic"), (6000, 40, "traction")])
@@ -97,8 +97,8 @@ def test_gross_slip_is_where_the_forces_balance(rpm, load, friction):
     """
     expected = balance(oiled(rpm, load, friction=friction))
     assert 0.15 < expected < 0.25
-    found = [slip(rpm, load, friction=friction, seed=seed, settle="1 s") for seed in (1, 2, 3)]
-    assert sum(found) / 3.0 == pytest.approx(expected, rel=0.05)
+    result = [slip(rpm, load, friction=friction, seed=seed, settle="1 s") for seed in (1, 2, 3)]
+    assert sum(result) / 3.0 == pytest.approx(expected, rel=0.05)
 
 
 @pytest.mark.parametrize(
@@ -114,6 +114,6 @@ def test_the_onset_of_gross_slip_is_where_drag_exceeds_friction(rpm, friction):
 def test_seeds_agree_on_the_mean():
     """The motion is chaotic, the mean is not."""
     first = slip(3000, 10, friction="static-dynamic")
-    found = [first, *(slip(3000, 10, friction="static-dynamic", seed=seed) for seed in (2, 3))]
-    assert len(set(found)) == 3
-    assert max(found) - min(found) < 0.02 * max(found)
+    result = [first, *(slip(3000, 10, friction="static-dynamic", seed=seed) for seed in (2, 3))]
+    assert len(set(result)) == 3
+    assert max(result) - min(result) < 0.02 * max(result)

@@ -57,9 +57,9 @@ def test_a_defect_off_the_middle_tilts_the_roller_and_raises_the_line() -> None:
 
 
 def test_the_line_load_adds_up_to_the_force() -> None:
-    found = run("spatial", 3.0, 4.0)
-    loads = [name for name in found.series if "outer_line_load" in name]
+    result = run("spatial", 3.0, 4.0)
+    loads = [name for name in result.series if "outer_line_load" in name]
     widths = np.diff(slice_ends(case("spatial", 3.0, 4.0)))
-    total = sum(found.series[f"roller.10.outer_line_load.{k + 1}"] * width for k, width in enumerate(widths))
+    total = sum(result.series[f"roller.10.outer_line_load.{k + 1}"] * width for k, width in enumerate(widths))
     assert len(loads) == len(widths)
-    assert total == pytest.approx(found.series["roller.10.outer_force"], rel=1e-6, abs=1e-6)
+    assert total == pytest.approx(result.series["roller.10.outer_force"], rel=1e-6, abs=1e-6)

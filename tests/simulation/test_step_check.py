@@ -30,10 +30,10 @@ def rollers(**fields: Any) -> Any:
 @pytest.mark.parametrize("race", ["outer", "inner"])
 def test_the_error_of_an_automatic_step_is_within_its_bound(race: str) -> None:
     """On an orbit, and on a pilot; against an eighth of the step."""
-    given = case(model="rollers", method="verlet", defect=SLOT | {"race": race})
-    run = simulate(given)
+    test_case = case(model="rollers", method="verlet", defect=SLOT | {"race": race})
+    run = simulate(test_case)
     finer = {"step": float(run.info["step_s"]) / 8.0, "step_check": False}
-    right = simulate(given.model_copy(update=finer)).features
+    right = simulate(test_case.model_copy(update=finer)).features
     line = {"outer": "velocity@BPFO", "inner": "velocity@BPFI"}[race]
     for bound, feature in (("line", line), ("rms", "velocity.rms"), ("force", "outer_force.max")):
         error = abs(run.features[feature] / right[feature] - 1.0)
@@ -46,8 +46,8 @@ OWN = [{"method": "verlet", "step": "0.4 us"}, {"method": "rodas", "tolerance": 
 
 @pytest.mark.parametrize("own", OWN)
 def test_the_record_of_an_own_step_is_bit_for_bit_that_of_a_run_without_check(own: dict[str, Any]) -> None:
-    given = rollers(**own)
-    checks_step, plain = simulate(given), simulate(given.model_copy(update={"step_check": False}))
+    test_case = rollers(**own)
+    checks_step, plain = simulate(test_case), simulate(test_case.model_copy(update={"step_check": False}))
     for name, series in checks_step.series.items():
         assert np.array_equal(series, plain.series[name])
     told = {"chaotic", "rms_scatter", *(f"step_error.{what}" for what in ("line", "rms", "force", "record"))}
@@ -69,20 +69,20 @@ FAST_SLOT = {"speed": "6000 rpm", "defect": SLOT | {"width": "0.4 mm"}, "duratio
 
 def test_a_step_that_is_given_is_proven_and_refused_if_it_does_not_hold() -> None:
     """At 0.85 of its limit Verlet was 3 % off in a line, and nothing was said."""
-    given = case(model="rollers", method="verlet", **FAST_SLOT)
-    long = 0.85 * choice.limits(given).at_impact
+    test_case = case(model="rollers", method="verlet", **FAST_SLOT)
+    long = 0.85 * choice.limits(test_case).at_impact
     with pytest.raises(SimulationError, match="verlet is not within 1%") as caught:
-        simulate(given.model_copy(update={"step": long}))
+        simulate(test_case.model_copy(update={"step": long}))
     assert "use a shorter `step`" in caught.value.advice
-    taken = simulate(given.model_copy(update={"step": long, "step_check": False}))
+    taken = simulate(test_case.model_copy(update={"step": long, "step_check": False}))
     assert math.isnan(taken.features["step_error.line"])
-    assert simulate(given.model_copy(update={"step": 0.2 * long})).features["step_error.line"] < 0.004
+    assert simulate(test_case.model_copy(update={"step": 0.2 * long})).features["step_error.line"] < 0.004
 
 
 def test_chaos_is_told_from_a_motion_that_repeats_itself() -> None:
     for fields, chaotic in ((LIGHT, True), ({}, False), ({"clearance": "25 um"}, False)):
-        found = step_check.check_step(set_up(choice.resolve(rollers(step_check=True, **fields)), 1.0))
-        assert found.chaotic == chaotic
+        result = step_check.check_step(set_up(choice.resolve(rollers(step_check=True, **fields)), 1.0))
+        assert result.chaotic == chaotic
 
 
 def test_where_the_motion_is_chaotic_only_the_rms_counts() -> None:
@@ -96,17 +96,17 @@ def test_where_the_motion_is_chaotic_only_the_rms_counts() -> None:
 def test_a_chaotic_record_says_what_its_rms_is_worth() -> None:
     """Done all the same: the step is fine, the motion is what it is."""
     for scatter in (0.02, math.inf):
-        found = StepCheck(line=0.5, rms=0.003, chaotic=True, noise=0.02, scatter=scatter)
-        with checked(found):
+        result = StepCheck(line=0.5, rms=0.003, chaotic=True, noise=0.02, scatter=scatter)
+        with checked(result):
             told = simulate(case()).features
         assert (told["chaotic"], told["rms_scatter"]) == (1.0, scatter)
     assert simulate(case()).features["rms_scatter"] == 0.0
 
 
 def test_a_chaotic_record_that_is_too_short_for_its_rms_is_refused_where_strictness_is_asked_for() -> None:
-    found = StepCheck(line=0.5, rms=0.003, chaotic=True, noise=0.02, scatter=0.02)
+    result = StepCheck(line=0.5, rms=0.003, chaotic=True, noise=0.02, scatter=0.02)
     with (
-        mock.patch.object(refinement, "check_on_pilot", side_effect=always(found)),
+        mock.patch.object(refinement, "check_on_pilot", side_effect=always(result)),
         pytest.raises(TooChaotic) as caught,
     ):
         simulate(case(step_check="strict"))
@@ -117,13 +117,13 @@ def test_a_chaotic_record_that_is_too_short_for_its_rms_is_refused_where_strictn
 
 def test_chaos_that_has_not_grown_in_the_pilot_is_of_unknown_worth() -> None:
     """Twins that have not parted yet tell nothing of how far they will; the advice is a longer run."""
-    grown = step_check.check_step(set_up(choice.resolve(rollers(**LIGHT)), 1.0))
+    chaotic_run = step_check.check_step(set_up(choice.resolve(rollers(**LIGHT)), 1.0))
     growing = choice.resolve(rollers(contact={"damping": {"chi": "10 s/m"}}))
-    found = step_check.check_step(set_up(growing, 1.0))
-    assert grown.chaotic
-    assert math.isfinite(grown.scatter)
-    assert found.chaotic
-    assert math.isinf(found.scatter)
+    result = step_check.check_step(set_up(growing, 1.0))
+    assert chaotic_run.chaotic
+    assert math.isfinite(chaotic_run.scatter)
+    assert result.chaotic
+    assert math.isinf(result.scatter)
     assert pilot.longer_duration(growing) > growing.duration
 
 
@@ -170,34 +170,36 @@ def test_errors_that_cancel_by_luck_are_not_taken_for_small() -> None:
 
 @pytest.mark.parametrize("louder", ["fine_velocity", "recorded_velocity"])
 def test_the_rms_of_the_record_and_of_the_wide_band_must_both_hold(louder: str) -> None:
-    given = rollers(method="verlet")
-    fine, recorded = np.random.default_rng(1).normal(size=(2, 4 * time_grid.grid(given).fine_per_pass + 1))
+    test_case = rollers(method="verlet")
+    fine, recorded = np.random.default_rng(1).normal(size=(2, 4 * time_grid.grid(test_case).fine_per_pass + 1))
     rows = recorded[np.newaxis]
-    heard = comparison.RunSignals(fine, recorded, rows, rows[:0], np.ones((1, 4), dtype=complex), 1.0)
-    other = heard._replace(**{louder: 1.02 * getattr(heard, louder)})
-    with mock.patch.object(step_check, "run_pilot", side_effect=[other, heard, heard]):
-        assert step_check.check_step(set_up(given, 1.0)).rms == pytest.approx(0.02)
+    signals = comparison.RunSignals(fine, recorded, rows, rows[:0], np.ones((1, 4), dtype=complex), 1.0)
+    other = signals._replace(**{louder: 1.02 * getattr(signals, louder)})
+    with mock.patch.object(step_check, "run_pilot", side_effect=[other, signals, signals]):
+        assert step_check.check_step(set_up(test_case, 1.0)).rms == pytest.approx(0.02)
 
 
 def test_all_that_is_recorded_is_compared_but_does_not_decide() -> None:
-    given = choice.resolve(rollers(record=["ring.velocity", "roller.1.outer_force", "roller.3.radial"]))
-    short, passes = pilot.pilot(given)
-    heard = step_check.run_pilot(set_up(short), passes)
-    assert heard.low_passed.shape == (3 + 1, len(heard.recorded_velocity))
-    assert len(heard.raw_values) == 1
-    assert np.array_equal(heard.low_passed[1], heard.recorded_velocity)
-    louder = [
-        heard._replace(raw_values=heard.raw_values.mean() + 1.03 * (heard.raw_values - heard.raw_values.mean()))
+    test_case = choice.resolve(rollers(record=["ring.velocity", "roller.1.outer_force", "roller.3.radial"]))
+    short, passes = pilot.pilot(test_case)
+    signals = step_check.run_pilot(set_up(short), passes)
+    assert signals.low_passed.shape == (3 + 1, len(signals.recorded_velocity))
+    assert len(signals.raw_values) == 1
+    assert np.array_equal(signals.low_passed[1], signals.recorded_velocity)
+    amplified = [
+        signals._replace(
+            raw_values=signals.raw_values.mean() + 1.03 * (signals.raw_values - signals.raw_values.mean())
+        )
     ]
     for row in range(4):
         times = np.where(np.arange(4) == row, 1.03, 1.0)[:, np.newaxis]
-        louder.append(heard._replace(low_passed=heard.low_passed * times))
-    for other in louder:
-        with mock.patch.object(step_check, "run_pilot", side_effect=[other, heard, heard]):
-            found = step_check.check_step(set_up(given, 1.0))
-        assert found.record == pytest.approx(0.03, rel=0.02)
-        assert found.rms == 0.0
-        assert found.holds
+        amplified.append(signals._replace(low_passed=signals.low_passed * times))
+    for other in amplified:
+        with mock.patch.object(step_check, "run_pilot", side_effect=[other, signals, signals]):
+            result = step_check.check_step(set_up(test_case, 1.0))
+        assert result.record == pytest.approx(0.03, rel=0.02)
+        assert result.rms == 0.0
+        assert result.holds
 
 
 def test_changes_of_raw_values_that_cancel_by_luck_are_not_taken_for_small() -> None:
@@ -217,12 +219,12 @@ def test_the_error_of_raw_values_is_their_own(width: str, load: str, speed: str)
     damping = {"law": "hunt-crossley", "chi": "50 s/m"}
     defect = {"shape": "circular", "length": "12 mm", "width": width, "depth": "0.05 mm"}
     laws = {"contact": {"damping": damping}, "antialias": False, "settle": "auto"}
-    given = case(
+    test_case = case(
         model="rollers", load=load, speed=speed, defect=defect, clearance="0 um", duration="0.3 s", **laws
     )
-    run = simulate(given)
+    run = simulate(test_case)
     finer = {"step": float(run.info["step_s"]) / 8.0, "step_check": False, "method": run.info["method"]}
-    right = simulate(given.model_copy(update=finer)).features["acceleration.rms"]
+    right = simulate(test_case.model_copy(update=finer)).features["acceleration.rms"]
     error = abs(run.features["acceleration.rms"] / right - 1.0)
     assert 1e-4 < error <= run.features["step_error.record"] < 0.01
 
@@ -232,8 +234,8 @@ def test_the_error_of_raw_values_is_their_own(width: str, load: str, speed: str)
 def test_a_period_tells_of_the_step_what_a_pilot_does(model: str, clearance: str) -> None:
     """And what halving the step changes of the record."""
     defect = SLOT | {"depth": "5 um", "angle": "20 deg"}
-    given = case(model=model, defect=defect, clearance=clearance, settle=0.05, record=["ring.acceleration"])
-    setup = set_up(choice.resolve(given))
+    test_case = case(model=model, defect=defect, clearance=clearance, settle=0.05, record=["ring.acceleration"])
+    setup = set_up(choice.resolve(test_case))
     raw = integrate(setup)
     assert raw.repetition.period == 1
     on_orbit, on_pilot = step_check.check_step(setup, raw), step_check.check_step(setup)
@@ -260,8 +262,8 @@ def test_raw_values_of_a_period_are_compared_once_both_runs_are_steady(more: dic
 
 
 def test_raw_values_that_end_before_a_run_is_steady_are_checked_on_a_pilot() -> None:
-    given = choice.resolve(case(model="rollers", defect=SLOT, **SLOW, record=["roller.1.outer_force"]))
-    setup = set_up(given)
+    test_case = choice.resolve(case(model="rollers", defect=SLOT, **SLOW, record=["roller.1.outer_force"]))
+    setup = set_up(test_case)
     raw = integrate(setup)
     finer = step_check.finer_orbit(setup, raw)
     for ends, is_checked in ((0.36, False), (0.38, True)):
@@ -291,35 +293,35 @@ def test_each_roller_is_compared_in_its_own_place(roller: int) -> None:
     """Two runs that end after different numbers of passes have it in different places."""
     defect = SLOT | {"depth": "5 um", "angle": "20 deg"}
     record = [f"roller.{roller}.outer_force"]
-    given = case(model="rollers", defect=defect, clearance="10 um", record=record, duration=13 / RATE)
-    found = simulate(given)
-    finer = {"step": float(found.info["step_s"]) / 5**0.5, "step_check": False}
-    other = simulate(given.model_copy(update=finer))
-    one, two = (np.std(run.series[record[0]]) for run in (found, other))
-    assert found.features["step_error.record"] < 0.01
-    assert abs(one / two - 1.0) <= found.features["step_error.record"] + 1e-4
+    test_case = case(model="rollers", defect=defect, clearance="10 um", record=record, duration=13 / RATE)
+    result = simulate(test_case)
+    finer = {"step": float(result.info["step_s"]) / 5**0.5, "step_check": False}
+    other = simulate(test_case.model_copy(update=finer))
+    one, two = (np.std(run.series[record[0]]) for run in (result, other))
+    assert result.features["step_error.record"] < 0.01
+    assert abs(one / two - 1.0) <= result.features["step_error.record"] + 1e-4
 
 
 def test_the_rms_that_is_proven_is_that_of_the_record() -> None:
     """What the record's low-pass takes away may hold most of the velocity, and need not be held."""
-    given = choice.resolve(rollers(sampling="1000 Hz", duration="0.3 s"))
-    short, passes = pilot.pilot(given)
-    heard = step_check.run_pilot(set_up(short), passes)
+    test_case = choice.resolve(rollers(sampling="1000 Hz", duration="0.3 s"))
+    short, passes = pilot.pilot(test_case)
+    signals = step_check.run_pilot(set_up(short), passes)
     read = simulate(short.model_copy(update={"step_check": False})).features["velocity.rms"]
-    assert np.std(heard.recorded_velocity) == pytest.approx(read, rel=0.05)
-    assert np.std(heard.fine_velocity) > 1.5 * read
+    assert np.std(signals.recorded_velocity) == pytest.approx(read, rel=0.05)
+    assert np.std(signals.fine_velocity) > 1.5 * read
 
 
 def test_a_step_that_is_too_long_is_halved_until_it_is_proven() -> None:
     """Eight steps to a crossing at 12 000 rpm are stable, and 5 % wrong: nothing but the proof notices."""
-    given = case(model="rollers", method="verlet", speed="12000 rpm", defect=SLOT | {"width": "0.15 mm"})
-    long = choice.limits(given).crossing / 8.5
-    first = proof_of(given, long, 1.0)
+    test_case = case(model="rollers", method="verlet", speed="12000 rpm", defect=SLOT | {"width": "0.15 mm"})
+    long = choice.limits(test_case).crossing / 8.5
+    first = proof_of(test_case, long, 1.0)
     assert first.error > STEP_ACCURACY
     with mock.patch.object(time_grid, "requested_step", return_value=long):
-        found = simulate(given)
-    assert float(found.info["step_part"]) < 0.5
-    assert max(found.features["step_error.line"], found.features["step_error.rms"]) <= STEP_ACCURACY
+        result = simulate(test_case)
+    assert float(result.info["step_part"]) < 0.5
+    assert max(result.features["step_error.line"], result.features["step_error.rms"]) <= STEP_ACCURACY
 
 
 def proof_of(given: Any, step: float, part: float) -> StepCheck:
@@ -386,12 +388,12 @@ def test_each_finer_run_is_stepped_once_and_the_last_is_the_answer(given: dict[s
 @pytest.mark.parametrize("change", [0.9e-3, 1.1e-3])
 def test_a_run_in_full_takes_the_coarse_step_if_hardly_anything_changes(change: float) -> None:
     light = {"contact": {"damping": "kraemer"}}  # stability does not bound its step
-    given = Case.model_validate(
+    test_case = Case.model_validate(
         dict(case(model="rollers", method="verlet", defect=SLOT | {"race": "inner"})) | light
     )
     small = StepCheck(line=change, rms=1e-4)
     with mock.patch.object(refinement, "check_on_pilot", side_effect=always(small)):
-        record = simulate(given)
+        record = simulate(test_case)
     coarse = change < refinement.NEGLIGIBLE_CHANGE
     assert (record.info["step_part"] == refinement.INITIAL_FACTOR) == coarse
     times = 2.5 if coarse else 2.0
@@ -401,46 +403,46 @@ def test_a_run_in_full_takes_the_coarse_step_if_hardly_anything_changes(change: 
 @pytest.mark.parametrize("settle", ["auto", "0 s"])
 def test_a_record_that_is_to_hold_a_transient_is_stepped_from_rest(settle: str) -> None:
     """The finer orbit has none."""
-    given = case(model="rollers", method="verlet", defect=SLOT, settle=settle)
-    result = refinement.refine_step(choice.resolve(given), 1.0)
+    test_case = case(model="rollers", method="verlet", defect=SLOT, settle=settle)
+    result = refinement.refine_step(choice.resolve(test_case), 1.0)
     assert (result.raw is None) == (settle == "0 s")
-    record = simulate(given)
+    record = simulate(test_case)
     plain = {"step": record.info["step_s"], "step_check": False}
-    at_once = simulate(given.model_copy(update=plain))
+    at_once = simulate(test_case.model_copy(update=plain))
     for name in ("velocity@BPFO", "velocity.rms", "acceleration.kurtosis"):
         assert record.features[name] == pytest.approx(at_once.features[name], rel=1e-5), name
 
 
 def test_a_force_that_no_step_holds_is_told_and_fails_no_job() -> None:
     """Steps get shorter for it, and the shortest is taken."""
-    found = StepCheck(line=1e-4, rms=1e-4, force=0.05)
-    with checked(found), mock.patch.object(step_check, "check_step", return_value=found):
+    result = StepCheck(line=1e-4, rms=1e-4, force=0.05)
+    with checked(result), mock.patch.object(step_check, "check_step", return_value=result):
         record = simulate(case(method="verlet"))
-        given = simulate(case(method="verlet", step=2e-7))
+        finest = simulate(case(method="verlet", step=2e-7))
     assert float(record.info["step_part"]) <= STEP_FRACTIONS[-1]
     assert record.features["step_error.force"] == pytest.approx(0.1001)
-    assert given.features["step_error.force"] == pytest.approx(0.12501)
+    assert finest.features["step_error.force"] == pytest.approx(0.12501)
 
 
 def test_with_auto_other_methods_are_tried_before_the_job_fails() -> None:
     with checked(StepCheck(line=0.2, rms=0.05)):
-        found = simulate(rollers())
-    assert found.info["method"] != choice.choice(rollers()).method
+        result = simulate(rollers())
+    assert result.info["method"] != choice.choice(rollers()).method
 
 
 def test_the_line_of_a_healthy_bearing_is_measured_by_its_rms() -> None:
     """A line that is next to nothing must not fail a run, however much of it changes."""
-    found = step_check.check_step(set_up(choice.resolve(case(model="rollers")), 1.0))
-    assert found.line < 1e-3
+    result = step_check.check_step(set_up(choice.resolve(case(model="rollers")), 1.0))
+    assert result.line < 1e-3
 
 
 def test_a_pilot_is_short_but_sees_defects_turn_through_the_load_zone() -> None:
     long = {"duration": "4 s", "settle": "0.1 s"}
-    whole = 4.1 * RATE
+    full = 4.1 * RATE
     for race, turn in (("outer", 0.0), ("inner", RATE / 30.0), ("roller", 13.0)):
         short, passes = pilot.pilot(choice.resolve(case(defect=SLOT | {"race": race}, **long)))
         assert passes >= max(pilot.MIN_PASSES, turn)
-        assert 3.0 * (passes + pilot.SKIPPED_PASSES) < 0.25 * whole
+        assert 3.0 * (passes + pilot.SKIPPED_PASSES) < 0.25 * full
         assert short.duration * RATE == pytest.approx(passes + 0.5)
 
 
@@ -474,18 +476,20 @@ def test_where_strictness_is_asked_for_the_whole_run_is_proven() -> None:
 
 def test_a_proof_may_take_longer_than_a_run_may() -> None:
     """The finer pilot of a strict proof takes more than twice the CPU time of its run."""
-    given = choice.resolve(rollers(step_check="strict"))
-    price = (given.settle_s + given.duration) * pricing.cpu_per_second(given, time_grid.grid(given).step)
+    test_case = choice.resolve(rollers(step_check="strict"))
+    price = (test_case.settle_s + test_case.duration) * pricing.cpu_per_second(
+        test_case, time_grid.grid(test_case).step
+    )
     begun = mock.patch.object(step_check, "run_pilot", side_effect=InterruptedError)
     with mock.patch.object(time_grid, "MAX_CPU", 1.3 * price), begun, pytest.raises(InterruptedError):
-        step_check.check_step(set_up(given, 1.0))  # both pilots were let begin
+        step_check.check_step(set_up(test_case, 1.0))  # both pilots were let begin
 
 
 def test_twins_that_part_without_chaos_are_followed_for_longer() -> None:
     """A random scene whose RMS was 3 % off, 0.06 % said: in six ball passes the nudge had not begun to grow."""
     damping = {"law": "kraemer", "beta": 2.2166e-6}
     stiffness = {"law": "constant", "coefficient": 1.50793 * 8.06e4 * 12.0 ** (8.0 / 9.0), "exponent": 10.0 / 9.0}
-    given = choice.resolve(
+    test_case = choice.resolve(
         case(
             model="rollers",
             load=31.2773,
@@ -497,11 +501,11 @@ def test_twins_that_part_without_chaos_are_followed_for_longer() -> None:
             settle="50 ms",
         )
     )
-    first, doubtful, _ = step_check.check_on_pilot(given, 1.0, *pilot.pilot(given))
+    first, doubtful, _ = step_check.check_on_pilot(test_case, 1.0, *pilot.pilot(test_case))
     assert doubtful
     assert first.holds
     assert not first.chaotic
-    assert step_check.check_step(set_up(given, 1.0)).chaotic
+    assert step_check.check_step(set_up(test_case, 1.0)).chaotic
 
 
 def test_friction_is_no_damping_of_what_bounces() -> None:
@@ -517,11 +521,11 @@ def test_friction_is_no_damping_of_what_bounces() -> None:
 
 
 def test_adaptive_methods_are_proven_by_a_tenth_of_the_tolerance() -> None:
-    given = rollers(method="rodas")
-    h = time_grid.grid(given).step
-    whole, half = (assemble.method(given, h, part) for part in (1.0, 0.5))
-    assert half.rtol == pytest.approx(0.1 * whole.rtol)
-    assert half.atol_q == pytest.approx(0.1 * whole.atol_q)
+    test_case = rollers(method="rodas")
+    h = time_grid.grid(test_case).step
+    full, half = (assemble.method(test_case, h, part) for part in (1.0, 0.5))
+    assert half.rtol == pytest.approx(0.1 * full.rtol)
+    assert half.atol_q == pytest.approx(0.1 * full.atol_q)
 
 
 def test_a_quiet_line_is_held_to_1_percent_too() -> None:
@@ -531,18 +535,18 @@ def test_a_quiet_line_is_held_to_1_percent_too() -> None:
 
 def test_a_pilot_of_a_ramp_runs_at_its_highest_speed() -> None:
     """At the low speed that it begins with, hardly a ball pass would be seen."""
-    given = choice.resolve(case(ramp={"to": "18000 rpm", "time": "1 s"}, model="planar", duration="2 s"))
-    short, passes = pilot.pilot(given)
+    test_case = choice.resolve(case(ramp={"to": "18000 rpm", "time": "1 s"}, model="planar", duration="2 s"))
+    short, passes = pilot.pilot(test_case)
     assert short.ramp is None
-    assert time_grid.grid(short).rate == time_grid.grid(given).rate == pytest.approx(10.0 * RATE)
+    assert time_grid.grid(short).rate == time_grid.grid(test_case).rate == pytest.approx(10.0 * RATE)
     assert passes == pytest.approx(pilot.PILOT_FRACTION * 2.03 * 10.0 * RATE, abs=1.0)
 
 
 def test_a_tolerance_that_is_given_is_proven_by_a_tenth_of_it() -> None:
-    given = rollers(method="rodas", tolerance="0.1 %")
-    assert given.checks_step
-    assert assemble.method(given, 1e-6, 0.5).rtol == 1e-3
-    assert assemble.method(step_check.with_finer_tolerance(given), 1e-6).rtol == pytest.approx(1e-4)
+    test_case = rollers(method="rodas", tolerance="0.1 %")
+    assert test_case.checks_step
+    assert assemble.method(test_case, 1e-6, 0.5).rtol == 1e-3
+    assert assemble.method(step_check.with_finer_tolerance(test_case), 1e-6).rtol == pytest.approx(1e-4)
 
 
 def test_a_second_defect_out_of_step_is_seen_by_the_proof() -> None:
@@ -559,11 +563,11 @@ def test_a_second_defect_out_of_step_is_seen_by_the_proof() -> None:
         for width, angle in (("0.3 mm", "3.0 rad"), ("0.12 mm", "0.01001 rad"))
     ]
     fields = {"speed": "12000 rpm", "load": "300 N", "duration": "20 ms", "settle": "6 ms"}
-    given = case(model="rollers", defects=defects, method="verlet", **fields)
-    said = step_check.check_step(set_up(given, 1.0))
-    fast = given.model_copy(update={"step_check": False})
+    test_case = case(model="rollers", defects=defects, method="verlet", **fields)
+    said = step_check.check_step(set_up(test_case, 1.0))
+    fast = test_case.model_copy(update={"step_check": False})
     true = simulate(fast.model_copy(update={"method": "dop853", "tolerance": 1e-6}))
-    found = simulate(fast)
-    off = abs(found.features["velocity.rms"] / true.features["velocity.rms"] - 1.0)
+    result = simulate(fast)
+    off = abs(result.features["velocity.rms"] / true.features["velocity.rms"] - 1.0)
     assert off > 0.005
     assert said.rms > 0.25 * off

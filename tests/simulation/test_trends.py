@@ -19,8 +19,8 @@ MODELS = ("static", "ring", "rollers")
 @lru_cache(maxsize=256)
 def line(model, clearance="0 um", healthy=False, **changes):
     """Complex velocity line (m/s)."""
-    given = {"model": model, "clearance": clearance, "duration": "60 ms", "settle": "40 ms"}
-    f = simulate(case(defects=[] if healthy else [SLOT | changes], **given)).features
+    settings = {"model": model, "clearance": clearance, "duration": "60 ms", "settle": "40 ms"}
+    f = simulate(case(defects=[] if healthy else [SLOT | changes], **settings)).features
     return f["velocity@BPFO"] * np.exp(1j * f["velocity@BPFO.phase"])
 
 
@@ -35,22 +35,22 @@ def less_healthy(*given, **changes):
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("measure", [amplitude, less_healthy])
 def test_the_line_falls_with_angle(model, measure):
-    found = [measure(model, angle=f"{angle} deg") for angle in range(0, 61, 10)]
-    assert all(a > b for a, b in pairwise(found))
-    assert found[-1] < 0.35 * found[0]
+    result = [measure(model, angle=f"{angle} deg") for angle in range(0, 61, 10)]
+    assert all(a > b for a, b in pairwise(result))
+    assert result[-1] < 0.35 * result[0]
 
 
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("shape", ["circular", "rectangular"])
 def test_the_line_rises_with_length(model, shape):
-    found = [amplitude(model, shape=shape, length=f"{mm} mm") for mm in (3, 6, 9, 12)]
-    assert all(b > 1.2 * a for a, b in pairwise(found))
+    result = [amplitude(model, shape=shape, length=f"{mm} mm") for mm in (3, 6, 9, 12)]
+    assert all(b > 1.2 * a for a, b in pairwise(result))
 
 
 @pytest.mark.parametrize("model", MODELS)
 def test_the_line_rises_with_width(model):
-    found = [amplitude(model, width=f"{mm} mm") for mm in (0.2, 0.4, 0.8, 1.2, 2.0)]
-    assert all(b > 1.2 * a for a, b in pairwise(found))
+    result = [amplitude(model, width=f"{mm} mm") for mm in (0.2, 0.4, 0.8, 1.2, 2.0)]
+    assert all(b > 1.2 * a for a, b in pairwise(result))
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -82,11 +82,11 @@ def test_with_clearance_the_shapes_are_intertwined_past_some_angle():
     healthy = abs(line("rollers", clearance="10 um", healthy=True))
 
     def spread(angle):
-        found = [amplitude("rollers", clearance="10 um", angle=angle, shape=s, depth="5 um") for s in shapes]
-        return np.ptp(found) / healthy, max(abs(value / healthy - 1.0) for value in found)
+        result = [amplitude("rollers", clearance="10 um", angle=angle, shape=s, depth="5 um") for s in shapes]
+        return np.ptp(result) / healthy, max(abs(value / healthy - 1.0) for value in result)
 
     assert spread("0 deg")[0] > 0.15
     for angle in ("40 deg", "50 deg", "60 deg"):
-        apart, from_healthy = spread(angle)
-        assert apart < 0.03
+        difference, from_healthy = spread(angle)
+        assert difference < 0.03
         assert from_healthy < 0.03

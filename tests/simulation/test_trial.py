@@ -29,32 +29,32 @@ def long(**fields: object) -> Case:
 
 def test_a_case_that_repeats_itself_is_computed_to_the_end() -> None:
     """Its record is the very one that a run of it gives."""
-    found, record = try_out(long(), ASKED, 16)
-    whole = simulate(long())
-    assert found.repeats
+    result, record = try_out(long(), ASKED, 16)
+    full = simulate(long())
+    assert result.repeats
     assert record is not None
-    assert record.features.keys() == whole.features.keys()
+    assert record.features.keys() == full.features.keys()
     same = [
         record.features[name] == value or (math.isnan(value) and math.isnan(record.features[name]))
-        for name, value in whole.features.items()
+        for name, value in full.features.items()
     ]
     assert all(same)
-    assert record.series.keys() == whole.series.keys() != set()
-    assert all((record.series[name] == series).all() for name, series in whole.series.items())
-    assert abs(found.lines["velocity@BPFO"][0]) == pytest.approx(whole.features["velocity@BPFO"], rel=1e-3)
-    assert found.forces.max() == pytest.approx(whole.features["outer_force.max"], rel=1e-6)
+    assert record.series.keys() == full.series.keys() != set()
+    assert all((record.series[name] == series).all() for name, series in full.series.items())
+    assert abs(result.lines["velocity@BPFO"][0]) == pytest.approx(full.features["velocity@BPFO"], rel=1e-3)
+    assert result.forces.max() == pytest.approx(full.features["outer_force.max"], rel=1e-6)
 
 
 @pytest.mark.parametrize("said", [{"periodic": False}, {"periodic": False, "antialias": False}])
 def test_one_that_does_not_is_seen_in_its_first_passes(said: dict[str, bool]) -> None:
-    found, record = try_out(long(**said), ASKED, 16)
-    whole = simulate(long(**said)).features
+    result, record = try_out(long(**said), ASKED, 16)
+    full = simulate(long(**said)).features
     assert record is None
-    assert not found.repeats
-    assert [len(parts) for parts in (found.lines["velocity@BPFO"], found.forces)] == [1 + 15, 16]
-    assert abs(found.lines["velocity@BPFO"][0]) == pytest.approx(whole["velocity@BPFO"], rel=0.02)
-    assert np.sqrt(found.powers["velocity.rms"][0]) == pytest.approx(whole["velocity.rms"], rel=0.05)
-    assert found.forces.max() <= whole["outer_force.max"]
+    assert not result.repeats
+    assert [len(parts) for parts in (result.lines["velocity@BPFO"], result.forces)] == [1 + 15, 16]
+    assert abs(result.lines["velocity@BPFO"][0]) == pytest.approx(full["velocity@BPFO"], rel=0.02)
+    assert np.sqrt(result.powers["velocity.rms"][0]) == pytest.approx(full["velocity.rms"], rel=0.05)
+    assert result.forces.max() <= full["outer_force.max"]
 
 
 def test_a_healthy_twin_is_cut_as_the_case_whose_defect_turns() -> None:
@@ -62,24 +62,24 @@ def test_a_healthy_twin_is_cut_as_the_case_whose_defect_turns() -> None:
     passes, turn = trial_passes(damaged), defect_turn(damaged)
     healthy = healthy_case(damaged)
     assert healthy is not None
-    own, twin = (try_out(one, ("velocity@BPFI",), passes, turn)[0] for one in (damaged, healthy))
-    assert own.turns == twin.turns
-    assert abs(own.lines["velocity@BPFI"]).shape == abs(twin.lines["velocity@BPFI"]).shape
-    assert abs(twin.lines["velocity@BPFI"][0]) < 0.01 * abs(own.lines["velocity@BPFI"][0])
+    own, counterpart = (try_out(one, ("velocity@BPFI",), passes, turn)[0] for one in (damaged, healthy))
+    assert own.turns == counterpart.turns
+    assert abs(own.lines["velocity@BPFI"]).shape == abs(counterpart.lines["velocity@BPFI"]).shape
+    assert abs(counterpart.lines["velocity@BPFI"][0]) < 0.01 * abs(own.lines["velocity@BPFI"][0])
 
 
 def test_a_record_that_may_end_early_is_tried_all_the_same() -> None:
     """It may be known well enough before so many passes have gone by."""
-    given = long(until="40 %", record=[], periodic=False)
-    passes = most_passes(given)
-    found, record = try_out(given, ASKED, passes)
-    assert found.passes == len(found.forces) == passes
+    test_case = long(until="40 %", record=[], periodic=False)
+    passes = most_passes(test_case)
+    result, record = try_out(test_case, ASKED, passes)
+    assert result.passes == len(result.forces) == passes
     assert record is None
 
 
 def test_a_strict_step_is_proven_by_the_run_itself() -> None:
-    found, record = try_out(long(step_check="strict"), ASKED, 16)
-    assert found.repeats
+    result, record = try_out(long(step_check="strict"), ASKED, 16)
+    assert result.repeats
     assert record is None
 
 
@@ -123,10 +123,10 @@ def test_what_turns_with_a_defect_is_no_scatter() -> None:
     """A line that a defect's turn modulates, though no whole number of ball passes is a turn."""
     spans = turn_spans(22, PER_TURN, PER_PASS)
     series = tones(spans, (CYCLES, 1.0), *((CYCLES + k / PER_TURN, 0.4) for k in (-2, -1, 1, 2)))
-    found = amplitudes(series, turning(spans, CYCLES), spans)
-    assert len(found) == 1 + 3  # four turns
-    assert found[0] == pytest.approx(1.0, abs=1e-3)
-    assert np.abs(found[1:] - found[0]).max() < 0.01
+    result = amplitudes(series, turning(spans, CYCLES), spans)
+    assert len(result) == 1 + 3  # four turns
+    assert result[0] == pytest.approx(1.0, abs=1e-3)
+    assert np.abs(result[1:] - result[0]).max() < 0.01
     modulated = tones(spans, (1.0, 1.0)) * (1.0 + tones(spans, (1.0 / PER_TURN, 0.4)))
     powers = np.array([mean_square(modulated[span]) for span in spans])
     assert np.ptp(powers) < 0.01 * powers[0]
@@ -138,8 +138,8 @@ def test_lines_nearer_than_a_window_tells_are_solved_for(beside: float, known: b
     spans = turn_spans(22, PER_TURN, PER_PASS)
     other = CYCLES + beside / (4.0 * PER_TURN)
     series = tones(spans, (CYCLES, 0.01), (other, 0.3))
-    found = amplitudes(series, turning(spans, CYCLES, other), spans)
-    assert np.isnan(found).all() or known
+    result = amplitudes(series, turning(spans, CYCLES, other), spans)
+    assert np.isnan(result).all() or known
     if known:
-        assert found[0] == pytest.approx(0.01, rel=0.1)
-        assert np.abs(found[1:] - 0.01).max() < 2e-3  # though two turns alone could not tell them apart
+        assert result[0] == pytest.approx(0.01, rel=0.1)
+        assert np.abs(result[1:] - 0.01).max() < 2e-3  # though two turns alone could not tell them apart

@@ -22,30 +22,30 @@ CHATTERS |= {"contact": {"damping": {"law": "kraemer", "beta": "1 us"}}}
 
 
 def test_a_record_ends_when_it_is_accurate_enough() -> None:
-    whole, short = (
+    full, short = (
         simulate(case(**CHATTERS)),
         simulate(case(**CHATTERS, until="2 %")),
     )
-    assert whole.info["passes_computed"] == whole.info["passes"]
-    assert ending.MIN_PASSES < float(short.info["passes_computed"]) < 0.7 * float(whole.info["passes_computed"])
+    assert full.info["passes_computed"] == full.info["passes"]
+    assert ending.MIN_PASSES < float(short.info["passes_computed"]) < 0.7 * float(full.info["passes_computed"])
     for name, error in (("velocity@BPFO", "standard_error_line"), ("velocity.rms", "standard_error_rms")):
         stated = float(short.info[error])
         assert 0.0 < stated <= 0.02
-        assert abs(short.features[name] / whole.features[name] - 1.0) < 3.0 * stated
-    assert short.features["load_zone.extent"] == pytest.approx(whole.features["load_zone.extent"], rel=0.01)
+        assert abs(short.features[name] / full.features[name] - 1.0) < 3.0 * stated
+    assert short.features["load_zone.extent"] == pytest.approx(full.features["load_zone.extent"], rel=0.01)
     assert np.isfinite(short.features["outer_force.max"])
 
 
 def test_what_is_not_accurate_enough_takes_its_whole_duration() -> None:
-    found = simulate(case(**CHATTERS | {"duration": "0.2 s"}, until="0.01 %"))
-    assert found.info["passes_computed"] == found.info["passes"]
-    assert float(found.info["standard_error_rms"]) > 1e-4
+    result = simulate(case(**CHATTERS | {"duration": "0.2 s"}, until="0.01 %"))
+    assert result.info["passes_computed"] == result.info["passes"]
+    assert float(result.info["standard_error_rms"]) > 1e-4
 
 
 def test_what_repeats_is_known_exactly() -> None:
-    found = simulate(case(defect=SLOT, record=[], until="0.5 %"))
-    assert (found.info["standard_error_line"], found.info["standard_error_rms"]) == (0.0, 0.0)
-    assert float(found.info["passes_computed"]) < ending.MIN_PASSES
+    result = simulate(case(defect=SLOT, record=[], until="0.5 %"))
+    assert (result.info["standard_error_line"], result.info["standard_error_rms"]) == (0.0, 0.0)
+    assert float(result.info["passes_computed"]) < ending.MIN_PASSES
 
 
 @pytest.mark.parametrize(
@@ -71,14 +71,14 @@ FREE: dict[str, Any] = {"model": "planar", "speed": "6000 rpm", "load": "100 N",
 def test_a_record_with_a_free_cage_ends_early() -> None:
     """Its passes are correlated over tens of passes, so it holds five turns of the cage."""
     fields = FREE | {"duration": "0.4 s", "step_check": False}
-    whole, short = simulate(case(**fields)), simulate(case(**fields, until="1 %"))
+    full, short = simulate(case(**fields)), simulate(case(**fields, until="1 %"))
     settling, passes = (float(short.info["settle_s"]) * 530.0, float(short.info["passes_computed"]))
-    assert settling + 65 <= passes < 0.8 * float(whole.info["passes_computed"])
+    assert settling + 65 <= passes < 0.8 * float(full.info["passes_computed"])
     for name, error in (("velocity@BPFO", "standard_error_line"), ("velocity.rms", "standard_error_rms")):
         stated = float(short.info[error])
         assert 0.0 < stated <= 0.01
-        assert abs(short.features[name] / whole.features[name] - 1.0) < 3.0 * stated
-    assert np.isnan(whole.info["standard_error_rms"])
+        assert abs(short.features[name] / full.features[name] - 1.0) < 3.0 * stated
+    assert np.isnan(full.info["standard_error_rms"])
 
 
 def turning(race: str) -> Case:
@@ -88,12 +88,12 @@ def turning(race: str) -> Case:
 
 @pytest.mark.parametrize("race", ["inner", "roller"])
 def test_a_record_over_a_defect_that_turns_holds_nearly_whole_turns(race: str) -> None:
-    given = turning(race)
-    [turn] = ending.turn_lengths(given)
-    looks = [*ending.inspection_passes(given)]
-    assert len(looks) > 4
-    for passes in looks:
-        assert passes >= max(ending.MIN_PASSES, 5 * given.bearing.rollers)
+    test_case = turning(race)
+    [turn] = ending.turn_lengths(test_case)
+    inspections = [*ending.inspection_passes(test_case)]
+    assert len(inspections) > 4
+    for passes in inspections:
+        assert passes >= max(ending.MIN_PASSES, 5 * test_case.bearing.rollers)
         assert abs(passes / turn - round(passes / turn)) * turn <= 0.001 * passes + 1e-9
 
 
@@ -108,10 +108,10 @@ def test_a_record_without_until_is_not_inspected() -> None:
 @pytest.mark.parametrize("correlation", [0.0, 0.9])
 def test_batches_see_the_correlation_of_successive_values(correlation: float) -> None:
     """Two standard errors cover the mean of a first-order autoregression in 95 % at least."""
-    chance = np.random.default_rng(5)
+    generator = np.random.default_rng(5)
     covered = 0
     for _ in range(400):
-        values = chance.standard_normal(400)
+        values = generator.standard_normal(400)
         for n in range(1, 400):
             values[n] += correlation * values[n - 1]
         covered += abs(values[100:].mean()) <= 2.0 * batch_error(values[100:])
@@ -119,36 +119,36 @@ def test_batches_see_the_correlation_of_successive_values(correlation: float) ->
 
 
 def test_a_record_that_ends_early_is_priced_as_such() -> None:
-    early, whole = (estimate(case(**FREE, duration="1 s", **more)) for more in ({"until": "1 %"}, {}))
-    assert early.cpu_seconds < 0.5 * whole.cpu_seconds
-    assert early.check_seconds < 0.6 * whole.check_seconds
+    early, full = (estimate(case(**FREE, duration="1 s", **more)) for more in ({"until": "1 %"}, {}))
+    assert early.cpu_seconds < 0.5 * full.cpu_seconds
+    assert early.check_seconds < 0.6 * full.check_seconds
     assert early.most_seconds > early.cpu_seconds  # if it is never accurate enough
 
 
 def test_a_trial_that_is_accurate_enough_is_the_record() -> None:
-    given = case(**FREE, duration="0.4 s", until="1 %")
-    record = simulate(given)
-    result, of_trial = try_out(given, ["velocity@BPFO", "velocity.rms"], 65, 0.0, ReferenceValues({}, {}))
+    test_case = case(**FREE, duration="0.4 s", until="1 %")
+    record = simulate(test_case)
+    result, of_trial = try_out(test_case, ["velocity@BPFO", "velocity.rms"], 65, 0.0, ReferenceValues({}, {}))
     assert of_trial is not None
     assert result.passes == 65
     assert of_trial.features == pytest.approx(record.features, rel=0.0, abs=0.0, nan_ok=True)
-    computed, whole, of_record = (
+    computed, full, of_record = (
         float(of.info[name])
         for of, name in ((of_trial, "passes_computed"), (record, "passes"), (record, "passes_computed"))
     )
-    assert computed == of_record < whole
+    assert computed == of_record < full
 
 
 def test_a_trial_that_is_not_accurate_enough_is_no_record() -> None:
-    given = case(**FREE, duration="0.4 s", until="0.0001 %", step_check=False)
-    result, record = try_out(given, ["velocity@BPFO"], 65, 0.0, ReferenceValues({}, {}))
+    test_case = case(**FREE, duration="0.4 s", until="0.0001 %", step_check=False)
+    result, record = try_out(test_case, ["velocity@BPFO"], 65, 0.0, ReferenceValues({}, {}))
     assert record is None
     assert result.passes == 65
 
 
 def test_the_step_is_checked_on_a_part_of_the_shortest_record() -> None:
-    early, whole = (
+    early, full = (
         Inspections(set_up(resolve(case(**FREE, duration="1 s", **more)), 1.0)) for more in ({"until": "1 %"}, {})
     )
     assert early.earliest.case.duration * 530.0 == pytest.approx(65.0)
-    assert whole.earliest is whole.setup
+    assert full.earliest is full.setup
