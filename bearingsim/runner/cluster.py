@@ -321,8 +321,8 @@ class Cluster:
         try:
             yield
         except Exception as error:
-            lost = self.client.status != "running" or isinstance(error, (CommClosedError, TimeoutError))
-            if isinstance(error, UserError) or not lost:
+            is_lost = self.client.status != "running" or isinstance(error, (CommClosedError, TimeoutError))
+            if isinstance(error, UserError) or not is_lost:
                 raise
             timed_out = isinstance(error, TimeoutError)
             state = f"the scheduler at {self.address} " + ("does not respond" if timed_out else "is gone")

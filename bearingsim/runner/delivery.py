@@ -66,14 +66,14 @@ def deliver(parcel: Parcel) -> Delivery:
     set_stop_flag(_stop_events[parcel.run])
     work: Work = pickle.loads(parcel.work)
     folder, files = Path(worker.local_directory), dict[str, bytes]()
-    provenance_here = {**work.provenance, "host": socket.gethostname(), "platform": platform.platform()}
+    host_provenance = {**work.provenance, "host": socket.gethostname(), "platform": platform.platform()}
 
     def seal(_: Path, done: "Sequence[tuple[Job, Record]]", provenance: "Mapping[str, Value]") -> None:
         files.update(store.sealed_units(done, provenance))
 
     try:
         with _provide_scans(parcel.scans, folder):
-            return Delivery(compute(replace(work, root=folder, provenance=provenance_here), seal), files)
+            return Delivery(compute(replace(work, root=folder, provenance=host_provenance), seal), files)
     except (UserError, OSError) as error:  # for example, its disk is full
         raise WorkerFailed(f"worker {worker.address}: {error}") from None
 

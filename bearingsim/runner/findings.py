@@ -283,6 +283,6 @@ def _damping_note(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Iterator[st
     cases = [entry["job"] for entry in plan["jobs"] if not entry["twin"] and not entry["variation"]]
     if "info/damping_time_s" not in frame or "info/cpu_s" not in frame:
         return
-    damped = frame.loc[cases][frame.loc[cases]["info/damping_time_s"].notna()]
-    if len(damped):
-        yield damping_remark(len(damped), duration, float(damped["info/cpu_s"].sum()))
+    damped_cases = frame.loc[cases][frame.loc[cases]["info/damping_time_s"].notna()]
+    if len(damped_cases):
+        yield damping_remark(len(damped_cases), duration, float(damped_cases["info/cpu_s"].sum()))

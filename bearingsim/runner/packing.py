@@ -59,8 +59,8 @@ def pack(jobs: Sequence["Job"], costs: Sequence[Cost], workers: int) -> list[lis
 def unit_seconds(total: float, workers: int) -> float:
     """Compute the CPU time (s) of a unit from that of the study: 2 s, less for short and more for long studies."""
     share = total / workers
-    wanted = max(min(UNIT_S, share / MIN_UNITS), share / MAX_UNITS)
-    return min(max(wanted, SHORTEST_UNIT_S), LONGEST_UNIT_S)
+    seconds = max(min(UNIT_S, share / MIN_UNITS), share / MAX_UNITS)
+    return min(max(seconds, SHORTEST_UNIT_S), LONGEST_UNIT_S)
 
 
 def workers_in_memory(costs: Sequence[Cost], workers: int) -> int:

@@ -300,8 +300,8 @@ def _track(
     """Add the outcome of each unit of work to the tally on arrival, and show the progress."""
     estimates = {job.id: seconds for work in works for job, seconds in zip(work.jobs, work.seconds, strict=True)}
     display = shown_progress(shown, len(estimates), sum(estimates.values()))
-    with display as report, stop_switch() as stop, closing(outcomes) as arriving:
-        for outcome in arriving:
+    with display as report, stop_switch() as stop, closing(outcomes) as results:
+        for outcome in results:
             tally.add(outcome)
             if tally.has_reached_limit:
                 stop()

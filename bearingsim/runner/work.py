@@ -106,8 +106,8 @@ class Work:
 
     def subset(self, ids: Iterable[str]) -> "Work":
         """Return the part of the work with the jobs of these ids."""
-        wanted = set(ids)
-        pairs = [pair for pair in zip(self.jobs, self.seconds, strict=True) if pair[0].id in wanted]
+        job_ids = set(ids)
+        pairs = [pair for pair in zip(self.jobs, self.seconds, strict=True) if pair[0].id in job_ids]
         return replace(self, jobs=tuple(job for job, _ in pairs), seconds=tuple(cost for _, cost in pairs))
 
 

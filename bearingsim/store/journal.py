@@ -80,10 +80,12 @@ def _failure(path: Path) -> Failure:
 def _safe_command(text: str) -> str:
     """Return a stored command if it is a single `bearingsim run`, else "", because users paste it into a shell."""
     try:
-        words = shlex.split(text)
+        arguments = shlex.split(text)
     except ValueError:
         return ""
-    return text if words[:2] == ["bearingsim", "run"] and shlex.join(words) == text and is_line(text) else ""
+    return (
+        text if arguments[:2] == ["bearingsim", "run"] and shlex.join(arguments) == text and is_line(text) else ""
+    )
 
 
 def read_failures(root: Path) -> dict[str, Failure]:

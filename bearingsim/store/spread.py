@@ -20,22 +20,25 @@ STANDARD_DEVIATIONS = 2.5  # standard deviations in `rms_scatter`; it has more i
 
 
 def spread(
-    plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str, what: str | None = None
+    plan: Mapping[str, Any], frame: "pd.DataFrame", feature: str, quantity: str | None = None
 ) -> "pd.DataFrame":
     """Return ``least`` and ``largest`` of a feature (SI) over a job and its variations.
 
-    what: the varied quantity, None for all; frame: from ``job_frame``. Rows: the jobs whose variations all have a
-    result. The column ``chaotic`` is True if any of the motions is chaotic. Empty for a phase, which has no range.
+    quantity: the varied quantity, None for all; frame: from ``job_frame``. Rows: the jobs whose variations all
+    have a result. The column ``chaotic`` is True if any of the motions is chaotic. Empty for a phase, which has no
+    range.
     """
     import numpy as np
     import pandas as pd
 
     columns = ["least", "largest", "chaotic"]
-    entries = [varied for varied in plan.get("variations", ()) if what is None or varied["what"] == what]
+    entries = [
+        variation for variation in plan.get("variations", ()) if quantity is None or variation["what"] == quantity
+    ]
     name = f"features/{feature}"
     if not entries or name not in frame or name.endswith(".phase"):
         return pd.DataFrame(columns=columns)
-    pairs = pd.DataFrame([(varied["of"], varied["job"]) for varied in entries], columns=["of", "job"])
+    pairs = pd.DataFrame([(variation["of"], variation["job"]) for variation in entries], columns=["of", "job"])
     is_missing = frame[name].reindex(pairs["job"]).isna().to_numpy()
     pairs = pairs[~pairs["of"].isin(pairs["of"][is_missing])]  # a partial range would be mistaken for the full one
     if pairs.empty:

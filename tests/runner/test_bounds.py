@@ -158,7 +158,7 @@ def test_limits_that_no_job_satisfies_are_refused(tmp_path: Path, options: Any) 
 
 
 @pytest.mark.parametrize(
-    ("words", "message"),
+    ("arguments", "message"),
     [
         (["--max-cpu", "5"], "expected a time such as `50 ms`"),
         (["--max-cpu", "5 mm"], "expected a time such as `50 ms`"),
@@ -167,8 +167,8 @@ def test_limits_that_no_job_satisfies_are_refused(tmp_path: Path, options: Any) 
         (["--fail-fast", "--max-failures", "3"], "omit `--max-failures`"),
     ],
 )
-def test_command_refuses_invalid_limits(here: Path, words: list[str], message: str) -> None:
-    _, error = type_("run", "small.yaml", *words, code=2)
+def test_command_refuses_invalid_limits(here: Path, arguments: list[str], message: str) -> None:
+    _, error = type_("run", "small.yaml", *arguments, code=2)
     assert message in " ".join(error.replace("│", " ").split())
 
 

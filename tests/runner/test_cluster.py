@@ -272,9 +272,9 @@ def test_real_results_and_scans_equal_those_of_a_local_run(
     type_("run", "small.yaml", "--jobs", "1", "--out", "here")
     output, _ = type_("run", "small.yaml", "--scheduler", machines.address, "--out", "there")
     assert "4 of 4 jobs done" in output
-    here, there = computed_values(Path("here")), computed_values(Path("there"))
-    pd.testing.assert_frame_equal(there, here, check_exact=True)
-    assert is_same_series(Path("there"), Path("here"), list(here.index))
+    local_values, cluster_values = computed_values(Path("here")), computed_values(Path("there"))
+    pd.testing.assert_frame_equal(cluster_values, local_values, check_exact=True)
+    assert is_same_series(Path("there"), Path("here"), list(local_values.index))
 
 
 def test_only_the_job_that_kills_its_worker_fails(tmp_path: Path, machines: Machines) -> None:
@@ -321,13 +321,13 @@ def test_running_jobs_finish_after_a_stop_request(tmp_path: Path, machines: Mach
     assert set(job_counts(count).values()) == {1}
 
 
-@pytest.mark.parametrize("late", [False, True])
+@pytest.mark.parametrize("joins_late", [False, True])
 def test_worker_with_another_installation_is_refused(
-    tmp_path: Path, machines: Machines, monkeypatch: pytest.MonkeyPatch, late: bool
+    tmp_path: Path, machines: Machines, monkeypatch: pytest.MonkeyPatch, joins_late: bool
 ) -> None:
     installed = required_installation() | {"numpy": "1.0", "model version": "0"}
     monkeypatch.setattr(cluster, "required_installation", lambda: installed)
-    if late:  # it joined after the check of the others
+    if joins_late:  # it joined after the check of the others
         monkeypatch.setattr(cluster.Cluster, "wait_for_workers", lambda self: 2)
     message = rf"worker tcp://\S+: numpy {np.__version__} in place of 1.0, model version \d+ in place of 0"
     with pytest.raises(InstallationMismatch, match=message):
@@ -480,7 +480,7 @@ def test_run_resumes_after_the_loss_of_a_worker_and_the_scheduler(
     monkeypatch.setattr(logging.getLogger("distributed.client"), "propagate", True)
     for constant in ("UNIT_S", "SHORTEST_UNIT_S"):
         monkeypatch.setattr(packing, constant, 0.1)  # two jobs are a unit
-    out, count, here = tmp_path / "out", tmp_path / "count", tmp_path / "here"
+    out, count, local = tmp_path / "out", tmp_path / "count", tmp_path / "here"
     widths = [1e-3 * n for n in range(1, 80)]
     deeds = dict.fromkeys(range(80), f"count {count}")
     study: Any = FakeStudy(widths, deeds=deeds, seconds=0.05)
@@ -511,5 +511,5 @@ def test_run_resumes_after_the_loss_of_a_worker_and_the_scheduler(
     )  # two workers, each with the two jobs of a running unit and of one in transit
     assert repeated <= suspects | (set(before) - sealed)  # only jobs in progress
     assert all(job_counts(count)[job] == before[job] for job in sealed)
-    run(study, here, jobs=1, progress=False, engine=ENGINE)
-    pd.testing.assert_frame_equal(computed_values(out), computed_values(here), check_exact=True)
+    run(study, local, jobs=1, progress=False, engine=ENGINE)
+    pd.testing.assert_frame_equal(computed_values(out), computed_values(local), check_exact=True)

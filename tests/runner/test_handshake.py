@@ -60,11 +60,11 @@ def test_ctrl_c_interrupts_the_wait_for_a_result() -> None:
     ],
 )
 def test_program_other_than_a_scheduler_is_reported(peer: peers.Peer, message: str) -> None:
-    with peer as address, pytest.raises(SchedulerUnreachable) as refused, connect(address):
+    with peer as address, pytest.raises(SchedulerUnreachable) as error, connect(address):
         pass
-    assert message in str(refused.value)
-    assert address in str(refused.value)
-    assert "`dask scheduler`" in str(refused.value)
+    assert message in str(error.value)
+    assert address in str(error.value)
+    assert "`dask scheduler`" in str(error.value)
 
 
 @pytest.mark.parametrize("address", ["http://127.0.0.1:8786", "tcp://127.0.0.1:port"])
@@ -99,6 +99,6 @@ def test_ctrl_c_ends_a_run_that_waits_for_a_greeting(tmp_path: Path) -> None:
     study = tmp_path / "study.yaml"
     study.write_text(handshakes.STUDY)
     with peers.silent() as address:
-        words = ["run", str(study), "--scheduler", address, "--out", str(tmp_path / "out")]
-        trial = handshakes.attempt("silent", words, 4.0)
+        arguments = ["run", str(study), "--scheduler", address, "--out", str(tmp_path / "out")]
+        trial = handshakes.attempt("silent", arguments, 4.0)
     assert (trial.lost, trial.exit_code) == ("", 130)

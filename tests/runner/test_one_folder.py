@@ -55,8 +55,8 @@ def test_concurrent_run_that_replaces_the_plan_loses_no_job(
     assert f"{shared} job" in str(summary)
     study: Any = FakeStudy(other_widths)
     assert store.open_results(tmp_path).jobs == tuple(job.id for job in study.jobs())
-    again = compute(MM, tmp_path)
-    assert (again.resumed, again.done) == (5, 0)
+    second_summary = compute(MM, tmp_path)
+    assert (second_summary.resumed, second_summary.done) == (5, 0)
 
 
 def test_concurrent_equal_run_computes_each_job_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

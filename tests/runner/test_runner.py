@@ -261,8 +261,8 @@ def test_failed_jobs_are_repeated_only_on_request(tmp_path: Path) -> None:
     out = tmp_path / "out"
     compute(study, out)
     flag.touch()
-    again = compute(study, out)
-    assert (again.done, again.failed, again.exit_code) == (0, 1, 1)
+    second_summary = compute(study, out)
+    assert (second_summary.done, second_summary.failed, second_summary.exit_code) == (0, 1, 1)
     flag.unlink()
     compute(study, out, retry_failed=True)
     [failure] = store.read_failures(out).values()

@@ -76,7 +76,7 @@ def test_choices_are_stored_before_the_first_job(
 
     monkeypatch.setattr(trials, "simulate", simulate)
     summary = compute(accuracy_study(write), out)
-    assert (summary.done, summary.failed) == (9, 0)  # three jobs, their twins, three audits
+    assert (summary.done, summary.failed) == (9, 0)  # three jobs, their healthy cases, three audits
     assert has_choices == [True] * len(has_choices)
     assert {choice["candidate"] for choice in read_choices(out).values()} == {"rollers"}
     calls = take_lines(log)
@@ -135,7 +135,7 @@ def test_extended_study_keeps_earlier_choices(write: Write, tmp_path: Path, log:
     compute(accuracy_study(write), out)
     before = read_choices(out)
     take_lines(log)
-    monkeypatch.setitem(trials.MODEL_FACTORS, "rollers", 1.3)  # what is new is another matter
+    monkeypatch.setitem(trials.MODEL_FACTORS, "rollers", 1.3)  # for new cases the model is wrong
     study = accuracy_study(write, TEXT.replace("450 N", "450 N, 600 N"))
     compute(study, out)
     after = read_choices(out)
@@ -192,13 +192,13 @@ def test_error_of_a_new_case_is_relative_to_the_current_curve(write: Write, tmp_
     out = tmp_path / "out"
     compute(accuracy_study(write), out)
     expected = {150.0: 1.5 / 450.0, 300.0: 3.0 / 450.0, 450.0: 0.01}
-    for loads, new in (
+    for loads, new_errors in (
         ("200 N", {200.0: 2.0 / 450.0}),
         ("200 N, 4500 N", {4500.0: 0.01}),
         ("200 N, 4500 N, 250 N", {250.0: 125.0 / 4500.0}),
     ):
         compute(make_extended(write, f"{LOADS}, {loads}"), out)
-        expected |= new
+        expected |= new_errors
         assert model_errors(out) == pytest.approx(expected, rel=1e-6)
 
 
@@ -238,14 +238,14 @@ def test_settings_without_influence_on_choices_keep_the_plan(write: Write, tmp_p
     )
     assert plan_notes(tmp_path / "out") == []
     text = TEXT.replace("5 %", "{within: 5 %, of: velocity@BPFO}").replace("y: velocity@BPFO", "y: velocity.rms")
-    compute(accuracy_study(write, text), tmp_path / "out")  # no curve of it: other choices might be made
+    compute(accuracy_study(write, text), tmp_path / "out")  # without a curve other choices are possible
     assert plan_notes(tmp_path / "out")[0].startswith("3 of 3 cases keep the model")
 
 
 def test_change_of_the_model_along_an_extended_curve_is_reported(
     write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One model per curve, unless several cost under per third: so it is among those that are chosen together."""
+    """Cases chosen together use one model per curve, unless several models cost less than a third."""
     compute(accuracy_study(write), tmp_path / "out")
     monkeypatch.setitem(trials.MODEL_FACTORS, "rollers", 1.3)
     summary = compute(make_extended(write, f"{LOADS}, 600 N"), tmp_path / "out")
@@ -309,9 +309,9 @@ def test_jobs_stored_by_trials_count_as_resumed(
     "arguments", [("run", "--jobs", "1"), ("run", "--jobs", "2"), ("check", "--pilots", "--jobs", "2")]
 )
 def test_ctrl_c_during_trials(write: Write, tmp_path: Path, arguments: tuple[str, ...]) -> None:
-    """It ends with what process kept without how to go on, without a traceback."""
+    """The message names the kept trials and the next command, without a traceback."""
     accuracy_study(write, TEXT.replace(LOADS, "150 N, 300 N, 450 N, 600 N, 750 N, 900 N"))
-    # a process started in the background by a shell process deaf to Ctrl-C, without would hand that on
+    # a process started in the background by a shell ignores SIGINT, and its children inherit that
     handler_code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
     code = f"{handler_code}; from tests.scenes import trials; trials.main()"
     out = tmp_path / "out"
@@ -354,9 +354,9 @@ def test_other_accuracy_leads_to_other_choices(write: Write, tmp_path: Path, log
 def test_fresh_start_repeats_the_trials(write: Write, tmp_path: Path, log: Path) -> None:
     out = tmp_path / "out"
     compute(accuracy_study(write), out)
-    first = count_trials(log)
+    trial_count = count_trials(log)
     compute(accuracy_study(write), out, fresh=True)
-    assert count_trials(log) == first > 0
+    assert count_trials(log) == trial_count > 0
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"a": 3}', '{"a": {"model": "ring"}}', "\xff"])

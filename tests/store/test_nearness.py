@@ -30,8 +30,8 @@ def plan(of: list[str], error: dict[str, float] | None = None, **others: Any) ->
 def frame(columns: dict[str, list[float]], **others: list[Any]) -> pd.DataFrame:
     count = len(next(iter(columns.values())))
     index = pd.Index(list("abcde")[:count], name="job")
-    named = {f"features/{name}": values for name, values in columns.items()}
-    return pd.DataFrame(named | {"status": ["done"] * count} | others, index=index)
+    feature_columns = {f"features/{name}": values for name, values in columns.items()}
+    return pd.DataFrame(feature_columns | {"status": ["done"] * count} | others, index=index)
 
 
 def test_no_error_bounds_without_an_accuracy() -> None:
@@ -97,20 +97,20 @@ def test_the_error_of_the_start_is_added(feature: str, suffix: str) -> None:
 
 
 def test_unknown_error_of_nodes_leaves_no_total_error() -> None:
-    asked = plan([LINE], {LINE: 0.01})
-    asked["accuracy"]["jobs"]["a"]["nodes"] = {LINE: 0.02}
-    asked["accuracy"]["jobs"]["b"]["nodes"] = {LINE: None}
-    found = error_bounds(asked, frame({LINE: [1.0, 2.0, 2.0]}))
-    assert found["error.nodes"].tolist() == pytest.approx([0.02, math.nan, 0.0], nan_ok=True)
-    assert found["error"].tolist() == pytest.approx([0.03, math.nan, 0.01], nan_ok=True)
+    goal = plan([LINE], {LINE: 0.01})
+    goal["accuracy"]["jobs"]["a"]["nodes"] = {LINE: 0.02}
+    goal["accuracy"]["jobs"]["b"]["nodes"] = {LINE: None}
+    bounds = error_bounds(goal, frame({LINE: [1.0, 2.0, 2.0]}))
+    assert bounds["error.nodes"].tolist() == pytest.approx([0.02, math.nan, 0.0], nan_ok=True)
+    assert bounds["error"].tolist() == pytest.approx([0.03, math.nan, 0.01], nan_ok=True)
 
 
 def test_more_nodes_are_recommended_where_they_suffice() -> None:
-    asked = plan([LINE], {LINE: 0.01})
+    goal = plan([LINE], {LINE: 0.01})
     for job, nodes in {"a": 0.03, "b": 0.045, "c": 0.5}.items():
-        asked["accuracy"]["jobs"][job]["nodes"] = {LINE: nodes}
-    asked["accuracy"]["jobs"]["c"]["error"] = {LINE: 0.06}  # too far off without more nodes
-    assert list(accuracy_notes(asked, frame({LINE: [1.0, 2.0, 2.0]}))) == [
+        goal["accuracy"]["jobs"][job]["nodes"] = {LINE: nodes}
+    goal["accuracy"]["jobs"]["c"]["error"] = {LINE: 0.06}  # too far off without more nodes
+    assert list(accuracy_notes(goal, frame({LINE: [1.0, 2.0, 2.0]}))) == [
         "1 of 3 cases are within 5 % of the reference, a model, the others within 56 %",
         "  1 more would be with more `contact.length_nodes` (slices, harmonics)",
     ]
@@ -118,46 +118,46 @@ def test_more_nodes_are_recommended_where_they_suffice() -> None:
 
 def test_chaotic_line_with_unknown_scatter_has_no_total_error() -> None:
     columns = {"velocity@2BSF": [1.0, 2.0, 2.0], RMS: [1.0, 1.0, 1.0], "chaotic": [1.0, 0.0, 0.0]}
-    asked = plan(["velocity@2BSF", RMS], {RMS: 0.03})
-    found = error_bounds(asked, frame(columns))
-    assert found["error.scatter"].isna().tolist() == [True, False, False]
-    assert found["error"].isna().tolist() == [True, False, False]
-    assert found["error.model"].tolist() == [0.03] * 3
-    told = list(accuracy_notes(asked, frame(columns)))
-    assert "2 of 3 cases are within 5 % of the reference, a model" in told
-    assert "1 chaotic cases: standard error of a line, and so accuracy, unknown" in told
+    goal = plan(["velocity@2BSF", RMS], {RMS: 0.03})
+    bounds = error_bounds(goal, frame(columns))
+    assert bounds["error.scatter"].isna().tolist() == [True, False, False]
+    assert bounds["error"].isna().tolist() == [True, False, False]
+    assert bounds["error.model"].tolist() == [0.03] * 3
+    notes = list(accuracy_notes(goal, frame(columns)))
+    assert "2 of 3 cases are within 5 % of the reference, a model" in notes
+    assert "1 chaotic cases: standard error of a line, and so accuracy, unknown" in notes
 
 
 def test_no_total_error_for_a_ring_assumed_to_be_rigid() -> None:
-    found = error_bounds(
+    bounds = error_bounds(
         plan([LINE], {LINE: 0.03}) | {"assumptions": [RIGID_RING]}, frame({LINE: [1.0, 2.0, 2.0]})
     )
-    assert found["error"].isna().all()
-    assert found["error.model"].tolist() == [0.03] * 3
+    assert bounds["error"].isna().all()
+    assert bounds["error.model"].tolist() == [0.03] * 3
 
 
 def test_failed_jobs_have_no_errors() -> None:
-    found = error_bounds(
+    bounds = error_bounds(
         plan([LINE], {LINE: 0.03}), frame({LINE: [1.0, 2.0, 2.0]}, status=["done", "failed", "done"])
     )
-    assert found.loc["b"].isna().all()
-    assert found["error"].notna().sum() == 2
+    assert bounds.loc["b"].isna().all()
+    assert bounds["error"].notna().sum() == 2
 
 
 AUDIT = [{"of": "a", "job": "d"}]
 
 
 def test_difference_of_an_audit_is_relative_to_the_curve() -> None:
-    (found,) = audit_results(plan([LINE], audits=AUDIT), frame({LINE: [1.0, 2.0, 2.0, 1.1]}))
-    assert found == ("a", LINE, pytest.approx(0.05), 0.0)
+    (results,) = audit_results(plan([LINE], audits=AUDIT), frame({LINE: [1.0, 2.0, 2.0, 1.1]}))
+    assert results == ("a", LINE, pytest.approx(0.05), 0.0)
 
 
 @pytest.mark.parametrize("audit", [math.nan, None])
 def test_audit_without_values_has_no_result(audit: float | None) -> None:
     """Otherwise it would count as within the accuracy."""
     healthy = f"{LINE}-healthy"
-    given = frame({healthy: [1.0, 2.0, 2.0, math.nan]} if audit is not None else {LINE: [1.0] * 4})
-    assert not list(audit_results(plan([healthy], audits=AUDIT), given))
+    columns = frame({healthy: [1.0, 2.0, 2.0, math.nan]} if audit is not None else {LINE: [1.0] * 4})
+    assert not list(audit_results(plan([healthy], audits=AUDIT), columns))
     missing = frame({LINE: [1.0, 2.0, 2.0, 1.1]}, status=["done", "done", "done", "failed"])
     assert not list(audit_results(plan([LINE], audits=AUDIT), missing))
 
@@ -167,17 +167,17 @@ def test_audit_without_values_has_no_result(audit: float | None) -> None:
 
 def test_failed_audit_withdraws_the_accuracy_of_its_curve() -> None:
     """Job `c` is on no curve, and keeps its own error."""
-    asked = plan([LINE], {LINE: 0.01}, audits=AUDIT)
-    given = frame({LINE: [1.0, 2.0, 2.0, 1.4]})  # a is 20 % of the curve's largest value off
-    assert withdrawn_errors(asked, given) == pytest.approx({"a": 0.2, "b": 0.2})
-    found = error_bounds(asked, given)
-    assert found["error"].iloc[:3].tolist() == pytest.approx([0.2, 0.2, 0.01])
-    assert found["error.model"].iloc[:3].tolist() == pytest.approx([0.01] * 3)
-    assert list(withdrawals(asked, given)) == [
+    goal = plan([LINE], {LINE: 0.01}, audits=AUDIT)
+    results = frame({LINE: [1.0, 2.0, 2.0, 1.4]})  # a is 20 % of the curve's largest value off
+    assert withdrawn_errors(goal, results) == pytest.approx({"a": 0.2, "b": 0.2})
+    bounds = error_bounds(goal, results)
+    assert bounds["error"].iloc[:3].tolist() == pytest.approx([0.2, 0.2, 0.01])
+    assert bounds["error.model"].iloc[:3].tolist() == pytest.approx([0.01] * 3)
+    assert list(withdrawals(goal, results)) == [
         "accuracy of 5 % withdrawn for 2 of 3 cases: velocity@BPFO is 20 % off its reference",
         "  in job a; `model: reference` in place of `accuracy` computes all by it",
     ]
-    assert list(accuracy_notes(asked, given)) == ["of the other 1 cases 1 are within 5 % by their trials"]
+    assert list(accuracy_notes(goal, results)) == ["of the other 1 cases 1 are within 5 % by their trials"]
 
 
 @pytest.mark.parametrize(("audit", "is_failed"), [(1.099, False), (1.101, True), (0.901, False), (0.899, True)])

@@ -252,17 +252,17 @@ def test_sweep_removes_files_of_ended_writers_only(tmp_path: Path) -> None:
     [leftover] = folder.iterdir()
     command = [sys.executable, "-c", LEFTOVER_SCRIPT.format("time.sleep(60)"), str(folder)]
     with (
-        subprocess.Popen(command, stdout=subprocess.PIPE) as other,
-        temporary(folder, f"{UNIT}.h5", "part") as own,
+        subprocess.Popen(command, stdout=subprocess.PIPE) as process,
+        temporary(folder, f"{UNIT}.h5", "part") as own_file,
     ):
-        assert other.stdout is not None
-        other.stdout.readline()
+        assert process.stdout is not None
+        process.stdout.readline()
         assert store.sweep(tmp_path) == [leftover]
         assert len(list(folder.iterdir())) == 2
-        other.kill()
-        os.waitid(os.P_PID, other.pid, os.WEXITED | os.WNOWAIT)  # dead, but not yet waited for
+        process.kill()
+        os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)  # dead, but not yet waited for
         assert len(store.sweep(tmp_path)) == 1
-        assert [str(path) for path in folder.iterdir()] == [own.name]
+        assert [str(path) for path in folder.iterdir()] == [own_file.name]
     assert not list(folder.iterdir())
 
 
