@@ -55,9 +55,9 @@ def show(summary: "RunSummary", verbose: bool) -> None:
         say(f"  and {len(feature_list) - MAX_FEATURES} more: bearingsim show {short_path(summary.folder)}")
     for text in (*summary.findings.accuracy, *summary.findings.warnings):
         say(text)
-    assumed = summary.findings.assumptions
-    if assumed:
-        say(f"{len(assumed)} assumption{'s' * (len(assumed) != 1)} not varied: {', '.join(assumed)}")
+    assumptions = summary.findings.assumptions
+    if assumptions:
+        say(f"{len(assumptions)} assumption{'s' * (len(assumptions) != 1)} not varied: {', '.join(assumptions)}")
         say(f"  amplitudes depend on them: bearingsim show {short_path(summary.folder)} --assumptions")
     if quick:
         say("this was the reduced grid; run without --quick for the whole study")

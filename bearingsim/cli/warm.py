@@ -24,7 +24,9 @@ def compile_solver(study: Path | None, announcements: Announcer) -> str:
     if study is not None:
         cases = load_study(study).cases()
     else:
-        usual, reference = (Case.model_validate(CASE | {"model": model}) for model in (USUAL_MODEL, REFERENCE))
-        cases = [usual, reference, with_friction(reference) or reference]
+        default_case, reference = (
+            Case.model_validate(CASE | {"model": model}) for model in (USUAL_MODEL, REFERENCE)
+        )
+        cases = [default_case, reference, with_friction(reference) or reference]
     warm(cases, compiling(announcements))
     return ", ".join(f"`{model}`" for model in dict.fromkeys(case.model for case in cases))

@@ -31,8 +31,8 @@ class CpuLimitExceeded(Exception):
 
 def moving_coordinates(model: Any) -> np.ndarray:
     """Return the offsets (n,), within a block of the state, of the variables of the model's equations."""
-    own, shared = degrees_of_freedom(model)
-    rollers = [i * lay.ROW + lay.FIRST_LANE + j for i in range(own) for j in range(model.bearing.Z)]
+    per_roller, shared = degrees_of_freedom(model)
+    rollers = [i * lay.ROW + lay.FIRST_LANE + j for i in range(per_roller) for j in range(model.bearing.Z)]
     return np.array([lay.shared_cell(k) for k in range(shared)] + rollers)
 
 

@@ -16,8 +16,8 @@ import pytest
 from tests.scenes import hostile_results
 from tests.scenes.hostile_results import ATTACKS, SECRET, make, run_attack
 
-MOST_MEMORY = 500e6
-PATIENCE_S = 120.0
+MAX_MEMORY = 500e6
+TIMEOUT_S = 120.0
 
 Forked = Callable[..., None]
 
@@ -31,7 +31,7 @@ def forked() -> Forked:
     def run(function: Callable[..., None], *arguments: Any) -> None:
         process = context.Process(target=function, args=arguments)
         process.start()
-        process.join(PATIENCE_S)
+        process.join(TIMEOUT_S)
         if process.is_alive():
             process.kill()
             pytest.fail("it hangs")
@@ -68,7 +68,7 @@ def test_nothing_leaves_the_folder_or_its_bounds(name: str, results: Path, forke
             assert "Traceback" not in text, entry
     assert observed["opened"] == []
     assert outside_files(work) == before
-    assert observed["memory"] < MOST_MEMORY
+    assert observed["memory"] < MAX_MEMORY
     written_files = [path for path in work.glob("*.csv") if path.name != "scan.csv"]
     for path in (*written_files, *(path for path in (work / "merged").rglob("*") if path.is_file())):
         content = path.read_bytes()
