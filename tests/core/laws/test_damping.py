@@ -1,4 +1,4 @@
-"""Damping laws: what they never do, their bounds, and their exact derivatives against differences."""
+"""Damping laws: limits of their forces, their bounds, and their exact derivatives against differences."""
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ LAWS = [
     general(STEEL, 1e14, 1.5, 2.0),
     General(STEEL, 1e15, Power(1.0), Power(2.0)),
 ]
-WHOLE = [
+INTEGER_EXPONENTS = [
     (1.0, 0.0, Power1, Power0),
     (1.0, 1.0, Power1, Power1),
     (2.0, 2.0, Power2, Power2),
@@ -54,11 +54,11 @@ rates = st.floats(-0.3, 0.3)
 def test_bounds_are_the_slopes_of_the_force_where_a_contact_closes(law, delta, v):
     force = normal_force(law, delta, v)
     if force < 1e-3 * elastic(STEEL, delta) or abs(v) < 2e-3:
-        return  # clamped, or where |v|^m2 has no slope to speak of
+        return  # clamped, or where the derivative of |v|^m2 is negligible
     h = 1e-5 * abs(v)
     by_rate = (normal_force(law, delta, v + h) - normal_force(law, delta, v - h)) / (2 * h)
     assert damping_bound(law, delta, v) == pytest.approx(by_rate, rel=1e-4, abs=0.0)
-    if v > 0 and not isinstance(law, Kraemer):  # elsewhere the slope kept for the step limit is a bound
+    if v > 0 and not isinstance(law, Kraemer):  # elsewhere the derivative is only bounded
         h = 1e-5 * delta
         by_approach = (normal_force(law, delta + h, v) - normal_force(law, delta - h, v)) / (2 * h)
         assert stiffness_bound(law, delta, v) == pytest.approx(by_approach, rel=1e-4, abs=0.0)
@@ -72,30 +72,30 @@ def test_no_contact_pulls_and_none_acts_at_a_distance(law, delta, v):
     assert delta > 0.0 or force < 1e-20  # N
 
 
-def test_a_dashpot_without_indentation_exponent_does_not_act_on_a_roller_that_is_not_there():
+def test_a_dashpot_without_indentation_exponent_acts_only_in_contact():
     assert normal_force(general(STEEL, 1e6, 1.0, 0.0), -1e-9, 0.1) == 0.0
 
 
-@pytest.mark.parametrize(("m2", "m3", "rate", "depth"), WHOLE)
-def test_whole_exponents_are_types_and_equal_any_exponent(m2, m3, rate, depth):
-    law, slow = general(STEEL, 1e9, m2, m3), General(STEEL, 1e9, Power(m2), Power(m3))
+@pytest.mark.parametrize(("m2", "m3", "rate", "depth"), INTEGER_EXPONENTS)
+def test_integer_exponents_have_types_and_equal_the_general_one(m2, m3, rate, depth):
+    law, reference = general(STEEL, 1e9, m2, m3), General(STEEL, 1e9, Power(m2), Power(m3))
     assert isinstance(law.m2, rate)
     assert isinstance(law.m3, depth)
     assert isinstance(general(STEEL, 1e9, 1.0, 1.5).m3, Power)
-    for value in (normal_force, damping_bound, stiffness_bound, derivatives):
+    for function in (normal_force, damping_bound, stiffness_bound, derivatives):
         for v in (-0.1, 0.0, 2e-3, 0.3):
             for delta in (0.0, 1e-13, 1e-9, 3e-6):
-                assert value(law, delta, v) == pytest.approx(value(slow, delta, v), rel=1e-13, abs=0.0)
+                assert function(law, delta, v) == pytest.approx(function(reference, delta, v), rel=1e-13, abs=0.0)
 
 
 @needs_vectors
-@pytest.mark.parametrize(("m2", "m3", "rate", "depth"), [*WHOLE, (1.0, 1.5, Power1, Power)])
-def test_general_damping_keeps_the_vector_lanes_with_whole_exponents(m2, m3, rate, depth):
+@pytest.mark.parametrize(("m2", "m3", "rate", "depth"), [*INTEGER_EXPONENTS, (1.0, 1.5, Power1, Power)])
+def test_general_damping_keeps_the_vector_lanes_with_integer_exponents(m2, m3, rate, depth):
     law, vectors = general(STEEL, 1e9, m2, m3), depth is not Power
     assert keeps_lanes(force_of_lanes, law, rows(1e-7, 0.1, 0.0), ROW) == vectors
 
 
-def test_not_a_number_is_not_hidden():
+def test_nan_propagates():
     assert np.isnan(normal_force(LAWS[0], float("nan"), 0.0))
 
 
@@ -112,19 +112,19 @@ def test_the_papers_damping_coefficient_in_si(m3, expected):
 @pytest.mark.parametrize("law", [*CONTACTS, Undamped(STEEL)], ids=str)
 @given(delta=st.floats(1e-8, 1e-5), v=st.floats(-0.3, 0.3))
 def test_slopes_are_those_of_the_force(law, delta, v):
-    """The clamp's side included: what the differences straddle is left out."""
+    """Also where the force is clamped; differences across the clamp are left out."""
     assume(abs(v) > 1e-3)
     h, step = 1e-4 * delta, 1e-4 * abs(v)
-    near = [normal_force(law, delta + i * h, v + k * step) for i in (-2, 0, 2) for k in (-2, 0, 2)]
-    assume(min(near) > 0.0 or max(near) == 0.0)
+    forces = [normal_force(law, delta + i * h, v + k * step) for i in (-2, 0, 2) for k in (-2, 0, 2)]
+    assume(min(forces) > 0.0 or max(forces) == 0.0)
     floor = 1e-9 * elastic(law.stiffness, delta)
     if law.stiffness is LINE and isinstance(law, Kraemer):
         assume(cell((delta + 2.0 * h) / LINE.length)[0] == cell((delta - 2.0 * h) / LINE.length)[0])
-    found = derivatives(law, delta, v)
+    result = derivatives(law, delta, v)
     by_approach = slope(lambda d: normal_force(law, d, v), delta, h)
     by_rate = slope(lambda w: normal_force(law, delta, w), v, step)
-    assert found[0] == pytest.approx(by_approach, rel=1e-6, abs=floor / delta)
-    assert found[1] == pytest.approx(by_rate, rel=1e-6, abs=floor / abs(v))
+    assert result[0] == pytest.approx(by_approach, rel=1e-6, abs=floor / delta)
+    assert result[1] == pytest.approx(by_rate, rel=1e-6, abs=floor / abs(v))
 
 
 @contacts
@@ -143,7 +143,7 @@ def test_slopes_are_finite_at_rest_and_at_touch_down(law, delta):
 
 
 @compiled
-def both(law, y, width):
+def fill_derivatives(law, y, width):
     for j in range(width):
         y[2 * ROW + j], y[3 * ROW + j] = derivatives(law, y[j], y[ROW + j])
 
@@ -153,7 +153,7 @@ def test_slopes_from_python_equal_the_compiled_ones(law):
     y = rows(0.0, 0.0, 0.0, 0.0)
     rng = np.random.default_rng(5)
     y[:ROW], y[ROW : 2 * ROW] = rng.normal(0.0, 1e-6, ROW), rng.normal(0.0, 0.1, ROW)
-    both(law, y, ROW)
+    fill_derivatives(law, y, ROW)
     expected = np.array([derivatives(law, delta, v) for delta, v in zip(y[:ROW], y[ROW : 2 * ROW], strict=True)])
     assert y[2 * ROW : 3 * ROW] == pytest.approx(expected[:, 0], rel=1e-12, abs=0.0)
     assert y[3 * ROW :] == pytest.approx(expected[:, 1], rel=1e-12, abs=0.0)
@@ -164,4 +164,4 @@ def test_slopes_from_python_equal_the_compiled_ones(law):
     "law", [HuntCrossley(STEEL, 50.0), HuntCrossley(LINE, 50.0), Kraemer(STEEL, 1e-5)], ids=str
 )
 def test_slopes_keep_the_vector_lanes(law):
-    assert keeps_lanes(both, law, rows(1e-7, 0.1, 0.0, 0.0), ROW)
+    assert keeps_lanes(fill_derivatives, law, rows(1e-7, 0.1, 0.0, 0.0), ROW)

@@ -1,4 +1,4 @@
-"""Friction laws: their curves, their slopes, and that they run on vectors."""
+"""Friction laws: their curves, derivatives and vectorisation."""
 
 from math import exp
 
@@ -47,8 +47,8 @@ def test_static_dynamic_curve():
 
 def adams_step(x, x_0, h_0, x_1, h_1):
     """The cubic STEP of the multibody codes (Adams' documentation of STEP)."""
-    share = min(max((x - x_0) / (x_1 - x_0), 0.0), 1.0)
-    return h_0 + (h_1 - h_0) * share * share * (3.0 - 2.0 * share)
+    s = min(max((x - x_0) / (x_1 - x_0), 0.0), 1.0)
+    return h_0 + (h_1 - h_0) * s * s * (3.0 - 2.0 * s)
 
 
 @given(slips)
@@ -65,7 +65,7 @@ def test_traction_curve(v, u):
     assert mu(KRAGELSKII, v, u) == pytest.approx(expected, rel=1e-12, abs=1e-16)
 
 
-def test_traction_peaks_at_a_hundredth_and_sinks_to_a_tenth():
+def test_traction_peaks_at_a_hundredth_and_falls_to_a_tenth():
     """The peak lies at 1/c - a/b = 0.0100; there mu = d + (b/c) e^(a c/b - 1) = 0.1200."""
     values = [mu(KRAGELSKII, s, 1.0) for s in np.linspace(0.0, 0.2, 20001)]
     assert np.argmax(values) == pytest.approx(1000, abs=1)
@@ -92,21 +92,21 @@ def test_a_traction_that_would_jump_at_zero_slip_rises_instead():
 
 @named
 @pytest.mark.parametrize("u", [0.3, 3.0, 20.0])
-def test_curves_are_smooth_and_nowhere_steeper_than_told(law, u):
+def test_curves_are_smooth_and_within_their_bound(law, u):
     """Values and slopes by differences on a fine grid through every joint, the slope's jumps included."""
-    told = mu_derivative_bound(law, u)
+    bound = mu_derivative_bound(law, u)
     joints = [0.0]
     joints += [law.v_s, law.v_d] if isinstance(law, StaticDynamic) else [JUMP_WIDTH * u, 40.0 / KRAGELSKII.c * u]
     for joint in joints:
         h = 1e-7 * max(joint, 1e-2)
-        before, at, after = (mu(law, joint + n * h, u) for n in (-1, 0, 1))
-        assert (after - at) / h == pytest.approx((at - before) / h, abs=1e-4 * told + 1e-12)
+        before, middle, after = (mu(law, joint + n * h, u) for n in (-1, 0, 1))
+        assert (after - middle) / h == pytest.approx((middle - before) / h, abs=1e-4 * bound + 1e-12)
     v = np.linspace(-0.5, 0.5, 40001)
     slopes = np.diff([mu(law, x, u) for x in v]) / np.diff(v)
-    assert slopes.max() <= told * (1.0 + 1e-9)
-    assert slopes.max() == pytest.approx(told, rel=0.05, abs=0.0)
-    at_rest = (mu(law, 1e-9, u) - mu(law, -1e-9, u)) / 2e-9
-    assert at_rest == pytest.approx(told, rel=1e-5, abs=0.0)
+    assert slopes.max() <= bound * (1.0 + 1e-9)
+    assert slopes.max() == pytest.approx(bound, rel=0.05, abs=0.0)
+    slope_at_zero = (mu(law, 1e-9, u) - mu(law, -1e-9, u)) / 2e-9
+    assert slope_at_zero == pytest.approx(bound, rel=1e-5, abs=0.0)
 
 
 def test_known_slopes():
@@ -122,7 +122,7 @@ def test_the_exponential():
 
 
 @pytest.mark.parametrize("law", LAWS[1:], ids=lambda law: type(law).__name__)
-def test_not_a_number_is_passed_on(law):
+def test_nan_propagates(law):
     y = rows(float("nan"), 3.0, 1.0, 0.0)
     friction(law, y, ROW)
     assert np.isnan(y[3 * ROW :]).all()
@@ -139,7 +139,7 @@ def friction(law, y, width):
 
 
 @compiled
-def steepest_compiled(law, u):
+def compiled_bound(law, u):
     return mu_derivative_bound(law, u)
 
 
@@ -149,7 +149,7 @@ def test_friction_from_python_equals_the_compiled_one(law):
     y[:ROW] = np.append(0.0, np.random.default_rng(2).normal(size=ROW - 1) * 10.0 ** np.linspace(-6, 1, ROW - 1))
     friction(law, y, ROW)
     assert y[3 * ROW :] == pytest.approx([2.0 * mu(law, v, 3.0) for v in y[:ROW]], rel=1e-13, abs=1e-16)
-    assert steepest_compiled(law, 3.0) == pytest.approx(mu_derivative_bound(law, 3.0), rel=1e-15, abs=0.0)
+    assert compiled_bound(law, 3.0) == pytest.approx(mu_derivative_bound(law, 3.0), rel=1e-15, abs=0.0)
 
 
 @needs_vectors
@@ -168,24 +168,24 @@ def test_mu_derivative_is_that_of_the_coefficient(law, v, u):
     ends = [1e-3 * u, 40.0 / getattr(law, "c", 1.0) * u]
     joints = [law.v_s, law.v_d] if isinstance(law, StaticDynamic) else ends
     assume(abs(v) > 1e-6 and all(abs(abs(v) - joint) > 1e-3 * joint for joint in joints))
-    by_slip, by_rolling = mu_derivative(law, v, u)
-    assert by_slip == pytest.approx(slope(lambda w: mu(law, w, u), v, 2e-4 * abs(v)), rel=1e-6, abs=1e-7)
-    assert by_rolling == pytest.approx(slope(lambda w: mu(law, v, w), u, 2e-4 * u), rel=1e-6, abs=1e-7)
+    mu_v, mu_u = mu_derivative(law, v, u)
+    assert mu_v == pytest.approx(slope(lambda w: mu(law, w, u), v, 2e-4 * abs(v)), rel=1e-6, abs=1e-7)
+    assert mu_u == pytest.approx(slope(lambda w: mu(law, v, w), u, 2e-4 * u), rel=1e-6, abs=1e-7)
 
 
 @named
-def test_below_the_slowest_rolling_traction_no_longer_depends_on_it(law):
+def test_traction_is_constant_below_the_least_rolling_speed(law):
     assert mu_derivative(law, 1e-4, 1e-3)[1] == 0.0
 
 
 @compiled
-def by_slip(law, y, width):
+def fill_derivatives(law, y, width):
     for j in range(width):
         y[2 * ROW + j], y[3 * ROW + j] = mu_derivative(law, y[j], y[ROW + j])
 
 
 @needs_vectors
 @named
-def test_friction_s_slopes_keep_the_vector_lanes(law):
+def test_friction_derivatives_keep_the_vector_lanes(law):
     if not isinstance(law, Frictionless):
-        assert keeps_lanes(by_slip, law, rows(1e-3, 3.0, 0.0, 0.0), ROW)
+        assert keeps_lanes(fill_derivatives, law, rows(1e-3, 3.0, 0.0, 0.0), ROW)

@@ -68,22 +68,22 @@ def test_two_spheres():
 
 
 @given(st.floats(0.0, 9.0).map(lambda x: 1.0 + 10.0 ** (x - 6.0)))
-def test_elliptic_integrals_are_scipy_s(kappa):
-    K, short_of_one = elliptic_integrals(kappa)
+def test_elliptic_integrals_equal_scipy(kappa):
+    K, deficit = elliptic_integrals(kappa)
     assert pytest.approx(ellipkm1(1.0 / kappa**2), rel=1e-13, abs=0.0) == K
-    assert K * (1.0 - short_of_one) == pytest.approx(ellipe(1.0 - 1.0 / kappa**2), rel=1e-12, abs=0.0)
+    assert K * (1.0 - deficit) == pytest.approx(ellipe(1.0 - 1.0 / kappa**2), rel=1e-12, abs=0.0)
 
 
 @given(st.floats(-8.0, 6.0).map(lambda x: 1.0 + 10.0**x))
-def test_the_axes_give_back_the_curvatures(ratio):
+def test_axis_ratio_inverts_curvature_ratio(ratio):
     kappa = axis_ratio(ratio)
     assert kappa >= 1.0
     assert curvature_ratio(kappa) == pytest.approx(ratio, rel=1e-11, abs=0.0)
 
 
-def test_a_circle_is_reached_smoothly():
-    nearly = elliptic_contact(STEEL, 100.0, 100.0 * (1.0 + 1e-9))
-    assert nearly.k == pytest.approx(elliptic_contact(STEEL, 100.0, 100.0).k, rel=1e-9, abs=0.0)
+def test_the_limit_of_a_circle_is_smooth():
+    contact = elliptic_contact(STEEL, 100.0, 100.0 * (1.0 + 1e-9))
+    assert contact.k == pytest.approx(elliptic_contact(STEEL, 100.0, 100.0).k, rel=1e-9, abs=0.0)
 
 
 def test_the_order_of_the_curvatures_does_not_matter():
@@ -105,7 +105,7 @@ def test_a_6206_against_a_published_calculation():
     assert contact.pressure(5.0 * 1000.0 / 9.0) == pytest.approx(1728e6, rel=0.03, abs=0.0)
 
 
-def test_a_ball_on_an_outer_race_is_held_closer():
+def test_a_ball_on_an_outer_race_is_stiffer():
     """6205, 7.94 mm on 39.04 mm: the outer race curves round the ball, so its contact is the stiffer one."""
     inner = ball_on_race(207e9, 0.3, 7.94e-3, 4.1e-3, 15.55e-3)
     outer = ball_on_race(207e9, 0.3, 7.94e-3, 4.1e-3, -23.49e-3)

@@ -35,19 +35,19 @@ LOADS = (20.0, 60.0, 150.0, 500.0, 1500.0, 5000.0)
 
 
 def palmgren(Q, line):
-    """dQ/d(delta) of delta = 3.84e-5 Q^0.9/L^0.8 mm, N and mm."""
+    """Return dQ/d(delta) of delta = 3.84e-5 Q^0.9/L^0.8 mm, N and mm."""
     return 1e3 * Q**0.1 * (line.L * 1e3) ** 0.8 / (0.9 * 3.84e-5)
 
 
-def solved(Q, line, cells=100):
+def film_solution(Q, line, cells=100):
     return at_rest(Contact(Q, *line), cells, growth=1.0 + 4.0 / cells)
 
 
 # Rigid cylinders
 
 
-def steady(exit):
-    """Pressure at the exit (zero where the oil leaves) and load over eta u R/h of a rigid film that ends there."""
+def steady_film(exit):
+    """Return pressure at the exit (zero where the film ends) and load over eta u R/h of a rigid film."""
 
     def slope(t):
         return (t * t - exit * exit) / (1.0 + t * t) ** 3
@@ -55,13 +55,13 @@ def steady(exit):
     return quad(slope, -np.inf, exit)[0], -12.0 * 2.0 * quad(lambda t: t * slope(t), -np.inf, exit)[0]
 
 
-EXIT = brentq(lambda t: steady(t)[0], 0.1, 1.0)
+EXIT = brentq(lambda t: steady_film(t)[0], 0.1, 1.0)
 
 
 def test_martins_film():
     """dp/dx = 12 eta u (h - h_exit)/h^3 with h = h_0 (1 + t^2), x = sqrt(2 R h_0) t: load 4.896 eta u R/h_0."""
     assert pytest.approx(0.4751, abs=1e-4) == EXIT
-    assert steady(EXIT)[1] == pytest.approx(MARTIN, rel=1e-3, abs=0.0)
+    assert steady_film(EXIT)[1] == pytest.approx(MARTIN, rel=1e-3, abs=0.0)
 
 
 def test_squeezing_rigid_cylinders():
@@ -79,7 +79,7 @@ def test_squeezing_rigid_cylinders():
 def test_the_solution_meets_rigid_cylinders():
     line = NF308._replace(alpha=1e-10)
     Q = 1.2 * light(Contact(1.0, *line)).Q
-    film = solved(Q, line)
+    film = film_solution(Q, line)
     h = MARTIN * line.eta * line.u * line.R * line.L / Q
     assert film.thinnest == pytest.approx(h, rel=0.02, abs=0.0)
     assert film_thickness(Q, line).minimum == pytest.approx(h, rel=0.02, abs=0.0)
@@ -96,7 +96,7 @@ def test_a_soft_film_has_the_damping_of_rigid_cylinders():
 
 
 @pytest.mark.parametrize(
-    ("M", "L", "central", "least"),
+    ("M", "L", "central", "minimum"),
     [
         (1e-3, 0.01, 3.0e3, 2.45e3),
         (1e4, 1e-4, 2.621 * 1e4**-0.2, 2.05 * 1e4**-0.2),
@@ -104,19 +104,19 @@ def test_a_soft_film_has_the_damping_of_rigid_cylinders():
         (1e9, 1e4, 1.311 * 1e9**-0.125 * 1e3, 0.96 * 1e9**-0.125 * 1e3),
     ],
 )
-def test_the_four_asymptotes_of_moes(M, L, central, least):
+def test_the_four_asymptotes_of_moes(M, L, central, minimum):
     line = NF308._replace(alpha=1.0)
     line = line._replace(alpha=L / moes_numbers(1.0, line)[1])
     Q = M / moes_numbers(1.0, line)[0]
-    unit = line.R * sqrt(line.eta * line.u / (line.E_star * line.R))
+    scale = line.R * sqrt(line.eta * line.u / (line.E_star * line.R))
     film = film_thickness(Q, line)
-    assert film.central / unit == pytest.approx(central, rel=0.03, abs=0.0)
-    assert film.minimum / unit == pytest.approx(least, rel=0.03, abs=0.0)
+    assert film.central / scale == pytest.approx(central, rel=0.03, abs=0.0)
+    assert film.minimum / scale == pytest.approx(minimum, rel=0.03, abs=0.0)
 
 
 @pytest.mark.parametrize("Q", LOADS)
 def test_film_and_damping_against_solutions(Q):
-    film, k, omega = solved(Q, NF308), palmgren(Q, NF308), 10.0
+    film, k, omega = film_solution(Q, NF308), palmgren(Q, NF308), 10.0
     assert film_thickness(Q, NF308).central == pytest.approx(film.flow, rel=0.07, abs=0.0)
     assert film_thickness(Q, NF308).minimum == pytest.approx(film.thinnest, rel=0.07, abs=0.0)
     c = stiffness(film, k, omega)[0].imag / omega
@@ -124,25 +124,25 @@ def test_film_and_damping_against_solutions(Q):
 
 
 def test_the_solution_converges():
-    c = [stiffness(solved(500.0, NF308, cells), 4e8, 10.0)[0].imag for cells in (50, 100, 200)]
+    c = [stiffness(film_solution(500.0, NF308, cells), 4e8, 10.0)[0].imag for cells in (50, 100, 200)]
     assert c[0] == pytest.approx(c[2], rel=0.03, abs=0.0)
     assert c[1] == pytest.approx(c[2], rel=0.003, abs=0.0)
 
 
 @pytest.mark.parametrize(("Q", "omega_T"), [(47.0, 0.1), (500.0, 1.0)])
-def test_a_swing_of_a_nanometre_loses_pi_c_omega_X2(Q, omega_T):
+def test_an_oscillation_of_a_nanometre_loses_pi_c_omega_X2(Q, omega_T):
     """The equations in time against those in frequency."""
-    film, k = solved(Q, NF308, 60), palmgren(Q, NF308)
+    film, k = film_solution(Q, NF308, 60), palmgren(Q, NF308)
     omega = omega_T * NF308.u / (2.0 * film.contact.b)
-    lost = pi * stiffness(film, k, omega)[0].imag * 1e-9**2
-    assert loss_in_time(film, k, omega, 1e-9) == pytest.approx(lost, rel=0.01, abs=0.0)
+    loss = pi * stiffness(film, k, omega)[0].imag * 1e-9**2
+    assert loss_in_time(film, k, omega, 1e-9) == pytest.approx(loss, rel=0.01, abs=0.0)
 
 
 # Damping
 
 
 def test_the_film_is_a_spring_and_a_damper_in_series_with_the_contact():
-    """At a load so light that both are rigid: 1/k + 1/(k_f + i omega c_f), but for the faster roll-off."""
+    """At a load so light that both are rigid: 1/k + 1/(k_f + i omega c_f), except for the roll-off factor."""
     Q, k, omega = 20.0, 3e8, 2e4
     k_f = 1.0 / film_compliance(Q, NF308)
     lag = LAG * sqrt(2.0 * NF308.R * film_thickness(Q, NF308).minimum) / NF308.u
@@ -152,7 +152,7 @@ def test_the_film_is_a_spring_and_a_damper_in_series_with_the_contact():
     assert squeeze_damping(Q, k, NF308, omega) == pytest.approx(fast.imag / (0.79 * omega), rel=1e-6, abs=0.0)
 
 
-def test_what_a_growing_contact_carries_in():
+def test_entrainment_damping_of_a_growing_contact():
     """n (h/u) k db/d(delta) with db/d(delta) from the half widths of two loads."""
     Q, k = 2e3, 4e8
     db = (half_widths(Q + 1.0, NF308) - half_widths(Q - 1.0, NF308)) / (2.0 / k)
@@ -167,8 +167,8 @@ def test_what_a_growing_contact_carries_in():
 def test_no_load_no_damping():
     assert film_damping(0.0, 3e8, NF308) == 0.0
     assert film_damping(-1.0, 3e8, NF308) == 0.0
-    few = film_damping(np.array([1e-3, 4e-3]), 3e8, NF308)
-    assert few[1] / few[0] == pytest.approx(8.0, rel=1e-3, abs=0.0)  # Q^(3/2)
+    damping = film_damping(np.array([1e-3, 4e-3]), 3e8, NF308)
+    assert damping[1] / damping[0] == pytest.approx(8.0, rel=1e-3, abs=0.0)  # Q^(3/2)
 
 
 def test_loads_and_frequencies_in_arrays():
@@ -186,14 +186,14 @@ def test_the_roll_off():
     assert share[3] < 0.1
 
 
-def test_hysteresis_loses_the_same_at_any_rate():
+def test_hysteresis_has_the_same_loss_at_any_frequency():
     assert hysteresis(3e8, 1e3, 0.015) * 1e3 == pytest.approx(
         hysteresis(3e8, 7.0, 0.015) * 7.0, rel=1e-12, abs=0.0
     )
     assert hysteresis(3e8, 1e3, 0.015) == pytest.approx(4500.0, rel=1e-12, abs=0.0)
 
 
-def test_a_strip_in_place_of_an_ellipse():
+def test_the_strip_equivalent_to_an_ellipse():
     ball = ball_on_race(207e9, 0.3, 7.94e-3, 4.1e-3, 15.5e-3)
     a, b = ball.semi_axes(100.0)
     L, R = ball_as_strip(a, b, ball.pressure(100.0), STEEL)
@@ -219,18 +219,18 @@ def test_the_speed_of_the_contacts():
 # Viscosity
 
 
-def vi(at_40, L, H):
-    return 100.0 * (L - at_40) / (L - H)
+def vi(nu_40, L, H):
+    return 100.0 * (L - nu_40) / (L - H)
 
 
 @pytest.mark.parametrize(
-    ("grade", "at_100", "L", "H"),  # rows of ISO 2909 on both sides: their viscosity index brackets 95
+    ("grade", "nu_100", "L", "H"),  # rows of ISO 2909 on both sides: their viscosity index brackets 95
     [(32, (5.2, 5.3), (43.76, 45.53), (30.43, 31.40)), (68, (8.5, 8.6), (111.5, 113.9), (65.32, 66.48))],
 )
-def test_the_grades_have_the_viscosity_index_95(grade, at_100, L, H):
+def test_the_grades_have_the_viscosity_index_95(grade, nu_100, L, H):
     nu = iso_viscosity(grade, 100.0) / oil_density(100.0) * 1e6
-    assert at_100[0] < nu < at_100[1]
-    assert vi(grade, np.interp(nu, at_100, L), np.interp(nu, at_100, H)) == pytest.approx(95.0, abs=0.1)
+    assert nu_100[0] < nu < nu_100[1]
+    assert vi(grade, np.interp(nu, nu_100, L), np.interp(nu, nu_100, H)) == pytest.approx(95.0, abs=0.1)
 
 
 def test_an_oil_of_vg_68():

@@ -1,4 +1,4 @@
-"""Two contacts in series: every pair of laws, one of them known to nothing but this file."""
+"""Two contacts in series: every pair of laws, including one that is defined here."""
 
 from itertools import product
 from typing import NamedTuple
@@ -17,7 +17,7 @@ from tests.scenes.laws import LINE, STEEL, STIFFNESSES, every_stiffness
 
 
 class Hardening(NamedTuple):
-    """Q = k delta (1 + delta/d), no power: a law that gives ``elastic`` and ``tangent`` and no more."""
+    """Q = k delta (1 + delta/d), no power law, with ``elastic`` and ``tangent`` only."""
 
     k: float
     d: float
@@ -39,27 +39,27 @@ PAIRS = [
 ]
 
 
-def softer(law, factor):
-    """The law with its stiffness times ``factor``."""
+def scaled(law, factor):
+    """Return the law with its stiffness times ``factor``."""
     return law._replace(**{law._fields[0]: factor * law[0]})
 
 
 @pytest.mark.parametrize(("outer", "inner"), PAIRS)
 @given(delta=st.floats(1e-9, 1e-5), factor=st.sampled_from([1.0, 0.7, 30.0]))
 def test_a_share_balances_the_two_forces(outer, inner, delta, factor):
-    inner = softer(inner, factor)
-    part = series_share(outer, inner, delta)
-    assert 0.0 <= part <= delta
-    assert elastic(inner, part) == pytest.approx(elastic(outer, delta - part), rel=3e-9, abs=0.0)
+    inner = scaled(inner, factor)
+    share = series_share(outer, inner, delta)
+    assert 0.0 <= share <= delta
+    assert elastic(inner, share) == pytest.approx(elastic(outer, delta - share), rel=3e-9, abs=0.0)
 
 
 @every_stiffness
 @pytest.mark.parametrize("delta", [0.0, 1e-9, 1.234e-7, 1e-5])
-def test_equal_contacts_share_alike(law, delta):
+def test_equal_contacts_share_equally(law, delta):
     assert series_share(law, law, delta) == delta / 2.0
 
 
-def test_johnson_s_share_is_that_of_newton():
+def test_johnson_share_equals_newton():
     inner = johnson(150e9, 0.3, 0.009, 0.020)
     for delta in np.geomspace(1e-10, 1e-4, 50):
         assert series_share(LINE, inner, delta) == pytest.approx(
@@ -68,14 +68,14 @@ def test_johnson_s_share_is_that_of_newton():
 
 
 @pytest.mark.parametrize(("outer", "inner"), PAIRS)
-def test_nothing_is_shared_where_nothing_touches_and_not_a_number_is_passed_on(outer, inner):
+def test_no_share_without_contact_and_nan_propagates(outer, inner):
     assert series_share(outer, inner, 0.0) == 0.0
     assert series_share(outer, inner, -1e-6) == 0.0
     assert np.isnan(series_share(outer, inner, float("nan")))
 
 
 @compiled
-def shares(outer, inner, y, width):
+def fill_shares(outer, inner, y, width):
     for j in range(width):
         y[ROW + j] = series_share(outer, inner, y[j])
 
@@ -84,18 +84,18 @@ def shares(outer, inner, y, width):
 def test_shares_from_python_equal_the_compiled_ones(outer, inner):
     y = rows(0.0, 0.0)
     y[:ROW] = np.append(0.0, np.geomspace(1e-12, 1e-5, ROW - 1))
-    shares(outer, softer(inner, 2.0), y, ROW)
-    expected = [series_share(outer, softer(inner, 2.0), delta) for delta in y[:ROW]]
+    fill_shares(outer, scaled(inner, 2.0), y, ROW)
+    expected = [series_share(outer, scaled(inner, 2.0), delta) for delta in y[:ROW]]
     assert y[ROW:] == pytest.approx(expected, rel=1e-12, abs=0.0)
 
 
 @needs_vectors
 @pytest.mark.parametrize("law", [law for law in STIFFNESSES if not isinstance(law, PowerLaw)])
 def test_shares_of_like_contacts_keep_the_vector_lanes(law):
-    assert keeps_lanes(shares, law, softer(law, 2.0), rows(1e-7, 0.0), ROW)
+    assert keeps_lanes(fill_shares, law, scaled(law, 2.0), rows(1e-7, 0.0), ROW)
 
 
-def test_a_law_says_itself_whether_it_is_a_power():
+def test_power_laws_have_a_coefficient_and_an_exponent():
     assert as_power(STEEL) == (STEEL.k, LINE_CONTACT_EXPONENT)
     assert as_power(PowerLaw(5e9, 1.2)) == (5e9, 1.2)
     assert as_power(LINE) == as_power(Hardening(3e8, 1e-5)) == (0.0, 0.0)

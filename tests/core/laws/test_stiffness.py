@@ -23,7 +23,7 @@ from tests.scenes.laws import LINE, STEEL, every_stiffness, force_of_lanes, slop
 
 
 def approach(law, force):
-    """Approach (m) under a force (N), by bisection on the law itself."""
+    """Return the approach (m) under a force (N), by bisection."""
     low, high = 0.0, 1e-3
     for _ in range(100):
         middle = (low + high) / 2
@@ -46,7 +46,7 @@ def test_ninth_root_is_exact_to_rounding(x):
     assert ninth_root(x) == pytest.approx(x ** (1 / 9), rel=4e-15, abs=0.0)
 
 
-def test_ninth_root_at_and_below_zero_carries_no_force():
+def test_the_ninth_root_of_zero():
     assert elastic(STEEL, 0.0) == 0.0
     assert np.isfinite(ninth_root(0.0))
 
@@ -55,8 +55,8 @@ def test_ninth_root_at_and_below_zero_carries_no_force():
 @given(delta=st.floats(1e-9, 1e-5))
 def test_tangent_is_the_slope_of_the_force(law, delta):
     h = 1e-4 * delta
-    by_approach = (elastic(law, delta + h) - elastic(law, delta - h)) / (2 * h)
-    assert tangent(law, delta) == pytest.approx(by_approach, rel=1e-6, abs=0.0)
+    expected = (elastic(law, delta + h) - elastic(law, delta - h)) / (2 * h)
+    assert tangent(law, delta) == pytest.approx(expected, rel=1e-6, abs=0.0)
 
 
 @every_stiffness
@@ -65,12 +65,12 @@ def test_curvature_is_the_slope_of_the_tangent(law, delta):
     h = 1e-4 * delta
     if law is LINE:  # it jumps from cell to cell of the table
         assume(cell((delta + 2.0 * h) / law.length)[0] == cell((delta - 2.0 * h) / law.length)[0])
-    by_approach = slope(lambda d: tangent(law, d), delta, h)
-    assert curvature(law, delta) == pytest.approx(by_approach, rel=1e-6, abs=1e-9 * tangent(law, delta) / delta)
+    expected = slope(lambda d: tangent(law, d), delta, h)
+    assert curvature(law, delta) == pytest.approx(expected, rel=1e-6, abs=1e-9 * tangent(law, delta) / delta)
 
 
 @every_stiffness
-def test_elastic_laws_start_from_nothing_grow_and_pass_on_what_is_not_a_number(law):
+def test_elastic_laws_start_from_zero_grow_and_propagate_nan(law):
     assert elastic(law, 0.0) == pytest.approx(0.0, abs=1e-250)
     forces = [elastic(law, delta) for delta in np.geomspace(1e-15, 1e-2, 300)]
     assert np.all(np.diff(forces) > 0.0)
@@ -108,10 +108,10 @@ def test_all_but_the_general_power_keep_the_vector_lanes(law):
 @pytest.mark.parametrize(
     ("m", "law"), [(1, Linear), (10 / 9, TenNinths), (1.5, ThreeHalves), (1.11, PowerLaw), (1.1111, PowerLaw)]
 )
-def test_a_given_exponent_takes_the_law_that_has_it(m, law):
-    found = power(5e9, m)
-    assert type(found) is law
-    assert elastic(found, 3e-6) == pytest.approx(5e9 * 3e-6**m, rel=1e-13, abs=0.0)
+def test_an_exponent_selects_its_law(m, law):
+    result = power(5e9, m)
+    assert type(result) is law
+    assert elastic(result, 3e-6) == pytest.approx(5e9 * 3e-6**m, rel=1e-13, abs=0.0)
 
 
 def test_an_exponent_below_one_is_refused():

@@ -1,4 +1,4 @@
-"""Damping by a table, and the oil film built as one: derivatives, touch-down, and the film it stands for."""
+"""Tabulated damping and the tabulated oil film: derivatives, touch-down, and the closed forms."""
 
 from math import pi
 from typing import Any
@@ -29,7 +29,7 @@ from tests.scenes.laws import STEEL
 RISING = Tabulated(STEEL, tabulate(lambda y: (1e6 * np.sqrt(y), 0.5e6 / np.sqrt(y))))
 """c = 1e6 sqrt(delta) N s/m."""
 FALLING = Tabulated(STEEL, tabulate(lambda y: (1e3 * np.exp(-y / 1e-5), -1e8 * np.exp(-y / 1e-5))))
-"""c = 1000 exp(-delta/10 um) N s/m, but for the first 15 pm."""
+"""c = 1000 exp(-delta/10 um) N s/m, except below 15 pm."""
 
 
 def case(bearing: str = "nf308", **film: Any) -> Case:
@@ -51,10 +51,10 @@ def test_the_table_is_the_function() -> None:
 @LAWS
 @given(delta=st.floats(1e-9, 5e-5), v=st.floats(-0.3, 0.3))
 def test_slopes_are_derivatives_of_the_force(law: Tabulated, delta: float, v: float) -> None:
-    """By central differences; at the clamp, which the differences straddle, they are left out."""
+    """By central differences, except across the clamp of the force."""
     h, step = 1e-4 * delta, 1e-5
-    near = [normal_force(law, delta + i * h, v + k * step) for i in (-2, 0, 2) for k in (-2, 0, 2)]
-    assume(min(near) > 0.0 or max(near) == 0.0)
+    forces = [normal_force(law, delta + i * h, v + k * step) for i in (-2, 0, 2) for k in (-2, 0, 2)]
+    assume(min(forces) > 0.0 or max(forces) == 0.0)
     K, C = derivatives(law, delta, v)
     by_approach = (normal_force(law, delta + h, v) - normal_force(law, delta - h, v)) / (2.0 * h)
     by_rate = (normal_force(law, delta, v + step) - normal_force(law, delta, v - step)) / (2.0 * step)
@@ -75,8 +75,8 @@ def test_the_force_does_not_jump_as_a_contact_closes(law: Tabulated) -> None:
 
 @LAWS
 @given(delta=st.floats(0.0, 1e-4), v=st.floats(-0.3, 0.3))
-def test_bounds_are_those_of_the_slopes(law: Tabulated, delta: float, v: float) -> None:
-    """Never negative, finite at touch-down, and no less than the derivatives; nor does the contact pull."""
+def test_bounds_are_at_least_the_derivatives(law: Tabulated, delta: float, v: float) -> None:
+    """Non-negative, finite at touch-down, and at least the derivatives; the contact never pulls."""
     assert normal_force(law, delta, v) >= 0.0
     K, C = derivatives(law, delta, v)
     assert np.isfinite([stiffness_bound(law, delta, v), damping_bound(law, delta, v)]).all()
@@ -84,33 +84,33 @@ def test_bounds_are_those_of_the_slopes(law: Tabulated, delta: float, v: float) 
     assert damping_bound(law, delta, v) >= max(C, 0.0) * (1.0 - 1e-12)
 
 
-def test_not_a_number_is_not_hidden() -> None:
+def test_nan_propagates() -> None:
     assert np.isnan(normal_force(FILM, float("nan"), 0.1))
 
 
-# The film that is built
+# Tabulated film
 
 
 LOADS = np.geomspace(0.5, 5000.0, 25)
 
 
-def expected(given: Case, on_outer: bool, Q: float) -> tuple[float, float]:
-    """Damping (N s/m) of film and of hysteresis of one contact at a load, from the closed forms alone."""
-    b, film = given.bearing, given.contact.damping
+def expected(bearing_case: Case, on_outer: bool, Q: float) -> tuple[float, float]:
+    """Return damping (N s/m) of film and hysteresis of one contact at a load, from the closed forms."""
+    b, film = bearing_case.bearing, bearing_case.contact.damping
     assert isinstance(film, Film)
-    this, other = (contacts.stiffness(given, side) for side in (on_outer, not on_outer))
-    k = _tangent(this, Q)
-    omega = np.sqrt((k + _tangent(other, Q)) / b.element_mass)
+    stiffness, other_stiffness = (contacts.stiffness(bearing_case, side) for side in (on_outer, not on_outer))
+    k = _tangent(stiffness, Q)
+    omega = np.sqrt((k + _tangent(other_stiffness, Q)) / b.element_mass)
     E_star = effective_modulus(b.material.young_modulus, b.material.poisson_ratio)
-    u = entrainment_speed(given.speed, b.pitch_diameter, b.roller_diameter)
-    R_w, race = b.roller_diameter / 2.0, outer_radius(given) if on_outer else inner_radius(given)
-    L, R, growth = float(b.roller_length or 0.0), 1.0 / (1.0 / R_w + (-1.0 if on_outer else 1.0) / race), 0.5
+    u = entrainment_speed(bearing_case.speed, b.pitch_diameter, b.roller_diameter)
+    R_w, race = b.roller_diameter / 2.0, outer_radius(bearing_case) if on_outer else inner_radius(bearing_case)
+    L, R, exponent = float(b.roller_length or 0.0), 1.0 / (1.0 / R_w + (-1.0 if on_outer else 1.0) / race), 0.5
     if b.element == "ball":
-        point = contacts.point_contact(given, on_outer)
-        a, short = point.semi_axes(Q)
-        (L, R), growth = ball_as_strip(a, short, 1.5 * Q / (pi * a * short), E_star), 1.0 / 3.0
+        point = contacts.point_contact(bearing_case, on_outer)
+        a, b_axis = point.semi_axes(Q)
+        (L, R), exponent = ball_as_strip(a, b_axis, 1.5 * Q / (pi * a * b_axis), E_star), 1.0 / 3.0
     line = LubricatedLine(L, R, E_star, film.inlet_viscosity, film.pressure_coefficient, u)
-    oil = film_damping(Q, k, line, omega if film.at == "own" else 0.0, growth)
+    oil = film_damping(Q, k, line, omega if film.at == "own" else 0.0, exponent)
     return float(oil), float(hysteresis(k, omega, film.loss_factor))
 
 
@@ -125,17 +125,18 @@ def _tangent(stiffness: Any, Q: float) -> float:
 @pytest.mark.parametrize("at", ["low", "own"])
 @pytest.mark.parametrize("bearing", ["nf308", "6205"])
 @pytest.mark.parametrize("on_outer", [True, False], ids=["outer", "inner"])
-def test_the_built_film_is_that_of_the_closed_forms(bearing: str, on_outer: bool, at: str) -> None:
-    given = case(bearing, at=at)
-    law = contacts.contact_law(given, on_outer)
-    found = np.array([derivatives(law, approach(law, Q), 0.0)[1] for Q in LOADS])
-    off = np.abs(found / [sum(expected(given, on_outer, Q)) for Q in LOADS] - 1.0)
-    assert np.sort(off)[-4] < 1e-6
-    assert off.max() < 1e-5  # where pressure begins to thicken the oil: at 157 N in the NF308, 1.4 N in the 6205
+def test_the_tabulated_film_equals_the_closed_forms(bearing: str, on_outer: bool, at: str) -> None:
+    bearing_case = case(bearing, at=at)
+    law = contacts.contact_law(bearing_case, on_outer)
+    damping = np.array([derivatives(law, approach(law, Q), 0.0)[1] for Q in LOADS])
+    errors = np.abs(damping / [sum(expected(bearing_case, on_outer, Q)) for Q in LOADS] - 1.0)
+    assert np.sort(errors)[-4] < 1e-6
+    # where pressure begins to thicken the oil: at 157 N in the NF308, 1.4 N in the 6205
+    assert errors.max() < 1e-5
 
 
 def test_each_race_has_its_own_film() -> None:
-    """Balls press with another stiffness too: at 300 N the inner race damps the 6205 more."""
+    """Balls also have different stiffnesses: at 300 N the inner race of the 6205 has more damping."""
     for bearing in ("nf308", "6205"):
         laws = [contacts.contact_law(case(bearing), on_outer) for on_outer in (True, False)]
         outer, inner = (derivatives(law, approach(law, 300.0), 0.0)[1] for law in laws)
@@ -143,9 +144,9 @@ def test_each_race_has_its_own_film() -> None:
 
 
 def test_at_the_elements_own_frequency_a_film_damps_less() -> None:
-    low, own = (contacts.outer(case(at=at)) for at in ("low", "own"))
+    slow, natural = (contacts.outer(case(at=at)) for at in ("low", "own"))
     for Q in LOADS:
-        assert derivatives(own, approach(own, Q), 0.0)[1] < derivatives(low, approach(low, Q), 0.0)[1]
+        assert derivatives(natural, approach(natural, Q), 0.0)[1] < derivatives(slow, approach(slow, Q), 0.0)[1]
 
 
 def test_more_oil_and_more_loss_damp_more() -> None:
@@ -153,23 +154,25 @@ def test_more_oil_and_more_loss_damp_more() -> None:
         law = contacts.outer(case(**film))
         return float(derivatives(law, approach(law, 100.0), 0.0)[1])
 
-    usual = damping()
-    assert damping(viscosity="60 mPa s") > 1.05 * usual
-    assert damping(loss_factor="3 %") - usual == pytest.approx(usual - damping(loss_factor="0 %"), rel=1e-6)
-    assert damping(loss_factor="0 %") < usual
-    assert damping(pressure_coefficient="10 1/GPa") != pytest.approx(usual, rel=1e-3)
+    reference = damping()
+    assert damping(viscosity="60 mPa s") > 1.05 * reference
+    assert damping(loss_factor="3 %") - reference == pytest.approx(
+        reference - damping(loss_factor="0 %"), rel=1e-6
+    )
+    assert damping(loss_factor="0 %") < reference
+    assert damping(pressure_coefficient="10 1/GPa") != pytest.approx(reference, rel=1e-3)
 
 
-def test_an_oil_is_the_viscosity_of_its_grade() -> None:
+def test_an_oil_has_the_viscosity_of_its_grade() -> None:
     """VG 68 at 55 C has 29.8 mPa s."""
-    by_grade = contacts.outer(case(viscosity=None, oil="VG 68", temperature="55 C"))
+    law = contacts.outer(case(viscosity=None, oil="VG 68", temperature="55 C"))
     film: Any = case(viscosity=None, oil="ISO VG 68", temperature="328.15 K").contact.damping
-    number = film.inlet_viscosity
-    assert contacts.outer(case(viscosity=number)).table == pytest.approx(by_grade.table, rel=1e-12)
-    assert number == pytest.approx(0.0298, rel=0.02)
+    viscosity = film.inlet_viscosity
+    assert contacts.outer(case(viscosity=viscosity)).table == pytest.approx(law.table, rel=1e-12)
+    assert viscosity == pytest.approx(0.0298, rel=0.02)
 
 
-def test_beyond_any_approach_of_a_bearing_the_damping_stays() -> None:
+def test_damping_is_constant_beyond_the_table() -> None:
     law = contacts.outer(case())
     deepest = derivatives(law, 1e-4, 0.0)[1]
     assert derivatives(law, 1e-3, 0.0)[1] == pytest.approx(deepest, rel=1e-3)

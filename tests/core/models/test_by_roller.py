@@ -1,4 +1,4 @@
-"""Models that are given roller by roller: one loop moves, loads and sums, whatever the model and the method."""
+"""Models defined by functions of one roller: one loop for drift, loads and sums, with any model and method."""
 
 from typing import Any, NamedTuple
 
@@ -29,7 +29,7 @@ STIFFNESS = 1e6  # N/m, of the springs of ``Beads``
 
 
 class Beads(NamedTuple):
-    """Another package's model: every roller on a spring to the ring, which nothing else holds."""
+    """A model of another package: every roller on a spring to the ring, which has no other support."""
 
     bearing: Bearing
 
@@ -45,8 +45,8 @@ def _shared(model, t, y):
 
 
 @load_roller.register(Beads)
-def _load_roller(model, at, y, j):
-    u_x, u_y = at
+def _load_roller(model, common, y, j):
+    u_x, u_y = common
     c, s = y[lay.COS_0 + j], y[lay.SIN_0 + j]
     y[lay.Q_O + j] = STIFFNESS * (y[lay.RADIAL + j] - u_x * c - u_y * s)
     y[lay.roller_load(lay.F_X) + j] = y[lay.Q_O + j] * c
@@ -54,14 +54,14 @@ def _load_roller(model, at, y, j):
 
 
 @accelerate_shared.register(Beads)
-def _accelerate_shared(model, at, t, y):
+def _accelerate_shared(model, common, t, y):
     sum_loads(lay.F_X, lay.F_Y, y, lanes(model.bearing))
     y[lay.ACCELERATION + lay.X] = y[lay.F_X] / model.bearing.m_o
     y[lay.ACCELERATION + lay.Y] = y[lay.F_Y] / model.bearing.m_o
 
 
 @accelerate_roller.register(Beads)
-def _accelerate_roller(model, at, felt, y, j):
+def _accelerate_roller(model, common, body_acceleration, y, j):
     y[lay.RADIAL_A + j] = -y[lay.INVERSE_MASS + j] * y[lay.Q_O + j]
 
 
@@ -81,7 +81,7 @@ evaluate_at_once = jit(by_roller.evaluate_at_once)
 
 
 @jit
-def run_whole(method, model, count, y):
+def run_at_once(method, model, count, y):
     begin(model, 0.0, y)
     for n in range(count):
         evaluate_at_once(model, method, (n + 1) * method.h, y)
@@ -94,37 +94,37 @@ def beads() -> tuple[Beads, np.ndarray]:
     return model, y
 
 
-def test_another_packages_model_moves_as_its_equations_say() -> None:
+def test_an_external_model_follows_its_equations() -> None:
     """A linear system, by its eigenvectors: sqrt of the masses on both sides makes it symmetric."""
     (model, y), h, count = beads(), 1e-6, 500
     b, angle = model.bearing, 2.0 * np.pi * np.arange(13) / 13
-    arms = np.vstack([-np.cos(angle), -np.sin(angle), np.eye(13)])  # how far each coordinate stretches a spring
+    arms = np.vstack([-np.cos(angle), -np.sin(angle), np.eye(13)])  # elongation of each spring per coordinate
     per_root = 1.0 / np.sqrt([b.m_o, b.m_o, *[b.m_r] * 13])
     K, modes = np.linalg.eigh(STIFFNESS * per_root[:, None] * (arms @ arms.T) * per_root)
     start = np.array([0.0, 0.0, *y[lay.RADIAL : lay.RADIAL + 13]]) / per_root
-    told = per_root * (modes @ (np.cos(np.sqrt(np.maximum(K, 0.0)) * h * count) * (modes.T @ start)))
+    expected = per_root * (modes @ (np.cos(np.sqrt(np.maximum(K, 0.0)) * h * count) * (modes.T @ start)))
     run(Verlet(h), model, count, y)
-    found = [y[lay.POSITION], y[lay.POSITION + 1], *y[lay.RADIAL : lay.RADIAL + 13]]
-    assert found == pytest.approx(told, rel=1e-3, abs=1e-10)
-    assert np.abs(told - start * per_root).max() > 1e-7
+    result = [y[lay.POSITION], y[lay.POSITION + 1], *y[lay.RADIAL : lay.RADIAL + 13]]
+    assert result == pytest.approx(expected, rel=1e-3, abs=1e-10)
+    assert np.abs(expected - start * per_root).max() > 1e-7
 
 
-def of_case(name: str) -> tuple[Any, np.ndarray]:
-    given = case(model=name, method="verlet", defect=SLOT)
-    model = assemble.model(given)
-    return model, assemble.start(given, model)[0]
+def model_and_state(name: str) -> tuple[Any, np.ndarray]:
+    bearing_case = case(model=name, method="verlet", defect=SLOT)
+    model = assemble.model(bearing_case)
+    return model, assemble.start(bearing_case, model)[0]
 
 
 @pytest.mark.parametrize("method", [Verlet(4e-7), SymplecticEuler(4e-7)])
 @pytest.mark.parametrize("name", ["ring", "rollers", "planar", "beads"])
-def test_one_passage_is_the_steps_one_after_the_other(name: str, method: Any) -> None:
-    """To rounding, which the sums of friction make more of."""
-    model, y = beads() if name == "beads" else of_case(name)
-    whole = y.copy()
+def test_one_pass_over_the_rollers_equals_separate_loops(name: str, method: Any) -> None:
+    """To rounding, which the sums of friction amplify."""
+    model, y = beads() if name == "beads" else model_and_state(name)
+    combined = y.copy()
     run(method, model, 300, y)
-    run_whole(method, model, 300, whole)
+    run_at_once(method, model, 300, combined)
     state = slice(lay.POSITION, lay.POSITION + 3 * lay.STATE)
-    assert y[state] == pytest.approx(whole[state], rel=1e-9, abs=1e-18)
+    assert y[state] == pytest.approx(combined[state], rel=1e-9, abs=1e-18)
     assert np.abs(y[lay.VELOCITY : lay.VELOCITY + 2]).max() > 0.0
 
 
@@ -132,8 +132,10 @@ def test_one_passage_is_the_steps_one_after_the_other(name: str, method: Any) ->
 @pytest.mark.parametrize("motion", [Verlet(4e-7), NoUpdate()])
 @pytest.mark.parametrize("name", ["ring", "rollers", "planar", "beads"])
 def test_both_loops_over_rollers_keep_their_lanes(name: str, motion: Any) -> None:
-    model, y = beads() if name == "beads" else of_case(name)
-    at, felt, n = shared(model, 0.0, y), 0.0, lanes(model.bearing)
-    assert keeps_lanes(compiled(by_roller.load_rollers.py_func), model, motion, at, y, n)
+    model, y = beads() if name == "beads" else model_and_state(name)
+    common, body_acceleration, n = shared(model, 0.0, y), 0.0, lanes(model.bearing)
+    assert keeps_lanes(compiled(by_roller.load_rollers.py_func), model, motion, common, y, n)
     if name != "ring":  # whose rollers have no mass
-        assert keeps_lanes(compiled(by_roller.accelerate_rollers.py_func), model, motion, at, felt, y, n)
+        assert keeps_lanes(
+            compiled(by_roller.accelerate_rollers.py_func), model, motion, common, body_acceleration, y, n
+        )

@@ -1,4 +1,4 @@
-"""The cage: it follows the rollers, drag holds it back, its guide holds it up."""
+"""Cage: kinematic speed, slip by drag, and its guides."""
 
 import numpy as np
 import pytest
@@ -13,21 +13,21 @@ from bearingsim.simulation.simulate import simulate
 from tests.scenes.nf308 import SLOT, advance_recorded, case
 
 RECORD = ["cage.slip", "cage.speed", "roller.cage_force"]
-STILL = {
+GUIDED_CAGE = {
     "model": "planar",
     "rig": {"ring_mass": "0.5 kg", "torsion_stiffness": "3e3 N m/rad", "torsion_damping": "2 N m s/rad"},
     "shaft": {"stiffness": "1e9 N/m", "mass": "3 kg", "damping": "3000 N s/m"},
     "drag": {},
 }
-"""The kind of case in which a cage is guided, with a shaft that hardly gives way."""
-ON_A_RAMP = {"ramp": {"to": "2400 rpm", "time": "5 ms"}, "friction": "traction"}
-"""Of no account here: with them a ring-guided cage is in a bearing that other tests compile anyway."""
+"""Fields of a case with a guided cage and a stiff shaft."""
+RAMP = {"ramp": {"to": "2400 rpm", "time": "5 ms"}, "friction": "traction"}
+"""Without effect here: with it a ring-guided cage needs only code that other tests compile, too."""
 
 
-def follow(model, y, seconds, places):
-    """Recording (places, n) at every step of 0.4 us."""
-    out = np.empty((len(places), round(seconds / 4e-7)))
-    assert advance_recorded(Verlet(4e-7), model, Monitor(8, 1.0), 0, y, np.array(places), out)[1] == SUCCESS
+def follow(model, y, seconds, cells):
+    """Record the cells (cells, n) at every step of 0.4 us."""
+    out = np.empty((len(cells), round(seconds / 4e-7)))
+    assert advance_recorded(Verlet(4e-7), model, Monitor(8, 1.0), 0, y, np.array(cells), out)[1] == SUCCESS
     return out
 
 
@@ -39,28 +39,34 @@ def test_without_drag_the_cage_is_kinematic(defect):
     assert run.series["cage.speed"] == pytest.approx(case().speed * (1 - 12 / 65) / 2, rel=1e-4)
 
 
-def test_without_friction_nothing_holds_the_rollers_to_that():
-    """The edges of a slot knock them about, and they the cage."""
-    smooth = {"law": "static-dynamic", "static": "0", "dynamic": "0"}
-    given = {"model": "planar", "friction": smooth, "duration": "0.1 s", "settle": "50 ms", "record": RECORD}
-    assert np.abs(simulate(case(**given)).series["cage.slip"]).max() < 1e-4
-    assert np.abs(simulate(case(**given, defect=SLOT)).series["cage.slip"]).max() > 1e-3
+def test_without_friction_a_slot_makes_the_cage_slip():
+    """The rollers hit the edges of a slot, and then their pockets."""
+    frictionless = {"law": "static-dynamic", "static": "0", "dynamic": "0"}
+    fields = {
+        "model": "planar",
+        "friction": frictionless,
+        "duration": "0.1 s",
+        "settle": "50 ms",
+        "record": RECORD,
+    }
+    assert np.abs(simulate(case(**fields)).series["cage.slip"]).max() < 1e-4
+    assert np.abs(simulate(case(**fields, defect=SLOT)).series["cage.slip"]).max() > 1e-3
 
 
-def test_a_cage_that_is_knocked_comes_back():
-    """2 % too slow, it hits its rollers, which friction keeps rolling: within 0.12 s they have it back."""
+def test_a_slow_cage_returns_to_its_kinematic_speed():
+    """2 % too slow, the cage hits its rollers, whose friction accelerates it within 0.12 s."""
     model = assemble.model(case(model="planar"))
     y, _ = assemble.start(case(model="planar"), model)
     y[lay.VELOCITY + lay.PHI_C] = -0.02 * model.bearing.omega_c
     start_at_rest(model, 0.0, y)
-    beyond, _ = follow(model, y, 0.2, [lay.VELOCITY + lay.PHI_C, lay.POSITION + lay.PHI_C])
-    slip = -beyond / model.bearing.omega_c
+    speed, _ = follow(model, y, 0.2, [lay.VELOCITY + lay.PHI_C, lay.POSITION + lay.PHI_C])
+    slip = -speed / model.bearing.omega_c
     assert slip[0] == pytest.approx(0.02, rel=1e-3)
     assert np.abs(slip[round(0.12 / 4e-7) :]).max() < 1e-4
 
 
 @pytest.mark.parametrize(("clearance", "slip"), [("0.05 mm", 0.070e-2), ("0.2 mm", 0.23e-2)])
-def test_drag_holds_the_cage_back_by_a_clearance_each_turn(clearance, slip):
+def test_drag_delays_the_cage_by_a_clearance_each_turn(clearance, slip):
     """Unloaded rollers lag in their pockets, loaded ones lead: each crosses its pocket within the loaded arc.
 
     That is some 90 mm here, half of the pitch circle less a roller or two: a slip of 0.06 and 0.22 %.
@@ -83,55 +89,57 @@ def test_drag_holds_the_cage_back_by_a_clearance_each_turn(clearance, slip):
 # guides
 
 
-def pushed(guide, off, **cage):
-    """Acceleration (complex, m/s^2) of a cage of 0.05 kg that stands ``off`` its place (complex, m)."""
-    wide = {"pocket_clearance": "2 mm", "friction": {"static": "0", "dynamic": "0"}, "mass": "50 g"}
-    given = case(**STILL, cage={"guide": guide} | wide | cage, **({} if guide == "rollers" else ON_A_RAMP))
-    model = assemble.model(given)
-    y, _ = assemble.start(given, model)
-    y[lay.POSITION + lay.X_C], y[lay.POSITION + lay.Y_C] = off.real, off.imag
+def cage_acceleration(guide, offset, **cage):
+    """Return the acceleration (complex, m/s^2) of a cage of 0.05 kg displaced by ``offset`` (complex, m)."""
+    fields = {"pocket_clearance": "2 mm", "friction": {"static": "0", "dynamic": "0"}, "mass": "50 g"}
+    bearing_case = case(
+        **GUIDED_CAGE, cage={"guide": guide} | fields | cage, **({} if guide == "rollers" else RAMP)
+    )
+    model = assemble.model(bearing_case)
+    y, _ = assemble.start(bearing_case, model)
+    y[lay.POSITION + lay.X_C], y[lay.POSITION + lay.Y_C] = offset.real, offset.imag
     start_at_rest(model, 0.0, y)
     return complex(y[lay.ACCELERATION + lay.X_C], y[lay.ACCELERATION + lay.Y_C])
 
 
 @pytest.mark.parametrize("guide", ["inner-ring", "outer-ring"])
-@pytest.mark.parametrize("way", [1.0, -1.0j, np.exp(2.5j)])
-def test_a_ring_pushes_the_cage_back_beyond_the_play(guide, way):
-    """0.2 mm of 0.4 mm, then 1e7 N/m; the ring itself stands up to 0.4 um off."""
-    assert abs(pushed(guide, 1.98e-4 * way)) == 0.0
-    back = -pushed(guide, 2.5e-4 * way) / way
-    assert back.real == pytest.approx(1e7 * 0.5e-4 / 0.05, rel=0.01)
-    assert abs(back.imag) < 0.01 * back.real
+@pytest.mark.parametrize("direction", [1.0, -1.0j, np.exp(2.5j)])
+def test_a_ring_pushes_the_cage_back_beyond_the_play(guide, direction):
+    """0.2 mm of 0.4 mm, then 1e7 N/m; the ring itself is displaced by up to 0.4 um."""
+    assert abs(cage_acceleration(guide, 1.98e-4 * direction)) == 0.0
+    restoring = -cage_acceleration(guide, 2.5e-4 * direction) / direction
+    assert restoring.real == pytest.approx(1e7 * 0.5e-4 / 0.05, rel=0.01)
+    assert abs(restoring.imag) < 0.01 * restoring.real
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0j, np.exp(2.5j)])
-def test_rollers_push_the_cage_back_beyond_the_play(way):
+@pytest.mark.parametrize("direction", [1.0, -1.0j, np.exp(2.5j)])
+def test_rollers_push_the_cage_back_beyond_the_play(direction):
     """Their pockets stop it radially after 0.1 mm, each with 1e7 N/m of what is along it."""
     radial = {"radial_pocket_clearance": "0.2 mm"}
-    assert abs(pushed("rollers", 0.98e-4 * way, **radial)) == 0.0
+    assert abs(cage_acceleration("rollers", 0.98e-4 * direction, **radial)) == 0.0
     angle = np.pi / 13 + 2 * np.pi * np.arange(13) / 13
-    beyond = np.maximum(np.abs(2e-4 * np.cos(angle - np.angle(way))) - 1e-4, 0.0)
-    by_hand = (1e7 * beyond * np.abs(np.cos(angle - np.angle(way)))).sum() / 0.05
-    back = -pushed("rollers", 2e-4 * way, **radial) / way
-    assert back.real == pytest.approx(by_hand, rel=0.02)
-    assert abs(back.imag) < 0.2 * back.real
+    penetration = np.maximum(np.abs(2e-4 * np.cos(angle - np.angle(direction))) - 1e-4, 0.0)
+    expected = (1e7 * penetration * np.abs(np.cos(angle - np.angle(direction)))).sum() / 0.05
+    restoring = -cage_acceleration("rollers", 2e-4 * direction, **radial) / direction
+    assert restoring.real == pytest.approx(expected, rel=0.02)
+    assert abs(restoring.imag) < 0.2 * restoring.real
 
 
 @pytest.mark.parametrize("speed", ["600 rpm", "1800 rpm"])
 def test_a_heavy_cage_hangs_on_its_rollers(speed):
     """Without drag it comes to rest within its radial play below the middle: gravity pulls along e_0."""
-    given = case(**STILL, cage={"guide": "rollers"}, gravity=True, speed=speed)
-    model = assemble.model(given)._replace(drag=OilDrag(0.0, 0.0, 1.0))
-    y, _ = assemble.start(given, model)
-    x, z = follow(model, y, 0.2, [lay.POSITION + lay.X_C, lay.POSITION + lay.Y_C])
-    assert np.hypot(x, z).max() < 1.1e-4
-    half = len(x) // 2
-    assert 0.8e-4 < x[half:].mean() < 1.05e-4
-    assert abs(z[half:].mean()) < 0.5e-4
+    bearing_case = case(**GUIDED_CAGE, cage={"guide": "rollers"}, gravity=True, speed=speed)
+    model = assemble.model(bearing_case)._replace(drag=OilDrag(0.0, 0.0, 1.0))
+    y, _ = assemble.start(bearing_case, model)
+    u_x, u_y = follow(model, y, 0.2, [lay.POSITION + lay.X_C, lay.POSITION + lay.Y_C])
+    assert np.hypot(u_x, u_y).max() < 1.1e-4
+    half = len(u_x) // 2
+    assert 0.8e-4 < u_x[half:].mean() < 1.05e-4
+    assert abs(u_y[half:].mean()) < 0.5e-4
 
 
 def test_a_weightless_cage_stays_in_the_middle():
-    given = case(**STILL, cage={"guide": "rollers"})
-    model = assemble.model(given)._replace(drag=OilDrag(0.0, 0.0, 1.0))
-    y, _ = assemble.start(given, model)
+    bearing_case = case(**GUIDED_CAGE, cage={"guide": "rollers"})
+    model = assemble.model(bearing_case)._replace(drag=OilDrag(0.0, 0.0, 1.0))
+    y, _ = assemble.start(bearing_case, model)
     assert np.abs(follow(model, y, 0.02, [lay.POSITION + lay.X_C, lay.POSITION + lay.Y_C])).max() < 1e-8

@@ -28,26 +28,26 @@ LAWS = {
 
 
 def model_of(name: str, law: str, *defects: dict[str, Any]) -> Any:
-    """The NF308 with its two contacts unlike."""
-    found = assemble.model(case(model=name, defects=list(defects)))
-    return found._replace(outer=LAWS[law](1.6e9), inner=LAWS[law](1.1e9))
+    """Return the NF308 with two different contacts."""
+    model = assemble.model(case(model=name, defects=list(defects)))
+    return model._replace(outer=LAWS[law](1.6e9), inner=LAWS[law](1.1e9))
 
 
-def thrown(model: Any, rng: np.random.Generator) -> np.ndarray:
-    """A buffer with the ring and rollers anywhere near where they press, moving as they do in an impact."""
+def random_state(model: Any, rng: np.random.Generator) -> np.ndarray:
+    """Return a buffer with ring and rollers at random positions near contact, with velocities of an impact."""
     y = assemble.empty_buffer(model)
-    gap, own = model.bearing.gap, degrees_of_freedom(model)[0]
+    gap, roller_dof = model.bearing.gap, degrees_of_freedom(model)[0]
     y[lay.POSITION : lay.POSITION + 2] = rng.normal(0.0, 3.0 * gap + 2e-6, 2)
     y[lay.VELOCITY : lay.VELOCITY + 2] = rng.normal(0.0, 0.02, 2)
-    if own:
+    if roller_dof:
         rollers = cells(model)[2:]
         y[lay.POSITION + rollers] = rng.normal(0.0, gap + 1e-6, len(rollers))
         y[lay.VELOCITY + rollers] = rng.normal(0.0, 0.02, len(rollers))
     return y
 
 
-def over_a_defect(model: Any, rng: np.random.Generator) -> float:
-    """A time (s) at which a roller is somewhere over the first defect."""
+def random_time_over_defect(model: Any, rng: np.random.Generator) -> float:
+    """Return a random time (s) at which a roller is over the first defect."""
     y = assemble.empty_buffer(model)
     while True:
         t = float(rng.uniform(0.0, 0.1))
@@ -55,14 +55,14 @@ def over_a_defect(model: Any, rng: np.random.Generator) -> float:
             return t
 
 
-def worst(model: Any, t: float, y: np.ndarray) -> float:
-    """Largest difference of an entry, over the largest entry of its row."""
+def largest_error(model: Any, t: float, y: np.ndarray) -> float:
+    """Return the largest error of an entry, over the largest entry of its row."""
     N = len(cells(model))
-    found = derivatives(model, t, y)
+    result = derivatives(model, t, y)
     expected = differences(model, t, y, (np.full(N, 2e-11), np.full(N, 1e-6)))
     errors = [
-        np.abs(one - other) / np.maximum(np.abs(other).max(axis=1, keepdims=True), 1e-300)
-        for one, other in zip(found, expected, strict=True)
+        np.abs(value - reference) / np.maximum(np.abs(reference).max(axis=1, keepdims=True), 1e-300)
+        for value, reference in zip(result, expected, strict=True)
     ]
     return float(np.max(errors))
 
@@ -75,27 +75,27 @@ def worst(model: Any, t: float, y: np.ndarray) -> float:
     ids=["healthy", "outer", "inner", "all"],
 )
 def test_derivatives_are_those_of_the_accelerations(name, law, defects):
-    """All but a few of the states, that have a contact within a step of its kink."""
+    """In 90 % of the states; in the others a contact is within a step of its kink."""
     model = model_of(name, law, *defects)
     rng = np.random.default_rng(11)
     errors = []
     for _ in range(40):
-        t = over_a_defect(model, rng) if defects else float(rng.uniform(0.0, 0.1))
-        errors.append(worst(model, t, thrown(model, rng)))
+        t = random_time_over_defect(model, rng) if defects else float(rng.uniform(0.0, 0.1))
+        errors.append(largest_error(model, t, random_state(model, rng)))
     assert np.quantile(errors, 0.9) < 1e-6
 
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("name", ["ring", "rollers"])
 def test_over_two_defects_at_once(name, law):
-    """Roller 1 stands over a defect of each race: in series, each changes how fast the other contact closes."""
+    """Roller 1 is over a defect of each race: in series, each changes the closing rate of the other contact."""
     model, t = model_of(name, law, BOWL, BOWL | {"race": "inner"}), 0.01
     rng, head = np.random.default_rng(3), model.defects.head
     theta_c, theta_i, _ = kinematic_angles(model.bearing, t)
     errors = []
     for _ in range(20):
         head[:, ANGLE] = theta_c + rng.uniform(-1.0, 1.0, 2) * 8e-4 / head[:, RADIUS] - [0.0, theta_i]
-        y = thrown(model, rng)
+        y = random_state(model, rng)
         y[lay.POSITION + lay.X] = -2.0 * model.bearing.gap - 2e-5
-        errors.append(worst(model, t, y))
+        errors.append(largest_error(model, t, y))
     assert np.quantile(errors, 0.9) < 1e-6

@@ -43,12 +43,12 @@ def sjovall(epsilon, n):
 
 
 def unsupported(Z=13, load=150.0, clearance=0.0, first=0.0, model="static", **given):
-    """The static model of weightless rollers, which alone hold the ring, the first at ``first``."""
-    found = weightless(
+    """Return the static model with massless rollers and without bracket, the first roller at ``first``."""
+    base = weightless(
         assemble.model(case(load=load, clearance=clearance, start_angle=first, model=model, **given))
     )
-    free = found.support._replace(k_b=0.0)
-    return found._replace(bearing=found.bearing._replace(Z=Z), support=free)
+    support = base.support._replace(k_b=0.0)
+    return base._replace(bearing=base.bearing._replace(Z=Z), support=support)
 
 
 def forces(model):
@@ -63,7 +63,7 @@ def test_the_quadrature_meets_the_printed_integral(epsilon):
 
 
 @pytest.mark.parametrize("epsilon", [0.2, 0.3, 0.4, 0.5])
-def test_many_rollers_share_the_load_as_the_integral_says(epsilon):
+def test_many_rollers_share_the_load_as_in_the_integral(epsilon):
     """Z Q_max J_r = F with the clearance that gives the load zone its parameter, exponent 10/9."""
     Z, load = 64, 2000.0
     Q_max = load / (Z * sjovall(epsilon, 10 / 9))
@@ -77,9 +77,9 @@ def test_zero_clearance_factor():
     """Q_max = 4.08 F/Z (NSK E728g): the integral gives 4.0850 with exponent 10/9, 13 rollers 4.093."""
     assert 1 / sjovall(0.5, 10 / 9) == pytest.approx(4.0850, abs=5e-4)
     assert 1 / sjovall(0.5, 1.1) == pytest.approx(4.0766, abs=5e-4)
-    found = forces(unsupported())[0].max()
-    assert found * 13 / 150.0 == pytest.approx(4.08, rel=5e-3)
-    assert found * 13 / 150.0 == pytest.approx(4.093, abs=2e-3)
+    Q_max = forces(unsupported())[0].max()
+    assert Q_max * 13 / 150.0 == pytest.approx(4.08, rel=5e-3)
+    assert Q_max * 13 / 150.0 == pytest.approx(4.093, abs=2e-3)
 
 
 def test_iso16281_load_distribution_with_clearance():
@@ -103,17 +103,19 @@ def test_iso16281_load_distribution_with_clearance():
     width=st.floats(0.1e-3, 3e-3),
 )
 def test_forces_balance_at_every_angle_load_and_clearance(load, clearance, first, model, width):
-    """The sum is taken here, over absolute angles, not by the code that found the balance."""
+    """The forces are summed here over absolute angles, independently of the solver."""
     defect = SLOT | {"width": width, "angle": 0.1}
-    found = assemble.model(case(load=load, clearance=clearance, start_angle=first, model=model, defect=defect))
-    y = at_rest(found) if model == "static" else forces(found)[1]
+    bearing_model = assemble.model(
+        case(load=load, clearance=clearance, start_angle=first, model=model, defect=defect)
+    )
+    y = at_rest(bearing_model) if model == "static" else forces(bearing_model)[1]
     if model == "static":
-        solve_initial_equilibrium(assemble.static_model(found), 0.0, y)
+        solve_initial_equilibrium(assemble.static_model(bearing_model), 0.0, y)
     angle = first + 2 * pi * np.arange(13) / 13
     Q = y[lay.Q_O : lay.Q_O + 13]
-    spring = found.support.k_b * (y[lay.POSITION + lay.X] - found.support.x_0)
+    spring = bearing_model.support.k_b * (y[lay.POSITION + lay.X] - bearing_model.support.x_0)
     assert Q @ np.cos(angle) == pytest.approx(load + spring, abs=1e-7 * load)
-    across = found.support.k_b * (y[lay.POSITION + lay.Y] - found.support.y_0)
+    across = bearing_model.support.k_b * (y[lay.POSITION + lay.Y] - bearing_model.support.y_0)
     assert Q @ np.sin(angle) == pytest.approx(across, abs=1e-7 * load)
 
 
@@ -129,7 +131,7 @@ def test_each_roller_carries_its_centrifugal_load():
 
 
 def test_the_bracket_takes_no_share_of_the_load():
-    """Anchored where the healthy bearing rests on average, it pulls with zero mean over a ball pass."""
+    """Anchored at the mean position of the healthy bearing, its force has zero mean over a ball pass."""
     model = assemble.model(case(clearance="37 um"))
     pull = []
     for n in range(32):
@@ -139,8 +141,8 @@ def test_the_bracket_takes_no_share_of_the_load():
     assert abs(np.mean(pull)) < 0.005 * model.support.F
 
 
-def test_a_slot_takes_the_load_off_its_roller():
-    """The roller on a narrow full-length slot carries what the two contacts in series give with h taken off."""
+def test_a_slot_unloads_its_roller():
+    """The roller on a narrow full-length slot has the load of two contacts in series with the approach less h."""
     healthy = unsupported(first=0.0)
     slot = healthy._replace(defects=assemble.defects.packed_defects(case(defect=SLOT | {"width": "0.1 mm"})))
     loads, y = forces(slot)
@@ -155,18 +157,18 @@ def test_a_slot_takes_the_load_off_its_roller():
 # The centrifugal load of `static`
 
 
-def resting(speed, model="static", **given):
-    """A model at ``speed`` (rpm), 150 N and 20 um of clearance, at rest: its buffer, outer and inner forces."""
-    found = assemble.model(case(model=model, speed=f"{speed} rpm", clearance="20 um", **given))
-    y = assemble.empty_buffer(found)
-    assert solve_initial_equilibrium(assemble.static_model(found), 0.0, y) < 1e-7
-    return found, y, y[lay.Q_O : lay.Q_O + 13], y[lay.Q_I : lay.Q_I + 13]
+def static_state(speed, model="static", **given):
+    """Return a model at ``speed`` (rpm), 150 N and 20 um of clearance, its static buffer, and its forces."""
+    static_model = assemble.model(case(model=model, speed=f"{speed} rpm", clearance="20 um", **given))
+    y = assemble.empty_buffer(static_model)
+    assert solve_initial_equilibrium(assemble.static_model(static_model), 0.0, y) < 1e-7
+    return static_model, y, y[lay.Q_O : lay.Q_O + 13], y[lay.Q_I : lay.Q_I + 13]
 
 
 @pytest.mark.parametrize("speed", [60, 1800, 6000])
-def test_rollers_of_static_press_outwards(speed):
+def test_rollers_of_static_have_centrifugal_load(speed):
     """Q_o - Q_i is m_r omega_c^2 r of each roller, loaded or not: by hand from the NF308's dimensions."""
-    _, y, outer, inner = resting(speed)
+    _, y, outer, inner = static_state(speed)
     omega_c = 2.0 * pi * speed / 60.0 * (1.0 - 12.0 / 65.0) / 2.0
     outward = 7850.0 * pi * 0.006**2 * 0.012 * omega_c**2 * (0.0325 + y[lay.RADIAL : lay.RADIAL + 13])
     assert outer - inner == pytest.approx(outward, rel=1e-9, abs=1e-9)
@@ -175,36 +177,36 @@ def test_rollers_of_static_press_outwards(speed):
     assert outer[~loaded] == pytest.approx(outward[~loaded], rel=1e-9, abs=1e-9)
 
 
-def test_the_ring_at_6000_rpm_is_where_an_independent_solution_has_it():
+def test_the_ring_at_6000_rpm_equals_an_independent_solution():
     """To 1e-13 m; without its rollers' centrifugal load it would be 0.1 um away."""
     omega, M, K = 2.0 * pi * 100.0 * (1.0 - 12.0 / 65.0) / 2.0, rollers.M_R, rollers.K
     model = assemble.model(case(model="static", speed="6000 rpm", rig={"bracket_stiffness": "1e-3 N/m"}))
     y = at_rest(model)
 
-    def outer_force(out):
+    def outer_force(u_r):
         def inward(q):
-            return K * max(q - out, 0.0) ** (10 / 9) - K * max(-q, 0.0) ** (10 / 9) - M * omega**2 * (0.0325 + q)
+            return K * max(q - u_r, 0.0) ** (10 / 9) - K * max(-q, 0.0) ** (10 / 9) - M * omega**2 * (0.0325 + q)
 
-        return K * (brentq(inward, out, max(out, 0.0) + 1e-5, xtol=1e-19, rtol=1e-14) - out) ** (10 / 9)
+        return K * (brentq(inward, u_r, max(u_r, 0.0) + 1e-5, xtol=1e-19, rtol=1e-14) - u_r) ** (10 / 9)
 
     def net(microns):
         e = np.stack([np.cos(rollers.THETA), np.sin(rollers.THETA)])
-        return (np.array([outer_force(out) for out in 1e-6 * microns @ e]) @ e.T - [150.0, 0.0]) / 150.0
+        return (np.array([outer_force(u_r) for u_r in 1e-6 * microns @ e]) @ e.T - [150.0, 0.0]) / 150.0
 
-    found = 1e-6 * root(net, [-0.4, 0.0], tol=1e-13).x
-    assert y[lay.POSITION : lay.POSITION + 2] == pytest.approx(found, abs=1e-13)
-    assert abs(at_rest(weightless(model))[lay.POSITION] - found[0]) > 5e-8
+    expected = 1e-6 * root(net, [-0.4, 0.0], tol=1e-13).x
+    assert y[lay.POSITION : lay.POSITION + 2] == pytest.approx(expected, abs=1e-13)
+    assert abs(at_rest(weightless(model))[lay.POSITION] - expected[0]) > 5e-8
 
 
 @pytest.mark.parametrize("speed", [600, 6000])
 @pytest.mark.parametrize("defects", [[], [SLOT | {"angle": 0.24}], [SLOT | {"race": "inner", "angle": 0.24}]])
-def test_static_is_the_rest_of_rollers(speed, defects):
-    """At the same cage angle, with and without a defect under the first roller: places and forces to 1e-9."""
-    of_static, of_rollers = (resting(speed, model, defects=defects)[1:] for model in ("static", "rollers"))
-    for one, other in zip(of_static[1:], of_rollers[1:], strict=True):
-        assert one == pytest.approx(other, rel=1e-9, abs=1e-9)
+def test_static_equals_the_equilibrium_of_rollers(speed, defects):
+    """At the same cage angle, with and without a defect under the first roller: positions and forces to 1e-9."""
+    static, rollers_state = (static_state(speed, model, defects=defects)[1:] for model in ("static", "rollers"))
+    for force, expected in zip(static[1:], rollers_state[1:], strict=True):
+        assert force == pytest.approx(expected, rel=1e-9, abs=1e-9)
     for row, n in ((lay.POSITION, 2), (lay.RADIAL, 13)):
-        assert of_static[0][row : row + n] == pytest.approx(of_rollers[0][row : row + n], rel=1e-9, abs=1e-16)
+        assert static[0][row : row + n] == pytest.approx(rollers_state[0][row : row + n], rel=1e-9, abs=1e-16)
 
 
 BOTH_LAWS = {
@@ -216,13 +218,13 @@ BOTH_LAWS = {
 
 
 @pytest.mark.parametrize("named", BOTH_LAWS)
-def test_a_rollers_balance_is_that_of_a_bisection(named):
-    """To 1e-8 N: clearance of either sign, loaded and hanging free, over defects under no, one or both contacts.
+def test_the_balance_of_a_roller_equals_a_bisection(named):
+    """To 1e-8 N: clearance of either sign, loaded and unloaded, with a defect at no, one or both contacts.
 
-    Defects so deep that no contact touches, rollers that weigh nothing, little, and much.
+    Defects so deep that no contact touches; rollers of no, small and large mass.
     """
     random, (outer, inner) = np.random.default_rng(1), BOTH_LAWS[named]
-    usual = assemble.model(case(model="static"))
+    base = assemble.model(case(model="static"))
     for _ in range(400):
         h, share = 10.0 ** random.uniform(-8, -3, (2, 2)), random.choice([0.25, 0.75])
         pairs = [
@@ -232,41 +234,41 @@ def test_a_rollers_balance_is_that_of_a_bisection(named):
             for side, on, (a, b) in ((0, ON_OUTER, h[0]), (1, ON_INNER, h[1]))
         ]
         mass, gap = random.choice([0.0, 1e-11, 1e-5, 1e-2, 0.1]), random.choice([0.0, 5e-6, -3e-6, 2e-5, -1e-10])
-        model = usual._replace(
-            bearing=usual.bearing._replace(m_r=mass, gap=gap),
+        model = base._replace(
+            bearing=base.bearing._replace(m_r=mass, gap=gap),
             outer=Undamped(outer),
             inner=Undamped(inner),
             defects=pack_defects(pairs, ClearanceIncrease()),
         )
-        over, y = random.integers(0, 2, 2), assemble.empty_buffer(usual)
-        y[PAIR], y[PAIR + lay.ROW], y[DISTANCE] = over[0] - 1.0, 2.0 * over[1] - 1.0, 0.0
+        covered, y = random.integers(0, 2, 2), assemble.empty_buffer(base)
+        y[PAIR], y[PAIR + lay.ROW], y[DISTANCE] = covered[0] - 1.0, 2.0 * covered[1] - 1.0, 0.0
         u_r = -2.0 * gap + random.choice([-1, 1]) * 10.0 ** random.uniform(-14, -3.5)
         shares = np.array([share, 1.0 - share])
 
-        def force(law, side, delta, h=h, over=over, shares=shares):
+        def force(law, side, delta, h=h, covered=covered, shares=shares):
             return sum(
-                w * elastic(law, max(delta - d, 0.0)) for w, d in zip(shares, h[side] * over[side], strict=True)
+                w * elastic(law, max(delta - d, 0.0)) for w, d in zip(shares, h[side] * covered[side], strict=True)
             )
 
         def loads(q, gap=gap, u_r=u_r, force=force):
             return np.array([force(outer, 0, q - u_r - gap), force(inner, 1, -gap - q)])
 
-        pressing = mass * usual.bearing.omega_c**2
-        mean = 0.5 * (usual.bearing.R_o + usual.bearing.R_i)
+        centrifugal = mass * base.bearing.omega_c**2
+        R_mean = 0.5 * (base.bearing.R_o + base.bearing.R_i)
         low, high = u_r + gap, max(u_r + gap, -gap) + 4e-3
         for _ in range(100):
             middle = 0.5 * (low + high)
             Q = loads(middle)
-            low, high = (low, middle) if Q[0] - Q[1] >= pressing * (mean + middle) else (middle, high)
+            low, high = (low, middle) if Q[0] - Q[1] >= centrifugal * (R_mean + middle) else (middle, high)
         assert loads(roller_balance(model, y, 0, u_r)) == pytest.approx(loads(high), rel=1e-9, abs=1e-8)
 
 
-def test_a_load_that_rounding_hides_ends_the_search():
+def test_the_search_ends_at_rounding_error():
     preloaded = case(clearance="-20 um", load="1e-3 N")
     model = assemble.model(preloaded)
     y, residual = assemble.start(preloaded, model)
     largest = y[lay.Q_O : lay.Q_O + lay.ROW].max()
     assert residual < 1e-8 * preloaded.load
-    assert ROUNDING * largest > 1e-10 * preloaded.load  # the residual that heavier loads are brought to
+    assert ROUNDING * largest > 1e-10 * preloaded.load  # the tolerance for larger loads
     assert is_futile(0.9 * ROUNDING * largest, y)
     assert not is_futile(1.1 * ROUNDING * largest, y)

@@ -49,12 +49,12 @@ PASS = 2 * pi / (BEARING.Z * BEARING.omega_c)
 K, M = 1e7, 0.3
 CRITICAL = 2 * sqrt(K * M)
 ZONE = LoadZone(q_0=47.0, delta_0=3.37e-7, epsilon=0.5, n=10 / 9)
-STRUCK = np.array([0.0101e-3, 0.33e-3, 0.3305e-3, 1.2e-3])
-PUSHES = np.array([-1e-3, 2e-3, 0.5e-3, -3e-3])
+TIMES = np.array([0.0101e-3, 0.33e-3, 0.3305e-3, 1.2e-3])
+STRENGTHS = np.array([-1e-3, 2e-3, 0.5e-3, -3e-3])
 
 
 def defect(race="outer", angle=0.0, width=0.8e-3, depth=DEEP, length=L_W, shape="rectangular"):
-    """A defect as one contact meets it; a roller's, against the outer race."""
+    """Return the pair of a defect and a contact; for a roller, of its contact with the outer race."""
     on, side, radius = {
         "outer": (ON_OUTER, OUTER, BEARING.R_o),
         "inner": (ON_INNER, INNER, BEARING.R_i),
@@ -69,7 +69,7 @@ def defect(race="outer", angle=0.0, width=0.8e-3, depth=DEEP, length=L_W, shape=
     )
 
 
-def ring(times=STRUCK, J_x=PUSHES, J_y=None, C=0.1 * CRITICAL, stiffness=K):
+def ring(times=TIMES, J_x=STRENGTHS, J_y=None, C=0.1 * CRITICAL, stiffness=K):
     J_y = np.zeros(len(times)) if J_y is None else J_y
     return Impulse(
         BEARING, M, stiffness, 2.0 * stiffness, C, C, np.asarray(times, float), np.asarray(J_x, float), J_y
@@ -78,7 +78,7 @@ def ring(times=STRUCK, J_x=PUSHES, J_y=None, C=0.1 * CRITICAL, stiffness=K):
 
 @jit
 def run(method, model, start, y, out):
-    """Places, velocities and accelerations after each step: (6, n)."""
+    """Record positions, velocities and accelerations after each step: (6, n)."""
     for n in range(out.shape[1]):
         step(method, model, (start + n) * method.h, y)
         for axis in range(2):
@@ -95,7 +95,7 @@ def drive(model, h, steps, start=0, y=None):
 
 
 def response(t, J, C, stiffness=K):
-    """Displacement after one impulse, J/(m omega) e^(-beta t) sin(omega t), sinh past the critical."""
+    """Return the displacement after one impulse, J/(m omega) e^(-beta t) sin(omega t), sinh if overdamped."""
     beta, D = C / (2 * M), stiffness / M - (C / (2 * M)) ** 2
     i_omega, since = 1j * np.sqrt(complex(D)), np.maximum(t, 0.0)
     ringing = (np.exp((i_omega - beta) * since) - np.exp((-i_omega - beta) * since)) / (2 * i_omega)
@@ -103,13 +103,13 @@ def response(t, J, C, stiffness=K):
 
 
 def line(x, frequency, h):
-    """Complex amplitude at ``frequency`` over the whole of x, whose first sample is at h."""
+    """Return the complex amplitude of x at ``frequency``; its first sample is at h."""
     t = h * np.arange(1, x.shape[-1] + 1)
     return 2.0 * np.mean(x * np.exp(-2j * pi * frequency * t), axis=-1)
 
 
 def mobility(frequency, stiffness, C):
-    """Velocity per force at ``frequency`` (Hz)."""
+    """Return velocity over force at ``frequency`` (Hz)."""
     omega = 2 * pi * frequency
     return 1j * omega / (stiffness - M * omega**2 + 1j * omega * C)
 
@@ -121,61 +121,61 @@ def mobility(frequency, stiffness, C):
     v=st.floats(1e-6, 1e-2),
 )
 def test_free_motion_is_the_matrix_exponential(ratio, periods, x, v):
-    """Whatever the damping, the critical included; places scaled to speeds by omega_0."""
+    """For any damping, including critical; positions scaled to speeds by omega_0."""
     omega_0, t = sqrt(K / M), periods * 2 * pi * sqrt(M / K)
-    found = free_motion(M, K, ratio * CRITICAL, t, x, v)
-    flow = expm(t * omega_0 * np.array([[0.0, 1.0], [-1.0, -2.0 * ratio]]))
-    expected = flow @ np.array([x * omega_0, v])
-    assert (found[0] * omega_0, found[1]) == pytest.approx(
+    result = free_motion(M, K, ratio * CRITICAL, t, x, v)
+    propagator = expm(t * omega_0 * np.array([[0.0, 1.0], [-1.0, -2.0 * ratio]]))
+    expected = propagator @ np.array([x * omega_0, v])
+    assert (result[0] * omega_0, result[1]) == pytest.approx(
         tuple(expected), abs=1e-10 * (abs(x) * omega_0 + abs(v))
     )
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.05, 0.999999, 1.0, 1.000001, 3.0, 50.0])
-def test_one_impulse_rings_as_the_textbook_says(ratio):
-    h, at = 7e-6, 0.1e-3 + 1.234e-6
-    out = drive(ring([at], [2e-3], C=ratio * CRITICAL), h, 500)
-    t = h * np.arange(1, 501) - at
+def test_the_response_to_one_impulse_is_the_closed_form(ratio):
+    h, t_0 = 7e-6, 0.1e-3 + 1.234e-6
+    out = drive(ring([t_0], [2e-3], C=ratio * CRITICAL), h, 500)
+    t = h * np.arange(1, 501) - t_0
     if abs(ratio - 1.0) < 1e-3:  # the formula itself loses digits there
-        solved = solve_ivp(
+        solution = solve_ivp(
             lambda _, y: [y[1], -K / M * y[0] - ratio * CRITICAL / M * y[1]], (0.0, t[-1]), [0.0, 2e-3 / M],
             "DOP853", t[t > 0], rtol=1e-12, atol=1e-18,
         )  # fmt: skip
-        expected = np.concatenate([np.zeros(np.count_nonzero(t <= 0)), solved.y[0]])
+        expected = np.concatenate([np.zeros(np.count_nonzero(t <= 0)), solution.y[0]])
     else:
         expected = response(t, 2e-3, ratio * CRITICAL)
     np.testing.assert_allclose(out[0], expected, atol=1e-10 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("h", [1e-6, 5e-6, 100e-6])
-def test_places_do_not_depend_on_the_step(h):
+def test_positions_do_not_depend_on_the_step(h):
     steps = round(2e-3 / h)
-    out = drive(ring(J_y=2 * PUSHES), h, steps)
+    out = drive(ring(J_y=2 * STRENGTHS), h, steps)
     t = h * np.arange(1, steps + 1)
-    for row, J, stiffness in ((0, PUSHES, K), (1, 2 * PUSHES, 2 * K)):
+    for row, J, stiffness in ((0, STRENGTHS, K), (1, 2 * STRENGTHS, 2 * K)):
         expected = sum(
-            response(t - at, push, 0.1 * CRITICAL, stiffness) for at, push in zip(STRUCK, J, strict=True)
+            response(t - t_k, J_k, 0.1 * CRITICAL, stiffness) for t_k, J_k in zip(TIMES, J, strict=True)
         )
         np.testing.assert_allclose(out[row], expected, atol=1e-11 * np.abs(expected).max())
 
 
 def test_trains_superpose():
-    both = drive(ring(), 5e-6, 400)
-    first, second = (drive(ring(STRUCK[part], PUSHES[part]), 5e-6, 400) for part in (slice(0, 2), slice(2, 4)))
-    np.testing.assert_allclose(both, first + second, atol=1e-12 * np.abs(both).max(axis=1).max())
+    total = drive(ring(), 5e-6, 400)
+    first, second = (drive(ring(TIMES[rows], STRENGTHS[rows]), 5e-6, 400) for rows in (slice(0, 2), slice(2, 4)))
+    np.testing.assert_allclose(total, first + second, atol=1e-12 * np.abs(total).max(axis=1).max())
 
 
-@given(places=st.lists(st.floats(0.1, 39.9), min_size=1, max_size=5), h=st.floats(1e-7, 1e-3))
-def test_each_impulse_counts_once(places, h):
-    """An undamped mass on next to no spring keeps all momentum; some impulses fall on the end of a step."""
+@given(positions=st.lists(st.floats(0.1, 39.9), min_size=1, max_size=5), h=st.floats(1e-7, 1e-3))
+def test_each_impulse_counts_once(positions, h):
+    """An undamped mass on a very soft spring keeps its momentum; some impulses are at the end of a step."""
     times = np.sort(
-        np.concatenate([h * np.array(places), h * np.arange(1.0, 30.0, 7.0), 0.1 * h * np.array([30, 70])])
+        np.concatenate([h * np.array(positions), h * np.arange(1.0, 30.0, 7.0), 0.1 * h * np.array([30, 70])])
     )
     out = drive(ring(times, np.ones(len(times)), C=0.0, stiffness=1e-9), h, 60)
     assert M * out[2, -1] == pytest.approx(len(times), rel=1e-9)
 
 
-def test_velocity_and_acceleration_are_differences_of_places():
+def test_velocity_and_acceleration_are_differences_of_positions():
     h, out = 5e-6, drive(ring(), 5e-6, 300)
     x = np.concatenate([[0.0], out[0]])
     np.testing.assert_allclose(out[2, :-1], (x[2:] - x[:-2]) / (2 * h), atol=1e-12 * np.abs(out[2]).max())
@@ -185,10 +185,12 @@ def test_velocity_and_acceleration_are_differences_of_places():
 
 
 def test_a_run_in_chunks_is_the_run_in_one():
-    whole = drive(ring(J_y=-PUSHES), 5e-6, 300)
+    expected = drive(ring(J_y=-STRENGTHS), 5e-6, 300)
     y = lay.buffer(BEARING.Z, 0.0)
-    parts = [drive(ring(J_y=-PUSHES), 5e-6, n, start, y) for start, n in ((0, 1), (1, 66), (67, 33), (100, 200))]
-    np.testing.assert_array_equal(np.concatenate(parts, axis=1), whole)
+    parts = [
+        drive(ring(J_y=-STRENGTHS), 5e-6, n, start, y) for start, n in ((0, 1), (1, 66), (67, 33), (100, 200))
+    ]
+    np.testing.assert_array_equal(np.concatenate(parts, axis=1), expected)
 
 
 def test_no_impulses_no_motion():
@@ -200,8 +202,8 @@ def test_line_of_a_defect_on_the_outer_race(angle):
     """2 J BPFO |mobility| along the load and across it: an impulse train has all its lines equal."""
     steps = 1258
     h, C = PASS / steps, 0.3 * CRITICAL
-    found = train(BEARING, ZONE, [defect(angle=angle)], 0.0, 45 * PASS)
-    model = ring(found.times, found.J_x, found.J_y, C)
+    impulses = train(BEARING, ZONE, [defect(angle=angle)], 0.0, 45 * PASS)
+    model = ring(impulses.times, impulses.J_x, impulses.J_y, C)
     v = drive(model, h, 40 * steps)[2:4, 20 * steps :]
     J = impulse_strengths(BEARING, ZONE, defect(angle=angle), np.array([angle]))[0]
     for harmonic in (1, 2, 5):
@@ -223,8 +225,8 @@ def test_sidebands_of_a_defect_on_the_inner_race(epsilon):
     assert 10 * rate / shaft == pytest.approx(77.0, abs=1e-9)  # ten turns of the shaft close the pattern
     steps, C = 66000, 0.3 * CRITICAL
     h = 10 / shaft / steps
-    found = train(BEARING, zone, [defect("inner")], -0.02, 2 * 10 / shaft + 10 * h)
-    v = drive(ring(found.times, found.J_x, found.J_y, C), h, 2 * steps)[2:4, steps:]
+    impulses = train(BEARING, zone, [defect("inner")], -0.02, 2 * 10 / shaft + 10 * h)
+    v = drive(ring(impulses.times, impulses.J_x, impulses.J_y, C), h, 2 * steps)[2:4, steps:]
     phi = 2 * pi * np.arange(4096) / 4096
     J = impulse_strengths(BEARING, zone, defect("inner"), phi)
     strongest = 2 * rate * J.max() * abs(mobility(rate, K, C))
@@ -243,17 +245,17 @@ def test_sidebands_of_a_defect_on_the_inner_race(epsilon):
     start=st.floats(-0.1, 0.1),
     length=st.floats(0.0, 0.2),
 )
-def test_impulses_come_when_a_roller_is_over_the_defect(race, angle, start, length):
+def test_impulses_occur_when_a_roller_is_over_the_defect(race, angle, start, length):
     """Against the geometry that the other models use."""
-    one = defect(race, angle)
-    times, phi = defect_passages(BEARING, one, start, start + length)
-    packed = pack_defects([one], Envelope())
-    for t, at in zip(times, phi, strict=True):
+    pair = defect(race, angle)
+    times, phi = defect_passages(BEARING, pair, start, start + length)
+    packed = pack_defects([pair], Envelope())
+    for t, angle_k in zip(times, phi, strict=True):
         assert start - 1e-12 < t <= start + length + 1e-12
         theta_c = BEARING.theta_0 + BEARING.omega_c * t
         j, s = nearest_roller(packed, 0, theta_c, BEARING.omega_i * t, BEARING.omega_b * t, BEARING.Z)
         assert s == pytest.approx(0.0, abs=1e-12)
-        assert cos(theta_c + 2 * pi * j / BEARING.Z - at) == pytest.approx(1.0, abs=1e-12)
+        assert cos(theta_c + 2 * pi * j / BEARING.Z - angle_k) == pytest.approx(1.0, abs=1e-12)
     rate = {
         "outer": BEARING.Z * BEARING.omega_c,
         "inner": BEARING.Z * (BEARING.omega_i - BEARING.omega_c),
@@ -262,12 +264,12 @@ def test_impulses_come_when_a_roller_is_over_the_defect(race, angle, start, leng
 
 
 def test_several_defects_superpose():
-    one, other = defect("inner"), defect("outer", 0.3)
-    parts = [train(BEARING, ZONE, [each], 0.0, 0.1) for each in (one, other)]
-    both = train(BEARING, ZONE, [one, other], 0.0, 0.1)
-    assert np.all(np.diff(both.times) >= 0.0)
-    np.testing.assert_array_equal(both.times, np.sort(np.concatenate([part.times for part in parts])))
-    assert both.J_x.sum() == pytest.approx(sum(part.J_x.sum() for part in parts), rel=1e-12)
+    inner, outer = defect("inner"), defect("outer", 0.3)
+    parts = [train(BEARING, ZONE, [pair], 0.0, 0.1) for pair in (inner, outer)]
+    total = train(BEARING, ZONE, [inner, outer], 0.0, 0.1)
+    assert np.all(np.diff(total.times) >= 0.0)
+    np.testing.assert_array_equal(total.times, np.sort(np.concatenate([part.times for part in parts])))
+    assert total.J_x.sum() == pytest.approx(sum(part.J_x.sum() for part in parts), rel=1e-12)
     assert len(train(BEARING, ZONE, [], 0.0, 1.0).times) == 0
 
 
@@ -284,13 +286,13 @@ def test_load_zone():
     assert load(narrow, np.array([0.4]))[0] == 47.0
 
 
-def test_a_wide_deep_defect_sheds_the_load_while_it_is_crossed():
+def test_a_wide_deep_defect_removes_the_load_of_its_roller():
     """J = q w/v: 0.8 mm, 47 N, 2.96 m/s give 12.7 mN s, less 11 % for the ways in and out; at 4 mm 2 %."""
     v = BEARING.R_o * BEARING.omega_c
     assert 47.0 * 0.8e-3 / v == pytest.approx(12.7e-3, abs=0.05e-3)
-    for width, part in ((0.8e-3, 0.888), (4e-3, 0.978)):
+    for width, ratio in ((0.8e-3, 0.888), (4e-3, 0.978)):
         J = impulse_strengths(BEARING, ZONE, defect(width=width), np.zeros(1))[0]
-        assert J / (47.0 * width / v) == pytest.approx(part, rel=2e-3)
+        assert J / (47.0 * width / v) == pytest.approx(ratio, rel=2e-3)
         half = impulse_strengths(BEARING, ZONE, defect(width=width, length=L_W / 2), np.zeros(1))[0]
         assert half == pytest.approx(J / 2, rel=1e-9)
 
@@ -305,121 +307,121 @@ def test_every_contact_runs_over_its_defect_at_the_same_speed():
 @pytest.mark.parametrize("race", ["outer", "inner"])
 @pytest.mark.parametrize("phi", [0.0, 0.7])
 @pytest.mark.parametrize(
-    "given",
+    "fields",
     [{}, {"depth": 2e-7}, {"width": 0.2e-3}, {"length": 5e-3}, {"shape": "triangular", "depth": 1e-6}],
     ids=str,
 )
-def test_what_is_shed_against_a_solution_place_by_place(given, phi, race, stiffness):
-    """The force P q that leaves the ring in balance with the roller's real force, by bisection and quadrature."""
+def test_the_lost_load_equals_a_pointwise_solution(fields, phi, race, stiffness):
+    """The force P q that balances the ring with the roller's actual force, by bisection and quadrature."""
     zone = ZONE._replace(K_x=stiffness, K_y=stiffness)
-    one = defect(race, **given)
+    pair = defect(race, **fields)
     delta, q = zone.delta_0 * cos(phi), zone.q_0 * cos(phi) ** (10 / 9)
     k = 10 / 9 * q / delta
 
     def force(s):
-        def left(P):  # ring gives way by z: it is pushed by P q, and its spring K counts the roller as it was
+        def residual(P):  # displacement z of the ring under P q, on its spring K with the roller loaded
             z = P * q / stiffness
-            carried = sum(
-                row[0] * q * max(1 - (sunk(row, s, one.R) - z) / delta, 0.0) ** (10 / 9) for row in one.groups
+            load = sum(
+                row[0] * q * max(1 - (drop(row, s, pair.R) - z) / delta, 0.0) ** (10 / 9) for row in pair.groups
             )
-            return P * q - (q - carried) - k * z
+            return P * q - (q - load) - k * z
 
-        return brentq(left, -0.1, 10.0, xtol=1e-13)
+        return brentq(residual, -0.1, 10.0, xtol=1e-13)
 
-    width = given.get("width", 0.8e-3)
+    width = fields.get("width", 0.8e-3)
     total = 2 * quad(force, 0.0, width / 2, limit=200, epsabs=1e-9)[0]
-    speed = one.radius * (BEARING.omega_c if race == "outer" else BEARING.omega_i - BEARING.omega_c)
-    J = impulse_strengths(BEARING, zone, one, np.array([phi]))[0]
+    speed = pair.radius * (BEARING.omega_c if race == "outer" else BEARING.omega_i - BEARING.omega_c)
+    J = impulse_strengths(BEARING, zone, pair, np.array([phi]))[0]
     assert pytest.approx(q * total / speed, rel=2e-3) == J
 
 
-def sunk(row, s, R):
-    """Envelope of a box or a V."""
+def drop(row, s, R):
+    """Return the drop of a roller into a rectangular or V-shaped defect."""
     _, b, x_e, _, depth = row
     x = max(b - abs(s), 0.0)
     return min(depth, x**2 / (2 * R) if x < x_e else x_e * (x - x_e / 2) / R)
 
 
-def test_the_ring_is_pushed_towards_what_no_longer_holds_it():
-    """The load pushes the ring along -e_0 against the roller there: without that roller it goes on."""
+def test_the_impulse_acts_towards_the_unloaded_roller():
+    """The load acts on the ring along -e_0; the impulse is that of the missing roller force."""
     for angle in (0.0, 0.6, -0.6):
-        found = train(BEARING, ZONE, [defect(angle=angle)], 0.0, 0.02)
+        impulses = train(BEARING, ZONE, [defect(angle=angle)], 0.0, 0.02)
         J = impulse_strengths(BEARING, ZONE, defect(angle=angle), np.array([angle]))[0]
-        assert found.J_x == pytest.approx(np.full(len(found.times), -J * cos(angle)), rel=1e-12)
-        assert found.J_y == pytest.approx(np.full(len(found.times), -J * sin(angle)), rel=1e-12)
-    found = train(BEARING, ZONE, [defect(angle=pi)], 0.0, 0.02)
-    assert not found.J_x.any()
-    assert len(found.times) > 0
+        assert impulses.J_x == pytest.approx(np.full(len(impulses.times), -J * cos(angle)), rel=1e-12)
+        assert impulses.J_y == pytest.approx(np.full(len(impulses.times), -J * sin(angle)), rel=1e-12)
+    impulses = train(BEARING, ZONE, [defect(angle=pi)], 0.0, 0.02)
+    assert not impulses.J_x.any()
+    assert len(impulses.times) > 0
 
 
-def healthy_and_struck(one):
-    """Complex BPFO velocity lines (2,) of ``static``, less the healthy one; and the mean stiffness at rest."""
+def defect_lines(pair):
+    """Return the change (2,) of the BPFO velocity amplitudes of ``static``, and the mean stiffness."""
     healthy = assemble.model(case(model="static"))
     lines, stiffness, count = [], np.zeros(3), 1000
-    for model in (healthy, healthy._replace(defects=pack_defects([one], Envelope()))):
-        y, places = assemble.empty_buffer(model), np.empty((2, count))
+    for model in (healthy, healthy._replace(defects=pack_defects([pair], Envelope()))):
+        y, positions = assemble.empty_buffer(model), np.empty((2, count))
         for n in range(count):
             (solve_equilibrium if n else solve_initial_equilibrium)(model, (n + 1) / count * PASS, y)
-            places[:, n] = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
+            positions[:, n] = y[lay.POSITION + lay.X], y[lay.POSITION + lay.Y]
             if model is healthy:
                 stiffness += np.array(ring_stiffness(model, y)) / count
-        lines.append(2j * pi / PASS * line(places, 1 / PASS, PASS / count))
+        lines.append(2j * pi / PASS * line(positions, 1 / PASS, PASS / count))
     return lines[1] - lines[0], stiffness
 
 
 @pytest.mark.parametrize(("width", "depth"), [(0.2e-3, DEEP), (0.8e-3, DEEP), (0.8e-3, 3e-7), (2e-3, DEEP)])
 @pytest.mark.parametrize("angle", [0.0, 0.35, 0.7])
-def test_the_line_is_that_of_static(width, depth, angle):
+def test_the_line_equals_static(width, depth, angle):
     """Zero clearance, 150 N: 4.08 F/Z on the most loaded roller. Within 5 % along the load, 10 % of it across."""
-    one = defect(angle=angle, width=width, depth=depth)
-    expected, (K_x, K_xy, K_y) = healthy_and_struck(one)
+    pair = defect(angle=angle, width=width, depth=depth)
+    expected, (K_x, K_xy, K_y) = defect_lines(pair)
     assert abs(K_xy) < 1e-3 * K_x
     q_0 = 4.08 * 150.0 / BEARING.Z
     delta_0 = 2 * (q_0 / assemble.model(case(model="static")).outer.stiffness.k) ** 0.9
     zone = LoadZone(q_0, delta_0, 0.5, 10 / 9, 0.0, K_x, K_y)
-    J = impulse_strengths(BEARING, zone, one, np.array([angle]))[0]
+    J = impulse_strengths(BEARING, zone, pair, np.array([angle]))[0]
     omega = 2 * pi / PASS
     assert 2 * J / PASS * cos(angle) * omega / K_x == pytest.approx(abs(expected[0]), rel=0.05)
     assert 2 * J / PASS * sin(angle) * omega / K_y == pytest.approx(abs(expected[1]), abs=0.1 * abs(expected[0]))
 
 
-def test_random_impulses_are_the_seeds():
-    def drawn(seed, end=0.5):
+def test_random_impulses_depend_only_on_the_seed():
+    def impulses(seed, end=0.5):
         return random_train(BEARING, ZONE, [defect(), defect("inner", 1.0)], 0.0, end, np.random.default_rng(seed))
 
-    for row, other in zip(drawn(7), drawn(7), strict=True):
+    for row, other in zip(impulses(7), impulses(7), strict=True):
         np.testing.assert_array_equal(row, other)
-    assert not np.array_equal(drawn(7).times, drawn(8).times)
-    assert np.all(np.diff(drawn(7).times) >= 0.0)
-    long, short = drawn(7, 1.0), drawn(7, 0.5)
+    assert not np.array_equal(impulses(7).times, impulses(8).times)
+    assert np.all(np.diff(impulses(7).times) >= 0.0)
+    long, short = impulses(7, 1.0), impulses(7, 0.5)
     n = int(np.sum(short.times < 0.499))
     np.testing.assert_array_equal(long.J_x[:n], short.J_x[:n])
 
 
-def test_random_impulses_share_out_each_crossing():
+def test_random_impulses_divide_each_crossing():
     """16 asperities of 0.05 mm in 0.8 mm: mean J, standard deviation J/4, all within the crossing."""
     end = 4000.5 * PASS
-    one = defect()
-    found = random_train(BEARING, ZONE, [one], 0.0, end, np.random.default_rng(1))
-    J = impulse_strengths(BEARING, ZONE, one, np.zeros(1))[0]
-    times, _ = defect_passages(BEARING, one, 0.0, end)
-    nearest = np.rint((found.times - times[0]) / PASS).astype(int)
-    late = found.times - times[nearest]
+    pair = defect()
+    impulses = random_train(BEARING, ZONE, [pair], 0.0, end, np.random.default_rng(1))
+    J = impulse_strengths(BEARING, ZONE, pair, np.zeros(1))[0]
+    times, _ = defect_passages(BEARING, pair, 0.0, end)
+    nearest = np.rint((impulses.times - times[0]) / PASS).astype(int)
+    delay = impulses.times - times[nearest]
     half = 0.4e-3 / (BEARING.R_o * BEARING.omega_c)
-    assert np.abs(late).max() <= half
-    assert np.std(late) == pytest.approx(half / sqrt(3), rel=0.02)
+    assert np.abs(delay).max() <= half
+    assert np.std(delay) == pytest.approx(half / sqrt(3), rel=0.02)
     assert np.all(np.bincount(nearest) == 16)
-    totals = np.bincount(nearest, weights=-found.J_x)
+    totals = np.bincount(nearest, weights=-impulses.J_x)
     assert totals.mean() == pytest.approx(J, abs=4 * J / 4 / sqrt(len(times)))
     assert totals.std() == pytest.approx(J / 4, rel=0.06)  # 5 of its standard errors
 
 
 def test_random_impulses_keep_the_mean_line():
-    """E[line] is the even train's; the scatter of one crossing is averaged over the passes."""
+    """E[line] is that of the regular train; the scatter of one crossing is averaged over the passes."""
     end, count = 1000 * PASS, 1000
-    one, f = defect(), 1 / PASS
-    even = train(BEARING, ZONE, [one], 0.0, end)
-    rough = random_train(BEARING, ZONE, [one], 0.0, end, np.random.default_rng(2))
-    lines = [np.sum(part.J_x * np.exp(-2j * pi * f * part.times)) for part in (even, rough)]
-    assert len(even.times) == count
+    pair, f = defect(), 1 / PASS
+    regular = train(BEARING, ZONE, [pair], 0.0, end)
+    random = random_train(BEARING, ZONE, [pair], 0.0, end, np.random.default_rng(2))
+    lines = [np.sum(part.J_x * np.exp(-2j * pi * f * part.times)) for part in (regular, random)]
+    assert len(regular.times) == count
     assert lines[1] == pytest.approx(lines[0], rel=5 / 4 / sqrt(count))

@@ -1,4 +1,4 @@
-"""The ladder of models: against an independent solution, against each other, and against mechanics."""
+"""Models against an independent solution, each other, and balances of mechanics."""
 
 from math import pi
 
@@ -23,7 +23,7 @@ from tests.scenes.nf308 import ROWS, SLOT, advance_recorded, at_rest, case, driv
 
 @pytest.fixture(scope="module")
 def independent():
-    """Ring velocity every 10 us over 20 ms (three crossings of a 0.8 mm slot) by the tests' own solution.
+    """Return the ring velocity every 10 us over 20 ms (three crossings of a 0.8 mm slot) of the reference.
 
     Steps of 1 us at most and a tolerance of 1e-9 change it by 2e-5 of its range.
     """
@@ -32,56 +32,56 @@ def independent():
 
 
 def every_10_us(method):
-    """The package's ring velocity at the same instants."""
+    """Return the ring velocity of ``rollers`` at the same instants."""
     stride = round(1e-5 / method.h)
     return drive(assemble.model(case(defect=SLOT)), method, 2000 * stride)[2:4, stride - 1 :: stride]
 
 
-def test_rk4_meets_an_independent_solution(independent):
-    """At 0.5 us within 0.1 % of the velocity's range, everywhere."""
+def test_rk4_agrees_with_an_independent_solution(independent):
+    """At 0.5 us within 0.1 % of the velocity's range at every instant."""
     error = np.abs(every_10_us(RungeKutta4(5e-7)) - independent).max(axis=1)
     assert (error < 1e-3 * np.ptp(independent[0])).all()
 
 
-def test_verlet_meets_an_independent_solution_and_converges(independent):
-    """At 0.5 us within 0.2 % RMS of the range; at 0.25 us at least twice as near."""
+def test_verlet_agrees_with_an_independent_solution_and_converges(independent):
+    """At 0.5 us within 0.2 % RMS of the range; at 0.25 us at least twice as accurate."""
     errors = [np.sqrt(np.mean((every_10_us(Verlet(h))[0] - independent[0]) ** 2)) for h in (5e-7, 2.5e-7)]
     assert errors[0] < 2e-3 * np.ptp(independent[0])
     assert errors[1] < errors[0] / 2
 
 
-def test_the_step_that_is_refused_would_be_wrong(independent):
-    """Verlet at 2 us on the 0.8 mm slot, unwatched: not finite, or off by a tenth of the range and more."""
+def test_a_rejected_step_gives_a_wrong_result(independent):
+    """Verlet at 2 us on the 0.8 mm slot without monitor: not finite, or an error above a tenth of the range."""
     out, model = np.empty((len(ROWS), 10_000)), assemble.model(case(defect=SLOT))
-    taken, outcome, _ = advance_recorded(Verlet(2e-6), model, Monitor(1, 1.0), 0, at_rest(model), ROWS, out)
-    wrong = out[2, 4:taken:5]
-    assert outcome == NOT_FINITE or np.abs(wrong - independent[0]).max() > 0.1 * np.ptp(independent[0])
+    steps, outcome, _ = advance_recorded(Verlet(2e-6), model, Monitor(1, 1.0), 0, at_rest(model), ROWS, out)
+    velocity = out[2, 4:steps:5]
+    assert outcome == NOT_FINITE or np.abs(velocity - independent[0]).max() > 0.1 * np.ptp(independent[0])
 
 
 @pytest.mark.parametrize("shape", ["rectangular", "circular"])
 def test_rollers_without_mass_are_a_ring(shape):
     """Rollers of 3 % of their mass move the line by less than 2 %; a bowl has its groups solved in series."""
     defect = SLOT | {"shape": shape, "length": "6 mm"}
-    short = {"duration": "0.1 s", "settle": "20 ms", "defect": defect} | light_rollers(0.03)
-    rollers = simulate(case(model="rollers", **short)).features
-    ring = simulate(case(model="ring", **short)).features
+    fields = {"duration": "0.1 s", "settle": "20 ms", "defect": defect} | light_rollers(0.03)
+    rollers = simulate(case(model="rollers", **fields)).features
+    ring = simulate(case(model="ring", **fields)).features
     assert rollers["velocity@BPFO"] == pytest.approx(ring["velocity@BPFO"], rel=0.02)
     assert rollers["velocity@BPFO.phase"] == pytest.approx(ring["velocity@BPFO.phase"], abs=0.02)
 
 
 @pytest.mark.parametrize("defect", [None, SLOT, SLOT | {"shape": "circular", "length": "6 mm", "angle": "20 deg"}])
 def test_slow_rotation_is_static(defect):
-    """At 6 rpm inertia and damping have nothing to do: displacement lines within 1 %."""
-    given = {"speed": "6 rpm", "duration": "2 s", "settle": "0.2 s", "sampling": "1000 Hz", "step": "100 us"}
-    given |= {"defect": defect} if defect else {}
-    ring = simulate(case(model="ring", **given | {"step": "10 us"})).features
-    static = simulate(case(model="static", **given)).features
+    """At 6 rpm inertia and damping are negligible: displacement amplitudes within 1 %."""
+    fields = {"speed": "6 rpm", "duration": "2 s", "settle": "0.2 s", "sampling": "1000 Hz", "step": "100 us"}
+    fields |= {"defect": defect} if defect else {}
+    ring = simulate(case(model="ring", **fields | {"step": "10 us"})).features
+    static = simulate(case(model="static", **fields)).features
     for line in ("displacement@BPFO", "displacement@2BPFO"):
         assert ring[line] == pytest.approx(static[line], rel=0.01)
 
 
 def random_state(model, seed):
-    """A buffer away from equilibrium: micrometres and centimetres per second."""
+    """Return a buffer away from equilibrium by micrometres and centimetres per second."""
     random = np.random.default_rng(seed)
     y = at_rest(model)
     y[lay.POSITION : lay.POSITION + 2] += random.normal(0, 1e-6, 2)
@@ -93,7 +93,7 @@ def random_state(model, seed):
 
 @pytest.mark.parametrize("seed", range(5))
 def test_momentum_balances_at_any_state(seed):
-    """Ring and rollers together feel only the load, the bracket, the inner race and the centrifugal load."""
+    """On ring and rollers act only the load, the bracket, the inner race and the centrifugal load."""
     model = assemble.model(case(defect=SLOT, clearance="1 um"))
     b, s = model.bearing, model.support
     y = random_state(model, seed)
@@ -103,8 +103,8 @@ def test_momentum_balances_at_any_state(seed):
     rate = b.m_r * (e @ (y[lay.RADIAL_A : lay.RADIAL_A + 13] - b.omega_c**2 * r))
     rate += b.m_o * y[lay.ACCELERATION : lay.ACCELERATION + 2]
     u, w = y[lay.POSITION : lay.POSITION + 2], y[lay.VELOCITY : lay.VELOCITY + 2]
-    outside = np.array([-s.F, 0.0]) - s.k_b * (u - [s.x_0, s.y_0]) - s.c_b * w + e @ y[lay.Q_I : lay.Q_I + 13]
-    assert rate == pytest.approx(outside, abs=1e-9 * np.abs(y[lay.Q_O : lay.Q_O + 13]).sum())
+    external = np.array([-s.F, 0.0]) - s.k_b * (u - [s.x_0, s.y_0]) - s.c_b * w + e @ y[lay.Q_I : lay.Q_I + 13]
+    assert rate == pytest.approx(external, abs=1e-9 * np.abs(y[lay.Q_O : lay.Q_O + 13]).sum())
 
 
 def test_a_free_roller_flies_straight():
@@ -119,26 +119,28 @@ def test_a_free_roller_flies_straight():
     assert y[lay.RADIAL : lay.RADIAL + 13] == pytest.approx(r0 * (np.cosh(b.omega_c * t) - 1), rel=1e-6)
 
 
-def test_moving_approach_rate_is_the_approachs_derivative():
+def test_the_approach_rate_is_the_derivative_of_the_approach():
     """v_o of the model equals the change of delta_o in time, the defect's slope under the roller included."""
     model = assemble.model(case(defect=SLOT | {"width": "2 mm"}, start_angle=0.015))
     y = random_state(model, 1)
-    found, h = [], 1e-9
+    approaches, h = [], 1e-9
     for t in (-h, h):
-        moved = y.copy()
-        moved[lay.POSITION : lay.POSITION + 2] += t * y[lay.VELOCITY : lay.VELOCITY + 2]
-        moved[lay.RADIAL : lay.RADIAL + 13] += t * y[lay.RADIAL_V : lay.RADIAL_V + 13]
+        state = y.copy()
+        state[lay.POSITION : lay.POSITION + 2] += t * y[lay.VELOCITY : lay.VELOCITY + 2]
+        state[lay.RADIAL : lay.RADIAL + 13] += t * y[lay.RADIAL_V : lay.RADIAL_V + 13]
         theta = model.bearing.theta_0 + model.bearing.omega_c * t
-        u_r = moved[lay.POSITION + lay.X] * np.cos(theta) + moved[lay.POSITION + lay.Y] * np.sin(theta)
+        u_r = state[lay.POSITION + lay.X] * np.cos(theta) + state[lay.POSITION + lay.Y] * np.sin(theta)
         rim = 1e-3 - abs(model.bearing.R_o * theta)
-        found.append(moved[lay.RADIAL] - u_r - min(rim**2 / (2 * model.defects.head[0, REDUCED_RADIUS]), 0.05e-3))
+        approaches.append(
+            state[lay.RADIAL] - u_r - min(rim**2 / (2 * model.defects.head[0, REDUCED_RADIUS]), 0.05e-3)
+        )
     accelerations(model, 0.0, y)
-    rate, delta = (found[1] - found[0]) / (2 * h), (found[0] + found[1]) / 2
+    rate, delta = (approaches[1] - approaches[0]) / (2 * h), (approaches[0] + approaches[1]) / 2
     assert y[lay.Q_O] == pytest.approx(normal_force(model.outer, delta, rate), rel=1e-5, abs=1e-3)
 
 
-def ring_over(defect):
-    """Random state with the first roller over a defect, and that roller's Delta, its rate, h and h'."""
+def ring_over_defect(defect):
+    """Return a state with the first roller over a defect, and that roller's Delta, its rate, h and h'."""
     model = assemble.model(case(model="ring", defect=defect, start_angle=0.003))
     y = at_rest(model)
     y[lay.VELOCITY : lay.VELOCITY + 2] = 0.02, -0.01
@@ -147,44 +149,48 @@ def ring_over(defect):
     e_r, e_theta = np.array([np.cos(theta), np.sin(theta)]), np.array([-np.sin(theta), np.cos(theta)])
     Delta, rate = -u @ e_r, -w @ e_r - b.omega_c * (u @ e_theta)
     groups = model.defects.groups[0, : int(model.defects.head[0, GROUP_COUNT])]
-    sunk = np.array([roller_drop(group, b.R_o * theta, model.defects.head[0, REDUCED_RADIUS]) for group in groups])
-    return model, y, Delta, rate, groups[:, GROUP_WEIGHT], sunk[:, 0], sunk[:, 1] * b.R_o * b.omega_c
+    drops = np.array(
+        [roller_drop(group, b.R_o * theta, model.defects.head[0, REDUCED_RADIUS]) for group in groups]
+    )
+    return model, y, Delta, rate, groups[:, GROUP_WEIGHT], drops[:, 0], drops[:, 1] * b.R_o * b.omega_c
 
 
 def test_a_ring_shares_approach_and_rate_between_both_contacts_over_a_slot():
-    model, y, Delta, rate, _, h, sinking = ring_over(SLOT | {"width": "0.3 mm"})
-    by_hand = normal_force(model.outer, (Delta - h[0]) / 2, (rate - sinking[0]) / 2)
-    assert y[lay.Q_O] == pytest.approx(by_hand, rel=1e-9)
-    assert by_hand > 1.0
+    model, y, Delta, rate, _, h, drop_rate = ring_over_defect(SLOT | {"width": "0.3 mm"})
+    expected = normal_force(model.outer, (Delta - h[0]) / 2, (rate - drop_rate[0]) / 2)
+    assert y[lay.Q_O] == pytest.approx(expected, rel=1e-9)
+    assert expected > 1.0
 
 
 def test_a_ring_balances_a_roller_over_a_bowl():
-    """Elastic: outer groups together carry what the inner contact carries; damping: half of each group's rate."""
+    """Elastic: the sum of the outer groups equals the inner contact; damping: half of each group's rate."""
     bowl = SLOT | {"shape": "circular", "length": "8 mm", "depth": "0.2 um"}
-    model, y, Delta, rate, w, h, sinking = ring_over(bowl)
+    model, y, Delta, rate, w, h, drop_rate = ring_over_defect(bowl)
     k = model.outer.stiffness.k
     outer = lambda d_i: w * k * np.maximum(Delta - d_i - h, 0.0) ** (10 / 9)  # noqa: E731
     d_i = brentq(lambda d: outer(d).sum() - k * d ** (10 / 9), 0.0, Delta, xtol=1e-20)
-    by_hand = (outer(d_i) * (1 + model.outer.chi * (rate - sinking) / 2)).sum()
-    assert y[lay.Q_O] == pytest.approx(by_hand, rel=1e-8)
+    expected = (outer(d_i) * (1 + model.outer.chi * (rate - drop_rate) / 2)).sum()
+    assert y[lay.Q_O] == pytest.approx(expected, rel=1e-8)
     assert (outer(d_i) > 0).sum() >= 2
 
 
 @pytest.mark.parametrize(("model", "width"), [("rollers", "0.8 mm"), ("rollers", "3 mm"), ("ring", "2 mm")])
-def test_a_bowl_has_groups_enough(model, width):
-    """Each group strikes the far wall as one: 6 on the half length gave 58 % too much RMS at 3 mm."""
+def test_a_bowl_has_enough_groups(model, width):
+    """Each group hits the far wall at once: 6 on the half length gave 58 % too much RMS at 3 mm."""
     bowl = SLOT | {"shape": "circular", "width": width}
-    given = {"model": model, "defect": bowl, "duration": "40 ms", "settle": "30 ms"}
-    usual, many = (simulate(case(contact=contact, **given)).features for contact in ({}, {"length_nodes": "64"}))
+    fields = {"model": model, "defect": bowl, "duration": "40 ms", "settle": "30 ms"}
+    automatic, fine = (
+        simulate(case(contact=contact, **fields)).features for contact in ({}, {"length_nodes": "64"})
+    )
     for name in ("velocity@BPFO", "velocity.rms", "outer_force.max"):
-        assert usual[name] == pytest.approx(many[name], rel=0.01)
+        assert automatic[name] == pytest.approx(fine[name], rel=0.01)
 
 
-def test_two_defects_are_felt_by_two_rollers():
-    """A second defect one pitch further is met at the same time: the line is at least 1.2 times as strong."""
-    one = simulate(case(model="static", defect=SLOT | {"width": "0.3 mm"}, duration="20 ms", settle="0 ms"))
+def test_two_defects_act_on_two_rollers():
+    """A second defect one pitch further is crossed at the same time: at least 1.2 times the amplitude."""
+    single = simulate(case(model="static", defect=SLOT | {"width": "0.3 mm"}, duration="20 ms", settle="0 ms"))
     pitch = 2 * pi / 13
-    two = simulate(
+    double = simulate(
         case(
             model="static",
             duration="20 ms",
@@ -192,4 +198,4 @@ def test_two_defects_are_felt_by_two_rollers():
             defects=[SLOT | {"width": "0.3 mm"}, SLOT | {"width": "0.3 mm", "angle": pitch}],
         )
     )
-    assert two.features["velocity@BPFO"] > 1.2 * one.features["velocity@BPFO"]
+    assert double.features["velocity@BPFO"] > 1.2 * single.features["velocity@BPFO"]

@@ -1,4 +1,4 @@
-"""`spatial` against `planar`, where what it knows beyond it lies still; and its parts against closed forms."""
+"""`spatial` against `planar` at plane states, and vectorisation of its loops."""
 
 import numpy as np
 import pytest
@@ -16,81 +16,87 @@ from bearingsim.core.parameters import lanes
 from bearingsim.core.parts import cage_in_space, flanges, races_in_space
 from bearingsim.core.parts.flanges import NoFlanges
 from bearingsim.core.parts.mounts import ElasticMount, RigidMount
-from tests.core.models.test_planar_balance import EVERYTHING, WAYS, WHERE, lead_onto_defects, random_state
+from tests.core.models.test_planar_balance import ALL_EFFECTS, BALANCE_TIME, SETUPS, align_defects, random_state
 from tests.independent.planar_bodies import places
 from tests.scenes.lanes import compiled, keeps_lanes, needs_vectors
 from tests.scenes.nf308 import SLOT, advance_recorded, case
 from tests.scenes.spatial_bearing import empty, even_slices, spatial_model, uneven_slices
 
-FULL = SLOT | {"width": "0.3 mm"}
-ON_ALL = EVERYTHING | {"defects": [FULL, FULL | {"race": "inner"}, FULL | {"race": "roller", "roller": 5}]}
-CUTS = [even_slices(1), even_slices(6), uneven_slices(7)]
-SPRUNG = ElasticMount(1.0, 1e-3, 1e-3, 1e7, 100.0, 1e4, 1.0, 0.0, 0.0)
-"""Rings that could lean, but stand straight."""
+FULL_LENGTH_SLOT = SLOT | {"width": "0.3 mm"}
+SLOTS_ON_ALL = ALL_EFFECTS | {
+    "defects": [
+        FULL_LENGTH_SLOT,
+        FULL_LENGTH_SLOT | {"race": "inner"},
+        FULL_LENGTH_SLOT | {"race": "roller", "roller": 5},
+    ]
+}
+SLICINGS = [even_slices(1), even_slices(6), uneven_slices(7)]
+ELASTIC = ElasticMount(1.0, 1e-3, 1e-3, 1e7, 100.0, 1e4, 1.0, 0.0, 0.0)
+"""Mount of rings that can tilt, but are aligned."""
 
 
-def same_state(model, cut, y, **given):
-    """The model in space, and its buffer at the planar state in ``y``."""
-    space = spatial_model(model, cut, **given)
+def in_space_state(model, slicing, y, **given):
+    """Return the model in space, and its buffer at the planar state in ``y``."""
+    space = spatial_model(model, slicing, **given)
     x = empty(space)
     x[: lay.BUFFER_SIZE] = y[: lay.BUFFER_SIZE]
     x[lay.ACCELERATION : lay.ACCELERATION + lay.STATE] = 0.0
     return space, x
 
 
-@pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize("cut", CUTS, ids=["1 slice", "6 slices", "7 uneven slices"])
-def test_with_nothing_out_of_the_plane_it_is_planar(way, cut):
+@pytest.mark.parametrize("setup", SETUPS)
+@pytest.mark.parametrize("slicing", SLICINGS, ids=["1 slice", "6 slices", "7 uneven slices"])
+def test_plane_states_equal_planar(setup, slicing):
     """Random states, defects across each body, with and without lag: accelerations to 1e-9 of the largest."""
     for seed in range(4):
-        model = assemble.model(case(**ON_ALL, **WAYS[way]))._replace(lag=1e-6 * (seed // 2))
+        model = assemble.model(case(**SLOTS_ON_ALL, **SETUPS[setup]))._replace(lag=1e-6 * (seed // 2))
         y = random_state(model, seed)
-        lead_onto_defects(model, y, WHERE, outwards=seed % 2 == 0)
-        start_at_rest(model, WHERE, y)
-        space, x = same_state(model, cut, y, mount_o=SPRUNG, mount_i=SPRUNG)
-        start_at_rest(space, WHERE, x)
+        align_defects(model, y, BALANCE_TIME, outwards=seed % 2 == 0)
+        start_at_rest(model, BALANCE_TIME, y)
+        space, x = in_space_state(model, slicing, y, mount_o=ELASTIC, mount_i=ELASTIC)
+        start_at_rest(space, BALANCE_TIME, x)
         for row in range(6):
-            here = lay.ACCELERATION + row * lay.ROW + np.arange(lay.FIRST_LANE + 13)
-            most = np.abs(y[here]).max() if row < 3 else 1e5
-            assert np.abs(x[here] - y[here]).max() < 1e-9 * most
+            cells = lay.ACCELERATION + row * lay.ROW + np.arange(lay.FIRST_LANE + 13)
+            scale = np.abs(y[cells]).max() if row < 3 else 1e5
+            assert np.abs(x[cells] - y[cells]).max() < 1e-9 * scale
         assert x[lay.Q_O : lay.Q_O + 13] == pytest.approx(y[lay.Q_O : lay.Q_O + 13], rel=1e-11)
         assert x[lay.Q_I : lay.Q_I + 13] == pytest.approx(y[lay.Q_I : lay.Q_I + 13], rel=1e-11)
         assert np.ptp(y[lay.Q_O : lay.Q_O + 13]) > 100.0
 
 
-def test_over_20_ms_it_moves_as_planar():
-    """A slot on the outer race, friction, drag: every instant, within what halving the step changes."""
-    given = case(model="planar", defect=SLOT)
-    model = assemble.model(given)
-    y, _ = assemble.start(given, model)
-    at = places(13)
-    found = {}
+def test_plane_motion_equals_planar_over_20_ms():
+    """A slot on the outer race, friction, drag: every instant, within the change by halving the step."""
+    bearing_case = case(model="planar", defect=SLOT)
+    model = assemble.model(bearing_case)
+    y, _ = assemble.start(bearing_case, model)
+    cells = places(13)
+    motions = {}
     for name, h in (("planar", 1e-6), ("finer", 5e-7), ("space", 1e-6)):
-        one, x = same_state(model, even_slices(6), y) if name == "space" else (model, y.copy())
-        start_at_rest(one, 0.0, x)
-        out = np.empty((len(at), round(20e-3 / h)))
-        assert advance_recorded(RungeKutta4(h), one, Monitor(1000, 1.0), 0, x, at, out)[1] == SUCCESS
-        found[name] = out[:, :: round(1e-6 / h)] if name != "finer" else out[:, 1::2]
-    strayed = np.abs(found["space"] - found["planar"]).max(axis=1)
-    halved = np.abs(found["finer"] - found["planar"]).max(axis=1)
-    assert (strayed <= halved + 1e-12 * np.abs(found["planar"]).max(axis=1)).all()
+        simulated, x = in_space_state(model, even_slices(6), y) if name == "space" else (model, y.copy())
+        start_at_rest(simulated, 0.0, x)
+        out = np.empty((len(cells), round(20e-3 / h)))
+        assert advance_recorded(RungeKutta4(h), simulated, Monitor(1000, 1.0), 0, x, cells, out)[1] == SUCCESS
+        motions[name] = out[:, :: round(1e-6 / h)] if name != "finer" else out[:, 1::2]
+    difference = np.abs(motions["space"] - motions["planar"]).max(axis=1)
+    step_error = np.abs(motions["finer"] - motions["planar"]).max(axis=1)
+    assert (difference <= step_error + 1e-12 * np.abs(motions["planar"]).max(axis=1)).all()
 
 
-def test_a_kinematic_cage_holds_all_but_the_tilt():
-    """Orbit, spin, skew and axial motion: a tilted roller's axis goes round with it, and stays in its plane."""
-    leaning = {"mount_o": RigidMount(1e-4, 0.0)}
-    given = case(model="planar")
-    model = assemble.model(given)
-    y, _ = assemble.start(given, model)
-    free, x = same_state(model, even_slices(6), y, **leaning)
+def test_a_kinematic_cage_fixes_all_but_the_tilt():
+    """Orbit, spin, skew and axial motion: a tilted roller's axis rotates with it, and stays in its plane."""
+    misaligned = {"mount_o": RigidMount(1e-4, 0.0)}
+    bearing_case = case(model="planar")
+    model = assemble.model(bearing_case)
+    y, _ = assemble.start(bearing_case, model)
+    free, x = in_space_state(model, even_slices(6), y, **misaligned)
     assert solve_spatial_equilibrium(free, 0.0, x) < 1e-8 * model.support.F
     kinematic = assemble.model(case(model="planar", cage={"motion": "kinematic"}))
-    space = spatial_model(kinematic, even_slices(6), flanges=NoFlanges(), **leaning)
+    space = spatial_model(kinematic, even_slices(6), flanges=NoFlanges(), **misaligned)
     start_at_rest(space, 0.0, x)
     assert np.abs(x[lay.TILT : lay.TILT + 13]).max() > 2e-5
     out = np.empty((2, 2000))
-    at = np.array([lay.TILT + 2, lay.SKEW + 2])
-    assert advance_recorded(RungeKutta4(1e-6), space, Monitor(8, 1.0), 0, x, at, out)[1] == SUCCESS
+    cells = np.array([lay.TILT + 2, lay.SKEW + 2])
+    assert advance_recorded(RungeKutta4(1e-6), space, Monitor(8, 1.0), 0, x, cells, out)[1] == SUCCESS
     assert np.abs(out[1]).max() < 1e-9 * np.abs(out[0]).max()
     assert np.ptp(out[0]) > 1e-2 * np.abs(out[0]).max()
     for row in (lay.EPS, lay.SPIN, lay.AXIAL):
