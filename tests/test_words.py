@@ -12,7 +12,7 @@ import typer
 
 from bearingsim.cli import app
 from bearingsim.config import names
-from bearingsim.config.case_fields import OLD_WORDS
+from bearingsim.config.case_fields import DEPRECATED_KEYS
 from bearingsim.study.paths import known_paths
 
 TABLE = Path(__file__).parents[1] / "docs/data/words.csv"
@@ -21,7 +21,7 @@ TABLE = Path(__file__).parents[1] / "docs/data/words.csv"
 def words() -> Iterator[tuple[str, str, str]]:
     """Yield every word as the program has it: kind, word, and what it is an alias of."""
     yield from (("key", path, "") for path in known_paths())
-    yield from (("key", old, new) for old, new in OLD_WORDS.items())
+    yield from (("key", old, new) for old, new in DEPRECATED_KEYS.items())
     yield from (("column", feature, "") for feature in names.FEATURES)
     for command, content in typer.main.get_command(app).commands.items():  # type: ignore[attr-defined]
         yield "command", command, ""
@@ -37,5 +37,5 @@ def test_table_lists_every_word_of_the_interface() -> None:
 
 
 def test_aliases_replace_words_of_the_same_kind() -> None:
-    assert set(OLD_WORDS.values()) <= known_paths().keys()
-    assert not OLD_WORDS.keys() & known_paths().keys()
+    assert set(DEPRECATED_KEYS.values()) <= known_paths().keys()
+    assert not DEPRECATED_KEYS.keys() & known_paths().keys()

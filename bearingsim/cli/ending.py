@@ -128,7 +128,7 @@ def _frequency(results: "Results", name: str) -> str:
 
 def _band(results: "Results", name: str) -> str:
     """Return the band that `sampling` gives a feature, as `0-4.1 kHz`, or "" if it differs between jobs."""
-    from bearingsim.config.bands import FLAT
+    from bearingsim.config.bands import PASSBAND
     from bearingsim.config.names import read_band
     from bearingsim.study.ranges import RECORD_SUFFIXES
 
@@ -139,7 +139,7 @@ def _band(results: "Results", name: str) -> str:
     )
     if not follows_sampling or len(samplings) != 1 or samplings[0]["antialias"] != "true":
         return ""
-    return f"0-{FLAT * samplings[0]['sampling'] / 1e3:.2g} kHz"
+    return f"0-{PASSBAND * samplings[0]['sampling'] / 1e3:.2g} kHz"
 
 
 def _healthy(results: "Results", name: str, unit: str, factor: float) -> Iterator[str]:

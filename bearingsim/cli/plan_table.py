@@ -207,7 +207,7 @@ def _job_entry(priced: PricedJob) -> dict[str, Any]:
         "method": priced.choice.method,
         "method_asked": job.case.method,
         "method_why": priced.choice.reason,
-        "least_model": hierarchy.least(job.case),
+        "least_model": hierarchy.simplest_model(job.case),
         "reasons": hierarchy.reasons(job.case),
         "step": priced.step,
         "limits": limits,

@@ -136,12 +136,14 @@ def periodic_jobs(plan: Plan) -> Iterator[str]:
 def damping(plan: Plan) -> Iterator[str]:
     """Yield the contact damping of the study and its plausible range; nothing for models without damping."""
     from bearingsim.catalogue import MODELS
-    from bearingsim.config.rules.damping import Damped, sentences
+    from bearingsim.config.rules.damping import JobDamping, damping_remarks
 
     jobs = plan.cases + plan.baselines
     damped_jobs = [priced for priced in jobs if "damping" in MODELS[priced.job.case.model].abilities]
     limits = [priced.limits for priced in damped_jobs]
-    yield from sentences([Damped(bounds.damping_time, bounds.damping_ratio, bounds.crossing) for bounds in limits])
+    yield from damping_remarks(
+        [JobDamping(bounds.damping_time, bounds.damping_ratio, bounds.crossing) for bounds in limits]
+    )
     yield from dict.fromkeys(filter(None, map(caveat, damped_jobs)))
 
 

@@ -60,7 +60,7 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
     info = results.info().reindex(table["job"])
     choice_notes = (results.plan.get("accuracy") or {}).get("notes", ())
     assumptions = results.plan.get("assumptions", ())
-    for text in (*choice_notes, *periodicity_notes(info), *assumptions, *damping.job_sentences(info)):
+    for text in (*choice_notes, *periodicity_notes(info), *assumptions, *damping.result_remarks(info)):
         say(text)
     if len(printed_columns) < len(all_columns):
         printed_heads = {_stack_heading(head) for head, _ in printed_columns}
@@ -79,7 +79,7 @@ def show_assumptions(results: "Results") -> None:
     from bearingsim.store import job_frame
 
     frame = job_frame(results.path)
-    texts = [*assumption_notes(results.plan, frame), *damping.job_sentences(results.info())]
+    texts = [*assumption_notes(results.plan, frame), *damping.result_remarks(results.info())]
     unvaried_names = [name for name in findings(results.plan, frame).assumptions if name in EXAMPLE_VALUES]
     texts += [
         f"{name} has one value per case; `uncertainty: {{{name}: [{EXAMPLE_VALUES[name]}]}}` varies it"

@@ -3,11 +3,11 @@
 import re
 from typing import NamedTuple
 
-FLAT = 0.4
+PASSBAND = 0.4
 """Limit, relative to `sampling`, up to which the low-pass filter is flat: end of an envelope's default band."""
-HIGHEST = 100e3
+MAX_FREQUENCY = 100e3
 """Hz; largest upper end of a band. Higher modes are not modelled: bodies are rigid, or bend in few modes."""
-FEWEST_PERIODS = 2.0
+MIN_PERIODS = 2.0
 """Least length of a record, in periods of the lowest frequency of a band."""
 EXAMPLES = "velocity.rms@10-1000Hz, envelope@BPFO or envelope@BPFO@2000-5000Hz"
 

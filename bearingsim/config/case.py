@@ -4,7 +4,7 @@ from typing import Any
 
 from pydantic import model_validator
 
-from bearingsim.config.case_fields import OLD_WORDS, CaseFields
+from bearingsim.config.case_fields import DEPRECATED_KEYS, CaseFields
 from bearingsim.config.fields import refuse
 from bearingsim.config.rules.completion import complete
 from bearingsim.config.rules.conflicts import conflicts
@@ -30,10 +30,10 @@ class Case(CaseFields):
     def _single_defect(cls, data: Any) -> Any:
         if not isinstance(data, dict):
             return data
-        for old, new in OLD_WORDS.items():
+        for old, new in DEPRECATED_KEYS.items():
             if old in data and new in data:
                 refuse("twice", f"`{old}` is now called `{new}`", "keep one of them", at=old)
-        data = {OLD_WORDS.get(key, key): value for key, value in data.items()}
+        data = {DEPRECATED_KEYS.get(key, key): value for key, value in data.items()}
         if "defect" not in data:
             return data
         if "defects" in data:
@@ -41,7 +41,7 @@ class Case(CaseFields):
         return {key: value for key, value in data.items() if key != "defect"} | {"defects": [data["defect"]]}
 
     @model_validator(mode="after")
-    def _whole(self) -> "Case":
+    def _complete(self) -> "Case":
         complete(self)
         problems = list(conflicts(self))
         if problems:

@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 from pydantic import BeforeValidator, Field
 
 from bearingsim import catalogue
-from bearingsim.config.channels import channel, channel_schema, feature, feature_schema
+from bearingsim.config.channels import channel_schema, feature_schema, validate_channel, validate_feature
 from bearingsim.config.fields import (
-    OR_NONE,
+    OPTIONAL,
     Accuracy,
     Angle,
     Duration,
+    FileFormat,
     Force,
     Frequency,
     Rotation,
@@ -21,10 +22,9 @@ from bearingsim.config.fields import (
     StepCheckMode,
     Switch,
     Tolerance,
-    Written,
+    integer,
     one_of,
     refuse,
-    whole,
 )
 from bearingsim.config.sections import free
 from bearingsim.config.sections.clearance import Clearance
@@ -45,20 +45,20 @@ else:
 MAX_DEFECTS = 100
 """Limit of the defects of a case: checking so many for overlaps takes half a second."""
 
-MOST_BANDS = 100
+MAX_BANDS = 100
 """Limit of the band features of a case: each needs a transform of the record."""
 
-OLD_WORDS = {"prove": "step_check"}
+DEPRECATED_KEYS = {"prove": "step_check"}
 """Deprecated keys of a case, which are still accepted, and the keys that replace them."""
 
 
-def _one_or_many(raw: Any) -> Any:
+def _check_list(raw: Any) -> Any:
     if isinstance(raw, str):
         refuse("list", f"expected a list of mappings, got `{raw}`")
     return raw
 
 
-def _single_speed(raw: Any) -> Any:
+def _check_speed(raw: Any) -> Any:
     if isinstance(raw, dict):
         refuse("quantity", "expected one speed such as `1800 rpm`, got a mapping", sentence("outer_speed"))
     return raw
@@ -82,21 +82,21 @@ class CaseFields(Section):
 
     bearing: Annotated[Bearing, named("bearings")]
     rig: Annotated[Rig, named("rigs")] = Field(default_factory=default_rig)
-    speed: Annotated[Rotation, BeforeValidator(_single_speed)]
-    ramp: Annotated[free.Ramp | None, OR_NONE] = None
+    speed: Annotated[Rotation, BeforeValidator(_check_speed)]
+    ramp: Annotated[free.Ramp | None, OPTIONAL] = None
     load: Force
     load_across: SignedForce = 0.0
     gravity: Switch = False
     clearance: Clearance = 0.0
-    defects: Annotated[tuple[Defect, ...], Field(max_length=MAX_DEFECTS), BeforeValidator(_one_or_many)] = ()
+    defects: Annotated[tuple[Defect, ...], Field(max_length=MAX_DEFECTS), BeforeValidator(_check_list)] = ()
     excitation: Annotated[Excitation, one_of(*get_args(Excitation))] = "envelope"
     contact: Contact = Contact()
     friction: free.Friction | None = None
     cage: free.Cage | None = None
-    drag: Annotated[free.Drag | None, OR_NONE] = None
-    shaft: Annotated[free.Shaft | None, OR_NONE] = None
-    unbalance: Annotated[free.Unbalance | None, OR_NONE] = None
-    misalignment: Annotated[Misalignment | None, OR_NONE] = None
+    drag: Annotated[free.Drag | None, OPTIONAL] = None
+    shaft: Annotated[free.Shaft | None, OPTIONAL] = None
+    unbalance: Annotated[free.Unbalance | None, OPTIONAL] = None
+    misalignment: Annotated[Misalignment | None, OPTIONAL] = None
     model: Annotated[ModelName, one_of(catalogue.REFERENCE, *catalogue.MODELS)] = catalogue.USUAL_MODEL
     method: Annotated[MethodName, one_of(catalogue.AUTO, *catalogue.METHODS)] | None = None
     step: Step = "auto"
@@ -107,12 +107,12 @@ class CaseFields(Section):
     duration: Duration = 1.0
     settle: Settling = "auto"
     start_angle: Angle = 0.0
-    seed: Annotated[int, whole(0, 999_999_999)] = 0
+    seed: Annotated[int, integer(0, 999_999_999)] = 0
     sampling: Frequency = 10240.0
     antialias: Switch = True
-    record: tuple[Annotated[str, Written(channel, channel_schema)], ...] = ("ring.velocity",)
+    record: tuple[Annotated[str, FileFormat(validate_channel, channel_schema)], ...] = ("ring.velocity",)
     features: Annotated[
-        tuple[Annotated[str, Written(feature, feature_schema)], ...], Field(max_length=MOST_BANDS)
+        tuple[Annotated[str, FileFormat(validate_feature, feature_schema)], ...], Field(max_length=MAX_BANDS)
     ] = ()
 
     @property

@@ -22,7 +22,7 @@ def slice_number(channel: str) -> int | None:
     return int(match[3]) if match and match[3] else None
 
 
-def plain(channel: str) -> str:
+def without_numbers(channel: str) -> str:
     """Remove the numbers of roller and slice: `roller.spin` for `roller.3.spin`."""
     match = _ROLLER_CHANNEL.fullmatch(channel)
     return f"roller.{match[2]}" if match else channel
@@ -34,7 +34,7 @@ CONTACT_FORCES = ("outer_force", "inner_force", "cage_force", "flange_force", *L
 
 def is_contact_force(channel: str) -> bool:
     """Check if a channel is a contact force, recorded unfiltered at each instant."""
-    return plain(channel).removeprefix("roller.") in CONTACT_FORCES
+    return without_numbers(channel).removeprefix("roller.") in CONTACT_FORCES
 
 
 def line_load_of(channel: str) -> str | None:
@@ -45,26 +45,26 @@ def line_load_of(channel: str) -> str | None:
     return f"roller.{match[1] or 1}.{match[2]}"
 
 
-def channel_schema(own: Schema) -> Schema:
+def channel_schema(schema: Schema) -> Schema:
     """Return the schema of a name in `record`."""
     number, sliced = r"(\.[1-9][0-9]?)?", "|".join(LINE_LOADS)
     numbered = rf"^roller{number}\.(({'|'.join(ROLLER)})|({sliced}){number})$"
-    return or_words(own | {"pattern": numbered}, *CHANNELS)
+    return or_words(schema | {"pattern": numbered}, *CHANNELS)
 
 
-def channel(raw: Any) -> Any:
+def validate_channel(raw: Any) -> Any:
     """Validate a name in `record`."""
     if not isinstance(raw, str) or raw not in CHANNELS:
         raise_unknown_word(raw, tuple(CHANNELS))
     return raw
 
 
-def feature_schema(own: Schema) -> Schema:
+def feature_schema(schema: Schema) -> Schema:
     """Return the schema of a name in `features`."""
-    return own | {"anyOf": [{"pattern": bands.PATTERN}, {"enum": [*MEANS]}]}
+    return schema | {"anyOf": [{"pattern": bands.PATTERN}, {"enum": [*MEANS]}]}
 
 
-def feature(raw: Any) -> Any:
+def validate_feature(raw: Any) -> Any:
     """Validate a name in `features`: a band feature, or a mean over the record. Others are always computed."""
     if raw in MEANS:
         return raw

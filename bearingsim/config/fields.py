@@ -15,11 +15,11 @@ from bearingsim.text.units import EXPECTED, UNITS, Dimension, UnitError, parse, 
 Schema = dict[str, Any]
 """JSON schema of a value in a study file."""
 
-SMALLEST, LARGEST = 1e-30, 1e30
+MIN_MAGNITUDE, MAX_MAGNITUDE = 1e-30, 1e30
 """Bounds of the magnitude of nonzero quantities (SI), far beyond measured values; their powers are finite."""
 FULL_TURN = 2.0 * math.pi * (1.0 + 1e-5)
 """rad; largest angle: a full turn, with a tolerance so that 6.2832 rad is accepted."""
-MOST_EXPONENT = 10.0
+MAX_EXPONENT = 10.0
 """Largest exponent of a contact law. Contacts have up to 3; with larger ones the constants overflow."""
 
 
@@ -35,8 +35,8 @@ class Quantity:
 
     dimension: Dimension
     above: float = -math.inf
-    least: float = -math.inf
-    most: float = math.inf
+    minimum: float = -math.inf
+    maximum: float = math.inf
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_before_validator_function(self, handler(source))
@@ -48,38 +48,40 @@ class Quantity:
         """Return the pattern that restricts the sign of a number to the bounds."""
         if self.above >= 0.0:
             return POSITIVE
-        return NOT_NEGATIVE if self.least >= 0.0 else ""
+        return NOT_NEGATIVE if self.minimum >= 0.0 else ""
 
     def _limits(self) -> Schema:
         """Return the bounds in JSON schema, if the quantity may be a plain number."""
         if "" not in UNITS[self.dimension]:
             return {}
-        limits = {"exclusiveMinimum": self.above, "minimum": self.least, "maximum": self.most}
+        limits = {"exclusiveMinimum": self.above, "minimum": self.minimum, "maximum": self.maximum}
         return {key: bound for key, bound in limits.items() if math.isfinite(bound)}
 
     def __call__(self, raw: Any) -> float:
         """Convert a value to SI. Values of another dimension or out of bounds are rejected."""
         value = _number(raw, self.dimension)
-        too_small = self.above == 0.0 and 0.0 < abs(value) < SMALLEST  # other fields may contain tiny values
-        if too_small or abs(value) > LARGEST:
+        too_small = self.above == 0.0 and 0.0 < abs(value) < MIN_MAGNITUDE  # other fields may contain tiny values
+        if too_small or abs(value) > MAX_MAGNITUDE:
             hint = f"no plausible value is so {'large' if abs(value) > 1.0 else 'small'}"
-            refuse("bound", f"expected {EXPECTED[self.dimension]}, got {described(raw)}", hint)
-        if value <= self.above or value < self.least or value > self.most:
-            what, example = EXPECTED[self.dimension].split(" such as ")
-            expected = f"{what} {self._bound()}" + (f", such as {example}" if self.most == math.inf else "")
-            refuse("bound", f"expected {expected}, got {described(raw)}")
+            refuse("bound", f"expected {EXPECTED[self.dimension]}, got {describe_value(raw)}", hint)
+        if value <= self.above or value < self.minimum or value > self.maximum:
+            description, example = EXPECTED[self.dimension].split(" such as ")
+            expected = f"{description} {self._bound()}" + (
+                f", such as {example}" if self.maximum == math.inf else ""
+            )
+            refuse("bound", f"expected {expected}, got {describe_value(raw)}")
         return value
 
     def _bound(self) -> str:
-        if self.most < math.inf:
+        if self.maximum < math.inf:
             return (
-                f"above {self.above:g} and at most {self.most:g}"
+                f"above {self.above:g} and at most {self.maximum:g}"
                 if self.above > -math.inf
-                else f"from {self._said(self.least)} to {self._said(self.most)}"
+                else f"from {self._format_bound(self.minimum)} to {self._format_bound(self.maximum)}"
             )
         return "above zero" if self.above == 0.0 else "that is not negative"
 
-    def _said(self, bound: float) -> str:
+    def _format_bound(self, bound: float) -> str:
         """Format a bound as a value of the field."""
         if self.dimension == "angle":
             return f"{math.degrees(bound):.4g} deg"
@@ -117,7 +119,7 @@ def or_words(schema: Schema, *words: str) -> Schema:
 
 
 @dataclass(frozen=True)
-class Written:
+class FileFormat:
     """Annotation of a field: reader of its value in a file, and converter of its schema to that of the file."""
 
     read: Callable[[Any], Any]
@@ -132,42 +134,42 @@ class Written:
 
 Length = Annotated[float, Quantity("length", above=0.0)]
 SignedLength = Annotated[float, Quantity("length")]
-LengthOrZero = Annotated[float, Quantity("length", least=0.0)]
-Angle = Annotated[float, Quantity("angle", least=-FULL_TURN, most=FULL_TURN)]
-ContactAngle = Annotated[float, Quantity("angle", least=0.0, most=math.pi / 2.0)]
+LengthOrZero = Annotated[float, Quantity("length", minimum=0.0)]
+Angle = Annotated[float, Quantity("angle", minimum=-FULL_TURN, maximum=FULL_TURN)]
+ContactAngle = Annotated[float, Quantity("angle", minimum=0.0, maximum=math.pi / 2.0)]
 Rotation = Annotated[float, Quantity("rotation", above=0.0)]
 Force = Annotated[float, Quantity("force", above=0.0)]
 SignedForce = Annotated[float, Quantity("force")]
 Duration = Annotated[float, Quantity("time", above=0.0)]
-Delay = Annotated[float, Quantity("time", least=0.0)]
+Delay = Annotated[float, Quantity("time", minimum=0.0)]
 Frequency = Annotated[float, Quantity("frequency", above=0.0)]
 Stiffness = Annotated[float, Quantity("stiffness", above=0.0)]
-StiffnessOrZero = Annotated[float, Quantity("stiffness", least=0.0)]
+StiffnessOrZero = Annotated[float, Quantity("stiffness", minimum=0.0)]
 LineStiffness = Annotated[float, Quantity("stiffness per length", above=0.0)]
-Damping = Annotated[float, Quantity("damping", least=0.0)]
+Damping = Annotated[float, Quantity("damping", minimum=0.0)]
 Velocity = Annotated[float, Quantity("velocity", above=0.0)]
-InverseVelocity = Annotated[float, Quantity("inverse velocity", least=0.0)]
+InverseVelocity = Annotated[float, Quantity("inverse velocity", minimum=0.0)]
 Mass = Annotated[float, Quantity("mass", above=0.0)]
 Density = Annotated[float, Quantity("density", above=0.0)]
-SolidDensity = Annotated[float, Quantity("density", least=1.0, most=1e5)]
+SolidDensity = Annotated[float, Quantity("density", minimum=1.0, maximum=1e5)]
 Pressure = Annotated[float, Quantity("pressure", above=0.0)]
 Viscosity = Annotated[float, Quantity("viscosity", above=0.0)]
 PressureCoefficient = Annotated[float, Quantity("pressure coefficient", above=0.0)]
 Temperature = Annotated[float, Quantity("temperature", above=0.0)]
 MassRadius = Annotated[float, Quantity("unbalance", above=0.0)]
 TorsionalStiffness = Annotated[float, Quantity("torsional stiffness", above=0.0)]
-TorsionalDamping = Annotated[float, Quantity("torsional damping", least=0.0)]
-Number = Annotated[float, Quantity("number", least=0.0)]
-Coefficient = Annotated[float, Quantity("coefficient in N, mm and s", least=0.0)]
+TorsionalDamping = Annotated[float, Quantity("torsional damping", minimum=0.0)]
+Number = Annotated[float, Quantity("number", minimum=0.0)]
+Coefficient = Annotated[float, Quantity("coefficient in N, mm and s", minimum=0.0)]
 PositiveCoefficient = Annotated[float, Quantity("coefficient in N, mm and s", above=0.0)]
-Exponent = Annotated[float, Quantity("number", least=0.0, most=MOST_EXPONENT)]
-PositiveExponent = Annotated[float, Quantity("number", above=0.0, most=MOST_EXPONENT)]
+Exponent = Annotated[float, Quantity("number", minimum=0.0, maximum=MAX_EXPONENT)]
+PositiveExponent = Annotated[float, Quantity("number", above=0.0, maximum=MAX_EXPONENT)]
 SignedNumber = Annotated[float, Quantity("number")]
-Share = Annotated[float, Quantity("number", least=0.0, most=1.0)]
-Percentage = Annotated[float, Quantity("share", least=0.0, most=1.0)]
-Accuracy = Annotated[float, Quantity("share", least=1e-6, most=0.5)]
-DampingRatio = Annotated[float, Quantity("share", least=1e-4, most=0.2)]
-PoissonRatio = Annotated[float, Quantity("number", above=0.0, most=0.5)]
+Share = Annotated[float, Quantity("number", minimum=0.0, maximum=1.0)]
+Percentage = Annotated[float, Quantity("share", minimum=0.0, maximum=1.0)]
+Accuracy = Annotated[float, Quantity("share", minimum=1e-6, maximum=0.5)]
+DampingRatio = Annotated[float, Quantity("share", minimum=1e-4, maximum=0.2)]
+PoissonRatio = Annotated[float, Quantity("number", above=0.0, maximum=0.5)]
 
 
 def refuse(kind: str, message: str, hint: str | None = None, **context: Any) -> NoReturn:
@@ -176,7 +178,7 @@ def refuse(kind: str, message: str, hint: str | None = None, **context: Any) -> 
     raise PydanticCustomError("bearingsim", "{message}", details)
 
 
-def described(raw: Any) -> str:
+def describe_value(raw: Any) -> str:
     """Describe a wrong value for an error message."""
     if isinstance(raw, dict):
         return "a mapping"
@@ -199,7 +201,7 @@ def one_of(*words: str) -> BeforeValidator:
 def raise_unknown_word(raw: Any, words: tuple[str, ...]) -> NoReturn:
     """Reject a word; the message lists the valid words and a suggestion."""
     hint = advice(raw, words) if isinstance(raw, str) else ""
-    refuse("word", f"expected {alternatives(words)}, got {described(raw)}", hint or None)
+    refuse("word", f"expected {alternatives(words)}, got {describe_value(raw)}", hint or None)
 
 
 def alternatives(words: tuple[str, ...]) -> str:
@@ -216,7 +218,7 @@ def _number(raw: Any, dimension: Dimension) -> float:
         except UnitError as error:
             refuse("quantity", f"expected {error.expected}, got `{raw}`", error.hint)
     if isinstance(raw, bool) or not isinstance(raw, int | float):
-        refuse("quantity", f"expected {expected}, got {described(raw)}")
+        refuse("quantity", f"expected {expected}, got {describe_value(raw)}")
     if not math.isfinite(raw):
         refuse("quantity", f"expected {expected}, got `{raw}`", "the number must be finite")
     return float(raw)
@@ -230,7 +232,7 @@ def _switch(raw: Any) -> bool:
     return bool(raw == "true")
 
 
-def _proving(raw: Any) -> bool | str:
+def _step_check_mode(raw: Any) -> bool | str:
     if isinstance(raw, bool) or raw in ("true", "false"):
         return _switch(raw)
     if raw != "strict":
@@ -238,48 +240,48 @@ def _proving(raw: Any) -> bool | str:
     return "strict"
 
 
-OR_NONE = Written(lambda raw: None if raw == "none" else raw, lambda own: or_words(own, "none"))
+OPTIONAL = FileFormat(lambda raw: None if raw == "none" else raw, lambda own: or_words(own, "none"))
 """Annotation of an optional section: the word `none` becomes None, so that a sweep can omit the section."""
 
 
-def whole(least: int, most: int) -> Written:
+def integer(low: int, high: int) -> FileFormat:
     """Return the annotation of an integer between two bounds."""
-    return Written(lambda raw: _whole(raw, least, most), lambda _: whole_schema(least, most))
+    return FileFormat(lambda raw: _integer(raw, low, high), lambda _: integer_schema(low, high))
 
 
-def whole_or_auto(least: int, most: int) -> Written:
+def integer_or_auto(low: int, high: int) -> FileFormat:
     """Return the annotation of an integer between two bounds, or the word `auto`."""
-    return Written(
-        lambda raw: raw if raw == "auto" else _whole(raw, least, most, ", or `auto`"),
-        lambda _: or_words(whole_schema(least, most), "auto"),
+    return FileFormat(
+        lambda raw: raw if raw == "auto" else _integer(raw, low, high, ", or `auto`"),
+        lambda _: or_words(integer_schema(low, high), "auto"),
     )
 
 
-def whole_schema(least: int, most: int) -> Schema:
+def integer_schema(low: int, high: int) -> Schema:
     """Return the schema of an integer between two bounds."""
-    return {"type": "integer", "minimum": least, "maximum": most}
+    return {"type": "integer", "minimum": low, "maximum": high}
 
 
-def _whole(raw: Any, least: int, most: int, other: str = "") -> int:
-    written = isinstance(raw, str) and re.fullmatch(r"[+-]?\d{1,9}", raw, re.ASCII)
+def _integer(raw: Any, low: int, high: int, alternative: str = "") -> int:
+    is_text = isinstance(raw, str) and re.fullmatch(r"[+-]?\d{1,9}", raw, re.ASCII)
     is_int = isinstance(raw, int) and not isinstance(raw, bool)
-    if not (written or is_int) or not least <= int(raw) <= most:
-        refuse("whole", f"expected a whole number from {least} to {most}{other}, got {described(raw)}")
+    if not (is_text or is_int) or not low <= int(raw) <= high:
+        refuse("whole", f"expected a whole number from {low} to {high}{alternative}, got {describe_value(raw)}")
     return int(raw)
 
 
 def _text(raw: Any) -> str:
     if not isinstance(raw, str):
-        refuse("text", f"expected a text, got {described(raw)}")
+        refuse("text", f"expected a text, got {describe_value(raw)}")
     return raw
 
 
 Switch = Annotated[bool, BeforeValidator(_switch)]
-StepCheckMode = Annotated[bool | Literal["strict"], BeforeValidator(_proving)]
+StepCheckMode = Annotated[bool | Literal["strict"], BeforeValidator(_step_check_mode)]
 Step = Annotated[float | Literal["auto"], QuantityOrAuto("time", above=0.0)]
-Tolerance = Annotated[float | Literal["auto"], QuantityOrAuto("tolerance", least=1e-13, most=0.1)]
-Settling = Annotated[float | Literal["auto"], QuantityOrAuto("time", least=0.0)]
-Text = Annotated[str, Written(_text, lambda _: {"type": ["string", "number", "boolean"]})]
+Tolerance = Annotated[float | Literal["auto"], QuantityOrAuto("tolerance", minimum=1e-13, maximum=0.1)]
+Settling = Annotated[float | Literal["auto"], QuantityOrAuto("time", minimum=0.0)]
+Text = Annotated[str, FileFormat(_text, lambda _: {"type": ["string", "number", "boolean"]})]
 
 Path = tuple[str | int, ...]
 """Path of a value in a case, such as `("defects", 0, "length")`."""

@@ -24,13 +24,13 @@ def library_names(kind: Kind) -> list[str]:
     return sorted({path.stem for folder in folders(kind) for path in folder.glob("*.yaml")})
 
 
-def find(kind: Kind, name: str, beside: Path | None = None) -> Path:
-    """Find the file of a name or a path, which is relative to the working directory, or else to `beside`.
+def find(kind: Kind, name: str, base_folder: Path | None = None) -> Path:
+    """Find the file of a name or a path, which is relative to the working directory, or else to `base_folder`.
 
     Raises ValueError, whose message lists the existing names.
     """
     if name.endswith((".yaml", ".yml")) or "/" in name:
-        candidates = [base / name for base in (Path(), beside) if base is not None]
+        candidates = [base / name for base in (Path(), base_folder) if base is not None]
     else:
         candidates = [folder / f"{name}.yaml" for folder in folders(kind)]
     for path in candidates:
@@ -40,13 +40,13 @@ def find(kind: Kind, name: str, beside: Path | None = None) -> Path:
     raise ValueError(_not_found(kind, name))
 
 
-def read(kind: Kind, name: str, beside: Path | None = None) -> yamlfile.Document:
+def read(kind: Kind, name: str, base_folder: Path | None = None) -> yamlfile.Document:
     """Parse the file of a name or path. Raises ValueError if it does not exist, StudyError for invalid YAML."""
-    path = find(kind, name, beside).absolute()
+    path = find(kind, name, base_folder).absolute()
     return _read(path, path.stat().st_mtime_ns)
 
 
-def described(kind: Kind, source: Any) -> Any:
+def load_mapping(kind: Kind, source: Any) -> Any:
     """Load the mapping of a name given to a section in Python; return other values unchanged."""
     if not isinstance(source, str):
         return source
@@ -58,16 +58,16 @@ def described(kind: Kind, source: Any) -> Any:
 
 @lru_cache(maxsize=256)
 def _read(path: Path, modified: int) -> yamlfile.Document:
-    return yamlfile.parse(yamlfile.read_text(path), _shown(path))
+    return yamlfile.parse(yamlfile.read_text(path), _display_path(path))
 
 
-def _shown(path: Path) -> str:
+def _display_path(path: Path) -> str:
     return str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else str(path)
 
 
 def _not_found(kind: Kind, name: str) -> str:
     names = library_names(kind)
-    listed = f"there are: {', '.join(names)}; or give the path of a file"
+    choices = f"there are: {', '.join(names)}; or give the path of a file"
     if kind == "bearings":  # a similar number is another bearing
-        return f"no bearing `{name}` ({listed} of your own, docs/bearings.md)"
-    return f"no {kind[:-1]} `{name}` ({suggestion(name, names) or listed})"
+        return f"no bearing `{name}` ({choices} of your own, docs/bearings.md)"
+    return f"no {kind[:-1]} `{name}` ({suggestion(name, names) or choices})"

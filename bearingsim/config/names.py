@@ -95,7 +95,7 @@ class _Channels(dict[str, Channel]):
         match = _ROLLER_CHANNEL.fullmatch(name)
         if not match or match[2] not in ROLLER or (match[3] and match[2] not in LINE_LOADS):
             raise KeyError(name)
-        return _numbered(match[2], match[1] or "1", match[3])
+        return _roller_channel(match[2], match[1] or "1", match[3])
 
     def __contains__(self, name: object) -> bool:
         try:
@@ -105,10 +105,10 @@ class _Channels(dict[str, Channel]):
         return True
 
 
-def _numbered(kind: str, number: str, of_slice: str | None = None) -> Channel:
+def _roller_channel(kind: str, number: str, slice_number: str | None = None) -> Channel:
     channel = ROLLER[kind]
-    where = f", slice {of_slice}" if of_slice else ""
-    return channel._replace(long_name=channel.long_name.format(number) + where)
+    suffix = f", slice {slice_number}" if slice_number else ""
+    return channel._replace(long_name=channel.long_name.format(number) + suffix)
 
 
 CHANNELS: Mapping[str, Channel] = _Channels(
@@ -120,7 +120,7 @@ CHANNELS: Mapping[str, Channel] = _Channels(
         "sensor.velocity": Channel(("",), "m/s", "velocity at the sensor"),
         "sensor.acceleration": Channel(("",), "m/s^2", "acceleration at the sensor"),
         "ring.rotation": Channel(("",), "rad", "rotation of the outer ring"),
-        **{f"roller.{kind}": _numbered(kind, "1") for kind in ROLLER},
+        **{f"roller.{kind}": _roller_channel(kind, "1") for kind in ROLLER},
         "ring.axial": Channel(("",), "m", "axial displacement of the outer ring"),
         "ring.lean": Channel(("x", "y"), "rad", "lean of the outer ring's axis"),
         "cage.speed": Channel(("",), "rad/s", "speed of the cage"),
@@ -157,10 +157,10 @@ QUANTITIES = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
 
 def _line_features(quantity: str, unit: str) -> dict[str, Feature]:
     features = {}
-    for line, made_of in LINES.items():
+    for line, multiples in LINES.items():
         features[f"{quantity}@{line}"] = Feature(unit, f"{quantity} amplitude at {line}")
         features[f"{quantity}@{line}.phase"] = Feature("rad", f"{quantity} phase at {line}")
-        if made_of.outer:
+        if multiples.outer:
             features[f"{quantity}@{line}-scatter"] = Feature(unit, f"standard error of {quantity} at {line}")
         features[f"{quantity}@{line}-healthy"] = Feature(unit, f"{quantity} at {line}, change from healthy")
     return features
@@ -175,19 +175,21 @@ def _statistics(quantity: str, unit: str) -> dict[str, Feature]:
     }
 
 
-def _extension_features(own: Mapping[str, Feature]) -> dict[str, Feature]:
-    for name in catalogue.FEATURES.keys() & own.keys():
+def _extension_features(builtin: Mapping[str, Feature]) -> dict[str, Feature]:
+    for name in catalogue.FEATURES.keys() & builtin.keys():
         extension = extensions.owner(catalogue.FEATURES[name].compute)
-        why = f"the extension `{extension}` registers the feature `{name}`, which the program has: rename it"
-        extensions.leave_out(extension, why)
+        message = f"the extension `{extension}` registers the feature `{name}`, which the program has: rename it"
+        extensions.leave_out(extension, message)
     return {
-        name: Feature(entry.unit, entry.long_name) for name, entry in catalogue.FEATURES.items() if name not in own
+        name: Feature(entry.unit, entry.long_name)
+        for name, entry in catalogue.FEATURES.items()
+        if name not in builtin
     }
 
 
-UNKNOWNS = ("damping", "clearance", "bracket", "support")
+UNCERTAIN_PARAMETERS = ("damping", "clearance", "bracket", "support")
 """Parameters that `uncertainty` can vary."""
-ERRORS = {
+ERROR_FEATURES = {
     "": "the amplitude at the defect frequency",
     ".rms": "the velocity's RMS",
     ".force": "the largest force on the outer race",
@@ -195,11 +197,11 @@ ERRORS = {
 """Features with `error.*` columns, by the suffix of the column."""
 
 
-def _errors() -> dict[str, Feature]:
+def _error_features() -> dict[str, Feature]:
     return {
-        f"error.{what}{ending}": Feature("", f"relative range of {of} over the uncertain {what}")
-        for what in UNKNOWNS
-        for ending, of in ERRORS.items()
+        f"error.{parameter}{suffix}": Feature("", f"relative range of {feature} over the uncertain {parameter}")
+        for parameter in UNCERTAIN_PARAMETERS
+        for suffix, feature in ERROR_FEATURES.items()
     }
 
 
@@ -227,14 +229,14 @@ def _features() -> dict[str, Feature]:
         "standard_error.line": Feature("", "relative standard error of the velocity at BPFO, of a chaotic motion"),
         "standard_error.rms": Feature("", "relative standard error of the velocity's RMS, of a chaotic motion"),
         **{
-            f"error.start{ending}": Feature("", f"relative error of {of} due to the initial transient")
-            for ending, of in ERRORS.items()
+            f"error.start{suffix}": Feature("", f"relative error of {feature} due to the initial transient")
+            for suffix, feature in ERROR_FEATURES.items()
         },
-        **_errors(),
+        **_error_features(),
     }
 
 
-_OWN = _features()
+_BUILTIN_FEATURES = _features()
 STEP_ACCURACY = 0.01
 """Limit of the relative step error of line, RMS and largest force; for a chaotic motion, of the RMS only."""
 NO_VALUE = "no_value."
@@ -253,8 +255,8 @@ MEANS = (*(f"{quantity}@{line}" for quantity in QUANTITIES for line in LINES), *
 
 def is_mean(name: str) -> bool:
     """Check if a feature is a mean over its record or the root of one, not an extreme or a change from healthy."""
-    banded = read_band(name)
-    return name in MEANS if banded is None else not banded.healthy
+    feature = read_band(name)
+    return name in MEANS if feature is None else not feature.healthy
 
 
 class _Features(dict[str, Feature]):
@@ -274,5 +276,5 @@ class _Features(dict[str, Feature]):
         return super().__contains__(name) or read_band(str(name)) is not None
 
 
-FEATURES: Mapping[str, Feature] = _Features(_OWN | _extension_features(_OWN))
+FEATURES: Mapping[str, Feature] = _Features(_BUILTIN_FEATURES | _extension_features(_BUILTIN_FEATURES))
 """Features in the results table, for the sensor's direction."""

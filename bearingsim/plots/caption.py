@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
-from bearingsim.config.bands import FLAT
+from bearingsim.config.bands import PASSBAND
 from bearingsim.plots import labels, select
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def band_of_record(results: "Results", rows: "pd.DataFrame", features: Sequence[
         return []
     if filtered != "true":
         return [f"{' and '.join(STATISTICS[word] for word in drawn)} of raw samples"]
-    return [f"{' and '.join(STATISTICS[word] for word in drawn)} of 0 to {FLAT * sampling / 1e3:.2g} kHz"]
+    return [f"{' and '.join(STATISTICS[word] for word in drawn)} of 0 to {PASSBAND * sampling / 1e3:.2g} kHz"]
 
 
 def moved_along(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[str]:

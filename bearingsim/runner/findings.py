@@ -29,7 +29,7 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
     """Collect the statements on the results of a plan; frame: from ``store.job_frame``."""
     cases = frame.loc[[entry["job"] for entry in plan["jobs"] if not entry["variation"]]]
     info = store.info(cases)
-    damping_notes = list(damping.job_sentences(info))
+    damping_notes = list(damping.result_remarks(info))
     damping_warnings = [text for text in (*damping_notes, *_assumptions(plan)) if text.startswith(damping.WARNING)]
     drawn_features = list(dict.fromkeys(name for figure in plan["figures"] for name in figure["y"]))
     accuracy = plan["accuracy"]["within"] if plan.get("accuracy") else inf

@@ -9,7 +9,7 @@ from bearingsim.catalogue import MODELS, below
 from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
 from bearingsim.config.rules.completion import slice_count
-from bearingsim.config.rules.hierarchy import leaves_friction_open
+from bearingsim.config.rules.hierarchy import has_default_friction
 from bearingsim.config.sections.contact import MOST_SLICES
 from bearingsim.config.sections.free import Cage, StaticDynamic
 from bearingsim.config.sections.machine import Rig
@@ -47,7 +47,7 @@ def with_friction(case: Case) -> Case | None:
 
     None if the case specifies friction (also `friction: none`), cage or drag, or its model does not compute slip.
     """
-    if not leaves_friction_open(case):
+    if not has_default_friction(case):
         return None
     return reference(case).model_copy(update={"cage": Cage(), "friction": StaticDynamic()})
 

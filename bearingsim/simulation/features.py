@@ -14,7 +14,7 @@ from bearingsim import cpu_time, signals
 from bearingsim.catalogue import FEATURES, MODELS, Feature, call
 from bearingsim.config import FEATURES as DECLARED
 from bearingsim.config import Case
-from bearingsim.config.bands import FLAT, Band, BandFeature
+from bearingsim.config.bands import PASSBAND, Band, BandFeature
 from bearingsim.config.names import LINES, NO_VALUE, read_band
 from bearingsim.core import layout as lay
 from bearingsim.core.geometry.motion import speed_factor
@@ -146,7 +146,7 @@ def band_features(case: Case, model: Any, cut: Grid, raw: RawRecord) -> dict[str
 
 def band_of(case: Case, feature: BandFeature) -> Band:
     """Return the band of a feature; for an envelope without a band, the flat band of `sampling`."""
-    return feature.band or Band(0.0, FLAT * case.sampling)
+    return feature.band or Band(0.0, PASSBAND * case.sampling)
 
 
 def resolves(band: Band, duration: float) -> bool:

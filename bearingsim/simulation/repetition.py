@@ -13,7 +13,7 @@ import numpy as np
 
 from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
-from bearingsim.config.rules.conflicts import ALIKE
+from bearingsim.config.rules.conflicts import PASS_CONDITIONS
 from bearingsim.core import layout as lay
 from bearingsim.core.models.interface import degrees_of_freedom
 from bearingsim.simulation.fastest import length_factors
@@ -28,7 +28,7 @@ CONSTANT = frozenset(
 """Fields of a case that act in the same way in every ball pass."""
 
 CONDITIONS: dict[str, Callable[[Case], bool]] = {
-    **{name: alike.holds for name, alike in ALIKE.items()},
+    **{name: condition.is_met for name, condition in PASS_CONDITIONS.items()},
     "method": lambda case: case.method is None or not METHODS[case.method].adaptive,
     "periodic": lambda case: case.periodic,
 }

@@ -6,7 +6,7 @@ Results of chaotic motions are random samples, so the spread includes their stan
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.config.names import ERRORS, FAULT_LINES, is_mean
+from bearingsim.config.names import ERROR_FEATURES, FAULT_LINES, is_mean
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -138,7 +138,7 @@ def errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
 
     table = pd.DataFrame(index=frame.index)
     for quantity in dict.fromkeys(variation["what"] for variation in plan.get("variations", ())):
-        for suffix in ERRORS:
+        for suffix in ERROR_FEATURES:
             features = _features(frame, suffix)
             parts = [_relative(plan, frame, name, quantity)[features == name] for name in features.unique()]
             table[f"error.{quantity}{suffix}"] = pd.concat(parts)
@@ -146,7 +146,7 @@ def errors(plan: Mapping[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def _features(frame: "pd.DataFrame", suffix: str) -> "pd.Series[str]":
-    """Return by job the feature of a column of ``ERRORS``; the line is that of the race of the first defect."""
+    """Return by job the feature of a column of ``ERROR_FEATURES``; the line is that of the first defect's race."""
     import pandas as pd
 
     if suffix:

@@ -169,9 +169,9 @@ def check_goal(
         entry_mark = next(map(_mark_of, _entries(root, "step_check", swept)), mark)
         problems.append(problem(entry_mark, message, "leave it out"))
     for case in cases:
-        unmet = hierarchy.unmet_wishes(case) if case.rig.ring is not None else []
+        unmet = hierarchy.omitted_needs(case) if case.rig.ring is not None else []
         if unmet:
-            message = f"accuracy: no model can compute all of this: {unmet[0].why}"
+            message = f"accuracy: no model can compute all of this: {unmet[0].reason}"
             problems.append(problem(mark, message, "omit that, or use `model` instead of `accuracy`"))
             return
 

@@ -10,7 +10,7 @@ from bearingsim.catalogue import AUTO, MODELS
 from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
 from bearingsim.config.names import MEANS
-from bearingsim.config.rules.hierarchy import leaves_friction_open, speaks_of_slip
+from bearingsim.config.rules.hierarchy import has_default_friction, specifies_slip
 from bearingsim.study.design import Design, SampledDesign
 from bearingsim.study.figures import Figure
 from bearingsim.study.goal import Goal
@@ -190,7 +190,7 @@ class Study:
             chosen.friction for chosen in self.selection.jobs.values()
         )
         has_friction = friction_tested or any(
-            speaks_of_slip(case) or leaves_friction_open(case) for case in self.cases()
+            specifies_slip(case) or has_default_friction(case) for case in self.cases()
         )
         return (NO_OIL,) if has_friction else (NO_SLIP,)
 

@@ -9,8 +9,8 @@ from typing import NamedTuple
 from bearingsim import extensions
 from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
-from bearingsim.config.case_fields import OLD_WORDS
-from bearingsim.config.fields import described
+from bearingsim.config.case_fields import DEPRECATED_KEYS
+from bearingsim.config.fields import describe_value
 from bearingsim.study.figures import Figure, band_features, check_computed, parse_figures
 from bearingsim.study.goal import Goal, add_early_end, check_goal, parse_goal, with_reference_model
 from bearingsim.study.jobs import Study
@@ -213,13 +213,13 @@ def _rename_keys(node: Node, is_path: bool = False) -> Node:
 def _new_path(path: str) -> str:
     """Replace a deprecated first word of a path such as `defect.width`."""
     head, dot, rest = path.partition(".")
-    return OLD_WORDS.get(head, head) + dot + rest
+    return DEPRECATED_KEYS.get(head, head) + dot + rest
 
 
 def _notes_on(root: Node, overrides: Mapping[str, str]) -> tuple[str, ...]:
     """List a note for each deprecated key in a file and its overrides."""
     keys = {*_keys(root), *overrides}
-    replaced = {old: new for old, new in OLD_WORDS.items() if old in keys}
+    replaced = {old: new for old, new in DEPRECATED_KEYS.items() if old in keys}
     return tuple(f"`{old}` is now `{new}`; the old word is still read" for old, new in replaced.items())
 
 
@@ -232,7 +232,7 @@ def _texts(overrides: Mapping[str, str]) -> dict[str, str]:
     problems = [
         problem(
             argument_mark(f"--set {path}={value}", len("--set ") + 1),
-            f"{path}: an override is a text as it would stand in the file, got {described(value)}",
+            f"{path}: an override is a text as it would stand in the file, got {describe_value(value)}",
             'as in `{"load": "200 N"}`',
         )
         for path, value in overrides.items()

@@ -6,7 +6,7 @@ from functools import cache, lru_cache
 from typing import Any, NamedTuple, get_args
 
 from bearingsim.config import Case
-from bearingsim.config.case_fields import OLD_WORDS
+from bearingsim.config.case_fields import DEPRECATED_KEYS
 from bearingsim.config.fields import Path, Quantity, Section
 from bearingsim.config.sections.ring import SupportPoint
 from bearingsim.config.vocabulary import sentence
@@ -54,7 +54,7 @@ def fields_at() -> dict[str, list[Field]]:
 def dimension(path: str) -> Dimension | None:
     """Return the dimension of the values at a path. Raises KeyError for an unknown path."""
     head, dot, rest = _without_number(path).partition(".")
-    current = OLD_WORDS.get(head, head) + dot + rest  # older results contain deprecated keys
+    current = DEPRECATED_KEYS.get(head, head) + dot + rest  # older results contain deprecated keys
     if current.startswith("rig.load."):  # in results the items of a list are numbered
         current = ".".join(step for step in current.split(".") if not step.isdecimal())
     return all_paths()[current]

@@ -5,7 +5,7 @@ from functools import lru_cache, partial
 from math import ceil, floor, hypot, inf, log10, pi
 
 from bearingsim.config import Case
-from bearingsim.config.bands import FLAT
+from bearingsim.config.bands import PASSBAND
 from bearingsim.config.names import FAULT_LINES, LINES
 from bearingsim.config.rules import hierarchy
 from bearingsim.config.rules.damping import WARNING
@@ -54,9 +54,9 @@ def omission_warnings(cases: Sequence[Case]) -> Iterator[str]:
     reasons: dict[tuple[str, str], list[str]] = {}
     models: dict[tuple[str, str], str | None] = {}
     for case in cases:
-        for need in hierarchy.unmet_wishes(case):
-            reasons.setdefault((case.model, need.what), []).append(need.why)
-            models.setdefault((case.model, need.what), hierarchy.least(case))
+        for need in hierarchy.omitted_needs(case):
+            reasons.setdefault((case.model, need.ability), []).append(need.reason)
+            models.setdefault((case.model, need.ability), hierarchy.simplest_model(case))
     for (model, effect), texts in reasons.items():
         count = f" ({len(texts)} of {len(cases)})" if len(texts) < len(cases) else ""
         advice = f"; use `{models[model, effect]}`" if models[model, effect] not in (None, model) else ""
@@ -190,7 +190,7 @@ def crossing_warning(case: Case) -> str:
     """Return the warning of a defect crossed in less than ``MIN_SAMPLES``."""
     crossing = shortest_crossing(case)
     samples, sampling = crossing * case.sampling, MIN_SAMPLES / crossing
-    end, advice = f"{FLAT * case.sampling / 1e3:.2g} kHz", f"`sampling: {show(_round_up(sampling), 'kHz')}`"
+    end, advice = f"{PASSBAND * case.sampling / 1e3:.2g} kHz", f"`sampling: {show(_round_up(sampling), 'kHz')}`"
     return f"the record ends at {end} ({samples:.2g} samples per crossing); {advice} gives 8"
 
 

@@ -13,8 +13,8 @@ from pydantic.json_schema import models_json_schema
 
 from bearingsim.catalogue import AUTO
 from bearingsim.config import Case, Defect, Section, bands
-from bearingsim.config.case_fields import OLD_WORDS
-from bearingsim.config.fields import POSITIVE, Schema, quantity_schema, whole_schema
+from bearingsim.config.case_fields import DEPRECATED_KEYS
+from bearingsim.config.fields import POSITIVE, Schema, integer_schema, quantity_schema
 from bearingsim.designs import KINDS
 from bearingsim.study.design import MAX_SEED
 from bearingsim.study.distributions import DISTRIBUTIONS
@@ -46,7 +46,7 @@ def json_schema() -> Schema:
         """Return the schema of one value of a path."""
         if path == "defect":
             return defect
-        return _one_of(_ref(names, *field) for field in fields_at()[OLD_WORDS.get(path, path)])
+        return _one_of(_ref(names, *field) for field in fields_at()[DEPRECATED_KEYS.get(path, path)])
 
     definitions = {
         "Feature": {"anyOf": [{"enum": list(PLOT_COLUMNS)}, BAND_NAME]},
@@ -72,7 +72,7 @@ def json_schema() -> Schema:
             "study": _TEXT | {"pattern": f"^{NAME.pattern}$", "description": "letters, digits, - _ ."},
             **case,
             "defect": defect,
-            **{old: value_at(old) | {"deprecated": True} for old in OLD_WORDS},
+            **{old: value_at(old) | {"deprecated": True} for old in DEPRECATED_KEYS},
             "accuracy": _accuracy(),
             "sweep": _sweep(required=["n", "over"]),
             "figures": {"type": "array", "items": _figure()},
@@ -135,7 +135,7 @@ def _closed_mapping(properties: Mapping[str, Schema], required: Iterable[str] = 
 
 def _paths() -> list[str]:
     """List every path that a study may sweep, including deprecated keys."""
-    return [*known_paths(), *OLD_WORDS]
+    return [*known_paths(), *DEPRECATED_KEYS]
 
 
 def _ref(names: Mapping[type[Section], str], section: type[Section], name: str) -> Schema:
@@ -173,7 +173,7 @@ def _values(path: str, value: Schema) -> Schema:
 
 
 def _generator(number: Schema) -> Schema:
-    last = dict.fromkeys(GENERATORS, whole_schema(2, MAX_VALUES)) | {"range": number}
+    last = dict.fromkeys(GENERATORS, integer_schema(2, MAX_VALUES)) | {"range": number}
     return _one_of(
         _closed_mapping({generator: _list_of(number, number, last[generator])}, required=[generator])
         for generator in GENERATORS
@@ -203,7 +203,7 @@ def _one_or_many(schema: Schema) -> Schema:
 def _sweep(required: list[str]) -> Schema:
     """Return the schema of `sweep`; required: the keys of a design, which `quick` need not repeat."""
     values = _definition("Values")
-    design = {"n": whole_schema(1, 10**99), "seed": whole_schema(0, MAX_SEED), "over": _definition("Ranges")}
+    design = {"n": integer_schema(1, 10**99), "seed": integer_schema(0, MAX_SEED), "over": _definition("Ranges")}
     formulas = {
         "type": "object",
         "propertyNames": _definition("Path"),
@@ -214,7 +214,7 @@ def _sweep(required: list[str]) -> Schema:
         **dict.fromkeys(KINDS, _closed_mapping(design, required)),
         "derived": formulas,
         "where": _one_of([{"type": "string"}, {"type": "array", "items": {"type": "string"}}]),
-        "repeat": whole_schema(1, MAX_VALUES),
+        "repeat": integer_schema(1, MAX_VALUES),
     }
     return _path_mapping(_paths(), lambda path: {"$ref": f"#/$defs/Values/properties/{path}"}, settings)
 
@@ -258,7 +258,7 @@ def _accuracy() -> Schema:
 
 def _exclusions() -> Iterator[Schema]:
     """Yield the conditions on keys that exclude each other."""
-    for keys in (("defect", "defects"), *OLD_WORDS.items()):
+    for keys in (("defect", "defects"), *DEPRECATED_KEYS.items()):
         yield {"not": {"required": [*keys]}}
     excluded = {
         path: {"const": AUTO} if reason == STEP_REASON else False for path, reason in EXCLUDED_KEYS.items()

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import product
 
-from bearingsim.config.fields import described
+from bearingsim.config.fields import describe_value
 from bearingsim.designs import KINDS
 from bearingsim.study.paths import normal_form
 from bearingsim.study.words import SWEEP_SETTINGS, assigned_paths
@@ -212,7 +212,9 @@ def repeat_axes(node: Node, problems: list[Problem]) -> list[Axis]:
     """Return the axis of `repeat: N`, the seeds 1 to N. For an invalid value, add a problem and return none."""
     is_number = isinstance(node.value, str) and re.fullmatch(r"\d{1,6}", node.value, re.ASCII)
     if not is_number or not 1 <= int(node.text) <= MAX_VALUES:
-        message = f"sweep.repeat: expected a whole number from 1 to {MAX_VALUES}, got {described(plain(node))}"
+        message = (
+            f"sweep.repeat: expected a whole number from 1 to {MAX_VALUES}, got {describe_value(plain(node))}"
+        )
         problems.append(problem(node.mark, message))
         return []
     seeds = tuple((Node(str(seed), node.mark, node.key),) for seed in range(1, int(node.text) + 1))

@@ -20,8 +20,8 @@ from typing import Any
 
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case, Kraemer, names
-from bearingsim.config.fields import described
-from bearingsim.config.rules.completion import completed_rig
+from bearingsim.config.fields import describe_value
+from bearingsim.config.rules.completion import complete_rig
 from bearingsim.config.rules.conflicts import conflicts
 from bearingsim.config.sections.ring import FlexibleRing, RingLoad
 from bearingsim.text.units import Dimension, UnitError, display, parse, suggestion
@@ -102,7 +102,7 @@ def _with_support(case: Case, number: float) -> Case:
         "ring_mass": None,
     }  # a flexible ring has its own mass
     flexible = case.model_copy(update={"rig": case.rig.model_copy(update=ring_fields | {"load": load})})
-    return flexible.model_copy(update={"rig": completed_rig(flexible)})
+    return flexible.model_copy(update={"rig": complete_rig(flexible)})
 
 
 PARAMETER_KINDS = {
@@ -111,7 +111,7 @@ PARAMETER_KINDS = {
     "bracket": ParameterKind("number", "", "[0.5, 2]", True, _with_bracket),
     "support": ParameterKind("number", "", "unknown", True, _with_support, tuple(SUPPORTS)),
 }
-assert tuple(PARAMETER_KINDS) == names.UNKNOWNS, "each has its columns in the table"
+assert tuple(PARAMETER_KINDS) == names.UNCERTAIN_PARAMETERS, "each has its columns in the table"
 NONE = "none"
 UNKNOWN = "unknown"
 DEFAULT_DAMPING = UncertainParameter("damping", (0.5e-6, sqrt(5.0) * 1e-6, 10e-6))
@@ -165,7 +165,7 @@ def _parse_choices(
 ) -> UncertainParameter | None:
     if node.value == UNKNOWN:
         return UncertainParameter(name, tuple(float(number) for number in range(1, len(kind.choices) + 1)))
-    message = f"uncertainty.{name}: expected `{UNKNOWN}`, got {described(plain(node))}"
+    message = f"uncertainty.{name}: expected `{UNKNOWN}`, got {describe_value(plain(node))}"
     problems.append(problem(node.mark, message, f"it tries: {', '.join(kind.choices)}"))
     return None
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from bearingsim import catalogue
 from bearingsim.config import Case
-from bearingsim.config.case_fields import OLD_WORDS
+from bearingsim.config.case_fields import DEPRECATED_KEYS
 from bearingsim.config.channels import is_contact_force
 from bearingsim.config.fields import Section
 from bearingsim.config.rules.conflicts import MOUNT_FIELDS
@@ -38,7 +38,7 @@ INACTIVE: dict[str, Any] = {
 }
 """Values without effect, which are omitted from ids so that new fields do not change the ids of results."""
 
-OLD_NAMES = {new: old for old, new in OLD_WORDS.items()}
+OLD_NAMES = {new: old for old, new in DEPRECATED_KEYS.items()}
 """Deprecated names of keys, which ids still use so that renaming does not change the ids of results."""
 
 SPATIAL_FIELDS: dict[str, tuple[str, ...]] = {

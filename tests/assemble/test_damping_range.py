@@ -13,7 +13,7 @@ import pytest
 from bearingsim.assemble import contacts
 from bearingsim.assemble.scales import approach
 from bearingsim.config import Case, library_names
-from bearingsim.config.rules.damping import PLAUSIBLE, Damped
+from bearingsim.config.rules.damping import PLAUSIBLE_RANGE, JobDamping
 from bearingsim.core.laws.damping.interface import derivatives
 from bearingsim.simulation import choice
 from benchmarks.impact_force import static_load_of_element
@@ -49,7 +49,7 @@ def damping_times(bearing_case: Case, on_outer: bool) -> np.ndarray:
 def test_default_damping_is_plausible_at_every_load(bearing: str, on_outer: bool) -> None:
     times = damping_times(case(bearing, "kraemer"), on_outer)
     assert times == pytest.approx(2.5 * US, rel=1e-9)
-    assert PLAUSIBLE[0] <= times.min() <= times.max() <= PLAUSIBLE[1]
+    assert PLAUSIBLE_RANGE[0] <= times.min() <= times.max() <= PLAUSIBLE_RANGE[1]
 
 
 CHI_DAMPING_TIMES = {
@@ -107,7 +107,7 @@ def test_loss_factor_gives_a_damping_time() -> None:
     bearing_case = case("nf308", {"law": "loss-factor", "loss_factor": "1.5 %", "frequency": "10 kHz"})
     times = damping_times(bearing_case, on_outer=True)
     assert times == pytest.approx(0.015 / (2.0 * pi * 1e4), rel=1e-9)
-    assert Damped(float(times.max()), 0.01).too_light
+    assert JobDamping(float(times.max()), 0.01).too_light
 
 
 # Warnings
@@ -129,11 +129,11 @@ SCENES = [
 """Bearing, load (N), speed (rpm), and c/k (us) of chi = 50 s/m, of cases with a slot of 0.8 mm and 50 um."""
 
 
-def damping_of_scene(bearing: str, load: float, rpm: float, damping: Any) -> Damped:
+def damping_of_scene(bearing: str, load: float, rpm: float, damping: Any) -> JobDamping:
     length = case(bearing, damping).bearing.roller_length or 8e-3
     slot = {"shape": "rectangular", "width": "0.8 mm", "depth": "50 um", "length": length}
     limits = choice.limits(case(bearing, damping, rpm, load=load, defect=slot))
-    return Damped(limits.damping_time, limits.damping_ratio, limits.crossing)
+    return JobDamping(limits.damping_time, limits.damping_ratio, limits.crossing)
 
 
 def test_seven_of_eleven_scenes_are_too_heavily_damped_by_chi_and_none_by_default() -> None:
@@ -147,9 +147,9 @@ def test_seven_of_eleven_scenes_are_too_heavily_damped_by_chi_and_none_by_defaul
 
 
 def test_plausible_range_depends_on_the_crossing_time() -> None:
-    assert not Damped(25.0 * US, 1.0).too_heavy  # the end of the range itself
-    assert Damped(25.1 * US, 1.0).too_heavy
-    assert Damped(3.0 * US, 1.0, crossing=29.0 * US).too_heavy
-    assert not Damped(3.0 * US, 1.0, crossing=31.0 * US).too_heavy
-    assert Damped(0.29 * US, 0.01).too_light
-    assert not Damped(0.3 * US, 0.01).too_light
+    assert not JobDamping(25.0 * US, 1.0).too_heavy  # the end of the range itself
+    assert JobDamping(25.1 * US, 1.0).too_heavy
+    assert JobDamping(3.0 * US, 1.0, crossing=29.0 * US).too_heavy
+    assert not JobDamping(3.0 * US, 1.0, crossing=31.0 * US).too_heavy
+    assert JobDamping(0.29 * US, 0.01).too_light
+    assert not JobDamping(0.3 * US, 0.01).too_light

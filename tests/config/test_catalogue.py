@@ -9,14 +9,14 @@ from pydantic import ValidationError
 
 from bearingsim.cli import frequencies
 from bearingsim.config import Bearing, Case, library_names
-from bearingsim.config.library import described
+from bearingsim.config.library import load_mapping
 from bearingsim.config.sections.clearance import CLASSES, limits, middle
 
 CATALOGUE = ("nf308", "nf308-catalogue", "nu206", "nu205", "nu204", "nu209", "6205", "6203")
 
 
 def load_bearing(name: str) -> Bearing:
-    return Bearing.model_validate(described("bearings", name))
+    return Bearing.model_validate(load_mapping("bearings", name))
 
 
 def test_the_catalogue_is_complete() -> None:

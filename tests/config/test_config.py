@@ -404,7 +404,7 @@ def test_configs_come_from_the_package_or_its_checkout(tmp_path: Path, monkeypat
         (folder / "configs" / "materials").mkdir(parents=True)
         (folder / "configs" / "materials" / f"{name}.yaml").write_text("density: 1 kg/m^3\n")
     assert library_names("materials") == ["packed"]
-    assert Material.model_validate(library.described("materials", "packed")).density == 1.0
+    assert Material.model_validate(library.load_mapping("materials", "packed")).density == 1.0
     (package.parent / "pyproject.toml").touch()
     assert library_names("materials") == ["beside"]
 

@@ -9,7 +9,7 @@ import pytest
 
 from bearingsim.catalogue import METHODS, MODELS
 from bearingsim.config import Case
-from bearingsim.config.rules.hierarchy import least
+from bearingsim.config.rules.hierarchy import simplest_model
 from bearingsim.config.sections.ring import FlexibleRing, RingLoad, SupportPoint
 from bearingsim.simulation.choice import can_step, choice
 from bearingsim.store import case_of
@@ -199,8 +199,8 @@ def test_models_that_know_no_bending_refuse_it(write: Write, name: str) -> None:
 
 
 def test_the_least_model_that_bends() -> None:
-    assert least(case(model="rollers", rig={"ring": BENDS})) == "static"
-    assert least(case(model="rollers", rig={"ring": BENDS}, record=["ring.acceleration"])) == "rollers"
+    assert simplest_model(case(model="rollers", rig={"ring": BENDS})) == "static"
+    assert simplest_model(case(model="rollers", rig={"ring": BENDS}, record=["ring.acceleration"])) == "rollers"
 
 
 def test_auto_takes_no_implicit_method_for_a_ring_that_bends() -> None:

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from bearingsim.catalogue import MODELS
 from bearingsim.config import CHANNELS, Case
-from bearingsim.config.rules.hierarchy import least, needs, reasons, reference
+from bearingsim.config.rules.hierarchy import needs, reasons, reference_model, simplest_model
 from bearingsim.config.sections.free import Cage, Frictionless
 
 DEFECT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
@@ -98,7 +98,7 @@ def most_able(fields: dict[str, Any]) -> str:
 @pytest.mark.parametrize(("fields", "model", "why"), LEAST)
 def test_the_least_model_and_why(fields: dict[str, Any], model: str, why: str) -> None:
     found = case(**fields | {"model": most_able(fields)})
-    assert least(found) == model
+    assert simplest_model(found) == model
     assert any(why in reason for reason in reasons(found))
 
 
@@ -106,7 +106,7 @@ def test_the_least_model_and_why(fields: dict[str, Any], model: str, why: str) -
 def test_the_reference_is_planar_unless_it_cannot(fields: dict[str, Any], model: str, why: str) -> None:
     found = case(**fields | {"model": "reference"})
     assert found.model == most_able(fields)
-    assert reference(found) == found.model
+    assert reference_model(found) == found.model
     assert found.method == (None if found.model == "impulse" else "auto")
     assert Case.model_validate(found.model_dump()) == found
 
@@ -185,7 +185,7 @@ def test_a_model_that_cannot_is_refused_with_the_least_that_can(
 def test_what_is_a_matter_of_quality_is_not_refused() -> None:
     found = case(model="static", defect=DEFECT, record=["ring.acceleration", "roller.outer_force"])
     assert found.model == "static"
-    assert least(found) == "rollers"
+    assert simplest_model(found) == "rollers"
     assert case(model="ring", speed="9000 rpm").model == "ring"
 
 
@@ -194,13 +194,13 @@ def test_quality_yields_where_no_model_has_it() -> None:
 
 
 def test_what_planar_fills_in_asks_for_nothing() -> None:
-    assert least(case(model="planar")) == "static"
-    assert least(case(model="planar", friction="none")) == "static"
+    assert simplest_model(case(model="planar")) == "static"
+    assert simplest_model(case(model="planar", friction="none")) == "static"
 
 
 def test_every_need_is_somebodys_ability() -> None:
     known = frozenset[str]().union(*(model.abilities for model in MODELS.values()))
-    found = {need.what for fields, _, _ in LEAST for need in needs(case(**fields | {"model": "reference"}))}
+    found = {need.ability for fields, _, _ in LEAST for need in needs(case(**fields | {"model": "reference"}))}
     assert found <= known
 
 
@@ -225,9 +225,9 @@ def test_impulses_that_came_with_the_model_are_not_asked_for() -> None:
     """So the message can name the model that gives the forces."""
     with pytest.raises(ValidationError, match="contact force"):
         case(model="impulse", record=["roller.outer_force"], defect=DEFECT)
-    assert "impulses" not in {need.what for need in needs(case(model="impulse", defect=DEFECT))}
+    assert "impulses" not in {need.ability for need in needs(case(model="impulse", defect=DEFECT))}
     asked = case(model="impulse", excitation="impulse-train", defect=DEFECT)
-    assert "impulses" in {need.what for need in needs(asked)}
+    assert "impulses" in {need.ability for need in needs(asked)}
 
 
 def test_balls_are_refused_by_the_spatial_model_alone() -> None:

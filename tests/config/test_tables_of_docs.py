@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from bearingsim import assemble
 from bearingsim.catalogue import LAWS, METHODS, MODELS, SHAPES
 from bearingsim.config import CHANNELS, Case
-from bearingsim.config.rules.hierarchy import _RECORDED
+from bearingsim.config.rules.hierarchy import _RECORD_ABILITIES
 from bearingsim.config.sections.defect import IMPULSE_EXCITATIONS, Excitation
 from bearingsim.simulation.settling import resolve_settling
 
@@ -94,7 +94,7 @@ def test_the_models_of_each_channel_are_those_that_can() -> None:
     shown.pop(".y")
     assert set(shown) == set(CHANNELS)
     for channel, cell in shown.items():
-        ability, _ = _RECORDED.get(channel, ("acceleration", ""))
+        ability, _ = _RECORD_ABILITIES.get(channel, ("acceleration", ""))
         able = {name for name, model in MODELS.items() if ability in model.abilities or ability == "acceleration"}
         assert models_of(cell) == able, channel
 

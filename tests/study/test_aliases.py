@@ -6,7 +6,7 @@ import pytest
 from pydantic import ValidationError
 
 from bearingsim.config import Case
-from bearingsim.config.case_fields import OLD_WORDS
+from bearingsim.config.case_fields import DEPRECATED_KEYS
 from bearingsim.study import dimension, load_study
 from bearingsim.study.jobs import case_id
 from tests.scenes.commands import type_
@@ -66,6 +66,6 @@ def test_check_says_so(write: Write) -> None:
     assert json.loads(found)["notes"][-1] == "`prove` is now `step_check`; the old word is still read"
 
 
-@pytest.mark.parametrize("old", OLD_WORDS)
+@pytest.mark.parametrize("old", DEPRECATED_KEYS)
 def test_an_old_word_is_no_field(old: str) -> None:
     assert old not in Case.model_fields

@@ -26,9 +26,9 @@ def complete(case: CaseFields) -> None:
         _fill(case, "method", catalogue.AUTO)
     if "start_angle" not in case.model_fields_set:
         _fill(case, "start_angle", math.pi / case.bearing.rollers)
-    _fill(case, "contact", _suited_contact(case))
-    _fill(case, "rig", completed_rig(case))
-    _fill(case, "defects", tuple(_completed(case, _numbered(defect)) for defect in case.defects))
+    _fill(case, "contact", _complete_contact(case))
+    _fill(case, "rig", complete_rig(case))
+    _fill(case, "defects", tuple(_with_edge(case, _with_roller(defect)) for defect in case.defects))
     if case.misalignment is not None and case.misalignment.inner == case.misalignment.outer == 0.0:
         _fill(case, "misalignment", None)
     _fill_free_motion(case)
@@ -37,18 +37,18 @@ def complete(case: CaseFields) -> None:
 
 def _fill_reference(case: CaseFields) -> None:
     """Fill in the reference model; its cage is kinematic unless the case specifies or records slip."""
-    _fill(case, "model", hierarchy.reference(case) or catalogue.most_able())
-    if catalogue.MODELS[case.model].slips and not hierarchy.speaks_of_slip(case):
+    _fill(case, "model", hierarchy.reference_model(case) or catalogue.most_able())
+    if catalogue.MODELS[case.model].slips and not hierarchy.specifies_slip(case):
         _fill(case, "cage", free.Cage(motion="kinematic"))
 
 
-AROUND_A_ROLLER, IN_A_HOUSING = 7, 8
+EXTRA_HARMONICS, HOUSING_HARMONICS = 7, 8
 """Default harmonics of a flexible ring: in excess of the number of rollers for a sensor on the ring, to resolve
 the bulge at each roller; in total for a sensor on the housing."""
 CARRIER_MASS = 1.0  # kg, an assumption
 
 
-def completed_rig(case: CaseFields) -> Rig:
+def complete_rig(case: CaseFields) -> Rig:
     """Complete the rig with the cross-section of a flexible ring, its harmonics and its load path."""
     ring, load = case.rig.ring, case.rig.load or RingLoad()
     if ring is None:
@@ -56,12 +56,16 @@ def completed_rig(case: CaseFields) -> Rig:
     harmonics = ring.harmonics
     if harmonics == "auto":
         on_ring = case.rig.sensor.on_ring
-        harmonics = min(MAX_HARMONICS, case.bearing.rollers + AROUND_A_ROLLER) if on_ring else IN_A_HOUSING
-    dimensions = {name: getattr(ring.section, name) or usual for name, usual in case.bearing.ring_section.items()}
-    bent = {"harmonics": harmonics, "section": ring.section.model_copy(update=dimensions)}
-    held = {"mass": load.mass or CARRIER_MASS} if load.carried else {}
-    held |= {"fit": load.fit or 0.0} if load.by == "housing" else {}
-    return case.rig.model_copy(update={"ring": ring.model_copy(update=bent), "load": load.model_copy(update=held)})
+        harmonics = min(MAX_HARMONICS, case.bearing.rollers + EXTRA_HARMONICS) if on_ring else HOUSING_HARMONICS
+    dimensions = {
+        name: getattr(ring.section, name) or default for name, default in case.bearing.ring_section.items()
+    }
+    ring_update = {"harmonics": harmonics, "section": ring.section.model_copy(update=dimensions)}
+    load_update = {"mass": load.mass or CARRIER_MASS} if load.carried else {}
+    load_update |= {"fit": load.fit or 0.0} if load.by == "housing" else {}
+    return case.rig.model_copy(
+        update={"ring": ring.model_copy(update=ring_update), "load": load.model_copy(update=load_update)}
+    )
 
 
 def _fill_free_motion(case: CaseFields) -> None:
@@ -75,21 +79,21 @@ def _fill_free_motion(case: CaseFields) -> None:
         _fill(case, "friction", free.Frictionless() if cage.motion == "kinematic" else free.StaticDynamic())
 
 
-def _completed(case: CaseFields, defect: Defect) -> Defect:
+def _with_edge(case: CaseFields, defect: Defect) -> Defect:
     """Add the default edges of the excitation to a defect."""
     if case.excitation != "elastic-edge" or defect.edge is not None:
         return defect
     return defect.model_copy(update={"edge": Edge(radius=EDGE_RADIUS)})
 
 
-def _numbered(defect: Defect) -> Defect:
+def _with_roller(defect: Defect) -> Defect:
     """Add the default number of the roller to a roller's defect."""
     if defect.race != "roller" or defect.roller is not None:
         return defect
     return defect.model_copy(update={"roller": 1})
 
 
-def _suited_contact(case: CaseFields) -> Contact:
+def _complete_contact(case: CaseFields) -> Contact:
     if case.contact.stiffness is not None:
         return case.contact
     law = "palmgren" if case.bearing.element == "roller" else "point"
@@ -100,14 +104,14 @@ def _fill(case: CaseFields, name: str, value: object) -> None:
     object.__setattr__(case, name, value)
 
 
-def reach(defect: Defect) -> tuple[float, float]:
+def axial_extent(defect: Defect) -> tuple[float, float]:
     """Return the axial extent of a defect, in m from the roller's centre."""
     return defect.offset - defect.length / 2.0, defect.offset + defect.length / 2.0
 
 
 def slice_ends(case: CaseFields) -> Any:
     """Return the ends (n + 1,) of a roller's slices, in m from its centre. Raises ValueError for too many."""
-    defects = tuple(map(reach, case.defects))
+    defects = tuple(map(axial_extent, case.defects))
     return _slice_ends(float(case.bearing.roller_length or 0.0), defects, case.contact.slices)
 
 
@@ -132,7 +136,7 @@ def slice_count(case: CaseFields) -> int | None:
 
 def slice_channels(channel: str, case: CaseFields) -> tuple[str, ...]:
     """Expand a line load along the whole roller to one channel per slice, if the model has slices."""
-    whole, count = line_load_of(channel), slice_count(case)
-    if whole is None or count is None:
+    line_load, count = line_load_of(channel), slice_count(case)
+    if line_load is None or count is None:
         return (channel,)
-    return tuple(f"{whole}.{number}" for number in range(1, count + 1))
+    return tuple(f"{line_load}.{number}" for number in range(1, count + 1))

@@ -5,8 +5,8 @@ from math import inf
 from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim import catalogue
-from bearingsim.config.bands import EXAMPLES, FEWEST_PERIODS, HIGHEST
-from bearingsim.config.channels import plain, roller_number, slice_number
+from bearingsim.config.bands import EXAMPLES, MAX_FREQUENCY, MIN_PERIODS
+from bearingsim.config.channels import roller_number, slice_number, without_numbers
 from bearingsim.config.fields import Conflict, Path
 from bearingsim.config.names import read_band
 from bearingsim.config.rules import hierarchy
@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 MAX_TILT = 0.02  # rad, largest plausible misalignment
 MAX_SAMPLES = 1e9
 """Limit of the samples of a record: 4 GB per channel in single precision, or a day at 10 kHz."""
-BURSTS_AT = 2.5e9
+MAX_HOOP_STRESS = 2.5e9
 """Pa; limit of the hoop stress rho v^2 of a thin ring with surface speed v: the tensile strength of hardened
 bearing steel, 2.0 to 2.5 GPa. A steel ring reaches it at 560 m/s."""
 MOUNT_FIELDS = ("axial_stiffness", "axial_damping", "tilting_stiffness", "tilting_damping")
-HELD_BY_CAGE = ("cage.slip", "cage.axial", "cage.lean", "roller.cage_force", "roller.skew", "roller.axial")
+KINEMATIC_CHANNELS = ("cage.slip", "cage.axial", "cage.lean", "roller.cage_force", "roller.skew", "roller.axial")
 
 
 def conflicts(case: "CaseFields") -> Iterator[Conflict]:
@@ -52,9 +52,9 @@ def conflicts(case: "CaseFields") -> Iterator[Conflict]:
 
 def _model(case: "CaseFields") -> Iterator[Conflict]:
     for need in hierarchy.unmet_needs(case):
-        hint = _able(case)
-        message = f"the {case.model} model cannot do this: {need.why}"
-        yield Conflict(f"model {need.what}", (*need.paths, ("model",)), message, hint)
+        hint = _model_hint(case)
+        message = f"the {case.model} model cannot do this: {need.reason}"
+        yield Conflict(f"model {need.ability}", (*need.paths, ("model",)), message, hint)
     yield from _method(case)
 
 
@@ -65,14 +65,14 @@ def _method(case: "CaseFields") -> Iterator[Conflict]:
         yield Conflict("method", paths, message, "leave it out")
     adaptive = [method.name for method in catalogue.METHODS.values() if method.adaptive]
     if case.tolerance != "auto" and case.method not in ("auto", *adaptive):
-        what = f"`{case.method}` takes steps of fixed length" if case.method else f"{case.model} has no method"
+        subject = f"`{case.method}` takes steps of fixed length" if case.method else f"{case.model} has no method"
         hint = "give a `step`, or one of the methods that choose theirs: " + ", ".join(adaptive)
-        yield Conflict("tolerance", (("tolerance",), *paths), f"{what}: a tolerance does nothing", hint)
+        yield Conflict("tolerance", (("tolerance",), *paths), f"{subject}: a tolerance does nothing", hint)
 
 
-def _able(case: "CaseFields") -> str:
-    least = hierarchy.least(case)
-    return f"the simplest one that can is `model: {least}`" if least else "no model can compute all of this"
+def _model_hint(case: "CaseFields") -> str:
+    model = hierarchy.simplest_model(case)
+    return f"the simplest one that can is `model: {model}`" if model else "no model can compute all of this"
 
 
 # Contact
@@ -121,7 +121,7 @@ def _kinematic_cage(case: "CaseFields") -> Iterator[Conflict]:
 
 def _in_space(case: "CaseFields") -> Iterator[Conflict]:
     for name, section in (("rig", case.rig), ("shaft", case.shaft)):
-        yield from _half_sprung(name, section)
+        yield from _incomplete_mount(name, section)
     yield from _misalignment(case)
     sliced = catalogue.MODELS[case.model].sliced and case.bearing.roller_length is not None
     if sliced and slice_count(case) is None:
@@ -130,7 +130,7 @@ def _in_space(case: "CaseFields") -> Iterator[Conflict]:
         yield Conflict("slices", paths, message, "use fewer `contact.slices` or fewer defects")
 
 
-def _half_sprung(name: str, section: "Rig | Shaft | None") -> Iterator[Conflict]:
+def _incomplete_mount(name: str, section: "Rig | Shaft | None") -> Iterator[Conflict]:
     if section is None:
         return
     present = [key for key in MOUNT_FIELDS if getattr(section, key) is not None]
@@ -161,9 +161,9 @@ def _record(case: "CaseFields") -> Iterator[Conflict]:
             message = f"there is no roller {number}: the bearing has {case.bearing.rollers}"
             yield Conflict("channel", (path, ("bearing", "rollers")), message, "they count from 1")
         yield from _slice_of(path, name, case)
-        still = _still(name, case) if catalogue.MODELS[case.model].slips else None
-        if still:
-            yield Conflict("still", (path,), f"`{name}` stays zero: {still[0]}", still[1])
+        zero_reason = _zero_reason(name, case) if catalogue.MODELS[case.model].slips else None
+        if zero_reason:
+            yield Conflict("still", (path,), f"`{name}` stays zero: {zero_reason[0]}", zero_reason[1])
 
 
 def _bands(case: "CaseFields") -> Iterator[Conflict]:
@@ -178,14 +178,14 @@ def _bands(case: "CaseFields") -> Iterator[Conflict]:
         low, high = feature.band
         if not low < high:
             yield Conflict("band", (path,), f"`{name}`: the band is empty", "give the lower frequency first")
-        if high > HIGHEST:
-            message = f"`{name}`: the models are not valid above {show(HIGHEST, 'kHz')}"
+        if high > MAX_FREQUENCY:
+            message = f"`{name}`: the models are not valid above {show(MAX_FREQUENCY, 'kHz')}"
             yield Conflict("band", (path,), message, "end the band there")
-        finest = min(low or inf, high - low)
-        if 0.0 < finest < FEWEST_PERIODS / case.duration:
-            needed = show(FEWEST_PERIODS / finest, "s")
-            message = f"`{name}`: a record of {show(case.duration, 's')} does not resolve {finest:g} Hz"
-            yield Conflict("band", (path, ("duration",)), message, f"use a `duration` of {needed} or more")
+        resolution = min(low or inf, high - low)
+        if 0.0 < resolution < MIN_PERIODS / case.duration:
+            min_duration = show(MIN_PERIODS / resolution, "s")
+            message = f"`{name}`: a record of {show(case.duration, 's')} does not resolve {resolution:g} Hz"
+            yield Conflict("band", (path, ("duration",)), message, f"use a `duration` of {min_duration} or more")
 
 
 def _slice_of(path: Path, name: str, case: "CaseFields") -> Iterator[Conflict]:
@@ -198,20 +198,20 @@ def _slice_of(path: Path, name: str, case: "CaseFields") -> Iterator[Conflict]:
         )
 
 
-def _still(name: str, case: "CaseFields") -> tuple[str, str] | None:
+def _zero_reason(name: str, case: "CaseFields") -> tuple[str, str] | None:
     """Return the reason why a channel is always zero in this case, and a remedy; None if it is not."""
     if name == "ring.rotation" and case.rig.torsion_stiffness is None:
         return "the bracket lets no ring rotate", "give `rig.torsion_stiffness`"
     if name == "inner.displacement" and case.shaft is None:
         return "the inner ring is rigid", "give `shaft`"
     kinematic = case.cage is not None and case.cage.motion == "kinematic"
-    if kinematic and plain(name) in HELD_BY_CAGE:
+    if kinematic and without_numbers(name) in KINEMATIC_CHANNELS:
         return "the cage is kinematic", "use `motion: free`"
     if name in ("ring.axial", "ring.lean") and case.rig.tilting_stiffness is None:
         return "the bracket holds the ring", "give `rig.axial_stiffness` and `rig.tilting_stiffness`"
     if name in ("inner.axial", "inner.lean") and (case.shaft is None or case.shaft.tilting_stiffness is None):
         return "the shaft holds the ring", "give `shaft` with `axial_stiffness` and `tilting_stiffness`"
-    if plain(name) == "roller.flange_force" and case.bearing.flanges is None:
+    if without_numbers(name) == "roller.flange_force" and case.bearing.flanges is None:
         return "the bearing has no flanges", "give `bearing.flanges`"
     if name == "cage.position" and (case.cage is None or case.cage.guide == "centred"):
         return "the cage is centred", "give `cage.guide`"
@@ -220,22 +220,22 @@ def _still(name: str, case: "CaseFields") -> tuple[str, str] | None:
 
 def _sizes(case: "CaseFields") -> Iterator[Conflict]:
     if not -0.01 <= case.clearance / case.bearing.roller_diameter <= 0.05:
-        shown = show(case.clearance, "um")
-        message = f"a clearance of {shown} is beyond -1 % to 5 % of the roller diameter"
+        value = show(case.clearance, "um")
+        message = f"a clearance of {value} is beyond -1 % to 5 % of the roller diameter"
         yield Conflict("clearance", (("clearance",), ("bearing",)), message, "is the unit right?")
     if case.ramp is not None and getattr(case.contact.damping, "of_one_speed", False):
         message = f"the damping law `{getattr(case.contact.damping, 'law', '')}` is that of one speed"
         yield Conflict("film", (("ramp",), ("contact", "damping")), message, "take another law, or no ramp")
-    yield from _bursting(case)
+    yield from _ring_burst(case)
     if case.duration * case.sampling > MAX_SAMPLES:
         message = f"{case.duration * case.sampling:.2g} samples: a record has at most {MAX_SAMPLES:.0e}"
-        many: tuple[Path, ...] = (("duration",), ("sampling",))
-        yield Conflict("samples", many, message, "use a shorter `duration`, or a lower `sampling`")
+        sample_paths: tuple[Path, ...] = (("duration",), ("sampling",))
+        yield Conflict("samples", sample_paths, message, "use a shorter `duration`, or a lower `sampling`")
     ball_pass = 1.0 / case.bearing.ball_pass_frequency(case.speed)
     if case.duration < ball_pass:
-        shown, needed = show(case.duration, "ms"), show(ball_pass, "ms")
-        timing: tuple[Path, ...] = (("duration",), ("speed",), ("bearing",))
-        yield Conflict("duration", timing, f"{shown} is shorter than one ball pass ({needed})")
+        value, limit = show(case.duration, "ms"), show(ball_pass, "ms")
+        duration_paths: tuple[Path, ...] = (("duration",), ("speed",), ("bearing",))
+        yield Conflict("duration", duration_paths, f"{value} is shorter than one ball pass ({limit})")
     if (
         case.excitation in IMPULSE_EXCITATIONS
         and not catalogue.MODELS[case.model].takes_defects
@@ -245,39 +245,41 @@ def _sizes(case: "CaseFields") -> Iterator[Conflict]:
         yield Conflict("silent", paths, "without a defect there are no impulses", "give a `defect`")
 
 
-def _bursting(case: "CaseFields") -> Iterator[Conflict]:
+def _ring_burst(case: "CaseFields") -> Iterator[Conflict]:
     """Yield the conflict of a speed at which the inner ring bursts."""
-    fastest = case.speed if case.ramp is None else max(case.speed, case.ramp.to)
-    surface = fastest * (case.bearing.pitch_diameter - case.bearing.roller_diameter) / 2.0
+    speed = case.speed if case.ramp is None else max(case.speed, case.ramp.to)
+    surface = speed * (case.bearing.pitch_diameter - case.bearing.roller_diameter) / 2.0
     stress = case.bearing.material.density * surface**2
-    if stress > BURSTS_AT:
+    if stress > MAX_HOOP_STRESS:
         path: Path = ("speed",) if case.ramp is None or case.speed >= case.ramp.to else ("ramp", "to")
         message = (
-            f"at {show(fastest, 'rpm')} the inner race moves at {surface:.3g} m/s: its hoop stress rho v^2,"
-            f" {stress:.2g} Pa, bursts the ring (over {BURSTS_AT:.2g} Pa)"
+            f"at {show(speed, 'rpm')} the inner race moves at {surface:.3g} m/s: its hoop stress rho v^2,"
+            f" {stress:.2g} Pa, bursts the ring (over {MAX_HOOP_STRESS:.2g} Pa)"
         )
         yield Conflict("bursts", (path, ("bearing",)), message, "is the unit right?")
 
 
-class Alike(NamedTuple):
+class PassCondition(NamedTuple):
     """Condition on a field for identical ball passes, and the reason if it is not met."""
 
-    holds: Callable[["CaseFields"], bool]
-    why_not: str
+    is_met: Callable[["CaseFields"], bool]
+    reason: str
 
 
-ALIKE: dict[str, Alike] = {
-    "ramp": Alike(lambda case: case.ramp is None, "the speed changes"),
-    "unbalance": Alike(lambda case: case.unbalance is None, "an unbalance turns with the shaft"),
-    "defects": Alike(lambda case: all(d.race == "outer" for d in case.defects), "a defect turns"),
-    "excitation": Alike(lambda case: case.excitation != "random-impulses", "impulses are random"),
-    "model": Alike(lambda case: catalogue.MODELS[case.model].repeats, "the model does not say that they are"),
-    "cage": Alike(lambda case: case.cage is None or case.cage.motion == "kinematic", "the cage is free"),
+PASS_CONDITIONS: dict[str, PassCondition] = {
+    "ramp": PassCondition(lambda case: case.ramp is None, "the speed changes"),
+    "unbalance": PassCondition(lambda case: case.unbalance is None, "an unbalance turns with the shaft"),
+    "defects": PassCondition(lambda case: all(d.race == "outer" for d in case.defects), "a defect turns"),
+    "excitation": PassCondition(lambda case: case.excitation != "random-impulses", "impulses are random"),
+    "model": PassCondition(
+        lambda case: catalogue.MODELS[case.model].repeats, "the model does not say that they are"
+    ),
+    "cage": PassCondition(lambda case: case.cage is None or case.cage.motion == "kinematic", "the cage is free"),
 }
 """Conditions for identical ball passes, by field; simulation/repetition.py adds those of the method."""
 
 
-ALIKE_BY_TURNS = ("defects", "cage")
+REVOLUTION_CONDITIONS = ("defects", "cage")
 """Conditions that `until` does not need: without them revolutions of the defect or cage are compared instead."""
 
 
@@ -294,7 +296,7 @@ def until_conflicts(case: "CaseFields") -> Iterator[Conflict]:
     if case.step_check == "strict":
         message = "`step_check: strict` checks the whole record, which `until` may shorten"
         yield Conflict("until", (("until",), ("step_check",)), message, "keep one of them")
-    for name, alike in ALIKE.items():
-        if name not in ALIKE_BY_TURNS and not alike.holds(case):
-            message = f"`until` compares turns, which differ: {alike.why_not}"
+    for name, condition in PASS_CONDITIONS.items():
+        if name not in REVOLUTION_CONDITIONS and not condition.is_met(case):
+            message = f"`until` compares turns, which differ: {condition.reason}"
             yield Conflict("until", (("until",), (name,)), message, "leave it out")

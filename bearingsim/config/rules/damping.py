@@ -8,17 +8,17 @@ from collections.abc import Iterator, Sequence
 from math import inf, isfinite
 from typing import Any, NamedTuple
 
-PLAUSIBLE = (0.3e-6, 25e-6)
+PLAUSIBLE_RANGE = (0.3e-6, 25e-6)
 """s; range of c/k of a lubricated contact, from measurements and theory."""
 CROSSING_SHARE = 0.1
 """Largest c/k, as a share of the crossing time of a defect, at which the roller can follow the defect."""
 WARNING = "warning: "
 """Prefix of a warning."""
-SLACK = 1.0 + 1e-6
+RANGE_TOLERANCE = 1.0 + 1e-6
 """Relative tolerance of the bounds, so that a default at the end of the range lies within it."""
 
 
-class Damped(NamedTuple):
+class JobDamping(NamedTuple):
     """Damping of a job: c/k (s), damping ratio, and shortest crossing time of a defect (s; inf without one)."""
 
     time: float
@@ -28,40 +28,40 @@ class Damped(NamedTuple):
     @property
     def too_heavy(self) -> bool:
         """True if the roller cannot follow the defect."""
-        return self.time > SLACK * PLAUSIBLE[1] or self.time > CROSSING_SHARE * self.crossing
+        return self.time > RANGE_TOLERANCE * PLAUSIBLE_RANGE[1] or self.time > CROSSING_SHARE * self.crossing
 
     @property
     def too_light(self) -> bool:
         """True if the damping is as low as that of dry steel."""
-        return self.time * SLACK < PLAUSIBLE[0]
+        return self.time * RANGE_TOLERANCE < PLAUSIBLE_RANGE[0]
 
 
-def sentences(jobs: Sequence[Damped]) -> Iterator[str]:
+def damping_remarks(jobs: Sequence[JobDamping]) -> Iterator[str]:
     """Yield the range of damping of the jobs and the plausible range, then warnings."""
     if not jobs:
         return
-    defects = [job.crossing for job in jobs if isfinite(job.crossing)]
-    crossing = f"; shortest crossing of a defect {1e6 * min(defects):.3g} us" if defects else ""
+    crossings = [job.crossing for job in jobs if isfinite(job.crossing)]
+    crossing = f"; shortest crossing of a defect {1e6 * min(crossings):.3g} us" if crossings else ""
     times, ratios = _range([1e6 * job.time for job in jobs]), _range([job.ratio for job in jobs])
-    low, high = (f"{1e6 * end:g}" for end in PLAUSIBLE)
+    low, high = (f"{1e6 * bound:g}" for bound in PLAUSIBLE_RANGE)
     yield f"damping: c/k {times} us (plausible: {low} to {high}), ratio {ratios}{crossing}"
-    heavy, light = [job for job in jobs if job.too_heavy], [job for job in jobs if job.too_light]
-    if heavy:
-        reasons = [f"{high} us"] * any(job.time > SLACK * PLAUSIBLE[1] for job in heavy)
-        if any(job.time > CROSSING_SHARE * job.crossing for job in heavy):
+    high_jobs, low_jobs = [job for job in jobs if job.too_heavy], [job for job in jobs if job.too_light]
+    if high_jobs:
+        reasons = [f"{high} us"] * any(job.time > RANGE_TOLERANCE * PLAUSIBLE_RANGE[1] for job in high_jobs)
+        if any(job.time > CROSSING_SHARE * job.crossing for job in high_jobs):
             reasons.append("a tenth of the crossing")
-        over = f"c/k {_range([1e6 * job.time for job in heavy])} us, above {' and '.join(reasons)}"
-        yield f"{WARNING}{over}, so damping dominates the result{_counted(heavy, jobs)}"
-    if light:
-        under = f"c/k {_range([1e6 * job.time for job in light])} us, below {low} us as for dry steel"
-        yield f"{WARNING}{under}, so the motion may be chaotic{_counted(light, jobs)}"
+        excess = f"c/k {_range([1e6 * job.time for job in high_jobs])} us, above {' and '.join(reasons)}"
+        yield f"{WARNING}{excess}, so damping dominates the result{_count_text(high_jobs, jobs)}"
+    if low_jobs:
+        deficit = f"c/k {_range([1e6 * job.time for job in low_jobs])} us, below {low} us as for dry steel"
+        yield f"{WARNING}{deficit}, so the motion may be chaotic{_count_text(low_jobs, jobs)}"
 
 
-def job_sentences(info: Any) -> Iterator[str]:
-    """Apply ``sentences`` to finished jobs; info: DataFrame of the solver's attributes (``Results.info``)."""
+def result_remarks(info: Any) -> Iterator[str]:
+    """Apply ``damping_remarks`` to finished jobs; info: table of the solver's attributes (``Results.info``)."""
     columns = ["damping_time_s", "damping_ratio", "crossing_s"]
     if all(name in info for name in columns):
-        yield from sentences([Damped(*row) for row in info[columns].dropna().to_numpy().tolist()])
+        yield from damping_remarks([JobDamping(*row) for row in info[columns].dropna().to_numpy().tolist()])
 
 
 def _range(values: Sequence[float]) -> str:
@@ -69,5 +69,5 @@ def _range(values: Sequence[float]) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def _counted(some: Sequence[Damped], every: Sequence[Damped]) -> str:
-    return "" if len(some) == len(every) else f" ({len(some)} of {len(every)} jobs)"
+def _count_text(selected: Sequence[JobDamping], jobs: Sequence[JobDamping]) -> str:
+    return "" if len(selected) == len(jobs) else f" ({len(selected)} of {len(jobs)} jobs)"

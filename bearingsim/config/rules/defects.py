@@ -18,15 +18,15 @@ if TYPE_CHECKING:
 class Surface(NamedTuple):
     """Surface with defects (lengths in m).
 
-    widest: largest width of a defect; spacing: name of that limit; wall: largest depth; through: location reached
-    by a deeper defect, for messages; key: dimension of the bearing that determines ``wall``.
+    max_width: largest width of a defect; spacing: name of that limit; max_depth: largest depth; location: place
+    reached by a deeper defect, for messages; key: dimension of the bearing that determines ``max_depth``.
     """
 
     radius: float
-    widest: float
+    max_width: float
     spacing: str
-    wall: float
-    through: str
+    max_depth: float
+    location: str
     key: str
 
 
@@ -35,14 +35,19 @@ def surface(bearing: "Bearing", race: str) -> Surface:
     pitch, roller = bearing.pitch_diameter, bearing.roller_diameter
     if race == "outer":
         radius = (pitch + roller) / 2.0
-        wall = (bearing.outside_diameter - pitch - roller) / 2.0
+        max_depth = (bearing.outside_diameter - pitch - roller) / 2.0
         return Surface(
-            radius, bearing.roller_spacing, "roller spacing", wall, "through the outer ring", "outside_diameter"
+            radius,
+            bearing.roller_spacing,
+            "roller spacing",
+            max_depth,
+            "through the outer ring",
+            "outside_diameter",
         )
     if race == "inner":
         radius, spacing = (pitch - roller) / 2.0, "roller spacing on the inner race"
-        wall = (pitch - roller - bearing.bore) / 2.0
-        return Surface(radius, bearing.inner_spacing, spacing, wall, "through the inner ring", "bore")
+        max_depth = (pitch - roller - bearing.bore) / 2.0
+        return Surface(radius, bearing.inner_spacing, spacing, max_depth, "through the inner ring", "bore")
     return Surface(
         roller / 2.0, roller, "roller's diameter", roller / 2.0, "past the roller's middle", "roller_diameter"
     )
@@ -58,10 +63,10 @@ def defect_conflicts(case: "CaseFields") -> Iterator[Conflict]:
         yield from _width(path, defect, case.bearing)
         yield from _ramp(path, defect)
         yield from _depth(path, defect, case.bearing)
-        yield from _form(path, defect, case)
+        yield from _shape(path, defect, case)
     for earlier, later in combinations(range(len(case.defects)), 2):
         yield from _overlap(earlier, later, case)
-    yield from _too_wide_together(case)
+    yield from _overlap_width(case)
 
 
 def _roller_of(path: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
@@ -83,7 +88,7 @@ def _track(defect: "Defect", bearing: "Bearing") -> tuple[float, str, str]:
     return bearing.width, "bearing", "width"
 
 
-def _sized(path: Path, name: str, defect: "Defect") -> tuple[tuple[Path, ...], str | None]:
+def _size_paths(path: Path, name: str, defect: "Defect") -> tuple[tuple[Path, ...], str | None]:
     """Return the paths of a defect's size, and a hint if it is from a scan."""
     if defect.shape == "scan":
         return ((*path, name), (*path, "file")), "is the scan's unit right?"
@@ -91,23 +96,23 @@ def _sized(path: Path, name: str, defect: "Defect") -> tuple[tuple[Path, ...], s
 
 
 def _length(path: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
-    longest, name, key = _track(defect, bearing)
-    if defect.length > longest:
-        length, most = show(defect.length, "mm"), show(longest, "mm")
-        paths, hint = _sized(path, "length", defect)
-        message = f"a defect of {length} is longer than the {name} ({most})"
+    track, name, key = _track(defect, bearing)
+    if defect.length > track:
+        length, limit = show(defect.length, "mm"), show(track, "mm")
+        paths, hint = _size_paths(path, "length", defect)
+        message = f"a defect of {length} is longer than the {name} ({limit})"
         yield Conflict("long", (*paths, ("bearing", key)), message, hint)
 
 
 def _offset(path: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
     track, name, key = _track(defect, bearing)
     paths: tuple[Path, ...] = ((*path, "offset"), (*path, "length"), ("bearing", key))
-    beyond = abs(defect.offset) - defect.length / 2.0 >= track / 2.0 - 1e-9
-    hangs = defect.race == "roller" and abs(defect.offset) + defect.length / 2.0 > track / 2.0 + 1e-9
-    if defect.length > track or not (beyond or hangs):
+    is_outside = abs(defect.offset) - defect.length / 2.0 >= track / 2.0 - 1e-9
+    overhangs = defect.race == "roller" and abs(defect.offset) + defect.length / 2.0 > track / 2.0 + 1e-9
+    if defect.length > track or not (is_outside or overhangs):
         return
     offset, end = show(defect.offset, "mm"), show(track / 2.0, "mm")
-    if beyond:
+    if is_outside:
         message = f"a defect {offset} off the middle lies beyond the {name}'s end ({end}) and has no effect"
         yield Conflict("offset", paths, message)
     else:
@@ -118,11 +123,11 @@ def _offset(path: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Confli
 
 
 def _width(path: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
-    on = surface(bearing, defect.race)
-    if defect.width > on.widest:
-        width, most = show(defect.width, "mm"), show(on.widest, "mm")
-        message = f"a defect of {width} is wider than the {on.spacing} ({most})"
-        paths, hint = _sized(path, "width", defect)
+    element_surface = surface(bearing, defect.race)
+    if defect.width > element_surface.max_width:
+        width, limit = show(defect.width, "mm"), show(element_surface.max_width, "mm")
+        message = f"a defect of {width} is wider than the {element_surface.spacing} ({limit})"
+        paths, hint = _size_paths(path, "width", defect)
         yield Conflict("wide", (*paths, ("bearing",)), message, hint)
 
 
@@ -134,24 +139,24 @@ def _ramp(path: Path, defect: "Defect") -> Iterator[Conflict]:
 
 
 def _depth(path: Path, defect: "Defect", bearing: "Bearing") -> Iterator[Conflict]:
-    on = surface(bearing, defect.race)
-    if defect.depth >= on.wall:
-        depth, thick = show(defect.depth, "mm"), show(on.wall, "mm")
-        paths, hint = _sized(path, "depth", defect)
-        message = f"a defect {depth} deep goes {on.through} ({thick})"
-        yield Conflict("deep", (*paths, ("bearing", on.key)), message, hint)
+    element_surface = surface(bearing, defect.race)
+    if defect.depth >= element_surface.max_depth:
+        depth, limit = show(defect.depth, "mm"), show(element_surface.max_depth, "mm")
+        paths, hint = _size_paths(path, "depth", defect)
+        message = f"a defect {depth} deep goes {element_surface.location} ({limit})"
+        yield Conflict("deep", (*paths, ("bearing", element_surface.key)), message, hint)
 
 
-def _form(path: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflict]:
+def _shape(path: Path, defect: "Defect", case: "CaseFields") -> Iterator[Conflict]:
     """Yield the conflict of a shape or edge for which the excitation is not defined."""
     if case.excitation in PATH_EXCITATIONS:
         return
     hint = "use `excitation: envelope`, or take a rectangular, triangular or circular defect with sharp edges"
     if defect.shape not in SIMPLE_SHAPES:
         article = "an" if defect.shape[0] in "aeiou" else "a"
-        what = f"{article} {defect.shape}" + (" defect" if defect.shape == "elliptical" else "")
+        noun = f"{article} {defect.shape}" + (" defect" if defect.shape == "elliptical" else "")
         paths: tuple[Path, ...] = (("excitation",), (*path, "shape"))
-        yield Conflict("form", paths, f"`{case.excitation}` has no form for {what}", hint)
+        yield Conflict("form", paths, f"`{case.excitation}` has no form for {noun}", hint)
     elif case.excitation == "elastic-edge":
         yield from _elastic_edge(path, defect, case)
     elif defect.edge is not None:
@@ -191,33 +196,36 @@ def _overlap(earlier: int, later: int, case: "CaseFields") -> Iterator[Conflict]
         yield Conflict("overlap", paths, message, hint)
 
 
-def _too_wide_together(case: "CaseFields") -> Iterator[Conflict]:
+def _overlap_width(case: "CaseFields") -> Iterator[Conflict]:
     """Yield the conflict of overlapping defects whose total width exceeds the limit."""
     if case.excitation not in PATH_EXCITATIONS:
         return
     for number, defect in enumerate(case.defects):
-        on = surface(case.bearing, defect.race)
+        element_surface = surface(case.bearing, defect.race)
         width = chain_width(number, case)
-        if width > on.widest >= defect.width:
-            whole, most = show(width, "mm"), show(on.widest, "mm")
-            message = f"the defects that overlap here are {whole} wide, wider than the {on.spacing} ({most})"
+        if width > element_surface.max_width >= defect.width:
+            total, limit = show(width, "mm"), show(element_surface.max_width, "mm")
+            message = (
+                f"the defects that overlap here are {total} wide,"
+                f" wider than the {element_surface.spacing} ({limit})"
+            )
             yield Conflict("overlap", (("defects", number, "angle"), ("defects", number)), message, "move one")
             return
 
 
 def chain_width(number: int, case: "CaseFields") -> float:
     """Compute the total width (m) of a defect and all that overlap it, directly or through others."""
-    chain, left = {number}, set(range(len(case.defects))) - {number}
-    while touching := {i for i in left if any(_touch(case, i, j) for j in chain)}:
-        chain |= touching
-        left -= touching
-    leader = case.defects[number]
-    radius = surface(case.bearing, leader.race).radius
-    middles = {i: math.remainder(case.defects[i].angle - leader.angle, 2.0 * math.pi) * radius for i in chain}
-    low = min(middles[i] - case.defects[i].width / 2.0 for i in chain)
-    return max(middles[i] + case.defects[i].width / 2.0 for i in chain) - low
+    chain, others = {number}, set(range(len(case.defects))) - {number}
+    while neighbours := {i for i in others if any(_is_overlap(case, i, j) for j in chain)}:
+        chain |= neighbours
+        others -= neighbours
+    reference = case.defects[number]
+    radius = surface(case.bearing, reference.race).radius
+    centres = {i: math.remainder(case.defects[i].angle - reference.angle, 2.0 * math.pi) * radius for i in chain}
+    low = min(centres[i] - case.defects[i].width / 2.0 for i in chain)
+    return max(centres[i] + case.defects[i].width / 2.0 for i in chain) - low
 
 
-def _touch(case: "CaseFields", earlier: int, later: int) -> bool:
+def _is_overlap(case: "CaseFields", earlier: int, later: int) -> bool:
     a, b = case.defects[earlier], case.defects[later]
     return a.element == b.element and _distance(a, b, case.bearing) < (a.width + b.width) / 2.0

@@ -1,8 +1,8 @@
 """Abilities that a case needs of its model, and the lowest model of the catalogue that has them.
 
 A need is required if a model without the ability cannot represent the case: such models are rejected. Other needs
-are desired: a model without the ability computes the case with poor accuracy. `least` and `reference` consider
-both, but a model named by the study is only checked for the required ones.
+are desired: a model without the ability computes the case with poor accuracy. `simplest_model` and
+`reference_model` consider both, but a model named by the study is only checked for the required ones.
 """
 
 import math
@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bearingsim import catalogue
-from bearingsim.config.channels import plain
+from bearingsim.config.channels import without_numbers
 from bearingsim.config.names import LINE_LOADS
 from bearingsim.config.sections.defect import IMPULSE_EXCITATIONS, STIFFNESS_EXCITATIONS
 from bearingsim.config.sections.free import Frictionless
@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from bearingsim.config.case_fields import CaseFields
 
 STRIBECK = 4.08  # largest roller load relative to F/Z, for line contacts without clearance (balls: 4.37)
-NOTABLE_SHARE = 0.1  # centrifugal force of a roller above which inertia is needed, relative to the largest load
+MIN_CENTRIFUGAL_SHARE = (
+    0.1  # centrifugal force of a roller above which inertia is needed, relative to the largest load
+)
 
 NEEDS_ROLLER_MASS = "a damping force at first contact needs the mass of a roller"
 """Remedy of a run that gets stuck: without roller mass, a ring thrown upwards closes its contacts in ever smaller
@@ -32,8 +34,8 @@ Path = tuple[str | int, ...]
 class Need(NamedTuple):
     """Need of a case: the ability of the model, the reason in words, and the paths that cause the need."""
 
-    what: str
-    why: str
+    ability: str
+    reason: str
     paths: tuple[Path, ...]
     required: bool = True
 
@@ -41,64 +43,68 @@ class Need(NamedTuple):
 def needs(case: "CaseFields") -> list[Need]:
     """List all abilities that a case needs of its model."""
     checks = [_defect_needs, _section_needs, _shape_needs, _record_needs, _mass_needs]
-    return [need for of in checks for need in of(case)]
+    return [need for check in checks for need in check(case)]
 
 
-def least(case: "CaseFields") -> str | None:
+def simplest_model(case: "CaseFields") -> str | None:
     """Return the lowest model with all needed abilities, or else with all required ones; None if there is none."""
     all_needs = needs(case)
-    desired, firm = {need.what for need in all_needs}, {need.what for need in all_needs if need.required}
+    desired, required = {need.ability for need in all_needs}, {need.ability for need in all_needs if need.required}
     models = catalogue.MODELS.values()
-    able = [model.name for wanted in (desired, firm) for model in models if wanted <= model.abilities]
-    return able[0] if able else None
+    names = [model.name for abilities in (desired, required) for model in models if abilities <= model.abilities]
+    return names[0] if names else None
 
 
-def reference(case: "CaseFields") -> str | None:
+def reference_model(case: "CaseFields") -> str | None:
     """Return the reference model: the first of ``catalogue.REFERENCES`` with all needed abilities.
 
     If there is none, return the first with all required ones, or None.
     """
     all_needs = needs(case)
-    desired, firm = {need.what for need in all_needs}, {need.what for need in all_needs if need.required}
+    desired, required = {need.ability for need in all_needs}, {need.ability for need in all_needs if need.required}
     models = [catalogue.MODELS[name] for name in catalogue.REFERENCES]
-    able = [model.name for wanted in (desired, firm) for model in models if wanted <= model.abilities]
-    return able[0] if able else None
+    names = [model.name for abilities in (desired, required) for model in models if abilities <= model.abilities]
+    return names[0] if names else None
 
 
-def unmet_wishes(case: "CaseFields") -> list[Need]:
+def omitted_needs(case: "CaseFields") -> list[Need]:
     """List the needs of a case, required or desired, that its model does not meet."""
-    return [need for need in needs(case) if need.what not in catalogue.MODELS[case.model].abilities]
+    return [need for need in needs(case) if need.ability not in catalogue.MODELS[case.model].abilities]
 
 
-def speaks_of_slip(case: "CaseFields") -> bool:
+def specifies_slip(case: "CaseFields") -> bool:
     """Check if a case specifies cage, friction or drag, or records slip or the cage."""
-    written = any(_is_said(case, name) for name in ("cage", "friction", "drag"))
+    is_specified = any(_is_specified(case, name) for name in ("cage", "friction", "drag"))
     slips = ("slip", "cage")
-    return written or any(_RECORDED.get(plain(name), ("", ""))[0] in slips for name in case.record)
+    return is_specified or any(
+        _RECORD_ABILITIES.get(without_numbers(name), ("", ""))[0] in slips for name in case.record
+    )
 
 
-def leaves_friction_open(case: "CaseFields") -> bool:
+def has_default_friction(case: "CaseFields") -> bool:
     """Check if the model of a case computes slip, but the case specifies neither friction, cage nor drag."""
     slips = catalogue.MODELS[case.model].slips
-    return slips and not speaks_of_slip(case) and "friction" not in case.model_fields_set
+    return slips and not specifies_slip(case) and "friction" not in case.model_fields_set
 
 
 def unmet_needs(case: "CaseFields") -> list[Need]:
     """List the required needs of a case that its model does not meet."""
     return [
-        need for need in needs(case) if need.required and need.what not in catalogue.MODELS[case.model].abilities
+        need
+        for need in needs(case)
+        if need.required and need.ability not in catalogue.MODELS[case.model].abilities
     ]
 
 
 def reasons(case: "CaseFields") -> list[str]:
     """List the reasons why the lowest suitable model is needed instead of the one below it."""
-    chosen = least(case)
-    if chosen is None:
+    model = simplest_model(case)
+    if model is None:
         return []
     order = list(catalogue.MODELS)
-    below = catalogue.MODELS[order[order.index(chosen) - 1]].abilities if chosen != order[0] else frozenset()
-    able = catalogue.MODELS[chosen].abilities - below
-    return list(dict.fromkeys(need.why for need in needs(case) if need.what in able))
+    simpler = catalogue.MODELS[order[order.index(model) - 1]].abilities if model != order[0] else frozenset()
+    added = catalogue.MODELS[model].abilities - simpler
+    return list(dict.fromkeys(need.reason for need in needs(case) if need.ability in added))
 
 
 # Needs by field of a case
@@ -113,20 +119,20 @@ def _defect_needs(case: "CaseFields") -> Iterator[Need]:
             "impulses", f"`{case.excitation}` is a force history, which only `impulse` computes", excitation
         )
     elif case.defects:
-        why = f"`{case.excitation}` needs elastic contacts"
-        yield Need("shapes", why, excitation)
+        reason = f"`{case.excitation}` needs elastic contacts"
+        yield Need("shapes", reason, excitation)
     else:
         yield Need("balance", "a healthy bearing vibrates by varying compliance", (("defects",),))
     if case.defects and case.excitation in STIFFNESS_EXCITATIONS:
-        why = f"`{case.excitation}` changes the contact force, which needs the mass of a ring"
-        yield Need("weakened contact", why, excitation)
+        reason = f"`{case.excitation}` changes the contact force, which needs the mass of a ring"
+        yield Need("weakened contact", reason, excitation)
     if case.defects and case.excitation == "pressure-share":
-        why = "`pressure-share` splits the pressure of a whole roller, not of its slices"
-        yield Need("shared pressure", why, excitation)
+        reason = "`pressure-share` splits the pressure of a whole roller, not of its slices"
+        yield Need("shared pressure", reason, excitation)
     for number, defect in enumerate(case.defects):
         if defect.offset != 0.0:
-            why = "an `offset` tilts the roller"
-            yield Need("tilt", why, (("defects", number, "offset"),), required=False)
+            reason = "an `offset` tilts the roller"
+            yield Need("tilt", reason, (("defects", number, "offset"),), required=False)
 
 
 _SECTIONS: tuple[tuple[str, str, str], ...] = (
@@ -141,9 +147,9 @@ _SECTIONS: tuple[tuple[str, str, str], ...] = (
 
 
 def _section_needs(case: "CaseFields") -> Iterator[Need]:
-    for name, what, why in _SECTIONS:
-        if _is_said(case, name):
-            yield Need(what, why, ((name,),))
+    for name, ability, reason in _SECTIONS:
+        if _is_specified(case, name):
+            yield Need(ability, reason, ((name,),))
     if case.gravity:
         yield Need("gravity", "`gravity` needs rollers that can slip", (("gravity",),))
     if case.load_across != 0.0:
@@ -165,19 +171,19 @@ def _section_needs(case: "CaseFields") -> Iterator[Need]:
 
 def _shape_needs(case: "CaseFields") -> Iterator[Need]:
     if case.bearing.roller_profile.shape != "straight":
-        why = "`roller_profile` needs the load along the roller"
-        yield Need("profile", why, (("bearing", "roller_profile"), ("bearing",)))
+        reason = "`roller_profile` needs the load along the roller"
+        yield Need("profile", reason, (("bearing", "roller_profile"), ("bearing",)))
     if case.bearing.element == "ball":
         yield Need("balls", "balls have no axis to tilt", (("bearing",),))
 
 
-def _is_said(case: "CaseFields", name: str) -> bool:
+def _is_specified(case: "CaseFields", name: str) -> bool:
     """Check if a section is specified by the study, not filled in by default."""
     section: Any = getattr(case, name)
     return section is not None and not isinstance(section, Frictionless) and name in case.model_fields_set
 
 
-_RECORDED = {
+_RECORD_ABILITIES = {
     "ring.acceleration": ("acceleration", "acceleration depends on the masses"),
     "sensor.acceleration": ("acceleration", "acceleration depends on the masses"),
     "ring.rotation": ("ring rotation", "the rotation of the outer ring is recorded"),
@@ -212,19 +218,19 @@ _RECORDED = {
 
 def _record_needs(case: "CaseFields") -> Iterator[Need]:
     for index, name in enumerate(case.record):
-        entry = _RECORDED.get(plain(name))
+        entry = _RECORD_ABILITIES.get(without_numbers(name))
         if entry:
-            what, why = entry
-            yield Need(what, why, (("record", index),), required=what != "acceleration")
+            ability, reason = entry
+            yield Need(ability, reason, (("record", index),), required=ability != "acceleration")
 
 
 def _mass_needs(case: "CaseFields") -> Iterator[Need]:
     """Yield the needs for roller inertia: impacts in a defect, damping laws that jump, centrifugal force."""
-    shown = [plain(name) for name in case.record]
-    sharp = any(name.startswith("roller.") or name.endswith(".acceleration") for name in shown)
-    if case.defects and case.excitation not in IMPULSE_EXCITATIONS and sharp:
-        why = "the impact depends on a roller's mass"
-        yield Need("roller inertia", why, (("record",),), required=False)
+    channels = [without_numbers(name) for name in case.record]
+    records_impacts = any(name.startswith("roller.") or name.endswith(".acceleration") for name in channels)
+    if case.defects and case.excitation not in IMPULSE_EXCITATIONS and records_impacts:
+        reason = "the impact depends on a roller's mass"
+        yield Need("roller inertia", reason, (("record",),), required=False)
     if case.defects and case.excitation not in IMPULSE_EXCITATIONS and case.contact.jumps:
         yield Need(
             "roller inertia",
@@ -234,9 +240,9 @@ def _mass_needs(case: "CaseFields") -> Iterator[Need]:
         )
     force = _centrifugal_force(case)
     load = STRIBECK * math.hypot(case.load, case.load_across) / case.bearing.rollers
-    if force > NOTABLE_SHARE * load:
-        why = f"centrifugal force {100.0 * force / load:.0f} % of load"
-        yield Need("roller inertia", why, (("speed",), ("load",)), required=False)
+    if force > MIN_CENTRIFUGAL_SHARE * load:
+        reason = f"centrifugal force {100.0 * force / load:.0f} % of load"
+        yield Need("roller inertia", reason, (("speed",), ("load",)), required=False)
 
 
 def _centrifugal_force(case: "CaseFields") -> float:

@@ -10,6 +10,7 @@ from bearingsim.config.fields import (
     Coefficient,
     Delay,
     Exponent,
+    FileFormat,
     Frequency,
     InverseVelocity,
     Percentage,
@@ -19,13 +20,12 @@ from bearingsim.config.fields import (
     Section,
     Temperature,
     Viscosity,
-    Written,
-    described,
+    describe_value,
+    integer,
     one_of,
     or_words,
     raise_unknown_word,
     refuse,
-    whole,
 )
 from bearingsim.config.sections.laws import laws_of
 from bearingsim.core.laws.oil_viscosity import GRADES, MAX_CELSIUS, MIN_CELSIUS, ZERO_CELSIUS, iso_viscosity
@@ -45,7 +45,7 @@ def _oil(raw: Any) -> str:
     word = str(raw).upper().replace("ISO", "").replace("VG", "").strip()
     if not word.isdecimal() or int(word) not in GRADES:
         listed = f"there are {', '.join(KNOWN_OILS)}"
-        refuse("word", f"expected an ISO grade such as `VG 68`, got {described(raw)}", listed)
+        refuse("word", f"expected an ISO grade such as `VG 68`, got {describe_value(raw)}", listed)
     return f"VG {int(word)}"
 
 
@@ -109,7 +109,7 @@ class Film(Section):
 
     law: Literal["film"] = "film"
     viscosity: Viscosity | None = None
-    oil: Annotated[str, Written(_oil, lambda _: or_words(SPELLED_OIL, *KNOWN_OILS))] | None = None
+    oil: Annotated[str, FileFormat(_oil, lambda _: or_words(SPELLED_OIL, *KNOWN_OILS))] | None = None
     temperature: Temperature | None = None
     pressure_coefficient: PressureCoefficient = 2e-8
     loss_factor: Percentage = 0.015
@@ -236,7 +236,7 @@ else:
     Stiffness = Annotated[
         Annotated[Literal[WORDS], Tag(WORD)] | STIFFNESS.union(),
         Discriminator(_stiffness_tag),
-        Written(_stiffness, lambda own: or_words(own, *WORDS, *STIFFNESS.words)),
+        FileFormat(_stiffness, lambda own: or_words(own, *WORDS, *STIFFNESS.words)),
     ]
 
 
@@ -250,8 +250,8 @@ class Contact(Section):
 
     stiffness: Stiffness | None = None
     damping: Damping = Kraemer()
-    length_nodes: Annotated[int, whole(1, 64)] = 24
-    slices: Annotated[int, whole(1, MOST_SLICES)] = 24
+    length_nodes: Annotated[int, integer(1, 64)] = 24
+    slices: Annotated[int, integer(1, MOST_SLICES)] = 24
 
     @property
     def elastic_law(self) -> str:

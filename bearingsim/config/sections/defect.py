@@ -8,7 +8,7 @@ from pydantic_core import CoreSchema
 
 from bearingsim import catalogue
 from bearingsim.config.fields import (
-    OR_NONE,
+    OPTIONAL,
     Angle,
     Length,
     Percentage,
@@ -16,10 +16,10 @@ from bearingsim.config.fields import (
     Section,
     SignedLength,
     Text,
+    integer,
     one_of,
     or_words,
     refuse,
-    whole,
 )
 
 Race = Literal["outer", "inner", "roller"]
@@ -86,16 +86,16 @@ class Defect(Section):
     """
 
     race: Annotated[Race, one_of(*get_args(Race))] = "outer"
-    roller: Annotated[int, whole(1, 64)] | None = None
+    roller: Annotated[int, integer(1, 64)] | None = None
     shape: Annotated[Shape, one_of(*catalogue.SHAPES)]
     length: Length
     width: Length
     depth: Length
     angle: Angle = 0.0
     offset: SignedLength = 0.0
-    edge: Annotated[Edge | None, OR_NONE] = None
+    edge: Annotated[Edge | None, OPTIONAL] = None
     grown: Percentage | None = None
-    seed: Annotated[int, whole(0, 999_999_999)] | None = None
+    seed: Annotated[int, integer(0, 999_999_999)] | None = None
     file: Text | None = None
     digest: Text | None = None
 

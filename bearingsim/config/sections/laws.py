@@ -7,7 +7,7 @@ from typing import Annotated, Any, Union
 from pydantic import Discriminator, Tag
 
 from bearingsim import catalogue, extensions
-from bearingsim.config.fields import Section, Written, or_words, raise_unknown_word
+from bearingsim.config.fields import FileFormat, Section, or_words, raise_unknown_word
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Laws:
     def field(self) -> Any:
         """Return the type of a field that accepts one of the laws."""
         return Annotated[
-            self.union(), Discriminator(self.tag), Written(self.spelled, lambda own: or_words(own, *self.words))
+            self.union(), Discriminator(self.tag), FileFormat(self.spelled, lambda own: or_words(own, *self.words))
         ]
 
     def union(self) -> Any:

@@ -6,10 +6,11 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import Field, model_validator
 
 from bearingsim.config.fields import (
-    OR_NONE,
+    OPTIONAL,
     Angle,
     ContactAngle,
     Damping,
+    FileFormat,
     Length,
     Mass,
     PoissonRatio,
@@ -21,12 +22,11 @@ from bearingsim.config.fields import (
     Text,
     TorsionalDamping,
     TorsionalStiffness,
-    Written,
+    integer,
     one_of,
     refuse,
-    whole,
 )
-from bearingsim.config.library import Kind, described, library_names
+from bearingsim.config.library import Kind, library_names, load_mapping
 from bearingsim.config.sections.ring import FlexibleRing, RingLoad, Sensor
 from bearingsim.config.sections.space import Flanges, Profile, RollerProfile
 from bearingsim.core.geometry.kinematics import ball_pass_frequency_outer
@@ -38,10 +38,10 @@ _GROOVES = ("inner_groove_radius", "outer_groove_radius")
 _ELEMENT_FIELDS = {"roller_length": "roller"} | dict.fromkeys(_GROOVES, "ball")
 
 
-def named(kind: Kind) -> Written:
+def named(kind: Kind) -> FileFormat:
     """Return the annotation of a section that may be given by name or path."""
-    return Written(
-        lambda source: described(kind, source),
+    return FileFormat(
+        lambda source: load_mapping(kind, source),
         lambda own: {"anyOf": [{"type": ["string", "number"], "examples": library_names(kind)}, own]},
     )
 
@@ -57,7 +57,7 @@ class Material(Section):
 
 
 def _steel() -> Any:
-    return Material.model_validate(described("materials", "steel"))
+    return Material.model_validate(load_mapping("materials", "steel"))
 
 
 class Bearing(Section):
@@ -70,7 +70,7 @@ class Bearing(Section):
 
     name: Text = ""
     element: Annotated[Element, one_of(*get_args(Element))] = "roller"
-    rollers: Annotated[int, whole(3, 104)]
+    rollers: Annotated[int, integer(3, 104)]
     roller_diameter: Length
     roller_length: Length | None = None
     inner_groove_radius: Length | None = None
@@ -146,7 +146,7 @@ class RollingParts(Section):
 
     name: Text = ""
     element: Annotated[Element, one_of(*get_args(Element))] = "roller"
-    rollers: Annotated[int, whole(3, 104)]
+    rollers: Annotated[int, integer(3, 104)]
     roller_diameter: Length
     pitch_diameter: Length
     contact_angle: ContactAngle = 0.0
@@ -185,8 +185,8 @@ class Rig(Section):
     tilting_damping: TorsionalDamping | None = None
     sensor_angle: Angle = 0.0
     sensor: Sensor = Sensor()
-    ring: Annotated[FlexibleRing | None, OR_NONE] = None
-    load: Annotated[RingLoad | None, OR_NONE] = None
+    ring: Annotated[FlexibleRing | None, OPTIONAL] = None
+    load: Annotated[RingLoad | None, OPTIONAL] = None
     ring_mass: Mass | None = None
     source: Text = ""
 
@@ -208,4 +208,4 @@ class Rig(Section):
 
 def default_rig() -> Rig:
     """Return the default rig."""
-    return Rig.model_validate(described("rigs", "bvt5"))
+    return Rig.model_validate(load_mapping("rigs", "bvt5"))

@@ -14,10 +14,10 @@ from bearingsim.config.fields import (
     SignedLength,
     Stiffness,
     Switch,
-    described,
+    describe_value,
+    integer_or_auto,
     one_of,
     refuse,
-    whole_or_auto,
 )
 
 MAX_HARMONICS = 100
@@ -44,7 +44,7 @@ class Mapped(Section):
     def _is_a_mapping(cls, raw: Any) -> Any:
         if isinstance(raw, dict | cls):
             return raw
-        return refuse("mapping", f"expected a mapping such as `{cls.example}`, got {described(raw)}")
+        return refuse("mapping", f"expected a mapping such as `{cls.example}`, got {describe_value(raw)}")
 
 
 class RingSection(Mapped):
@@ -63,7 +63,7 @@ class FlexibleRing(Mapped):
 
     example = "{bends: true}"
     bends: Switch = True
-    harmonics: Annotated[int | Literal["auto"], whole_or_auto(2, MAX_HARMONICS)] = "auto"
+    harmonics: Annotated[int | Literal["auto"], integer_or_auto(2, MAX_HARMONICS)] = "auto"
     damping: DampingRatio = 0.01
     section: RingSection = RingSection()
 

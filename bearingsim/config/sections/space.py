@@ -6,16 +6,16 @@ from pydantic import model_validator
 
 from bearingsim.config.fields import (
     Angle,
+    FileFormat,
     InverseVelocity,
     Length,
     LengthOrZero,
     Section,
     Stiffness,
-    Written,
+    integer,
     one_of,
     or_words,
     refuse,
-    whole,
 )
 
 ProfileShape = Literal["straight", "crowned", "logarithmic"]
@@ -49,7 +49,7 @@ class Profile(Section):
 
 BARE = ("straight", "logarithmic")
 """Shapes without parameters."""
-RollerProfile = Annotated[Profile, Written(_spelled, lambda own: or_words(own, *BARE))]
+RollerProfile = Annotated[Profile, FileFormat(_spelled, lambda own: or_words(own, *BARE))]
 
 
 class Flanges(Section):
@@ -61,8 +61,8 @@ class Flanges(Section):
     Clearance, height and contact are assumptions.
     """
 
-    inner: Annotated[int, whole(0, 2)] = 0
-    outer: Annotated[int, whole(0, 2)] = 0
+    inner: Annotated[int, integer(0, 2)] = 0
+    outer: Annotated[int, integer(0, 2)] = 0
     clearance: Length = 5e-5
     height: Length | None = None
     stiffness: Stiffness = 1e8
