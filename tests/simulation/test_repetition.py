@@ -257,7 +257,7 @@ def test_recordings_are_held_up_to_a_size(passes: int, part: float, monkeypatch:
     """Of doubles: periods are sought as far as the passes before are held; none is found without any."""
     setup = RUN_SETUP.set_up(resolved(model="ring"))
     cells = channels.recorded_cells(setup.case)
-    monkeypatch.setattr(repetition, "MOST_HELD", (passes + part) * 8 * len(cells) * STEPS)
+    monkeypatch.setattr(repetition, "MAX_STORED", (passes + part) * 8 * len(cells) * STEPS)
     search = Search(cells, STEPS, setup.model, False, RECORD_CLOSENESS)
     assert list(search.periods) == list(range(1, passes + 1))
 

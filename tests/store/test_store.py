@@ -514,7 +514,7 @@ def flip_bit(content: bytes) -> bytes:
 def test_wait_for_a_lock_names_its_holder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(files, "ANNOUNCEMENT_DELAY_S", 0.1)
+    monkeypatch.setattr(files, "LOCK_REPORT_S", 0.1)
     (tmp_path / "run.elsewhere-123-abcdef01.started").touch()
     other_lock, released = FileLock(tmp_path / ".lock"), threading.Event()
 

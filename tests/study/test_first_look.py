@@ -96,7 +96,7 @@ def test_no_limits_of_steps_are_needed_to_count_jobs(write: Write, monkeypatch: 
     def unwanted(case: Any) -> Any:
         raise AssertionError("the method of a case was chosen")
 
-    monkeypatch.setattr(choice, "tried", unwanted)
+    monkeypatch.setattr(choice, "candidate_methods", unwanted)
     study = load_study(write(BASE + "sweep: {load: [150 N, 300 N]}\nuncertainty: {damping: [1 us, 2 us]}"))
     assert [(job.is_baseline, job.is_variation) for job in study.jobs()] == [
         *2 * [(False, False)], *2 * [(True, False)], *6 * [(False, True)],

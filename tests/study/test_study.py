@@ -293,7 +293,7 @@ def test_the_id_names_the_methods_that_auto_tries(monkeypatch: pytest.MonkeyPatc
     before = choice.candidate_methods(case)
     assert before[0] == "verlet"
     assert case_id(case) == identity(case, {"method": before}) != case_id(named)
-    monkeypatch.setattr(choice, "tried", lambda case: before[::-1])
+    monkeypatch.setattr(choice, "candidate_methods", lambda case: before[::-1])
     assert case_id(case) == identity(case, {"method": before[::-1]}) != identity(case, {"method": before})
     assert case_id(named) == identity(named)
 
