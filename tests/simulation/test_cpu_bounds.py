@@ -87,18 +87,18 @@ def test_a_filter_is_applied_a_part_at_a_time(given: Case) -> None:
     setup = set_up(given)
     low = integrate(setup).low_pass(np.ones(101) / 101)
     full = low.read(100, 500)
-    with mock.patch.object(recording, "PRODUCTS", 1):
+    with mock.patch.object(recording, "MULTIPLICATIONS", 1):
         assert np.array_equal(low.read(100, 500), full)
 
 
 def test_as_raw_values_are_picked_of_what_repeats(given: Case) -> None:
     raw = case(model="rollers", defect=SLOT, antialias=False, step_check=False, duration="1 s")
     setup = set_up(choice.resolve(raw))
-    with mock.patch("bearingsim.simulation.recording.Recording.pick_repeated", autospec=True) as picks:
+    with mock.patch("bearingsim.simulation.recording.Recording.fill_repeated_passes", autospec=True) as picks:
         integrate(setup)
     kept, repetition = picks.call_args.args
-    picks = type(kept).pick_repeated
-    assert "pick_repeated" in ended_in(lambda: picks(kept, repetition))
+    picks = type(kept).fill_repeated_passes
+    assert "fill_repeated_passes" in ended_in(lambda: picks(kept, repetition))
 
 
 def test_a_feature_of_another_package_that_runs_out_of_time_is_no_fault_of_it() -> None:

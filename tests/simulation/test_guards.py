@@ -218,7 +218,7 @@ def test_a_method_that_is_too_slow_is_not_tried_with_shorter_steps() -> None:
 def test_a_pilot_may_take_its_part_of_what_a_run_may() -> None:
     test_case = choice.resolve(case(model="rollers", method="dop853", defect=SLOT, duration="1 s"))
     little = mock.patch.object(time_grid, "MAX_CPU", 0.01)
-    unforeseen = mock.patch.object(time_grid, "per_second", return_value=0.0)
+    unforeseen = mock.patch.object(time_grid, "cpu_per_second", return_value=0.0)
     with little, unforeseen, pytest.raises(SIMULATION.TooSlow) as caught:
         step_check.check_step(set_up(test_case, 1.0))
     assert caught.value.time < 0.02

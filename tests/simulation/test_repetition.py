@@ -170,7 +170,7 @@ LONG: dict[str, Any] = {"model": "rollers", "defect": SLOT, "duration": "0.6 s",
 
 @pytest.fixture
 def nothing_repeats(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Search, "after_pass", lambda *given: (0, 0.1))
+    monkeypatch.setattr(Search, "add_pass", lambda *given: (0, 0.1))
 
 
 @pytest.mark.usefixtures("nothing_repeats")

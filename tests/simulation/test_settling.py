@@ -135,7 +135,7 @@ def test_a_start_near_the_steady_motion_needs_little_extrapolation(
         passes[0] += 1
         return plain(slow, y)
 
-    monkeypatch.setattr(SlowModes, "after_pass", counted)
+    monkeypatch.setattr(SlowModes, "extrapolate", counted)
     integrate(setup, start=step_check.rewound_state(setup, raw), closeness=step_check.ORBIT_CLOSENESS)
     assert 0 < passes[0] <= settling.WAITING_PASSES + 4 + 2
     passes[0] = 0

@@ -267,7 +267,7 @@ def test_raw_values_that_end_before_a_run_is_steady_are_checked_on_a_pilot() -> 
     raw = integrate(setup)
     finer = step_check.finer_orbit(setup, raw)
     for ends, is_checked in ((0.36, False), (0.38, True)):
-        with mock.patch.object(step_check, "length", return_value=ends):
+        with mock.patch.object(step_check, "run_time", return_value=ends):
             assert (step_check.check_on_orbit((setup, raw), finer) is not None) == is_checked
 
 
