@@ -72,7 +72,7 @@ def clear_caches() -> None:
     caches = (
         bending.build_bending,
         assemble._build_model,
-        rest._rest,
+        rest._equilibrium,
         limits._common_limits,
         limits.loads_at_rest,
     )

@@ -199,8 +199,8 @@ def anchor_in_space(case: Case) -> tuple[float, float]:
     bearing = undamped(spatial.Spatial(support=ring_load, **fields))
     y = empty_buffer(bearing)
     solve_in_cpu_time(solve_initial_equilibrium, static_model(bearing), 0.0, y)
-    rest = mean_spatial_equilibrium(bearing, y)
-    return rest.x, rest.y
+    equilibrium = mean_spatial_equilibrium(bearing, y)
+    return equilibrium.x, equilibrium.y
 
 
 def align_with_cusp(model: Any, steps_per_pass: int, fraction: float) -> Any:

@@ -29,7 +29,7 @@ from bearingsim.core.defects.depth import (
     extent,
 )
 from bearingsim.core.defects.edge_contact import EdgeContact, edge_contact
-from bearingsim.core.defects.jumps import jumps_of
+from bearingsim.core.defects.jumps import jump_positions
 from bearingsim.core.defects.pairs import (
     INNER,
     ON_INNER,
@@ -45,11 +45,11 @@ from bearingsim.core.defects.spall import Spall
 from bearingsim.core.defects.traced import (
     burr_height,
     cut_along_roller,
+    defect_span,
     group_paths,
     pack_traced_defects,
     sharpest_cusp,
     slice_paths,
-    span_of,
 )
 from bearingsim.core.laws import hertz
 from bearingsim.errors import Refused
@@ -265,7 +265,11 @@ def _pair(
             case, cluster.leader, RollerDefectPair(side, carrier, cluster.angle, radius, R, rows, jumps=jumps)
         )
     rows, paths = traced_groups(case, cluster.defect, side, zetas)
-    cusp, span, jumps = sharpest_cusp(rows, paths), span_of(cluster.defect, R), jumps_of(None, rows, paths, R)
+    cusp, span, jumps = (
+        sharpest_cusp(rows, paths),
+        defect_span(cluster.defect, R),
+        jump_positions(None, rows, paths, R),
+    )
     return _checked_pair(
         case,
         cluster.leader,
@@ -275,8 +279,8 @@ def _pair(
 
 @lru_cache(maxsize=64, typed=True)  # excitations without parameters are all equal
 def closed_form_jumps(excitation: Any, groups: tuple[tuple[float, ...], ...], R: float) -> list[float]:
-    """Return ``jumps_of`` a defect with a closed form, cached because it depends neither on position nor load."""
-    return jumps_of(excitation, groups, (), R)
+    """Return ``jump_positions`` of a closed form, cached because it depends neither on position nor load."""
+    return jump_positions(excitation, groups, (), R)
 
 
 def _checked_pair(case: Case, d: config.Defect, pair: RollerDefectPair) -> RollerDefectPair:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from bearingsim.assemble import contacts, defects, geometry
-from bearingsim.assemble.rest import healthy_damping, healthy_rest
+from bearingsim.assemble.rest import healthy_damping, healthy_equilibrium
 from bearingsim.config import Case
 from bearingsim.core.defects.impulse_train import LoadZone, random_train, train
 from bearingsim.core.defects.pairs import RollerDefectPair
@@ -24,13 +24,13 @@ UNRESOLVED_S = 0.05  # s, used for `settle: auto` in a case without a resolved v
 
 def model(case: Case, support: Support) -> Impulse:
     """Build the ring as two oscillators with the mean static stiffness and damping of the healthy bearing."""
-    rest, b = healthy_rest(case), geometry.bearing(case)
+    equilibrium, b = healthy_equilibrium(case), geometry.bearing(case)
     c_x, c_y = healthy_damping(case)
     filters = RESAMPLE_REACH / case.sampling
     settle = case.settle if isinstance(case.settle, float) else UNRESOLVED_S
     end = settle + case.duration + filters + EXTRA_PASSES / case.bearing.ball_pass_frequency(case.speed)
     pairs = defects.roller_defect_pairs(case)
-    zone = load_zone(case, rest.K_x + support.k_b, rest.K_y + support.k_b)
+    zone = load_zone(case, equilibrium.K_x + support.k_b, equilibrium.K_y + support.k_b)
     impulses = _train(case, zone, pairs, end)
     return Impulse(
         bearing=b,
@@ -57,11 +57,11 @@ def load_zone(case: Case, K_x: float, K_y: float) -> LoadZone:
 
     K_x, K_y: stiffness of the ring with its bracket (N/m).
     """
-    rest = healthy_rest(case)
-    shift = rest.approach + case.clearance / 2.0
+    equilibrium = healthy_equilibrium(case)
+    shift = equilibrium.approach + case.clearance / 2.0
     return LoadZone(
-        q_0=rest.load,
-        delta_0=rest.approach,
+        q_0=equilibrium.load,
+        delta_0=equilibrium.approach,
         epsilon=0.5 * (1.0 - case.clearance / (2.0 * shift)),
         n=_exponent(contacts.outer(case).stiffness),
         axis=atan2(case.load_across, case.load),

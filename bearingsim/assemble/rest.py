@@ -17,7 +17,7 @@ from bearingsim.core.parameters import Bearing, Support
 from bearingsim.core.parts.bending import RigidRing
 
 RIGID_RING = RigidRing()
-CACHED_RESTS = 1 << 14
+CACHED_EQUILIBRIA = 1 << 14
 """Number of cached cases, large because a run needs all jobs of a study several times."""
 
 
@@ -44,24 +44,24 @@ def static_bearing(
 
 def bracket_anchor(case: Case) -> tuple[float, float]:
     """Compute the mean static position (m, m) of the healthy ring without bracket, over a ball pass."""
-    rest = healthy_rest(case)
-    return rest.x, rest.y
+    equilibrium = healthy_equilibrium(case)
+    return equilibrium.x, equilibrium.y
 
 
 def largest_load(case: Case) -> float:
     """Compute the largest static roller force (N) of the healthy bearing without bracket, over a ball pass."""
-    return healthy_rest(case).load
+    return healthy_equilibrium(case).load
 
 
-def healthy_rest(case: Case) -> MeanEquilibrium:
+def healthy_equilibrium(case: Case) -> MeanEquilibrium:
     """Compute the static equilibrium of the healthy bearing without bracket, over a ball pass."""
     laws = [Undamped(contacts.stiffness(case, on_outer)) for on_outer in (True, False)]
     ring = None if case.rig.ring is None else bending.ring_parameters(case)
-    return _rest(geometry.bearing(case), *laws, repr(laws), case.load, case.load_across, ring)
+    return _equilibrium(geometry.bearing(case), *laws, repr(laws), case.load, case.load_across, ring)
 
 
-@lru_cache(maxsize=CACHED_RESTS)
-def _rest(
+@lru_cache(maxsize=CACHED_EQUILIBRIA)
+def _equilibrium(
     bearing: Bearing,
     outer: Any,
     inner: Any,
@@ -70,9 +70,9 @@ def _rest(
     F_across: float,
     ring: bending.RingParameters | None,
 ) -> MeanEquilibrium:
-    """Compute ``healthy_rest``, cached; ``law_names`` distinguishes laws of different types that compare equal."""
-    carried = ring is not None and ring.load_path.carried
-    support = Support(*((0.0, 0.0) if carried else (F, F_across)), 0.0, 0.0, 0.0, 0.0)
+    """Compute ``healthy_equilibrium``, cached; ``law_names`` distinguishes types of laws that compare equal."""
+    on_carrier = ring is not None and ring.load_path.carried
+    support = Support(*((0.0, 0.0) if on_carrier else (F, F_across)), 0.0, 0.0, 0.0, 0.0)
     ring_bending = RigidRing() if ring is None else bending.undamped_bending(bending.build_bending(ring))
     model = static_bearing(bearing, support, outer, inner, pack_defects([], Envelope()), ring_bending)
     return mean_equilibrium(model, lay.buffer(bearing.Z, bearing.m_r))

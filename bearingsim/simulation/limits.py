@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingsim import assemble
-from bearingsim.assemble.rest import CACHED_RESTS, static_model
+from bearingsim.assemble.rest import CACHED_EQUILIBRIA, static_model
 from bearingsim.assemble.scales import (
     approach,
     closing_speed,
@@ -89,7 +89,7 @@ def step_limits(case: Case) -> Limits:
     return replace(limits, at_rest=at_rest, at_impact=min(at_rest, at_impact))
 
 
-@lru_cache(maxsize=CACHED_RESTS)
+@lru_cache(maxsize=CACHED_EQUILIBRIA)
 def _common_limits(case: Case) -> tuple[Limits, SpringRates]:
     """Return the limits that do not depend on a method, and the rates from which those of a method follow."""
     rest_load, K, C = loads_at_rest(rest_case(case))
@@ -203,7 +203,7 @@ def rest_case(case: Case) -> Case:
     )
 
 
-@lru_cache(maxsize=CACHED_RESTS)
+@lru_cache(maxsize=CACHED_EQUILIBRIA)
 def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
     """Return the largest outer force (N), stiffness/mass (1/s^2) and damping/mass (1/s) of a body over a pass."""
     model = assemble.with_friction_lag(assemble.model(healthy), LONGEST_STEP)
@@ -214,7 +214,7 @@ def loads_at_rest(healthy: Case) -> tuple[float, float, float]:
     return load, K, C
 
 
-@lru_cache(maxsize=CACHED_RESTS)
+@lru_cache(maxsize=CACHED_EQUILIBRIA)
 def fast_body_rates(healthy: Case) -> Rates:
     """Return the rates at rest of a body much faster than the monitored ones; zero if there is none."""
     load, *monitored = loads_at_rest(healthy)
@@ -228,7 +228,7 @@ def fast_body_rates(healthy: Case) -> Rates:
     return rates_at_rest(model, t, y, depth)
 
 
-@lru_cache(maxsize=CACHED_RESTS)
+@lru_cache(maxsize=CACHED_EQUILIBRIA)
 def contact_rates(healthy: Case) -> tuple[float, float]:
     """Return stiffness and damping over mass as ``loads_at_rest``, but without the bending of a flexible ring."""
     if healthy.rig.ring is None or not MODELS[healthy.model].has_inertia:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from bearingsim import assemble
-from bearingsim.assemble.rest import CACHED_RESTS
+from bearingsim.assemble.rest import CACHED_EQUILIBRIA
 from bearingsim.assemble.scales import approach, full_speed_case
 from bearingsim.catalogue import MODELS
 from bearingsim.config import Case
@@ -126,7 +126,7 @@ def modes(case: Case) -> tuple[complex, ...]:
         raise Refused(str(error), "give the bearing a load that its rollers can carry") from error
 
 
-@lru_cache(maxsize=CACHED_RESTS)
+@lru_cache(maxsize=CACHED_EQUILIBRIA)
 def _modes(healthy: Case) -> tuple[complex, ...]:
     load, K, _ = loads_at_rest(healthy)
     model = assemble.with_friction_lag(assemble.model(healthy), LONGEST_STEP)

@@ -2,7 +2,7 @@
 
 At a cusp the slope of the path drops, so the closing rate and with it the damping force jump; under a pulse the
 approach itself jumps. A step across a jump loses its order, so adaptive methods stop at these positions. They are
-computed when a roller-defect pair is built (``jumps_of``) and stored in its head (``defects/pairs.py``).
+computed when a roller-defect pair is built (``jump_positions``) and stored in its head (``defects/pairs.py``).
 """
 
 from collections.abc import Sequence
@@ -39,7 +39,9 @@ MAX_JUMPS = 32  # per roller-defect pair; a rough defect has hundreds of small o
 # Positions of jumps, computed once in plain Python
 
 
-def jumps_of(excitation: Any, groups: Sequence[Sequence[float]], paths: Sequence[Path], R: float) -> list[float]:
+def jump_positions(
+    excitation: Any, groups: Sequence[Sequence[float]], paths: Sequence[Path], R: float
+) -> list[float]:
     """Return in order the positions (m) along rolling where the force over a pair's groups, or its damping part,
     jumps.
 
@@ -47,7 +49,7 @@ def jumps_of(excitation: Any, groups: Sequence[Sequence[float]], paths: Sequence
     """
     jump_at: dict[float, np.ndarray] = {}
     for k, row in enumerate(groups):
-        jumps = cusps_of(paths[k]) if paths else jumps_of_group(excitation, np.array([*row]), R)
+        jumps = path_cusps(paths[k]) if paths else group_jumps(excitation, np.array([*row]), R)
         for position, jump in jumps:
             rounded = round(position, 9) + 0.0
             jump_at[rounded] = jump_at.get(rounded, np.zeros(3)) + row[GROUP_WEIGHT] * jump
@@ -58,7 +60,7 @@ def jumps_of(excitation: Any, groups: Sequence[Sequence[float]], paths: Sequence
     return sorted(float(positions[i]) for i in sharpest if sharpness[i] > LEAST_SHARPNESS)
 
 
-def jumps_of_group(excitation: Any, group: np.ndarray, R: float) -> list[tuple[float, np.ndarray]]:
+def group_jumps(excitation: Any, group: np.ndarray, R: float) -> list[tuple[float, np.ndarray]]:
     """Return the positions (m) of jumps, and the jumps of share (1), drop (m) and slope (1) there."""
     positions = {
         0.0,
@@ -100,8 +102,8 @@ def floor_reach(excitation: Any, group: np.ndarray, R: float) -> float:
     return low
 
 
-def cusps_of(path: Path) -> list[tuple[float, np.ndarray]]:
-    """Return the positions (m) where the slope of a path drops, with the jumps as in ``jumps_of_group``."""
+def path_cusps(path: Path) -> list[tuple[float, np.ndarray]]:
+    """Return the positions (m) where the slope of a path drops, with the jumps as in ``group_jumps``."""
     if len(path.pieces) == 0:
         return []
     positions, next_slopes = np.append(path.pieces[1:, S], path.end), np.append(path.pieces[1:, 2], 0.0)

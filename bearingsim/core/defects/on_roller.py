@@ -66,9 +66,9 @@ def force_over_defect(contact, defects, d, s, speed, delta, v):
         group = defects.groups[d, k]
         share, h, slope = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
         weight, rate = share * group[GROUP_WEIGHT], v - slope * speed
-        part = weight * normal_force(contact, delta - h, rate)
-        force += part
-        sideways += part * slope
+        group_force = weight * normal_force(contact, delta - h, rate)
+        force += group_force
+        sideways += group_force * slope
         mean += weight * max(delta - h, 0.0)
         closing += weight * max(delta - h, 0.0) * rate
     return force, sideways, mean, (closing / mean if mean > 0.0 else 0.0)
@@ -100,9 +100,9 @@ def roller_drop_rate(stiffness, defects, d, s, speed, delta):
     for k in range(int(defects.head[d, GROUP_COUNT])):
         group = defects.groups[d, k]
         share, h, slope = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
-        part = share * group[GROUP_WEIGHT] * elastic(stiffness, max(delta - h, 0.0))
-        force += part
-        moment += part * slope * speed
+        group_force = share * group[GROUP_WEIGHT] * elastic(stiffness, max(delta - h, 0.0))
+        force += group_force
+        moment += group_force * slope * speed
     return moment / force if force > 0.0 else 0.0
 
 
@@ -140,10 +140,10 @@ def roller_drop_rate_derivative(stiffness, defects, d, s, speed, delta):
         group = defects.groups[d, k]
         share, h, slope = defect_response(defects.excitation, group, s, defects.head[d, REDUCED_RADIUS])
         weight, approach = share * group[GROUP_WEIGHT], max(delta - h, 0.0)
-        part = weight * elastic(stiffness, approach)
+        group_force = weight * elastic(stiffness, approach)
         K_group = weight * tangent(stiffness, approach) if approach > 0.0 else 0.0
-        force += part
-        moment += part * slope * speed
+        force += group_force
+        moment += group_force * slope * speed
         K_sum += K_group
         K_moment += K_group * slope * speed
     return (K_moment - K_sum * moment / force) / force if force > 0.0 else 0.0

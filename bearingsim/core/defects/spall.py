@@ -38,7 +38,7 @@ class Spall(NamedTuple):
 
 
 @lru_cache(maxsize=64)
-def full_grown(seed: int) -> tuple[Bowl, ...]:
+def full_grown_bowls(seed: int) -> tuple[Bowl, ...]:
     """Return the bowls of a spall in order of formation, in a box from -1/2 to 1/2 along and across, 1 deep."""
     rng = np.random.default_rng(seed)
     bowls: list[Bowl] = [(0.0, 0.0, 1.0, 1.0, FIRST_DEPTH)]
@@ -65,9 +65,9 @@ def _normalise(bowls: list[Bowl]) -> tuple[Bowl, ...]:
     return tuple(map(tuple, box.tolist()))
 
 
-def bowls_of(spall: Spall) -> list[Bowl]:
+def grown_bowls(spall: Spall) -> list[Bowl]:
     """Return the bowls of a spall in m, the last one partly grown."""
-    all_bowls = full_grown(spall.seed)
+    all_bowls = full_grown_bowls(spall.seed)
     count = spall.grown * (len(all_bowls) - 1)
     bowls = []
     for n, (u, v, a, b, d) in enumerate(all_bowls):
@@ -83,7 +83,7 @@ def bowls_of(spall: Spall) -> list[Bowl]:
 @section.register(Spall)
 def _section(spall: Spall, z: float) -> Profile:
     profiles = [RACE]
-    for u, v, a, b, d in bowls_of(spall):
+    for u, v, a, b, d in grown_bowls(spall):
         scale = 1.0 - ((z - v) / b) ** 2
         if scale > 0.0:
             half, curvature = a * sqrt(scale), 2.0 * d / (a * a)
@@ -93,7 +93,7 @@ def _section(spall: Spall, z: float) -> Profile:
 
 @extent.register(Spall)
 def _extent(spall: Spall) -> tuple[float, float, float, float]:
-    u, v, a, b, _ = np.array(bowls_of(spall)).T
+    u, v, a, b, _ = np.array(grown_bowls(spall)).T
     return float(np.min(u - a)), float(np.max(u + a)), float(np.min(v - b)), float(np.max(v + b))
 
 

@@ -110,11 +110,11 @@ def sharpest_cusp(groups: Sequence[tuple[float, ...]], paths: Sequence[Path]) ->
     return position
 
 
-def span_of(defect: Any, R: float) -> float:
+def defect_span(defect: Any, R: float) -> float:
     """Return the extent (m) of a defect along its middle, the shortest of merged ones; ``R``: relative radius
     (m)."""
     if isinstance(defect, MergedDefects):
-        return min(span_of(part, R) for part in defect.defects)
+        return min(defect_span(part, R) for part in defect.defects)
     low, high, z_0, z_1 = extent(defect)
     path = path_over(section(defect, (z_0 + z_1) / 2.0), R)
     return path.end - float(path.pieces[0, 0]) if len(path.pieces) else high - low

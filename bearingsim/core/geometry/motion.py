@@ -46,23 +46,23 @@ def _kinematic_time_ramp(motion, t):
     )
 
 
-def motion_of(model: Any) -> Any:
+def model_motion(model: Any) -> Any:
     """Return the model's motion, ``Steady`` if it has none."""
     return getattr(model, "motion", Steady())
 
 
 def is_steady(model: Any) -> bool:
     """Check if the model's speed never changes."""
-    return isinstance(motion_of(model), Steady)
+    return isinstance(model_motion(model), Steady)
 
 
 def kinematic_times(model: Any, time: np.ndarray) -> np.ndarray:
     """Return ``kinematic_time``'s first result at each time (n,), s."""
-    motion = motion_of(model)
+    motion = model_motion(model)
     return time if isinstance(motion, Steady) else np.array([kinematic_time(motion, t)[0] for t in time.tolist()])
 
 
 def speed_factor(model: Any, time: np.ndarray) -> Any:
     """Return the speed at each time (n,), s, over the speed at t = 0; 1.0 at a steady speed."""
-    motion = motion_of(model)
+    motion = model_motion(model)
     return 1.0 if isinstance(motion, Steady) else np.array([kinematic_time(motion, t)[1] for t in time.tolist()])

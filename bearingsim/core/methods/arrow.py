@@ -105,12 +105,12 @@ def factorise(model, y):
         for j in range(n):
             y[pivot + j] = 1.0 / y[pivot + j]
         for i in range(p + 1, per_roller):
-            part = lay.diagonal_block(lay.SYSTEM, i, p)
+            factor_row = lay.diagonal_block(lay.SYSTEM, i, p)
             for j in range(n):
-                y[part + j] *= y[pivot + j]
+                y[factor_row + j] *= y[pivot + j]
             for k in range(p + 1, per_roller):
                 subtract_product(
-                    lay.diagonal_block(lay.SYSTEM, i, k), part, lay.diagonal_block(lay.SYSTEM, p, k), y, n
+                    lay.diagonal_block(lay.SYSTEM, i, k), factor_row, lay.diagonal_block(lay.SYSTEM, p, k), y, n
                 )
     for k in range(shared):
         solve_rollers(per_roller, lay.border_column(lay.SYSTEM, 0, k), lay.MAX_SHARED * lay.ROW, y, n)
@@ -118,10 +118,10 @@ def factorise(model, y):
         for m in range(shared):
             total = 0.0
             for j in range(n):
-                part = 0.0
+                product = 0.0
                 for i in range(per_roller):
-                    part += y[lay.border_row(lay.SYSTEM, k, i) + j] * y[lay.border_column(lay.SYSTEM, i, m) + j]
-                total = add(total, part)
+                    product += y[lay.border_row(lay.SYSTEM, k, i) + j] * y[lay.border_column(lay.SYSTEM, i, m) + j]
+                total = add(total, product)
             y[lay.corner_block(lay.SYSTEM, k, m)] -= total
     factor_border(shared, y)
 
