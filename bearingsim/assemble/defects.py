@@ -294,9 +294,9 @@ def _checked_pair(case: Case, d: config.Defect, pair: RollerDefectPair) -> Rolle
     spacing = 2.0 * pi * pair.radius / (1 if d.race == "roller" else case.bearing.rollers)
     if 2.0 * pair.half_width > spacing:
         wide = (
-            f"felt over {2e3 * pair.half_width:.4g} mm, more than the {1e3 * spacing:.4g} mm between two contacts"
+            f"act over {2e3 * pair.half_width:.4g} mm, more than the {1e3 * spacing:.4g} mm between two contacts"
         )
-        raise Refused(f"the defects at {np.degrees(d.angle):.4g} deg are {wide}", _narrowing_advice(d))
+        raise Refused(f"the defects at {np.degrees(d.angle):.4g} deg {wide}", _narrowing_advice(d))
     return pair
 
 
@@ -317,7 +317,7 @@ def closed_form_groups(case: Case, d: config.Defect, side: int, zetas: Positions
     )
     groups = excitations.response_groups(excitation(case), defect, rows, R)
     if zetas is not None and len(groups) != len(zetas):
-        raise Refused(f"`{case.excitation}` has no form for slices", "take `excitation: envelope`")
+        raise Refused(f"`{case.excitation}` cannot act on sliced rollers", "use `excitation: envelope`")
     return groups
 
 

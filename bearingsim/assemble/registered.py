@@ -68,7 +68,7 @@ def check_features() -> None:
     """Raise UserError if a feature of an extension does not load, or was registered too late to be declared."""
     for feature in FEATURES.values():
         if not callable(code(feature.compute)):
-            raise UserError(f"feature `{feature.name}`: `{feature.compute}` is no function")
+            raise UserError(f"feature `{feature.name}`: `{feature.compute}` is not a function")
         if feature.name not in DECLARED:
             raise UserError(
                 f"feature `{feature.name}` is not declared; register it in the module of its entry point"

@@ -148,7 +148,9 @@ def test_defect_wider_than_the_roller_spacing_is_rejected():
     """The edges make the merged defect wider than the spacing, which the case does not check."""
     edged = SLOT | {"width": "9.2 mm", "edge": {"radius": "0.2 mm"}}
     pair = [edged, edged | {"angle": f"{np.degrees(9.5e-3 / R_O)} deg"}]
-    with pytest.raises(Refused, match="mm between two contacts; make them narrower, or the edge's radius smaller"):
+    with pytest.raises(
+        Refused, match=r"deg act over .* mm between two contacts; make them narrower, or the edge's radius smaller"
+    ):
         packed_defects(case(defects=pair))
 
 
@@ -248,7 +250,9 @@ def test_a_group_for_each_slice(changes):
 def test_other_excitations_in_slices():
     packed = packed_defects(case(defect=SHORT, excitation="half-sine-pulse"), ZETAS)
     assert packed.groups[0, 3, GROUP_HALF_WIDTH] == 4e-4
-    with pytest.raises(ValueError, match="`pressure-share` has no form for slices; take `excitation: envelope`"):
+    with pytest.raises(
+        ValueError, match="`pressure-share` cannot act on sliced rollers; use `excitation: envelope`"
+    ):
         packed_defects(case(defect=SHORT, excitation="pressure-share", model="ring"), ZETAS)
 
 

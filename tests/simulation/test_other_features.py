@@ -126,7 +126,7 @@ def test_a_feature_that_cannot_be_computed_is_refused_first(function, monkeypatc
     """Before anything runs: what is no function, what does not load, and what was registered too late."""
     registered(monkeypatch, function)
     told = {
-        "NO_FUNCTION": "^feature `mine`: `.*` is no function$",
+        "NO_FUNCTION": "^feature `mine`: `.*` is not a function$",
         "not_there": f"^`.*:not_there` of the extension `{__name__}` does not load",
         "mean": "^feature `mine` is not declared; register it in the module of its entry point$",
     }
