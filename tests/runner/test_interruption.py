@@ -38,7 +38,7 @@ def test_work_does_not_begin_after_a_lost_signal() -> None:
 @pytest.mark.usefixtures("lost_signal")
 def test_no_connection_begins_after_a_lost_signal() -> None:
     handshake = pytest.importorskip("bearingsim.runner.handshake", reason="needs distributed")
-    with pytest.raises(Signalled), handshake.client_of("tcp://127.0.0.1:1"):
+    with pytest.raises(Signalled), handshake.connect("tcp://127.0.0.1:1"):
         pytest.fail("joined")
 
 
