@@ -171,7 +171,7 @@ class ModelSelector:
     def _is_accurate(self, errors: Mapping[str, float], friction: Mapping[str, float | None]) -> bool:
         """Check if the errors of model and friction are within ``FOR_MODEL`` of the requested accuracy."""
         assert self.study.goal is not None
-        sums = [of + (friction.get(name) or 0.0) for name, of in errors.items()]
+        sums = [error + (friction.get(name) or 0.0) for name, error in errors.items()]
         return bool(sums) and max(sums) <= FOR_MODEL * self.study.goal.within
 
     def _choices_of_group(self, group: Sequence[int], evidence: Evidence, friction: Friction) -> dict[int, Choice]:
@@ -189,7 +189,10 @@ class ModelSelector:
             name: sum(case_costs.values()) for name, case_costs in costs.items() if len(case_costs) == len(group)
         }
         single_choice = _cheapest(group_costs)
-        cheapest = {n: _cheapest({name: of[n] for name, of in costs.items() if n in of}) for n in group}
+        cheapest = {
+            n: _cheapest({name: model_costs[n] for name, model_costs in costs.items() if n in model_costs})
+            for n in group
+        }
         mixed_cost = sum(costs[name][n] for n, name in cheapest.items())
         names = (
             cheapest

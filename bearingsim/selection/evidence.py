@@ -25,12 +25,14 @@ class Recut(NamedTuple):
 class Evidence:
     """Relative errors of candidates from trials (relative to ``curves.scales``)."""
 
-    def __init__(self, study: Study, drawn: Sequence[Curve], trials: TrialResults) -> None:
+    def __init__(self, study: Study, curves: Sequence[Curve], trials: TrialResults) -> None:
         self.study, self.trials = study, trials
         assert self.study.goal is not None
         self.reference_values = [self._values(n, reference(case)) for n, case in enumerate(self.study.cases())]
         self.scales = {
-            feature: scales(feature, [of[feature].value if of else nan for of in self.reference_values], drawn)
+            feature: scales(
+                feature, [values[feature].value if values else nan for values in self.reference_values], curves
+            )
             for feature in self.study.goal.of
         }
 
@@ -65,8 +67,8 @@ class Evidence:
             else error(values[name], recut_values[name])
             for name in values
         }
-        shares = {name: other.factor * _relative(of, self.scales[name][n]) for name, of in errors.items()}
-        return {name: of if of < inf else None for name, of in shares.items()}
+        shares = {name: other.factor * _relative(share, self.scales[name][n]) for name, share in errors.items()}
+        return {name: share if share < inf else None for name, share in shares.items()}
 
     def _values(self, n: int, case: Case, baseline_case: Case | None = None) -> dict[str, Value]:
         """Read the features of a case from its trial and that of its healthy counterpart; empty if one failed.
@@ -76,10 +78,10 @@ class Evidence:
         assert self.study.goal is not None
         baselines = trials_of(self.study, n, baseline_case or case)[1:]
         trials = [self.trials.get(trial.id) for trial in (trials_of(self.study, n, case)[0], *baselines)]
-        own, baseline = trials[0], trials[-1] if len(trials) > 1 else None
-        if own is None or None in trials or (baseline is not None and baseline.turns != own.turns):
+        trial, baseline = trials[0], trials[-1] if len(trials) > 1 else None
+        if trial is None or None in trials or (baseline is not None and baseline.turns != trial.turns):
             return {}
-        return {feature: value(feature, own, baseline) for feature in self.study.goal.of}
+        return {feature: value(feature, trial, baseline) for feature in self.study.goal.of}
 
 
 def _relative(error: float, size: float) -> float:

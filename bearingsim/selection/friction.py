@@ -41,16 +41,16 @@ class Friction:
     tried: numbers of the cases with trials; limit: largest allowed relative change.
     """
 
-    def __init__(self, evidence: Evidence, tried: Sequence[int], drawn: Sequence[Curve], limit: float) -> None:
+    def __init__(self, evidence: Evidence, tried: Sequence[int], curves: Sequence[Curve], limit: float) -> None:
         self.evidence, self.limit = evidence, limit
         cases = evidence.study.cases()
         self.friction_cases = {n: case for n in tried if (case := with_friction(cases[n])) is not None}
-        short = {n for n in self.friction_cases if not shows_friction(cases[n])}
-        usable = [n for n in self.friction_cases if evidence.reference_values[n] and n not in short]
+        short_records = {n for n in self.friction_cases if not shows_friction(cases[n])}
+        usable = [n for n in self.friction_cases if evidence.reference_values[n] and n not in short_records]
         too_few = {n for n in usable if evidence.turns(n) < CAGE_TURNS}
         sufficient = [n for n in usable if n not in too_few]
-        self.undetermined = dict.fromkeys(too_few, NOT_PERIODIC) | dict.fromkeys(short, TOO_SHORT)
-        tried_curves = [Curve(curve.feature, tuple(n for n in curve.cases if n in sufficient)) for curve in drawn]
+        self.undetermined = dict.fromkeys(too_few, NOT_PERIODIC) | dict.fromkeys(short_records, TOO_SHORT)
+        tried_curves = [Curve(curve.feature, tuple(n for n in curve.cases if n in sufficient)) for curve in curves]
         single_cases = set(sufficient) - {n for curve in tried_curves for n in curve.cases}
         self.curves = [curve for curve in tried_curves if curve.cases] + [
             Curve("", (n,)) for n in sorted(single_cases)
@@ -132,12 +132,12 @@ class Friction:
     def _largest_at(self, n: int) -> tuple[float, str]:
         """Return the largest known change of a case by friction, and its feature."""
         return max(
-            ((of, name) for name, of in self._changes_at_extremes[n].items() if of is not None), default=(0.0, "")
+            ((change, name) for name, change in self._changes_at_extremes[n].items() if change is not None),
+            default=(0.0, ""),
         )
 
-    def _reason(self, off: float, name: str) -> str:
-        if off == inf:
+    def _reason(self, change: float, name: str) -> str:
+        if change == inf:
             return f"friction changes {name} too much, or the record has too few cage turns to tell"
-        return (
-            f"friction changes {name} by up to {100.0 * off:.2g} % on its curve, over {100.0 * self.limit:.2g} %"
-        )
+        limit = 100.0 * self.limit
+        return f"friction changes {name} by up to {100.0 * change:.2g} % on its curve, over {limit:.2g} %"

@@ -28,7 +28,7 @@ class Discretisation:
     def __init__(
         self,
         evidence: Evidence,
-        drawn: Sequence[Curve],
+        curves: Sequence[Curve],
         choices: Mapping[int, Choice],
         computed: Callable[[int, str], Case],
     ) -> None:
@@ -47,7 +47,7 @@ class Discretisation:
                 kinds[n] = choice.candidate, chosen.model, *(defect.shape for defect in chosen.defects)
         self.uniform_curves = [
             Curve(curve.feature, tuple(n for n in curve.cases if kinds.get(n) == kind))
-            for curve in drawn
+            for curve in curves
             for kind in dict.fromkeys(kinds[n] for n in curve.cases if n in kinds)
         ]
 

@@ -62,7 +62,7 @@ class Blocks:
         if not self.dropped:
             return ""
         causes = ((self.failed, "failed"), (self.valueless, f"have no `{self.feature}`"))
-        reasons = " and ".join(f"{count} {what}" for count, what in causes if count)
+        reasons = " and ".join(f"{count} {cause}" for count, cause in causes if count)
         return f"{self.dropped} of {self.planned} blocks dropped: of {self.jobs} jobs {reasons}"
 
 

@@ -53,7 +53,7 @@ def estimate(statistic: Callable[[Array], Array], blocks: Array) -> Estimate:
         warnings.simplefilter("ignore", DegenerateDataWarning)  # the interval is then NaN
         interval = bootstrap(
             (np.arange(len(blocks)),),
-            lambda drawn: statistic(blocks[drawn]),
+            lambda sample: statistic(blocks[sample]),
             n_resamples=RESAMPLES,
             vectorized=False,
             confidence_level=LEVEL,

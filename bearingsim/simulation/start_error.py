@@ -56,10 +56,10 @@ class Passes(NamedTuple):
         )
 
 
-def start_errors(setup: Setup, raw: RawRecord, standard: StandardErrors) -> StartErrors:
+def start_errors(setup: Setup, raw: RawRecord, standard_errors: StandardErrors) -> StartErrors:
     """Return the errors of a run; NaN if the record is too short or the speed is not constant.
 
-    standard: standard errors of line and RMS if the motion scatters at random, else NaN.
+    standard_errors: standard errors of line and RMS if the motion scatters at random, else NaN.
     """
     case, cut = setup.case, setup.cut
     if MODELS[case.model].memoryless:
@@ -72,7 +72,7 @@ def start_errors(setup: Setup, raw: RawRecord, standard: StandardErrors) -> Star
         last = np.zeros(record_windows.distinct)
         last[-raw.repetition.period :] = 1.0
         return _changes(passes.mean(record_windows.weights), passes.mean(last), passes)
-    return _decay_errors(case, passes, cut.rate, standard)
+    return _decay_errors(case, passes, cut.rate, standard_errors)
 
 
 def _passes(setup: Setup, raw: RawRecord, record_windows: Windows) -> Passes:
@@ -102,7 +102,7 @@ def _changes(mean: Passes, other: Passes, passes: Passes) -> StartErrors:
     )
 
 
-def _decay_errors(case: Case, passes: Passes, rate: float, standard: StandardErrors) -> StartErrors:
+def _decay_errors(case: Case, passes: Passes, rate: float, standard_errors: StandardErrors) -> StartErrors:
     """Return errors from the decay between the parts of a record, at least the scatter between the parts.
 
     Let r be the part of the transient left after half a record. The error of the record's mean is (1 + r)/(2 (1 -
@@ -123,8 +123,8 @@ def _decay_errors(case: Case, passes: Passes, rate: float, standard: StandardErr
         r = np.fmin((after / before) ** 2, max_ratio)
         remaining = change * [0.5, 0.5, 1.0] * (1.0 + r * [1.0, 1.0, 0.0]) / (1.0 - r)
     scatter = _scatter([passes.mean(part) for part in parts], passes)
-    largest = nan if isnan(standard.rms) else error_of_largest(passes.forces, case.bearing.rollers, length)
-    return StartErrors(*np.fmax.reduce([remaining, scatter, (*standard, largest)]).tolist())
+    largest = nan if isnan(standard_errors.rms) else error_of_largest(passes.forces, case.bearing.rollers, length)
+    return StartErrors(*np.fmax.reduce([remaining, scatter, (*standard_errors, largest)]).tolist())
 
 
 def error_of_largest(forces: np.ndarray, rollers: int, quarter: int) -> float:

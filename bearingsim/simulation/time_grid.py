@@ -99,12 +99,12 @@ def highest_band_limit(case: Case) -> float:
     return max((feature.band.high for feature in features if feature and feature.band), default=0.0)
 
 
-def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
+def grid(case: Case, step_fraction: float = 1.0, max_cpu: float = 0.0) -> Grid:
     """Compute the time grid of a case, with the step shortened to fit a whole number of steps into a ball pass.
 
-    part: fraction of the requested step; max_cpu: CPU time (s) allowed for all steps, if more than ``MAX_CPU``.
-    On a ramp the ball pass is that of the highest speed. Raises ``Refused`` like ``requested_step``, and if the
-    record has no sample, if a pass has too many steps, or if the steps take too long.
+    step_fraction: fraction of the requested step; max_cpu: CPU time (s) allowed for all steps, if more than
+    ``MAX_CPU``. On a ramp the ball pass is that of the highest speed. Raises ``Refused`` like ``requested_step``,
+    and if the record has no sample, if a pass has too many steps, or if the steps take too long.
     """
     if samples(case) < 1:
         raise Refused("no sample falls into the record", "use a higher `sampling` or a longer `duration`")
@@ -112,7 +112,7 @@ def grid(case: Case, part: float = 1.0, max_cpu: float = 0.0) -> Grid:
     other = ", or use `method: auto`" if has_named_method else ""
     rate = case.bearing.ball_pass_frequency(full_speed_case(case).speed)
     fine = max(MIN_FINE, ceil(max(FINE_PER_SAMPLE * case.sampling, highest_band_limit(case) / PASSBAND) / rate))
-    decimation = max(1, ceil(1.0 / (rate * fine * part * requested_step(case)) * (1.0 - 1e-12)))
+    decimation = max(1, ceil(1.0 / (rate * fine * step_fraction * requested_step(case)) * (1.0 - 1e-12)))
     if fine * decimation > MAX_STEPS:
         raise Refused(
             f"a ball pass would take {fine * decimation:.2g} steps (at most {MAX_STEPS:.0e} are stored in memory)",

@@ -31,8 +31,8 @@ def warm(cases: Iterable[Case], on_compile: Callable[[int, int, float], None] | 
     for number, (kind, case) in enumerate(new.items(), 1):
         if on_compile is not None:
             on_compile(number, len(new), price("compile", case.model))
-        short = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
-        settings = {"duration": short, "settle": 0.0, "step": "auto", "step_check": False}
+        duration = max(1.0 / case.bearing.ball_pass_frequency(case.speed), 1.0 / case.sampling)
+        settings = {"duration": duration, "settle": 0.0, "step": "auto", "step_check": False}
         with suppress(cpu_time.OutOfCpuTime), cpu_time.at_most(WARM_UP_LIMIT):
             simulate(case.model_copy(update=settings))
         _COMPILED.add(kind)
