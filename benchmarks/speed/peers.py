@@ -189,7 +189,7 @@ def exudyn(step: float, solver: str, duration: float, sampling: float) -> tuple[
 
     exu.SetWriteToConsole(False)
     scene = replace(exudyn_planar.HEALTHY, friction=Coulomb(0.0, 0.02), friction_tilts=False)
-    run = exudyn_planar.prepared(scene, step, duration, sampling)
+    run = exudyn_planar.prepare(scene, step, duration, sampling)
     try:
         cpu_s = cpu_time(run.solve, solver)
     except exu.SolverError:

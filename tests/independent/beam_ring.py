@@ -106,21 +106,23 @@ def compliance(n, beam=NF308):
     first, _, third = beam.moments
     if n == 0:
         return 1 / (2 * np.pi * beam.young * first)
-    stretched = 0.0 if beam.curved else beam.radius / (beam.young * beam.area)
-    bent = beam.radius**2 / (beam.young * third)
-    sheared = n * n / (beam.shear * beam.shear_modulus * first)
-    return (bent + stretched + sheared) / (np.pi * (n * n - 1) ** 2)
+    extension = 0.0 if beam.curved else beam.radius / (beam.young * beam.area)
+    bending = beam.radius**2 / (beam.young * third)
+    shear = n * n / (beam.shear * beam.shear_modulus * first)
+    return (bending + extension + shear) / (np.pi * (n * n - 1) ** 2)
 
 
 def matrices(n, beam=NF308):
     """Stiffness and mass (3, 3) of (a, c, p), n >= 1: second derivatives of V and T."""
     first, second, third = beam.moments
     e, p, g = np.array([1, n, 0.0]), np.array([0, 0, 1.0]), np.array([-n, -1, beam.radius])
-    bent = first * np.outer(e, e) + n * second * (np.outer(e, p) + np.outer(p, e)) + n * n * third * np.outer(p, p)
-    sheared = beam.shear * beam.shear_modulus * first * np.outer(g, g)
-    straight, turned = beam.radius * beam.area, beam.second_moment
-    mass = np.array([[straight, 0, 0], [0, straight, turned], [0, turned, beam.radius * turned]])
-    return np.pi * (beam.young * bent + sheared), np.pi * beam.density * mass
+    bending = (
+        first * np.outer(e, e) + n * second * (np.outer(e, p) + np.outer(p, e)) + n * n * third * np.outer(p, p)
+    )
+    shear = beam.shear * beam.shear_modulus * first * np.outer(g, g)
+    translation, rotation = beam.radius * beam.area, beam.second_moment
+    mass = np.array([[translation, 0, 0], [0, translation, rotation], [0, rotation, beam.radius * rotation]])
+    return np.pi * (beam.young * bending + shear), np.pi * beam.density * mass
 
 
 def frequencies(n, beam=NF308):

@@ -28,7 +28,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tests.independent import beam_ring, bent_static, rollers
-from tests.independent.bent_static import PASS, R_MEAN, Scene, Springs, least, reach, spread
+from tests.independent.bent_static import PASS, R_MEAN, Scene, Springs, minimise, per_unknown, shape_functions
 
 
 class Motion(NamedTuple):
@@ -43,24 +43,24 @@ class Motion(NamedTuple):
 
 def at_rest(scene, first, anchor):
     """All unknowns with the first roller at the angle ``first``: ring, rollers, carrier."""
-    found = bent_static.system(scene, first + PASS * np.arange(rollers.Z), anchor)
-    y = np.zeros(found.f.size)
-    y[0] = y[bent_static.held(scene).start] = -1e-6
-    return least(found, y)
+    equations_ = bent_static.system(scene, first + PASS * np.arange(rollers.Z), anchor)
+    y = np.zeros(equations_.f.size)
+    y[0] = y[bent_static.bracket_rows(scene).start] = -1e-6
+    return minimise(equations_, y)
 
 
-def anchored(scene, phases=32):
+def anchor_position(scene, phases=32):
     """Mean place over a ball pass of what the bracket holds, healthy, without the bracket."""
-    firsts = np.pi / rollers.Z + PASS * (np.arange(phases) + 0.5) / phases
-    place = bent_static.held(scene)
-    return np.mean([at_rest(scene._replace(width=0.0), first, None)[place] for first in firsts], axis=0)
+    angles = np.pi / rollers.Z + PASS * (np.arange(phases) + 0.5) / phases
+    rows = bent_static.bracket_rows(scene)
+    return np.mean([at_rest(scene._replace(width=0.0), first, None)[rows] for first in angles], axis=0)
 
 
 def contact(delta, rate, beta):
     """Force of contacts and its rate of damping, N."""
-    pressed = np.maximum(delta, 0.0)
-    elastic = rollers.K * pressed ** (10 / 9)
-    slope = rollers.K * 10 / 9 * pressed ** (1 / 9)
+    compression = np.maximum(delta, 0.0)
+    elastic = rollers.K * compression ** (10 / 9)
+    slope = rollers.K * 10 / 9 * compression ** (1 / 9)
     return np.maximum(elastic + beta * rate * slope, 0.0)
 
 
@@ -69,22 +69,24 @@ class Carrier:
 
     def __init__(self, scene, orders, anchor, start):
         springs, angles = scene.outside, np.array(scene.outside.angles)
-        self.at, self.e = reach(orders, angles), reach((), angles)
-        self.springs, self.scene, self.anchor, self.place = springs, scene, anchor, start
+        self.shapes, self.directions = shape_functions(orders, angles), shape_functions((), angles)
+        self.springs, self.scene, self.anchor, self.position = springs, scene, anchor, start
 
-    def pressing(self, x):
+    def ring_force(self, x):
         """Generalised force on the ring."""
-        out = self.at @ x + self.springs.fit
-        place = self.place
+        out = self.shapes @ x + self.springs.fit
+        position = self.position
         for _ in range(50):
-            push = self.springs.stiffness * np.maximum(out - self.e @ place, 0.0)
-            left = push @ self.e - self.scene.bracket * (place - self.anchor) - [self.scene.load, 0.0]
-            if np.abs(left).max() < 1e-9 * self.scene.load:
-                self.place = place
-                return -push @ self.at
-            loaded = self.e[push > 0]
-            stiff = self.springs.stiffness * loaded.T @ loaded + self.scene.bracket * np.eye(2)
-            place = place + np.linalg.solve(stiff, left)
+            forces = self.springs.stiffness * np.maximum(out - self.directions @ position, 0.0)
+            residual = (
+                forces @ self.directions - self.scene.bracket * (position - self.anchor) - [self.scene.load, 0.0]
+            )
+            if np.abs(residual).max() < 1e-9 * self.scene.load:
+                self.position = position
+                return -forces @ self.shapes
+            active = self.directions[forces > 0]
+            stiffness = self.springs.stiffness * active.T @ active + self.scene.bracket * np.eye(2)
+            position = position + np.linalg.solve(stiffness, residual)
         raise AssertionError("the carrier finds no rest")
 
 
@@ -96,16 +98,18 @@ class Equations(NamedTuple):
     sensor: np.ndarray
 
 
-def sinking(scene, theta):
+def drops_and_rates(scene, theta):
     """h (m) of each roller, and its rate (m/s)."""
-    arcs = rollers.R_O * rollers.around(theta - scene.angle)
+    arcs = rollers.R_O * rollers.wrap_angle(theta - scene.angle)
     if np.abs(arcs).min() >= scene.width / 2:
         return np.zeros(rollers.Z), np.zeros(rollers.Z)
-    return rollers.sinking(arcs, rollers.R_O * rollers.OMEGA_C, scene.width, scene.depth, rollers.REDUCED_O)
+    return rollers.drops_and_rates(
+        arcs, rollers.R_O * rollers.OMEGA_C, scene.width, scene.depth, rollers.REDUCED_O
+    )
 
 
-def along(orders, angles):
-    """ds/dphi at each angle, in the order of ``reach``."""
+def shape_derivatives(orders, angles):
+    """ds/dphi at each angle, in the order of ``shape_functions``."""
     columns = [-np.sin(angles), np.cos(angles)]
     for n in orders:
         columns += [np.zeros_like(angles)] if n == 0 else [-n * np.sin(n * angles), n * np.cos(n * angles)]
@@ -116,43 +120,43 @@ def approaches(scene, t, x, q, w, v):
     """s at the rollers (Z, unknowns), outer approaches (m) and rates (m/s): ring at x, w, rollers at q, v."""
     orders = bent_static.harmonics(scene.last)
     theta = rollers.THETA + rollers.OMEGA_C * t
-    s = reach(orders, theta)
-    h, sinks = sinking(scene, theta)
-    return s, q - s @ x - h, v - s @ w - rollers.OMEGA_C * (along(orders, theta) @ x) - sinks
+    s = shape_functions(orders, theta)
+    h, sinks = drops_and_rates(scene, theta)
+    return s, q - s @ x - h, v - s @ w - rollers.OMEGA_C * (shape_derivatives(orders, theta) @ x) - sinks
 
 
 def equations(scene: Scene, motion: Motion = Motion()) -> Equations:  # noqa: B008
     """The bearing in motion, from rest at t = 0."""
     orders = bent_static.harmonics(scene.last)
-    ring, z = reach(orders, 0.0).shape[1], rollers.Z
-    anchor = anchored(scene)
+    ring, z = shape_functions(orders, 0.0).shape[1], rollers.Z
+    anchor = anchor_position(scene)
     first = at_rest(scene, np.pi / z, anchor)
     stiffness, mass = beam_ring.modes(orders, scene.ring, motion.mass, motion.cap)
-    k = np.concatenate([[0.0, 0.0], spread(orders, stiffness)])
-    m = np.concatenate([[motion.mass] * 2, spread(orders, mass)])
-    d = np.concatenate([[motion.damper] * 2, spread(orders, 2 * motion.ratio * np.sqrt(stiffness * mass))])
-    steady = np.zeros(ring)
+    k = np.concatenate([[0.0, 0.0], per_unknown(orders, stiffness)])
+    m = np.concatenate([[motion.mass] * 2, per_unknown(orders, mass)])
+    d = np.concatenate([[motion.damper] * 2, per_unknown(orders, 2 * motion.ratio * np.sqrt(stiffness * mass))])
+    constant_force = np.zeros(ring)
     carrier = None
     if isinstance(scene.outside, Springs):
         carrier = Carrier(scene, orders, anchor, first[-2:])
     else:
         k[:2] = scene.bracket
-        steady[:] = scene.outside.vector(orders)
-        steady[:2] += scene.bracket * anchor
+        constant_force[:] = scene.outside.vector(orders)
+        constant_force[:2] += scene.bracket * anchor
 
     def slope(t, y):
         x, q, w, v = y[:ring], y[ring : ring + z], y[ring + z : 2 * ring + z], y[2 * ring + z :]
         s, delta, rate = approaches(scene, t, x, q, w, v)
         outer, inner = contact(delta, rate, motion.beta), contact(-q, -v, motion.beta)
-        pressed = steady if carrier is None else carrier.pressing(x)
-        ring_rate = (outer @ s + pressed - k * x - d * w) / m
+        ring_force = constant_force if carrier is None else carrier.ring_force(x)
+        ring_rate = (outer @ s + ring_force - k * x - d * w) / m
         roller_rate = rollers.OMEGA_C**2 * (R_MEAN + q) + (inner - outer) / rollers.M_R
         return np.concatenate([w, v, ring_rate, roller_rate])
 
     start = np.concatenate([first[: ring + z], np.zeros(ring + z)])
-    looks = np.zeros(start.size)
-    looks[ring + z : 2 * ring + z] = reach(orders, scene.sensor)[0]
-    return Equations(slope, start, looks)
+    sensor = np.zeros(start.size)
+    sensor[ring + z : 2 * ring + z] = shape_functions(orders, scene.sensor)[0]
+    return Equations(slope, start, sensor)
 
 
 class Record(NamedTuple):
@@ -170,33 +174,33 @@ class Record(NamedTuple):
         """Of each pass, its mean removed, the whole band that the steps resolve."""
         return self.velocity.std(axis=1)
 
-    def low(self, band=4096.0):
+    def rms_below(self, band=4096.0):
         """RMS of each pass under ``band`` Hz."""
-        found = np.fft.rfft(self.velocity, axis=1)[:, 1:] / self.velocity.shape[1]
-        wanted = np.arange(1, found.shape[1] + 1) * rollers.Z * rollers.OMEGA_C / (2 * np.pi) < band
-        return np.sqrt(2 * np.sum(np.abs(found[:, wanted]) ** 2, axis=1))
+        spectrum = np.fft.rfft(self.velocity, axis=1)[:, 1:] / self.velocity.shape[1]
+        is_below = np.arange(1, spectrum.shape[1] + 1) * rollers.Z * rollers.OMEGA_C / (2 * np.pi) < band
+        return np.sqrt(2 * np.sum(np.abs(spectrum[:, is_below]) ** 2, axis=1))
 
-    def open_by(self):
+    def pass_difference(self):
         """How far the last pass is from the one before it: RMS of the difference over RMS."""
         return np.sqrt(np.mean((self.velocity[-1] - self.velocity[-2]) ** 2)) / self.velocity[-1].std()
 
 
-def run(found: Equations, passes=12, steps=12582) -> Record:
+def run(equations_: Equations, passes=12, steps=12582) -> Record:
     """``steps`` to each ball pass: 12582 are 0.5 us each."""
     step = PASS / rollers.OMEGA_C / steps
-    y, t, half = found.start.copy(), 0.0, 0.5 * step
-    seen = np.empty((passes, steps))
+    y, t, half = equations_.start.copy(), 0.0, 0.5 * step
+    velocity = np.empty((passes, steps))
     for n in range(passes * steps):
-        seen.flat[n] = found.sensor @ y
-        a = found.slope(t, y)
-        b = found.slope(t + half, y + half * a)
-        c = found.slope(t + half, y + half * b)
-        d = found.slope(t + step, y + step * c)
+        velocity.flat[n] = equations_.sensor @ y
+        a = equations_.slope(t, y)
+        b = equations_.slope(t + half, y + half * a)
+        c = equations_.slope(t + half, y + half * b)
+        d = equations_.slope(t + step, y + step * c)
         y += step / 6 * (a + 2 * (b + c) + d)
         t = (n + 1) * step
-    return Record(seen)
+    return Record(velocity)
 
 
-def less_healthy(damaged: Record, healthy: Record):
+def defect_contribution(damaged: Record, healthy: Record):
     """|line - that of the healthy bearing| at BPFO in m/s, of the last pass."""
     return abs(damaged.lines()[-1] - healthy.lines()[-1])

@@ -16,7 +16,7 @@ The last presses rollers outward as they go round. K holds the stiffness of the 
 (tests/independent/beam_ring.py); u has none. From outside press
 
 - `Forces`: given forces, inward, at given angles: F s(phi).x each. At one angle the load is a point; at two or
-  more it has soft pads, which keep their force. `thrust` makes them equal with the resultant -load e_0.
+  more it has soft pads, which keep their force. `soft_pads` makes them equal with the resultant -load e_0.
 - `Springs`: springs that push only, between the ring's outside and a stiff carrier at U, which carries the
   load: load U_x + sum k c^2/2, c = max(0, s(phi).x - U.e(phi) + fit). Some points, or the whole seat in many
   pieces.
@@ -34,7 +34,7 @@ import numpy as np
 from tests.independent import beam_ring, rollers
 
 R_MEAN = rollers.R_O - rollers.R_W
-THROWN = rollers.M_R * rollers.OMEGA_C**2
+CENTRIFUGAL = rollers.M_R * rollers.OMEGA_C**2
 PASS = 2 * np.pi / rollers.Z
 
 
@@ -43,7 +43,7 @@ def harmonics(last):
     return (0, *range(2, last + 1)) if last else ()
 
 
-def reach(orders, angles):
+def shape_functions(orders, angles):
     """s at each angle, (angles, 2 + unknowns of ``orders``)."""
     angles = np.atleast_1d(np.asarray(angles, float))
     columns = [np.cos(angles), np.sin(angles)]
@@ -52,7 +52,7 @@ def reach(orders, angles):
     return np.stack(columns, axis=1)
 
 
-def spread(orders, numbers):
+def per_unknown(orders, numbers):
     """A number of each harmonic for each of its unknowns: cosine and sine have the same."""
     return np.array([value for n, value in zip(orders, numbers, strict=True) for _ in range(1 if n == 0 else 2)])
 
@@ -65,10 +65,10 @@ class Forces(NamedTuple):
     evenly: bool = False
 
     def vector(self, orders):
-        pressed = -np.array(self.forces) @ reach(orders, self.angles)
+        forces = -np.array(self.forces) @ shape_functions(orders, self.angles)
         if self.evenly:
-            pressed[2:] = 0.0
-        return pressed
+            forces[2:] = 0.0
+        return forces
 
 
 class Springs(NamedTuple):
@@ -82,7 +82,7 @@ class Springs(NamedTuple):
 POINT = Forces((0.0,), (rollers.LOAD,))
 
 
-def thrust(*degrees, load=rollers.LOAD):
+def soft_pads(*degrees, load=rollers.LOAD):
     """Soft pads: equal inward forces at these angles, even about 0, with the resultant -``load`` e_0."""
     angles = np.radians(degrees)
     return Forces(tuple(angles), tuple(np.full(angles.size, load / np.cos(angles).sum())))
@@ -124,36 +124,38 @@ class System(NamedTuple):
     m: np.ndarray
 
     def energy(self, y):
-        pressed = np.maximum(self.B @ y - self.o, 0.0)
-        return y @ self.A @ y / 2 - self.f @ y + np.sum(self.c / (self.m + 1) * pressed ** (self.m + 1))
+        compression = np.maximum(self.B @ y - self.o, 0.0)
+        return y @ self.A @ y / 2 - self.f @ y + np.sum(self.c / (self.m + 1) * compression ** (self.m + 1))
 
     def slope(self, y):
         """Slope of the energy, and its second derivative."""
-        pressed = np.maximum(self.B @ y - self.o, 0.0)
-        force = self.c * pressed**self.m
-        stiff = np.where(pressed > 0, self.m * self.c * np.maximum(pressed, 1e-15) ** (self.m - 1), 0.0)
-        return self.A @ y - self.f + force @ self.B, self.A + (self.B.T * stiff) @ self.B
+        compression = np.maximum(self.B @ y - self.o, 0.0)
+        force = self.c * compression**self.m
+        stiffness = np.where(
+            compression > 0, self.m * self.c * np.maximum(compression, 1e-15) ** (self.m - 1), 0.0
+        )
+        return self.A @ y - self.f + force @ self.B, self.A + (self.B.T * stiffness) @ self.B
 
 
-def least(system, y, enough=1e-9, floor=1e5):
+def minimise(system, y, tolerance=1e-9, floor=1e5):
     """Where the energy is least: Newton's method, its steps halved as long as they pass the lowest place by far.
 
     floor: a stiffness (N/m) in the matrix alone, for what is held by nothing on the way.
     """
-    least_stiff = floor * np.eye(y.size)
+    regularisation = floor * np.eye(y.size)
     for _ in range(200):
-        slope, stiff = system.slope(y)
-        if np.abs(slope).max() < enough:
+        slope, stiffness = system.slope(y)
+        if np.abs(slope).max() < tolerance:
             return y
-        step = -np.linalg.solve(stiff + least_stiff, slope)
-        part = 1.0
-        while part > 1e-6 and system.slope(y + part * step)[0] @ step > 0.5 * abs(slope @ step):
-            part *= 0.5
-        y = y + part * step
+        step = -np.linalg.solve(stiffness + regularisation, slope)
+        fraction = 1.0
+        while fraction > 1e-6 and system.slope(y + fraction * step)[0] @ step > 0.5 * abs(slope @ step):
+            fraction *= 0.5
+        y = y + fraction * step
     raise AssertionError(f"no rest: {np.abs(slope).max()} N left")
 
 
-def held(scene):
+def bracket_rows(scene):
     """Where in y what the bracket holds has its two places: the carrier, which is last, or the ring."""
     return slice(-2, None) if isinstance(scene.outside, Springs) else slice(0, 2)
 
@@ -164,40 +166,42 @@ def system(scene, theta, anchor):
     ``theta``: angles of the rollers. ``anchor``: None without a bracket.
     """
     orders, z = harmonics(scene.last), rollers.Z
-    at_rollers = reach(orders, theta)
+    at_rollers = shape_functions(orders, theta)
     size = at_rollers.shape[1]
-    carried = isinstance(scene.outside, Springs)
-    total = size + z + 2 * carried
+    has_carrier = isinstance(scene.outside, Springs)
+    total = size + z + 2 * has_carrier
     A, f = np.zeros((total, total)), np.zeros(total)
-    A[range(2, size), range(2, size)] = spread(orders, beam_ring.modes(orders, scene.ring)[0])
-    place = range(size, size + z)
-    A[place, place], f[place] = -THROWN, THROWN * R_MEAN
+    A[range(2, size), range(2, size)] = per_unknown(orders, beam_ring.modes(orders, scene.ring)[0])
+    rows = range(size, size + z)
+    A[rows, rows], f[rows] = -CENTRIFUGAL, CENTRIFUGAL * R_MEAN
     B = np.zeros((2 * z, total))
-    B[:z, :size], B[:z, place], B[z:, place] = -at_rollers, np.eye(z), -np.eye(z)
-    o, c, m = np.append(sinking(scene, theta), np.zeros(z)), np.full(2 * z, rollers.K), np.full(2 * z, 10 / 9)
-    if carried:
+    B[:z, :size], B[:z, rows], B[z:, rows] = -at_rollers, np.eye(z), -np.eye(z)
+    o, c, m = np.append(drops(scene, theta), np.zeros(z)), np.full(2 * z, rollers.K), np.full(2 * z, 10 / 9)
+    if has_carrier:
         f[-2] = -scene.load
-        at = np.array(scene.outside.angles)
-        pushed = np.hstack([reach(orders, at), np.zeros((at.size, z)), -reach((), at)])
-        B, o = np.vstack([B, pushed]), np.append(o, np.full(at.size, -scene.outside.fit))
-        c, m = np.append(c, np.full(at.size, scene.outside.stiffness)), np.append(m, np.ones(at.size))
+        angles = np.array(scene.outside.angles)
+        springs = np.hstack(
+            [shape_functions(orders, angles), np.zeros((angles.size, z)), -shape_functions((), angles)]
+        )
+        B, o = np.vstack([B, springs]), np.append(o, np.full(angles.size, -scene.outside.fit))
+        c, m = np.append(c, np.full(angles.size, scene.outside.stiffness)), np.append(m, np.ones(angles.size))
     else:
         f[:size] = scene.outside.vector(orders)
     if anchor is not None:
-        place = held(scene)
-        f[place] += scene.bracket * anchor
-        A[place, place] += scene.bracket * np.eye(2)
+        rows = bracket_rows(scene)
+        f[rows] += scene.bracket * anchor
+        A[rows, rows] += scene.bracket * np.eye(2)
     return System(A, f, B, o, c, m)
 
 
-def sinking(scene, theta):
+def drops(scene, theta):
     """h of each roller (m)."""
-    arcs = rollers.R_O * rollers.around(theta - scene.angle)
-    under = np.abs(arcs) < scene.width / 2
+    arcs = rollers.R_O * rollers.wrap_angle(theta - scene.angle)
+    is_inside = np.abs(arcs) < scene.width / 2
     return np.array(
         [
-            rollers.sunk(s, scene.width, scene.depth, rollers.REDUCED_O)[0] if on else 0.0
-            for s, on in zip(arcs, under, strict=True)
+            rollers.drop_and_slope(s, scene.width, scene.depth, rollers.REDUCED_O)[0] if inside else 0.0
+            for s, inside in zip(arcs, is_inside, strict=True)
         ]
     )
 
@@ -211,43 +215,43 @@ class Path(NamedTuple):
     forces: np.ndarray
 
 
-def over(scene, turned, anchor):
+def static_path(scene, turned, anchor):
     """At rest with the first roller at each of the angles ``turned``."""
     orders = harmonics(scene.last)
-    looks = reach(orders, scene.sensor)[0]
-    y, found, forces = None, [], []
+    sensor = shape_functions(orders, scene.sensor)[0]
+    y, unknown_rows, forces = None, [], []
     for first in turned:
-        now = system(scene, first + PASS * np.arange(rollers.Z), anchor)
+        system_ = system(scene, first + PASS * np.arange(rollers.Z), anchor)
         if y is None:
-            y = np.zeros(now.f.size)
-            y[0] = y[held(scene).start] = -1e-6
-        y = least(now, y)
-        found.append(y)
-        forces.append(rollers.elastic(now.B @ y - now.o)[: rollers.Z])
-    unknowns = np.array(found)
-    return Path(np.asarray(turned), unknowns[:, : looks.size] @ looks, unknowns, np.array(forces))
+            y = np.zeros(system_.f.size)
+            y[0] = y[bracket_rows(scene).start] = -1e-6
+        y = minimise(system_, y)
+        unknown_rows.append(y)
+        forces.append(rollers.elastic(system_.B @ y - system_.o)[: rollers.Z])
+    unknowns = np.array(unknown_rows)
+    return Path(np.asarray(turned), unknowns[:, : sensor.size] @ sensor, unknowns, np.array(forces))
 
 
-def anchored(scene, phases=32):
+def anchor_position(scene, phases=32):
     """Mean place of what the bracket holds over a ball pass of the healthy bearing without it."""
     healthy = scene._replace(width=0.0)
     turned = np.pi / rollers.Z + PASS * (np.arange(phases) + 0.5) / phases
-    return over(healthy, turned, None).unknowns[:, held(scene)].mean(axis=0)
+    return static_path(healthy, turned, None).unknowns[:, bracket_rows(scene)].mean(axis=0)
 
 
 def path(scene, samples=1024):
     """A ball pass of the steady bearing."""
     turned = np.pi / rollers.Z + PASS * np.arange(samples) / samples
-    return over(scene, turned, anchored(scene))
+    return static_path(scene, turned, anchor_position(scene))
 
 
-def line(found, number=1):
+def line(path_, number=1):
     """Complex amplitude (m/s) of velocity at ``number`` times BPFO, phase from the first roller at 0."""
     rate = number * rollers.Z * rollers.OMEGA_C
-    return 2j * rate * np.mean(found.reading * np.exp(-1j * number * rollers.Z * found.turned))
+    return 2j * rate * np.mean(path_.reading * np.exp(-1j * number * rollers.Z * path_.turned))
 
 
-def less_healthy(scene, samples=1024):
+def defect_contribution(scene, samples=1024):
     """|line - that of the healthy bearing| at BPFO in m/s."""
     return abs(line(path(scene, samples)) - line(path(scene._replace(width=0.0), samples)))
 
@@ -256,8 +260,8 @@ if __name__ == "__main__":
     cases = {
         "rigid": Scene(last=0),
         "point": Scene(),
-        "two pads, 45": Scene(outside=thrust(-45, 45)),
-        "three pads, 0, 60": Scene(outside=thrust(-60, 0, 60)),
+        "two pads, 45": Scene(outside=soft_pads(-45, 45)),
+        "three pads, 0, 60": Scene(outside=soft_pads(-60, 0, 60)),
         "evenly": Scene(outside=POINT._replace(evenly=True)),
     }
     for stiffness in (1e7, 1e8, 1e9, 1e10):

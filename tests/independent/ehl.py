@@ -105,21 +105,21 @@ class Film(NamedTuple):
 
 def nodes(cells, far=FAR, growth=GROWTH):
     """Nodes from ``-far`` to 1, the exit: ``cells`` of even length between -1 and 1, upstream of -1.25 growing."""
-    step, place = 2.0 / cells, [1.0]
-    while place[-1] > -far:
-        step *= growth if place[-1] < -1.25 else 1.0
-        place.append(place[-1] - step)
-    return np.array(place[::-1])
+    step, positions = 2.0 / cells, [1.0]
+    while positions[-1] > -far:
+        step *= growth if positions[-1] < -1.25 else 1.0
+        positions.append(positions[-1] - step)
+    return np.array(positions[::-1])
 
 
 def deformation(at, node):
     """-(1/pi) int ln|x - x'| of unit hats on the inner nodes (a column each), at the places ``at``."""
 
-    def twice(d):  # second integral of ln|d| over d
-        safe = np.where(d == 0.0, 1.0, np.abs(d))
-        return d * d * (0.5 * np.log(safe) - 0.75)
+    def second_integral(d):  # second integral of ln|d| over d
+        distance = np.where(d == 0.0, 1.0, np.abs(d))
+        return d * d * (0.5 * np.log(distance) - 0.75)
 
-    G = twice(at[:, None] - node[None, :])
+    G = second_integral(at[:, None] - node[None, :])
     slope = np.diff(G, axis=1) / np.diff(node)[None, :]
     return -np.diff(slope, axis=1) / pi
 
@@ -140,7 +140,7 @@ def mesh(unit):
     return Mesh(unit, middle, deformation(unit, unit), deformation(middle, unit), weight)
 
 
-def carried(m, values):
+def upwind(m, values):
     """From all nodes to the middles, by the two nodes upstream of each (the first: by its ends)."""
     cell = np.diff(m.unit)
     share = (cell[1:] / cell[:-1] / 2.0).reshape((-1,) + (1,) * (values.ndim - 1))
@@ -161,12 +161,12 @@ def fluidity(contact, P):
 def mean_fluidity(contact, full):
     """Mean of 1/eta over each cell, where pressure is linear, and its derivatives by the pressures at its ends."""
     mean, left, right = 0.0, 0.0, 0.0
-    for place, weight in zip((GAUSS[0] + 1.0) / 2.0, GAUSS[1] / 2.0, strict=True):
-        thin, slope = fluidity(contact, full[:-1] + place * np.diff(full))
+    for position, weight in zip((GAUSS[0] + 1.0) / 2.0, GAUSS[1] / 2.0, strict=True):
+        fluidity_, slope = fluidity(contact, full[:-1] + position * np.diff(full))
         mean, left, right = (
-            mean + weight * thin,
-            left - weight * (1.0 - place) * thin * slope,
-            right - weight * place * thin * slope,
+            mean + weight * fluidity_,
+            left - weight * (1.0 - position) * fluidity_ * slope,
+            right - weight * position * fluidity_ * slope,
         )
     return mean, left, right
 
@@ -193,10 +193,10 @@ class Flow(NamedTuple):
     by_P: np.ndarray
     by_H: np.ndarray  # by H_0
     by_exit: np.ndarray
-    held: np.ndarray
-    held_by_P: np.ndarray
-    held_by_H: np.ndarray
-    held_by_exit: np.ndarray
+    content: np.ndarray
+    content_by_P: np.ndarray
+    content_by_H: np.ndarray
+    content_by_exit: np.ndarray
 
 
 def flows(contact, m, P, H_0, exit):
@@ -206,22 +206,22 @@ def flows(contact, m, P, H_0, exit):
 
     H, H_by_P, H_by_exit = gaps(m.at_nodes, m.unit, m.weight, P, H_0, exit)
     rho, rho_slope = density(contact, full)
-    held, held_by_P, held_by_exit = rho * H, rho[:, None] * H_by_P, rho * H_by_exit
-    held_by_P[inner + 1, inner] += (rho_slope * H)[1:-1]
+    content, content_by_P, content_by_exit = rho * H, rho[:, None] * H_by_P, rho * H_by_exit
+    content_by_P[inner + 1, inner] += (rho_slope * H)[1:-1]
 
     H, H_by_P, H_by_exit = gaps(m.at_middles, m.middle, m.weight, P, H_0, exit)
     thin, thin_left, thin_right = mean_fluidity(contact, full)
     dense, dense_slope = density(contact, (full[1:] + full[:-1]) / 2.0)
     length = exit * np.diff(m.unit)
     cube, gradient = dense * H**3 * thin / lam, np.diff(full) / length
-    q = carried(m, held) - cube * gradient
+    q = upwind(m, content) - cube * gradient
     by_H = -3.0 * cube / H * gradient  # of the pressure's part
-    by_P = carried(m, held_by_P) + by_H[:, None] * H_by_P
+    by_P = upwind(m, content_by_P) + by_H[:, None] * H_by_P
     compress = dense_slope / dense / 2.0
     by_P[inner, inner] -= (cube * (gradient * (compress + thin_right / thin) + 1.0 / length))[:-1]
     by_P[inner + 1, inner] -= (cube * (gradient * (compress + thin_left / thin) - 1.0 / length))[1:]
-    by_exit = carried(m, held_by_exit) + by_H * H_by_exit + cube * gradient / exit
-    return Flow(q, by_P, carried(m, rho) + by_H, by_exit, held, held_by_P, rho, held_by_exit)
+    by_exit = upwind(m, content_by_exit) + by_H * H_by_exit + cube * gradient / exit
+    return Flow(q, by_P, upwind(m, rho) + by_H, by_exit, content, content_by_P, rho, content_by_exit)
 
 
 def newton(contact, m, P, H_0, q, exit, tolerance=1e-9, steps=25):
@@ -233,8 +233,8 @@ def newton(contact, m, P, H_0, q, exit, tolerance=1e-9, steps=25):
         flow = flows(contact, m, P, H_0, exit)
         A[: n + 1, :n], A[: n + 1, n], A[: n + 1, n + 2] = flow.by_P, flow.by_H, flow.by_exit
         f[: n + 1] = flow.q - q
-        A[n + 1, :n], A[n + 1, n], A[n + 1, n + 2] = flow.held_by_P[-1], 1.0, flow.held_by_exit[-1]
-        f[n + 1] = flow.held[-1] - q  # dp/dx = 0 where the oil leaves
+        A[n + 1, :n], A[n + 1, n], A[n + 1, n + 2] = flow.content_by_P[-1], 1.0, flow.content_by_exit[-1]
+        f[n + 1] = flow.content[-1] - q  # dp/dx = 0 where the oil leaves
         A[n + 2, :n], A[n + 2, n + 2] = exit * m.weight, m.weight @ P
         f[n + 2] = exit * (m.weight @ P) - pi / 2.0
         d = np.linalg.solve(A, -f)
@@ -252,7 +252,7 @@ def newton(contact, m, P, H_0, q, exit, tolerance=1e-9, steps=25):
     return None
 
 
-def light(contact):
+def light_contact(contact):
     """The contact under a load so small that its bodies stay rigid: the gap is ``STIFF`` b^2/R."""
     return contact._replace(
         Q=contact.L * sqrt(MARTIN * contact.eta * contact.u * contact.R * pi * contact.E_star / (4.0 * STIFF))
@@ -272,34 +272,34 @@ def rigid(contact, m):
 def at_rest(contact, cells=100, far=FAR, growth=GROWTH):
     """The film at rest, by steps of load from a rigid contact; each is extrapolated from the two before."""
     m = mesh(nodes(cells, far, growth))
-    state = light(contact)
+    state = light_contact(contact)
     if contact.Q < state.Q:
         raise ValueError("so light a contact is rigid")
-    found = newton(state, m, *rigid(state, m))
-    if found is None:
+    solution = newton(state, m, *rigid(state, m))
+    if solution is None:
         raise ArithmeticError("no rigid film")
-    before, ratio, last = None, 1.5, 1.0
+    previous, ratio, last_factor = None, 1.5, 1.0
     while state.Q < contact.Q:
         factor = min(ratio, contact.Q / state.Q)
         trial = state._replace(Q=contact.Q if factor == contact.Q / state.Q else state.Q * factor)
-        guess = found
-        if before is not None:
-            share = log(factor) / log(last)
-            guess = tuple(new + share * (new - old) for new, old in zip(found, before, strict=True))
+        guess = solution
+        if previous is not None:
+            share = log(factor) / log(last_factor)
+            guess = tuple(new + share * (new - old) for new, old in zip(solution, previous, strict=True))
         result = newton(trial, m, *guess)
         if result is None:
             ratio = 1.0 + (factor - 1.0) / 2.0
-            before = None if ratio < 1.02 else before
+            previous = None if ratio < 1.02 else previous
             if ratio < 1.001:
                 raise ArithmeticError(f"no film at {trial}")
             continue
-        before, found, last, state = found, result, factor, trial
+        previous, solution, last_factor, state = solution, result, factor, trial
         ratio = min(1.0 + 1.5 * (ratio - 1.0), 2.0)
-    return finish(contact, m.unit, found)
+    return finish(contact, m.unit, solution)
 
 
-def finish(contact, unit, found):
-    P, H_0, q, exit = found
+def finish(contact, unit, solution):
+    P, H_0, q, exit = solution
     m = mesh(unit)
     full = np.concatenate([[0.0], P, [0.0]])
     h, _, _ = gaps(m.at_nodes, unit, m.weight, P, H_0, exit)
@@ -314,20 +314,20 @@ def finish(contact, unit, found):
     )
 
 
-def film_less_dry(film, omega):
+def film_compliance(film, omega):
     """Complex compliance (m/N) of the film less that of the dry contact, at each of ``omega`` (rad/s)."""
     contact, m = film.contact, mesh(film.unit)
     P, H_0, exit = film.unknown[:-2], film.unknown[-2], film.unknown[-1]
     flow, length = flows(contact, m, P, H_0, exit), exit * m.weight
-    stored_by_P = length[:, None] * flow.held_by_P[1:-1]
-    stored_by_H = length * flow.held_by_H[1:-1]
-    answers = []
+    stored_by_P = length[:, None] * flow.content_by_P[1:-1]
+    stored_by_H = length * flow.content_by_H[1:-1]
+    compliances = []
     for w in np.atleast_1d(omega):
         rate = 1j * w * contact.b / contact.u
-        left = np.diff(flow.by_P, axis=0) + rate * stored_by_P
-        change = np.linalg.solve(left, -np.diff(flow.by_H) - rate * stored_by_H)
-        answers.append(-1.0 / (length @ change) - log(2.0) / pi)
-    return contact.compliance * np.array(answers)
+        matrix = np.diff(flow.by_P, axis=0) + rate * stored_by_P
+        change = np.linalg.solve(matrix, -np.diff(flow.by_H) - rate * stored_by_H)
+        compliances.append(-1.0 / (length @ change) - log(2.0) / pi)
+    return contact.compliance * np.array(compliances)
 
 
 def loss_in_time(film, k, omega, amplitude, steps=120, cycles=2):
@@ -341,16 +341,16 @@ def loss_in_time(film, k, omega, amplitude, steps=120, cycles=2):
     length, half = exit * m.weight, pi / omega / steps * contact.u / contact.b
     rest = flows(contact, m, P, H_0, exit)
     bodies = 1.0 / (k * contact.compliance) - log(2.0) / pi
-    by_H = (length * rest.held_by_H[1:-1] + half * np.diff(rest.by_H))[:, None] * bodies * length[None, :]
-    inverse = np.linalg.inv(length[:, None] * rest.held_by_P[1:-1] + half * np.diff(rest.by_P, axis=0) + by_H)
+    by_H = (length * rest.content_by_H[1:-1] + half * np.diff(rest.by_H))[:, None] * bodies * length[None, :]
+    inverse = np.linalg.inv(length[:, None] * rest.content_by_P[1:-1] + half * np.diff(rest.by_P, axis=0) + by_H)
     swing, at_rest_load = amplitude / contact.gap, length @ P
-    held, out, load, loss, nearer = rest.held, np.diff(rest.q), at_rest_load, 0.0, 0.0
+    content, out, load, loss, nearer = rest.content, np.diff(rest.q), at_rest_load, 0.0, 0.0
     for step in range(1, steps * cycles + 1):
         before, last, nearer = load, nearer, swing * np.sin(2.0 * pi * step / steps)
         for _ in range(4):
             flow = flows(contact, m, P, H_0 - nearer + bodies * (length @ P - at_rest_load), exit)
-            P = P - inverse @ (length * (flow.held - held)[1:-1] + half * (np.diff(flow.q) + out))
-        held, out, load = flow.held, np.diff(flow.q), length @ P
+            P = P - inverse @ (length * (flow.content - content)[1:-1] + half * (np.diff(flow.q) + out))
+        content, out, load = flow.content, np.diff(flow.q), length @ P
         if step > steps * (cycles - 1):
             loss += (load + before - 2.0 * at_rest_load) / 2.0 * (nearer - last)
     return loss * contact.gap * contact.hertz * contact.b * contact.L
@@ -358,4 +358,4 @@ def loss_in_time(film, k, omega, amplitude, steps=120, cycles=2):
 
 def stiffness(film, k, omega):
     """Complex stiffness (N/m) of the film in series with the dry contact's slope ``k`` (N/m): K + i omega c."""
-    return 1.0 / (1.0 / k + film_less_dry(film, omega))
+    return 1.0 / (1.0 / k + film_compliance(film, omega))

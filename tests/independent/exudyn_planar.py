@@ -19,7 +19,7 @@ import numpy as np
 
 from tests.independent.planar import OUTER, Coulomb, Defect, HuntCrossley, Scene, anchor_of, start
 
-KEPT = Path(__file__).parents[1] / "data" / "exudyn_planar.npz"
+RESULTS = Path(__file__).parents[1] / "data" / "exudyn_planar.npz"
 HEAVY = 1e12  # kg, kg m^2
 POINT = 1e-12  # m, the radius of an edge
 SLOWEST_IMPACT = 3.0  # m/s, faster than any here, so that EXUDYN always takes this one
@@ -42,7 +42,7 @@ class Bearing(NamedTuple):
     edges: list  # objects: a roller's two contacts with the edges of a slot, or ()
 
 
-def disc(system, mass, inertia, centre, velocity, angular_velocity):
+def add_body(system, mass, inertia, centre, velocity, angular_velocity):
     """(node, body) of a rigid body of the plane at its place at t = 0."""
     from exudyn import utilities as eu
 
@@ -53,7 +53,7 @@ def disc(system, mass, inertia, centre, velocity, angular_velocity):
     return node, system.AddObject(eu.RigidBody2D(nodeNumber=node, mass=mass, inertia=inertia))
 
 
-def touch(system, scene, roller, other, radius, gap=1.0, hollow=False):
+def add_contact(system, scene, roller, other, radius, gap=1.0, hollow=False):
     """Contact of two markers with the scene's law.
 
     The sign of ``gap`` tells EXUDYN's first step whether the two touch. A gap of 1 m: switched off as yet.
@@ -78,7 +78,7 @@ def touch(system, scene, roller, other, radius, gap=1.0, hollow=False):
     )
 
 
-def assembled(scene) -> Bearing:
+def assemble(scene) -> Bearing:
     """In the reference's static start: the same places and rates, given to EXUDYN as numbers."""
     import exudyn as exu
     from exudyn import utilities as eu
@@ -91,8 +91,8 @@ def assembled(scene) -> Bearing:
         eu.MarkerBodyRigid(bodyNumber=body, localPosition=list(place))
     )
 
-    ring, ring_body = disc(system, scene.m_o, HEAVY, x.ring, 0j, 0.0)  # heavy: it does not turn
-    _, shaft = disc(system, HEAVY, HEAVY, 0j, 0j, scene.speed)
+    ring, ring_body = add_body(system, scene.m_o, HEAVY, x.ring, 0j, 0.0)  # heavy: it does not turn
+    _, shaft = add_body(system, HEAVY, HEAVY, 0j, 0j, scene.speed)
     on_ring, on_shaft = fixed(ring_body), fixed(shaft)
     ground = system.AddMarker(
         eu.MarkerBodyPosition(
@@ -111,18 +111,18 @@ def assembled(scene) -> Bearing:
     ]
     inner, races, edges = [], [], []
     for c, velocity in zip(x.rollers, v.rollers, strict=True):
-        _, body = disc(system, scene.m_r, scene.roller_inertia, c, velocity, scene.spin)
+        _, body = add_body(system, scene.m_r, scene.roller_inertia, c, velocity, scene.spin)
         marker = fixed(body)
         races.append(
-            touch(system, scene, marker, on_ring, scene.R_o, scene.R_o - scene.R_w - abs(c - x.ring), True)
+            add_contact(system, scene, marker, on_ring, scene.R_o, scene.R_o - scene.R_w - abs(c - x.ring), True)
         )
-        inner.append(touch(system, scene, marker, on_shaft, scene.R_i, abs(c) - scene.R_i - scene.R_w))
-        edges.append([touch(system, scene, marker, rim, POINT) for rim in rims])
+        inner.append(add_contact(system, scene, marker, on_shaft, scene.R_i, abs(c) - scene.R_i - scene.R_w))
+        edges.append([add_contact(system, scene, marker, rim, POINT) for rim in rims])
     contacts = [*inner, *races, *(contact for pair in edges for contact in pair)]
     return Bearing(system, container, ring, contacts, races, edges)
 
 
-def damped(bearing, scene):
+def set_damping(bearing, scene):
     """Gives all contacts the scene's Hunt-Crossley damping.
 
     EXUDYN's has chi = 1.5 (1 - restitution)/(speed of impact), the speed being that seen or a least one. Only the
@@ -138,23 +138,23 @@ def damped(bearing, scene):
     exu.special.exceptions.parameterRangeChecks = True
 
 
-def bridged(bearing, scene):
+def edge_switch(bearing, scene):
     """What EXUDYN calls before each step: over a slot the roller is borne by the edges, elsewhere by the race."""
     (defect,) = scene.defects
-    inside = np.zeros(scene.Z, bool)
+    was_inside = np.zeros(scene.Z, bool)
 
     def before_step(system, t):
         y = system.systemData.GetODE2CoordinatesTotal()
         centres = y[0::3] + 1j * y[1::3]  # ring, inner ring, rollers
-        now = (
+        is_inside = (
             np.abs(np.angle((centres[2:] - centres[0]) * np.exp(-1j * defect.angle)))
             < defect.width / 2 / scene.R_o
         )
-        for j in np.flatnonzero(now != inside):
-            system.SetObjectParameter(bearing.races[j], "activeConnector", not now[j])
+        for j in np.flatnonzero(is_inside != was_inside):
+            system.SetObjectParameter(bearing.races[j], "activeConnector", not is_inside[j])
             for edge in bearing.edges[j]:
-                system.SetObjectParameter(edge, "activeConnector", bool(now[j]))
-        inside[:] = now
+                system.SetObjectParameter(edge, "activeConnector", bool(is_inside[j]))
+        was_inside[:] = is_inside
         return True
 
     return before_step
@@ -175,16 +175,16 @@ class Run(NamedTuple):
 
     def displacement(self):
         """(time (n,), ring displacement (2, n), m), at the times at which EXUDYN gave its results."""
-        seen = self.bearing.system.GetSensorStoredData(self.sensor)
-        return seen[:, 0], seen[:, 1:3].T
+        data = self.bearing.system.GetSensorStoredData(self.sensor)
+        return data[:, 0], data[:, 1:3].T
 
 
-def prepared(scene, step, duration=DURATION, sampling=SAMPLING) -> Run:
+def prepare(scene, step, duration=DURATION, sampling=SAMPLING) -> Run:
     """A scene assembled, to be solved with a fixed step."""
     import exudyn as exu
     from exudyn import utilities as eu
 
-    bearing = assembled(scene)
+    bearing = assemble(scene)
     system = bearing.system
     sensor = system.AddSensor(
         eu.SensorNode(
@@ -192,9 +192,9 @@ def prepared(scene, step, duration=DURATION, sampling=SAMPLING) -> Run:
         )
     )
     if scene.defects:
-        system.SetPreStepUserFunction(bridged(bearing, scene))
+        system.SetPreStepUserFunction(edge_switch(bearing, scene))
     system.Assemble()
-    damped(bearing, scene)
+    set_damping(bearing, scene)
     settings = exu.SimulationSettings()
     integration = settings.timeIntegration
     integration.endTime, integration.numberOfSteps = duration, round(duration / step)
@@ -207,30 +207,30 @@ def prepared(scene, step, duration=DURATION, sampling=SAMPLING) -> Run:
 
 def simulate(scene, step, duration=DURATION, sampling=SAMPLING):
     """(time (n,), ring displacement (2, n), m) by RK44, at the times at which EXUDYN gave its results."""
-    run = prepared(scene, step, duration, sampling)
+    run = prepare(scene, step, duration, sampling)
     run.solve()
     return run.displacement()
 
 
-def kept(name):
-    """(time (n,), ring displacement (2, n)) that ``keep`` wrote of the scene."""
-    with np.load(KEPT) as data:
+def load_results(name):
+    """(time (n,), ring displacement (2, n)) of the scene as stored by ``store_results``."""
+    with np.load(RESULTS) as data:
         return data["time"].astype(float), data[name].astype(float) + data[name + "_middle"][:, None]
 
 
-def keep():
+def store_results():
     columns = {}
     for name, (scene, step) in SCENES.items():
         time, displacement = simulate(scene, step)
-        middle = displacement.mean(axis=1)  # kept apart: the ring moves by a thousandth of where it stands
+        mean = displacement.mean(axis=1)  # kept apart: the ring moves by a thousandth of where it stands
         columns |= {
             "time": time,
-            name: (displacement - middle[:, None]).astype(np.float32),
-            name + "_middle": middle,
+            name: (displacement - mean[:, None]).astype(np.float32),
+            name + "_middle": mean,
         }
-    KEPT.parent.mkdir(exist_ok=True)
-    np.savez_compressed(KEPT, **columns)
+    RESULTS.parent.mkdir(exist_ok=True)
+    np.savez_compressed(RESULTS, **columns)
 
 
 if __name__ == "__main__":
-    keep()
+    store_results()

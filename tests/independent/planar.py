@@ -173,7 +173,7 @@ class Scene:
         return 1.0 / (1.0 / self.R_w - side / self.radius(side))
 
 
-def sunk(s, width, depth, reduced):
+def drop_and_slope(s, width, depth, reduced):
     """h(s) = min over t of p(t) + (t - s)^2/(2 R), and dh/ds = (s - t*)/R at the minimiser (envelope theorem)."""
     defect = np.linspace(-width / 2, width / 2, 2001)
     t = np.concatenate([defect, defect[[0, -1]], [s]])
@@ -196,39 +196,39 @@ def cross(a, b):
 
 
 class Sinking(NamedTuple):
-    """Effect of defects at one race, all (Z,). ``to_place``: dh/dbeta, beta the roller's angle about the race."""
+    """Effect of defects at a race, all (Z,). position_derivative: dh/dbeta, beta: roller angle about the race."""
 
     depth: np.ndarray
     rate: np.ndarray
-    to_place: np.ndarray
+    position_derivative: np.ndarray
     race_torque: np.ndarray  # dh/d(race angle) and dh/d(roller angle): what turns by the defect
     roller_torque: np.ndarray
 
 
 def sinking(scene, side, beta, beta_rate, race, roller):
     """``race`` and ``roller``: (angle, speed) of the bodies that may carry a defect."""
-    found = Sinking(*np.zeros((5, scene.Z)))
+    result = Sinking(*np.zeros((5, scene.Z)))
     for defect in scene.defects:
         on_race = defect.on == side
         if not on_race and not isinstance(defect.on, tuple):
             continue
         R_s = scene.radius(side) if on_race else scene.R_w
         carrier, speed = race if on_race else roller
-        facing = 0.0 if on_race or side == OUTER else np.pi  # the inner race is met half a turn later
-        s = R_s * wrapped(beta + facing - carrier - defect.angle)
-        near = np.abs(s) < defect.width / 2
+        phase = 0.0 if on_race or side == OUTER else np.pi  # the inner race is met half a turn later
+        s = R_s * wrap_angle(beta + phase - carrier - defect.angle)
+        is_near = np.abs(s) < defect.width / 2
         if not on_race:
-            near &= np.arange(scene.Z) == defect.on[1]
-        for j in np.flatnonzero(near):
-            h, slope = sunk(s[j], defect.width, defect.depth, scene.reduced(side))
-            found.depth[j] += h
-            found.rate[j] += slope * R_s * (beta_rate - speed)[j]
-            found.to_place[j] += slope * R_s
-            (found.race_torque if on_race else found.roller_torque)[j] -= slope * R_s
-    return found
+            is_near &= np.arange(scene.Z) == defect.on[1]
+        for j in np.flatnonzero(is_near):
+            h, slope = drop_and_slope(s[j], defect.width, defect.depth, scene.reduced(side))
+            result.depth[j] += h
+            result.rate[j] += slope * R_s * (beta_rate - speed)[j]
+            result.position_derivative[j] += slope * R_s
+            (result.race_torque if on_race else result.roller_torque)[j] -= slope * R_s
+    return result
 
 
-def wrapped(angle):
+def wrap_angle(angle):
     return np.remainder(angle + np.pi, 2 * np.pi) - np.pi
 
 
@@ -247,31 +247,31 @@ class Contact(NamedTuple):
 
 def race_contact(scene, side, centre, velocity, race, c, v, roller):
     """``race`` and ``roller``: (angle, speed) of the race and of the rollers."""
-    apart, relative = c - centre, v - velocity
-    rho = np.abs(apart)
-    n = apart / rho
+    offset, relative = c - centre, v - velocity
+    rho = np.abs(offset)
+    n = offset / rho
     tau = 1j * n
     beta_rate = dot(relative, tau) / rho
-    defects = sinking(scene, side, np.angle(apart), beta_rate, race, roller)
+    defects = sinking(scene, side, np.angle(offset), beta_rate, race, roller)
     delta = scene.R_w + side * (rho - scene.radius(side)) - defects.depth
     rate = side * dot(relative, n) - defects.rate
     elastic = scene.elastic.force(delta)
     Q = elastic + np.where(delta > 0.0, scene.damping(elastic, rate), 0.0)
     Q = np.maximum(Q, 0.0) if scene.clamp else Q
-    gradient = side * n - defects.to_place / rho * tau  # of delta, by the roller's place
+    gradient = side * n - defects.position_derivative / rho * tau  # of delta, by the roller's place
     arm = (scene.R_w - delta / 2) * (gradient / np.abs(gradient) if scene.friction_tilts else side * n)
-    along = 1j * side * arm / np.abs(arm)
-    slip = dot(relative + 1j * roller[1] * arm - 1j * race[1] * (apart + arm), along)
-    rub = -scene.friction(slip) * Q
+    tangent = 1j * side * arm / np.abs(arm)
+    slip = dot(relative + 1j * roller[1] * arm - 1j * race[1] * (offset + arm), tangent)
+    friction = -scene.friction(slip) * Q
     return Contact(
-        force=-Q * gradient + rub * along,
-        torque=rub * cross(arm, along) + Q * defects.roller_torque,
-        race_torque=-rub * cross(apart + arm, along) + Q * defects.race_torque,
+        force=-Q * gradient + friction * tangent,
+        torque=friction * cross(arm, tangent) + Q * defects.roller_torque,
+        race_torque=-friction * cross(offset + arm, tangent) + Q * defects.race_torque,
         Q=Q,
         slip=slip,
         stored=np.sum(scene.elastic.energy(delta)),
         damped=np.sum((Q - elastic) * rate),
-        rubbed=-np.sum(rub * slip),
+        rubbed=-np.sum(friction * slip),
     )
 
 
@@ -295,24 +295,24 @@ def pocket_contact(scene, centre, velocity, cage, c, v, roller_speed):
     across, along = dot(from_cage, e_theta), dot(from_cage, e_r)
     across_rate = dot(relative, e_theta) - cage[1] * along
     side = np.sign(across)
-    pressed = np.maximum(np.abs(across) - scene.pocket_clearance / 2, 0.0)
-    elastic = scene.pocket_stiffness * pressed
+    compression = np.maximum(np.abs(across) - scene.pocket_clearance / 2, 0.0)
+    elastic = scene.pocket_stiffness * compression
     N = np.maximum(elastic * (1.0 + scene.pocket_chi * side * across_rate), 0.0)
-    arm = side * (scene.R_w - pressed / 2)
+    arm = side * (scene.R_w - compression / 2)
     slip = dot(relative, e_r) - roller_speed * arm + cage[1] * (across + arm)
-    rub = -scene.pocket_friction(slip) * N
+    friction = -scene.pocket_friction(slip) * N
     return Pocket(
-        force=-side * N * e_theta + rub * e_r,
-        torque=-rub * arm,
-        cage_torque=side * N * along + rub * (across + arm),
+        force=-side * N * e_theta + friction * e_r,
+        torque=-friction * arm,
+        cage_torque=side * N * along + friction * (across + arm),
         N=-side * N,
-        stored=np.sum(scene.pocket_stiffness * pressed**2) / 2,
+        stored=np.sum(scene.pocket_stiffness * compression**2) / 2,
         damped=np.sum((N - elastic) * side * across_rate),
-        rubbed=-np.sum(rub * slip),
+        rubbed=-np.sum(friction * slip),
     )
 
 
-class Places(NamedTuple):
+class Coordinates(NamedTuple):
     """Coordinates or their rates: centre and rotation of the ring, the rollers (Z,) and the cage."""
 
     ring: complex
@@ -323,12 +323,12 @@ class Places(NamedTuple):
     cage_angle: float
 
 
-def places(y, Z):
+def unpack(y, Z):
     centres = y[: 4 + 2 * Z].view(complex)
-    return Places(centres[0], y[-2], centres[2:], y[4 + 2 * Z : -2], centres[1], y[-1])
+    return Coordinates(centres[0], y[-2], centres[2:], y[4 + 2 * Z : -2], centres[1], y[-1])
 
 
-def flat(p: Places):
+def pack(p: Coordinates):
     centres = np.concatenate([[p.ring, p.cage], p.rollers]).astype(complex)
     return np.concatenate([centres.view(float), p.roller_angles, [p.ring_angle, p.cage_angle]])
 
@@ -346,7 +346,7 @@ class Forces(NamedTuple):
     powers: np.ndarray  # in the order of LEDGER
 
 
-def forces(scene, anchor, t, x: Places, v: Places) -> Forces:
+def forces(scene, anchor, t, x: Coordinates, v: Coordinates) -> Forces:
     rollers = (x.roller_angles, v.roller_angles)
     ring, shaft = (x.ring_angle, v.ring_angle), (scene.speed * t, scene.speed)
     outer = race_contact(scene, OUTER, x.ring, v.ring, ring, x.rollers, v.rollers, rollers)
@@ -354,8 +354,8 @@ def forces(scene, anchor, t, x: Places, v: Places) -> Forces:
     cage = (x.cage_angle, v.cage_angle)
     pocket = pocket_contact(scene, x.cage, v.cage, cage, x.rollers, v.rollers, v.roller_angles)
     e_theta = 1j * x.rollers / np.abs(x.rollers)
-    orbiting = dot(v.rollers, e_theta)
-    drag = -scene.roller_drag * np.abs(orbiting) * orbiting * e_theta
+    tangential_speed = dot(v.rollers, e_theta)
+    drag = -scene.roller_drag * np.abs(tangential_speed) * tangential_speed * e_theta
     spring = -scene.k_b * (x.ring - anchor)
     k_t, c_t = scene.torsion or (0.0, 0.0)
     bracket = scene.k_b * abs(x.ring - anchor) ** 2 / 2 + k_t * x.ring_angle**2 / 2
@@ -371,11 +371,11 @@ def forces(scene, anchor, t, x: Places, v: Places) -> Forces:
     return Forces(outer, inner, pocket, drag, spring - scene.c_b * v.ring, stored, np.array(powers))
 
 
-def accelerations(scene, f: Forces, x: Places, v: Places) -> Places:
+def accelerations(scene, f: Forces, x: Coordinates, v: Coordinates) -> Coordinates:
     k_t, c_t = scene.torsion or (0.0, 0.0)
     ring_torque = np.sum(f.outer.race_torque) - k_t * x.ring_angle - c_t * v.ring_angle
     cage_torque = np.sum(f.pocket.cage_torque) - scene.cage_drag * v.cage_angle
-    return Places(
+    return Coordinates(
         ring=(f.bracket - scene.load - np.sum(f.outer.force)) / scene.m_o,
         ring_angle=ring_torque / scene.ring_inertia if scene.torsion else 0.0,
         rollers=(f.outer.force + f.inner.force + f.pocket.force + f.drag) / scene.m_r,
@@ -385,14 +385,14 @@ def accelerations(scene, f: Forces, x: Places, v: Places) -> Places:
     )
 
 
-def kinetic(scene, v: Places):
+def kinetic(scene, v: Coordinates):
     ring = scene.m_o * abs(v.ring) ** 2 + scene.ring_inertia * v.ring_angle**2
     rollers = scene.m_r * np.sum(np.abs(v.rollers) ** 2) + scene.roller_inertia * np.sum(v.roller_angles**2)
     cage = scene.cage_mass * abs(v.cage) ** 2 + scene.cage_inertia * v.cage_angle**2
     return (ring + rollers + cage) / 2
 
 
-def momentum_residual(scene, anchor, t, x: Places, v: Places):
+def momentum_residual(scene, anchor, t, x: Coordinates, v: Coordinates):
     """What inertia and outside forces leave over: force x, y and torque about the origin, and the scale of each.
 
     Outside act the load, the bracket, the drag, and the shaft that holds the inner ring. The ring must be free to
@@ -401,41 +401,43 @@ def momentum_residual(scene, anchor, t, x: Places, v: Places):
     f = forces(scene, anchor, t, x, v)
     a = accelerations(scene, f, x, v)
     k_t, c_t = scene.torsion
-    outside = f.bracket - scene.load + np.sum(f.drag + f.inner.force)
+    external = f.bracket - scene.load + np.sum(f.drag + f.inner.force)
     inertia = scene.m_o * a.ring + scene.m_r * np.sum(a.rollers) + scene.cage_mass * a.cage
     # at the inner ring: what the shaft's torque must be, and force through its centre, without a moment
-    turning = cross(x.ring, f.bracket - scene.load) - k_t * x.ring_angle - c_t * v.ring_angle
-    turning += np.sum(cross(x.rollers, f.drag)) - scene.cage_drag * v.cage_angle - np.sum(f.inner.race_torque)
-    spins = scene.ring_inertia * a.ring_angle + scene.roller_inertia * a.roller_angles.sum()
-    spins += scene.cage_inertia * a.cage_angle
-    orbits = scene.m_o * cross(x.ring, a.ring) + scene.m_r * np.sum(cross(x.rollers, a.rollers))
-    orbits += scene.cage_mass * cross(x.cage, a.cage)
+    torque = cross(x.ring, f.bracket - scene.load) - k_t * x.ring_angle - c_t * v.ring_angle
+    torque += np.sum(cross(x.rollers, f.drag)) - scene.cage_drag * v.cage_angle - np.sum(f.inner.race_torque)
+    spin_rate = scene.ring_inertia * a.ring_angle + scene.roller_inertia * a.roller_angles.sum()
+    spin_rate += scene.cage_inertia * a.cage_angle
+    orbit_rate = scene.m_o * cross(x.ring, a.ring) + scene.m_r * np.sum(cross(x.rollers, a.rollers))
+    orbit_rate += scene.cage_mass * cross(x.cage, a.cage)
     scale = np.abs(f.outer.force).sum() + np.abs(f.inner.force).sum()
-    left = inertia - outside
-    return np.array([left.real, left.imag, spins + orbits - turning]), scale * np.array([1.0, 1.0, scene.R_o])
+    residual = inertia - external
+    return np.array([residual.real, residual.imag, spin_rate + orbit_rate - torque]), scale * np.array(
+        [1.0, 1.0, scene.R_o]
+    )
 
 
 # --- the static start ------------------------------------------------------------
 
 
-def squeezed(scene, side, centre, angle, r, j):
+def static_approach(scene, side, centre, angle, r, j):
     """Approach of roller ``j`` at radius ``r``, ``angle``, everything as it stands at t = 0; and n.e_r."""
     e_r = direction(angle)
-    apart = r * e_r - centre
-    rho = abs(apart)
-    sunk_by = 0.0
+    offset = r * e_r - centre
+    rho = abs(offset)
+    drop = 0.0
     if scene.defects:
-        everywhere, still = np.full(scene.Z, np.angle(apart)), np.zeros(scene.Z)
-        sunk_by = sinking(scene, side, everywhere, still, (still, still), (scene.angles, still)).depth[j]
-    return scene.R_w + side * (rho - scene.radius(side)) - sunk_by, dot(apart, e_r) / rho
+        angles, zeros = np.full(scene.Z, np.angle(offset)), np.zeros(scene.Z)
+        drop = sinking(scene, side, angles, zeros, (zeros, zeros), (scene.angles, zeros)).depth[j]
+    return scene.R_w + side * (rho - scene.radius(side)) - drop, dot(offset, e_r) / rho
 
 
 def roller_at_rest(scene, u, angle, j):
     """Radius at which outer race, inner race and centrifugal load balance along e_r."""
 
     def outward(r):
-        outer, along = squeezed(scene, OUTER, u, angle, r, j)
-        inner, _ = squeezed(scene, INNER, 0.0, angle, r, j)
+        outer, along = static_approach(scene, OUTER, u, angle, r, j)
+        inner, _ = static_approach(scene, INNER, 0.0, angle, r, j)
         held = scene.elastic.force(inner) - scene.elastic.force(outer) * along
         return held + scene.m_r * scene.orbit**2 * r
 
@@ -443,7 +445,7 @@ def roller_at_rest(scene, u, angle, j):
     return brentq(outward, low, low + 1e-3, xtol=1e-18, rtol=1e-14)
 
 
-def rest(scene, angles, k_b, anchor):
+def static_state(scene, angles, k_b, anchor):
     """Place of the ring and radii of the rollers (Z,) in balance, on a bracket of ``k_b`` at ``anchor``."""
 
     def net(microns):
@@ -452,34 +454,34 @@ def rest(scene, angles, k_b, anchor):
         for j, angle in enumerate(angles):
             r = roller_at_rest(scene, u, angle, j)
             c = r * direction(angle)
-            total += scene.elastic.force(squeezed(scene, OUTER, u, angle, r, j)[0]) * (c - u) / abs(c - u)
+            total += scene.elastic.force(static_approach(scene, OUTER, u, angle, r, j)[0]) * (c - u) / abs(c - u)
         return [total.real / abs(scene.load), total.imag / abs(scene.load)]
 
     guess = -(0.4 + 1e6 * scene.clearance / 2) * scene.load / abs(scene.load)
-    found = root(net, [guess.real, guess.imag], tol=1e-13)
-    assert np.abs(found.fun).max() < 1e-8, found.message
-    u = 1e-6 * complex(*found.x)
+    solution = root(net, [guess.real, guess.imag], tol=1e-13)
+    assert np.abs(solution.fun).max() < 1e-8, solution.message
+    u = 1e-6 * complex(*solution.x)
     return u, np.array([roller_at_rest(scene, u, angle, j) for j, angle in enumerate(angles)])
 
 
 @lru_cache(maxsize=32)
-def healthy_place(scene, phases=16):
+def healthy_position(scene, phases=16):
     """Mean place of the healthy ring over a ball pass, held by nothing but the rollers."""
-    passed = 2 * np.pi / scene.Z * (np.arange(phases) + 0.5) / phases
-    return np.mean([rest(scene, scene.angles + shift, 0.0, 0.0)[0] for shift in passed])
+    angles = 2 * np.pi / scene.Z * (np.arange(phases) + 0.5) / phases
+    return np.mean([static_state(scene, scene.angles + shift, 0.0, 0.0)[0] for shift in angles])
 
 
 def anchor_of(scene):
-    return healthy_place(replace(scene, defects=(), friction=frictionless, eps=(), damping=None))
+    return healthy_position(replace(scene, defects=(), friction=frictionless, eps=(), damping=None))
 
 
 def start(scene, anchor):
     """Static equilibrium, kinematic rates: the state at t = 0 as (places, rates)."""
-    u, r = rest(scene, scene.angles, scene.k_b, anchor)
+    u, r = static_state(scene, scene.angles, scene.k_b, anchor)
     c = r * direction(scene.angles)
-    x = Places(u, 0.0, c, scene.angles.copy(), 0.0, scene.theta_0)
+    x = Coordinates(u, 0.0, c, scene.angles.copy(), 0.0, scene.theta_0)
     spins = np.full(scene.Z, scene.spin)
-    v = Places(0.0, 0.0, 1j * scene.orbit * c, spins, 0.0, scene.orbit)
+    v = Coordinates(0.0, 0.0, 1j * scene.orbit * c, spins, 0.0, scene.orbit)
     return x, v
 
 
@@ -517,24 +519,24 @@ def longest_step(scene):
     return narrowest / (8 * (scene.speed - scene.orbit) * scene.R_i)
 
 
-def simulate(scene: Scene, times, rtol=1e-7, given=None) -> Motion:
+def simulate(scene: Scene, times, rtol=1e-7, initial=None) -> Motion:
     """The motion at ``times`` (s, from 0). ``given``: (places, rates) at t = 0 instead of the static start.
 
     Against ``rtol`` 1e-9 the ring's displacement differed by 3e-7 of its range, the velocity by 1e-6 (2 mm slot).
     """
     anchor = anchor_of(scene)
-    x, v = given or start(scene, anchor)
-    n = flat(x).size
+    x, v = initial or start(scene, anchor)
+    n = pack(x).size
 
     def rhs(t, y):
-        x, v = places(y[:n], scene.Z), places(y[n : 2 * n], scene.Z)
+        x, v = unpack(y[:n], scene.Z), unpack(y[n : 2 * n], scene.Z)
         f = forces(scene, anchor, t, x, v)
-        return np.concatenate([y[n : 2 * n], flat(accelerations(scene, f, x, v)), f.powers])
+        return np.concatenate([y[n : 2 * n], pack(accelerations(scene, f, x, v)), f.powers])
 
-    y0 = np.concatenate([flat(x), flat(v), np.zeros(len(LEDGER))])
+    y0 = np.concatenate([pack(x), pack(v), np.zeros(len(LEDGER))])
     # the tolerance is relative to 0.1 um, 1 mm/s, the same at a roller's skin, 1 uJ
     turn = 1 / scene.R_w
-    lengths = flat(Places(1 + 1j, turn, np.full(scene.Z, 1 + 1j), np.full(scene.Z, turn), 1 + 1j, turn))
+    lengths = pack(Coordinates(1 + 1j, turn, np.full(scene.Z, 1 + 1j), np.full(scene.Z, turn), 1 + 1j, turn))
     atol = rtol * np.concatenate([1e-7 * lengths, 1e-3 * lengths, np.full(len(LEDGER), 1e-6)])
     span = (0.0, times[-1])
     limits = {"rtol": 1e-5 * rtol, "atol": atol, "max_step": longest_step(scene), "first_step": 1e-8}
@@ -544,29 +546,29 @@ def simulate(scene: Scene, times, rtol=1e-7, given=None) -> Motion:
 
 
 def motion(scene, anchor, times, y, n):
-    seen = []
+    rows = []
     for t, column in zip(times, np.ascontiguousarray(y.T), strict=True):
-        x, v = places(column[:n], scene.Z), places(column[n : 2 * n], scene.Z)
+        x, v = unpack(column[:n], scene.Z), unpack(column[n : 2 * n], scene.Z)
         f = forces(scene, anchor, t, x, v)
         angle = np.angle(x.rollers) - scene.theta_0 - scene.pockets - scene.orbit * t
-        moves = [
+        states = [
             (x.ring.real, x.ring.imag),
             (v.ring.real, v.ring.imag),
             v.cage_angle,
             v.roller_angles,
-            wrapped(angle),
+            wrap_angle(angle),
         ]
         contacts = [f.outer.Q, f.inner.Q, f.pocket.N, f.outer.slip, f.inner.slip]
-        seen.append([*moves, *contacts, f.stored + kinetic(scene, v)])
-    columns = [np.array(c).T for c in zip(*seen, strict=True)]
+        rows.append([*states, *contacts, f.stored + kinetic(scene, v)])
+    columns = [np.array(c).T for c in zip(*rows, strict=True)]
     return Motion._make([times, *columns, dict(zip(LEDGER, y[2 * n :], strict=True))])
 
 
 # --- kept numbers ------------------------------------------------------------
 
-KEPT = Path(__file__).parents[1] / "data" / "reference_planar.npz"
-KEPT_TIMES = np.linspace(0.0, 0.02, 1001)
-RUBBING: dict[str, Any] = {
+RESULTS = Path(__file__).parents[1] / "data" / "reference_planar.npz"
+RESULT_TIMES = np.linspace(0.0, 0.02, 1001)
+WITH_FRICTION: dict[str, Any] = {
     "friction": static_dynamic(),
     "friction_tilts": True,
     "pocket_stiffness": 1e7,
@@ -574,35 +576,35 @@ RUBBING: dict[str, Any] = {
 }
 SCENES = {
     "healthy": Scene(),
-    "friction": Scene(**RUBBING),
+    "friction": Scene(**WITH_FRICTION),
     "slot": Scene(defects=(Defect(OUTER, 2e-3, 0.5e-3),)),
-    "slot-friction": Scene(**RUBBING, defects=(Defect(OUTER, 2e-3, 0.5e-3),)),
-    "inner-pit": Scene(**RUBBING, defects=(Defect(INNER, 0.8e-3, 0.05e-3),)),
-    "roller-pit": Scene(**RUBBING, defects=(Defect(("roller", 0), 0.8e-3, 0.05e-3, np.pi / 2),)),
-    "drag": Scene(**RUBBING, roller_drag=86.0 * 0.012**2 / 2, cage_drag=2e-4),
+    "slot-friction": Scene(**WITH_FRICTION, defects=(Defect(OUTER, 2e-3, 0.5e-3),)),
+    "inner-pit": Scene(**WITH_FRICTION, defects=(Defect(INNER, 0.8e-3, 0.05e-3),)),
+    "roller-pit": Scene(**WITH_FRICTION, defects=(Defect(("roller", 0), 0.8e-3, 0.05e-3, np.pi / 2),)),
+    "drag": Scene(**WITH_FRICTION, roller_drag=86.0 * 0.012**2 / 2, cage_drag=2e-4),
 }
 
 
-def kept(name) -> dict:
-    """What ``keep`` wrote: ring_x, ring_y (m), velocity_x, velocity_y (m/s), cage_speed (rad/s), at KEPT_TIMES."""
-    with np.load(KEPT) as data:
-        found = {key.split("/")[1]: data[key] for key in data.files if key.startswith(name + "/")}
-    return found | {axis: found[axis] + found["middle_" + axis] for axis in ("ring_x", "ring_y")}
+def load_results(name) -> dict:
+    """Return the stored ring_x, ring_y (m), velocity_x, velocity_y (m/s), cage_speed (rad/s), at RESULT_TIMES."""
+    with np.load(RESULTS) as data:
+        columns = {key.split("/")[1]: data[key] for key in data.files if key.startswith(name + "/")}
+    return columns | {axis: columns[axis] + columns["middle_" + axis] for axis in ("ring_x", "ring_y")}
 
 
-def keep():
+def store_results():
     columns = {}
     for name, scene in SCENES.items():
-        m = simulate(scene, KEPT_TIMES)
+        m = simulate(scene, RESULT_TIMES)
         print(f"{name:14} books open by {np.ptp(m.imbalance):.1e} J of {m.works['contact'][-1]:.1e} J damped")
-        middle = m.displacement.mean(axis=1)  # kept apart: the ring moves by a thousandth of where it stands
-        found = dict(zip(("ring_x", "ring_y"), m.displacement - middle[:, None], strict=True))
-        found |= dict(zip(("velocity_x", "velocity_y"), m.velocity, strict=True), cage_speed=m.cage_speed)
-        columns |= {f"{name}/{key}": value.astype(np.float32) for key, value in found.items()}
-        columns |= {f"{name}/middle_ring_x": middle[0], f"{name}/middle_ring_y": middle[1]}
-    KEPT.parent.mkdir(exist_ok=True)
-    np.savez_compressed(KEPT, **columns)
+        mean = m.displacement.mean(axis=1)  # kept apart: the ring moves by a thousandth of where it stands
+        values = dict(zip(("ring_x", "ring_y"), m.displacement - mean[:, None], strict=True))
+        values |= dict(zip(("velocity_x", "velocity_y"), m.velocity, strict=True), cage_speed=m.cage_speed)
+        columns |= {f"{name}/{key}": value.astype(np.float32) for key, value in values.items()}
+        columns |= {f"{name}/middle_ring_x": mean[0], f"{name}/middle_ring_y": mean[1]}
+    RESULTS.parent.mkdir(exist_ok=True)
+    np.savez_compressed(RESULTS, **columns)
 
 
 if __name__ == "__main__":
-    keep()
+    store_results()

@@ -29,7 +29,7 @@ from bearingsim.core.parts.cage import FreeCage, OilDrag, RingGuided, RollerGuid
 from bearingsim.core.parts.shaft import ElasticShaft, TorsionSpring
 
 
-def places(Z: int) -> np.ndarray:
+def state_rows(Z: int) -> np.ndarray:
     """Places in the buffer of all that moves, positions then velocities, for Z rollers: (2 * 3 * (FIRST_LANE +
     Z),).
     """
@@ -48,16 +48,16 @@ def cross(a, b):
 
 
 class Body(NamedTuple):
-    """A rigid body: centre and velocity (complex; m, m/s), angle (rad) and angular speed (rad/s)."""
+    """Rigid body: centre and velocity (complex; m, m/s), angle (rad) and angular velocity (rad/s)."""
 
-    at: Any
-    moves: Any
+    centre: Any
+    velocity: Any
     angle: Any
-    turns: Any
+    angular_velocity: Any
 
     def speed_of(self, point):
         """Velocity (m/s) of the body's material at ``point``."""
-        return self.moves + 1j * self.turns * (point - self.at)
+        return self.velocity + 1j * self.angular_velocity * (point - self.centre)
 
 
 class Scene(NamedTuple):
@@ -69,7 +69,7 @@ class Scene(NamedTuple):
     ring: Body
     inner: Body
     cage: Body
-    grown: Any  # the inner ring's angular acceleration, rad/s^2
+    angular_acceleration: Any  # the inner ring's angular acceleration, rad/s^2
 
 
 def scene(model: Any, t: np.ndarray, values: np.ndarray) -> Scene:
@@ -87,7 +87,7 @@ def scene(model: Any, t: np.ndarray, values: np.ndarray) -> Scene:
     along = np.exp(1j * (pockets(b, cage.angle) + p[1, lay.FIRST_LANE :]))
     rollers = Body(
         r * along,
-        (v[0, lay.FIRST_LANE :] + 1j * r * (cage.turns + v[1, lay.FIRST_LANE :])) * along,
+        (v[0, lay.FIRST_LANE :] + 1j * r * (cage.angular_velocity + v[1, lay.FIRST_LANE :])) * along,
         (b.omega_c - b.omega_b) * time + p[2, lay.FIRST_LANE :],
         (b.omega_c - b.omega_b) * rate + v[2, lay.FIRST_LANE :],
     )
@@ -117,9 +117,9 @@ def mu(law, v, u):
 
 def force(law, delta, rate):
     """Force (N), what of it is elastic (N), and the energy stored (J) of a contact."""
-    (k, m), d = as_power(law.stiffness), np.maximum(delta, 0)
-    elastic = k * d**m
-    return np.maximum(elastic * (1 + law.chi * rate), 0), elastic, k * d ** (m + 1) / (m + 1)
+    (k, m), compression = as_power(law.stiffness), np.maximum(delta, 0)
+    elastic = k * compression**m
+    return np.maximum(elastic * (1 + law.chi * rate), 0), elastic, k * compression ** (m + 1) / (m + 1)
 
 
 class Flow(NamedTuple):
@@ -133,7 +133,7 @@ class Flow(NamedTuple):
         return Flow(*(a + b for a, b in zip(self, other, strict=True)))
 
 
-class Press(NamedTuple):
+class PressedContacts(NamedTuple):
     """Contacts (Z, n): force (N), energy stored (J), power lost (W), approach (m), torque on the race (N m).
 
     ``moment``: sum of force times dh/ds times the radius of the surface that carries the defect (N m).
@@ -147,54 +147,56 @@ class Press(NamedTuple):
     moment: Any
 
 
-def press(law, delta, rate, aside, steep=0.0) -> Press:
+def press(law, delta, rate, aside, steep=0.0) -> PressedContacts:
     """Contacts with the approach ``delta`` (m), growing at ``rate`` (m/s).
 
     ``aside``: arm on the race (m); ``steep``: dh/ds times the radius of what carries the defect (m).
     """
     Q, Q_e, stored = force(law, delta, rate)
-    return Press(Q, stored, (Q - Q_e) * rate, np.maximum(delta, 0), Q * aside, Q * steep)
+    return PressedContacts(Q, stored, (Q - Q_e) * rate, np.maximum(delta, 0), Q * aside, Q * steep)
 
 
 def race(s: Scene, outer: bool) -> Flow:
     """All contacts of the rollers with one race."""
     model, b, rollers, ring = s.model, s.model.bearing, s.rollers, (s.ring if outer else s.inner)
     law, sign = (model.outer, 1.0) if outer else (model.inner, -1.0)
-    apart, speed = rollers.at - ring.at, rollers.moves - ring.moves
-    rho = np.abs(apart)
-    n = apart / rho
+    offset, speed = rollers.centre - ring.centre, rollers.velocity - ring.velocity
+    rho = np.abs(offset)
+    n = offset / rho
     delta, closing = (rho + b.R_w - b.R_o if outer else b.R_i + b.R_w - rho), sign * dot(n, speed)
-    found = press(law, delta, closing, 0.0)
+    contacts = press(law, delta, closing, 0.0)
     for head, groups in zip(model.defects.head, model.defects.groups, strict=True):
         if head[SIDE] == (0 if outer else 1):
-            x, x_rate = passing(s, head, ring, n, sign, dot(1j * n, speed) / rho)
-            over = over_defect(law, delta, closing, head, groups, x, x_rate)
-            found = Press(*np.where(np.abs(x) < head[HALF_WIDTH], over, found))
-    normal = n - sign * found.moment / (rho * np.maximum(found.force, 1e-300)) * 1j * n
+            x, x_rate = defect_distance(s, head, ring, n, sign, dot(1j * n, speed) / rho)
+            over_contacts = over_defect(law, delta, closing, head, groups, x, x_rate)
+            contacts = PressedContacts(*np.where(np.abs(x) < head[HALF_WIDTH], over_contacts, contacts))
+    normal = n - sign * contacts.moment / (rho * np.maximum(contacts.force, 1e-300)) * 1j * n
     normal /= np.abs(normal)
-    touch = rollers.at + sign * (b.R_w - found.mean / 2) * normal
-    slip = dot(1j * normal, rollers.speed_of(touch) - ring.speed_of(touch))
-    f = mu(model.friction, slip, b.R_w * np.abs(orbit(s) - rollers.turns)) * found.force
-    torque = cross(touch - ring.at, f * 1j * normal) + found.torque
+    contact_point = rollers.centre + sign * (b.R_w - contacts.mean / 2) * normal
+    slip = dot(1j * normal, rollers.speed_of(contact_point) - ring.speed_of(contact_point))
+    f = mu(model.friction, slip, b.R_w * np.abs(orbit(s) - rollers.angular_velocity)) * contacts.force
+    torque = cross(contact_point - ring.centre, f * 1j * normal) + contacts.torque
     return Flow(
-        found.stored.sum(axis=0), (found.lost + f * slip).sum(axis=0), 0.0 if outer else torque.sum(axis=0)
+        contacts.stored.sum(axis=0), (contacts.lost + f * slip).sum(axis=0), 0.0 if outer else torque.sum(axis=0)
     )
 
 
-def passing(s: Scene, head, ring: Body, n, sign, sweep):
+def defect_distance(s: Scene, head, ring: Body, n, sign, sweep):
     """Distance (m) of rollers from a defect's middle, infinite if it is not theirs, and its rate (m/s)."""
     if head[CARRIER] < 0:
         x = head[RADIUS] * angle_between(ring.angle + head[ANGLE], n)
-        return x, head[RADIUS] * (sweep - ring.turns)
-    b, own = s.model.bearing, np.full((s.model.bearing.Z, 1), np.inf)
-    own[int(head[CARRIER])] = 0.0
+        return x, head[RADIUS] * (sweep - ring.angular_velocity)
+    b, mask = s.model.bearing, np.full((s.model.bearing.Z, 1), np.inf)
+    mask[int(head[CARRIER])] = 0.0
     defect = s.rollers.angle + pockets(b, b.theta_0) + head[ANGLE]
-    return own + head[RADIUS] * angle_between(defect, sign * n), head[RADIUS] * (sweep - s.rollers.turns)
+    return mask + head[RADIUS] * angle_between(defect, sign * n), head[RADIUS] * (
+        sweep - s.rollers.angular_velocity
+    )
 
 
-def over_defect(law, delta, closing, head, groups, x, x_rate) -> Press:
+def over_defect(law, delta, closing, head, groups, x, x_rate) -> PressedContacts:
     """Contacts at ``x`` (m) from the middle of a rectangular defect: all its groups together."""
-    total = Press(*np.zeros((6, *delta.shape)))
+    total = PressedContacts(*np.zeros((6, *delta.shape)))
     for group in groups[: int(head[GROUP_COUNT])]:
         rim = np.maximum(group[GROUP_HALF_WIDTH] - np.abs(x), 0)
         on_floor = rim**2 / (2 * head[REDUCED_RADIUS]) >= group[DEPTH]
@@ -202,8 +204,10 @@ def over_defect(law, delta, closing, head, groups, x, x_rate) -> Press:
         slope = np.where(on_floor, 0, -np.sign(x) * rim / head[REDUCED_RADIUS])
         # a roller's own defect turns the roller, not the race
         aside = -slope * head[RADIUS] if head[CARRIER] < 0 else 0.0
-        part = press(law, delta - h, closing - slope * x_rate, aside, slope * head[RADIUS])
-        total = Press(*(so_far + group[GROUP_WEIGHT] * more for so_far, more in zip(total, part, strict=True)))
+        contact_ = press(law, delta - h, closing - slope * x_rate, aside, slope * head[RADIUS])
+        total = PressedContacts(
+            *(sum_ + group[GROUP_WEIGHT] * term for sum_, term in zip(total, contact_, strict=True))
+        )
     return total
 
 
@@ -214,7 +218,7 @@ def angle_between(a, n):
 
 def orbit(s: Scene):
     """Angular speed of each roller about the origin (rad/s)."""
-    return cross(s.rollers.at, s.rollers.moves) / np.abs(s.rollers.at) ** 2
+    return cross(s.rollers.centre, s.rollers.velocity) / np.abs(s.rollers.centre) ** 2
 
 
 def cage_contacts(s: Scene) -> Flow:
@@ -223,36 +227,36 @@ def cage_contacts(s: Scene) -> Flow:
     if not isinstance(cage, FreeCage):
         return Flow(0.0, 0.0, 0.0)
     e_r = np.exp(1j * pockets(b, s.cage.angle))
-    apart = rollers.at - s.cage.at
-    speed = rollers.moves - s.cage.moves - 1j * s.cage.turns * apart  # as seen from the cage
-    e, rho = dot(1j * e_r, apart), dot(e_r, apart)
+    offset = rollers.centre - s.cage.centre
+    speed = rollers.velocity - s.cage.velocity - 1j * s.cage.angular_velocity * offset  # as seen from the cage
+    e, rho = dot(1j * e_r, offset), dot(e_r, offset)
     side = np.sign(e)
     N, N_e, stored = force(cage.pocket, np.abs(e) - cage.play, side * dot(1j * e_r, speed))
-    wall = rollers.at + side * b.R_w * 1j * e_r
-    slip = dot(e_r, rollers.speed_of(wall) - s.cage.speed_of(wall))
+    contact_point = rollers.centre + side * b.R_w * 1j * e_r
+    slip = dot(e_r, rollers.speed_of(contact_point) - s.cage.speed_of(contact_point))
     lost = (N - N_e) * side * dot(1j * e_r, speed) + mu(cage.friction, slip, 1.0) * N * slip
-    found = Flow(stored.sum(axis=0), lost.sum(axis=0), 0.0)
+    flow = Flow(stored.sum(axis=0), lost.sum(axis=0), 0.0)
     if isinstance(cage.guide, RollerGuided):
-        out = rho - (b.R_o + b.R_i) / 2
-        rate = np.sign(out) * dot(e_r, speed)
-        N, N_e, stored = force(cage.guide.law, np.abs(out) - cage.guide.play, rate)
-        found += Flow(stored.sum(axis=0), ((N - N_e) * rate).sum(axis=0), 0.0)
+        excess = rho - (b.R_o + b.R_i) / 2
+        rate = np.sign(excess) * dot(e_r, speed)
+        N, N_e, stored = force(cage.guide.law, np.abs(excess) - cage.guide.play, rate)
+        flow += Flow(stored.sum(axis=0), ((N - N_e) * rate).sum(axis=0), 0.0)
     if isinstance(cage.guide, RingGuided):
-        found += land(s, cage.guide)
-    return found
+        flow += land(s, cage.guide)
+    return flow
 
 
 def land(s: Scene, guide: RingGuided) -> Flow:
     """The contact of the cage with the land of a ring."""
     ring = s.ring if guide.outer else s.inner
-    apart = s.cage.at - ring.at
-    n = apart / np.abs(apart)
-    rate = dot(n, s.cage.moves - ring.moves)
-    N, N_e, stored = force(guide.law, np.abs(apart) - guide.play, rate)
-    touch = s.cage.at + (n if guide.outer else -n) * guide.land
-    slip = dot(1j * n, s.cage.speed_of(touch) - ring.speed_of(touch))
+    offset = s.cage.centre - ring.centre
+    n = offset / np.abs(offset)
+    rate = dot(n, s.cage.velocity - ring.velocity)
+    N, N_e, stored = force(guide.law, np.abs(offset) - guide.play, rate)
+    contact_point = s.cage.centre + (n if guide.outer else -n) * guide.land
+    slip = dot(1j * n, s.cage.speed_of(contact_point) - ring.speed_of(contact_point))
     f = mu(guide.friction, slip, 1.0) * N
-    torque = 0.0 if guide.outer else cross(touch - ring.at, f * 1j * n)
+    torque = 0.0 if guide.outer else cross(contact_point - ring.centre, f * 1j * n)
     return Flow(stored, (N - N_e) * rate + f * slip, torque)
 
 
@@ -279,96 +283,122 @@ def balance(s: Scene) -> Balance:
     """
     contacts = race(s, outer=True) + race(s, outer=False) + cage_contacts(s)
     momentum, spin, energy = inertia(s)
-    springs, dampers, loads = from_springs(s), from_dampers(s), from_loads(s)
-    acting = [*springs, *dampers, *loads]
-    twist, twist_stored, twist_lost = twists(s)
-    power = sum(dot(push.moves, push.force) for push in loads) - contacts.torque * s.inner.turns
-    lost = contacts.lost - sum(dot(push.moves, push.force) for push in dampers)
-    oil = land_drag(s)
-    dragged = s.inner.turns if isinstance(s.model.drag, OilDrag) and s.model.drag.outer == 0.0 else 0.0
+    springs, dampers, loads = spring_forces(s), damper_forces(s), load_forces(s)
+    forces = [*springs, *dampers, *loads]
+    torsion, torsion_energy, torsion_loss = bracket_torsion(s)
+    power = (
+        sum(dot(force_.velocity, force_.force) for force_ in loads) - contacts.torque * s.inner.angular_velocity
+    )
+    lost = contacts.lost - sum(dot(force_.velocity, force_.force) for force_ in dampers)
+    drag_torque = land_drag(s)
+    drag_speed = (
+        s.inner.angular_velocity if isinstance(s.model.drag, OilDrag) and s.model.drag.outer == 0.0 else 0.0
+    )
     return Balance(
         momentum=momentum,
         spin=spin,
-        energy=energy + contacts.stored + twist_stored + stored_by_springs(s),
-        force=sum(push.force for push in acting),
-        torque=sum(cross(push.at, push.force) for push in acting) + twist + oil - contacts.torque,
-        power=power + oil * dragged,
-        lost=lost + twist_lost - oil * (s.cage.turns - dragged),
+        energy=energy + contacts.stored + torsion_energy + stored_by_springs(s),
+        force=sum(force_.force for force_ in forces),
+        torque=sum(cross(force_.centre, force_.force) for force_ in forces)
+        + torsion
+        + drag_torque
+        - contacts.torque,
+        power=power + drag_torque * drag_speed,
+        lost=lost + torsion_loss - drag_torque * (s.cage.angular_velocity - drag_speed),
     )
 
 
 def masses(s: Scene) -> list[tuple[float, float, Body]]:
     """Mass (kg), moment of inertia (kg m^2) and motion of each body; 0 for what is not free to move or turn."""
     model, b = s.model, s.model.bearing
-    found = [(b.m_r, b.I_r, Body(*(part[j] for part in s.rollers))) for j in range(b.Z)]
-    found.append((b.m_o, model.bracket.inertia if isinstance(model.bracket, TorsionSpring) else 0.0, s.ring))
+    bodies = [(b.m_r, b.I_r, Body(*(part[j] for part in s.rollers))) for j in range(b.Z)]
+    bodies.append((b.m_o, model.bracket.inertia if isinstance(model.bracket, TorsionSpring) else 0.0, s.ring))
     if isinstance(model.cage, FreeCage):
-        found.append((model.cage.m, model.cage.inertia, s.cage))
+        bodies.append((model.cage.m, model.cage.inertia, s.cage))
     if isinstance(model.shaft, ElasticShaft):
-        found.append((model.shaft.m, 0.0, s.inner))
-    return found
+        bodies.append((model.shaft.m, 0.0, s.inner))
+    return bodies
 
 
 def inertia(s: Scene) -> tuple[Any, Any, Any]:
     """Momentum, angular momentum about the origin and kinetic energy."""
     bodies = masses(s)
     return (
-        sum(m * body.moves for m, _, body in bodies),
-        sum(m * cross(body.at, body.moves) + turning * body.turns for m, turning, body in bodies),
-        sum(m * np.abs(body.moves) ** 2 + turning * body.turns**2 for m, turning, body in bodies) / 2,
+        sum(m * body.velocity for m, _, body in bodies),
+        sum(
+            m * cross(body.centre, body.velocity) + moment_of_inertia * body.angular_velocity
+            for m, moment_of_inertia, body in bodies
+        ),
+        sum(
+            m * np.abs(body.velocity) ** 2 + moment_of_inertia * body.angular_velocity**2
+            for m, moment_of_inertia, body in bodies
+        )
+        / 2,
     )
 
 
-class Push(NamedTuple):
-    """A force (N) on what moves at ``moves`` (m/s), where it acts (m); all complex."""
+class AppliedForce(NamedTuple):
+    """Force (N), its point of action (m), and the velocity (m/s) of this point; all complex."""
 
-    at: Any
+    centre: Any
     force: Any
-    moves: Any
+    velocity: Any
 
 
-def from_loads(s: Scene) -> list[Push]:
+def load_forces(s: Scene) -> list[AppliedForce]:
     """Load, gravity, unbalance: what puts work in."""
     model, support, shaft = s.model, s.model.support, s.model.shaft
     load = support.F + 1j * support.F_across
-    found = [Push(s.ring.at, -load, s.ring.moves)]
-    found += [Push(at, model.bearing.m_r * model.gravity, moves) for at, moves in zip(*s.rollers[:2], strict=True)]
+    forces = [AppliedForce(s.ring.centre, -load, s.ring.velocity)]
+    forces += [
+        AppliedForce(centre, model.bearing.m_r * model.gravity, velocity)
+        for centre, velocity in zip(*s.rollers[:2], strict=True)
+    ]
     if isinstance(model.cage, FreeCage):
-        found.append(Push(s.cage.at, model.cage.m * model.gravity, s.cage.moves))
+        forces.append(AppliedForce(s.cage.centre, model.cage.m * model.gravity, s.cage.velocity))
     if isinstance(shaft, ElasticShaft):
-        heavy = shaft.unbalance * np.exp(1j * (s.inner.angle + shaft.angle))  # flung outwards, left behind
-        flung = (s.inner.turns**2 - 1j * s.grown) * heavy
-        found += [Push(s.inner.at, load, s.inner.moves), Push(s.inner.at, flung, s.inner.moves)]
-    return found
+        unbalance = shaft.unbalance * np.exp(1j * (s.inner.angle + shaft.angle))  # flung outwards, left behind
+        unbalance_force = (s.inner.angular_velocity**2 - 1j * s.angular_acceleration) * unbalance
+        forces += [
+            AppliedForce(s.inner.centre, load, s.inner.velocity),
+            AppliedForce(s.inner.centre, unbalance_force, s.inner.velocity),
+        ]
+    return forces
 
 
-def from_springs(s: Scene) -> list[Push]:
+def spring_forces(s: Scene) -> list[AppliedForce]:
     """Bracket and shaft."""
     support, shaft = s.model.support, s.model.shaft
-    found = [Push(s.ring.at, -support.k_b * (s.ring.at - support.x_0 - 1j * support.y_0), s.ring.moves)]
+    forces = [
+        AppliedForce(
+            s.ring.centre, -support.k_b * (s.ring.centre - support.x_0 - 1j * support.y_0), s.ring.velocity
+        )
+    ]
     if isinstance(shaft, ElasticShaft):
-        found.append(Push(s.inner.at, -shaft.k * s.inner.at, s.inner.moves))
-    return found
+        forces.append(AppliedForce(s.inner.centre, -shaft.k * s.inner.centre, s.inner.velocity))
+    return forces
 
 
 def stored_by_springs(s: Scene) -> Any:
     """Their energy (J)."""
     support, shaft = s.model.support, s.model.shaft
-    stored = support.k_b / 2 * np.abs(s.ring.at - support.x_0 - 1j * support.y_0) ** 2
-    return stored + (shaft.k / 2 * np.abs(s.inner.at) ** 2 if isinstance(shaft, ElasticShaft) else 0.0)
+    stored = support.k_b / 2 * np.abs(s.ring.centre - support.x_0 - 1j * support.y_0) ** 2
+    return stored + (shaft.k / 2 * np.abs(s.inner.centre) ** 2 if isinstance(shaft, ElasticShaft) else 0.0)
 
 
-def from_dampers(s: Scene) -> list[Push]:
+def damper_forces(s: Scene) -> list[AppliedForce]:
     """Dampers of bracket and shaft; the oil that the rollers plough through."""
-    found = [Push(s.ring.at, -s.model.support.c_b * s.ring.moves, s.ring.moves)]
+    forces = [AppliedForce(s.ring.centre, -s.model.support.c_b * s.ring.velocity, s.ring.velocity)]
     if isinstance(s.model.shaft, ElasticShaft):
-        found.append(Push(s.inner.at, -s.model.shaft.c * s.inner.moves, s.inner.moves))
+        forces.append(AppliedForce(s.inner.centre, -s.model.shaft.c * s.inner.velocity, s.inner.velocity))
     if isinstance(s.model.drag, OilDrag):
-        ahead = 1j * s.rollers.at / np.abs(s.rollers.at)
-        v = dot(ahead, s.rollers.moves)
-        oil = -s.model.drag.roller * v * np.abs(v) * ahead
-        found += [Push(*of_one) for of_one in zip(s.rollers.at, oil, s.rollers.moves, strict=True)]
-    return found
+        direction = 1j * s.rollers.centre / np.abs(s.rollers.centre)
+        v = dot(direction, s.rollers.velocity)
+        drag = -s.model.drag.roller * v * np.abs(v) * direction
+        forces += [
+            AppliedForce(*arguments) for arguments in zip(s.rollers.centre, drag, s.rollers.velocity, strict=True)
+        ]
+    return forces
 
 
 def land_drag(s: Scene) -> Any:
@@ -376,13 +406,13 @@ def land_drag(s: Scene) -> Any:
     drag = s.model.drag
     if not isinstance(drag, OilDrag):
         return np.zeros_like(s.t)
-    return -drag.land * (s.cage.turns - (0.0 if drag.outer else s.inner.turns))
+    return -drag.land * (s.cage.angular_velocity - (0.0 if drag.outer else s.inner.angular_velocity))
 
 
-def twists(s: Scene) -> tuple[Any, Any, Any]:
+def bracket_torsion(s: Scene) -> tuple[Any, Any, Any]:
     """The torsion spring and damper of the outer ring: torque (N m), energy stored (J), power lost (W)."""
     spring = s.model.bracket
     if not isinstance(spring, TorsionSpring):
         return 0.0, 0.0, 0.0
-    torque = -spring.k * s.ring.angle - spring.c * s.ring.turns
-    return torque, spring.k / 2 * s.ring.angle**2, spring.c * s.ring.turns**2
+    torque = -spring.k * s.ring.angle - spring.c * s.ring.angular_velocity
+    return torque, spring.k / 2 * s.ring.angle**2, spring.c * s.ring.angular_velocity**2

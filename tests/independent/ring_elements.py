@@ -70,18 +70,20 @@ class Mesh(NamedTuple):
 def mesh(section, across, around):
     """``across`` cells over the height, ``around`` round the ring."""
     rows, columns = 2 * across + 1, 2 * around
-    used = np.array([[i % 2 == 0 or j % 2 == 0 for j in range(columns)] for i in range(rows)])
-    number = np.where(used, np.cumsum(used).reshape(used.shape) - 1, -1)
-    i, j = np.nonzero(used)
-    places = np.concatenate([CORNERS, SIDES]) + 1
+    is_node = np.array([[i % 2 == 0 or j % 2 == 0 for j in range(columns)] for i in range(rows)])
+    number = np.where(is_node, np.cumsum(is_node).reshape(is_node.shape) - 1, -1)
+    i, j = np.nonzero(is_node)
+    positions = np.concatenate([CORNERS, SIDES]) + 1
     cells = [
-        [number[2 * a + p, (2 * b + q) % columns] for p, q in places] for a in range(across) for b in range(around)
+        [number[2 * a + p, (2 * b + q) % columns] for p, q in positions]
+        for a in range(across)
+        for b in range(around)
     ]
     height = section.outside - section.inside
     return Mesh(section.inside + height * i / (rows - 1), 2 * np.pi * j / columns, np.array(cells))
 
 
-def of_a_cell(section, points):
+def cell_matrices(section, points):
     """Stiffness and mass (16, 16) of a cell with the nodes ``points`` (8, 2), displacements x1 y1 x2 y2 ..."""
     plane = np.array([[1, section.poisson, 0], [section.poisson, 1, 0], [0, 0, (1 - section.poisson) / 2]])
     plane *= section.young / (1 - section.poisson**2)
@@ -94,10 +96,10 @@ def of_a_cell(section, points):
             volume = section.breadth * np.linalg.det(jacobian) * weight_x * weight_y
             strain = np.zeros((3, 16))
             strain[0, ::2], strain[1, 1::2], strain[2, ::2], strain[2, 1::2] = dx, dy, dy, dx
-            moved = np.zeros((2, 16))
-            moved[0, ::2], moved[1, 1::2] = n, n
+            interpolation = np.zeros((2, 16))
+            interpolation[0, ::2], interpolation[1, 1::2] = n, n
             stiffness += volume * strain.T @ plane @ strain
-            mass += volume * section.density * moved.T @ moved
+            mass += volume * section.density * interpolation.T @ interpolation
     return stiffness, mass
 
 
@@ -117,22 +119,22 @@ def body(section=NF308, across=4, around=96):
         step = index % around
         if step == 0:
             r, a = grid.radius[cell], grid.angle[cell]
-            k_0, m_0 = of_a_cell(section, np.column_stack([r * np.cos(a), r * np.sin(a)]))
+            k_0, m_0 = cell_matrices(section, np.column_stack([r * np.cos(a), r * np.sin(a)]))
         turn = 2 * np.pi * step / around
         c, s = np.cos(turn), np.sin(turn)
-        turned = np.kron(np.eye(8), np.array([[c, -s], [s, c]]))
+        rotation = np.kron(np.eye(8), np.array([[c, -s], [s, c]]))
         unknowns = np.column_stack([2 * cell, 2 * cell + 1]).ravel()
         rows.append(np.repeat(unknowns, 16))
         columns.append(np.tile(unknowns, 16))
-        k.append((turned @ k_0 @ turned.T).ravel())
-        m.append((turned @ m_0 @ turned.T).ravel())
-    place = (np.concatenate(rows), np.concatenate(columns))
+        k.append((rotation @ k_0 @ rotation.T).ravel())
+        m.append((rotation @ m_0 @ rotation.T).ravel())
+    indices = (np.concatenate(rows), np.concatenate(columns))
     size = 2 * grid.radius.size
-    built = [sparse.coo_matrix((np.concatenate(v), place), (size, size)).tocsc() for v in (k, m)]
-    return Body(section, grid, *built)
+    matrices = [sparse.coo_matrix((np.concatenate(v), indices), (size, size)).tocsc() for v in (k, m)]
+    return Body(section, grid, *matrices)
 
 
-def radial(ring, values, nodes):
+def radial_field(ring, values, nodes):
     """A field that points outward with ``values`` on ``nodes`` and vanishes elsewhere."""
     field = np.zeros(2 * ring.mesh.radius.size)
     field[2 * nodes] = values * np.cos(ring.mesh.angle[nodes])
@@ -140,7 +142,7 @@ def radial(ring, values, nodes):
     return field
 
 
-def circle(ring, radius):
+def circle_nodes(ring, radius):
     """The nodes on a circle, and the arc (m) that stands for each: Simpson's weights, as quadratic sides have."""
     nodes = np.flatnonzero(np.abs(ring.mesh.radius - radius) < 1e-9)
     nodes = nodes[np.argsort(ring.mesh.angle[nodes])]
@@ -151,23 +153,25 @@ def circle(ring, radius):
 def compliances(harmonics, section=NF308, load_at=None, across=4, around=96):
     """a_n (m) on the mid-line for a generalised force of 1 N of a load at ``load_at`` (m; the mid-line)."""
     ring = body(section, across, around)
-    nodes, arcs = circle(ring, section.middle if load_at is None else load_at)
-    read, read_arcs = circle(ring, section.middle)
-    held = splu((ring.stiffness + 1e-9 * section.young / section.density * ring.mass).tocsc())
-    found = []
+    nodes, arcs = circle_nodes(ring, section.middle if load_at is None else load_at)
+    sensor_nodes, sensor_arcs = circle_nodes(ring, section.middle)
+    factorised = splu((ring.stiffness + 1e-9 * section.young / section.density * ring.mass).tocsc())
+    amplitudes = []
     for n in harmonics:
         scale = 2 if n == 0 else 1
-        load = radial(ring, arcs * np.cos(n * ring.mesh.angle[nodes]), nodes) / (scale * arcs.sum() / 2)
-        probe = radial(ring, read_arcs * np.cos(n * ring.mesh.angle[read]), read) / (scale * read_arcs.sum() / 2)
-        found.append(probe @ held.solve(load))
-    return np.array(found)
+        load = radial_field(ring, arcs * np.cos(n * ring.mesh.angle[nodes]), nodes) / (scale * arcs.sum() / 2)
+        probe = radial_field(ring, sensor_arcs * np.cos(n * ring.mesh.angle[sensor_nodes]), sensor_nodes) / (
+            scale * sensor_arcs.sum() / 2
+        )
+        amplitudes.append(probe @ factorised.solve(load))
+    return np.array(amplitudes)
 
 
 def free_frequencies(number=8, section=NF308, across=4, around=96):
     """The lowest ``number`` free frequencies in Hz above the three rigid motions; each harmonic has two."""
     ring = body(section, across, around)
-    below = -((2 * np.pi * 500.0) ** 2)
-    squares = eigsh(ring.stiffness, number + 3, ring.mass, sigma=below, return_eigenvectors=False)
+    shift = -((2 * np.pi * 500.0) ** 2)
+    squares = eigsh(ring.stiffness, number + 3, ring.mass, sigma=shift, return_eigenvectors=False)
     return np.sqrt(np.sort(squares)[3:]) / (2 * np.pi)
 
 

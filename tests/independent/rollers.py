@@ -26,7 +26,7 @@ def elastic(delta):
     return K * np.maximum(delta, 0.0) ** (10 / 9)
 
 
-def sunk(s, width, depth, reduced):
+def drop_and_slope(s, width, depth, reduced):
     """h(s) = min over t of p(t) + (t - s)^2/(2 reduced), and dh/ds at the minimiser (envelope theorem)."""
     defect = np.linspace(-width / 2, width / 2, 2001)
     t = np.concatenate([defect, defect[[0, -1]], [s]])
@@ -46,27 +46,27 @@ def roller_at_rest(u_r):
     return brentq(inward, touch, max(touch, R_I + R_W) + 1e-5, xtol=1e-19, rtol=1e-14)
 
 
-def around(angle):
+def wrap_angle(angle):
     return np.remainder(angle + np.pi, 2 * np.pi) - np.pi
 
 
-def places(race, angle, t):
+def defect_distances(race, angle, t):
     """Arcs (m) of the contacts from the defect's middle, (Z,) outer and inner, and the speed (m/s) they grow at.
 
     A contact that cannot meet the defect is a metre away. At t = 0 the defect is at ``angle`` from the load line,
     or from the outermost point of the first roller, which turns backwards in the cage.
     """
-    nowhere, theta, speed = np.ones(Z), THETA + OMEGA_C * t, R_O * OMEGA_C
+    no_defect, theta, speed = np.ones(Z), THETA + OMEGA_C * t, R_O * OMEGA_C
     if race == "outer":
-        return R_O * around(theta - angle), nowhere, speed
+        return R_O * wrap_angle(theta - angle), no_defect, speed
     if race == "inner":
-        return nowhere, -R_I * around(theta - angle - OMEGA_I * t), speed
+        return no_defect, -R_I * wrap_angle(theta - angle - OMEGA_I * t), speed
     on_first = np.where(np.arange(Z) == 0, 0.0, 1.0)
-    stands = angle - speed / R_W * t
-    return on_first - R_W * around(stands), on_first - R_W * around(stands - np.pi), speed
+    roller_angle = angle - speed / R_W * t
+    return on_first - R_W * wrap_angle(roller_angle), on_first - R_W * wrap_angle(roller_angle - np.pi), speed
 
 
-def rest(angles, stiffness, anchor):
+def static_state(angles, stiffness, anchor):
     """Ring place and roller radii at rest, on a bracket spring of ``stiffness`` at ``anchor``; no defect."""
 
     def net(microns):
@@ -77,35 +77,35 @@ def rest(angles, stiffness, anchor):
             total += elastic(roller_at_rest(u @ e_r) + R_W - R_O - u @ e_r) * e_r
         return total / LOAD
 
-    found = root(net, [-0.4, 0.0], tol=1e-12)
-    assert np.abs(found.fun).max() < 1e-7
-    u = 1e-6 * found.x
+    solution = root(net, [-0.4, 0.0], tol=1e-12)
+    assert np.abs(solution.fun).max() < 1e-7
+    u = 1e-6 * solution.x
     return u, np.array([roller_at_rest(u[0] * np.cos(a) + u[1] * np.sin(a)) for a in angles])
 
 
-def sinking(arcs, along, width, depth, reduced):
+def drops_and_rates(arcs, along, width, depth, reduced):
     """How far (m) and how fast (m/s) each roller sinks, (Z,) each."""
     h, speed = np.zeros(Z), np.zeros(Z)
     for j in np.flatnonzero(np.abs(arcs) < width / 2):
-        h[j], slope = sunk(arcs[j], width, depth, reduced)
+        h[j], slope = drop_and_slope(arcs[j], width, depth, reduced)
         speed[j] = slope * along
     return h, speed
 
 
 def simulate(width, depth, times, race="outer", angle=0.0, max_step=1e-6, rtol=1e-9):
-    """Velocity of the ring (2, n) in m/s at ``times`` (s), with a defect as ``places`` has it."""
+    """Velocity of the ring (2, n) in m/s at ``times`` (s), with a defect as in ``defect_distances``."""
     pass_angle = 2 * np.pi / Z
     phases = [THETA + pass_angle * (n + 0.5) / 16 for n in range(16)]
-    anchor = np.mean([rest(angles, 0.0, np.zeros(2))[0] for angles in phases], axis=0)
-    u, r = rest(THETA, K_B, anchor)
+    anchor = np.mean([static_state(angles, 0.0, np.zeros(2))[0] for angles in phases], axis=0)
+    u, r = static_state(THETA, K_B, anchor)
 
     def rhs(t, y):
         u, w, q, v = y[:2], y[2:4], y[4 : 4 + Z], y[4 + Z :]
         theta = THETA + OMEGA_C * t
         c, s = np.cos(theta), np.sin(theta)
-        outer, inner, speed = places(race, angle, t)
-        h_o, sinking_o = sinking(outer, speed, width, depth, REDUCED_O)
-        h_i, sinking_i = sinking(inner, speed, width, depth, REDUCED_I)
+        outer, inner, speed = defect_distances(race, angle, t)
+        h_o, sinking_o = drops_and_rates(outer, speed, width, depth, REDUCED_O)
+        h_i, sinking_i = drops_and_rates(inner, speed, width, depth, REDUCED_I)
         delta_o = q - (u[0] * c + u[1] * s) - h_o
         v_o = v - (w[0] * c + w[1] * s) - OMEGA_C * (u[1] * c - u[0] * s) - sinking_o
         force_o = np.maximum(elastic(delta_o) * (1 + CHI * v_o), 0.0)

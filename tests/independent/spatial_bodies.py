@@ -31,7 +31,7 @@ from tests.independent.planar_bodies import force, mu
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def places(Z: int) -> np.ndarray:
+def state_rows(Z: int) -> np.ndarray:
     """Places in the buffer of all that moves, positions then velocities: (2 * 6 * (FIRST_LANE + Z),)."""
     row = np.arange(lay.FIRST_LANE + Z)
     return np.concatenate([block + k * lay.ROW + row for block in (lay.POSITION, lay.VELOCITY) for k in range(6)])
@@ -52,7 +52,7 @@ def times(scalars, vectors):
     return np.asarray(scalars)[..., np.newaxis] * vectors
 
 
-def leant(a, v):
+def tilt_vectors(a, v):
     """Vectors ``v`` after the smallest rotation that brings e_z to the axis ``a``."""
     k = np.cross(UP, a)
     return v + np.cross(k, v) + np.cross(k, np.cross(k, v)) / (1 + a[..., 2:])
@@ -61,29 +61,29 @@ def leant(a, v):
 class Body(NamedTuple):
     """A rigid body: centre and its velocity, axis and its rate, angle about it (rad) and its rate."""
 
-    at: Any
-    moves: Any
+    centre: Any
+    velocity: Any
     axis: Any
-    tips: Any
+    axis_rate: Any
     angle: Any
-    turns: Any
+    angular_velocity: Any
 
     def spin(self):
         """Angular speed about the axis (rad/s)."""
-        area = self.tips[..., 0] * self.axis[..., 1] - self.axis[..., 0] * self.tips[..., 1]
-        return self.turns + area / (1 + self.axis[..., 2])
+        area = self.axis_rate[..., 0] * self.axis[..., 1] - self.axis[..., 0] * self.axis_rate[..., 1]
+        return self.angular_velocity + area / (1 + self.axis[..., 2])
 
     def rotation(self):
         """Angular velocity (rad/s)."""
-        return np.cross(self.axis, self.tips) + times(self.spin(), self.axis)
+        return np.cross(self.axis, self.axis_rate) + times(self.spin(), self.axis)
 
     def speed_of(self, point):
         """Velocity (m/s) of the body's material at ``point``."""
-        return self.moves + np.cross(self.rotation(), point - self.at)
+        return self.velocity + np.cross(self.rotation(), point - self.centre)
 
     def angle_of(self, direction):
         """Angle (rad) about the axis at which the body's material points in ``direction``."""
-        e_1 = leant(self.axis, np.stack([np.cos(self.angle), np.sin(self.angle), 0 * self.angle], axis=-1))
+        e_1 = tilt_vectors(self.axis, np.stack([np.cos(self.angle), np.sin(self.angle), 0 * self.angle], axis=-1))
         return np.arctan2(dot(direction, np.cross(self.axis, e_1)), dot(direction, e_1))
 
     def spread(self, count=1):
@@ -100,7 +100,7 @@ class Scene(NamedTuple):
     ring: Body
     inner: Body
     cage: Body
-    grown: Any
+    angular_acceleration: Any
 
 
 def axes(x, y, w_x, w_y):
@@ -127,7 +127,7 @@ def scene(model: Any, t: np.ndarray, values: np.ndarray) -> Scene:
     inner = shared(lay.X_I, 2, b.omega_i * time, b.omega_i * rate)
     r, w = (b.R_o + b.R_i) / 2 + p[:, 0, lay.FIRST_LANE :], cage_turns[:, None] + v[:, 1, lay.FIRST_LANE :]
     theta = cage_angle[:, None] + 2 * np.pi * np.arange(b.Z) / b.Z + p[:, 1, lay.FIRST_LANE :]
-    e_r, e_t = around(theta)
+    e_r, e_t = polar_unit_vectors(theta)
     axis, tips = axes(*(q[:, k, lay.FIRST_LANE :] for q in (p, v) for k in (4, 5)))
     rollers = Body(
         times(r, e_r) + times(p[:, 3, lay.FIRST_LANE :], UP),
@@ -140,7 +140,7 @@ def scene(model: Any, t: np.ndarray, values: np.ndarray) -> Scene:
     return Scene(model, t, rollers, ring, inner, cage, b.omega_i * growth)
 
 
-def around(theta):
+def polar_unit_vectors(theta):
     """Directions of the angle ``theta`` (rad) and across it."""
     c, s = np.cos(theta), np.sin(theta)
     return np.stack([c, s, 0 * c], axis=-1), np.stack([-s, c, 0 * c], axis=-1)
@@ -166,7 +166,7 @@ def total(values):
     return np.asarray(values).reshape(len(values), -1).sum(axis=1)
 
 
-def rubbing(law, N, slip, speed=1.0):
+def friction_power(law, N, slip, speed=1.0):
     """Power (W) that friction takes: ``slip`` (..., 3) m/s."""
     s = np.linalg.norm(slip, axis=-1)
     return mu(law, s, speed) * N * s
@@ -178,49 +178,50 @@ def race(s: Scene, outer: bool) -> Flow:
     law = model.outer if outer else model.inner
     zeta, weight, drop = model.slices.table.T
     ring, rollers = (s.ring if outer else s.inner).spread(2), sliced(s.rollers)
-    p = rollers.at + times(zeta, rollers.axis)
-    away = p - ring.at
-    across = away - times(dot(away, ring.axis), ring.axis)
-    rho, n = np.linalg.norm(across, axis=-1), unit(across)
+    p = rollers.centre + times(zeta, rollers.axis)
+    offset = p - ring.centre
+    radial = offset - times(dot(offset, ring.axis), ring.axis)
+    rho, n = np.linalg.norm(radial, axis=-1), unit(radial)
     tau = np.cross(ring.axis, n)
     speed = rollers.speed_of(p) - ring.speed_of(p)
     delta = sigma * (rho - (b.R_o if outer else b.R_i)) + b.R_w - drop
     rate = sigma * dot(n, speed)
-    h, lean = np.zeros(delta.shape), np.zeros(delta.shape)
+    h, tilt = np.zeros(delta.shape), np.zeros(delta.shape)
     for head, groups in zip(model.defects.head, model.defects.groups, strict=True):
         if head[SIDE] == (0 if outer else 1):
-            x, x_rate = passing(s, head, ring, rollers, sigma * n, dot(tau, speed) / rho)
-            deep, slope = box(head, groups, x)
-            deeper = deep > h
-            h, lean = np.where(deeper, deep, h), np.where(deeper, slope * head[RADIUS] / rho, lean)
-            rate = rate - np.where(deeper, slope * x_rate, 0)
+            x, x_rate = defect_distance(s, head, ring, rollers, sigma * n, dot(tau, speed) / rho)
+            depth, slope = box(head, groups, x)
+            is_deeper = depth > h
+            h, tilt = np.where(is_deeper, depth, h), np.where(is_deeper, slope * head[RADIUS] / rho, tilt)
+            rate = rate - np.where(is_deeper, slope * x_rate, 0)
     delta = delta - h
     Q, Q_e, stored = force(law, delta, rate)
-    normal = unit(n - sigma * times(lean, tau))
-    touch = p + sigma * times(b.R_w - drop - delta / 2, normal)
-    slip = rollers.speed_of(touch) - ring.speed_of(touch)
+    normal = unit(n - sigma * times(tilt, tau))
+    contact_point = p + sigma * times(b.R_w - drop - delta / 2, normal)
+    slip = rollers.speed_of(contact_point) - ring.speed_of(contact_point)
     slip = slip - times(dot(slip, normal), normal)
-    orbit = np.cross(s.rollers.at, s.rollers.moves)[..., 2] / (s.rollers.at[..., :2] ** 2).sum(axis=-1)
+    orbit = np.cross(s.rollers.centre, s.rollers.velocity)[..., 2] / (s.rollers.centre[..., :2] ** 2).sum(axis=-1)
     rolling = b.R_w * np.abs(orbit - s.rollers.spin())[..., None]
     return Flow(
-        total(weight * stored), total(weight * ((Q - Q_e) * rate + rubbing(model.friction, Q, slip, rolling)))
+        total(weight * stored),
+        total(weight * ((Q - Q_e) * rate + friction_power(model.friction, Q, slip, rolling))),
     )
 
 
-def passing(s, head, ring, rollers, outwards, sweep):
+def defect_distance(s, head, ring, rollers, outwards, sweep):
     """Distance (m) of slices from a defect's middle, infinite if it is not theirs, and its rate (m/s)."""
     if head[CARRIER] < 0:
-        about = ring.angle_of(outwards if head[CARRIER] != ON_INNER else -outwards)
-        return head[RADIUS] * wrapped(about - head[ANGLE]), head[RADIUS] * sweep
+        angle = ring.angle_of(outwards if head[CARRIER] != ON_INNER else -outwards)
+        return head[RADIUS] * wrap_angle(angle - head[ANGLE]), head[RADIUS] * sweep
     Z = s.model.bearing.Z
-    theirs = np.where(np.arange(Z) == int(head[CARRIER]), 0.0, np.inf)[:, None]
+    mask = np.where(np.arange(Z) == int(head[CARRIER]), 0.0, np.inf)[:, None]
     # a roller's defect is at ``angle`` from its outermost point at t = 0
     start = s.model.bearing.theta_0 + 2 * np.pi * int(head[CARRIER]) / Z
-    x = theirs + head[RADIUS] * wrapped(rollers.angle_of(outwards) - start - head[ANGLE])
+    x = mask + head[RADIUS] * wrap_angle(rollers.angle_of(outwards) - start - head[ANGLE])
     return x, head[RADIUS] * (sweep + dot(ring.rotation() - rollers.rotation(), ring.axis))
 
 
-def wrapped(angle):
+def wrap_angle(angle):
     """The angle (rad) within half a turn."""
     return (angle + np.pi) % (2 * np.pi) - np.pi
 
@@ -229,8 +230,8 @@ def box(head, groups, x):
     """Sinking (m) and its slope at ``x`` (m) from the middle of a rectangular defect that some slices meet."""
     rim = np.maximum(groups[:, GROUP_HALF_WIDTH] - np.abs(x), 0)
     h = np.minimum(rim**2 / (2 * head[REDUCED_RADIUS]), groups[:, DEPTH])
-    floor = rim**2 / (2 * head[REDUCED_RADIUS]) >= groups[:, DEPTH]
-    return h * groups[:, GROUP_WEIGHT], np.where(floor, 0, -np.sign(x) * rim / head[REDUCED_RADIUS]) * groups[
+    is_floor = rim**2 / (2 * head[REDUCED_RADIUS]) >= groups[:, DEPTH]
+    return h * groups[:, GROUP_WEIGHT], np.where(is_floor, 0, -np.sign(x) * rim / head[REDUCED_RADIUS]) * groups[
         :, GROUP_WEIGHT
     ]
 
@@ -238,9 +239,9 @@ def box(head, groups, x):
 def flanges(s: Scene) -> Flow:
     """The ends of the rollers at the flanges."""
     f, b = s.model.flanges, s.model.bearing
-    found = Flow(0 * s.t, 0 * s.t)
+    flow = Flow(0 * s.t, 0 * s.t)
     if isinstance(f, Flanges):
-        for outer, side, there in (
+        for outer, side, is_present in (
             (0, -1, f.inner_minus),
             (0, 1, f.inner_plus),
             (1, -1, f.outer_minus),
@@ -249,33 +250,33 @@ def flanges(s: Scene) -> Flow:
             ring = (s.ring if outer else s.inner).spread(1)
             face = b.R_o - f.height / 2 if outer else b.R_i + f.height / 2
             t = np.sqrt((b.R_w**2 - (b.R_w - f.height / 2) ** 2) / 3)
-            for along in (t, -t):
-                found += Flow(*(there * part for part in end(s, ring, face, side, along)))
-    return found
+            for position in (t, -t):
+                flow += Flow(*(is_present * part for part in end(s, ring, face, side, position)))
+    return flow
 
 
 def end(s: Scene, ring: Body, face, side, t) -> Flow:
     """One point of the end of every roller at a flange."""
     f, half, rollers = s.model.flanges, s.model.L_w / 2, s.rollers
 
-    def point(away, axis):
-        across = away - times(dot(away, axis), axis)
-        n = unit(across)
+    def point(offset, axis):
+        radial = offset - times(dot(offset, axis), axis)
+        n = unit(radial)
         return side * (half + f.play) * axis + face * n + t * np.cross(axis, n)
 
-    away = rollers.at - ring.at
-    here = point(away, ring.axis)
-    delta = half - side * dot(here - away, rollers.axis)
+    offset = rollers.centre - ring.centre
+    contact_point = point(offset, ring.axis)
+    delta = half - side * dot(contact_point - offset, rollers.axis)
     # as seen from the ring only the roller moves; the point follows it
-    speed = rollers.moves - ring.speed_of(rollers.at)
+    speed = rollers.velocity - ring.speed_of(rollers.centre)
     h = 1e-7
-    follows = (point(away + h * speed, ring.axis) - point(away - h * speed, ring.axis)) / (2 * h)
-    tips = rollers.tips - np.cross(ring.rotation(), rollers.axis)
-    rate = -side * (dot(follows - speed, rollers.axis) + dot(here - away, tips))
+    point_velocity = (point(offset + h * speed, ring.axis) - point(offset - h * speed, ring.axis)) / (2 * h)
+    axis_rate = rollers.axis_rate - np.cross(ring.rotation(), rollers.axis)
+    rate = -side * (dot(point_velocity - speed, rollers.axis) + dot(contact_point - offset, axis_rate))
     N, N_e, stored = force(f.law, delta, rate)
-    slip = rollers.speed_of(ring.at + here) - ring.speed_of(ring.at + here)
+    slip = rollers.speed_of(ring.centre + contact_point) - ring.speed_of(ring.centre + contact_point)
     slip = slip - times(dot(slip, rollers.axis), rollers.axis)
-    return Flow(total(stored), total((N - N_e) * rate + rubbing(f.friction, N, slip)))
+    return Flow(total(stored), total((N - N_e) * rate + friction_power(f.friction, N, slip)))
 
 
 def cage_contacts(s: Scene) -> Flow:
@@ -284,27 +285,27 @@ def cage_contacts(s: Scene) -> Flow:
     if not isinstance(cage, FreeCage):
         return Flow(0 * s.t, 0 * s.t)
     zeta, weight, drop = model.slices.table.T
-    body, rollers, wide = s.cage.spread(1), sliced(s.rollers), s.cage.spread(2)
-    e_r, _ = around(s.cage.angle[:, None] + 2 * np.pi * np.arange(b.Z) / b.Z)
-    radial = leant(body.axis, e_r)
+    body, rollers, sliced_cage = s.cage.spread(1), sliced(s.rollers), s.cage.spread(2)
+    e_r, _ = polar_unit_vectors(s.cage.angle[:, None] + 2 * np.pi * np.arange(b.Z) / b.Z)
+    radial = tilt_vectors(body.axis, e_r)
     wall = np.expand_dims(np.cross(body.axis, radial), 2)
-    p = rollers.at + times(zeta, rollers.axis)
-    e, rate = dot(p - wide.at, wall), dot(rollers.speed_of(p) - wide.speed_of(p), wall)
+    p = rollers.centre + times(zeta, rollers.axis)
+    e, rate = dot(p - sliced_cage.centre, wall), dot(rollers.speed_of(p) - sliced_cage.speed_of(p), wall)
     side = np.sign(e)
     N, N_e, stored = force(cage.pocket, np.abs(e) - cage.play, side * rate)
-    touch = p + times(side * (b.R_w - drop), wall)
-    slip = rollers.speed_of(touch) - wide.speed_of(touch)
+    contact_point = p + times(side * (b.R_w - drop), wall)
+    slip = rollers.speed_of(contact_point) - sliced_cage.speed_of(contact_point)
     slip = slip - times(dot(slip, wall), wall)
-    found = Flow(
-        total(weight * stored), total(weight * ((N - N_e) * side * rate + rubbing(cage.friction, N, slip)))
+    flow = Flow(
+        total(weight * stored), total(weight * ((N - N_e) * side * rate + friction_power(cage.friction, N, slip)))
     )
-    apart, speed = s.rollers.at - body.at, s.rollers.moves - body.speed_of(s.rollers.at)
+    offset, speed = s.rollers.centre - body.centre, s.rollers.velocity - body.speed_of(s.rollers.centre)
     if isinstance(cage.guide, RollerGuided):
         middle = (b.R_o + b.R_i) / 2
-        found += stop(cage.guide.law, cage.guide.play, dot(apart, radial) - middle, dot(speed, radial))
+        flow += stop(cage.guide.law, cage.guide.play, dot(offset, radial) - middle, dot(speed, radial))
     if isinstance(model.cage_z, CageInSpace):
-        found += stop(model.cage_z.law, model.cage_z.play_z, dot(apart, body.axis), dot(speed, body.axis))
-    return found
+        flow += stop(model.cage_z.law, model.cage_z.play_z, dot(offset, body.axis), dot(speed, body.axis))
+    return flow
 
 
 def stop(law, play, out, rate) -> Flow:
@@ -333,16 +334,16 @@ def balance(s: Scene) -> Balance:
     """All sums over the bodies, and over what acts on them from outside."""
     contacts = race(s, True) + race(s, False) + flanges(s) + cage_contacts(s)
     momentum, spin, energy = inertia(s)
-    pushes, twists = outside(s)
+    applied, moments = outside_forces(s)
     stored = 0.0
-    acting = [push[:2] for push in pushes]
+    forces = [entry[:2] for entry in applied]
     return Balance(
         momentum,
         spin,
         energy + contacts.stored + stored,
-        sum(force for _, force in acting),
-        sum(np.cross(at, force) for at, force in acting) + sum(moment for moment, _ in twists),
-        sum(dot(force, moves) for _, force, moves in pushes) + sum(dot(moment, w) for moment, w in twists),
+        sum(force for _, force in forces),
+        sum(np.cross(centre, force) for centre, force in forces) + sum(moment for moment, _ in moments),
+        sum(dot(force, velocity) for _, force, velocity in applied) + sum(dot(moment, w) for moment, w in moments),
         contacts.lost,
     )
 
@@ -358,49 +359,54 @@ def inertia(s: Scene):
         bodies.append((model.cage.m, model.cage.m, model.cage.inertia, model.cage_z.I_t, s.cage))
     momentum = spin = energy = 0.0
     for m, m_z, I_a, I_t, body in bodies:
-        p = np.array([m, m, m_z]) * body.moves
+        p = np.array([m, m, m_z]) * body.velocity
         momentum = momentum + p
-        spin = spin + np.cross(body.at, p) + I_t * np.cross(body.axis, body.tips)
+        spin = spin + np.cross(body.centre, p) + I_t * np.cross(body.axis, body.axis_rate)
         spin = spin + times(I_a * body.spin(), body.axis)
-        energy = energy + (dot(p, body.moves) + I_t * dot(body.tips, body.tips) + I_a * body.spin() ** 2) / 2
+        energy = (
+            energy
+            + (dot(p, body.velocity) + I_t * dot(body.axis_rate, body.axis_rate) + I_a * body.spin() ** 2) / 2
+        )
     return momentum, spin, energy
 
 
-def outside(s: Scene):
+def outside_forces(s: Scene):
     """Forces as (at, force, velocity) and moments as (moment, angular velocity): loads, springs, dampers, oil."""
     model, support, shaft = s.model, s.model.support, s.model.shaft
     flat = np.array([1.0, 1.0, 0.0])
     load = np.array([support.F, support.F_across, 0.0])
     anchor = np.array([support.x_0, support.y_0, 0.0])
-    held = -support.k_b * flat * (s.ring.at - anchor) - support.c_b * flat * s.ring.moves
-    pushes = [(s.ring.at, held - load, s.ring.moves)]
-    twists = []
+    bracket = -support.k_b * flat * (s.ring.centre - anchor) - support.c_b * flat * s.ring.velocity
+    forces = [(s.ring.centre, bracket - load, s.ring.velocity)]
+    moments = []
     if isinstance(shaft, ElasticShaft):
-        heavy, behind = around(s.inner.angle + shaft.angle)
-        flung = shaft.unbalance * (times(s.inner.turns**2, heavy) - times(s.grown, behind))
-        sprung = -shaft.k * flat * s.inner.at - shaft.c * flat * s.inner.moves
-        pushes.append((s.inner.at, load + flung + sprung, s.inner.moves))
+        direction, normal = polar_unit_vectors(s.inner.angle + shaft.angle)
+        unbalance_force = shaft.unbalance * (
+            times(s.inner.angular_velocity**2, direction) - times(s.angular_acceleration, normal)
+        )
+        shaft_force = -shaft.k * flat * s.inner.centre - shaft.c * flat * s.inner.velocity
+        forces.append((s.inner.centre, load + unbalance_force + shaft_force, s.inner.velocity))
     for mount, ring in ((model.mount_o, s.ring), (model.mount_i, s.inner)):
         if isinstance(mount, ElasticMount):
-            lean = ring.axis - np.array([mount.tilt_x, mount.tilt_y, 0.0])
-            pull = flat * (-mount.k_tilt * lean - mount.c_tilt * ring.tips)
-            twists.append((np.cross(ring.axis, pull), ring.rotation()))
-            along = times(-mount.k_z * ring.at[:, 2] - mount.c_z * ring.moves[:, 2], UP)
-            pushes.append((ring.at, along, ring.moves))
+            tilt = ring.axis - np.array([mount.tilt_x, mount.tilt_y, 0.0])
+            tilt_force = flat * (-mount.k_tilt * tilt - mount.c_tilt * ring.axis_rate)
+            moments.append((np.cross(ring.axis, tilt_force), ring.rotation()))
+            axial_force = times(-mount.k_z * ring.centre[:, 2] - mount.c_z * ring.velocity[:, 2], UP)
+            forces.append((ring.centre, axial_force, ring.velocity))
     if isinstance(model.bracket, TorsionSpring):
-        twist = -model.bracket.k * s.ring.angle - model.bracket.c * s.ring.turns
-        twists.append((times(twist, s.ring.axis), s.ring.rotation()))
+        torque = -model.bracket.k * s.ring.angle - model.bracket.c * s.ring.angular_velocity
+        moments.append((times(torque, s.ring.axis), s.ring.rotation()))
     g = model.gravity * np.array([1.0, 0.0, 0.0])
     b, r = model.bearing, s.rollers
     for j in range(b.Z):
-        pushes.append((r.at[:, j], b.m_r * g + 0 * r.at[:, j], r.moves[:, j]))
+        forces.append((r.centre[:, j], b.m_r * g + 0 * r.centre[:, j], r.velocity[:, j]))
         if isinstance(model.drag, OilDrag):
-            ahead = np.cross(UP, unit(r.at[:, j] * flat))
-            v = dot(ahead, r.moves[:, j])
-            pushes.append((r.at[:, j], times(-model.drag.roller * v * np.abs(v), ahead), r.moves[:, j]))
+            tangent = np.cross(UP, unit(r.centre[:, j] * flat))
+            v = dot(tangent, r.velocity[:, j])
+            forces.append((r.centre[:, j], times(-model.drag.roller * v * np.abs(v), tangent), r.velocity[:, j]))
     if isinstance(model.cage, FreeCage):
-        pushes.append((s.cage.at, model.cage.m * g + 0 * s.cage.at, s.cage.moves))
+        forces.append((s.cage.centre, model.cage.m * g + 0 * s.cage.centre, s.cage.velocity))
         if isinstance(model.drag, OilDrag):
-            slower = s.cage.turns - (0.0 if model.drag.outer else s.inner.turns)
-            twists.append((times(-model.drag.land * slower, s.cage.axis), s.cage.rotation()))
-    return pushes, twists
+            slower = s.cage.angular_velocity - (0.0 if model.drag.outer else s.inner.angular_velocity)
+            moments.append((times(-model.drag.land * slower, s.cage.axis), s.cage.rotation()))
+    return forces, moments

@@ -11,11 +11,11 @@ from tests.independent.bent_rollers import (
     approaches,
     at_rest,
     contact,
+    defect_contribution,
     equations,
-    less_healthy,
     run,
 )
-from tests.independent.bent_static import POINT, Scene, harmonics, points, reach, thrust
+from tests.independent.bent_static import POINT, Scene, harmonics, points, shape_functions, soft_pads
 
 COARSE = 3146  # steps to a ball pass: 2 us
 UNDAMPED = Motion(beta=0.0, ratio=0.0, damper=0.0)
@@ -23,8 +23,8 @@ UNDAMPED = Motion(beta=0.0, ratio=0.0, damper=0.0)
 
 def any_state(scene, size, seed=0):
     """Some place and rate of ring and rollers, near rest."""
-    draw = np.random.default_rng(seed)
-    place, speed = 1e-7 * draw.normal(size=size + rollers.Z), 1e-3 * draw.normal(size=size + rollers.Z)
+    rng = np.random.default_rng(seed)
+    place, speed = 1e-7 * rng.normal(size=size + rollers.Z), 1e-3 * rng.normal(size=size + rollers.Z)
     place[0] -= 1e-6
     return place[:size], place[size:], speed[:size], speed[size:]
 
@@ -49,7 +49,7 @@ def test_kraemer_damps_by_the_slope_of_the_force():
     assert not contact(delta, np.full(3, -10.0), 2.5e-6).any()
 
 
-@pytest.mark.parametrize("outside", [POINT, thrust(-45, 45), points(-60, 0, 60)])
+@pytest.mark.parametrize("outside", [POINT, soft_pads(-45, 45), points(-60, 0, 60)])
 def test_undamped_the_start_is_at_rest(outside):
     """Accelerations of ring and rollers vanish where the energy of everything is least."""
     found = equations(Scene(last=8, outside=outside), UNDAMPED)
@@ -64,15 +64,15 @@ def test_undamped_forces_do_the_work_of_the_energy():
     rates = found.slope(0.0, np.concatenate([x, q, w, v]))[17 + rollers.Z :]
     orders = harmonics(8)
     stiffness, mass = bent_static.beam_ring.modes(orders, mass=rollers.M_O)
-    m = np.concatenate([[rollers.M_O] * 2, bent_static.spread(orders, mass)])
-    k = np.concatenate([[0.0] * 2, bent_static.spread(orders, stiffness)])
-    s = reach(orders, rollers.THETA)
+    m = np.concatenate([[rollers.M_O] * 2, bent_static.per_unknown(orders, mass)])
+    k = np.concatenate([[0.0] * 2, bent_static.per_unknown(orders, stiffness)])
+    s = shape_functions(orders, rollers.THETA)
 
     def energy(x, q):
         pressed = np.maximum(np.concatenate([q - s @ x, -q]), 0.0)
         thrown = rollers.M_R * rollers.OMEGA_C**2 * np.sum(R_MEAN * q + q**2 / 2)
         stored = rollers.K * 9 / 19 * np.sum(pressed ** (19 / 9)) + k @ x**2 / 2
-        return stored - thrown + rollers.LOAD * (reach(orders, 0.0)[0] @ x)
+        return stored - thrown + rollers.LOAD * (shape_functions(orders, 0.0)[0] @ x)
 
     power = (m * w) @ rates[:17] + rollers.M_R * v @ rates[17:]
     step = 1e-8
@@ -100,10 +100,12 @@ def test_rollers_at_rest_carry_load_and_their_own_centrifugal_force():
     scene = Scene(last=8, bracket=0.0)
     y = at_rest(scene, 0.1, None)
     angles = 0.1 + bent_static.PASS * np.arange(rollers.Z)
-    outer = rollers.elastic(y[17:30] - reach(harmonics(8), angles) @ y[:17] - bent_static.sinking(scene, angles))
+    outer = rollers.elastic(
+        y[17:30] - shape_functions(harmonics(8), angles) @ y[:17] - bent_static.drops(scene, angles)
+    )
     inner = rollers.elastic(-y[17:30])
     assert outer - inner == pytest.approx(np.full(13, rollers.M_R * rollers.OMEGA_C**2 * R_MEAN), rel=1e-4)
-    assert outer @ reach((), angles) == pytest.approx([rollers.LOAD, 0.0], abs=1e-6)
+    assert outer @ shape_functions((), angles) == pytest.approx([rollers.LOAD, 0.0], abs=1e-6)
 
 
 @pytest.mark.slow
@@ -113,5 +115,5 @@ def test_lines_under_a_point_load():
     Half the step, or two more passes, change them by less than 0.1 %.
     """
     damaged, healthy = (run(equations(Scene(last=8, width=width)), 3, COARSE) for width in (0.8e-3, 0.0))
-    assert 1e6 * less_healthy(damaged, healthy) == pytest.approx(94.05, rel=5e-3)
+    assert 1e6 * defect_contribution(damaged, healthy) == pytest.approx(94.05, rel=5e-3)
     assert 1e6 * abs(healthy.lines()[-1]) == pytest.approx(11.70, rel=5e-3)

@@ -11,21 +11,21 @@ from tests.independent.beam_ring import Beam
 from tests.independent.bent_static import (
     POINT,
     Scene,
-    anchored,
+    anchor_position,
+    defect_contribution,
     harmonics,
-    least,
-    less_healthy,
     line,
+    minimise,
     path,
+    per_unknown,
     points,
-    reach,
     seat,
-    spread,
+    shape_functions,
+    soft_pads,
     system,
-    thrust,
 )
 
-TURNED = np.pi / rollers.Z + bent_static.PASS * np.array([0.03, 0.41, 0.52])
+ANGLES = np.pi / rollers.Z + bent_static.PASS * np.array([0.03, 0.41, 0.52])
 STIFF = Beam(young=207e15)
 
 
@@ -38,10 +38,10 @@ def velocity_line(angle):
         "depth": "50 um",
         "angle": f"{angle} deg",
     }
-    given = {} if angle is None else {"defect": slot}
+    fields = {} if angle is None else {"defect": slot}
     base = {"bearing": "nf308", "speed": "1800 rpm", "load": "150 N", "model": "static", "duration": "0.1 s"}
-    read = bearingsim.simulate(bearingsim.Case.model_validate(base | given)).features
-    return cmath.rect(read["velocity@BPFO"], read["velocity@BPFO.phase"])
+    features = bearingsim.simulate(bearingsim.Case.model_validate(base | fields)).features
+    return cmath.rect(features["velocity@BPFO"], features["velocity@BPFO.phase"])
 
 
 @pytest.mark.slow
@@ -52,47 +52,49 @@ def test_a_stiff_ring_is_the_package_static(angle):
     assert abs(line(path(Scene(last=0, **defect))) - velocity_line(angle)) < 1e-8
 
 
-@pytest.mark.parametrize("outside", [POINT, thrust(-45, 45), thrust(-60, 0, 60), points(-60, 0, 60), seat(1e11)])
+@pytest.mark.parametrize(
+    "outside", [POINT, soft_pads(-45, 45), soft_pads(-60, 0, 60), points(-60, 0, 60), seat(1e11)]
+)
 def test_rollers_and_bracket_carry_the_load(outside):
     """The forces on the rollers, less what the bracket takes, have the resultant of the load."""
     scene = Scene(last=8, outside=outside)
-    anchor = anchored(scene)
-    found = bent_static.over(scene, TURNED, anchor)
+    anchor = anchor_position(scene)
+    found = bent_static.static_path(scene, ANGLES, anchor)
     for turned, y, forces in zip(found.turned, found.unknowns, found.forces, strict=True):
-        carried = forces @ reach((), turned + bent_static.PASS * np.arange(rollers.Z))
-        taken = scene.bracket * (y[bent_static.held(scene)] - anchor)
+        carried = forces @ shape_functions((), turned + bent_static.PASS * np.arange(rollers.Z))
+        taken = scene.bracket * (y[bent_static.bracket_rows(scene)] - anchor)
         assert carried - taken == pytest.approx([rollers.LOAD, 0.0], abs=1e-6)
 
 
 def test_rest_is_least_energy():
     """The slope is that of the energy, and no place nearby has less."""
-    now = system(
-        Scene(last=8, outside=points(-60, 0, 60)), TURNED[0] + bent_static.PASS * np.arange(13), np.zeros(2)
+    system_ = system(
+        Scene(last=8, outside=points(-60, 0, 60)), ANGLES[0] + bent_static.PASS * np.arange(13), np.zeros(2)
     )
-    y = least(now, np.full(now.f.size, -1e-6))
-    shaken = np.random.default_rng(1).normal(size=(20, y.size)) * 1e-8
-    assert all(now.energy(y + step) > now.energy(y) for step in shaken)
+    y = minimise(system_, np.full(system_.f.size, -1e-6))
+    perturbations = np.random.default_rng(1).normal(size=(20, y.size)) * 1e-8
+    assert all(system_.energy(y + step) > system_.energy(y) for step in perturbations)
     at = y + 3e-7 * np.cos(np.arange(y.size))
-    slope, stiff = now.slope(at)
+    slope, stiff = system_.slope(at)
     for i in range(y.size):
         step = 1e-9 * np.eye(y.size)[i]
-        assert (now.energy(at + step) - now.energy(at - step)) / 2e-9 == pytest.approx(slope[i], abs=1e-3)
-        there = (now.slope(at + step)[0] - now.slope(at - step)[0]) / 2e-9
-        assert there == pytest.approx(stiff[i], abs=1e-3 * np.abs(stiff).max())
+        assert (system_.energy(at + step) - system_.energy(at - step)) / 2e-9 == pytest.approx(slope[i], abs=1e-3)
+        derivative = (system_.slope(at + step)[0] - system_.slope(at - step)[0]) / 2e-9
+        assert derivative == pytest.approx(stiff[i], abs=1e-3 * np.abs(stiff).max())
 
 
 def test_two_opposite_forces_ovalise_a_thin_ring():
     """The diameter along the forces shrinks by (pi/4 - 2/pi) F R^3/EI, the one across grows by (2/pi - 1/2)."""
     thin, orders = Beam(inside=0.0499, outside=0.0501), harmonics(40)
     squeezed = bent_static.Forces((0.0, np.pi), (1.0, 1.0)).vector(orders)[2:]
-    x = squeezed / spread(orders, bent_static.beam_ring.modes(orders, thin)[0])
-    along, across = (2 * reach(orders, angle)[0, 2:] @ x for angle in (0.0, np.pi / 2))
+    x = squeezed / per_unknown(orders, bent_static.beam_ring.modes(orders, thin)[0])
+    along, across = (2 * shape_functions(orders, angle)[0, 2:] @ x for angle in (0.0, np.pi / 2))
     unit = thin.radius**3 / (thin.young * thin.second_moment)
     assert along == pytest.approx(-(np.pi / 4 - 2 / np.pi) * unit, rel=1e-3)
     assert across == pytest.approx((2 / np.pi - 0.5) * unit, rel=1e-3)
 
 
-@pytest.mark.parametrize("outside", [POINT, thrust(-45, 45)])
+@pytest.mark.parametrize("outside", [POINT, soft_pads(-45, 45)])
 def test_a_very_stiff_ring_does_not_bend(outside):
     stiff = line(path(Scene(last=0), 64))
     assert abs(line(path(Scene(last=8, outside=outside, ring=STIFF), 64)) - stiff) < 1e-4 * abs(stiff)
@@ -110,9 +112,9 @@ def test_stiff_points_carry_what_statics_says():
     orders = harmonics(8)
     springs = points(-60, 60, 180, stiffness=1e8)
     scene = Scene(last=8, outside=springs, bracket=0.0)
-    y = bent_static.over(scene, [TURNED[0]], None).unknowns[0]
-    at = reach(orders, springs.angles)
-    gap = at @ y[: at.shape[1]] - reach((), springs.angles) @ y[-2:]
+    y = bent_static.static_path(scene, [ANGLES[0]], None).unknowns[0]
+    at = shape_functions(orders, springs.angles)
+    gap = at @ y[: at.shape[1]] - shape_functions((), springs.angles) @ y[-2:]
     pushes = springs.stiffness * np.maximum(gap, 0.0)
     assert pushes @ np.cos(springs.angles) == pytest.approx(rollers.LOAD)
     assert pushes @ np.sin(springs.angles) == pytest.approx(0.0, abs=1e-6)
@@ -120,26 +122,26 @@ def test_stiff_points_carry_what_statics_says():
 
 
 def test_pads_have_the_load_as_their_resultant():
-    for pads in (thrust(-45, 45), thrust(-60, 0, 60)):
+    for pads in (soft_pads(-45, 45), soft_pads(-60, 0, 60)):
         assert pads.vector(())[:2] == pytest.approx([-rollers.LOAD, 0.0], abs=1e-9)
-    assert thrust(-60, 0, 60).forces == pytest.approx([75.0] * 3)
+    assert soft_pads(-60, 0, 60).forces == pytest.approx([75.0] * 3)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("last", "outside", "wanted"),
-    [(0, POINT, 10.20), (30, POINT, 93.95), (30, thrust(-45, 45), 4.71)],
+    [(0, POINT, 10.20), (30, POINT, 93.95), (30, soft_pads(-45, 45), 4.71)],
 )
 def test_lines_of_the_loads(last, outside, wanted):
     """Less healthy, um/s, harmonics to 30, without a bracket. The kept numbers of this solution, within 1 %."""
     scene = Scene(last=last, outside=outside, bracket=0.0)
-    assert 1e6 * less_healthy(scene, 1024) == pytest.approx(wanted, rel=1e-2)
+    assert 1e6 * defect_contribution(scene, 1024) == pytest.approx(wanted, rel=1e-2)
 
 
 @pytest.mark.slow
 def test_depth_saturates_later_where_the_ring_bends():
     """Less healthy, over that of 50 um: full at 0.55 um under a stiff ring, at 2.4 um under a bent one."""
     for last, full, short in ((0, 0.55e-6, 0.4e-6), (30, 2.5e-6, 1.5e-6)):
-        depths = [less_healthy(Scene(last=last, depth=depth), 256) for depth in (short, full, 50e-6)]
+        depths = [defect_contribution(Scene(last=last, depth=depth), 256) for depth in (short, full, 50e-6)]
         assert depths[1] == pytest.approx(depths[2], rel=1e-3)
         assert depths[0] < 0.9 * depths[2]

@@ -31,7 +31,7 @@ from bearingsim.core.laws.oil_film import (
     transition,
 )
 from bearingsim.core.laws.oil_viscosity import iso_viscosity
-from tests.independent.ehl import Contact, at_rest, light, stiffness
+from tests.independent.ehl import Contact, at_rest, light_contact, stiffness
 
 CASES, SEED, CELLS = 60, 20, 200
 STEEL, DENSITY, STATIC_PRESSURE = effective_modulus(207e9, 0.3), 7850.0, 4.0e9
@@ -177,7 +177,7 @@ def draw_figure(rows: list[dict[str, Any]], path: str) -> None:
         cases = [contact("inner", 0.012, 0.012, 0.065, s, 1800.0, eta, 20e-9) for s in loads]
         Q = np.array([c.Q for c in cases])
         right.loglog(Q, [film_damping(c.Q, c.k, c.line) for c in cases], colour, label=f"{eta * 1e3:.0f} mPa s")
-        dots = [c for c in cases[5::12] if c.Q > 1.1 * light(Contact(c.Q, *c.line)).Q]
+        dots = [c for c in cases[5::12] if c.Q > 1.1 * light_contact(Contact(c.Q, *c.line)).Q]
         solved = [stiffness(at_rest(Contact(c.Q, *c.line)), c.k, 1.0)[0].imag for c in dots]
         right.loglog([c.Q for c in dots], solved, "o", color=colour, ms=4)
     right.set(xlabel="load of the contact, N", ylabel="damping c, N s/m", ylim=(10, 1e4))

@@ -10,7 +10,7 @@ from bearingsim.core.methods.rk4 import RungeKutta4
 from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.outcomes import SUCCESS
 from tests.core.models.test_planar_balance import orders
-from tests.independent.spatial_bodies import leant
+from tests.independent.spatial_bodies import tilt_vectors
 from tests.scenes.nf308 import advance_recorded, case
 from tests.scenes.spatial_bearing import NO_FRICTION, empty, even_slices, spatial_model
 
@@ -55,7 +55,7 @@ def axis_of(tilt):
 
 def orientation(tilt, angle):
     """Return the orientation of a body with this axis and angle."""
-    frame = leant(axis_of(tilt), np.eye(3)).T
+    frame = tilt_vectors(axis_of(tilt), np.eye(3)).T
     return frame @ rotation(np.array([0.0, 0.0, 1.0]), angle)
 
 

@@ -26,7 +26,7 @@ from bearingsim.core.laws.oil_film import (
     squeeze_damping,
 )
 from bearingsim.core.laws.oil_viscosity import iso_viscosity, oil_density, walther
-from tests.independent.ehl import Contact, at_rest, light, loss_in_time, stiffness
+from tests.independent.ehl import Contact, at_rest, light_contact, loss_in_time, stiffness
 
 E, NU = 207e9, 0.3
 STEEL = effective_modulus(E, NU)
@@ -78,7 +78,7 @@ def test_squeezing_rigid_cylinders():
 
 def test_the_solution_meets_rigid_cylinders():
     line = NF308._replace(alpha=1e-10)
-    Q = 1.2 * light(Contact(1.0, *line)).Q
+    Q = 1.2 * light_contact(Contact(1.0, *line)).Q
     film = film_solution(Q, line)
     h = MARTIN * line.eta * line.u * line.R * line.L / Q
     assert film.thinnest == pytest.approx(h, rel=0.02, abs=0.0)

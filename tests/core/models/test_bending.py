@@ -117,7 +117,7 @@ def reference_order(scene: Scene, block: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("harmonics", [5, 8, 20])
-@pytest.mark.parametrize(("load", "outside"), [(None, bent_static.POINT), (PADS, bent_static.thrust(-45, 45))])
+@pytest.mark.parametrize(("load", "outside"), [(None, bent_static.POINT), (PADS, bent_static.soft_pads(-45, 45))])
 def test_accelerations_equal_the_independent_solution(harmonics, load, outside):
     """Rollers outside the slot and in it: to 1e-9 of the largest of their kind. Without a bracket's spring, whose
     anchor in the reference includes the rollers' centrifugal load.
@@ -315,8 +315,8 @@ def test_the_step_limit_includes_the_coupling_of_rollers(bearing, harmonics):
     ("load", "outside", "expected"),
     [
         (None, bent_static.POINT, 93.58),
-        (PADS, bent_static.thrust(-45, 45), 4.585),
-        ({"by": "pads", "angles": ["-60 deg", "0 deg", "60 deg"]}, bent_static.thrust(-60, 0, 60), 40.88),
+        (PADS, bent_static.soft_pads(-45, 45), 4.585),
+        ({"by": "pads", "angles": ["-60 deg", "0 deg", "60 deg"]}, bent_static.soft_pads(-60, 0, 60), 40.88),
     ],
 )
 def test_static_lines_equal_the_independent_solution(load, outside, expected):
@@ -327,13 +327,13 @@ def test_static_lines_equal_the_independent_solution(load, outside, expected):
 @pytest.mark.parametrize("load", [None, PADS, HOUSING])
 def test_the_static_path_equals_the_independent_solution(load):
     """Displacement of ring and sensor at five cage angles, to 1e-6 of their range."""
-    outside = {None: bent_static.POINT, str(PADS): bent_static.thrust(-45, 45)}.get(
+    outside = {None: bent_static.POINT, str(PADS): bent_static.soft_pads(-45, 45)}.get(
         load and str(load), bent_static.seat(1e10, pieces=64)
     )
     model = assemble.static_model(assemble.model(case(8, load, model="static", contact=None)))
     scene = bent_static.Scene(last=8, outside=outside)
     angles = pi / nf308.Z + bent_static.PASS * np.array([0.0, 0.2, 0.49, 0.53, 0.8])
-    reference = bent_static.over(scene, angles, bent_static.anchored(scene))
+    reference = bent_static.static_path(scene, angles, bent_static.anchor_position(scene))
     y, readings = assemble.empty_buffer(model), []
     for angle in angles:
         residual = solve_initial_equilibrium(model, (angle - model.bearing.theta_0) / model.bearing.omega_c, y)

@@ -36,7 +36,7 @@ def test_the_healthy_ring_moves_as_in_exudyn(code, duration):
 
     Found: 0.2 % over 20 ms for `planar`, at the start; 0.001 % over 4 ms for the independent solution.
     """
-    times, exudyn = exudyn_planar.kept("healthy")
+    times, exudyn = exudyn_planar.load_results("healthy")
     exudyn, times = exudyn[:, times <= duration], times[times <= duration]
     result = code(exudyn_planar.HEALTHY, times)
     assert np.abs(result - exudyn).max(axis=1) / np.ptp(exudyn, axis=1) == pytest.approx([0.0, 0.0], abs=5e-3)
@@ -45,7 +45,7 @@ def test_the_healthy_ring_moves_as_in_exudyn(code, duration):
 @pytest.mark.parametrize(("code", "duration"), CODES)
 def test_the_ring_over_a_spall_moves_as_in_exudyn(code, duration):
     """2 mm, one roller crosses it in 4 ms, three in 20: along the load both correlate to 0.999 (found: 0.9999)."""
-    times, exudyn = exudyn_planar.kept("spall")
+    times, exudyn = exudyn_planar.load_results("spall")
     exudyn, times = exudyn[:, times <= duration], times[times <= duration]
     result = code(exudyn_planar.SPALL, times)
     assert np.corrcoef(result[0], exudyn[0])[0, 1] >= 0.999
@@ -56,7 +56,7 @@ def test_the_ring_over_a_spall_moves_as_in_exudyn(code, duration):
 def test_stored_results_equal_exudyn(name):
     """Its first 4 ms, with the spall's first crossing, at a coarser step."""
     scene, _ = exudyn_planar.SCENES[name]
-    times, stored = exudyn_planar.kept(name)
+    times, stored = exudyn_planar.load_results(name)
     instants, result = exudyn_planar.simulate(scene, 1e-6, duration=4e-3)
     assert instants == pytest.approx(times[: instants.size], abs=1e-12)
     assert np.abs(result - stored[:, : instants.size]).max(axis=1) == pytest.approx(
@@ -68,7 +68,7 @@ class TestReference:
     """Balances of the independent solution itself."""
 
     FREE = planar.Scene(
-        **planar.RUBBING | {"friction": planar.static_dynamic()},
+        **planar.WITH_FRICTION | {"friction": planar.static_dynamic()},
         torsion=(1e3, 1.0),
         cage_moves=True,
         roller_drag=6e-3,

@@ -70,18 +70,18 @@ def align_defects(model, y, t, outwards):
     for j, q in ((3, 1e-5), (7, -1e-5), (4, 1e-5 if outwards else -1e-5)):
         y[lay.RADIAL + j] = q
     scene = bodies_at(model, y, t)
-    theta = np.angle(scene.rollers.at[:, 0])
+    theta = np.angle(scene.rollers.centre[:, 0])
     head = model.defects.head
     head[:, ANGLE] = 4e-5 / head[:, RADIUS]
-    head[0, ANGLE] += np.angle(scene.rollers.at[3, 0] - scene.ring.at[0]) - y[lay.POSITION + lay.PSI]
-    head[1, ANGLE] += np.angle(scene.rollers.at[7, 0] - scene.inner.at[0]) - scene.inner.angle[0]
+    head[0, ANGLE] += np.angle(scene.rollers.centre[3, 0] - scene.ring.centre[0]) - y[lay.POSITION + lay.PSI]
+    head[1, ANGLE] += np.angle(scene.rollers.centre[7, 0] - scene.inner.centre[0]) - scene.inner.angle[0]
     angle = theta[4] - 2 * np.pi * 4 / model.bearing.Z - model.bearing.theta_0
     head[2:, ANGLE] += angle - scene.rollers.angle[4, 0] + (0.0 if outwards else np.pi)
 
 
 def bodies_at(model, y, t):
     """Return the bodies of a buffer."""
-    return bodies.scene(model, np.array([t]), y[bodies.places(model.bearing.Z)][:, np.newaxis])
+    return bodies.scene(model, np.array([t]), y[bodies.state_rows(model.bearing.Z)][:, np.newaxis])
 
 
 def random_contact_state(setup, seed, **given):
@@ -95,7 +95,7 @@ def random_contact_state(setup, seed, **given):
 
 def balances_ahead(model, y):
     """Return the balances at five states along the motion from ``y``, and their time step (s)."""
-    h, cells = 2e-8, bodies.places(model.bearing.Z)
+    h, cells = 2e-8, bodies.state_rows(model.bearing.Z)
     velocities = cells[len(cells) // 2 :]
     slope = np.concatenate([y[velocities], y[velocities + lay.ACCELERATION - lay.VELOCITY]])
     ahead = h * np.arange(-2, 3)
@@ -119,9 +119,11 @@ def test_every_effect_acts_in_the_random_states(setup):
         guide, s = model.cage.guide, bodies_at(model, y, BALANCE_TIME)
         if isinstance(guide, RingGuided):
             ring = s.ring if guide.outer else s.inner
-            assert abs(s.cage.at - ring.at)[0] > guide.play
+            assert abs(s.cage.centre - ring.centre)[0] > guide.play
         else:
-            radial = bodies.dot(np.exp(1j * bodies.pockets(model.bearing, s.cage.angle)), s.rollers.at - s.cage.at)
+            radial = bodies.dot(
+                np.exp(1j * bodies.pockets(model.bearing, s.cage.angle)), s.rollers.centre - s.cage.centre
+            )
             assert (np.abs(radial - model.bearing.R_i - model.bearing.R_w) > guide.play).sum() > 3
 
 

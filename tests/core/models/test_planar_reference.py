@@ -12,10 +12,10 @@ RING = ("ring_x", "ring_y", "velocity_x", "velocity_y")
 
 def differences(name: str, begin: float = 0.0) -> dict[str, float]:
     """Return the largest error of each of RING from ``begin`` (s) on, over its range, and of the cage speed."""
-    stored, scene = planar.kept(name), planar.SCENES[name]
-    _, rows = planar_bearing.simulate(scene, planar.KEPT_TIMES[-1], STEP)
-    samples = rows[:, np.rint(planar.KEPT_TIMES / STEP).astype(int)]
-    window = begin <= planar.KEPT_TIMES
+    stored, scene = planar.load_results(name), planar.SCENES[name]
+    _, rows = planar_bearing.simulate(scene, planar.RESULT_TIMES[-1], STEP)
+    samples = rows[:, np.rint(planar.RESULT_TIMES / STEP).astype(int)]
+    window = begin <= planar.RESULT_TIMES
     errors = {
         key: np.abs(row - stored[key])[window].max() / np.ptp(stored[key])
         for key, row in zip(RING, samples, strict=False)

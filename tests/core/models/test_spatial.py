@@ -17,7 +17,7 @@ from bearingsim.core.parts import cage_in_space, flanges, races_in_space
 from bearingsim.core.parts.flanges import NoFlanges
 from bearingsim.core.parts.mounts import ElasticMount, RigidMount
 from tests.core.models.test_planar_balance import ALL_EFFECTS, BALANCE_TIME, SETUPS, align_defects, random_state
-from tests.independent.planar_bodies import places
+from tests.independent.planar_bodies import state_rows
 from tests.scenes.lanes import compiled, keeps_lanes, needs_vectors
 from tests.scenes.nf308 import SLOT, advance_recorded, case
 from tests.scenes.spatial_bearing import empty, even_slices, spatial_model, uneven_slices
@@ -69,7 +69,7 @@ def test_plane_motion_equals_planar_over_20_ms():
     bearing_case = case(model="planar", defect=SLOT)
     model = assemble.model(bearing_case)
     y, _ = assemble.start(bearing_case, model)
-    cells = places(13)
+    cells = state_rows(13)
     motions = {}
     for name, h in (("planar", 1e-6), ("finer", 5e-7), ("space", 1e-6)):
         simulated, x = in_space_state(model, even_slices(6), y) if name == "space" else (model, y.copy())

@@ -94,15 +94,15 @@ def align_defects(model, y, outwards, on_own_defect):
     head = model.defects.head
     head[:, ANGLE] = 4e-5 / head[:, RADIUS]
     for d, ring, j in ((0, s.ring, 3), (1, s.inner, 7)):
-        head[d, ANGLE] += ring.angle_of(s.rollers.at[:, j] - ring.at)[0]
+        head[d, ANGLE] += ring.angle_of(s.rollers.centre[:, j] - ring.centre)[0]
     roller = bodies.Body(*(values[:, 4] for values in s.rollers))
-    outermost = roller.angle_of(roller.at)[0] - model.bearing.theta_0 - 2 * pi * 4 / model.bearing.Z
+    outermost = roller.angle_of(roller.centre)[0] - model.bearing.theta_0 - 2 * pi * 4 / model.bearing.Z
     head[2:, ANGLE] += outermost + (0.0 if outwards else pi) + (0.0 if on_own_defect else pi / 2)
 
 
 def bodies_at(model, y):
     """Return the bodies of a buffer."""
-    return bodies.scene(model, np.array([BALANCE_TIME]), y[bodies.places(model.bearing.Z)][:, np.newaxis])
+    return bodies.scene(model, np.array([BALANCE_TIME]), y[bodies.state_rows(model.bearing.Z)][:, np.newaxis])
 
 
 def random_contact_state(setup, seed, tilt, on_own_defect):
@@ -116,7 +116,7 @@ def random_contact_state(setup, seed, tilt, on_own_defect):
 
 def balances_ahead(model, y, h=2e-8):
     """Return the balances at five states along the motion from ``y``, and their time step (s)."""
-    cells = bodies.places(model.bearing.Z)
+    cells = bodies.state_rows(model.bearing.Z)
     velocities = cells[len(cells) // 2 :]
     slope = np.concatenate([y[velocities], y[velocities + lay.ACCELERATION - lay.VELOCITY]])
     ahead = h * np.arange(-2, 3)

@@ -27,7 +27,7 @@ from bearingsim.core.outcomes import SUCCESS
 from bearingsim.core.parts.flanges import Flanges, NoFlanges, axial_position, half_chord
 from bearingsim.core.parts.mounts import RigidMount
 from tests.core.models.test_planar_balance import orders
-from tests.independent.energy import CONVERGED, energy, rest, slopes
+from tests.independent.energy import CONVERGED, energy, gradient, minimum
 from tests.scenes.nf308 import SLOT, advance_recorded, case
 from tests.scenes.spatial_bearing import L_W, NO_FRICTION, empty, even_slices, flat, spatial_model
 
@@ -130,7 +130,7 @@ def test_the_independent_forces_are_the_gradient_of_the_energy():
     x = np.random.default_rng(3).normal(0.0, 1.0, 28)
     steps = step * np.eye(28)
     rates = [1e6 * (energy(model, x + e) - energy(model, x - e)) / (2 * step) for e in steps]
-    assert slopes(model, x) == pytest.approx(np.array(rates), abs=1e-6 * np.abs(rates).max())
+    assert gradient(model, x) == pytest.approx(np.array(rates), abs=1e-6 * np.abs(rates).max())
 
 
 def test_the_load_along_rollers_in_a_misaligned_ring():
@@ -140,7 +140,7 @@ def test_the_load_along_rollers_in_a_misaligned_ring():
     assert residual <= 1e-8
     coordinates = energy_coordinates(y, 13)
     disturbance = np.random.default_rng(1).normal(0.0, 0.05, len(coordinates))
-    expected, residual_energy = rest(model, coordinates + disturbance)
+    expected, residual_energy = minimum(model, coordinates + disturbance)
     assert residual_energy < CONVERGED
     assert np.abs(expected - coordinates).max() < 1e-6  # 1 pm, 1 nrad
     assert energy(model, coordinates) <= energy(model, expected) + 1e-12
@@ -168,7 +168,7 @@ def test_an_off_centre_defect_tilts_a_roller():
     model = spatial_model(assemble.model(bearing_case), slices(slice_edges(L_W, [reach], 12), flat), (reach,))
     y, residual = static_state(model)
     assert residual <= 1e-8
-    expected, residual_energy = rest(model, energy_coordinates(y, 13) * 0.9)
+    expected, residual_energy = minimum(model, energy_coordinates(y, 13) * 0.9)
     assert residual_energy < CONVERGED
     assert y[lay.TILT] == pytest.approx(1e-3 * expected[15], rel=1e-5)
     assert y[lay.TILT] > 3e-6  # the end over the defect moves outwards
@@ -298,7 +298,7 @@ def test_the_damping_bound_includes_flanges_and_pockets(contact):
     """The fastest decay of an unloaded roller is at most the monitored bound, and at least a tenth of it."""
     model, y = loaded_roller(contact)
     bound = damping_per_mass(model, y, 6)
-    slopes = np.empty((6, 6))
+    gradient = np.empty((6, 6))
     for k, cell in enumerate(ROLLER + 6):
         accelerations = []
         for step in (1e-4, -1e-4):
@@ -306,8 +306,8 @@ def test_the_damping_bound_includes_flanges_and_pockets(contact):
             x[cell] += step
             start_at_rest(model, 0.0, x)
             accelerations.append(x[ROLLER + 6 + lay.ACCELERATION - lay.VELOCITY])
-        slopes[:, k] = (accelerations[0] - accelerations[1]) / 2e-4
-    fastest = -np.linalg.eigvals(slopes).real.min()
+        gradient[:, k] = (accelerations[0] - accelerations[1]) / 2e-4
+    fastest = -np.linalg.eigvals(gradient).real.min()
     assert fastest > 1e3
     assert 0.1 * bound < fastest <= 1.001 * bound
 
