@@ -75,10 +75,11 @@ def show(summary: "RunSummary", verbose: bool) -> None:
 def feature_results(results: "Results") -> Iterator[Result]:
     """Yield each feature named by the figures, with its range, healthy range and the cases of its extremes."""
     from bearingsim.plots import select
+    from bearingsim.study import stored_figure
 
     case_rows = select.case_rows(results)
     done_rows = case_rows[case_rows["status"] == "done"]
-    figure_features = [name for figure in results.plan["figures"] for name in figure["y"]]
+    figure_features = [name for figure in results.plan["figures"] for name in stored_figure(figure).features]
     names = dict.fromkeys(figure_features or select.default_y(results, case_rows))
     yield from (
         _result(results, done_rows, name) for name in names if name in done_rows and done_rows[name].notna().any()

@@ -7,20 +7,23 @@ from typing import Annotated
 import typer
 
 from bearingsim.cli.opening import find_job, find_results, reads_results, short_path
-from bearingsim.cli.options import Json, Results, check_choice, is_verbose, parse_assignment, parse_time
+from bearingsim.cli.options import Json, Results, check_choice, is_verbose, parse_assignment
+from bearingsim.figure_kinds import KINDS, LOG_AXES, OptionError
 from bearingsim.text.terminal import say
+
+
+def _names(of_jobs: bool) -> str:
+    """List the kinds of figures, of signals of jobs or of the study."""
+    return ", ".join(name for name, kind in KINDS.items() if kind.of_jobs is of_jobs)
 
 
 @reads_results
 def plot(
     results: Results = None,
     kind: Annotated[
-        str,
-        typer.Option(
-            help="figure of the study: sweep, phase, design; or of a job: series, spectrum, envelope (spectrum), "
-            "roller, load, pit, ring"
-        ),
-    ] = "sweep",
+        str | None,
+        typer.Option(help=f"of the study: {_names(of_jobs=False)}; of signals: {_names(of_jobs=True)}"),
+    ] = None,
     x: Annotated[str | None, typer.Option(metavar="PATH", help="swept parameter on the x axis")] = None,
     by: Annotated[
         list[str] | None, typer.Option(metavar="PATH", help="one curve per value of this parameter; repeatable")
@@ -37,31 +40,60 @@ def plot(
         list[str] | None, typer.Option(metavar="PATH=VALUE", help="plot only cases with this value; repeatable")
     ] = None,
     job: Annotated[list[str] | None, typer.Option(metavar="JOB", help="job to plot, or `all`; repeatable")] = None,
+    start: Annotated[
+        str | None, typer.Option("--from", metavar="TIME", help="beginning of the time axis, such as `0.1 s`")
+    ] = None,
+    stop: Annotated[str | None, typer.Option("--to", metavar="TIME", help="end of the time axis")] = None,
     span: Annotated[
         str | None, typer.Option(metavar="TIME", help="length of the time axis, such as `20 ms`")
     ] = None,
+    around: Annotated[
+        str | None, typer.Option(metavar="EVENT", help="`impact`: show the first passage over the defect")
+    ] = None,
+    limits: Annotated[
+        str | None,
+        typer.Option("--range", metavar="LOW..HIGH", help="frequencies `0 Hz..2 kHz`, or angles `-5 deg..5 deg`"),
+    ] = None,
+    band: Annotated[
+        str | None, typer.Option(metavar="LOW..HIGH", help="band-pass filter, such as `2 kHz..5 kHz`")
+    ] = None,
+    log: Annotated[
+        list[str] | None, typer.Option(metavar="AXIS", help="logarithmic axis, `x` or `y`; repeatable")
+    ] = None,
+    db: Annotated[bool, typer.Option("--db", help="levels in dB instead of amplitudes")] = False,
+    unit: Annotated[str | None, typer.Option(metavar="UNIT", help="unit of the y axis: `mm/s`, `g`")] = None,
+    mean: Annotated[str | None, typer.Option(metavar="0", help="`0`: subtract the mean of a signal")] = None,
+    healthy: Annotated[
+        str | None, typer.Option(metavar="PLACE", help="healthy bearing's curve: beside, below or off")
+    ] = None,
+    orders: Annotated[bool, typer.Option("--orders", help="add an axis in orders of the shaft")] = False,
     file_format: Annotated[str, typer.Option("--format", help="png, svg or pdf")] = "png",
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="folder (default: RESULTS/figures)")] = None,
 ) -> None:
     """Draw the figures that the study defines, or one for each swept parameter."""
     from bearingsim import plots
-    from bearingsim.plots.plot import ALL, FORMATS
+    from bearingsim.plots.plot import FORMATS
+    from bearingsim.plots.sheet import ALL
 
-    check_choice("--kind", kind, plots.KINDS)
+    if kind is not None:
+        check_choice("--kind", kind, tuple(KINDS))
     check_choice("--format", file_format, FORMATS)
+    for axis in log or []:
+        check_choice("--log", axis, LOG_AXES)
     study_results = find_results(results)
     ids = [ALL] if job == [ALL] else [find_job(study_results, text) for text in job or []]
     filters = dict(parse_assignment(text, "--where") for text in where or [])
     options = {
-        "y": y,
-        "by": by,
-        "panels": panels,
-        "where": filters,
-        "span": parse_time("--span", span) if span else None,
-    }
+        "y": y, "x": x, "by": by, "panels": panels, "where": filters,
+        "from": start, "to": stop, "span": span, "around": around, "range": limits, "band": band, "log": log,
+        "db": db, "unit": unit, "mean": mean, "healthy": healthy, "orders": orders,
+    }  # fmt: skip
     with warnings.catch_warnings(record=True) as recorded_warnings:
         warnings.simplefilter("always", plots.PlotWarning)
-        files = plots.plot(study_results, kind, x, ids, file_format, out, **options)
+        try:
+            files = plots.plot(study_results, kind, ids, file_format, out, **options)
+        except OptionError as error:
+            raise typer.BadParameter(str(error), param_hint=f"--{error.option}") from None
     say("\n".join(map(short_path, files)))
     for warning in recorded_warnings:
         say(str(warning.message), err=True)

@@ -4,6 +4,6 @@ matplotlib is not imported here, so that tables can use ``labels`` without it.
 """
 
 from bearingsim.plots.labels import PlotError, PlotWarning
-from bearingsim.plots.plot import KINDS, plot
+from bearingsim.plots.plot import plot
 
-__all__ = ["KINDS", "PlotError", "PlotWarning", "plot"]
+__all__ = ["PlotError", "PlotWarning", "plot"]

@@ -32,10 +32,11 @@ STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "n
 RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec": "0.45", "mew": 1.0}
 """Ring around a point of a chaotic motion, whose value is one random draw."""
 BAND_ALPHA = 0.18
+BASELINE: dict[str, Any] = {"ls": (0, (4, 2)), "lw": 0.9, "zorder": 1.5, "gid": "healthy"}
+"""Style of the level of the healthy bearing."""
 EVEN = 3.0  # below this ratio of limits a log axis gets linear ticks
 TICKS = ((6.0, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)), (200.0, (1.0, 2.0, 5.0)))
 """Mantissas of ticks on a log axis, by the ratio of limits below which they fit."""
-NO_BREAK = "\u00a0"
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ def finish(canvas: Canvas, title: str | None, caption: Sequence[str], entries: S
     if title:
         canvas.suptitle(title, fontsize=10.0)
     width = int(canvas.get_size_inches()[0] / 0.053)
-    whole = [item.replace(" ", NO_BREAK) for item in caption]
+    whole = [item.replace(" ", labels.NO_BREAK) for item in caption]
     text = textwrap.fill(", ".join(whole), width, break_on_hyphens=False)
     inches, height = canvas.get_size_inches()
     canvas.set_size_inches(inches, height + CAPTION_LINE_IN * max(0, text.count("\n") + 1 - CAPTION_LINES))
@@ -166,6 +167,8 @@ def legend_entries(
     marks = {model: MODEL_MARK | {"marker": mark} for model, mark in models_of(rows).items()}
     entries += [Line2D([], [], label=model, **mark) for model, mark in marks.items() if len(marks) > 1]
     drawn = [is_uncertain(rows, name).any() for name in figure.y if name in rows]
+    if any(f"baseline {name}" in rows for name in figure.y):
+        entries.append(Line2D([], [], **BASELINE, color="0.35", label="healthy"))
     return entries + [Line2D([], [], **RING, label="chaotic, uncertain")] * any(drawn)
 
 

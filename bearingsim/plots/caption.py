@@ -1,6 +1,6 @@
 """Common parameters of all cases of a figure, for the caption."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
@@ -10,6 +10,7 @@ from bearingsim.plots import labels, select
 if TYPE_CHECKING:
     import pandas as pd
 
+    from bearingsim.plots.recorded import Job
     from bearingsim.store import Results
     from bearingsim.study import Figure
 
@@ -47,6 +48,7 @@ CAPTION_FIELDS = (  # parameters of the caption in order, each with its introduc
 USUAL = {
     "excitation": "envelope",
     "load_across": 0.0,
+    "method": "auto",
     "misalignment.inner": 0.0,
     "misalignment.outer": 0.0,
     "bearing.roller_profile.shape": "straight",
@@ -89,6 +91,16 @@ def band_of_record(results: "Results", rows: "pd.DataFrame", features: Sequence[
     if filtered != "true":
         return [f"{' and '.join(STATISTICS[word] for word in drawn)} of raw samples"]
     return [f"{' and '.join(STATISTICS[word] for word in drawn)} of 0 to {PASSBAND * sampling / 1e3:.2g} kHz"]
+
+
+def sampling_of(jobs: Iterable["Job"]) -> list[str]:
+    """Describe the sampling of records, `sampled at 51.2 kHz (flat to 20.5 kHz)`, if all share it."""
+    settings = {(float(job.parameters["sampling"]), job.parameters["antialias"] == "true") for job in jobs}
+    if len(settings) != 1:
+        return []
+    [(rate, filtered)] = settings
+    flat = f"flat to {FLAT * rate / 1e3:.3g} kHz" if filtered else "without a low-pass"
+    return [f"sampled at {rate / 1e3:.4g} kHz ({flat})"]
 
 
 def moved_along(figure: "Figure", rows: "pd.DataFrame", units: Mapping[str, str]) -> Iterator[str]:

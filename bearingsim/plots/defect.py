@@ -23,12 +23,14 @@ from bearingsim.plots.passage import (
     ends_of_slices,
     roller_path,
 )
+from bearingsim.plots.sheet import Sheet
 from bearingsim.plots.style import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from bearingsim.store import Results
+    from bearingsim.study import Figure
 
 MAP_IN, SECTION_IN = 4.2, 4.4  # height of the map, width of a section
 LOWEST_IN, HIGHEST_IN = 0.7, 1.9  # limits of the height of a section
@@ -44,7 +46,7 @@ RACE, PATH, ROLLER, TAKEN_PATH = "0.15", COLOURS[1], "0.55", COLOURS[0]
 STEPS = (1.0, 2.0, 5.0)
 
 
-class Sheet(NamedTuple):
+class Picture(NamedTuple):
     """Figure to draw: a defect, its number (from 1) in its case, the number of defects, its jobs, the roller."""
 
     defect: Defect
@@ -55,65 +57,76 @@ class Sheet(NamedTuple):
     slice_ends: Reals
 
 
-def sheets(results: "Results", jobs: Sequence[str]) -> list[Sheet]:
+def pictures(results: "Results", jobs: Sequence[str]) -> list[Picture]:
     """Collect the distinct defects of some finished jobs.
 
     Raises PlotError if no job has a defect, ResultsError if a job is not done.
     """
-    distinct: dict[Any, Sheet] = {}
+    distinct: dict[Any, Picture] = {}
     done = results.parameters()
     for name in jobs:
         if name not in done.index:
             results.series(name)  # raises ResultsError with the reason
     for job, parameters in done.loc[list(jobs)].iterrows():
-        for sheet in _job_sheets(results, str(job), parameters.to_dict()):
-            earlier = distinct.setdefault(_key(sheet), sheet)
-            if earlier is not sheet:
+        for picture in _job_pictures(results, str(job), parameters.to_dict()):
+            earlier = distinct.setdefault(_key(picture), picture)
+            if earlier is not picture:
                 earlier.jobs.append(str(job))
     if not distinct:
         raise labels.PlotError("these cases have no defect to draw")
     return list(distinct.values())
 
 
-def _job_sheets(results: "Results", job: str, parameters: Mapping[Any, Any]) -> Iterator[Sheet]:
+def draw_defects(results: "Results", _: "Figure", jobs: Sequence[str]) -> list[Sheet]:
+    """Draw a figure for each distinct defect of some jobs."""
+    return [
+        Sheet(
+            ["pit", picture.jobs[0][:8], *([str(picture.number)] if picture.of > 1 else [])],
+            draw_defect(results, picture),
+        )
+        for picture in pictures(results, jobs)
+    ]
+
+
+def _job_pictures(results: "Results", job: str, parameters: Mapping[Any, Any]) -> Iterator[Picture]:
     from bearingsim.assemble.defects import contact_length
 
     case = recorded.case_of(results, job, parameters)
     made = list(defects_of(case))
     for number, defect in enumerate(made, 1):
         length = contact_length(case, side=1 if defect.race == "inner" else 0)
-        yield Sheet(defect, number, len(made), [job], length, ends_of_slices(case))
+        yield Picture(defect, number, len(made), [job], length, ends_of_slices(case))
 
 
-def _key(sheet: Sheet) -> tuple[Any, ...]:
+def _key(picture: Picture) -> tuple[Any, ...]:
     """Return a hashable key, equal for sheets with the same picture."""
-    defect, drawn = sheet.defect, (sheet.defect.depth_map, sheet.slice_ends)
-    numbers = np.round([defect.R, *defect.s, *defect.z, sheet.roller_length], 9)
+    defect, drawn = picture.defect, (picture.defect.depth_map, picture.slice_ends)
+    numbers = np.round([defect.R, *defect.s, *defect.z, picture.roller_length], 9)
     return defect.race, *numbers, *(np.round(part, 12).tobytes() for part in drawn)
 
 
-def draw_defect(results: "Results", sheet: Sheet) -> Canvas:
+def draw_defect(results: "Results", picture: Picture) -> Canvas:
     """Draw one defect: its map and its sections at the deepest point and the middle, with the roller's path.
 
     Lengths are to scale; the heights of a section are exaggerated by a round number, printed in its title. A path
     much shallower than the defect is drawn once more, magnified.
     """
-    taken = _roller_path(results, sheet)
-    panels = list(_panels(sheet.defect, taken[1] if taken else None))
-    wide, tall = _map_inches(sheet)
+    taken = _roller_path(results, picture)
+    panels = list(_panels(picture.defect, taken[1] if taken else None))
+    wide, tall = _map_inches(picture)
     right = LEFT + wide + BAR
     canvas = Canvas(figsize=(right + SECTION_IN + EDGE, 1.0))
-    finish(canvas, _title(sheet), _caption(results, sheet, taken))
+    finish(canvas, _title(picture), _caption(results, picture, taken))
     bottom = LINE * (canvas.get_supxlabel().count("\n") + 1) + BELOW
     stack = sum(panel.inches + ABOVE + BELOW for panel in panels)
     head = ABOVE if canvas.get_suptitle() else 0.0
     canvas.set_size_inches(canvas.get_figwidth(), bottom + max(tall + ABOVE, stack) + head)
     top = canvas.get_figheight() - head
-    _draw_map(_axes_at(canvas, LEFT, top - ABOVE - tall, wide, tall), sheet, panels)
+    _draw_map(_axes_at(canvas, LEFT, top - ABOVE - tall, wide, tall), picture, panels)
     for number, panel in enumerate(panels, 1):
         top -= ABOVE + panel.inches
         ax = _axes_at(canvas, right, top, SECTION_IN, panel.inches)
-        _draw_section(ax, panel, sheet.defect.R, number)
+        _draw_section(ax, panel, picture.defect.R, number)
         if taken is not None:
             _draw_roller_path(ax, panel, taken[1])
         top -= BELOW
@@ -139,31 +152,31 @@ def _name_curves(ax: "Axes", left: float, top: float) -> None:
 # The map
 
 
-def _shown(sheet: Sheet) -> tuple[tuple[float, float], tuple[float, float]]:
+def _shown(picture: Picture) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return the limits (m) of the map along rolling and along the roller, around roller and defect."""
-    half = sheet.roller_length / 2.0
-    low, high = min(-half, sheet.defect.z[0]), max(half, sheet.defect.z[1])
+    half = picture.roller_length / 2.0
+    low, high = min(-half, picture.defect.z[0]), max(half, picture.defect.z[1])
     more = BEYOND * (high - low)
-    wide = max(np.ptp(sheet.defect.positions()), NARROWEST * (high - low)) / 2.0
-    middle = (sheet.defect.s[0] + sheet.defect.s[1]) / 2.0
+    wide = max(np.ptp(picture.defect.positions()), NARROWEST * (high - low)) / 2.0
+    middle = (picture.defect.s[0] + picture.defect.s[1]) / 2.0
     return (middle - wide, middle + wide), (low - more, high + more)
 
 
-def _map_inches(sheet: Sheet) -> tuple[float, float]:
+def _map_inches(picture: Picture) -> tuple[float, float]:
     """Compute width and height of the map in inches."""
-    s, z = _shown(sheet)
+    s, z = _shown(picture)
     scale = min(MAP_IN / (z[1] - z[0]), WIDEST_IN / (s[1] - s[0]))
     return scale * (s[1] - s[0]), scale * (z[1] - z[0])
 
 
-def _draw_map(ax: "Axes", sheet: Sheet, panels: "Sequence[Panel]") -> None:
+def _draw_map(ax: "Axes", picture: Picture, panels: "Sequence[Panel]") -> None:
     """Draw depth over s and z, with the roller's length, the ends of its slices and the section planes."""
-    defect, half = sheet.defect, 500.0 * sheet.roller_length
+    defect, half = picture.defect, 500.0 * picture.roller_length
     depths = 1e6 * np.ma.masked_equal(defect.depth_map, 0.0)
     s_mm, z_mm = 1e3 * defect.positions(), 1e3 * defect.axial_positions
     made = ax.pcolormesh(s_mm, z_mm, depths, cmap=SCALE, shading="nearest",
                          vmin=min(0.0, float(depths.min())), rasterized=True, zorder=2)  # fmt: skip
-    s, z = _shown(sheet)
+    s, z = _shown(picture)
     ax.set_xlim(1e3 * s[0], 1e3 * s[1])
     ax.set_ylim(1e3 * z[0], 1e3 * z[1])
     ax.grid(visible=False)
@@ -172,7 +185,7 @@ def _draw_map(ax: "Axes", sheet: Sheet, panels: "Sequence[Panel]") -> None:
         ax.axhline(end, color="0.3", lw=0.9, zorder=3)
     ax.annotate("roller's end", (0.03, half), (0, 1), xycoords=("axes fraction", "data"),
                 textcoords="offset points", va="bottom", fontsize=7, color="0.3", zorder=4)  # fmt: skip
-    for end in sheet.slice_ends[1:-1]:
+    for end in picture.slice_ends[1:-1]:
         ax.axhline(1e3 * end, color="0.3", lw=0.3, alpha=0.7, zorder=3)
     highest = max(panel.section.z for panel in panels)
     for position, name in dict.fromkeys((panel.section.z, panel.name) for panel in panels):
@@ -183,7 +196,7 @@ def _draw_map(ax: "Axes", sheet: Sheet, panels: "Sequence[Panel]") -> None:
     ax.set_xlabel("Along rolling, s (mm)")
     ax.set_ylabel("Along the roller, z (mm)")
     letter(ax, 0, 2, "to scale")
-    beside = 0.12 / _map_inches(sheet)[0]
+    beside = 0.12 / _map_inches(picture)[0]
     bar = ax.figure.colorbar(made, cax=ax.inset_axes((1.0 + beside, 0.2, beside, 0.6)))
     bar.set_label("Depth (µm)")
     bar.ax.invert_yaxis()
@@ -275,27 +288,27 @@ def _draw_roller_path(ax: "Axes", panel: Panel, taken: RollerPath) -> None:
 # Words
 
 
-def _title(sheet: Sheet) -> str | None:
-    where = {"outer": "the outer race", "inner": "the inner race", "roller": "a roller"}[sheet.defect.race]
-    return f"defect {sheet.number} of {sheet.of}, on {where}" if sheet.of > 1 else None
+def _title(picture: Picture) -> str | None:
+    where = {"outer": "the outer race", "inner": "the inner race", "roller": "a roller"}[picture.defect.race]
+    return f"defect {picture.number} of {picture.of}, on {where}" if picture.of > 1 else None
 
 
-def _roller_path(results: "Results", sheet: Sheet) -> tuple[str, RollerPath] | None:
+def _roller_path(results: "Results", picture: Picture) -> tuple[str, RollerPath] | None:
     """Find the first job with a recorded path over the defect; return its id and the path."""
-    for job in sheet.jobs:
+    for job in picture.jobs:
         [record] = recorded.all_jobs(results, [job]).values()
-        path = roller_path(record, recorded.case_of(results, job, record.parameters), sheet.defect)
+        path = roller_path(record, recorded.case_of(results, job, record.parameters), picture.defect)
         if path is not None:
             return job, path
     return None
 
 
-def _caption(results: "Results", sheet: Sheet, taken: tuple[str, RollerPath] | None) -> list[str]:
+def _caption(results: "Results", picture: Picture, taken: tuple[str, RollerPath] | None) -> list[str]:
     rows = select.case_rows(results)
-    R = labels.number_text(round(1e3 * sheet.defect.R, 2))
+    R = labels.number_text(round(1e3 * picture.defect.R, 2))
     texts = [f"raceway drawn flat, roller with its effective radius {R} mm"]
     if taken is not None:
         swept = next(entry["swept"] for entry in results.plan["jobs"] if entry["job"] == taken[0])
         case = labels.described(swept, results.plan["units"])
         texts.append(f"path of roller {taken[1].number} at {case or 'this case'}")
-    return [*texts, *fixed_values(results, rows[rows["job"].isin(sheet.jobs)], set())]
+    return [*texts, *fixed_values(results, rows[rows["job"].isin(picture.jobs)], set())]

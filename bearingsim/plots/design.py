@@ -14,7 +14,7 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
-from bearingsim.plots import labels, select
+from bearingsim.plots import select
 from bearingsim.plots.axes import (
     BAND_ALPHA,
     ROW_IN,
@@ -35,6 +35,7 @@ from bearingsim.plots.axes import (
     y_label,
 )
 from bearingsim.plots.style import COLUMN_IN
+from bearingsim.plots.units import feature_scale
 from bearingsim.study import Figure
 from bearingsim.study.design import COUNT_NOUNS
 
@@ -142,11 +143,11 @@ def _panel(
     units: Mapping[str, str],
 ) -> None:
     """Draw the points of one feature over x; ``part``: those of all ``rows`` that belong to the panel."""
-    unit, factor = labels.feature_axis(name, float(rows[name].abs().max()))
-    ax.set_ylabel(y_label(name, unit))
+    scale = feature_scale(name, float(rows[name].abs().max()), figure.view)
+    ax.set_ylabel(y_label(name, scale.unit))
     order = {value: rank for rank, value in enumerate(select.values(rows, figure.x))}
     for curve in curves_of(figure, part, units, styles_of_curves(figure, rows, units), order):
-        x, y = positions(figure.x, curve.rows, rows, units), list(curve.rows[name] * factor)
+        x, y = positions(figure.x, curve.rows, rows, units), list(curve.rows[name] * scale.factor)
         ax.plot(x, y, **curve.look.keywords() | POINTS)
         _mark_trend(ax, curve, trend(x, y))
         mark_chaotic(ax, x, y, curve.rows, name)

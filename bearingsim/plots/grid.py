@@ -1,4 +1,4 @@
-"""Grid of axes: a row per job, a column per channel; rollers share axes."""
+"""Grid of axes for signals: a row per job, or per group of jobs, a column per channel; rollers share axes."""
 
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -11,74 +11,139 @@ from bearingsim.config import dataset_names
 from bearingsim.config.names import roller_of
 from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.axes import axis_label, finish, share_scales
-from bearingsim.plots.caption import fixed_values
+from bearingsim.plots.caption import fixed_values, sampling_of
 from bearingsim.plots.recorded import Job, Signal
-from bearingsim.plots.style import COLOURS, COLUMN_IN
+from bearingsim.plots.style import COLOURS, COLUMN_IN, LINES, shaded
+from bearingsim.plots.units import Scale, scale_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from bearingsim.store import Results
+    from bearingsim.study import Figure
 
 ROW_IN, LOW_ROW_IN = 1.7, 1.15
-MANY = 6  # number of jobs above which rows are lower
-HEALTHY = "0.35"
+MANY = 6  # number of rows above which they are lower
+HEALTHY, HEALTHY_COLOUR = "healthy", "0.25"
 PARTS = {"": COLOURS[0], "x": COLOURS[2], "y": COLOURS[3]}
 LABEL_LETTERS, LETTER_IN = 26, 0.075
-SQUARES = 3.0  # a squared quantity is shown in its larger unit from 0.1 on
+WIDTH, HEALTHY_WIDTH = 1.1, 0.6  # points; the healthy curve is drawn above the other and leaves it visible
+SHADES_FROM = 6  # number of ordered curves in one axes from which their colours are shades
 
 Curve = tuple[np.ndarray, np.ndarray]
 
 
-class View(NamedTuple):
-    """Representation of signals: function that computes the curve (SI), axis labels, power of the channel's unit.
+class Display(NamedTuple):
+    """Representation of signals: function that computes a curve (SI), labels of the axes.
 
-    baselines: whether the healthy baseline is drawn too, if a column has one curve.
+    curve: of the id of the job with the defect, a job (the former or its healthy baseline), a channel and its
+    signal; y_label: of the channel's name; power: exponent of the channel's unit in that of the y axis; amplitude:
+    whether values are amplitudes of sines (0-peak).
     """
 
-    curve: Callable[[Job, str, Signal], Curve]
+    curve: Callable[[str, Job, str, Signal], Curve]
     x_label: str
-    y_label: Callable[[str], str]
+    y_label: Callable[[str], str] = str
     power: int = 1
-    baselines: bool = True
+    amplitude: bool = False
+
+
+class Row(NamedTuple):
+    """Row of axes: its title; by the names of curves, its jobs, and pairs of a job and its healthy baseline."""
+
+    title: str
+    jobs: dict[str, str]
+    baselines: dict[str, tuple[str, str]]
+
+
+class Grid(NamedTuple):
+    """Drawn grid: figure, rows of axes, and the jobs in each row."""
+
+    canvas: Canvas
+    axes: list[list["Axes"]]
+    jobs: list[list[Job]]
 
 
 def grid(
-    results: "Results", jobs: dict[str, Job], channels: Sequence[str], view: View
-) -> tuple[Canvas, list[list["Axes"]]]:
-    """Draw a row of axes per job and a column per quantity, with the healthy baselines.
+    results: "Results",
+    jobs: dict[str, Job],
+    channels: Sequence[str],
+    figure: "Figure",
+    display: Display,
+    caption: Sequence[str] = (),
+) -> Grid:
+    """Draw channels of jobs: a row of axes per job, or per combination of the swept paths apart from ``by``.
 
-    Titles give the swept values. A quantity of several rollers shares one column.
+    Titles give the swept values. A quantity of several rollers shares one column. caption: texts before the common
+    parameters. Raises PlotError for a path that is not swept, or a unit of another quantity.
     """
-    swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
-    baseline_of = _baselines(results, jobs) if view.baselines else {}
-    records = recorded.all_jobs(results, sorted(set(baseline_of.values())))
+    rows = list(_rows(results, jobs, figure))
+    baselines = sorted({baseline for row in rows for _, baseline in row.baselines.values()} - jobs.keys())
+    records = jobs | recorded.all_jobs(results, baselines)
     columns = list(_columns(channels))
-    height = LOW_ROW_IN if len(jobs) > MANY else ROW_IN
-    size = (max(2, len(columns)) * COLUMN_IN, height * len(jobs) + (0.6 if len(jobs) > 1 else 1.0))
+    height = LOW_ROW_IN if len(rows) > MANY else ROW_IN
+    size = (max(2, len(columns)) * COLUMN_IN, height * len(rows) + (0.6 if len(rows) > 1 else 1.0))
     canvas = Canvas(figsize=size, layout="constrained")
-    made = canvas.subplots(len(jobs), len(columns), sharex="col", squeeze=False)
-    axes = [list(row) for row in made]
+    axes = [list(line) for line in canvas.subplots(len(rows), len(columns), sharex="col", squeeze=False)]
     for column, together in enumerate(columns):
-        drawn = {job: _curves(record, together, view) for job, record in jobs.items()}
-        unit, factor = _unit(together[0], view, drawn)
-        for row, (job, curves) in zip(axes, drawn.items(), strict=True):
-            baseline = records.get(baseline_of.get(job, ""))
-            has_baseline = baseline is not None and len(curves) == 1 and _has(baseline, together[0])
-            _panel(
-                row[column], curves, _curves(baseline, together, view) if baseline and has_baseline else {}, factor
-            )
-        label = axis_label(view.y_label(recorded.text_of(*together)), unit)
-        _name_axes([row[column] for row in axes], label, len(columns) == 1)
-        axes[-1][column].set_xlabel(view.x_label)
-    for row, job in zip(axes, jobs, strict=True):
-        title = labels.described(swept[job], results.plan["units"])
-        row[0].set_title(title, loc="left", fontsize=8, pad=11 if row is axes[0] else 4)
+        drawn = [_curves_of_row(row, records, together, display) for row in rows]
+        scale = _scale(together[0], figure, display, drawn)
+        for line, curves in zip(axes, drawn, strict=True):
+            _panel(line[column], curves, scale)
+        text = display.y_label(recorded.text_of(*together))
+        label = axis_label(scale.label(text), scale.unit_text(display.amplitude))
+        _name_axes([line[column] for line in axes], label, len(columns) == 1)
+        axes[-1][column].set_xlabel(display.x_label)
+    for line, row in zip(axes, rows, strict=True):
+        line[0].set_title(row.title, loc="left", fontsize=8, pad=11 if line is axes[0] else 4)
     share_scales(axes)
-    _legend(canvas, [ax for row in axes for ax in row])
-    rows = select.case_rows(results)
-    finish(canvas, None, fixed_values(results, rows[rows["job"].isin(jobs)], set().union(*swept.values())))
-    return canvas, axes
+    _legend(canvas, [ax for line in axes for ax in line])
+    table = select.case_rows(results)
+    swept = set().union(*(entry["swept"] for entry in results.plan["jobs"] if entry["job"] in jobs))
+    fixed = fixed_values(results, table[table["job"].isin(jobs)], swept)
+    finish(canvas, figure.title, [*caption, *sampling_of(jobs.values()), *fixed])
+    leading = [[*row.jobs.values(), *(name for name, _ in row.baselines.values())] for row in rows]
+    return Grid(canvas, axes, [[records[name] for name in dict.fromkeys(names)] for names in leading])
+
+
+# Rows
+
+
+def _rows(results: "Results", jobs: Iterable[str], figure: "Figure") -> Iterator[Row]:
+    """Group jobs into rows; a row for the healthy baselines follows if they are drawn below."""
+    units, by = results.plan["units"], figure.by
+    select.check_paths(by, units)
+    swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
+    place = figure.view.healthy or ("off" if by else "beside")
+    baseline_of = {} if place == "off" else _baselines(results, jobs)
+    groups: dict[str, dict[str, str]] = {}
+    for name in jobs:
+        others = {path: value for path, value in swept[name].items() if path not in by}
+        title = labels.described(others, units)
+        group = groups.setdefault(title if by else f"{title} {name}", {})
+        label = labels.described({path: swept[name][path] for path in by if path in swept[name]}, units)
+        group[label if label not in group else f"{label} ({name[:8]})"] = name
+    for group in groups.values():
+        first = next(iter(group.values()))
+        others = {path: value for path, value in swept[first].items() if path not in by}
+        title = labels.described(others, units)
+        baselines = {label: (name, baseline_of[name]) for label, name in group.items() if name in baseline_of}
+        if len({baseline for _, baseline in baselines.values()}) == 1:
+            baselines = {"": next(iter(baselines.values()))}
+        if place == "below" and baselines:
+            yield Row(title, group, {})
+            sound = {path: value for path, value in others.items() if not path.startswith("defect")}
+            yield Row(", ".join(filter(None, [HEALTHY, labels.described(sound, units)])), {}, baselines)
+        else:
+            yield Row(title, group, baselines)
+
+
+def _baselines(results: "Results", jobs: Iterable[str]) -> dict[str, str]:
+    """Map jobs to their healthy baselines, omitting baselines that are not done."""
+    table = results.table().set_index("job")
+    done = set(table.index[table["status"] == "done"])
+    healthy = {entry["job"]: entry["healthy"] for entry in results.plan["jobs"]}
+    return {job: baseline for job in jobs if (baseline := str(healthy.get(job))) in done}
 
 
 def _columns(channels: Sequence[str]) -> Iterator[list[str]]:
@@ -90,10 +155,50 @@ def _columns(channels: Sequence[str]) -> Iterator[list[str]]:
     yield from groups.values()
 
 
-def _curves(job: Job, channels: Sequence[str], view: View) -> dict[str, Curve]:
+# Curves
+
+
+class Drawn(NamedTuple):
+    """Curve to draw: its name, colour and line style, whether it is of a healthy baseline, and its points (SI)."""
+
+    name: str
+    colour: object
+    line: object
+    is_healthy: bool
+    points: Curve
+
+
+def _curves_of_row(row: Row, records: Mapping[str, Job], channels: Sequence[str], display: Display) -> list[Drawn]:
+    """Compute the curves in one axes, with those of the healthy baselines last."""
+    drawn: list[Drawn] = []
+    several = len(row.jobs) > 1 or any(row.jobs)
+    colours = _colours(len(row.jobs))
+    for number, (label, name) in enumerate(row.jobs.items()):
+        for component, points in _curves(name, records[name], channels, display).items():
+            text = ", ".join(filter(None, [label, component]))
+            colour = colours[number] if several else PARTS.get(component, COLOURS[len(drawn) % len(COLOURS)])
+            line = LINES[number % len(LINES)] if several and len(row.jobs) <= len(LINES) else "-"
+            drawn.append(Drawn(text, colour, line, False, points))
+    if len(drawn) > 1 and not several:  # components or rollers of one job leave no room for those of the other
+        return drawn
+    for label, (name, baseline) in row.baselines.items():
+        if _has(records[baseline], channels[0]):
+            for component, points in _curves(name, records[baseline], channels, display).items():
+                text = ", ".join(filter(None, [HEALTHY, label, component]))
+                drawn.append(Drawn(text, HEALTHY_COLOUR, "-", True, points))
+    return drawn
+
+
+def _colours(count: int) -> list[object]:
+    return shaded(count) if count >= SHADES_FROM else list(COLOURS[:count])
+
+
+def _curves(name: str, job: Job, channels: Sequence[str], display: Display) -> dict[str, Curve]:
     """Compute the curve of each component, or of each roller."""
     return {
-        signal.component if len(channels) == 1 else _whose(channel): view.curve(job, channel, signal)
+        signal.component if len(channels) == 1 else _roller_text(channel): display.curve(
+            name, job, channel, signal
+        )
         for channel in channels
         for signal in recorded.signals_of(job, channel)
     }
@@ -105,25 +210,28 @@ def _has(job: Job, channel: str) -> bool:
     return recorded.recorded_as(channel, [*job.recorded, *components]) is not None
 
 
-def _whose(channel: str) -> str:
+def _roller_text(channel: str) -> str:
     return f"roller {(roller_of(channel) or (1, ''))[0]}"
 
 
-def _unit(channel: str, view: View, drawn: Mapping[str, Mapping[str, Curve]]) -> tuple[str, float]:
-    """Choose the unit of a column and its factor from SI by the largest value."""
-    largest = max(float(np.nanmax(np.abs(y))) for curves in drawn.values() for _, y in curves.values())
-    alike = (SQUARES if view.power == 2 else 1.0) * largest ** (1.0 / view.power)
-    unit, factor = labels.readable(recorded.unit_of(channel), channel, alike)
-    return (labels.squared(unit) if view.power == 2 else unit), factor**view.power
+def _scale(channel: str, figure: "Figure", display: Display, rows: Sequence[Sequence[Drawn]]) -> Scale:
+    """Choose the unit of a column by the largest value."""
+    largest = max((float(np.nanmax(np.abs(curve.points[1]))) for curves in rows for curve in curves), default=0.0)
+    return scale_of(recorded.unit_of(channel), channel, largest, figure.view, display.power)
 
 
-def _panel(ax: "Axes", curves: Mapping[str, Curve], healthy: Mapping[str, Curve], factor: float) -> None:
-    for number, (component, (x, y)) in enumerate(curves.items()):
-        name = component or ("with defect" if healthy else None)
-        colour = PARTS.get(component, COLOURS[number % len(COLOURS)])
-        ax.plot(x, factor * y, color=colour, lw=0.9, label=name)
-    for x, y in healthy.values():
-        ax.plot(x, factor * y, color=HEALTHY, lw=0.9, label="healthy")
+# Drawing
+
+
+def _panel(ax: "Axes", curves: Sequence[Drawn], scale: Scale) -> None:
+    has_both = len({curve.is_healthy for curve in curves}) == 2
+    for curve in curves:
+        x, y = curve.points
+        name = curve.name or ("with defect" if has_both else None)
+        if curve.is_healthy and not has_both:  # named by the title of the row
+            name = curve.name.removeprefix(HEALTHY).removeprefix(", ") or None
+        width, order = (HEALTHY_WIDTH, 2.5) if curve.is_healthy else (WIDTH, 2.0)
+        ax.plot(x, scale.shown(y), color=curve.colour, ls=curve.line, lw=width, zorder=order, label=name)
     ax.margins(x=0.0)
     ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
 
@@ -144,12 +252,4 @@ def _legend(canvas: Canvas, axes: Iterable["Axes"]) -> None:
     """Add a legend with one entry per name of a curve."""
     entries = {name: handle for ax in axes for handle, name in zip(*ax.get_legend_handles_labels(), strict=True)}
     if entries:
-        canvas.legend(list(entries.values()), list(entries), loc="outside upper right", ncols=len(entries))
-
-
-def _baselines(results: "Results", jobs: Iterable[str]) -> dict[str, str]:
-    """Map jobs to their healthy baselines, omitting baselines that are not done."""
-    table = results.table().set_index("job")
-    done = set(table.index[table["status"] == "done"])
-    healthy = {entry["job"]: entry["healthy"] for entry in results.plan["jobs"]}
-    return {job: baseline for job in jobs if (baseline := str(healthy.get(job))) in done}
+        canvas.legend(list(entries.values()), list(entries), loc="outside upper right", ncols=min(len(entries), 4))

@@ -29,6 +29,7 @@ SCALES: dict[str, tuple[tuple[str, float], ...]] = {  # readable units of a feat
 SMALL_ANGLE_WORDS = ("tilt", "skew", "lean", "rotation")  # quantities in mrad instead of degrees
 SMALL_ANGLES = (("mrad", 1e3), ("µrad", 1e6), ("nrad", 1e9))
 SHARES = ("cage.slip",)  # dimensionless quantities shown in per cent, as are their statistics
+NO_BREAK = "\u00a0"  # space at which no line is broken
 COST, COST_UNIT, COST_TEXT = "seconds", "s", "CPU time of a job"
 """Column of the table that is drawn like a feature: name, unit, text."""
 

@@ -13,6 +13,7 @@ from bearingsim.plots.axes import axis_label, finish
 from bearingsim.plots.caption import fixed_values
 from bearingsim.plots.passage import Passage, Reals, ends_of_slices, first_passage
 from bearingsim.plots.recorded import Job
+from bearingsim.plots.sheet import Sheet, file_words
 from bearingsim.plots.style import COLOURS, LINES
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
     from bearingsim.config import Case
     from bearingsim.store import Results
+    from bearingsim.study import Figure
 
 ROW_IN, TILT_IN, PICTURE_IN, PROFILE_IN = 2.5, 1.3, 4.2, 2.6
 SCALE = "YlOrRd"
@@ -46,12 +48,13 @@ class LoadAlong(NamedTuple):
     tilts: dict[str, Reals]
 
 
-def draw_load(results: "Results", jobs: Sequence[str], y: Sequence[str] = (), span: float | None = None) -> Canvas:
+def draw_load(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
     """Draw the line load along a roller, a row per job and channel: a map over time, and sections through it.
 
-    Recorded tilt and skew of the roller are drawn below. ``span``: time (s) shown around the roller's first
+    Recorded tilt and skew of the roller are drawn below. The span of the figure is around the roller's first
     passage over a defect. Raises PlotError for channels that were not recorded.
     """
+    y, span = figure.y, figure.view.span
     records = recorded.all_jobs(results, jobs)
     rows = [(job, load) for job, record in records.items() for load in _loads(results, job, record, y, span)]
     heights = [height for _, load in rows for height in (ROW_IN, *([TILT_IN] if load.tilts else []))]
@@ -70,8 +73,8 @@ def draw_load(results: "Results", jobs: Sequence[str], y: Sequence[str] = (), sp
             _draw_tilts(below, beside, picture, load)
     table = select.case_rows(results)
     fixed = fixed_values(results, table[table["job"].isin(jobs)], set().union(*swept.values()))
-    finish(canvas, None, [*_notes(records, rows), *fixed])
-    return canvas
+    finish(canvas, figure.title, [*_notes(records, rows), *fixed])
+    return [Sheet(file_words(figure, jobs), canvas)]
 
 
 def _notes(records: Mapping[str, Job], rows: Sequence[tuple[str, LoadAlong]]) -> list[str]:

@@ -24,6 +24,7 @@ class Family(NamedTuple):
         return f"{k * step} {word}" if k * step > 1 else word
 
 
+SHAFT = Line(shaft=1)
 FAMILIES = {
     "outer": Family("BPFO", Line(outer=1)),
     "inner": Family("BPFI", Line(inner=1), Line(shaft=1), "fr"),

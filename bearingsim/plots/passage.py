@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bearingsim.config.names import roller_of
-from bearingsim.plots.recorded import Job, recorded_as
-from bearingsim.plots.series import roller_angle
+from bearingsim.plots.recorded import Job, recorded_as, roller_angle
 
 if TYPE_CHECKING:
     from bearingsim.config import Case

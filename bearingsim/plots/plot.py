@@ -1,34 +1,23 @@
 """`bearingsim plot`: selection, drawing and writing of figures."""
 
+import importlib
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bearingsim.figure_kinds import KEYS, KINDS, View, check_options, view_of
 from bearingsim.plots.labels import PlotError, PlotWarning
+from bearingsim.plots.sheet import ALL, Sheet
+from bearingsim.study import Figure
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure as Canvas
 
     from bearingsim.store import Results
-    from bearingsim.study import Figure
 
-DEFECT, LOAD, RING, DESIGN = "pit", "load", "ring", "design"
-JOB_KINDS = ("series", "spectrum", "envelope", "roller", LOAD, DEFECT, RING)
-KINDS = ("sweep", "phase", DESIGN, *JOB_KINDS)
-ALL = "all"
-UNUSED_OPTIONS = {
-    **dict.fromkeys(("sweep", "phase"), ("span",)),
-    DESIGN: ("x", "panels", "span"),
-    **dict.fromkeys(JOB_KINDS, ("x", "by", "panels", "span")),
-    **dict.fromkeys(("series", LOAD), ("x", "by", "panels")),
-    **dict.fromkeys((DEFECT, RING), ("x", "y", "by", "panels", "span")),
-}
-"""Options that a kind of figure does not accept, by kind."""
-MAX_NAMED = 4  # largest number of jobs in the name of a file
 FORMATS = ("png", "svg", "pdf")
 FIGURES = "figures"
 """Folder of a study's figures, within its results."""
@@ -39,48 +28,74 @@ MADE_BY = {
     "svg": {"Creator": MARK.decode(), "Date": None},
     "pdf": {"Creator": MARK.decode()},
 }
+LISTS = ("y", "by", "panels", "log")
+"""Options that are lists; ``where`` maps paths to values, ``x`` is one path, all others belong to ``View``."""
+
+Draw = Callable[["Results", Figure, Sequence[str]], list[Sheet]]
 
 
 def plot(
     results: "Results",
-    kind: str = "sweep",
-    x: str | None = None,
+    kind: str | None = None,
     jobs: Sequence[str] = (),
     file_format: str = "png",
     out: Path | None = None,
-    **changes: Any,
+    **options: Any,
 ) -> list[Path]:
-    """Draw figures of a study into ``out`` (default: its ``figures`` folder); return the files.
+    """Draw figures into ``out`` (default: the study's folder `figures`); return the files.
 
-    kind: of the table, `sweep` (features against swept paths), `phase` (phases of lines) or `design` (a feature
-    against each parameter of a design); of ``jobs`` (ids, or `all`), `series`, `spectrum`, `envelope` (spectrum of
-    the squared envelope), `roller` (channels over its angle), `load` (along a roller), `pit` (defects to scale) or
-    `ring` (outer ring in static equilibrium).
-    x, changes: override the study; changes are y (features, or channels of jobs), by, panels (lists), where (paths
-    and values) and span (s; of a series or load).
-    Raises PlotError, ResultsError; warns (PlotWarning) of a figure left out.
+    kind: a name in ``figure_kinds.KINDS``; None for the figures of the study, or one for each swept path. jobs:
+    ids of the jobs of a figure of signals, or `all`; by default those selected by ``where``, or some. options:
+    keys of a figure, which replace those of the study: lists y, by, panels and log; x; where (paths and values);
+    and those of ``figure_kinds.View`` as texts, such as range="0 Hz..2 kHz".
+    Raises PlotError, OptionError, ResultsError; warns (PlotWarning) of a figure left out.
     """
     from bearingsim.plots.style import drawing
 
     folder = out or results.path / FIGURES
     with drawing():
-        sheets = drawn(results, kind, x, jobs, **changes)
+        sheets = drawn(results, kind, jobs, **options)
         folder.mkdir(parents=True, exist_ok=True)
         return [written(canvas, folder / f"{name}.{file_format}", results) for name, canvas in sheets]
 
 
 def drawn(
-    results: "Results", kind: str = "sweep", x: str | None = None, jobs: Sequence[str] = (), **changes: Any
+    results: "Results", kind: str | None = None, jobs: Sequence[str] = (), **options: Any
 ) -> list[tuple[str, "Canvas"]]:
-    """Draw the figures of ``plot`` without writing them; return pairs of name and figure."""
-    _check_changes(kind, {"x": x, **changes})
+    """Draw the figures of ``plot`` without writing them; return pairs of name and figure.
+
+    Warns of figures of the study that cannot be drawn; raises the first error if none can.
+    """
+    given = {key: value for key, value in options.items() if value}
     if not jobs or list(jobs) == [ALL]:  # loading a named job raises its own error
         _check_done(results)
-    if kind in JOB_KINDS:
-        return _job_figures(results, kind, jobs, changes)
-    if kind == DESIGN or (kind == "sweep" and _shows_design(results, x, changes)):
-        return _design_figures(results, changes)
-    return _table_figures(results, kind, x, changes)
+    figures = _requested(results, kind, given)
+    if jobs and not any(KINDS[figure.kind].of_jobs for figure in figures):
+        raise PlotError(f"a {figures[0].kind} shows all cases: omit `--job`, or choose a `--kind` of signals")
+    numbered = kind is None or not KINDS[kind].of_jobs
+    sheets: list[tuple[str, Canvas]] = []
+    problems = []
+    for number, figure in enumerate(figures, 1):
+        prefix = f"{'plot' if given else 'fig'}{number}" if numbered and figure.kind != "design" else ""
+        try:
+            for sheet in _draw(results, figure, jobs):
+                named = "y" in given and sheet.words[0] == given["y"][0]
+                words = [*given["y"], *sheet.words[1:]] if named else sheet.words
+                sheets.append((slug([prefix, *words, *_option_words(given)]), sheet.canvas))
+        except PlotError as error:
+            problems.append((number, error))
+    if not sheets:
+        raise problems[0][1]
+    for number, problem in problems:
+        warnings.warn(f"figure {number} left out: {problem}", PlotWarning, stacklevel=2)
+    return sheets
+
+
+def _draw(results: "Results", figure: Figure, jobs: Sequence[str]) -> list[Sheet]:
+    kind = KINDS[figure.kind]
+    module, function = kind.draw.split(".")
+    draw: Draw = getattr(importlib.import_module(f"bearingsim.plots.{module}"), function)
+    return draw(results, figure, _jobs(results, figure, jobs) if kind.of_jobs else ())
 
 
 def _check_done(results: "Results") -> None:
@@ -90,6 +105,86 @@ def _check_done(results: "Results") -> None:
     failures = list(results.failures().values())
     failed = f": {len(failures)} failed, one for this: {failures[0].reason}" if failures else ""
     raise PlotError(f"no job is done, so there is nothing to draw{failed}")
+
+
+# Requested figures
+
+
+def _requested(results: "Results", kind: str | None, given: Mapping[str, Any]) -> list[Figure]:
+    """List the figures of the study, or those of one ``kind``, with the options of the command."""
+    from bearingsim.plots import select
+
+    if kind is not None and KINDS[kind].of_jobs:
+        return [_changed(Figure(y=(), x="", kind=kind), given)]
+    rows = select.case_rows(results)
+    has_design = bool(select.design_paths(results))
+    named = given.get("x") or results.plan["figures"] or given.get("panels")
+    if kind == "design" or (kind in (None, "sweep") and has_design and not named):
+        return [_changed(Figure(y=(), x="", kind="design"), given)]
+    if given.get("x"):
+        figures = [select.arranged(results, given["x"], rows)]
+    else:
+        figures = select.planned(results, rows, kind)
+    if kind == "phase":
+        figures = [replace(figure, kind="phase", y=(), log=(), view=View()) for figure in figures]
+    changed = [_changed(figure, given) for figure in figures]
+    return [figure for number, figure in enumerate(changed) if figure not in changed[:number]]
+
+
+def _changed(figure: Figure, given: Mapping[str, Any]) -> Figure:
+    """Apply options to a figure; a path used for curves is removed from the panels, and vice versa.
+
+    Raises OptionError for an option that the kind of figure does not have.
+    """
+    check_options(figure.kind, given)
+    by = tuple(path for path in figure.by if path not in given.get("panels", ()))
+    panels = tuple(path for path in figure.panels if path not in given.get("by", ()))
+    fields: dict[str, Any] = {"by": by, "panels": panels}
+    fields |= {key: tuple(given[key]) for key in LISTS if key in given}
+    fields |= {"where": dict(given["where"])} if "where" in given else {}
+    fields |= {"x": given["x"]} if "x" in given else {}
+    view = view_of(figure.kind, {"log": fields.get("log", figure.log), **given})
+    changed = {name: getattr(view, name) for name, key in KEYS.items() if key in given}
+    return replace(figure, view=replace(figure.view, **changed), **fields)
+
+
+def _jobs(results: "Results", figure: Figure, jobs: Sequence[str]) -> list[str]:
+    """List the jobs of a figure of signals: the named ones, else those selected, else some.
+
+    Raises PlotError if none of them is done.
+    """
+    from bearingsim.plots import select
+
+    named = [] if list(jobs) == [ALL] else list(jobs)
+    if named and figure.where:
+        raise PlotError("named jobs cannot be filtered; use either `--job` or `--where`")
+    rows = select.matching(select.case_rows(results), figure.where, results.plan["units"])
+    every = bool(jobs or figure.by or figure.kind == "waterfall")
+    chosen = named or (select.done_jobs(rows) if every else select.some_jobs(rows))
+    if not chosen:
+        raise PlotError("none of these jobs is done")
+    return chosen
+
+
+# Files
+
+
+def _option_words(given: Mapping[str, Any]) -> list[str]:
+    """List the words of a file name that describe the options of the command, apart from x and y."""
+    words = []
+    for key, value in given.items():
+        if key == "where":
+            words += ["where", *(f"{path} {text.replace('-', 'minus ')}" for path, text in value.items())]
+        elif key in LISTS:
+            words += [key, *value] if key != "y" else []
+        elif key != "x":
+            words += [key, *([] if value is True else [str(value).replace("..", " to ").replace("-", "minus ")])]
+    return words
+
+
+def slug(words: Sequence[str]) -> str:
+    """Join words to a file name: `fig1-velocity-bpfo`."""
+    return "-".join("".join(c if c.isalnum() else " " for c in " ".join(words).lower()).split())
 
 
 def written(canvas: "Canvas", path: Path, results: "Results") -> Path:
@@ -114,195 +209,3 @@ def _is_replaceable(path: Path) -> bool:
     if path.is_symlink() or not path.is_file():
         return not path.is_symlink() and not path.exists()
     return MARK in path.read_bytes()
-
-
-def _table_figures(
-    results: "Results", kind: str, x: str | None, changes: Mapping[str, Any]
-) -> list[tuple[str, "Canvas"]]:
-    """Draw all figures of a sweep; warn of those that cannot be drawn, raise the first error if none can."""
-    from bearingsim.plots import select
-
-    rows = select.case_rows(results)
-    if kind == "phase":
-        rows = select.with_defect_phases(results, rows)
-    sheets, problems = [], []
-    for number, figure in enumerate(_wanted(results, rows, kind, x, changes), 1):
-        try:
-            canvas, figure_drawn = _sheet(results, figure, rows)
-            sheets.append((_name(number, figure_drawn, x, changes), canvas))
-        except PlotError as error:
-            problems.append((number, error))
-    if not sheets:
-        raise problems[0][1]
-    for number, problem in problems:
-        warnings.warn(f"figure {number} left out: {problem}", PlotWarning, stacklevel=2)
-    return sheets
-
-
-def _shows_design(results: "Results", x: str | None, changes: Mapping[str, Any]) -> bool:
-    """Check if the study has a design and neither the study nor the command names a figure."""
-    from bearingsim.plots import select
-
-    named = x or results.plan["figures"] or changes.get("panels")
-    return not named and bool(select.design_paths(results))
-
-
-def _design_figures(results: "Results", changes: Mapping[str, Any]) -> list[tuple[str, "Canvas"]]:
-    """Draw a figure per feature, with a panel for each parameter of the design that varies."""
-    from bearingsim.plots import design, select
-    from bearingsim.plots.caption import band_of_record, fixed_values, varying
-    from bearingsim.study import Figure
-
-    rows, units, every = select.case_rows(results), results.plan["units"], select.design_paths(results)
-    if not every:
-        raise PlotError("the study sweeps no design (`lhs`, `sobol`, `saltelli`, `morris`): try `--kind sweep`")
-    where, by = changes.get("where") or {}, tuple(changes.get("by") or ())
-    features = tuple(changes.get("y") or select.default_y(results, rows))
-    paths = [path for path in select.varied(select.matching(rows, where, units), every) if path not in by]
-    if not paths:
-        raise PlotError("no parameter of the design varies in these cases")
-    sheets = []
-    for name in features:
-        wanted = Figure(y=(name,), x=paths[0], by=by, where=where)
-        figure, part = select.completed(wanted, rows, units, every)
-        others = {path: unit for path, unit in units.items() if path not in paths}
-        fixed = fixed_values(results, part, {*paths, *figure.by})
-        fixed += band_of_record(results, part, [name])
-        caption = [*fixed, *varying(figure, part, others), *_design_texts(results)]
-        file_name = slug([DESIGN, name, *_option_words(changes)])
-        sheets.append((file_name, design.draw_paths(figure, paths, part, units, caption)))
-    return sheets
-
-
-def _design_texts(results: "Results") -> list[str]:
-    from bearingsim.plots import design
-
-    return [design.description(results.plan["design"]), *design.TREND]
-
-
-def _sheet(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> "tuple[Canvas, Figure]":
-    """Complete and draw a figure; return the canvas and the completed figure."""
-    from bearingsim.plots import design, select, sweep
-    from bearingsim.plots.caption import band_of_record, fixed_values, moved_along, varying
-
-    units, together = results.plan["units"], select.design_paths(results)
-    figure, part = select.completed(wanted, rows, units, together)
-    caption = fixed_values(results, part, {figure.x, *select.varied(part, [*figure.by, *figure.panels])})
-    caption += band_of_record(results, part, figure.y)
-    if select.scattered(figure, part, together):
-        caption += [*varying(figure, part, units), *_design_texts(results)]
-        return design.draw(figure, part, units, caption), figure
-    caption += moved_along(figure, part, units)
-    if sweep.are_many(figure, part, units):
-        return sweep.draw_names(figure, part, units, caption), figure
-    part = select.with_spread(results, part, figure.y)
-    return sweep.draw(figure, part, units, [*caption, *select.spread_texts(results, part)]), figure
-
-
-def _wanted(
-    results: "Results", rows: "pd.DataFrame", kind: str, x: str | None, changes: Mapping[str, Any]
-) -> "list[Figure]":
-    """List the requested figures: those of the study, or one over x, with the changes applied."""
-    from bearingsim.plots import select
-
-    figures = [select.arranged(results, x, rows)] if x else select.planned(results, rows)
-    overrides: dict[str, Any] = {
-        key: dict(value) if key == "where" else tuple(value) for key, value in changes.items() if value
-    }
-    if kind == "phase":
-        overrides["y"] = select.phases(overrides["y"]) if "y" in overrides else select.default_phases(results)
-    changed = [_changed(figure, overrides) for figure in figures]
-    return [figure for number, figure in enumerate(changed) if figure not in changed[:number]]
-
-
-def _changed(figure: "Figure", overrides: dict[str, Any]) -> "Figure":
-    """Apply overrides to a figure; a path used for curves is removed from the panels, and vice versa."""
-    by = tuple(path for path in figure.by if path not in overrides.get("panels", ()))
-    panels = tuple(path for path in figure.panels if path not in overrides.get("by", ()))
-    return replace(figure, **({"by": by, "panels": panels} | overrides))
-
-
-def _name(number: int, figure: "Figure", x: str | None, changes: Mapping[str, Any]) -> str:
-    """Name the file of a figure, `fig1-velocity-bpfo-vs-defect-length`, including the options of the command."""
-    changed = x or any(changes.values())
-    y = figure.y if changes.get("y") else figure.y[:1]
-    words = [f"{'plot' if changed else 'fig'}{number}", *y, "vs", figure.x]
-    return slug([*words, *_option_words(changes)])
-
-
-def _option_words(changes: Mapping[str, Any]) -> list[str]:
-    """List the words of a file name that describe the options of the command."""
-    words = [word for key in ("by", "panels") if changes.get(key) for word in (key, *changes[key])]
-    where = [f"{path} {value.replace('-', 'minus ')}" for path, value in (changes.get("where") or {}).items()]
-    return [*words, *(["where", *where] if where else [])]
-
-
-def slug(words: Sequence[str]) -> str:
-    """Join words to a file name: `fig1-velocity-bpfo`."""
-    return "-".join("".join(c if c.isalnum() else " " for c in " ".join(words).lower()).split())
-
-
-def _job_figures(
-    results: "Results", kind: str, jobs: Sequence[str], changes: Mapping[str, Any]
-) -> list[tuple[str, "Canvas"]]:
-    from bearingsim.plots import line_load, select, series
-
-    where, y = changes.get("where") or {}, tuple(changes.get("y") or ())
-    named = [] if list(jobs) == [ALL] else list(jobs)
-    if named and where:
-        raise PlotError("named jobs cannot be filtered; use either `--job` or `--where`")
-    rows = select.matching(select.case_rows(results), where, results.plan["units"])
-    chosen = named or (series.done_jobs(rows) if jobs else series.some_jobs(rows))
-    if not chosen:
-        raise PlotError("none of these jobs is done")
-    if kind == DEFECT:
-        return _defect_figures(results, chosen)
-    if kind == RING:
-        return _ring_figures(results, chosen)
-    options = {"span": changes["span"]} if changes.get("span") else {}
-    name = _name_of_jobs(kind, y, [ALL] if jobs and not named else chosen)
-    draw = line_load.draw_load if kind == LOAD else series.DRAW[kind]
-    return [(name, draw(results, chosen, y, **options))]
-
-
-def _defect_figures(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas"]]:
-    """Draw a figure for each distinct defect of some jobs."""
-    from bearingsim.plots import defect
-
-    return [
-        (
-            slug([DEFECT, sheet.jobs[0][:8], *([str(sheet.number)] if sheet.of > 1 else [])]),
-            defect.draw_defect(results, sheet),
-        )
-        for sheet in defect.sheets(results, jobs)
-    ]
-
-
-def _ring_figures(results: "Results", jobs: Sequence[str]) -> list[tuple[str, "Canvas"]]:
-    """Draw a figure per job with a static equilibrium; raise the first error if none has one."""
-    from bearingsim.plots import ring
-
-    sheets, problems = [], []
-    for job in jobs:
-        try:
-            sheets.append((slug([RING, job[:8]]), ring.draw_ring(results, job)))
-        except PlotError as error:
-            problems.append((job, error))
-    if not sheets:
-        raise problems[0][1]
-    for job, problem in problems:
-        warnings.warn(f"job {job} left out: {problem}", PlotWarning, stacklevel=2)
-    return sheets
-
-
-def _check_changes(kind: str, changes: Mapping[str, Any]) -> None:
-    """Raise PlotError for options that a kind of figure does not accept."""
-    useless = [name for name in UNUSED_OPTIONS[kind] if changes.get(name)]
-    if useless:
-        how = ": its jobs are chosen by `--job` or by `--where`" if kind in JOB_KINDS else ""
-        raise PlotError(f"a {kind} takes no {useless[0]}{how}")
-
-
-def _name_of_jobs(kind: str, y: Sequence[str], jobs: Sequence[str]) -> str:
-    more = [f"and {len(jobs) - MAX_NAMED} more"] if len(jobs) > MAX_NAMED else []
-    return slug([kind, *y, *(job[:8] for job in jobs[:MAX_NAMED]), *more])

@@ -1,22 +1,23 @@
 """Recorded channels of a job as drawn: components, units and names."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import cos, sin
+from math import cos, pi, sin
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from bearingsim.config import CHANNELS, dataset_names
 from bearingsim.config.channels import is_contact_force
-from bearingsim.config.names import LINE_LOADS, ROLLER, roller_of
+from bearingsim.config.names import LINE_LOADS, ROLLER, Line, roller_of
+from bearingsim.figure_kinds import MOTION
+from bearingsim.plots import lines
 from bearingsim.plots.labels import PlotError
 from bearingsim.text.units import suggestion
 
 if TYPE_CHECKING:
     from bearingsim.config import Case
+    from bearingsim.figure_kinds import View
     from bearingsim.store import Results, Series
-
-PREFERRED = ("ring.velocity", "ring.acceleration", "ring.displacement")
 
 
 class Signal(NamedTuple):
@@ -76,7 +77,7 @@ def channels_for(jobs: dict[str, Job], requested: Sequence[str], prefix: str = "
     recorded = [name for name in leading.recorded if name.startswith(prefix) and not is_of_slice(name)]
     if not recorded and not requested:
         raise PlotError(f"job {name} has recorded no {prefix or 'channel'}: add one to `record`")
-    wanted = list(requested) or [next((channel for channel in PREFERRED if channel in recorded), recorded[0])]
+    wanted = list(requested) or [next((channel for channel in MOTION if channel in recorded), recorded[0])]
     along = next((channel for channel in wanted if roller_of(channel) and channel.endswith(LINE_LOADS)), None)
     if along:
         raise PlotError(f"`{along}` is a line load with one value per slice; use `--kind load`")
@@ -116,7 +117,7 @@ def signals_of(job: Job, channel: str) -> Iterator[Signal]:
     whole = recorded_as(channel, job.recorded) or channel
     names = dataset_names(whole)
     rows = [np.asarray(series[name], np.float64) for name in names]
-    if channel in PREFERRED:
+    if channel in MOTION:
         angle = job.parameters["rig.sensor_angle"]
         yield Signal(time, cos(angle) * rows[0] + sin(angle) * rows[1])
         return
@@ -135,6 +136,44 @@ def drawn_values(job: Job, channel: str, signal: Signal) -> np.ndarray:
     from bearingsim import signals
 
     return signals.causal(signal.values)
+
+
+def filtered(signal: Signal, view: "View") -> Signal:
+    """Apply the band-pass filter of a view and subtract the mean, if requested.
+
+    Raises PlotError for a band beyond half the sampling rate.
+    """
+    values = signal.values
+    if view.band:
+        from bearingsim import signals
+
+        try:
+            values = signals.band_pass(values, signal.rate, view.band)
+        except ValueError as error:
+            raise PlotError(f"{error}; raise `sampling`") from None
+    return signal._replace(values=values - values.mean() if view.zero_mean else values)
+
+
+def has_ramp(job: Job) -> bool:
+    """Check if the speed of a job varies."""
+    return bool(job.parameters.get("ramp.to", np.nan) > 0.0)
+
+
+def roller_angle(job: Job, number: int) -> np.ndarray:
+    """Compute the angle (n,) of a roller (from 1) during the record: rad from the load line, increasing.
+
+    Uses the recorded speed or slip of the cage, else pure rolling, and neglects the pocket clearance, since the
+    position in the pocket is not recorded. Raises PlotError for a varying speed.
+    """
+    if has_ramp(job):
+        raise PlotError("roller angles are not available during a ramp; use `--kind series`")
+    series, parameters = job.series, job.parameters
+    omega_c = 2.0 * pi * lines.frequency(Line(cage=1), parameters)
+    speed = omega_c * (1.0 - np.asarray(series.channels.get("cage.slip", np.zeros(len(series.time))), np.float64))
+    speed = np.asarray(series.channels.get("cage.speed", speed), np.float64)
+    turned = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(series.time))])
+    between = 2.0 * pi * (number - 1) / parameters["bearing.rollers"]
+    return np.asarray(float(job.info["cage_angle_start_rad"]) + between + turned)
 
 
 def unit_of(channel: str) -> str:

@@ -1,6 +1,7 @@
 """Figure of the outer ring in static equilibrium over a ball pass, with exaggerated displacements."""
 
-from collections.abc import Iterator
+import warnings
+from collections.abc import Iterator, Sequence
 from math import cos, pi, sin
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,12 +19,14 @@ from bearingsim.plots.axes import finish, letter
 from bearingsim.plots.caption import fixed_values
 from bearingsim.plots.defect import round_below
 from bearingsim.plots.ring_shape import Instant, Mark, Push, Reals, RingShape, ring_shape
+from bearingsim.plots.sheet import Sheet
 from bearingsim.plots.style import COLOURS, COLUMN_IN
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from bearingsim.store import Results
+    from bearingsim.study import Figure
 
 ROOM = 0.1  # largest displacement as drawn, over the outer radius
 SPRING, ARROW, MARGIN = 0.16, 0.2, 0.16  # lengths over the outer radius
@@ -101,6 +104,21 @@ def view(shape: RingShape) -> View:
     times = round_below(ROOM * shape.outside / max(shape.largest(), 1e-12))
     most = max(float(instant.forces[instant.loaded].max(initial=0.0)) for instant in shape.instants)
     return View(shape, times, most or 1.0)
+
+
+def draw_rings(results: "Results", _: "Figure", jobs: Sequence[str]) -> list[Sheet]:
+    """Draw a figure per job with a static equilibrium; raise the first error if none has one."""
+    sheets, problems = [], []
+    for job in jobs:
+        try:
+            sheets.append(Sheet(["ring", job[:8]], draw_ring(results, job)))
+        except labels.PlotError as error:
+            problems.append((job, error))
+    if not sheets:
+        raise problems[0][1]
+    for job, problem in problems:
+        warnings.warn(f"job {job} left out: {problem}", labels.PlotWarning, stacklevel=2)
+    return sheets
 
 
 def draw_ring(results: "Results", job: str) -> Canvas:

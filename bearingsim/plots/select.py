@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim.config import FEATURES
 from bearingsim.config.names import read_band
+from bearingsim.figure_kinds import KINDS
 from bearingsim.plots.labels import COST, PlotError, described, unit_of, value_text
 from bearingsim.plots.lines import fitting, may_slip, races_of_all
-from bearingsim.study import Figure, dimension
+from bearingsim.study import Figure, dimension, stored_figure
 from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
 from bearingsim.text.units import UnitError, parse, suggestion
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 HEALTHY_PHASE = "-healthy.phase"
 MAX_CURVES = 9  # largest number of curves in a panel of an automatic figure
+SOME = 3  # number of jobs in a figure of signals without a selection
 UNSAID = "none"  # value omitted from the name of a category
 
 
@@ -55,21 +57,23 @@ def is_numeric(distinct: Sequence[Any]) -> bool:
     return all(isinstance(value, int | float) for value in distinct)
 
 
-def planned(results: "Results", rows: "pd.DataFrame") -> list[Figure]:
-    """List the figures of the study whose x is swept; automatic ones if there are none."""
+def planned(results: "Results", rows: "pd.DataFrame", kind: str | None = None) -> list[Figure]:
+    """List the figures of the study whose x is swept, of ``kind`` if given; automatic ones if there are none."""
     swept = list(results.plan["units"])
-    named = [_figure(entry) for entry in results.plan["figures"]]
+    named = map(stored_figure, results.plan["figures"])
+    wanted = [
+        figure for figure in named if kind in (None, figure.kind) or (kind == "phase" and not _is_signal(figure))
+    ]
     drawable = [
         replace(f, by=_known(f.by, swept), panels=_known(f.panels, swept), where=_known_items(f.where, swept))
-        for f in named
-        if f.x in varied(rows, swept)
+        for f in wanted
+        if _is_signal(f) or f.kind == "design" or f.x in varied(rows, swept)
     ]
     return drawable or automatic(results, rows)
 
 
-def _figure(entry: Mapping[str, Any]) -> Figure:
-    lists = {key: tuple(entry[key]) for key in ("y", "by", "panels", "log")}
-    return Figure(x=entry["x"], where=dict(entry["where"]), title=entry["title"], **lists)
+def _is_signal(figure: Figure) -> bool:
+    return KINDS[figure.kind].of_jobs
 
 
 def _known(paths: Sequence[str], swept: Sequence[str]) -> tuple[str, ...]:
@@ -105,6 +109,17 @@ def arranged(results: "Results", x: str, rows: "pd.DataFrame") -> Figure:
     panels = tuple(ordered[:1]) if curves > MAX_CURVES and len(ordered) > 1 else ()
     curves_of = tuple(path for path in others if path not in panels)
     return Figure(y=default_y(results, rows), x=x, by=curves_of, panels=panels)
+
+
+def done_jobs(rows: "pd.DataFrame") -> list[str]:
+    """List the ids of the finished cases in the rows."""
+    return list(rows[rows["status"] == "done"]["job"])
+
+
+def some_jobs(rows: "pd.DataFrame") -> list[str]:
+    """List the ids of the first, a middle and the last finished case in the rows."""
+    done = done_jobs(rows)
+    return list(dict.fromkeys(done[round(i * (len(done) - 1) / (SOME - 1))] for i in range(SOME))) if done else []
 
 
 def _follows(path: str, leading: Sequence[str], rows: "pd.DataFrame") -> bool:
@@ -159,6 +174,23 @@ def with_spread(results: "Results", rows: "pd.DataFrame", features: Sequence[str
         if len(spread)
     }
     return pd.concat([rows, pd.DataFrame(columns, index=rows.index)], axis=1)
+
+
+def with_baselines(results: "Results", rows: "pd.DataFrame", figure: Figure) -> "pd.DataFrame":
+    """Add columns ``baseline NAME`` (SI), the features of the healthy bearing, unless the figure omits them.
+
+    Phases and changes from the healthy bearing have none.
+    """
+    if figure.view.healthy == "off" or "healthy" not in rows:
+        return rows
+    table = results.table().set_index("job")
+    names = [name for name in figure.y if name in table and name in FEATURES and is_level(name)]
+    return rows.assign(**{f"baseline {name}": table[name].reindex(rows["healthy"]).to_numpy() for name in names})
+
+
+def is_level(name: str) -> bool:
+    """Check if a feature has a level for the healthy bearing: it is no phase and no change from healthy."""
+    return not name.endswith((".phase", "-healthy", "-scatter"))
 
 
 def spread_texts(results: "Results", rows: "pd.DataFrame") -> list[str]:
@@ -251,6 +283,12 @@ def phases(features: Sequence[str]) -> tuple[str, ...]:
         if phase.replace(HEALTHY_PHASE, ".phase") not in FEATURES:
             raise PlotError(f"`{name}` has no phase: expected a line such as `velocity@BPFO`")
     return names
+
+
+def check_paths(paths: Sequence[str], units: Mapping[str, str]) -> None:
+    """Raise PlotError for a path that is not swept."""
+    for path in paths:
+        _check(path, units, "swept path")
 
 
 def _check(word: str, valid: Any, what: str) -> None:

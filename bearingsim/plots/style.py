@@ -86,7 +86,7 @@ def curve_styles(by_colour: int, by_line: int, ordered: bool) -> list[list[Curve
     If ``by_line`` is 1, line styles vary with the colour. ``ordered``: many colours become shades.
     """
     shades = ordered and by_colour >= SEQUENCE_FROM
-    colours = _shades(by_colour) if shades else [COLOURS[i % len(COLOURS)] for i in range(by_colour)]
+    colours = shaded(by_colour) if shades else [COLOURS[i % len(COLOURS)] for i in range(by_colour)]
     return [
         [
             CurveStyle(colours[i], MARKERS[i % len(MARKERS)], LINES[line % len(LINES)], j == 0, rank)
@@ -99,6 +99,7 @@ def curve_styles(by_colour: int, by_line: int, ordered: bool) -> list[list[Curve
     ]
 
 
-def _shades(count: int) -> list[Any]:
+def shaded(count: int) -> list[Any]:
+    """Return ``count`` colours of a sequence, from dark to light, at least two."""
     scale = mpl.colormaps["viridis"]
     return [scale(0.86 * i / (count - 1)) for i in range(count)]

@@ -10,6 +10,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from bearingsim.plots import labels, select
 from bearingsim.plots.axes import (
     BAND_ALPHA,
+    BASELINE,
     MODEL_MARK,
     STATUS_MARKS,
     Curve,
@@ -30,6 +31,7 @@ from bearingsim.plots.axes import (
     y_label,
 )
 from bearingsim.plots.style import CurveStyle
+from bearingsim.plots.units import feature_scale
 from bearingsim.store import ERROR_PARTS
 from bearingsim.study import Figure
 
@@ -38,6 +40,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+BASELINE_COLOUR = "0.35"
 BAR_POINTS = 4.0  # width of an uncertainty bar
 
 
@@ -47,11 +50,15 @@ def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption
     styles = styles_of_curves(figure, rows, units)
 
     def panel(ax: "Axes", name: str, part: "pd.DataFrame") -> None:
-        unit, factor = labels.feature_axis(name, float(rows[name].abs().max()))  # largest value of all panels
-        ax.set_ylabel(y_label(name, unit))
-        for curve in curves_of(figure, part, units, styles, order):
+        scale = feature_scale(name, float(rows[name].abs().max()), figure.view)  # of all panels
+        factor = scale.factor
+        ax.set_ylabel(y_label(name, scale.unit))
+        curves = curves_of(figure, part, units, styles, order)
+        mark_baselines(ax, figure, curves, name, factor, rows, units)
+        for curve in curves:
             x, y = positions(figure.x, curve.rows, rows, units), list(curve.rows[name] * factor)
-            ax.plot(*_broken(x, y, name), **curve.look.keywords())
+            look = curve.look if select.is_numeric(select.values(rows, figure.x)) else curve.look._replace(line="")
+            ax.plot(*_broken(x, y, name), **look.keywords())
             mark_spread(ax, x, curve, name, factor)
             mark_errors(ax, x, y, curve)
             mark_models(ax, x, y, curve.rows, models_of(rows))
@@ -59,8 +66,36 @@ def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption
             mark_lost(ax, x, curve.rows["status"])
         x_axis(ax, figure, rows, units)
         y_axis(ax, name, figure)
+        if scale.is_rounding:
+            note_rounding(ax)
 
     return draw_panels(figure, rows, units, caption, panel)
+
+
+def mark_baselines(
+    ax: "Axes",
+    figure: Figure,
+    curves: Sequence[Curve],
+    name: str,
+    factor: float,
+    rows: "pd.DataFrame",
+    units: Mapping[str, str],
+) -> None:
+    """Draw the level of the healthy bearing, dashed: one line if all curves share it, else in their colours."""
+    column = f"baseline {name}"
+    if column not in rows:
+        return
+    levels = [tuple(curve.rows[column] * factor) for curve in curves]
+    points = [tuple(positions(figure.x, curve.rows, rows, units)) for curve in curves]
+    shared = len(set(zip(points, levels, strict=True))) == 1
+    for curve, x, y in zip(curves[:1] if shared else curves, points, levels, strict=False):
+        ax.plot(x, y, **BASELINE, color=BASELINE_COLOUR if shared else curve.look.colour)
+
+
+def note_rounding(ax: "Axes") -> None:
+    """Write in the axes that all values are rounding errors."""
+    ax.text(0.5, 0.95, "zero within rounding errors", transform=ax.transAxes, ha="center", va="top", fontsize=7.0,
+            color="0.35")  # fmt: skip
 
 
 def mark_spread(ax: "Axes", x: Sequence[float], curve: Curve, name: str, factor: float) -> None:
@@ -172,13 +207,15 @@ def _values(
     ax: "Axes", name: str, figure: Figure, rows: "pd.DataFrame", curves: list[Curve], order: Mapping[str, int]
 ) -> None:
     """Draw the points of one feature, a row per category."""
-    unit, factor = labels.feature_axis(name, float(rows[name].abs().max()))
-    ax.set_xlabel(y_label(name, unit, VALUE_LETTERS), fontsize=8.0)
+    scale = feature_scale(name, float(rows[name].abs().max()), figure.view)
+    ax.set_xlabel(y_label(name, scale.unit, VALUE_LETTERS), fontsize=8.0)
+    if scale.is_rounding:
+        note_rounding(ax)
     is_log = "y" in figure.log and not name.endswith(".phase")
     for number, curve in enumerate(curves):
         aside = SPREAD * ((number + 0.5) / len(curves) - 0.5) if len(curves) > 1 else 0.0
         heights = [order[value] + aside for value in curve.rows[figure.x]]
-        points = list(curve.rows[name] * factor)
+        points = list(curve.rows[name] * scale.factor)
         look: CurveStyle = curve.look._replace(line="")
         ax.plot(points, heights, **look.keywords())
         mark_chaotic(ax, points, heights, curve.rows, name)

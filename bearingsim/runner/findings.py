@@ -11,6 +11,7 @@ from bearingsim.runner.progress import duration
 from bearingsim.runner.promises import accuracy_notes, selection_notes, withdrawals
 from bearingsim.runner.summary import Findings
 from bearingsim.store import NOTABLE_ERROR, errors, is_uncertain, relative_error
+from bearingsim.study import stored_figure
 from bearingsim.study.uncertainty import (
     NO_OIL,
     NO_SLIP,
@@ -31,7 +32,9 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
     info = store.info(cases)
     damping_notes = list(damping.result_remarks(info))
     damping_warnings = [text for text in (*damping_notes, *_assumptions(plan)) if text.startswith(damping.WARNING)]
-    drawn_features = list(dict.fromkeys(name for figure in plan["figures"] for name in figure["y"]))
+    drawn_features = list(
+        dict.fromkeys(name for entry in plan["figures"] for name in stored_figure(entry).features)
+    )
     accuracy = plan["accuracy"]["within"] if plan.get("accuracy") else inf
     chaos_warnings = scatter_warnings(cases, drawn_features, min(NOTABLE_ERROR, accuracy / 2.0))
     return Findings(

@@ -24,7 +24,7 @@ def curves(study: Study) -> list[Curve]:
     return [
         Curve(feature, cases)
         for figure in study.figures
-        for feature in figure.y
+        for feature in figure.features
         if feature in features
         for cases in _figure_curves(figure, swept, design)
     ]

@@ -17,11 +17,20 @@ from bearingsim.signals.lines import (
 from bearingsim.signals.moments import statistics
 from bearingsim.signals.passes import at_equal_angles
 from bearingsim.signals.picker import PickedLine, pick_from, pick_line
-from bearingsim.signals.spectra import band_rms, causal, envelope_spectrum, hann, spectrum, squared_envelope
+from bearingsim.signals.spectra import (
+    band_pass,
+    band_rms,
+    causal,
+    envelope_spectrum,
+    hann,
+    spectrum,
+    squared_envelope,
+)
 
 __all__ = [
     "PickedLine",
     "at_equal_angles",
+    "band_pass",
     "band_rms",
     "causal",
     "derivative_lines",

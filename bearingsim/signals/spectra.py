@@ -43,6 +43,21 @@ def squared_envelope(series: np.ndarray, fs: float, band: tuple[float, float] | 
     return np.abs(analytic(transform, len(series))) ** 2
 
 
+def band_pass(series: np.ndarray, fs: float, band: tuple[float, float]) -> np.ndarray:
+    """Filter a series (n,) sampled at ``fs`` (Hz): keep its content in ``band`` (Hz), with zero phase.
+
+    Both ends are extended by their mirror image, so about the inverse of the bandwidth is distorted there. Raises
+    ValueError if the band is empty or not within 0 to fs/2.
+    """
+    low, high = band
+    if not 0.0 <= low < high <= fs / 2.0:
+        raise ValueError(f"a band from {low:g} to {high:g} Hz is not within 0 to {fs / 2.0:g} Hz")
+    mirrored = np.concatenate([series, series[-2:0:-1]])
+    frequencies = np.fft.rfftfreq(len(mirrored), 1.0 / fs)
+    kept = np.fft.rfft(mirrored) * ((frequencies >= low) & (frequencies <= high))
+    return np.asarray(np.fft.irfft(kept, len(mirrored))[: len(series)])
+
+
 def analytic(one_sided: np.ndarray, n: int) -> np.ndarray:
     """Compute the analytic signal (n,) of a real series of n samples, from its one-sided transform (n//2 + 1,)."""
     transform = np.zeros(n, dtype=complex)

@@ -9,9 +9,10 @@ from functools import cache
 from itertools import chain
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, TypeAdapter, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints, TypeAdapter, ValidationError
 
 from bearingsim.designs import Kind, block
+from bearingsim.figure_kinds import KINDS
 from bearingsim.store.own_files import ID
 from bearingsim.store.regular import Unreadable
 from bearingsim.study.design import BLOCK_DESIGNS
@@ -28,20 +29,42 @@ LONGEST_LOCATION = 100
 """Largest number of characters of the location of an entry in a message."""
 
 
+def _kind_of_figure(name: str) -> str:
+    if name not in KINDS:
+        raise ValueError("unknown kind of figure")
+    return name
+
+
 class Layout(BaseModel):
     """Mapping with the entries of the subclass; other entries, from other versions, are ignored."""
 
     model_config = ConfigDict(strict=True)
 
 
+class View(Layout):
+    start: float | None = None
+    stop: float | None = None
+    span: float | None = None
+    around: str | None = None
+    range: Pair | None = None
+    band: Pair | None = None
+    unit: str | None = None
+    db: bool = False
+    zero_mean: bool = False
+    healthy: str | None = None
+    orders: bool = False
+
+
 class Figure(Layout):
     y: list[Name]
-    x: Name
+    x: Annotated[str, StringConstraints(pattern=r"^[^\x00-\x1f\x7f-\x9f]{0,200}$")]
     by: list[Name]
     panels: list[Name]
     where: dict[Name, str]
     title: str | None
     log: list[str]
+    kind: Annotated[str, AfterValidator(_kind_of_figure)] = "sweep"
+    view: View = View()
 
 
 class Job(Layout):

@@ -1,13 +1,16 @@
 """Section `figures:` of a study file."""
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from bearingsim.catalogue import MODELS
-from bearingsim.config import FEATURES
+from bearingsim.config import CHANNELS, FEATURES, Case, dataset_names
 from bearingsim.config.bands import EXAMPLES
-from bearingsim.config.names import read_band
+from bearingsim.config.names import read_band, roller_of
 from bearingsim.config.vocabulary import sentence
+from bearingsim.figure_kinds import KEYS as VIEW_KEYS
+from bearingsim.figure_kinds import KINDS, LOG_AXES, OptionError, View, check_options, view_of
 from bearingsim.text.units import suggestion
 from bearingsim.text.yamlfile import MAX_PROBLEMS, Node, Problem, problem
 
@@ -25,12 +28,17 @@ COMPUTING_MODELS: dict[str, tuple[str, ...]] = {
 }
 """Models that compute the features with these prefixes; every model computes all others."""
 
-KEYS = ("y", "x", "by", "panels", "where", "title", "log")
+KEYS = ("kind", "y", "x", "by", "panels", "where", "title", "log", *VIEW_KEYS.values())
 
 
 @dataclass(frozen=True)
 class Figure:
-    """Figure of a study: features against a swept path, one curve per `by`, one panel per `panels`."""
+    """Figure of a study, of a ``kind`` in ``figure_kinds.KINDS``.
+
+    y: features, or channels of single jobs, with default if empty; x: swept path on the x axis, empty for signals;
+    by: paths with one curve per value; panels: paths with one row of axes per value; where: selection of cases by
+    path and value; log: axes with a logarithmic scale; view: displayed part and scale.
+    """
 
     y: tuple[str, ...]
     x: str
@@ -39,6 +47,29 @@ class Figure:
     where: dict[str, str] = field(default_factory=dict)
     title: str | None = None
     log: tuple[str, ...] = ()
+    kind: str = "sweep"
+    view: View = field(default_factory=View)
+
+    @property
+    def features(self) -> tuple[str, ...]:
+        """Features on the y axes; empty for a figure of signals."""
+        return () if KINDS[self.kind].of_jobs else self.y
+
+
+def stored_figure(entry: Mapping[str, Any]) -> Figure:
+    """Restore a figure from its plain data in a plan; kind and view are absent in plans of earlier versions."""
+    lists = {key: tuple(entry[key]) for key in ("y", "by", "panels", "log")}
+    stored: dict[str, Any] = {key: value for key, value in entry.get("view", {}).items() if key in VIEW_KEYS}
+    stored |= {key: tuple(value) for key, value in stored.items() if isinstance(value, list)}
+    view = View(**stored)
+    return Figure(
+        x=entry["x"],
+        where=dict(entry["where"]),
+        title=entry["title"],
+        kind=entry.get("kind", "sweep"),
+        view=view,
+        **lists,
+    )
 
 
 def band_features(root: Node) -> dict[str, Node]:
@@ -65,7 +96,8 @@ def with_features(base: Node, requested: Mapping[str, Node]) -> Node:
 def _named_features(root: Node) -> Iterator[Node]:
     """Yield the features named by figures and by `accuracy`."""
     figures, accuracy = root.mapping.get("figures"), root.mapping.get("accuracy")
-    entries = [figure.mapping.get("y") for figure in (figures.items if figures is not None else ())]
+    drawn = figures.items if figures is not None else ()
+    entries = [figure.mapping.get("y") for figure in drawn if not _shows_signals(figure)]
     for entry in (*entries, accuracy.mapping.get("of") if accuracy is not None else None):
         if entry is not None:
             yield from entry.items or (entry,)
@@ -85,7 +117,7 @@ def parse_figures(section: Node | None, swept: Collection[str], problems: list[P
 def check_computed(section: Node | None, models: Collection[str], problems: list[Problem]) -> None:
     """Add a problem for each feature in a figure that none of the study's models computes."""
     for figure in section.items if section is not None else ():
-        node = figure.mapping.get("y")
+        node = None if _shows_signals(figure) else figure.mapping.get("y")
         for feature in () if node is None else node.items or (node,):
             candidates = next(
                 (candidates for prefix, candidates in COMPUTING_MODELS.items() if feature.text.startswith(prefix)),
@@ -97,37 +129,94 @@ def check_computed(section: Node | None, models: Collection[str], problems: list
                 problems.append(problem(feature.mark, message, f"it takes {words}"))
 
 
+def check_recorded(section: Node | None, cases: Iterable[Case], problems: list[Problem]) -> None:
+    """Add a problem for each figure of signals whose channel none of the cases records."""
+    figures = [node for node in (section.items if section is not None else ()) if _shows_signals(node)]
+    recorded = {channel for case in cases for channel in case.record} if figures else set()
+    names = recorded | {name for channel in recorded for name in dataset_names(channel)}
+    rollers = {roller for channel in names if (roller := roller_of(channel))}
+    for figure in figures:
+        node = figure.mapping.get("y")
+        for channel in (node.items or (node,)) if node is not None else ():
+            if channel.text not in names and roller_of(channel.text) not in rollers:
+                add = f"add it to `record`: `record: [{channel.text}]`"
+                problems.append(
+                    problem(channel.mark, f"figures: the channel `{channel.text}` is not recorded", add)
+                )
+        if node is None and not recorded and figure.mapping["kind"].text not in ("pit", "ring"):
+            message = f"figures: a {figure.mapping['kind'].text} needs a recorded channel"
+            problems.append(problem(figure.mark, message, "add `record: [ring.velocity]`"))
+
+
+def _shows_signals(node: Node) -> bool:
+    """Check if the node of a figure names a kind that shows signals of single jobs."""
+    kind = node.mapping.get("kind") if isinstance(node.value, dict) else None
+    return kind is not None and kind.text in KINDS and KINDS[kind.text].of_jobs
+
+
 def _figure(node: Node, swept: Collection[str], problems: list[Problem]) -> Figure | None:
     problem_count = len(problems)
-    _check_keys(node, problems)
+    _check_words("kind", node, KINDS, "kind of figure", problems)
+    if len(problems) > problem_count:
+        return None
+    signals = _shows_signals(node)
+    kind = node.mapping["kind"].text if isinstance(node.value, dict) and "kind" in node.mapping else "sweep"
+    _check_keys(node, problems, required=() if signals or kind == "design" else ("x", "y"))
     for name in ("x", "by", "panels"):
         _check_words(name, node, swept, "swept path", problems)
-    _check_words("y", node, PLOT_COLUMNS, "feature", problems)
-    _check_words("log", node, ("x", "y"), "axis", problems)
+    if signals:
+        _check_channels(node, problems)
+    else:
+        _check_words("y", node, PLOT_COLUMNS, "feature", problems)
+    _check_words("log", node, LOG_AXES, "axis", problems)
     where = node.mapping.get("where")
     for path, value in (where.mapping if where else {}).items():
         _check_word("where", path, value, swept, "swept path", problems)
     if len(problems) > problem_count:
         return None
     entries = node.mapping
+    view = _view(kind, entries, problems)
+    if view is None:
+        return None
     return Figure(
         y=_texts(entries.get("y")),
-        x=entries["x"].text,
+        x=entries["x"].text if "x" in entries else "",
         by=_texts(entries.get("by")),
         panels=_texts(entries.get("panels")),
         where={path: value.text for path, value in where.mapping.items()} if where else {},
         title=entries["title"].text if "title" in entries else None,
         log=_texts(entries.get("log")),
+        kind=kind,
+        view=view,
     )
 
 
-def _check_keys(node: Node, problems: list[Problem]) -> None:
+def _view(kind: str, entries: Mapping[str, Node], problems: list[Problem]) -> View | None:
+    """Parse the options of a figure; None, with a problem, if one is invalid or not an option of the kind."""
+    texts = {key: entry.value if isinstance(entry.value, str) else _texts(entry) for key, entry in entries.items()}
+    try:
+        check_options(kind, {key: text for key, text in texts.items() if key not in ("kind", "title")})
+        return view_of(kind, texts)
+    except OptionError as error:
+        entry = entries[error.option]
+        problems.append(problem(entry.mark, f"figures.{error.option}: {error}"))
+        return None
+
+
+def _check_channels(node: Node, problems: list[Problem]) -> None:
+    entry = node.mapping.get("y")
+    for channel in (entry.items or (entry,)) if entry is not None else ():
+        if roller_of(channel.text) is None and channel.text.rpartition(".")[0] not in CHANNELS:
+            _check_word("figures.y", channel.text, channel, CHANNELS, "channel", problems)
+
+
+def _check_keys(node: Node, problems: list[Problem], required: Collection[str]) -> None:
     if not isinstance(node.value, dict):
         problems.append(problem(node.mark, "figures: expected a mapping such as `{y: velocity@BPFO, x: load}`"))
         return
     for key, value in node.mapping.items():
         _check_word("figures", key, value, KEYS, "key", problems)
-    for key in ("x", "y"):
+    for key in required:
         if key not in node.mapping:
             problems.append(problem(node.mark, f"figures: `{key}` is missing"))
     if "x" in node.mapping and not isinstance(node.mapping["x"].value, str):

@@ -69,7 +69,7 @@ def add_early_end(case: Case, goal: Goal, figures: Iterable[Figure]) -> Case:
     The case is unchanged if it records series, has an `until`, needs features that are not means, or has a
     conflict with `until`.
     """
-    names = dict.fromkeys((*goal.of, *(name for figure in figures for name in figure.y)))
+    names = dict.fromkeys((*goal.of, *(name for figure in figures for name in figure.features)))
     if case.record or case.until is not None or full_record_feature(names):
         return case
     races = [defect.race for defect in case.defects] or ["outer"]
@@ -134,7 +134,7 @@ def _parse_features(node: Node | None, problems: list[Problem]) -> tuple[str, ..
 
 def _plotted_features(figures: Iterable[Figure]) -> tuple[str, ...]:
     """List the features in the figures for which an accuracy can be required."""
-    return tuple(dict.fromkeys(name for figure in figures for name in figure.y if is_goal_feature(name)))
+    return tuple(dict.fromkeys(name for figure in figures for name in figure.features if is_goal_feature(name)))
 
 
 def check_goal(

@@ -176,7 +176,7 @@ class Study:
             range_warnings,
         )
 
-        plotted = [name for figure in self.figures for name in figure.y]
+        plotted = [name for figure in self.figures for name in figure.features]
         rigid = assumes_rigid_ring(self.cases(), plotted, self.uncertainty)
         cases = self.cases()
         warnings = omission_warnings(cases) if self.goal is None else ()

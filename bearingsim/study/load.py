@@ -11,7 +11,7 @@ from bearingsim.catalogue import REFERENCE
 from bearingsim.config import Case
 from bearingsim.config.case_fields import DEPRECATED_KEYS
 from bearingsim.config.fields import describe_value
-from bearingsim.study.figures import Figure, band_features, check_computed, parse_figures
+from bearingsim.study.figures import Figure, band_features, check_computed, check_recorded, parse_figures
 from bearingsim.study.goal import Goal, add_early_end, check_goal, parse_goal, with_reference_model
 from bearingsim.study.jobs import Study
 from bearingsim.study.plan import Plan
@@ -56,6 +56,7 @@ def load_study(
     if REFERENCE in settings.models:
         models = {case.model for case in (*cases, *(case for sample in samples for case in sample))}
         check_computed(file.root.mapping.get("figures"), models, settings.problems)
+    check_recorded(file.root.mapping.get("figures"), cases, settings.problems)
     _raise_problems(file, settings)
     study = Study(
         name=settings.name,

@@ -23,7 +23,7 @@ def draw(results, text, figure):
 def test_what_a_zip_moves_with_x_is_named_with_its_range(results):
     canvas = draw(results, ZIP, "{y: velocity@BPFO, x: defect.length, by: model}")
     assert "load moves along: 150 to 300 N" in caption_of(canvas)
-    assert text_of(canvas) == ["model static", "model ring"]
+    assert text_of(canvas) == ["model static", "model ring", "healthy"]
 
 
 def test_what_a_zip_moves_from_curve_to_curve_is_named_with_its_curves(results):

@@ -6,13 +6,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from bearingsim import signals
 from bearingsim.cli import tables
 from bearingsim.config import dataset_names
 from bearingsim.core.geometry.kinematics import cage_speed
 from bearingsim.core.sampling import sampling_kernel
-from bearingsim.plots import PlotError, labels, recorded, series
+from bearingsim.plots import PlotError, labels, recorded
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.recorded import Job, Signal
+from bearingsim.plots.spectra import whole_periods
 from bearingsim.store import Series
 from tests.plots.test_plots import BPFO, STUDY, only, record, results, text_of
 
@@ -165,21 +167,21 @@ def job_of(known=(), **channels):
     ("channels", "share"), [({}, 1.0), ({"cage.slip": 0.3}, 0.7), ({"cage.speed": 0.5 * OMEGA_C}, 0.5)]
 )
 def test_a_roller_turns_with_the_cage_as_far_as_that_is_known(channels, share):
-    angle = series.roller_angle(job_of(**channels), 1)
+    angle = recorded.roller_angle(job_of(**channels), 1)
     assert angle[0] == pytest.approx(0.1)
     assert angle[-1] - angle[0] == pytest.approx(share * OMEGA_C, rel=1e-9)
 
 
 def test_under_a_ramp_no_angle_is_made_up():
     with pytest.raises(PlotError, match="during a ramp"):
-        series.roller_angle(job_of({"ramp.to": 300.0}), 1)
+        recorded.roller_angle(job_of({"ramp.to": 300.0}), 1)
 
 
 def test_the_envelope_spectrum_shows_the_rhythm_of_a_tone():
     """Squared envelope of a (1 + m cos wt) cos ct: a^2 (1 + m cos wt)^2, 2 m a^2 at w, m^2 a^2/2 at 2 w."""
     time = np.arange(10240) / 10240.0
     wave = 3.0 * (1.0 + 0.5 * np.cos(2.0 * math.pi * BPFO * time)) * np.cos(2.0 * math.pi * 2000.0 * time)
-    frequency, height = series.envelope_spectrum(Signal(time, wave), 1.0)
+    frequency, height = signals.envelope_spectrum(*whole_periods(Signal(time, wave), 1.0))
     assert height[frequency == BPFO] == pytest.approx(2.0 * 0.5 * 9.0, rel=1e-6)
     assert height[frequency == 2.0 * BPFO] == pytest.approx(0.125 * 9.0, rel=1e-6)
     assert height[frequency == 2000.0] < 1e-6

@@ -9,6 +9,7 @@ import pytest
 from bearingsim import store
 from bearingsim.core.defects.closed_forms import bowl, box, groove, roller_drop
 from bearingsim.core.defects.depth import Circular, MergedDefects, ShiftedDefect
+from bearingsim.figure_kinds import OptionError
 from bearingsim.plots import PlotError, plot
 from bearingsim.plots.defect import SECTION_IN, exaggeration
 from bearingsim.plots.passage import cut, defects_of, distinct_sections
@@ -153,7 +154,7 @@ def test_what_has_no_defect_is_refused(results):
     opened = results(text.replace("  defect.length", "  seed").replace("3 mm, 6 mm, 9 mm", "1, 2"))
     with pytest.raises(PlotError, match="have no defect to draw"):
         figures(opened, kind="pit")
-    with pytest.raises(PlotError, match="a pit takes no y"):
+    with pytest.raises(OptionError, match="a pit has no option `y`"):
         figures(opened, kind="pit", y=["velocity.rms"])
 
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from bearingsim.figure_kinds import OptionError
 from bearingsim.plots import PlotError, design
 from bearingsim.plots.plot import drawn
 from tests.plots.test_plot_along import caption_of
@@ -124,7 +125,7 @@ def test_what_a_figure_of_a_design_does_not_take_is_refused(results):
     with pytest.raises(PlotError, match="the study sweeps no design"):
         drawn(opened, kind="design")
     for option in ({"x": "load"}, {"panels": ["load"]}, {"span": 1.0}):
-        with pytest.raises(PlotError, match="a design takes no"):
+        with pytest.raises(OptionError, match="a design has no option"):
             drawn(opened, kind="design", **option)
 
 

@@ -221,7 +221,6 @@ def test_few_samples_are_told(loaded):
          "recorded no load along a roller: add `roller.outer_line_load` to `record`, with `model: spatial`"),
         ("roller.2.outer_line_load.3", {}, "recorded 1 of 1[23] slices; add `roller.2.outer_line_load`"),
         ("roller.2.outer_line_load", {"span": 2e-5}, "samples in that time; raise `sampling`"),
-        ("roller.2.outer_line_load", {"by": ["load"]}, "a load takes no by"),
     ],
 )  # fmt: skip
 def test_what_was_not_recorded_is_told(results, monkeypatch, recorded, options, message):

@@ -9,13 +9,13 @@ import pytest
 from bearingsim import assemble, store
 from bearingsim.config import Case
 from bearingsim.core import layout as lay
+from bearingsim.figure_kinds import OptionError
 from bearingsim.plots import PlotError, PlotWarning
 from bearingsim.plots import plot as written
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.ring import draw_shape, sensor_position, view
 from bearingsim.plots.ring_shape import PARTS, ring_shape
-from bearingsim.plots.select import case_rows
-from bearingsim.plots.series import done_jobs
+from bearingsim.plots.select import case_rows, done_jobs
 from tests.plots.test_plots import STUDY, only, results
 from tests.scenes.nf308 import SLOT
 
@@ -220,5 +220,5 @@ def test_what_cannot_be_drawn_is_refused(results):
         drawn(opened, kind="ring", jobs=["nobody"])
     with pytest.raises(store.ResultsError, match="has no series: the ring left"):
         drawn(opened, kind="ring", jobs=opened.jobs[:1])
-    with pytest.raises(PlotError, match="a ring takes no y"):
+    with pytest.raises(OptionError, match="a ring has no option `y`"):
         drawn(opened, kind="ring", y=["velocity.rms"])

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
-from bearingsim import store
+from bearingsim import signals, store
+from bearingsim.figure_kinds import KINDS
 from bearingsim.plots import PlotError, PlotWarning, axes, labels, plot, select, style
-from bearingsim.plots.plot import KINDS, drawn
+from bearingsim.plots.plot import drawn
 from bearingsim.plots.recorded import Signal
-from bearingsim.plots.series import amplitude_spectrum
+from bearingsim.plots.spectra import whole_periods
 from bearingsim.study import load_study
 
 STUDY = """\
@@ -89,8 +90,9 @@ def only(sheets):
 
 
 def lines(ax):
-    """Curves of axes by x and y, markers of lost jobs left out."""
-    return [line for line in ax.lines if line.get_marker() not in ("x", "|") or len(line.get_xdata()) > 2]
+    """Curves of axes by x and y, without markers of lost jobs and levels of the healthy bearing."""
+    curves = [line for line in ax.lines if line.get_gid() != "healthy"]
+    return [line for line in curves if line.get_marker() not in ("x", "|") or len(line.get_xdata()) > 2]
 
 
 def text_of(canvas):
@@ -407,7 +409,7 @@ def test_the_phase_of_the_difference_follows_the_angle(results):
 def test_a_sine_has_a_peak_of_its_height():
     time = np.arange(5000) / 10240.0
     wave = 3e-6 * np.sin(2.0 * math.pi * BPFO * time) + 1.0
-    frequency, height = amplitude_spectrum(Signal(time, wave), BPFO)
+    frequency, height = signals.spectrum(*whole_periods(Signal(time, wave), BPFO))
     peak = height.argmax()
     assert frequency[peak] == pytest.approx(BPFO, abs=1e-2)
     assert height[peak] == pytest.approx(3e-6, rel=1e-3)

@@ -1,0 +1,219 @@
+"""Kinds of figures, and the options of each.
+
+A new kind is an entry of ``KINDS`` and the function that it names, in ``bearingsim.plots``.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from typing import Any, NamedTuple
+
+from bearingsim.errors import UserError
+from bearingsim.text.units import Dimension, UnitError, parse, split
+
+TIME = ("from", "to", "span", "around")
+SPECTRAL = ("range", "log", "db", "orders")
+SELECTION = ("y", "where")
+CURVES = (*SELECTION, "by", "unit", "healthy")
+
+MOTION = ("ring.velocity", "ring.acceleration", "ring.displacement")
+"""Channels drawn by default, in order of preference."""
+
+
+class Kind(NamedTuple):
+    """Kind of figure.
+
+    draw: module and function in ``bearingsim.plots``; options: keys of a figure of this kind; of_jobs: whether it
+    shows signals of single jobs rather than features of the results table; range: dimension of its option `range`.
+    """
+
+    draw: str
+    help: str
+    options: tuple[str, ...]
+    of_jobs: bool = True
+    range: Dimension | None = None
+
+
+KINDS = {
+    "sweep": Kind(
+        "features.draw_sweep", "features against a swept parameter", (*CURVES, "x", "panels", "log"), of_jobs=False
+    ),
+    "phase": Kind(
+        "features.draw_phases", "phases of spectral lines against a swept parameter",
+        (*SELECTION, "x", "by", "panels"), of_jobs=False,
+    ),
+    "design": Kind(
+        "features.draw_design", "features against each parameter of a design", (*SELECTION, "by", "unit"),
+        of_jobs=False,
+    ),
+    "waterfall": Kind(
+        "waterfall.draw_waterfall", "spectra stacked over a swept parameter",
+        (*SELECTION, "by", "unit", "range", "db"), range="frequency",
+    ),
+    "series": Kind("series.draw_series", "channels over time", (*CURVES, *TIME, "band", "mean")),
+    "spectrum": Kind(
+        "spectra.draw_spectrum", "amplitude spectra of channels", (*CURVES, *TIME, *SPECTRAL), range="frequency"
+    ),
+    "envelope": Kind(
+        "spectra.draw_envelope_spectrum", "spectra of the squared envelope of channels",
+        (*CURVES, *TIME, *SPECTRAL, "band"), range="frequency",
+    ),
+    "spectrogram": Kind(
+        "spectrogram.draw_spectrogram", "amplitude over time and frequency",
+        (*SELECTION, *TIME, "unit", "range", "db"), range="frequency",
+    ),
+    "roller": Kind(
+        "roller.draw_roller", "channels of a roller over its angle",
+        (*CURVES, "around", "range", "mean"), range="angle",
+    ),
+    "load": Kind("line_load.draw_load", "line load along a roller", (*SELECTION, "span")),
+    "pit": Kind("defect.draw_defects", "defects to scale", ("where",)),
+    "ring": Kind("ring.draw_rings", "outer ring in static equilibrium", ("where",)),
+}  # fmt: skip
+"""Kinds of figures by name."""
+
+HEALTHY = ("beside", "below", "off")
+AROUND = ("impact",)
+LOG_AXES = ("x", "y")
+
+
+class OptionError(UserError):
+    """Invalid option of a figure; ``option``: its key."""
+
+    def __init__(self, option: str, message: str) -> None:
+        super().__init__(message)
+        self.option = option
+
+
+@dataclass(frozen=True)
+class View:
+    """Displayed part and scale of the signals or features of a figure; None and False: the default of the kind.
+
+    start, stop, span: time (s); around: event near the middle of the time axis; range: limits of the frequency
+    axis (Hz) or of the roller's angle (rad); band: band-pass filter (Hz); unit: of the y axis; db: level in
+    decibels; zero_mean: subtract the mean; healthy: place of the healthy bearing's curve; orders: add an axis in
+    orders of the shaft.
+    """
+
+    start: float | None = None
+    stop: float | None = None
+    span: float | None = None
+    around: str | None = None
+    range: tuple[float, float] | None = None
+    band: tuple[float, float] | None = None
+    unit: str | None = None
+    db: bool = False
+    zero_mean: bool = False
+    healthy: str | None = None
+    orders: bool = False
+
+    def options(self) -> list[str]:
+        """List the keys of the options that differ from their defaults."""
+        return [KEYS[f.name] for f in fields(self) if getattr(self, f.name) not in (None, False)]
+
+
+KEYS = {f.name: f.name for f in fields(View)} | {"start": "from", "stop": "to", "zero_mean": "mean"}
+"""Key in a study and option of the command, by field of ``View``."""
+
+
+def view_of(kind: str, texts: Mapping[str, Any]) -> View:
+    """Parse the options of a figure of ``kind`` from their texts, by key; keys without a value are ignored.
+
+    Raises OptionError for an invalid value, or for two options that exclude each other.
+    """
+    readers = READERS | {"range": lambda text: limits(text, KINDS[kind].range or "frequency")}
+    values: dict[str, Any] = {}
+    for name, key in KEYS.items():
+        if texts.get(key) not in (None, False, ""):
+            try:
+                values[name] = readers[key](texts[key])
+            except (UnitError, ValueError) as error:
+                raise OptionError(key, str(error)) from None
+    view = View(**values)
+    _check_together(view, texts)
+    return view
+
+
+def check_options(kind: str, options: Mapping[str, Any]) -> None:
+    """Raise OptionError for an option that a kind of figure does not have."""
+    for key, value in options.items():
+        if value and key not in KINDS[kind].options:
+            having = [name for name, other in KINDS.items() if key in other.options]
+            advice = "choose jobs by `--job` or `--where`" if KINDS[kind].of_jobs and key == "x" else ""
+            advice = advice or (f"it is an option of {', '.join(having)}" if having else "")
+            raise OptionError(key, f"a {kind} has no option `{key}`" + (f" ({advice})" if advice else ""))
+
+
+def limits(text: Any, dimension: Dimension) -> tuple[float, float]:
+    """Parse two limits, `0 Hz..2 kHz` or `0..2 kHz`, in SI; the first may omit the unit of the second.
+
+    Raises ValueError unless the second is larger.
+    """
+    low_text, separator, high_text = (part.strip() for part in str(text).partition(".."))
+    example = "0 Hz..2 kHz" if dimension == "frequency" else "-5 deg..5 deg"
+    if not separator:
+        raise ValueError(f"expected two limits such as `{example}`, got `{text}`")
+    high = parse(high_text, dimension)
+    number, unit = split(low_text)
+    low = parse(low_text if unit else f"{number} {split(high_text)[1]}", dimension)
+    if not low < high or (dimension == "frequency" and low < 0.0):
+        raise ValueError(f"expected two limits in ascending order, such as `{example}`, got `{text}`")
+    return low, high
+
+
+def _check_together(view: View, texts: Mapping[str, Any]) -> None:
+    if view.around and (view.start is not None or view.stop is not None):
+        raise OptionError("around", "`around` sets the time axis: omit `from` and `to`, and give `span`")
+    if view.stop is not None and view.span is not None:
+        raise OptionError("span", "`to` and `span` both set the end of the time axis: omit one")
+    if view.stop is not None and view.stop <= (view.start or 0.0):
+        raise OptionError("to", "expected an end after the beginning")
+    if view.db and view.unit:
+        raise OptionError("unit", "a level in dB has no other unit: omit `unit` or `db`")
+    if view.db and "y" in (texts.get("log") or ()):
+        raise OptionError("db", "a level in dB is logarithmic already: omit `log` or `db`")
+
+
+def _time(text: Any) -> float:
+    seconds = float(text) if isinstance(text, float | int) else parse(str(text), "time")
+    if seconds < 0.0:
+        raise ValueError(f"expected a time from zero on, got `{text}`")
+    return seconds
+
+
+def _span(text: Any) -> float:
+    seconds = _time(text)
+    if seconds == 0.0:
+        raise ValueError(f"expected a time above zero, got `{text}`")
+    return seconds
+
+
+def _band(text: Any) -> tuple[float, float]:
+    return limits(text, "frequency")
+
+
+def _flag(text: Any) -> bool:
+    words = {"true": True, "false": False}
+    if str(text).lower() not in words:
+        raise ValueError(f"expected `true` or `false`, got `{text}`")
+    return words[str(text).lower()]
+
+
+def _zero(text: Any) -> bool:
+    if str(text) not in ("0", "0.0", "True"):
+        raise ValueError(f"expected 0, which subtracts the mean, got `{text}`")
+    return True
+
+
+def _word(*words: str) -> Callable[[Any], str]:
+    def read(text: Any) -> str:
+        if text not in words:
+            raise ValueError(f"expected {' or '.join(words)}, got `{text}`")
+        return str(text)
+
+    return read
+
+
+READERS: dict[str, Callable[[Any], Any]] = {
+    "from": _time, "to": _time, "span": _span, "around": _word(*AROUND), "band": _band, "unit": str, "db": _flag,
+    "mean": _zero, "healthy": _word(*HEALTHY), "orders": _flag,
+}  # fmt: skip

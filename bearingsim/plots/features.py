@@ -1,0 +1,70 @@
+"""Figures of the features in the results table: sweeps, phases and designs."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from bearingsim.plots import design, select, sweep
+from bearingsim.plots.caption import band_of_record, fixed_values, moved_along, varying
+from bearingsim.plots.labels import PlotError
+from bearingsim.plots.sheet import Sheet
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from bearingsim.store import Results
+    from bearingsim.study import Figure
+
+
+def draw_sweep(results: "Results", figure: "Figure", _: Sequence[str] = ()) -> list[Sheet]:
+    """Draw features against a swept path: curves, or points where other paths of a design vary too."""
+    return [_draw(results, figure, select.case_rows(results))]
+
+
+def draw_phases(results: "Results", figure: "Figure", _: Sequence[str] = ()) -> list[Sheet]:
+    """Draw the phases of spectral lines against a swept path, by default also those of the change from healthy."""
+    y = select.phases(figure.y) if figure.y else select.default_phases(results)
+    rows = select.with_defect_phases(results, select.case_rows(results))
+    return [_draw(results, replace(figure, y=y), rows)]
+
+
+def draw_design(results: "Results", figure: "Figure", _: Sequence[str] = ()) -> list[Sheet]:
+    """Draw a figure per feature, with a panel for each parameter of the design that varies."""
+    rows, units, every = select.case_rows(results), results.plan["units"], select.design_paths(results)
+    if not every:
+        raise PlotError("the study sweeps no design (`lhs`, `sobol`, `saltelli`, `morris`): try `--kind sweep`")
+    matching = select.matching(rows, figure.where, units)
+    paths = [path for path in select.varied(matching, every) if path not in figure.by]
+    if not paths:
+        raise PlotError("no parameter of the design varies in these cases")
+    sheets = []
+    for name in figure.y or select.default_y(results, rows):
+        complete, part = select.completed(replace(figure, y=(name,), x=paths[0]), rows, units, every)
+        others = {path: unit for path, unit in units.items() if path not in paths}
+        fixed = fixed_values(results, part, {*paths, *complete.by})
+        fixed += band_of_record(results, part, [name])
+        caption = [*fixed, *varying(complete, part, others), *_design_texts(results)]
+        sheets.append(Sheet(["design", name], design.draw_paths(complete, paths, part, units, caption)))
+    return sheets
+
+
+def _draw(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> Sheet:
+    """Complete and draw a figure over a swept path."""
+    units, together = results.plan["units"], select.design_paths(results)
+    figure, part = select.completed(wanted, rows, units, together)
+    words = [figure.y[0], "vs", figure.x]
+    caption = fixed_values(results, part, {figure.x, *select.varied(part, [*figure.by, *figure.panels])})
+    caption += band_of_record(results, part, figure.y)
+    if select.scattered(figure, part, together):
+        caption += [*varying(figure, part, units), *_design_texts(results)]
+        return Sheet(words, design.draw(figure, part, units, caption))
+    caption += moved_along(figure, part, units)
+    if sweep.are_many(figure, part, units):
+        return Sheet(words, sweep.draw_names(figure, part, units, caption))
+    part = select.with_baselines(results, select.with_spread(results, part, figure.y), figure)
+    texts = [*caption, *select.spread_texts(results, part)]
+    return Sheet(words, sweep.draw(figure, part, units, texts))
+
+
+def _design_texts(results: "Results") -> list[str]:
+    return [design.description(results.plan["design"]), *design.TREND]

@@ -1,0 +1,93 @@
+"""Signals of a roller over its angle from the load line."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import pi
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from bearingsim.config.names import roller_of
+from bearingsim.plots import recorded
+from bearingsim.plots.grid import Curve, Display, grid
+from bearingsim.plots.labels import PlotError
+from bearingsim.plots.recorded import Job, Signal
+from bearingsim.plots.sheet import Sheet, file_words
+from bearingsim.plots.spectra import MARK_COLOURS
+from bearingsim.plots.window import passage_of
+
+if TYPE_CHECKING:
+    from bearingsim.store import Results
+    from bearingsim.study import Figure
+
+FEW_TICKS = 90.0  # deg, least range of angles with a tick every 90 deg
+
+
+def draw_roller(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
+    """Draw channels of a roller over its angle from the load line, or around a defect that it passes.
+
+    Raises PlotError for another channel, or if the roller passes no defect.
+    """
+    records = recorded.all_jobs(results, jobs)
+    channels = recorded.channels_for(records, figure.y, prefix="roller.")
+    if not figure.y:
+        names = [name for name in next(iter(records.values())).recorded if not recorded.is_of_slice(name)]
+        number = (roller_of(channels[0]) or (1, ""))[0]
+        channels = [name for name in names if (roller_of(name) or (0, ""))[0] == number]
+    for name in channels:
+        if roller_of(name) is None:
+            raise PlotError(f"`{name}` is not a roller channel; use `--kind series`")
+    low, high = (-180.0, 180.0) if figure.view.range is None else map(float, np.degrees(figure.view.range))
+    if figure.view.around:
+        low, high = _around_defect(results, records, channels[0], figure)
+
+    def curve(name: str, job: Job, channel: str, signal: Signal) -> Curve:
+        values = recorded.drawn_values(job, channel, recorded.filtered(signal, figure.view))
+        angle = np.degrees(recorded.roller_angle(job, (roller_of(channel) or (1, ""))[0]) + pi) % 360.0 - 180.0
+        return _in_range(angle, values, low, high, one_pass=bool(figure.view.around))
+
+    if figure.view.healthy is None:
+        figure = replace(figure, view=replace(figure.view, healthy="off"))
+    made = grid(results, records, channels, figure, Display(curve, "Angle of the roller (°)"))
+    for row, shown in zip(made.axes, made.jobs, strict=True):
+        for ax in row:
+            ax.set_xlim(low, high)
+            if high - low > FEW_TICKS:
+                ax.set_xticks(range(-180, 181, 90))
+            for job in shown:
+                for angle in outer_defects(job.parameters):
+                    ax.axvline(np.degrees(angle), color=MARK_COLOURS["outer"], lw=0.7, alpha=0.6, zorder=0.9)
+    return [Sheet(file_words(figure, jobs), made.canvas)]
+
+
+def _in_range(angle: np.ndarray, values: np.ndarray, low: float, high: float, one_pass: bool) -> Curve:
+    """Return angles (deg) and values within limits: of the first pass, or with a gap after each revolution."""
+    shown = np.flatnonzero((angle >= low) & (angle <= high))
+    if not len(shown):
+        raise PlotError(f"no sample has an angle from {low:g} to {high:g}°; record longer or raise `sampling`")
+    ends = np.flatnonzero((np.diff(shown) > 1) | (np.diff(angle[shown]) < 0.0)) + 1
+    if one_pass and len(ends):
+        shown, ends = shown[: ends[0]], ends[:0]
+    return np.insert(angle[shown], ends, np.nan), np.insert(values[shown], ends, np.nan)
+
+
+def _around_defect(
+    results: "Results", records: Mapping[str, Job], channel: str, figure: "Figure"
+) -> tuple[float, float]:
+    """Return the angles (deg) of the roller from shortly before to after a stationary defect that it passes."""
+    ranges = []
+    for name, job in records.items():
+        passage = passage_of(results, name, job, channel)
+        if passage is None or passage.defect.race != "outer":
+            raise PlotError(f"the roller of job {name} passes no defect of the outer race; use `range`")
+        rate = recorded.roller_angle(job, 1)
+        speed = float((rate[-1] - rate[0]) / (job.series.time[-1] - job.series.time[0]))
+        angle = (np.degrees(passage.defect.angle) + 180.0) % 360.0 - 180.0
+        ranges.append([angle + np.degrees(speed * (end - passage.time)) for end in passage.window])
+    return min(low for low, _ in ranges), max(high for _, high in ranges)
+
+
+def outer_defects(parameters: Mapping[Any, Any]) -> list[float]:
+    """List the angles (rad) of the stationary defects."""
+    heads = [str(name).removesuffix(".race") for name in parameters if str(name).endswith(".race")]
+    return [parameters[f"{head}.angle"] for head in heads if parameters[f"{head}.race"] == "outer"]

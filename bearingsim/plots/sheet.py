@@ -1,0 +1,25 @@
+"""Drawn figure and the words of its file name."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Canvas
+
+    from bearingsim.study import Figure
+
+MAX_NAMED = 4  # largest number of jobs in the name of a file
+ALL = "all"
+
+
+class Sheet(NamedTuple):
+    """Figure and the words of its file name."""
+
+    words: list[str]
+    canvas: "Canvas"
+
+
+def file_words(figure: "Figure", jobs: Sequence[str]) -> list[str]:
+    """List the words of the file name of a figure of signals: its kind, channels and jobs."""
+    more = [f"and {len(jobs) - MAX_NAMED} more"] if len(jobs) > MAX_NAMED else []
+    return [figure.kind, *figure.y, *(job[:8] for job in jobs[:MAX_NAMED]), *more]

@@ -1,0 +1,213 @@
+"""Spectra of signals, with the spectral lines of the defects marked."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+from matplotlib.lines import Line2D
+
+from bearingsim.config.bands import FLAT
+from bearingsim.plots import labels, lines, recorded
+from bearingsim.plots.grid import Curve, Display, grid
+from bearingsim.plots.labels import PlotError
+from bearingsim.plots.recorded import Job, Signal
+from bearingsim.plots.sheet import Sheet, file_words
+from bearingsim.plots.style import COLOURS
+from bearingsim.plots.window import cut, window_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from bearingsim.store import Results
+    from bearingsim.study import Figure
+
+SHOWN_LINES = {"spectrum": 12, "envelope": 6}  # multiples of the fundamental line shown by default
+MARK_COLOURS = {"outer": COLOURS[1], "inner": COLOURS[3], "roller": COLOURS[2]}
+DASHED = (0, (2, 2))
+MARKS_APART = 0.02  # of the axis, least distance of marks; closer ones are left out
+NAMES_APART = 0.085  # of the axis, least distance of the names of marks
+ORDERS_POINTS = 30.0  # height of the axis in orders above the axes
+DECADES = 5  # largest range of a logarithmic axis below the largest value
+
+Spectrum = Callable[[np.ndarray, float], Curve]
+
+
+def draw_spectrum(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
+    """Draw the amplitude spectra of channels: a sine of amplitude A gives a peak of height A."""
+    from bearingsim import signals
+
+    return _draw(results, figure, jobs, signals.spectrum, "amplitude spectrum", power=1)
+
+
+def draw_envelope_spectrum(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
+    """Draw the spectra of the squared envelope of channels, or of their content in a band."""
+    from bearingsim import signals
+
+    def spectrum(values: np.ndarray, rate: float) -> Curve:
+        try:
+            return signals.envelope_spectrum(values, rate, figure.view.band)
+        except ValueError as error:
+            raise PlotError(f"{error}; raise `sampling`") from None
+
+    return _draw(results, figure, jobs, spectrum, "squared envelope", power=2)
+
+
+def _draw(
+    results: "Results", figure: "Figure", jobs: Sequence[str], spectrum: Spectrum, quantity: str, power: int
+) -> list[Sheet]:
+    records = recorded.all_jobs(results, jobs)
+    low, high = frequency_range(figure, records.values())
+
+    def curve(name: str, job: Job, channel: str, signal: Signal) -> Curve:
+        leading = records[name]
+        window = window_of(results, name, leading, channel, figure.view, float(signal.time[-1]))
+        frequency, amplitude = spectrum(*whole_periods(cut(signal, window), first_line(leading.parameters)))
+        shown = (frequency >= low) & (frequency <= high)
+        return frequency[shown], amplitude[shown]
+
+    display = Display(
+        curve,
+        "Frequency (Hz)",
+        lambda text: f"{quantity} of the {text[:1].lower()}{text[1:]}",
+        power,
+        amplitude=True,
+    )
+    channels = recorded.channels_for(records, figure.y)
+    made = grid(results, records, channels, figure, display, _texts(figure, records))
+    for row, shown in zip(made.axes, made.jobs, strict=True):
+        for ax in row:
+            _set_scales(ax, figure, low, high)
+            top = row is made.axes[0]
+            with_orders = figure.view.orders and top
+            if with_orders:
+                _add_orders(ax, shown[0])
+            if share_lines(shown):
+                mark_lines(ax, shown[0], named=top, above=ORDERS_POINTS if with_orders else 0.0)
+    _name_sidebands(made.canvas, [job for row in made.jobs for job in row])
+    return [Sheet(file_words(figure, jobs), made.canvas)]
+
+
+def frequency_range(figure: "Figure", jobs: Iterable[Job]) -> tuple[float, float]:
+    """Return the frequencies (Hz) to show: those of the view, else some multiples of the fundamental line.
+
+    Raises PlotError for frequencies above half the sampling rate.
+    """
+    jobs = list(jobs)
+    flat = FLAT * min(float(job.parameters["sampling"]) for job in jobs)
+    if figure.view.range is None:
+        fundamental = max(first_line(job.parameters) for job in jobs)
+        return 0.0, min((SHOWN_LINES.get(figure.kind, 12) + 0.5) * fundamental, flat)
+    low, high = figure.view.range
+    if high > flat * (1.0 + 1e-9):
+        raise PlotError(
+            f"`range` ends at {high:g} Hz; the records are flat to {flat:g} Hz, {FLAT:g} of their `sampling`"
+        )
+    return low, high
+
+
+def first_line(parameters: Mapping[Any, Any]) -> float:
+    """Compute the fundamental frequency (Hz) of the job's defects."""
+    return lines.frequency(lines.FAMILIES[(lines.races(parameters) or ["outer"])[0]].fundamental, parameters)
+
+
+def whole_periods(signal: Signal, frequency: float) -> tuple[np.ndarray, float]:
+    """Trim a signal to whole periods of ``frequency`` (Hz), if it has any; return its values and sampling rate."""
+    periods = int(len(signal.time) / signal.rate * frequency + 1e-9)
+    count = min(len(signal.time), round(periods * signal.rate / frequency))
+    return signal.values[: count or None], signal.rate
+
+
+def _texts(figure: "Figure", records: Mapping[str, Job]) -> list[str]:
+    band = figure.view.band
+    if figure.kind == "envelope" and band is None:
+        high = FLAT * min(float(job.parameters["sampling"]) for job in records.values())
+        band = (0.0, high)
+    return [f"envelope of {band[0]:g} to {band[1]:g} Hz"] if band else []
+
+
+# Axes
+
+
+def _set_scales(ax: "Axes", figure: "Figure", low: float, high: float) -> None:
+    ax.set_xlim(low, high)
+    if "x" in figure.log:
+        ax.set_xscale("log")
+        ax.set_xlim(max(low, high * 1e-3), high)
+    if "y" in figure.log:
+        largest = ax.dataLim.y1
+        ax.set_yscale("log", nonpositive="clip")
+        ax.set_ylim(largest * 10.0**-DECADES, 2.0 * largest)
+    elif not figure.view.db:
+        ax.set_ylim(bottom=0.0)
+
+
+def share_lines(jobs: Sequence[Job]) -> bool:
+    """Check if all jobs have the same spectral lines: the same defects and frequencies, at a constant speed."""
+    races = {tuple(lines.races(job.parameters)) for job in jobs}
+    frequencies = [first_line(job.parameters) for job in jobs]
+    steady = not any(recorded.has_ramp(job) for job in jobs)
+    return steady and len(races) == 1 and max(frequencies) <= (1.0 + 1e-9) * min(frequencies)
+
+
+def mark_lines(ax: "Axes", job: Job, named: bool, above: float = 0.0) -> None:
+    """Mark the lines of the defects' families, sidebands dashed; names are above, one height per family.
+
+    above: distance (points) of the lowest names from the axes. Marks and names closer than ``MARKS_APART`` and
+    ``NAMES_APART`` to the one before are left out.
+    """
+    elements = lines.races(job.parameters) or ["outer"]
+    low, high = ax.get_xlim()
+    marks = [mark for mark in lines.marks(job.parameters, high) if mark.hertz >= low]
+    for race in elements:
+        colour, height = MARK_COLOURS[race], above + 2.0 + 8.0 * elements.index(race)
+        own = [mark for mark in marks if mark.race == race]
+        for mark in _apart(own, MARKS_APART * (high - low)):
+            dashes: Mapping[str, Any] = {"ls": DASHED, "alpha": 0.4} if mark.sideband else {"alpha": 0.5}
+            ax.axvline(mark.hertz, color=colour, lw=0.7, zorder=0.9, **dashes)
+        fundamentals = [mark for mark in own if not mark.sideband]
+        for number, mark in enumerate(_apart(fundamentals, NAMES_APART * (high - low)) if named else ()):
+            text = mark.name if number else f"{mark.name} {mark.hertz:.1f} Hz"
+            ax.annotate(text, (mark.hertz, 1.0), (0, height), xycoords=("data", "axes fraction"),
+                        textcoords="offset points", ha="center", fontsize=7, color=colour)  # fmt: skip
+
+
+def _apart(marks: Sequence[lines.Mark], distance: float) -> list[lines.Mark]:
+    """Select marks at least ``distance`` (Hz) apart: every n-th harmonic, and all of its sidebands or none."""
+    fundamentals = [mark.hertz for mark in marks if not mark.sideband]
+    if not fundamentals:
+        return []
+    spacing = min(np.diff(fundamentals), default=np.inf)
+    every = max(1, int(np.ceil(distance / spacing)))
+    kept = set(fundamentals[::every])
+    beside = [min(abs(mark.hertz - f) for f in fundamentals) for mark in marks if mark.sideband]
+    with_sidebands = every == 1 and min(beside, default=0.0) >= 0.3 * distance
+    return [mark for mark in marks if (with_sidebands if mark.sideband else mark.hertz in kept)]
+
+
+def _add_orders(ax: "Axes", job: Job) -> None:
+    """Add an axis in orders of the shaft's speed above the axes."""
+    shaft = lines.frequency(lines.SHAFT, job.parameters)
+    functions = (partial(np.multiply, 1.0 / shaft), partial(np.multiply, shaft))
+    axis = ax.secondary_xaxis("top", functions=functions)
+    axis.set_xlabel(f"Order of the shaft frequency, {labels.number_text(shaft)} Hz", fontsize=8.0)
+    ax.set_title(ax.get_title(loc="left"), loc="left", fontsize=8, pad=ORDERS_POINTS + 11.0)
+
+
+def _name_sidebands(canvas: Canvas, jobs: Iterable[Job]) -> None:
+    """Add the meaning of the dashed lines to the legend."""
+    steady = [job for job in jobs if not recorded.has_ramp(job)]
+    elements = dict.fromkeys(race for job in steady for race in lines.races(job.parameters))
+    entries = [
+        Line2D([], [], color=MARK_COLOURS[race], lw=0.7, ls=DASHED, label=f"± {lines.FAMILIES[race].distance}")
+        for race in elements
+        if lines.FAMILIES[race].beside
+    ]
+    if entries:
+        shown = canvas.legends[0] if canvas.legends else None
+        old = list(shown.legend_handles) if shown else []
+        if shown:
+            shown.remove()
+        handles = [*(handle for handle in old if handle is not None), *entries]
+        canvas.legend(handles=handles, loc="outside upper right", ncols=len(handles))

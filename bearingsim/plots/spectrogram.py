@@ -1,0 +1,92 @@
+"""Amplitude of a signal over time and frequency."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+
+from bearingsim.config.bands import FLAT
+from bearingsim.plots import labels, recorded, select
+from bearingsim.plots.axes import finish
+from bearingsim.plots.caption import fixed_values, sampling_of
+from bearingsim.plots.labels import PlotError
+from bearingsim.plots.sheet import Sheet, file_words
+from bearingsim.plots.style import COLUMN_IN
+from bearingsim.plots.units import scale_of
+from bearingsim.plots.window import cut, pass_period, window_of
+
+if TYPE_CHECKING:
+    from bearingsim.plots.recorded import Signal
+    from bearingsim.store import Results
+    from bearingsim.study import Figure
+
+ROW_IN = 2.0
+PASSES = 4.0  # ball passes shown by default
+PER_PASS = 8.0  # segments in a ball pass, so that single impacts are separate
+FEWEST_SAMPLES = 32  # least length of a segment
+OVERLAP = 8  # segments begin this number of times per length of a segment
+SCALE = "viridis"
+FLOOR_DB = 80.0  # dB below the largest amplitude, the lower end of the colours
+
+
+def draw_spectrogram(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
+    """Draw the amplitude spectra of overlapping segments of a channel, a row per job, colours in dB or in a unit.
+
+    Raises PlotError if the record is too coarse to separate impacts.
+    """
+    view = figure.view
+    records = recorded.all_jobs(results, jobs)
+    channel = recorded.channels_for(records, figure.y)[0]
+    swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
+    maps = {}
+    for name, job in records.items():
+        signal = next(recorded.signals_of(job, channel))
+        window = window_of(results, name, job, channel, view, PASSES * pass_period(job))
+        maps[name] = (*segments(cut(signal, window), pass_period(job)), window.origin)
+    unit = recorded.unit_of(channel)
+    scale = scale_of(unit, channel, max(float(a.max()) for _, _, a, _ in maps.values()), view)
+    canvas = Canvas(figsize=(2 * COLUMN_IN, ROW_IN * len(jobs) + 0.9), layout="constrained")
+    axes = canvas.subplots(len(jobs), 1, sharex=True, squeeze=False)[:, 0]
+    shown = {name: scale.shown(amplitude) for name, (_, _, amplitude, _) in maps.items()}
+    top = max(float(values.max()) for values in shown.values())
+    bottom = top - FLOOR_DB if view.db else 0.0
+    for ax, (name, (time, frequency, _, origin)) in zip(axes, maps.items(), strict=True):
+        colours = ax.pcolormesh(1e3 * (time - origin), frequency / 1e3, shown[name], cmap=SCALE, vmin=bottom,
+                                vmax=top, shading="nearest", rasterized=True)  # fmt: skip
+        low, high = view.range or (0.0, FLAT * float(records[name].parameters["sampling"]))
+        ax.set_ylim(low / 1e3, high / 1e3)
+        ax.set_ylabel("Frequency (kHz)")
+        ax.grid(False)
+        ax.set_title(labels.described(swept[name], results.plan["units"]), loc="left", fontsize=8)
+    axes[-1].set_xlabel(f"Time{' from the impact' if view.around else ''} (ms)")
+    text = recorded.text_of(channel)
+    canvas.colorbar(colours, ax=list(axes), label=f"{scale.label(text)} ({scale.unit_text(amplitude=True)})")
+    table = select.case_rows(results)
+    every = set().union(*(swept[name] for name in jobs))
+    fixed = fixed_values(results, table[table["job"].isin(jobs)], every)
+    length = pass_period(next(iter(records.values()))) / PER_PASS
+    finish(canvas, figure.title, [f"segments of {1e3 * length:.2g} ms", *sampling_of(records.values()), *fixed])
+    return [Sheet(file_words(figure, jobs), canvas)]
+
+
+def segments(signal: "Signal", period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Compute the amplitude spectra of overlapping segments of a signal, with a Hann window.
+
+    period: of the ball passes (s). Returns the middles of the segments (m,) in s, frequencies (f,) in Hz and
+    amplitudes (f, m) in SI. Raises PlotError if a segment has fewer than ``FEWEST_SAMPLES`` samples.
+    """
+    from bearingsim import signals
+
+    length = round(period / PER_PASS * signal.rate)
+    if length < FEWEST_SAMPLES:
+        needed = FEWEST_SAMPLES * PER_PASS / period
+        raise PlotError(
+            f"a spectrogram that separates the ball passes needs `sampling` of {needed:.0f} Hz or more"
+        )
+    starts = np.arange(0, len(signal.values) - length + 1, max(1, length // OVERLAP))
+    if not len(starts):
+        raise PlotError(f"the time axis is shorter than a segment of {length / signal.rate:.3g} s")
+    spectra = [signals.spectrum(signal.values[start : start + length], signal.rate) for start in starts]
+    middles = signal.time[0] + (starts + 0.5 * (length - 1)) / signal.rate
+    return middles, spectra[0][0], np.stack([amplitude for _, amplitude in spectra], axis=1)

@@ -1,0 +1,120 @@
+"""Scales of y axes: units and decibels."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from bearingsim.config import FEATURES
+from bearingsim.plots import labels
+from bearingsim.plots.labels import PlotError
+from bearingsim.text.units import SPELLING, suggestion
+
+if TYPE_CHECKING:
+    from bearingsim.figure_kinds import View
+
+GRAVITY = 9.80665  # m/s^2, standard acceleration of gravity (ISO 80000-3)
+CHOICES: dict[str, dict[str, float]] = {
+    "m": {"m": 1.0, "mm": 1e3, "um": 1e6, "nm": 1e9},
+    "m/s": {"m/s": 1.0, "mm/s": 1e3, "um/s": 1e6},
+    "m/s^2": {"m/s^2": 1.0, "mm/s^2": 1e3, "g": 1.0 / GRAVITY},
+    "N": {"N": 1.0, "kN": 1e-3},
+    "N/m": {"N/m": 1.0, "N/mm": 1e-3},
+    "s": {"s": 1.0, "ms": 1e3},
+    "rad": {"rad": 1.0, "mrad": 1e3, "urad": 1e6, "deg": 180.0 / np.pi},
+    "rad/s": {"rad/s": 1.0, "rpm": 30.0 / np.pi, "Hz": 0.5 / np.pi},
+    "W": {"W": 1.0},
+    "N m": {"N m": 1.0, "N mm": 1e3},
+}
+"""Units of `unit:` and their factors from SI, by SI unit."""
+
+REFERENCES = {"m": ("pm", 1e-12), "m/s": ("nm/s", 1e-9), "m/s^2": ("µm/s²", 1e-6), "N": ("µN", 1e-6)}
+"""Reference values of levels in dB, as printed and in SI, by SI unit (ISO 1683:2015, table 1)."""
+ROUNDING = {"m": 1e-16, "m/s": 1e-12, "m/s^2": 1e-8, "N": 1e-9}
+"""Values of features below which they are rounding errors of the solution, by SI unit."""
+FLOOR_DB = 120.0  # dB below the largest level of a curve; smaller levels are drawn there
+SQUARES = 3.0  # a squared quantity is shown in its larger unit from 0.1 on
+
+
+class Scale(NamedTuple):
+    """Scale of a y axis: printed unit, factor from SI; for a level, its reference (SI) and the power."""
+
+    unit: str
+    factor: float
+    reference: float | None = None
+    power: int = 1
+
+    def shown(self, values: np.ndarray) -> np.ndarray:
+        """Convert values (n,) in SI to the axis."""
+        if self.reference is None:
+            return np.asarray(self.factor * values)
+        relative = np.abs(values) / self.reference**self.power
+        largest = np.nanmax(relative, initial=1e-300)
+        return np.asarray(
+            20.0 / self.power * np.log10(np.maximum(relative, largest * 10.0 ** (-FLOOR_DB / 20.0 * self.power)))
+        )
+
+    def label(self, text: str) -> str:
+        """Return the text of the axis: of a level, `Level of the amplitude of ...`."""
+        return text if self.reference is None else f"Level of the {text[:1].lower()}{text[1:]}"
+
+    def unit_text(self, amplitude: bool) -> str:
+        """Return the unit as in the axis label; amplitude: of a sine, which is 0-peak."""
+        parts = [self.unit, *(["0-peak"] if amplitude and self.power == 1 else [])]
+        return ", ".join(filter(None, parts)).replace(" ", labels.NO_BREAK)
+
+
+def scale_of(unit: str, name: str, largest: float, view: "View", power: int = 1) -> Scale:
+    """Choose the scale of a quantity with SI ``unit``: that of ``view``, or a readable unit by the largest value.
+
+    Raises PlotError for a unit of another quantity, or a level of a quantity without a reference value.
+    """
+    if view.db:
+        if unit not in REFERENCES:
+            raise PlotError(f"`{name}` has no reference value for a level in dB; omit `db`")
+        text, reference = REFERENCES[unit]
+        printed = labels.squared(text) if power == 2 else text
+        return Scale(f"dB re 1 {printed}", 1.0, reference, power)
+    if view.unit:
+        printed, factor = chosen(view.unit, unit, name)
+    else:
+        printed, factor = labels.readable(unit, name, (SQUARES if power == 2 else 1.0) * largest ** (1.0 / power))
+    return Scale(labels.squared(printed) if power == 2 else labels.pretty(printed), factor**power, None, power)
+
+
+class FeatureScale(NamedTuple):
+    """Scale of a feature: unit as in an axis label, factor from SI, and whether all values are rounding errors."""
+
+    unit: str
+    factor: float
+    is_rounding: bool
+
+
+def feature_scale(name: str, largest: float, view: "View") -> FeatureScale:
+    """Choose the scale of a feature: the unit of ``view``, or a readable one by its ``largest`` value (SI).
+
+    Raises PlotError for a unit of another quantity.
+    """
+    unit, factor = labels.feature_axis(name, largest)
+    si = FEATURES[name].unit if name in FEATURES else ""
+    if view.unit and not name.endswith(".phase"):
+        unit, factor = chosen(view.unit, si, name)
+    parts = [unit, *(["0-peak"] if is_amplitude(name) else [])]
+    rounding = largest < ROUNDING.get(si, 0.0) and not name.endswith("-scatter")
+    return FeatureScale(", ".join(filter(None, parts)).replace(" ", labels.NO_BREAK), factor, rounding)
+
+
+def is_amplitude(name: str) -> bool:
+    """Check if a feature is the amplitude of a spectral line, or its change from healthy."""
+    quantity, separator, line = name.partition("@")
+    is_line = bool(separator) and "." not in quantity and quantity != "envelope"
+    return is_line and not line.endswith((".phase", "-scatter"))
+
+
+def chosen(word: str, unit: str, name: str) -> tuple[str, float]:
+    """Return a requested unit, as printed, and its factor from SI; ``unit``: SI unit of the quantity ``name``."""
+    choices = CHOICES.get(unit, {unit: 1.0})
+    spelt = word.strip().translate(SPELLING)
+    if spelt not in choices:
+        near = suggestion(spelt, choices) or f"use {', '.join(filter(None, choices)) or 'no unit'}"
+        raise PlotError(f"`{word}` is not a unit of {name} ({near})")
+    return labels.pretty(spelt), choices[spelt]

@@ -1,0 +1,99 @@
+"""Spectra stacked over a swept parameter."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+
+from bearingsim.plots import labels, recorded, select
+from bearingsim.plots.axes import axis_label, finish
+from bearingsim.plots.caption import fixed_values, sampling_of
+from bearingsim.plots.labels import PlotError
+from bearingsim.plots.sheet import Sheet
+from bearingsim.plots.spectra import first_line, frequency_range, mark_lines, share_lines, whole_periods
+from bearingsim.plots.style import COLOURS, COLUMN_IN
+from bearingsim.plots.units import scale_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from bearingsim.store import Results
+    from bearingsim.study import Figure
+
+SPACING = 0.5  # distance of the curves' zero lines, over the largest value
+SPACING_DB = 25.0  # dB, distance of the curves of levels
+ROW_IN, LEAST_IN = 0.32, 2.2  # height per curve, and least height of axes
+FEW = 3  # least number of spectra
+WIDTH = 0.9
+
+
+def draw_waterfall(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
+    """Draw the spectra of jobs above each other, in the order of the swept path `by`, one axes per other case.
+
+    Raises PlotError without a swept path, or for fewer than ``FEW`` spectra.
+    """
+    units = results.plan["units"]
+    table = select.case_rows(results).set_index("job").loc[list(jobs)].reset_index()
+    path = _stacked_path(figure, select.varied(table, list(units)), table)
+    others = [other for other in select.varied(table, list(units)) if other != path]
+    groups = list(select.splits(table, others, units))
+    records = recorded.all_jobs(results, jobs)
+    channel = recorded.channels_for(records, figure.y)[0]
+    low, high = frequency_range(figure, records.values())
+    spectra = {name: _spectrum(job, channel, low, high) for name, job in records.items()}
+    if max(len(rows) for _, rows in groups) < FEW:
+        raise PlotError(f"a waterfall needs {FEW} spectra or more over `{path}`; use `--kind spectrum`")
+    largest = max(float(np.max(amplitude)) for _, amplitude in spectra.values())
+    scale = scale_of(recorded.unit_of(channel), channel, largest, figure.view)
+    tallest = max(LEAST_IN, ROW_IN * max(len(rows) for _, rows in groups))
+    canvas = Canvas(figsize=(2 * COLUMN_IN, tallest * len(groups) + 0.9), layout="constrained")
+    axes = canvas.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
+    step = SPACING_DB if figure.view.db else SPACING * scale.factor * largest
+    for ax, (title, rows) in zip(axes, groups, strict=True):
+        ordered = rows.sort_values(path) if select.is_numeric(select.values(rows, path)) else rows
+        names = list(ordered["job"])
+        floor = min(float(np.min(scale.shown(spectra[name][1]))) for name in names) if figure.view.db else 0.0
+        for number, name in enumerate(names):
+            frequency, amplitude = spectra[name]
+            bottom = number * step
+            curve = bottom + scale.shown(amplitude) - floor
+            order = 2.0 + 2.0 * (len(names) - number) / len(names)
+            ax.fill_between(frequency, bottom, curve, color="white", zorder=order, lw=0.0)
+            ax.plot(frequency, curve, color=COLOURS[0], lw=WIDTH, zorder=order)
+        ax.set_yticks([number * step for number in range(len(names))],
+                      [labels.value_text(path, value, units) for value in ordered[path]])  # fmt: skip
+        ax.set_ylabel(axis_label(labels.name_text(path), ""))
+        ax.set_title(title, loc="left", fontsize=8, pad=11 if ax is axes[0] else 4)
+        ax.set_xlim(low, high)
+        shown = [records[name] for name in names]
+        if share_lines(shown):
+            mark_lines(ax, shown[0], named=ax is axes[0])
+    axes[-1].set_xlabel("Frequency (Hz)")
+    text = recorded.text_of(channel)
+    distance = f"{step:.4g} dB" if figure.view.db else f"{labels.number_text(float(f'{step:.3g}'))} {scale.unit}"
+    caption = [f"amplitude spectrum of the {text[:1].lower()}{text[1:]}, 0-peak, {distance} between two lines"]
+    fixed = fixed_values(results, table, {path, *others})
+    finish(canvas, figure.title, [*caption, *sampling_of(records.values()), *fixed])
+    return [Sheet(["waterfall", channel, "over", path], canvas)]
+
+
+def _stacked_path(figure: "Figure", varied: Sequence[str], rows: "pd.DataFrame") -> str:
+    """Return the path over which spectra are stacked: `by`, else the numeric path with the most values."""
+    if len(figure.by) > 1:
+        raise PlotError("a waterfall is stacked over one swept path: give `by` once")
+    if figure.by:
+        return figure.by[0]
+    numbers = [path for path in varied if select.is_numeric(select.values(rows, path))]
+    if not numbers:
+        raise PlotError("no swept number varies in these jobs; use `--kind spectrum`")
+    return max(numbers, key=lambda path: len(select.values(rows, path)))
+
+
+def _spectrum(job: recorded.Job, channel: str, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
+    from bearingsim import signals
+
+    signal = next(recorded.signals_of(job, channel))
+    frequency, amplitude = signals.spectrum(*whole_periods(signal, first_line(job.parameters)))
+    shown = (frequency >= low) & (frequency <= high)
+    return frequency[shown], amplitude[shown]

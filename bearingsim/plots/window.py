@@ -1,0 +1,94 @@
+"""Part of a record that a figure shows."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from bearingsim.config.names import roller_of
+from bearingsim.plots import lines, recorded
+from bearingsim.plots.labels import PlotError
+from bearingsim.plots.passage import Passage, first_passage
+from bearingsim.plots.recorded import Job, Signal
+
+if TYPE_CHECKING:
+    from bearingsim.figure_kinds import View
+    from bearingsim.store import Results
+
+LEAD = 0.25  # part of the time axis before the impact
+FEWEST_SAMPLES = 4
+
+
+class Window(NamedTuple):
+    """Part of a record from ``start`` to ``stop`` (s); ``origin`` (s) is zero on the time axis."""
+
+    start: float
+    stop: float
+    origin: float = 0.0
+
+    def shown(self, time: np.ndarray) -> np.ndarray:
+        """Check which times (n,) in s lie in the window."""
+        step = time[1] - time[0] if len(time) > 1 else 0.0
+        return (time >= self.start - 1e-6 * step) & (time <= self.stop + 1e-6 * step)
+
+
+def window_of(results: "Results", name: str, job: Job, channel: str, view: "View", usual: float) -> Window:
+    """Return the part of a channel of a job to show; ``usual``: its length (s) by default.
+
+    Raises PlotError if it lies outside the record or contains too few samples.
+    """
+    time = job.series.time
+    if view.around:
+        origin = impact_time(results, name, job, channel)
+        span = view.span or pass_period(job)
+        window = Window(origin - LEAD * span, origin + (1.0 - LEAD) * span, origin)
+    else:
+        start = view.start or 0.0
+        stop = view.stop if view.stop is not None else start + (view.span or usual)
+        window = Window(start, stop)
+    count = np.count_nonzero(window.shown(time))
+    if count < FEWEST_SAMPLES:
+        raise PlotError(
+            f"job {name} has {count} samples from {window.start:.6g} to {window.stop:.6g} s; its record lasts "
+            f"from {time[0]:.6g} to {time[-1]:.6g} s, at {job.parameters['sampling']:g} Hz"
+        )
+    return window
+
+
+def cut(signal: Signal, window: Window) -> Signal:
+    """Return the part of a signal in a window."""
+    shown = window.shown(signal.time)
+    return signal._replace(time=signal.time[shown], values=signal.values[shown])
+
+
+def pass_period(job: Job) -> float:
+    """Compute the period (s) of the ball passes over a point of the outer race, without slip."""
+    return 1.0 / lines.frequency(lines.FAMILIES["outer"].fundamental, job.parameters)
+
+
+def impact_time(results: "Results", name: str, job: Job, channel: str) -> float:
+    """Return the time (s) at which a roller passes the middle of a race defect, the first within the record.
+
+    For the channel of a roller, its own first passage. For a defect of a roller, whose angle is not recorded, the
+    time of the channel's largest deviation from its mean. Raises PlotError for a healthy bearing, or if no roller
+    passes.
+    """
+    races = lines.races(job.parameters)
+    if not races:
+        raise PlotError(f"job {name} has no defect, so there is no impact; use `from` and `span`")
+    if races == ["roller"]:
+        signal = next(recorded.signals_of(job, channel))
+        return float(signal.time[np.argmax(np.abs(signal.values - signal.values.mean()))])
+    passage = passage_of(results, name, job, channel)
+    if passage is None:
+        raise PlotError(f"no roller passes the defect of job {name} completely within its record")
+    return passage.time
+
+
+def passage_of(results: "Results", name: str, job: Job, channel: str) -> Passage | None:
+    """Find the first complete passage over a race defect, of the channel's roller or else of any roller."""
+    case = recorded.case_of(results, name, job.parameters)
+    own = roller_of(channel)
+    numbers = [own[0]] if own else range(1, case.bearing.rollers + 1)
+    race = own[1].partition("_")[0] if own else ""
+    passages = [first_passage(job, case, number, race) for number in numbers]
+    return min((passage for passage in passages if passage is not None), key=lambda p: p.time, default=None)
