@@ -32,9 +32,8 @@ def findings(plan: Mapping[str, Any], frame: "pd.DataFrame") -> Findings:
     info = store.info(cases)
     damping_notes = list(damping.result_remarks(info))
     damping_warnings = [text for text in (*damping_notes, *_assumptions(plan)) if text.startswith(damping.WARNING)]
-    drawn_features = list(
-        dict.fromkeys(name for entry in plan["figures"] for name in stored_figure(entry).features)
-    )
+    figures = map(stored_figure, plan["figures"])
+    drawn_features = list(dict.fromkeys(name for figure in figures for name in figure.features))
     accuracy = plan["accuracy"]["within"] if plan.get("accuracy") else inf
     chaos_warnings = scatter_warnings(cases, drawn_features, min(NOTABLE_ERROR, accuracy / 2.0))
     return Findings(

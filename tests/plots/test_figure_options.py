@@ -4,6 +4,7 @@ import math
 import re
 from dataclasses import fields
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -121,8 +122,8 @@ def check_effect(kind, option, before, canvas):
         assert len(_curves(ax)[0].get_xdata()) < len(_curves(plain)[0].get_xdata())
     elif option == "range":
         low, high = ax.get_ylim() if kind == "spectrogram" else ax.get_xlim()
-        expected = (-20.0, 20.0) if kind == "roller" else (0.1, 1.0) if kind == "spectrogram" else (100.0, 1000.0)
-        assert (low, high) == pytest.approx(expected)
+        limits_of = {"roller": (-20.0, 20.0), "spectrogram": (0.1, 1.0)}
+        assert (low, high) == pytest.approx(limits_of.get(kind, (100.0, 1000.0)))
     elif option == "by" and kind in ("series", "spectrum", "envelope", "roller"):
         assert text_of(canvas)[:2] == ["load 150 N", "load 300 N"]
         assert len(canvas.axes) < len(before.axes)
@@ -159,7 +160,7 @@ def test_each_kind_draws_with_each_of_its_options_and_names_the_others(made, kin
             assert refused.value.option == option
             continue
         x = "load" if kind in ("sweep", "phase") and option in ("x", "where") else "defect.length"
-        others = {"x": x} if kind in ("sweep", "phase") and option != "x" else {}
+        others: dict[str, Any] = {"x": x} if kind in ("sweep", "phase") and option != "x" else {}
         if KINDS[kind].of_jobs and kind != "waterfall" and option != "where":
             others["where"] = {"defect.length": "3 mm"}
         if (x, *others) not in before:
