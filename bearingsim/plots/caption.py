@@ -99,7 +99,7 @@ def sampling_of(jobs: Iterable["Job"]) -> list[str]:
     if len(settings) != 1:
         return []
     [(rate, filtered)] = settings
-    flat = f"flat to {FLAT * rate / 1e3:.3g} kHz" if filtered else "without a low-pass"
+    flat = f"flat to {PASSBAND * rate / 1e3:.3g} kHz" if filtered else "without a low-pass"
     return [f"sampled at {rate / 1e3:.4g} kHz ({flat})"]
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 
-from bearingsim.config.bands import FLAT
+from bearingsim.config.bands import PASSBAND
 from bearingsim.plots import labels, lines, recorded
 from bearingsim.plots.grid import Curve, Display, grid
 from bearingsim.plots.labels import PlotError
@@ -95,14 +95,14 @@ def frequency_range(figure: "Figure", jobs: Iterable[Job]) -> tuple[float, float
     Raises PlotError for frequencies above half the sampling rate.
     """
     jobs = list(jobs)
-    flat = FLAT * min(float(job.parameters["sampling"]) for job in jobs)
+    flat = PASSBAND * min(float(job.parameters["sampling"]) for job in jobs)
     if figure.view.range is None:
         fundamental = max(first_line(job.parameters) for job in jobs)
         return 0.0, min((SHOWN_LINES.get(figure.kind, 12) + 0.5) * fundamental, flat)
     low, high = figure.view.range
     if high > flat * (1.0 + 1e-9):
         raise PlotError(
-            f"`range` ends at {high:g} Hz; the records are flat to {flat:g} Hz, {FLAT:g} of their `sampling`"
+            f"`range` ends at {high:g} Hz; the records are flat to {flat:g} Hz, {PASSBAND:g} of their `sampling`"
         )
     return low, high
 
@@ -122,7 +122,7 @@ def whole_periods(signal: Signal, frequency: float) -> tuple[np.ndarray, float]:
 def _texts(figure: "Figure", records: Mapping[str, Job]) -> list[str]:
     band = figure.view.band
     if figure.kind == "envelope" and band is None:
-        high = FLAT * min(float(job.parameters["sampling"]) for job in records.values())
+        high = PASSBAND * min(float(job.parameters["sampling"]) for job in records.values())
         band = (0.0, high)
     return [f"envelope of {band[0]:g} to {band[1]:g} Hz"] if band else []
 

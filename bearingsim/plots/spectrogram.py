@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from bearingsim.config.bands import FLAT
+from bearingsim.config.bands import PASSBAND
 from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.axes import finish
 from bearingsim.plots.caption import fixed_values, sampling_of
@@ -54,7 +54,7 @@ def draw_spectrogram(results: "Results", figure: "Figure", jobs: Sequence[str]) 
     for ax, (name, (time, frequency, _, origin)) in zip(axes, maps.items(), strict=True):
         colours = ax.pcolormesh(1e3 * (time - origin), frequency / 1e3, shown[name], cmap=SCALE, vmin=bottom,
                                 vmax=top, shading="nearest", rasterized=True)  # fmt: skip
-        low, high = view.range or (0.0, FLAT * float(records[name].parameters["sampling"]))
+        low, high = view.range or (0.0, PASSBAND * float(records[name].parameters["sampling"]))
         ax.set_ylim(low / 1e3, high / 1e3)
         ax.set_ylabel("Frequency (kHz)")
         ax.grid(False)
