@@ -124,8 +124,8 @@ def _rows(results: "Results", jobs: Iterable[str], figure: "Figure") -> Iterator
         label = labels.described({path: swept[name][path] for path in by if path in swept[name]}, units)
         group[label if label not in group else f"{label} ({name[:8]})"] = name
     for group in groups.values():
-        first = next(iter(group.values()))
-        others = {path: value for path, value in swept[first].items() if path not in by}
+        leading = next(iter(group.values()))
+        others = {path: value for path, value in swept[leading].items() if path not in by}
         title = labels.described(others, units)
         baselines = {label: (name, baseline_of[name]) for label, name in group.items() if name in baseline_of}
         if len({baseline for _, baseline in baselines.values()}) == 1:

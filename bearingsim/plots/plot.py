@@ -66,22 +66,22 @@ def drawn(
 
     Warns of figures of the study that cannot be drawn; raises the first error if none can.
     """
-    given = {key: value for key, value in options.items() if value}
+    options = {key: value for key, value in options.items() if value}
     if not jobs or list(jobs) == [ALL]:  # loading a named job raises its own error
         _check_done(results)
-    figures = _requested(results, kind, given)
+    figures = _requested(results, kind, options)
     if jobs and not any(KINDS[figure.kind].of_jobs for figure in figures):
         raise PlotError(f"a {figures[0].kind} shows all cases: omit `--job`, or choose a `--kind` of signals")
     numbered = kind is None or not KINDS[kind].of_jobs
     sheets: list[tuple[str, Canvas]] = []
     problems = []
     for number, figure in enumerate(figures, 1):
-        prefix = f"{'plot' if given else 'fig'}{number}" if numbered and figure.kind != "design" else ""
+        prefix = f"{'plot' if options else 'fig'}{number}" if numbered and figure.kind != "design" else ""
         try:
             for sheet in _draw(results, figure, jobs):
-                named = "y" in given and sheet.words[0] == given["y"][0]
-                words = [*given["y"], *sheet.words[1:]] if named else sheet.words
-                sheets.append((slug([prefix, *words, *_option_words(given)]), sheet.canvas))
+                named = "y" in options and sheet.words[0] == options["y"][0]
+                words = [*options["y"], *sheet.words[1:]] if named else sheet.words
+                sheets.append((slug([prefix, *words, *_option_words(options)]), sheet.canvas))
         except PlotError as error:
             problems.append((number, error))
     if not sheets:
@@ -110,41 +110,41 @@ def _check_done(results: "Results") -> None:
 # Requested figures
 
 
-def _requested(results: "Results", kind: str | None, given: Mapping[str, Any]) -> list[Figure]:
+def _requested(results: "Results", kind: str | None, options: Mapping[str, Any]) -> list[Figure]:
     """List the figures of the study, or those of one ``kind``, with the options of the command."""
     from bearingsim.plots import select
 
     if kind is not None and KINDS[kind].of_jobs:
-        return [_changed(Figure(y=(), x="", kind=kind), given)]
+        return [_changed(Figure(y=(), x="", kind=kind), options)]
     rows = select.case_rows(results)
     has_design = bool(select.design_paths(results))
-    named = given.get("x") or results.plan["figures"] or given.get("panels")
+    named = options.get("x") or results.plan["figures"] or options.get("panels")
     if kind == "design" or (kind in (None, "sweep") and has_design and not named):
-        return [_changed(Figure(y=(), x="", kind="design"), given)]
-    if given.get("x"):
-        figures = [select.arranged(results, given["x"], rows)]
+        return [_changed(Figure(y=(), x="", kind="design"), options)]
+    if options.get("x"):
+        figures = [select.arranged(results, options["x"], rows)]
     else:
         figures = select.planned(results, rows, kind)
     if kind == "phase":
         figures = [replace(figure, kind="phase", y=(), log=(), view=View()) for figure in figures]
-    changed = [_changed(figure, given) for figure in figures]
+    changed = [_changed(figure, options) for figure in figures]
     return [figure for number, figure in enumerate(changed) if figure not in changed[:number]]
 
 
-def _changed(figure: Figure, given: Mapping[str, Any]) -> Figure:
+def _changed(figure: Figure, options: Mapping[str, Any]) -> Figure:
     """Apply options to a figure; a path used for curves is removed from the panels, and vice versa.
 
     Raises OptionError for an option that the kind of figure does not have.
     """
-    check_options(figure.kind, given)
-    by = tuple(path for path in figure.by if path not in given.get("panels", ()))
-    panels = tuple(path for path in figure.panels if path not in given.get("by", ()))
+    check_options(figure.kind, options)
+    by = tuple(path for path in figure.by if path not in options.get("panels", ()))
+    panels = tuple(path for path in figure.panels if path not in options.get("by", ()))
     fields: dict[str, Any] = {"by": by, "panels": panels}
-    fields |= {key: tuple(given[key]) for key in LISTS if key in given}
-    fields |= {"where": dict(given["where"])} if "where" in given else {}
-    fields |= {"x": given["x"]} if "x" in given else {}
-    view = view_of(figure.kind, {"log": fields.get("log", figure.log), **given})
-    changed = {name: getattr(view, name) for name, key in KEYS.items() if key in given}
+    fields |= {key: tuple(options[key]) for key in LISTS if key in options}
+    fields |= {"where": dict(options["where"])} if "where" in options else {}
+    fields |= {"x": options["x"]} if "x" in options else {}
+    view = view_of(figure.kind, {"log": fields.get("log", figure.log), **options})
+    changed = {name: getattr(view, name) for name, key in KEYS.items() if key in options}
     return replace(figure, view=replace(figure.view, **changed), **fields)
 
 
@@ -169,10 +169,10 @@ def _jobs(results: "Results", figure: Figure, jobs: Sequence[str]) -> list[str]:
 # Files
 
 
-def _option_words(given: Mapping[str, Any]) -> list[str]:
+def _option_words(options: Mapping[str, Any]) -> list[str]:
     """List the words of a file name that describe the options of the command, apart from x and y."""
     words = []
-    for key, value in given.items():
+    for key, value in options.items():
         if key == "where":
             words += ["where", *(f"{path} {text.replace('-', 'minus ')}" for path, text in value.items())]
         elif key in LISTS:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from pydantic.json_schema import models_json_schema
 
+from bearingsim import figure_kinds
 from bearingsim.catalogue import AUTO
 from bearingsim.config import Case, Defect, Section, bands
 from bearingsim.config.case_fields import DEPRECATED_KEYS
@@ -220,17 +221,34 @@ def _sweep(required: list[str]) -> Schema:
 
 
 def _figure() -> Schema:
+    """Return the schema of a figure: of features, with y and x, or of a kind that shows signals."""
     feature, path = _definition("Feature"), _definition("Path")
+    channel = {"$ref": "#/properties/record/items"}
+    text, time = _TEXT, _definition("Any time")
+    signals = [name for name, kind in figure_kinds.KINDS.items() if kind.of_jobs]
     keys = {
-        "y": _one_or_many(feature),
+        "kind": {"enum": [*figure_kinds.KINDS]},
+        "y": _one_or_many(_one_of([feature, channel, {"pattern": r"^[a-z_.]+\.[xy]$", "type": "string"}])),
         "x": path,
         "by": _one_or_many(path),
         "panels": _one_or_many(path),
         "where": {"type": "object", "propertyNames": path},
         "title": _TEXT,
-        "log": _one_or_many({"enum": ["x", "y"]}),
+        "log": _one_or_many({"enum": [*figure_kinds.LOG_AXES]}),
+        "from": time,
+        "to": time,
+        "span": time,
+        "around": {"enum": [*figure_kinds.AROUND]},
+        "range": text,
+        "band": text,
+        "unit": text,
+        "db": {"type": "boolean"},
+        "mean": {"enum": [0]},
+        "healthy": {"enum": [*figure_kinds.HEALTHY]},
+        "orders": {"type": "boolean"},
     }
-    return _closed_mapping(keys, required=["y", "x"])
+    of_signals = {"properties": {"kind": {"enum": [*signals, "design"]}}, "required": ["kind"]}
+    return _closed_mapping(keys) | {"if": of_signals, "then": {}, "else": {"required": ["y", "x"]}}
 
 
 def _uncertain_values(unknown: ParameterKind) -> Schema:
