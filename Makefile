@@ -1,4 +1,5 @@
-# make demo    a real study, computed and drawn        make fig14 | fig15 | fig16 | studies    the paper's figures
+# make demo    a real study, computed and drawn        make fig14 | fig15 | fig16 | studies    the paper's sweeps
+# make paper_figures   signals, spectra and forces of the paper: Figs. 7, 8, 10-13, 19-21, docs/paper.md
 # make test    all tests (test-quick: not the long)     make excitations | inner_race | roller_defect | slip | damping
 # make check   tests, lint, types, import contract     make length | offset | tilt | misalignment | shapes
 # make study STUDY=my.yaml   a study of your own: checked, run and drawn in results/my  (QUICK=1: its reduced grid)
@@ -22,7 +23,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants $(CAMPAIGNS)
+.PHONY: help install install-dev demo paper_figures test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants $(CAMPAIGNS)
 
 help:
 	@sed -n '1,8s/^# //p' Makefile
@@ -63,6 +64,11 @@ tilt: MORE = for kind in pit load; do $(BIN)/bearingsim plot $(RESULTS) --kind $
   $(BIN)/bearingsim plot $(RESULTS) --kind roller --job all --y roller.1.tilt --y roller.2.tilt \
   --y roller.1.skew --y roller.2.skew
 misalignment: MORE = $(BIN)/bearingsim plot $(RESULTS) --kind load --job all
+
+# Figs. 7, 8, 10-13 and 19-21 of the paper; docs/paper.md shows the copies in docs/figures/paper
+paper_figures: install
+	@for file in studies/paper/*.yaml; do name=$$(basename $$file .yaml); folder=results/paper/$$name; \
+	  $(BIN)/bearingsim run $$file --jobs $(JOBS) --out $$folder && $(BIN)/bearingsim plot $$folder || exit 1; done
 
 # a study with failed jobs is drawn, too (`sensitivity` drops their blocks); make then ends with the exit code of the run
 study: OUT = results/$(basename $(notdir $(STUDY)))$(if $(QUICK),-quick)

@@ -85,7 +85,7 @@ def finish(canvas: Canvas, title: str | None, caption: Sequence[str], entries: S
     if entries:
         canvas.legend(handles=entries, loc="outside right upper")
     if title:
-        canvas.suptitle(title, fontsize=10.0)
+        canvas.suptitle(title, x=0.01, ha="left", fontsize=10.0)
     width = int(canvas.get_size_inches()[0] / 0.053)
     whole = [item.replace(" ", labels.NO_BREAK) for item in caption]
     text = textwrap.fill(", ".join(whole), width, break_on_hyphens=False)

@@ -34,11 +34,12 @@ FAMILIES = {
 
 
 class Mark(NamedTuple):
-    """Line on the frequency axis (Hz): the element of its family, its name, and whether it is a sideband."""
+    """Line on the frequency axis (Hz): the element of its family, its name and harmonic, or that it is beside."""
 
     hertz: float
     race: str
     name: str
+    number: int
     sideband: bool = False
 
 
@@ -94,10 +95,9 @@ def marks(parameters: Mapping[Any, Any], highest: float) -> Iterator[Mark]:
         family = FAMILIES[race]
         fundamental = frequency(family.fundamental, parameters)
         for k in range(1, int(highest / fundamental) + 1):
-            yield Mark(k * fundamental, race, family.name(k))
+            yield Mark(k * fundamental, race, family.name(k), k)
             if family.beside:
                 aside = frequency(family.beside, parameters)
                 for sign, side in (("-", -aside), ("+", aside)):
-                    yield Mark(
-                        k * fundamental + side, race, f"{family.name(k)} {sign} {family.distance}", sideband=True
-                    )
+                    name = f"{family.name(k)} {sign} {family.distance}"
+                    yield Mark(k * fundamental + side, race, name, k, sideband=True)

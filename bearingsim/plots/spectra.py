@@ -29,6 +29,9 @@ DASHED = (0, (2, 2))
 MARKS_APART = 0.02  # of the axis, least distance of marks; closer ones are left out
 NAMES_APART = 0.085  # of the axis, least distance of the names of marks
 ORDERS_POINTS = 30.0  # height of the axis in orders above the axes
+ROUND_STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500)
+"""Steps of the harmonics that are marked or named."""
+NAME_LETTER = 0.0105  # of the axis, width of a letter of a name
 DECADES = 5  # largest range of a logarithmic axis below the largest value
 
 Spectrum = Callable[[np.ndarray, float], Curve]
@@ -159,31 +162,37 @@ def mark_lines(ax: "Axes", job: Job, named: bool, above: float = 0.0) -> None:
     """
     elements = lines.races(job.parameters) or ["outer"]
     low, high = ax.get_xlim()
-    marks = [mark for mark in lines.marks(job.parameters, high) if mark.hertz >= low]
     for race in elements:
         colour, height = MARK_COLOURS[race], above + 2.0 + 8.0 * elements.index(race)
-        own = [mark for mark in marks if mark.race == race]
-        for mark in _apart(own, MARKS_APART * (high - low)):
+        harmonics = [mark for mark in lines.marks(job.parameters, high) if mark.race == race and mark.hertz >= low]
+        for mark in _apart(harmonics, MARKS_APART * (high - low)):
             dashes: Mapping[str, Any] = {"ls": DASHED, "alpha": 0.4} if mark.sideband else {"alpha": 0.5}
             ax.axvline(mark.hertz, color=colour, lw=0.7, zorder=0.9, **dashes)
-        fundamentals = [mark for mark in own if not mark.sideband]
-        for number, mark in enumerate(_apart(fundamentals, NAMES_APART * (high - low)) if named else ()):
-            text = mark.name if number else f"{mark.name} {mark.hertz:.1f} Hz"
+        named_marks = [mark for mark in harmonics if not mark.sideband] if named else []
+        end = low - NAMES_APART * (high - low)  # of the name before
+        for mark in _apart(named_marks, NAMES_APART * (high - low)):
+            text = f"{mark.name} {mark.hertz:.1f} Hz" if mark.number == 1 else mark.name
+            half = 0.5 * NAME_LETTER * len(text) * (high - low)
+            if mark.hertz - half < end:
+                continue
+            end = mark.hertz + half
             ax.annotate(text, (mark.hertz, 1.0), (0, height), xycoords=("data", "axes fraction"),
                         textcoords="offset points", ha="center", fontsize=7, color=colour)  # fmt: skip
 
 
 def _apart(marks: Sequence[lines.Mark], distance: float) -> list[lines.Mark]:
-    """Select marks at least ``distance`` (Hz) apart: every n-th harmonic, and all of its sidebands or none."""
-    fundamentals = [mark.hertz for mark in marks if not mark.sideband]
+    """Select marks about ``distance`` (Hz) apart: the fundamental, multiples of a round number, their sidebands.
+
+    Sidebands are left out if they would be closer than a third of that.
+    """
+    fundamentals = [mark.hertz / mark.number for mark in marks if not mark.sideband]
     if not fundamentals:
         return []
-    spacing = min(np.diff(fundamentals), default=np.inf)
-    every = max(1, int(np.ceil(distance / spacing)))
-    kept = set(fundamentals[::every])
-    beside = [min(abs(mark.hertz - f) for f in fundamentals) for mark in marks if mark.sideband]
-    with_sidebands = every == 1 and min(beside, default=0.0) >= 0.3 * distance
-    return [mark for mark in marks if (with_sidebands if mark.sideband else mark.hertz in kept)]
+    every = next((step for step in ROUND_STEPS if step * fundamentals[0] >= distance), ROUND_STEPS[-1])
+    beside = [abs(mark.hertz - mark.number * fundamentals[0]) for mark in marks if mark.sideband]
+    with_sidebands = every == 1 and min(beside, default=0.0) >= distance / 3.0
+    round_ones = [mark for mark in marks if mark.number == 1 or mark.number % every == 0]
+    return [mark for mark in round_ones if with_sidebands or not mark.sideband]
 
 
 def _add_orders(ax: "Axes", job: Job) -> None:
