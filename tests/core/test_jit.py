@@ -233,7 +233,7 @@ def test_dispatch_from_python_equals_the_compiled_one(rule: Any, expected: float
 
 
 def test_generic_keeps_name_and_docstring_and_lists_its_types() -> None:
-    assert apply_rule.__name__ == "applied"
+    assert apply_rule.__name__ == "apply_rule"
     assert apply_rule.__doc__ == "Apply a rule to a number."
     assert set(apply_rule.types) == {Double, Sum}
 
@@ -242,9 +242,9 @@ def test_type_without_implementation_is_rejected_by_python_and_compiler() -> Non
     class Other(NamedTuple):
         unit: float
 
-    with pytest.raises(TypeError, match=r"`applied` is not registered for Other: @applied.register\(Other\)"):
+    with pytest.raises(TypeError, match=r"`apply_rule` is not registered for Other: @apply_rule.register\(Other\)"):
         apply_rule(Other(1.0), 2.0)
-    with pytest.raises(numba.TypingError, match="`applied` is not registered for Other"):
+    with pytest.raises(numba.TypingError, match="`apply_rule` is not registered for Other"):
         compiled_rule(Other(1.0), 2.0)
 
 

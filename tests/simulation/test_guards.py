@@ -156,7 +156,7 @@ def test_who_is_stuck_on_rollers_without_mass_is_told_of_some_with(outcome, mode
     damping = {"law": "general", "coefficient": 1e3, "indentation_exponent": m3}
     test_case = case(model=model, defect=SLOT, step_check=False, method="rodas", contact={"damping": damping})
     with (
-        mock.patch.object(INTEGRATION, "ready"),
+        mock.patch.object(INTEGRATION, "prepare"),
         mock.patch.object(INTEGRATION, "advance_and_sample", return_value=(4000, outcome, 0)),
         pytest.raises(SimulationError) as caught,
     ):
@@ -235,7 +235,7 @@ def test_the_clock_is_looked_at_where_steps_are_much_work() -> None:
     """An adaptive method may take thousands of steps of its own between two recorded instants."""
     setup = set_up(choice.resolve(case(model="rollers", method="dop853", defect=SLOT, duration="20 ms")))
     y, places = at_rest(setup.model), ROWS
-    INTEGRATION.ready(setup.method, setup.model, 0.0, y)
+    INTEGRATION.prepare(setup.method, setup.model, 0.0, y)
     hurried = setup.monitor._replace(max_evaluations=1000.0)
     taken, outcome, _ = advance_recorded(
         setup.method, setup.model, hurried, 0, y, places, np.empty((len(ROWS), 10_000))
