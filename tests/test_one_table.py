@@ -29,7 +29,9 @@ OTHER_MEANINGS = {
     ("study/used.py", "ring"): "a field of the rig",
     ("study/uncertainty.py", "ring"): "a field of the rig",
     ("plots/passage.py", "ring"): "the outer ring's channels",
-    ("plots/plot.py", "ring"): "a kind of figure",
+    ("figure_kinds.py", "ring"): "a kind of figure",
+    ("study/figures.py", "ring"): "a kind of figure",
+    ("plots/ring.py", "ring"): "a kind of figure",
     ("core/layout.py", "spatial"): "an owner of rows of the buffer",
 }
 SCHEMES = ("stability/matrix.py", "study/template.py", "catalogue.py")

@@ -162,13 +162,13 @@ def legend_entries(
         entries += [
             _entry(line_text, styles[firsts[0], line_text]._replace(colour="0.25")) for line_text in seconds
         ]
+    if any(f"baseline {name}" in rows for name in figure.y):
+        entries.append(Line2D([], [], **BASELINE, color="0.35", label="healthy"))
     lost = [mark for status, mark in STATUS_MARKS.items() if (rows["status"] == status).any()]
     entries += [Line2D([], [], ls="", marker=m, color=colour, label=text) for m, colour, text in lost]
     marks = {model: MODEL_MARK | {"marker": mark} for model, mark in models_of(rows).items()}
     entries += [Line2D([], [], label=model, **mark) for model, mark in marks.items() if len(marks) > 1]
     drawn = [is_uncertain(rows, name).any() for name in figure.y if name in rows]
-    if any(f"baseline {name}" in rows for name in figure.y):
-        entries.append(Line2D([], [], **BASELINE, color="0.35", label="healthy"))
     return entries + [Line2D([], [], **RING, label="chaotic, uncertain")] * any(drawn)
 
 

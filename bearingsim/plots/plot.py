@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim.figure_kinds import KEYS, KINDS, View, check_options, view_of
 from bearingsim.plots.labels import PlotError, PlotWarning
-from bearingsim.plots.sheet import ALL, Sheet
+from bearingsim.plots.sheet import ALL, Sheet, file_words
 from bearingsim.study import Figure
 
 if TYPE_CHECKING:
@@ -95,7 +95,12 @@ def _draw(results: "Results", figure: Figure, jobs: Sequence[str]) -> list[Sheet
     kind = KINDS[figure.kind]
     module, function = kind.draw.split(".")
     draw: Draw = getattr(importlib.import_module(f"bearingsim.plots.{module}"), function)
-    return draw(results, figure, _jobs(results, figure, jobs) if kind.of_jobs else ())
+    ids = _jobs(results, figure, jobs) if kind.of_jobs else []
+    sheets = draw(results, figure, ids)
+    if list(jobs) != [ALL]:
+        return sheets
+    named, every = file_words(figure, ids), file_words(figure, [ALL])
+    return [sheet._replace(words=every) if sheet.words == named else sheet for sheet in sheets]
 
 
 def _check_done(results: "Results") -> None:

@@ -54,7 +54,6 @@ def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption
         factor = scale.factor
         ax.set_ylabel(y_label(name, scale.unit))
         curves = curves_of(figure, part, units, styles, order)
-        mark_baselines(ax, figure, curves, name, factor, rows, units)
         for curve in curves:
             x, y = positions(figure.x, curve.rows, rows, units), list(curve.rows[name] * factor)
             look = curve.look if select.is_numeric(select.values(rows, figure.x)) else curve.look._replace(line="")
@@ -64,6 +63,7 @@ def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption
             mark_models(ax, x, y, curve.rows, models_of(rows))
             mark_chaotic(ax, x, y, curve.rows, name)
             mark_lost(ax, x, curve.rows["status"])
+        mark_baselines(ax, figure, curves, name, factor, rows, units)
         x_axis(ax, figure, rows, units)
         y_axis(ax, name, figure)
         if scale.is_rounding:

@@ -58,14 +58,14 @@ class Figure:
 
 def stored_figure(entry: Mapping[str, Any]) -> Figure:
     """Restore a figure from its plain data in a plan; kind and view are absent in plans of earlier versions."""
-    lists = {key: tuple(entry[key]) for key in ("y", "by", "panels", "log")}
+    lists = {key: tuple(entry.get(key, ())) for key in ("y", "by", "panels", "log")}
     stored: dict[str, Any] = {key: value for key, value in entry.get("view", {}).items() if key in VIEW_KEYS}
     stored |= {key: tuple(value) for key, value in stored.items() if isinstance(value, list)}
     view = View(**stored)
     return Figure(
         x=entry["x"],
-        where=dict(entry["where"]),
-        title=entry["title"],
+        where=dict(entry.get("where", {})),
+        title=entry.get("title"),
         kind=entry.get("kind", "sweep"),
         view=view,
         **lists,

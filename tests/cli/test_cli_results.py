@@ -34,13 +34,17 @@ def test_plot_takes_the_newest_results(done, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--kind", "pie"], "sweep, phase, design, series, spectrum, envelope, roller, load, pit or ring"),
+        (
+            ["--kind", "pie"],
+            "sweep, phase, design, waterfall, series, spectrum, envelope, spectrogram, roller, load, pit or ring",
+        ),
         (["--format", "gif"], "png, svg or pdf"),
         (["--x", "laod"], "did you mean `load`?"),
         (["--kind", "series", "--job", "xyz"], "no job begins with `xyz`"),
         (["--kind", "series", "--span", "20"], "expected a time such as `50 ms`"),
         (["--kind", "series", "--span", "0 ms"], "expected a time above zero, got `0 ms`"),
-        (["--kind", "spectrum", "--span", "20 ms"], "a spectrum takes no span"),
+        (["--kind", "pit", "--span", "20 ms"], "a pit has no option `span`"),
+        (["--kind", "spectrum", "--range", "2 kHz"], "Invalid value for --range: expected two limits"),
     ],
 )
 def test_plot_refuses_wrong_options(done, words, message):

@@ -242,7 +242,9 @@ def test_type_without_implementation_is_rejected_by_python_and_compiler() -> Non
     class Other(NamedTuple):
         unit: float
 
-    with pytest.raises(TypeError, match=r"`apply_rule` is not registered for Other: @apply_rule.register\(Other\)"):
+    with pytest.raises(
+        TypeError, match=r"`apply_rule` is not registered for Other: @apply_rule.register\(Other\)"
+    ):
         apply_rule(Other(1.0), 2.0)
     with pytest.raises(numba.TypingError, match="`apply_rule` is not registered for Other"):
         compiled_rule(Other(1.0), 2.0)

@@ -366,7 +366,7 @@ def test_worker_lost_during_a_request_is_omitted(monkeypatch: pytest.MonkeyPatch
     assert make_cluster(client)._run_on_all(installation) == {"there": {"numpy": "1"}}
     answers["broken"] = ImportError("numba")
     with pytest.raises(InstallationMismatch, match="worker broken cannot load bearingsim: numba"):
-        make_cluster(client).assembled()
+        make_cluster(client).wait_for_workers()
 
 
 def test_stop_request_ends_a_run_without_workers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
