@@ -1,7 +1,7 @@
 # make demo    a real study, computed and drawn        make fig14 | fig15 | fig16 | studies    the paper's sweeps
 # make paper_figures   signals, spectra and forces of the paper: Figs. 7, 8, 10-13, 19-21, docs/paper.md
 # make test    all tests (test-quick: not the long)     make excitations | inner_race | roller_defect | slip | damping
-# make check   tests, lint, types, import contract     make length | offset | tilt | misalignment | shapes
+# make check   tests, lint, types, imports, docs       make length | offset | tilt | misalignment | shapes
 # make study STUDY=my.yaml   a study of your own: checked, run and drawn in results/my  (QUICK=1: its reduced grid)
 # make stability   where each method fails             make ring_bends | ring_trends | paper_literal   (QUICK=1: fewer)
 # make bench       how fast, beside peers                make bench-compare   whether speed was lost
@@ -23,7 +23,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo paper_figures test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants $(CAMPAIGNS)
+.PHONY: help install install-dev demo paper_figures test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability docs lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants $(CAMPAIGNS)
 
 help:
 	@sed -n '1,8s/^# //p' Makefile
@@ -123,6 +123,11 @@ lint: install-dev
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/zensical build --strict
+
+# the documentation site, in build/site: no warning, so no dead link; open build/site/index.html
+docs: install-dev
+	$(BIN)/zensical build --strict
 
 check: lint test
 
