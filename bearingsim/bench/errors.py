@@ -14,7 +14,7 @@ from math import isfinite, nan
 from typing import NamedTuple
 
 from bearingsim.bench.measure import QUANTITIES, Row
-from bearingsim.bench.plan import JOB, JUDGE
+from bearingsim.bench.plan import JOB, REFERENCE
 
 NUMERICAL, TOTAL = "numerical", "total"
 CHAOTIC_DIFFERENCE = 0.02
@@ -46,7 +46,7 @@ def converged_solution(rows: Sequence[Row]) -> ConvergedSolution | None:
 
     The solution of a memoryless model is its run with more instants, with the least floor.
     """
-    references = [row for row in rows if row["role"] == JUDGE and not row["failure"] and isfinite(row["line"])]
+    references = [row for row in rows if row["role"] == REFERENCE and not row["failure"] and isfinite(row["line"])]
     if not references:
         return None
     chaotic = any(row["chaotic"] == 1.0 for row in rows)
@@ -89,7 +89,7 @@ def with_errors(rows: Sequence[Row]) -> list[Row]:
     variants = list(dict.fromkeys(row["variant"] for row in rows))
     solutions = {name: converged_solution([row for row in rows if row["variant"] == name]) for name in variants}
     reference = solutions[variants[0]] if variants else None
-    results = [_with_error(row, solutions[row["variant"]], reference) for row in rows if row["role"] != JUDGE]
+    results = [_with_error(row, solutions[row["variant"]], reference) for row in rows if row["role"] != REFERENCE]
     model_errors = {name: _total_errors(solution, reference) for name, solution in solutions.items()}
     return [row | _counted_errors(row, results, model_errors[row["variant"]]) for row in results]
 

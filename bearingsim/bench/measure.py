@@ -5,7 +5,7 @@ from math import nan
 from typing import Any
 
 from bearingsim.bench import external
-from bearingsim.bench.plan import AUTOMATIC, JOB, JUDGE, Run, Setting
+from bearingsim.bench.plan import AUTOMATIC, JOB, REFERENCE, Run, Setting
 from bearingsim.catalogue import METHODS
 from bearingsim.config import Case
 from bearingsim.errors import Refused
@@ -14,8 +14,9 @@ from bearingsim.simulation import limits as case_limits
 from bearingsim.simulation.choice import automatic_step
 from bearingsim.simulation.settling import resolve_settling
 
-FULL_RUN = {"periodic": False, "step_check": False}
-SHORT_TIME = 0.3  # s; shorter runs are timed twice, and the smaller time counts
+FULL_RUN = {"periodic": False, "step_check": False}  # without period search and step check
+SHORT_TIME = 0.3
+"""Time (s) below which a run is timed twice; the smaller time counts (not external solvers, reference runs)."""
 QUANTITIES = ("line", "rms", "force")
 """Compared quantities: the defect line (m/s), the RMS of the velocity (m/s), the largest outer force (N)."""
 COLUMNS = (
@@ -28,7 +29,7 @@ Row = dict[str, Any]
 
 
 def rows(run: Run) -> list[Row]:
-    """Compute a run; return its row, and for the automatic choice also that of its method and step in full."""
+    """Compute a run; return its row, and for the automatic choice also one of its method as a ``FULL_RUN``."""
     if run.case is None:
         return [_failed_row(run, "refused", run.refused)]
     try:
@@ -43,7 +44,7 @@ def rows(run: Run) -> list[Row]:
 
 
 def configure(run: Run, case: Case) -> Case:
-    """Return the case with a run's method and setting, in full."""
+    """Return the case with a run's method and setting, as a ``FULL_RUN``."""
     case = case.model_copy(update=FULL_RUN | {"method": run.method or None})
     if run.method and METHODS[run.method].adaptive:
         return case.model_copy(update={"step": "auto", "tolerance": run.setting.tolerance})
@@ -52,7 +53,7 @@ def configure(run: Run, case: Case) -> Case:
 
 
 def _job_rows(run: Run, case: Case) -> list[Row]:
-    """Compute a case with the automatic choice, then the chosen method in full."""
+    """Compute a case with the automatic choice, then the chosen method as a ``FULL_RUN``."""
     case = case.model_copy(update={"step": "auto", "tolerance": "auto"})
     warm([case])
     record = simulate(case)
@@ -75,7 +76,7 @@ def _compute_fully(run: Run, case: Case) -> Row:
     warm([case])
     record = simulate(case)
     rate = case.bearing.ball_pass_frequency(case.speed)
-    is_reference = run.role == JUDGE  # reference runs are not timed
+    is_reference = run.role == REFERENCE  # reference runs are timed once
     seconds = (
         float(record.info["integrator_cpu_s"]) if is_reference else _cpu_seconds(case, record, "integrator_cpu_s")
     )

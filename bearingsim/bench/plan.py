@@ -16,7 +16,7 @@ from bearingsim.catalogue import AUTO, METHODS, MODELS, USUAL_MODEL
 from bearingsim.config import Case
 from bearingsim.study.jobs import identity
 
-JOB, AUTOMATIC, POINT, PEER, JUDGE = "job", "automatic", "point", "peer", "judge"
+JOB, AUTOMATIC, POINT, PEER, REFERENCE = "job", "automatic", "point", "peer", "judge"
 """Role of a row: automatic choice; its method and step in full; another method or setting; solver of another
 package; reference run for the errors."""
 
@@ -108,10 +108,10 @@ def _variant_runs(scene: Scene, variant: Variant, quick: bool, peers: Settings) 
     if variant.case is None:
         return
     if variant.case.method is None:
-        yield run(JUDGE, "", Setting(step=0.25))  # evaluated at more instants
+        yield run(REFERENCE, "", Setting(step=0.25))  # evaluated at more instants
         return
     plan = plan_of(variant.case, quick)
-    for role, settings in ((POINT, plan.methods), (JUDGE, _solvable_settings(variant, plan.judges))):
+    for role, settings in ((POINT, plan.methods), (REFERENCE, _solvable_settings(variant, plan.judges))):
         for method, values in settings.items():
             yield from (run(role, method, setting) for setting in values)
     for method, values in _solvable_settings(variant, {**plan.peers, **peers}).items():

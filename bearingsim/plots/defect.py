@@ -296,7 +296,7 @@ def _title(picture: Picture) -> str | None:
 def _roller_path(results: "Results", picture: Picture) -> tuple[str, RollerPath] | None:
     """Find the first job with a recorded path over the defect; return its id and the path."""
     for job in picture.jobs:
-        [record] = recorded.all_jobs(results, [job]).values()
+        [record] = recorded.load_jobs(results, [job]).values()
         path = roller_path(record, recorded.case_of(results, job, record.parameters), picture.defect)
         if path is not None:
             return job, path

@@ -79,7 +79,7 @@ def grid(
     """
     rows = list(_rows(results, jobs, figure))
     baselines = sorted({baseline for row in rows for _, baseline in row.baselines.values()} - jobs.keys())
-    records = jobs | recorded.all_jobs(results, baselines)
+    records = jobs | recorded.load_jobs(results, baselines)
     columns = list(_columns(channels))
     height = LOW_ROW_IN if len(rows) > MANY else ROW_IN
     size = (max(2, len(columns)) * COLUMN_IN, height * len(rows) + (0.6 if len(rows) > 1 else 1.0))

@@ -55,7 +55,7 @@ def draw_load(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list
     passage over a defect. Raises PlotError for channels that were not recorded.
     """
     y, span = figure.y, figure.view.span
-    records = recorded.all_jobs(results, jobs)
+    records = recorded.load_jobs(results, jobs)
     rows = [(job, load) for job, record in records.items() for load in _loads(results, job, record, y, span)]
     heights = [height for _, load in rows for height in (ROW_IN, *([TILT_IN] if load.tilts else []))]
     canvas = Canvas(figsize=(PICTURE_IN + PROFILE_IN + 2.4, sum(heights) + 0.8), layout="constrained")

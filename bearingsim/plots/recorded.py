@@ -42,11 +42,11 @@ class Job(NamedTuple):
 
     @property
     def recorded(self) -> list[str]:
-        """Channels requested by its case, in that order."""
+        """Names of the recorded channels as in the case, in the order requested; empty if none was stored."""
         return str(self.parameters["record"]).split() if self.series.channels else []
 
 
-def all_jobs(results: "Results", jobs: Sequence[str]) -> dict[str, Job]:
+def load_jobs(results: "Results", jobs: Sequence[str]) -> dict[str, Job]:
     """Load finished jobs by id. Raises ResultsError for a job without results."""
     series = {job: results.series(job) for job in jobs}
     ids = list(series)
@@ -55,32 +55,32 @@ def all_jobs(results: "Results", jobs: Sequence[str]) -> dict[str, Job]:
 
 
 def case_of(results: "Results", job: str, parameters: Mapping[Any, Any]) -> "Case":
-    """Rebuild the case of a job from its parameters. Raises PlotError if that fails, e.g. without a scan."""
+    """Rebuild the case of a job from its parameters. Raises PlotError if, for example, a scan is missing."""
     from pydantic import ValidationError
 
-    from bearingsim.store import case_of as made
+    from bearingsim.store import case_of as build_case
 
     try:
-        return made(parameters, results.path)
+        return build_case(parameters, results.path)
     except ValueError as error:
         reason = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error)
         raise PlotError(f"the case of job {job} cannot be made again from its results: {reason}") from None
 
 
 def channels_for(jobs: dict[str, Job], requested: Sequence[str], prefix: str = "") -> list[str]:
-    """Select the channels to draw: the requested ones, else the ring's velocity, else the first recorded channel.
+    """Select the channels to draw: the requested ones, else one channel of the first job.
 
-    prefix: required beginning of the default channel's name. Raises PlotError for a channel that a job has not
-    recorded.
+    The default is the ring's velocity, acceleration or displacement, in this order of preference, else the first
+    recorded channel. prefix: required beginning of its name. Raises PlotError if a job did not record a channel.
     """
     name, leading = next(iter(jobs.items()))
     recorded = [name for name in leading.recorded if name.startswith(prefix) and not is_of_slice(name)]
     if not recorded and not requested:
         raise PlotError(f"job {name} has recorded no {prefix or 'channel'}: add one to `record`")
     wanted = list(requested) or [next((channel for channel in MOTION if channel in recorded), recorded[0])]
-    along = next((channel for channel in wanted if roller_of(channel) and channel.endswith(LINE_LOADS)), None)
-    if along:
-        raise PlotError(f"`{along}` is a line load with one value per slice; use `--kind load`")
+    line_load = next((channel for channel in wanted if roller_of(channel) and channel.endswith(LINE_LOADS)), None)
+    if line_load:
+        raise PlotError(f"`{line_load}` is a line load with one value per slice; use `--kind load`")
     for channel in wanted:
         for job, record in jobs.items():
             _check(job, channel, record.recorded)
@@ -94,18 +94,18 @@ def is_of_slice(channel: str) -> bool:
 
 
 def _check(job: str, channel: str, recorded: Sequence[str]) -> None:
-    names = [*recorded, *(name for whole in recorded for name in dataset_names(whole))]
+    names = [*recorded, *(name for base_channel in recorded for name in dataset_names(base_channel))]
     if recorded_as(channel, names) is None:
-        near = "" if channel in CHANNELS else suggestion(channel, names)
-        advice = near or f"there are: {', '.join(recorded)}"
+        hint = "" if channel in CHANNELS else suggestion(channel, names)
+        advice = hint or f"there are: {', '.join(recorded)}"
         raise PlotError(f"job {job} has recorded no `{channel}` ({advice})")
 
 
 def recorded_as(channel: str, recorded: Sequence[str]) -> str | None:
     """Return the name under which a channel was recorded: `roller.1.spin` for `roller.spin`."""
     roller = roller_of(channel) if channel in CHANNELS else None
-    same = (name for name in recorded if name == channel or (roller and roller_of(name) == roller))
-    return next(same, None)
+    matches = (name for name in recorded if name == channel or (roller and roller_of(name) == roller))
+    return next(matches, None)
 
 
 def signals_of(job: Job, channel: str) -> Iterator[Signal]:
@@ -114,22 +114,22 @@ def signals_of(job: Job, channel: str) -> Iterator[Signal]:
     if channel in series:
         yield Signal(time, np.asarray(series[channel], np.float64))
         return
-    whole = recorded_as(channel, job.recorded) or channel
-    names = dataset_names(whole)
+    base_channel = recorded_as(channel, job.recorded) or channel
+    names = dataset_names(base_channel)
     rows = [np.asarray(series[name], np.float64) for name in names]
     if channel in MOTION:
         angle = job.parameters["rig.sensor_angle"]
         yield Signal(time, cos(angle) * rows[0] + sin(angle) * rows[1])
         return
     for name, values in zip(names, rows, strict=True):
-        yield Signal(time, values, name.removeprefix(whole).removeprefix("."))
+        yield Signal(time, values, name.removeprefix(base_channel).removeprefix("."))
 
 
 def drawn_values(job: Job, channel: str, signal: Signal) -> np.ndarray:
     """Return the signal's values (n,) as drawn over time, filtered causally.
 
-    A causal filter avoids the ringing before an impact of the record's zero-phase low-pass. Contact forces, and
-    records without a low-pass, are drawn as recorded.
+    The zero-phase low-pass of the record rings before an impact; the causal filter removes this ringing. Contact
+    forces, and records without a low-pass, are drawn as recorded.
     """
     if job.parameters["antialias"] != "true" or is_contact_force(channel):
         return signal.values
@@ -171,14 +171,14 @@ def roller_angle(job: Job, number: int) -> np.ndarray:
     omega_c = 2.0 * pi * lines.frequency(Line(cage=1), parameters)
     speed = omega_c * (1.0 - np.asarray(series.channels.get("cage.slip", np.zeros(len(series.time))), np.float64))
     speed = np.asarray(series.channels.get("cage.speed", speed), np.float64)
-    turned = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(series.time))])
-    between = 2.0 * pi * (number - 1) / parameters["bearing.rollers"]
-    return np.asarray(float(job.info["cage_angle_start_rad"]) + between + turned)
+    rotation = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(series.time))])
+    spacing = 2.0 * pi * (number - 1) / parameters["bearing.rollers"]
+    return np.asarray(float(job.info["cage_angle_start_rad"]) + spacing + rotation)
 
 
 def unit_of(channel: str) -> str:
     """Return the SI unit of a channel, or of one of its components."""
-    return CHANNELS[_whole(channel)].unit
+    return CHANNELS[_base_channel(channel)].unit
 
 
 def text_of(channel: str, *others: str) -> str:
@@ -186,13 +186,13 @@ def text_of(channel: str, *others: str) -> str:
 
     others: the same channel of other rollers; the name then is `Contact force of each roller on the outer race`.
     """
-    roller, whole = roller_of(channel), _whole(channel)
+    roller, base_channel = roller_of(channel), _base_channel(channel)
     if others and roller:
         text = ROLLER[roller[1]].long_name.replace("roller {}", "each roller")
     else:
-        text = f"{CHANNELS[whole].long_name} {channel.removeprefix(whole).removeprefix('.')}".strip()
+        text = f"{CHANNELS[base_channel].long_name} {channel.removeprefix(base_channel).removeprefix('.')}".strip()
     return text[:1].upper() + text[1:]
 
 
-def _whole(channel: str) -> str:
+def _base_channel(channel: str) -> str:
     return channel if channel in CHANNELS else channel.rpartition(".")[0]

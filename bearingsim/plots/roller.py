@@ -28,7 +28,7 @@ def draw_roller(results: "Results", figure: "Figure", jobs: Sequence[str]) -> li
 
     Raises PlotError for another channel, or if the roller passes no defect.
     """
-    records = recorded.all_jobs(results, jobs)
+    records = recorded.load_jobs(results, jobs)
     channels = recorded.channels_for(records, figure.y, prefix="roller.")
     if not figure.y:
         names = [name for name in next(iter(records.values())).recorded if not recorded.is_of_slice(name)]

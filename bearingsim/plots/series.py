@@ -23,7 +23,7 @@ SHOWN_IN_SECONDS = 0.5  # s; shorter time axes are in ms
 def draw_series(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
     """Draw channels over time, a row per job, with the healthy baseline."""
     view = figure.view
-    records = recorded.all_jobs(results, jobs)
+    records = recorded.load_jobs(results, jobs)
     channels = recorded.channels_for(records, figure.y)
     lengths = [shown_time(job, channel) for job in records.values() for channel in channels]
     if view.around:

@@ -60,7 +60,7 @@ def draw_envelope_spectrum(results: "Results", figure: "Figure", jobs: Sequence[
 def _draw(
     results: "Results", figure: "Figure", jobs: Sequence[str], spectrum: Spectrum, quantity: str, power: int
 ) -> list[Sheet]:
-    records = recorded.all_jobs(results, jobs)
+    records = recorded.load_jobs(results, jobs)
     low, high = frequency_range(figure, records.values())
 
     def curve(name: str, job: Job, channel: str, signal: Signal) -> Curve:

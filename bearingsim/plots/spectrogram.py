@@ -36,7 +36,7 @@ def draw_spectrogram(results: "Results", figure: "Figure", jobs: Sequence[str]) 
     Raises PlotError if the record is too coarse to separate impacts.
     """
     view = figure.view
-    records = recorded.all_jobs(results, jobs)
+    records = recorded.load_jobs(results, jobs)
     channel = recorded.channels_for(records, figure.y)[0]
     swept = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
     maps = {}

@@ -38,7 +38,7 @@ def draw_waterfall(results: "Results", figure: "Figure", jobs: Sequence[str]) ->
     path = _stacked_path(figure, select.varied(table, list(units)), table)
     others = [other for other in select.varied(table, list(units)) if other != path]
     groups = list(select.splits(table, others, units))
-    records = recorded.all_jobs(results, jobs)
+    records = recorded.load_jobs(results, jobs)
     channel = recorded.channels_for(records, figure.y)[0]
     low, high = frequency_range(figure, records.values())
     spectra = {name: _spectrum(job, channel, low, high) for name, job in records.items()}

@@ -8,7 +8,7 @@ import pytest
 
 from bearingsim.bench import errors, measure, plan, provenance, report, scene, table, verdict
 from bearingsim.bench.measure import QUANTITIES
-from bearingsim.bench.plan import AUTOMATIC, JOB, JUDGE, PEER, POINT
+from bearingsim.bench.plan import AUTOMATIC, JOB, PEER, POINT, REFERENCE
 from bearingsim.cli import bench as command
 from bearingsim.errors import UserError
 from bearingsim.plots import speed_accuracy
@@ -32,8 +32,8 @@ def row(variant="planar", role=POINT, method="verlet", cpu=1.0, value=1.0, setti
 
 def reference_rows(variant="planar", value=1.0, other=1.0 + 1e-4):
     return [
-        row(variant, JUDGE, value=value),
-        row(variant, JUDGE, "dop853", value=other, setting="1e-07"),
+        row(variant, REFERENCE, value=value),
+        row(variant, REFERENCE, "dop853", value=other, setting="1e-07"),
     ]
 
 
@@ -63,7 +63,7 @@ def test_numerical_and_total_errors():
 
 
 def test_a_model_without_steps_has_no_numerical_error():
-    inputs = [*ladder(), row("static", JOB, ""), row("static", JUDGE, "", value=1.001)]
+    inputs = [*ladder(), row("static", JOB, ""), row("static", REFERENCE, "", value=1.001)]
     rows = errors.with_errors([*reference_rows(), *inputs])
     static = [row["numerical.line"] for row in rows if row["variant"] == "static"]
     assert len(static) == 1
@@ -71,15 +71,15 @@ def test_a_model_without_steps_has_no_numerical_error():
 
 
 def test_diverging_references_make_a_chaotic_solution():
-    rows = [row(role=JUDGE, value=value) for value in (1.0, 1.03, 1.08)]
+    rows = [row(role=REFERENCE, value=value) for value in (1.0, 1.03, 1.08)]
     chaotic = errors.converged_solution(rows)
     assert chaotic.chaotic
     assert chaotic.values["line"] == pytest.approx(1.11 / 1.08 * 1.0, rel=0.02)
     assert chaotic.floor["line"] == pytest.approx(0.08, rel=0.1)
-    agreeing = errors.converged_solution([row(role=JUDGE, value=value) for value in (1.0, 1.0001, 1.08)])
+    agreeing = errors.converged_solution([row(role=REFERENCE, value=value) for value in (1.0, 1.0001, 1.08)])
     assert not agreeing.chaotic
     assert agreeing.values["line"] == pytest.approx(1.00005)
-    close = [row(role=JUDGE, value=value) for value in (1.0, 1.0001, 1.01)]
+    close = [row(role=REFERENCE, value=value) for value in (1.0, 1.0001, 1.01)]
     job_chaotic = errors.converged_solution([*close, row(role=JOB, chaotic=1.0)])  # by the step check of the job
     assert job_chaotic.values["line"] == pytest.approx(3.0101 / 3.0)
     assert job_chaotic.floor["line"] == pytest.approx(0.01, rel=0.02)
