@@ -9,17 +9,16 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure as Canvas
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator
 
 from bearingsim.plots import labels, select
 from bearingsim.plots.style import COLUMN_IN, CurveStyle, curve_styles
+from bearingsim.plots.ticks import linear_ticks, log_ticks
 from bearingsim.store import is_uncertain
 from bearingsim.study import Figure
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
-    from matplotlib.axis import Axis
 
 
 ROW_IN = 2.7  # height (inches) of a row of panels
@@ -34,9 +33,6 @@ RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec
 BAND_ALPHA = 0.18
 BASELINE: dict[str, Any] = {"ls": (0, (4, 2)), "lw": 0.9, "zorder": 1.5, "gid": "healthy"}
 """Style of the level of the healthy bearing."""
-EVEN = 3.0  # below this ratio of limits a log axis gets linear ticks
-TICKS = ((6.0, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)), (200.0, (1.0, 2.0, 5.0)))
-"""Mantissas of ticks on a log axis, by the ratio of limits below which they fit."""
 
 
 @dataclass(frozen=True)
@@ -222,18 +218,17 @@ def x_axis(ax: "Axes", figure: Figure, rows: "pd.DataFrame", units: Mapping[str,
         ax.margins(x=0.12)
     elif "x" in figure.log:
         ax.set_xscale("log")
-        ticks_between(ax.xaxis, ax.dataLim.minposx, ax.dataLim.x1)
-    elif len(distinct) <= 7:
-        unit = select.x_unit(figure.x, rows, units)
-        ticks = [labels.shown(figure.x, value, unit) for value in distinct]
-        ax.set_xticks(ticks, [labels.number_text(tick) for tick in ticks])
+        log_ticks(ax.xaxis, ax.dataLim.minposx, ax.dataLim.x1)
+    else:
+        unit, few = select.x_unit(figure.x, rows, units), distinct if len(distinct) <= 7 else []
+        linear_ticks(ax.xaxis, [labels.shown(figure.x, value, unit) for value in few])
 
 
 def y_axis(ax: "Axes", name: str, figure: Figure) -> None:
     """Set limits and ticks of a feature's y axis, from zero if no value is negative."""
     if "y" in figure.log and not name.endswith(".phase"):
         ax.set_yscale("log", nonpositive="mask")
-        ticks_between(ax.yaxis, ax.dataLim.minposy, ax.dataLim.y1)
+        log_ticks(ax.yaxis, ax.dataLim.minposy, ax.dataLim.y1)
     elif name.endswith(".phase"):
         ax.set_ylim(-190.0, 190.0)
         ax.set_yticks(range(-180, 181, 90))
@@ -241,17 +236,7 @@ def y_axis(ax: "Axes", name: str, figure: Figure) -> None:
         low, high = ax.dataLim.intervaly  # data limits, because the axis limits include margins
         if low >= 0.0:
             ax.set_ylim(0.0, max(ax.get_ylim()[1], HEADROOM * high))
-        ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
-
-
-def ticks_between(axis: "Axis", low: float, high: float) -> None:
-    """Set the ticks of a log axis from ``low`` > 0 to ``high``: plain numbers, denser over a smaller range."""
-    span = high / low
-    between = next((digits for most, digits in TICKS if span < most), (1.0,))
-    axis.set_major_locator(MaxNLocator(4) if span < EVEN else LogLocator(subs=between))
-    axis.set_minor_locator(NullLocator() if span < EVEN else LogLocator(subs="auto"))
-    axis.set_major_formatter(lambda value, _: labels.number_text(value))
-    axis.set_minor_formatter(NullFormatter())
+        linear_ticks(ax.yaxis)
 
 
 def letter(ax: "Axes", number: int, count: int, text: str) -> None:

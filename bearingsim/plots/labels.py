@@ -2,9 +2,13 @@
 
 from collections.abc import Mapping
 from functools import cache
+from typing import TYPE_CHECKING
 
 from bearingsim.errors import UserError
 from bearingsim.text.units import DISPLAY, UNITS, Dimension, display
+
+if TYPE_CHECKING:
+    from bearingsim.text.yamlfile import Node
 
 PRINTED_UNITS = {
     "um": "µm",
@@ -14,7 +18,25 @@ PRINTED_UNITS = {
     "us": "µs",
     "m/s^2": "m/s²",
     "mm/s^2": "mm/s²",
+    "N/m/m": "N/m²",
+    "N/m^2": "N/m²",
+    "N/mm/mm": "N/mm²",
+    "N/mm^2": "N/mm²",
+    "C": "°C",
+    "degC": "°C",
 }
+NAMES = {  # paths that do not name their quantity
+    "bearing.roller_profile": "roller profile",
+    "contact.damping.beta": "damping time c/k",
+    "misalignment.inner": "inner ring misalignment",
+    "misalignment.outer": "outer ring misalignment",
+    "rig.load": "load path",
+    "rig.ring.bends": "ring bending",
+}
+KINDS = ("law", "by", "shape", "on")  # keys of a mapping whose value names the kind of what it describes
+SWITCHES = {"true": "on", "false": "off"}
+NONE = "none"
+"""Value of a key that is omitted."""
 SCALES: dict[str, tuple[tuple[str, float], ...]] = {  # readable units of a feature's SI unit, largest first
     "m": (("mm", 1e3), ("µm", 1e6), ("nm", 1e9)),
     "m/s": (("m/s", 1.0), ("mm/s", 1e3), ("µm/s", 1e6)),
@@ -49,6 +71,8 @@ def pretty(unit: str) -> str:
 
 def name_text(path: str) -> str:
     """Return a path in words: `defect length` for ``defect.length``, `defect 2 width` for ``defects.2.width``."""
+    if path in NAMES:
+        return NAMES[path]
     words = path.removeprefix("contact.damping.").removeprefix("contact.").replace("defects.", "defect ")
     return words.replace(".", " ").replace("_", " ")
 
@@ -78,22 +102,67 @@ def shown(path: str, value: float, unit: str) -> float:
 
 
 def number_text(value: float) -> str:
-    """Format a number with at most five significant digits, without an exponent up to a million."""
-    return f"{value:.0f}" if 1e5 <= abs(value) < 1e6 else f"{value:.5g}"
+    """Format a number with at most five significant digits, without an exponent up to a million: `2e6`, `1e-5`."""
+    text = f"{value:.0f}" if 1e5 <= abs(value) < 1e6 else f"{value:.5g}"
+    mantissa, exponential, exponent = text.partition("e")
+    return f"{mantissa}e{int(exponent)}" if exponential else text
 
 
 def value_text(path: str, value: object, units: Mapping[str, str]) -> str:
-    """Format a value of a path with its unit: `0.8 mm`, `rollers`."""
+    """Format a value of a path with its unit: `0.8 mm`, `rollers`, `housing (stiffness 1e10 N/m²)`."""
     if not isinstance(value, int | float):
-        return str(value).strip("{}")
+        return phrase(str(value))
     unit = unit_of(path, units)
-    text = number_text(shown(path, float(value), unit))
-    return f"{text}{'' if unit in ('deg', '') else ' '}{pretty(unit)}"
+    return with_unit(number_text(shown(path, float(value), unit)), unit)
+
+
+def with_unit(number: str, unit: str) -> str:
+    """Join a number and its printed unit: `0.8 mm`, `30°`."""
+    return f"{number}{'' if unit in ('deg', '') else ' '}{pretty(unit)}"
+
+
+def phrase(text: str) -> str:
+    """Write a value of a study file in words: of a mapping its kind, then the rest in brackets.
+
+    Examples: `housing (stiffness 1e10 N/m²)` for ``{by: housing, stiffness: 1e10 N/m/m}``, `on` for ``true``.
+    """
+    from bearingsim.text.yamlfile import StudyError, parse
+
+    if not text.startswith(("{", "[")):
+        return _word(text)
+    try:
+        return _words(parse(text, "").root)
+    except StudyError:  # text with a colon or bracket, which the study file has in quotation marks
+        return text.strip("{}")
+
+
+def _words(node: "Node") -> str:
+    if isinstance(node.value, tuple):
+        texts = [_words(item) for item in node.value]
+        return " and ".join(filter(None, [", ".join(texts[:-1]), *texts[-1:]]))
+    if not isinstance(node.value, dict):
+        return _word(node.text)
+    kinds = [_words(item) for key, item in node.value.items() if key in KINDS]
+    rest = ", ".join(
+        f"{key.replace('_', ' ')} {_words(item)}" for key, item in node.value.items() if key not in KINDS
+    )
+    return f"{' '.join(kinds)} ({rest})" if kinds and rest else " ".join(kinds) or rest
+
+
+def _word(text: str) -> str:
+    """Print a scalar of a study file: its unit as in a figure, a switch as on or off."""
+    number, _, unit = text.partition(" ")
+    is_quantity = number[-1:].isdigit() and any(unit in units for units in UNITS.values())
+    return with_unit(number, unit) if is_quantity else SWITCHES.get(text, text)
 
 
 def described(swept: Mapping[str, object], units: Mapping[str, str]) -> str:
-    """Join swept values in one line: `circular, length 3 mm, load 150 N, model rollers`."""
-    return ", ".join(f"{_short(path)} {value_text(path, swept[path], units)}".strip() for path in swept)
+    """Join swept values in one line: `circular, length 3 mm, load 150 N, model rollers`.
+
+    Keys that a defect does not have are left out.
+    """
+    paths = [path for path in swept if not (swept[path] == NONE and path.startswith("defect"))]
+    return ", ".join(f"{_short(path)} {value_text(path, swept[path], units)}".strip() for path in paths)
 
 
 def _short(path: str) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from bearingsim.config import FEATURES
 from bearingsim.config.names import read_band
 from bearingsim.figure_kinds import KINDS
-from bearingsim.plots.labels import COST, PlotError, described, unit_of, value_text
+from bearingsim.plots.labels import COST, NONE, PlotError, described, unit_of, value_text
 from bearingsim.plots.lines import fitting, may_slip, races_of_all
 from bearingsim.study import Figure, dimension, stored_figure
 from bearingsim.study.uncertainty import PARAMETER_KINDS, group_by_kind
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 HEALTHY_PHASE = "-healthy.phase"
 MAX_CURVES = 9  # largest number of curves in a panel of an automatic figure
 SOME = 3  # number of jobs in a figure of signals without a selection
-UNSAID = "none"  # value omitted from the name of a category
 
 
 def case_rows(results: "Results") -> "pd.DataFrame":
@@ -260,7 +259,7 @@ def _as_categories(
     if len(paths) == 1:
         return paths[0], rows
     texts = [
-        ", ".join(text for path in paths if (text := value_text(path, row[path], units)) != UNSAID)
+        ", ".join(text for path in paths if (text := value_text(path, row[path], units)) != NONE)
         for _, row in rows[list(paths)].iterrows()
     ]
     return ", ".join(paths), rows.assign(**{", ".join(paths): texts})

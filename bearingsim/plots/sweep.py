@@ -25,12 +25,12 @@ from bearingsim.plots.axes import (
     models_of,
     positions,
     styles_of_curves,
-    ticks_between,
     x_axis,
     y_axis,
     y_label,
 )
 from bearingsim.plots.style import CurveStyle
+from bearingsim.plots.ticks import linear_ticks, log_ticks
 from bearingsim.plots.units import feature_scale
 from bearingsim.store import ERROR_PARTS
 from bearingsim.study import Figure
@@ -231,7 +231,12 @@ def _numbers(ax: "Axes", points: Sequence[float], heights: Sequence[float], is_l
     for value, height in zip(points, heights, strict=True):
         if value > 0.0 or (value == value and not is_log):
             ax.annotate(
-                f"{value:.3g}", (value, height), (5, 0), textcoords="offset points", va="center", fontsize=7
+                labels.number_text(float(f"{value:.3g}")),
+                (value, height),
+                (5, 0),
+                textcoords="offset points",
+                va="center",
+                fontsize=7,
             )
         elif value == 0.0:
             ax.annotate("0", (0.0, height), (3, 0), xycoords=("axes fraction", "data"),
@@ -251,7 +256,7 @@ def _value_axis(ax: "Axes", name: str, is_log: bool) -> None:
     """Set scale, limits and ticks of the value axis, with room for the number of the largest value."""
     if is_log:
         ax.set_xscale("log", nonpositive="mask")
-        ticks_between(ax.xaxis, ax.dataLim.minposx, ax.dataLim.x1)
+        log_ticks(ax.xaxis, ax.dataLim.minposx, ax.dataLim.x1)
         low, high = ax.get_xlim()
         ax.set_xlim(low, high * (high / low) ** ROOM)
     elif name.endswith(".phase"):
@@ -259,4 +264,4 @@ def _value_axis(ax: "Axes", name: str, is_log: bool) -> None:
         ax.set_xticks(range(-180, 181, 90))
     else:
         ax.set_xlim(0.0, ax.get_xlim()[1] * (1.0 + ROOM))
-        ax.xaxis.set_major_formatter(lambda value, _: labels.number_text(value))
+        linear_ticks(ax.xaxis)

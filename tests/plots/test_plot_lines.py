@@ -6,8 +6,8 @@ import pytest
 
 from bearingsim.cli import tables
 from bearingsim.plots import PlotError, lines
-from bearingsim.plots.axes import ticks_between
 from bearingsim.plots.plot import drawn
+from bearingsim.plots.ticks import log_ticks
 from tests.plots.test_plots import STUDY, only, record, results, text_of
 
 __all__ = ["results"]
@@ -178,7 +178,7 @@ def test_a_log_axis_has_numbers_enough_and_not_too_many(results, low, high, most
     [ax] = canvas.axes
     ax.set_yscale("log")
     ax.set_ylim(low, high)
-    ticks_between(ax.yaxis, low, high)
+    log_ticks(ax.yaxis, low, high)
     shown = [tick for tick in ax.get_yticks() if low <= tick <= high]
     assert 2 <= len(shown) <= most
 

@@ -388,6 +388,34 @@ def test_swept_values_in_words():
     assert text == "circular, width 800 µm, defect 2 angle 30°, load 150 N"
 
 
+@pytest.mark.parametrize(
+    ("path", "value", "text"),
+    [
+        ("rig.load", "{by: point}", "load path point"),
+        ("rig.load", "{by: pads, angles: [-45 deg, 45 deg]}", "load path pads (angles -45° and 45°)"),
+        (
+            "rig.load",
+            "{by: housing, stiffness: 1e10 N/m/m, fit: -10 um}",
+            "load path housing (stiffness 1e10 N/m², fit -10 µm)",
+        ),
+        (
+            "contact.damping",
+            "{indentation_exponent: 0, law: general}",
+            "damping general (indentation exponent 0)",
+        ),
+        ("contact.damping", "{law: film, oil: VG 68}", "damping film (oil VG 68)"),
+        ("rig.ring.bends", "false", "ring bending off"),
+        ("contact.damping.beta", 1e-5, "damping time c/k 10 µs"),
+        ("defect.length", "none", ""),
+        ("friction", "none", "friction none"),
+        ("defect.file", "{a: b: c}", "file a: b: c"),
+        ("tolerance", 1e-5, "tolerance 1e-5"),
+    ],
+)
+def test_swept_values_read_as_words_instead_of_options(path, value, text):
+    assert labels.described({path: value}, {"contact.damping.beta": "us"}) == text
+
+
 # Phase, series, spectrum
 
 

@@ -1,0 +1,43 @@
+"""Labels of ticks: none overlaps its neighbour, whatever the range and the width of the axes."""
+
+import itertools
+
+import pytest
+from matplotlib.figure import Figure
+
+from bearingsim.plots.style import drawing
+from bearingsim.plots.ticks import linear_ticks, log_ticks
+
+RANGES = [(50.0, 22000.0), (200.0, 1e5), (1e-5, 3e-4), (0.2, 50.0), (1.1, 2.3), (99990.0, 100020.0), (1e-9, 1e9)]
+WIDTHS = [0.8, 1.5, 3.0]  # inches
+
+
+@pytest.mark.parametrize(("low", "high"), RANGES)
+@pytest.mark.parametrize("scale", ["log", "linear"])
+def test_labels_of_ticks_do_not_overlap(low, high, scale):
+    with drawing():
+        for width, name in itertools.product(WIDTHS, "xy"):
+            canvas = Figure(figsize=(width, width))
+            ax = canvas.add_axes((0.0, 0.0, 1.0, 1.0))
+            ax.set(**{f"{name}scale": scale, f"{name}lim": (low, high)})
+            axis = ax.xaxis if name == "x" else ax.yaxis
+            log_ticks(axis, low, high) if scale == "log" else linear_ticks(axis, [low, 1.01 * low, high])
+            canvas.draw_without_rendering()
+            boxes = [
+                tick.label1.get_window_extent()
+                for tick in axis.get_major_ticks()
+                if tick.get_visible() and low <= tick.get_loc() <= high
+            ]
+            assert len(boxes) >= 1
+            ends = sorted((box.x0, box.x1) if name == "x" else (box.y0, box.y1) for box in boxes)
+            assert all(end < start for (_, end), (start, _) in itertools.pairwise(ends)), (width, name)
+
+
+def test_a_tick_stands_at_each_of_few_values_that_fit():
+    with drawing():
+        canvas = Figure(figsize=(3.0, 3.0))
+        ax = canvas.subplots()
+        ax.set_xlim(2.5, 12.5)
+        linear_ticks(ax.xaxis, [3.0, 6.0, 9.0, 12.0])
+        canvas.draw_without_rendering()
+        assert [tick.get_text() for tick in ax.get_xticklabels()] == ["3", "6", "9", "12"]
