@@ -40,7 +40,7 @@ def rows(run: Run) -> list[Row]:
         has_begun = getattr(error, "time", None) is not None
         return [_failed_row(run, "stopped" if has_begun else "refused", str(error))]
     except external.SolverStopped as error:
-        return [_failed_row(run, "gave up", str(error))]
+        return [_failed_row(run, "solver stopped", str(error))]
 
 
 def configure(run: Run, case: Case) -> Case:
@@ -138,7 +138,7 @@ def _identity(run: Run) -> Row:
 def _setting(setting: Setting) -> str:
     """Format a setting as in the plan: a multiple of the automatic step, or a tolerance."""
     if setting.step == setting.step:
-        return f"{setting.step:g} of the step"
+        return f"{setting.step:g} of the automatic step"
     return f"{setting.tolerance:g}" if setting.tolerance == setting.tolerance else ""
 
 

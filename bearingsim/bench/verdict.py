@@ -98,7 +98,7 @@ def setting(row: Row) -> str:
     """Describe the step or tolerance of a row, with a leading blank."""
     if row["role"] == AUTOMATIC:
         return " as chosen by `auto`"
-    value, is_step, _ = row["setting"].partition(" of the step")
+    value, is_step, _ = row["setting"].partition(" of the automatic step")
     if is_step:
         return " at its first step" if value == "1" else f" at {value} times its first step"
     return f" at a tolerance of {value}" if value else ""
@@ -108,7 +108,7 @@ def label(row: Row) -> str:
     """Abbreviate a row's step or tolerance: `2x`, `1e-3`; `auto` for the automatic choice."""
     if row["role"] == AUTOMATIC:
         return "auto"
-    value, is_step, _ = row["setting"].partition(" of the step")
+    value, is_step, _ = row["setting"].partition(" of the automatic step")
     return f"{value}x" if is_step else f"{float(value):.0e}".replace("e-0", "e-") if value else ""
 
 

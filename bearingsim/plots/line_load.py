@@ -127,7 +127,7 @@ def _recorded(job: str, record: Job) -> list[str]:
     """List the line loads that a job has recorded, without slice numbers. Raises PlotError if there are none."""
     channels = dict.fromkeys(name.rpartition(".")[0] for name in record.recorded if "_line_load." in name)
     if not channels:
-        raise labels.PlotError(f"job {job} has recorded no load along a roller: {ADVICE}")
+        raise labels.PlotError(f"job {job} did not record a load along a roller: {ADVICE}")
     return list(channels)
 
 
@@ -137,7 +137,7 @@ def _rows(job: str, record: Job, channel: str, count: int) -> Reals:
     missing = sum(name not in record.series.channels for name in names)
     if count < 1 or missing == count:
         advice = ADVICE.replace("roller.outer_line_load", channel)
-        raise labels.PlotError(f"job {job} has recorded no `{channel}`: {advice}")
+        raise labels.PlotError(f"job {job} did not record `{channel}`: {advice}")
     if missing:
         raise labels.PlotError(
             f"job {job} has recorded {count - missing} of {count} slices; add `{channel}` to record all"

@@ -64,7 +64,7 @@ def case_of(results: "Results", job: str, parameters: Mapping[Any, Any]) -> "Cas
         return build_case(parameters, results.path)
     except ValueError as error:
         reason = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error)
-        raise PlotError(f"the case of job {job} cannot be made again from its results: {reason}") from None
+        raise PlotError(f"the case of job {job} cannot be rebuilt from its results: {reason}") from None
 
 
 def channels_for(jobs: dict[str, Job], requested: Sequence[str], prefix: str = "") -> list[str]:
@@ -76,7 +76,8 @@ def channels_for(jobs: dict[str, Job], requested: Sequence[str], prefix: str = "
     name, leading = next(iter(jobs.items()))
     recorded = [name for name in leading.recorded if name.startswith(prefix) and not is_of_slice(name)]
     if not recorded and not requested:
-        raise PlotError(f"job {name} has recorded no {prefix or 'channel'}: add one to `record`")
+        kind = f"`{prefix}*` channel" if prefix else "channel"
+        raise PlotError(f"job {name} did not record any {kind}: add one to `record`")
     wanted = list(requested) or [next((channel for channel in MOTION if channel in recorded), recorded[0])]
     line_load = next((channel for channel in wanted if roller_of(channel) and channel.endswith(LINE_LOADS)), None)
     if line_load:
@@ -97,8 +98,8 @@ def _check(job: str, channel: str, recorded: Sequence[str]) -> None:
     names = [*recorded, *(name for base_channel in recorded for name in dataset_names(base_channel))]
     if recorded_as(channel, names) is None:
         hint = "" if channel in CHANNELS else suggestion(channel, names)
-        advice = hint or f"there are: {', '.join(recorded)}"
-        raise PlotError(f"job {job} has recorded no `{channel}` ({advice})")
+        advice = hint or f"recorded channels: {', '.join(recorded)}"
+        raise PlotError(f"job {job} did not record `{channel}` ({advice})")
 
 
 def recorded_as(channel: str, recorded: Sequence[str]) -> str | None:

@@ -43,7 +43,7 @@ def test_chart_of_a_study(here, write, small_plan):
     assert float(jobs["planar"]["total.line"]) < 0.01
     assert float(jobs["rollers"]["total.force"]) < 0.01
     assert float(jobs["ring"]["total.force"]) > 0.3  # without rollers' mass nothing strikes the far edge
-    assert [row["failure"] for row in rows if row["setting"] == "16 of the step"] == ["refused"] * 3
+    assert [row["failure"] for row in rows if row["setting"] == "16 of the automatic step"] == ["refused"] * 3
     peer = next(row for row in rows if row["role"] == "peer")
     assert float(peer["numerical.line"]) < 0.01
     assert float(peer["cpu_per_s"]) > 0.0

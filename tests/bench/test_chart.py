@@ -16,7 +16,9 @@ from tests.scenes.bench_runs import rows_of
 from tests.scenes.commands import type_
 
 
-def row(variant="planar", role=POINT, method="verlet", cpu=1.0, value=1.0, setting="1 of the step", **fields):
+def row(
+    variant="planar", role=POINT, method="verlet", cpu=1.0, value=1.0, setting="1 of the automatic step", **fields
+):
     """Return the row of a run whose line, RMS and force are all ``value``."""
     empty = dict.fromkeys(measure.COLUMNS, nan) | {"failure": "", "reason": "", "key": "", "period_passes": 0}
     identity = {
@@ -95,7 +97,7 @@ def test_full_run_is_named_if_no_job_suffices():
     rows = errors.with_errors(
         [
             row(role=JOB, value=1.02),
-            row(role=POINT, cpu=3.0, value=1.001, setting="0.25 of the step"),
+            row(role=POINT, cpu=3.0, value=1.001, setting="0.25 of the automatic step"),
             *reference_rows(),
         ]
     )
@@ -114,7 +116,7 @@ def test_accuracy_below_the_floor_has_no_verdict():
 def rows_with_steps(*errors_by_step, model=0.0):
     """Return rows with successively halved steps, of a model with the error ``model``."""
     runs = [
-        row("rollers", cpu=2.0**n, value=1.0 + error, setting=f"{0.5**n:g} of the step", step_s=0.5**n)
+        row("rollers", cpu=2.0**n, value=1.0 + error, setting=f"{0.5**n:g} of the automatic step", step_s=0.5**n)
         for n, error in enumerate(errors_by_step)
     ]
     return errors.with_errors(

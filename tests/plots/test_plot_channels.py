@@ -108,7 +108,7 @@ def test_nothing_recorded_is_told(results, monkeypatch):
         "tests.plots.test_plots.record", lambda case: record_of(case.model_copy(update={"record": ()}))
     )
     opened = results(PLANAR.replace(RECORD, "record: []\n"))
-    with pytest.raises(PlotError, match="has recorded no channel"):
+    with pytest.raises(PlotError, match="did not record any channel"):
         drawn(opened, kind="series")
 
 
@@ -123,10 +123,10 @@ def test_a_roller_without_a_number_is_the_first_one():
     [
         (
             {"kind": "series", "y": ["roller.3.outer_force"]},
-            "no `roller.3.outer_force` .there are: roller.2",
+            "did not record `roller.3.outer_force` .recorded channels: roller.2",
         ),
-        ({"kind": "series", "y": ["roller.x.y"]}, "has recorded no `roller.x.y`"),
-        ({"kind": "spectrum", "y": ["ring.velocity"]}, "has recorded no `ring.velocity`"),
+        ({"kind": "series", "y": ["roller.x.y"]}, "did not record `roller.x.y`"),
+        ({"kind": "spectrum", "y": ["ring.velocity"]}, "did not record `ring.velocity`"),
         ({"kind": "roller", "y": ["cage.slip"]}, "`cage.slip` is not a roller channel"),
     ],
 )
@@ -136,7 +136,7 @@ def test_what_was_not_recorded_is_told(planar, options, message):
 
 
 def test_a_study_without_rollers_has_no_way_round(results):
-    with pytest.raises(PlotError, match=r"has recorded no roller\."):
+    with pytest.raises(PlotError, match=r"did not record any `roller\.\*` channel"):
         drawn(results(STUDY), kind="roller")
 
 

@@ -229,5 +229,5 @@ def test_any_shape_is_stored_and_drawn(results, tmp_path):
     again = figures(store.open_results(opened.path), kind="pit", jobs=opened.jobs[:1])
     assert [canvas.get_suptitle() for _, canvas in again] == [canvas.get_suptitle() for _, canvas in sheets]
     shutil.rmtree(opened.path / "scans")
-    with pytest.raises(PlotError, match="cannot be made again from its results"):
+    with pytest.raises(PlotError, match="cannot be rebuilt from its results"):
         figures(store.open_results(opened.path), kind="pit", jobs=opened.jobs[:1])

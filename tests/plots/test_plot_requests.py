@@ -17,7 +17,7 @@ TEXT = STUDY + FIGURES
         ({"where": {"laod": "150 N"}}, "no swept path `laod`.*did you mean `load`"),
         ({"kind": "spectrum", "where": {"laod": "150 N"}}, "no swept path `laod`.*did you mean `load`"),
         *(({"y": [name]}, f"no feature `{name}`") for name in ("status", "job", "unit", "healthy", "reason")),
-        ({"kind": "series", "y": ["velocity.rms"]}, "has recorded no `velocity.rms`"),
+        ({"kind": "series", "y": ["velocity.rms"]}, "did not record `velocity.rms`"),
         ({"kind": "series", "by": ["laod"]}, "no swept path `laod`.*did you mean `load`"),
         ({"kind": "phase", "y": ["velocity.rms"]}, "`velocity.rms` has no phase"),
         ({"x": "load", "by": ["load"]}, "`load` can be only one of"),

@@ -480,7 +480,7 @@ def test_the_sensor_looks_where_the_rig_says(results):
 
 def test_a_study_that_records_nothing_has_no_series(results):
     opened = results(STUDY + "record: []\n")
-    with pytest.raises(PlotError, match="has recorded no channel: add one to `record`"):
+    with pytest.raises(PlotError, match="did not record any channel: add one to `record`"):
         drawn(opened, kind="series", jobs=opened.jobs[:1])
 
 
