@@ -71,6 +71,29 @@ KINDS = {
 }  # fmt: skip
 """Kinds of figures by name."""
 
+OPTION_HELP = {
+    "kind": "kind of the figure; default: `sweep`",
+    "title": "title of the figure",
+    "x": "swept parameter on the x axis",
+    "by": "one curve per value of this parameter",
+    "y": "feature, or channel of a job; one column of axes each",
+    "panels": "one row of axes per value of this parameter",
+    "where": "plot only cases with this value",
+    "from": "beginning of the time axis, such as `0.1 s`",
+    "to": "end of the time axis",
+    "span": "length of the time axis, such as `20 ms`",
+    "around": "`impact`: show the first passage over the defect",
+    "range": "frequencies `0 Hz..2 kHz`, or angles `-5 deg..5 deg`",
+    "band": "band-pass filter, such as `2 kHz..5 kHz`",
+    "log": "logarithmic axis, `x` or `y`",
+    "db": "levels in dB instead of amplitudes",
+    "unit": "unit of the y axis: `mm/s`, `g`",
+    "mean": "`0`: subtract the mean of a signal",
+    "healthy": "healthy bearing's curve: beside, below or off",
+    "orders": "add an axis in orders of the shaft",
+}
+"""Help on the options of figures, by key."""
+
 HEALTHY = ("beside", "below", "off")
 AROUND = ("impact",)
 LOG_AXES = ("x", "y")

@@ -8,8 +8,10 @@ import typer
 
 from bearingsim.cli.opening import find_job, find_results, reads_results, short_path
 from bearingsim.cli.options import Json, Results, check_choice, is_verbose, parse_assignment
-from bearingsim.figure_kinds import KINDS, LOG_AXES, OptionError
+from bearingsim.figure_kinds import KINDS, LOG_AXES, OPTION_HELP, OptionError
 from bearingsim.text.terminal import say
+
+REPEATABLE = "; repeatable"
 
 
 def _names(of_jobs: bool) -> str:
@@ -24,49 +26,35 @@ def plot(
         str | None,
         typer.Option(help=f"of the study: {_names(of_jobs=False)}; of signals: {_names(of_jobs=True)}"),
     ] = None,
-    x: Annotated[str | None, typer.Option(metavar="PATH", help="swept parameter on the x axis")] = None,
-    by: Annotated[
-        list[str] | None, typer.Option(metavar="PATH", help="one curve per value of this parameter; repeatable")
-    ] = None,
+    x: Annotated[str | None, typer.Option(metavar="PATH", help=OPTION_HELP["x"])] = None,
+    by: Annotated[list[str] | None, typer.Option(metavar="PATH", help=OPTION_HELP["by"] + REPEATABLE)] = None,
     y: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="feature, or channel of a job; one column of axes each; repeatable"),
+        typer.Option(metavar="NAME", help=OPTION_HELP["y"] + REPEATABLE),
     ] = None,
     panels: Annotated[
         list[str] | None,
-        typer.Option(metavar="PATH", help="one row of axes per value of this parameter; repeatable"),
+        typer.Option(metavar="PATH", help=OPTION_HELP["panels"] + REPEATABLE),
     ] = None,
     where: Annotated[
-        list[str] | None, typer.Option(metavar="PATH=VALUE", help="plot only cases with this value; repeatable")
+        list[str] | None, typer.Option(metavar="PATH=VALUE", help=OPTION_HELP["where"] + REPEATABLE)
     ] = None,
     job: Annotated[list[str] | None, typer.Option(metavar="JOB", help="job to plot, or `all`; repeatable")] = None,
-    start: Annotated[
-        str | None, typer.Option("--from", metavar="TIME", help="beginning of the time axis, such as `0.1 s`")
-    ] = None,
-    stop: Annotated[str | None, typer.Option("--to", metavar="TIME", help="end of the time axis")] = None,
-    span: Annotated[
-        str | None, typer.Option(metavar="TIME", help="length of the time axis, such as `20 ms`")
-    ] = None,
-    around: Annotated[
-        str | None, typer.Option(metavar="EVENT", help="`impact`: show the first passage over the defect")
-    ] = None,
+    start: Annotated[str | None, typer.Option("--from", metavar="TIME", help=OPTION_HELP["from"])] = None,
+    stop: Annotated[str | None, typer.Option("--to", metavar="TIME", help=OPTION_HELP["to"])] = None,
+    span: Annotated[str | None, typer.Option(metavar="TIME", help=OPTION_HELP["span"])] = None,
+    around: Annotated[str | None, typer.Option(metavar="EVENT", help=OPTION_HELP["around"])] = None,
     limits: Annotated[
         str | None,
-        typer.Option("--range", metavar="LOW..HIGH", help="frequencies `0 Hz..2 kHz`, or angles `-5 deg..5 deg`"),
+        typer.Option("--range", metavar="LOW..HIGH", help=OPTION_HELP["range"]),
     ] = None,
-    band: Annotated[
-        str | None, typer.Option(metavar="LOW..HIGH", help="band-pass filter, such as `2 kHz..5 kHz`")
-    ] = None,
-    log: Annotated[
-        list[str] | None, typer.Option(metavar="AXIS", help="logarithmic axis, `x` or `y`; repeatable")
-    ] = None,
-    db: Annotated[bool, typer.Option("--db", help="levels in dB instead of amplitudes")] = False,
-    unit: Annotated[str | None, typer.Option(metavar="UNIT", help="unit of the y axis: `mm/s`, `g`")] = None,
-    mean: Annotated[str | None, typer.Option(metavar="0", help="`0`: subtract the mean of a signal")] = None,
-    healthy: Annotated[
-        str | None, typer.Option(metavar="PLACE", help="healthy bearing's curve: beside, below or off")
-    ] = None,
-    orders: Annotated[bool, typer.Option("--orders", help="add an axis in orders of the shaft")] = False,
+    band: Annotated[str | None, typer.Option(metavar="LOW..HIGH", help=OPTION_HELP["band"])] = None,
+    log: Annotated[list[str] | None, typer.Option(metavar="AXIS", help=OPTION_HELP["log"] + REPEATABLE)] = None,
+    db: Annotated[bool, typer.Option("--db", help=OPTION_HELP["db"])] = False,
+    unit: Annotated[str | None, typer.Option(metavar="UNIT", help=OPTION_HELP["unit"])] = None,
+    mean: Annotated[str | None, typer.Option(metavar="0", help=OPTION_HELP["mean"])] = None,
+    healthy: Annotated[str | None, typer.Option(metavar="PLACE", help=OPTION_HELP["healthy"])] = None,
+    orders: Annotated[bool, typer.Option("--orders", help=OPTION_HELP["orders"])] = False,
     file_format: Annotated[str, typer.Option("--format", help="png, svg or pdf")] = "png",
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="folder (default: RESULTS/figures)")] = None,
 ) -> None:

@@ -67,53 +67,88 @@ def _check_speed(raw: Any) -> Any:
 class CaseFields(Section):
     """One simulation, in SI: speed in rad/s, loads in N, lengths in m, angles in rad, times in s.
 
-    `defect` (one mapping) may be given instead of `defects`. Values that depend on others are filled in:
-    `clearance` by class becomes a length; `model` is never `reference`; `method` is None for models without one;
-    `start_angle` is the first roller's angle at t = 0, by default pi / rollers; `excitation` of the impulse model
-    is `impulse-train` by default; `contact.stiffness` suits the bearing. `friction` and `cage` are None for models
-    without slip, and set for all others. `drag`, `ramp`, `shaft`, `unbalance` and `misalignment` are None if
-    absent. A line load in `record` becomes one channel per slice of the roller. `step_check` checks the step,
-    automatic or given, at the start of the run; `strict` checks it on the whole run, and rejects a chaotic record
-    that is too short for its RMS. `periodic` stops the integration once the motion repeats itself, and fills in
-    the rest of the record; without it the whole record is integrated. `features` adds features of bands, or means
-    that `until` monitors. With `until`, the record ends once the relative standard errors of the defects' lines,
-    the RMS and `features` are below this value, at the latest after `duration`.
+    Values that depend on others are filled in: `clearance` by class becomes a length; `model` is never
+    `reference`; `method` is None for models without one; `contact.stiffness` suits the bearing. `friction` and
+    `cage` are None for models without slip, and set for all others. `drag`, `ramp`, `shaft`, `unbalance` and
+    `misalignment` are None if absent. A line load in `record` becomes one channel per slice of the roller.
     """
 
     bearing: Annotated[Bearing, named("bearings")]
+    """Bearing: a name of the catalogue, a file, or a mapping."""
     rig: Annotated[Rig, named("rigs")] = Field(default_factory=default_rig)
+    """Support of the outer ring and sensor: a name in configs/rigs, a file, or a mapping."""
     speed: Annotated[Rotation, BeforeValidator(_check_speed)]
+    """Rotation speed of the inner ring."""
     ramp: Annotated[free.Ramp | None, OPTIONAL] = None
+    """Linear change of the speed, from `speed`. Default: constant speed."""
     load: Force
+    """Radial load on the outer ring, along the load line."""
     load_across: SignedForce = 0.0
+    """Second radial load, perpendicular to `load`; positive values shift the load zone towards 90 deg."""
     gravity: Switch = False
+    """Whether the weight of rollers and cage acts."""
     clearance: Clearance = 0.0
+    """Diametral radial clearance in operation: a length (negative: preload), or a class of ISO 5753-1."""
     defects: Annotated[tuple[Defect, ...], Field(max_length=MAX_DEFECTS), BeforeValidator(_check_list)] = ()
+    """Defects of the bearing. A single one may be given as `defect`; without any the bearing is healthy."""
     excitation: Annotated[Excitation, one_of(*get_args(Excitation))] = "envelope"
+    """Action of a defect on the contact. `envelope`: geometric path of the roller's centre; the others are the
+    pulses and stiffness changes of the literature. Default of the model `impulse`: `impulse-train`.
+    """
     contact: Contact = Contact()
+    """Stiffness and damping of the contacts of rolling elements and races."""
     friction: free.Friction | None = None
+    """Friction of rollers and races: a word, or a mapping with its parameters."""
     cage: free.Cage | None = None
+    """Mass, clearances, contacts and guidance of the cage."""
     drag: Annotated[free.Drag | None, OPTIONAL] = None
+    """Drag of the oil on rollers and cage. Default: none."""
     shaft: Annotated[free.Shaft | None, OPTIONAL] = None
+    """Elastic support and mass of a moving inner ring. Default: the inner ring's centre is fixed."""
     unbalance: Annotated[free.Unbalance | None, OPTIONAL] = None
+    """Unbalance of the shaft. Default: none."""
     misalignment: Annotated[Misalignment | None, OPTIONAL] = None
+    """Tilt of the rings' axes. Default: none."""
     model: Annotated[ModelName, one_of(catalogue.REFERENCE, *catalogue.MODELS)] = catalogue.USUAL_MODEL
+    """Dynamic model, in order of detail; `reference`: the most detailed that the case needs. `accuracy` chooses it
+    instead.
+    """
     method: Annotated[MethodName, one_of(catalogue.AUTO, *catalogue.METHODS)] | None = None
+    """Integrator. `auto`: velocity Verlet or an implicit method, by stiffness and damping of the case."""
     step: Step = "auto"
+    """Time step of methods with a fixed step. `auto`: shortened until the step check passes."""
     tolerance: Tolerance = "auto"
+    """Relative tolerance of adaptive methods. `auto`: reduced until the step check passes."""
     step_check: StepCheckMode = True
+    """Check of the step against a step 2.24 times shorter: at the start of the run (`true`), over the whole run
+    (`strict`), or not at all (`false`).
+    """
     periodic: Switch = True
+    """Whether a periodic response is computed until it repeats and then filled in; `false` integrates the whole
+    record.
+    """
     until: Accuracy | None = None
+    """End of the record once the relative standard errors of the defects' lines, the RMS and `features` are below
+    this value, at the latest after `duration`.
+    """
     duration: Duration = 1.0
+    """Length of the record, after settling."""
     settle: Settling = "auto"
+    """Time simulated before the record. `auto`: until transients have decayed."""
     start_angle: Angle = 0.0
+    """Angle of the first roller at t = 0, from the load line. Default: half the angle between two rollers."""
     seed: Annotated[int, integer(0, 999_999_999)] = 0
+    """Seed of random initial values and random impulses."""
     sampling: Frequency = 10240.0
+    """Sampling rate of the stored signals; they contain frequencies up to 0.4 of it."""
     antialias: Switch = True
+    """Whether signals are low-pass filtered before sampling."""
     record: tuple[Annotated[str, FileFormat(validate_channel, channel_schema)], ...] = ("ring.velocity",)
+    """Channels whose time signals are stored; an empty list stores features only."""
     features: Annotated[
         tuple[Annotated[str, FileFormat(validate_feature, feature_schema)], ...], Field(max_length=MAX_BANDS)
     ] = ()
+    """Additional features of frequency bands, or means that `until` monitors."""
 
     @property
     def checks_step(self) -> bool:

@@ -9,20 +9,20 @@ import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
-from pydantic.json_schema import models_json_schema
-
 from bearingsim import figure_kinds
 from bearingsim.catalogue import AUTO
 from bearingsim.config import Case, Defect, Section, bands
 from bearingsim.config.case_fields import DEPRECATED_KEYS
 from bearingsim.config.fields import POSITIVE, Schema, integer_schema, quantity_schema
 from bearingsim.designs import KINDS
+from bearingsim.study import descriptions
 from bearingsim.study.design import MAX_SEED
 from bearingsim.study.distributions import DISTRIBUTIONS
 from bearingsim.study.figures import PLOT_COLUMNS
 from bearingsim.study.goal import EXCLUDED_KEYS, GOAL_FEATURES, STEP_REASON
 from bearingsim.study.load import NAME
 from bearingsim.study.paths import fields_at, known_paths
+from bearingsim.study.section_schemas import describe, one_of, section_schemas
 from bearingsim.study.sweep import GENERATORS, MAX_VALUES
 from bearingsim.study.uncertainty import NONE, PARAMETER_KINDS, UNKNOWN, ParameterKind
 from bearingsim.text.units import UNITS
@@ -39,7 +39,7 @@ def schema_text() -> str:
 
 def json_schema() -> Schema:
     """Build the schema of a study file."""
-    names, sections = _sections()
+    names, sections = section_schemas()
     case = sections.pop(names[Case])["properties"]
     defect = case["defects"]["items"]
 
@@ -47,7 +47,7 @@ def json_schema() -> Schema:
         """Return the schema of one value of a path."""
         if path == "defect":
             return defect
-        return _one_of(_ref(names, *field) for field in fields_at()[DEPRECATED_KEYS.get(path, path)])
+        return one_of(_ref(names, *field) for field in fields_at()[DEPRECATED_KEYS.get(path, path)])
 
     definitions = {
         "Feature": {"anyOf": [{"enum": list(PLOT_COLUMNS)}, BAND_NAME]},
@@ -65,15 +65,18 @@ def json_schema() -> Schema:
             f"Generated {dimension}": _generator(any_value),
             f"Range {dimension}": _range(any_value),
         }
-    return {
+    schema: Schema = {
         "$schema": "http://json-schema.org/draft-07/schema#",
         "title": "bearingsim study",
         "type": "object",
         "properties": {
-            "study": _TEXT | {"pattern": f"^{NAME.pattern}$", "description": "letters, digits, - _ ."},
+            "study": _TEXT | {"pattern": f"^{NAME.pattern}$"},
             **case,
             "defect": defect,
-            **{old: value_at(old) | {"deprecated": True} for old in DEPRECATED_KEYS},
+            **{
+                old: value_at(old) | {"deprecated": True, "description": f"Old name of `{new}`."}
+                for old, new in DEPRECATED_KEYS.items()
+            },
             "accuracy": _accuracy(),
             "sweep": _sweep(required=["n", "over"]),
             "figures": {"type": "array", "items": _figure()},
@@ -92,37 +95,11 @@ def json_schema() -> Schema:
         "allOf": [*_exclusions(), *_requirements()],
         "$defs": sections | {name.replace(" ", "-"): schema for name, schema in definitions.items()},
     }
-
-
-# Sections
-
-
-def _sections() -> tuple[dict[type[Section], str], dict[str, Schema]]:
-    """Return the names of the sections with swept fields, and the schemas of all sections by name."""
-    swept = dict.fromkeys(field.section for fields in fields_at().values() for field in fields)
-    refs, document = models_json_schema([(section, "validation") for section in swept])
-    names = {section: refs[section, "validation"]["$ref"].rpartition("/")[2] for section in swept}
-    sections = {name: _as_written(schema) for name, schema in document["$defs"].items()}
-    for name in names.values():
-        sections[name].pop("required", None)
-    return names, sections
-
-
-def _as_written(schema: Schema) -> Schema:
-    """Remove the parts of a schema that apply to Python only: titles, defaults in SI, and None."""
-    reduced = {key: value for key, value in schema.items() if key not in ("title", "default", "anyOf", "oneOf")}
-    if "properties" in reduced:
-        reduced["properties"] = {name: _as_written(inner) for name, inner in reduced["properties"].items()}
-    if "items" in reduced:
-        reduced["items"] = _as_written(reduced["items"])
-    choices = [_as_written(inner) for inner in schema.get("anyOf") or schema.get("oneOf") or ()]
-    return reduced | (_one_of(choice for choice in choices if choice != {"type": "null"}) if choices else {})
-
-
-def _one_of(choices: Iterable[Schema]) -> Schema:
-    """Return the schema of a value with alternatives; nested alternatives are flattened."""
-    flat = [inner for choice in choices for inner in (choice["anyOf"] if choice.keys() == {"anyOf"} else [choice])]
-    return flat[0] if len(flat) == 1 else {"anyOf": flat}
+    properties = schema["properties"]
+    describe(properties, descriptions.STUDY_KEYS)
+    describe(properties["accuracy"]["anyOf"][-1]["properties"], descriptions.ACCURACY_KEYS)
+    describe(properties["uncertainty"]["anyOf"][-1]["properties"], descriptions.UNCERTAINTY_KEYS)
+    return schema
 
 
 def _closed_mapping(properties: Mapping[str, Schema], required: Iterable[str] = ()) -> Schema:
@@ -170,12 +147,12 @@ def _values(path: str, value: Schema) -> Schema:
     """Return the schema of the values of a swept path: a list, or a generator for numbers."""
     array = {"type": "array", "items": value, "minItems": 1}
     kind = _kind(path)
-    return _one_of([array, _definition(f"Generated {kind}")] if kind else [array])
+    return one_of([array, _definition(f"Generated {kind}")] if kind else [array])
 
 
 def _generator(number: Schema) -> Schema:
     last = dict.fromkeys(GENERATORS, integer_schema(2, MAX_VALUES)) | {"range": number}
-    return _one_of(
+    return one_of(
         _closed_mapping({generator: _list_of(number, number, last[generator])}, required=[generator])
         for generator in GENERATORS
     )
@@ -184,7 +161,7 @@ def _generator(number: Schema) -> Schema:
 def _range(number: Schema) -> Schema:
     """Return the schema of a range of a design: two bounds, or a distribution between them."""
     bounds = _list_of(number, number)
-    return _one_of(
+    return one_of(
         [bounds, _closed_mapping(dict.fromkeys((*DISTRIBUTIONS, "within"), bounds)) | {"minProperties": 1}]
     )
 
@@ -195,7 +172,7 @@ def _list_of(*items: Schema) -> Schema:
 
 def _one_or_many(schema: Schema) -> Schema:
     """Return the schema of one value, or a list of values."""
-    return _one_of([schema, {"type": "array", "items": schema, "minItems": 1}])
+    return one_of([schema, {"type": "array", "items": schema, "minItems": 1}])
 
 
 # Settings of a study apart from its cases
@@ -204,19 +181,25 @@ def _one_or_many(schema: Schema) -> Schema:
 def _sweep(required: list[str]) -> Schema:
     """Return the schema of `sweep`; required: the keys of a design, which `quick` need not repeat."""
     values = _definition("Values")
-    design = {"n": integer_schema(1, 10**99), "seed": integer_schema(0, MAX_SEED), "over": _definition("Ranges")}
+    design: Schema = {
+        "n": integer_schema(1, 10**99),
+        "seed": integer_schema(0, MAX_SEED),
+        "over": _definition("Ranges"),
+    }
+    describe(design, descriptions.DESIGN_KEYS)
     formulas = {
         "type": "object",
         "propertyNames": _definition("Path"),
         "additionalProperties": {"type": ["string", "number"]},
     }
     settings: dict[str, Schema] = {
-        "zip": _one_of([values, {"type": "array", "items": values}]),
+        "zip": one_of([values, {"type": "array", "items": values}]),
         **dict.fromkeys(KINDS, _closed_mapping(design, required)),
         "derived": formulas,
-        "where": _one_of([{"type": "string"}, {"type": "array", "items": {"type": "string"}}]),
+        "where": one_of([{"type": "string"}, {"type": "array", "items": {"type": "string"}}]),
         "repeat": integer_schema(1, MAX_VALUES),
     }
+    describe(settings, descriptions.SWEEP_KEYS)
     return _path_mapping(_paths(), lambda path: {"$ref": f"#/$defs/Values/properties/{path}"}, settings)
 
 
@@ -226,9 +209,9 @@ def _figure() -> Schema:
     channel = {"$ref": "#/properties/record/items"}
     text, time = _TEXT, _definition("Any time")
     signals = [name for name, kind in figure_kinds.KINDS.items() if kind.of_jobs]
-    keys = {
+    keys: Schema = {
         "kind": {"enum": [*figure_kinds.KINDS]},
-        "y": _one_or_many(_one_of([feature, channel, {"pattern": r"^[a-z_.]+\.[xy]$", "type": "string"}])),
+        "y": _one_or_many(one_of([feature, channel, {"pattern": r"^[a-z_.]+\.[xy]$", "type": "string"}])),
         "x": path,
         "by": _one_or_many(path),
         "panels": _one_or_many(path),
@@ -247,6 +230,7 @@ def _figure() -> Schema:
         "healthy": {"enum": [*figure_kinds.HEALTHY]},
         "orders": {"type": "boolean"},
     }
+    describe(keys, figure_kinds.OPTION_HELP)
     of_signals = {"properties": {"kind": {"enum": [*signals, "design"]}}, "required": ["kind"]}
     return _closed_mapping(keys) | {"if": of_signals, "then": {}, "else": {"required": ["y", "x"]}}
 
@@ -260,7 +244,7 @@ def _uncertain_values(unknown: ParameterKind) -> Schema:
 
 def _accuracy() -> Schema:
     share = quantity_schema("share", POSITIVE)
-    return _one_of(
+    return one_of(
         [
             share,
             _closed_mapping(
@@ -290,7 +274,7 @@ def _requirements() -> Iterator[Schema]:
         yield _unless_swept({"required": [name]}, name)
     is_scan = {"properties": {"shape": {"const": "scan"}}, "required": ["shape"]}
     for name in _required(Defect):
-        defect = {"required": ["shape"]} if name == "shape" else _one_of([{"required": [name]}, is_scan])
+        defect = {"required": ["shape"]} if name == "shape" else one_of([{"required": [name]}, is_scan])
         swept = ("defect", "defect.shape", f"defect.{name}")
         yield _unless_swept({"properties": {"defect": defect}}, *swept)
 

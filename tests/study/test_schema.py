@@ -1,7 +1,9 @@
 """The JSON schema of study files: what an editor marks, `check` refuses."""
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import pytest
@@ -15,6 +17,39 @@ from benchmarks.crossed_blocks import SHIPPED_STUDIES, write_crossed
 from tests.conftest import ROOT
 from tests.scenes.editor import schema_errors
 from tests.scenes.study_text import BASE
+
+PATHS = re.compile(r"^(Values|Ranges|(Any|Generated|Range)-.*)$")
+"""Definitions of values, whose keys refer to described ones."""
+
+
+def keys(schema: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the keys below a schema with their own schemas, except swept paths."""
+    if isinstance(schema, list):
+        for inner in schema:
+            yield from keys(inner, name)
+    elif isinstance(schema, dict):
+        for key, inner in schema.get("properties", {}).items():
+            if "." not in key and "$ref" not in inner:
+                yield f"{name}.{key}", inner
+        for key, inner in schema.items():
+            if not PATHS.match(key) and key not in ("allOf", "quick", "if"):
+                yield from keys(inner, f"{name}.{key}" if key != "properties" else name)
+
+
+def test_every_key_has_a_description() -> None:
+    described = dict(keys(json_schema()))
+    assert len(described) > 150
+    assert [name for name, schema in described.items() if not schema.get("description", "")[:1].strip()] == []
+
+
+def test_a_description_is_that_of_its_key_and_its_format() -> None:
+    sections = json_schema()["$defs"]
+    assert sections["Cage"]["properties"]["mass"]["description"].startswith("Mass of the cage. Default: ")
+    static = sections["StaticDynamic"]["properties"]["static"]["description"]
+    assert (
+        static == "Largest friction coefficient, reached at `static_speed`. Format: a plain number such as `1.5`."
+    )
+    assert sections["Kraemer"]["properties"]["law"]["description"].startswith("Damping equal to `beta` (s)")
 
 
 def in_docs() -> list[str]:

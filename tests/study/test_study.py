@@ -263,7 +263,7 @@ def test_the_schema_knows_what_a_study_may_say() -> None:
     assert schema["properties"]["clearance"]["anyOf"][0]["enum"] == ["C2", "CN", "C3", "C4", "C5"]
     assert "palmgren" in schema["$defs"]["Contact"]["properties"]["stiffness"]["anyOf"][0]["enum"]
     assert schema["properties"]["load"]["type"] == "string"
-    assert schema["properties"]["load"]["description"] == "a force such as `150 N`"
+    assert schema["properties"]["load"]["description"].endswith(" Format: a force such as `150 N`.")
 
 
 def test_dimensions_of_paths() -> None:

@@ -54,6 +54,7 @@ class HuntCrossley(Section):
 
     law: Literal["hunt-crossley"] = "hunt-crossley"
     chi: InverseVelocity = 50.0
+    """Damping coefficient: the damping force is chi times the approach rate times the elastic force."""
 
 
 NEARLY_JUMPS = "the peak impact force depends on the damping law, whose force nearly jumps at first contact"
@@ -81,6 +82,7 @@ class Kraemer(_ByStiffness):
 
     law: Literal["kraemer"] = "kraemer"
     beta: Delay = 2.5e-6
+    """Damping time c/k: damping per tangent stiffness."""
 
     @property
     def damping_time(self) -> float:
@@ -102,18 +104,24 @@ class Undamped(_ByStiffness):
 class Film(Section):
     """Damping by an oil film, and by hysteresis of the steel.
 
-    `viscosity` (Pa s) at the inlet, or an ISO grade `oil` such as `VG 68` at a `temperature` (K);
-    `pressure_coefficient` of the viscosity (1/Pa); `loss_factor` of the steel. `at` is the frequency of the film:
-    `low`, or the rolling element's `own` natural frequency, where theory gives an order of magnitude only.
+    The oil is given by its `viscosity` or by its grade `oil` and `temperature`.
     """
 
     law: Literal["film"] = "film"
     viscosity: Viscosity | None = None
+    """Dynamic viscosity of the oil at the inlet of the contact; instead of `oil` and `temperature`."""
     oil: Annotated[str, FileFormat(_oil, lambda _: or_words(SPELLED_OIL, *KNOWN_OILS))] | None = None
+    """ISO viscosity grade of the oil, such as `VG 68`; needs `temperature`."""
     temperature: Temperature | None = None
+    """Temperature of the oil at the inlet of the contact."""
     pressure_coefficient: PressureCoefficient = 2e-8
+    """Pressure-viscosity coefficient of the oil."""
     loss_factor: Percentage = 0.015
+    """Loss factor of the steel (hysteresis)."""
     at: Annotated[Literal["low", "own"], one_of("low", "own")] = "low"
+    """Frequency for which the film's damping is computed: `low` for slow motion, `own` for the natural frequency
+    of a rolling element, where theory gives an order of magnitude only.
+    """
 
     of_one_speed: ClassVar[bool] = True
 
@@ -161,7 +169,9 @@ class LossFactor(_ByStiffness):
 
     law: Literal["loss-factor"] = "loss-factor"
     loss_factor: Percentage
+    """Loss factor of the contact."""
     frequency: Frequency
+    """Frequency at which damping and loss factor agree."""
 
     @property
     def damping_time(self) -> float:
@@ -174,8 +184,11 @@ class General(Section):
 
     law: Literal["general"] = "general"
     coefficient: Coefficient
+    """Damping coefficient c of the force c |v|^m2 delta^m3, in N, mm and s."""
     velocity_exponent: Exponent = 1.0
+    """Exponent m2 of the approach rate."""
     indentation_exponent: Exponent
+    """Exponent m3 of the indentation; 0 gives a force that jumps at first contact."""
 
     def jumps(self, touch_down_stiffness: bool) -> bool:
         """Check if the force jumps at first contact, as it does if damping is independent of the indentation."""
@@ -187,7 +200,9 @@ class Constant(Section):
 
     law: Literal["constant"] = "constant"
     coefficient: PositiveCoefficient
+    """Stiffness coefficient k of the force k delta^m of one contact, in N and mm."""
     exponent: PositiveExponent
+    """Exponent m of the indentation: about 1.1 for line contacts, 1.5 for point contacts."""
 
     @property
     def stiff_at_touch_down(self) -> bool:
@@ -241,17 +256,20 @@ else:
 
 
 class Contact(Section):
-    """Contact of rolling elements and races.
-
-    `stiffness` is a word or a mapping; its default is `palmgren` for rollers, `point` for balls. `length_nodes` is
-    the number of nodes along a defect whose width varies along the roller; `slices` is the least number of slices
-    of a roller in the spatial model.
-    """
+    """Contact of rolling elements and races."""
 
     stiffness: Stiffness | None = None
+    """Elastic law of each contact of a rolling element and a race: a word, or a mapping with its parameters.
+    Default: `palmgren` for rollers, `point` for balls.
+    """
     damping: Damping = Kraemer()
+    """Damping law of these contacts: a word, or a mapping with its parameters. No measured value exists, so vary
+    it by `uncertainty`.
+    """
     length_nodes: Annotated[int, integer(1, 64)] = 24
+    """Integration points along a roller for defects whose width varies along it."""
     slices: Annotated[int, integer(1, MOST_SLICES)] = 24
+    """Minimum number of slices of a roller (model `spatial`)."""
 
     @property
     def elastic_law(self) -> str:

@@ -62,10 +62,12 @@ _SHAPE_FIELDS = {"grown": "spall", "seed": "spall", "file": "scan", "digest": "s
 
 
 class Edge(Section):
-    """Edges of a defect in the rolling direction (m): either rounded with `radius`, or sloped over `ramp`."""
+    """Edges of a defect in the rolling direction: either rounded or sloped."""
 
     radius: Length | None = None
+    """Radius of rounded edges."""
     ramp: Length | None = None
+    """Length of sloped edges in the rolling direction."""
 
     @model_validator(mode="after")
     def _one(self) -> "Edge":
@@ -75,29 +77,38 @@ class Edge(Section):
 
 
 class Defect(Section):
-    """Defect: sizes in m (`length` along the axis, `width` in the rolling direction), angle in rad.
-
-    `race` is the element with the defect; `roller` is counted from 1, the default. The angle is measured from the
-    load line (on the inner race at t = 0, rotating with it) or, on a roller, from the outward radial direction at
-    t = 0. `offset` is the axial distance (m) of the defect's centre from the roller's, positive towards +z.
-
-    A `spall` has the given sizes at `grown` = 1, and a random shape determined by `seed`. The sizes of a `scan`
-    are those in its `file` (CSV or HDF5); `digest` identifies the file's content and is not set by users.
-    """
+    """Defect; sizes in m, angle in rad. A spall and a scan have a shape of their own within these sizes."""
 
     race: Annotated[Race, one_of(*get_args(Race))] = "outer"
+    """Element with the defect: `outer` or `inner` race, or `roller`."""
     roller: Annotated[int, integer(1, 64)] | None = None
+    """Number of the roller with the defect, counted from 1 (default)."""
     shape: Annotated[Shape, one_of(*catalogue.SHAPES)]
+    """Shape of the defect: a simple outline, a random `spall`, or a measured `scan`."""
     length: Length
+    """Size of the defect along the axis of the bearing."""
     width: Length
+    """Size of the defect in the rolling direction."""
     depth: Length
+    """Largest depth of the defect."""
     angle: Angle = 0.0
+    """Position of the defect's centre, measured from the load line in the sense of rotation. On the inner race: at
+    t = 0, rotating with the ring. On a roller: from the outward radial direction at t = 0.
+    """
     offset: SignedLength = 0.0
+    """Axial distance of the defect's centre from the roller's, positive towards +z. It tilts rollers (model
+    `spatial`).
+    """
     edge: Annotated[Edge | None, OPTIONAL] = None
+    """Edges in the rolling direction: rounded (`radius`) or sloped (`ramp`). Default: sharp."""
     grown: Percentage | None = None
+    """Growth of a `spall` relative to the given sizes. Default: 100 %."""
     seed: Annotated[int, integer(0, 999_999_999)] | None = None
+    """Seed of the random shape of a `spall`. Default: 0."""
     file: Text | None = None
+    """Depth map of a `scan`: a CSV or HDF5 file, which also sets the sizes of the defect."""
     digest: Text | None = None
+    """Digest of the content of `file`; not set by users."""
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:

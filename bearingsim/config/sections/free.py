@@ -34,19 +34,25 @@ Land = Literal["inner", "outer"]
 
 
 class Ramp(Section):
-    """Linear change of the speed from the case's `speed` to `to` (rad/s) in `time` (s), then constant."""
+    """Linear change of the speed from the case's `speed` (rad/s), then constant."""
 
     to: Rotation
+    """Speed of the inner ring after the ramp."""
     time: Duration
+    """Duration of the ramp, from t = 0, the start of settling."""
 
 
 class _Curve(Section):
     """Friction coefficient, odd in speed: `static` at `static_speed`, falling to `dynamic` at `dynamic_speed`."""
 
     static: Number
+    """Largest friction coefficient, reached at `static_speed`."""
     dynamic: Number
+    """Friction coefficient from `dynamic_speed` on."""
     static_speed: Velocity = 0.02
+    """Sliding speed of the largest friction coefficient; below it friction rises from zero."""
     dynamic_speed: Velocity = 0.1
+    """Sliding speed from which the friction coefficient is `dynamic`."""
 
     @model_validator(mode="after")
     def _falls(self) -> "_Curve":
@@ -70,9 +76,13 @@ class Traction(Section):
 
     law: Literal["traction"] = "traction"
     a: SignedNumber = -0.1
+    """Coefficient a of mu = (a + b s) exp(-c s) + d, with s the slide-to-roll ratio."""
     b: SignedNumber = 22.28
+    """Coefficient b of the traction curve."""
     c: Number = 181.46
+    """Coefficient c of the traction curve."""
     d: Number = 0.1
+    """Friction coefficient at large slip, d of the traction curve."""
 
 
 class Frictionless(Section):
@@ -97,24 +107,29 @@ class CageFriction(_Curve):
 
 
 class Cage(Section):
-    """Cage: its motion, mass (None: from its dimensions), clearances (m, total gap) and contacts.
-
-    `pocket_stiffness` (N/m) is linear, `pocket_damping` is chi (s/m) of a Hunt-Crossley contact; both also apply
-    to the guide. `radial_pocket_clearance` is the gap of a cage guided by its rollers, by default
-    `pocket_clearance`. `axial_clearance` is the axial gap of a roller in its pocket, for the spatial model.
-    Stiffness, damping and clearances are assumptions.
-    """
+    """Cage: its motion, mass, clearances (m) and contacts."""
 
     motion: Annotated[Motion, one_of(*get_args(Motion))] = "free"
+    """`free`: moved by its contacts and friction; `kinematic`: rotates at the speed of pure rolling."""
     mass: Mass | None = None
+    """Mass of the cage. Default: from the dimensions of the bearing."""
     pocket_clearance: Length = 2e-4
+    """Total circumferential gap of a roller in its pocket (assumed)."""
     pocket_stiffness: Stiffness = 1e7
+    """Linear stiffness of the contacts of a roller and its pocket, and of the cage and its guide (assumed)."""
     pocket_damping: InverseVelocity = 10.0
+    """Hunt-Crossley coefficient chi of these contacts (assumed)."""
     friction: CageFriction = CageFriction()
+    """Friction of the cage on rollers and guiding ring."""
     guide: Annotated[Guide, one_of(*get_args(Guide))] = "centred"
+    """Guidance of the cage: `centred` (its centre is fixed), by the rollers, or by the inner or outer ring."""
     guide_clearance: Length = 4e-4
+    """Diametral gap of the cage and its guiding ring (assumed)."""
     radial_pocket_clearance: Length | None = None
+    """Total radial gap of a roller in its pocket, for a cage guided by its rollers. Default: `pocket_clearance`.
+    """
     axial_clearance: Length = 4e-4
+    """Total axial gap of a roller in its pocket (model `spatial`)."""
 
     @model_validator(mode="after")
     def _resolved(self) -> "Cage":
@@ -124,38 +139,51 @@ class Cage(Section):
 
 
 class Drag(Section):
-    """Drag of the oil on rollers, and of the film between the cage and its guiding ring (`land`).
+    """Drag of the oil on rollers, and of the film between the cage and its guiding ring.
 
     Drag on a roller is 1/2 (oil_fraction oil_density) drag_coefficient L D v^2. The shear stress of the film is
-    oil_viscosity U/land_gap on the area 2 pi R land_width (None: the ring's width minus the roller's length).
+    oil_viscosity U/land_gap on the area 2 pi R land_width.
     """
 
     oil_fraction: Share = 0.1
+    """Volume fraction of oil in the bearing's free space."""
     oil_density: Density = 860.0
+    """Density of the oil."""
     drag_coefficient: Number = 1.0
+    """Drag coefficient of a roller moving through the mixture of oil and air."""
     oil_viscosity: Viscosity = 0.05
+    """Dynamic viscosity of the oil film between cage and guiding land."""
     land: Annotated[Land, one_of(*get_args(Land))] = "outer"
+    """Ring whose land guides the cage and shears the film: `inner` or `outer`."""
     land_gap: Length = 2e-4
+    """Thickness of the oil film between cage and land."""
     land_width: Length | None = None
+    """Width of the land. Default: width of the ring minus length of the roller."""
 
 
 class Shaft(Section):
-    """Support of a moving inner ring: spring (N/m), damper (N s/m), mass of ring and shaft (kg).
-
-    With `axial_stiffness` (N/m) and `tilting_stiffness` (N m/rad) the ring can also move axially and tilt.
-    """
+    """Support of a moving inner ring."""
 
     stiffness: Stiffness
+    """Radial stiffness of the support of the inner ring."""
     damping: Damping = 0.0
+    """Radial damping of this support."""
     mass: Mass
+    """Mass of inner ring and shaft."""
     axial_stiffness: Stiffness | None = None
+    """Axial stiffness of the support; without it the inner ring does not move axially (model `spatial`)."""
     axial_damping: Damping | None = None
+    """Axial damping of the support."""
     tilting_stiffness: TorsionalStiffness | None = None
+    """Tilting stiffness of the support; without it the inner ring does not tilt (model `spatial`)."""
     tilting_damping: TorsionalDamping | None = None
+    """Tilting damping of the support."""
 
 
 class Unbalance(Section):
-    """Unbalance of the shaft: mass times radius (kg m), and its angle from the load line at t = 0 (rad)."""
+    """Unbalance of the shaft."""
 
     mass_radius: MassRadius
+    """Unbalance: mass times its distance from the axis."""
     angle: Angle = 0.0
+    """Angle of the unbalance from the load line at t = 0."""

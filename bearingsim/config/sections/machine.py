@@ -50,10 +50,15 @@ class Material(Section):
     """Material of rolling elements and rings."""
 
     name: Text = ""
+    """Name of the material, for users."""
     density: SolidDensity
+    """Density."""
     young_modulus: Pressure = 207e9
+    """Young's modulus."""
     poisson_ratio: PoissonRatio = 0.3
+    """Poisson's ratio."""
     source: Text = ""
+    """Source of the data, for users."""
 
 
 def _steel() -> Any:
@@ -61,28 +66,38 @@ def _steel() -> Any:
 
 
 class Bearing(Section):
-    """Radial bearing: nominal dimensions in m, without clearance.
-
-    `rollers` and `roller_diameter` are number and diameter of the rolling elements, rollers or balls. Cylindrical
-    rollers have a `roller_length`, ball bearings the radii of their grooves in the axial plane (m). `flanges` and
-    `roller_profile` are used by the spatial model.
-    """
+    """Radial bearing: nominal dimensions in m, without clearance."""
 
     name: Text = ""
+    """Designation of the bearing, for users."""
     element: Annotated[Element, one_of(*get_args(Element))] = "roller"
+    """Rolling elements: `roller` (cylindrical) or `ball`."""
     rollers: Annotated[int, integer(3, 104)]
+    """Number of rolling elements."""
     roller_diameter: Length
+    """Diameter of the rolling elements."""
     roller_length: Length | None = None
+    """Effective length of the rollers; required for `roller`."""
     inner_groove_radius: Length | None = None
+    """Radius of the inner groove in the axial plane; required for `ball`."""
     outer_groove_radius: Length | None = None
+    """Radius of the outer groove in the axial plane; required for `ball`."""
     pitch_diameter: Length
+    """Pitch diameter: diameter of the circle of the rolling elements' centres."""
     bore: Length
+    """Bore of the inner ring."""
     outside_diameter: Length
+    """Outside diameter of the outer ring."""
     width: Length
+    """Width of the rings."""
     roller_profile: RollerProfile = Profile()
+    """Profile of the rollers: `straight`, `crowned` or `logarithmic` (model `spatial`)."""
     flanges: Flanges | None = None
+    """Flanges that guide the rollers axially (model `spatial`)."""
     material: Annotated[Material, named("materials")] = Field(default_factory=_steel)
+    """Material of rings and rolling elements: a name in configs/materials, a file, or a mapping."""
     source: Text = ""
+    """Source of the dimensions, for users."""
 
     @property
     def roller_spacing(self) -> float:
@@ -168,27 +183,39 @@ def _check_circle(bearing: Bearing | RollingParts) -> None:
 class Rig(Section):
     """Support of the outer ring by a bracket, and its sensor.
 
-    Without `torsion_stiffness` (N m/rad) the ring cannot rotate; without `axial_stiffness` (N/m) and
-    `tilting_stiffness` (N m/rad) it can neither move axially nor tilt. Without `ring` it is rigid; for a flexible
-    `ring`, `load` is the load path, and is never None in a case. `sensor_angle` (rad) is a synonym of
-    `sensor.angle`: a study defines one of them, a case has both.
+    In a case, `load` is never None if the ring is flexible, and both angles of the sensor are set and equal.
     """
 
     name: Text = ""
+    """Name of the rig, for users."""
     bracket_stiffness: StiffnessOrZero = 1e7
+    """Radial stiffness of the support of the outer ring."""
     bracket_damping: Damping = 200.0
+    """Radial damping of this support."""
     torsion_stiffness: TorsionalStiffness | None = None
+    """Torsional stiffness of the support; without it the outer ring does not rotate."""
     torsion_damping: TorsionalDamping | None = None
+    """Torsional damping of the support."""
     axial_stiffness: Stiffness | None = None
+    """Axial stiffness of the support; without it the outer ring does not move axially (model `spatial`)."""
     axial_damping: Damping | None = None
+    """Axial damping of the support."""
     tilting_stiffness: TorsionalStiffness | None = None
+    """Tilting stiffness of the support; without it the outer ring does not tilt (model `spatial`)."""
     tilting_damping: TorsionalDamping | None = None
+    """Tilting damping of the support."""
     sensor_angle: Angle = 0.0
+    """Synonym of `sensor.angle`."""
     sensor: Sensor = Sensor()
+    """Position of the vibration sensor."""
     ring: Annotated[FlexibleRing | None, OPTIONAL] = None
+    """Flexible outer ring. Default: rigid."""
     load: Annotated[RingLoad | None, OPTIONAL] = None
+    """Load path into a flexible ring. Default: a force on the load line."""
     ring_mass: Mass | None = None
+    """Mass of the outer ring with its housing. Default: from the dimensions of the ring."""
     source: Text = ""
+    """Source of the data, for users."""
 
     @model_validator(mode="after")
     def _whole(self) -> "Rig":

@@ -48,50 +48,57 @@ class Mapped(Section):
 
 
 class RingSection(Mapped):
-    """Cross-section of the outer ring (m); by default from the dimensions of the bearing."""
+    """Cross-section of the outer ring."""
 
     example = "{height: 6.5 mm, width: 23 mm}"
     height: Length | None = None
+    """Radial height of the cross-section, from race to outside diameter."""
     width: Length | None = None
+    """Axial width of the cross-section."""
 
 
 class FlexibleRing(Mapped):
-    """Flexible outer ring.
-
-    harmonics: order of the highest harmonic computed; damping: damping ratio of each harmonic.
-    """
+    """Flexible outer ring."""
 
     example = "{bends: true}"
     bends: Switch = True
+    """Whether the outer ring bends; `false` makes it rigid."""
     harmonics: Annotated[int | Literal["auto"], integer_or_auto(2, MAX_HARMONICS)] = "auto"
+    """Order of the highest bending harmonic. `auto`: from the number of rollers."""
     damping: DampingRatio = 0.01
+    """Damping ratio of each bending mode."""
     section: RingSection = RingSection()
+    """Cross-section of the ring. Default: from the dimensions of the bearing."""
 
 
 class SupportPoint(Mapped):
-    """Spring between ring and carrier: angle (rad) from the load line, stiffness (N/m)."""
+    """Spring between ring and carrier."""
 
     example = "{angle: 0 deg, stiffness: 1e8 N/m}"
     angle: Angle
+    """Position of the spring, from the load line."""
     stiffness: Stiffness
+    """Radial stiffness of the spring."""
 
 
 class RingLoad(Mapped):
-    """Load path into a flexible ring.
-
-    `point`: a force on the load line. `pads`: equal radial forces at `angles` (rad), whose resultant is the load.
-    `points`: springs `at` discrete angles. `housing`: springs all round with `stiffness` (N/m per m of
-    circumference) and `fit` (m; interference positive, gap negative). The springs transmit compression only, to a
-    rigid carrier of `mass` (kg), on which load and bracket act.
-    """
+    """Load path into a flexible ring. Springs transmit compression only, to a rigid carrier."""
 
     example = "{by: housing, stiffness: 1e10 N/m/m}"
     by: Annotated[LoadPath, one_of(*get_args(LoadPath))] = "point"
+    """Load path: `point` (a force on the load line), `pads` (equal radial forces), `points` (springs at discrete
+    angles) or `housing` (springs all round).
+    """
     angles: tuple[Angle, ...] | None = None
+    """Positions of the forces of `pads`, from the load line."""
     at: tuple[SupportPoint, ...] | None = None
+    """Springs of `points`, each with its angle and stiffness."""
     stiffness: LineStiffness | None = None
+    """Stiffness of a `housing` per length of circumference."""
     fit: SignedLength | None = None
+    """Fit of the ring in a `housing`: radial interference (positive) or gap (negative)."""
     mass: Mass | None = None
+    """Mass of the carrier behind the springs of `points` and `housing`, on which load and bracket act."""
 
     @property
     def carried(self) -> bool:
@@ -117,7 +124,9 @@ class Sensor(Mapped):
 
     example = "{on: ring, angle: 0 deg}"
     on: Annotated[Literal["ring", "housing"], one_of("ring", "housing")] = "ring"
+    """Body with the sensor: the outer `ring`, or the `housing`."""
     angle: Angle | None = None
+    """Position and outward direction of the sensor, from the load line."""
 
     @property
     def on_ring(self) -> bool:

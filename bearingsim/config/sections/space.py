@@ -29,13 +29,16 @@ def _spelled(raw: Any) -> Any:
 class Profile(Section):
     """Profile of a roller: reduction of its radius towards the ends.
 
-    `crowned`: a parabola from zero at the ends of `straight_length` (m) to `drop` (m) at the roller's ends.
-    `logarithmic`: 0.00035 D_w ln[1/(1 - (2 z/L_w)^2)], as in ISO/TS 16281.
+    `crowned`: zero up to the ends of `straight_length`, then a parabola.
+    `logarithmic`: 0.00035 D_w ln[1/(1 - (2 z/L_w)^2)].
     """
 
     shape: Annotated[ProfileShape, one_of(*get_args(ProfileShape))] = "straight"
+    """`straight`; `crowned`: a parabola towards the ends; `logarithmic`: the profile of ISO/TS 16281."""
     drop: Length | None = None
+    """Reduction of the radius at the ends of a `crowned` roller."""
     straight_length: LengthOrZero | None = None
+    """Length of the straight middle part of a `crowned` roller. Default: 0."""
 
     @model_validator(mode="after")
     def _has_its_numbers(self) -> "Profile":
@@ -53,28 +56,30 @@ RollerProfile = Annotated[Profile, FileFormat(_spelled, lambda own: or_words(own
 
 
 class Flanges(Section):
-    """Flanges that guide rollers axially: their number on each ring, clearance and contact.
-
-    A single flange of a ring is on the +z side. `clearance` is the total axial play of a roller between two
-    flanges (m), `height` the height above the race (m; by default a fifth of the roller's diameter). A roller
-    touches a flange at two points, each with a linear `stiffness` (N/m) and Hunt-Crossley `damping` chi (s/m).
-    Clearance, height and contact are assumptions.
-    """
+    """Flanges that guide rollers axially: their number on each ring, clearance and contact."""
 
     inner: Annotated[int, integer(0, 2)] = 0
+    """Number of flanges of the inner ring; a single flange is on the +z side."""
     outer: Annotated[int, integer(0, 2)] = 0
+    """Number of flanges of the outer ring; a single flange is on the +z side."""
     clearance: Length = 5e-5
+    """Total axial play of a roller between two flanges (assumed)."""
     height: Length | None = None
+    """Height of the flanges above the race. Default: a fifth of the roller's diameter."""
     stiffness: Stiffness = 1e8
+    """Linear stiffness of each of the two contact points of a roller and a flange (assumed)."""
     damping: InverseVelocity = 10.0
+    """Hunt-Crossley coefficient chi of these contacts (assumed)."""
 
 
 class Misalignment(Section):
-    """Misalignment of the rings: tilt of each axis, and the direction towards which its +z end tilts (rad).
-
-    The direction is measured from the load line, in the sense of rotation, and is fixed in space.
-    """
+    """Misalignment of the rings: tilt of each axis, and its direction."""
 
     inner: Angle = 0.0
+    """Tilt of the inner ring's axis."""
     outer: Angle = 0.0
+    """Tilt of the outer ring's axis."""
     direction: Angle = 0.0
+    """Direction towards which the +z ends of the axes tilt, from the load line in the sense of rotation; fixed in
+    space.
+    """

@@ -1,0 +1,83 @@
+"""Descriptions of the keys of a study, which only the JSON schema needs.
+
+Those of the fields of sections are the docstrings below them. Reading these from the source costs nothing at the
+start of a command; pydantic's `use_attribute_docstrings` would read them on import, which takes 0.06 s.
+"""
+
+import ast
+import inspect
+from collections.abc import Iterator
+from functools import cache
+from itertools import pairwise
+from types import ModuleType
+
+from bearingsim.config.fields import Section
+
+STUDY_KEYS = {
+    "study": "Name of the study, and of its results folder: letters, digits, - _ .",
+    "defect": "The defect of a bearing with a single one; `defects` lists several.",
+    "accuracy": (
+        "Largest difference of the results from those of the reference model. The cheapest model that keeps to it "
+        "is chosen for each case."
+    ),
+    "sweep": "Values of keys that vary: all combinations, values varied together (`zip`), or points of a design.",
+    "figures": "Figures that `bearingsim plot` draws. Default: one for each swept parameter.",
+    "uncertainty": "Other values of uncertain parameters, for which cases are repeated; they give error bands.",
+    "quick": "Keys that `--quick` changes, for a short first run.",
+}
+"""Descriptions of the keys of a study apart from those of a case."""
+SWEEP_KEYS = {
+    "zip": "Values that vary together, entry by entry; a list of mappings gives several groups.",
+    "derived": "Values computed from other values by a formula, such as `defect.width / 16`.",
+    "where": "Conditions on the combinations; only those that fulfil all are computed.",
+    "repeat": "Number of runs of each case with other seeds.",
+    "sobol": "Design of Sobol' points; it can be extended by a larger `n`.",
+    "lhs": "Design by Latin hypercube sampling.",
+    "saltelli": "Design for Sobol' sensitivity indices.",
+    "morris": "Design for Morris effects.",
+}
+DESIGN_KEYS = {
+    "n": "Number of points of the design, or of its blocks (`saltelli`) or trajectories (`morris`).",
+    "seed": "Seed of the design.",
+    "over": "Ranges of the parameters: two bounds, or a distribution between them.",
+}
+ACCURACY_KEYS = {
+    "within": "Largest relative difference from the reference model.",
+    "of": "Features for which it is required. Default: those that the figures show.",
+}
+UNCERTAINTY_KEYS = {
+    "damping": "Values of the damping time c/k of the contacts.",
+    "clearance": "Values of the radial clearance.",
+    "bracket": "Factors on the stiffness of the support of the outer ring.",
+    "support": "`unknown`: several load paths into a flexible outer ring.",
+}
+
+
+def field_descriptions(section: type[Section]) -> dict[str, str]:
+    """Return the description of each field of a section; without the source of its module none.
+
+    A field without a docstring of its own has that of the parent class; `law` has the section's docstring.
+    """
+    owners = [owner for owner in reversed(section.__mro__) if issubclass(owner, Section) and owner is not Section]
+    texts = {name: text for owner in owners for name, text in _docstrings(owner)}
+    if "law" in section.model_fields and section.__doc__:
+        texts["law"] = section.__doc__.partition("\n\n")[0]
+    return {name: " ".join(text.split()) for name, text in texts.items() if name in section.model_fields}
+
+
+def _docstrings(owner: type) -> Iterator[tuple[str, str]]:
+    """Yield the fields of a class that a docstring follows, and these docstrings."""
+    for field, below in pairwise(_classes(inspect.getmodule(owner)).get(owner.__name__, ())):
+        match field, below:
+            case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=str() as text)):
+                yield name, text
+
+
+@cache
+def _classes(module: ModuleType | None) -> dict[str, list[ast.stmt]]:
+    """Return the bodies of the classes of a module by name; empty without its source."""
+    try:
+        tree = ast.parse(inspect.getsource(module)) if module else ast.Module([], [])
+    except (OSError, TypeError):
+        return {}
+    return {node.name: node.body for node in tree.body if isinstance(node, ast.ClassDef)}
