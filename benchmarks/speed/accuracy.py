@@ -2,8 +2,8 @@
 
 `rollers`: 0.1 s of the scene, velocity of the ring at 240 instants per ball pass, compared with DOP853 at 1e-10.
 Fixed steps are aligned as in a run, so that the cusp of the slot falls at a fixed fraction of a step
-(docs/steps.md). This turns the rollers by less than a step, so each step has its own reference with the same
-start.
+(docs/steps.md). The alignment shifts the rollers' initial angles by less than a step, so each step has a reference
+run from the same initial angles.
 
 `planar`: EXUDYN's healthy bearing without friction, 20 ms, displacement of the ring about its mean. Each code is
 compared with its own finest run; the difference between the two finest runs is reported.
@@ -34,8 +34,8 @@ from tests.independent import exudyn_planar
 from tests.independent.planar import frictionless
 from tests.scenes import planar_bearing
 
-ROUNDS, TURN_S = 4, 0.1  # s, least duration of a turn
-FINEST, REFERENCE = 1e-10, "dop853"
+ROUNDS, MIN_TURN_TIME = 4, 0.1  # rounds of turns, shortest duration of a turn (s)
+REFERENCE_TOLERANCE, REFERENCE_METHOD = 1e-10, "dop853"
 
 ERRORS = (1.6e-3, 3e-4)
 DURATION, PER_PASS = 0.1, 240  # s, recorded instants in a ball pass
@@ -43,13 +43,13 @@ FIXED = {"verlet": (42, 60, 84, 120, 168, 240), "rk4": (24, 30, 42, 60, 84)}  # 
 ADAPTIVE = ("dormand-prince", "dop853", "rodas")
 TOLERANCES = (3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
 MAX_RATIOS = {"numbalsoda dop853": 0.75, "CVODE": 1.0 / 12.0, "SciPy": 1.0 / 25.0}
-"""Largest cost of our best automatic method relative to the best peer, by the first words of the peer."""
+"""Limits of the cost of our best automatic method relative to the best method of a peer package, by its name."""
 
 PLANAR_ERROR, MIN_SPEEDUP = 1e-3, 100.0
 PLANAR_DURATION, SAMPLING = exudyn_planar.DURATION, exudyn_planar.SAMPLING
 PLANAR_FIXED = {"verlet": (6, 8, 12, 16, 24, 40), "rk4": (2, 3, 4, 5, 8)}
 PLANAR_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5)
-EXUDYN = {"RK44": (5e-6, 4e-6, 2.5e-6, 2e-6), "VelocityVerlet": (4e-6, 2e-6, 1e-6, 0.5e-6)}  # steps, s
+EXUDYN_STEPS = {"RK44": (5e-6, 4e-6, 2.5e-6, 2e-6), "VelocityVerlet": (4e-6, 2e-6, 1e-6, 0.5e-6)}  # steps, s
 EXUDYN_FINEST = 0.5e-6
 
 Result = tuple[float, np.ndarray]
@@ -69,11 +69,11 @@ class Run:
     error: float = nan
 
     def __call__(self) -> float:
-        """Run for at least ``TURN_S``; return the least CPU time (s) of a run."""
+        """Run for at least ``MIN_TURN_TIME``; return the shortest CPU time (s) of a run."""
         times: list[float] = []
-        while not sum(times) >= TURN_S:
+        while not sum(times) >= MIN_TURN_TIME:
             cpu_s, values = self.compute()
-            times.append(cpu_s if cpu_s > 0.0 else inf)  # a failed run has no time, and ends its turn
+            times.append(cpu_s if cpu_s > 0.0 else inf)  # a failed run counts as infinitely slow and ends the turn
         self.error = self.error_of(values)
         return min(times)
 
@@ -130,9 +130,9 @@ def costs_of(
     curves, noise = [], {}
     for method, group in groupby(points, key=lambda point: point[0].method):
         members = list(group)
-        settings, own_errors = [run.setting for run, _ in members], [run.error for run, _ in members]
+        settings, method_errors = [run.setting for run, _ in members], [run.error for run, _ in members]
         cpu_s = [measure.seconds / duration for _, measure in members]
-        curves.append(Curve(scene, method, members[0][0].ours, settings, own_errors, cpu_s))
+        curves.append(Curve(scene, method, members[0][0].ours, settings, method_errors, cpu_s))
         noise[method] = float(np.median([measure.noise for _, measure in members]))
     report.curves += curves
     yardstick = points[0][1].yardstick
@@ -154,7 +154,7 @@ def best_automatic(costs: dict[str, float]) -> tuple[str, float]:
 
 
 def rollers_start(method: str, h: float, cusp: float | None = None, steps_per_pass: int = 0) -> Start:
-    """Return the scene in equilibrium, for steps or instants of ``h`` (s)."""
+    """Return the `rollers` scene in static equilibrium, with a monitor for the time step ``h`` (s)."""
     rollers_case = case("rollers", method=method)
     model = assemble.model(rollers_case)
     if cusp is not None:
@@ -177,7 +177,7 @@ def rollers_runs() -> Iterator[Run]:
     instants = round(DURATION / h)
 
     def reference(start: Start) -> np.ndarray:
-        return start.run(adaptive_method(REFERENCE, h, FINEST), velocity, instants)[1]
+        return start.run(adaptive_method(REFERENCE_METHOD, h, REFERENCE_TOLERANCE), velocity, instants)[1]
 
     for name, counts in FIXED.items():
         kind = assemble.kind_of_method(name)
@@ -190,7 +190,7 @@ def rollers_runs() -> Iterator[Run]:
                 partial(start.run, method, velocity, instants, substeps),
                 relative_error(reference(start)),
             )
-    start = rollers_start(REFERENCE, h)
+    start = rollers_start(REFERENCE_METHOD, h)
     error = relative_error(reference(start))
     for name in ADAPTIVE:
         for tolerance in TOLERANCES:
@@ -210,10 +210,10 @@ def compare_rollers(report: Section) -> None:
         for peer, max_ratio in MAX_RATIOS.items():
             peer_cost = min((value for other, value in costs.items() if other.startswith(peer)), default=inf)
             if peer_cost < inf:
-                label = f"rollers at {error:g}: {name}, the best automatic method, over {peer}"
+                label = f"rollers at {error:g}: cost of {name}, the best automatic method, relative to {peer}"
                 report.targets.append(Target(label, cost / peer_cost, at_most=max_ratio))
     rows = [[name, *(costs[name] for costs in at_errors)] for name in at_errors[0]]
-    title = "`rollers`, CPU s for a simulated second, at an error of the ring's velocity"
+    title = "`rollers`: CPU time (s) per simulated second, by the error of the ring's velocity"
     report.add_table(title, ["method", *(f"at {error:g}" for error in ERRORS)], rows)
 
 
@@ -226,15 +226,17 @@ def planar_runs(report: Section) -> Iterator[Run]:
     model, y = planar_bearing.at_rest(scene)
     rows = np.array([lay.POSITION + lay.X, lay.POSITION + lay.Y])
     instants = round(PLANAR_DURATION / SAMPLING)
-    depth = float(abs(y[rows[0]]))
+    static_displacement = float(abs(y[rows[0]]))
 
     def method(name: str, tolerance: float) -> Any:
-        speed = depth / SAMPLING
-        tolerances = Tolerances(SAMPLING, tolerance, tolerance * depth, tolerance * speed, PLANAR_DURATION / 100)
+        speed = static_displacement / SAMPLING
+        tolerances = Tolerances(
+            SAMPLING, tolerance, tolerance * static_displacement, tolerance * speed, PLANAR_DURATION / 100
+        )
         return assemble.kind_of_method(name).parameters(*tolerances)
 
     start = Start(model, y, Monitor(1, 1.0))
-    reference = start.run(method(REFERENCE, FINEST), rows, instants)[1]
+    reference = start.run(method(REFERENCE_METHOD, REFERENCE_TOLERANCE), rows, instants)[1]
     for name, counts in PLANAR_FIXED.items():
         for substeps in counts:
             method_ = assemble.kind_of_method(name).parameters(SAMPLING / substeps)
@@ -254,9 +256,11 @@ def planar_runs(report: Section) -> Iterator[Run]:
     _, finest = peers.exudyn(EXUDYN_FINEST, "RK44", PLANAR_DURATION, SAMPLING)
     difference = variation_error(reference)(finest[:, 1:])
     report.add_table(
-        "`planar`: EXUDYN's finest run and ours", ["apart, of the displacement about its mean"], [[difference]]
+        "`planar`: EXUDYN's finest run and ours",
+        ["difference, relative to the variation of the displacement"],
+        [[difference]],
     )
-    for name, steps_s in EXUDYN.items():
+    for name, steps_s in EXUDYN_STEPS.items():
         for h in steps_s:
             compute = partial(peers.exudyn, h, name, PLANAR_DURATION, SAMPLING)
             yield Run(f"EXUDYN {name}", h, compute, variation_error(finest), ours=False)
@@ -265,12 +269,10 @@ def planar_runs(report: Section) -> Iterator[Run]:
 def compare_planar(report: Section) -> None:
     """Report CPU time at equal error, and that of EXUDYN relative to the best automatic method."""
     (costs,) = costs_of(list(planar_runs(report)), "planar", PLANAR_DURATION, (PLANAR_ERROR,), report)
-    title = (
-        f"`planar`, CPU s for a simulated second, at {PLANAR_ERROR:g} of the ring's displacement about its mean"
-    )
+    title = f"`planar`: CPU time (s) per simulated second at {PLANAR_ERROR:g} of the displacement's variation"
     report.add_table(title, ["method", "CPU s"], [[name, cost] for name, cost in costs.items()])
     name, cost = best_automatic(costs)
     peer_cost = min((value for other, value in costs.items() if other.startswith("EXUDYN")), default=inf)
     if peer_cost < inf:
-        label = f"planar: EXUDYN's best over {name}, the best automatic method"
+        label = f"planar: cost of EXUDYN's best method relative to {name}, the best automatic method"
         report.targets.append(Target(label, peer_cost / cost, at_least=MIN_SPEEDUP))

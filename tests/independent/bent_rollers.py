@@ -98,12 +98,12 @@ class Equations(NamedTuple):
     sensor: np.ndarray
 
 
-def drops_and_rates(scene, theta):
+def path_depths_and_rates(scene, theta):
     """h (m) of each roller, and its rate (m/s)."""
     arcs = rollers.R_O * rollers.wrap_angle(theta - scene.angle)
     if np.abs(arcs).min() >= scene.width / 2:
         return np.zeros(rollers.Z), np.zeros(rollers.Z)
-    return rollers.drops_and_rates(
+    return rollers.path_depths_and_rates(
         arcs, rollers.R_O * rollers.OMEGA_C, scene.width, scene.depth, rollers.REDUCED_O
     )
 
@@ -121,8 +121,8 @@ def approaches(scene, t, x, q, w, v):
     orders = bent_static.harmonics(scene.last)
     theta = rollers.THETA + rollers.OMEGA_C * t
     s = shape_functions(orders, theta)
-    h, sinks = drops_and_rates(scene, theta)
-    return s, q - s @ x - h, v - s @ w - rollers.OMEGA_C * (shape_derivatives(orders, theta) @ x) - sinks
+    h, rates = path_depths_and_rates(scene, theta)
+    return s, q - s @ x - h, v - s @ w - rollers.OMEGA_C * (shape_derivatives(orders, theta) @ x) - rates
 
 
 def equations(scene: Scene, motion: Motion = Motion()) -> Equations:  # noqa: B008

@@ -200,7 +200,7 @@ def drops(scene, theta):
     is_inside = np.abs(arcs) < scene.width / 2
     return np.array(
         [
-            rollers.drop_and_slope(s, scene.width, scene.depth, rollers.REDUCED_O)[0] if inside else 0.0
+            rollers.path_depth_and_slope(s, scene.width, scene.depth, rollers.REDUCED_O)[0] if inside else 0.0
             for s, inside in zip(arcs, is_inside, strict=True)
         ]
     )

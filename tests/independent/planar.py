@@ -173,7 +173,7 @@ class Scene:
         return 1.0 / (1.0 / self.R_w - side / self.radius(side))
 
 
-def drop_and_slope(s, width, depth, reduced):
+def path_depth_and_slope(s, width, depth, reduced):
     """h(s) = min over t of p(t) + (t - s)^2/(2 R), and dh/ds = (s - t*)/R at the minimiser (envelope theorem)."""
     defect = np.linspace(-width / 2, width / 2, 2001)
     t = np.concatenate([defect, defect[[0, -1]], [s]])
@@ -220,7 +220,7 @@ def sinking(scene, side, beta, beta_rate, race, roller):
         if not on_race:
             is_near &= np.arange(scene.Z) == defect.on[1]
         for j in np.flatnonzero(is_near):
-            h, slope = drop_and_slope(s[j], defect.width, defect.depth, scene.reduced(side))
+            h, slope = path_depth_and_slope(s[j], defect.width, defect.depth, scene.reduced(side))
             result.depth[j] += h
             result.rate[j] += slope * R_s * (beta_rate - speed)[j]
             result.position_derivative[j] += slope * R_s

@@ -1,9 +1,10 @@
 """An independent solution of `rollers`, from the equations of docs/model.md, sharing no code with the package.
 
-Absolute roller radii, the defect's envelope by brute-force minimisation over a grid of contact points, the static
-start by SciPy's root finder, time by SciPy's DOP853 at tight tolerance and small steps. NF308, 1800 rpm, 150 N,
-clearance 0, one full-length box: on the outer race, on the inner race (it turns with it), or on the first roller.
-The contacts run along both races and the rollers at one speed, since nothing slips.
+Radial positions of rollers relative to R_O - R_W, the defect's envelope by brute-force minimisation over a grid of
+contact points, the static start by SciPy's root finder, time integration by SciPy's DOP853 at tight tolerance and
+small steps. NF308, 1800 rpm, 150 N, clearance 0, one full-length box: on the outer race, on the inner race
+(rotating with it), or on the first roller. Without slip, the contacts move along both races and the rollers at one
+speed.
 """
 
 import numpy as np
@@ -26,24 +27,24 @@ def elastic(delta):
     return K * np.maximum(delta, 0.0) ** (10 / 9)
 
 
-def drop_and_slope(s, width, depth, reduced):
+def path_depth_and_slope(s, width, depth, reduced):
     """h(s) = min over t of p(t) + (t - s)^2/(2 reduced), and dh/ds at the minimiser (envelope theorem)."""
     defect = np.linspace(-width / 2, width / 2, 2001)
     t = np.concatenate([defect, defect[[0, -1]], [s]])
-    inside = np.concatenate([np.full(defect.size, depth), [0.0, 0.0], [0.0 if abs(s) >= width / 2 else depth]])
-    gap = inside + (t - s) ** 2 / (2 * reduced)
+    profile = np.concatenate([np.full(defect.size, depth), [0.0, 0.0], [0.0 if abs(s) >= width / 2 else depth]])
+    gap = profile + (t - s) ** 2 / (2 * reduced)
     best = np.argmin(gap)
     return gap[best], (s - t[best]) / reduced
 
 
 def roller_at_rest(u_r):
-    """Radius of a roller in balance between the races when the outer ring stands u_r further out."""
+    """Equilibrium radial position (m) of a roller between the races, with the outer ring displaced by u_r."""
 
     def inward(r):
         return elastic(r + R_W - R_O - u_r) - elastic(R_I + R_W - r) - M_R * OMEGA_C**2 * r
 
-    touch = R_O - R_W + u_r
-    return brentq(inward, touch, max(touch, R_I + R_W) + 1e-5, xtol=1e-19, rtol=1e-14)
+    contact_radius = R_O - R_W + u_r
+    return brentq(inward, contact_radius, max(contact_radius, R_I + R_W) + 1e-5, xtol=1e-19, rtol=1e-14)
 
 
 def wrap_angle(angle):
@@ -51,10 +52,10 @@ def wrap_angle(angle):
 
 
 def defect_distances(race, angle, t):
-    """Arcs (m) of the contacts from the defect's middle, (Z,) outer and inner, and the speed (m/s) they grow at.
+    """Arc distances (m) of the contacts from the defect's middle, (Z,) outer and inner, and their rate (m/s).
 
-    A contact that cannot meet the defect is a metre away. At t = 0 the defect is at ``angle`` from the load line,
-    or from the outermost point of the first roller, which turns backwards in the cage.
+    Contacts that cannot meet the defect get a distance of 1 m. At t = 0 the defect is at ``angle`` from the load
+    line, or from the outermost point of the first roller, which turns backwards in the cage.
     """
     no_defect, theta, speed = np.ones(Z), THETA + OMEGA_C * t, R_O * OMEGA_C
     if race == "outer":
@@ -67,7 +68,10 @@ def defect_distances(race, angle, t):
 
 
 def static_state(angles, stiffness, anchor):
-    """Ring place and roller radii at rest, on a bracket spring of ``stiffness`` at ``anchor``; no defect."""
+    """Static displacement of the ring and radial positions of the rollers, without defect.
+
+    stiffness, anchor: bracket spring.
+    """
 
     def net(microns):
         u = 1e-6 * microns
@@ -83,13 +87,13 @@ def static_state(angles, stiffness, anchor):
     return u, np.array([roller_at_rest(u[0] * np.cos(a) + u[1] * np.sin(a)) for a in angles])
 
 
-def drops_and_rates(arcs, along, width, depth, reduced):
-    """How far (m) and how fast (m/s) each roller sinks, (Z,) each."""
-    h, speed = np.zeros(Z), np.zeros(Z)
+def path_depths_and_rates(arcs, speed, width, depth, reduced):
+    """Path depth (m) of each roller in the defect and its rate (m/s), (Z,) each."""
+    h, rates = np.zeros(Z), np.zeros(Z)
     for j in np.flatnonzero(np.abs(arcs) < width / 2):
-        h[j], slope = drop_and_slope(arcs[j], width, depth, reduced)
-        speed[j] = slope * along
-    return h, speed
+        h[j], slope = path_depth_and_slope(arcs[j], width, depth, reduced)
+        rates[j] = slope * speed
+    return h, rates
 
 
 def simulate(width, depth, times, race="outer", angle=0.0, max_step=1e-6, rtol=1e-9):
@@ -104,12 +108,12 @@ def simulate(width, depth, times, race="outer", angle=0.0, max_step=1e-6, rtol=1
         theta = THETA + OMEGA_C * t
         c, s = np.cos(theta), np.sin(theta)
         outer, inner, speed = defect_distances(race, angle, t)
-        h_o, sinking_o = drops_and_rates(outer, speed, width, depth, REDUCED_O)
-        h_i, sinking_i = drops_and_rates(inner, speed, width, depth, REDUCED_I)
+        h_o, rate_o = path_depths_and_rates(outer, speed, width, depth, REDUCED_O)
+        h_i, rate_i = path_depths_and_rates(inner, speed, width, depth, REDUCED_I)
         delta_o = q - (u[0] * c + u[1] * s) - h_o
-        v_o = v - (w[0] * c + w[1] * s) - OMEGA_C * (u[1] * c - u[0] * s) - sinking_o
+        v_o = v - (w[0] * c + w[1] * s) - OMEGA_C * (u[1] * c - u[0] * s) - rate_o
         force_o = np.maximum(elastic(delta_o) * (1 + CHI * v_o), 0.0)
-        force_i = np.maximum(elastic(-q - h_i) * (1 - CHI * (v + sinking_i)), 0.0)
+        force_i = np.maximum(elastic(-q - h_i) * (1 - CHI * (v + rate_i)), 0.0)
         radial = OMEGA_C**2 * (R_O - R_W + q) + (force_i - force_o) / M_R
         a_x = (-LOAD - K_B * (u[0] - anchor[0]) - C_B * w[0] + force_o @ c) / M_O
         a_y = (-K_B * (u[1] - anchor[1]) - C_B * w[1] + force_o @ s) / M_O

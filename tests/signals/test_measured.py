@@ -1,8 +1,8 @@
 """Measured signals: comparison with published analyses. Run if BEARINGSIM_MEASURED names their folder.
 
 Files: two of the CWRU Bearing Data Center (drive end, 6205-2RS, 1796 rpm; 130: 0.007 in. fault of the outer race,
-97: healthy), as .npz with x, fs, rpm; three of the Harbin Institute of Technology (6205, outer-race arcs of 8 deg;
-Wang 2022), as .mat, 51 200 Hz.
+97: healthy), as .npz with x, fs, rpm; three of the Harbin Institute of Technology (6205; two with an outer-race
+spall of 8 deg, Wang 2022), as .mat, 51 200 Hz.
 """
 
 import os
@@ -29,23 +29,23 @@ class Signal(NamedTuple):
     shaft: float
 
 
-def cwru(name: str) -> Signal:
+def load_cwru(name: str) -> Signal:
     file = np.load(Path(FOLDER, name))
     return Signal(file["x"], float(file["fs"]), float(file["rpm"]) / 60)
 
 
-def hit(name: str, rpm: float) -> Signal:
+def load_hit(name: str, rpm: float) -> Signal:
     file = scipy.io.loadmat(Path(FOLDER, name))
     (series,) = (value[:, 0] for key, value in file.items() if not key.startswith("__"))
     return Signal(series, 51200.0, rpm / 60)
 
 
 SIGNALS = {
-    "fault": lambda: cwru("cwru_130_OR007_6_DE.npz"),
-    "healthy": lambda: cwru("cwru_97_normal_DE.npz"),
-    "arc at 900": lambda: hit("hit_spectraquest_OR8_900.mat", 900),
-    "arc at 600": lambda: hit("hit_spectraquest_OR8_600.mat", 600),
-    "no arc": lambda: hit("hit_spectraquest_Normal_900.mat", 900),
+    "fault": lambda: load_cwru("cwru_130_OR007_6_DE.npz"),
+    "healthy": lambda: load_cwru("cwru_97_normal_DE.npz"),
+    "spall at 900": lambda: load_hit("hit_spectraquest_OR8_900.mat", 900),
+    "spall at 600": lambda: load_hit("hit_spectraquest_OR8_600.mat", 600),
+    "no spall": lambda: load_hit("hit_spectraquest_Normal_900.mat", 900),
 }
 
 
@@ -57,21 +57,24 @@ def strongest_frequency(signal: Signal) -> float:
 
 
 @pytest.mark.parametrize(
-    ("name", "frequency"), [("fault", 107.61), ("arc at 900", 53.91), ("arc at 600", 35.94), ("no arc", 100.0)]
+    ("name", "frequency"),
+    [("fault", 107.61), ("spall at 900", 53.91), ("spall at 600", 35.94), ("no spall", 100.0)],
 )
-def test_the_strongest_line_of_the_squared_envelope(name: str, frequency: float) -> None:
+def test_strongest_line_has_the_expected_frequency(name: str, frequency: float) -> None:
     signal = SIGNALS[name]()
-    assert strongest_frequency(signal) == pytest.approx(
-        frequency, abs=0.005
-    )  # the very bin; without the arc, the mains
+    # the exact bin; without a spall, twice the mains frequency
+    assert strongest_frequency(signal) == pytest.approx(frequency, abs=0.005)
 
 
 @pytest.mark.parametrize(
     ("name", "harmonic", "prominence"),
-    [("fault", 1, 621.0), ("fault", 2, 502.0), ("fault", 3, 425.0), ("arc at 900", 1, 217.0)],
+    [("fault", 1, 621.0), ("fault", 2, 502.0), ("fault", 3, 425.0), ("spall at 900", 1, 217.0)],
 )
 def test_ball_pass_prominence_agrees_with_publication(name: str, harmonic: int, prominence: float) -> None:
-    """Prominences of the highest bin, over a local median of unsaid width: 10 %; between bins up to 16 % more."""
+    """Prominence of the highest bin, relative to a local median whose width is not published: within 10 %.
+
+    The picked line, interpolated between bins, is up to 16 % higher (scalloping loss of the Hann window).
+    """
     signal = SIGNALS[name]()
     frequencies, amplitudes = envelope_spectrum(signal.series, signal.fs)
     picked = pick_from(frequencies, amplitudes, harmonic * BPFO * signal.shaft)
@@ -82,7 +85,7 @@ def test_ball_pass_prominence_agrees_with_publication(name: str, harmonic: int, 
     assert 0.95 < picked.prominence / prominence < 1.2
 
 
-@pytest.mark.parametrize(("name", "limit"), [("healthy", 4.0), ("no arc", 10.0)])
+@pytest.mark.parametrize(("name", "limit"), [("healthy", 4.0), ("no spall", 10.0)])
 @pytest.mark.parametrize("order", [BPFO, BPFI])
 def test_healthy_bearing_has_no_prominent_line(name: str, limit: float, order: float) -> None:
     signal = SIGNALS[name]()
@@ -93,7 +96,7 @@ def test_healthy_bearing_has_no_prominent_line(name: str, limit: float, order: f
         assert picked is None or picked.prominence < limit
 
 
-@pytest.mark.parametrize("name", ["fault", "arc at 900", "arc at 600"])
+@pytest.mark.parametrize("name", ["fault", "spall at 900", "spall at 600"])
 def test_both_pickers_agree(name: str) -> None:
     signal = SIGNALS[name]()
     expected = BPFO * signal.shaft
@@ -103,12 +106,13 @@ def test_both_pickers_agree(name: str) -> None:
     assert fine is not None
     assert fine.frequency == pytest.approx(rough.frequency, abs=0.1 * signal.fs / len(signal.series))
     assert fine.amplitude == pytest.approx(rough.amplitude, rel=0.02)
-    assert 0.0 < fine.frequency / expected - 1 < 0.014  # real lines lie 0.3 to 1.4 % off: slip, and the speed said
+    # measured lines are 0.3 to 1.4 % higher, because of slip and the nominal speed
+    assert 0.0 < fine.frequency / expected - 1 < 0.014
 
 
-@pytest.mark.parametrize(("name", "expected"), [("arc at 900", 3.09e-3), ("arc at 600", 4.65e-3)])
+@pytest.mark.parametrize(("name", "expected"), [("spall at 900", 3.09e-3), ("spall at 600", 4.65e-3)])
 def test_measured_spacing_agrees_with_publication(name: str, expected: float) -> None:
-    """Wang 2022: the spacing times the speed is constant within 4 %, and 0.75 to 0.95 of the crossing of the arc.
+    """Wang 2022: the spacing is 0.75 to 0.95 of the time in which a ball crosses the spall.
 
     A ball crosses 8 deg of the outer race in 8/360 of a turn of the cage.
     """
@@ -120,14 +124,15 @@ def test_measured_spacing_agrees_with_publication(name: str, expected: float) ->
 
 
 def test_spacing_times_speed_is_constant() -> None:
+    """Within 4 %, at 600 and 900 rpm."""
     products = [
         spacing(signal.series, signal.fs, 1.0 / strongest_frequency(signal)) * signal.shaft
-        for signal in (SIGNALS["arc at 900"](), SIGNALS["arc at 600"]())
+        for signal in (SIGNALS["spall at 900"](), SIGNALS["spall at 600"]())
     ]
     assert max(products) / min(products) < 1.04
 
 
-@pytest.mark.parametrize("name", ["fault", "healthy", "no arc"])
+@pytest.mark.parametrize("name", ["fault", "healthy", "no spall"])
 def test_small_or_missing_fault_has_no_spacing(name: str) -> None:
     signal = SIGNALS[name]()
     assert np.isnan(spacing(signal.series, signal.fs, 1.0 / (BPFO * signal.shaft)))

@@ -16,7 +16,7 @@ from bearingsim.store.regular import Unreadable
 from bearingsim.store.sealed import read_json, write_json
 from tests.scenes.fake_studies import ENGINE, FakeStudy
 
-OTHER = "0123456789abcdef"
+UNKNOWN_ID = "0123456789abcdef"
 FIGURE = {
     "y": ["velocity@BPFO"],
     "x": "defect.width",
@@ -71,7 +71,7 @@ def test_expanded_study_is_a_valid_plan(plan: dict[str, Any]) -> None:
         ("jobs/0/job", "../../../../etc/x"),
         ("jobs/0/job", "0123456789ABCDEF"),
         ("jobs/0/healthy", "x"),
-        ("jobs/0/healthy", OTHER),
+        ("jobs/0/healthy", UNKNOWN_ID),
         ("jobs/0/swept", {"load": [1.0]}),
         ("jobs/0/swept", {"x" * 300: 1.0}),
         ("jobs/0/twin", None),
@@ -79,13 +79,16 @@ def test_expanded_study_is_a_valid_plan(plan: dict[str, Any]) -> None:
         ("figures", [FIGURE | {"y": "velocity@BPFO"}]),
         ("overrides", {"load": 1}),
         ("notes", "all is well"),
-        ("design", DESIGN | {"ids": [OTHER]}),
+        ("design", DESIGN | {"ids": [UNKNOWN_ID]}),
         ("design", DESIGN | {"ids": []} | {"ranges": []}),
         ("design", DESIGN | {"ids": [], "kind": "grid"}),
-        ("variations", [{"of": OTHER, "what": "damping", "value": 1.0, "job": OTHER}]),
+        ("variations", [{"of": UNKNOWN_ID, "what": "damping", "value": 1.0, "job": UNKNOWN_ID}]),
         ("accuracy", {"within": 0.1}),
         ("accuracy", {"within": 0.1, "of": [], "jobs": {"../x": {}}, "curves": [], "audits": []}),
-        ("accuracy", {"within": 0.1, "of": [], "jobs": {}, "curves": [], "audits": [{"of": OTHER, "job": OTHER}]}),
+        (
+            "accuracy",
+            {"within": 0.1, "of": [], "jobs": {}, "curves": [], "audits": [{"of": UNKNOWN_ID, "job": UNKNOWN_ID}]},
+        ),
     ],
 )
 def test_invalid_plan_is_refused_with_the_location(plan: dict[str, Any], path: str, value: Any) -> None:
@@ -133,16 +136,16 @@ def test_invalid_entries_of_other_files_are_refused(layout: Any, value: Any) -> 
 def test_inconsistent_trial_counts_as_absent(tmp_path: Path, change: Callable[[Any], Any]) -> None:
     folder, features = tmp_path / "trials", ["velocity@BPFO", "outer_force.max"]
     folder.mkdir()
-    write_json(folder / f"{OTHER}.json", {"trials": {"one": TRIAL, "two": None}})
+    write_json(folder / f"{UNKNOWN_ID}.json", {"trials": {"one": TRIAL, "two": None}})
     assert set(selection.read_trials(tmp_path, features)) == {"one", "two"}
-    write_json(folder / f"{OTHER}.json", {"trials": {"one": TRIAL | change(TRIAL), "two": None}})
+    write_json(folder / f"{UNKNOWN_ID}.json", {"trials": {"one": TRIAL | change(TRIAL), "two": None}})
     assert "one" not in selection.read_trials(tmp_path, features)
 
 
 def test_written_trials_can_be_read(tmp_path: Path) -> None:
     lines = {"velocity@BPFO": np.array([1.0 + 2.0j])}
     selection.write_trials(
-        tmp_path, OTHER, {"one": Trial(3, 0, True, lines, {"velocity.rms": np.ones(1)}, np.ones(3))}
+        tmp_path, UNKNOWN_ID, {"one": Trial(3, 0, True, lines, {"velocity.rms": np.ones(1)}, np.ones(3))}
     )
     assert selection.read_trials(tmp_path, ["velocity@BPFO", "velocity.rms"])["one"] is not None
 
@@ -161,8 +164,8 @@ def test_written_trials_can_be_read(tmp_path: Path) -> None:
 )
 def test_stored_command_is_a_run_of_this_program(tmp_path: Path, command: str, is_kept: bool) -> None:
     (tmp_path / "failed").mkdir()
-    write_json(tmp_path / "failed" / f"{OTHER}.json", {"reason": "a", "command": command})
-    assert store.read_failures(tmp_path)[OTHER].command == (command if is_kept else "")
+    write_json(tmp_path / "failed" / f"{UNKNOWN_ID}.json", {"reason": "a", "command": command})
+    assert store.read_failures(tmp_path)[UNKNOWN_ID].command == (command if is_kept else "")
 
 
 def test_results_with_an_invalid_plan_are_refused_with_the_location(tmp_path: Path) -> None:

@@ -11,13 +11,13 @@ def cross_components(a_r, a_t, a_z, b_r, b_t, b_z):
 
 @jit
 def dot(a, b):
-    """Return the scalar product of (3,) and (3,)."""
+    """Return the scalar product of two vectors (3,)."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @jit
 def cross(a, b):
-    """Return the vector product of (3,) and (3,)."""
+    """Return the vector product of two vectors (3,)."""
     return cross_components(a[0], a[1], a[2], b[0], b[1], b[2])
 
 

@@ -28,7 +28,10 @@ def free_rollers():
 
 
 def simulate(model, h, span, make=RungeKutta4):
-    """Return axis, its rate, angle and its rate of the first roller at every step, (6, n + 1)."""
+    """Return the motion (6, n + 1) of the first roller at every step.
+
+    Rows: two components of the axis, their rates, angle and rate of the spin, relative to the kinematic ``SPEED``.
+    """
     y = empty(model)
     for row, value in zip(ROWS[:4], (*TILT, *TILT_RATE), strict=True):
         y[row] = value
@@ -60,11 +63,11 @@ def orientation(tilt, angle):
 
 
 def free_top(model, t):
-    """Return the orientation at ``t`` (s): the body turns about its axis, the axis about the angular momentum."""
+    """Return the orientation at ``t`` (s): spin about the axis, which precesses about the angular momentum."""
     a = axis_of(TILT)
     rate = np.array([*TILT_RATE, -(TILT @ TILT_RATE) / a[2]])
-    winding = (rate[0] * a[1] - a[0] * rate[1]) / (1 + a[2])
-    omega, I_a, I_t = SPEED + winding, model.bearing.I_r, model.I_t
+    precession = (rate[0] * a[1] - a[0] * rate[1]) / (1 + a[2])
+    omega, I_a, I_t = SPEED + precession, model.bearing.I_r, model.I_t
     L = I_t * np.cross(a, rate) + I_a * omega * a
     spin = omega * (1 - I_a / I_t)
     return (
@@ -75,7 +78,7 @@ def free_top(model, t):
 
 
 def test_a_free_roller_precesses_as_a_symmetric_top():
-    """The error of all nine direction cosines after 24 turns of the roller is of fourth order in the step."""
+    """The error of the direction cosines after 24 turns of the roller is of fourth order in the step."""
     model, span = free_rollers(), 0.05
     errors = []
     for h in (2e-5, 1e-5, 5e-6):
@@ -89,7 +92,7 @@ def test_a_free_roller_precesses_as_a_symmetric_top():
 
 @pytest.mark.parametrize(("method", "order"), [(RungeKutta4, 4.0), (Verlet, 2.0)])
 def test_free_roller_conserves_energy_and_angular_momentum(method, order):
-    """The errors have the method's order."""
+    """The errors converge at least with the method's order (less 0.3)."""
     model = free_rollers()
     errors = []
     for h in (2e-5, 1e-5):
