@@ -86,7 +86,7 @@ class CaseFields(Section):
     load_across: SignedForce = 0.0
     """Second radial load, perpendicular to `load`; positive values shift the load zone towards 90 deg."""
     gravity: Switch = False
-    """Whether the weight of rollers and cage acts."""
+    """Switch of the weight of rollers and cage."""
     clearance: Clearance = 0.0
     """Diametral radial clearance in operation: a length (negative: preload), or a class of ISO 5753-1."""
     defects: Annotated[tuple[Defect, ...], Field(max_length=MAX_DEFECTS), BeforeValidator(_check_list)] = ()
@@ -124,8 +124,8 @@ class CaseFields(Section):
     (`strict`), or not at all (`false`).
     """
     periodic: Switch = True
-    """Whether a periodic response is computed until it repeats and then filled in; `false` integrates the whole
-    record.
+    """Period search: a periodic response is computed until it repeats, then filled in; `false` integrates the
+    whole record.
     """
     until: Accuracy | None = None
     """End of the record once the relative standard errors of the defects' lines, the RMS and `features` are below
@@ -142,7 +142,7 @@ class CaseFields(Section):
     sampling: Frequency = 10240.0
     """Sampling rate of the stored signals; they contain frequencies up to 0.4 of it."""
     antialias: Switch = True
-    """Whether signals are low-pass filtered before sampling."""
+    """Low-pass filter of signals before sampling."""
     record: tuple[Annotated[str, FileFormat(validate_channel, channel_schema)], ...] = ("ring.velocity",)
     """Channels whose time signals are stored; an empty list stores features only."""
     features: Annotated[

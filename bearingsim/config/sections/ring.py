@@ -62,7 +62,7 @@ class FlexibleRing(Mapped):
 
     example = "{bends: true}"
     bends: Switch = True
-    """Whether the outer ring bends; `false` makes it rigid."""
+    """Bending of the outer ring; `false` makes it rigid."""
     harmonics: Annotated[int | Literal["auto"], integer_or_auto(2, MAX_HARMONICS)] = "auto"
     """Order of the highest bending harmonic. `auto`: from the number of rollers."""
     damping: DampingRatio = 0.01
