@@ -9,12 +9,12 @@ NAMES = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
 """Environment variables with the number of threads; the BLAS libraries read them when NumPy is imported."""
 
 
-def take_one() -> None:
+def limit_to_one() -> None:
     """Request one thread, unless the user has set the variables; call before NumPy is imported."""
     for name in NAMES:
         os.environ.setdefault(name, "1")
 
 
-def several() -> dict[str, str]:
+def changed_variables() -> dict[str, str]:
     """Return the variables that are set to a value other than 1, with their values."""
     return {name: os.environ[name] for name in NAMES if os.environ.get(name, "1") != "1"}

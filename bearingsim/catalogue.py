@@ -33,6 +33,7 @@ from bearingsim.extensions import BrokenExtension
 
 __all__ = [
     "AUTO",
+    "DEFAULT_MODEL",
     "EXPLICIT",
     "FEATURES",
     "LAWS",
@@ -41,26 +42,25 @@ __all__ = [
     "REFERENCE",
     "REFERENCES",
     "SHAPES",
-    "USUAL_MODEL",
     "Entry",
     "Feature",
     "Law",
     "Method",
     "Model",
     "Shape",
-    "below",
     "call",
     "code",
     "extension_digest",
     "extension_sources",
-    "foreign",
-    "lowest",
-    "most_able",
+    "is_foreign",
+    "most_detailed_model",
     "references",
     "register",
+    "simpler_models",
+    "simplest_model",
 ]
 
-OWN = "bearingsim"
+PACKAGE = "bearingsim"
 """Package of the program's own code."""
 
 REFERENCE, AUTO = "reference", "auto"
@@ -109,9 +109,9 @@ def _table_of(entry: Entry) -> dict[str, Any]:
     raise ValueError(f"a law is of {', '.join(LAWS)}, not of `{entry.what}`")
 
 
-def foreign(reference: str) -> bool:
+def is_foreign(reference: str) -> bool:
     """Return True if the code belongs to another package."""
-    return extensions.package(reference) != OWN
+    return extensions.package(reference) != PACKAGE
 
 
 def code(reference: str, expected: type = object) -> Any:
@@ -142,29 +142,29 @@ def call(reference: str, *arguments: Any) -> Any:
     except (UserError, Refused, OutOfCpuTime):
         raise
     except (Exception, SystemExit) as error:
-        if not foreign(reference):
+        if not is_foreign(reference):
             raise
         raise _error_of(reference, f"fails ({extensions.reason(error)})") from error
 
 
 def _error_of(reference: str, what: str) -> UserError:
-    if not foreign(reference):
+    if not is_foreign(reference):
         return UserError(f"`{reference}` {what}")
     return BrokenExtension(f"`{reference}` of the extension `{extensions.owner(reference)}` {what}")
 
 
-def below(name: str) -> list[str]:
+def simpler_models(name: str) -> list[str]:
     """Return the models below ``name`` whose rollers carry load, in order of decreasing detail."""
     order = list(MODELS)
     return [lower for lower in reversed(order[: order.index(name)]) if MODELS[lower].loaded]
 
 
-def lowest(*abilities: str) -> str:
+def simplest_model(*abilities: str) -> str:
     """Return the name of the simplest model with all these abilities."""
     return next(model.name for model in MODELS.values() if model.abilities.issuperset(abilities))
 
 
-def most_able() -> str:
+def most_detailed_model() -> str:
     """Return the name of the model with the most abilities."""
     return max(MODELS.values(), key=lambda model: len(model.abilities)).name
 
@@ -244,7 +244,7 @@ register(
     Shape("scan", f"{_A}.defects:scan", of_section=True),
 )
 
-USUAL_MODEL = "rollers"
+DEFAULT_MODEL = "rollers"
 """Default model of a case."""
 REFERENCES = ("planar", "spatial", "rollers", "impulse")
 """Reference models: a case is compared with the first of these that covers all effects that it requires."""
@@ -274,7 +274,9 @@ def _packages() -> tuple[str, ...]:
     tables: tuple[dict[str, Any], ...] = (MODELS, METHODS, SHAPES, FEATURES, *LAWS.values())
     registered = [reference for table in tables for entry in table.values() for reference in references(entry)]
     values = [entry.value for entry in extensions.installed()]
-    return tuple(sorted({extensions.package(reference) for reference in (*values, *filter(foreign, registered))}))
+    return tuple(
+        sorted({extensions.package(reference) for reference in (*values, *filter(is_foreign, registered))})
+    )
 
 
 @cache

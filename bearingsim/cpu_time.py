@@ -32,9 +32,9 @@ class _Bound(NamedTuple):
     end: float = inf
 
 
-UNBOUNDED = _Bound()
-LEAST_END = 1e-9  # s; small, but not 0, which means no limit in compiled code
-_bound: ContextVar[_Bound] = ContextVar("bound", default=UNBOUNDED)
+NO_LIMIT = _Bound()
+MIN_END = 1e-9  # s; small, but not 0, which means no limit in compiled code
+_bound: ContextVar[_Bound] = ContextVar("bound", default=NO_LIMIT)
 _uncharged: ContextVar[float] = ContextVar("uncharged", default=0.0)
 
 
@@ -48,7 +48,7 @@ def end() -> float:
 
     The value is never 0, which means no limit in compiled code.
     """
-    return max(_bound.get().end + _uncharged.get(), LEAST_END)
+    return max(_bound.get().end + _uncharged.get(), MIN_END)
 
 
 @contextmanager
@@ -64,17 +64,17 @@ def at_most(seconds: float, spent: float = 0.0) -> Iterator[None]:
 @contextmanager
 def uncharged() -> Iterator[None]:
     """Stop the clock within the context, for example during compilation."""
-    began, before = thread_time(), _uncharged.get()
+    start, previous = thread_time(), _uncharged.get()
     try:
         yield
     finally:
-        _uncharged.set(before + thread_time() - began)
+        _uncharged.set(previous + thread_time() - start)
 
 
 def check() -> None:
     """Raise OutOfCpuTime if the job has reached its limit of CPU time."""
-    seconds, last = _bound.get()
-    if now() > last:
+    seconds, limit = _bound.get()
+    if now() > limit:
         raise OutOfCpuTime(
             f"it took over {seconds:.4g} s of CPU time, and was stopped (`--max-cpu`)",
             "use a shorter `duration`, or a larger `--max-cpu` with `--retry-failed`",
@@ -88,8 +88,8 @@ def bounded(call: Callable[[float], T]) -> T:
     OutOfCpuTime if the job has reached its limit.
     """
     while True:
-        last = end()
-        result = call(last)
+        limit = end()
+        result = call(limit)
         check()
-        if end() == last:
+        if end() == limit:
             return result

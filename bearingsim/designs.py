@@ -37,7 +37,7 @@ def cube(kind: Kind, n: int, d: int, seed: int) -> "NDArray[np.float64]":
     """
     import numpy as np
 
-    return _MADE[kind](n, d, np.random.default_rng(seed))
+    return _CONSTRUCTORS[kind](n, d, np.random.default_rng(seed))
 
 
 def block(kind: Kind, d: int) -> int:
@@ -66,8 +66,8 @@ def _saltelli(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.floa
     """
     import numpy as np
 
-    both = _sobol(n, 2 * d, random)
-    a, b = both[:, :d], both[:, d:]
+    points = _sobol(n, 2 * d, random)
+    a, b = points[:, :d], points[:, d:]
     mixed = np.where(np.eye(d, dtype=bool), b[:, None, :], a[:, None, :])
     return np.concatenate([a[:, None, :], b[:, None, :], mixed], axis=1).reshape(-1, d)
 
@@ -80,17 +80,17 @@ def _morris(n: int, d: int, random: "np.random.Generator") -> "NDArray[np.float6
     """
     import numpy as np
 
-    start, way, order = np.moveaxis(random.random((n, 3, d)), 1, 0)
+    start, direction, order = np.moveaxis(random.random((n, 3, d)), 1, 0)
     half = len(LEVELS) // 2
     low = np.floor(half * start).astype(int)
-    falls = way < 0.5
+    decreasing = direction < 0.5
     rank = order.argsort(axis=1).argsort(axis=1)
-    moved = rank[:, None, :] < np.arange(d + 1)[:, None]
-    level = low[:, None, :] + half * (moved ^ falls[:, None, :])
+    stepped = rank[:, None, :] < np.arange(d + 1)[:, None]
+    level = low[:, None, :] + half * (stepped ^ decreasing[:, None, :])
     return np.array(LEVELS)[level].reshape(-1, d)
 
 
-_MADE: dict[Kind, "Callable[[int, int, np.random.Generator], NDArray[np.float64]]"] = {
+_CONSTRUCTORS: dict[Kind, "Callable[[int, int, np.random.Generator], NDArray[np.float64]]"] = {
     "lhs": _lhs,
     "sobol": _sobol,
     "saltelli": _saltelli,

@@ -120,5 +120,5 @@ Entry = Model | Method | Law | Shape | Feature
 
 def references(entry: Entry) -> list[str]:
     """Return the locations of the code of an entry."""
-    named = (getattr(entry, name, "") for name in ("module", "own_method", "section", "build", "compute"))
-    return [reference for reference in named if reference]
+    locations = (getattr(entry, name, "") for name in ("module", "own_method", "section", "build", "compute"))
+    return [reference for reference in locations if reference]

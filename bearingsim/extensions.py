@@ -31,8 +31,8 @@ def skipped() -> set[str]:
 @cache
 def installed() -> tuple[EntryPoint, ...]:
     """Return the entry points of all extensions except the skipped ones, sorted by name."""
-    left = (entry for entry in entry_points(group=GROUP) if entry.name not in skipped())
-    return tuple(sorted(left, key=lambda entry: entry.name))
+    entries = (entry for entry in entry_points(group=GROUP) if entry.name not in skipped())
+    return tuple(sorted(entries, key=lambda entry: entry.name))
 
 
 def package(reference: str) -> str:
@@ -61,9 +61,9 @@ def load() -> None:
             leave_out(entry.name, f"the extension `{entry.name}` ({entry.value}) does not load: {reason(error)}")
 
 
-def leave_out(name: str, why: str) -> None:
-    """List an extension in ``BROKEN``; why: error message. Only the first error of an extension is kept."""
-    BROKEN.setdefault(name, why)
+def leave_out(name: str, message: str) -> None:
+    """List an extension in ``BROKEN``; message: error message. Only the first error of an extension is kept."""
+    BROKEN.setdefault(name, message)
 
 
 def refuse_broken() -> None:

@@ -74,22 +74,22 @@ class Hdf5:
         """Return the shape of a dataset, without reading it."""
         return tuple(self._dataset(name).shape)
 
-    def afford(self, what: str, size: float) -> None:
-        """Raise Unsafe if ``size`` bytes exceed the limit of one read; what: name of the data for the message."""
+    def afford(self, name: str, size: float) -> None:
+        """Raise Unsafe if ``size`` bytes exceed the limit of one read; name: name of the data for the message."""
         if size > self.most:
             sizes = f"{size / 1e6:.3g} MB, above the {self.most / 1e6:.3g} MB that are plausible for this file"
-            raise Unsafe(f"{what} would take {sizes}")
+            raise Unsafe(f"{name} would take {sizes}")
 
-    def has_attribute(self, name: str, of: str = "") -> bool:
+    def has_attribute(self, name: str, owner: str = "") -> bool:
         """Return True if the attribute exists, whatever its value."""
-        return name in self._item(of).attrs
+        return name in self._item(owner).attrs
 
-    def attribute(self, name: str, of: str = "", default: Any = None, variable: bool = False) -> Any:
+    def attribute(self, name: str, owner: str = "", default: Any = None, variable: bool = False) -> Any:
         """Return a scalar attribute, a number or a string; ``default`` if it does not exist.
 
         variable: also accept a variable-length string, whose length of up to 4 GB is unknown before it is read.
         """
-        attributes = self._item(of).attrs
+        attributes = self._item(owner).attrs
         if name not in attributes:
             return default
         attribute = attributes.get_id(name)
@@ -146,8 +146,8 @@ class Hdf5:
         if item.external is not None:
             raise Unsafe(f"`{name}` lies in another file (external storage)")
         filters = _filters(item)
-        strange = [number for number in filters if number not in FILTERS]
-        if strange or len(set(filters)) < len(filters):
+        unknown = [number for number in filters if number not in FILTERS]
+        if unknown or len(set(filters)) < len(filters):
             raise Unsafe(f"`{name}` passes through filters other than {', '.join(FILTERS.values())}, each once")
         return item
 
@@ -170,30 +170,30 @@ class Hdf5:
             return 0
         self.afford(f"`{_name(item)}`", TEXT_BYTES * item.size)
         self._stream.seek(start)
-        stated = np.frombuffer(self._stream.read(item.size * REFERENCE.itemsize), REFERENCE)
-        return int(stated["letters"].sum(dtype=np.uint64))
+        references = np.frombuffer(self._stream.read(item.size * REFERENCE.itemsize), REFERENCE)
+        return int(references["letters"].sum(dtype=np.uint64))
 
     def _check_chunks(self, item: h5py.Dataset, row: int | None = None) -> None:
         """Raise Unsafe if a chunk exceeds ``most`` bytes by its shape, or inflates to more than its shape."""
         if item.chunks is None:
             return
-        whole, filters = prod(item.chunks) * item.dtype.itemsize, _filters(item)
-        self.afford(f"a chunk of `{_name(item)}`", whole)
+        chunk_bytes, filters = prod(item.chunks) * item.dtype.itemsize, _filters(item)
+        self.afford(f"a chunk of `{_name(item)}`", chunk_bytes)
         if h5py.h5z.FILTER_DEFLATE not in filters:
             return
         skipped, large = 1 << filters.index(h5py.h5z.FILTER_DEFLATE), []
 
-        def note(chunk: Any) -> None:
+        def collect(chunk: Any) -> None:
             start = chunk.chunk_offset
             is_read = row is None or start[0] <= row < start[0] + item.chunks[0]
             if is_read and not chunk.filter_mask & skipped and chunk.size * DEFLATE_RATIO > self.most:
                 large.append(start)
 
-        item.id.chunk_iter(note)
+        item.id.chunk_iter(collect)
         for start in large:
             _, content = item.id.read_direct_chunk(start)
-            if _inflates_beyond(content, whole + CHECKSUM_BYTES):
-                raise Unsafe(f"a chunk of `{_name(item)}` inflates to more than its {whole} bytes")
+            if _exceeds_size(content, chunk_bytes + CHECKSUM_BYTES):
+                raise Unsafe(f"a chunk of `{_name(item)}` inflates to more than its {chunk_bytes} bytes")
 
 
 def _name(item: h5py.Dataset) -> str:
@@ -202,11 +202,11 @@ def _name(item: h5py.Dataset) -> str:
 
 def _filters(item: h5py.Dataset) -> list[int]:
     """List the filter numbers of a dataset."""
-    listed = item.id.get_create_plist()
-    return [listed.get_filter(place)[0] for place in range(listed.get_nfilters())]
+    properties = item.id.get_create_plist()
+    return [properties.get_filter(index)[0] for index in range(properties.get_nfilters())]
 
 
-def _inflates_beyond(content: bytes, size: int) -> bool:
+def _exceeds_size(content: bytes, size: int) -> bool:
     """Return True if deflated bytes inflate to more than ``size`` bytes."""
     try:
         return len(zlib.decompressobj().decompress(content, size + 1)) > size

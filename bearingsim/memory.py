@@ -4,7 +4,7 @@ from functools import cache
 from math import inf
 from pathlib import Path
 
-PROGRAM = 300e6
+PROGRAM_BYTES = 300e6
 """Memory (bytes) of a process before its first job: the program, its libraries and compiled code."""
 ROOT = Path("/")
 VERSION_1, VERSION_2 = ("sys/fs/cgroup/memory", "memory.limit_in_bytes"), ("sys/fs/cgroup", "memory.max")
@@ -37,9 +37,12 @@ def _group_limits(root: Path) -> list[float]:
         _, controllers, group = line.split(":", 2)
         if not controllers or "memory" in controllers.split(","):
             folder, file = VERSION_1 if controllers else VERSION_2
-            top = root / folder
-            own = top / group.lstrip("/")
-            levels = {top, *(level for level in (own, *own.parents) if level.is_relative_to(top))}
+            base = root / folder
+            group_folder = base / group.lstrip("/")
+            levels = {
+                base,
+                *(level for level in (group_folder, *group_folder.parents) if level.is_relative_to(base)),
+            }
             limits += [float(text) for level in levels for text in _lines(level / file) if text.isdigit()]
     return limits
 

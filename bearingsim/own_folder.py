@@ -24,18 +24,18 @@ def own_folder(base: Path, *names: str) -> Path:
     write permission of others is removed; the last level is only checked, because it may already contain files of
     others. Raises ``Distrusted``, and OSError or RuntimeError if the path cannot exist.
     """
-    named = base.joinpath(*names)
-    _refuse_loose_links(named)
-    folder = named.resolve()
+    path = base.joinpath(*names)
+    _check_dangling_links(path)
+    folder = path.resolve()
     levels = (folder, *folder.parents)
-    for level in named.parents[: len(names) - 1]:
-        _close(level)
+    for level in path.parents[: len(names) - 1]:
+        _remove_write_permission(level)
     missing = [level for level in levels if not level.exists()]
     _check(missing[-1].parent if missing else folder.parent)
     for level in reversed(missing):
         level.mkdir(mode=0o700, exist_ok=True)
     _check(folder.parent)
-    _check_one(folder, sticky_will_do=False)
+    _check_level(folder, allow_sticky=False)
     return folder
 
 
@@ -43,14 +43,14 @@ def _is_trusted(owner: int) -> bool:
     return not hasattr(os, "getuid") or owner in (0, os.getuid())
 
 
-def _refuse_loose_links(path: Path) -> None:
+def _check_dangling_links(path: Path) -> None:
     """Raise ``Distrusted`` for a dangling link of another user, because creating the folder would follow it."""
     for level in (path, *path.parents):
         if level.is_symlink() and not level.resolve().exists() and not _is_trusted(level.lstat().st_uid):
             raise Distrusted(f"{level} is another user's link")
 
 
-def _close(folder: Path) -> None:
+def _remove_write_permission(folder: Path) -> None:
     """Remove the write permission of other users from a folder of this user."""
     if hasattr(os, "getuid") and folder.is_dir() and not folder.is_symlink():
         status = folder.stat()
@@ -61,14 +61,14 @@ def _close(folder: Path) -> None:
 def _check(folder: Path) -> None:
     """Raise ``Distrusted`` if another user can redirect any level of a resolved path."""
     for level in (*reversed(folder.parents), folder):
-        _check_one(level, sticky_will_do=True)
+        _check_level(level, allow_sticky=True)
 
 
-def _check_one(level: Path, sticky_will_do: bool) -> None:
+def _check_level(level: Path, allow_sticky: bool) -> None:
     status = level.lstat()
     if not _is_trusted(status.st_uid):
         raise Distrusted(f"{level} is owned by another user")
-    if _others_write(status) and not (sticky_will_do and status.st_mode & stat.S_ISVTX):
+    if _others_write(status) and not (allow_sticky and status.st_mode & stat.S_ISVTX):
         raise Distrusted(f"others can write in {level} (`chmod go-w` closes it)")
 
 
@@ -87,8 +87,8 @@ def _is_own_group(group: int) -> bool:
     import pwd
 
     try:
-        user, named = pwd.getpwuid(os.getuid()), grp.getgrgid(group)
+        user, group_entry = pwd.getpwuid(os.getuid()), grp.getgrgid(group)
     except KeyError:
         return False
-    others = {entry.pw_name for entry in pwd.getpwall() if entry.pw_gid == group} | set(named.gr_mem)
-    return named.gr_name == user.pw_name and user.pw_gid == group and others <= {user.pw_name}
+    others = {entry.pw_name for entry in pwd.getpwall() if entry.pw_gid == group} | set(group_entry.gr_mem)
+    return group_entry.gr_name == user.pw_name and user.pw_gid == group and others <= {user.pw_name}

@@ -27,7 +27,7 @@ from typing import Any
 
 from bearingsim.catalogue import METHODS, MODELS
 from bearingsim.config import Case
-from bearingsim.memory import PROGRAM
+from bearingsim.memory import PROGRAM_BYTES
 from bearingsim.simulation import choice, simulate, time_grid, warm
 from bearingsim.simulation.run_setup import SimulationError
 from bearingsim.simulation.simulate import Record
@@ -100,8 +100,8 @@ def prices(case: Case, result: dict[str, Any]) -> dict[str, float]:
     """Return the estimated CPU time (s) and memory (bytes), given whether the response is periodic."""
     price = time_grid.estimate(case)
     if result["repeats"]:
-        return {"seconds": price.cpu_seconds, "bytes": PROGRAM + price.memory}
-    return {"seconds": price.most_seconds, "bytes": PROGRAM + price.most_memory}
+        return {"seconds": price.cpu_seconds, "bytes": PROGRAM_BYTES + price.memory}
+    return {"seconds": price.most_seconds, "bytes": PROGRAM_BYTES + price.most_memory}
 
 
 def case_of(fields: dict[str, Any]) -> Case:
@@ -163,7 +163,7 @@ def measure_case(case: Case) -> dict[str, Any]:
     record = _run(case)
     result = {
         "cpu_s": time.process_time() - began,
-        "bytes": PROGRAM + _peak() - start_peak,
+        "bytes": PROGRAM_BYTES + _peak() - start_peak,
         "given": record is not None,
     }
     if record is None:

@@ -13,7 +13,7 @@ from bearingsim.assemble.geometry import inner_radius, outer_radius
 from bearingsim.assemble.rest import largest_load
 from bearingsim.catalogue import SHAPES, call
 from bearingsim.config import Case
-from bearingsim.config.scan.file import BROUGHT
+from bearingsim.config.scan.file import TRANSFERRED_FILES
 from bearingsim.config.scan.repair import CACHED_SCANS, read_scan
 from bearingsim.config.sections.defect import EDGE_RADIUS, SIMPLE_SHAPES
 from bearingsim.core.defects import excitations
@@ -173,7 +173,7 @@ def scan(d: config.Defect) -> ScannedDefect:
 @lru_cache(maxsize=CACHED_SCANS)
 def scanned(file: str, digest: str) -> ScannedDefect:
     """Read the depth map in a file. Raises ValueError if the file has changed since the case was built."""
-    surface = read_scan(BROUGHT.get(digest, file))
+    surface = read_scan(TRANSFERRED_FILES.get(digest, file))
     if surface.digest != digest:
         raise ValueError(f"{file} has changed since the study was read")
     return ScannedDefect(digest, surface.s, surface.z, surface.depth)

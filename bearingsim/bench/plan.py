@@ -12,7 +12,7 @@ import yaml
 from bearingsim.bench import external
 from bearingsim.bench.provenance import code_version, processor
 from bearingsim.bench.scene import ORDER, Scene, Variant
-from bearingsim.catalogue import AUTO, METHODS, MODELS, USUAL_MODEL
+from bearingsim.catalogue import AUTO, DEFAULT_MODEL, METHODS, MODELS
 from bearingsim.config import Case
 from bearingsim.study.jobs import identity
 
@@ -120,7 +120,7 @@ def _variant_runs(scene: Scene, variant: Variant, quick: bool, peers: Settings) 
 
 def _solvable_settings(variant: Variant, settings: Settings) -> Settings:
     """Drop methods of other packages, unless the case has the usual model and they can integrate it."""
-    if variant.model == USUAL_MODEL and variant.case is not None and external.can_solve(variant.case):
+    if variant.model == DEFAULT_MODEL and variant.case is not None and external.can_solve(variant.case):
         return settings
     return {name: values for name, values in settings.items() if name in METHODS}
 

@@ -51,7 +51,7 @@ def main() -> None:
     """Run the command `bearingsim`."""
     streams.prepare()
     os.environ.pop("MPLBACKEND", None)  # set by notebooks; figures are files, and that backend may be missing
-    blas_threads.take_one()
+    blas_threads.limit_to_one()
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) is not signal.SIG_IGN:
             signal.signal(getattr(signal, name), interrupt)

@@ -14,7 +14,7 @@ def compile_solver(study: Path | None, announcements: Announcer) -> str:
     Without a study, compile the usual model and the reference of most studies with an accuracy, both with and
     without friction. Raises StudyError.
     """
-    from bearingsim.catalogue import REFERENCE, USUAL_MODEL
+    from bearingsim.catalogue import DEFAULT_MODEL, REFERENCE
     from bearingsim.config import Case
     from bearingsim.runner.progress import compiling
     from bearingsim.selection.candidates import with_friction
@@ -25,7 +25,7 @@ def compile_solver(study: Path | None, announcements: Announcer) -> str:
         cases = load_study(study).cases()
     else:
         default_case, reference = (
-            Case.model_validate(CASE | {"model": model}) for model in (USUAL_MODEL, REFERENCE)
+            Case.model_validate(CASE | {"model": model}) for model in (DEFAULT_MODEL, REFERENCE)
         )
         cases = [default_case, reference, with_friction(reference) or reference]
     warm(cases, compiling(announcements))

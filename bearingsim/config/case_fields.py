@@ -30,9 +30,9 @@ from bearingsim.config.sections import free
 from bearingsim.config.sections.clearance import Clearance
 from bearingsim.config.sections.contact import Contact
 from bearingsim.config.sections.defect import Defect, Excitation
-from bearingsim.config.sections.machine import Bearing, Rig, default_rig, named
+from bearingsim.config.sections.machine import Bearing, Rig, default_rig, library_section
 from bearingsim.config.sections.space import Misalignment
-from bearingsim.config.vocabulary import sentence
+from bearingsim.config.vocabulary import explanation
 
 if TYPE_CHECKING:
     ModelName = str
@@ -60,7 +60,7 @@ def _check_list(raw: Any) -> Any:
 
 def _check_speed(raw: Any) -> Any:
     if isinstance(raw, dict):
-        refuse("quantity", "expected one speed such as `1800 rpm`, got a mapping", sentence("outer_speed"))
+        refuse("quantity", "expected one speed such as `1800 rpm`, got a mapping", explanation("outer_speed"))
     return raw
 
 
@@ -73,9 +73,9 @@ class CaseFields(Section):
     `misalignment` are None if absent. A line load in `record` becomes one channel per slice of the roller.
     """
 
-    bearing: Annotated[Bearing, named("bearings")]
+    bearing: Annotated[Bearing, library_section("bearings")]
     """Bearing: a name of the catalogue, a file, or a mapping."""
-    rig: Annotated[Rig, named("rigs")] = Field(default_factory=default_rig)
+    rig: Annotated[Rig, library_section("rigs")] = Field(default_factory=default_rig)
     """Support of the outer ring and sensor: a name in configs/rigs, a file, or a mapping."""
     speed: Annotated[Rotation, BeforeValidator(_check_speed)]
     """Rotation speed of the inner ring."""
@@ -109,7 +109,7 @@ class CaseFields(Section):
     """Unbalance of the shaft. Default: none."""
     misalignment: Annotated[Misalignment | None, OPTIONAL] = None
     """Tilt of the rings' axes. Default: none."""
-    model: Annotated[ModelName, one_of(catalogue.REFERENCE, *catalogue.MODELS)] = catalogue.USUAL_MODEL
+    model: Annotated[ModelName, one_of(catalogue.REFERENCE, *catalogue.MODELS)] = catalogue.DEFAULT_MODEL
     """Dynamic model, in order of detail; `reference`: the most detailed that the case needs. `accuracy` chooses it
     instead.
     """

@@ -139,15 +139,15 @@ _GROUPS: dict[tuple[str, ...], str] = {
     ): "records are low-pass filtered for their `sampling` unless `antialias: false`",
 }
 
-SENTENCES = {word: sentence for words, sentence in _GROUPS.items() for word in words}
+EXPLANATIONS = {word: sentence for words, sentence in _GROUPS.items() for word in words}
 """Explanation of each word."""
 
 
-def sentence(word: str) -> str:
+def explanation(word: str) -> str:
     """Explain a word in any case, with hyphens or blanks; empty if it is not in the glossary."""
-    return SENTENCES.get(word.lower().replace("-", "_").replace(" ", "_"), "")
+    return EXPLANATIONS.get(word.lower().replace("-", "_").replace(" ", "_"), "")
 
 
 def advice(word: str, words: Collection[str]) -> str:
     """Explain a word that is not in ``words``, or suggest a similar one; empty if neither is possible."""
-    return sentence(word) or suggestion(word, words)
+    return explanation(word) or suggestion(word, words)

@@ -81,18 +81,18 @@ def deliver(parcel: Parcel) -> Delivery:
 @contextmanager
 def _provide_scans(scans: Mapping[str, bytes], folder: Path) -> Iterator[None]:
     """Store the scans sent with the work in a folder, and let cases read them from there."""
-    from bearingsim.config.scan.file import BROUGHT
+    from bearingsim.config.scan.file import TRANSFERRED_FILES
 
     for name, content in scans.items():
         path = folder / "scans" / name
         if not path.exists():
             path.parent.mkdir(exist_ok=True)
             path.write_bytes(content)
-        BROUGHT[path.stem] = path
+        TRANSFERRED_FILES[path.stem] = path
     try:
         yield
     finally:
-        BROUGHT.clear()
+        TRANSFERRED_FILES.clear()
 
 
 _stop_events: defaultdict[str, threading.Event] = defaultdict(threading.Event)
@@ -133,7 +133,7 @@ def required_installation() -> dict[str, str]:
 
     Raises InstallationMismatch if this process, which chooses the models, is set to use several threads.
     """
-    settings = " and ".join(f"{name}={count}" for name, count in blas_threads.several().items())
+    settings = " and ".join(f"{name}={count}" for name, count in blas_threads.changed_variables().items())
     if settings:
         raise InstallationMismatch(
             f"{settings} is set, but workers use one thread to keep results reproducible; unset it"

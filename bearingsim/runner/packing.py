@@ -6,7 +6,7 @@ from math import inf, isfinite
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bearingsim import cpu_time, memory
-from bearingsim.memory import PROGRAM
+from bearingsim.memory import PROGRAM_BYTES
 from bearingsim.runner.progress import duration
 from bearingsim.text.terminal import say
 
@@ -68,10 +68,10 @@ def workers_in_memory(costs: Sequence[Cost], workers: int) -> int:
 
     Besides the running job, a worker stores the results of its unit in double precision.
     """
-    heaviest = sorted((PROGRAM + cost.memory for cost in costs), reverse=True)
+    heaviest = sorted((PROGRAM_BYTES + cost.memory for cost in costs), reverse=True)
     result_bytes = 2.0 * min(UNIT_BYTES, sum(cost.bytes for cost in costs))
     worker_bytes = [job_bytes + result_bytes for job_bytes in heaviest[:workers]]
-    return next((n for n in range(workers, 1, -1) if PROGRAM + sum(worker_bytes[:n]) <= memory.limit()), 1)
+    return next((n for n in range(workers, 1, -1) if PROGRAM_BYTES + sum(worker_bytes[:n]) <= memory.limit()), 1)
 
 
 def worker_note(costs: Sequence[Cost], workers: int) -> Iterator[str]:

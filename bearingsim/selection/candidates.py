@@ -5,12 +5,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 
 from bearingsim.assemble.defects import varies_along_roller
-from bearingsim.catalogue import MODELS, below
+from bearingsim.catalogue import MODELS, simpler_models
 from bearingsim.config import Case
 from bearingsim.config.channels import slice_number
 from bearingsim.config.rules.completion import slice_count
 from bearingsim.config.rules.hierarchy import has_default_friction
-from bearingsim.config.sections.contact import MOST_SLICES
+from bearingsim.config.sections.contact import MAX_SLICES
 from bearingsim.config.sections.free import Cage, StaticDynamic
 from bearingsim.config.sections.machine import Rig
 from bearingsim.config.sections.ring import MAX_HARMONICS
@@ -81,7 +81,7 @@ def _with_harmonics(case: Case) -> Rig:
 
 def _finely_sliced(case: Case) -> Case:
     """Double the slices of a case, unless its defects then cut too many or it records slices by number."""
-    update = {"slices": min(MOST_SLICES, FINER * int(case.contact.slices))}
+    update = {"slices": min(MAX_SLICES, FINER * int(case.contact.slices))}
     finer = case.model_copy(update={"contact": case.contact.model_copy(update=update)})
     return case if slice_count(finer) is None or any(map(slice_number, case.record)) else finer
 
@@ -133,7 +133,7 @@ def ladder(case: Case) -> dict[str, dict[str, str]]:
     steps = dict(_fewer_slices(case)) if MODELS[case.model].sliced else {}
     if case.rig.ring is not None:
         steps |= {GIVEN_HARMONICS: {}, f"{FEW_HARMONICS} harmonics": {"rig.ring.harmonics": str(FEW_HARMONICS)}}
-    return steps | {name: {"model": name} | _same_cage(case, name) for name in below(case.model)}
+    return steps | {name: {"model": name} | _same_cage(case, name) for name in simpler_models(case.model)}
 
 
 def _same_cage(case: Case, name: str) -> dict[str, str]:

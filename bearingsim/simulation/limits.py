@@ -24,7 +24,7 @@ from bearingsim.assemble.scales import (
     full_speed_case,
     largest_roller_drop,
 )
-from bearingsim.catalogue import METHODS, MODELS, lowest
+from bearingsim.catalogue import METHODS, MODELS, simplest_model
 from bearingsim.config import Case
 from bearingsim.core.advance import start_at_rest
 from bearingsim.core.defects.excitations import STEP_EXCITATIONS
@@ -199,7 +199,9 @@ def rest_case(case: Case) -> Case:
     """Return the case without defects, with the lowest model that has contact forces if its own has none."""
     healthy = assemble.healthy_case(case)
     return (
-        healthy if MODELS[case.model].loaded else healthy.model_copy(update={"model": lowest("forces", "damping")})
+        healthy
+        if MODELS[case.model].loaded
+        else healthy.model_copy(update={"model": simplest_model("forces", "damping")})
     )
 
 

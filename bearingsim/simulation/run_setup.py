@@ -5,7 +5,7 @@ from math import nan
 from typing import Any
 
 from bearingsim import assemble
-from bearingsim.catalogue import MODELS, lowest
+from bearingsim.catalogue import MODELS, simplest_model
 from bearingsim.config import Case
 from bearingsim.config.rules import hierarchy
 from bearingsim.core import outcomes
@@ -151,7 +151,7 @@ def advice(setup: Setup, outcome: int) -> str:
     if outcome == outcomes.TOO_SLOW:
         return "use a shorter `duration`" + ("" if adaptive else ", or give a `step` of your own")
     if needs_roller_mass(setup, outcome):
-        return f"use `model: {lowest('roller inertia')}`: {hierarchy.NEEDS_ROLLER_MASS}"
+        return f"use `model: {simplest_model('roller inertia')}`: {hierarchy.NEEDS_ROLLER_MASS}"
     if not adaptive:
         return f"use a step under {1e6 * setup.cut.step / 2:.2g} us"
     too_tight = outcome in (outcomes.STEP_TOO_SMALL, outcomes.TOO_MANY_STEPS)

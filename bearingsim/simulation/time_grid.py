@@ -9,7 +9,7 @@ from bearingsim.config import Case
 from bearingsim.config.names import read_band
 from bearingsim.core.sampling import DECIMATION_REACH, INTERPOLATION_REACH, RESAMPLE_REACH
 from bearingsim.errors import Refused
-from bearingsim.memory import PROGRAM
+from bearingsim.memory import PROGRAM_BYTES
 from bearingsim.simulation import pricing
 from bearingsim.simulation.choice import automatic_step, resolve
 from bearingsim.simulation.limits import Limits, step_limits
@@ -192,7 +192,7 @@ def refuse_too_large(case: Case, cut: Grid) -> None:
 
 
 def _refuse_too_large(most_memory: float) -> None:
-    needed, available = PROGRAM + most_memory, memory.limit()
+    needed, available = PROGRAM_BYTES + most_memory, memory.limit()
     if needed > available:
         raise Refused(
             f"a job may take {needed / 1e9:.2g} GB of memory, and there are {available / 1e9:.2g} GB",

@@ -13,7 +13,7 @@ import numpy as np
 
 from bearingsim import assemble
 from bearingsim.assemble import scales
-from bearingsim.catalogue import METHODS, MODELS, USUAL_MODEL
+from bearingsim.catalogue import DEFAULT_MODEL, METHODS, MODELS
 from bearingsim.config import Case
 from bearingsim.core.methods.interface import Tolerances
 from bearingsim.core.models.interface import degrees_of_freedom, linearise
@@ -75,7 +75,7 @@ QUICK = Grid(
 )
 QUICK_METHODS = ("verlet", "symplectic-euler", "dop853", "rodas", "backward-euler", "scipy-lsoda", "scipy-radau")
 DEFAULT_MODELS = tuple(model.name for model in MODELS.values() if "damping" in model.abilities and not model.slips)
-QUICK_MODELS = (USUAL_MODEL,)
+QUICK_MODELS = (DEFAULT_MODEL,)
 
 REFERENCES = (("dop853", 1e-9), ("scipy-lsoda", 1e-9), ("rodas", 1e-8), ("scipy-lsoda", 1e-6))
 """Methods and tolerances of the solutions, computed in turn until two agree."""

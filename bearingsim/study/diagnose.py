@@ -11,7 +11,7 @@ from pydantic_core import ErrorDetails
 from bearingsim.config import Case
 from bearingsim.config.case import LAWS
 from bearingsim.config.fields import Conflict, Path
-from bearingsim.config.sections.contact import WORD
+from bearingsim.config.sections.contact import WORD_TAG
 from bearingsim.study.paths import all_paths, label, path_hint
 from bearingsim.text.units import EXPECTED
 from bearingsim.text.yamlfile import MAX_PROBLEMS, Mark, Node, Problem, plain, problem
@@ -189,7 +189,7 @@ def _keys_at(path: Path, tree: Node) -> list[str]:
     """List the valid keys of a section."""
     if path in LAWS:
         entries = _nearest_node(tree, path).mapping
-        law = entries["law"].text if "law" in entries else LAWS[path].told_by(entries)
+        law = entries["law"].text if "law" in entries else LAWS[path].match_law(entries)
         return list(LAWS[path].sections[law].model_fields)
     prefix = label(path, 0) + "." if path else ""
     keys = [key.removeprefix(prefix) for key in all_paths() if key.startswith(prefix)]
@@ -206,7 +206,7 @@ def _path_of(details: ErrorDetails) -> Path:
 
 def _is_tag(loc: Path, index: int) -> bool:
     laws = LAWS.get(loc[:index])
-    return laws is not None and (loc[index] in laws.sections or loc[index] == WORD)
+    return laws is not None and (loc[index] in laws.sections or loc[index] == WORD_TAG)
 
 
 def _nearest_node(tree: Node, path: Path) -> Node:

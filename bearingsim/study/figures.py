@@ -8,7 +8,7 @@ from bearingsim.catalogue import MODELS
 from bearingsim.config import CHANNELS, FEATURES, Case, dataset_names
 from bearingsim.config.bands import EXAMPLES
 from bearingsim.config.names import read_band, roller_of
-from bearingsim.config.vocabulary import sentence
+from bearingsim.config.vocabulary import explanation
 from bearingsim.figure_kinds import KEYS as VIEW_KEYS
 from bearingsim.figure_kinds import KINDS, LOG_AXES, OptionError, View, check_options, view_of
 from bearingsim.text.units import suggestion
@@ -241,7 +241,7 @@ def _check_word(
         choices = "known: " + ", ".join(words) if 0 < len(words) < 10 else None
         band = f"bands are named as in {EXAMPLES}" if words is PLOT_COLUMNS and _resembles_band(word) else ""
         hint = (
-            (sentence(word) or band or suggestion(word, words) or choices)
+            (explanation(word) or band or suggestion(word, words) or choices)
             if len(problems) < MAX_PROBLEMS
             else None
         )

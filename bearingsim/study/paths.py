@@ -9,7 +9,7 @@ from bearingsim.config import Case
 from bearingsim.config.case_fields import DEPRECATED_KEYS
 from bearingsim.config.fields import Path, Quantity, Section
 from bearingsim.config.sections.ring import SupportPoint
-from bearingsim.config.vocabulary import sentence
+from bearingsim.config.vocabulary import explanation
 from bearingsim.text.units import Dimension, suggestion
 from bearingsim.text.yamlfile import Node
 
@@ -90,7 +90,7 @@ def path_hint(path: str, valid: Collection[str], section: str | None = None) -> 
     The hint is the glossary entry of the last word, the other sections with that key, or similar valid words.
     """
     word = path.rpartition(".")[2]
-    return sentence(word) or _sections_with(word, section) or suggestion(path, valid)
+    return explanation(word) or _sections_with(word, section) or suggestion(path, valid)
 
 
 def _sections_with(word: str, section: str | None) -> str:

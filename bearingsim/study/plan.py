@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache, reduce
 from pathlib import Path as FilePath
 
-from bearingsim.catalogue import USUAL_MODEL
+from bearingsim.catalogue import DEFAULT_MODEL
 from bearingsim.config import Case
 from bearingsim.config.fields import Path
 from bearingsim.designs import KINDS
@@ -267,7 +267,7 @@ class Plan:
             row[axis.paths.index("model")] for axis in self.axes if "model" in axis.paths for row in axis.rows
         ]
         base = self.base.mapping.get("model")
-        return {node.text for node in values or ([base] if base else [])} or {USUAL_MODEL}
+        return {node.text for node in values or ([base] if base else [])} or {DEFAULT_MODEL}
 
     def sample_cases(self) -> list[Case]:
         """Build a sample of the cases, which reveals most problems."""

@@ -150,7 +150,7 @@ def extensions(case: Case) -> dict[str, str]:
         *catalogue.FEATURES.values(),
     ]
     uses_extension = any(
-        catalogue.foreign(reference) for entry in entries for reference in catalogue.references(entry)
+        catalogue.is_foreign(reference) for entry in entries for reference in catalogue.references(entry)
     )
     return {"extensions": catalogue.extension_digest()} if uses_extension else {}
 

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from bearingsim.cli import frequencies
 from bearingsim.config import Bearing, Case, library_names
 from bearingsim.config.library import load_mapping
-from bearingsim.config.sections.clearance import CLASSES, limits, middle
+from bearingsim.config.sections.clearance import CLASSES, limits, mean_clearance
 
 CATALOGUE = ("nf308", "nf308-catalogue", "nu206", "nu205", "nu204", "nu209", "6205", "6203")
 
@@ -130,7 +130,7 @@ def case(bearing: object, clearance: str) -> Case:
 def test_a_class_takes_the_middle_of_its_range() -> None:
     assert case("nf308", "CN").clearance == 37.5e-6
     assert case("6205", "C3").clearance == 20.5e-6
-    assert middle("C2", "ball", 0.017) == 4.5e-6
+    assert mean_clearance("C2", "ball", 0.017) == 4.5e-6
 
 
 def test_a_bore_out_of_the_table() -> None:

@@ -24,7 +24,7 @@ from bearingsim.config import (
     library,
     library_names,
 )
-from bearingsim.config.sections.contact import WORDS
+from bearingsim.config.sections.contact import WORD_LAWS
 
 SLOT = {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um"}
 INNER, ON_ROLLER = SLOT | {"race": "inner"}, SLOT | {"race": "roller"}
@@ -434,7 +434,7 @@ def test_every_word_offered_is_built() -> None:
     assert all(callable(catalogue.code(shape.build)) for shape in catalogue.SHAPES.values())
 
 
-@pytest.mark.parametrize("law", WORDS)
+@pytest.mark.parametrize("law", WORD_LAWS)
 def test_every_stiffness_offered_is_built(law: str) -> None:
     bearing = "6205" if law == "point" else "nf308"
     assert contacts.outer(case(bearing=bearing, contact={"stiffness": law}))

@@ -72,7 +72,7 @@ def refusal(path: Path) -> str:
 def test_a_file_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, write: Any) -> None:
     """Its digest is of what the depths were read from, even if it changes at once."""
     path = write(tmp_path / ("a.h5" if write is hdf5 else "a.csv"), bowl())
-    content, ascending = path.read_bytes(), scanfile._ascending
+    content, ascending = path.read_bytes(), scanfile._ascending_grid
 
     def changing(*parts: np.ndarray) -> scanfile.Grid:
         path.write_bytes(b"changed")

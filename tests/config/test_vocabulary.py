@@ -7,7 +7,7 @@ import pytest
 
 from bearingsim.catalogue import LAWS, METHODS, MODELS, SHAPES
 from bearingsim.config import CHANNELS, FEATURES
-from bearingsim.config.vocabulary import SENTENCES, advice
+from bearingsim.config.vocabulary import EXPLANATIONS, advice
 from bearingsim.study import StudyError, load_study
 from bearingsim.study.diagnose import STUDY_KEYS
 from bearingsim.study.paths import all_paths
@@ -16,7 +16,7 @@ from tests.scenes.study_text import BASE, Write
 PATHS = set(all_paths())
 KEYS = {path.rpartition(".")[2] for path in PATHS} | set(STUDY_KEYS)
 NAMES = {*PATHS, *KEYS, *MODELS, *METHODS, *SHAPES, *CHANNELS, *FEATURES, "auto", "density", *LAWS["damping"]}
-ALL = list(dict.fromkeys(SENTENCES.values()))
+ALL = list(dict.fromkeys(EXPLANATIONS.values()))
 
 
 def quoted(sentence: str) -> list[str]:
@@ -25,8 +25,8 @@ def quoted(sentence: str) -> list[str]:
 
 def test_no_word_is_a_key_or_a_name() -> None:
     own = NAMES - set(SHAPES)  # a `spall` is a shape of defects, and no key
-    assert set(SENTENCES) & (own | {name.lower() for name in own}) == set()
-    assert all(word == word.lower().replace("-", "_").replace(" ", "_") for word in SENTENCES)
+    assert set(EXPLANATIONS) & (own | {name.lower() for name in own}) == set()
+    assert all(word == word.lower().replace("-", "_").replace(" ", "_") for word in EXPLANATIONS)
 
 
 @pytest.mark.parametrize("sentence", ALL)
@@ -55,7 +55,7 @@ def test_what_a_sentence_says_to_write_is_read(write: Write, sentence: str) -> N
 def test_a_profile_is_one_of_the_bearings_keys(write: Write) -> None:
     own = Path(__file__).parents[2] / "configs/bearings/nf308.yaml"
     text = own.read_text() + "\nroller_profile: {shape: crowned, drop: 5 um}\n"
-    assert "`roller_profile: {shape: crowned, drop: 5 um}`" in SENTENCES["crown"]
+    assert "`roller_profile: {shape: crowned, drop: 5 um}`" in EXPLANATIONS["crown"]
     path = write(BASE.replace("nf308", "own.yaml") + "model: spatial\n")
     (path.parent / "own.yaml").write_text(text)
     assert load_study(path).cases()[0].bearing.roller_profile.shape == "crowned"
@@ -102,6 +102,6 @@ def test_a_bearing_with_a_contact_angle_is_told_what_takes_one(write: Write) -> 
 
 
 def test_advice_is_the_sentence_before_a_similar_word() -> None:
-    assert advice("imbalance", ["unbalance"]) == SENTENCES["imbalance"]
+    assert advice("imbalance", ["unbalance"]) == EXPLANATIONS["imbalance"]
     assert advice("unbalanc", ["unbalance"]) == "did you mean `unbalance`?"
     assert advice("quark", ["unbalance"]) == ""

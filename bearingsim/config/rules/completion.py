@@ -37,7 +37,7 @@ def complete(case: CaseFields) -> None:
 
 def _fill_reference(case: CaseFields) -> None:
     """Fill in the reference model; its cage is kinematic unless the case specifies or records slip."""
-    _fill(case, "model", hierarchy.reference_model(case) or catalogue.most_able())
+    _fill(case, "model", hierarchy.reference_model(case) or catalogue.most_detailed_model())
     if catalogue.MODELS[case.model].slips and not hierarchy.specifies_slip(case):
         _fill(case, "cage", free.Cage(motion="kinematic"))
 

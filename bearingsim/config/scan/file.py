@@ -35,8 +35,8 @@ MAX_POINTS = 4_000_000
 POINT_BYTES, MAX_BYTES = 16, 200_000_000
 """Largest sizes of a number in an HDF5 file, and of a file: 4 million cells of text take about 100 MB."""
 MIN_FILLED = 0.5  # least share of a grid's cells that have a point
-LONGEST_ECHO, SHORTEST_ECHO = 60, 12  # limits of the characters of a file's first line quoted in a message
-BROUGHT: dict[str, Path] = {}
+MAX_ECHO, MIN_ECHO = 60, 12  # limits of the characters of a file's first line quoted in a message
+TRANSFERRED_FILES: dict[str, Path] = {}
 """Files of scans that were transferred to this machine with the jobs, by digest."""
 _COLUMN = re.compile(r"\s*([A-Za-z]\w*)\s*(?:\[([^\]]*)\])?\s*")
 
@@ -63,7 +63,7 @@ HDF5 = Wording(
     "`s` (n_s,), `z` (n_z,) and `depth` (n_z, n_s), each with the attribute `units`",
     "give `{}` the attribute `units`: um, or mm, m, nm",
 )
-PLAIN = "write `s`, `z` and `depth` as floating-point numbers into the file itself, with gzip or uncompressed"
+HDF5_HINT = "write `s`, `z` and `depth` as floating-point numbers into the file itself, with gzip or uncompressed"
 
 
 class Grid(NamedTuple):
@@ -81,14 +81,14 @@ def read_file(path: Path) -> tuple[Grid, str]:
         raise ScanError(f"`{path}` is a folder", "name the file in it")
     if not isfile(path):
         raise ScanError(f"no file `{path}`", "a path is relative to the working folder, or else to the study")
-    form = FORMS.get(path.suffix.lower())
-    if form is None:
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
         raise ScanError(f"expected a file that ends in .csv, .h5 or .hdf5, got `{path.name}`")
     try:
         if path.stat().st_size > MAX_BYTES:
             raise ScanError(f"`{path.name}` has more than {MAX_BYTES / 1e6:.0f} MB", "thin it out")
         content = path.read_bytes()
-        return form(path.name, content), digest_of(content)
+        return reader(path.name, content), digest_of(content)
     except OSError as error:
         raise ScanError(f"`{path.name}` cannot be read: {error.strerror}") from None
     except MemoryError:
@@ -110,16 +110,14 @@ def _csv(name: str, content: bytes) -> Grid:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise ScanError(f"`{name}` is not a text file in UTF-8", "save it as UTF-8") from None
-    numbered = [
-        (n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"
-    ]
-    if len(numbered) < 2:
+    lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"]
+    if len(lines) < 2:
         raise ScanError("no points in this file")
-    numbers, rows = [n for n, _ in numbered], list(csv.reader(line for _, line in numbered))
+    numbers, rows = [n for n, _ in lines], list(csv.reader(line for _, line in lines))
     _check_separator(rows[0][0])
     if "|" in rows[0][0]:
-        return _ascending(*_grid(rows, numbers))
-    return _listed(rows, numbers)
+        return _ascending_grid(*_grid(rows, numbers))
+    return _point_grid(rows, numbers)
 
 
 def _check_separator(line: str) -> None:
@@ -129,33 +127,33 @@ def _check_separator(line: str) -> None:
             raise ScanError(f"the separator is {name}", "use a comma, and a point for decimals")
 
 
-def _echo(text: str, most: int = LONGEST_ECHO) -> str:
+def _echo(text: str, limit: int = MAX_ECHO) -> str:
     """Quote the beginning of a text."""
     stripped = text.strip()
-    return f"`{stripped}`" if len(stripped) <= most else f"`{stripped[: most - 3]}...`"
+    return f"`{stripped}`" if len(stripped) <= limit else f"`{stripped[: limit - 3]}...`"
 
 
-def _columns(heads: Sequence[str], form: Wording) -> dict[str, tuple[int, float]]:
+def _columns(heads: Sequence[str], wording: Wording) -> dict[str, tuple[int, float]]:
     """Return the index of each recognised column, and its factor to SI."""
     columns = {}
     for number, head in enumerate(heads):
-        named = _COLUMN.fullmatch(head)
-        if named and named[1] in NAMES:
-            columns[named[1]] = (number, _factor(named[1], named[2], form))
+        match = _COLUMN.fullmatch(head)
+        if match and match[1] in NAMES:
+            columns[match[1]] = (number, _factor(match[1], match[2], wording))
     missing = [name for name in ("s", "z") if name not in columns]
     if missing or ("depth" in columns) == ("height" in columns):
         required = "`s`, `z` and either `depth` or `height`"
         shown = heads[:6]
-        most = max(LONGEST_ECHO // max(len(shown), 1), SHORTEST_ECHO)
-        listing = ", ".join(_echo(head, most) for head in shown) or "none"
-        raise ScanError(f"expected {form.columns} {required}, got {listing}", form.example)
+        limit = max(MAX_ECHO // max(len(shown), 1), MIN_ECHO)
+        listing = ", ".join(_echo(head, limit) for head in shown) or "none"
+        raise ScanError(f"expected {wording.columns} {required}, got {listing}", wording.example)
     return columns
 
 
-def _factor(name: str, unit: str | None, form: Wording) -> float:
+def _factor(name: str, unit: str | None, wording: Wording) -> float:
     """Return the factor from a unit to m; negative for heights."""
     if not unit:
-        raise ScanError(f"the unit of `{name}` is missing", form.unit.format(name))
+        raise ScanError(f"the unit of `{name}` is missing", wording.unit.format(name))
     try:
         metres = parse(f"1 {unit}", "length")
     except UnitError as error:
@@ -163,10 +161,12 @@ def _factor(name: str, unit: str | None, form: Wording) -> float:
     return -metres if name == "height" else metres
 
 
-def _listed(rows: list[list[str]], numbers: list[int]) -> Grid:
+def _point_grid(rows: list[list[str]], numbers: list[int]) -> Grid:
     """Arrange a list of points as a grid."""
     columns = _columns(rows[0], CSV)
-    rest = [head.strip() for n, head in enumerate(rows[0]) if n not in {number for number, _ in columns.values()}]
+    unused = [
+        head.strip() for n, head in enumerate(rows[0]) if n not in {number for number, _ in columns.values()}
+    ]
     table = _numbers(rows[1:], numbers[1:], len(rows[0]))
     values = {name: table[:, number] * factor for name, (number, factor) in columns.items()}
     p = values.get("depth", values.get("height"))
@@ -181,13 +181,13 @@ def _listed(rows: list[list[str]], numbers: list[int]) -> Grid:
         raise ScanError("two points have the same coordinates")
     depth = np.full((len(z), len(s)), np.nan)
     depth[row, column] = p
-    notes = [f"{name} is decreasing and was sorted" for name in ("s", "z") if _falls(values[name])]
-    if rest:
-        notes.append(f"columns not used: {', '.join(rest)}")
+    notes = [f"{name} is decreasing and was sorted" for name in ("s", "z") if _is_descending(values[name])]
+    if unused:
+        notes.append(f"columns not used: {', '.join(unused)}")
     return Grid(s, z, depth, tuple(notes))
 
 
-def _falls(values: np.ndarray) -> bool:
+def _is_descending(values: np.ndarray) -> bool:
     """Check if coordinates are mostly in descending order."""
     steps = np.diff(values)
     return bool(np.count_nonzero(steps < 0.0) > np.count_nonzero(steps > 0.0)) if values[0] > values[-1] else False
@@ -200,9 +200,9 @@ def _grid(rows: list[list[str]], numbers: list[int]) -> tuple[np.ndarray, np.nda
     if len(heads) != 3 or order[0] not in ("depth", "height"):
         raise ScanError(f"expected a first cell such as `depth [um] | z [mm] | s [mm]`, got {_echo(rows[0][0])}")
     table = _numbers([["", *rows[0][1:]], *rows[1:]], numbers, len(rows[0]))
-    down, across = table[1:, 0] * columns[order[1]][1], table[0, 1:] * columns[order[2]][1]
+    row_axis, column_axis = table[1:, 0] * columns[order[1]][1], table[0, 1:] * columns[order[2]][1]
     p = table[1:, 1:] * columns[order[0]][1]
-    return (across, down, p) if order[2] == "s" else (down, across, p.T)
+    return (column_axis, row_axis, p) if order[2] == "s" else (row_axis, column_axis, p.T)
 
 
 def _numbers(rows: list[list[str]], numbers: list[int], width: int) -> np.ndarray:
@@ -210,11 +210,11 @@ def _numbers(rows: list[list[str]], numbers: list[int], width: int) -> np.ndarra
     if len(rows) * width > MAX_POINTS:
         raise ScanError(f"{len(rows) * width} cells; at most {MAX_POINTS}", "thin it out")
     out = np.full((len(rows), width), np.nan)
-    for into, row, number in zip(out, rows, numbers, strict=True):
+    for target, row, number in zip(out, rows, numbers, strict=True):
         if len(row) != width:
             hint = "cells end with a comma, numbers have a decimal point"
             raise ScanError(f"line {number}: {len(row)} cells, the first line has {width}", hint)
-        into[:] = [_number(cell, number) for cell in row]
+        target[:] = [_number(cell, number) for cell in row]
     return out
 
 
@@ -237,18 +237,18 @@ def _hdf5(name: str, content: bytes) -> Grid:
 
     try:
         with Hdf5(io.BytesIO(content), MAX_POINTS * POINT_BYTES) as file:
-            held = [data for data in NAMES if data in file]
-            heads = [f"{data} [{file.attribute('units', data, '', variable=True)}]" for data in held]
+            names = [dataset for dataset in NAMES if dataset in file]
+            heads = [f"{dataset} [{file.attribute('units', dataset, '', variable=True)}]" for dataset in names]
             columns = _columns(heads or file.names(), HDF5)
-            _check_shapes({data: file.shape(data) for data in held})
-            values = {data: file.numbers(data).astype(float) * columns[data][1] for data in held}
+            _check_shapes({dataset: file.shape(dataset) for dataset in names})
+            values = {dataset: file.numbers(dataset).astype(float) * columns[dataset][1] for dataset in names}
     except Unsafe as error:
-        raise ScanError(str(error), PLAIN) from None
+        raise ScanError(str(error), HDF5_HINT) from None
     except (OSError, RuntimeError, KeyError):
         raise ScanError(f"`{name}` is not an HDF5 file, or cut off") from None
     p = values["depth" if "depth" in values else "height"]
     p[np.isinf(p)] = np.nan
-    return _ascending(values["s"], values["z"], p)
+    return _ascending_grid(values["s"], values["z"], p)
 
 
 def _check_shapes(shapes: Mapping[str, tuple[int, ...]]) -> None:
@@ -260,7 +260,7 @@ def _check_shapes(shapes: Mapping[str, tuple[int, ...]]) -> None:
         raise ScanError(f"{math.prod(p)} points; at most {MAX_POINTS}", "thin it out")
 
 
-def _ascending(s: np.ndarray, z: np.ndarray, depth: np.ndarray) -> Grid:
+def _ascending_grid(s: np.ndarray, z: np.ndarray, depth: np.ndarray) -> Grid:
     """Make a grid, with descending axes reversed."""
     notes: list[str] = []
     for name, axis in (("s", s), ("z", z)):
@@ -285,15 +285,15 @@ def _check_axis(name: str, axis: np.ndarray) -> None:
         raise ScanError(f"{name} is not monotonic between values {k} and {k + 1}")
 
 
-FORMS: dict[str, Callable[[str, bytes], Grid]] = {".csv": _csv, ".txt": _csv, ".h5": _hdf5, ".hdf5": _hdf5}
+READERS: dict[str, Callable[[str, bytes], Grid]] = {".csv": _csv, ".txt": _csv, ".h5": _hdf5, ".hdf5": _hdf5}
 """Readers of file contents, by suffix."""
 
 
-def positions(which: Iterable[tuple[int, int]], grid: Grid) -> str:
+def positions(cells: Iterable[tuple[int, int]], grid: Grid) -> str:
     """Format the positions of the first three cells (row, column)."""
-    listed = list(which)
-    texts = [f"s = {mm(grid.s[j])}, z = {mm(grid.z[i])}" for i, j in listed[:3]]
-    return "; ".join(texts) + ("; ..." if len(listed) > 3 else "")
+    indices = list(cells)
+    texts = [f"s = {mm(grid.s[j])}, z = {mm(grid.z[i])}" for i, j in indices[:3]]
+    return "; ".join(texts) + ("; ..." if len(indices) > 3 else "")
 
 
 def mm(metres: float) -> str:

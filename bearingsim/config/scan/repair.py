@@ -14,15 +14,18 @@ import numpy as np
 from bearingsim.config.scan.file import Grid, ScanError, mm, positions, read_file
 
 MIN_POINTS = 5  # least points along either axis
-MAX_MISSING, LARGEST_GAP = 0.05, 9  # limits: share of missing cells; cells of one gap
-MAX_SPIKES, LARGEST_SPIKE = 0.01, 2  # limits: share of cells in spikes; cells of one spike
-SPIKE, AROUND = 8.0, 7  # least spike in standard deviations of the roughness; window of that roughness (cells)
-SPIKE_HEIGHT = 0.2  # least spike relative to the range of depths
+MAX_MISSING, MAX_GAP = 0.05, 9  # limits: share of missing cells; cells of one gap
+MAX_SPIKES, MAX_SPIKE_CELLS = 0.01, 2  # limits: share of cells in spikes; cells of one spike
+MIN_SPIKE, ROUGHNESS_WINDOW = (
+    8.0,
+    7,
+)  # least spike in standard deviations of the roughness; window of that roughness (cells)
+MIN_SPIKE_HEIGHT = 0.2  # least spike relative to the range of depths
 MAX_ROUGHNESS = 0.1  # limit of NOISE standard deviations of the surroundings, relative to the depth
 DAMAGED_SHARE = 0.2  # share of damaged cells of a side above which the damage reaches the side
-SPECK = 5  # cells; smaller regions are noise
-NOISE = 3.0  # limit of noise, in standard deviations of the surroundings
-NARROW, SHALLOW = 20e-6, 0.1e-6  # m; smaller widths and depths suggest a wrong unit
+MIN_REGION = 5  # cells; smaller regions are noise
+NOISE_LIMIT = 3.0  # limit of noise, in standard deviations of the surroundings
+MIN_WIDTH, MIN_DEPTH = 20e-6, 0.1e-6  # m; smaller widths and depths suggest a wrong unit
 
 CACHED_SCANS = 256
 """Scans cached by a process, more than usual sweeps have. They take 50 to 150 kB each, 40 MB in total."""
@@ -57,31 +60,31 @@ def _read(path: Path, modified: int, size: int) -> Scan:
     if min(grid.depth.shape) < MIN_POINTS:
         rows, columns = grid.depth.shape
         raise ScanError(f"{columns} places along s and {rows} along z: at least {MIN_POINTS} each are needed")
-    for step in (_without_spikes, _filled, _levelled, _centred):
+    for step in (_remove_spikes, _fill_gaps, _level, _centre):
         grid = step(grid)
-    along, across = _reach(grid)
+    along, across = _extent(grid)
     sizes = (float(np.ptp(across)), float(np.ptp(along)), float(grid.depth.max()))
-    return Scan(grid.s, grid.z, grid.depth, sizes, digest, (*grid.notes, *_doubts(*sizes[1:])))
+    return Scan(grid.s, grid.z, grid.depth, sizes, digest, (*grid.notes, *_size_warnings(*sizes[1:])))
 
 
-def _doubts(width: float, depth: float) -> Iterator[str]:
+def _size_warnings(width: float, depth: float) -> Iterator[str]:
     """Yield warnings of unusual sizes, which suggest a wrong unit."""
-    if width < NARROW:
+    if width < MIN_WIDTH:
         yield f"the defect is only {_um(width)} wide along s; is the unit right?"
     if depth > width:
         yield f"the defect is deeper ({_um(depth)}) than wide ({_um(width)}); is the unit right?"
-    if depth < SHALLOW:
+    if depth < MIN_DEPTH:
         yield f"the defect is only {_um(depth)} deep; is the unit right?"
 
 
-class Damaged(Protocol):
+class HasDefects(Protocol):
     """Object with defects, such as a case."""
 
     @property
     def defects(self) -> Sequence[Any]: ...
 
 
-def notes(cases: Iterable[Damaged]) -> list[str]:
+def notes(cases: Iterable[HasDefects]) -> list[str]:
     """List the repairs and assumptions of all scans of the cases, without duplicates. Raises ScanError."""
     files = dict.fromkeys(d.file for case in cases for d in case.defects if d.file is not None)
     return list(dict.fromkeys(f"{Path(file).name}: {note}" for file in files for note in read_scan(file).notes))
@@ -90,34 +93,34 @@ def notes(cases: Iterable[Damaged]) -> list[str]:
 # Repairs
 
 
-def _without_spikes(grid: Grid) -> Grid:
+def _remove_spikes(grid: Grid) -> Grid:
     """Replace spikes of one or two cells by the median of their neighbourhood."""
-    around = _neighbours(grid.depth)
+    neighbours = _neighbours(grid.depth)
     filled = np.where(np.isnan(grid.depth), 0.0, grid.depth)
-    middle = np.nanmedian(np.concatenate([around, filled[None]]), axis=0)
-    off = grid.depth - middle
+    median = np.nanmedian(np.concatenate([neighbours, filled[None]]), axis=0)
+    deviations = grid.depth - median
     low, high = np.nanpercentile(grid.depth, [1.0, 99.0])
-    least = np.maximum(SPIKE * _roughness(off), SPIKE_HEIGHT * float(high - low))
-    alike = np.sum(np.abs(around - grid.depth) < least, axis=0)
-    groups = _regions(np.abs(off) > least)
-    small = np.bincount(groups.ravel())[groups] <= LARGEST_SPIKE
-    spikes = (groups > 0) & small & (alike < LARGEST_SPIKE)
+    threshold = np.maximum(MIN_SPIKE * _roughness(deviations), MIN_SPIKE_HEIGHT * float(high - low))
+    similar = np.sum(np.abs(neighbours - grid.depth) < threshold, axis=0)
+    groups = _regions(np.abs(deviations) > threshold)
+    small = np.bincount(groups.ravel())[groups] <= MAX_SPIKE_CELLS
+    spikes = (groups > 0) & small & (similar < MAX_SPIKE_CELLS)
     count = int(np.count_nonzero(spikes))
     if count == 0:
         return grid
     share, where = count / spikes.size, positions(np.argwhere(spikes), grid)
-    lowest = f"{_um(float(np.abs(off[spikes]).min()))} and more"
+    size = f"{_um(float(np.abs(deviations[spikes]).min()))} and more"
     if share > MAX_SPIKES:
-        raise ScanError(f"{count} spikes of {lowest} ({share:.1%} of the cells; {where})", "filter it first")
-    note = f"{count} spike{'s' * (count > 1)} of {lowest} taken out: {where}"
-    return grid._replace(depth=np.where(spikes, middle, grid.depth), notes=(*grid.notes, note))
+        raise ScanError(f"{count} spikes of {size} ({share:.1%} of the cells; {where})", "filter it first")
+    note = f"{count} spike{'s' * (count > 1)} of {size} taken out: {where}"
+    return grid._replace(depth=np.where(spikes, median, grid.depth), notes=(*grid.notes, note))
 
 
-def _roughness(off: np.ndarray) -> np.ndarray:
-    """Estimate the local standard deviation of ``off`` around each cell, robust against outliers."""
+def _roughness(deviations: np.ndarray) -> np.ndarray:
+    """Estimate the local standard deviation of ``deviations`` around each cell, robust against outliers."""
     from scipy.ndimage import median_filter
 
-    return np.asarray(1.4826 * median_filter(np.nan_to_num(np.abs(off)), size=AROUND))
+    return np.asarray(1.4826 * median_filter(np.nan_to_num(np.abs(deviations)), size=ROUGHNESS_WINDOW))
 
 
 def _neighbours(depth: np.ndarray) -> np.ndarray:
@@ -134,7 +137,7 @@ def _deviation(values: np.ndarray) -> float:
     return float(1.4826 * np.median(np.abs(finite - np.median(finite))))
 
 
-def _filled(grid: Grid) -> Grid:
+def _fill_gaps(grid: Grid) -> Grid:
     """Fill missing cells with the mean of their neighbours, from the edges of a gap inwards."""
     missing = np.isnan(grid.depth)
     count = int(np.count_nonzero(missing))
@@ -145,119 +148,119 @@ def _filled(grid: Grid) -> Grid:
         raise ScanError(f"{count} cells are missing ({count / missing.size:.1%}; {where})", "measure it again")
     gaps = _regions(missing)
     largest = int(np.bincount(gaps.ravel())[1:].max())
-    if largest > LARGEST_GAP:
+    if largest > MAX_GAP:
         k = int(np.argmax(np.bincount(gaps.ravel())[1:])) + 1
         where = positions(np.argwhere(gaps == k)[:1], grid)
-        raise ScanError(
-            f"{largest} missing cells are adjacent (from {where})", f"at most {LARGEST_GAP} are filled"
-        )
+        raise ScanError(f"{largest} missing cells are adjacent (from {where})", f"at most {MAX_GAP} are filled")
     depth = grid.depth
     while np.isnan(depth).any():
-        around = _neighbours(depth)
-        neighbours = np.maximum(np.sum(np.isfinite(around), axis=0), 1)
-        mean = np.where(np.isfinite(around).any(axis=0), np.nansum(around, axis=0) / neighbours, np.nan)
+        neighbours = _neighbours(depth)
+        counts = np.maximum(np.sum(np.isfinite(neighbours), axis=0), 1)
+        mean = np.where(np.isfinite(neighbours).any(axis=0), np.nansum(neighbours, axis=0) / counts, np.nan)
         depth = np.where(np.isnan(depth), mean, depth)
-    cells, whose = ("cells", "their") if count > 1 else ("cell", "its")
-    note = f"{count} missing {cells} filled from {whose} neighbours: {where}"
+    cells, possessive = ("cells", "their") if count > 1 else ("cell", "its")
+    note = f"{count} missing {cells} filled from {possessive} neighbours: {where}"
     return grid._replace(depth=depth, notes=(*grid.notes, note))
 
 
-def _regions(there: np.ndarray) -> np.ndarray:
+def _regions(mask: np.ndarray) -> np.ndarray:
     """Label connected regions from 1, including connections over corners; 0 elsewhere."""
     from scipy.ndimage import label
 
-    return np.asarray(label(there, structure=np.ones((3, 3)))[0])
+    return np.asarray(label(mask, structure=np.ones((3, 3)))[0])
 
 
-def _levelled(grid: Grid) -> Grid:
+def _level(grid: Grid) -> Grid:
     """Subtract a plane or cylinder fitted to the border; set the undamaged race to 0."""
     border = np.zeros(grid.depth.shape, dtype=bool)
     border[[0, -1], :] = border[:, [0, -1]] = True
     surface, deviation, remarks = _surroundings(grid, border)
     depth = grid.depth - surface
     defect, burr = float(depth.max()), -float(depth.min())
-    if max(defect, burr) <= max(NOISE * deviation, 1e-12):
+    if max(defect, burr) <= max(NOISE_LIMIT * deviation, 1e-12):
         raise ScanError(f"no defect exceeds the noise of the surrounding race ({_um(deviation)})")
     if burr > defect:
         message = f"it stands {_um(burr)} out of the race and goes {_um(max(defect, 0.0))} into it"
         raise ScanError(message, "if the values are heights, name the column `height`")
-    if NOISE * deviation > MAX_ROUGHNESS * defect:
+    if NOISE_LIMIT * deviation > MAX_ROUGHNESS * defect:
         message = (
             f"there is no even border: the outermost cells deviate by {_um(deviation)} (one standard deviation)"
         )
         raise ScanError(message, "include undamaged race on all sides, or remove the form first")
-    level = max(NOISE * deviation, 1e-9 * defect)
-    rough = np.abs(depth) > level
-    remarks += _reached(grid, rough)
-    regions = _regions(rough)
+    level = max(NOISE_LIMIT * deviation, 1e-9 * defect)
+    damaged = np.abs(depth) > level
+    remarks += _end_remarks(grid, damaged)
+    regions = _regions(damaged)
     size = np.bincount(regions.ravel())
-    kept = rough & (size[regions] >= SPECK)
-    if not kept.any():
+    defect_cells = damaged & (size[regions] >= MIN_REGION)
+    if not defect_cells.any():
         raise ScanError(f"no defect exceeds the noise of the surrounding race ({_um(deviation)})")
     if deviation > 0.0:
         remarks.append(f"surroundings even to {_um(deviation)}: what is within {_um(level)} of them is the race")
-    specks = int(regions.max()) - len(np.unique(regions[kept]))
+    specks = int(regions.max()) - len(np.unique(regions[defect_cells]))
     if specks:
-        remarks.append(f"{specks} speck{'s' * (specks > 1)} of less than {SPECK} cells taken for the race")
-    return grid._replace(depth=np.where(kept, depth, 0.0), notes=(*grid.notes, *remarks))
+        remarks.append(f"{specks} speck{'s' * (specks > 1)} of less than {MIN_REGION} cells taken for the race")
+    return grid._replace(depth=np.where(defect_cells, depth, 0.0), notes=(*grid.notes, *remarks))
 
 
 def _surroundings(grid: Grid, border: np.ndarray) -> tuple[np.ndarray, float, list[str]]:
     """Fit a surface to the border; return it, the standard deviation of the border from it, and remarks."""
     s, z = np.meshgrid(grid.s - grid.s.mean(), grid.z - grid.z.mean())
-    plane, bent = np.stack([np.ones_like(s), s, z]), np.stack([np.ones_like(s), s, z, s * s])
-    flat, deviation = _fitted(plane, grid.depth, border)
-    curved, closer = _fitted(bent, grid.depth, border)
+    plane, cylinder = np.stack([np.ones_like(s), s, z]), np.stack([np.ones_like(s), s, z, s * s])
+    coefficients, deviation = _fit(plane, grid.depth, border)
+    cylinder_coefficients, cylinder_deviation = _fit(cylinder, grid.depth, border)
     scale = np.array([1.0, np.ptp(grid.s), np.ptp(grid.z)])
     remarks, depth = [], float(np.ptp(grid.depth))
-    if 2.0 * closer < deviation and deviation > 1e-3 * depth:
-        remarks.append(f"curved by a radius of {1e3 / abs(2.0 * curved[3]):.4g} mm along s: taken off")
-        flat, plane, deviation = curved, bent, closer
-    shift, *tilt = flat[:3] * scale
+    if 2.0 * cylinder_deviation < deviation and deviation > 1e-3 * depth:
+        remarks.append(
+            f"curved by a radius of {1e3 / abs(2.0 * cylinder_coefficients[3]):.4g} mm along s: taken off"
+        )
+        coefficients, plane, deviation = cylinder_coefficients, cylinder, cylinder_deviation
+    shift, *tilt = coefficients[:3] * scale
     if max(abs(shift), *map(abs, tilt)) > max(deviation, 1e-3 * depth):
         remarks.append(
             f"levelled: offset {_um(shift)}, tilt {_um(tilt[0])} along s and {_um(tilt[1])} along z taken off"
         )
-    return np.tensordot(flat, plane, 1), deviation, remarks
+    return np.tensordot(coefficients, plane, 1), deviation, remarks
 
 
-def _fitted(terms: np.ndarray, depth: np.ndarray, border: np.ndarray) -> tuple[np.ndarray, float]:
+def _fit(terms: np.ndarray, depth: np.ndarray, border: np.ndarray) -> tuple[np.ndarray, float]:
     """Fit coefficients of ``terms`` (k, n_z, n_s) to the border without outliers; return them and the standard
     deviation (m).
     """
     A, p = terms[:, border].T, depth[border]
     scale = np.abs(A).max(axis=0)
-    kept = np.abs(p - np.median(p)) <= max(NOISE * _deviation(p), 1e-15)
+    inliers = np.abs(p - np.median(p)) <= max(NOISE_LIMIT * _deviation(p), 1e-15)
     coefficients = np.zeros(len(terms))
     for _ in range(20):
-        coefficients = np.linalg.lstsq(A[kept] / scale, p[kept], rcond=None)[0] / scale
-        off = p - A @ coefficients
-        kept = np.abs(off) <= max(NOISE * _deviation(off), 1e-15)
+        coefficients = np.linalg.lstsq(A[inliers] / scale, p[inliers], rcond=None)[0] / scale
+        residuals = p - A @ coefficients
+        inliers = np.abs(residuals) <= max(NOISE_LIMIT * _deviation(residuals), 1e-15)
     return coefficients, _deviation(p - A @ coefficients)
 
 
-def _reached(grid: Grid, rough: np.ndarray) -> list[str]:
+def _end_remarks(grid: Grid, damaged: np.ndarray) -> list[str]:
     """Return a remark if damage is cut at the ends of z. Raises ScanError for damage at the ends of s."""
-    sides = {"s": rough[:, [0, -1]], "z": rough[[0, -1], :].T}
+    sides = {"s": damaged[:, [0, -1]], "z": damaged[[0, -1], :].T}
     share = {axis: cells.mean(axis=0).max() for axis, cells in sides.items()}
     if share["s"] > DAMAGED_SHARE:
         message = f"there is no undamaged border: {share['s']:.0%} of a side along z lie off the surroundings"
         raise ScanError(message, "include undamaged race before and behind the defect")
-    if share["z"] > DAMAGED_SHARE or (share["z"] > 0.0 and _is_one_defect(rough)):
+    if share["z"] > DAMAGED_SHARE or (share["z"] > 0.0 and _touches_ends(damaged)):
         return ["the damage reaches the scan's end along z and is cut there"]
     return []
 
 
-def _is_one_defect(rough: np.ndarray) -> bool:
+def _touches_ends(damaged: np.ndarray) -> bool:
     """Check if the largest damaged region touches the first or last row."""
-    regions = _regions(rough)
+    regions = _regions(damaged)
     largest = int(np.argmax(np.bincount(regions.ravel())[1:])) + 1
     return bool(np.any(regions[[0, -1]] == largest))
 
 
-def _centred(grid: Grid) -> Grid:
+def _centre(grid: Grid) -> Grid:
     """Crop the grid to its damage, and move the origin to the centre of the damage."""
-    along, across = _reach(grid)
+    along, across = _extent(grid)
     s, z = float(np.mean(along)), float(np.mean(across))
     columns = (grid.s >= along[0]) & (grid.s <= along[1])
     rows = (grid.z >= across[0]) & (grid.z <= across[1])
@@ -266,14 +269,14 @@ def _centred(grid: Grid) -> Grid:
     return Grid(grid.s[columns] - s, grid.z[rows] - z, grid.depth[np.ix_(rows, columns)], notes)
 
 
-def _reach(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
+def _extent(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
     """Return the extent (m) of the damage along s and along z, including the first undamaged cells."""
     damaged = grid.depth != 0.0
     return _span(grid.s, damaged.any(axis=0)), _span(grid.z, damaged.any(axis=1))
 
 
-def _span(axis: np.ndarray, there: np.ndarray) -> np.ndarray:
-    k = np.flatnonzero(there)
+def _span(axis: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    k = np.flatnonzero(mask)
     return axis[[max(k[0] - 1, 0), min(k[-1] + 1, len(axis) - 1)]]
 
 

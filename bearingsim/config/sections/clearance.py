@@ -19,10 +19,10 @@ CLASSES: tuple[Class, ...] = get_args(Class)
 
 
 class _Row(NamedTuple):
-    """Limits (um) of each class for bores above `over` and up to `most` (mm), inclusive."""
+    """Limits (um) of each class for bores above `lower` and up to `upper` (mm), inclusive."""
 
-    over: float
-    most: float
+    lower: float
+    upper: float
     limits: tuple[tuple[float, float], ...]
 
 
@@ -51,7 +51,7 @@ _BALL = (
 _TABLES: dict[str, tuple[_Row, ...]] = {"roller": _ROLLER, "ball": _BALL}
 
 
-def limits(word: Class, element: str, bore: float) -> tuple[float, float]:
+def limits(clearance_class: Class, element: str, bore: float) -> tuple[float, float]:
     """Return the limits of clearance (m) of a class; `element` is `roller` or `ball`, `bore` in m.
 
     Raises ValueError, with the range of the table, for other bores.
@@ -59,16 +59,16 @@ def limits(word: Class, element: str, bore: float) -> tuple[float, float]:
     table = _TABLES[element]
     millimetres = 1e3 * bore
     for row in table:
-        if row.over < millimetres <= row.most * (1.0 + 1e-12):
-            low, high = row.limits[CLASSES.index(word)]
+        if row.lower < millimetres <= row.upper * (1.0 + 1e-12):
+            low, high = row.limits[CLASSES.index(clearance_class)]
             return 1e-6 * low, 1e-6 * high
-    span = f"over {table[0].over:g} to {table[-1].most:g} mm"
-    raise ValueError(f"class {word} is known for bores {span}, not for {millimetres:g} mm")
+    bores = f"over {table[0].lower:g} to {table[-1].upper:g} mm"
+    raise ValueError(f"class {clearance_class} is known for bores {bores}, not for {millimetres:g} mm")
 
 
-def middle(word: Class, element: str, bore: float) -> float:
+def mean_clearance(clearance_class: Class, element: str, bore: float) -> float:
     """Return the mean of a class's limits (m). Raises ValueError as ``limits`` does."""
-    low, high = limits(word, element, bore)
+    low, high = limits(clearance_class, element, bore)
     return round(0.5 * (low + high), 12)
 
 
@@ -77,23 +77,23 @@ class _ClearanceOrClass(Quantity):
     """Annotation of a clearance: a length, or a class. The section must define `bearing` before this field."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_before_validator_function(self._checked, handler(source))
+        return core_schema.with_info_before_validator_function(self._convert, handler(source))
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
         return or_words(super().__get_pydantic_json_schema__(schema, handler), *CLASSES)
 
-    def _checked(self, raw: Any, info: ValidationInfo) -> float:
+    def _convert(self, raw: Any, info: ValidationInfo) -> float:
         if not isinstance(raw, str) or not re.match(r"\s*[A-Za-z]", raw):
             return self(raw)
         if raw not in CLASSES:
             expected = f"expected a length such as `20 um`, or a class: {', '.join(CLASSES)}"
-            meant = raw.upper() if raw.upper() in CLASSES else None
-            refuse("word", f"{expected}; got `{raw}`", f"did you mean `{meant}`?" if meant else None)
+            suggested = raw.upper() if raw.upper() in CLASSES else None
+            refuse("word", f"{expected}; got `{raw}`", f"did you mean `{suggested}`?" if suggested else None)
         bearing = info.data.get("bearing")
         if bearing is None:  # invalid, and reported as such
             return 0.0
         try:
-            return middle(raw, bearing.element, bearing.bore)
+            return mean_clearance(raw, bearing.element, bearing.bore)
         except ValueError as error:
             refuse("bore", str(error), "give a length")
 

@@ -30,11 +30,11 @@ from bearingsim.config.fields import (
 from bearingsim.config.sections.laws import laws_of
 from bearingsim.core.laws.oil_viscosity import GRADES, MAX_CELSIUS, MIN_CELSIUS, ZERO_CELSIUS, iso_viscosity
 
-MOST_SLICES = 48  # with more, the model's own errors dominate
+MAX_SLICES = 48  # with more, the model's own errors dominate
 
 
-KNOWN_OILS = tuple(f"VG {grade}" for grade in GRADES)
-SPELLED_OIL = {
+OIL_GRADES = tuple(f"VG {grade}" for grade in GRADES)
+OIL_SCHEMA = {
     "type": ["string", "number"],
     "pattern": rf"^\s*([Ii][Ss][Oo])?\s*([Vv][Gg])?\s*({'|'.join(map(str, GRADES))})\s*$",
 }
@@ -42,11 +42,11 @@ SPELLED_OIL = {
 
 def _oil(raw: Any) -> str:
     """Normalise the spelling of an ISO grade: `VG 68`."""
-    word = str(raw).upper().replace("ISO", "").replace("VG", "").strip()
-    if not word.isdecimal() or int(word) not in GRADES:
-        listed = f"there are {', '.join(KNOWN_OILS)}"
-        refuse("word", f"expected an ISO grade such as `VG 68`, got {describe_value(raw)}", listed)
-    return f"VG {int(word)}"
+    grade = str(raw).upper().replace("ISO", "").replace("VG", "").strip()
+    if not grade.isdecimal() or int(grade) not in GRADES:
+        choices = f"there are {', '.join(OIL_GRADES)}"
+        refuse("word", f"expected an ISO grade such as `VG 68`, got {describe_value(raw)}", choices)
+    return f"VG {int(grade)}"
 
 
 class HuntCrossley(Section):
@@ -57,10 +57,10 @@ class HuntCrossley(Section):
     """Damping coefficient: the damping force is chi times the approach rate times the elastic force."""
 
 
-NEARLY_JUMPS = "the peak impact force depends on the damping law, whose force nearly jumps at first contact"
+JUMP_CAVEAT = "the peak impact force depends on the damping law, whose force nearly jumps at first contact"
 
 
-class _ByStiffness(Section):
+class _StiffnessProportional(Section):
     """Damping proportional to the tangent stiffness."""
 
     @property
@@ -74,10 +74,10 @@ class _ByStiffness(Section):
 
     def caveat(self, opens: bool) -> str:
         """Return a caveat on the results; ``opens``: contacts open and close again."""
-        return NEARLY_JUMPS if opens and self.damping_time > 0.0 else ""
+        return JUMP_CAVEAT if opens and self.damping_time > 0.0 else ""
 
 
-class Kraemer(_ByStiffness):
+class Kraemer(_StiffnessProportional):
     """Damping equal to `beta` (s) times the tangent stiffness."""
 
     law: Literal["kraemer"] = "kraemer"
@@ -90,7 +90,7 @@ class Kraemer(_ByStiffness):
         return self.beta
 
 
-class Undamped(_ByStiffness):
+class Undamped(_StiffnessProportional):
     """Purely elastic contact, as `kraemer` with `beta` = 0."""
 
     law: Literal["none"] = "none"
@@ -110,7 +110,7 @@ class Film(Section):
     law: Literal["film"] = "film"
     viscosity: Viscosity | None = None
     """Dynamic viscosity of the oil at the inlet of the contact; instead of `oil` and `temperature`."""
-    oil: Annotated[str, FileFormat(_oil, lambda _: or_words(SPELLED_OIL, *KNOWN_OILS))] | None = None
+    oil: Annotated[str, FileFormat(_oil, lambda _: or_words(OIL_SCHEMA, *OIL_GRADES))] | None = None
     """ISO viscosity grade of the oil, such as `VG 68`; needs `temperature`."""
     temperature: Temperature | None = None
     """Temperature of the oil at the inlet of the contact."""
@@ -126,7 +126,7 @@ class Film(Section):
     of_one_speed: ClassVar[bool] = True
 
     @model_validator(mode="after")
-    def _knows_its_oil(self) -> "Film":
+    def _check_oil(self) -> "Film":
         if self.viscosity is not None:
             for name in ("oil", "temperature"):
                 if getattr(self, name) is not None:
@@ -164,7 +164,7 @@ class Film(Section):
         return iso_viscosity(int(str(self.oil).split()[1]), float(self.temperature or 0.0) - ZERO_CELSIUS)
 
 
-class LossFactor(_ByStiffness):
+class LossFactor(_StiffnessProportional):
     """Hysteretic damping with a constant loss factor, c = `loss_factor` k / (2 pi `frequency`)."""
 
     law: Literal["loss-factor"] = "loss-factor"
@@ -213,26 +213,26 @@ class Constant(Section):
 DAMPING = laws_of("damping", default="kraemer")
 STIFFNESS = laws_of("stiffness", default="constant")
 
-WORD = "word"
+WORD_TAG = "word"
 """Tag of stiffness laws without parameters."""
 
-WORDS = tuple(word for word in STIFFNESS.words if word not in STIFFNESS.sections)
+WORD_LAWS = tuple(word for word in STIFFNESS.words if word not in STIFFNESS.sections)
 """Stiffness laws without parameters."""
 
-KNOWN = (*WORDS, *STIFFNESS.sections)
+STIFFNESS_LAWS = (*WORD_LAWS, *STIFFNESS.sections)
 
 
 def _stiffness(raw: Any) -> Any:
     """Convert a law without parameters to a word, any other law to a mapping."""
     law = STIFFNESS.tag(raw) if isinstance(raw, dict) else getattr(raw, "law", raw)
-    if law not in KNOWN:
-        raise_unknown_word(law, KNOWN)
-    if law in WORDS and isinstance(raw, dict):
-        others = [key for key in raw if key != "law"]
-        if others:
-            refuse("unknown", f"the law `{law}` has no parameters", f"leave out {', '.join(others)}")
+    if law not in STIFFNESS_LAWS:
+        raise_unknown_word(law, STIFFNESS_LAWS)
+    if law in WORD_LAWS and isinstance(raw, dict):
+        parameters = [key for key in raw if key != "law"]
+        if parameters:
+            refuse("unknown", f"the law `{law}` has no parameters", f"leave out {', '.join(parameters)}")
         return law
-    if isinstance(raw, str) and law not in WORDS:
+    if isinstance(raw, str) and law not in WORD_LAWS:
         if law in STIFFNESS.words:
             return {"law": law}
         refuse("missing", f"the law `{law}` needs parameters", "{law: constant, coefficient: 3e5, exponent: 1.1}")
@@ -240,7 +240,7 @@ def _stiffness(raw: Any) -> Any:
 
 
 def _stiffness_tag(raw: Any) -> Any:
-    return WORD if isinstance(raw, str) else STIFFNESS.tag(raw)
+    return WORD_TAG if isinstance(raw, str) else STIFFNESS.tag(raw)
 
 
 if TYPE_CHECKING:
@@ -249,9 +249,9 @@ if TYPE_CHECKING:
 else:
     Damping = DAMPING.field()
     Stiffness = Annotated[
-        Annotated[Literal[WORDS], Tag(WORD)] | STIFFNESS.union(),
+        Annotated[Literal[WORD_LAWS], Tag(WORD_TAG)] | STIFFNESS.union(),
         Discriminator(_stiffness_tag),
-        FileFormat(_stiffness, lambda own: or_words(own, *WORDS, *STIFFNESS.words)),
+        FileFormat(_stiffness, lambda own: or_words(own, *WORD_LAWS, *STIFFNESS.words)),
     ]
 
 
@@ -268,7 +268,7 @@ class Contact(Section):
     """
     length_nodes: Annotated[int, integer(1, 64)] = 24
     """Integration points along a roller for defects whose width varies along it."""
-    slices: Annotated[int, integer(1, MOST_SLICES)] = 24
+    slices: Annotated[int, integer(1, MAX_SLICES)] = 24
     """Minimum number of slices of a roller (model `spatial`)."""
 
     @property

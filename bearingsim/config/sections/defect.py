@@ -57,7 +57,7 @@ EDGE_RADIUS = 20e-6
 """m; default edge radius for `elastic-edge`, an assumption."""
 
 SIZES = ("length", "width", "depth")
-SAME_SIZE = 1e-6  # relative tolerance: machines differ in the last digits of a levelled scan
+SIZE_TOLERANCE = 1e-6  # relative tolerance: machines differ in the last digits of a levelled scan
 _SHAPE_FIELDS = {"grown": "spall", "seed": "spall", "file": "scan", "digest": "scan"}
 
 
@@ -70,7 +70,7 @@ class Edge(Section):
     """Length of sloped edges in the rolling direction."""
 
     @model_validator(mode="after")
-    def _one(self) -> "Edge":
+    def _check_edge(self) -> "Edge":
         if (self.radius is None) == (self.ramp is None):
             refuse("edge", "expected either `radius` or `ramp`", "as in `edge: {radius: 20 um}`")
         return self
@@ -114,7 +114,7 @@ class Defect(Section):
     def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
         schema = handler(core)
         keys = handler.resolve_ref_schema(schema)["properties"]
-        keys |= {name: or_words(keys[name], "none") for name in _MAY_BE_NONE if name != "edge"}
+        keys |= {name: or_words(keys[name], "none") for name in _OPTIONAL_FIELDS if name != "edge"}
         del keys["digest"]  # not for users to set
         return schema
 
@@ -125,12 +125,12 @@ class Defect(Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _measured(cls, data: Any) -> Any:
+    def _read_scan(cls, data: Any) -> Any:
         """Add the sizes of a scan's file; remove fields set to `none`, by which a sweep omits them."""
         if not isinstance(data, dict):
             return data
         fields = {
-            key: value for key, value in data.items() if key not in _MAY_BE_NONE or value not in ("none", None)
+            key: value for key, value in data.items() if key not in _OPTIONAL_FIELDS or value not in ("none", None)
         }
         return _with_scan(fields) if fields.get("shape") == "scan" else fields
 
@@ -149,7 +149,7 @@ class Defect(Section):
         return self
 
 
-_MAY_BE_NONE = (*SIZES, *_SHAPE_FIELDS, "edge")
+_OPTIONAL_FIELDS = (*SIZES, *_SHAPE_FIELDS, "edge")
 
 
 def _with_scan(fields: dict[str, Any]) -> dict[str, Any]:
@@ -164,14 +164,14 @@ def _with_scan(fields: dict[str, Any]) -> dict[str, Any]:
     from bearingsim.config.scan.repair import read_scan
 
     present = [name for name in (*SIZES, "digest") if name in fields]
-    made = len(present) == len(SIZES) + 1 and all(isinstance(fields[name], int | float) for name in SIZES)
-    if present and not made:
+    is_validated = len(present) == len(SIZES) + 1 and all(isinstance(fields[name], int | float) for name in SIZES)
+    if present and not is_validated:
         refuse("foreign", f"a scan's {present[0]} comes from its file", "leave it out", at=present[0])
     try:
         scan = read_scan(fields["file"])
     except ScanError as error:
         refuse("scan", error.message, error.hint, at="file")
-    if made:
+    if is_validated:
         _check_unchanged(fields, scan.digest, scan.sizes)
     return fields | dict(zip(SIZES, scan.sizes, strict=True)) | {"digest": scan.digest}
 
@@ -181,5 +181,5 @@ def _check_unchanged(fields: dict[str, Any], digest: str, sizes: tuple[float, ..
     if fields["digest"] != digest:
         refuse("changed", f"`{fields['file']}` has changed since", "make the case anew", at="file")
     for name, size in zip(SIZES, sizes, strict=True):
-        if not isclose(fields[name], size, rel_tol=SAME_SIZE):
+        if not isclose(fields[name], size, rel_tol=SIZE_TOLERANCE):
             refuse("foreign", f"a scan's {name} comes from its file", "leave it out", at=name)

@@ -55,7 +55,7 @@ class _Curve(Section):
     """Sliding speed from which the friction coefficient is `dynamic`."""
 
     @model_validator(mode="after")
-    def _falls(self) -> "_Curve":
+    def _check_curve(self) -> "_Curve":
         if self.dynamic > self.static:
             refuse("curve", f"dynamic friction ({self.dynamic:g}) is above static ({self.static:g})", at="dynamic")
         if self.dynamic_speed <= self.static_speed:
@@ -132,7 +132,7 @@ class Cage(Section):
     """Total axial gap of a roller in its pocket (model `spatial`)."""
 
     @model_validator(mode="after")
-    def _resolved(self) -> "Cage":
+    def _fill_clearance(self) -> "Cage":
         if self.radial_pocket_clearance is None:
             object.__setattr__(self, "radial_pocket_clearance", self.pocket_clearance)
         return self

@@ -25,14 +25,14 @@ class Laws:
         """Return the law of a value."""
         if not isinstance(raw, dict):
             return getattr(raw, "law", None)
-        return raw["law"] if "law" in raw else self.told_by(raw)
+        return raw["law"] if "law" in raw else self.match_law(raw)
 
-    def told_by(self, keys: Iterable[str]) -> str:
+    def match_law(self, keys: Iterable[str]) -> str:
         """Return the only law that has all these keys, else the default."""
-        fitting = [law for law, section in self.sections.items() if section.model_fields.keys() >= set(keys)]
-        return fitting[0] if len(fitting) == 1 else self.default
+        matches = [law for law, section in self.sections.items() if section.model_fields.keys() >= set(keys)]
+        return matches[0] if len(matches) == 1 else self.default
 
-    def spelled(self, raw: Any) -> Any:
+    def as_mapping(self, raw: Any) -> Any:
         """Convert a word to a mapping. Unknown laws are rejected."""
         mapping = {"law": raw} if isinstance(raw, str) else raw
         law = self.tag(mapping)
@@ -43,21 +43,23 @@ class Laws:
     def field(self) -> Any:
         """Return the type of a field that accepts one of the laws."""
         return Annotated[
-            self.union(), Discriminator(self.tag), FileFormat(self.spelled, lambda own: or_words(own, *self.words))
+            self.union(),
+            Discriminator(self.tag),
+            FileFormat(self.as_mapping, lambda schema: or_words(schema, *self.words)),
         ]
 
     def union(self) -> Any:
         """Return the union of the sections, tagged by their laws."""
-        tagged = (Annotated[section, Tag(law)] for law, section in self.sections.items())
-        return Union[tuple(tagged)]  # noqa: UP007 (made at run time)
+        members = (Annotated[section, Tag(law)] for law, section in self.sections.items())
+        return Union[tuple(members)]  # noqa: UP007 (made at run time)
 
 
-def laws_of(what: str, default: str) -> Laws:
-    """Load the laws of ``what`` (`stiffness`, `damping`, `friction`) from the catalogue.
+def laws_of(kind: str, default: str) -> Laws:
+    """Load the laws of ``kind`` (`stiffness`, `damping`, `friction`) from the catalogue.
 
     default: law of an ambiguous mapping.
     """
-    entries = catalogue.LAWS[what].values()
+    entries = catalogue.LAWS[kind].values()
     sections = {law.name: section for law in entries if law.section and (section := _section(law.section))}
     return Laws(sections, default, tuple(law.name for law in entries if law.bare))
 
@@ -67,11 +69,11 @@ def _section(reference: str) -> type[Section] | None:
     try:
         section: type[Section] = catalogue.code(reference, type)
     except extensions.BrokenExtension as error:
-        why = str(error)
+        message = str(error)
     else:
         if issubclass(section, Section):
             return section
         owner = extensions.owner(reference)
-        why = f"`{reference}` of the extension `{owner}` is no Section of bearingsim.config.fields"
-    extensions.leave_out(extensions.owner(reference), why)
+        message = f"`{reference}` of the extension `{owner}` is no Section of bearingsim.config.fields"
+    extensions.leave_out(extensions.owner(reference), message)
     return None

@@ -38,11 +38,11 @@ _GROOVES = ("inner_groove_radius", "outer_groove_radius")
 _ELEMENT_FIELDS = {"roller_length": "roller"} | dict.fromkeys(_GROOVES, "ball")
 
 
-def named(kind: Kind) -> FileFormat:
+def library_section(kind: Kind) -> FileFormat:
     """Return the annotation of a section that may be given by name or path."""
     return FileFormat(
         lambda source: load_mapping(kind, source),
-        lambda own: {"anyOf": [{"type": ["string", "number"], "examples": library_names(kind)}, own]},
+        lambda schema: {"anyOf": [{"type": ["string", "number"], "examples": library_names(kind)}, schema]},
     )
 
 
@@ -94,7 +94,7 @@ class Bearing(Section):
     """Profile of the rollers: `straight`, `crowned` or `logarithmic` (model `spatial`)."""
     flanges: Flanges | None = None
     """Flanges that guide the rollers axially (model `spatial`)."""
-    material: Annotated[Material, named("materials")] = Field(default_factory=_steel)
+    material: Annotated[Material, library_section("materials")] = Field(default_factory=_steel)
     """Material of rings and rolling elements: a name in configs/materials, a file, or a mapping."""
     source: Text = ""
     """Source of the dimensions, for users."""
@@ -127,7 +127,7 @@ class Bearing(Section):
         return ball_pass_frequency_outer(speed, self.roller_diameter, self.pitch_diameter, self.rollers)
 
     @model_validator(mode="after")
-    def _has_its_elements(self) -> "Bearing":
+    def _check_elements(self) -> "Bearing":
         for name, element in _ELEMENT_FIELDS.items():
             if getattr(self, name) is not None and element != self.element:
                 refuse("foreign", f"a {self.element} bearing has none", "leave it out", at=name)
@@ -140,11 +140,11 @@ class Bearing(Section):
     def _check_groove(self, name: str) -> None:
         ball = self.roller_diameter / 2.0
         if not ball < getattr(self, name) <= 2.0 * ball:
-            radius, least, most = (show(value, "mm") for value in (getattr(self, name), ball, 2.0 * ball))
-            refuse("groove", f"a groove of {radius} does not fit the ball (over {least}, at most {most})", at=name)
+            radius, low, high = (show(value, "mm") for value in (getattr(self, name), ball, 2.0 * ball))
+            refuse("groove", f"a groove of {radius} does not fit the ball (over {low}, at most {high})", at=name)
 
     @model_validator(mode="after")
-    def _fits(self) -> "Bearing":
+    def _check_fit(self) -> "Bearing":
         pitch, roller = self.pitch_diameter, self.roller_diameter
         _check_circle(self)
         if pitch + roller >= self.outside_diameter:
@@ -167,7 +167,7 @@ class RollingParts(Section):
     contact_angle: ContactAngle = 0.0
 
     @model_validator(mode="after")
-    def _fits(self) -> "RollingParts":
+    def _check_fit(self) -> "RollingParts":
         _check_circle(self)
         return self
 
@@ -176,8 +176,8 @@ def _check_circle(bearing: Bearing | RollingParts) -> None:
     """Reject rolling elements that do not fit on the pitch circle."""
     pitch, roller = bearing.pitch_diameter, bearing.roller_diameter
     if roller >= pitch * math.sin(math.pi / bearing.rollers):
-        most = int(math.pi / math.asin(min(roller / pitch, 1.0)))
-        refuse("crowded", f"{bearing.rollers} rollers do not fit: at most {most}", at="rollers")
+        limit = int(math.pi / math.asin(min(roller / pitch, 1.0)))
+        refuse("crowded", f"{bearing.rollers} rollers do not fit: at most {limit}", at="rollers")
 
 
 class Rig(Section):
@@ -218,7 +218,7 @@ class Rig(Section):
     """Source of the data, for users."""
 
     @model_validator(mode="after")
-    def _whole(self) -> "Rig":
+    def _unify_sensor(self) -> "Rig":
         """Unify the two angles of the sensor; remove ring and load if the ring does not bend."""
         angle = self.sensor_angle if self.sensor.angle is None else self.sensor.angle
         if "sensor_angle" in self.model_fields_set and angle != self.sensor_angle:

@@ -22,7 +22,7 @@ from bearingsim.config.fields import (
 
 MAX_HARMONICS = 100
 LoadPath = Literal["point", "pads", "points", "housing"]
-CARRIED: tuple[LoadPath, ...] = ("points", "housing")
+CARRIER_PATHS: tuple[LoadPath, ...] = ("points", "housing")
 """Load paths with springs between the ring and a rigid carrier; load and bracket act on the carrier."""
 
 KEYS: dict[LoadPath, tuple[str, ...]] = {
@@ -34,20 +34,20 @@ KEYS: dict[LoadPath, tuple[str, ...]] = {
 """Keys of each load path besides `by`; the first is required."""
 
 
-class Mapped(Section):
+class MappingSection(Section):
     """Section that must be a mapping; the error for any other value shows an example."""
 
     example: ClassVar[str]
 
     @model_validator(mode="before")
     @classmethod
-    def _is_a_mapping(cls, raw: Any) -> Any:
+    def _check_mapping(cls, raw: Any) -> Any:
         if isinstance(raw, dict | cls):
             return raw
         return refuse("mapping", f"expected a mapping such as `{cls.example}`, got {describe_value(raw)}")
 
 
-class RingSection(Mapped):
+class RingSection(MappingSection):
     """Cross-section of the outer ring."""
 
     example = "{height: 6.5 mm, width: 23 mm}"
@@ -57,7 +57,7 @@ class RingSection(Mapped):
     """Axial width of the cross-section."""
 
 
-class FlexibleRing(Mapped):
+class FlexibleRing(MappingSection):
     """Flexible outer ring."""
 
     example = "{bends: true}"
@@ -71,7 +71,7 @@ class FlexibleRing(Mapped):
     """Cross-section of the ring. Default: from the dimensions of the bearing."""
 
 
-class SupportPoint(Mapped):
+class SupportPoint(MappingSection):
     """Spring between ring and carrier."""
 
     example = "{angle: 0 deg, stiffness: 1e8 N/m}"
@@ -81,7 +81,7 @@ class SupportPoint(Mapped):
     """Radial stiffness of the spring."""
 
 
-class RingLoad(Mapped):
+class RingLoad(MappingSection):
     """Load path into a flexible ring. Springs transmit compression only, to a rigid carrier."""
 
     example = "{by: housing, stiffness: 1e10 N/m/m}"
@@ -103,23 +103,23 @@ class RingLoad(Mapped):
     @property
     def carried(self) -> bool:
         """True if springs connect the ring to a carrier."""
-        return self.by in CARRIED
+        return self.by in CARRIER_PATHS
 
     @model_validator(mode="after")
-    def _told_what_it_needs(self) -> "RingLoad":
+    def _check_keys(self) -> "RingLoad":
         for name in ("angles", "at", "stiffness", "fit", "mass"):
             if getattr(self, name) is not None and name not in KEYS[self.by]:
-                of = next(by for by, keys in KEYS.items() if name in keys)
-                refuse("load", f"`by: {self.by}` has none", f"leave it out, or use `by: {of}`", at=name)
-        needed = KEYS[self.by][:1]
-        if needed and not getattr(self, needed[0]):
+                path = next(by for by, keys in KEYS.items() if name in keys)
+                refuse("load", f"`by: {self.by}` has none", f"leave it out, or use `by: {path}`", at=name)
+        required = KEYS[self.by][:1]
+        if required and not getattr(self, required[0]):
             example = {"angles": "[-45 deg, 45 deg]", "at": "[{angle: 0 deg, stiffness: 1e8 N/m}]"}
-            shown = example.get(needed[0], "1e10 N/m/m")
-            refuse("load", f"`by: {self.by}` needs `{needed[0]}`", f"use `{needed[0]}: {shown}`", at="by")
+            value = example.get(required[0], "1e10 N/m/m")
+            refuse("load", f"`by: {self.by}` needs `{required[0]}`", f"use `{required[0]}: {value}`", at="by")
         return self
 
 
-class Sensor(Mapped):
+class Sensor(MappingSection):
     """Position of the sensor, and its outward direction (rad, from the load line)."""
 
     example = "{on: ring, angle: 0 deg}"

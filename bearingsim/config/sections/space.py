@@ -21,7 +21,7 @@ from bearingsim.config.fields import (
 ProfileShape = Literal["straight", "crowned", "logarithmic"]
 
 
-def _spelled(raw: Any) -> Any:
+def _as_mapping(raw: Any) -> Any:
     """Convert a word to the mapping of a shape without parameters."""
     return {"shape": raw} if isinstance(raw, str) else raw
 
@@ -41,7 +41,7 @@ class Profile(Section):
     """Length of the straight middle part of a `crowned` roller. Default: 0."""
 
     @model_validator(mode="after")
-    def _has_its_numbers(self) -> "Profile":
+    def _check_parameters(self) -> "Profile":
         if self.shape == "crowned" and self.drop is None:
             refuse("missing", "a crowned profile needs `drop`, a length such as `5 um`", at="drop")
         for name in ("drop", "straight_length"):
@@ -50,9 +50,9 @@ class Profile(Section):
         return self
 
 
-BARE = ("straight", "logarithmic")
+WORD_SHAPES = ("straight", "logarithmic")
 """Shapes without parameters."""
-RollerProfile = Annotated[Profile, FileFormat(_spelled, lambda own: or_words(own, *BARE))]
+RollerProfile = Annotated[Profile, FileFormat(_as_mapping, lambda own: or_words(own, *WORD_SHAPES))]
 
 
 class Flanges(Section):
