@@ -76,7 +76,7 @@ class CaseFields(Section):
     bearing: Annotated[Bearing, library_section("bearings")]
     """Bearing: a name of the catalogue, a file, or a mapping."""
     rig: Annotated[Rig, library_section("rigs")] = Field(default_factory=default_rig)
-    """Support of the outer ring and sensor: a name in configs/rigs, a file, or a mapping."""
+    """Support of the outer ring and sensor: a name in configs/rigs, a file, or a mapping. Default: `bvt5`."""
     speed: Annotated[Rotation, BeforeValidator(_check_speed)]
     """Rotation speed of the inner ring."""
     ramp: Annotated[free.Ramp | None, OPTIONAL] = None

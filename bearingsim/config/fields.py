@@ -66,13 +66,14 @@ class Quantity:
             refuse("bound", f"expected {EXPECTED[self.dimension]}, got {describe_value(raw)}", hint)
         if value <= self.above or value < self.minimum or value > self.maximum:
             description, example = EXPECTED[self.dimension].split(" such as ")
-            expected = f"{description} {self._bound()}" + (
+            expected = f"{description} {self.bound_text()}" + (
                 f", such as {example}" if self.maximum == math.inf else ""
             )
             refuse("bound", f"expected {expected}, got {describe_value(raw)}")
         return value
 
-    def _bound(self) -> str:
+    def bound_text(self) -> str:
+        """Describe the bounds of a value, such as `above zero`."""
         if self.maximum < math.inf:
             return (
                 f"above {self.above:g} and at most {self.maximum:g}"

@@ -95,7 +95,7 @@ class Bearing(Section):
     flanges: Flanges | None = None
     """Flanges that guide the rollers axially (model `spatial`)."""
     material: Annotated[Material, library_section("materials")] = Field(default_factory=_steel)
-    """Material of rings and rolling elements: a name in configs/materials, a file, or a mapping."""
+    """Material of rings and rolling elements: a name, a file, or a mapping. Default: `steel`."""
     source: Text = ""
     """Source of the dimensions, for users."""
 
