@@ -23,7 +23,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo paper_figures test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability docs docs-reference lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants $(CAMPAIGNS)
+.PHONY: help install install-dev demo paper_figures test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability docs docs-reference docs-words lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants $(CAMPAIGNS)
 
 help:
 	@sed -n '1,8s/^# //p' Makefile
@@ -132,6 +132,10 @@ docs: install-dev
 # the pages of docs/reference, written from the program
 docs-reference: install-dev
 	$(BIN)/python -m docs.scripts.reference
+
+# words of reading pages by page, apart from evidence and generated pages: a report, no test
+docs-words: install-dev
+	@$(BIN)/python -m docs.scripts.words
 
 check: lint test
 

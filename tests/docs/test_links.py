@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-import yaml
 from pymdownx.slugs import slugify
 
+from docs.scripts.navigation import DOCS, navigation
 from tests.conftest import ROOT
 
-DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 TOP_PAGES = sorted(ROOT.glob("*.md"))
 CODE = re.compile(r"^(```+).*?^\1$|^(~~~+).*?^\2$|(`+).+?\3", re.MULTILINE | re.DOTALL)
@@ -92,22 +91,6 @@ def test_anchors_of_the_site_are_those_of_github() -> None:
     assert [text for text in plain if slug(text, "-") != anchor(text)] == []
 
 
-class _Loader(yaml.SafeLoader):
-    """Loader of mkdocs.yml, which names a Python function."""
-
-
-_Loader.add_multi_constructor("tag:yaml.org,2002:python/", lambda loader, suffix, node: suffix)
-
-
 def test_navigation_has_each_page_once() -> None:
-    config = yaml.load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"), _Loader)
-    listed = [page for section in config["nav"] for page in _pages(section)]
+    listed = [page for pages in navigation().values() for page in pages]
     assert Counter(listed) == Counter(str(page.relative_to(DOCS)) for page in PAGES)
-
-
-def _pages(entry: object) -> list[str]:
-    """List the pages below an entry of the navigation."""
-    if isinstance(entry, str):
-        return [entry]
-    inner = entry.values() if isinstance(entry, dict) else entry
-    return [page for item in inner for page in _pages(item)]  # type: ignore[attr-defined]
