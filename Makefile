@@ -229,4 +229,4 @@ lock: install-dev
 	$(LOCK) --resolution lowest-direct --group build --group tests pyproject.toml -o requirements-lowest.lock
 
 clean:
-	rm -rf build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis .cache
