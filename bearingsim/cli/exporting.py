@@ -17,12 +17,14 @@ if TYPE_CHECKING:
 
 
 def features(results: "Results", path: Path | None, file_format: str | None, force: bool) -> Path:
-    """Write the table of jobs (swept values and features in SI) to csv or parquet; return the file.
+    """Write the table of jobs to csv or parquet; return the file.
+
+    Values are in SI; csv has heads with units, and swept speeds in the unit of the study.
 
     force: replace an existing file. Raises UserError for an existing file without it.
     """
     writers: dict[str, Callable[[pd.DataFrame], bytes]] = {
-        "csv": lambda table: csv_text(table).encode(),
+        "csv": lambda table: csv_text(_with_units(table, results.plan["units"])).encode(),
         "parquet": _parquet,
     }
     target = path or Path(f"{results.plan['study']}-features.{file_format or 'csv'}")
@@ -92,6 +94,19 @@ def _suffix(path: Path, formats: tuple[str, ...]) -> str:
     if not path.parent.is_dir():
         raise UserError(f"{path}: there is no folder {path.parent}")
     return suffix
+
+
+def _with_units(table: "pd.DataFrame", units: Mapping[str, str]) -> "pd.DataFrame":
+    """Add units to the heads, and convert swept speeds from rad/s to the unit of the study."""
+    from bearingsim.plots import labels
+
+    heads, converted = {}, table.copy(deep=False)
+    for name in map(str, table):
+        unit = labels.table_unit(name, units)
+        if name in units and unit and table[name].dtype.kind == "f":
+            converted[name] = [labels.shown(name, value, unit) for value in table[name]]
+        heads[name] = f"{name} ({unit})" if unit else name
+    return converted.rename(columns=heads)
 
 
 def _parquet(table: "pd.DataFrame") -> bytes:

@@ -95,6 +95,7 @@ def show(
         bool, typer.Option("--assumptions", help="list the assumptions that the study does not vary")
     ] = False,
     columns: Annotated[list[str] | None, typer.Option(metavar="NAME", help="column to print; repeatable")] = None,
+    every: Annotated[bool, typer.Option("--all", help="print all usual columns, also beyond 80 letters")] = False,
     as_json: Json = False,
 ) -> None:
     """Print a table of the jobs with swept parameters, status and features."""
@@ -106,7 +107,7 @@ def show(
     elif failed and not as_json:
         tables.show_failures(study_results.path)
     else:
-        tables.show_jobs(study_results, columns or [], failed, as_json)
+        tables.show_jobs(study_results, columns or [], failed, as_json, every)
 
 
 @reads_results

@@ -3,6 +3,7 @@
 import json
 import math
 import re
+import textwrap
 from collections.abc import Mapping, Sequence
 from itertools import islice
 from pathlib import Path
@@ -21,21 +22,35 @@ if TYPE_CHECKING:
 
 Column = tuple[str, list[str]]  # heading and cells
 STATISTICS = ("velocity.rms", "outer_force.max")
+DEFAULT_WIDTH = 80
+"""Largest width (letters) of a table without a terminal; more needs `--all` or `--columns`."""
 MAX_ROWS = 1000
 """Largest number of printed rows; 100 000 rows take minutes."""
 STEP_CHECK = ("step_error.line", "step_error.rms", "step_error.record", "chaotic")
 
 
-def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json: bool) -> None:
-    """Print a row per job; columns: replace the usual ones. As JSON: all columns, in SI."""
+def show_jobs(
+    results: "Results", columns: Sequence[str], failed: bool, as_json: bool, every: bool = False
+) -> None:
+    """Print a row per job, as wide as the terminal or 80 letters. As JSON: all columns, in SI.
+
+    columns: replace the usual ones, at any width. every: all usual columns, at any width in a pipe.
+    """
     from bearingsim.runner.promises import withdrawals
     from bearingsim.store import job_frame
 
     table = results.table()
     rows = table[table["status"] == "failed"] if failed else table
     swept = list(results.plan["units"])
-    features = default_features(results, table)
-    names = list(columns) or [*swept, *features, "status", "seconds"]
+    if every:
+        features = default_features(results, table)
+        usual_names = [*swept, *features, "status", "seconds"]
+    else:
+        features, errors = _main_features(results, table), _error_columns(results, table)
+        usual_names = [*swept, *features, "status", *errors]
+        features = [*features, *errors]
+    names = list(columns) or usual_names
+    width = None if columns else terminal_width() or (None if every else DEFAULT_WIDTH)
     _check_columns(names, [str(name) for name in table])
     if as_json:
         json_rows = rows[["job", *names]] if columns else rows
@@ -46,27 +61,57 @@ def show_jobs(results: "Results", columns: Sequence[str], failed: bool, as_json:
         ("job", [job[:8] for job in printed_rows["job"]]),
         *(_column(results, printed_rows, name) for name in names),
     ]
-    printed_columns = (
-        all_columns if columns else _fit_terminal(all_columns, [name in features for name in ["job", *names]])
-    )
+    printed_columns = _fit(all_columns, [name in features for name in ["job", *names]], width)
     print_table(
         [head for head, _ in printed_columns], list(zip(*(cells for _, cells in printed_columns), strict=True))
     )
     if len(printed_rows) < len(rows):
-        say(f"and {len(rows) - len(printed_rows)} more jobs in results.csv (or use `--json`)")
-    say(_status_counts(table) + _variation_text(results))
+        _say(f"and {len(rows) - len(printed_rows)} more jobs in results.csv (or use `--json`)", width)
+    _say(_status_counts(table) + _variation_text(results), width)
     for text in withdrawals(results.plan, job_frame(results.path)):
-        say(text)
+        _say(text, width)
     info = results.info().reindex(table["job"])
     choice_notes = (results.plan.get("accuracy") or {}).get("notes", ())
     assumptions = results.plan.get("assumptions", ())
     for text in (*choice_notes, *periodicity_notes(info), *assumptions, *damping.result_remarks(info)):
-        say(text)
+        _say(text, width)
     if len(printed_columns) < len(all_columns):
         printed_heads = {_stack_heading(head) for head, _ in printed_columns}
         hidden = ", ".join(head for head, _ in all_columns if _stack_heading(head) not in printed_heads)
         count = len(all_columns) - len(printed_columns)
-        say(f"{count} columns too wide for the terminal: {hidden} (`--columns NAME`, `--json` or a pipe)")
+        remedy = "`--columns NAME` or `--json`" if every else "`--all`, `--columns NAME` or `--json`"
+        _say(f"{count} columns do not fit {width} letters: {hidden} ({remedy})", width)
+
+
+def _say(text: str, width: int | None) -> None:
+    """Print a text, broken between words into lines of a width."""
+    lines = (
+        text.splitlines()
+        if width is None
+        else [
+            part
+            for line in text.splitlines()
+            for part in textwrap.wrap(line, width, break_long_words=False, break_on_hyphens=False)
+        ]
+    )
+    say("\n".join(lines))
+
+
+def _main_features(results: "Results", table: "pd.DataFrame") -> list[str]:
+    """List the features with a value that the figures of the study name, else the default ones without errors."""
+    from bearingsim.study import stored_figure
+
+    names = dict.fromkeys(name for figure in results.plan["figures"] for name in stored_figure(figure).features)
+    features = [name for name in names if name in table and table[name].notna().any()]
+    return features or [name for name in default_features(results, table) if not name.startswith("error.")]
+
+
+def _error_columns(results: "Results", table: "pd.DataFrame") -> list[str]:
+    """List the error columns with a value, the total first; none for a study without an accuracy."""
+    if not results.plan.get("accuracy"):
+        return []
+    names = ["error", *(name for name in map(str, table) if name.startswith("error."))]
+    return [name for name in names if name in table and table[name].notna().any()]
 
 
 EXAMPLE_VALUES = {"clearance": "0 um, 10 um", "bracket": "0.5, 2"}
@@ -115,21 +160,21 @@ def default_features(results: "Results", table: "pd.DataFrame") -> list[str]:
     return [name for name in columns if name != "chaotic" or (table[name] > 0.0).any()]
 
 
-def _fit_terminal(columns: list[Column], features: Sequence[bool]) -> list[Column]:
-    """Select the columns that fit into the terminal: stack the headings, then drop features from the right."""
-    if _fits(columns):
+def _fit(columns: list[Column], features: Sequence[bool], width: int | None) -> list[Column]:
+    """Select the columns that fit a width (None: any): stack the headings, then drop features from the right."""
+    if _fits(columns, width):
         return columns
     stacked = [(_stack_heading(head), cells) for head, cells in columns]
     for column, feature in reversed(list(zip(list(stacked), features, strict=True))):
-        if _fits(stacked):
+        if _fits(stacked, width):
             break
         if feature:
             stacked.remove(column)
     return stacked
 
 
-def _fits(columns: Sequence[Column]) -> bool:
-    width, texts = terminal_width(), [[head, *cells] for head, cells in columns]
+def _fits(columns: Sequence[Column], width: int | None) -> bool:
+    texts = [[head, *cells] for head, cells in columns]
     return width is None or table_width([column[0] for column in texts], zip(*texts, strict=True)) <= width
 
 

@@ -96,6 +96,17 @@ def unit_of(path: str, units: Mapping[str, str]) -> str:
     return DISPLAY[dimension]
 
 
+def table_unit(name: str, units: Mapping[str, str]) -> str:
+    """Return the unit of a column of an exported table: SI, but of a swept speed the unit of the study."""
+    if name not in units:
+        return _feature_unit(name)
+    dimension = _dimension(name)
+    if dimension == "rotation":
+        return unit_of(name, units)
+    si = (unit for unit, factor in UNITS[dimension].items() if factor == (1, False, 0)) if dimension else ()
+    return next(iter(si), "")
+
+
 def shown(path: str, value: float, unit: str) -> float:
     """Convert an SI value of a path to ``unit``."""
     return display(value, unit, _dimension(path)) if unit else value
@@ -194,10 +205,13 @@ def feature_text(name: str) -> str:
 
 def feature_axis(name: str, largest: float) -> tuple[str, float]:
     """Choose unit and factor from SI for a feature by its largest value; ``("", 1.0)`` without a unit."""
+    return readable(COST_UNIT if name == COST else _feature_unit(name), name, largest)
+
+
+def _feature_unit(name: str) -> str:
     from bearingsim.config import FEATURES
 
-    unit = "rad" if name.endswith(".phase") else FEATURES[name].unit if name in FEATURES else ""
-    return readable(COST_UNIT if name == COST else unit, name, largest)
+    return "rad" if name.endswith(".phase") else FEATURES[name].unit if name in FEATURES else ""
 
 
 def readable(unit: str, name: str, largest: float) -> tuple[str, float]:

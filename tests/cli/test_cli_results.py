@@ -79,7 +79,7 @@ def test_show_prints_a_row_per_job(done):
     assert sum(line.startswith(tuple(job[:8] for job in ids(done))) for line in lines) == 8
     remarks = lines[lines.index("8 jobs: 8 done") + 1 :]  # a job may need a pass more than the record has
     assert re.match(r"[78] of 8 responses are periodic: 1 to ", remarks[0])
-    assert lines[-1].startswith("damping: c/k 2.5 us (plausible: 0.3 to 25), ratio 0.0765 to 0.0789;")
+    assert lines[-2].startswith("damping: c/k 2.5 us (plausible: 0.3 to 25), ratio 0.0765 to 0.0789;")
 
 
 def test_show_columns(done):
@@ -100,8 +100,9 @@ def test_features_are_exported(done, tmp_path, suffix):
     assert type_("export", done, "--features", file)[0].strip() == str(file)
     read = pd.read_csv if suffix == "csv" else pd.read_parquet
     table, expected = read(file), pd.read_csv(done / "results.csv")
+    head = "velocity@BPFO (m/s)" if suffix == "csv" else "velocity@BPFO"
     assert list(table["job"]) == list(expected["job"])
-    assert table["velocity@BPFO"].to_numpy() == pytest.approx(expected["velocity@BPFO"].to_numpy())
+    assert table[head].to_numpy() == pytest.approx(expected["velocity@BPFO"].to_numpy())
 
 
 def test_export_names_its_file(done, tmp_path, monkeypatch):
@@ -136,7 +137,9 @@ def test_series_are_exported_to_matlab(done, tmp_path):
 def test_tables_go_to_stdout(done, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     stdout, stderr = type_("export", done, "--features", "-")
-    assert (stdout, stderr) == ((done / "results.csv").read_text(), "")
+    heads, rows = stdout.split("\n", 1)
+    assert "load (N)" in heads
+    assert (rows, stderr) == ((done / "results.csv").read_text().split("\n", 1)[1], "")
     job = ids(done)[0]
     stdout, stderr = type_("export", done, "--series", job, "--out", "-", "--features", "own.csv")
     assert pd.read_csv(StringIO(stdout)).columns[0] == "time [s]"

@@ -1,10 +1,13 @@
 """Tables on narrow terminals."""
 
+import math
 import re
 
+import pandas as pd
 import pytest
 
-from bearingsim.cli import screen, tables
+from bearingsim.cli import exporting, screen, tables
+from bearingsim.store import open_results
 from tests.scenes.commands import type_
 
 
@@ -31,9 +34,9 @@ def jobs_of(text):
 
 @pytest.mark.parametrize("width", [20, 60, 80, 120])
 def test_a_narrow_terminal_crops_no_cell(done, terminal, width):
-    wide_rows = jobs_of(type_("show", done)[0])
+    wide_rows = jobs_of(type_("show", done, "--all")[0])
     terminal(width)
-    narrow_rows = jobs_of(type_("show", done)[0])
+    narrow_rows = jobs_of(type_("show", done, "--all")[0])
     for wide_row, narrow_row in zip(wide_rows, narrow_rows, strict=True):
         assert narrow_row[:4] == wide_row[:4]  # job, load, model
         assert narrow_row[-2:] == wide_row[-2:]  # status, seconds
@@ -41,9 +44,9 @@ def test_a_narrow_terminal_crops_no_cell(done, terminal, width):
 
 
 def test_headings_are_stacked_before_columns_are_omitted(done, terminal):
-    wide = len(type_("show", done)[0].splitlines()[2])
+    wide = len(type_("show", done, "--all")[0].splitlines()[2])
     terminal(wide - 1)
-    stdout, _ = type_("show", done)
+    stdout, _ = type_("show", done, "--all")
     assert "too wide" not in stdout
     assert max(map(len, stdout.splitlines())) < wide
     assert {"velocity@BPFO", "-healthy", "(µm/s)", ".rms"} <= {word for row in rows_of(stdout)[:3] for word in row}
@@ -51,14 +54,14 @@ def test_headings_are_stacked_before_columns_are_omitted(done, terminal):
 
 def test_show_lists_columns_that_do_not_fit(done, terminal):
     terminal(64)
-    stdout, _ = type_("show", done)
+    stdout, _ = type_("show", done, "--all")
     assert max(map(len, stdout.splitlines()[:9])) <= 64
     assert "outer_force" not in stdout.splitlines()[0]
     hidden = "velocity@BPFO-healthy (µm/s), velocity.rms (µm/s), outer_force.max (N)"
     hidden += (
         ", error.start, error.start.rms, error.start.force, step_error.line, step_error.rms, step_error.record"
     )
-    assert f"9 columns too wide for the terminal: {hidden} (`--columns NAME`" in stdout
+    assert f"9 columns do not fit 64 letters: {hidden} (`--columns NAME`" in " ".join(stdout.split())
 
 
 def test_requested_columns_are_all_printed(done, terminal):
@@ -75,3 +78,25 @@ def test_long_texts_are_folded(terminal, capsys):
     stdout = capsys.readouterr().out
     assert max(map(len, stdout.splitlines())) <= 40
     assert "1.25" in stdout
+
+
+@pytest.mark.parametrize("accuracy", [False, True])
+def test_show_fits_80_columns_without_a_terminal(done, monkeypatch, capsys, accuracy):
+    results = open_results(done)
+    if accuracy:
+        results.table()  # cached: the results themselves have no bounds
+        monkeypatch.setattr("bearingsim.runner.promises.withdrawals", lambda *_: [])
+        results.plan["accuracy"] = {"notes": ["a note of many words " * 8]}
+    tables.show_jobs(results, [], failed=False, as_json=False)
+    stdout = capsys.readouterr().out
+    assert max(map(len, stdout.splitlines())) <= 80
+    assert {"load", "model", "status"} <= {word for row in rows_of(stdout)[:3] for word in row}
+    assert ("error" in stdout.splitlines()[0]) == accuracy
+
+
+def test_heads_of_exported_csv_have_units():
+    table = pd.DataFrame({"job": ["a"], "speed": [60.0 * math.pi], "defect.angle": [0.1], "velocity.rms": [1.0]})
+    exported = exporting._with_units(table, {"speed": "rpm", "defect.angle": "deg"})
+    assert list(exported) == ["job", "speed (rpm)", "defect.angle (rad)", "velocity.rms (m/s)"]
+    assert exported["speed (rpm)"][0] == pytest.approx(1800.0)
+    assert exported["defect.angle (rad)"][0] == 0.1
