@@ -134,7 +134,10 @@ def _section_table(part: Part) -> str:
         for text in [texts.get(name, "")]
     ]
     head = ["key", "meaning", "value", "default", "models"]
-    parts = [f"## {part.title}", (part.section.__doc__ or "").partition("\n\n")[0] if part.path else ""]
+    parts = [
+        f"## {part.title}",
+        " ".join((part.section.__doc__ or "").partition("\n\n")[0].split()) if part.path else "",
+    ]
     if len(set(models)) == 1:
         rows, head = [row[:-1] for row in rows], head[:-1]
         parts.append(f"Models: {models[0]}." if models[0] else "")

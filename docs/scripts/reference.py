@@ -1,4 +1,4 @@
-"""Reference pages of the documentation, written from the program: study keys, features, figures, commands.
+"""Reference pages of the documentation, written from the program: study keys, features, figures, commands, API.
 
 Run `python -m docs.scripts.reference` after a change of the interface; `tests/docs/test_reference.py` asks for it.
 """
@@ -12,6 +12,7 @@ import typer
 from bearingsim import figure_kinds
 from bearingsim.cli import app
 from bearingsim.config import names
+from docs.scripts.api import api_page
 from docs.scripts.keys import keys_page, models_of_channel
 from docs.scripts.markdown import code, page, table
 
@@ -124,6 +125,7 @@ PAGES: dict[str, Callable[[], str]] = {
     "features.md": features_page,
     "figures.md": figures_page,
     "commands.md": commands_page,
+    "api.md": api_page,
 }
 """Function that writes each page, by file name."""
 
