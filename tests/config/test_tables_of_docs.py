@@ -126,7 +126,7 @@ def test_shapes_and_excitations_are_those_of_the_catalogue() -> None:
 
 
 def test_models_are_those_of_the_catalogue() -> None:
-    for page, head in (("model.md", "| `model` | unknowns |"), ("../README.md", "| model | moves |")):
+    for page, head in (("model.md", "| `model` | unknowns |"), ("models.md", "| model | moves |")):
         assert heads(page, head) == list(MODELS), page
 
 

@@ -54,8 +54,8 @@ def test_a_description_is_that_of_its_key_and_its_format() -> None:
 
 def in_docs() -> list[str]:
     """The whole studies that the docs show."""
-    texts = [page.read_text() for page in (ROOT / "README.md", *sorted(ROOT.glob("docs/*.md")))]
-    blocks = [block for text in texts for block in re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)]
+    texts = [page.read_text() for page in (ROOT / "README.md", *sorted(ROOT.glob("docs/**/*.md")))]
+    blocks = [block for text in texts for block in re.findall(r"```yaml[^\n]*\n(.*?)```", text, re.DOTALL)]
     return [block for block in blocks if re.search(r"^study:", block, re.MULTILINE)]
 
 
