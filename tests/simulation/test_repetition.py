@@ -1,4 +1,4 @@
-"""Motion that repeats itself: what may, when it is found to, and what is made of it."""
+"""Periodic motion: cases that are searched for a period, the search, and the record filled in from it."""
 
 import importlib
 import math
@@ -32,9 +32,9 @@ RUN_SETUP = importlib.import_module("bearingsim.simulation.run_setup")
 
 
 def resolved(**fields: Any) -> Case:
-    """A case whose method is named: Verlet's, if it does not say and the model has any."""
-    usual = {} if fields["model"] in ("static", "impulse") else {"method": "verlet"}
-    return choice.resolve(case(**usual | fields))
+    """Return a case with a named method: Verlet by default, if the model has a method."""
+    defaults = {} if fields["model"] in ("static", "impulse") else {"method": "verlet"}
+    return choice.resolve(case(**defaults | fields))
 
 
 @pytest.mark.parametrize(
@@ -47,7 +47,7 @@ def resolved(**fields: Any) -> Case:
         {"model": "spatial", "defect": SLOT, "gravity": True, "method": "verlet", **KINEMATIC},
     ],
 )
-def test_what_may_repeat(fields: dict[str, Any]) -> None:
+def test_cases_that_are_searched_for_a_period(fields: dict[str, Any]) -> None:
     assert may_repeat(resolved(**fields))
 
 
@@ -64,20 +64,20 @@ def test_what_may_repeat(fields: dict[str, Any]) -> None:
         {"model": "rollers", "periodic": False},
     ],
 )
-def test_what_may_not(fields: dict[str, Any]) -> None:
+def test_cases_that_are_not_searched_for_a_period(fields: dict[str, Any]) -> None:
     assert not may_repeat(resolved(**fields))
 
 
-def test_a_field_that_nobody_thought_of_is_computed_in_full() -> None:
-    class Later(Case):
+def test_case_with_an_unknown_field_is_not_searched() -> None:
+    class ExtendedCase(Case):
         wear: float = 0.0
 
     test_case = resolved(model="ring")
     assert may_repeat(test_case)
-    assert not may_repeat(Later.model_construct(**dict(test_case)))
+    assert not may_repeat(ExtendedCase.model_construct(**dict(test_case)))
 
 
-def test_a_model_of_another_package_is_computed_in_full(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_model_that_does_not_declare_periodicity_is_not_searched(monkeypatch: pytest.MonkeyPatch) -> None:
     from dataclasses import replace
 
     test_case = resolved(model="ring")
@@ -85,23 +85,23 @@ def test_a_model_of_another_package_is_computed_in_full(monkeypatch: pytest.Monk
     assert not may_repeat(test_case)
 
 
-def test_passes_are_those_of_the_last_period() -> None:
+def test_later_passes_repeat_the_last_period() -> None:
     result = Repetition(computed=7, period=3, difference=0.0)
     assert result.source(np.arange(14)).tolist() == [0, 1, 2, 3, 4, 5, 6, 4, 5, 6, 4, 5, 6, 4]
     assert Repetition(4, 0, 0.0).source(np.arange(4)).tolist() == [0, 1, 2, 3]
 
 
-def test_a_roller_stands_where_the_next_stood_a_pass_before() -> None:
+def test_roller_has_the_position_of_the_next_one_a_pass_before() -> None:
     rows = channels.recorded_cells(resolved(model="rollers", record=["roller.3.outer_force", "ring.velocity"]))
-    before = partner_rows(rows, 13, 1)
-    assert np.array_equal(before[: len(channels.FEATURE_CELLS)], np.arange(len(channels.FEATURE_CELLS)))
-    assert [int(rows[before[list(rows).index(lay.Q_O + j)]]) - lay.Q_O for j in (2, 12)] == [3, 0]
+    previous_rows = partner_rows(rows, 13, 1)
+    assert np.array_equal(previous_rows[: len(channels.FEATURE_CELLS)], np.arange(len(channels.FEATURE_CELLS)))
+    assert [int(rows[previous_rows[list(rows).index(lay.Q_O + j)]]) - lay.Q_O for j in (2, 12)] == [3, 0]
 
 
 @pytest.mark.parametrize("antialias", [True, False])
 @pytest.mark.parametrize("clearance", ["0 um", "10 um"])
 @pytest.mark.parametrize("model", ["static", "ring", "rollers", "planar"])
-def test_what_repeats_is_as_if_it_had_been_computed(model: str, clearance: str, antialias: bool) -> None:
+def test_filled_in_record_equals_the_computed_one(model: str, clearance: str, antialias: bool) -> None:
     fields: dict[str, Any] = KINEMATIC if model == "planar" else {}
     fields |= {"model": model, "clearance": clearance, "antialias": antialias, "record": RING + FORCES}
     fields |= {"defect": WIDE, "duration": 0.25, "settle": 0.041, "step_check": False}
@@ -117,7 +117,7 @@ def test_what_repeats_is_as_if_it_had_been_computed(model: str, clearance: str, 
             assert short.features[name] == pytest.approx(value, rel=1e-6, abs=1e-6 * size, nan_ok=True), name
 
 
-def test_a_motion_that_never_repeats_is_computed_in_full() -> None:
+def test_non_periodic_motion_is_computed_in_full() -> None:
     """Unloaded rollers chatter at this speed."""
     test_case = case(
         model="rollers", defect=WIDE, speed="600 rpm", clearance="10 um", method="verlet", step_check=False
@@ -134,7 +134,7 @@ STEPS = 40
 
 
 def period_of(motion: Callable[[int], np.ndarray], passes: int = 40) -> tuple[int, int]:
-    """The period found of ``motion`` (of a pass's number: (9, STEPS)), and after how many passes."""
+    """Return the period of ``motion`` (from pass number to (9, STEPS)) and the passes needed to find it."""
     setup = RUN_SETUP.set_up(resolved(model="ring"))
     search, y = (
         Search(channels.recorded_cells(setup.case), STEPS, setup.model, False, RECORD_CLOSENESS),
@@ -169,12 +169,12 @@ LONG: dict[str, Any] = {"model": "rollers", "defect": SLOT, "duration": "0.6 s",
 
 
 @pytest.fixture
-def nothing_repeats(monkeypatch: pytest.MonkeyPatch) -> None:
+def no_period_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Search, "add_pass", lambda *given: (0, 0.1))
 
 
-@pytest.mark.usefixtures("nothing_repeats")
-def test_what_has_not_repeated_itself_is_handed_to_another_method() -> None:
+@pytest.mark.usefixtures("no_period_found")
+def test_non_periodic_case_is_computed_by_another_method() -> None:
     test_case = case(**LONG)
     result = choice.choice(test_case)
     assert result.method == "verlet"
@@ -188,27 +188,27 @@ def test_what_has_not_repeated_itself_is_handed_to_another_method() -> None:
     assert record.features["outer_force.max"] == pytest.approx(full.features["outer_force.max"], rel=0.01)
 
 
-@pytest.mark.usefixtures("nothing_repeats")
-def test_it_comes_back_if_the_others_fail(monkeypatch: pytest.MonkeyPatch) -> None:
-    tried, real = [], SIMULATION._simulate
+@pytest.mark.usefixtures("no_period_found")
+def test_first_method_is_used_again_if_the_others_fail(monkeypatch: pytest.MonkeyPatch) -> None:
+    attempts, real_simulate = [], SIMULATION._simulate
 
-    def simulated(attempt: choice.Attempt, began: float) -> Any:
-        tried.append((attempt.case.method, attempt.patience))
+    def failing_simulate(attempt: choice.Attempt, began: float) -> Any:
+        attempts.append((attempt.case.method, attempt.patience))
         if attempt.case.method != "verlet":
             raise RUN_SETUP.TooSlow("too slow", "wait")
-        return real(attempt, began)
+        return real_simulate(attempt, began)
 
-    monkeypatch.setattr(SIMULATION, "_simulate", simulated)
+    monkeypatch.setattr(SIMULATION, "_simulate", failing_simulate)
     record = simulate(case(**LONG))
-    assert tried[0] == ("verlet", choice.choice(case(**LONG)).patience)
-    assert tried[-1] == ("verlet", 0)
-    assert len(tried) == len(set(tried)) > 2
+    assert attempts[0] == ("verlet", choice.choice(case(**LONG)).patience)
+    assert attempts[-1] == ("verlet", 0)
+    assert len(attempts) == len(set(attempts)) > 2
     assert record.info["method"] == "verlet"
 
 
 @pytest.mark.parametrize("change", [{"until": "1 %"}, {"duration": "40 ms"}, {"method": "verlet"}])
-def test_what_is_not_handed_over(change: dict[str, Any]) -> None:
-    """A record that ends early, one that is over soon, a method that was asked for."""
+def test_cases_without_limited_patience(change: dict[str, Any]) -> None:
+    """A record that may end early, a short record, and a given method."""
     assert choice.choice(case(**LONG | change)).patience == 0
 
 
@@ -217,44 +217,46 @@ def test_the_shortest_period_is_found(period: int) -> None:
     assert period_of(lambda p: waves(p, period)) == (period, 2 * period + 1)
 
 
-def test_a_period_of_five_passes_is_none() -> None:
+def test_period_of_five_passes_is_not_found() -> None:
     assert period_of(lambda p: waves(p, 5)) == (0, 40)
 
 
 @pytest.mark.parametrize("rho", [0.1, 0.5, 0.9])
-def test_what_settles_is_waited_for(rho: float) -> None:
-    """What is left to come when it is found is under 1e-7 of the range."""
+def test_period_is_found_once_the_transient_has_decayed(rho: float) -> None:
+    """The remaining change is then below 1e-7 of the range."""
     period, passes = period_of(lambda p: (1.0 + rho**p) * waves(p), passes=400)
     assert period == 1
     assert rho ** (passes - 1) < 2e-7
 
 
-def test_what_settles_hardly_at_all_is_not_believed() -> None:
+def test_very_slow_transient_is_not_periodic() -> None:
     assert period_of(lambda p: (1.0 + 1e-7 * 0.99**p) * waves(p), passes=60) == (0, 60)
 
 
-def test_a_difference_that_comes_back_after_none_is_not_believed() -> None:
-    """Two passes that are equal to the last bit leave nothing to divide by."""
+def test_difference_that_returns_after_zero_is_not_periodic() -> None:
+    """Two identical passes give no rate of decay."""
     assert period_of(lambda p: (1.0 + 1e-8 * (p // 2)) * waves(0)) == (0, 40)
 
 
-def test_what_is_forgotten_by_the_end_of_a_pass_is_seen() -> None:
-    def chatters(p: int) -> np.ndarray:
+def test_changes_that_decay_within_a_pass_are_detected() -> None:
+    def chattering(p: int) -> np.ndarray:
         return waves(p) + 1e-5 * np.random.default_rng(p).normal(size=STEPS) * (np.arange(STEPS) < 30)
 
-    assert period_of(chatters) == (0, 40)
+    assert period_of(chattering) == (0, 40)
 
 
-def test_what_is_to_come_is_the_sum_of_a_geometric_series() -> None:
+def test_remaining_change_is_the_sum_of_a_geometric_series() -> None:
     assert remaining_sum(3.0, 0.9) == pytest.approx(3.0 * sum(0.9**n for n in range(1, 400)))
-    assert remaining_sum(3.0, 0.1) == 3.0  # at least the last one
+    assert remaining_sum(3.0, 0.1) == 3.0  # at least the last change
     assert remaining_sum(3.0, 1.0) == remaining_sum(3.0, 1.5) == math.inf
 
 
 @pytest.mark.parametrize("part", [0.0, 0.95])
 @pytest.mark.parametrize("passes", [0, 1, 2, 3])
-def test_recordings_are_held_up_to_a_size(passes: int, part: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of doubles: periods are sought as far as the passes before are held; none is found without any."""
+def test_number_of_stored_passes_is_limited_by_memory(
+    passes: int, part: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Periods are searched up to the number of stored passes (doubles); none without a stored pass."""
     setup = RUN_SETUP.set_up(resolved(model="ring"))
     cells = channels.recorded_cells(setup.case)
     monkeypatch.setattr(repetition, "MAX_STORED", (passes + part) * 8 * len(cells) * STEPS)
@@ -262,12 +264,12 @@ def test_recordings_are_held_up_to_a_size(passes: int, part: float, monkeypatch:
     assert list(search.periods) == list(range(1, passes + 1))
 
 
-def test_a_motion_without_memory_is_periodic_from_its_first_pass() -> None:
+def test_motion_without_memory_is_periodic_from_the_first_pass() -> None:
     setup = RUN_SETUP.set_up(resolved(model="static"))
     search = Search(channels.recorded_cells(setup.case), STEPS, setup.model, True, RECORD_CLOSENESS)
     assert search.add_pass(waves(0), lay.buffer(13, 0.0), np.ones(5)) == (1, 0.0)
 
 
-def test_a_difference_at_its_limit_counts_as_none() -> None:
+def test_difference_at_the_limit_has_converged() -> None:
     assert repetition._has_converged([RECORD_CLOSENESS.difference_limit], RECORD_CLOSENESS, 0.0)
     assert not repetition._has_converged([1.01 * RECORD_CLOSENESS.difference_limit], RECORD_CLOSENESS, 0.0)
