@@ -1,8 +1,8 @@
-"""A rolling element over a wide defect: entry, and the strike on the far edge, in time as on real bearings.
+"""A rolling element over a wide defect: times of entry and of impact on the exit edge, as measured.
 
-Measured (HIT, 6205, outer-race arcs; Wang et al. 2022): spacing times speed is constant within 4 % over 600 to
-1200 rpm, the spacing grows with the arc and is shorter than its crossing; for 8 deg it is 4.65 ms at 600 rpm and
-3.09 ms at 900. The depth of those arcs is not known. The strike by geometry: docs/double_impulse.md.
+Measured (HIT, 6205, outer-race spalls; Wang et al. 2022): spacing times speed is constant within 4 % over 600 to
+1200 rpm, the spacing increases with the spall and is shorter than its crossing; for 8 deg it is 4.65 ms at 600 rpm
+and 3.09 ms at 900. The depth of these spalls is not known. Impact by geometry: docs/double_impulse.md.
 """
 
 from functools import lru_cache, partial
@@ -28,20 +28,20 @@ def reading(bearing: str, width: float, depth: float, rpm: float):
 
 
 @pytest.mark.parametrize(("bearing", "width", "depth", "rpm"), DEFECTS)
-def test_the_spacing_turns_with_the_shaft(bearing, width, depth, rpm):
-    """Spacing times speed within 4 % over a factor of 2; entry to strike is shorter than the crossing."""
-    slow, fast = (reading(bearing, width, depth, times * rpm) for times in (1, 2))
+def test_spacing_is_inversely_proportional_to_speed(bearing, width, depth, rpm):
+    """Spacing speed_ratio speed within 4 % at twice the speed; spacing under 0.95 of the crossing time."""
+    slow, fast = (reading(bearing, width, depth, speed_ratio * rpm) for speed_ratio in (1, 2))
     assert 2.0 * fast.spacing == pytest.approx(slow.spacing, rel=0.04)
     assert slow.spacing < 0.95 * slow.crossing
 
 
 @pytest.mark.parametrize(("bearing", "width", "depth", "rpm"), DEFECTS)
-@pytest.mark.parametrize("times", [1, 2])
-def test_the_far_edge_is_struck_where_geometry_puts_it(bearing, width, depth, rpm, times):
-    """sqrt(2 R_eff d) before the end of a defect wide enough for the floor to be reached first."""
+@pytest.mark.parametrize("speed_ratio", [1, 2])
+def test_impact_position_agrees_with_geometry(bearing, width, depth, rpm, speed_ratio):
+    """sqrt(2 R_eff d) before the exit edge, if the defect is wide enough for the floor to be reached."""
     x = reach(scene(bearing, rpm, width, depth))
     assert width > 2.0 * x
-    assert width - reading(bearing, width, depth, times * rpm).strike == pytest.approx(x, rel=0.1)
+    assert width - reading(bearing, width, depth, speed_ratio * rpm).strike == pytest.approx(x, rel=0.1)
 
 
 def test_the_spacing_grows_with_width():
@@ -51,30 +51,32 @@ def test_the_spacing_grows_with_width():
 
 
 @pytest.mark.parametrize(("rpm", "measured"), [(600, 4.65e-3), (900, 3.09e-3)])
-def test_the_measured_spacing_is_that_of_a_depth_between(rpm, measured):
-    """The real arcs of 8 deg behave as if 10 to 50 um deep."""
+def test_measured_spacing_corresponds_to_a_depth_of_10_to_50_um(rpm, measured):
+    """The measured spalls of 8 deg."""
     deep, shallow = (reading("6205", ARC_8, depth, rpm).spacing for depth in (50e-6, 10e-6))
     assert deep < measured < shallow
 
 
-def test_the_sensor_sees_the_spacing_that_the_forces_have():
-    """Read from the ring's velocity as from a measured signal, which counts an event where its energy is."""
+def test_spacing_from_the_ring_velocity_agrees_with_that_of_forces():
+    """The velocity is evaluated like a measured signal, in which an event lies at its centre of energy."""
     case = scene("nf308", 900, 4e-3, 30e-6)
     assert spacing_of_ring(case, "velocity") == pytest.approx(reading("nf308", 4e-3, 30e-6, 900).spacing, rel=0.05)
 
 
-@pytest.mark.parametrize(("depth", "times", "part"), [(50e-6, 1, 0.78), (50e-6, 2, 0.84), (30e-6, 1, 0.97)])
-def test_a_lightly_damped_ball_leaves_the_floor_again_and_strikes_later(depth, times, part):
-    """With the default, c/k = 2.5 us: ``part`` of the way by geometry is left. The spacing is 2 to 4 % longer."""
-    case = scene("6205", times * 600, ARC_8, depth, contact={"damping": "kraemer"})
-    result, heavy = read(case), reading("6205", ARC_8, depth, times * 600)
-    assert (ARC_8 - result.strike) / reach(case) == pytest.approx(part, abs=0.02)
-    assert result.spacing == pytest.approx(heavy.spacing, rel=0.05)
+@pytest.mark.parametrize(
+    ("depth", "speed_ratio", "distance_ratio"), [(50e-6, 1, 0.78), (50e-6, 2, 0.84), (30e-6, 1, 0.97)]
+)
+def test_lightly_damped_ball_rebounds_and_strikes_later(depth, speed_ratio, distance_ratio):
+    """By default (c/k = 2.5 us) nearer to the exit edge: ``distance_ratio`` of the distance by geometry."""
+    case = scene("6205", speed_ratio * 600, ARC_8, depth, contact={"damping": "kraemer"})
+    result, damped_result = read(case), reading("6205", ARC_8, depth, speed_ratio * 600)
+    assert (ARC_8 - result.strike) / reach(case) == pytest.approx(distance_ratio, abs=0.02)
+    assert result.spacing == pytest.approx(damped_result.spacing, rel=0.05)
 
 
-def test_free_rollers_strike_at_the_same_place():
+def test_free_rollers_strike_at_the_same_position():
     case = scene("nf308", 900, 4e-3, 30e-6, model="planar")
-    strikes = [one.strike for one in crossings(case, simulate(case))]
+    strikes = [crossing.strike for crossing in crossings(case, simulate(case))]
     assert len(strikes) >= 4
     assert np.mean(strikes) == pytest.approx(reading("nf308", 4e-3, 30e-6, 900).strike, rel=0.01)
 

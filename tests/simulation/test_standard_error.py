@@ -1,4 +1,4 @@
-"""The standard error of a mean of ball passes, by properties of sequences whose mean is known to scatter so."""
+"""Standard error of a mean over ball passes, for sequences with a known scatter of the mean."""
 
 from math import pi
 
@@ -30,54 +30,54 @@ def scatter_of_means(rho: float, length: int) -> float:
     return float(np.sqrt(within / length) / (1.0 - rho))
 
 
-def errors(some: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
+def errors(samples: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
     """Estimate the standard error of each chain."""
-    return np.array([standard_error(chain[:, np.newaxis], weights) for chain in some])
+    return np.array([standard_error(chain[:, np.newaxis], weights) for chain in samples])
 
 
 @pytest.mark.parametrize("length", [16, 100])
-def test_of_independent_passes_the_mean_square_is_right(length: int) -> None:
-    right = STUDENT**2 / length
-    assert np.mean(errors(chains(0.0, 4000, length)) ** 2) == pytest.approx(right, rel=0.02)
+def test_mean_square_error_of_independent_passes(length: int) -> None:
+    variance = STUDENT**2 / length
+    assert np.mean(errors(chains(0.0, 4000, length)) ** 2) == pytest.approx(variance, rel=0.02)
 
 
 @pytest.mark.parametrize("rho", [-0.9, -0.5, 0.0, 0.5, 0.9])
-def test_neighbours_may_be_alike_or_alternate(rho: float) -> None:
-    some, right = chains(rho, 1000, 512), scatter_of_means(rho, 512)
-    estimates = errors(some)
-    assert right < np.median(estimates) < 1.3 * right
-    assert np.mean(np.abs(some.mean(axis=1)) < 3.0 * estimates) >= 0.99
+def test_error_covers_correlated_and_alternating_passes(rho: float) -> None:
+    samples, scatter = chains(rho, 1000, 512), scatter_of_means(rho, 512)
+    estimates = errors(samples)
+    assert scatter < np.median(estimates) < 1.3 * scatter
+    assert np.mean(np.abs(samples.mean(axis=1)) < 3.0 * estimates) >= 0.99
 
 
-def test_passes_alike_for_tens_of_passes() -> None:
-    some = chains(np.exp(-1.0 / 30.0), 1000, 1000)
-    assert np.mean(np.abs(some.mean(axis=1)) < 3.0 * errors(some)) >= 0.99
+def test_error_covers_correlation_over_tens_of_passes() -> None:
+    samples = chains(np.exp(-1.0 / 30.0), 1000, 1000)
+    assert np.mean(np.abs(samples.mean(axis=1)) < 3.0 * errors(samples)) >= 0.99
 
 
 @pytest.mark.parametrize("period", [2, 3, 4])
-def test_of_a_short_period_only_the_ends_count(period: int) -> None:
-    course = np.cos(2.0 * pi * np.arange(12 * 50) / period)
-    assert errors(course[np.newaxis])[0] < 3.0 / len(course)
+def test_error_of_a_short_period_is_below_three_over_the_length(period: int) -> None:
+    values = np.cos(2.0 * pi * np.arange(12 * 50) / period)
+    assert errors(values[np.newaxis])[0] < 3.0 / len(values)
 
 
-def test_it_has_the_unit_of_the_values_and_no_offset() -> None:
+def test_error_scales_with_the_values_and_ignores_an_offset() -> None:
     (chain,) = chains(0.5, 1, 64)
-    known = standard_error(chain[:, np.newaxis])
-    assert standard_error(1e-6 * (chain[:, np.newaxis] - 7.0)) == pytest.approx(1e-6 * known, rel=1e-9)
+    error = standard_error(chain[:, np.newaxis])
+    assert standard_error(1e-6 * (chain[:, np.newaxis] - 7.0)) == pytest.approx(1e-6 * error, rel=1e-9)
 
 
-def test_the_course_that_all_passes_share_is_no_error() -> None:
+def test_variation_common_to_all_passes_is_not_an_error() -> None:
     assert standard_error(np.tile([3.0, -1.0, 0.5], (20, 1))) == pytest.approx(0.0, abs=1e-15)
 
 
-def test_samples_within_passes_do_not_change_that_of_whole_ones() -> None:
+def test_error_is_independent_of_samples_per_pass() -> None:
     (chain,) = chains(0.0, 1, 200)
     by_pass, by_sample = chain[:, np.newaxis], np.repeat(chain[:, np.newaxis], 10, axis=1)
     assert standard_error(by_sample) == pytest.approx(standard_error(by_pass), rel=0.01)
 
 
-def test_events_that_the_border_of_two_passes_cuts_are_counted_once() -> None:
-    """Impacts of one size whose instants scatter about the border: only the first and the last may be cut."""
+def test_impacts_at_the_border_of_passes_are_counted_once() -> None:
+    """Equal impacts scatter about the border, so only the first and the last may be outside the record."""
     rng, n, M = np.random.default_rng(5), 100, 20
     by_sample, by_pass, means = list[float](), list[float](), list[float]()
     for _ in range(200):
@@ -87,21 +87,21 @@ def test_events_that_the_border_of_two_passes_cuts_are_counted_once() -> None:
         means.append(float(passes.mean()))
         by_sample.append(standard_error(passes))
         by_pass.append(standard_error(passes.mean(axis=1, keepdims=True)))
-    right = np.std(means)
-    assert right < np.median(by_sample) < 2.0 * right
-    assert np.median(by_pass) > 2.0 * right
+    scatter = np.std(means)
+    assert scatter < np.median(by_sample) < 2.0 * scatter
+    assert np.median(by_pass) > 2.0 * scatter
 
 
-def test_passes_count_by_their_weights() -> None:
+def test_error_uses_the_weights_of_passes() -> None:
     weights = signals.pass_weights(300, neighbours=True)
-    some = chains(0.5, 1000, 300)
-    scatter = np.average(some, axis=1, weights=weights).std()
-    assert scatter < np.median(errors(some, weights)) < 1.3 * scatter
+    samples = chains(0.5, 1000, 300)
+    scatter = np.average(samples, axis=1, weights=weights).std()
+    assert scatter < np.median(errors(samples, weights)) < 1.3 * scatter
 
 
-def test_the_line_of_a_kinematic_cage_is_judged_by_the_samples_along_it() -> None:
-    chatters = {"angle": "20 deg", "depth": "5 um"}
-    fields = {"model": "rollers", "defect": SLOT | chatters, "speed": "1200 rpm", "clearance": "10 um"}
+def test_line_error_of_a_kinematic_cage_uses_samples_in_phase() -> None:
+    defect = {"angle": "20 deg", "depth": "5 um"}
+    fields = {"model": "rollers", "defect": SLOT | defect, "speed": "1200 rpm", "clearance": "10 um"}
     damping = {"damping": {"law": "kraemer", "beta": "1 us"}}
     setup = set_up(case(**fields, contact=damping, record=[], duration="0.3 s", method="verlet"), 1.0)
     raw = integrate(setup)
@@ -112,17 +112,17 @@ def test_the_line_of_a_kinematic_cage_is_judged_by_the_samples_along_it() -> Non
         setup.case.bearing.rollers * setup.model.bearing.theta_0 + 2.0 * pi * (start + np.arange(passes * M)) / M
     )
     terms = (2.0 * velocity * np.exp(-1j * angle)).reshape(passes, M)
-    along = (terms / terms.mean()).real
-    stated = standard_errors(setup.case, setup.model, setup.cut, raw).line
-    assert stated == pytest.approx(standard_error(along), rel=1e-6)
+    in_phase = (terms / terms.mean()).real
+    result = standard_errors(setup.case, setup.model, setup.cut, raw).line
+    assert result == pytest.approx(standard_error(in_phase), rel=1e-6)
 
 
-def test_the_line_of_a_free_cage_is_judged_by_the_passes_that_it_is_read_from() -> None:
+def test_line_error_of_a_free_cage_uses_lines_of_passes() -> None:
     setup = set_up(case(model="planar", defect=SLOT, record=[], duration="0.25 s", method="verlet"), 1.0)
     raw = integrate(setup)
-    stated = standard_errors(setup.case, setup.model, setup.cut, raw).line
+    result = standard_errors(setup.case, setup.model, setup.cut, raw).line
     lines = lines_of_passes(setup.case, setup.model, setup.cut, raw)["velocity"][0]
     weights = signals.pass_weights(len(lines), neighbours=True)
     line = np.average(lines, weights=weights)
-    along = (lines / line).real[:, np.newaxis]
-    assert stated == pytest.approx(standard_error(along, weights), rel=1e-9)
+    in_phase = (lines / line).real[:, np.newaxis]
+    assert result == pytest.approx(standard_error(in_phase, weights), rel=1e-9)
