@@ -1,5 +1,6 @@
 # make demo    a real study, computed and drawn        make fig14 | fig15 | fig16 | studies    the paper's sweeps
 # make paper_figures   signals, spectra and forces of the paper: Figs. 7, 8, 10-13, 19-21, docs/paper.md
+# make figures   the figures of README and docs anew (ARGS=--list: what makes each)
 # make test    all tests (test-quick: not the long)     make excitations | inner_race | roller_defect | slip | damping
 # make check   tests, lint, types, imports, docs       make length | offset | tilt | misalignment | shapes
 # make study STUDY=my.yaml   a study of your own: checked, run and drawn in results/my  (QUICK=1: its reduced grid)
@@ -23,10 +24,10 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo paper_figures test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability docs docs-reference docs-words lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants $(CAMPAIGNS)
+.PHONY: help install install-dev demo figures paper_figures test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability docs docs-reference docs-words lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants $(CAMPAIGNS)
 
 help:
-	@sed -n '1,8s/^# //p' Makefile
+	@sed -n '1,10s/^# //p' Makefile
 
 install: $(VENV)/installed
 install-dev: $(VENV)/installed-dev
@@ -77,6 +78,10 @@ study: install
 	$(BIN)/bearingsim check "$(STUDY)" $(REDUCED) --jobs $(JOBS)
 	$(BIN)/bearingsim run "$(STUDY)" --jobs $(JOBS) $(REDUCED) --out "$(OUT)"; code=$$?; \
 	  if [ $$code -le 1 ]; then $(BIN)/bearingsim plot "$(OUT)" || exit $$?; fi; exit $$code
+
+# the figures of README and docs; NAME=tilt.png: one, ARGS=--list: what makes each, ARGS=--long: also what takes minutes
+figures: install-dev
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.figures $(NAME) $(ARGS)
 
 sensitivity: install
 	$(BIN)/bearingsim run studies/sensitivity.yaml --jobs $(JOBS) $(REDUCED) --out $(RESULTS); code=$$?; \

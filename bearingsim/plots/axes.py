@@ -11,7 +11,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from bearingsim.plots import labels, select
-from bearingsim.plots.style import COLUMN_IN, CurveStyle, curve_styles
+from bearingsim.plots.style import COLUMN_IN, PAGE_IN, CurveStyle, curve_styles
 from bearingsim.plots.ticks import linear_ticks, log_ticks
 from bearingsim.store import is_uncertain
 from bearingsim.study import Figure
@@ -27,6 +27,8 @@ LABEL_LETTERS = 34  # characters in a line of an axis label
 CAPTION_LINES = 4  # lines of a caption that fit below any figure
 CAPTION_LINE_IN = 0.13  # height (inches) of each further line of a caption
 CHARACTER_IN = 0.066  # width (inches) of a character of the legend
+HANDLE_IN, ENTRY_IN, LEGEND_GAP_IN = 0.6, 0.2, 0.1  # width of a line, height of an entry, space below the legend
+TITLE_IN = 0.28  # height of the title
 STATUS_MARKS = {"failed": ("x", "#B00000", "failed"), "missing": ("|", "0.4", "not computed")}
 RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 11.0, "mfc": "none", "mec": "0.45", "mew": 1.0}
 """Ring around a point of a chaotic motion, whose value is one random draw."""
@@ -58,7 +60,7 @@ def draw_panels(
     """
     parts = list(select.splits(rows, figure.panels, units))
     entries = legend_entries(figure, styles_of_curves(figure, rows, units), rows)
-    width = len(figure.y) * COLUMN_IN + 0.55 + legend_width(entries)
+    width = min(COLUMN_IN, PAGE_IN / len(figure.y)) * len(figure.y) + 0.55
     layout = ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.06)
     canvas = Canvas(figsize=(width, len(parts) * ROW_IN + 0.55), layout=layout)
     axes = [list(line) for line in canvas.subplots(len(parts), len(figure.y), sharex=True, squeeze=False)]
@@ -74,12 +76,10 @@ def draw_panels(
 
 
 def finish(canvas: Canvas, title: str | None, caption: Sequence[str], entries: Sequence[Line2D] = ()) -> None:
-    """Add the legend next to the axes, the title above, and the caption, wrapped to the figure's width, below.
+    """Add the title and the legend above the axes, and the caption, wrapped to the figure's width, below.
 
-    The height of the figure is increased for a long caption.
+    The height of the figure is increased for the legend and for a long caption.
     """
-    if entries:
-        canvas.legend(handles=entries, loc="outside right upper")
     if title:
         canvas.suptitle(title, x=0.01, ha="left", fontsize=10.0)
     width = int(canvas.get_size_inches()[0] / 0.053)
@@ -88,6 +88,22 @@ def finish(canvas: Canvas, title: str | None, caption: Sequence[str], entries: S
     inches, height = canvas.get_size_inches()
     canvas.set_size_inches(inches, height + CAPTION_LINE_IN * max(0, text.count("\n") + 1 - CAPTION_LINES))
     canvas.supxlabel(text, x=0.01, ha="left", fontsize=7.0, color="0.35")
+    if entries:
+        _add_legend(canvas, entries, TITLE_IN if title else 0.0)
+
+
+def _add_legend(canvas: Canvas, entries: Sequence[Line2D], below: float) -> None:
+    """Add a legend in as many columns as fit, ``below`` (inches) the upper edge; the axes keep their height."""
+    width, height = canvas.get_size_inches()
+    widest = HANDLE_IN + CHARACTER_IN * max(len(str(entry.get_label())) for entry in entries)
+    columns = min(len(entries), max(1, int(width / widest)))
+    room = ENTRY_IN * math.ceil(len(entries) / columns) + LEGEND_GAP_IN
+    canvas.set_size_inches(width, height + room)
+    corner = (0.0, 1.0 - below / (height + room))
+    canvas.legend(handles=entries, loc="upper left", ncols=columns, bbox_to_anchor=corner, borderaxespad=0.2)
+    layout = canvas.get_layout_engine()
+    if isinstance(layout, ConstrainedLayoutEngine):
+        layout.set(rect=(0.0, 0.0, 1.0, height / (height + room)))
 
 
 def axis_label(text: str, unit: str) -> str:
@@ -103,11 +119,6 @@ def x_label(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:
 def y_label(name: str, unit: str, letters: int = LABEL_LETTERS) -> str:
     """Return the label of a feature's axis, wrapped at ``letters`` characters."""
     return textwrap.fill(axis_label(labels.feature_text(name), unit), letters)
-
-
-def legend_width(entries: Sequence[Line2D]) -> float:
-    """Estimate the width (inches) of the texts of a legend next to the axes."""
-    return CHARACTER_IN * max((len(str(entry.get_label())) for entry in entries), default=-8)
 
 
 # Curves and their styles

@@ -23,7 +23,6 @@ from bearingsim.plots.axes import (
     draw_panels,
     finish,
     legend_entries,
-    legend_width,
     letter,
     mark_chaotic,
     mark_lost,
@@ -34,7 +33,7 @@ from bearingsim.plots.axes import (
     y_axis,
     y_label,
 )
-from bearingsim.plots.style import COLUMN_IN
+from bearingsim.plots.style import COLUMN_IN, PAGE_IN
 from bearingsim.plots.units import feature_scale
 from bearingsim.study import Figure
 from bearingsim.study.design import COUNT_NOUNS
@@ -105,7 +104,7 @@ def draw_paths(
     entries = legend_entries(figure, styles_of_curves(figure, rows, units), rows)
     columns = min(MOST_COLUMNS, len(paths))
     lines = math.ceil(len(paths) / columns)
-    width = columns * COLUMN_IN * 0.8 + 0.55 + legend_width(entries)
+    width = columns * min(0.8 * COLUMN_IN, PAGE_IN / columns) + 0.55
     layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.06)
     canvas = Canvas(figsize=(width, lines * ROW_IN * 0.9 + 0.55), layout=layout)
     axes = list(canvas.subplots(lines, columns, sharey=True, squeeze=False).flat)

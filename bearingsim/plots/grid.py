@@ -177,7 +177,8 @@ def _curves_of_row(row: Row, records: Mapping[str, Job], channels: Sequence[str]
         for component, points in _curves(name, records[name], channels, display).items():
             text = ", ".join(filter(None, [label, component]))
             colour = colours[number] if several else PARTS.get(component, COLOURS[len(drawn) % len(COLOURS)])
-            line = LINES[number % len(LINES)] if several and len(row.jobs) <= len(LINES) else "-"
+            dashes = LINES[:2] if len(row.jobs) >= SHADES_FROM else LINES
+            line = dashes[len(drawn) % len(dashes)]
             drawn.append(Drawn(text, colour, line, False, points))
     if len(drawn) > 1 and not several:  # components or rollers of one job leave no room for those of the other
         return drawn

@@ -10,6 +10,7 @@ from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 
 COLUMN_IN = 3.3  # width of one column of axes
+PAGE_IN = 6.8  # largest width of all columns of axes of a sweep, for a page of 180 mm
 FEW = 4  # up to this number of curves, each is thinner than the previous one
 SEQUENCE_FROM = 7  # from this number of ordered values on, colours are shades of a scale
 

@@ -1,6 +1,7 @@
 """Features against a swept parameter, the figures of a parametric study."""
 
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -14,11 +15,11 @@ from bearingsim.plots.axes import (
     MODEL_MARK,
     STATUS_MARKS,
     Curve,
+    axis_label,
     curves_of,
     draw_panels,
     finish,
     legend_entries,
-    legend_width,
     letter,
     mark_chaotic,
     mark_lost,
@@ -29,7 +30,7 @@ from bearingsim.plots.axes import (
     y_axis,
     y_label,
 )
-from bearingsim.plots.style import CurveStyle
+from bearingsim.plots.style import PAGE_IN, CurveStyle
 from bearingsim.plots.ticks import linear_ticks, log_ticks
 from bearingsim.plots.units import feature_scale
 from bearingsim.store import ERROR_PARTS
@@ -157,10 +158,11 @@ def _broken(x: Sequence[float], y: Sequence[float], name: str) -> tuple[list[flo
 
 MAX_UPRIGHT, MAX_LETTERS = 6, 36  # largest number of names, and of their letters, below an axis
 LINE_IN = 0.22  # height of a line
-VALUES_IN, NAME_LETTER_IN = 2.3, 0.072  # widths of a column of values, and of a letter of a name
-VALUE_LETTERS = 30  # characters in a line of a label below values
+LEAST_VALUES_IN, VALUES_IN = 1.25, 2.3  # limits of the width of a column of values
+NAME_LETTER_IN = VALUE_LETTER_IN = 0.072  # widths of a letter of a name, and of a label below values
 SPREAD = 0.5  # spread of several curves, over the distance between names
-ROOM = 0.22  # of the axis' length, margin for the number next to the last point
+MARGIN = 0.05  # of a log axis' length, further margin before the first point
+ROOM = 0.3  # of the axis' length, margin for the number next to the last point
 
 
 def are_many(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]) -> bool:
@@ -180,13 +182,10 @@ def draw_names(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], c
     panels = list(select.splits(rows, figure.panels, units))
     styles = styles_of_curves(figure, rows, units)
     entries = legend_entries(figure, styles, rows)
-    longest = max(len(name) for name in names)
-    width = (
-        len(figure.y) * VALUES_IN
-        + NAME_LETTER_IN * longest
-        + 0.4
-        + (legend_width(entries) + 0.6 if entries else 0.0)
-    )
+    texts = [labels.value_text(figure.x, name, units) for name in names]
+    beside = NAME_LETTER_IN * max(map(len, texts))
+    values_in = max(LEAST_VALUES_IN, min(VALUES_IN, (PAGE_IN - beside) / len(figure.y)))
+    width = len(figure.y) * values_in + beside + 0.4
     height = len(panels) * (LINE_IN * len(names) + 0.75) + 0.3
     canvas = Canvas(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.05))
     axes = canvas.subplots(len(panels), len(figure.y), sharex="col", sharey=True, squeeze=False)
@@ -195,9 +194,10 @@ def draw_names(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], c
         for column, feature in enumerate(figure.y):
             ax = axes[row][column]
             _values(ax, feature, figure, rows, curves_of(figure, part, units, styles, order), order)
+            ax.set_xlabel(textwrap.fill(ax.get_xlabel(), int(values_in / VALUE_LETTER_IN)))
             letter(ax, row * len(figure.y) + column, len(panels) * len(figure.y), text)
     corner = axes[0][0]
-    corner.set_yticks(range(len(names)), [labels.value_text(figure.x, name, units) for name in names])
+    corner.set_yticks(range(len(names)), texts)
     corner.set_ylim(len(names) - 0.5, -0.5)
     finish(canvas, figure.title, caption, entries)
     return canvas
@@ -208,7 +208,7 @@ def _values(
 ) -> None:
     """Draw the points of one feature, a row per category."""
     scale = feature_scale(name, float(rows[name].abs().max()), figure.view)
-    ax.set_xlabel(y_label(name, scale.unit, VALUE_LETTERS), fontsize=8.0)
+    ax.set_xlabel(axis_label(labels.feature_text(name), scale.unit), fontsize=8.0)
     if scale.is_rounding:
         note_rounding(ax)
     is_log = "y" in figure.log and not name.endswith(".phase")
@@ -258,7 +258,7 @@ def _value_axis(ax: "Axes", name: str, is_log: bool) -> None:
         ax.set_xscale("log", nonpositive="mask")
         log_ticks(ax.xaxis, ax.dataLim.minposx, ax.dataLim.x1)
         low, high = ax.get_xlim()
-        ax.set_xlim(low, high * (high / low) ** ROOM)
+        ax.set_xlim(low * (high / low) ** -MARGIN, high * (high / low) ** ROOM)
     elif name.endswith(".phase"):
         ax.set_xlim(-190.0, 190.0)
         ax.set_xticks(range(-180, 181, 90))

@@ -186,7 +186,7 @@ def draw(rows: list[dict[str, Any]], path: str) -> None:
     colours = dict(zip(NAMES, plt.rcParams["axes.prop_cycle"].by_key()["color"], strict=False))
     for name, c in colours.items():
         for scene, style in (("touch-down", "-"), ("located", "--"), ("between", ":")):
-            some = [r for r in rows if (r["scene"], r["method"], r["m"]) == (scene, name, round(10 / 9, 4))]
+            some = [r for r in rows if (r["scene"], r["method"], f"{r['m']:.3f}") == (scene, name, "1.111")]
             steps, errors = [1e6 * r["setting"] for r in some], [r["error"] for r in some]
             axes[0].loglog(steps, errors, style, c=c, label=name if scene == "touch-down" else None)
         for axis, scene in zip(axes[1:], SCENES, strict=True):
