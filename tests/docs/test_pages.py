@@ -20,12 +20,13 @@ from pathlib import Path
 import pytest
 import yaml
 from sybil import Document, Example, Region
+from sybil.example import SybilFailure
 from sybil.parsers.markdown import PythonCodeBlockParser
 from sybil.parsers.markdown.lexers import RawFencedCodeBlockLexer
 from typer.testing import CliRunner
 
 from bearingsim.cli import app
-from bearingsim.study import load_study
+from bearingsim.study import StudyError, load_study
 from tests.conftest import ROOT
 
 HOW_TO = sorted(ROOT.glob("docs/howto/*.md"))
@@ -118,12 +119,39 @@ def parse(page: Path) -> Document:
     return Document.parse(str(page), fenced, python)
 
 
+def run_blocks(page: Path) -> None:
+    """Run the blocks of a page in the working folder; fail at the first that does not do what the page shows."""
+    for example in parse(page):
+        example.evaluate()
+
+
 @pytest.mark.parametrize("page", PAGES, ids=page_name)
 def test_blocks_of_a_page_do_what_it_shows(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("studies").symlink_to(ROOT / "studies")
-    for example in parse(page):
-        example.evaluate()
+    run_blocks(page)
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        "```console\n$ echo 12\n13\n```",
+        "```console\n$ bearingsim freq nosuch\n```",
+        "```sh\ntrue\nfalse\n```",
+        "```python\n>>> 1 + 1\n3\n```",
+        "```python\nassert 1 > 2\n```",
+        "```\ntext\n```",
+        '```yaml title="a.yaml"\nstudy: a\nbearing: nf308\nspeed: 1800 rpm\n```\n\n```yaml\nlaod: 150 N\n```',
+    ],
+)
+def test_block_that_does_not_do_what_is_shown_fails(
+    block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    page = tmp_path / "page.md"
+    page.write_text(block + "\n", encoding="utf-8")
+    with pytest.raises((SybilFailure, AssertionError, StudyError)):
+        run_blocks(page)
 
 
 def test_blocks_left_out_are_listed() -> None:
