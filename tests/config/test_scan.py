@@ -78,7 +78,7 @@ def test_a_file_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, wr
         path.write_bytes(b"changed")
         return ascending(*parts)
 
-    monkeypatch.setattr(scanfile, "_ascending", changing)
+    monkeypatch.setattr(scanfile, "_ascending_grid", changing)
     found = read_scan(path)
     assert found.digest == hashlib.sha256(content).hexdigest()[:16]
     assert found.sizes == pytest.approx((6e-3, 2e-3, 50e-6), rel=1e-5)
