@@ -1,4 +1,4 @@
-"""The impact force that a run is foretold, against the largest contact force of the run.
+"""Estimated impact force, compared with the largest contact force of a run.
 
 Five scenes of benchmarks/impact_force.py in which an element strikes; all sixty are within a factor 2.
 """
@@ -12,6 +12,6 @@ STRIKING = (19, 28, 37, 49, 52)
 
 
 @pytest.mark.parametrize("number", STRIKING)
-def test_an_impact_is_foretold_within_a_factor_of_2(number: int) -> None:
-    foretold, largest = forces(scene(number, duration="60 ms"))
-    assert 1.0 / FACTOR < foretold / largest < FACTOR
+def test_impact_force_is_estimated_within_a_factor_of_2(number: int) -> None:
+    estimated, largest = forces(scene(number, duration="60 ms"))
+    assert 1.0 / FACTOR < estimated / largest < FACTOR

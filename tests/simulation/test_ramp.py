@@ -1,4 +1,4 @@
-"""The inner ring's motion, and what cage and rollers make of a ramp."""
+"""Speed ramps: motion of the inner ring, and response of cage and rollers."""
 
 import numpy as np
 import pytest
@@ -13,14 +13,14 @@ T = 0.05  # s: length of the ramps
 RECORD = ["ring.velocity", "cage.speed", "cage.slip", "roller.spin", "roller.cage_force"]
 
 
-def ramped(to, **given):
-    """A run of 0.2 s in `planar` whose speed goes from 1800 rpm to ``to`` within 0.05 s."""
-    given = {"model": "planar", "duration": "0.2 s", "settle": "0 s", "record": RECORD} | given
-    return simulate(case(ramp={"to": to, "time": f"{T} s"}, **given))
+def simulate_ramp(to, **overrides):
+    """Simulate 0.2 s in `planar`, with a ramp from 1800 rpm to ``to`` within 0.05 s."""
+    overrides = {"model": "planar", "duration": "0.2 s", "settle": "0 s", "record": RECORD} | overrides
+    return simulate(case(ramp={"to": to, "time": f"{T} s"}, **overrides))
 
 
 @pytest.mark.parametrize("ratio", [0.2, 1.0, 1.5, 4.0])
-def test_angle_speed_and_acceleration_are_one_motion(ratio):
+def test_angle_speed_and_acceleration_are_consistent(ratio):
     """The angle is the integral of the speed (by trapezoids, exactly), the speed that of the acceleration."""
     motion, t = Ramp(ratio, T), np.linspace(0.0, 3 * T, 3001)
     angle, speed, acceleration = np.array([kinematic_time(motion, x) for x in t]).T
@@ -32,25 +32,25 @@ def test_angle_speed_and_acceleration_are_one_motion(ratio):
     assert set(acceleration[1000:]) == {0.0}
 
 
-class Moving:
-    """What has a motion."""
+class MovingModel:
+    """Object with a motion."""
 
     motion = Ramp(2.0, T)
 
 
 def test_motion_of_a_series():
     t = np.array([0.0, 0.02, 0.05, 0.3])
-    assert kinematic_times(Moving, t).tolist() == [kinematic_time(Moving.motion, x)[0] for x in t]
-    assert speed_factor(Moving, t).tolist() == [kinematic_time(Moving.motion, x)[1] for x in t]
+    assert kinematic_times(MovingModel, t).tolist() == [kinematic_time(MovingModel.motion, x)[0] for x in t]
+    assert speed_factor(MovingModel, t).tolist() == [kinematic_time(MovingModel.motion, x)[1] for x in t]
     assert kinematic_times(None, t) is t
     assert speed_factor(None, t) == 1.0
     assert kinematic_time(Steady(), 0.3) == (0.3, 1.0, 0.0)
 
 
-def test_a_ramp_to_the_same_speed_is_none():
-    """The same ring to rounding, over a slot."""
+def test_ramp_to_the_same_speed_changes_nothing():
+    """To rounding, over a slot."""
     settings = {"defect": SLOT, "duration": "80 ms", "seed": 3}
-    ramp = ramped("1800 rpm", **settings)
+    ramp = simulate_ramp("1800 rpm", **settings)
     steady = simulate(case(model="planar", settle="0 s", record=RECORD, **settings))
     for name, values in steady.series.items():
         assert ramp.series[name] == pytest.approx(values, abs=1e-6 * np.abs(values).max() + 1e-12)
@@ -58,12 +58,12 @@ def test_a_ramp_to_the_same_speed_is_none():
 
 @pytest.mark.parametrize(("to", "sense"), [("2400 rpm", 1.0), ("1200 rpm", -1.0)])
 def test_a_cage_without_drag_follows_a_ramp(to, sense):
-    """Slower than kinematic where the rollers have to push it on, faster where they brake it; afterwards neither.
+    """Slower than kinematic while the rollers push it, faster while they brake it, and kinematic afterwards.
 
-    As they push in the load zone only, it stays behind by a pocket's clearance (0.2 mm) each time a roller crosses
-    that (some 90 mm): 0.22 %. The channel is the whole speed.
+    Rollers push in the load zone only, so the cage lags by a pocket clearance (0.2 mm) each time a roller crosses
+    it (some 90 mm): 0.22 %. The channel contains the total speed.
     """
-    run = ramped(to, seed=1)
+    run = simulate_ramp(to, seed=1)
     slip, t = run.series["cage.slip"], run.time
     assert 3e-4 < sense * slip[t < T].mean() < 5e-3
     assert abs(slip[t > 0.1].mean()) < 3e-4
@@ -72,10 +72,10 @@ def test_a_cage_without_drag_follows_a_ramp(to, sense):
     assert run.series["cage.speed"] == pytest.approx(kinematic * (1 - slip), rel=1e-12)
 
 
-def test_a_cage_that_must_speed_up_is_pushed():
-    """Forces of the pockets: none at steady speed, some N on a ramp."""
-    assert np.abs(ramped("1800 rpm").series["roller.cage_force"]).max() == 0.0
-    assert np.abs(ramped("2400 rpm").series["roller.cage_force"]).max() > 1.0
+def test_accelerated_cage_is_pushed_by_rollers():
+    """Pocket forces are zero at constant speed and above 1 N on a ramp."""
+    assert np.abs(simulate_ramp("1800 rpm").series["roller.cage_force"]).max() == 0.0
+    assert np.abs(simulate_ramp("2400 rpm").series["roller.cage_force"]).max() > 1.0
 
 
 def test_energy_closes_on_a_ramp():

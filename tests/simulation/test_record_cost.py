@@ -1,4 +1,4 @@
-"""What a job takes besides its steps: priced for every model, and no copies of a long record made."""
+"""CPU time and memory of a job besides its steps: prices for every model, and copies of long records."""
 
 import tracemalloc
 from importlib import import_module
@@ -32,18 +32,18 @@ BANDS = ["velocity.rms@10-1000Hz", "acceleration.rms@10-5000Hz", "envelope@BPFO@
 
 
 @pytest.mark.parametrize("name", pricing.Counts._fields)
-def test_everything_counted_has_a_price(name: str) -> None:
+def test_every_count_has_a_price(name: str) -> None:
     assert pricing.price(name.replace("_", " ")) > 0.0
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_every_model_is_priced_whole(model: str) -> None:
+def test_price_of_every_model_increases_with_duration(model: str) -> None:
     short, long = (time_grid.estimate(case(model=model, duration=s, **FULL)) for s in (0.1, 1.0))
     assert 0.0 < short.cpu_seconds < long.cpu_seconds
     assert 0.0 < short.memory < long.memory
 
 
-def test_what_is_read_and_written_is_priced() -> None:
+def test_price_includes_reading_and_writing() -> None:
     def seconds(**more: Any) -> float:
         return time_grid.estimate(case(**({"model": "ring", "duration": "1 s"} | FULL | more))).cpu_seconds
 
@@ -58,27 +58,27 @@ def test_what_is_read_and_written_is_priced() -> None:
 
 
 @pytest.mark.parametrize("more", [{"model": "ring"}, TURNING, RAMP, {"model": "ring", "antialias": False}])
-def test_features_are_the_same_whatever_is_read_at_a_time(monkeypatch: pytest.MonkeyPatch, more: Any) -> None:
+def test_features_do_not_depend_on_the_block_size(monkeypatch: pytest.MonkeyPatch, more: Any) -> None:
     test_case = case(duration="0.15 s", **more, **FULL)
-    at_once = simulate(test_case).features
+    reference = simulate(test_case).features
     for module in (spectral_lines, passes, lines):
         monkeypatch.setattr(module, "BLOCK", 1000)
     in_blocks = simulate(test_case).features
-    for name, value in at_once.items():
+    for name, value in reference.items():
         quantity = name.partition("@")[0]
-        scale = at_once[f"{quantity}.rms"] if "@" in name and "phase" not in name else abs(value)
+        scale = reference[f"{quantity}.rms"] if "@" in name and "phase" not in name else abs(value)
         assert in_blocks[name] == pytest.approx(value, rel=1e-9, abs=1e-12 * scale, nan_ok=True), name
 
 
 @pytest.mark.parametrize(("more", "times"), [({"model": "ring"}, 0.8), (TURNING, 1.8)])
-def test_features_of_a_long_record_copy_little_of_it(
+def test_features_of_a_long_record_need_little_memory(
     monkeypatch: pytest.MonkeyPatch, more: dict[str, Any], times: float
 ) -> None:
-    """In bytes of the recording: 9 rows. All of it was copied two to five times."""
+    """Relative to the size of the recording, which has 9 rows."""
     result: dict[str, float] = {}
     compute = features.features
 
-    def watched(case: Case, model: Any, cut: Any, raw: Any) -> dict[str, float]:
+    def traced_features(case: Case, model: Any, cut: Any, raw: Any) -> dict[str, float]:
         tracemalloc.start()
         try:
             return compute(case, model, cut, raw)
@@ -86,22 +86,22 @@ def test_features_of_a_long_record_copy_little_of_it(
             result["peak"] = tracemalloc.get_traced_memory()[1] / raw.fine.nbytes
             tracemalloc.stop()
 
-    monkeypatch.setattr(import_module("bearingsim.simulation.simulate"), "features", watched)
+    monkeypatch.setattr(import_module("bearingsim.simulation.simulate"), "features", traced_features)
     for module in (spectral_lines, passes, lines):
         monkeypatch.setattr(module, "BLOCK", 1 << 10)
     simulate(case(duration="0.6 s", **more, **FULL))
     assert result["peak"] < times
 
 
-def test_a_failed_attempt_leaves_no_record_behind() -> None:
-    left: list[ReferenceType[np.ndarray]] = []
+def test_record_of_a_failed_attempt_is_freed() -> None:
+    records: list[ReferenceType[np.ndarray]] = []
 
     def compute(attempt: Attempt) -> float:
-        if left:
-            assert left[0]() is None
+        if records:
+            assert records[0]() is None
             return attempt.step_fraction
         record = np.zeros(1)
-        left.append(ref(record))
+        records.append(ref(record))
         raise MethodFailure("too long a step", "")
 
     assert in_turn(case(model="ring"), compute) < 1.0
@@ -113,7 +113,7 @@ FORCES = {
     "step": "0.3 us",
     "method": "verlet",
 }
-REPEATS = {"model": "rollers", "duration": "1 s", **FORCES}
+PERIODIC = {"model": "rollers", "duration": "1 s", **FORCES}
 
 
 def largest_memory(given: Case) -> int:
@@ -127,7 +127,7 @@ def largest_memory(given: Case) -> int:
         tracemalloc.stop()
 
 
-OF_BANDS = {
+BAND_FEATURES = {
     "model": "ring",
     "method": "verlet",
     "step": "0.5 us",
@@ -140,48 +140,48 @@ OF_BANDS = {
 @pytest.mark.parametrize(
     "more",
     [
-        REPEATS,
-        REPEATS | FULL,
-        REPEATS | {"periodic": False},
-        OF_BANDS | FULL,
+        PERIODIC,
+        PERIODIC | FULL,
+        PERIODIC | {"periodic": False},
+        BAND_FEATURES | FULL,
         TURNING | FULL | {"duration": "0.6 s", "record": [], "method": "verlet"},
     ],
     ids=["repeats", "in full", "in full, checked", "bands", "slips"],
 )
-def test_memory_is_that_which_is_taken(more: dict[str, Any]) -> None:
-    """Of passes held while a period is sought, forces picked as they are, bands, and lines of bodies that slip."""
+def test_estimated_memory_agrees_with_traced_memory(more: dict[str, Any]) -> None:
+    """Stored passes of the period search, recorded forces, bands, and lines of bodies that slip."""
     test_case = case(**more)
-    priced = time_grid.estimate(test_case).memory
-    assert 0.6 * priced < largest_memory(test_case) < priced
+    estimated = time_grid.estimate(test_case).memory
+    assert 0.6 * estimated < largest_memory(test_case) < estimated
 
 
-def test_memory_of_a_long_search_for_a_period_is_priced() -> None:
-    """Of a run in full whose period, on which its step is checked, is found after 101 of 160 ball passes."""
-    slow = REPEATS | {"rig": {"ring_mass": "20 kg"}, "settle": "0 s", "periodic": False}
+def test_memory_of_a_long_period_search_is_estimated() -> None:
+    """A run in full whose period, used by the step check, is found after 101 of 160 ball passes."""
+    slow = PERIODIC | {"rig": {"ring_mass": "20 kg"}, "settle": "0 s", "periodic": False}
     test_case = case(**slow)
     priced = time_grid.estimate(test_case)
     assert priced.memory < 0.95 * priced.most_memory
     assert 0.6 * priced.most_memory < largest_memory(test_case) < priced.most_memory
 
 
-def test_the_search_for_a_period_leaves_no_record_behind(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Before a run in full, which takes as much memory."""
-    module, left = import_module("bearingsim.simulation.simulate"), []
+def test_record_of_the_period_search_is_freed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before the run in full, which needs as much memory."""
+    module, records = import_module("bearingsim.simulation.simulate"), []
     integrate = module.integrate
 
-    def watched(setup: Any, **more: Any) -> Any:
+    def recording_integrate(setup: Any, **more: Any) -> Any:
         if not setup.case.periodic:
-            assert left[0]() is None
+            assert records[0]() is None
         raw = integrate(setup, **more)
-        left.append(ref(raw.fine))
+        records.append(ref(raw.fine))
         return raw
 
-    monkeypatch.setattr(module, "integrate", watched)
+    monkeypatch.setattr(module, "integrate", recording_integrate)
     simulate(case(model="ring", method="verlet", step="2 us", duration="0.2 s", periodic=False))
-    assert len(left) == 2
+    assert len(records) == 2
 
 
-def test_lines_of_blocks_are_those_of_the_whole_series() -> None:
+def test_lines_by_blocks_equal_those_of_the_series() -> None:
     n = 5000
     t = np.arange(n) / n
     angles = np.array([2.0 * np.pi * (40.0 * t + 5.0 * t**2), 2.0 * np.pi * 91.3 * t])

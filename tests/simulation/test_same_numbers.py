@@ -1,4 +1,4 @@
-"""The same numbers, always: in another process, and in plain Python."""
+"""Reproducibility: the same results in another process and in plain Python."""
 
 import hashlib
 import os
@@ -25,8 +25,8 @@ def fingerprint(given: Case) -> str:
     return digest.hexdigest()
 
 
-def elsewhere(code: str, **environment: str) -> str:
-    """What a fresh process prints."""
+def run_in_new_process(code: str, **environment: str) -> str:
+    """Return the output of a new process."""
     env = os.environ | environment | {"PYTHONPATH": str(ROOT)}
     run = subprocess.run(
         [sys.executable, "-W", "error", "-c", code], env=env, capture_output=True, text=True, timeout=240
@@ -35,14 +35,14 @@ def elsewhere(code: str, **environment: str) -> str:
     return run.stdout.strip()
 
 
-def test_the_same_case_gives_the_same_bits() -> None:
+def test_same_case_gives_identical_results() -> None:
     test_case = case(model="rollers", defect=SLOT, record=RING + FORCES)
-    here = fingerprint(test_case)
-    assert fingerprint(test_case) == here
+    digest = fingerprint(test_case)
+    assert fingerprint(test_case) == digest
     fields = "model='rollers', defect=SLOT, record=RING + FORCES"
     code = f"from tests.simulation.test_same_numbers import *; print(fingerprint(case({fields})))"
-    assert elsewhere(code) == here
-    assert fingerprint(test_case.model_copy(update={"load": test_case.load * (1 + 1e-15)})) != here
+    assert run_in_new_process(code) == digest
+    assert fingerprint(test_case.model_copy(update={"load": test_case.load * (1 + 1e-15)})) != digest
 
 
 THREE = {  # a small bearing, turning fast, so that plain Python gets through a few ball passes
@@ -56,7 +56,7 @@ THREE = {  # a small bearing, turning fast, so that plain Python gets through a 
     "width": "23 mm",
 }
 FAST = {"bearing": THREE, "speed": "12000 rpm", "settle": "0 ms", "sampling": "1500 Hz", "clearance": "-2 um"} | {
-    "step_check": False  # which is the same code again, and takes most of the time
+    "step_check": False  # the same code again, which would take most of the time
 }
 
 
@@ -65,17 +65,17 @@ def numbers(**fields: Any) -> list[float]:
     return [result.features[n] for n in sorted(result.features) if "scatter" not in n and "kurtosis" not in n]
 
 
-CARRIED: list[dict[str, Any]] = [{}, {"race": "inner"}, {"race": "roller", "roller": 2}]
+DEFECT_RACES: list[dict[str, Any]] = [{}, {"race": "inner"}, {"race": "roller", "roller": 2}]
 DAMPED = {"contact": {"damping": {"chi": 5.0}}}
-FIELDS = [DAMPED | {"defect": SLOT | {"width": "3 mm"} | one} for one in CARRIED]
+FIELDS = [DAMPED | {"defect": SLOT | {"width": "3 mm"} | one} for one in DEFECT_RACES]
 
 
 @pytest.fixture(scope="module")
 def plain() -> list[list[float]]:
-    """The numbers of each of ``FIELDS`` in plain Python, found by one process."""
+    """Return the features of each of ``FIELDS``, computed in plain Python by one process."""
     code = "from tests.simulation.test_same_numbers import *; "
     code += "print([[x.hex() for x in numbers(**fields)] for fields in FIELDS])"
-    return [[float.fromhex(x) for x in one] for one in eval(elsewhere(code, NUMBA_DISABLE_JIT="1"))]
+    return [[float.fromhex(x) for x in one] for one in eval(run_in_new_process(code, NUMBA_DISABLE_JIT="1"))]
 
 
 @pytest.mark.parametrize("n", range(len(FIELDS)), ids=["outer race", "inner race", "roller"])
