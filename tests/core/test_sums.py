@@ -10,7 +10,7 @@ from bearingsim.core.methods.verlet import Verlet
 from bearingsim.core.sums import lane_sum
 from tests.core.models.test_by_roller import run
 from tests.scenes.nf308 import SLOT, case
-from tests.simulation.test_same_numbers import elsewhere
+from tests.simulation.test_same_numbers import run_in_new_process
 
 
 @pytest.mark.parametrize("n", [8, 16, 32, 104])
@@ -45,4 +45,4 @@ def test_the_width_of_vectors_changes_no_bit(name: str) -> None:
     """Two lanes instead of four or eight, with the same fused multiply-add."""
     code = f"from tests.core.test_sums import *; print(bits('{name}'))"
     narrow = ",".join(one.replace("+avx512", "-avx512") for one in FEATURES.split(","))
-    assert elsewhere(code, NUMBA_CPU_NAME="haswell", NUMBA_CPU_FEATURES=narrow) == bits(name)
+    assert run_in_new_process(code, NUMBA_CPU_NAME="haswell", NUMBA_CPU_FEATURES=narrow) == bits(name)

@@ -1,4 +1,4 @@
-"""Where lines of damaged elements stand, found in the recorded velocity by the picker, which knows no model."""
+"""Frequencies of defect lines, found in the recorded velocity by the picker without a model."""
 
 from functools import cache
 from typing import Any
@@ -26,7 +26,7 @@ def record(name: str, seconds: float = 2.0) -> Record:
 
 
 def picked(name: str, hertz: float) -> PickedLine | None:
-    """The line of the ring's velocity within 0.5 % of a frequency."""
+    """Return the line of the ring's velocity within 0.5 % of a frequency."""
     return pick_line(record(name).velocity[:, 0], FS, hertz)
 
 
@@ -34,7 +34,7 @@ def picked(name: str, hertz: float) -> PickedLine | None:
     ("name", "line", "sideband"), [("inner", BPFI, SHAFT), ("roller", TWICE_BSF, FTF)], ids=["inner", "roller"]
 )
 def test_a_turning_defect_has_its_line_and_sidebands(name: str, line: float, sideband: float) -> None:
-    """BPFI with sidebands of the shaft, 2 BSF with sidebands of the cage: far above what is around them."""
+    """BPFI with sidebands of the shaft, 2 BSF with sidebands of the cage, far above the surrounding spectrum."""
     for hertz in (line, line - sideband, line + sideband):
         result = picked(name, hertz)
         assert result is not None, hertz
@@ -49,8 +49,8 @@ def test_a_defect_on_a_roller_has_no_line_at_the_outer_race_frequency() -> None:
     assert result is None or result.amplitude < 0.3 * line.amplitude
 
 
-def test_both_are_told_apart_in_a_second() -> None:
-    """2.04 Hz apart in a record of 1 s."""
+def test_2bsf_and_bpfo_are_resolved_in_one_second() -> None:
+    """They are 2.04 Hz apart."""
     velocity = record("roller-and-outer", 1.0).velocity[:, 0]
     of_roller, of_race = pick_line(velocity, FS, TWICE_BSF), pick_line(velocity, FS, BPFO)
     assert of_roller is not None
@@ -60,8 +60,8 @@ def test_both_are_told_apart_in_a_second() -> None:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_the_picker_reads_what_the_features_say(name: str) -> None:
-    """Read blindly from the samples, and along the known angles from the fine ones: the same lines within 2 %."""
+def test_picked_lines_agree_with_features(name: str) -> None:
+    """Within 2 %: from the samples alone, and from fine samples at known angles."""
     hertz = {"BPFO": BPFO, "BPFI": BPFI, "2BSF": TWICE_BSF, "BPFI+fr": BPFI + SHAFT, "2BSF+FTF": TWICE_BSF + FTF}
     strong = {line: record(name).features[f"velocity@{line}"] for line in hertz}
     largest = max(strong.values())

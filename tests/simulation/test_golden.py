@@ -1,4 +1,4 @@
-"""Numbers that must not change unless MODEL_VERSION does: a stored result is taken for what it would be today."""
+"""Reference results, which must not change unless MODEL_VERSION does, because stored results are reused."""
 
 from pathlib import Path
 from typing import Any

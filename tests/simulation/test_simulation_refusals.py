@@ -1,4 +1,4 @@
-"""What is refused before a run, and stopped during one."""
+"""Cases that are refused before a run, and runs that are stopped."""
 
 import importlib
 import pickle
@@ -17,7 +17,7 @@ from tests.scenes.short_cases import RATE, SLOT, case
 MODULE = importlib.import_module("bearingsim.simulation.integration")
 
 
-def test_a_step_over_the_limit_is_refused_with_advice() -> None:
+def test_step_over_the_limit_is_refused_with_advice() -> None:
     with pytest.raises(SimulationError, match="of the method's limit") as caught:
         simulate(case(model="rollers", defect=SLOT, step="2 us"))
     assert caught.value.time is None
@@ -26,8 +26,8 @@ def test_a_step_over_the_limit_is_refused_with_advice() -> None:
 
 @pytest.mark.parametrize("factor", [2.0, 3.0, 10.0, 30.0])
 @pytest.mark.parametrize(("model", "defects"), [("rollers", ()), ("rollers", (SLOT,)), ("ring", ())])
-def test_a_run_forced_over_the_limit_is_stopped_live(model: str, defects: tuple, factor: float) -> None:
-    """``time_grid`` would refuse these: whatever slips past it must not come back as a result."""
+def test_run_over_the_step_limit_is_stopped(model: str, defects: tuple, factor: float) -> None:
+    """``time_grid``, which would refuse these steps, is bypassed."""
     test_case = case(model=model, defects=defects, sampling=100.0, step="0.1 us")
     forced = min(factor * choice.limits(test_case).at_impact, 0.99 / RATE / time_grid.MIN_FINE)
     with (
@@ -44,7 +44,7 @@ def test_a_run_forced_over_the_limit_is_stopped_live(model: str, defects: tuple,
 
 @pytest.mark.parametrize("factor", [2.0, 4.0])
 def test_an_automatic_step_that_is_too_long_is_refined(factor: float) -> None:
-    """The estimate of the impacts is forced to be wrong; the line stays at 9.30 um/s."""
+    """The estimate of the impacts is replaced by a wrong one; the line stays at 9.30 um/s."""
     test_case = case(model="rollers", method="verlet", defect=SLOT, sampling=1000.0)
     limit = choice.limits(test_case).at_impact
     with (
@@ -57,7 +57,7 @@ def test_an_automatic_step_that_is_too_long_is_refined(factor: float) -> None:
     assert 1e6 * result.features["velocity@BPFO"] == pytest.approx(9.30, abs=0.05)
 
 
-def test_an_automatic_step_is_not_halved_for_ever() -> None:
+def test_refinement_of_an_automatic_step_is_limited() -> None:
     test_case = case(model="rollers", method="verlet", defect=SLOT, sampling=100.0)
     forced = 30.0 * choice.limits(test_case).at_impact
     with (
@@ -69,7 +69,7 @@ def test_an_automatic_step_is_not_halved_for_ever() -> None:
     assert type(pickle.loads(pickle.dumps(caught.value))) is SimulationError
 
 
-def test_a_motion_that_is_not_finite_is_stopped() -> None:
+def test_run_with_nan_is_stopped() -> None:
     def broken(method: Any, model: Any, monitor: Monitor, start: int, y: np.ndarray, *rest: Any) -> tuple:
         y[lay.POSITION] = np.nan
         return advance_and_sample(method, model, monitor, start, y, *rest)
@@ -78,12 +78,12 @@ def test_a_motion_that_is_not_finite_is_stopped() -> None:
         simulate(case(method="verlet"))
 
 
-def test_a_load_too_small_to_balance_is_refused_with_a_reason() -> None:
+def test_load_without_equilibrium_is_refused_with_a_reason() -> None:
     with pytest.raises(SimulationError, match="no static equilibrium") as caught:
         simulate(case(load=1e-9))
     assert "load" in caught.value.advice
 
 
-def test_the_error_crosses_processes() -> None:
+def test_error_can_be_pickled() -> None:
     again = pickle.loads(pickle.dumps(SimulationError("why", "what", 0.5)))
     assert (again.reason, again.advice, again.time, str(again)) == ("why", "what", 0.5, "why; what")

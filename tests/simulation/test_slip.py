@@ -1,4 +1,4 @@
-"""Slip of the cage in `planar`: none without drag, a floor with it, gross where drag exceeds friction.
+"""Slip of the cage in `planar`: zero without drag, small with drag, gross if drag exceeds friction.
 
 The balance of forces that it is held against is derived in docs/slip.md and computed by benchmarks/slip.py.
 """
@@ -18,7 +18,7 @@ LAND_TORQUE, ORBIT_TORQUE = 0.21872, 0.18138  # N m at 6000 rpm, by hand: see th
 
 
 def oiled(rpm: float, load: float, **changes):
-    """The NF308 in oil, healthy."""
+    """Return the healthy NF308 in oil."""
     return case(**(OIL | {"speed": f"{rpm} rpm", "load": f"{load} N"} | changes))
 
 
@@ -34,13 +34,13 @@ class Pocket(dict):
 
 @lru_cache
 def slip(rpm: float, load: float, **changes) -> float:
-    """Mean slip of the cage over 0.2 s, after 0.5 s."""
+    """Return the mean slip of the cage over 0.2 s, after 0.5 s."""
     settings = {"settle": "0.5 s", "duration": "0.2 s"} | changes
     return simulate(oiled(rpm, load, **settings)).features["cage.slip.mean"]
 
 
 def early(rpm: float, load: float, **changes) -> float:
-    """Mean slip over 0.1 s, after 0.3 s: gross slip is there, but still grows."""
+    """Return the mean slip over 0.1 s, after 0.3 s: gross slip has begun, but still grows."""
     return slip(rpm, load, settle="0.3 s", duration="0.1 s", **changes)
 
 
@@ -112,7 +112,7 @@ def test_the_onset_of_gross_slip_is_where_drag_exceeds_friction(rpm, friction):
 
 
 def test_seeds_agree_on_the_mean():
-    """The motion is chaotic, the mean is not."""
+    """The motion is chaotic, but its mean slip does not depend on the seed."""
     first = slip(3000, 10, friction="static-dynamic")
     result = [first, *(slip(3000, 10, friction="static-dynamic", seed=seed) for seed in (2, 3))]
     assert len(set(result)) == 3

@@ -1,4 +1,4 @@
-"""What a study asks of ``spatial``: the lines of ``rollers`` where nothing tilts, and what tilt adds elsewhere."""
+"""Trends of `spatial`: the lines of `rollers` if no roller tilts, and the effect of tilt."""
 
 from functools import lru_cache
 from typing import Any
@@ -39,7 +39,7 @@ def test_the_line_rises_with_the_defects_length_in_rollers_and_in_spatial_alike(
     assert sliced == pytest.approx(flat, rel=0.02)  # planar and spatial roll with friction, rollers without
 
 
-def test_where_nothing_leans_spatial_is_planar() -> None:
+def test_spatial_agrees_with_planar_without_tilt() -> None:
     assert line("spatial", 12.0) == pytest.approx(line("planar", 12.0), rel=1e-3)
     assert np.abs(run("spatial", 12.0).series["roller.10.tilt"]).max() < 1e-12
 

@@ -54,8 +54,8 @@ def test_the_line_rises_with_width(model):
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_the_line_rises_with_depth_until_the_roller_hangs_free(model):
-    """Past the approach of the loaded contacts (about 0.35 um) the line saturates: depth is felt no more."""
+def test_the_line_rises_with_depth_until_the_roller_is_unloaded(model):
+    """Beyond the approach of the loaded contacts (about 0.35 um) the line does not depend on depth."""
     shallow = [amplitude(model, depth=f"{um} um") for um in (0.1, 0.2, 0.5)]
     assert all(b > 1.2 * a for a, b in pairwise(shallow))
     deep = [amplitude(model, depth=f"{um} um") for um in (1, 5, 50)]
@@ -76,7 +76,7 @@ def test_the_amplitudes_of_the_documented_slot(angle, expected):
     assert 1e6 * amplitude("rollers", angle=f"{angle} deg") == pytest.approx(expected, abs=0.02)
 
 
-def test_with_clearance_the_shapes_are_intertwined_past_some_angle():
+def test_with_clearance_shapes_agree_beyond_some_angle():
     """10 um, 0.8 mm x 5 um: apart at the load line; past 40 deg all three stand where the healthy line does."""
     shapes = ("rectangular", "triangular", "circular")
     healthy = abs(line("rollers", clearance="10 um", healthy=True))
