@@ -152,6 +152,9 @@ FREE_RING = {"rig.ring.bends": "true", "rig.load": "{by: point}", "defect.angle"
 PAPER = {"fig07_08_signal": 3, "fig10_13_shapes": 4, "fig19_20_test": 2, "fig21_angle": 2}  # figures of each study
 
 SOURCES: dict[str, OfStudy | OfTable | OfCommand] = {
+    "spall-signal.png": OfStudy("spall"),
+    "spall-envelope.png": OfStudy("spall", 2),
+    "spall-width.png": OfStudy("spall", 3),
     "excitations.png": OfStudy("excitations"),
     "damping.png": OfStudy("damping"),
     "tilt.png": OfStudy("tilt", kind="load", where={"defect.offset": "3 mm"}),

@@ -163,6 +163,12 @@ def test_blocks_left_out_are_listed() -> None:
     assert {name: count for name, count in counts.items() if count} == NOT_RUN
 
 
+def test_study_of_the_readme_is_shipped() -> None:
+    """The figures of the README are drawn from the shipped file."""
+    shipped = (ROOT / "studies/spall.yaml").read_text(encoding="utf-8")
+    assert shipped[shipped.index("study:") :] in PAGES[0].read_text(encoding="utf-8")
+
+
 def test_pages_are_short() -> None:
     lengths = {page_name(page): len(page.read_text(encoding="utf-8").split()) for page in PAGES}
     limits = {page_name(page): 400 for page in HOW_TO} | {"README.md": 900}
