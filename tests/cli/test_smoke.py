@@ -18,7 +18,7 @@ def test_a_new_study_is_checked_computed_shown_drawn_and_exported(here: Path, mo
     assert all(Path(figure).stat().st_size for figure in type_("plot")[0].split())
     type_("export", "--features", "table.csv")
     table = pd.read_csv("table.csv")
-    assert (table["velocity@BPFO"] > 0.0).all()
+    assert (table["velocity@BPFO (m/s)"] > 0.0).all()
     series = type_("export", "--series", table["job"][0])[0].strip()
     assert "ring.velocity.y [m/s]" in pd.read_csv(series)
     monkeypatch.setitem(sys.modules, "pyarrow", None)
