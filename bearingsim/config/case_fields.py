@@ -114,7 +114,7 @@ class CaseFields(Section):
     instead.
     """
     method: Annotated[MethodName, one_of(catalogue.AUTO, *catalogue.METHODS)] | None = None
-    """Integrator. `auto`: velocity Verlet or an implicit method, by stiffness and damping of the case."""
+    """Integrator. `auto`: the cheapest that stiffness and damping of the case allow."""
     step: Step = "auto"
     """Time step of methods with a fixed step. `auto`: shortened until the step check passes."""
     tolerance: Tolerance = "auto"

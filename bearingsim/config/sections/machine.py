@@ -77,7 +77,7 @@ class Bearing(Section):
     roller_diameter: Length
     """Diameter of the rolling elements."""
     roller_length: Length | None = None
-    """Effective length of the rollers; required for `roller`."""
+    """Length of the rollers; required for `roller`."""
     inner_groove_radius: Length | None = None
     """Radius of the inner groove in the axial plane; required for `ball`."""
     outer_groove_radius: Length | None = None
