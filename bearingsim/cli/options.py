@@ -66,5 +66,9 @@ def parse_shard(text: str) -> tuple[int, int]:
 def check_choice(option: str, value: str, choices: Sequence[str]) -> None:
     """Raise BadParameter for a value that is not among the choices."""
     if value not in choices:
+        from bearingsim.text.units import suggestion
+
         expected = f"{', '.join(choices[:-1])} or {choices[-1]}"
-        raise typer.BadParameter(f"expected {expected}, got `{value}`", param_hint=option)
+        hint = suggestion(value, choices)
+        message = f"expected {expected}, got `{value}`" + (f" ({hint})" if hint else "")
+        raise typer.BadParameter(message, param_hint=option)

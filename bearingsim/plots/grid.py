@@ -27,6 +27,7 @@ MANY = 6  # number of rows above which they are lower
 HEALTHY, HEALTHY_COLOUR = "healthy", "0.25"
 PARTS = {"": COLOURS[0], "x": COLOURS[2], "y": COLOURS[3]}
 LABEL_LETTERS, LETTER_IN = 26, 0.075
+CAPTION_IN = 1.0  # height (inches) of caption and legend
 WIDTH, HEALTHY_WIDTH = 1.1, 0.6  # points; the healthy curve is drawn above the other and leaves it visible
 SHADES_FROM = 6  # number of ordered curves in one axes from which their colours are shades
 
@@ -242,7 +243,7 @@ def _name_axes(column: Sequence["Axes"], label: str, only: bool) -> None:
     if only and len(column) > 1:
         canvas = column[0].get_figure(root=True)
         assert canvas is not None
-        letters = int(canvas.get_size_inches()[1] / LETTER_IN)
+        letters = int((canvas.get_size_inches()[1] - CAPTION_IN) / LETTER_IN)
         canvas.supylabel(textwrap.fill(label, letters), fontsize=9.0)
         return
     for ax in column:

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from bearingsim.config import CHANNELS, dataset_names
+from bearingsim.config import CHANNELS, FEATURES, dataset_names
+from bearingsim.config.bands import PASSBAND
 from bearingsim.config.channels import is_contact_force
 from bearingsim.config.names import LINE_LOADS, ROLLER, Line, roller_of
 from bearingsim.figure_kinds import MOTION
@@ -98,8 +99,10 @@ def _check(job: str, channel: str, recorded: Sequence[str]) -> None:
     names = [*recorded, *(name for base_channel in recorded for name in dataset_names(base_channel))]
     if recorded_as(channel, names) is None:
         hint = "" if channel in CHANNELS else suggestion(channel, names)
-        advice = hint or f"recorded channels: {', '.join(recorded)}"
-        raise PlotError(f"job {job} did not record `{channel}` ({advice})")
+        listed = f"recorded channels: {', '.join(recorded)}"
+        add = "; to see it, add it to `record` and run again" if channel in CHANNELS else ""
+        feature = f"{channel} is a feature: use `--kind sweep`" if channel in FEATURES else ""
+        raise PlotError(f"job {job} did not record `{channel}` ({feature or hint or listed + add})")
 
 
 def recorded_as(channel: str, recorded: Sequence[str]) -> str | None:
@@ -126,20 +129,25 @@ def signals_of(job: Job, channel: str) -> Iterator[Signal]:
         yield Signal(time, values, name.removeprefix(base_channel).removeprefix("."))
 
 
+def is_filtered_causally(job: Job, channel: str) -> bool:
+    """Check if a channel is filtered causally before it is drawn over time."""
+    return bool(job.parameters["antialias"] == "true") and not is_contact_force(channel)
+
+
 def drawn_values(job: Job, channel: str, signal: Signal) -> np.ndarray:
     """Return the signal's values (n,) as drawn over time, filtered causally.
 
     The zero-phase low-pass of the record rings before an impact; the causal filter removes this ringing. Contact
     forces, and records without a low-pass, are drawn as recorded.
     """
-    if job.parameters["antialias"] != "true" or is_contact_force(channel):
+    if not is_filtered_causally(job, channel):
         return signal.values
     from bearingsim import signals
 
     return signals.causal(signal.values)
 
 
-def filtered(signal: Signal, view: "View") -> Signal:
+def filtered(job: Job, signal: Signal, view: "View") -> Signal:
     """Apply the band-pass filter of a view and subtract the mean, if requested.
 
     Raises PlotError for a band beyond half the sampling rate.
@@ -148,6 +156,10 @@ def filtered(signal: Signal, view: "View") -> Signal:
     if view.band:
         from bearingsim import signals
 
+        limit = (PASSBAND if job.parameters["antialias"] == "true" else 0.5) * job.parameters["sampling"]
+        if view.band[1] > limit * (1.0 + 1e-9):
+            band = f"`band` ends at {view.band[1]:g} Hz"
+            raise PlotError(f"{band}; the record is flat to {limit:g} Hz; raise `sampling`")
         try:
             values = signals.band_pass(values, signal.rate, view.band)
         except ValueError as error:

@@ -42,7 +42,7 @@ def draw_roller(results: "Results", figure: "Figure", jobs: Sequence[str]) -> li
         low, high = _around_defect(results, records, channels[0], figure)
 
     def curve(name: str, job: Job, channel: str, signal: Signal) -> Curve:
-        values = recorded.drawn_values(job, channel, recorded.filtered(signal, figure.view))
+        values = recorded.drawn_values(job, channel, recorded.filtered(job, signal, figure.view))
         angle = np.degrees(recorded.roller_angle(job, (roller_of(channel) or (1, ""))[0]) + pi) % 360.0 - 180.0
         return _in_range(angle, values, low, high, one_pass=bool(figure.view.around))
 

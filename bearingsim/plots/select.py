@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.config import FEATURES
+from bearingsim.config import CHANNELS, FEATURES
 from bearingsim.config.names import read_band
 from bearingsim.figure_kinds import KINDS
 from bearingsim.plots.labels import COST, NONE, PlotError, described, unit_of, value_text
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 HEALTHY_PHASE = "-healthy.phase"
 MAX_CURVES = 9  # largest number of curves in a panel of an automatic figure
+MAX_LISTED = 8  # largest number of values in a message
 SOME = 3  # number of jobs in a figure of signals without a selection
 
 
@@ -269,10 +270,18 @@ def matching(rows: "pd.DataFrame", where: Mapping[str, str], units: Mapping[str,
     """Select the rows with given values of swept paths. Raises PlotError for an unknown path or no match."""
     for path, text in where.items():
         _check(path, units, "swept path")
+        if not _matches(rows[path], path, text).any() and len(rows):
+            swept = [value_text(path, value, units) for value in values(rows, path)]
+            several = f" (values: {', '.join(swept[:MAX_LISTED])}{', ...' * (len(swept) > MAX_LISTED)})"
+            raise PlotError(f"no case has {_described_filter(where)}{several}")
         rows = rows[_matches(rows[path], path, text)]
     if rows.empty:
-        raise PlotError(f"no case has {', '.join(f'{path} {text}' for path, text in where.items())}")
+        raise PlotError(f"no case has {_described_filter(where)}")
     return rows
+
+
+def _described_filter(where: Mapping[str, str]) -> str:
+    return ", ".join(f"{path} {text}" for path, text in where.items())
 
 
 def phases(features: Sequence[str]) -> tuple[str, ...]:
@@ -292,6 +301,8 @@ def check_paths(paths: Sequence[str], units: Mapping[str, str]) -> None:
 
 def _check(word: str, valid: Any, what: str) -> None:
     if word not in valid:
+        if what == "feature" and (word in CHANNELS or word.rpartition(".")[0] in CHANNELS):
+            raise PlotError(f"`{word}` is a channel, not a feature: add `--kind series` or `--kind spectrum`")
         near = "" if word in FEATURES else suggestion(word, list(valid))  # a feature is no typo
         near = f"use `features: [{word.removesuffix('-healthy')}]` and run again" if read_band(word) else near
         advice = near or f"there are: {', '.join(valid) or 'none'}"

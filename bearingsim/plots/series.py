@@ -1,6 +1,6 @@
 """Signals over time."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 SHOWN_PASSES = {"ring.": 8, "load_zone.": 8, "roller.": 26}
 """Ball passes shown by default, by channel; other channels are shown in full."""
+CROSSING = "0.93"
 SHOWN_IN_SECONDS = 0.5  # s; shorter time axes are in ms
 
 
@@ -33,12 +34,19 @@ def draw_series(results: "Results", figure: "Figure", jobs: Sequence[str]) -> li
 
     def curve(name: str, job: Job, channel: str, signal: Signal) -> Curve:
         window = window_of(results, name, records[name], channel, view, shown_time(job, channel))
-        values = recorded.drawn_values(job, channel, recorded.filtered(signal, view))
+        values = recorded.drawn_values(job, channel, recorded.filtered(job, signal, view))
         part = cut(signal._replace(values=values), window)
+        if window.crossing:
+            crossings.add(tuple(round((end - window.origin) / scale, 6) for end in window.crossing))
         return (part.time - window.origin) / scale, part.values
 
-    since = " from the impact" if view.around else ""
-    made = grid(results, records, channels, figure, Display(curve, f"Time{since} ({unit})"), _texts(figure))
+    crossings: set[tuple[float, ...]] = set()
+    since = " from the middle of the defect" if view.around else ""
+    notes = _texts(figure, records, channels)
+    made = grid(results, records, channels, figure, Display(curve, f"Time{since} ({unit})"), notes)
+    if len(crossings) == 1:
+        for ax in (ax for row in made.axes for ax in row):
+            ax.axvspan(*next(iter(crossings)), color=CROSSING, lw=0.0, zorder=0.5)
     return [Sheet(file_words(figure, jobs), made.canvas)]
 
 
@@ -50,9 +58,12 @@ def shown_time(job: Job, channel: str) -> float:
     return float(min(passes * pass_period(job), job.parameters["duration"]))
 
 
-def _texts(figure: "Figure") -> list[str]:
+def _texts(figure: "Figure", records: Mapping[str, Job], channels: Sequence[str]) -> list[str]:
     band = figure.view.band
+    filtered = any(recorded.is_filtered_causally(job, name) for job in records.values() for name in channels)
     return [
-        *([f"band {band[0]:g} to {band[1]:g} Hz"] if band else []),
+        *([f"band {band[0] / 1e3:.4g} to {band[1] / 1e3:.4g} kHz"] if band else []),
+        *(["drawn through a causal low-pass, so peaks differ from the features"] if filtered else []),
+        *(["grey: the contact is over the defect"] if figure.view.around else []),
         *(["without their mean"] if figure.view.zero_mean else []),
     ]

@@ -15,6 +15,7 @@ from bearingsim.plots.labels import PlotError
 from bearingsim.plots.recorded import Job, Signal
 from bearingsim.plots.sheet import Sheet, file_words
 from bearingsim.plots.style import COLOURS
+from bearingsim.plots.units import RANGE_DB
 from bearingsim.plots.window import cut, window_of
 
 if TYPE_CHECKING:
@@ -32,6 +33,8 @@ ORDERS_POINTS = 30.0  # height of the axis in orders above the axes
 ROUND_STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500)
 """Steps of the harmonics that are marked or named."""
 NAME_LETTER = 0.0105  # of the axis, width of a letter of a name
+AROUND_PASSES = 8.0  # ball passes of which the spectrum around an impact is computed
+FEWEST_BINS = 8  # least number of frequencies in a spectrum
 DECADES = 5  # largest range of a logarithmic axis below the largest value
 
 Spectrum = Callable[[np.ndarray, float], Curve]
@@ -54,7 +57,7 @@ def draw_envelope_spectrum(results: "Results", figure: "Figure", jobs: Sequence[
         except ValueError as error:
             raise PlotError(f"{error}; raise `sampling`") from None
 
-    return _draw(results, figure, jobs, spectrum, "squared envelope", power=2)
+    return _draw(results, figure, jobs, spectrum, "spectrum of the squared envelope", power=2)
 
 
 def _draw(
@@ -65,11 +68,20 @@ def _draw(
 
     def curve(name: str, job: Job, channel: str, signal: Signal) -> Curve:
         leading = records[name]
-        window = window_of(results, name, leading, channel, figure.view, float(signal.time[-1]))
+        window = window_of(
+            results, name, leading, channel, figure.view, float(signal.time[-1]), passes=AROUND_PASSES
+        )
         frequency, amplitude = spectrum(*whole_periods(cut(signal, window), first_line(leading.parameters)))
         shown = (frequency >= low) & (frequency <= high)
+        if np.count_nonzero(shown) < FEWEST_BINS:
+            part = f"{1e3 * (window.stop - window.start):.3g} ms of job {name} resolve {frequency[1]:.3g} Hz"
+            raise PlotError(f"{part}, too coarse for {low:g} to {high:g} Hz; show a longer part of the record")
+        resolution = f"Hann window, {frequency[1]:.3g} Hz between lines"
+        if resolution not in notes:
+            notes.append(resolution)
         return frequency[shown], amplitude[shown]
 
+    notes = _texts(figure, records)
     display = Display(
         curve,
         "Frequency (Hz)",
@@ -78,7 +90,7 @@ def _draw(
         amplitude=True,
     )
     channels = recorded.channels_for(records, figure.y)
-    made = grid(results, records, channels, figure, display, _texts(figure, records))
+    made = grid(results, records, channels, figure, display, notes)
     for row, shown in zip(made.axes, made.jobs, strict=True):
         for ax in row:
             _set_scales(ax, figure, low, high)
@@ -127,7 +139,7 @@ def _texts(figure: "Figure", records: Mapping[str, Job]) -> list[str]:
     if figure.kind == "envelope" and band is None:
         high = PASSBAND * min(float(job.parameters["sampling"]) for job in records.values())
         band = (0.0, high)
-    return [f"envelope of {band[0]:g} to {band[1]:g} Hz"] if band else []
+    return [f"envelope of {band[0] / 1e3:.4g} to {band[1] / 1e3:.4g} kHz"] if band else []
 
 
 # Axes
@@ -136,13 +148,16 @@ def _texts(figure: "Figure", records: Mapping[str, Job]) -> list[str]:
 def _set_scales(ax: "Axes", figure: "Figure", low: float, high: float) -> None:
     ax.set_xlim(low, high)
     if "x" in figure.log:
-        ax.set_xscale("log")
         ax.set_xlim(max(low, high * 1e-3), high)
+        ax.set_xscale("log")
     if "y" in figure.log:
         largest = ax.dataLim.y1
         ax.set_yscale("log", nonpositive="clip")
         ax.set_ylim(largest * 10.0**-DECADES, 2.0 * largest)
-    elif not figure.view.db:
+    elif figure.view.db:
+        largest = ax.dataLim.y1
+        ax.set_ylim(max(ax.dataLim.y0, largest - RANGE_DB) - 5.0, largest + 5.0)
+    else:
         ax.set_ylim(bottom=0.0)
 
 
@@ -168,16 +183,30 @@ def mark_lines(ax: "Axes", job: Job, named: bool, above: float = 0.0) -> None:
         for mark in _apart(harmonics, MARKS_APART * (high - low)):
             dashes: Mapping[str, Any] = {"ls": DASHED, "alpha": 0.4} if mark.sideband else {"alpha": 0.5}
             ax.axvline(mark.hertz, color=colour, lw=0.7, zorder=0.9, **dashes)
-        named_marks = [mark for mark in harmonics if not mark.sideband] if named else []
-        end = low - NAMES_APART * (high - low)  # of the name before
-        for mark in _apart(named_marks, NAMES_APART * (high - low)):
-            text = f"{mark.name} {mark.hertz:.1f} Hz" if mark.number == 1 else mark.name
-            half = 0.5 * NAME_LETTER * len(text) * (high - low)
-            if mark.hertz - half < end:
-                continue
-            end = mark.hertz + half
-            ax.annotate(text, (mark.hertz, 1.0), (0, height), xycoords=("data", "axes fraction"),
-                        textcoords="offset points", ha="center", fontsize=7, color=colour)  # fmt: skip
+        if named:
+            _name_marks(ax, [mark for mark in harmonics if not mark.sideband], colour, height)
+
+
+def _name_marks(ax: "Axes", harmonics: Sequence[lines.Mark], colour: str, height: float) -> None:
+    """Write the names of harmonics above the axes, with the frequency of all or, in a wide range, the first.
+
+    height: above the axes (points). Names that would overlap the one before are left out.
+    """
+    low, high = ax.get_xlim()
+    named = _apart(harmonics, NAMES_APART * (high - low))
+    positions = ax.transAxes.inverted().transform(ax.transData.transform([(mark.hertz, 0.0) for mark in named]))
+    distance = min(np.diff(positions[:, 0]), default=1.0) if len(named) else 1.0
+    long_names = [f"{mark.name} {mark.hertz:.1f} Hz" for mark in named]
+    all_long = NAME_LETTER * max(map(len, long_names), default=0) < distance
+    end = -np.inf  # of the name before, of the axes
+    for mark, (place, _), long_name in zip(named, positions, long_names, strict=True):
+        text = long_name if all_long or mark.number == 1 else mark.name
+        half = 0.5 * NAME_LETTER * len(text)
+        if place - half < end:
+            continue
+        end = place + half
+        ax.annotate(text, (mark.hertz, 1.0), (0, height), xycoords=("data", "axes fraction"),
+                    textcoords="offset points", ha="center", fontsize=7, color=colour)  # fmt: skip
 
 
 def _apart(marks: Sequence[lines.Mark], distance: float) -> list[lines.Mark]:

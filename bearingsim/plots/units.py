@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 GRAVITY = 9.80665  # m/s^2, standard acceleration of gravity (ISO 80000-3)
 CHOICES: dict[str, dict[str, float]] = {
     "m": {"m": 1.0, "mm": 1e3, "um": 1e6, "nm": 1e9},
-    "m/s": {"m/s": 1.0, "mm/s": 1e3, "um/s": 1e6},
+    "m/s": {"m/s": 1.0, "mm/s": 1e3, "um/s": 1e6, "in/s": 1.0 / 0.0254},
     "m/s^2": {"m/s^2": 1.0, "mm/s^2": 1e3, "g": 1.0 / GRAVITY},
     "N": {"N": 1.0, "kN": 1e-3},
     "N/m": {"N/m": 1.0, "N/mm": 1e-3},
@@ -31,7 +31,8 @@ REFERENCES = {"m": ("pm", 1e-12), "m/s": ("nm/s", 1e-9), "m/s^2": ("µm/s²", 1e
 """Reference values of levels in dB, as printed and in SI, by SI unit (ISO 1683:2015, table 1)."""
 ROUNDING = {"m": 1e-16, "m/s": 1e-12, "m/s^2": 1e-8, "N": 1e-9}
 """Values of features below which they are rounding errors of the solution, by SI unit."""
-FLOOR_DB = 120.0  # dB below the largest level of a curve; smaller levels are drawn there
+FLOOR_DB = 120.0  # dB below the largest level of a curve, its smallest level
+RANGE_DB = 100.0  # dB, range of an axis of levels below the largest
 SQUARES = 3.0  # a squared quantity is shown in its larger unit from 0.1 on
 
 
@@ -59,7 +60,7 @@ class Scale(NamedTuple):
 
     def unit_text(self, amplitude: bool) -> str:
         """Return the unit as in the axis label; amplitude: of a sine, which is 0-peak."""
-        parts = [self.unit, *(["0-peak"] if amplitude and self.power == 1 else [])]
+        parts = [self.unit, *(["0-peak"] if amplitude else [])]
         return ", ".join(filter(None, parts)).replace(" ", labels.NO_BREAK)
 
 
@@ -72,7 +73,7 @@ def scale_of(unit: str, name: str, largest: float, view: "View", power: int = 1)
         if unit not in REFERENCES:
             raise PlotError(f"`{name}` has no reference value for a level in dB; omit `db`")
         text, reference = REFERENCES[unit]
-        printed = labels.squared(text) if power == 2 else text
+        printed = f"({text})²" if power == 2 else text
         return Scale(f"dB re 1 {printed}", 1.0, reference, power)
     if view.unit:
         printed, factor = chosen(view.unit, unit, name)

@@ -19,11 +19,15 @@ FEWEST_SAMPLES = 4
 
 
 class Window(NamedTuple):
-    """Part of a record from ``start`` to ``stop`` (s); ``origin`` (s) is zero on the time axis."""
+    """Part of a record from ``start`` to ``stop`` (s); ``origin`` (s) is zero on the time axis.
+
+    crossing: times (s) at which the roller's contact enters and leaves the defect, of a window around an impact.
+    """
 
     start: float
     stop: float
     origin: float = 0.0
+    crossing: tuple[float, float] | None = None
 
     def shown(self, time: np.ndarray) -> np.ndarray:
         """Check which times (n,) in s lie in the window."""
@@ -31,22 +35,26 @@ class Window(NamedTuple):
         return (time >= self.start - 1e-6 * step) & (time <= self.stop + 1e-6 * step)
 
 
-def window_of(results: "Results", name: str, job: Job, channel: str, view: "View", usual: float) -> Window:
-    """Return the part of a channel of a job to show; ``usual``: its length (s) by default.
+def window_of(
+    results: "Results", name: str, job: Job, channel: str, view: "View", usual: float, passes: float = 1.0
+) -> Window:
+    """Return the part of a channel of a job to show.
 
+    usual: its length (s) by default; passes: its length around an impact by default, in ball passes.
     Raises PlotError if it lies outside the record or contains too few samples.
     """
     time = job.series.time
     if view.around:
-        origin = impact_time(results, name, job, channel)
-        span = view.span or pass_period(job)
-        window = Window(origin - LEAD * span, origin + (1.0 - LEAD) * span, origin)
+        origin, crossing = impact_time(results, name, job, channel)
+        span = view.span or passes * pass_period(job)
+        window = Window(origin - LEAD * span, origin + (1.0 - LEAD) * span, origin, crossing)
     else:
         start = view.start or 0.0
         stop = view.stop if view.stop is not None else start + (view.span or usual)
         window = Window(start, stop)
     count = np.count_nonzero(window.shown(time))
-    if count < FEWEST_SAMPLES:
+    is_cut = (view.stop or view.span) and window.stop > time[-1] + 2.0 / float(job.parameters["sampling"])
+    if count < FEWEST_SAMPLES or is_cut:
         raise PlotError(
             f"job {name} has {count} samples from {window.start:.6g} to {window.stop:.6g} s; its record lasts "
             f"from {time[0]:.6g} to {time[-1]:.6g} s, at {job.parameters['sampling']:g} Hz"
@@ -65,23 +73,24 @@ def pass_period(job: Job) -> float:
     return 1.0 / lines.frequency(lines.FAMILIES["outer"].fundamental, job.parameters)
 
 
-def impact_time(results: "Results", name: str, job: Job, channel: str) -> float:
+def impact_time(results: "Results", name: str, job: Job, channel: str) -> tuple[float, tuple[float, float] | None]:
     """Return the time (s) at which a roller passes the middle of a race defect, the first within the record.
 
-    For the channel of a roller, its own first passage. For a defect of a roller, whose angle is not recorded, the
-    time of the channel's largest deviation from its mean. Raises PlotError for a healthy bearing, or if no roller
-    passes.
+    Also returns the times at which it enters and leaves the defect. For the channel of a roller, its own first
+    passage. For a defect of a roller, whose angle is not recorded, the time of the channel's largest deviation from
+    its mean. Raises PlotError for a healthy bearing, or if no roller passes.
     """
     races = lines.races(job.parameters)
     if not races:
         raise PlotError(f"job {name} has no defect, so there is no impact; use `from` and `span`")
     if races == ["roller"]:
         signal = next(recorded.signals_of(job, channel))
-        return float(signal.time[np.argmax(np.abs(signal.values - signal.values.mean()))])
+        return float(signal.time[np.argmax(np.abs(signal.values - signal.values.mean()))]), None
     passage = passage_of(results, name, job, channel)
     if passage is None:
         raise PlotError(f"no roller passes the defect of job {name} completely within its record")
-    return passage.time
+    low, high = passage.defect.s
+    return passage.time, (passage.time + low / passage.speed, passage.time + high / passage.speed)
 
 
 def passage_of(results: "Results", name: str, job: Job, channel: str) -> Passage | None:

@@ -183,7 +183,7 @@ def transient_warnings(frame: "pd.DataFrame") -> Iterator[str]:
         jobs = f"{len(errors)} jobs have" if len(errors) > 1 else "1 job has"
         yield (
             f"{jobs} not settled, with an error of up to {100.0 * errors.max():.2g} % (`error.start`);"
-            " use `settle: auto` or a longer one"
+            " use a longer `settle`"
         )
 
 

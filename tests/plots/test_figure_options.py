@@ -217,7 +217,17 @@ def test_an_invalid_option_is_named(made, kind, options, option, message):
     [
         ("spectrum", {"range": "0..21 kHz"}, "the records are flat to 20480 Hz, 0.4 of their `sampling`"),
         ("series", {"from": "1 s"}, "its record lasts from 0 to 0.09998"),
-        ("series", {"band": "1 kHz..30 kHz"}, "not within 0 to 25600 Hz; raise `sampling`"),
+        ("series", {"band": "1 kHz..30 kHz"}, "the record is flat to 20480 Hz; raise `sampling`"),
+        ("series", {"span": "2 s"}, "its record lasts from 0 to 0.09998"),
+        (
+            "spectrum",
+            {"around": "impact", "span": "0.5 ms"},
+            "resolve 1.97e\\+03 Hz, too coarse for 0 to 1987.5 Hz",
+        ),
+        ("series", {"y": ["velocity@BPFO"]}, "velocity@BPFO is a feature: use `--kind sweep`"),
+        ("sweep", {"y": ["ring.velocity"]}, "`ring.velocity` is a channel, not a feature"),
+        ("series", {"y": ["ring.velocity"]}, "add it to `record` and run again"),
+        ("series", {"where": {"load": "160 N"}}, r"no case has load 160 N \(values: 150 N, 300 N\)"),
         ("envelope", {"band": "1 kHz..30 kHz"}, "not within 0 to 25600 Hz; raise `sampling`"),
         ("series", {"unit": "mm"}, "`mm` is not a unit of ring.acceleration"),
         ("series", {"unit": "gg"}, "is not a unit of ring.acceleration"),
@@ -272,7 +282,11 @@ def test_marks_carry_their_frequency_and_keep_their_distance(made):
     opened = made()
     where = {"load": "150 N", "defect.length": "3 mm"}
     _, near = only(drawn(opened, kind="spectrum", where=where, range="0..500 Hz"))
-    assert [text.get_text() for text in near.axes[0].texts] == ["BPFO 159.0 Hz", "2 BPFO", "3 BPFO"]
+    assert [text.get_text() for text in near.axes[0].texts] == [
+        "BPFO 159.0 Hz",
+        "2 BPFO 318.0 Hz",
+        "3 BPFO 477.0 Hz",
+    ]
     _, far = only(drawn(opened, kind="spectrum", where=where, range="0..20 kHz"))
     assert 1 < len(far.axes[0].texts) < 15
     assert len(far.axes[0].lines) < 60
@@ -332,7 +346,7 @@ def test_a_study_names_figures_of_signals(made):
     assert spectrum.axes[0].get_xlim() == (0.0, 2000.0)
     assert len(spectrum.axes) == 1
     assert len(series.axes) == 3
-    assert series.axes[-1].get_xlabel() == "Time from the impact (ms)"
+    assert series.axes[-1].get_xlabel() == "Time from the middle of the defect (ms)"
 
 
 def test_options_of_the_command_replace_those_of_the_study(made):
