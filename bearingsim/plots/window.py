@@ -77,8 +77,8 @@ def impact_time(results: "Results", name: str, job: Job, channel: str) -> tuple[
     """Return the time (s) at which a roller passes the middle of a race defect, the first within the record.
 
     Also returns the times at which it enters and leaves the defect. For the channel of a roller, its own first
-    passage. For a defect of a roller, whose angle is not recorded, the time of the channel's largest deviation from
-    its mean. Raises PlotError for a healthy bearing, or if no roller passes.
+    passage. For a defect of a roller, whose angle is not recorded, the time at which the channel deviates most
+    from its mean. Raises PlotError for a healthy bearing, or if no roller passes.
     """
     races = lines.races(job.parameters)
     if not races:

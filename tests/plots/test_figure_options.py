@@ -282,11 +282,8 @@ def test_marks_carry_their_frequency_and_keep_their_distance(made):
     opened = made()
     where = {"load": "150 N", "defect.length": "3 mm"}
     _, near = only(drawn(opened, kind="spectrum", where=where, range="0..500 Hz"))
-    assert [text.get_text() for text in near.axes[0].texts] == [
-        "BPFO 159.0 Hz",
-        "2 BPFO 318.0 Hz",
-        "3 BPFO 477.0 Hz",
-    ]
+    names = [text.get_text() for text in near.axes[0].texts]
+    assert names == ["BPFO 159.0 Hz", "2 BPFO 318.0 Hz", "3 BPFO 477.0 Hz"]
     _, far = only(drawn(opened, kind="spectrum", where=where, range="0..20 kHz"))
     assert 1 < len(far.axes[0].texts) < 15
     assert len(far.axes[0].lines) < 60

@@ -216,9 +216,9 @@ def test_few_samples_are_told(loaded):
     ("recorded", "options", "message"),
     [
         ("roller.2.outer_line_load", {"y": ["roller.2.inner_line_load"]},
-         "recorded no `roller.2.inner_line_load`: add `roller.2.inner_line_load` to `record`"),
+         "did not record `roller.2.inner_line_load`: add `roller.2.inner_line_load` to `record`"),
         ("cage.speed", {},
-         "recorded no load along a roller: add `roller.outer_line_load` to `record`, with `model: spatial`"),
+         "did not record a load along a roller: add `roller.outer_line_load` to `record`, with `model: spatial`"),
         ("roller.2.outer_line_load.3", {}, "recorded 1 of 1[23] slices; add `roller.2.outer_line_load`"),
         ("roller.2.outer_line_load", {"span": 2e-5}, "samples in that time; raise `sampling`"),
     ],
