@@ -158,7 +158,7 @@ SOURCES: dict[str, OfStudy | OfTable | OfCommand] = {
     "excitations.png": OfStudy("excitations"),
     "damping.png": OfStudy("damping"),
     "tilt.png": OfStudy("tilt", kind="load", where={"defect.offset": "3 mm"}),
-    "spall.png": OfStudy("paper/fig07_08_signal", kind="defect", setting={"defect": SPALL, "duration": "20 ms"}),
+    "spall.png": OfStudy("paper/fig07_08_signal", kind="pit", setting={"defect": SPALL, "duration": "20 ms"}),
     **{
         f"paper/{study}-{number}.png": OfStudy(f"paper/{study}", number)
         for study, count in PAPER.items()

@@ -113,7 +113,7 @@ class Search:
 
     Two passes are compared at all steps in the position and velocity of the ring and in the other recorded
     quantities, except accelerations, and also in the largest forces (and tilt) and in the final state. Each
-    difference is relative to the range of the quantity within a pass. It must be small in ``Closeness.times``
+    difference is relative to the range of the quantity within a pass. It must be small in ``Closeness.pass_count``
     successive passes, and so must the sum of all future differences: with a ratio rho from pass to pass, this sum
     is rho/(1 - rho) of the last difference.
     """

@@ -168,7 +168,7 @@ def records_series(case: Case) -> bool:
 
 
 def coarseness(case: Case) -> float:
-    """Return the ratio of FEWEST_SAMPLES to the samples of the shortest crossing; 0 without defects or filter."""
+    """Return the ratio of MIN_SAMPLES to the samples of the shortest crossing; 0 without defects or filter."""
     crossing = shortest_crossing(case)
     return MIN_SAMPLES / (crossing * case.sampling) if crossing < inf and case.antialias else 0.0
 
