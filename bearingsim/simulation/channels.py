@@ -58,7 +58,7 @@ SLICE_ROWS = {"outer_line_load": lay.LOAD_O, "inner_line_load": lay.LOAD_I}
 FEATURE_CELLS = (*RING_MOTION, lay.LOADED_ROLLERS, CAGE_ANGLE, CAGE_SPEED)
 """Cells from which features are computed; the first rows of every recording, even if not requested."""
 SENSOR_CELLS = (lay.SENSOR, lay.SENSOR_V, lay.SENSOR_A)
-"""Rows after ``FEATURE_CELLS`` for a flexible ring: radial displacement, velocity and acceleration at the sensor."""
+"""Rows after ``FEATURE_CELLS`` for a flexible ring: radial displacement, velocity, acceleration at the sensor."""
 
 
 def feature_cells(case: Case) -> tuple[int, ...]:
