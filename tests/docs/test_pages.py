@@ -1,6 +1,6 @@
 """Commands, studies and Python blocks of README, start, tutorial and how-to pages run, and print what is shown.
 
-The blocks of a page run in order in one folder, in which only ``studies`` lies:
+The blocks of a page run in order in an empty folder:
 
 - ``yaml title="FILE"`` is written into that file; other YAML is a part of a study, checked with the last file;
 - ``console`` has commands after ``$`` and their output, in which ``...`` stands for any text;
@@ -128,7 +128,6 @@ def run_blocks(page: Path) -> None:
 @pytest.mark.parametrize("page", PAGES, ids=page_name)
 def test_blocks_of_a_page_do_what_it_shows(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("studies").symlink_to(ROOT / "studies")
     run_blocks(page)
 
 
