@@ -66,35 +66,32 @@ def show_jobs(
         [head for head, _ in printed_columns], list(zip(*(cells for _, cells in printed_columns), strict=True))
     )
     if len(printed_rows) < len(rows):
-        _say(f"and {len(rows) - len(printed_rows)} more jobs in results.csv (or use `--json`)", width)
-    _say(_status_counts(table) + _variation_text(results), width)
+        _say(f"and {len(rows) - len(printed_rows)} more jobs in results.csv (or use `--json`)")
+    _say(_status_counts(table) + _variation_text(results))
     for text in withdrawals(results.plan, job_frame(results.path)):
-        _say(text, width)
+        _say(text)
     info = results.info().reindex(table["job"])
     choice_notes = (results.plan.get("accuracy") or {}).get("notes", ())
     assumptions = results.plan.get("assumptions", ())
     for text in (*choice_notes, *periodicity_notes(info), *assumptions, *damping.result_remarks(info)):
-        _say(text, width)
+        _say(text)
     if len(printed_columns) < len(all_columns):
         printed_heads = {_stack_heading(head) for head, _ in printed_columns}
         hidden = ", ".join(head for head, _ in all_columns if _stack_heading(head) not in printed_heads)
         count = len(all_columns) - len(printed_columns)
         remedy = "`--columns NAME` or `--json`" if every else "`--all`, `--columns NAME` or `--json`"
-        _say(f"{count} columns do not fit {width} letters: {hidden} ({remedy})", width)
+        _say(f"{count} columns do not fit {width} letters: {hidden} ({remedy})")
 
 
-def _say(text: str, width: int | None) -> None:
-    """Print a text, broken between words into lines of a width."""
-    lines = (
-        text.splitlines()
-        if width is None
-        else [
-            part
-            for line in text.splitlines()
-            for part in textwrap.wrap(line, width, break_long_words=False, break_on_hyphens=False)
-        ]
-    )
-    say("\n".join(lines))
+def _say(text: str) -> None:
+    """Print a text; on a terminal, broken between words into lines of its width."""
+    width = terminal_width()
+    if width is None:
+        say(text)
+        return
+    for line in text.splitlines():
+        for part in textwrap.wrap(line, width, break_long_words=False, break_on_hyphens=False):
+            say(part)
 
 
 def _main_features(results: "Results", table: "pd.DataFrame") -> list[str]:

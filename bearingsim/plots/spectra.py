@@ -237,11 +237,13 @@ def _name_sidebands(canvas: Canvas, jobs: Iterable[Job]) -> None:
     """Add the meaning of the dashed lines to the legend."""
     steady = [job for job in jobs if not recorded.has_ramp(job)]
     elements = dict.fromkeys(race for job in steady for race in lines.races(job.parameters))
-    entries = [
-        Line2D([], [], color=MARK_COLOURS[race], lw=0.7, ls=DASHED, label=f"± {lines.FAMILIES[race].distance}")
-        for race in elements
-        if lines.FAMILIES[race].beside
-    ]
+    entries = []
+    for race in elements:
+        family = lines.FAMILIES[race]
+        if family.beside:
+            distances = {f"{lines.frequency(family.beside, job.parameters):.4g} Hz" for job in steady}
+            text = f"± {family.distance}" + (f" ({distances.pop()})" if len(distances) == 1 else "")
+            entries.append(Line2D([], [], color=MARK_COLOURS[race], lw=0.7, ls=DASHED, label=text))
     if entries:
         shown = canvas.legends[0] if canvas.legends else None
         old = list(shown.legend_handles) if shown else []

@@ -105,7 +105,7 @@ def test_sidebands_are_marked_and_named(of_race, kind):
     [ax] = canvas.axes
     marks = sorted(line.get_xdata()[0] for line in ax.lines if len(line.get_xdata()) == 2)
     assert marks[:6] == pytest.approx([201.0, 231.0, 261.0, 432.0, 462.0, 492.0])
-    assert text_of(canvas) == ["with defect", "healthy", "± fr"]
+    assert text_of(canvas) == ["with defect", "healthy", "± fr (30 Hz)"]
     assert ax.texts[0].get_text() == "BPFI 231.0 Hz"
 
 

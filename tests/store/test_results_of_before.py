@@ -36,7 +36,7 @@ def test_results_are_exported(folder: Path) -> None:
     type_("export", folder, "--features", folder / "features.csv")
     written = pd.read_csv(folder / "features.csv", comment="#")
     before = pd.read_csv(folder / "results.csv", comment="#")
-    assert (written["velocity@BPFO"] == before["velocity@BPFO"]).all()
+    assert (written["velocity@BPFO (m/s)"] == before["velocity@BPFO"]).all()
 
 
 def test_series_are_read(folder: Path) -> None:

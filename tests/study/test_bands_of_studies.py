@@ -117,6 +117,6 @@ def test_they_are_stored_drawn_and_beside_their_healthy_twin(tmp_path: Path) -> 
             assert table.loc[job, f"{name}-healthy"] == apart  # type: ignore[index]
             assert apart > 0.0
     shown, _ = type_("show", tmp_path / "out")
-    assert RMS in shown
+    assert ".rms@10-1000Hz" in shown  # below "velocity" in a stacked heading
     for kind in ("sweep", "pit"):  # the latter makes the case again from its parameters
         type_("plot", tmp_path / "out", "--kind", kind, "--format", "svg")

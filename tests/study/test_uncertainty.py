@@ -110,7 +110,7 @@ def test_the_schema_knows_it() -> None:
     assert mapping["properties"].keys() == {"damping", "clearance", "bracket", "support"}
     assert mapping["additionalProperties"] is False
     assert mapping["properties"]["damping"]["minItems"] == 2
-    assert mapping["properties"]["support"] == {"const": "unknown"}
+    assert mapping["properties"]["support"]["const"] == "unknown"
 
 
 # Jobs
