@@ -111,7 +111,7 @@ class OptionError(UserError):
 class View:
     """Displayed part and scale of the signals or features of a figure; None and False: the default of the kind.
 
-    start, stop, span: time (s); around: event near the middle of the time axis; range: limits of the frequency
+    start, stop, span: time (s); around: event at a quarter of the time axis; range: limits of the frequency
     axis (Hz) or of the roller's angle (rad); band: band-pass filter (Hz); unit: of the y axis; db: level in
     decibels; zero_mean: subtract the mean; healthy: place of the healthy bearing's curve; orders: add an axis in
     orders of the shaft.
@@ -128,10 +128,6 @@ class View:
     zero_mean: bool = False
     healthy: str | None = None
     orders: bool = False
-
-    def options(self) -> list[str]:
-        """List the keys of the options that differ from their defaults."""
-        return [KEYS[f.name] for f in fields(self) if getattr(self, f.name) not in (None, False)]
 
 
 KEYS = {f.name: f.name for f in fields(View)} | {"start": "from", "stop": "to", "zero_mean": "mean"}

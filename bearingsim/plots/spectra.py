@@ -107,7 +107,7 @@ def _draw(
 def frequency_range(figure: "Figure", jobs: Iterable[Job]) -> tuple[float, float]:
     """Return the frequencies (Hz) to show: those of the view, else some multiples of the fundamental line.
 
-    Raises PlotError for frequencies above half the sampling rate.
+    Raises PlotError for frequencies beyond the passband of the records.
     """
     jobs = list(jobs)
     flat = PASSBAND * min(float(job.parameters["sampling"]) for job in jobs)

@@ -12,7 +12,7 @@ from bearingsim.text.units import SPELLING, suggestion
 if TYPE_CHECKING:
     from bearingsim.figure_kinds import View
 
-GRAVITY = 9.80665  # m/s^2, standard acceleration of gravity (ISO 80000-3)
+GRAVITY = 9.80665  # m/s^2, standard acceleration of gravity (3rd CGPM, 1901)
 CHOICES: dict[str, dict[str, float]] = {
     "m": {"m": 1.0, "mm": 1e3, "um": 1e6, "nm": 1e9},
     "m/s": {"m/s": 1.0, "mm/s": 1e3, "um/s": 1e6, "in/s": 1.0 / 0.0254},
@@ -28,7 +28,7 @@ CHOICES: dict[str, dict[str, float]] = {
 """Units of `unit:` and their factors from SI, by SI unit."""
 
 REFERENCES = {"m": ("pm", 1e-12), "m/s": ("nm/s", 1e-9), "m/s^2": ("µm/s²", 1e-6), "N": ("µN", 1e-6)}
-"""Reference values of levels in dB, as printed and in SI, by SI unit (ISO 1683:2015, table 1)."""
+"""Reference values of levels in dB, as printed and in SI, by SI unit (ISO 1683:2015)."""
 ROUNDING = {"m": 1e-16, "m/s": 1e-12, "m/s^2": 1e-8, "N": 1e-9}
 """Values of features below which they are rounding errors of the solution, by SI unit."""
 FLOOR_DB = 120.0  # dB below the largest level of a curve, its smallest level
@@ -76,7 +76,7 @@ def scale_of(unit: str, name: str, largest: float, view: "View", power: int = 1)
         printed = f"({text})²" if power == 2 else text
         return Scale(f"dB re 1 {printed}", 1.0, reference, power)
     if view.unit:
-        printed, factor = chosen(view.unit, unit, name)
+        printed, factor = requested_unit(view.unit, unit, name)
     else:
         printed, factor = labels.readable(unit, name, (SQUARES if power == 2 else 1.0) * largest ** (1.0 / power))
     return Scale(labels.squared(printed) if power == 2 else labels.pretty(printed), factor**power, None, power)
@@ -98,7 +98,7 @@ def feature_scale(name: str, largest: float, view: "View") -> FeatureScale:
     unit, factor = labels.feature_axis(name, largest)
     si = FEATURES[name].unit if name in FEATURES else ""
     if view.unit and not name.endswith(".phase"):
-        unit, factor = chosen(view.unit, si, name)
+        unit, factor = requested_unit(view.unit, si, name)
     parts = [unit, *(["0-peak"] if is_amplitude(name) else [])]
     rounding = largest < ROUNDING.get(si, 0.0) and not name.endswith("-scatter")
     return FeatureScale(", ".join(filter(None, parts)).replace(" ", labels.NO_BREAK), factor, rounding)
@@ -111,8 +111,11 @@ def is_amplitude(name: str) -> bool:
     return is_line and not line.endswith((".phase", "-scatter"))
 
 
-def chosen(word: str, unit: str, name: str) -> tuple[str, float]:
-    """Return a requested unit, as printed, and its factor from SI; ``unit``: SI unit of the quantity ``name``."""
+def requested_unit(word: str, unit: str, name: str) -> tuple[str, float]:
+    """Return the unit ``word`` as printed and its factor from SI; ``unit``: SI unit of the quantity ``name``.
+
+    Raises PlotError for a unit of another quantity.
+    """
     choices = CHOICES.get(unit, {unit: 1.0})
     spelt = word.strip().translate(SPELLING)
     if spelt not in choices:

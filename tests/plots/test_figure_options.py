@@ -13,6 +13,7 @@ from bearingsim.config import dataset_names
 from bearingsim.figure_kinds import KEYS, KINDS, OptionError, View, limits, view_of
 from bearingsim.plots import PlotError
 from bearingsim.plots.plot import drawn
+from bearingsim.store import layouts
 from bearingsim.study import StudyError, stored_figure
 from tests.plots.test_plots import BPFO, only, results, text_of
 
@@ -145,7 +146,22 @@ def check_effect(kind, option, before, canvas):
         [axis] = ax.child_axes
         assert axis.get_xlabel() == "Order of the shaft frequency, 30 Hz"
     elif option == "where":
-        assert len(canvas.axes) <= len(before.axes)
+        titles = [axes.get_title(loc="left") for axes in canvas.axes]
+        assert not any("load 300 N" in title for title in titles)
+        if kind == "waterfall":
+            assert len(canvas.axes) < len(before.axes)
+        elif KINDS[kind].of_jobs and kind != "pit":
+            assert any("load 150 N" in title for title in titles)
+            assert any("load 300 N" in axes.get_title(loc="left") for axes in before.axes)
+    elif option == "x":
+        assert canvas.axes[-1].get_xlabel() == "Load (N)"
+    elif option == "panels":
+        assert [axes.get_title(loc="left").split(" ", 1)[1] for axes in canvas.axes[:: len(canvas.axes) // 2]] == [
+            "load 150 N",
+            "load 300 N",
+        ]
+    elif option == "healthy":
+        assert [line for line in ax.lines if line.get_gid() == "healthy"]
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in ("load", "ring")])
@@ -180,7 +196,7 @@ def test_kinds_of_other_records_name_the_options_that_they_lack(made, kind):
 
 def test_every_option_is_in_the_table():
     assert set(VALUES) == {option for kind in KINDS.values() for option in kind.options}
-    assert set(KEYS) == {field.name for field in fields(View)}
+    assert set(KEYS) == {field.name for field in fields(View)} == set(layouts.View.model_fields)
 
 
 # Refusals
