@@ -83,15 +83,27 @@ def common(
 
 @app.command()
 def new(
-    path: Annotated[Path, typer.Argument(metavar="PATH", help="file to write")] = Path("study.yaml"),
+    path: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="PATH", help="file to write; default: study.yaml, with --from the file name of the study"
+        ),
+    ] = None,
+    source: Annotated[
+        str | None, typer.Option("--from", metavar="NAME", help="copy a study that comes with the program")
+    ] = None,
+    list_: Annotated[bool, typer.Option("--list", help="list the studies for --from, and exit")] = False,
 ) -> None:
     """Write a commented study file to start from, and a schema for editors in the same folder."""
-    from bearingsim.cli.new import write_schema, write_study
+    from bearingsim.cli import new
 
-    write_study(path)
-    for line in write_schema(path.parent):
+    if list_:
+        new.show_studies()
+        return
+    path, *files = new.write_template(path) if source is None else new.write_copy(source, path)
+    for line in new.write_schema(path.parent):
         say(line, err=True)
-    say(f"{path} written; next: bearingsim check {path}")
+    say(f"{' and '.join(map(str, (path, *files)))} written; next: bearingsim check {path}")
 
 
 @app.command()

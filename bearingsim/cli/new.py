@@ -1,18 +1,70 @@
-"""`bearingsim new`: template study and its schema; existing files are not changed."""
+"""`bearingsim new`: a template or a shipped study, and the schema; existing files are not changed."""
 
 from collections.abc import Iterator
 from pathlib import Path
 
+from bearingsim.cli.screen import print_table
 from bearingsim.errors import UserError
-from bearingsim.study import NEW_STUDY, SCHEMA_FILE, schema_text
+from bearingsim.shipped import shipped_studies
+from bearingsim.study import NEW_STUDY, SCHEMA_COMMENT, SCHEMA_FILE, outline, schema_text
+from bearingsim.text.terminal import say
+from bearingsim.text.units import suggestion
 
 
-def write_study(path: Path) -> None:
-    """Write the study. Raises UserError if the file exists."""
-    try:
-        _write(path, NEW_STUDY)
-    except FileExistsError:
-        raise UserError(f"{path} exists; name another file, or remove it") from None
+def write_template(path: Path | None) -> list[Path]:
+    """Write the template of a study; return its path. Raises UserError if the file exists."""
+    path = path or Path("study.yaml")
+    _write_study(path, NEW_STUDY)
+    return [path]
+
+
+def write_copy(name: str, path: Path | None) -> list[Path]:
+    """Write a copy of a shipped study and of the files beside it that it reads; return their paths.
+
+    Raises UserError for an unknown name, and if the study or another file of this name exists.
+    """
+    source = find_study(name)
+    path = path or Path(source.name)
+    study = outline(source, {}, quick=False)
+    paths = [Path(file) for file in study.files if Path(file).is_file()] if study else []
+    contents = {
+        path.parent / file.relative_to(source.parent): file.read_text(encoding="utf-8")
+        for file in paths
+        if file != source and file.is_relative_to(source.parent)
+    }
+    for target, text in contents.items():
+        if target.exists() and not _has_content(target, text):
+            raise UserError(f"{target} exists, and the study needs another file of this name: use another folder")
+    _write_study(path, SCHEMA_COMMENT + source.read_text(encoding="utf-8"))
+    for target, text in contents.items():
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if not target.exists():
+            _write(target, text)
+    return [path, *contents]
+
+
+def find_study(name: str) -> Path:
+    """Find the only shipped study whose name begins with ``name``, or is ``name``. Raises UserError."""
+    studies = shipped_studies()
+    word = name.replace("-", "_").removesuffix(".yaml")
+    matches = [stem for stem in studies if stem == word] or [stem for stem in studies if stem.startswith(word)]
+    if len(matches) == 1:
+        return studies[matches[0]]
+    first_words = {stem.partition("_")[0] for stem in studies}
+    hint = " or ".join(f"`{stem}`" for stem in matches) or suggestion(word, {*studies, *first_words})
+    raise UserError(f"no study `{name}`{f' ({hint})' if hint else ''}: `bearingsim new --list` lists all")
+
+
+def show_studies() -> None:
+    """Print a table of the shipped studies: name, title and number of cases."""
+    rows = []
+    for name, path in shipped_studies().items():
+        title = path.read_text(encoding="utf-8").partition("\n")[0].strip("# .")
+        study = outline(path, {}, quick=False)
+        rows.append((name, title, str(study.cases) if study else "-"))
+    print_table(("name", "study", "cases"), rows, text_columns=2)
+    say("\nA case is one simulation. `bearingsim check` counts those of healthy bearings and other damping, too.")
+    say("To copy a study: bearingsim new --from NAME (the beginning of a name is enough)")
 
 
 def write_schema(folder: Path) -> Iterator[str]:
@@ -23,6 +75,13 @@ def write_schema(folder: Path) -> Iterator[str]:
     except FileExistsError:
         if not _has_content(path, text):
             yield (f"{path} is not this version's schema and is kept; `bearingsim check --schema` prints it")
+
+
+def _write_study(path: Path, text: str) -> None:
+    try:
+        _write(path, text)
+    except FileExistsError:
+        raise UserError(f"{path} exists; name another file, or remove it") from None
 
 
 def _write(path: Path, text: str) -> None:

@@ -5,18 +5,16 @@ from os.path import isfile
 from pathlib import Path
 from typing import Any, Literal
 
+from bearingsim.shipped import shipped_folder
 from bearingsim.text import files_read, yamlfile
 from bearingsim.text.units import suggestion
 
 Kind = Literal["bearings", "rigs", "materials"]
 
-_PACKAGE = Path(__file__).resolve().parents[1]
-
 
 def folders(kind: Kind) -> list[Path]:
-    """List the folders of a kind in search order: working directory, then checkout or installation."""
-    home = _PACKAGE.parent if (_PACKAGE.parent / "pyproject.toml").is_file() else _PACKAGE
-    return [base / "configs" / kind for base in (Path.cwd(), home)]
+    """List the folders of a kind in search order: working directory, then those that come with the program."""
+    return [base / kind for base in (Path.cwd() / "configs", shipped_folder("configs"))]
 
 
 def library_names(kind: Kind) -> list[str]:

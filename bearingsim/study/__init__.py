@@ -7,11 +7,12 @@ from bearingsim.study.load import Outline, load_study, outline
 from bearingsim.study.paths import dimension
 from bearingsim.study.rolling_parts import load_rolling_parts
 from bearingsim.study.schema import json_schema, schema_text
-from bearingsim.study.template import NEW_STUDY, SCHEMA_FILE
+from bearingsim.study.template import NEW_STUDY, SCHEMA_COMMENT, SCHEMA_FILE
 from bearingsim.text.yamlfile import Problem, StudyError
 
 __all__ = [
     "NEW_STUDY",
+    "SCHEMA_COMMENT",
     "SCHEMA_FILE",
     "Design",
     "Figure",

@@ -139,12 +139,16 @@ def _raise_problems(file: "_StudyFile", settings: _Settings) -> None:
 
 
 class Outline(NamedTuple):
-    """Properties of a study that are known before its cases are built; ``files``: all files that it reads."""
+    """Properties of a study that are known before its cases are built.
+
+    files: all files that it reads or looks for; cases: number of its cases before `where` leaves some out.
+    """
 
     name: str
     overrides: dict[str, str]
     quick: bool
     files: Mapping[str, str | None]
+    cases: int
 
 
 def outline(path: FilePath, overrides: Mapping[str, str], quick: bool) -> Outline | None:
@@ -156,7 +160,8 @@ def outline(path: FilePath, overrides: Mapping[str, str], quick: bool) -> Outlin
     name = file.root.mapping.get("study")
     if file.syntax_problems or name is None:
         return None
-    return Outline(name.text, file.overrides, quick and "quick" in file.root.mapping, file.files)
+    reduced = quick and "quick" in file.root.mapping
+    return Outline(name.text, file.overrides, reduced, file.files, file.plans[-1 if reduced else 0].count)
 
 
 class _StudyFile(NamedTuple):

@@ -3,8 +3,11 @@
 SCHEMA_FILE = "study.schema.json"
 """File name of the schema, which editors use to complete and check a study in the same folder."""
 
+SCHEMA_COMMENT = f"# yaml-language-server: $schema=./{SCHEMA_FILE}\n"
+"""First line of a study, by which editors find the schema."""
+
 NEW_STUDY = (
-    f"# yaml-language-server: $schema=./{SCHEMA_FILE}\n"
+    SCHEMA_COMMENT
     + """\
 # A parametric study. Check it with `bearingsim check FILE`, run it with `bearingsim run FILE`.
 # Quantities have units. Commented lines are optional settings, shown with their defaults.

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from bearingsim import assemble, catalogue
+from bearingsim import assemble, catalogue, shipped
 from bearingsim.assemble import contacts
 from bearingsim.config import (
     CHANNELS,
@@ -399,13 +399,13 @@ def test_configs_come_from_the_package_or_its_checkout(tmp_path: Path, monkeypat
     """Installed, `configs` beside the package is somebody else's; in a checkout it is where they are written."""
     monkeypatch.chdir(tmp_path)
     package = tmp_path / "site-packages" / "bearingsim"
-    monkeypatch.setattr(library, "_PACKAGE", package)
+    monkeypatch.setattr(shipped, "_PACKAGE", package)
     for folder, name in ((package, "packed"), (package.parent, "beside")):
         (folder / "configs" / "materials").mkdir(parents=True)
         (folder / "configs" / "materials" / f"{name}.yaml").write_text("density: 1 kg/m^3\n")
     assert library_names("materials") == ["packed"]
     assert Material.model_validate(library.load_mapping("materials", "packed")).density == 1.0
-    (package.parent / "pyproject.toml").touch()
+    (package / "configs").rename(package / "elsewhere")
     assert library_names("materials") == ["beside"]
 
 
