@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from bearingsim.store import Results, open_results
     from bearingsim.study import Study, load_study
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = ["Case", "__version__", "load_study", "open_results", "run", "simulate"]
 
 _HOME = {"Case": "config", "load_study": "study", "open_results": "store", "simulate": "simulation"}
