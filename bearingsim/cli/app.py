@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bearingsim import __version__, blas_threads
-from bearingsim.cli import streams
+from bearingsim.cli import completion, streams
 from bearingsim.cli.group import Commands
 from bearingsim.cli.options import (
     Jobs,
@@ -38,7 +38,6 @@ app = typer.Typer(
     name="bearingsim",
     help="Parametric studies of the vibration of rolling bearings with local defects.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
@@ -90,7 +89,13 @@ def new(
         ),
     ] = None,
     source: Annotated[
-        str | None, typer.Option("--from", metavar="NAME", help="copy a study that comes with the program")
+        str | None,
+        typer.Option(
+            "--from",
+            metavar="NAME",
+            help="copy a study that comes with the program",
+            autocompletion=completion.shipped_study,
+        ),
     ] = None,
     list_: Annotated[bool, typer.Option("--list", help="list the studies for --from, and exit")] = False,
 ) -> None:
@@ -238,7 +243,12 @@ def warm(
 @app.command()
 def freq(
     bearing: Annotated[
-        str, typer.Argument(metavar="BEARING", help="name in configs/bearings, or path of a bearing file")
+        str,
+        typer.Argument(
+            metavar="BEARING",
+            help="name in configs/bearings, or path of a bearing file",
+            autocompletion=completion.bearing,
+        ),
     ],
     speed: Annotated[str, typer.Option(help="speed of the inner ring")] = "1800 rpm",
     outer_speed: Annotated[

@@ -44,7 +44,7 @@ def find_results(folder: Path | None) -> "Results":
 
     if folder is not None:
         return open_results(folder)
-    for results_folder in _result_folders():
+    for results_folder in result_folders():
         try:
             return open_results(results_folder)
         except (ResultsError, LinkInFolder) as error:
@@ -52,7 +52,7 @@ def find_results(folder: Path | None) -> "Results":
     raise UserError("no results in ./results; name a folder, or run a study first")
 
 
-def _result_folders() -> list[Path]:
+def result_folders() -> list[Path]:
     """List the results folders in ./results, newest first."""
     folders = [plan.parent for plan in Path("results").glob("*/plan.json")]
     return sorted(

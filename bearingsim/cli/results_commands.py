@@ -6,9 +6,10 @@ from typing import Annotated
 
 import typer
 
+from bearingsim.cli import completion
 from bearingsim.cli.opening import find_job, find_results, reads_results, short_path
 from bearingsim.cli.options import Json, Results, check_choice, is_verbose, parse_assignment
-from bearingsim.figure_kinds import KINDS, LOG_AXES, OPTION_HELP, OptionError
+from bearingsim.figure_kinds import AROUND, HEALTHY, KINDS, LOG_AXES, OPTION_HELP, OptionError
 from bearingsim.text.terminal import say
 
 REPEATABLE = "; repeatable"
@@ -24,13 +25,20 @@ def plot(
     results: Results = None,
     kind: Annotated[
         str | None,
-        typer.Option(help=f"of the study: {_names(of_jobs=False)}; of signals: {_names(of_jobs=True)}"),
+        typer.Option(
+            help=f"of the study: {_names(of_jobs=False)}; of signals: {_names(of_jobs=True)}",
+            autocompletion=completion.words(KINDS),
+        ),
     ] = None,
     x: Annotated[str | None, typer.Option(metavar="PATH", help=OPTION_HELP["x"])] = None,
     by: Annotated[list[str] | None, typer.Option(metavar="PATH", help=OPTION_HELP["by"] + REPEATABLE)] = None,
     y: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help=OPTION_HELP["y"] + REPEATABLE),
+        typer.Option(
+            metavar="NAME",
+            help=OPTION_HELP["y"] + REPEATABLE,
+            autocompletion=completion.feature_or_channel,
+        ),
     ] = None,
     panels: Annotated[
         list[str] | None,
@@ -39,21 +47,35 @@ def plot(
     where: Annotated[
         list[str] | None, typer.Option(metavar="PATH=VALUE", help=OPTION_HELP["where"] + REPEATABLE)
     ] = None,
-    job: Annotated[list[str] | None, typer.Option(metavar="JOB", help="job to plot, or `all`; repeatable")] = None,
+    job: Annotated[
+        list[str] | None,
+        typer.Option(metavar="JOB", help="job to plot, or `all`; repeatable", autocompletion=completion.job),
+    ] = None,
     start: Annotated[str | None, typer.Option("--from", metavar="TIME", help=OPTION_HELP["from"])] = None,
     stop: Annotated[str | None, typer.Option("--to", metavar="TIME", help=OPTION_HELP["to"])] = None,
     span: Annotated[str | None, typer.Option(metavar="TIME", help=OPTION_HELP["span"])] = None,
-    around: Annotated[str | None, typer.Option(metavar="EVENT", help=OPTION_HELP["around"])] = None,
+    around: Annotated[
+        str | None,
+        typer.Option(metavar="EVENT", help=OPTION_HELP["around"], autocompletion=completion.words(AROUND)),
+    ] = None,
     limits: Annotated[
         str | None,
         typer.Option("--range", metavar="LOW..HIGH", help=OPTION_HELP["range"]),
     ] = None,
     band: Annotated[str | None, typer.Option(metavar="LOW..HIGH", help=OPTION_HELP["band"])] = None,
-    log: Annotated[list[str] | None, typer.Option(metavar="AXIS", help=OPTION_HELP["log"] + REPEATABLE)] = None,
+    log: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="AXIS", help=OPTION_HELP["log"] + REPEATABLE, autocompletion=completion.words(LOG_AXES)
+        ),
+    ] = None,
     db: Annotated[bool, typer.Option("--db", help=OPTION_HELP["db"])] = False,
     unit: Annotated[str | None, typer.Option(metavar="UNIT", help=OPTION_HELP["unit"])] = None,
     mean: Annotated[str | None, typer.Option(metavar="0", help=OPTION_HELP["mean"])] = None,
-    healthy: Annotated[str | None, typer.Option(metavar="PLACE", help=OPTION_HELP["healthy"])] = None,
+    healthy: Annotated[
+        str | None,
+        typer.Option(metavar="PLACE", help=OPTION_HELP["healthy"], autocompletion=completion.words(HEALTHY)),
+    ] = None,
     orders: Annotated[bool, typer.Option("--orders", help=OPTION_HELP["orders"])] = False,
     file_format: Annotated[str, typer.Option("--format", help="png, svg or pdf")] = "png",
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="folder (default: RESULTS/figures)")] = None,
@@ -94,7 +116,10 @@ def show(
     assumptions: Annotated[
         bool, typer.Option("--assumptions", help="list the assumptions that the study does not vary")
     ] = False,
-    columns: Annotated[list[str] | None, typer.Option(metavar="NAME", help="column to print; repeatable")] = None,
+    columns: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="column to print; repeatable", autocompletion=completion.feature),
+    ] = None,
     every: Annotated[bool, typer.Option("--all", help="print all usual columns, also beyond 80 letters")] = False,
     as_json: Json = False,
 ) -> None:
@@ -115,7 +140,12 @@ def sensitivity(
     results: Results = None,
     features: Annotated[
         list[str] | None,
-        typer.Option("--of", metavar="FEATURE", help="default: amplitude at the defect frequency; repeatable"),
+        typer.Option(
+            "--of",
+            metavar="FEATURE",
+            help="default: amplitude at the defect frequency; repeatable",
+            autocompletion=completion.feature,
+        ),
     ] = None,
     out: Annotated[
         Path | None,
@@ -137,7 +167,10 @@ def export(
         typer.Option(metavar="FILE", help="file for the table of features (.csv, .parquet; -: csv to stdout)"),
     ] = None,
     series: Annotated[
-        list[str] | None, typer.Option(metavar="JOB", help="job whose time series are written; repeatable")
+        list[str] | None,
+        typer.Option(
+            metavar="JOB", help="job whose time series are written; repeatable", autocompletion=completion.job
+        ),
     ] = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="file for the time series (.csv, .mat; -: csv to stdout)")

@@ -23,16 +23,17 @@ READING = [
     ["merge", "--out", "merged"],
     ["prune"],
 ]
-CODE = """
+COMPUTING = {"numba", "scipy", "joblib", "bearingsim.simulation", "bearingsim.assemble", "bearingsim.core.jit"}
+"""Modules that only commands that compute import."""
+CODE = f"""
 import json, os, sys
 from contextlib import redirect_stdout
 from bearingsim.cli.app import app
-COMPUTING = {"numba", "scipy", "joblib", "bearingsim.simulation", "bearingsim.assemble", "bearingsim.core.jit"}
 for command, *options in json.loads(sys.argv[1]):
     with redirect_stdout(open(os.devnull, "w")):
         app([command, "small", *options], standalone_mode=False)
-    imported = COMPUTING & set(sys.modules)
-    assert not imported, f"{command} {options} imports {imported}"
+    imported = {COMPUTING} & set(sys.modules)
+    assert not imported, (command, options, imported)
 """
 
 
