@@ -11,6 +11,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from bearingsim.plots import labels, select
+from bearingsim.plots.points import Points, curve_rows, order_of, points_of
 from bearingsim.plots.style import COLUMN_IN, PAGE_IN, CurveStyle, curve_styles
 from bearingsim.plots.ticks import linear_ticks, log_ticks
 from bearingsim.store import is_uncertain
@@ -39,12 +40,12 @@ BASELINE: dict[str, Any] = {"ls": (0, (4, 2)), "lw": 0.9, "zorder": 1.5, "gid": 
 
 @dataclass(frozen=True)
 class Curve:
-    """Curve of a panel: legend texts of its colour and of its line style, its style and its rows."""
+    """Curve of a panel: legend texts of its colour and of its line style, its style and its points."""
 
     colour_text: str
     line_text: str
     look: CurveStyle
-    rows: "pd.DataFrame"
+    points: Points
 
 
 def draw_panels(
@@ -137,21 +138,22 @@ def styles_of_curves(
 
 def curves_of(
     figure: Figure,
+    name: str,
+    part: "pd.DataFrame",
     rows: "pd.DataFrame",
     units: Mapping[str, str],
-    styles: Mapping[tuple[str, str], CurveStyle],
-    order: Mapping[Any, int],
+    factor: float,
 ) -> list[Curve]:
-    """List the curves of one panel; points are sorted by the ``order`` of the values on x."""
+    """List the curves of feature ``name`` in one panel, whose rows are ``part``; arguments as of ``points_of``."""
+    styles, order = styles_of_curves(figure, rows, units), order_of(figure, rows)
     return [
         Curve(
             colour_text,
             line_text,
             styles[colour_text, line_text],
-            inner.loc[inner[figure.x].map(order).sort_values().index],
+            points_of(figure, name, curve, rows, units, factor),
         )
-        for colour_text, part in select.splits(rows, figure.by[:1], units)
-        for line_text, inner in select.splits(part, figure.by[1:], units)
+        for colour_text, line_text, curve in curve_rows(figure, part, units, order)
     ]
 
 
@@ -195,27 +197,17 @@ def models_of(rows: "pd.DataFrame") -> dict[str, str]:
     return {name: MODEL_MARKS[number % len(MODEL_MARKS)] for number, name in enumerate(names)}
 
 
-def positions(x: str, part: "pd.DataFrame", rows: "pd.DataFrame", units: Mapping[str, str]) -> list[float]:
-    """Return the positions of rows on the x axis: in the study's unit, or the index of a word."""
-    distinct = select.values(rows, x)
-    if not select.is_numeric(distinct):
-        return [float(distinct.index(value)) for value in part[x]]
-    unit = select.x_unit(x, rows, units)
-    return [labels.shown(x, value, unit) for value in part[x]]
-
-
-def mark_chaotic(ax: "Axes", x: Sequence[float], y: Sequence[float], rows: "pd.DataFrame", name: str) -> None:
+def mark_chaotic(ax: "Axes", x: Sequence[float], y: Sequence[float], chaotic: Sequence[bool]) -> None:
     """Draw a ring around each point of a chaotic motion, whose value is one random draw."""
-    draws = is_uncertain(rows, name)
-    points = [(a, b) for a, b, is_so in zip(x, y, draws, strict=True) if is_so and math.isfinite(a * b)]
+    points = [(a, b) for a, b, is_so in zip(x, y, chaotic, strict=True) if is_so and math.isfinite(a * b)]
     if points:
         ax.plot(*zip(*points, strict=True), **RING)
 
 
-def mark_lost(ax: "Axes", x: Sequence[float], status: "pd.Series[Any]") -> None:
+def mark_lost(ax: "Axes", points: Points) -> None:
     """Mark jobs without a result on the x axis."""
     for kind, (marker, colour, _) in STATUS_MARKS.items():
-        where = [position for position, state in zip(x, status, strict=True) if state == kind]
+        where = [position for position, state in zip(points.x, points.status, strict=True) if state == kind]
         if where:  # an empty unclipped line has no position, and breaks the layout
             marks: dict[str, Any] = {"color": colour, "markersize": 6, "markeredgewidth": 1.5, "clip_on": False}
             ax.plot(where, [0.025] * len(where), marker, transform=ax.get_xaxis_transform(), **marks)

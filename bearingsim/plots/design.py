@@ -14,7 +14,6 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
-from bearingsim.plots import select
 from bearingsim.plots.axes import (
     BAND_ALPHA,
     ROW_IN,
@@ -26,7 +25,6 @@ from bearingsim.plots.axes import (
     letter,
     mark_chaotic,
     mark_lost,
-    positions,
     styles_of_curves,
     x_axis,
     x_label,
@@ -144,13 +142,12 @@ def _panel(
     """Draw the points of one feature over x; ``part``: those of all ``rows`` that belong to the panel."""
     scale = feature_scale(name, float(rows[name].abs().max()), figure.view)
     ax.set_ylabel(y_label(name, scale.unit))
-    order = {value: rank for rank, value in enumerate(select.values(rows, figure.x))}
-    for curve in curves_of(figure, part, units, styles_of_curves(figure, rows, units), order):
-        x, y = positions(figure.x, curve.rows, rows, units), list(curve.rows[name] * scale.factor)
-        ax.plot(x, y, **curve.look.keywords() | POINTS)
-        _mark_trend(ax, curve, trend(x, y))
-        mark_chaotic(ax, x, y, curve.rows, name)
-        mark_lost(ax, x, curve.rows["status"])
+    for curve in curves_of(figure, name, part, rows, units, scale.factor):
+        points = curve.points
+        ax.plot(points.x, points.y, **curve.look.keywords() | POINTS)
+        _mark_trend(ax, curve, trend(points.x, points.y))
+        mark_chaotic(ax, points.x, points.y, points.chaotic)
+        mark_lost(ax, points)
     x_axis(ax, figure, rows, units)
     y_axis(ax, name, figure)
 

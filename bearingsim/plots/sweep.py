@@ -24,16 +24,15 @@ from bearingsim.plots.axes import (
     mark_chaotic,
     mark_lost,
     models_of,
-    positions,
     styles_of_curves,
     x_axis,
     y_axis,
     y_label,
 )
+from bearingsim.plots.points import Points
 from bearingsim.plots.style import PAGE_IN, CurveStyle
 from bearingsim.plots.ticks import linear_ticks, log_ticks
 from bearingsim.plots.units import feature_scale
-from bearingsim.store import ERROR_PARTS
 from bearingsim.study import Figure
 
 if TYPE_CHECKING:
@@ -47,24 +46,22 @@ BAR_POINTS = 4.0  # width of an uncertainty bar
 
 def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
     """Draw a completed figure, a line per combination of `by`; arguments as of ``axes.draw_panels``."""
-    order = {value: rank for rank, value in enumerate(select.values(rows, figure.x))}
-    styles = styles_of_curves(figure, rows, units)
+    is_line = select.is_numeric(select.values(rows, figure.x))
 
     def panel(ax: "Axes", name: str, part: "pd.DataFrame") -> None:
         scale = feature_scale(name, float(rows[name].abs().max()), figure.view)  # of all panels
-        factor = scale.factor
         ax.set_ylabel(y_label(name, scale.unit))
-        curves = curves_of(figure, part, units, styles, order)
+        curves = curves_of(figure, name, part, rows, units, scale.factor)
         for curve in curves:
-            x, y = positions(figure.x, curve.rows, rows, units), list(curve.rows[name] * factor)
-            look = curve.look if select.is_numeric(select.values(rows, figure.x)) else curve.look._replace(line="")
-            ax.plot(*_broken(x, y, name), **look.keywords())
-            mark_spread(ax, x, curve, name, factor)
-            mark_errors(ax, x, y, curve)
-            mark_models(ax, x, y, curve.rows, models_of(rows))
-            mark_chaotic(ax, x, y, curve.rows, name)
-            mark_lost(ax, x, curve.rows["status"])
-        mark_baselines(ax, figure, curves, name, factor, rows, units)
+            points, look = curve.points, curve.look if is_line else curve.look._replace(line="")
+            ax.plot(*_broken(points.x, points.y, name), **look.keywords())
+            mark_spread(ax, curve)
+            mark_errors(ax, curve)
+            mark_models(ax, points, models_of(rows))
+            mark_chaotic(ax, points.x, points.y, points.chaotic)
+            mark_lost(ax, points)
+        if f"baseline {name}" in rows:
+            mark_baselines(ax, curves)
         x_axis(ax, figure, rows, units)
         y_axis(ax, name, figure)
         if scale.is_rounding:
@@ -73,24 +70,12 @@ def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption
     return draw_panels(figure, rows, units, caption, panel)
 
 
-def mark_baselines(
-    ax: "Axes",
-    figure: Figure,
-    curves: Sequence[Curve],
-    name: str,
-    factor: float,
-    rows: "pd.DataFrame",
-    units: Mapping[str, str],
-) -> None:
+def mark_baselines(ax: "Axes", curves: Sequence[Curve]) -> None:
     """Draw the level of the healthy bearing, dashed: one line if all curves share it, else in their colours."""
-    column = f"baseline {name}"
-    if column not in rows:
-        return
-    levels = [tuple(curve.rows[column] * factor) for curve in curves]
-    points = [tuple(positions(figure.x, curve.rows, rows, units)) for curve in curves]
-    shared = len(set(zip(points, levels, strict=True))) == 1
-    for curve, x, y in zip(curves[:1] if shared else curves, points, levels, strict=False):
-        ax.plot(x, y, **BASELINE, color=BASELINE_COLOUR if shared else curve.look.colour)
+    shared = len({(*curve.points.x, *curve.points.healthy) for curve in curves}) == 1
+    for curve in curves[:1] if shared else curves:
+        colour = BASELINE_COLOUR if shared else curve.look.colour
+        ax.plot(curve.points.x, curve.points.healthy, **BASELINE, color=colour)
 
 
 def note_rounding(ax: "Axes") -> None:
@@ -99,48 +84,37 @@ def note_rounding(ax: "Axes") -> None:
             color="0.35")  # fmt: skip
 
 
-def mark_spread(ax: "Axes", x: Sequence[float], curve: Curve, name: str, factor: float) -> None:
+def mark_spread(ax: "Axes", curve: Curve) -> None:
     """Draw the uncertainty of a feature: a band if all points have one, else bars."""
-    ends = [f"{end} {name}" for end in ("least", "largest")]
-    if not all(end in curve.rows for end in ends):
-        return
-    low, high = (list(curve.rows[end] * factor) for end in ends)
-    has = [math.isfinite(value) for value in low]
-    if all(has) and len(x) > 1:
-        ax.fill_between(x, low, high, color=curve.look.colour, alpha=BAND_ALPHA, lw=0.0)
+    points = curve.points
+    has = [math.isfinite(value) for value in points.low]
+    if all(has) and len(points.x) > 1:
+        ax.fill_between(points.x, points.low, points.high, color=curve.look.colour, alpha=BAND_ALPHA, lw=0.0)
     elif any(has):
         abscissas, least, largest = (
-            [v for v, is_one in zip(a, has, strict=True) if is_one] for a in (x, low, high)
+            [v for v, is_one in zip(a, has, strict=True) if is_one] for a in (points.x, points.low, points.high)
         )
         ax.vlines(abscissas, least, largest, color=curve.look.colour, lw=BAR_POINTS, alpha=2.0 * BAND_ALPHA)
 
 
-def mark_errors(ax: "Axes", x: Sequence[float], y: Sequence[float], curve: Curve) -> None:
-    """Draw the error bound of model, step and scatter as bars, scaled by the curve's largest value.
-
-    Draws nothing unless the study names an accuracy.
-    """
-    if not all(name in curve.rows for name in (*ERROR_PARTS, "error")):
-        return
-    largest = max((abs(value) for value in y if math.isfinite(value)), default=0.0)
-    parts = curve.rows[[*ERROR_PARTS]].sum(axis=1, min_count=1)
-    off = largest * parts.where(~(curve.rows["error"] > parts), curve.rows["error"])  # larger if an audit failed
-    bounded = [(a, b, e) for a, b, e in zip(x, y, off, strict=True) if math.isfinite(b * e)]
+def mark_errors(ax: "Axes", curve: Curve) -> None:
+    """Draw the error bound of model, step and scatter as bars, if the study names an accuracy."""
+    bounded = list(curve.points.having("error"))
     if bounded:
         abscissas, value, error = zip(*bounded, strict=True)
         ax.errorbar(abscissas, value, error, fmt="none", ecolor=curve.look.colour, elinewidth=1.0, capsize=2.5)
 
 
-def mark_models(
-    ax: "Axes", x: Sequence[float], y: Sequence[float], rows: "pd.DataFrame", marks: Mapping[str, str]
-) -> None:
+def mark_models(ax: "Axes", points: Points, marks: Mapping[str, str]) -> None:
     """Mark each point by its model if several were chosen."""
     for model, mark in marks.items() if len(marks) > 1 else ():
-        points = [
-            (a, b) for a, b, name in zip(x, y, rows["model"], strict=True) if name == model and math.isfinite(b)
+        places = [
+            (a, b)
+            for a, b, name in zip(points.x, points.y, points.models, strict=True)
+            if name == model and math.isfinite(b)
         ]
-        if points:
-            ax.plot(*zip(*points, strict=True), zorder=5.0, **MODEL_MARK | {"marker": mark})
+        if places:
+            ax.plot(*zip(*places, strict=True), zorder=5.0, **MODEL_MARK | {"marker": mark})
 
 
 def _broken(x: Sequence[float], y: Sequence[float], name: str) -> tuple[list[float], list[float]]:
@@ -189,11 +163,10 @@ def draw_names(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], c
     height = len(panels) * (LINE_IN * len(names) + 0.75) + 0.3
     canvas = Canvas(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.05))
     axes = canvas.subplots(len(panels), len(figure.y), sharex="col", sharey=True, squeeze=False)
-    order = {name: rank for rank, name in enumerate(names)}
     for row, (text, part) in enumerate(panels):
         for column, feature in enumerate(figure.y):
             ax = axes[row][column]
-            _values(ax, feature, figure, rows, curves_of(figure, part, units, styles, order), order)
+            _values(ax, feature, figure, part, rows, units)
             ax.set_xlabel(textwrap.fill(ax.get_xlabel(), int(values_in / VALUE_LETTER_IN)))
             letter(ax, row * len(figure.y) + column, len(panels) * len(figure.y), text)
     corner = axes[0][0]
@@ -204,7 +177,7 @@ def draw_names(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], c
 
 
 def _values(
-    ax: "Axes", name: str, figure: Figure, rows: "pd.DataFrame", curves: list[Curve], order: Mapping[str, int]
+    ax: "Axes", name: str, figure: Figure, part: "pd.DataFrame", rows: "pd.DataFrame", units: Mapping[str, str]
 ) -> None:
     """Draw the points of one feature, a row per category."""
     scale = feature_scale(name, float(rows[name].abs().max()), figure.view)
@@ -212,16 +185,16 @@ def _values(
     if scale.is_rounding:
         note_rounding(ax)
     is_log = "y" in figure.log and not name.endswith(".phase")
+    curves = curves_of(figure, name, part, rows, units, scale.factor)
     for number, curve in enumerate(curves):
         aside = SPREAD * ((number + 0.5) / len(curves) - 0.5) if len(curves) > 1 else 0.0
-        heights = [order[value] + aside for value in curve.rows[figure.x]]
-        points = list(curve.rows[name] * scale.factor)
+        values, heights = curve.points.y, [rank + aside for rank in curve.points.x]
         look: CurveStyle = curve.look._replace(line="")
-        ax.plot(points, heights, **look.keywords())
-        mark_chaotic(ax, points, heights, curve.rows, name)
+        ax.plot(values, heights, **look.keywords())
+        mark_chaotic(ax, values, heights, curve.points.chaotic)
         if len(curves) == 1:
-            _numbers(ax, points, heights, is_log)
-        _mark_lost_left(ax, heights, list(curve.rows["status"]))
+            _numbers(ax, values, heights, is_log)
+        _mark_lost_left(ax, heights, curve.points.status)
     _value_axis(ax, name, is_log)
     ax.grid(visible=False, axis="x")
 

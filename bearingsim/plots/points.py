@@ -1,0 +1,108 @@
+"""Points of the curves in a figure of features: what is drawn, apart from its style."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from bearingsim.plots import labels, select
+from bearingsim.store import ERROR_PARTS, is_uncertain
+from bearingsim.study import Figure
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class Points:
+    """Points of one feature along a curve, in the units of the axes, a list per quantity.
+
+    jobs: ids; x: value, or index of a word; y; low, high: ends of the uncertainty; error: error bound of the
+    accuracy; healthy: level of the healthy bearing; chaotic: value is one random draw; status: done, failed,
+    missing; models: chosen models, "" if all points have one. NaN where a point lacks a quantity.
+    """
+
+    jobs: list[str]
+    x: list[float]
+    y: list[float]
+    low: list[float]
+    high: list[float]
+    error: list[float]
+    healthy: list[float]
+    chaotic: list[bool]
+    status: list[str]
+    models: list[str]
+
+    def having(self, name: str) -> Iterator[tuple[float, float, float]]:
+        """Yield x, y and another quantity of the points at which all are finite."""
+        for x, y, value in zip(self.x, self.y, getattr(self, name), strict=True):
+            if math.isfinite(x * y * value):
+                yield x, y, value
+
+
+def points_of(
+    figure: Figure,
+    name: str,
+    curve: "pd.DataFrame",
+    rows: "pd.DataFrame",
+    units: Mapping[str, str],
+    factor: float = 1.0,
+) -> Points:
+    """Return the points of feature ``name`` along a curve of a completed figure.
+
+    curve: its rows in order of x; rows: all rows of the figure, with the columns of ``select.with_spread`` and
+    ``select.with_baselines``; factor: from SI to the unit of the axis.
+    """
+
+    def column(key: str) -> list[float]:
+        return list(curve[key] * factor) if key in curve else [math.nan] * len(curve)
+
+    y = column(name)
+    several = "error.model" in rows and len(set(filter(None, rows["model"]))) > 1
+    return Points(
+        jobs=list(curve["job"]),
+        x=positions(figure.x, curve, rows, units),
+        y=y,
+        low=column(f"least {name}"),
+        high=column(f"largest {name}"),
+        error=_error_bounds(curve, y),
+        healthy=column(f"baseline {name}"),
+        chaotic=list(map(bool, is_uncertain(curve, name))),
+        status=list(curve["status"]),
+        models=[str(model) for model in curve["model"]] if several else [""] * len(curve),
+    )
+
+
+def _error_bounds(curve: "pd.DataFrame", y: Sequence[float]) -> list[float]:
+    """Return the error bounds of model, step and scatter; NaN unless the study names an accuracy.
+
+    They are stored relative to the largest value of a curve, and are larger if an audit failed.
+    """
+    if not all(name in curve for name in (*ERROR_PARTS, "error")):
+        return [math.nan] * len(curve)
+    largest = max((abs(value) for value in y if math.isfinite(value)), default=0.0)
+    parts = curve[[*ERROR_PARTS]].sum(axis=1, min_count=1)
+    return list(largest * parts.where(~(curve["error"] > parts), curve["error"]))
+
+
+def curve_rows(
+    figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], order: Mapping[Any, int]
+) -> Iterator[tuple[str, str, "pd.DataFrame"]]:
+    """Yield the curves of one panel: text of the first `by` path, text of the others, rows in ``order`` on x."""
+    for colour_text, part in select.splits(rows, figure.by[:1], units):
+        for line_text, inner in select.splits(part, figure.by[1:], units):
+            yield colour_text, line_text, inner.loc[inner[figure.x].map(order).sort_values().index]
+
+
+def order_of(figure: Figure, rows: "pd.DataFrame") -> dict[Any, int]:
+    """Return the ranks of the values on x."""
+    return {value: rank for rank, value in enumerate(select.values(rows, figure.x))}
+
+
+def positions(x: str, part: "pd.DataFrame", rows: "pd.DataFrame", units: Mapping[str, str]) -> list[float]:
+    """Return the positions of rows on the x axis: in the study's unit, or the index of a word."""
+    distinct = select.values(rows, x)
+    if not select.is_numeric(distinct):
+        return [float(distinct.index(value)) for value in part[x]]
+    unit = select.x_unit(x, rows, units)
+    return [labels.shown(x, value, unit) for value in part[x]]
