@@ -24,7 +24,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo figures paper_figures test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability docs docs-reference docs-words lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants $(CAMPAIGNS)
+.PHONY: help install install-dev demo figures paper_figures test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability docs docs-reference docs-words lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants report-assets $(CAMPAIGNS)
 
 help:
 	@sed -n '1,10s/^# //p' Makefile
@@ -159,6 +159,10 @@ faults: install-dev
 # 40 changes of the program, drawn by seed: do tests notice? Writes docs/data/mutants.csv. Up to an hour
 mutants: install-dev
 	$(BIN)/python -m benchmarks.mutants --csv docs/data/mutants.csv $(ARGS)
+
+# lint the script of the page of results and bundle ECharts for it; needs Node.js and npm
+report-assets:
+	cd tools/report-assets && npm ci --no-audit --no-fund --ignore-scripts && npm run lint && npm run bundle && npm run notices
 
 # sizes of files and functions by package, and import cycles: a report, no test
 house: install-dev

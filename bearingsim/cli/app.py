@@ -25,7 +25,7 @@ from bearingsim.cli.options import (
     parse_shard,
     parse_time,
 )
-from bearingsim.cli.results_commands import export, merge, plot, prune, sensitivity, show
+from bearingsim.cli.results_commands import export, merge, plot, prune, report, sensitivity, show
 from bearingsim.interruption import interrupt
 from bearingsim.text.announcer import announcer
 from bearingsim.text.terminal import say
@@ -222,7 +222,7 @@ def run(
     raise typer.Exit(summary.exit_code)
 
 
-for results_command in (plot, show, sensitivity, export, merge, prune):
+for results_command in (plot, report, show, sensitivity, export, merge, prune):
     app.command()(results_command)
 
 

@@ -1,32 +1,15 @@
 """Summary at the end of `bearingsim run`: counts, results with their errors, the next command."""
 
-from collections.abc import Iterator
 from contextlib import suppress
-from math import inf
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from bearingsim.cli.opening import short_path
-from bearingsim.cli.screen import significant
 from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from bearingsim.runner import RunSummary
-    from bearingsim.store import Results
 
 MAX_FEATURES = 3  # largest number of features printed in full; the rest are counted
-STEP_ERRORS = {"velocity.rms": "rms", "velocity@": "line", "outer_force.max": "force"}
-"""Column ``step_error.*`` that bounds the step error of a feature, by the beginning of its name."""
-STANDARD_ERRORS = 2.0  # half width of the error bound of a chaotic response, for about 95 % confidence
-
-
-class Result(NamedTuple):
-    """Name of a feature, its range as text, and remarks on it, a line each."""
-
-    name: str
-    values: str
-    remarks: list[str]
 
 
 def show(summary: "RunSummary", verbose: bool) -> None:
@@ -34,6 +17,7 @@ def show(summary: "RunSummary", verbose: bool) -> None:
 
     verbose: also details, and the tracebacks of failures.
     """
+    from bearingsim.report.headline import feature_results
     from bearingsim.store import ResultsError, open_results
 
     say(f"{summary.headline}, in {short_path(summary.folder)}")
@@ -70,106 +54,3 @@ def show(summary: "RunSummary", verbose: bool) -> None:
         from bearingsim.cli import tables
 
         tables.show_failures(summary.folder, tracebacks=True)
-
-
-def feature_results(results: "Results") -> Iterator[Result]:
-    """Yield each feature named by the figures, with its range, healthy range and the cases of its extremes."""
-    from bearingsim.plots import select
-    from bearingsim.study import stored_figure
-
-    case_rows = select.case_rows(results)
-    done_rows = case_rows[case_rows["status"] == "done"]
-    figure_features = [name for figure in results.plan["figures"] for name in stored_figure(figure).features]
-    names = dict.fromkeys(figure_features or select.default_y(results, case_rows))
-    yield from (
-        _result(results, done_rows, name) for name in names if name in done_rows and done_rows[name].notna().any()
-    )
-
-
-def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
-    from bearingsim.plots.labels import described, feature_axis
-
-    values = rows[name].dropna()
-    unit, factor = feature_axis(name, float(values.abs().max()))
-    units = results.plan["units"]
-    paths = [path for path in units if path in rows and rows[path].nunique(dropna=False) > 1]
-    low, high = (significant(factor * float(value)) for value in (values.min(), values.max()))
-    extreme_rows = {"largest": values.idxmax(), "smallest": values.idxmin()} if paths and low != high else {}
-    extremes = [
-        f"{kind}: {described({path: rows[path][row] for path in paths}, units)}"
-        for kind, row in extreme_rows.items()
-    ]
-    texts = [_range(low, high, unit), _error(rows, name)]
-    remarks = [*_healthy(results, name, unit, factor), *extremes]
-    return Result(_describe(results, name), ", ".join(filter(None, texts)), remarks)
-
-
-def _range(low: str, high: str, unit: str) -> str:
-    return f"{low} to {high} {unit}".strip() if low != high else f"{low} {unit}".strip()
-
-
-def _describe(results: "Results", name: str) -> str:
-    """Append the meaning of a feature: `velocity@BPFO-healthy (159 Hz, defect minus healthy)`."""
-    envelope = "squared envelope" if name.startswith("envelope@") else ""
-    change = "defect minus healthy" if name.endswith("-healthy") else ""
-    meaning = ", ".join(filter(None, [_frequency(results, name), envelope, _band(results, name), change]))
-    return f"{name} ({meaning})" if meaning else name
-
-
-def _frequency(results: "Results", name: str) -> str:
-    """Return the frequency of a line, as `159 Hz`, or "" if it differs between jobs."""
-    from bearingsim.config.names import LINES
-    from bearingsim.plots.lines import frequency
-
-    line = LINES.get(name.removesuffix("-healthy").split("@")[-1])
-    names = ["speed", "bearing.roller_diameter", "bearing.pitch_diameter", "bearing.rollers"]
-    cases = results.parameters()[names].drop_duplicates().to_dict("records")
-    return f"{significant(frequency(line, cases[0]))} Hz" if line is not None and len(cases) == 1 else ""
-
-
-def _band(results: "Results", name: str) -> str:
-    """Return the band that `sampling` gives a feature, as `0-4.1 kHz`, or "" if it differs between jobs."""
-    from bearingsim.config.bands import PASSBAND
-    from bearingsim.config.names import read_band
-    from bearingsim.study.ranges import RECORD_SUFFIXES
-
-    feature = read_band(name)
-    samplings = results.parameters()[["sampling", "antialias"]].drop_duplicates().to_dict("records")
-    follows_sampling = name.removesuffix("-healthy").endswith(RECORD_SUFFIXES) or (
-        feature is not None and not feature.band
-    )
-    if not follows_sampling or len(samplings) != 1 or samplings[0]["antialias"] != "true":
-        return ""
-    return f"0-{PASSBAND * samplings[0]['sampling'] / 1e3:.2g} kHz"
-
-
-def _healthy(results: "Results", name: str, unit: str, factor: float) -> Iterator[str]:
-    """Yield the range over the healthy cases, as `healthy: 0.61 to 1.13 um/s`; factor: from SI to the unit."""
-    baselines = {entry["job"] for entry in results.plan["jobs"] if entry["twin"]}
-    table = results.table()
-    values = table[table["job"].isin(baselines)][name].dropna()
-    if len(values) and not name.endswith("-healthy"):
-        low, high = (significant(factor * float(value)) for value in (values.min(), values.max()))
-        yield f"healthy: {_range(low, high, unit)}"
-
-
-def _error(rows: "pd.DataFrame", name: str) -> str:
-    """Format the largest numerical error relative to the largest value: `numerical error 0.3 %`.
-
-    The error is the sum of the step error and two standard errors of a chaotic response. Returns "" for a feature
-    not covered by the step check (which covers lines and RMS of the velocity, and the largest force).
-    """
-    from bearingsim.store import relative_error
-
-    base_name = name.removesuffix("-healthy")
-    error_kind = next((error_kind for start, error_kind in STEP_ERRORS.items() if base_name.startswith(start)), "")
-    step, largest = rows.get(f"step_error.{error_kind}"), float(rows[name].abs().max())
-    if step is None or base_name not in rows or not step.notna().any() or not largest > 0.0:
-        return ""
-    scatter = relative_error(rows, base_name).where(rows["chaotic"] == 1.0, 0.0).fillna(inf)
-    error = (step + STANDARD_ERRORS * scatter) * rows[base_name].abs()
-    unknown = int((error == inf).sum())
-    exception = f", of {unknown} chaotic jobs unknown" if unknown else ""
-    if unknown == error.count():
-        return "numerical error unknown (chaotic)"
-    return f"numerical error {100.0 * float(error[error < inf].max() / largest):.2g} %{exception}"

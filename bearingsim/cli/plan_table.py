@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from bearingsim.cli.plan import Plan, PricedJob
 from bearingsim.cli.remarks import remarks
-from bearingsim.cli.screen import console, print_table, significant, span
+from bearingsim.cli.screen import console, print_table, span
 from bearingsim.study.ranges import frequency, pressure
+from bearingsim.text.numbers import significant
 
 if TYPE_CHECKING:
     from bearingsim.study.design import SampledDesign

@@ -110,6 +110,19 @@ def plot(
 
 
 @reads_results
+def report(
+    results: Results = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", metavar="FILE", help="file (default: RESULTS/report.html)")
+    ] = None,
+) -> None:
+    """Write the results as one HTML page, to send or to print: figures, table, accuracy, assumptions."""
+    from bearingsim.cli import reporting
+
+    reporting.write(find_results(results), out)
+
+
+@reads_results
 def show(
     results: Results = None,
     failed: Annotated[bool, typer.Option("--failed", help="list failed jobs, with reason and advice")] = False,

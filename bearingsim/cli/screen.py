@@ -5,6 +5,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from bearingsim.text.numbers import significant
 from bearingsim.text.terminal import plain
 
 if TYPE_CHECKING:
@@ -62,13 +63,6 @@ def min_widths(heads: Sequence[str], rows: Iterable[Sequence[str]], text_columns
     return [
         min(length, MAX_TEXT_WIDTH) if index < text_columns else length for index, length in enumerate(longest)
     ]
-
-
-def significant(value: float, digits: int = 3) -> str:
-    """Format a number with a few significant digits, as an integer up to 1e6; `-` for nan or infinity."""
-    if value != value or value in (float("inf"), float("-inf")):
-        return "-"
-    return f"{value:.{digits}g}" if abs(value) < 10**digits or abs(value) >= 1e6 else f"{value:.0f}"
 
 
 def span(values: Iterable[float]) -> str:

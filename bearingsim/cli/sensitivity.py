@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingsim.cli.opening import short_path
-from bearingsim.cli.screen import print_table, significant
+from bearingsim.cli.screen import print_table
 from bearingsim.errors import UserError
+from bearingsim.text.numbers import significant
 from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:

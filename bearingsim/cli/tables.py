@@ -5,13 +5,14 @@ import math
 import re
 import textwrap
 from collections.abc import Mapping, Sequence
-from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingsim.cli.screen import print_table, significant, table_width, terminal_width
+from bearingsim.cli.screen import print_table, table_width, terminal_width
 from bearingsim.config.rules import damping
 from bearingsim.errors import UserError
+from bearingsim.report.columns import Column, column_of, default_features, error_columns, main_features
+from bearingsim.report.statements import assumption_texts, failures_of
 from bearingsim.runner.findings import periodicity_notes
 from bearingsim.text.terminal import say
 
@@ -20,13 +21,10 @@ if TYPE_CHECKING:
 
     from bearingsim.store import Results
 
-Column = tuple[str, list[str]]  # heading and cells
-STATISTICS = ("velocity.rms", "outer_force.max")
 DEFAULT_WIDTH = 80
 """Largest width (letters) of a table without a terminal; more needs `--all` or `--columns`."""
 MAX_ROWS = 1000
 """Largest number of printed rows; 100 000 rows take minutes."""
-STEP_CHECK = ("step_error.line", "step_error.rms", "step_error.record", "chaotic")
 
 
 def show_jobs(
@@ -46,7 +44,7 @@ def show_jobs(
         features = default_features(results, table)
         usual_names = [*swept, *features, "status", "seconds"]
     else:
-        features, errors = _main_features(results, table), _error_columns(results, table)
+        features, errors = main_features(results, table), error_columns(results, table)
         usual_names = [*swept, *features, "status", *errors]
         features = [*features, *errors]
     names = list(columns) or usual_names
@@ -59,7 +57,7 @@ def show_jobs(
     printed_rows = rows[:MAX_ROWS]
     all_columns = [
         ("job", [job[:8] for job in printed_rows["job"]]),
-        *(_column(results, printed_rows, name) for name in names),
+        *(column_of(results, printed_rows, name) for name in names),
     ]
     printed_columns = _fit(all_columns, [name in features for name in ["job", *names]], width)
     print_table(
@@ -94,67 +92,10 @@ def _say(text: str) -> None:
             say(part)
 
 
-def _main_features(results: "Results", table: "pd.DataFrame") -> list[str]:
-    """List the features with a value that the figures of the study name, else the default ones without errors."""
-    from bearingsim.study import stored_figure
-
-    names = dict.fromkeys(name for figure in results.plan["figures"] for name in stored_figure(figure).features)
-    features = [name for name in names if name in table and table[name].notna().any()]
-    return features or [name for name in default_features(results, table) if not name.startswith("error.")]
-
-
-def _error_columns(results: "Results", table: "pd.DataFrame") -> list[str]:
-    """List the error columns with a value, the total first; none for a study without an accuracy."""
-    if not results.plan.get("accuracy"):
-        return []
-    names = ["error", *(name for name in map(str, table) if name.startswith("error."))]
-    return [name for name in names if name in table and table[name].notna().any()]
-
-
-EXAMPLE_VALUES = {"clearance": "0 um, 10 um", "bracket": "0.5, 2"}
-"""Example values of uncertain quantities without an assumption text of their own."""
-
-
 def show_assumptions(results: "Results") -> None:
     """Print a sentence for each assumption of a study, and the setting that varies it."""
-    from bearingsim.runner.findings import assumption_notes, findings
-    from bearingsim.store import job_frame
-
-    frame = job_frame(results.path)
-    texts = [*assumption_notes(results.plan, frame), *damping.result_remarks(results.info())]
-    unvaried_names = [name for name in findings(results.plan, frame).assumptions if name in EXAMPLE_VALUES]
-    texts += [
-        f"{name} has one value per case; `uncertainty: {{{name}: [{EXAMPLE_VALUES[name]}]}}` varies it"
-        for name in unvaried_names
-    ]
-    for text in texts or ["every uncertain parameter is varied"]:
+    for text in assumption_texts(results) or ["every uncertain parameter is varied"]:
         say(text)
-
-
-def default_features(results: "Results", table: "pd.DataFrame") -> list[str]:
-    """List the default columns that have a value.
-
-    Defect line, cage slip of models with slip, change from healthy, bands, statistics, errors.
-    """
-    from bearingsim.config.names import read_band
-    from bearingsim.plots import lines
-
-    parameters = results.parameters()
-    line_columns = [f"velocity@{line}" for line in lines.fitting(parameters)]
-    slip_columns = ["cage.slip.mean"] if lines.may_slip(parameters) else []
-    error_columns = [name for name in map(str, table) if name.startswith("error.")]
-    band_columns = [name for name in map(str, table) if read_band(name) is not None]
-    candidates = (
-        *line_columns,
-        *slip_columns,
-        *(f"{line}-healthy" for line in line_columns),
-        *band_columns,
-        *STATISTICS,
-        *error_columns,
-        *STEP_CHECK,
-    )
-    columns = [name for name in candidates if name in table and table[name].notna().any()]
-    return [name for name in columns if name != "chaotic" or (table[name] > 0.0).any()]
 
 
 def _fit(columns: list[Column], features: Sequence[bool], width: int | None) -> list[Column]:
@@ -209,45 +150,17 @@ def _status_counts(table: "pd.DataFrame") -> str:
     return f"{len(table)} jobs: " + ", ".join(f"{count} {status}" for status, count in counts.items())
 
 
-def _column(results: "Results", rows: "pd.DataFrame", name: str) -> Column:
-    """Return heading and cells of a column, in the study's unit or a readable one."""
-    from bearingsim.plots import labels
-
-    units = results.plan["units"]
-    if name in units:
-        return name, ["" if _is_nan(v) else labels.value_text(name, v, units) for v in rows[name]]
-    if rows[name].dtype.kind != "f":
-        return name, [str(value) for value in rows[name]]
-    largest = rows[name].abs().max()
-    unit, factor = labels.feature_axis(name, float(largest)) if name != "seconds" else ("s", 1.0)
-    cells = [significant(value * factor, 4) for value in rows[name]]
-    return f"{name} ({unit})" if unit else name, cells
-
-
-def _is_nan(value: object) -> bool:
-    return isinstance(value, float) and math.isnan(value)
-
-
 def show_failures(folder: Path, tracebacks: bool = False) -> None:
     """Print failed jobs with reason and advice, and the command that repeats them."""
-    from bearingsim.plots.labels import described
     from bearingsim.store import open_results
 
-    results = open_results(folder)
-    swept_values = {entry["job"]: entry["swept"] for entry in results.plan["jobs"]}
-    stored = results.failures()
-    failures = {job: stored[job] for job in results.planned if job in stored}
-    variation_texts = {
-        entry["job"]: f"{entry['what']} {entry['value']:.3g} (SI) of {entry['of']}" for entry in results.variations
-    }
-    for job, failure in islice(failures.items(), MAX_ROWS):
-        say(f"{job}  {variation_texts.get(job) or described(swept_values[job], results.plan['units'])}")
-        has_no_time = failure.time is None or "into the run" in failure.reason
-        time_text = "" if has_no_time else f", {1e3 * (failure.time or 0.0):.4g} ms into the run"
-        say(f"    {failure.reason}{time_text}" + (f" ({failure.advice})" if failure.advice else ""))
+    failures = failures_of(open_results(folder))
+    for failure in failures[:MAX_ROWS]:
+        say(f"{failure.job}  {failure.case}")
+        say(f"    {failure.explanation}")
         if tracebacks:
             say(failure.traceback)
     if len(failures) > MAX_ROWS:
         say(f"and {len(failures) - MAX_ROWS} more jobs, one file each in failed/")
-    commands = dict.fromkeys(failure.command for failure in failures.values() if failure.command)
+    commands = dict.fromkeys(failure.command for failure in failures if failure.command)
     say("\n".join(f"again: {command}" for command in commands) if failures else "no job failed")

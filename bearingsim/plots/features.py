@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from bearingsim.plots import design, select, sweep
 from bearingsim.plots.caption import band_of_record, fixed_values, moved_along, varying
@@ -48,22 +48,42 @@ def draw_design(results: "Results", figure: "Figure", _: Sequence[str] = ()) -> 
     return sheets
 
 
-def _draw(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> Sheet:
-    """Complete and draw a figure over a swept path."""
+class Prepared(NamedTuple):
+    """Completed figure over a swept path, its rows with bands and healthy levels, and its caption.
+
+    scattered: its points form no lines, because other paths of a design vary freely.
+    """
+
+    figure: "Figure"
+    rows: "pd.DataFrame"
+    caption: list[str]
+    scattered: bool
+
+
+def prepared(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> Prepared:
+    """Complete a figure over a swept path, and collect its content. Raises PlotError, as ``select.completed``."""
     units, together = results.plan["units"], select.design_paths(results)
     figure, part = select.completed(wanted, rows, units, together)
-    words = [figure.y[0], "vs", figure.x]
     caption = fixed_values(results, part, {figure.x, *select.varied(part, [*figure.by, *figure.panels])})
     caption += band_of_record(results, part, figure.y)
     if select.scattered(figure, part, together):
-        caption += [*varying(figure, part, units), *_design_texts(results)]
-        return Sheet(words, design.draw(figure, part, units, caption))
+        texts = [*varying(figure, part, units), *_design_texts(results)]
+        return Prepared(figure, part, caption + texts, scattered=True)
     caption += moved_along(figure, part, units)
     if sweep.are_many(figure, part, units):
-        return Sheet(words, sweep.draw_names(figure, part, units, caption))
+        return Prepared(figure, part, caption, scattered=False)
     part = select.with_baselines(results, select.with_spread(results, part, figure.y), figure)
-    texts = [*caption, *select.spread_texts(results, part)]
-    return Sheet(words, sweep.draw(figure, part, units, texts))
+    return Prepared(figure, part, caption + select.spread_texts(results, part), scattered=False)
+
+
+def _draw(results: "Results", wanted: "Figure", rows: "pd.DataFrame") -> Sheet:
+    """Complete and draw a figure over a swept path."""
+    figure, part, caption, scattered = prepared(results, wanted, rows)
+    units, words = results.plan["units"], [figure.y[0], "vs", figure.x]
+    if scattered:
+        return Sheet(words, design.draw(figure, part, units, caption))
+    draw = sweep.draw_names if sweep.are_many(figure, part, units) else sweep.draw
+    return Sheet(words, draw(figure, part, units, caption))
 
 
 def _design_texts(results: "Results") -> list[str]:

@@ -44,12 +44,22 @@ from bearingsim.store.results import Results, ResultsError, open_results, planne
 from bearingsim.store.scans import read_scans, store_scans, with_short_paths
 from bearingsim.store.sealed import UNREADABLE
 from bearingsim.store.spread import NOTABLE_ERROR, errors, is_uncertain, relative_error, spread
-from bearingsim.store.table import build_table, info, job_frame, make_plan, plan_frame, read_plan, write_plan
+from bearingsim.store.table import (
+    build_table,
+    info,
+    job_frame,
+    make_plan,
+    plan_frame,
+    read_plan,
+    read_study_text,
+    write_plan,
+)
 from bearingsim.store.units import (
     DamagedUnit,
     Series,
     check_unit,
     read_job_ids,
+    read_provenance,
     read_series,
     sealed_units,
     store_unit,
@@ -116,8 +126,10 @@ __all__ = [
     "read_job_ids",
     "read_plan",
     "read_plans",
+    "read_provenance",
     "read_scans",
     "read_series",
+    "read_study_text",
     "refuse_links",
     "refuse_own_study_file",
     "relative_error",

@@ -115,6 +115,11 @@ def read_plan(root: Path) -> dict[str, Any]:
     return plan
 
 
+def read_study_text(root: Path) -> str:
+    """Read the copy of the study file in a folder. Raises one of UNREADABLE if it is missing or no text."""
+    return regular.read_regular(root / STUDY_FILE).decode()
+
+
 def job_frame(root: Path) -> "pd.DataFrame":
     """Return the data of each planned job, indexed by id.
 

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from bearingsim.study import Job
 
 CHUNK_BYTES = 1 << 16  # up to this size (bytes) a chunk contains several short jobs
+ATTRIBUTES = ("overrides", "model_version", "platform", "python", "packages", "git_commit")
+"""Attributes of a unit that tell how it was computed."""
 LONGEST_CHUNK = 1 << 18  # largest number of samples of a job in a chunk
 
 
@@ -258,6 +260,12 @@ def _channels(file: Hdf5) -> list[str]:
         if not is_line(name):
             raise Unreadable(f"{name!a} is no name of a channel")
     return channels
+
+
+def read_provenance(path: Path) -> dict[str, str]:
+    """Read the attributes of a unit: versions, commit, platform and so on. Raises DamagedUnit."""
+    with open_unit(path) as file:
+        return {name: str(file.attribute(name, variable=True)) for name in ATTRIBUTES if file.has_attribute(name)}
 
 
 def read_series(path: Path, job: str) -> Series:

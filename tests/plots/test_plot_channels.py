@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from bearingsim import signals
-from bearingsim.cli import tables
 from bearingsim.config import dataset_names
 from bearingsim.core.geometry.kinematics import cage_speed
 from bearingsim.core.sampling import sampling_kernel
@@ -15,6 +14,7 @@ from bearingsim.plots import PlotError, labels, recorded
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.recorded import Job, Signal
 from bearingsim.plots.spectra import whole_periods
+from bearingsim.report import columns
 from bearingsim.store import Series
 from tests.plots.test_plots import BPFO, STUDY, only, record, results, text_of
 
@@ -49,7 +49,7 @@ def planar(results, monkeypatch):
 
 
 def test_show_tells_the_slip_of_a_cage_that_can_slip(planar):
-    chosen = tables.default_features(planar, planar.table())
+    chosen = columns.default_features(planar, planar.table())
     assert chosen == ["velocity@BPFO", "cage.slip.mean", "velocity@BPFO-healthy"]
 
 

@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bearingsim.cli import tables
 from bearingsim.plots import PlotError, lines
 from bearingsim.plots.plot import drawn
 from bearingsim.plots.ticks import log_ticks
+from bearingsim.report import columns
 from tests.plots.test_plots import STUDY, only, record, results, text_of
 
 __all__ = ["results"]
@@ -82,7 +82,7 @@ def test_figures_of_their_own_plot_the_line_of_the_defect(of_race, race, line):
 
 def test_show_tells_the_line_of_the_defect(of_race):
     opened = of_race("inner")
-    chosen = tables.default_features(opened, opened.table())
+    chosen = columns.default_features(opened, opened.table())
     assert chosen == ["velocity@BPFI", "velocity@BPFI-healthy", "velocity.rms"]
 
 

@@ -1,0 +1,1 @@
+"""One page of results: an HTML file that needs no network."""

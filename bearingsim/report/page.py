@@ -1,0 +1,197 @@
+"""Content of the page of a study: what was studied, the results, their accuracy, and how they were computed."""
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from bearingsim.plots import PlotError, labels, select
+from bearingsim.plots.caption import fixed_values
+from bearingsim.plots.plot import requested
+from bearingsim.report.charts import Chart, charts_of
+from bearingsim.report.columns import Column, column_of, error_columns, main_features
+from bearingsim.report.headline import Result, feature_results
+from bearingsim.report.statements import FailedJob, assumption_texts, failures_of
+from bearingsim.text.numbers import significant
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from bearingsim.store import Results
+
+MAX_ROWS = 2000
+"""Largest number of rows of the table; 100 000 rows take 20 MB."""
+MAX_VALUES = 6
+"""Largest number of values of a swept parameter that are listed; of more, the range and the number."""
+MAX_TEXT = 200_000
+"""Largest number of characters of the study file that are shown."""
+
+Fact = tuple[str, str]
+"""Name of a fact, and its value."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Table of the jobs: columns, whether their cells are numbers, and the number of rows that are left out."""
+
+    columns: list[Column]
+    numeric: list[bool]
+    omitted: int
+
+    @property
+    def rows(self) -> list[tuple[str, ...]]:
+        """Rows of cells."""
+        return list(zip(*(cells for _, cells in self.columns), strict=True))
+
+
+@dataclass(frozen=True)
+class Page:
+    """Content of the page.
+
+    counts: numbers of jobs by status; studied: fixed and varied parameters; omissions: what was left out, and why;
+    text: the study file; changes: overrides of the command line.
+    """
+
+    study: str
+    counts: str
+    complete: bool
+    quick: bool
+    studied: list[Fact]
+    results: list[Result]
+    accuracy: list[str]
+    warnings: list[str]
+    charts: list[Chart]
+    omissions: list[str]
+    table: Table
+    assumptions: list[str]
+    failures: list[FailedJob]
+    computed: list[Fact]
+    text: str
+    changes: str
+
+
+def page_of(results: "Results") -> Page:
+    """Collect the content of the page. Raises ResultsError for a folder that cannot be read."""
+    from bearingsim.runner.findings import findings
+    from bearingsim.store import job_frame
+
+    table = results.table()
+    found = findings(results.plan, job_frame(results.path))
+    done = bool((table["status"] == "done").any())
+    omissions: list[str] = []
+    return Page(
+        study=results.plan["study"],
+        counts=_counts(results, table),
+        complete=bool((table["status"] != "missing").all()),
+        quick=bool(results.plan["quick"]),
+        studied=list(_studied(results)),
+        results=list(feature_results(results)) if done else [],
+        accuracy=[*found.withdrawn, *found.accuracy],
+        warnings=list(found.warnings),
+        charts=_charts(results, omissions) if done else [],
+        omissions=omissions,
+        table=_table(results, table),
+        assumptions=assumption_texts(results) if done else list(results.plan.get("assumptions", ())),
+        failures=failures_of(results),
+        computed=list(_computed(results)),
+        text=_study_text(results),
+        changes=" ".join(f"{path}={value}" for path, value in results.plan["overrides"].items()),
+    )
+
+
+def _counts(results: "Results", table: "pd.DataFrame") -> str:
+    states = Counter(table["status"])
+    done, total = states["done"], len(table)
+    words = {"failed": "failed", "missing": "not computed yet"}
+    others = [f"{states[state]} {text}" for state, text in words.items() if states[state]]
+    variations = len({entry["job"] for entry in results.variations} - set(table["job"]))
+    more = f" and {variations} variations" if variations else ""
+    return ", ".join([f"{done} of {total} job{'s' * (total != 1)}{more} done", *others])
+
+
+def _studied(results: "Results") -> Iterator[Fact]:
+    """Yield the swept parameters with their values, and all others of interest."""
+    rows, units = select.case_rows(results), results.plan["units"]
+    for path in units:
+        if path in rows:
+            name = labels.name_text(path)
+            yield name[:1].upper() + name[1:], _values_text(path, rows, units)
+    if results.plan["design"]:
+        from bearingsim.plots.design import description
+
+        yield "Design", description(results.plan["design"])
+    fixed = fixed_values(results, rows, set(select.varied(rows, list(units))))
+    yield "Fixed", ", ".join(fixed)
+
+
+def _values_text(path: str, rows: "pd.DataFrame", units: dict[str, str]) -> str:
+    distinct = select.values(rows, path)
+    if len(distinct) > MAX_VALUES and select.is_numeric(distinct):
+        ends = [labels.value_text(path, value, units) for value in (distinct[0], distinct[-1])]
+        return f"{ends[0]} to {ends[1]}, {len(distinct)} values"
+    texts = [labels.value_text(path, value, units) for value in distinct[: 3 * MAX_VALUES]]
+    return ", ".join(texts + ["and more"] * (len(distinct) > len(texts)))
+
+
+def _charts(results: "Results", omissions: list[str]) -> list[Chart]:
+    try:
+        figures = requested(results)
+    except PlotError as error:
+        omissions.append(f"No figure of the features: {error}.")
+        return []
+    return charts_of(results, [figure for figure in figures if figure.kind in ("sweep", "phase")])
+
+
+def _table(results: "Results", table: "pd.DataFrame") -> Table:
+    rows = table[:MAX_ROWS]
+    units = results.plan["units"]
+    features = [*main_features(results, table), *error_columns(results, table)]
+    names = list(dict.fromkeys([*(path for path in units if path in table), *features, "status"]))
+    columns = [("job", [job[:8] for job in rows["job"]]), *(column_of(results, rows, name) for name in names)]
+    numeric = [False, *(rows[name].dtype.kind == "f" for name in names)]
+    return Table(columns, numeric, len(table) - len(rows))
+
+
+def _computed(results: "Results") -> Iterator[Fact]:
+    """Yield how the results were computed: models, methods, steps, CPU time, versions."""
+    from bearingsim.store import DamagedUnit, read_provenance, unit_path
+
+    info, parameters = results.info(), results.parameters()
+    if "model" in parameters and len(parameters):
+        yield "Models", _tally(parameters["model"])
+    if "method" in info and len(info):
+        yield "Methods", _tally(info["method"])
+    if "step_s" in info and info["step_s"].notna().any():
+        low, high = (significant(1e6 * value) for value in (info["step_s"].min(), info["step_s"].max()))
+        yield "Time step", f"{low} µs" if low == high else f"{low} to {high} µs"
+    if "cpu_s" in info and len(info):
+        yield "CPU time", f"{significant(float(info['cpu_s'].sum()))} s for {len(info)} jobs"
+    for unit in next(([unit] for unit in results.table()["unit"] if unit), []):
+        try:
+            facts = read_provenance(unit_path(results.path, str(unit)))
+        except (DamagedUnit, OSError):
+            return
+        yield from ((NAMES[name], value) for name, value in facts.items() if name in NAMES and value)
+
+
+NAMES = {"packages": "Packages", "python": "Python", "platform": "Platform", "git_commit": "Commit",
+         "model_version": "Version of the models"}  # fmt: skip
+"""Names of the facts of ``store.read_provenance`` on the page."""
+
+
+def _tally(column: "pd.Series[str]") -> str:
+    counts = Counter(str(value) for value in column)
+    return ", ".join(f"{name} ({count} jobs)" for name, count in counts.most_common())
+
+
+def _study_text(results: "Results") -> str:
+    """Read the study file in the folder; "" if there is none that can be read."""
+    from bearingsim.store import UNREADABLE, read_study_text
+
+    try:
+        text = read_study_text(results.path)
+    except UNREADABLE:
+        return ""
+    return (
+        text if len(text) <= MAX_TEXT else f"{text[:MAX_TEXT]}\n# ... {len(text) - MAX_TEXT} characters left out"
+    )

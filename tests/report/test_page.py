@@ -1,0 +1,80 @@
+"""The page of results: its content, and what it may not do."""
+
+import hashlib
+import json
+import re
+from importlib.resources import files
+
+import numpy as np
+import pytest
+
+from bearingsim.report.charts import charts_of, rounded
+from bearingsim.report.page import page_of
+from bearingsim.report.render import embedded, html
+from tests.plots.test_plots import FIGURES, STUDY, results
+
+__all__ = ["results"]
+
+ECHARTS = "9eb822a9ab762e8cf1c8723b821a5efbfa1518431d850c2133bc49b094168d79"
+"""SHA-256 of echarts.min.js as built by `make report-assets`."""
+
+
+def data_of(text):
+    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text).group(1))
+
+
+def test_bundle_of_echarts_is_the_one_that_is_built():
+    bundle = files("bearingsim.report").joinpath("assets/echarts.min.js").read_bytes()
+    assert hashlib.sha256(bundle).hexdigest() == ECHARTS
+    assert b"</script" not in bundle
+
+
+def test_own_script_is_short():
+    lines = files("bearingsim.report").joinpath("assets/report.js").read_text().splitlines()
+    assert len(lines) <= 270
+    assert max(map(len, lines)) <= 100
+
+
+def test_points_are_those_of_the_table(results):
+    opened = results(STUDY + FIGURES)
+    chart = data_of(html(page_of(opened)))["charts"][0]
+    table = opened.table().set_index("job")
+    ids = {job[:8]: job for job in table.index}
+    for number, job in enumerate(chart["points"]["job"]):
+        row = table.loc[ids[job]]
+        for panel, feature in zip(chart["panels"], ("velocity@BPFO", "velocity@BPFO-healthy"), strict=True):
+            assert panel["columns"]["y"][number] == pytest.approx(1e6 * row[feature], rel=1e-5)  # um/s
+        setting = chart["combinations"][chart["points"]["combination"][number]]
+        texts = [control["options"][i] for control, i in zip(chart["controls"], setting, strict=True)]
+        assert texts == [row["model"]]
+        assert chart["curves"][chart["points"]["curve"][number]]["name"] == f"load {row['load']:.0f} N"
+
+
+def test_nan_and_infinity_become_null():
+    assert rounded([1.23456789e-7, np.nan, np.inf]) == [1.23457e-7, None, None]
+    with pytest.raises(ValueError, match="JSON"):
+        embedded({"a": np.nan})
+
+
+def test_texts_cannot_end_the_script():
+    assert embedded({"a": "</script><!-- & \u2028\u202e"}) == (
+        '{"a":"\\u003c/script\\u003e\\u003c!-- \\u0026 \\\\u2028\\\\u202e"}'
+    )
+
+
+def test_control_of_a_panel_lists_computed_settings_only(results):
+    text = STUDY.replace("  load: [150 N, 300 N]\n  model: [static, ring]\n",
+                         "  zip: {load: [150 N, 300 N], model: [static, ring]}\n")  # fmt: skip
+    figures = "figures: [{y: velocity@BPFO, x: defect.length, panels: model}]\n"
+    opened = results(text + figures)
+    [chart] = charts_of(opened, page_figures(opened))
+    [control] = chart.controls
+    assert control.name == "Model and load"
+    assert control.options == ["static, 150 N", "ring, 300 N"]
+    assert chart.combinations == [[0], [1]]
+
+
+def page_figures(opened):
+    from bearingsim.plots.plot import requested
+
+    return requested(opened)
