@@ -57,7 +57,8 @@ def job(ctx: typer.Context, incomplete: str) -> list[str]:
     """Complete the id of a job in the results folder of the command, or in the newest in ./results."""
     from bearingsim.cli.opening import result_folders
 
-    folder = ctx.params.get("results")
+    # an option without a value leaves the arguments before it in ``args``
+    folder = next(filter(None, [ctx.params.get("results"), *ctx.args]), None)
     with suppress(OSError, ValueError, LookupError, TypeError):  # no results, or damaged ones
         plan = Path(folder or result_folders()[0]) / "plan.json"
         if plan.is_file() and plan.stat().st_size <= MAX_PLAN_BYTES:
