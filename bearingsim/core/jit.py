@@ -17,12 +17,9 @@ checks only the file of the function itself and would load stale code after a ch
 nothing else from the catalogue.)
 """
 
-import atexit
 import hashlib
 import os
-import shutil
 import sys
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext, suppress
 from functools import lru_cache, partial
@@ -35,9 +32,9 @@ from numba.core import config, event
 from numba.extending import overload
 
 from bearingsim import cpu_time
+from bearingsim.cache_folders import cache_folder
 from bearingsim.catalogue import extension_sources
 from bearingsim.core import linking, resolving
-from bearingsim.own_folder import Distrusted, own_folder
 
 numba_config: Any = config  # its attributes are created at run time
 resolving.cache_operator_signatures()
@@ -60,28 +57,18 @@ def source_digest() -> str:
     return digest.hexdigest()[:12]
 
 
-def cache_folder() -> Path | None:
-    """Choose the cache of compiled code: ``$BEARINGSIM_CACHE``, else the user's cache, else the temporary folder.
+def code_folder() -> Path | None:
+    """Choose the cache of compiled code; None if no folder is usable.
 
-    Stored code is executed, so only the user may have write access. If others can write to a folder, the next one
-    is used, also by child processes, and one line on stderr reports the first such folder. None if no folder is
-    usable.
+    If it is not the user's cache, child processes use the same, and one line on stderr gives the reason.
     """
-    digest, reason = source_digest(), ""
-    for make_folder in (user_cache_folder, temporary_folder, process_folder):
-        with suppress(RuntimeError):  # no home folder
-            try:
-                folder = own_folder(make_folder(), "bearingsim", digest)
-            except OSError as error:  # no such folder, or others can write there
-                reason = reason or (str(error) if isinstance(error, Distrusted) else "")
-                continue
-            if os.access(folder, os.W_OK):
-                if reason:
-                    report(f"compiled code is cached in {folder.parent}: {reason}")
-                    os.environ["BEARINGSIM_CACHE"] = str(folder.parent.parent)
-                return folder
-    report(f"compiled code is not cached, so every process compiles again: {reason or 'no folder can be written'}")
-    return None
+    folder, reason = cache_folder(source_digest())
+    if folder is None:
+        report(f"compiled code is not cached, so every process compiles again: {reason}")
+    elif reason:
+        report(f"compiled code is cached in {folder.parent}: {reason}")
+        os.environ["BEARINGSIM_CACHE"] = str(folder.parent.parent)
+    return folder
 
 
 def report(message: str) -> None:
@@ -89,31 +76,7 @@ def report(message: str) -> None:
     print(f"bearingsim: {message}", file=sys.stderr)
 
 
-def user_cache_folder() -> Path:
-    """Return the folder named in the environment, or the user's cache."""
-    folder = os.environ.get("BEARINGSIM_CACHE") or os.environ.get("XDG_CACHE_HOME")
-    return Path(folder) if folder else Path.home() / ".cache"
-
-
-def temporary_folder() -> Path:
-    """Return the user's own folder in the temporary folder."""
-    user = os.getuid() if hasattr(os, "getuid") else "user"
-    return own_folder(Path(tempfile.gettempdir()), f"bearingsim-{user}")
-
-
-def process_folder() -> Path:
-    """Make a folder that is removed when this process ends."""
-    folder, creator = tempfile.mkdtemp(prefix="bearingsim-"), os.getpid()
-
-    def remove() -> None:
-        if os.getpid() == creator:  # not a forked child, which ends earlier
-            shutil.rmtree(folder, ignore_errors=True)
-
-    atexit.register(remove)
-    return Path(folder)
-
-
-_CACHE = cache_folder()
+_CACHE = code_folder()
 COMPILATION_WAIT_S = 120.0
 """Longest wait (s) for another process that compiles the same function; then both compile it."""
 LOAD_ERRORS = (ImportError, AttributeError)  # a type from a module that is missing or has changed

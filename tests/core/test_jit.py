@@ -81,13 +81,13 @@ def test_a_changed_source_gets_another_folder(
     core_copy: Path, source: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("BEARINGSIM_CACHE", str(tmp_path / "cache"))
-    before = jit.cache_folder()
+    before = jit.code_folder()
     assert before.is_dir()
     assert before.parent.parent == tmp_path / "cache"
-    assert jit.cache_folder() == before
+    assert jit.code_folder() == before
     (core_copy / source).write_text((core_copy / source).read_text() + "\n")
-    assert jit.cache_folder() != before
-    assert jit.source_digest() in str(jit.cache_folder())
+    assert jit.code_folder() != before
+    assert jit.source_digest() in str(jit.code_folder())
 
 
 def test_digest_does_not_depend_on_the_folder(core_copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -103,17 +103,24 @@ def test_another_numba_gets_another_folder(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_a_cache_that_cannot_be_made_falls_back_to_the_temporary_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("BEARINGSIM_CACHE", str(tmp_path / "file"))
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    folder = jit.cache_folder()
+    folder = jit.code_folder()
     assert folder.is_dir()
     assert folder.parents[1].name == f"bearingsim-{os.getuid()}"
+    assert folder == jit.code_folder()  # as in a child process
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line == (
+        f"bearingsim: compiled code is cached in {folder.parent}: {tmp_path}/file/bearingsim: Not a directory"
+    )
 
 
-def test_missing_home_folder_uses_the_temporary_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_home_folder_uses_the_temporary_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     def raise_error() -> Path:
         raise RuntimeError("Could not determine home directory.")
 
@@ -121,14 +128,15 @@ def test_missing_home_folder_uses_the_temporary_folder(tmp_path: Path, monkeypat
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     monkeypatch.setattr(Path, "home", raise_error)
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    assert tmp_path in jit.cache_folder().parents
+    assert tmp_path in jit.code_folder().parents
+    assert capsys.readouterr().err.endswith(": there is no home folder\n")
 
 
 def test_a_cache_that_cannot_be_written_is_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("BEARINGSIM_CACHE", str(tmp_path / "locked"))
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "free"))
     monkeypatch.setattr(os, "access", lambda folder, mode: "locked" not in str(folder))
-    assert tmp_path / "free" in jit.cache_folder().parents
+    assert tmp_path / "free" in jit.code_folder().parents
 
 
 def test_compiled_code_goes_only_into_the_cache_folder() -> None:
