@@ -17,14 +17,14 @@ PYTHONS := 3.11 3.12 3.13
 PYTEST = $(BIN)/python -m pytest --numprocesses auto --max-worker-restart 0 --dist loadfile --no-loadscope-reorder
 FIND_PYTHON = PATH="$$PATH$$(printf ':%s' "$${PYENV_ROOT:-$$HOME/.pyenv}"/versions/*/bin)" $(BIN)/uv python find --system --no-python-downloads 2>/dev/null
 SMOKE := tests/cli/test_smoke.py tests/store
-CAMPAIGNS := promise random-scenes step-error choice price step-cost until many cluster repetition
+CAMPAIGNS := promise random-scenes step-error choice price step-cost until many cluster repetition job-cost
 FIGURES := fig14 fig15 fig16
 STUDIES := $(FIGURES) damping excitations inner_race roller_defect slip length offset tilt misalignment shapes ring_bends ring_trends paper_literal models
 REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo figures paper_figures test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability docs docs-reference docs-words lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants report-assets $(CAMPAIGNS)
+.PHONY: help install install-dev demo figures paper_figures test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability docs docs-reference docs-words gallery lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants report-assets $(CAMPAIGNS)
 
 help:
 	@sed -n '1,10s/^# //p' Makefile
@@ -134,9 +134,13 @@ lint: install-dev
 docs: install-dev
 	$(BIN)/zensical build --strict
 
-# the pages of docs/reference, written from the program
+# pages of docs/reference, the gallery, and tables of measurements, from the program and from docs/data
 docs-reference: install-dev
 	$(BIN)/python -m docs.scripts.reference
+
+# docs/gallery.md: every committed figure with its study
+gallery: install-dev
+	$(BIN)/python -m docs.scripts.reference gallery.md
 
 # words of reading pages by page, apart from evidence and generated pages: a report, no test
 docs-words: install-dev

@@ -33,7 +33,7 @@ BOWL = SLOT | {"shape": "circular", "length": "9 mm"}
 SCENES: dict[str, dict] = {"healthy": {}, "0.8 mm slot": {"defect": SLOT}, "9 mm bowl": {"defect": BOWL}}
 SCENES |= {f"0.8 mm slot, {race}": {"defect": SLOT | {"race": race}} for race in ("inner", "roller")}
 STEPPED = tuple((model, method) for model in ("ring", "rollers", "planar") for method in ("verlet", "rk4"))
-PAIRS = (("static", None), *STEPPED)
+PAIRS = (("static", None), *STEPPED, ("spatial", "verlet"))
 ROLLERS = (8, 13, 16, 24, 32)
 GENERAL = {"law": "general", "coefficient": 100.0}
 LAWS: dict[str, dict] = {"chi": {"damping": {"law": "hunt-crossley", "chi": 50.0}}}
@@ -41,7 +41,7 @@ LAWS |= {"kraemer": {"damping": {"law": "kraemer", "beta": 1e-5}}}
 LAWS |= {f"m3 = {m3:g}": {"damping": GENERAL | {"indentation_exponent": m3}} for m3 in (0.0, 1.0, 1.5, 2.0)}
 LAWS |= {"m1 = 1.2": {"stiffness": {"law": "constant", "coefficient": 1e6, "exponent": 1.2}}}
 LAWS |= {"m1 = 1.2, m3 = 1.5": LAWS["m1 = 1.2"] | LAWS["m3 = 1.5"]}
-RELATIVE_COST = {"static": 50}  # steps that cost as much as one static equilibrium, approximately
+RELATIVE_COST = {"static": 50, "spatial": 20}  # cheap steps that cost as much as one of these, approximately
 
 
 def variant(labels: dict[str, Any], case: Case, model: Any) -> dict[str, Any]:

@@ -1,10 +1,11 @@
-"""Reference pages of the documentation, written from the program: study keys, features, figures, commands, API.
+"""Pages and tables of the documentation that are written from the program and from measurements.
 
-Run `python -m docs.scripts.reference` after a change of the interface; `tests/docs/test_reference.py` asks for it.
+Run `python -m docs.scripts.reference` after a change of the interface, of ``docs/data`` or of the committed figures;
+`tests/docs/test_reference.py` asks for it.
 """
 
+import sys
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import typer
@@ -12,13 +13,15 @@ import typer
 from bearingsim import figure_kinds
 from bearingsim.cli import app
 from bearingsim.config import names
+from docs.scripts import tables
 from docs.scripts.api import api_page
+from docs.scripts.gallery import gallery_page
 from docs.scripts.keys import keys_page, models_of_channel
 from docs.scripts.markdown import code, page, table
+from docs.scripts.navigation import DOCS
 
 LINES = sorted(names.LINES, key=len, reverse=True)
 """Spectral lines; those that contain the name of another come first."""
-FOLDER = Path(__file__).parents[1] / "reference"
 
 
 def features_page() -> str:
@@ -121,20 +124,22 @@ def _options(command: Any) -> str:
 
 
 PAGES: dict[str, Callable[[], str]] = {
-    "keys.md": keys_page,
-    "features.md": features_page,
-    "figures.md": figures_page,
-    "commands.md": commands_page,
-    "api.md": api_page,
+    "reference/keys.md": keys_page,
+    "reference/features.md": features_page,
+    "reference/figures.md": figures_page,
+    "reference/commands.md": commands_page,
+    "reference/api.md": api_page,
+    "gallery.md": gallery_page,
 }
-"""Function that writes each page, by file name."""
+"""Function that writes each page, by its path in docs/."""
 
 
 def main() -> None:
-    """Write all pages."""
-    FOLDER.mkdir(exist_ok=True)
-    for name, text in PAGES.items():
-        (FOLDER / name).write_text(text(), encoding="utf-8")
+    """Write all pages, or those named; then the tables of all other pages."""
+    for name in sys.argv[1:] or PAGES:
+        (DOCS / name).write_text(PAGES[name](), encoding="utf-8")
+    for path in tables.pages():
+        path.write_text(tables.current(path), encoding="utf-8")
 
 
 if __name__ == "__main__":

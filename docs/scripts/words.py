@@ -1,7 +1,7 @@
 """Words of the documentation by heading and page: a report, no test.
 
 Reading pages are those that a user reads: Start, How-to, Explanation, and Reference as far as written by hand.
-Words of tables and of code are counted apart.
+Words of tables and of code are counted apart. A formula in a line counts as a word, a displayed equation as none.
 """
 
 import re
@@ -13,6 +13,8 @@ from docs.scripts.navigation import DOCS, navigation
 
 READING = ("Start", "How-to", "Explanation", "Reference")
 CODE = re.compile(r"^(```+).*?^\1$|^    [^\n]*$", re.MULTILINE | re.DOTALL)
+DISPLAYED = re.compile(r"^\$\$.*?^\$\$", re.MULTILINE | re.DOTALL)
+INLINE = re.compile(r"\$[^$\n]+\$")
 TABLE = re.compile(r"^\|.*$", re.MULTILINE)
 WORD = re.compile(r"\w[\w'.@^/-]*")
 MOST_WORDS = {"How-to": 400, "Explanation": 1200}
@@ -29,7 +31,7 @@ class Count(NamedTuple):
 
 def count(page: str) -> Count:
     """Count the words of a page of docs/."""
-    text = (DOCS / page).read_text(encoding="utf-8")
+    text = INLINE.sub("x", DISPLAYED.sub("", (DOCS / page).read_text(encoding="utf-8")))
     without_code = re.sub(CODE, "", text)
     without_tables = re.sub(TABLE, "", without_code)
     words, less_code, prose = (len(WORD.findall(part)) for part in (text, without_code, without_tables))

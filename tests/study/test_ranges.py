@@ -151,13 +151,13 @@ ITALICS: dict[str, dict[str, Any]] = {
         "defect": {"shape": "rectangular", "length": "3 mm", "width": "0.8 mm", "depth": "50 um", "offset": "2 mm"}
     },
 }
-"""What asks for each need of quality of the table in docs/model.md."""
+"""What asks for each need of quality of the table in docs/abilities.md."""
 ABILITY = {"the ring's acceleration": "acceleration", "inertia of the rollers": "roller inertia"}
 
 
 def needs_of_quality() -> list[tuple[str, str, bool]]:
-    """Need, model, and whether the model has it, as docs/model.md says."""
-    page = (Path(__file__).parents[2] / "docs/model.md").read_text(encoding="utf-8")
+    """Need, model, and whether the model has it, as docs/abilities.md says."""
+    page = (Path(__file__).parents[2] / "docs/abilities.md").read_text(encoding="utf-8")
     head = next(line for line in page.splitlines() if line.startswith("| need | asked for by |"))
     models = [cell.strip(" `") for cell in head.split("|")[3:-1]]
     rows = [line.replace("\\|", "/").split("|")[1:-1] for line in page.splitlines() if line.startswith("| *")]

@@ -34,7 +34,7 @@ from bearingsim.core.jit import generic, jit
 def roller_drop(group, s, R):
     """Return the roller path h (m) of one group at ``s`` (m) from the defect's middle, and its slope dh/ds.
 
-    Equation (M5) of docs/model.md: the closed form of (M4) for a box, a V groove and a bowl.
+    Equation (M5) of docs/defects.md: the closed form of (M4) for a box, a V groove and a bowl.
     """
     x = max(group[GROUP_HALF_WIDTH] - abs(s), 0.0)
     x_1 = min(x, group[X_E])

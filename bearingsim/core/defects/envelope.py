@@ -161,7 +161,7 @@ def touched_parts(parts, R, touched):
 def path_over(profile: Profile, R: float) -> Path:
     """Return the path h(s) of a roller of relative radius ``R`` (m) over a profile, exact.
 
-    Equation (M4) of docs/model.md.
+    Equation (M4) of docs/defects.md.
     """
     parts = touchable_parts(profile, R)
     pieces = np.empty((2, len(parts)))

@@ -12,7 +12,7 @@ min(GROUP_HALF_WIDTH, X_E, sqrt(2 R DEPTH))/R: estimates of impact speed use thi
 
 Several published forms assume a flat race, into which a ball sinks by R_w - sqrt(R_w^2 - w^2/4). Here all use the
 relative radius R of roller and race, as the roller path does. For the outer race of an NF308 this is 15 % less,
-and the forms then differ only in shape. docs/excitations.md compares them.
+and the forms then differ only in shape. docs/evidence/excitations.md compares them.
 """
 
 from math import asin, cos, pi, sin, sqrt

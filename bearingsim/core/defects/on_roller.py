@@ -59,7 +59,7 @@ def force_over_defect(contact, defects, d, s, speed, delta, v):
     groups in contact, for the step monitor. The sideways part is sum Q_k dh_k/ds (N), minus the force in the
     direction of increasing s.
 
-    Equation (M6) of docs/model.md.
+    Equation (M6) of docs/defects.md.
     """
     force, sideways, mean, closing = 0.0, 0.0, 0.0, 0.0
     for k in range(int(defects.head[d, GROUP_COUNT])):

@@ -5,7 +5,7 @@ this rim, at the one of ``DRAWS`` positions, drawn uniformly from the spall's ex
 nearest (a straight roller lands there first). Its half sizes and depth are drawn uniformly from ``SIZES`` and
 ``DEPTHS``; the first bowl's half sizes are 1. A spall thus grows along rolling and becomes wider. A full-grown
 spall has ``BOWLS`` bowls and is scaled to its length, width and depth; a less grown one lacks the later bowls, and
-its last bowl is smaller. The numbers are choices, not measurements: docs/defects.md.
+its last bowl is smaller. The numbers are choices, not measurements: docs/evidence/defects.md.
 """
 
 from functools import lru_cache, reduce

@@ -3,7 +3,7 @@
 Assumptions: smooth surfaces, flooded and isothermal contact, Newtonian oil, pure rolling, small oscillations about
 equilibrium. Loads, stiffnesses and frequencies are floats or arrays, in SI units.
 
-Derivation, accuracy and limits: docs/damping.md, "The oil film". Sources:
+Derivation, accuracy and limits: docs/evidence/oil_film.md. Sources:
 
 - H. Moes, Lubrication and Beyond, lecture notes, University of Twente 2000, and C. H. Venner, Multilevel Solution
   of the EHL Line and Point Contact Problems, thesis, Twente 1991: film thickness.

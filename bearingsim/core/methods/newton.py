@@ -7,7 +7,7 @@ version of Newton's method, Math. Programming 58 (1993).
 
 Newton steps are not damped. When a contact closes the force has a kink, or with a dashpot a jump, across which the
 iteration may oscillate; then it does not converge and the step is too long. (A line search, and at a jump the
-fraction of it that satisfies the equation, gave no improvement: docs/methods.md.)
+fraction of it that satisfies the equation, gave no improvement: docs/evidence/methods.md.)
 """
 
 from math import isfinite, sqrt
