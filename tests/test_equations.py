@@ -8,15 +8,21 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PAGES = {"M": "model", "C": "contact", "P": "planar", "S": "spatial", "R": "ring"}
+PAGES = {
+    "M": ("model", "defects"),
+    "C": ("contact",),
+    "P": ("planar",),
+    "S": ("spatial",),
+    "R": ("ring",),
+}
+"""Pages of the equations of each letter."""
 NUMBER = re.compile(rf"\(([{''.join(PAGES)}])(\d+)\)")
+TAG = re.compile(r"\\tag\{([A-Z])(\d+)\}")
 
 
-def equation_numbers(letter: str) -> list[int]:
-    """Return the numbers at the ends of the equations of a page, in order."""
-    lines = (ROOT / "docs" / f"{PAGES[letter]}.md").read_text(encoding="utf-8").splitlines()
-    matches = [re.search(rf"   \({letter}(\d+)\)$", line) for line in lines if line.startswith("    ")]
-    return [int(match[1]) for match in matches if match]
+def equation_numbers(page: str) -> list[int]:
+    """Return the numbers of the equations of a page, in its order."""
+    return [int(number) for _, number in TAG.findall((ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8"))]
 
 
 def citations() -> Iterator[tuple[str, str, int]]:
@@ -31,18 +37,29 @@ def citations() -> Iterator[tuple[str, str, int]]:
 
 
 @pytest.mark.parametrize("letter", PAGES)
-def test_equations_of_a_page_are_numbered_in_order(letter: str) -> None:
-    numbers = equation_numbers(letter)
+def test_equations_are_numbered_once_and_in_order(letter: str) -> None:
+    of_pages = [equation_numbers(page) for page in PAGES[letter]]
+    numbers = sorted(number for of_page in of_pages for number in of_page)
     assert numbers
     assert numbers == list(range(1, len(numbers) + 1))
+    assert of_pages == [sorted(of_page) for of_page in of_pages]
 
 
 @pytest.mark.parametrize("letter", PAGES)
 def test_every_equation_is_cited_where_it_is_computed(letter: str) -> None:
-    assert set(equation_numbers(letter)) == {number for _, cited, number in citations() if cited == letter}
+    numbers = {number for page in PAGES[letter] for number in equation_numbers(page)}
+    assert numbers == {number for _, cited, number in citations() if cited == letter}
 
 
-def test_a_citation_names_its_page() -> None:
+def test_a_citation_names_the_page_of_its_equation() -> None:
     cited = list(citations())
     assert cited
-    assert [(pages, letter) for pages, letter, _ in cited if PAGES[letter] not in pages.split()] == []
+    page_of = {(k, n): page for k, pages in PAGES.items() for page in pages for n in equation_numbers(page)}
+    assert [(pages, k, n) for pages, k, n in cited if page_of[k, n] not in pages.split()] == []
+
+
+def test_other_pages_number_no_equation() -> None:
+    """A number stands for one equation, so pages of evidence refer to it without repeating it."""
+    pages = {page.relative_to(ROOT / "docs").as_posix() for page in (ROOT / "docs").rglob("*.md")}
+    numbered = {page for page in pages if TAG.search((ROOT / "docs" / page).read_text(encoding="utf-8"))}
+    assert numbered == {f"{page}.md" for pages in PAGES.values() for page in pages}

@@ -3,6 +3,7 @@ const folder = document.currentScript.src.replace(/[^/]*$/, "");
 
 window.MathJax = {
   tex: { inlineMath: [["\\(", "\\)"]], displayMath: [["\\[", "\\]"]] },
+  svg: { scale: 0.88 },
   options: { processHtmlClass: "arithmatex", ignoreHtmlClass: ".*", enableMenu: false },
 };
 

@@ -1,7 +1,7 @@
 """Pages and tables of the documentation that are written from the program and from measurements.
 
-Run `python -m docs.scripts.reference` after a change of the interface, of ``docs/data`` or of the committed figures;
-`tests/docs/test_reference.py` asks for it.
+Run `python -m docs.scripts.reference` after a change of the interface, of ``docs/data`` or of the committed
+figures; `tests/docs/test_reference.py` asks for it.
 """
 
 import sys

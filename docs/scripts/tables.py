@@ -1,7 +1,7 @@
 """Tables of pages, written from the measurements in ``docs/data``.
 
-A page has a block ``<!-- table: NAME -->`` ... ``<!-- end of table -->``; `make docs-reference` writes the table of
-that name between the two lines.
+A page has a block ``<!-- table: NAME -->`` ... ``<!-- end of table -->``; `make docs-reference` writes the table
+of that name between the two lines.
 """
 
 import re
@@ -71,15 +71,17 @@ KINDS_OF_FEATURES = {"line": "velocity@", "RMS": "velocity.rms", "largest force"
 
 def models() -> str:
     """Return the table of the models with their cost."""
-    steps, jobs = read("step_cost"), read("job_cost")
-    steps = steps[(steps.scene == "0.8 mm slot") & (steps.method != "rk4")].set_index("model").ns_per_step
-    seconds = jobs.set_index(["model", "response"]).cpu_s
+    costs, jobs = read("step_cost"), read("job_cost")
+    steps = costs[(costs.scene == "0.8 mm slot") & (costs.method != "rk4")].set_index("model").ns_per_step
+    seconds = jobs.set_index(["model", "response"]).cpu_s_per_s
     rows = []
     for name, texts in MODELS.items():
         step = f"{steps[name] / 1000:.2g} us" if name in steps else ""
         times = [f"{seconds[name, r]:.2g} s" if (name, r) in seconds else "" for r in RESPONSES]
         rows.append([f"`{name}`", *texts, step, *times])
-    return table(("model", "moves", "assumes", "use for", "a step", *(f"1 s of signal, {r}" for r in RESPONSES)), rows)
+    return table(
+        ("model", "moves", "assumes", "use for", "a step", *(f"1 s of signal, {r}" for r in RESPONSES)), rows
+    )
 
 
 RESPONSES = ("periodic", "in full")
@@ -92,7 +94,7 @@ def steps(column: str, unit: str) -> str:
     costs = costs[costs.scene.isin(SCENES)]
     costs["variant"] = "`" + costs.model + "` " + costs.method
     wide = costs.pivot(index="scene", columns="variant", values=column)[costs.variant.unique()]
-    rows = ([title, *(digits(value) for value in wide.loc[scene])] for scene, title in SCENES.items())
+    rows = ([title, *map(digits, wide.loc[scene].to_numpy())] for scene, title in SCENES.items())
     return table((unit, *(name.replace("` ", "`, ").removesuffix(", ") for name in wide.columns)), rows)
 
 
@@ -100,7 +102,9 @@ def laws() -> str:
     """Return the costs of a Verlet step by contact law."""
     costs = read("step_cost")
     costs = costs[costs.scene.str.startswith("law ")].pivot(index="scene", columns="model", values="ns_per_step")
-    rows = ([title, *(digits(costs[m][f"law {law}"]) for m in ("rollers", "planar"))] for law, title in LAWS.items())
+    rows = (
+        [title, *(digits(costs[m][f"law {law}"]) for m in ("rollers", "planar"))] for law, title in LAWS.items()
+    )
     return table(("ns per step", "`rollers`", "`planar`"), rows)
 
 
@@ -120,7 +124,9 @@ def arrow() -> str:
     for (own, border), group in costs.groupby(["own", "border"]):
         at = group.set_index("rollers")
         rows.append([f"{own} + {border}", digits(at.total[13]), digits(at.total[104]), digits(at.dense_us[104])])
-    return table(("coordinates of a roller + border", "13 rollers", "104 rollers", "the same, dense (NumPy)"), rows)
+    return table(
+        ("coordinates of a roller + border", "13 rollers", "104 rollers", "the same, dense (NumPy)"), rows
+    )
 
 
 def derivatives() -> str:
@@ -159,7 +165,13 @@ def random_scenes() -> str:
         methods = [int((converged.method == m).sum()) for m in ("verlet", "rodas", "backward-euler")]
         chaotic = [int(converged.chaotic.sum()), int(refused.only_chaotic.sum())]
         others = len(group) - len(converged) - len(refused)
-        counts = [f"{len(converged)} ({', '.join(map(str, methods))})", chaotic[0], len(refused), chaotic[1], others]
+        counts = [
+            f"{len(converged)} ({', '.join(map(str, methods))})",
+            chaotic[0],
+            len(refused),
+            chaotic[1],
+            others,
+        ]
         rows.append([f"{seed}", f"{len(group)}", *map(str, counts)])
     head = ("seed", "scenes", "converged (Verlet, Rodas, backward Euler)", "of them chaotic", "rejected")
     return table((*head, "of them only as chaotic and too short", "third outcome"), rows)
@@ -168,7 +180,9 @@ def random_scenes() -> str:
 def promise() -> str:
     """Return how many random scenes are within a requested accuracy."""
     rows = []
-    for within, group in read("promise").sort_values("within", ascending=False).groupby("within", sort=False):
+    promises = read("promise")
+    for within in sorted(promises.within.unique(), reverse=True):
+        group = promises[promises.within == within]
         scenes = group.drop_duplicates("number")
         below = f"{(scenes.taken != 'reference').sum()} of {len(scenes)}"
         kept = (group.off <= within + 2.0 * group.both).to_numpy()
@@ -184,7 +198,9 @@ def promise() -> str:
 def left_out() -> str:
     """Return the effect of a free cage, with dry friction and with oil."""
     rows = []
-    for free, group in read("left_out").groupby("free"):
+    changes_of = read("left_out")
+    for free in changes_of.free.unique():
+        group = changes_of[changes_of.free == free]
         slips = f"{percent(group.slip.min())} to {percent(group.slip.max())} %"
         changes = [group[feature].abs() for feature in ("line", "rms", "force")]
         rows.append([free, slips, *(f"{percent(c.median())} %, {percent(c.max())} %" for c in changes)])
@@ -247,7 +263,7 @@ def double_impulse() -> str:
             ", ".join(f"{value:.2f}" for value in group.spacing_ms * group.rpm / 1000),
             ", ".join(f"{value:.2f}" for value in group.before_end_over_geometry),
         ]
-        rows.append([f"{bearing.upper()}, {width:g} mm", f"{depth} um", *columns])
+        rows.append([f"{str(bearing).upper()}, {width} mm", f"{depth} um", *columns])
     head = ("", "depth", "rpm", "entry to strike", "of the crossing", "times speed (ms x 1000 rpm)")
     return table((*head, "before the end / sqrt(2 R_eff d)"), rows)
 

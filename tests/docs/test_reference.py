@@ -21,13 +21,15 @@ def test_page_is_current(name: str) -> None:
     assert (DOCS / name).read_text(encoding="utf-8") == PAGES[name](), "run `make docs-reference`"
 
 
-@pytest.mark.parametrize("page", tables.pages(), ids=lambda page: page.name)
+@pytest.mark.parametrize("page", list(tables.pages()), ids=lambda page: page.name)
 def test_tables_of_a_page_are_current(page: Path) -> None:
     assert page.read_text(encoding="utf-8") == tables.current(page), "run `make docs-reference`"
 
 
 def test_each_table_is_on_a_page() -> None:
-    named = [block[2] for page in tables.pages() for block in tables.BLOCK.finditer(page.read_text(encoding="utf-8"))]
+    named = [
+        block[2] for page in tables.pages() for block in tables.BLOCK.finditer(page.read_text(encoding="utf-8"))
+    ]
     assert sorted(named) == sorted(tables.TABLES)
 
 
