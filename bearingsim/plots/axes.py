@@ -251,11 +251,11 @@ def letter(ax: "Axes", number: int, count: int, text: str) -> None:
 COMPARABLE = 4.0  # ratio of y ranges above which panels keep their own axes
 
 
-def share_scales(axes: list[list["Axes"]]) -> None:
-    """Share one y axis among the panels of a feature, unless their ranges differ too much."""
+def share_scales(axes: Sequence[Sequence["Axes"]], comparable: float = COMPARABLE) -> None:
+    """Share one y axis among the panels of a feature, unless the ratio of their ranges exceeds ``comparable``."""
     for stack in zip(*axes, strict=True):
         limits = [ax.get_ylim() for ax in stack]
         spans = [high - low for low, high in limits]
-        if max(spans) <= COMPARABLE * min(spans):
+        if max(spans) <= comparable * min(spans):
             for ax in stack:
                 ax.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))

@@ -128,8 +128,10 @@ def _range(path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> str:
     distinct = select.values(rows, path)
     if select.is_numeric(distinct):
         unit = labels.unit_of(path, units)
-        low, high = (labels.shown(path, value, unit) for value in (distinct[0], distinct[-1]))
-        return f"{low:.4g} to {high:.4g}{'' if unit in ('deg', '') else ' '}{labels.pretty(unit)}"
+        low, high = (
+            labels.number_text(labels.shown(path, value, unit), 4) for value in (distinct[0], distinct[-1])
+        )
+        return f"{low} to {labels.with_unit(high, unit)}"
     texts = [labels.value_text(path, value, units) for value in distinct]
     return " / ".join(
         texts if len(texts) <= MOST_WORDS else [*texts[:MOST_WORDS], f"{len(texts) - MOST_WORDS} more"]

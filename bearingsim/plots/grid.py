@@ -2,6 +2,7 @@
 
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from math import inf
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -26,7 +27,7 @@ ROW_IN, LOW_ROW_IN = 1.7, 1.15
 MANY = 6  # number of rows above which they are lower
 HEALTHY, HEALTHY_COLOUR = "healthy", "0.25"
 PARTS = {"": COLOURS[0], "x": COLOURS[2], "y": COLOURS[3]}
-LABEL_LETTERS, LETTER_IN = 26, 0.075
+LETTER_IN, GAP_IN = 0.07, 0.35  # width of a letter of a label, and distance of two rows
 CAPTION_IN = 1.0  # height (inches) of caption and legend
 WIDTH, HEALTHY_WIDTH = 1.1, 0.6  # points; the healthy curve is drawn above the other and leaves it visible
 SHADES_FROM = 6  # number of ordered curves in one axes from which their colours are shades
@@ -58,11 +59,19 @@ class Row(NamedTuple):
 
 
 class Grid(NamedTuple):
-    """Drawn grid: figure, rows of axes, and the jobs in each row."""
+    """Drawn grid: figure, rows of axes, the jobs in each, and whether it is the healthy one of the row above."""
 
     canvas: Canvas
     axes: list[list["Axes"]]
     jobs: list[list[Job]]
+    is_below: list[bool]
+
+    def share_scales(self) -> None:
+        """Share y axes: of a job and its healthy baseline below it, and of rows with similar ranges."""
+        for above, line, is_below in zip(self.axes, self.axes[1:], self.is_below[1:], strict=False):
+            if is_below:
+                share_scales([above, line], inf)
+        share_scales(self.axes)
 
 
 def grid(
@@ -91,20 +100,21 @@ def grid(
         scale = _scale(together[0], figure, display, drawn)
         for line, curves in zip(axes, drawn, strict=True):
             _panel(line[column], curves, scale)
-        text = display.y_label(recorded.text_of(*together))
-        label = axis_label(scale.label(text), scale.unit_text(display.amplitude))
-        _name_axes([line[column] for line in axes], label, len(columns) == 1)
+        label = axis_label(display.y_label(recorded.text_of(*together)), scale.unit_text(display.amplitude))
+        _name_axes([line[column] for line in axes], label, len(columns) == 1, height)
         axes[-1][column].set_xlabel(display.x_label)
     for line, row in zip(axes, rows, strict=True):
         line[0].set_title(row.title, loc="left", fontsize=8, pad=11 if line is axes[0] else 4)
-    share_scales(axes)
     _legend(canvas, [ax for line in axes for ax in line])
     table = select.case_rows(results)
     swept = set().union(*(entry["swept"] for entry in results.plan["jobs"] if entry["job"] in jobs))
     fixed = fixed_values(results, table[table["job"].isin(jobs)], swept)
     finish(canvas, figure.title, [*caption, *sampling_of(jobs.values()), *fixed])
     leading = [[*row.jobs.values(), *(name for name, _ in row.baselines.values())] for row in rows]
-    return Grid(canvas, axes, [[records[name] for name in dict.fromkeys(names)] for names in leading])
+    shown = [[records[name] for name in dict.fromkeys(names)] for names in leading]
+    made = Grid(canvas, axes, shown, [not row.jobs for row in rows])
+    made.share_scales()
+    return made
 
 
 # Rows
@@ -238,16 +248,18 @@ def _panel(ax: "Axes", curves: Sequence[Drawn], scale: Scale) -> None:
     ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
 
 
-def _name_axes(column: Sequence["Axes"], label: str, only: bool) -> None:
-    """Label the y axes of a column, with one common label if it is the only column."""
+def _name_axes(column: Sequence["Axes"], label: str, only: bool, height: float) -> None:
+    """Label the y axes of a column, with one common label if it is the only column; height: of a row (inches)."""
     if only and len(column) > 1:
         canvas = column[0].get_figure(root=True)
         assert canvas is not None
         letters = int((canvas.get_size_inches()[1] - CAPTION_IN) / LETTER_IN)
         canvas.supylabel(textwrap.fill(label, letters), fontsize=9.0)
         return
+    room = height - (GAP_IN if len(column) > 1 else 0.0)
+    text = textwrap.fill(label, int(room / LETTER_IN), break_long_words=False)
     for ax in column:
-        ax.set_ylabel(textwrap.fill(label, LABEL_LETTERS), fontsize=8.0)
+        ax.set_ylabel(text, fontsize=8.0)
 
 
 def _legend(canvas: Canvas, axes: Iterable["Axes"]) -> None:

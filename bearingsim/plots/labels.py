@@ -112,9 +112,10 @@ def shown(path: str, value: float, unit: str) -> float:
     return display(value, unit, _dimension(path)) if unit else value
 
 
-def number_text(value: float) -> str:
-    """Format a number with at most five significant digits, without an exponent up to a million: `2e6`, `1e-5`."""
-    text = f"{value:.0f}" if 1e5 <= abs(value) < 1e6 else f"{value:.5g}"
+def number_text(value: float, digits: int = 5) -> str:
+    """Format a number with at most some significant digits, without an exponent up to a million: `2e6`, `1e-5`."""
+    rounded = float(f"{value:.{digits}g}")
+    text = f"{rounded:.0f}" if 10**digits <= abs(rounded) < 1e6 else f"{rounded:.{digits}g}"
     mantissa, exponential, exponent = text.partition("e")
     return f"{mantissa}e{int(exponent)}" if exponential else text
 

@@ -34,13 +34,16 @@ FAMILIES = {
 
 
 class Mark(NamedTuple):
-    """Line on the frequency axis (Hz): the element of its family, its name and harmonic, or that it is beside."""
+    """Line on the frequency axis (Hz): the element of its family, its name, harmonic, and side of it if beside it.
+
+    side: -1 or 1 of a sideband, 0 of a harmonic. The sideband of number 0 is the frequency between sidebands.
+    """
 
     hertz: float
     race: str
     name: str
     number: int
-    sideband: bool = False
+    side: int = 0
 
 
 def races(*jobs: Mapping[Any, Any]) -> list[str]:
@@ -90,14 +93,16 @@ def frequency(line: Line, parameters: Mapping[Any, Any]) -> float:
 
 
 def marks(parameters: Mapping[Any, Any], highest: float) -> Iterator[Mark]:
-    """Yield the lines and sidebands up to ``highest`` (Hz) of the families of a job's defects."""
+    """Yield the lines up to ``highest`` (Hz) of the families of a job's defects, sidebands and their distance."""
     for race in races(parameters) or ["outer"]:
         family = FAMILIES[race]
         fundamental = frequency(family.fundamental, parameters)
+        if family.beside:
+            yield Mark(frequency(family.beside, parameters), race, family.distance, 0, side=1)
         for k in range(1, int(highest / fundamental) + 1):
             yield Mark(k * fundamental, race, family.name(k), k)
             if family.beside:
                 aside = frequency(family.beside, parameters)
-                for sign, side in (("-", -aside), ("+", aside)):
+                for sign, side in (("-", -1), ("+", 1)):
                     name = f"{family.name(k)} {sign} {family.distance}"
-                    yield Mark(k * fundamental + side, race, name, k, sideband=True)
+                    yield Mark(k * fundamental + side * aside, race, name, k, side)

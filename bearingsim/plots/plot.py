@@ -122,6 +122,8 @@ def requested(results: "Results", kind: str | None = None, options: Mapping[str,
     """
     from bearingsim.plots import select
 
+    named_paths = [*options.get("where", ()), *options.get("by", ()), *options.get("panels", ())]
+    select.check_swept(results, [*named_paths, *filter(None, [options.get("x")])])
     if kind is not None and KINDS[kind].of_jobs:
         return [_changed(Figure(y=(), x="", kind=kind), options)]
     rows = select.case_rows(results)

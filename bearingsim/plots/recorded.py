@@ -147,23 +147,27 @@ def drawn_values(job: Job, channel: str, signal: Signal) -> np.ndarray:
     return signals.causal(signal.values)
 
 
+def check_passband(option: str, limits: tuple[float, float], *jobs: Job) -> None:
+    """Raise PlotError for an option whose frequency limits (Hz) exceed the passband of the records."""
+    passband = PASSBAND * min(float(job.parameters["sampling"]) for job in jobs)
+    if limits[1] > passband * (1.0 + 1e-9):
+        raise PlotError(
+            f"`{option}` ends at {limits[1]:g} Hz; the records are flat to {passband:g} Hz, "
+            f"{PASSBAND:g} of their `sampling`: raise it"
+        )
+
+
 def filtered(job: Job, signal: Signal, view: "View") -> Signal:
     """Apply the band-pass filter of a view and subtract the mean, if requested.
 
-    Raises PlotError for a band beyond half the sampling rate.
+    Raises PlotError for a band beyond the passband.
     """
     values = signal.values
     if view.band:
         from bearingsim import signals
 
-        limit = (PASSBAND if job.parameters["antialias"] == "true" else 0.5) * job.parameters["sampling"]
-        if view.band[1] > limit * (1.0 + 1e-9):
-            band = f"`band` ends at {view.band[1]:g} Hz"
-            raise PlotError(f"{band}; the record is flat to {limit:g} Hz; raise `sampling`")
-        try:
-            values = signals.band_pass(values, signal.rate, view.band)
-        except ValueError as error:
-            raise PlotError(f"{error}; raise `sampling`") from None
+        check_passband("band", view.band, job)
+        values = signals.band_pass(values, signal.rate, view.band)
     return signal._replace(values=values - values.mean() if view.zero_mean else values)
 
 

@@ -271,7 +271,7 @@ def draw_push(ax: "Axes", seen: View, instant: Instant, push: Push) -> None:
     sideways, upwards = -sin(push.angle), cos(push.angle)
     ha = "center" if abs(sideways) < 0.3 else "right" if sideways < 0.0 else "left"
     va = "bottom" if upwards > 0.3 else "top" if upwards < -0.3 else "center"
-    ax.annotate(f"{labels.number_text(float(f'{push.force:.3g}'))} N", tail, (2.0 * sideways, 2.0 * upwards),
+    ax.annotate(f"{labels.number_text(push.force, 3)} N", tail, (2.0 * sideways, 2.0 * upwards),
                 textcoords="offset points", ha=ha, va=va, fontsize=7.5, zorder=7, gid="push")  # fmt: skip
 
 

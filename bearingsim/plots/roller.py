@@ -11,9 +11,9 @@ from bearingsim.config.names import roller_of
 from bearingsim.plots import recorded
 from bearingsim.plots.grid import Curve, Display, grid
 from bearingsim.plots.labels import PlotError
+from bearingsim.plots.marks import MARK_COLOURS
 from bearingsim.plots.recorded import Job, Signal
 from bearingsim.plots.sheet import Sheet, file_words
-from bearingsim.plots.spectra import MARK_COLOURS
 from bearingsim.plots.window import passage_of
 
 if TYPE_CHECKING:

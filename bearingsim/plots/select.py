@@ -293,6 +293,16 @@ def phases(features: Sequence[str]) -> tuple[str, ...]:
     return names
 
 
+def check_swept(results: "Results", paths: Sequence[str]) -> None:
+    """Raise PlotError for a parameter that the study keeps fixed, with its value."""
+    parameters = results.parameters()
+    for path in paths:
+        column = path.replace("defect.", "defects.1.", 1) if path.startswith("defect.") else path
+        if path not in results.plan["units"] and column in parameters and parameters[column].nunique() == 1:
+            value = value_text(path, parameters[column].dropna().iloc[0], results.plan["units"])
+            raise PlotError(f"`{path}` is fixed at {value} in this study, not swept")
+
+
 def check_paths(paths: Sequence[str], units: Mapping[str, str]) -> None:
     """Raise PlotError for a path that is not swept."""
     for path in paths:

@@ -32,7 +32,7 @@ from bearingsim.plots.axes import (
 from bearingsim.plots.points import Points
 from bearingsim.plots.style import PAGE_IN, CurveStyle
 from bearingsim.plots.ticks import linear_ticks, log_ticks
-from bearingsim.plots.units import feature_scale
+from bearingsim.plots.units import ROUNDING_NOTE, feature_scale
 from bearingsim.study import Figure
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def mark_baselines(ax: "Axes", curves: Sequence[Curve]) -> None:
 
 def note_rounding(ax: "Axes") -> None:
     """Write in the axes that all values are rounding errors."""
-    ax.text(0.5, 0.95, "zero within rounding errors", transform=ax.transAxes, ha="center", va="top", fontsize=7.0,
+    ax.text(0.5, 0.95, ROUNDING_NOTE, transform=ax.transAxes, ha="center", va="top", fontsize=7.0,
             color="0.35")  # fmt: skip
 
 
@@ -204,7 +204,7 @@ def _numbers(ax: "Axes", points: Sequence[float], heights: Sequence[float], is_l
     for value, height in zip(points, heights, strict=True):
         if value > 0.0 or (value == value and not is_log):
             ax.annotate(
-                labels.number_text(float(f"{value:.3g}")),
+                labels.number_text(value, 3),
                 (value, height),
                 (5, 0),
                 textcoords="offset points",

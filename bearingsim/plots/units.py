@@ -29,8 +29,9 @@ CHOICES: dict[str, dict[str, float]] = {
 
 REFERENCES = {"m": ("pm", 1e-12), "m/s": ("nm/s", 1e-9), "m/s^2": ("µm/s²", 1e-6), "N": ("µN", 1e-6)}
 """Reference values of levels in dB, as printed and in SI, by SI unit (ISO 1683:2015)."""
-ROUNDING = {"m": 1e-16, "m/s": 1e-12, "m/s^2": 1e-8, "N": 1e-9}
-"""Values of features below which they are rounding errors of the solution, by SI unit."""
+ROUNDING_NOTE = "zero within numerical errors"
+ROUNDING = {"m": 1e-15, "m/s": 1e-11, "m/s^2": 1e-7, "N": 1e-9}
+"""Values of features below which they are errors of the solution and of its spectrum, by SI unit."""
 FLOOR_DB = 120.0  # dB below the largest level of a curve, its smallest level
 RANGE_DB = 100.0  # dB, range of an axis of levels below the largest
 SQUARES = 3.0  # a squared quantity is shown in its larger unit from 0.1 on
@@ -53,10 +54,6 @@ class Scale(NamedTuple):
         return np.asarray(
             20.0 / self.power * np.log10(np.maximum(relative, largest * 10.0 ** (-FLOOR_DB / 20.0 * self.power)))
         )
-
-    def label(self, text: str) -> str:
-        """Return the text of the axis: of a level, `Level of the amplitude of ...`."""
-        return text if self.reference is None else f"Level of the {text[:1].lower()}{text[1:]}"
 
     def unit_text(self, amplitude: bool) -> str:
         """Return the unit as in the axis label; amplitude: of a sine, which is 0-peak."""
@@ -96,12 +93,20 @@ def feature_scale(name: str, largest: float, view: "View") -> FeatureScale:
     Raises PlotError for a unit of another quantity.
     """
     unit, factor = labels.feature_axis(name, largest)
-    si = FEATURES[name].unit if name in FEATURES else ""
     if view.unit and not name.endswith(".phase"):
-        unit, factor = requested_unit(view.unit, si, name)
+        unit, factor = requested_unit(view.unit, _si_unit(name), name)
     parts = [unit, *(["0-peak"] if is_amplitude(name) else [])]
-    rounding = largest < ROUNDING.get(si, 0.0) and not name.endswith("-scatter")
-    return FeatureScale(", ".join(filter(None, parts)).replace(" ", labels.NO_BREAK), factor, rounding)
+    text = ", ".join(filter(None, parts)).replace(" ", labels.NO_BREAK)
+    return FeatureScale(text, factor, is_rounding(name, largest))
+
+
+def is_rounding(name: str, largest: float) -> bool:
+    """Check if the values of a feature are numerical errors, from the ``largest`` (SI)."""
+    return largest < ROUNDING.get(_si_unit(name), 0.0) and not name.endswith("-scatter")
+
+
+def _si_unit(name: str) -> str:
+    return FEATURES[name].unit if name in FEATURES else ""
 
 
 def is_amplitude(name: str) -> bool:

@@ -10,8 +10,9 @@ from bearingsim.plots import labels, recorded, select
 from bearingsim.plots.axes import axis_label, finish
 from bearingsim.plots.caption import fixed_values, sampling_of
 from bearingsim.plots.labels import PlotError
+from bearingsim.plots.marks import mark_lines, share_lines
 from bearingsim.plots.sheet import Sheet
-from bearingsim.plots.spectra import first_line, frequency_range, mark_lines, share_lines, whole_periods
+from bearingsim.plots.spectra import frequency_range, part_of_spectrum
 from bearingsim.plots.style import COLOURS, COLUMN_IN
 from bearingsim.plots.units import scale_of
 
@@ -33,6 +34,8 @@ def draw_waterfall(results: "Results", figure: "Figure", jobs: Sequence[str]) ->
 
     Raises PlotError without a swept path, or for fewer than ``FEW`` spectra.
     """
+    from bearingsim import signals
+
     units = results.plan["units"]
     table = select.case_rows(results).set_index("job").loc[list(jobs)].reset_index()
     path = _stacked_path(figure, select.varied(table, list(units)), table)
@@ -40,8 +43,11 @@ def draw_waterfall(results: "Results", figure: "Figure", jobs: Sequence[str]) ->
     groups = list(select.splits(table, others, units))
     records = recorded.load_jobs(results, jobs)
     channel = recorded.channels_for(records, figure.y)[0]
-    low, high = frequency_range(figure, records.values())
-    spectra = {name: _spectrum(job, channel, low, high) for name, job in records.items()}
+    limits = frequency_range(figure, records.values())
+    spectra = {
+        name: part_of_spectrum(signals.spectrum, next(recorded.signals_of(job, channel)), limits, name, job)
+        for name, job in records.items()
+    }
     if max(len(rows) for _, rows in groups) < FEW:
         raise PlotError(f"a waterfall needs {FEW} spectra or more over `{path}`; use `--kind spectrum`")
     largest = max(float(np.max(amplitude)) for _, amplitude in spectra.values())
@@ -65,13 +71,13 @@ def draw_waterfall(results: "Results", figure: "Figure", jobs: Sequence[str]) ->
                       [labels.value_text(path, value, units) for value in ordered[path]])  # fmt: skip
         ax.set_ylabel(axis_label(labels.name_text(path), ""))
         ax.set_title(title, loc="left", fontsize=8, pad=11 if ax is axes[0] else 4)
-        ax.set_xlim(low, high)
+        ax.set_xlim(*limits)
         shown = [records[name] for name in names]
         if share_lines(shown):
             mark_lines(ax, shown[0], named=ax is axes[0])
     axes[-1].set_xlabel("Frequency (Hz)")
     text = recorded.text_of(channel)
-    distance = f"{step:.4g} dB" if figure.view.db else f"{labels.number_text(float(f'{step:.3g}'))} {scale.unit}"
+    distance = f"{step:.4g} dB" if figure.view.db else f"{labels.number_text(step, 3)} {scale.unit}"
     caption = [f"amplitude spectrum of the {text[:1].lower()}{text[1:]}, 0-peak, {distance} between two lines"]
     fixed = fixed_values(results, table, {path, *others})
     finish(canvas, figure.title, [*caption, *sampling_of(records.values()), *fixed])
@@ -88,12 +94,3 @@ def _stacked_path(figure: "Figure", varied: Sequence[str], rows: "pd.DataFrame")
     if not numbers:
         raise PlotError("no swept number varies in these jobs; use `--kind spectrum`")
     return max(numbers, key=lambda path: len(select.values(rows, path)))
-
-
-def _spectrum(job: recorded.Job, channel: str, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
-    from bearingsim import signals
-
-    signal = next(recorded.signals_of(job, channel))
-    frequency, amplitude = signals.spectrum(*whole_periods(signal, first_line(job.parameters)))
-    shown = (frequency >= low) & (frequency <= high)
-    return frequency[shown], amplitude[shown]

@@ -59,14 +59,23 @@ VALUES = {
     "orders": True,
 }
 """A valid value of each option; those of y and range depend on the kind."""
+Y_TEXTS = {
+    "sweep": "RMS velocity",
+    "phase": "change from healthy",
+    "design": "RMS velocity",
+    "roller": "Contact force of roller 1 on the outer race",
+}
+"""What y names in the figure; else the channel."""
 CHANNELS = {"roller": "roller.1.outer_force", "load": "roller.1.outer_line_load"}
 
 
 def record_of(case):
-    """A sine at BPFO and a burst at 4 kHz upon a mean; half as large in the healthy bearing."""
+    """Sines at BPFO, 4 kHz and, modulated, 8 kHz upon a mean; half as large in the healthy bearing."""
     time = np.arange(round(case.duration * case.sampling)) / case.sampling
     size = 1.0 if case.defects else 0.5
-    wave = OFFSET + size * np.sin(2.0 * math.pi * BPFO * time) + 0.1 * size * np.sin(2.0 * math.pi * 4000.0 * time)
+    passes, low, high = (2.0 * math.pi * hertz * time for hertz in (BPFO, 4000.0, 8000.0))
+    sines = np.sin(passes) + 0.1 * np.sin(low) + 0.2 * (1.0 + np.cos(passes)) * np.sin(high)
+    wave = OFFSET + size * sines
     names = [name for channel in case.record for name in dataset_names(channel)]
     series = {name: wave if name.endswith((".x", "force")) else 0.0 * wave for name in names}
     features = {"velocity@BPFO": 1e-6 * size, "velocity@BPFO.phase": 0.1, "velocity.rms": 1e-5 * size,
@@ -84,8 +93,8 @@ def made(results, monkeypatch):
 def value_of(kind, option):
     if option == "y":
         if not KINDS[kind].of_jobs:
-            return ["velocity@BPFO" if kind == "phase" else "velocity.rms"]
-        return [CHANNELS.get(kind, "ring.acceleration")]
+            return ["velocity@BPFO-healthy" if kind == "phase" else "velocity.rms"]
+        return [CHANNELS.get(kind, "ring.acceleration.x")]
     if option == "range":
         return "-20 deg..20 deg" if kind == "roller" else "100 Hz..1 kHz"
     if option == "unit" and kind in ("sweep", "design"):
@@ -103,7 +112,8 @@ def _curves(ax):
 
 
 def _texts(canvas):
-    return [canvas.get_supylabel(), canvas.get_supxlabel(), *(ax.get_ylabel() for ax in canvas.axes)]
+    texts = [canvas.get_supylabel(), canvas.get_supxlabel(), *(ax.get_ylabel() for ax in canvas.axes)]
+    return [" ".join(text.split()) for text in texts]
 
 
 def _seconds(canvas):
@@ -121,6 +131,10 @@ def check_effect(kind, option, before, canvas):
             assert end is None or value == pytest.approx(end, abs=1e-3)
     elif option in ("from", "to", "span", "around"):  # a shorter record: wider lines
         assert len(_curves(ax)[0].get_xdata()) < len(_curves(plain)[0].get_xdata())
+    elif option == "y":
+        text = Y_TEXTS.get(kind, "cceleration of the outer ring x")
+        assert any(text in label for label in _texts(canvas))
+        assert (_texts(canvas) == _texts(before)) is (kind == "roller")  # it has recorded one channel
     elif option == "range":
         low, high = ax.get_ylim() if kind == "spectrogram" else ax.get_xlim()
         limits_of = {"roller": (-20.0, 20.0), "spectrogram": (0.1, 1.0)}
@@ -140,6 +154,10 @@ def check_effect(kind, option, before, canvas):
         assert means[0] < 0.2 * means[1]
     elif option == "band" and kind == "series":
         assert np.ptp(_curves(ax)[0].get_ydata()[500:]) == pytest.approx(200.0, rel=0.05)  # mm/s2
+    elif option == "band":  # without the modulated sine
+        assert any("squared envelope of 3 to 5 kHz" in text for text in _texts(canvas))
+        largest = [max(_curves(drawn_axes)[0].get_ydata()) for drawn_axes in (ax, plain)]
+        assert largest[0] < 0.01 * largest[1]
     elif option == "healthy" and KINDS[kind].of_jobs:
         assert canvas.axes[1].get_title(loc="left").startswith("healthy")
     elif option == "orders":
@@ -233,7 +251,10 @@ def test_an_invalid_option_is_named(made, kind, options, option, message):
     [
         ("spectrum", {"range": "0..21 kHz"}, "the records are flat to 20480 Hz, 0.4 of their `sampling`"),
         ("series", {"from": "1 s"}, "its record lasts from 0 to 0.09998"),
-        ("series", {"band": "1 kHz..30 kHz"}, "the record is flat to 20480 Hz; raise `sampling`"),
+        *(
+            (kind, {"band": "1 kHz..21 kHz"}, "`band` ends at 21000 Hz; the records are flat to 20480 Hz")
+            for kind in ("series", "envelope")
+        ),
         ("series", {"span": "2 s"}, "its record lasts from 0 to 0.09998"),
         (
             "spectrum",
@@ -244,11 +265,13 @@ def test_an_invalid_option_is_named(made, kind, options, option, message):
         ("sweep", {"y": ["ring.velocity"]}, "`ring.velocity` is a channel, not a feature"),
         ("series", {"y": ["ring.velocity"]}, "add it to `record` and run again"),
         ("series", {"where": {"load": "160 N"}}, r"no case has load 160 N \(values: 150 N, 300 N\)"),
-        ("envelope", {"band": "1 kHz..30 kHz"}, "not within 0 to 25600 Hz; raise `sampling`"),
         ("series", {"unit": "mm"}, "`mm` is not a unit of ring.acceleration"),
         ("series", {"unit": "gg"}, "is not a unit of ring.acceleration"),
         ("sweep", {"unit": "g"}, "`g` is not a unit of velocity@BPFO"),
-        ("series", {"by": ["speed"]}, "no swept path `speed`"),
+        ("series", {"by": ["speed"]}, "`speed` is fixed at 1800 rpm in this study, not swept"),
+        ("spectrum", {"where": {"defect.width": "1 mm"}}, "`defect.width` is fixed at 0.8 mm in this study"),
+        ("sweep", {"x": "sampling"}, "`sampling` is fixed at 51200 Hz in this study"),
+        ("sweep", {"where": {"lod": "1 N"}}, r"no swept path `lod` in these results \(did you mean `load`"),
         ("waterfall", {"by": ["load"]}, "a waterfall needs 3 spectra or more over `load`"),
         ("waterfall", {"by": ["load", "defect.length"]}, "give `by` once"),
         ("roller", {"range": "190 deg..200 deg"}, "no sample has an angle from 190 to 200"),
@@ -292,6 +315,37 @@ def test_the_healthy_curve_lies_above_and_leaves_the_other_visible(made):
     damaged, healthy = _curves(canvas.axes[0])
     assert healthy.get_zorder() > damaged.get_zorder()
     assert healthy.get_linewidth() < damaged.get_linewidth()
+
+
+@pytest.mark.parametrize(
+    ("kind", "db"), [("series", False), ("spectrum", False), ("spectrum", True), ("envelope", True)]
+)
+def test_damaged_and_healthy_panels_have_equal_scales(made, monkeypatch, kind, db):
+    def quiet(case):
+        result = record_of(case)
+        result.series = {name: values * (1.0 if case.defects else 1e-3) for name, values in result.series.items()}
+        return result
+
+    opened = made()
+    monkeypatch.setattr("tests.plots.test_plots.record", quiet)
+    opened.path.rename(opened.path.with_name("first"))
+    where = {"load": "150 N", "defect.length": "3 mm"}
+    _, canvas = only(drawn(made(), kind=kind, db=db, healthy="below", where=where))
+    damaged, healthy = canvas.axes
+    assert damaged.get_ylim() == healthy.get_ylim()
+    low, high = damaged.get_ylim()
+    assert low < max(damaged.lines[0].get_ydata()) <= high
+    assert not db or high - low <= 110.0
+
+
+def test_labels_of_rows_do_not_overlap(made):
+    _, canvas = only(
+        drawn(made(), kind="spectrum", y=["ring.acceleration", "ring.acceleration.y"], where={"load": "150 N"})
+    )
+    canvas.draw_without_rendering()
+    boxes = [ax.yaxis.label.get_window_extent() for ax in canvas.axes]
+    assert len(boxes) == 6
+    assert not [box for n, box in enumerate(boxes) if any(box.overlaps(other) for other in boxes[:n])]
 
 
 def test_marks_carry_their_frequency_and_keep_their_distance(made):
@@ -339,7 +393,7 @@ def test_rounding_errors_are_named(made, monkeypatch):
     monkeypatch.setattr("tests.plots.test_plots.record", tiny)
     opened.path.rename(opened.path.with_name("first"))
     _, canvas = only(drawn(made(), x="load", y=["velocity@BPFO"]))
-    assert [text.get_text() for text in canvas.axes[0].texts] == ["zero within rounding errors"]
+    assert [text.get_text() for text in canvas.axes[0].texts] == ["zero within numerical errors"]
 
 
 # Figures of a study file

@@ -104,9 +104,22 @@ def test_sidebands_are_marked_and_named(of_race, kind):
     _, canvas = only(drawn(opened, kind=kind, jobs=opened.jobs[:1]))
     [ax] = canvas.axes
     marks = sorted(line.get_xdata()[0] for line in ax.lines if len(line.get_xdata()) == 2)
-    assert marks[:6] == pytest.approx([201.0, 231.0, 261.0, 432.0, 462.0, 492.0])
+    assert marks[:7] == pytest.approx([30.0, 201.0, 231.0, 261.0, 432.0, 462.0, 492.0])
     assert text_of(canvas) == ["with defect", "healthy", "± fr (30 Hz)"]
-    assert ax.texts[0].get_text() == "BPFI 231.0 Hz"
+    names = {text.get_text() for text in ax.texts}
+    assert {"fr", "BPFI 231.0 Hz", "BPFI + fr 261.0 Hz"} <= names
+
+
+def test_names_of_marks_do_not_overlap(of_race):
+    opened = of_race("inner")
+    for limits in ("0..500 Hz", "0..1 kHz", "0..4 kHz", "150..300 Hz"):
+        _, canvas = only(drawn(opened, kind="spectrum", jobs=opened.jobs[:1], range=limits))
+        canvas.draw_without_rendering()
+        boxes = [text.get_window_extent() for text in canvas.axes[0].texts]
+        assert boxes
+        assert not [box for n, box in enumerate(boxes) if any(box.overlaps(other) for other in boxes[:n])]
+    names = [text.get_text() for text in canvas.axes[0].texts]
+    assert names == ["BPFI - fr 201.0 Hz", "BPFI + fr 261.0 Hz", "BPFI 231.0 Hz"]
 
 
 # Words on x

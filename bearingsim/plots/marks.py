@@ -1,0 +1,150 @@
+"""Marks in spectra: the spectral lines of the defects and their sidebands, with names and frequencies."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+from matplotlib.lines import Line2D
+
+from bearingsim.plots import lines, recorded
+from bearingsim.plots.recorded import Job
+from bearingsim.plots.style import COLOURS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+MARK_COLOURS = {"outer": COLOURS[1], "inner": COLOURS[3], "roller": COLOURS[2]}
+DASHED = (0, (2, 2))
+MARKS_APART = 0.02  # of the axis, least distance of marks; closer ones are left out
+NAMES_APART_IN = 0.56  # inches, least distance of the names of marks
+LETTER_IN = 0.069  # inches, width of a letter of a name
+GAP_POINTS, ROW_POINTS = 2.0, 8.0  # height of the lowest row of names above the axes, and of a row
+ROUND_STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500)
+"""Steps of the harmonics that are marked or named."""
+ALIGNMENTS = {-1: ("right", 1.0), 0: ("center", 0.5), 1: ("left", 0.0)}
+"""Alignment of a name, and the part of the name left of its mark, by the side of the line."""
+
+
+def share_lines(jobs: Sequence[Job]) -> bool:
+    """Check if all jobs have the same spectral lines: the same defects and frequencies, at a constant speed."""
+    races = {tuple(lines.races(job.parameters)) for job in jobs}
+    fundamentals = [first_line(job.parameters) for job in jobs]
+    steady = not any(recorded.has_ramp(job) for job in jobs)
+    return steady and len(races) == 1 and max(fundamentals) <= (1.0 + 1e-9) * min(fundamentals)
+
+
+def first_line(parameters: Mapping[Any, Any]) -> float:
+    """Compute the fundamental frequency (Hz) of the job's defects."""
+    return lines.frequency(lines.FAMILIES[(lines.races(parameters) or ["outer"])[0]].fundamental, parameters)
+
+
+def mark_lines(ax: "Axes", job: Job, named: bool, above: float = 0.0) -> None:
+    """Mark the lines of the defects' families, sidebands dashed; names are above, below the title of the axes.
+
+    above: distance (points) of the lowest names from the axes. Each family has a row of names, above one of its
+    sidebands if any fits. Marks and names too close to others are left out.
+    """
+    low, high = ax.get_xlim()
+    height = above + GAP_POINTS
+    for race in lines.races(job.parameters) or ["outer"]:
+        colour = MARK_COLOURS[race]
+        marks = [mark for mark in lines.marks(job.parameters, high) if mark.race == race]
+        marks = [mark for mark in marks if low <= mark.hertz <= high]
+        shown = _apart(marks, MARKS_APART * (high - low))
+        for mark in shown:
+            dashes: Mapping[str, Any] = {"ls": DASHED, "alpha": 0.4} if mark.side else {"alpha": 0.5}
+            ax.axvline(mark.hertz, color=colour, lw=0.7, zorder=0.9, **dashes)
+        if named:
+            distance = NAMES_APART_IN / _width(ax) * (high - low)
+            harmonics = _apart([mark for mark in marks if not mark.side], distance)
+            beside = [mark for mark in shown if mark.side and mark.number]
+            for row in (beside, [*(mark for mark in shown if not mark.number), *harmonics]):
+                height += ROW_POINTS * _name_marks(ax, row, colour, height)
+    if named:
+        lift_title(ax, height)
+
+
+def lift_title(ax: "Axes", points: float) -> None:
+    """Move the title of the axes to some points above them."""
+    ax.set_title(ax.get_title(loc="left"), loc="left", fontsize=8, pad=points + 1.0)
+
+
+def _name_marks(ax: "Axes", marks: Sequence[lines.Mark], colour: str, height: float) -> bool:
+    """Write names of marks in a row, at some points above the axes; return whether any fits.
+
+    The frequency follows the name of the fundamental line, and all names if there is room. Names of sidebands are
+    on the outer side of their marks. Names that would overlap others are left out.
+    """
+    letter = LETTER_IN / _width(ax)  # part of the axis
+    to_axes = ax.transData + ax.transAxes.inverted()
+    places = [float(to_axes.transform((mark.hertz, 0.0))[0]) for mark in marks]
+    longest = max((len(_with_frequency(mark)) for mark in marks), default=0)
+    has_room = letter * longest < min(np.diff(places), default=1.0)
+    taken: list[tuple[float, float]] = []
+    for mark, place in sorted(zip(marks, places, strict=True), key=lambda pair: (pair[0].number != 1, pair[1])):
+        alignment, part = ALIGNMENTS[mark.side if mark.number else 0]
+        for text in _texts(mark, has_room):
+            left = place - part * letter * len(text)
+            right = left + letter * len(text)
+            is_inside = alignment == "center" or 0.0 <= left < right <= 1.0
+            if is_inside and all(right <= start or left >= end for start, end in taken):
+                taken.append((left, right))
+                ax.annotate(text, (mark.hertz, 1.0), (0, height), xycoords=("data", "axes fraction"),
+                            textcoords="offset points", ha=alignment, fontsize=7, color=colour)  # fmt: skip
+                break
+    return bool(taken)
+
+
+def _texts(mark: lines.Mark, has_room: bool) -> list[str]:
+    """List the texts of a name, the longest first."""
+    if mark.side and mark.number:
+        return [_with_frequency(mark), *([f"{mark.hertz:.1f} Hz"] if mark.number == 1 else [])]
+    return [_with_frequency(mark), mark.name] if has_room or mark.number <= 1 else [mark.name]
+
+
+def _with_frequency(mark: lines.Mark) -> str:
+    return f"{mark.name} {mark.hertz:.1f} Hz"
+
+
+def _width(ax: "Axes") -> float:
+    """Return the approximate width (inches) of the axes."""
+    canvas, place = ax.get_figure(root=True), ax.get_subplotspec()
+    assert canvas is not None
+    assert place is not None
+    return float(canvas.get_size_inches()[0]) / place.get_gridspec().ncols
+
+
+def _apart(marks: Sequence[lines.Mark], distance: float) -> list[lines.Mark]:
+    """Select marks about ``distance`` (Hz) apart: the fundamental, multiples of a round number, their sidebands.
+
+    Sidebands are left out if they would be closer than a third of that.
+    """
+    fundamentals = [mark.hertz / mark.number for mark in marks if not mark.side]
+    if not fundamentals:
+        return []
+    every = next((step for step in ROUND_STEPS if step * fundamentals[0] >= distance), ROUND_STEPS[-1])
+    beside = [abs(mark.hertz - mark.number * fundamentals[0]) for mark in marks if mark.side]
+    with_sidebands = every == 1 and min(beside, default=0.0) >= distance / 3.0
+    round_ones = [mark for mark in marks if mark.number == 1 or mark.number % every == 0]
+    return [mark for mark in round_ones if with_sidebands or not mark.side]
+
+
+def explain_sidebands(canvas: Canvas, jobs: Iterable[Job]) -> None:
+    """Add the meaning of the dashed lines to the legend."""
+    steady = [job for job in jobs if not recorded.has_ramp(job)]
+    elements = dict.fromkeys(race for job in steady for race in lines.races(job.parameters))
+    entries = []
+    for race in elements:
+        family = lines.FAMILIES[race]
+        if family.beside:
+            distances = {f"{lines.frequency(family.beside, job.parameters):.4g} Hz" for job in steady}
+            text = f"± {family.distance}" + (f" ({distances.pop()})" if len(distances) == 1 else "")
+            entries.append(Line2D([], [], color=MARK_COLOURS[race], lw=0.7, ls=DASHED, label=text))
+    if entries:
+        shown = canvas.legends[0] if canvas.legends else None
+        old = list(shown.legend_handles) if shown else []
+        if shown:
+            shown.remove()
+        handles = [*(handle for handle in old if handle is not None), *entries]
+        canvas.legend(handles=handles, loc="outside upper right", ncols=len(handles))
