@@ -51,7 +51,7 @@ def unreached_floors(plan: Plan) -> Iterator[str]:
         )
         note = "; rectangle and triangle give equal results" if same_result else ""
         element = envelope_jobs[0].job.case.bearing.element
-        yield f"{element}s drop {drops} um and do not reach the floor at {depth_range} um{note}"
+        yield f"by geometry, {element}s drop {drops} um and do not reach the floor at {depth_range} um{note}"
 
 
 def model_choices(plan: Plan) -> list[str]:

@@ -45,18 +45,25 @@ def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
     unit, factor = feature_axis(name, float(values.abs().max()))
     units = results.plan["units"]
     paths = [path for path in units if path in rows and rows[path].nunique(dropna=False) > 1]
-    low, high = (significant(factor * float(value)) for value in (values.min(), values.max()))
-    extreme_rows = {"largest": values.idxmax(), "smallest": values.idxmin()} if paths and low != high else {}
+    text = _range(name, values, unit, factor)
+    has_extremes = paths and " to " in text
+    extreme_rows = {"largest": values.idxmax(), "smallest": values.idxmin()} if has_extremes else {}
     extremes = [
         f"{kind}: {described({path: rows[path][row] for path in paths}, units)}"
         for kind, row in extreme_rows.items()
     ]
-    texts = [_range(low, high, unit), _error(rows, name)]
+    texts = [text, _error(rows, name)]
     remarks = [*_healthy(results, name, unit, factor), *extremes]
     return Result(_describe(results, name), ", ".join(filter(None, texts)), remarks)
 
 
-def _range(low: str, high: str, unit: str) -> str:
+def _range(name: str, values: "pd.Series[float]", unit: str, factor: float) -> str:
+    """Format the range of a feature, `0.61 to 1.13 um/s`, or note numerical errors; factor: from SI to the unit."""
+    from bearingsim.plots.units import ROUNDING_NOTE, is_rounding
+
+    if is_rounding(name, float(values.abs().max())):
+        return ROUNDING_NOTE
+    low, high = (significant(factor * float(value)) for value in (values.min(), values.max()))
     return f"{low} to {high} {unit}".strip() if low != high else f"{low} {unit}".strip()
 
 
@@ -101,8 +108,7 @@ def _healthy(results: "Results", name: str, unit: str, factor: float) -> Iterato
     table = results.table()
     values = table[table["job"].isin(baselines)][name].dropna()
     if len(values) and not name.endswith("-healthy"):
-        low, high = (significant(factor * float(value)) for value in (values.min(), values.max()))
-        yield f"healthy: {_range(low, high, unit)}"
+        yield f"healthy: {_range(name, values, unit, factor)}"
 
 
 def _error(rows: "pd.DataFrame", name: str) -> str:

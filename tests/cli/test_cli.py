@@ -128,7 +128,7 @@ def test_check_prints_frequencies_and_drop(here):
         assert float(rows[f"{name} (Hz)"][-1]) == pytest.approx(hertz, rel=3e-3)
     assert float(rows["samples per crossing"][-1]) == pytest.approx(270e-6 * 10240, rel=0.01)
     assert max(map(len, stdout.splitlines())) < 100
-    assert "rollers drop 11.3 um and do not reach the floor at 50 um; rectangle and triangle" in stdout
+    assert "by geometry, rollers drop 11.3 um and do not reach the floor at 50 um; rectangle" in stdout
     assert "step limit" not in stdout
     assert "plausible" not in stdout
 

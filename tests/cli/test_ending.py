@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from bearingsim.report.headline import feature_results
 from bearingsim.runner import run
 from bearingsim.store import open_results
 from tests.scenes.commands import STUDY, type_
@@ -29,6 +30,17 @@ def test_a_run_ends_with_its_results_and_the_next_command(here):
     assert lines[-1] == "next: bearingsim plot results/small"
     assert len(lines) <= 24
     assert all(len(text) <= 100 for text in lines)
+
+
+def test_numerical_errors_are_no_results(here, monkeypatch):
+    type_("run", "small.yaml", "--jobs", "1")
+    results = open_results("results/small")
+    table = results.table()
+    table.loc[4:, "velocity@BPFO"] = 1.6e-12
+    monkeypatch.setattr(type(results), "table", lambda _: table)
+    [result] = feature_results(results)
+    assert result.remarks[0] == "healthy: zero within numerical errors"
+    assert " to " in result.values
 
 
 def test_reduced_grid_is_named_and_has_no_variations(here):
