@@ -58,7 +58,7 @@ def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
 
 
 def _range(name: str, values: "pd.Series[float]", unit: str, factor: float) -> str:
-    """Format the range of a feature, `0.61 to 1.13 um/s`, or note numerical errors; factor: from SI to the unit."""
+    """Format the range of a feature, `0.61 to 1.13 um/s`, or note numerical errors; factor: from SI to unit."""
     from bearingsim.plots.units import ROUNDING_NOTE, is_rounding
 
     if is_rounding(name, float(values.abs().max())):
