@@ -6,6 +6,7 @@
     record = bs.simulate(study.cases()[0])          # record.time, record.velocity, record.features
     results = bs.run(study, jobs=2)                 # results.table(), results.series(job)
     results = bs.open_results("results/fig14-length")
+    lines = bs.spectrum(results.series(results.jobs[0]), "ring.velocity.x")   # lines.frequency, lines.amplitude
 
 Names are imported on first use, so that ``import bearingsim`` is fast.
 """
@@ -19,12 +20,29 @@ if TYPE_CHECKING:
     from bearingsim.config import Case
     from bearingsim.simulation.simulate import simulate
     from bearingsim.store import Results, open_results
+    from bearingsim.store.spectra import envelope_spectrum, spectrum
     from bearingsim.study import Study, load_study
 
 __version__ = "0.2.0"
-__all__ = ["Case", "__version__", "load_study", "open_results", "run", "simulate"]
+__all__ = [
+    "Case",
+    "__version__",
+    "envelope_spectrum",
+    "load_study",
+    "open_results",
+    "run",
+    "simulate",
+    "spectrum",
+]
 
-_HOME = {"Case": "config", "load_study": "study", "open_results": "store", "simulate": "simulation"}
+_HOME = {
+    "Case": "config",
+    "envelope_spectrum": "store.spectra",
+    "load_study": "study",
+    "open_results": "store",
+    "simulate": "simulation",
+    "spectrum": "store.spectra",
+}
 
 
 def run(study: "Study", out: "str | Path | None" = None, jobs: int | None = None, **options: Any) -> "Results":

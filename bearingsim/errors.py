@@ -10,6 +10,10 @@ class UserError(Exception):
     """An error whose message is complete: the command line prints it without a traceback."""
 
 
+class ResultsError(UserError):
+    """A folder contains no results, or not the requested ones."""
+
+
 class Signalled(KeyboardInterrupt):
     """Interruption by a signal; number: the signal number."""
 

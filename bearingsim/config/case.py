@@ -1,15 +1,18 @@
 """Case of a study: its fields, completed and checked for conflicts."""
 
+from collections.abc import Iterator
 from typing import Any
 
 from pydantic import model_validator
 
 from bearingsim.config.case_fields import DEPRECATED_KEYS, CaseFields
-from bearingsim.config.fields import refuse
+from bearingsim.config.fields import Quantity, Section, refuse
 from bearingsim.config.rules.completion import complete
 from bearingsim.config.rules.conflicts import conflicts
 from bearingsim.config.sections import contact, free
 from bearingsim.config.sections.laws import Laws
+from bearingsim.text.html import table_html
+from bearingsim.text.units import DISPLAY, show
 
 LAWS: dict[tuple[str | int, ...], Laws] = {
     ("contact", "damping"): contact.DAMPING,
@@ -48,3 +51,26 @@ class Case(CaseFields):
             message = "; ".join(conflict.message for conflict in problems)
             refuse("conflict", message, conflicts=problems)
         return self
+
+    def _repr_html_(self) -> str:
+        """Return a summary for notebooks: the machine, its defects, and how it is computed."""
+        rows = [("bearing", self.bearing.name), *_quantities(self, "speed", "load", "clearance")]
+        for number, defect in enumerate(self.defects, 1):
+            sizes = ", ".join(
+                f"{name} {text}" for name, text in _quantities(defect, "length", "width", "depth", "angle")
+            )
+            rows.append((f"defect {number}", f"{defect.shape} on {defect.race}: {sizes}"))
+        rows += [
+            ("model", self.model),
+            ("method", self.method or "none"),
+            *_quantities(self, "duration", "sampling"),
+        ]
+        return table_html("Case", [*rows, ("record", ", ".join(self.record))])
+
+
+def _quantities(section: Section, *names: str) -> Iterator[tuple[str, str]]:
+    """Yield the names of fields and their values with usual units."""
+    for name in names:
+        marks = type(section).model_fields[name].metadata
+        dimension = next(mark.dimension for mark in marks if isinstance(mark, Quantity))
+        yield name, show(getattr(section, name), DISPLAY[dimension], dimension)

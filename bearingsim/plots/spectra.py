@@ -138,9 +138,9 @@ def part_of_spectrum(
 
 def whole_periods(signal: Signal, frequency: float) -> tuple[np.ndarray, float]:
     """Trim a signal to whole periods of ``frequency`` (Hz), if it has any; return its values and sampling rate."""
-    periods = int(len(signal.time) / signal.rate * frequency + 1e-9)
-    count = min(len(signal.time), round(periods * signal.rate / frequency))
-    return signal.values[: count or None], signal.rate
+    from bearingsim import signals
+
+    return signals.whole_periods(signal.values, signal.rate, frequency), signal.rate
 
 
 def _quantity(figure: "Figure", records: Mapping[str, Job]) -> str:

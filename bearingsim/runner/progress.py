@@ -1,4 +1,7 @@
-"""Progress of a run: on a terminal a bar with the remaining time, otherwise a line every LINE_INTERVAL_S."""
+"""Progress of a run: a bar with the remaining time on a terminal, one rewritten line in a notebook.
+
+Elsewhere, as in a log file, a line every LINE_INTERVAL_S.
+"""
 
 import sys
 import time
@@ -9,6 +12,7 @@ from bearingsim.text.announcer import COMPILATION_REMARK, Announcer
 from bearingsim.text.terminal import say
 
 LINE_INTERVAL_S = 10.0  # s between lines
+LINE_WIDTH = 60  # letters of that line, which cover those of the state before
 SPEED_WINDOW_S = 3600.0  # averaging time of the speed in s; units of work may end minutes apart
 
 Report = Callable[[int, int, float], None]
@@ -19,7 +23,16 @@ def progress(shown: bool | None, jobs: int, seconds: float) -> AbstractContextMa
     """Show the progress of ``jobs`` jobs with ``seconds`` of estimated CPU time; shown: False to show nothing."""
     if shown is False or jobs == 0:
         return nullcontext(lambda done, failed, cost: None)
-    return _bar(jobs, seconds) if sys.stderr and sys.stderr.isatty() else _lines(jobs, seconds)
+    if sys.stderr and sys.stderr.isatty():
+        return _bar(jobs, seconds)
+    if is_notebook():
+        return _rewritten_line(jobs, seconds)
+    return _lines(jobs, seconds, LINE_INTERVAL_S, lambda text: say(text, err=True))
+
+
+def is_notebook() -> bool:
+    """Check if stderr is the output of a notebook's cell, which returns to the start of a line at `\\r`."""
+    return type(sys.stderr).__module__.partition(".")[0] == "ipykernel"
 
 
 def compiling(patience: Announcer) -> Callable[[int, int, float], None]:
@@ -51,7 +64,19 @@ def _bar(jobs: int, seconds: float) -> Iterator[Report]:
 
 
 @contextmanager
-def _lines(jobs: int, seconds: float) -> Iterator[Report]:
+def _rewritten_line(jobs: int, seconds: float) -> Iterator[Report]:
+    def rewrite(text: str) -> None:
+        print(f"\r{text:{LINE_WIDTH}}", end="", file=sys.stderr, flush=True)
+
+    with _lines(jobs, seconds, 0.0, rewrite) as report:
+        try:
+            yield report
+        finally:
+            print(file=sys.stderr)
+
+
+@contextmanager
+def _lines(jobs: int, seconds: float, interval: float, write: Callable[[str], None]) -> Iterator[Report]:
     started = last_line = time.monotonic()
     done = failed = 0
     computed = 0.0
@@ -60,10 +85,10 @@ def _lines(jobs: int, seconds: float) -> Iterator[Report]:
         nonlocal done, failed, computed, last_line
         done, failed, computed = done + new_done, failed + new_failed, computed + cost
         now = time.monotonic()
-        if now - last_line >= LINE_INTERVAL_S:
+        if now - last_line >= interval:
             remaining = (now - started) * max(seconds - computed, 0.0) / max(computed, 1e-9)
             remaining_text = f", about {duration(remaining)} left" if done + failed < jobs else ""
-            say(f"{_counts(done, failed, jobs)}{remaining_text}", err=True)
+            write(f"{_counts(done, failed, jobs)}{remaining_text}")
             last_line = now
 
     yield report

@@ -25,6 +25,7 @@ from bearingsim.signals.spectra import (
     hann,
     spectrum,
     squared_envelope,
+    whole_periods,
 )
 
 __all__ = [
@@ -51,4 +52,5 @@ __all__ = [
     "spectrum",
     "squared_envelope",
     "statistics",
+    "whole_periods",
 ]

@@ -27,6 +27,13 @@ def spectrum(
     return np.fft.rfftfreq(len(series), 1.0 / fs), amplitudes
 
 
+def whole_periods(series: np.ndarray, fs: float, frequency: float) -> np.ndarray:
+    """Cut a series (n,) sampled at ``fs`` (Hz) to whole periods of ``frequency`` (Hz), if it has any."""
+    periods = int(len(series) / fs * frequency + 1e-9)
+    count = min(len(series), round(periods * fs / frequency))
+    return series[: count or None]
+
+
 def squared_envelope(series: np.ndarray, fs: float, band: tuple[float, float] | None = None) -> np.ndarray:
     """Compute the squared envelope (n,) of a series (n,), or of its content in ``band`` (Hz).
 

@@ -4,6 +4,7 @@ Files are written completely before they get their final name, and only the tabl
 can therefore be killed at any moment, and several runs can share a folder.
 """
 
+from bearingsim.errors import ResultsError
 from bearingsim.store.choices import (
     Choice,
     Choices,
@@ -40,7 +41,7 @@ from bearingsim.store.names import case_of, flat_parameters
 from bearingsim.store.nearness import ERROR_PARTS, AuditResult, audit_results, error_bounds, withdrawn_errors
 from bearingsim.store.provenance import provenance, study_digest
 from bearingsim.store.prune import RemovableFiles, find_removable, prune
-from bearingsim.store.results import Results, ResultsError, open_results, planned_jobs, results_folder
+from bearingsim.store.results import Results, open_results, planned_jobs, results_folder
 from bearingsim.store.scans import read_scans, store_scans, with_short_paths
 from bearingsim.store.sealed import UNREADABLE
 from bearingsim.store.spread import NOTABLE_ERROR, errors, is_uncertain, relative_error, spread

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bearingsim.errors import UserError
+from bearingsim.errors import ResultsError, UserError
 from bearingsim.store import own_files
 from bearingsim.store.files import full_disk_errors, lock, lock_leftover, temporary
 from bearingsim.store.journal import Failure, load_failures, log
 from bearingsim.store.marker import ForeignFolder, OtherStudy, claim, mark, owner
-from bearingsim.store.results import ResultsError, open_results, results_folder
+from bearingsim.store.results import open_results, results_folder
 from bearingsim.store.sealed import mark_damaged
 from bearingsim.store.stock import check_units
 from bearingsim.store.table import STUDY_FILE, read_frame

@@ -2,28 +2,24 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from bearingsim.errors import UserError
+from bearingsim.errors import ResultsError
+from bearingsim.store.arrays import dataset, swept_paths
 from bearingsim.store.files import refuse_links
 from bearingsim.store.journal import Failure, read_failures
-from bearingsim.store.names import channel_attributes, feature_attributes, parameter_attributes
+from bearingsim.store.names import parameter_attributes
 from bearingsim.store.sealed import UNREADABLE
 from bearingsim.store.spread import spread
 from bearingsim.store.table import info, job_frame, read_plan, rows_of, table
 from bearingsim.store.units import Series, read_series, unit_path
+from bearingsim.text.html import describe_values, quantity, table_html
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-
-
-class ResultsError(UserError):
-    """A folder contains no results, or not the requested ones."""
 
 
 def open_results(path: str | Path) -> "Results":
@@ -131,50 +127,32 @@ class Results:
             raise ResultsError(f"job {job} has no series: {row['reason'] or 'not computed yet'}")
         return read_series(unit_path(self.path, str(row["unit"])), job)
 
-    def to_xarray(self, jobs: Sequence[str] | None = None) -> "xr.Dataset":
+    def to_xarray(self, jobs: Sequence[str] | None = None, grid: bool = False) -> "xr.Dataset":
         """Return series, features and swept values of finished jobs (or some of them) over ``job`` and ``time``.
 
-        Loads all series into memory. Raises ResultsError if xarray is missing, a job is unknown, or time axes
-        differ.
+        grid: a dimension for each swept path instead of ``job``, without healthy baselines; paths that follow from
+        another one, as in a `zip`, are coordinates along it, and jobs that are not done are NaN. Loads all series
+        into memory. Raises ResultsError if xarray is missing, a job is unknown, time axes differ, or the cases do
+        not form a full grid.
         """
-        try:
-            import xarray as xr
-        except ModuleNotFoundError:
-            raise ResultsError("to_xarray needs the package xarray: pip install xarray h5netcdf") from None
-        rows = self.table().set_index("job")
-        unknown = sorted(set(jobs or ()) - set(rows.index))
-        if unknown:
-            raise ResultsError(f"no row of the table: {', '.join(unknown)}")
-        done_rows = rows[rows["status"] == "done"] if jobs is None else rows.loc[list(jobs)]
-        swept = {path for entry in self.plan["jobs"] for path in entry["swept"]}
-        columns = {
-            name: ("job", done_rows[name].to_numpy(), _attributes(name, name in swept))
-            for name in done_rows.columns
-            if name in swept or f"features/{name}" in self._frame
-        }
-        series = _stack({job: self.series(job) for job in done_rows.index})
-        data = xr.Dataset({**columns, **series}, coords={"job": done_rows.index.to_numpy(object)})
-        data = data.set_coords(sorted(swept))
-        return data.assign_attrs(study=self.plan["study"])
+        return dataset(self, jobs, grid)
+
+    def has_feature(self, name: str) -> bool:
+        """Check if any job has a feature."""
+        return f"features/{name}" in self._frame
+
+    def _repr_html_(self) -> str:
+        """Return a summary for notebooks."""
+        rows = [("folder", str(self.path)), ("jobs", _counts(self._frame["status"]))]
+        table = self._table
+        for path in filter(table.__contains__, swept_paths(self.plan)):
+            values = list(dict.fromkeys(table[path].dropna()))
+            unit = parameter_attributes(path).get("units", "")
+            rows.append((path, describe_values(values, partial(quantity, unit=unit))))
+        rows.append(("content", "table(), parameters(), info(), series(job), failures(), to_xarray()"))
+        return table_html(f"Results of {self.plan['study']}", rows)
 
 
-def _attributes(name: str, swept: bool) -> dict[str, str]:
-    return parameter_attributes(name) if swept else feature_attributes(name)
-
-
-def _stack(series: dict[str, Series]) -> dict[str, Any]:
-    """Stack channels to arrays (job, time), and return them with the time axis as variables for xarray."""
-    if not series:
-        return {}
-    reference = next(iter(series.values()))
-    if not all(np.array_equal(signals.time, reference.time) for signals in series.values()):
-        raise ResultsError("the jobs have different time axes; select jobs of one duration and sampling")
-    stacked = {
-        name: (
-            ("job", "time"),
-            np.stack([signals.channels[name] for signals in series.values()]),
-            channel_attributes(name),
-        )
-        for name in reference.channels
-    }
-    return {"time": ("time", reference.time, {"units": "s"}), **stacked}
+def _counts(status: "pd.Series[str]") -> str:
+    """Format the numbers of jobs by status: `12 done, 1 failed`."""
+    return ", ".join(f"{count} {name}" for name, count in status.value_counts().items())

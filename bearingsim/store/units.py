@@ -27,6 +27,7 @@ from bearingsim.store.names import channel_attributes, channel_unit, flat_parame
 from bearingsim.store.own_files import UNITS
 from bearingsim.store.regular import Unreadable
 from bearingsim.store.sealed import UNREADABLE, hdf5_in_memory, open_hdf5, open_sealed, open_unverified
+from bearingsim.text.html import table_html
 from bearingsim.text.terminal import is_line
 
 if TYPE_CHECKING:
@@ -62,6 +63,16 @@ class Series(Mapping[str, NDArray[np.float32]]):
 
     def __len__(self) -> int:
         return len(self.channels)
+
+    def _repr_html_(self) -> str:
+        """Return a summary for notebooks."""
+        ends = f", {self.time[0]:.6g} to {self.time[-1]:.6g} s" if len(self.time) else ""
+        ranges = {
+            name: f"{np.min(values):.4g} to {np.max(values):.4g}" if len(values) else "-"
+            for name, values in self.channels.items()
+        }
+        rows = [(name, f"{text} {self.units[name]}".strip()) for name, text in ranges.items()]
+        return table_html("Series", [("time", f"{len(self.time)} samples{ends}"), *rows])
 
 
 def unit_name(jobs: Iterable[str]) -> str:

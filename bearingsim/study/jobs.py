@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import Any, NamedTuple
 
 from bearingsim.catalogue import AUTO, MODELS
@@ -14,6 +14,7 @@ from bearingsim.config.rules.hierarchy import has_default_friction, specifies_sl
 from bearingsim.study.design import Design, SampledDesign
 from bearingsim.study.figures import Figure
 from bearingsim.study.goal import Goal
+from bearingsim.study.paths import dimension
 from bearingsim.study.uncertainty import (
     DEFAULT_DAMPING,
     NO_OIL,
@@ -25,6 +26,8 @@ from bearingsim.study.uncertainty import (
     variations,
 )
 from bearingsim.study.used import extensions, json_text, relevant_fields
+from bearingsim.text.html import describe_values, table_html
+from bearingsim.text.units import show
 
 
 @dataclass(frozen=True)
@@ -144,6 +147,17 @@ class Study:
         audit_jobs = [job for audit in audits for job in (audit.job, audit.baseline) if job is not None]
         return _unique([*self._planned, *(variation.job for variation in self.variations()), *audit_jobs])
 
+    def _repr_html_(self) -> str:
+        """Return a summary for notebooks."""
+        rows = [("file", self.path), ("cases", str(len(self.swept_cases)))]
+        for path, unit in self.units.items():
+            values = list(dict.fromkeys(swept[path] for _, swept in self.swept_cases if path in swept))
+            rows.append((path, describe_values(values, partial(_written, path, unit))))
+        if self.goal is not None:
+            rows.append(("accuracy", self.goal.text))
+        rows.append(("figures", str(len(self.figures))))
+        return table_html(f"Study {self.name}{' (quick)' if self.quick else ''}", rows)
+
     def planned(self) -> list[Job]:
         """List the cases, then their healthy baselines."""
         return list(self._planned)
@@ -212,6 +226,11 @@ class Study:
             for case in cases
             for what, value, varied in variations(case, uncertain)
         ]
+
+
+def _written(path: str, unit: str, value: float | str) -> str:
+    """Format a swept value in the unit of the study file."""
+    return value if isinstance(value, str) else show(value, unit, dimension(path))
 
 
 def _unique(jobs: Iterable[Job]) -> list[Job]:

@@ -8,12 +8,13 @@ from typing import Any
 import bearingsim as bs
 from bearingsim.simulation.simulate import Record
 from bearingsim.store import Results
+from bearingsim.store.spectra import Spectrum
 from bearingsim.store.units import Series
 from bearingsim.study import Study
 from docs.scripts.markdown import page, table
 
-FUNCTIONS = (bs.load_study, bs.run, bs.open_results, bs.simulate)
-CLASSES = (Study, bs.Case, Record, Results, Series)
+FUNCTIONS = (bs.load_study, bs.run, bs.open_results, bs.simulate, bs.spectrum, bs.envelope_spectrum)
+CLASSES = (Study, bs.Case, Record, Results, Series, Spectrum)
 
 
 def api_page() -> str:

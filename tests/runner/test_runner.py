@@ -1,6 +1,7 @@
 """Runs of studies: stored results, failures, interruptions and shards."""
 
 import contextlib
+import io
 import json
 import math
 import os
@@ -168,6 +169,21 @@ def test_bar_counts_jobs_and_failures(capsys: pytest.CaptureFixture[str]) -> Non
         report(1, 0, 1.0)
         report(2, 1, 3.0)
     assert "4/4 jobs, 1 failed" in capsys.readouterr().err
+
+
+def test_a_notebook_has_one_line_that_is_rewritten(monkeypatch: pytest.MonkeyPatch) -> None:
+    """ipykernel's streams are no terminals, but return to the start of a line at a carriage return."""
+    stream = type("OutStream", (io.StringIO,), {"__module__": "ipykernel.iostream"})()
+    monkeypatch.setattr(sys, "stderr", stream)
+    with contextlib.suppress(KeyboardInterrupt), progress.progress(None, 4, 4.0) as report:
+        report(1, 0, 1.0)
+        report(1, 1, 2.0)
+        raise KeyboardInterrupt
+    start, first, second = stream.getvalue().split("\r")
+    assert (start, len(first)) == ("", progress.LINE_WIDTH)
+    assert first.startswith("1/4 jobs, about ")
+    assert second.startswith("3/4 jobs, 1 failed, about ")
+    assert second.endswith(" left" + " " * (progress.LINE_WIDTH - len(second.strip())) + "\n")
 
 
 # Resuming

@@ -1,0 +1,139 @@
+"""Results as a dataset of xarray, over jobs or over a grid of the swept values."""
+
+from collections.abc import Hashable, Mapping, Sequence
+from math import prod
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from bearingsim.errors import ResultsError
+from bearingsim.store.names import channel_attributes, feature_attributes, parameter_attributes
+from bearingsim.store.units import Series
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from bearingsim.store.results import Results
+
+
+def dataset(results: "Results", jobs: Sequence[str] | None, grid: bool) -> "xr.Dataset":
+    """Return the dataset of ``Results.to_xarray``. Raises ResultsError."""
+    try:
+        import xarray as xr
+    except ModuleNotFoundError:
+        raise ResultsError("to_xarray needs the package xarray: pip install xarray h5netcdf") from None
+    rows = results.table().set_index("job")
+    unknown = sorted(set(jobs or ()) - set(rows.index))
+    if unknown:
+        raise ResultsError(f"no row of the table: {', '.join(unknown)}")
+    selected = rows if jobs is None else rows.loc[list(jobs)]
+    if grid:
+        selected = selected.loc[[job for job in selected.index if job in _cases(results.plan)]]
+    done = selected[selected["status"] == "done"] if jobs is None else selected
+    swept = [path for path in swept_paths(results.plan) if path in rows]
+    columns = {
+        str(name): ("job", done[name].to_numpy(), _attributes(str(name), name in swept))
+        for name in done.columns
+        if name in swept or results.has_feature(str(name))
+    }
+    series = _stack({str(job): results.series(str(job)) for job in done.index})
+    data = xr.Dataset({**columns, **series}, coords={"job": done.index.to_numpy(object)})
+    data = data.set_coords(sorted(swept)).assign_attrs(study=results.plan["study"])
+    return _on_grid(data, selected[swept]) if grid else data
+
+
+def swept_paths(plan: Mapping[str, Any]) -> list[str]:
+    """List the swept paths of a plan in the order of the sweep."""
+    return list(dict.fromkeys(path for entry in plan["jobs"] for path in entry["swept"]))
+
+
+def _cases(plan: Mapping[str, Any]) -> set[str]:
+    """Return the ids of the cases: jobs that are not computed for comparison only."""
+    return {entry["job"] for entry in plan["jobs"] if not (entry["twin"] or entry.get("variation"))}
+
+
+def _attributes(name: str, swept: bool) -> dict[str, str]:
+    return parameter_attributes(name) if swept else feature_attributes(name)
+
+
+def _stack(series: dict[str, Series]) -> dict[str, Any]:
+    """Stack channels to arrays (job, time), and return them with the time axis as variables for xarray."""
+    if not series:
+        return {}
+    reference = next(iter(series.values()))
+    if not all(np.array_equal(signals.time, reference.time) for signals in series.values()):
+        raise ResultsError("the jobs have different time axes; select jobs of one duration and sampling")
+    stacked = {
+        name: (
+            ("job", "time"),
+            np.stack([signals.channels[name] for signals in series.values()]),
+            channel_attributes(name),
+        )
+        for name in reference.channels
+    }
+    return {"time": ("time", reference.time, {"units": "s"}), **stacked}
+
+
+def _on_grid(data: "xr.Dataset", cases: "pd.DataFrame") -> "xr.Dataset":
+    """Spread the jobs of a dataset over the grid of the swept values ``cases``; jobs that are not done are NaN.
+
+    Raises ResultsError unless the cases form a full grid.
+    """
+    import xarray as xr
+
+    axes, dependent = _axes(cases)
+    shape = tuple(len(values) for values in axes.values())
+    places = {job: tuple(axes[path][cases.at[job, path]] for path in axes) for job in cases.index}
+    if len(set(places.values())) != len(places) or len(places) != prod(shape):
+        sizes = ", ".join(f"`{path}` {len(values)}" for path, values in axes.items())
+        count = len(set(places.values()))
+        raise ResultsError(
+            f"the cases are no full grid: values of {sizes}; cases {len(places)}, "
+            f"{count} of {prod(shape)} combinations; use to_xarray() without `grid`"
+        )
+    order = tuple(np.array([places[str(job)] for job in data["job"].values], int).reshape(-1, len(axes)).T)
+    variables = {
+        name: (_dimensions(variable.dims, axes), _spread(variable.values, order, shape), variable.attrs)
+        for name, variable in data.variables.items()
+        if "job" in variable.dims and name not in cases
+    }
+    coordinates: dict[Hashable, Any] = {path: (path, list(values)) for path, values in axes.items()}
+    for path, leading in dependent.items():
+        values = dict(zip(cases[leading], cases[path], strict=True))
+        coordinates[path] = (leading, [values[value] for value in axes[leading]])
+    described = {name: (*item, parameter_attributes(str(name))) for name, item in coordinates.items()}
+    time = {"time": data["time"]} if "time" in data.variables else {}
+    return xr.Dataset(variables, coords=described | time, attrs=data.attrs)
+
+
+def _axes(cases: "pd.DataFrame") -> tuple[dict[str, dict[Any, int]], dict[str, str]]:
+    """Return the values of each dimension with their positions, and the paths that follow from a dimension.
+
+    A path follows from another one if the latter has one value of it for each of its own, as in a `zip`.
+    """
+    values = {str(path): {value: i for i, value in enumerate(dict.fromkeys(cases[path]))} for path in cases}
+    axes: dict[str, dict[Any, int]] = {}
+    dependent: dict[str, str] = {}
+    for path in sorted(values, key=lambda path: -len(values[path])):  # stable: the order of the sweep
+        leading = next(
+            (axis for axis in axes if len(cases[[axis, path]].drop_duplicates()) == len(axes[axis])), ""
+        )
+        if leading and len(values[path]) > 1:
+            dependent[path] = leading
+        else:
+            axes[path] = values[path]
+    return {path: axes[path] for path in values if path in axes}, dependent
+
+
+def _dimensions(dims: Sequence[Hashable], axes: Mapping[str, Any]) -> tuple[Hashable, ...]:
+    return tuple(name for dim in dims for name in (axes if dim == "job" else (dim,)))
+
+
+def _spread(values: np.ndarray, order: tuple[np.ndarray, ...], shape: tuple[int, ...]) -> np.ndarray:
+    """Spread values (jobs, ...) over a grid; places without a job are NaN, or empty for words."""
+    is_number = np.issubdtype(values.dtype, np.number)
+    dtype = np.result_type(values.dtype, np.float32) if is_number else object
+    spread = np.full(shape + values.shape[1:], np.nan if is_number else "", dtype)
+    spread[order] = values
+    return spread

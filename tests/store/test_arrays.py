@@ -1,0 +1,99 @@
+"""Datasets of xarray over a grid of the swept values."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bearingsim import store
+from bearingsim.store import Results
+from tests.scenes.fake_studies import FakeJob, FakeStudy, record_of
+from tests.store.test_store import PROVENANCE
+
+LOADS = [150.0, 300.0]
+
+
+class GridStudy(FakeStudy):
+    """Study whose cases, in order, have the swept values ``values``."""
+
+    values: list[dict[str, Any]]
+
+    def jobs(self) -> list[FakeJob]:
+        *jobs, healthy = super().jobs()
+        cases = zip(jobs, self.values, strict=True)
+        swept = [FakeJob(job.id, job.case, values, job.healthy) for job, values in cases]
+        return [*swept, FakeJob(healthy.id, healthy.case, {"load": 150.0}, None, is_baseline=True)]
+
+
+def results_of(root: Path, values: list[dict[str, Any]], done: int | None = None) -> Results:
+    """Store the first ``done`` cases with these swept values, whose widths are 1, 2, ... mm."""
+    study = GridStudy([1e-3 * (1 + index) for index in range(len(values))])
+    study.values = values
+    jobs = study.jobs()
+    store.write_plan(root, study, jobs)  # type: ignore[arg-type]
+    stored = [(job, record_of(job.case)) for job in (*jobs[: len(values) if done is None else done], jobs[-1])]
+    store.write_units(root, stored, PROVENANCE)  # type: ignore[arg-type]
+    return store.open_results(root)
+
+
+def test_each_swept_path_is_a_dimension(tmp_path: Path) -> None:
+    values = [{"load": load, "model": model} for load in LOADS for model in ("static", "ring", "rollers")]
+    results = results_of(tmp_path, values)
+    data = results.to_xarray(grid=True)
+    assert dict(data.sizes) == {"load": 2, "model": 3, "time": 205}
+    assert list(data["model"].values) == ["static", "ring", "rollers"]  # as in the study
+    assert data["load"].attrs["units"] == "N"
+    assert data["ring.velocity.y"].attrs["units"] == "m/s"
+    job = str(data["job"].sel(load=300.0, model="ring").item())
+    assert list(results.table().set_index("job").loc[job, ["load", "model"]]) == [300.0, "ring"]
+    np.testing.assert_array_equal(
+        data["ring.velocity.y"].sel(load=300.0, model="ring"), results.series(job)["ring.velocity.y"]
+    )
+    assert data["velocity@BPFO"].sel(load=300.0, model="ring") == results.table()["velocity@BPFO"][4]
+
+
+def test_paths_that_vary_together_share_a_dimension(tmp_path: Path) -> None:
+    sizes = [(1e-3, 1e-5), (2e-3, 2e-5), (3e-3, 2e-5)]
+    values = [
+        {"defect.depth": depth, "defect.width": width, "load": load} for width, depth in sizes for load in LOADS
+    ]
+    data = results_of(tmp_path, values).to_xarray(grid=True)
+    assert dict(data.sizes) == {"defect.width": 3, "load": 2, "time": 205}
+    assert data["defect.depth"].dims == ("defect.width",)
+    assert data["defect.depth"].values.tolist() == [1e-5, 2e-5, 2e-5]
+
+
+def test_jobs_that_are_not_done_are_nan(tmp_path: Path) -> None:
+    values = [{"load": load, "model": model} for load in LOADS for model in ("static", "ring")]
+    data = results_of(tmp_path, values, done=3).to_xarray(grid=True)
+    missing = data.sel(load=300.0, model="ring")
+    assert np.isnan(missing["velocity@BPFO"])
+    assert np.isnan(missing["ring.velocity.x"]).all()
+    assert missing["job"].item() == ""
+    assert int(np.isnan(data["velocity@BPFO"]).sum()) == 1
+
+
+def test_a_single_value_is_a_dimension_too(tmp_path: Path) -> None:
+    values = [{"load": load, "clearance": 1e-5} for load in LOADS]
+    assert dict(results_of(tmp_path, values).to_xarray(grid=True).sizes) == {
+        "load": 2,
+        "clearance": 1,
+        "time": 205,
+    }
+
+
+@pytest.mark.parametrize(
+    ("values", "count"),
+    [
+        ([{"load": load, "model": model} for load in LOADS for model in ("static", "ring")][:3], "3 of 4"),
+        ([{"load": load} for load in (*LOADS, 150.0)], "2 of 2"),
+    ],
+)
+def test_cases_that_are_no_full_grid_are_refused(tmp_path: Path, values: list[dict[str, Any]], count: str) -> None:
+    results = results_of(tmp_path, values)
+    with pytest.raises(
+        store.ResultsError, match=rf"no full grid: values of `load` 2.*; cases 3, {count} combinations"
+    ):
+        results.to_xarray(grid=True)
+    assert dict(results.to_xarray().sizes) == {"job": 4, "time": 205}
