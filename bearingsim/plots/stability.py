@@ -19,8 +19,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 PLAIN = RC | {"axes.grid": False, "font.size": 8.0}
+PAGE_IN = 7.08  # largest width, 180 mm
 LEAST_IN = 5.6  # least width, for the title and the legend
-COLUMN_IN, ROW_IN, HEAD_IN, FOOT_IN = 2.45, 0.98, 1.0, 0.95
+COLUMN_IN, NAMES_IN, ROW_IN, HEAD_IN, FOOT_IN = 2.1, 1.0, 1.05, 1.1, 1.0
+TICK_POINTS = 7.0  # size of the smallest texts
 
 
 class ClassStyle(NamedTuple):
@@ -92,7 +94,8 @@ def figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
     methods, stiffness = list(dict.fromkeys(rows["method"])), sorted(rows["k"].unique())
     named = dict(zip(rows["k"], rows["stiffness"].fillna(""), strict=True))
     damping = sorted({(m3, c) for m3, c in zip(rows["m3"], rows["c"], strict=True)})
-    size = max(COLUMN_IN * len(stiffness) + 1.3, LEAST_IN), ROW_IN * len(methods) + HEAD_IN + FOOT_IN
+    width = min(PAGE_IN, max(LEAST_IN, COLUMN_IN * len(stiffness) + NAMES_IN))
+    size = width, ROW_IN * len(methods) + HEAD_IN + FOOT_IN
     canvas = Canvas(figsize=size, layout="constrained")
     panels = canvas.subplots(len(methods), len(stiffness), sharex=True, sharey="row", squeeze=False)
     for i, method in enumerate(methods):
@@ -102,12 +105,13 @@ def figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
             cells = rows[(rows["method"] == method) & (rows["k"] == k)]
             _panel(ax, cells, axis, damping, settings)
             if j == 0:
-                ax.set_ylabel(method, rotation=0, ha="right", va="center", labelpad=8, fontsize=8.5)
+                name = method.replace("-", "-\n")
+                ax.set_ylabel(name, rotation=0, ha="right", va="center", labelpad=4, fontsize=8.0)
             if i == 0:
-                ax.set_title(_stiffness(named[k], k), fontsize=8.5, pad=16)
+                ax.set_title(_stiffness(named[k], k), fontsize=8.0, pad=16)
                 _laws(ax, damping)
             if i == len(methods) - 1:
-                ax.set_xlabel("damping, N s/mm$^{1+m_3}$", fontsize=8)
+                ax.set_xlabel("Damping (N s/mm$^{1+m_3}$)", fontsize=8.0)
     against = "step (µs)" if axis == "step" else "relative tolerance"
     canvas.suptitle(f"{title}: outcome by {against} and damping", x=0.01, ha="left", fontsize=10)
     entries = _legend(rows, axis == "step")
@@ -115,7 +119,7 @@ def figure(rows: "pd.DataFrame", axis: str, title: str) -> Canvas:
         [entry.handles for entry in entries],
         [entry.label for entry in entries],
         loc="outside lower left",
-        ncols=4 if len(stiffness) > 2 else 3,
+        ncols=3,
         handlelength=1.6,
     )
     return canvas
@@ -134,10 +138,10 @@ def _panel(ax: "Axes", cells: "pd.DataFrame", axis: str, damping: list, settings
         _limit(ax, cells, column, settings)
     ax.set_xlim(-0.5, len(damping) - 0.5)
     ax.set_ylim(-0.5, len(settings) - 0.5)
-    ax.set_xticks(range(len(damping)), [_power(c) for _, c in damping], fontsize=6.5)
+    ax.set_xticks(range(len(damping)), [_compact(c) for _, c in damping], fontsize=TICK_POINTS)
     shown = [n for n in range(len(settings)) if len(settings) < 7 or n % 3 == 0]
-    labels = [f"{1e6 * settings[n]:g}" if axis == "step" else _power(settings[n]) for n in shown]
-    ax.set_yticks(shown, labels, fontsize=6.5)
+    labels = [f"{1e6 * settings[n]:g}" if axis == "step" else _compact(settings[n]) for n in shown]
+    ax.set_yticks(shown, labels, fontsize=TICK_POINTS)
     ax.tick_params(length=1.5, pad=1.5)
     for n, (before, after) in enumerate(pairwise(damping)):
         if before[0] != after[0]:
@@ -161,18 +165,20 @@ def _laws(ax: "Axes", damping: list[tuple[float, float]]) -> None:
         columns = [n for n, pair in enumerate(damping) if pair[0] == m3]
         ax.annotate(
             f"$m_3$ = {m3:g}", (np.mean(columns), 1.0), (0, 2), xycoords=("data", "axes fraction"),
-            textcoords="offset points", ha="center", va="bottom", fontsize=7,
+            textcoords="offset points", ha="center", va="bottom", fontsize=TICK_POINTS,
         )  # fmt: skip
 
 
 def _stiffness(name: str, k: float) -> str:
-    return f"{name + ': ' if name else ''}k = {_power(k)} N/mm$^{{10/9}}$"
+    return f"{name}{name and ': '}k = {_compact(k)} N/mm$^{{10/9}}$"
 
 
-def _power(value: float) -> str:
-    exponent = int(np.floor(np.log10(value) + 1e-9))
-    mantissa = value / 10.0**exponent
-    return f"$10^{{{exponent}}}$" if abs(mantissa - 1.0) < 1e-6 else f"${mantissa:.1f}\\cdot10^{{{exponent}}}$"
+def _compact(value: float) -> str:
+    """Format a number in few letters: `0.1`, `100`, `1e3`, `7.3e5`."""
+    if 0.1 <= value < 1e3:
+        return f"{value:g}"
+    mantissa, _, exponent = f"{value:.1e}".partition("e")
+    return f"{float(mantissa):g}e{int(exponent)}"
 
 
 def _legend(rows: "pd.DataFrame", limit: bool) -> list[Any]:

@@ -3,11 +3,12 @@
 import os
 import subprocess
 import sys
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.text import Text
 
 from bearingsim.plots import stability as maps
 from bearingsim.runner.pool import map_unordered
@@ -116,6 +117,21 @@ def test_every_cell_of_the_map_is_drawn(tmp_path):
         assert all(any(text.startswith(name) for text in texts) for name in CLASSES)
     files = maps.draw(rows, "rollers", "0.2 mm slot", tmp_path / "map")
     assert [file.name for file in files] == ["map-steps.png", "map-tolerances.png"]
+
+
+def test_texts_of_a_map_are_legible_on_a_page():
+    rows = pd.read_csv("docs/data/stability.csv")
+    rows = rows[(rows["model"] == "ring") & rows["tolerance"].notna() & (rows["method"] == "rodas")]
+    canvas = maps.figure(rows, "tolerance", "ring")
+    canvas.draw_without_rendering()
+    scale = min(1.0, 180.0 / (25.4 * canvas.get_size_inches()[0]))
+    texts = [text for text in canvas.findobj(Text) if text.get_visible() and text.get_text()]
+    assert len(texts) > 30
+    assert scale * min(text.get_fontsize() for text in texts) >= 7.0
+    for ax in canvas.axes:
+        for labels in (ax.get_xticklabels(), ax.get_yticklabels()):
+            boxes = [label.get_window_extent() for label in labels if label.get_visible()]
+            assert not [pair for pair in pairwise(boxes) if pair[0].overlaps(pair[1])]
 
 
 SMALL = matrix.QUICK._replace(
