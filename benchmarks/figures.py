@@ -10,6 +10,7 @@ unless ``--long`` is given or their results are there.
 
 import argparse
 import json
+import os
 import runpy
 import shlex
 import shutil
@@ -25,6 +26,7 @@ import pandas as pd
 
 from bearingsim.plots import plot, stability
 from bearingsim.store import open_results
+from benchmarks import slip
 from benchmarks.speed import chart
 from benchmarks.speed.report import Curve, Section
 from benchmarks.speed.timing import Measure
@@ -99,7 +101,9 @@ class OfCommand(NamedTuple):
 
     def make(self, path: Path) -> None:
         """Measure and draw."""
-        subprocess.run(self.command, shell=True, check=True)
+        programs = str(Path(sys.executable).parent)
+        searched = os.pathsep.join([programs, os.environ["PATH"]])
+        subprocess.run(self.command, shell=True, check=True, env=os.environ | {"PATH": searched})
 
 
 def draw_stability(model: str, ending: str, table: Path, path: Path) -> None:
@@ -146,6 +150,10 @@ def map_of(model: str, ending: str) -> OfTable:
     return OfTable(Path("docs/data/stability.csv"), "make stability", partial(draw_stability, model, ending))
 
 
+SENSITIVITY = (
+    "bearingsim run studies/sensitivity.yaml --out results/docs/sensitivity && bearingsim sensitivity "
+    "results/docs/sensitivity --of velocity@BPFO --of velocity@BPFO-healthy --out docs/figures/sensitivity.png"
+)
 SPALL = "{race: outer, shape: spall, length: 6 mm, width: 2.5 mm, depth: 30 um, grown: 60 %, seed: 1}"
 FREE_RING = {"rig.ring.bends": "true", "rig.load": "{by: point}", "defect.angle": "0 deg", "model": "rollers"}
 PAPER = {"fig07_08_signal": 3, "fig10_13_shapes": 4, "fig19_20_test": 2, "fig21_angle": 2}  # figures of each study
@@ -167,7 +175,7 @@ SOURCES: dict[str, OfStudy | OfTable | OfCommand] = {
     "ring-bends.png": OfStudy("ring_bends", takes_minutes=True),
     "ring-shape.png": OfStudy("ring_bends", kind="ring", where=FREE_RING, takes_minutes=True),
     "ring-trends.png": OfStudy("ring_trends", 2, takes_minutes=True),
-    "sensitivity.png": OfCommand("make sensitivity"),
+    "sensitivity.png": OfCommand(SENSITIVITY),
     "stability-steps.png": map_of("rollers", "steps"),
     "stability-tolerances.png": map_of("rollers", "tolerances"),
     "stability-ring-tolerances.png": map_of("ring", "tolerances"),
@@ -176,7 +184,9 @@ SOURCES: dict[str, OfStudy | OfTable | OfCommand] = {
     "edge_contact.png": script("edge_contact"),
     "film_damping.png": script("film_damping", "draw_figure"),
     "touch_down.png": script("touch_down"),
-    "slip.png": OfCommand("make slip && python -m benchmarks.slip results/slip"),
+    "slip.png": OfTable(
+        Path("docs/data/slip.csv"), "make slip && python -m benchmarks.slip results/slip", slip.draw_tables
+    ),
 }
 """Source of each figure in ``FIGURES``; those of `make speed-accuracy` are added below."""
 SCENES = (

@@ -10,11 +10,13 @@ About 4 minutes of CPU time.
 import argparse
 from collections.abc import Callable
 from math import exp, log, pi
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
+from matplotlib.lines import Line2D
 from scipy.optimize import brentq
 
 from bearingsim import assemble, load_study, open_results, simulate
@@ -24,6 +26,7 @@ from bearingsim.core.laws.friction.interface import mu
 from bearingsim.core.models.equilibrium import solve_equilibrium, solve_initial_equilibrium
 from bearingsim.core.parts.cage import land_drag, orbit_drag
 from bearingsim.plots.style import COLOURS, MARKERS, RC
+from bearingsim.plots.ticks import log_ticks
 
 GROSS = 0.05  # least cage slip that counts as gross
 SMALL_SLIPS = np.geomspace(5e-4, GROSS, 200)  # slips tried in turn
@@ -31,6 +34,7 @@ CAGE_ANGLES = 16  # number of cage angles over a ball pass
 SEEDS = (1, 2, 3)
 SPEEDS = (600, 1800, 3000, 6000)  # rpm
 LAWS = ("static-dynamic", "traction")
+STUDY = "studies/slip.yaml"
 
 
 class Loads(NamedTuple):
@@ -123,7 +127,7 @@ def onset_by_simulation(case: Case, load_estimate: float) -> float:
 
 
 def onsets(base: Case) -> list[dict[str, Any]]:
-    """List the onset of gross slip for each law and speed by both methods, with slip over load by the balance."""
+    """List the onset of gross slip for each law and speed by both methods."""
     rows: list[dict[str, Any]] = []
     for law in LAWS:
         for speed in SPEEDS:
@@ -134,15 +138,15 @@ def onsets(base: Case) -> list[dict[str, Any]]:
             rows[-1] |= {f"seed_{seed}_N": round(load, 2) for seed, load in zip(SEEDS, simulated, strict=True)}
             rows[-1]["simulated_over_balance"] = round(float(np.mean(simulated)) / balanced, 3)
             print(rows[-1], flush=True)
-            loads_N = np.concatenate(
-                [np.geomspace(1.0, 300.0, 40), balanced * np.array([0.98, 0.995, 1.005, 1.02])]
-            )
-            loads_N.sort()
-            rows[-1]["curve"] = [
-                loads_N,
-                [balance(case.model_copy(update={"load": float(load)})) for load in loads_N],
-            ]
     return rows
+
+
+def curve(base: Case, law: str, speed: float, onset: float) -> tuple[np.ndarray, list[float]]:
+    """Compute the slip by the balance over the load (N), dense around the ``onset`` (N); speed: rpm."""
+    case = Case.model_validate(set_fields(base) | {"friction": law, "speed": speed * pi / 30.0})
+    loads_N = np.concatenate([np.geomspace(1.0, 300.0, 40), onset * np.array([0.98, 0.995, 1.005, 1.02])])
+    loads_N.sort()
+    return loads_N, [balance(case.model_copy(update={"load": float(load)})) for load in loads_N]
 
 
 def chart(folder: str, base: Case) -> pd.DataFrame:
@@ -165,33 +169,36 @@ def set_fields(case: Case) -> dict[str, Any]:
     return case.model_dump(exclude_unset=True)
 
 
-def draw(summary: pd.DataFrame, onset_rows: list[dict[str, Any]], target: str) -> None:
-    """Draw slip as simulated (markers, bars over the seeds) and by the balance (lines)."""
+def draw(summary: pd.DataFrame, onset_rows: pd.DataFrame, target: Path) -> None:
+    """Draw slip as simulated (marks, bars over the seeds) and by the balance (lines)."""
+    base = load_study(STUDY).cases()[0]
     with plt.rc_context(RC):  # type: ignore[arg-type]
-        figure, panels = plt.subplots(1, len(LAWS), figsize=(7.0, 3.4), sharey=True, layout="constrained")
+        figure, panels = plt.subplots(1, len(LAWS), figsize=(6.9, 3.2), sharey=True, layout="constrained")
         for axes, law in zip(panels, LAWS, strict=True):
-            draw_law(
-                axes, summary[summary["friction"] == law], [row for row in onset_rows if row["friction"] == law]
-            )
-            axes.set(
-                title=law, xlabel="load (N)", xscale="log", yscale="log", ylim=(0.1, 110.0), xlim=(0.9, 360.0)
-            )
-        panels[0].set_ylabel("slip of the cage (%)")
-        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right upper", title="lines: balance")
+            for number, onset in enumerate(onset_rows[onset_rows["friction"] == law].to_dict("records")):
+                speed, colour, marker = onset["speed_rpm"], COLOURS[number], MARKERS[number]
+                points = summary[(summary["friction"] == law) & (summary["speed_rpm"] == speed)]
+                spread = 100.0 * np.abs(points[["least", "most"]].to_numpy().T - points["slip"].to_numpy())
+                looks: dict[str, Any] = {"color": colour, "ms": 4.5, "capsize": 2, "label": f"{speed} rpm"}
+                axes.errorbar(points["load_N"], 100.0 * points["slip"], spread, fmt=marker, **looks)
+                loads_N, slips = curve(base, law, speed, onset["balance_N"])
+                axes.plot(loads_N, 100.0 * np.array(slips), color=colour, lw=1.0)
+            axes.set(xlabel="Load (N)", xscale="log", yscale="log", ylim=(0.1, 110.0), xlim=(0.9, 360.0))
+            axes.set_title(f"friction {law}", loc="left")
+            log_ticks(axes.xaxis, 0.9, 360.0)
+            log_ticks(axes.yaxis, 0.1, 110.0)
+        panels[0].set_ylabel("Cage slip (%)")
+        shown = [*panels[0].get_legend_handles_labels()[0], Line2D([], [], color="0.3", lw=1.0)]
+        names = [*panels[0].get_legend_handles_labels()[1], "balance of friction and drag"]
+        figure.legend(
+            shown, names, loc="outside upper left", ncols=len(names), handlelength=1.5, columnspacing=1.2
+        )
         figure.savefig(target)
 
 
-def draw_law(axes: Any, summary: pd.DataFrame, onset_rows: list[dict[str, Any]]) -> None:
-    """Draw a panel."""
-    for speed, colour, marker in zip(SPEEDS, COLOURS, MARKERS, strict=False):
-        points = summary[summary["speed_rpm"] == speed]
-        spread = 100.0 * np.abs(points[["least", "most"]].to_numpy().T - points["slip"].to_numpy())
-        axes.errorbar(
-            points["load_N"], 100.0 * points["slip"], spread, fmt=marker, color=colour, ms=4.5, capsize=2
-        )
-        axes.plot([], [], color=colour, marker=marker, ms=4.5, label=f"{speed} rpm")
-        curve = np.array(next(row["curve"] for row in onset_rows if row["speed_rpm"] == speed))
-        axes.plot(curve[0], 100.0 * curve[1], color=colour, lw=1.0)
+def draw_tables(table: Path, target: Path) -> None:
+    """Draw the committed tables: ``table`` and that of the onsets beside it."""
+    draw(pd.read_csv(table), pd.read_csv(table.with_name("slip_onset.csv")), target)
 
 
 def main() -> None:
@@ -200,14 +207,14 @@ def main() -> None:
     parser.add_argument("results")
     parser.add_argument("--csv", default="docs/data/slip.csv")
     parser.add_argument("--onsets", default="docs/data/slip_onset.csv")
-    parser.add_argument("--png", default="docs/figures/slip.png")
+    parser.add_argument("--png", type=Path, default="docs/figures/slip.png")
     options = parser.parse_args()
-    base = load_study("studies/slip.yaml").cases()[0]
-    onset_rows = onsets(base)
+    base = load_study(STUDY).cases()[0]
+    onset_rows = pd.DataFrame(onsets(base))
     summary = chart(options.results, base)
     summary.to_csv(options.csv, index=False, lineterminator="\n")
     draw(summary, onset_rows, options.png)
-    pd.DataFrame(onset_rows).drop(columns="curve").to_csv(options.onsets, index=False, lineterminator="\n")
+    onset_rows.to_csv(options.onsets, index=False, lineterminator="\n")
 
 
 if __name__ == "__main__":

@@ -91,7 +91,7 @@ def seconds(value: float) -> str:
 
 def method_text(row: Row) -> str:
     """Describe method and setting of a row."""
-    return f"{row['method']}{setting(row)}" if row["method"] else "instant by instant"
+    return f"{row['method']}{setting(row)}" if row["method"] else "no integrator"
 
 
 def setting(row: Row) -> str:

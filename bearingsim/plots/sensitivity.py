@@ -25,8 +25,8 @@ COLUMN_IN, BAR_IN, NAMES_IN, POINTS_IN = 2.9, 0.42, 1.3, 2.9
 THICK = 0.38
 LABEL_LETTERS = 36
 BARS = (
-    ("first", "first index: alone", "#9BD0F0"),
-    ("total", "total index: also with others", COLOURS[0]),
+    ("first", "first index (parameter alone)", "#9BD0F0"),
+    ("total", "total index (with interactions)", COLOURS[0]),
 )
 WHISKER: dict[str, Any] = {"ecolor": "0.15", "elinewidth": 1.0, "capsize": 2.0}
 
@@ -72,7 +72,7 @@ def label_of(path: str, ends: Sequence[float], units: Mapping[str, str]) -> str:
     unit = labels.unit_of(path, units)
     least, largest = (labels.number_text(labels.shown(path, end, unit)) for end in ends)
     name = labels.name_text(path)
-    return f"{name[:1].upper()}{name[1:]}\n{least} to {largest} {labels.pretty(unit)}".rstrip()
+    return f"{name[:1].upper()}{name[1:]}\n{least} to {labels.with_unit(largest, unit)}".rstrip()
 
 
 def _ranks(indices: Indices) -> list[int]:

@@ -28,11 +28,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 LOOK = RC | {"font.size": 8.0, "axes.labelsize": 8.0, "xtick.labelsize": 7.5, "ytick.labelsize": 7.5}
-SIZE_IN, DPI, SHADES = (7.4, 8.4), 100, 64
+SIZE_IN, DPI, SHADES = (7.08, 8.4), 150, 64  # 180 mm wide
+SMALL_POINTS = 7.0  # size of the smallest texts
 RAIL = 1.075  # height of the line of failed runs, over that of a panel
 HEADS = {NUMERICAL: "numerical error (same model)", TOTAL: "total error (from the reference)"}
 SIDES = {
-    "line": "fault's line",
+    "line": "defect line",
     "rms": "RMS of the velocity",
     "force": "largest force",
 }
@@ -62,7 +63,7 @@ def figure(rows: Sequence[Row], title: str) -> Canvas:
     for i, quantity in enumerate(QUANTITIES):
         for j, kind in enumerate((NUMERICAL, TOTAL)):
             _panel(panels[i][j], rows, kind, quantity, colours, marks)
-        panels[i][0].set_ylabel(f"{SIDES[quantity]}\nCPU time per second of signal (s)")
+        panels[i][0].set_ylabel(f"{SIDES[quantity]}\nCPU time for 1 s of signal (s)")
     for ax, kind in zip(panels[0], HEADS, strict=True):
         ax.set_title(HEADS[kind], fontsize=8.5, pad=24)
     _rail(panels[0][0], rows, colours)
@@ -124,7 +125,7 @@ def _panel(ax: "Axes", rows: Sequence[Row], kind: str, quantity: str, colours: d
         ax.axvline(within, color="0.45", linewidth=0.8, linestyle=(0, (4, 2)), zorder=0)
         ax.text(
             within, 1.0, percent(within), transform=ax.get_xaxis_transform(),
-            fontsize=7.0, color="0.35", ha="center", va="bottom",
+            fontsize=SMALL_POINTS, color="0.35", ha="center", va="bottom",
         )  # fmt: skip
     for variant, colour in colours.items():
         for method, mark in marks.items():
@@ -156,7 +157,7 @@ def _name(ax: "Axes", row: Row, x: float) -> None:
     """Label a mark with the step or tolerance of its run."""
     ax.annotate(
         label(row), (x, row["cpu_per_s"]), xytext=(-4.0, -3.0), textcoords="offset points",
-        fontsize=6.0, color="0.25", ha="right", va="top", zorder=6,
+        fontsize=SMALL_POINTS, color="0.25", ha="right", va="top", zorder=6,
     )  # fmt: skip
 
 
@@ -196,7 +197,7 @@ def _rail(ax: "Axes", rows: Sequence[Row], colours: dict) -> None:
     for n, (name, colour) in enumerate(names):
         ax.text(
             2.05 * n / len(names), RAIL + 0.02, name, transform=ax.transAxes,
-            fontsize=7.0, va="bottom", color=colour, in_layout=False,
+            fontsize=SMALL_POINTS, va="bottom", color=colour, in_layout=False,
         )  # fmt: skip
 
 
@@ -219,11 +220,11 @@ def _legend(rows: Sequence[Row], colours: dict, marks: dict) -> list[Any]:
     instant = [row for row in rows if row["role"] == AUTOMATIC and not row["method"]]
     if instant:
         entries.append(
-            Line2D([], [], color="0.3", marker=marks[""], ms=4.5, ls="none", label="instant by instant")
+            Line2D([], [], color="0.3", marker=marks[""], ms=4.5, ls="none", label="static: no integrator")
         )
     ring: dict[str, Any] = {"marker": "o", "ms": 10.0, "mfc": "none", "mec": "0.2", "mew": 1.4}
     entries.append(Line2D([], [], color="0.3", ls="none", label="automatic choice, in full", **ring))
     star: dict[str, Any] = {"marker": "*", "ms": 8.0, "mfc": "0.6", "mec": "black", "mew": 0.5}
-    entries.append(Line2D([], [], ls="none", label="the same as a job (see the text)", **star))
-    entries.append(Line2D([], [], color="0.75", linewidth=4.0, label="Pareto front of all models, in full"))
+    entries.append(Line2D([], [], ls="none", label="automatic choice, as a job", **star))
+    entries.append(Line2D([], [], color="0.75", linewidth=4.0, label="Pareto front, in full"))
     return entries
