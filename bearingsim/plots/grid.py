@@ -39,12 +39,14 @@ class Display(NamedTuple):
     """Representation of signals: function that computes a curve (SI), labels of the axes.
 
     curve: of the id of the job with the defect, a job (the former or its healthy baseline), a channel and its
-    signal; y_label: of the channel's name; power: exponent of the channel's unit in that of the y axis; amplitude:
-    whether values are amplitudes of sines (0-peak).
+    signal; notes: texts for the caption, of spectra complete after their curves are computed; y_label: of the
+    channel's name; power: exponent of the channel's unit in that of the y axis; amplitude: whether values are
+    amplitudes of sines (0-peak).
     """
 
     curve: Callable[[str, Job, str, Signal], Curve]
     x_label: str
+    notes: list[str]
     y_label: Callable[[str], str] = str
     power: int = 1
     amplitude: bool = False
@@ -56,6 +58,28 @@ class Row(NamedTuple):
     title: str
     jobs: dict[str, str]
     baselines: dict[str, tuple[str, str]]
+
+
+class Column(NamedTuple):
+    """Column of axes: label and scale of the y axes, and the curves (SI) in each row."""
+
+    label: str
+    scale: Scale
+    curves: list[list["Drawn"]]
+
+
+class Content(NamedTuple):
+    """Content of a grid: titles of rows, columns, label of the x axes, jobs in each row, caption.
+
+    is_below: whether a row is the healthy one of the row above.
+    """
+
+    titles: list[str]
+    columns: list[Column]
+    x_label: str
+    jobs: list[list[Job]]
+    is_below: list[bool]
+    caption: list[str]
 
 
 class Grid(NamedTuple):
@@ -74,45 +98,54 @@ class Grid(NamedTuple):
         share_scales(self.axes)
 
 
-def grid(
-    results: "Results",
-    jobs: dict[str, Job],
-    channels: Sequence[str],
-    figure: "Figure",
-    display: Display,
-    caption: Sequence[str] = (),
-) -> Grid:
-    """Draw channels of jobs: a row of axes per job, or per combination of the swept paths apart from ``by``.
+def content(
+    results: "Results", jobs: dict[str, Job], channels: Sequence[str], figure: "Figure", display: Display
+) -> Content:
+    """Compute curves of channels: a row per job, or per combination of the swept paths apart from ``by``.
 
-    Titles give the swept values. A quantity of several rollers shares one column. caption: texts before the common
-    parameters. Raises PlotError for a path that is not swept, or a unit of another quantity.
+    Titles give the swept values. A quantity of several rollers shares one column. Raises PlotError for a path that
+    is not swept, or a unit of another quantity.
     """
     rows = list(_rows(results, jobs, figure))
     baselines = sorted({baseline for row in rows for _, baseline in row.baselines.values()} - jobs.keys())
     records = jobs | recorded.load_jobs(results, baselines)
-    columns = list(_columns(channels))
-    height = LOW_ROW_IN if len(rows) > MANY else ROW_IN
-    size = (max(2, len(columns)) * COLUMN_IN, height * len(rows) + (0.6 if len(rows) > 1 else 1.0))
-    canvas = Canvas(figsize=size, layout="constrained")
-    axes = [list(line) for line in canvas.subplots(len(rows), len(columns), sharex="col", squeeze=False)]
-    for column, together in enumerate(columns):
+    columns = []
+    for together in _columns(channels):
         drawn = [_curves_of_row(row, records, together, display) for row in rows]
         scale = _scale(together[0], figure, display, drawn)
-        for line, curves in zip(axes, drawn, strict=True):
-            _panel(line[column], curves, scale)
         label = axis_label(display.y_label(recorded.text_of(*together)), scale.unit_text(display.amplitude))
-        _name_axes([line[column] for line in axes], label, len(columns) == 1, height)
-        axes[-1][column].set_xlabel(display.x_label)
-    for line, row in zip(axes, rows, strict=True):
-        line[0].set_title(row.title, loc="left", fontsize=8, pad=11 if line is axes[0] else 4)
-    _legend(canvas, [ax for line in axes for ax in line])
+        columns.append(Column(label, scale, drawn))
     table = select.case_rows(results)
     swept = set().union(*(entry["swept"] for entry in results.plan["jobs"] if entry["job"] in jobs))
     fixed = fixed_values(results, table[table["job"].isin(jobs)], swept)
-    finish(canvas, figure.title, [*caption, *sampling_of(jobs.values()), *fixed])
     leading = [[*row.jobs.values(), *(name for name, _ in row.baselines.values())] for row in rows]
-    shown = [[records[name] for name in dict.fromkeys(names)] for names in leading]
-    made = Grid(canvas, axes, shown, [not row.jobs for row in rows])
+    return Content(
+        [row.title for row in rows],
+        columns,
+        display.x_label,
+        [[records[name] for name in dict.fromkeys(names)] for names in leading],
+        [not row.jobs for row in rows],
+        [*display.notes, *sampling_of(jobs.values()), *fixed],
+    )
+
+
+def grid(shown: Content, title: str | None) -> Grid:
+    """Draw a grid of axes."""
+    rows, columns = len(shown.titles), len(shown.columns)
+    height = LOW_ROW_IN if rows > MANY else ROW_IN
+    size = (max(2, columns) * COLUMN_IN, height * rows + (0.6 if rows > 1 else 1.0))
+    canvas = Canvas(figsize=size, layout="constrained")
+    axes = [list(line) for line in canvas.subplots(rows, columns, sharex="col", squeeze=False)]
+    for number, column in enumerate(shown.columns):
+        for line, curves in zip(axes, column.curves, strict=True):
+            _panel(line[number], curves, column.scale)
+        _name_axes([line[number] for line in axes], column.label, columns == 1, height)
+        axes[-1][number].set_xlabel(shown.x_label)
+    for line, text in zip(axes, shown.titles, strict=True):
+        line[0].set_title(text, loc="left", fontsize=8, pad=11 if line is axes[0] else 4)
+    _legend(canvas, [ax for line in axes for ax in line])
+    finish(canvas, title, shown.caption)
+    made = Grid(canvas, axes, shown.jobs, shown.is_below)
     made.share_scales()
     return made
 
@@ -235,15 +268,23 @@ def _scale(channel: str, figure: "Figure", display: Display, rows: Sequence[Sequ
 # Drawing
 
 
-def _panel(ax: "Axes", curves: Sequence[Drawn], scale: Scale) -> None:
+def legend_names(curves: Sequence[Drawn]) -> list[str]:
+    """Return the names of curves in one axes; empty for the only one."""
     has_both = len({curve.is_healthy for curve in curves}) == 2
-    for curve in curves:
+    named_by_title = "" if has_both else HEALTHY  # of a row of healthy bearings
+    return [
+        curve.name.removeprefix(named_by_title).removeprefix(", ")
+        if curve.is_healthy
+        else curve.name or ("with defect" if has_both else "")
+        for curve in curves
+    ]
+
+
+def _panel(ax: "Axes", curves: Sequence[Drawn], scale: Scale) -> None:
+    for curve, name in zip(curves, legend_names(curves), strict=True):
         x, y = curve.points
-        name = curve.name or ("with defect" if has_both else None)
-        if curve.is_healthy and not has_both:  # named by the title of the row
-            name = curve.name.removeprefix(HEALTHY).removeprefix(", ") or None
         width, order = (HEALTHY_WIDTH, 2.5) if curve.is_healthy else (WIDTH, 2.0)
-        ax.plot(x, scale.shown(y), color=curve.colour, ls=curve.line, lw=width, zorder=order, label=name)
+        ax.plot(x, scale.shown(y), color=curve.colour, ls=curve.line, lw=width, zorder=order, label=name or None)
     ax.margins(x=0.0)
     ax.yaxis.set_major_formatter(lambda value, _: labels.number_text(value))
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from bearingsim.config.names import roller_of
 from bearingsim.plots import recorded
-from bearingsim.plots.grid import Curve, Display, grid
+from bearingsim.plots.grid import Curve, Display, content, grid
 from bearingsim.plots.labels import PlotError
 from bearingsim.plots.marks import MARK_COLOURS
 from bearingsim.plots.recorded import Job, Signal
@@ -48,7 +48,8 @@ def draw_roller(results: "Results", figure: "Figure", jobs: Sequence[str]) -> li
 
     if figure.view.healthy is None:
         figure = replace(figure, view=replace(figure.view, healthy="off"))
-    made = grid(results, records, channels, figure, Display(curve, "Angle of the roller (°)"))
+    display = Display(curve, "Angle of the roller (°)", [])
+    made = grid(content(results, records, channels, figure, display), figure.title)
     for row, shown in zip(made.axes, made.jobs, strict=True):
         for ax in row:
             ax.set_xlim(low, high)

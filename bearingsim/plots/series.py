@@ -1,12 +1,12 @@
 """Signals over time."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from bearingsim.plots import recorded
-from bearingsim.plots.grid import Curve, Display, grid
+from bearingsim.plots.grid import Content, Curve, Display, content, grid
 from bearingsim.plots.recorded import Job, Signal
 from bearingsim.plots.sheet import Sheet, file_words
 from bearingsim.plots.window import cut, pass_period, window_of
@@ -23,31 +23,59 @@ SHOWN_IN_SECONDS = 0.5  # s; shorter time axes are in ms
 
 def draw_series(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
     """Draw channels over time, a row per job, with the healthy baseline."""
+    shown, records, channels = series_of(results, figure, jobs)
+    made = grid(shown, figure.title)
+    crossings = list(_crossings(results, figure, records, channels)) if figure.view.around else []
+    if len(set(crossings)) == 1:
+        for ax in (ax for row in made.axes for ax in row):
+            ax.axvspan(*crossings[0], color=CROSSING, lw=0.0, zorder=0.5)
+    return [Sheet(file_words(figure, jobs), made.canvas)]
+
+
+def series_of(
+    results: "Results", figure: "Figure", jobs: Sequence[str]
+) -> tuple[Content, dict[str, Job], list[str]]:
+    """Compute the curves of channels over time; also return the jobs and the channels.
+
+    Raises PlotError for a channel that was not recorded, and as ``window_of``.
+    """
     view = figure.view
     records = recorded.load_jobs(results, jobs)
     channels = recorded.channels_for(records, figure.y)
-    lengths = [shown_time(job, channel) for job in records.values() for channel in channels]
-    if view.around:
-        lengths = [pass_period(job) for job in records.values()]
-    longest = max(lengths) if view.stop is None else view.stop - (view.start or 0.0)
-    unit, scale = ("s", 1.0) if (view.span or longest) >= SHOWN_IN_SECONDS else ("ms", 1e-3)
+    unit, scale = _time_unit(figure, records, channels)
 
     def curve(name: str, job: Job, channel: str, signal: Signal) -> Curve:
         window = window_of(results, name, records[name], channel, view, shown_time(job, channel))
         values = recorded.drawn_values(job, channel, recorded.filtered(job, signal, view))
         part = cut(signal._replace(values=values), window)
-        if window.crossing:
-            crossings.add(tuple(round((end - window.origin) / scale, 6) for end in window.crossing))
         return (part.time - window.origin) / scale, part.values
 
-    crossings: set[tuple[float, ...]] = set()
     since = " from the middle of the defect" if view.around else ""
-    notes = _texts(figure, records, channels)
-    made = grid(results, records, channels, figure, Display(curve, f"Time{since} ({unit})"), notes)
-    if len(crossings) == 1:
-        for ax in (ax for row in made.axes for ax in row):
-            ax.axvspan(*next(iter(crossings)), color=CROSSING, lw=0.0, zorder=0.5)
-    return [Sheet(file_words(figure, jobs), made.canvas)]
+    display = Display(curve, f"Time{since} ({unit})", _texts(figure, records, channels))
+    return content(results, records, channels, figure, display), records, channels
+
+
+def _time_unit(figure: "Figure", records: Mapping[str, Job], channels: Sequence[str]) -> tuple[str, float]:
+    """Choose the unit of the time axis, and its value in s."""
+    view = figure.view
+    lengths = [shown_time(job, channel) for job in records.values() for channel in channels]
+    if view.around:
+        lengths = [pass_period(job) for job in records.values()]
+    longest = max(lengths) if view.stop is None else view.stop - (view.start or 0.0)
+    return ("s", 1.0) if (view.span or longest) >= SHOWN_IN_SECONDS else ("ms", 1e-3)
+
+
+def _crossings(
+    results: "Results", figure: "Figure", records: Mapping[str, Job], channels: Sequence[str]
+) -> Iterator[tuple[float, float]]:
+    """Yield, for each curve, the ends of the time in which the contact is over the defect."""
+    _, scale = _time_unit(figure, records, channels)
+    for name, job in records.items():
+        for channel in channels:
+            window = window_of(results, name, job, channel, figure.view, shown_time(job, channel))
+            if window.crossing:
+                low, high = (round((end - window.origin) / scale, 6) for end in window.crossing)
+                yield low, high
 
 
 def shown_time(job: Job, channel: str) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 
 from bearingsim.config.bands import PASSBAND
 from bearingsim.plots import labels, lines, recorded
-from bearingsim.plots.grid import Curve, Display, grid
+from bearingsim.plots.grid import Content, Curve, Display, content, grid
 from bearingsim.plots.labels import PlotError
 from bearingsim.plots.marks import (
     GAP_POINTS,
@@ -42,34 +42,36 @@ Spectrum = Callable[[np.ndarray, float], Curve]
 
 def draw_spectrum(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
     """Draw the amplitude spectra of channels: a sine of amplitude A gives a peak of height A."""
-    from bearingsim import signals
-
-    return _draw(results, figure, jobs, signals.spectrum)
+    return _draw(results, figure, jobs)
 
 
 def draw_envelope_spectrum(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
     """Draw the spectra of the squared envelope of channels, or of their content in a band."""
+    return _draw(results, figure, jobs)
+
+
+def _spectrum_of(figure: "Figure") -> Spectrum:
+    """Return the function that computes the spectrum of a kind of figure."""
     from bearingsim import signals
 
     def spectrum(values: np.ndarray, rate: float) -> Curve:
         return signals.envelope_spectrum(values, rate, figure.view.band)
 
-    def y_label(channel: str) -> str:
-        return f"Squared envelope of the {channel[:1].lower()}{channel[1:]}"
-
-    return _draw(results, figure, jobs, spectrum, y_label, power=2)
+    return spectrum if figure.kind == "envelope" else signals.spectrum
 
 
-def _draw(
-    results: "Results",
-    figure: "Figure",
-    jobs: Sequence[str],
-    spectrum: Spectrum,
-    y_label: Callable[[str], str] = str,
-    power: int = 1,
-) -> list[Sheet]:
+def _envelope_label(channel: str) -> str:
+    return f"Squared envelope of the {channel[:1].lower()}{channel[1:]}"
+
+
+def spectra_of(results: "Results", figure: "Figure", jobs: Sequence[str]) -> Content:
+    """Compute the spectra, or envelope spectra, of channels.
+
+    Raises PlotError for a channel that was not recorded, and for a spectrum that is too coarse.
+    """
     records = recorded.load_jobs(results, jobs)
     limits = frequency_range(figure, records.values())
+    spectrum, is_envelope = _spectrum_of(figure), figure.kind == "envelope"
     if figure.view.band:
         recorded.check_passband("band", figure.view.band, *records.values())
 
@@ -85,9 +87,14 @@ def _draw(
         return frequency, amplitude
 
     notes = [_quantity(figure, records)]
-    display = Display(curve, "Frequency (Hz)", y_label, power, amplitude=True)
-    channels = recorded.channels_for(records, figure.y)
-    made = grid(results, records, channels, figure, display, notes)
+    y_label, power = (_envelope_label, 2) if is_envelope else (str, 1)
+    display = Display(curve, "Frequency (Hz)", notes, y_label, power, amplitude=True)
+    return content(results, records, recorded.channels_for(records, figure.y), figure, display)
+
+
+def _draw(results: "Results", figure: "Figure", jobs: Sequence[str]) -> list[Sheet]:
+    made = grid(spectra_of(results, figure, jobs), figure.title)
+    limits = frequency_range(figure, (job for row in made.jobs for job in row))
     for row, shown in zip(made.axes, made.jobs, strict=True):
         for ax in row:
             _set_scales(ax, figure, *limits)
