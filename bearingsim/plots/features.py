@@ -30,22 +30,40 @@ def draw_phases(results: "Results", figure: "Figure", _: Sequence[str] = ()) -> 
 
 def draw_design(results: "Results", figure: "Figure", _: Sequence[str] = ()) -> list[Sheet]:
     """Draw a figure per feature, with a panel for each parameter of the design that varies."""
-    rows, units, every = select.case_rows(results), results.plan["units"], select.design_paths(results)
+    rows, units = select.case_rows(results), results.plan["units"]
+    sheets = []
+    for name in figure.y or select.default_y(results, rows):
+        paths, complete, part, caption = design_content(results, replace(figure, y=(name,)), rows)
+        sheets.append(Sheet(["design", name], design.draw_paths(complete, paths, part, units, caption)))
+    return sheets
+
+
+class DesignContent(NamedTuple):
+    """Content of the figure of a design: varied paths, completed figure over the first, its rows, its caption."""
+
+    paths: list[str]
+    figure: "Figure"
+    rows: "pd.DataFrame"
+    caption: list[str]
+
+
+def design_content(results: "Results", figure: "Figure", rows: "pd.DataFrame") -> DesignContent:
+    """Complete a figure of features over each parameter of a design.
+
+    Raises PlotError without a design, or if none of its parameters varies.
+    """
+    units, every = results.plan["units"], select.design_paths(results)
     if not every:
         raise PlotError("the study sweeps no design (`lhs`, `sobol`, `saltelli`, `morris`): try `--kind sweep`")
     matching = select.matching(rows, figure.where, units)
     paths = [path for path in select.varied(matching, every) if path not in figure.by]
     if not paths:
         raise PlotError("no parameter of the design varies in these cases")
-    sheets = []
-    for name in figure.y or select.default_y(results, rows):
-        complete, part = select.completed(replace(figure, y=(name,), x=paths[0]), rows, units, every)
-        others = {path: unit for path, unit in units.items() if path not in paths}
-        fixed = fixed_values(results, part, {*paths, *complete.by})
-        fixed += band_of_record(results, part, [name])
-        caption = [*fixed, *varying(complete, part, others), *_design_texts(results)]
-        sheets.append(Sheet(["design", name], design.draw_paths(complete, paths, part, units, caption)))
-    return sheets
+    complete, part = select.completed(replace(figure, x=paths[0]), rows, units, every)
+    others = {path: unit for path, unit in units.items() if path not in paths}
+    fixed = fixed_values(results, part, {*paths, *complete.by}) + band_of_record(results, part, figure.y)
+    caption = [*fixed, *varying(complete, part, others), *_design_texts(results)]
+    return DesignContent(paths, complete, part, caption)
 
 
 class Prepared(NamedTuple):

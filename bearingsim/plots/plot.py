@@ -78,7 +78,7 @@ def drawn(
     for number, figure in enumerate(figures, 1):
         prefix = f"{'plot' if options else 'fig'}{number}" if numbered and figure.kind != "design" else ""
         try:
-            for sheet in _draw(results, figure, jobs):
+            for sheet in draw(results, figure, jobs):
                 named = "y" in options and sheet.words[0] == options["y"][0]
                 words = [*options["y"], *sheet.words[1:]] if named else sheet.words
                 sheets.append((slug([prefix, *words, *_option_words(options)]), sheet.canvas))
@@ -91,12 +91,13 @@ def drawn(
     return sheets
 
 
-def _draw(results: "Results", figure: Figure, jobs: Sequence[str]) -> list[Sheet]:
+def draw(results: "Results", figure: Figure, jobs: Sequence[str] = ()) -> list[Sheet]:
+    """Draw one figure; jobs: as of ``plot``. Raises PlotError."""
     kind = KINDS[figure.kind]
-    module, function = kind.draw.split(".")
-    draw: Draw = getattr(importlib.import_module(f"bearingsim.plots.{module}"), function)
-    ids = _jobs(results, figure, jobs) if kind.of_jobs else []
-    sheets = draw(results, figure, ids)
+    module, name = kind.draw.split(".")
+    function: Draw = getattr(importlib.import_module(f"bearingsim.plots.{module}"), name)
+    ids = jobs_of(results, figure, jobs) if kind.of_jobs else []
+    sheets = function(results, figure, ids)
     if list(jobs) != [ALL]:
         return sheets
     named, every = file_words(figure, ids), file_words(figure, [ALL])
@@ -158,7 +159,7 @@ def _changed(figure: Figure, options: Mapping[str, Any]) -> Figure:
     return replace(figure, view=replace(figure.view, **changed), **fields)
 
 
-def _jobs(results: "Results", figure: Figure, jobs: Sequence[str]) -> list[str]:
+def jobs_of(results: "Results", figure: Figure, jobs: Sequence[str] = ()) -> list[str]:
     """List the jobs of a figure of signals: the named ones, else those selected, else some.
 
     Raises PlotError if none of them is done.

@@ -1,16 +1,17 @@
 """Content of the page of a study: what was studied, the results, their accuracy, and how they were computed."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from bearingsim.plots import PlotError, labels, select
+from bearingsim.plots import labels, select
 from bearingsim.plots.caption import fixed_values
-from bearingsim.plots.plot import requested
-from bearingsim.report.charts import Chart, charts_of
+from bearingsim.report.charts import Chart
 from bearingsim.report.columns import Column, column_of, error_columns, main_features
+from bearingsim.report.figures import Figures, Picture, collect
 from bearingsim.report.headline import Result, feature_results
+from bearingsim.report.influence import Influence
 from bearingsim.report.statements import FailedJob, assumption_texts, failures_of
 from bearingsim.text.numbers import significant
 
@@ -32,35 +33,47 @@ Fact = tuple[str, str]
 
 @dataclass(frozen=True)
 class Table:
-    """Table of the jobs: columns, whether their cells are numbers, and the number of rows that are left out."""
+    """Table of the jobs: columns, whether their cells are numbers, and the number of all jobs."""
 
     columns: list[Column]
     numeric: list[bool]
-    omitted: int
+    total: int
 
     @property
     def rows(self) -> list[tuple[str, ...]]:
         """Rows of cells."""
         return list(zip(*(cells for _, cells in self.columns), strict=True))
 
+    def shortened(self, rows: int) -> "Table":
+        """Return the table with its first rows only."""
+        return Table([(head, cells[:rows]) for head, cells in self.columns], self.numeric, self.total)
+
+    def omission(self) -> str:
+        """Describe the rows that are left out."""
+        return f"{self.total - len(self.rows)} of {self.total} rows of the table: results.csv has all"
+
 
 @dataclass(frozen=True)
 class Page:
     """Content of the page.
 
-    counts: numbers of jobs by status; studied: fixed and varied parameters; omissions: what was left out, and why;
+    counts: numbers of jobs by status; written: time of writing; studied: fixed and varied parameters;
+    omissions: what was left out, and why;
     text: the study file; changes: overrides of the command line.
     """
 
     study: str
     counts: str
     complete: bool
+    written: str
     quick: bool
     studied: list[Fact]
     results: list[Result]
     accuracy: list[str]
     warnings: list[str]
     charts: list[Chart]
+    pictures: list[Picture]
+    influences: list[Influence]
     omissions: list[str]
     table: Table
     assumptions: list[str]
@@ -70,27 +83,34 @@ class Page:
     changes: str
 
 
-def page_of(results: "Results") -> Page:
-    """Collect the content of the page. Raises ResultsError for a folder that cannot be read."""
+def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
+    """Collect the content of the page; jobs: ids of those whose signals are shown.
+
+    Raises ResultsError for a folder that cannot be read, PlotError for a job without a signal.
+    """
     from bearingsim.runner.findings import findings
-    from bearingsim.store import job_frame
+    from bearingsim.store import job_frame, now
 
     table = results.table()
     found = findings(results.plan, job_frame(results.path))
+    shown = _table(results, table)
     done = bool((table["status"] == "done").any())
-    omissions: list[str] = []
+    figures = collect(results, jobs) if done else Figures()
     return Page(
         study=results.plan["study"],
         counts=_counts(results, table),
         complete=bool((table["status"] != "missing").all()),
+        written=f"Written {now()}.",
         quick=bool(results.plan["quick"]),
         studied=list(_studied(results)),
         results=list(feature_results(results)) if done else [],
         accuracy=[*found.withdrawn, *found.accuracy],
         warnings=list(found.warnings),
-        charts=_charts(results, omissions) if done else [],
-        omissions=omissions,
-        table=_table(results, table),
+        charts=figures.charts,
+        pictures=figures.pictures,
+        influences=figures.influences,
+        omissions=[*figures.omissions, *([shown.omission()] if len(shown.rows) < len(table) else [])],
+        table=shown,
         assumptions=assumption_texts(results) if done else list(results.plan.get("assumptions", ())),
         failures=failures_of(results),
         computed=list(_computed(results)),
@@ -133,15 +153,6 @@ def _values_text(path: str, rows: "pd.DataFrame", units: dict[str, str]) -> str:
     return ", ".join(texts + ["and more"] * (len(distinct) > len(texts)))
 
 
-def _charts(results: "Results", omissions: list[str]) -> list[Chart]:
-    try:
-        figures = requested(results)
-    except PlotError as error:
-        omissions.append(f"No figure of the features: {error}.")
-        return []
-    return charts_of(results, [figure for figure in figures if figure.kind in ("sweep", "phase")])
-
-
 def _table(results: "Results", table: "pd.DataFrame") -> Table:
     rows = table[:MAX_ROWS]
     units = results.plan["units"]
@@ -149,7 +160,7 @@ def _table(results: "Results", table: "pd.DataFrame") -> Table:
     names = list(dict.fromkeys([*(path for path in units if path in table), *features, "status"]))
     columns = [("job", [job[:8] for job in rows["job"]]), *(column_of(results, rows, name) for name in names)]
     numeric = [False, *(rows[name].dtype.kind == "f" for name in names)]
-    return Table(columns, numeric, len(table) - len(rows))
+    return Table(columns, numeric, len(table))
 
 
 def _computed(results: "Results") -> Iterator[Fact]:

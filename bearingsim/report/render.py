@@ -4,6 +4,7 @@ import base64
 import hashlib
 import json
 from collections.abc import Mapping
+from dataclasses import asdict, replace
 from functools import cache
 from importlib.resources import files
 from typing import Any
@@ -13,24 +14,52 @@ from markupsafe import Markup
 
 from bearingsim.report.page import Page
 
+MAX_BYTES = 2_000_000
+"""Size of a page above which parts of it are left out."""
+FEW_ROWS = 200
+"""Number of rows of the table in a page that would be too large."""
 ESCAPES = {ord(letter): f"\\u{ord(letter):04x}" for letter in "<>&\u2028\u2029"}
 """Characters that would end a script, or a string in it."""
 
 
 def html(page: Page) -> str:
-    """Return the page as HTML."""
-    scripts, styles = [_asset("echarts.min.js"), _asset("report.js")], [_asset("report.css")]
-    data = {"charts": [chart.data() for chart in page.charts]}
-    return (
-        _environment()
-        .get_template("report.html.j2")
-        .render(
-            page=page,
-            policy=policy(scripts, styles),
-            data=Markup(embedded(data)),
-            scripts=[Markup(script) for script in scripts],
-            styles=[Markup(style) for style in styles],
-        )
+    """Return the page as HTML, of at most about ``MAX_BYTES``; it says what was left out."""
+    text = _render(page)
+    for shorten in (_without_fallbacks, _without_signals, _with_few_rows):
+        if len(text.encode()) <= MAX_BYTES:
+            break
+        page = shorten(page)
+        text = _render(page)
+    return text
+
+
+def _without_fallbacks(page: Page) -> Page:
+    reason = "pictures of the figures for browsers without JavaScript, because of their size"
+    pictures = [picture for picture in page.pictures if not picture.fallback]
+    return replace(page, pictures=pictures, omissions=[*page.omissions, reason])
+
+
+def _without_signals(page: Page) -> Page:
+    reason = "signals of jobs, because of their size: `bearingsim plot --kind series` draws them"
+    charts = [chart for chart in page.charts if chart.kind != "signal"]
+    return replace(page, charts=charts, omissions=[*page.omissions, reason])
+
+
+def _with_few_rows(page: Page) -> Page:
+    table = page.table.shortened(FEW_ROWS)
+    return replace(page, table=table, omissions=[*page.omissions, table.omission()])
+
+
+def _render(page: Page) -> str:
+    echarts, script, style = map(_asset, ("echarts.min.js", "report.js", "report.css"))
+    template = _environment().get_template("report.html.j2")
+    return template.render(
+        page=page,
+        policy=policy([echarts, script], [style]),
+        data=Markup(embedded({"charts": [asdict(chart) for chart in page.charts]})),
+        echarts=Markup(echarts),
+        script=Markup(script),
+        style=Markup(style),
     )
 
 

@@ -1,28 +1,19 @@
 // Charts with their controls and legends, and the table of a page of results. ECharts draws.
 const data = JSON.parse(document.getElementById('data').textContent);
 const root = document.documentElement;
-const DASHES = ['solid', [6, 3], [2, 2], [6, 2, 1, 2], [3, 1, 1, 1, 1, 1]];
 const SYMBOLS = ['circle', 'rect', 'triangle', 'diamond', 'pin', 'arrow', 'roundRect'];
 const FONT = { fontSize: 12, fontFamily: 'system-ui, sans-serif' };
-const shown = []; // functions that draw a chart anew
+const DONE = 0;
+const FAILED = 1;
+const drawings = []; // functions that draw a chart anew, at a width
 
-const digits = (value, count = 4) => String(Number(value.toPrecision(count)));
-const colour = (name) => getComputedStyle(root).getPropertyValue(`--${name}`).trim();
-const isDark = () =>
-  !root.classList.contains('print') && matchMedia('(prefers-color-scheme: dark)').matches;
-const shade = (share) =>
-  `hsl(${270 - 190 * share}, 55%, ${isDark() ? 60 + 15 * share : 25 + 20 * share}%)`;
 const finite = (value) => value !== null && value !== undefined;
+const digits = (value, count = 4) => String(Number(value.toPrecision(count)));
+/** Return a colour of the style sheet, or the CSS colour itself. */
+const colour = (name) => getComputedStyle(root).getPropertyValue(`--${name}`).trim() || name;
+const shade = (share) => (finite(share) ? `hsl(${270 - 150 * share}, 50%, 50%)` : colour('faint'));
 
-/** Return colour and dash of a curve: from a list, or a shade if the curves are ordered. */
-function look(chart, curve) {
-  const count = Math.max(...chart.curves.map((other) => other.colour)) + 1;
-  const dashed = chart.curves.some((other) => other.dash > 0);
-  if (chart.ordered) return [shade(curve.colour / (count - 1)), DASHES[curve.dash % 5]];
-  return [colour(`curve${curve.colour % 7}`), DASHES[(dashed ? curve.dash : curve.colour) % 5]];
-}
-
-/** Return a custom series of the shapes that `draw(place, point)` makes of points [x, ...]. */
+/** Return a custom series of the shapes that `draw(place, point, area)` makes of points [x, ...]. */
 const shapes = (name, points, draw, z) => ({
   type: 'custom', name, data: points, silent: true, clip: true, z, tooltip: { show: false },
   encode: { x: 0, y: points[0]?.length > 2 ? [1, 2] : [] },
@@ -38,10 +29,10 @@ const bars = (name, points, stroke, lineWidth, opacity, z) =>
   }, z);
 
 /** Draw a band [x, low, high], as bars if points lack one. */
-function band(name, points, fill) {
+function band(points, fill) {
   if (points.length < 2 || !points.every((p) => finite(p[1])))
-    return bars(name, points, fill, 5, 0.35, 0);
-  return shapes(name, points, (place, point) => {
+    return bars('band', points, fill, 5, 0.35, 0);
+  return shapes('band', points, (place, point) => {
     if (point !== points[0]) return null;
     const upper = points.map(([x, , high]) => place(x, high));
     const lower = points.map(([x, low]) => place(x, low)).reverse();
@@ -51,128 +42,121 @@ function band(name, points, fill) {
   }, 0);
 }
 
-/** Mark the place on the x axis of jobs without a value. */
-const lost = (chart, points) =>
-  shapes('lost', points, (place, [x, i], area) => ({
-    type: 'text', x: place(x, 1)[0], y: area.y + area.height,
-    style: {
-      ...FONT, text: chart.points.status[i] === 'failed' ? '×' : '|', fontSize: 16,
-      fill: colour('lost'), align: 'center', verticalAlign: 'bottom',
-    },
+/** Write a text at places on the x axis: x, text, and the part of the height above it. */
+const texts = (points, fill, high) =>
+  shapes('text', points, (place, [x, text], area) => ({
+    type: 'text', x: place(x, 1)[0], y: area.y + (high ? 0 : area.height),
+    style: { ...FONT, text, fill, align: 'center', verticalAlign: high ? 'top' : 'bottom' },
   }), 4);
 
-/** Return the series of a panel: of each curve its band, healthy level, error bounds and marks. */
-function seriesOf(chart, panel, x, lists, hidden) {
+/** Mark the spectral lines [frequency, name]; names that would overlap are left out. */
+function marks(points, area) {
+  const named = points.filter((p) => p[1]);
+  const step = Math.ceil(named.length / Math.max(1, area / 70));
+  const stroke = { stroke: colour('faint'), lineWidth: 1, lineDash: [2, 3] };
+  return [
+    shapes('marks', points, (place, [x], { y, height }) => {
+      const x1 = place(x, 1)[0];
+      return { type: 'line', shape: { x1, y1: y, x2: x1, y2: y + height }, style: stroke };
+    }, 0),
+    texts(named.filter((_, i) => i % step === 0), colour('faint'), true),
+  ];
+}
+
+/** Return the series of one curve: its band, healthy level, error bounds, marks and line. */
+function curveOf(chart, panel, curve, x, list, healthy, shares) {
   const at = (key, i) => panel.columns[key]?.[i];
-  const rows = (list, ...keys) => list.map((i) => [x[i], ...keys.map((key) => at(key, i))]);
-  const levels = new Set(lists.filter((l) => l.length).map((l) => `${rows(l, 'healthy')}`));
-  return lists.flatMap((list, k) => {
-    const curve = chart.curves[k];
-    if (!list.length || hidden.has(curve.name)) return [];
-    const [stroke, type] = look(chart, curve);
-    const known = list.filter((i) => finite(at('y', i)));
-    const bounds = known.filter((i) => finite(at('error', i)))
-      .map((i) => [x[i], at('y', i) - at('error', i), at('y', i) + at('error', i)]);
-    const line = { type: 'line', symbol: 'none', silent: true, z: 1, tooltip: { show: false } };
-    const healthyColour = levels.size > 1 ? stroke : colour('faint');
-    return [
-      band('band', rows(list, 'low', 'high'), stroke),
-      bars('error', bounds, stroke, 1.5, 1, 3),
-      lost(chart, list.filter((i) => chart.points.status?.[i] === 'failed'
-        || chart.points.status?.[i] === 'missing').map((i) => [x[i], i])),
-      { ...line, name: 'healthy', data: rows(list, 'healthy').filter((p) => finite(p[1])),
-        lineStyle: { color: healthyColour, width: 1, type: [4, 3] } },
-      { type: 'scatter', name: 'chaotic', data: rows(known.filter((i) => at('chaotic', i)), 'y'),
-        symbolSize: 16, silent: true, z: 1, tooltip: { show: false },
-        itemStyle: { color: 'transparent', borderColor: colour('faint'), borderWidth: 1.5 } },
-      { type: chart.lines ? 'line' : 'scatter', name: curve.name, color: stroke, z: 2,
-        data: list.map((i) => ({ value: [x[i], at('y', i) ?? null], point: i })),
-        symbol: chart.dense ? 'none' : SYMBOLS[curve.colour % 7], symbolSize: 7,
-        showAllSymbol: true, emphasis: { disabled: true },
-        lineStyle: { color: stroke, width: chart.dense ? 1 : 2, type } },
-    ];
-  });
+  const rows = (indices, ...keys) => indices.map((i) => [x[i], ...keys.map((k) => at(k, i))]);
+  const stroke = colour(curve.colour);
+  const known = list.filter((i) => finite(at('y', i)));
+  const bounds = known.filter((i) => finite(at('error', i)))
+    .map((i) => [x[i], at('y', i) - at('error', i), at('y', i) + at('error', i)]);
+  const lost = list.filter((i) => chart.points.state && chart.points.state[i] !== DONE)
+    .map((i) => [x[i], chart.points.state[i] === FAILED ? '×' : '|']);
+  const still = { silent: true, tooltip: { show: false } };
+  return [
+    band(rows(list, 'low', 'high'), stroke),
+    bars('error', bounds, stroke, 1.5, 1, 3),
+    texts(lost, colour('lost')),
+    { type: 'line', name: 'healthy', data: rows(list, 'healthy').filter((p) => finite(p[1])),
+      ...still, symbol: 'none', z: 1,
+      lineStyle: { color: healthy ? colour('faint') : stroke, width: 1, type: [4, 3] } },
+    { type: 'scatter', name: 'chaotic', data: rows(known.filter((i) => at('chaotic', i)), 'y'),
+      ...still, symbolSize: 16, z: 1,
+      itemStyle: { color: 'transparent', borderColor: colour('faint'), borderWidth: 1.5 } },
+    { type: ['points', 'design'].includes(chart.kind) ? 'scatter' : 'line', name: curve.name,
+      data: list.map((i) => ({ value: [x[i], at('y', i) ?? null], point: i,
+        ...(shares && { itemStyle: { color: shade(shares[i]) } }) })),
+      color: stroke, z: 2, emphasis: { disabled: true }, showAllSymbol: true, symbolSize: 7,
+      symbol: chart.kind === 'signal' ? 'none' : SYMBOLS[curve.symbol % 7],
+      lineStyle: { color: stroke, width: chart.kind === 'signal' ? 1 : 2,
+        type: curve.dash.length ? curve.dash : 'solid' } },
+  ];
+}
+
+/** Return the series of a panel. */
+function seriesOf(chart, panel, { x, lists, hidden, shares, trend, width }) {
+  const level = (list) => `${list.map((i) => [x[i], panel.columns.healthy?.[i]])}`;
+  const shared = new Set(lists.filter((list) => list.length).map(level)).size < 2;
+  const drawn = chart.curves.map((curve, k) => [curve, lists[k]])
+    .filter(([curve, list]) => list.length && !hidden.has(curve.name));
+  const groups = panel.trends[trend] ?? [];
+  const line = { type: 'line', name: 'median', symbol: 'none', silent: true, z: 3,
+    data: groups.map((group) => [group[0], group[2]]), tooltip: { show: false },
+    lineStyle: { color: colour('ink'), width: 2 } };
+  return [
+    ...drawn.flatMap(([curve, list]) => curveOf(chart, panel, curve, x, list, shared, shares)),
+    ...(groups.length ? [band(groups.map((g) => [g[0], g[1], g[3]]), colour('ink')), line] : []),
+    ...(chart.marks.length ? marks(chart.marks, width) : []),
+  ];
 }
 
 /** Return the text over points at one place on the x axis. */
 function tooltip(panel, axis, items) {
   const at = (key, i) => panel.columns[key]?.[i];
-  const texts = items.filter((item) => finite(item.data.point)).map((item) => {
+  const lines = items.filter((item) => finite(item.data.point)).map((item) => {
     const i = item.data.point;
     const bound = finite(at('error', i)) ? ` ± ${digits(at('error', i), 2)}` : '';
     const [low, high] = [at('low', i), at('high', i)];
     const range = finite(low) ? ` (${digits(low)} to ${digits(high)})` : '';
     const value = finite(at('y', i)) ? digits(at('y', i)) : 'no value';
-    const chaotic = at('chaotic', i) ? ', chaotic' : '';
     const name = item.seriesName && `${item.seriesName}: `;
-    return `${name}${value}${bound} ${panel.unit.split(',')[0]}${range}${chaotic}`;
+    return `${name}${value}${bound} ${panel.unit}${range}${at('chaotic', i) ? ', chaotic' : ''}`;
   });
   const place = items[0]?.value?.[0];
   const text = axis.words.length ? axis.words[place] : finite(place) && digits(place, 5);
-  return texts.length ? [`${axis.label}: ${text}`, ...texts].join('\n') : '';
+  return lines.length ? [`${axis.label}: ${text}`, ...lines].join('\n') : '';
 }
 
 /** Return the options of ECharts for a panel. */
-function optionOf(chart, panel, axis, x, lists, hidden, narrow) {
+function optionOf(chart, panel, axis, view) {
   const text = { ...FONT, color: colour('ink') };
   const lines = { lineStyle: { color: colour('faint') } };
-  const values = lists.flat().map((i) => panel.columns.y[i]).filter(finite);
-  const positive = values.every((value) => value >= 0);
+  const values = view.lists.flat().map((i) => panel.columns.y[i]).filter(finite);
   const style = {
     axisLabel: { ...text, hideOverlap: true }, axisLine: lines, axisTick: lines,
     splitLine: { lineStyle: { color: colour('line') } }, nameTextStyle: text,
   };
-  const words = axis.words.length > 0;
-  const turned = axis.words.join('').length > (narrow ? 24 : 60) ? 30 : 0;
-  const wordLabels = { ...style.axisLabel, interval: 0, rotate: turned };
-  const kind = (log) => (log ? { type: 'log' } : { type: 'value' });
+  const turned = axis.words.join('').length * 7 > 0.6 * view.width ? 30 : 0;
+  const words = { type: 'category', data: axis.words,
+    axisLabel: { ...style.axisLabel, interval: 0, rotate: turned } };
+  const numbers = (log) => ({ type: log ? 'log' : 'value' });
   const ends = panel.axis.phase ? { min: -180, max: 180, interval: 90 }
-    : { ...kind(panel.axis.log), scale: !positive };
+    : { ...numbers(panel.axis.log), scale: values.some((value) => value < 0) };
   return {
     animation: false, textStyle: text,
     aria: { enabled: true, label: { description: `${panel.axis.label}; x: ${axis.label}` } },
     grid: { left: 4, right: 22, top: 10, bottom: 24, containLabel: true },
-    xAxis: {
-      ...style, ...(words ? { type: 'category', data: axis.words } : kind(axis.log)), scale: true,
-      axisLabel: words ? wordLabels : style.axisLabel, name: axis.label, nameLocation: 'middle',
-      nameGap: turned ? 60 : 26,
-    },
+    xAxis: { ...style, scale: true, ...(axis.words.length ? words : numbers(axis.log)),
+      name: axis.label, nameLocation: 'middle', nameGap: turned ? 60 : 26 },
     yAxis: { ...style, ...ends },
-    dataZoom: [{
-      type: 'inside', filterMode: 'none', zoomOnMouseWheel: 'ctrl', moveOnMouseWheel: false,
-      moveOnMouseMove: 'shift', preventDefaultMouseMove: false,
-    }],
-    tooltip: {
-      trigger: chart.lines ? 'axis' : 'item', renderMode: 'richText', confine: true,
-      textStyle: text, backgroundColor: colour('paper'), borderColor: colour('faint'),
-      formatter: (items) => tooltip(panel, axis, [items].flat()),
-    },
-    series: seriesOf(chart, panel, x, lists, hidden),
+    dataZoom: [{ type: 'inside', filterMode: 'none', zoomOnMouseWheel: 'ctrl',
+      moveOnMouseWheel: false, moveOnMouseMove: 'shift', preventDefaultMouseMove: false }],
+    tooltip: { trigger: chart.kind === 'design' ? 'item' : 'axis', renderMode: 'richText',
+      confine: true, textStyle: text, backgroundColor: colour('paper'),
+      borderColor: colour('faint'), formatter: (items) => tooltip(panel, axis, [items].flat()) },
+    series: seriesOf(chart, panel, view),
   };
-}
-
-/** Write the legend: a switch for each curve. */
-function legend(box, chart, lists, hidden, draw) {
-  const curves = chart.curves.filter((curve, k) => curve.name && lists[k].length);
-  box.replaceChildren(...(curves.length > 1 ? curves : []).map((curve) => {
-    const [label, input] = [document.createElement('label'), document.createElement('input')];
-    const [svg, line] = ['svg', 'path'].map((tag) =>
-      document.createElementNS('http://www.w3.org/2000/svg', tag));
-    const [stroke, dash] = look(chart, curve);
-    line.setAttribute('d', 'M0 6H28');
-    line.setAttribute('stroke', stroke);
-    line.setAttribute('stroke-width', 3);
-    line.setAttribute('stroke-dasharray', [dash].flat().filter(Number).join(' '));
-    svg.append(line);
-    input.type = 'checkbox';
-    input.checked = !hidden.has(curve.name);
-    input.addEventListener('change', () => {
-      hidden[input.checked ? 'delete' : 'add'](curve.name);
-      draw();
-    });
-    label.append(input, svg, curve.name);
-    return label;
-  }));
 }
 
 /** Return the computed setting with value `v` of control `k` that differs least from another. */
@@ -189,17 +173,20 @@ function start(section) {
   const controls = [...section.querySelectorAll('.controls label')];
   const boxes = [...section.querySelectorAll('.plot')];
   const plots = boxes.map((box) => echarts.init(box, null, { renderer: 'svg' }));
+  const isDesign = chart.kind === 'design';
   let setting = chart.controls.map((control) => control.start);
   const draw = (width) => {
     const wanted = chart.combinations.findIndex((key) => `${key}` === `${setting}`);
-    const lists = chart.curves.map((_, k) => [...chart.points.curve.keys()].filter((i) =>
+    const all = [...chart.x[0].keys()];
+    const lists = isDesign ? [all] : chart.curves.map((_, k) => all.filter((i) =>
       chart.points.curve[i] === k && chart.points.combination[i] === wanted));
+    const trend = isDesign ? setting[0] : 0;
+    const shares = isDesign && chart.shades[setting[1] - 1];
     plots.forEach((plot, k) => {
       plot.resize({ width });
-      plot.setOption(optionOf(chart, chart.panels[k], chart.x, chart.points.x, lists, hidden,
-        plot.getWidth() < 500), { notMerge: true });
+      const view = { x: chart.x[trend], lists, hidden, shares, trend, width: plot.getWidth() };
+      plot.setOption(optionOf(chart, chart.panels[k], chart.axes[trend], view), { notMerge: true });
     });
-    legend(section.querySelector('.legend'), chart, lists, hidden, draw);
     controls.forEach((label, k) => {
       const input = label.querySelector('input, select');
       const text = chart.controls[k].options[setting[k]];
@@ -214,14 +201,20 @@ function start(section) {
       draw();
     });
   });
-  plots.forEach((plot, k) => {
-    const zoom = (start) => plot.dispatchAction({ type: 'dataZoom', start, end: 100 - start });
-    boxes[k].addEventListener('dblclick', () => zoom(0));
-    boxes[k].addEventListener('keydown', ({ key }) => {
-      if (key in { '+': 0, '-': 0 }) zoom(key === '+' ? 25 : 0);
+  section.querySelectorAll('.legend input').forEach((input, k) => {
+    input.addEventListener('change', () => {
+      hidden[input.checked ? 'delete' : 'add'](chart.curves[k].name);
+      draw();
     });
   });
-  shown.push(draw);
+  plots.forEach((plot, k) => {
+    const zoom = (first) => plot.dispatchAction({ type: 'dataZoom', start: first, end: 100 - first });
+    boxes[k].addEventListener('dblclick', () => zoom(0));
+    boxes[k].addEventListener('keydown', ({ key }) => {
+      if (key === '+' || key === '-') zoom(key === '+' ? 25 : 0);
+    });
+  });
+  drawings.push(draw);
   draw();
 }
 
@@ -257,7 +250,7 @@ function table() {
 
 for (const section of document.querySelectorAll('[data-chart]')) start(section);
 table();
-const redraw = (width) => { for (const draw of shown) draw(width); };
+const redraw = (width) => { for (const draw of drawings) draw(width); };
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => redraw());
 addEventListener('resize', () => redraw());
 const print = (on) => { root.classList.toggle('print', on); redraw(on ? 660 : 'auto'); };

@@ -1,0 +1,94 @@
+"""Charts of designs: a point per job, over any of the parameters, coloured by any of them."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from bearingsim.plots import labels, select
+from bearingsim.plots.design import is_logarithmic, trend
+from bearingsim.plots.features import design_content
+from bearingsim.plots.points import points_of
+from bearingsim.plots.units import feature_scale
+from bearingsim.report.charts import Axis, Chart, Control, Curve, Panel, rounded, settings
+from bearingsim.report.sweeps import NAMES, STATES, panel_of, x_axis
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from bearingsim.store import Results
+    from bearingsim.study import Figure
+
+PLAIN = "none"
+"""Setting of the control of the colour without a parameter."""
+
+
+def design_chart(results: "Results", figure: "Figure") -> Chart:
+    """Make the chart of a design: a panel per feature, controls for the x axis and the colour.
+
+    Raises PlotError without a design.
+    """
+    rows, units = select.case_rows(results), results.plan["units"]
+    wanted = replace(figure, y=figure.y or select.default_y(results, rows), kind="design")
+    paths, complete, part, caption = design_content(results, wanted, rows)
+    coloured = [*paths, *select.varied(part, [path for path in units if path not in paths])]
+    axes = [_axis(complete, path, part, results) for path in paths]
+    start = paths.index(figure.x) if figure.x in paths else 0
+    names = [labels.name_text(path) for path in paths]
+    x = [points_of(replace(complete, x=path), wanted.y[0], part, part, units).x for path in paths]
+    panels = [_panel(complete, name, part, results, x) for name in wanted.y]
+    state = [STATES[status] for status in part["status"]]
+    present = {key for panel in panels for key in panel.columns} | {
+        name for name, number in STATES.items() if number in state
+    }
+    controls = [
+        Control("Over", names, start, ordered=False),
+        Control("Colour", [PLAIN, *(_scale_text(path, part, units) for path in coloured)], 0, ordered=False),
+    ]
+    return Chart(
+        title=wanted.title or " and ".join(map(labels.feature_text, wanted.y)),
+        kind="design",
+        axes=axes,
+        panels=panels,
+        curves=[Curve("", "curve0", (), 0)],
+        controls=controls,
+        combinations=settings([len(control.options) for control in controls]),
+        x=[rounded(column) for column in x],
+        points={"job": [job[:8] for job in part["job"]], "state": state},
+        caption=", ".join(caption),
+        names={key: text for key, text in NAMES.items() if key in present},
+        shades=[_shares(part, path) for path in coloured],
+        marks=[],
+    )
+
+
+def _axis(figure: "Figure", path: str, rows: "pd.DataFrame", results: "Results") -> Axis:
+    values = list(rows[path])
+    log = select.is_numeric(values) and ("x" in figure.log or is_logarithmic(values))
+    return x_axis(replace(figure, x=path, log=("x",) if log else ()), path, rows, results.plan["units"])
+
+
+def _panel(figure: "Figure", name: str, rows: "pd.DataFrame", results: "Results", x: list[list[float]]) -> Panel:
+    scale = feature_scale(name, float(rows[name].abs().max()), figure.view)
+    points = points_of(figure, name, rows, rows, results.plan["units"], scale.factor)
+    columns: dict[str, list[Any]] = {"y": rounded(points.y), "chaotic": [int(value) for value in points.chaotic]}
+    groups = [trend(column, points.y) for column in x]
+    trends = [
+        [rounded(row) for row in zip(group.x, group.low, group.middle, group.high, strict=True)] if group else []
+        for group in groups
+    ]
+    return panel_of(figure, name, scale, columns, trends)
+
+
+def _scale_text(path: str, rows: "pd.DataFrame", units: dict[str, str]) -> str:
+    """Describe the scale of a colour: `load, violet 150 N to green 300 N`."""
+    distinct = select.values(rows, path)
+    low, high = (labels.value_text(path, value, units) for value in (distinct[0], distinct[-1]))
+    return f"{labels.name_text(path)}: violet {low} to green {high}"
+
+
+def _shares(rows: "pd.DataFrame", path: str) -> list[float | None]:
+    """Return the places of values of a path between its least (0) and largest (1), or by its words."""
+    distinct = select.values(rows, path)
+    if not select.is_numeric(distinct):
+        return rounded(distinct.index(value) / max(1, len(distinct) - 1) for value in rows[path])
+    low, high = distinct[0], distinct[-1]
+    return rounded((value - low) / (high - low) for value in rows[path])

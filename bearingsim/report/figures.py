@@ -1,0 +1,143 @@
+"""Figures of the page: charts of those that it can draw, pictures by matplotlib of all."""
+
+import base64
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from io import BytesIO
+from typing import TYPE_CHECKING
+
+from bearingsim.errors import UserError
+from bearingsim.figure_kinds import KINDS
+from bearingsim.plots import PlotError, select
+from bearingsim.plots.plot import draw, jobs_of, requested
+from bearingsim.plots.style import drawing, take_literally
+from bearingsim.report import signals
+from bearingsim.report.charts import Chart
+from bearingsim.report.designs import design_chart
+from bearingsim.report.influence import Influence, influences
+from bearingsim.report.sweeps import alike, prepared_for_all, sweep_chart
+from bearingsim.study import Figure
+from bearingsim.study.design import BLOCK_DESIGNS
+
+if TYPE_CHECKING:
+    from bearingsim.store import Results
+
+SIGNALS = ("series", "envelope")
+"""Kinds of figures that show a job's signal on the page."""
+MAX_CHART_ROWS = 10_000
+"""Largest number of jobs in a chart; browsers draw more points too slowly."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """Figure as an SVG picture: title, and its bytes in base64; fallback: a chart replaces it with JavaScript."""
+
+    title: str
+    svg: str
+    fallback: bool
+
+
+@dataclass
+class Figures:
+    """Charts, pictures and influences of parameters, and what was left out, with the reason."""
+
+    charts: list[Chart] = field(default_factory=list)
+    pictures: list[Picture] = field(default_factory=list)
+    influences: list[Influence] = field(default_factory=list)
+    omissions: list[str] = field(default_factory=list)
+
+
+def collect(results: "Results", jobs: Sequence[str]) -> Figures:
+    """Make the figures of a study, and those of the signals of some jobs (by default of one).
+
+    Raises PlotError and ResultsError for a named job without a signal.
+    """
+    made = Figures()
+    try:
+        wanted = requested(results)
+    except PlotError as error:
+        wanted = []
+        made.omissions.append(f"no figure of features: {error}")
+    rows = len(select.case_rows(results))
+    if rows > MAX_CHART_ROWS and wanted:
+        text = f"{rows} jobs are too many for charts: `bearingsim plot` draws them, with `--where` a part of them"
+        made.omissions.append(text)
+        wanted = []
+    for group in alike(wanted):
+        _add(made, results, group)
+    _add_signals(made, results, wanted, jobs)
+    design = results.plan["design"]
+    if design and design["kind"] in BLOCK_DESIGNS:
+        try:
+            features = [name for figure in wanted for name in figure.features]
+            made.influences += influences(
+                results, list(dict.fromkeys(features)) or select.default_y(results, results.table())
+            )
+        except UserError as error:
+            made.omissions.append(f"no sensitivity: {error}")
+    return made
+
+
+def _add(made: Figures, results: "Results", group: Sequence[Figure]) -> None:
+    """Add figures that differ in `where` and title only: a chart, if their kind has one, and pictures."""
+    try:
+        charts = list(_charts(results, group))
+        made.charts += charts
+        for figure in group:
+            made.pictures += _pictures(results, figure, fallback=bool(charts))
+    except PlotError as error:
+        made.omissions.append(f"figure of {', '.join(group[0].y) or group[0].kind}: {error}")
+
+
+def _charts(results: "Results", group: Sequence[Figure]) -> Iterator[Chart]:
+    leading = group[0]
+    if leading.kind in signals.KINDS:
+        for figure in group:
+            yield from signals.signal_charts(results, figure, jobs_of(results, figure))
+    elif leading.kind == "design":
+        yield design_chart(results, leading)
+    elif not KINDS[leading.kind].of_jobs:
+        wanted, complete = prepared_for_all(results, leading)
+        if complete.scattered:
+            yield design_chart(results, leading)
+        else:
+            yield sweep_chart(results, leading, wanted, complete)
+
+
+def _pictures(results: "Results", figure: Figure, fallback: bool) -> Iterator[Picture]:
+    with drawing():
+        for sheet in draw(results, figure):
+            take_literally(sheet.canvas)
+            svg = BytesIO()
+            sheet.canvas.savefig(svg, format="svg", metadata={"Date": None})
+            title = figure.title or " ".join(sheet.words)
+            yield Picture(title, base64.b64encode(svg.getvalue()).decode(), fallback)
+
+
+# Signals
+
+
+def _add_signals(made: Figures, results: "Results", wanted: Sequence[Figure], jobs: Sequence[str]) -> None:
+    """Add signal and envelope spectrum of jobs; by default of the one with the largest feature of the figures."""
+    if not jobs and any(figure.kind in SIGNALS for figure in wanted):
+        return
+    try:
+        for job in jobs or [largest(results, wanted)]:
+            for kind in SIGNALS:
+                made.charts += signals.signal_charts(results, Figure(y=(), x="", kind=kind), [job])
+    except PlotError as error:
+        if jobs:
+            raise
+        made.omissions.append(f"no signal: {error}")
+
+
+def largest(results: "Results", wanted: Sequence[Figure]) -> str:
+    """Return the id of the finished case with the largest value of the first feature of the figures."""
+    rows = select.case_rows(results)
+    rows = rows[rows["status"] == "done"]
+    if rows.empty:
+        raise PlotError("no case is done")
+    names = [name for figure in wanted for name in figure.features if name in rows]
+    name = next(iter([*names, *select.default_y(results, rows)]))
+    values = rows[name].abs() if name in rows and rows[name].notna().any() else rows["seconds"].abs()
+    return str(rows["job"].iloc[int(values.fillna(-1.0).to_numpy().argmax())])

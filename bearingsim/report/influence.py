@@ -1,0 +1,109 @@
+"""Influence of the parameters of a design on a feature, as a table and sentences."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+from bearingsim.text.numbers import significant
+
+if TYPE_CHECKING:
+    from bearingsim.sensitivity import Blocks, Effects, Estimate, Indices
+    from bearingsim.store import Results
+
+
+class Influence(NamedTuple):
+    """Influence of the parameters on a feature: heading, table with its heads, and sentences."""
+
+    heading: str
+    heads: list[str]
+    rows: list[list[str]]
+    texts: list[str]
+
+
+def influences(results: "Results", features: Sequence[str]) -> list[Influence]:
+    """Estimate the influence of the parameters of a design on some features.
+
+    Raises UserError for a design without indices or effects, or with too few jobs.
+    """
+    from bearingsim.sensitivity import analyse, collect_blocks, design_of
+
+    design_of(results)
+    answers = [(blocks, analyse(blocks)) for blocks in (collect_blocks(results, feature) for feature in features)]
+    return [
+        Influence(heading(*answer), *table(*answer), [verdict(*answer), *remarks(answer[0])]) for answer in answers
+    ]
+
+
+def heading(blocks: "Blocks", analysis: "Indices | Effects") -> str:
+    """Format mean, standard deviation and design of a feature.
+
+    `velocity@BPFO: mean 14.6 um/s, standard deviation 10.1 um/s; Sobol' indices from 128 blocks, 1024 jobs`.
+    """
+    unit, factor = _unit(blocks)
+    moments = (blocks.values.mean(), blocks.values.std())
+    mean, deviation = (f"{significant(factor * float(number))} {unit}".strip() for number in moments)
+    measures = "Sobol' indices" if blocks.kind == "saltelli" else "Morris' effects"
+    origin = f"{measures} from {len(blocks.values)} blocks, {blocks.jobs} jobs"
+    return f"{blocks.feature}: mean {mean}, standard deviation {deviation}; {origin}"
+
+
+def table(blocks: "Blocks", analysis: "Indices | Effects") -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows of a table: a row per parameter, the most important first; intervals in brackets."""
+    from bearingsim.sensitivity import LEVEL, Indices
+
+    unit, factor, digits = ("", 1.0, "z.2f") if isinstance(analysis, Indices) else (*_unit(blocks), ".3g")
+    estimates = columns(analysis)
+    heads = ["parameter"]
+    for name in estimates:
+        heads += [f"{name} ({unit})" if unit else name, f"{100 * LEVEL:.0f} %"]
+    ranking = next(iter(estimates.values())).value
+    order = sorted(range(len(blocks.paths)), key=lambda index: -ranking[index])
+    rows = [
+        [
+            blocks.paths[index],
+            *(cell for estimate in estimates.values() for cell in _cells(estimate, index, digits, factor)),
+        ]
+        for index in order
+    ]
+    return heads, rows
+
+
+def columns(analysis: "Indices | Effects") -> "dict[str, Estimate]":
+    """Return the estimates of each parameter by column; the first ranks the parameters."""
+    from bearingsim.sensitivity import Indices
+
+    if isinstance(analysis, Indices):
+        return {"total": analysis.total, "first": analysis.first}
+    return {"mu*": analysis.magnitude, "sigma": analysis.spread, "mu": analysis.mean}
+
+
+def _cells(estimate: "Estimate", index: int, digits: str, factor: float) -> tuple[str, str]:
+    value, low, high = (f"{factor * float(bounds[index]):{digits}}" for bounds in estimate)
+    return value, f"{low} .. {high}"
+
+
+def verdict(blocks: "Blocks", analysis: "Indices | Effects") -> str:
+    """Describe the most important parameters in a sentence."""
+    from bearingsim.sensitivity import Indices, effects_text, indices_text
+
+    if isinstance(analysis, Indices):
+        return indices_text(analysis, blocks.feature, blocks.paths)
+    return effects_text(analysis, blocks.feature, blocks.paths, *_unit(blocks))
+
+
+def remarks(blocks: "Blocks") -> list[str]:
+    """Return remarks on dropped blocks and on chaotic jobs."""
+    texts = []
+    if blocks.dropped:
+        texts.append(f"{blocks.losses()}; indices are those of the rest")
+    if blocks.chaotic:
+        texts.append(
+            f"{blocks.chaotic} of {blocks.jobs} jobs are chaotic, and their scatter counts as interaction"
+        )
+    return texts
+
+
+def _unit(blocks: "Blocks") -> tuple[str, float]:
+    """Return a readable unit of a feature, and its factor from SI."""
+    from bearingsim.plots.labels import feature_axis
+
+    return feature_axis(blocks.feature, float(abs(blocks.values).max()))

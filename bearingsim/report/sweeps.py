@@ -1,0 +1,234 @@
+"""Charts of sweeps: features over a parameter, with a control for each parameter off the axes."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from bearingsim.plots import labels, select
+from bearingsim.plots.axes import axis_label
+from bearingsim.plots.features import Prepared, prepared
+from bearingsim.plots.points import curve_rows, order_of, points_of
+from bearingsim.plots.style import SEQUENCE_FROM
+from bearingsim.plots.units import FeatureScale, feature_scale
+from bearingsim.report.charts import Axis, Chart, Control, Panel, rounded, styled
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from bearingsim.store import Results
+    from bearingsim.study import Figure
+
+COLUMNS = ("y", "low", "high", "error", "healthy")
+"""Numbers of a point in a panel."""
+STATES = {"done": 0, "failed": 1, "missing": 2}
+NAMES = {
+    "healthy": "healthy bearing (dashed)",
+    "error": "bars: error bound of model, step and scatter",
+    "chaotic": "ring: chaotic response, value uncertain",
+    "failed": "×: failed job",
+    "missing": "|: job not computed yet",
+}
+"""Explanations of marks, by column or state."""
+
+
+def alike(figures: Sequence["Figure"]) -> list[list["Figure"]]:
+    """Group figures that differ in `where` and title only; they share a chart."""
+    groups: dict[str, list[Figure]] = {}
+    for figure in figures:
+        groups.setdefault(repr(replace(figure, where={}, title=None)), []).append(figure)
+    return list(groups.values())
+
+
+def prepared_for_all(results: "Results", figure: "Figure") -> tuple["Figure", Prepared]:
+    """Return a figure without its `where`, and its completion: the page has controls for what `where` selects.
+
+    Raises PlotError.
+    """
+    rows, wanted = select.case_rows(results), replace(figure, where={})
+    if figure.kind == "phase":
+        wanted = replace(wanted, y=select.phases(figure.y) if figure.y else select.default_phases(results))
+        rows = select.with_defect_phases(results, rows)
+    return wanted, prepared(results, wanted, rows)
+
+
+def sweep_chart(results: "Results", leading: "Figure", wanted: "Figure", complete: Prepared) -> Chart:
+    """Make the chart of a figure; it starts with the setting of ``leading``.
+
+    wanted, complete: from ``prepared_for_all``.
+    """
+    figure, rows, units = complete.figure, complete.rows, results.plan["units"]
+    by = tuple(path for path in figure.by if path in wanted.by) or _default_by(figure, rows)
+    paths = [path for path in (*figure.panels, *figure.by) if path not in by]
+    controls, keys = _controls(figure, paths, rows, units)
+    combinations = sorted(set(keys))
+    matching = select.matching(rows, leading.where, units) if leading.where else rows
+    start = keys[list(rows.index).index(matching.index[0])]
+    ranks = _ranks(figure, by, rows, units)
+    points = _Points(by, list(ranks), combinations, dict(zip(rows.index, keys, strict=True)))
+    panels = [_panel(figure, name, complete, units, points) for name in figure.y]
+    present = {key for panel in panels for key in panel.columns} | points.states()
+    names = {key: text for key, text in NAMES.items() if key in present}
+    band = next((text for text in complete.caption if text.startswith("bands and bars")), "")
+    numeric = select.is_numeric(select.values(rows, figure.x))
+    return Chart(
+        title=leading.title if leading.title and not leading.where else title_of(figure),
+        kind="line" if numeric else "points",
+        axes=[x_axis(figure, figure.x, rows, units)],
+        panels=panels,
+        curves=styled(ranks, bool(by) and select.is_numeric(select.values(rows, by[0]))),
+        controls=[replace(control, start=start[i]) for i, control in enumerate(controls)],
+        combinations=[list(key) for key in combinations],
+        x=[points.x],
+        points={
+            "curve": points.curve,
+            "combination": points.combination,
+            "job": points.job,
+            "state": points.state,
+        },
+        caption=", ".join(complete.caption),
+        names=({"band": f"shaded: {band}"} if band else {}) | names,
+        shades=[],
+        marks=[],
+    )
+
+
+def _default_by(figure: "Figure", rows: "pd.DataFrame") -> tuple[str, ...]:
+    """Choose the curves of a figure that names none: the values of the path with the fewest, if they are few."""
+    paths = sorted(figure.by, key=lambda path: len(select.values(rows, path)))
+    return tuple(path for path in paths[:1] if len(select.values(rows, path)) < SEQUENCE_FROM)
+
+
+def title_of(figure: "Figure") -> str:
+    """Describe a figure over a path: `RMS velocity over load`."""
+    names = [labels.feature_text(name) for name in figure.y]
+    texts = [name if name[1:2].isupper() else name[:1].lower() + name[1:] for name in names[1:]]
+    return f"{' and '.join([*names[:1], *texts])} over {labels.name_text(figure.x)}"
+
+
+def x_axis(figure: "Figure", path: str, rows: "pd.DataFrame", units: Mapping[str, str]) -> Axis:
+    """Return the x axis of a figure over a path, with words if its values are words."""
+    distinct = select.values(rows, path)
+    numeric = select.is_numeric(distinct)
+    words = [] if numeric else [labels.value_text(path, value, units) for value in distinct]
+    label = axis_label(labels.name_text(path), select.x_unit(path, rows, units))
+    return Axis(label, words, numeric and "x" in figure.log)
+
+
+# Controls
+
+
+def _controls(
+    figure: "Figure", paths: Sequence[str], rows: "pd.DataFrame", units: Mapping[str, str]
+) -> tuple[list[Control], list[tuple[int, ...]]]:
+    """Make a control for each path, with those that move along with it; return the settings of each row, too."""
+    controls, columns = [], []
+    followers = list(select.moving_along(figure, rows, units))
+    for tied in _tied(paths, rows):
+        group = [*tied, *(path for path, leader in followers if leader in tied)]
+        values = [tuple(row) for row in rows[group].itertuples(index=False)]
+        numeric = select.is_numeric(select.values(rows, group[0]))
+        distinct = sorted(set(values), key=lambda key: key[0]) if numeric else list(dict.fromkeys(values))
+        texts = [_setting(group, key, units) for key in distinct]
+        name = " and ".join(map(labels.name_text, group))
+        controls.append(Control(name[:1].upper() + name[1:], texts, 0, numeric))
+        columns.append([distinct.index(key) for key in values])
+    return controls, list(zip(*columns, strict=True)) if columns else [()] * len(rows)
+
+
+def _tied(paths: Sequence[str], rows: "pd.DataFrame") -> list[list[str]]:
+    """Group paths by `zip` and `derived`: those with one value per value of another join it."""
+    groups: list[list[str]] = []
+    for path in paths:
+        tied = next((group for group in groups if rows.groupby(group)[path].nunique().max() <= 1), None)
+        if tied is None:
+            groups.append([path])
+        else:
+            tied.append(path)
+    return groups
+
+
+def _setting(group: Sequence[str], values: Sequence[Any], units: Mapping[str, str]) -> str:
+    return ", ".join(labels.value_text(path, value, units) for path, value in zip(group, values, strict=True))
+
+
+# Points
+
+
+def _ranks(
+    figure: "Figure", by: tuple[str, ...], rows: "pd.DataFrame", units: Mapping[str, str]
+) -> dict[str, tuple[int, int]]:
+    """Number the values of the first path and of the others, by the name of the curve."""
+    firsts: dict[str, int] = {}
+    others: dict[str, int] = {}
+    ranks: dict[str, tuple[int, int]] = {}
+    for first, other, curve in curve_rows(replace(figure, by=by), rows, units, order_of(figure, rows)):
+        rank = firsts.setdefault(first, len(firsts)), others.setdefault(other, len(others))
+        if len(curve):
+            ranks[", ".join(filter(None, [first, other]))] = rank
+    return ranks
+
+
+@dataclass
+class _Points:
+    """Columns of points that all panels share: filled by the first panel.
+
+    by: paths of the curves; curves: their names; combinations: computed settings; keys: setting of each row.
+    """
+
+    by: tuple[str, ...]
+    curves: list[str]
+    combinations: list[tuple[int, ...]]
+    keys: dict[Any, tuple[int, ...]]
+    x: list[float | None] = field(default_factory=list)
+    curve: list[int] = field(default_factory=list)
+    combination: list[int] = field(default_factory=list)
+    job: list[str] = field(default_factory=list)
+    state: list[int] = field(default_factory=list)
+
+    def states(self) -> set[str]:
+        """Return the states of jobs without a value."""
+        return {name for name, number in STATES.items() if number in self.state} - {"done"}
+
+
+def _panel(figure: "Figure", name: str, complete: Prepared, units: Mapping[str, str], shared: _Points) -> Panel:
+    """Collect the points of one feature, curve by curve as in the figure: error bounds refer to whole curves."""
+    rows = complete.rows
+    scale = feature_scale(name, float(rows[name].abs().max()), figure.view)
+    columns: dict[str, list[Any]] = {key: [] for key in (*COLUMNS, "chaotic")}
+    is_first, order = not shared.x, order_of(figure, rows)
+    for _, part in select.splits(rows, figure.panels, units):
+        for _, _, curve in curve_rows(figure, part, units, order):
+            if curve.empty:
+                continue
+            points = points_of(figure, name, curve, rows, units, scale.factor)
+            for key in COLUMNS:
+                columns[key] += rounded(getattr(points, key))
+            columns["chaotic"] += [int(value) for value in points.chaotic]
+            if is_first:
+                texts = (labels.described({path: curve[path].iloc[0]}, units) for path in shared.by)
+                shared.curve += [shared.curves.index(", ".join(filter(None, texts)))] * len(curve)
+                shared.combination += [shared.combinations.index(shared.keys[index]) for index in curve.index]
+                shared.x += rounded(points.x)
+                shared.job += [job[:8] for job in points.jobs]
+                shared.state += [STATES[state] for state in points.status]
+    return panel_of(figure, name, scale, columns)
+
+
+def panel_of(
+    figure: "Figure",
+    name: str,
+    scale: FeatureScale,
+    columns: dict[str, list[Any]],
+    trends: Sequence[list[list[float | None]]] = (),
+) -> Panel:
+    """Make a panel without the columns that have no value."""
+    is_phase = name.endswith(".phase")
+    axis = Axis(
+        axis_label(labels.feature_text(name), scale.unit), [], "y" in figure.log and not is_phase, is_phase
+    )
+    shown = {
+        key: column
+        for key, column in columns.items()
+        if key == "y" or any(value is not None if key != "chaotic" else value for value in column)
+    }
+    return Panel(axis, name, scale.unit.split(",")[0].replace(labels.NO_BREAK, " "), shown, list(trends))
