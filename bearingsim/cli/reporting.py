@@ -1,25 +1,61 @@
 """`bearingsim report`: the page of a study, written to a file."""
 
+import time
+import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearingsim.cli.opening import short_path
+from bearingsim.errors import UserError
 from bearingsim.text.terminal import say
 
 if TYPE_CHECKING:
     from bearingsim.store import Results
 
 FILE = "report.html"
+PERIOD_S = 10.0
+"""Time (s) between two versions of a page that follows a run."""
 
 
-def write(results: "Results", out: Path | None, jobs: Sequence[str] = ()) -> None:
-    """Write the page of a study to a file, by default in its results folder."""
+def show(results: "Results", out: Path | None, jobs: Sequence[str], follow: bool, in_browser: bool) -> None:
+    """Write the page of a study, by default into its results folder.
+
+    jobs: ids of those whose signals are shown; follow: write it anew until no job is missing; in_browser:
+    open it. Raises UserError for a file that is no page of this program.
+    """
+    path = out or results.path / FILE
+    check_replaceable(path)
+    is_complete = write(results, path, jobs, follow)
+    if in_browser and not webbrowser.open(path.resolve().as_uri()):
+        say(f"no browser opens: open {short_path(path)} yourself", err=True)
+    if follow and not is_complete:
+        say("following the run; Ctrl-C ends this command, not the run", err=True)
+    while follow and not is_complete:
+        time.sleep(PERIOD_S)
+        is_complete = write(type(results)(results.path), path, jobs, follow)
+
+
+def write(results: "Results", path: Path, jobs: Sequence[str], follow: bool) -> bool:
+    """Write the page as it is now, atomically; return whether all jobs are done or failed."""
     from bearingsim.report.page import page_of
     from bearingsim.report.render import html
     from bearingsim.store import write_text
 
-    path = out or results.path / FILE
-    text = html(page_of(results, jobs))
+    page = page_of(results, jobs)
+    text = html(page, PERIOD_S if follow and not page.complete else None)
     write_text(path, text)
-    say(f"{short_path(path)}: {len(text.encode()) / 1e6:.2g} MB")
+    say(f"{short_path(path)}: {page.counts}, {len(text.encode()) / 1e6:.2g} MB")
+    return page.complete
+
+
+def check_replaceable(path: Path) -> None:
+    """Raise UserError unless a path is free or a page of this program."""
+    from bearingsim.report.render import MARK
+
+    if path.is_dir():
+        raise UserError(f"{path} is a folder: name a file, such as {path / FILE}")
+    if path.is_symlink() or path.exists():
+        is_page = path.is_file() and not path.is_symlink() and MARK.encode() in path.read_bytes()
+        if not is_page:
+            raise UserError(f"{path} is not a page of this program; use another --out, or move the file")

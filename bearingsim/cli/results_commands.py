@@ -1,4 +1,4 @@
-"""Commands that read results folders: plot, show, sensitivity, export, merge, prune."""
+"""Commands that read results folders: plot, report, show, sensitivity, export, merge, prune."""
 
 import warnings
 from pathlib import Path
@@ -115,11 +115,25 @@ def report(
     out: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="FILE", help="file (default: RESULTS/report.html)")
     ] = None,
+    series: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="JOB",
+            help="job whose signal is shown; default: the largest result; repeatable",
+            autocompletion=completion.job,
+        ),
+    ] = None,
+    follow: Annotated[
+        bool, typer.Option("--follow", help="write the page anew every 10 s while jobs are missing")
+    ] = False,
+    in_browser: Annotated[bool, typer.Option("--open", help="open the page in a browser")] = False,
 ) -> None:
-    """Write the results as one HTML page, to send or to print: figures, table, accuracy, assumptions."""
+    """Write the results as one HTML page, to send or to print: figures, jobs, accuracy, assumptions."""
     from bearingsim.cli import reporting
 
-    reporting.write(find_results(results), out)
+    study_results = find_results(results)
+    ids = [find_job(study_results, text) for text in series or []]
+    reporting.show(study_results, out, ids, follow, in_browser)
 
 
 @reads_results

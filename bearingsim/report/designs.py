@@ -9,7 +9,7 @@ from bearingsim.plots.features import design_content
 from bearingsim.plots.points import points_of
 from bearingsim.plots.units import feature_scale
 from bearingsim.report.charts import Axis, Chart, Control, Curve, Panel, rounded, settings
-from bearingsim.report.sweeps import NAMES, STATES, panel_of, x_axis
+from bearingsim.report.sweeps import MARKS, NAMES, panel_of, x_axis
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,10 +35,7 @@ def design_chart(results: "Results", figure: "Figure") -> Chart:
     names = [labels.name_text(path) for path in paths]
     x = [points_of(replace(complete, x=path), wanted.y[0], part, part, units).x for path in paths]
     panels = [_panel(complete, name, part, results, x) for name in wanted.y]
-    state = [STATES[status] for status in part["status"]]
-    present = {key for panel in panels for key in panel.columns} | {
-        name for name, number in STATES.items() if number in state
-    }
+    present = {key for panel in panels for key in panel.columns} | set(part["status"])
     controls = [
         Control("Over", names, start, ordered=False),
         Control("Colour", [PLAIN, *(_scale_text(path, part, units) for path in coloured)], 0, ordered=False),
@@ -52,7 +49,7 @@ def design_chart(results: "Results", figure: "Figure") -> Chart:
         controls=controls,
         combinations=settings([len(control.options) for control in controls]),
         x=[rounded(column) for column in x],
-        points={"job": [job[:8] for job in part["job"]], "state": state},
+        points={"job": [job[:8] for job in part["job"]], "mark": [MARKS[status] for status in part["status"]]},
         caption=", ".join(caption),
         names={key: text for key, text in NAMES.items() if key in present},
         shades=[_shares(part, path) for path in coloured],

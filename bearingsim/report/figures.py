@@ -55,9 +55,8 @@ def collect(results: "Results", jobs: Sequence[str]) -> Figures:
     made = Figures()
     try:
         wanted = requested(results)
-    except PlotError as error:
+    except PlotError:  # nothing is swept
         wanted = []
-        made.omissions.append(f"no figure of features: {error}")
     rows = len(select.case_rows(results))
     if rows > MAX_CHART_ROWS and wanted:
         text = f"{rows} jobs are too many for charts: `bearingsim plot` draws them, with `--where` a part of them"

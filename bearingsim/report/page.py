@@ -100,7 +100,7 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
         study=results.plan["study"],
         counts=_counts(results, table),
         complete=bool((table["status"] != "missing").all()),
-        written=f"Written {now()}.",
+        written=f"Written {now()[:16].replace('T', ' ')} UTC.",
         quick=bool(results.plan["quick"]),
         studied=list(_studied(results)),
         results=list(feature_results(results)) if done else [],
@@ -154,12 +154,21 @@ def _values_text(path: str, rows: "pd.DataFrame", units: dict[str, str]) -> str:
 
 
 def _table(results: "Results", table: "pd.DataFrame") -> Table:
+    """Choose the columns of the table: swept paths, features of the figures, total error and state of a job."""
     rows = table[:MAX_ROWS]
-    units = results.plan["units"]
-    features = [*main_features(results, table), *error_columns(results, table)]
-    names = list(dict.fromkeys([*(path for path in units if path in table), *features, "status"]))
-    columns = [("job", [job[:8] for job in rows["job"]]), *(column_of(results, rows, name) for name in names)]
-    numeric = [False, *(rows[name].dtype.kind == "f" for name in names)]
+    names = [path for path in results.plan["units"] if path in table]
+    names += [
+        name for name in (*main_features(results, table), *error_columns(results, table)[:1]) if name in table
+    ]
+    names = list(dict.fromkeys(names))
+    is_chaotic = rows["chaotic"] == 1.0 if "chaotic" in rows else [False] * len(rows)
+    states = [state + ", chaotic" * bool(so) for state, so in zip(rows["status"], is_chaotic, strict=True)]
+    columns = [
+        ("job", [job[:8] for job in rows["job"]]),
+        *(column_of(results, rows, name) for name in names),
+        ("status", states),
+    ]
+    numeric = [False, *(rows[name].dtype.kind == "f" for name in names), False]
     return Table(columns, numeric, len(table))
 
 

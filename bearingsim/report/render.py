@@ -16,20 +16,25 @@ from bearingsim.report.page import Page
 
 MAX_BYTES = 2_000_000
 """Size of a page above which parts of it are left out."""
+MARK = "bearingsim report"
+"""Generator of a page; a file with it may be replaced."""
 FEW_ROWS = 200
 """Number of rows of the table in a page that would be too large."""
 ESCAPES = {ord(letter): f"\\u{ord(letter):04x}" for letter in "<>&\u2028\u2029"}
 """Characters that would end a script, or a string in it."""
 
 
-def html(page: Page) -> str:
-    """Return the page as HTML, of at most about ``MAX_BYTES``; it says what was left out."""
-    text = _render(page)
+def html(page: Page, reload_s: float | None = None) -> str:
+    """Return the page as HTML, of at most about ``MAX_BYTES``; it says what was left out.
+
+    reload_s: time (s) after which a browser loads the page again.
+    """
+    text = _render(page, reload_s)
     for shorten in (_without_fallbacks, _without_signals, _with_few_rows):
         if len(text.encode()) <= MAX_BYTES:
             break
         page = shorten(page)
-        text = _render(page)
+        text = _render(page, reload_s)
     return text
 
 
@@ -50,13 +55,14 @@ def _with_few_rows(page: Page) -> Page:
     return replace(page, table=table, omissions=[*page.omissions, table.omission()])
 
 
-def _render(page: Page) -> str:
+def _render(page: Page, reload_s: float | None) -> str:
     echarts, script, style = map(_asset, ("echarts.min.js", "report.js", "report.css"))
     template = _environment().get_template("report.html.j2")
     return template.render(
         page=page,
+        mark=MARK,
         policy=policy([echarts, script], [style]),
-        data=Markup(embedded({"charts": [asdict(chart) for chart in page.charts]})),
+        data=Markup(embedded({"charts": [asdict(chart) for chart in page.charts], "reload": reload_s})),
         echarts=Markup(echarts),
         script=Markup(script),
         style=Markup(style),

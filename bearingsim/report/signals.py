@@ -58,7 +58,7 @@ def _chart(
     healthy = Curve("healthy", "faint", (), 0)
     curves = styled({name: (number, 0) for number, name in enumerate(names)}, ordered=False)
     return Chart(
-        title=figure.title or f"{KINDS[figure.kind]}: {title}",
+        title=figure.title or ": ".join(filter(None, [KINDS[figure.kind], title])),
         kind="signal",
         axes=[Axis(content.x_label, [], "x" in figure.log)],
         panels=[

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 COLUMNS = ("y", "low", "high", "error", "healthy")
 """Numbers of a point in a panel."""
-STATES = {"done": 0, "failed": 1, "missing": 2}
+MARKS = {"done": "", "failed": "×", "missing": "|"}
+"""Marks of jobs on the x axis, by their state."""
 NAMES = {
     "healthy": "healthy bearing (dashed)",
     "error": "bars: error bound of model, step and scatter",
@@ -83,7 +84,7 @@ def sweep_chart(results: "Results", leading: "Figure", wanted: "Figure", complet
             "curve": points.curve,
             "combination": points.combination,
             "job": points.job,
-            "state": points.state,
+            "mark": points.mark,
         },
         caption=", ".join(complete.caption),
         names=({"band": f"shaded: {band}"} if band else {}) | names,
@@ -183,11 +184,11 @@ class _Points:
     curve: list[int] = field(default_factory=list)
     combination: list[int] = field(default_factory=list)
     job: list[str] = field(default_factory=list)
-    state: list[int] = field(default_factory=list)
+    mark: list[str] = field(default_factory=list)
 
     def states(self) -> set[str]:
         """Return the states of jobs without a value."""
-        return {name for name, number in STATES.items() if number in self.state} - {"done"}
+        return {state for state, mark in MARKS.items() if mark and mark in self.mark}
 
 
 def _panel(figure: "Figure", name: str, complete: Prepared, units: Mapping[str, str], shared: _Points) -> Panel:
@@ -210,7 +211,7 @@ def _panel(figure: "Figure", name: str, complete: Prepared, units: Mapping[str, 
                 shared.combination += [shared.combinations.index(shared.keys[index]) for index in curve.index]
                 shared.x += rounded(points.x)
                 shared.job += [job[:8] for job in points.jobs]
-                shared.state += [STATES[state] for state in points.status]
+                shared.mark += [MARKS[state] for state in points.status]
     return panel_of(figure, name, scale, columns)
 
 

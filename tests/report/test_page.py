@@ -8,7 +8,8 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from bearingsim.report.charts import charts_of, rounded
+from bearingsim.report.charts import rounded
+from bearingsim.report.figures import collect
 from bearingsim.report.page import page_of
 from bearingsim.report.render import embedded, html
 from tests.plots.test_plots import FIGURES, STUDY, results
@@ -31,7 +32,7 @@ def test_bundle_of_echarts_is_the_one_that_is_built():
 
 def test_own_script_is_short():
     lines = files("bearingsim.report").joinpath("assets/report.js").read_text().splitlines()
-    assert len(lines) <= 270
+    assert len(lines) <= 250
     assert max(map(len, lines)) <= 100
 
 
@@ -67,14 +68,8 @@ def test_control_of_a_panel_lists_computed_settings_only(results):
                          "  zip: {load: [150 N, 300 N], model: [static, ring]}\n")  # fmt: skip
     figures = "figures: [{y: velocity@BPFO, x: defect.length, panels: model}]\n"
     opened = results(text + figures)
-    [chart] = charts_of(opened, page_figures(opened))
+    chart = collect(opened, ()).charts[0]
     [control] = chart.controls
     assert control.name == "Model and load"
     assert control.options == ["static, 150 N", "ring, 300 N"]
     assert chart.combinations == [[0], [1]]
-
-
-def page_figures(opened):
-    from bearingsim.plots.plot import requested
-
-    return requested(opened)

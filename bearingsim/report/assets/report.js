@@ -3,9 +3,7 @@ const data = JSON.parse(document.getElementById('data').textContent);
 const root = document.documentElement;
 const SYMBOLS = ['circle', 'rect', 'triangle', 'diamond', 'pin', 'arrow', 'roundRect'];
 const FONT = { fontSize: 12, fontFamily: 'system-ui, sans-serif' };
-const DONE = 0;
-const FAILED = 1;
-const drawings = []; // functions that draw a chart anew, at a width
+const drawings = []; // functions that draw a chart anew
 
 const finite = (value) => value !== null && value !== undefined;
 const digits = (value, count = 4) => String(Number(value.toPrecision(count)));
@@ -13,7 +11,7 @@ const digits = (value, count = 4) => String(Number(value.toPrecision(count)));
 const colour = (name) => getComputedStyle(root).getPropertyValue(`--${name}`).trim() || name;
 const shade = (share) => (finite(share) ? `hsl(${270 - 150 * share}, 50%, 50%)` : colour('faint'));
 
-/** Return a custom series of the shapes that `draw(place, point, area)` makes of points [x, ...]. */
+/** Return a series of the shapes that `draw(place, point, area)` makes of points [x, ...]. */
 const shapes = (name, points, draw, z) => ({
   type: 'custom', name, data: points, silent: true, clip: true, z, tooltip: { show: false },
   encode: { x: 0, y: points[0]?.length > 2 ? [1, 2] : [] },
@@ -30,24 +28,24 @@ const bars = (name, points, stroke, lineWidth, opacity, z) =>
 
 /** Draw a band [x, low, high], as bars if points lack one. */
 function band(points, fill) {
-  if (points.length < 2 || !points.every((p) => finite(p[1])))
-    return bars('band', points, fill, 5, 0.35, 0);
+  const isWhole = points.length > 1 && points.every((p) => finite(p[1]));
+  if (!isWhole) return bars('band', points, fill, 5, 0.35, 0);
   return shapes('band', points, (place, point) => {
     if (point !== points[0]) return null;
     const upper = points.map(([x, , high]) => place(x, high));
     const lower = points.map(([x, low]) => place(x, low)).reverse();
-    return {
-      type: 'polygon', shape: { points: [...upper, ...lower] }, style: { fill, opacity: 0.18 },
-    };
+    const shape = { points: [...upper, ...lower] };
+    return { type: 'polygon', shape, style: { fill, opacity: 0.18 } };
   }, 0);
 }
 
 /** Write a text at places on the x axis: x, text, and the part of the height above it. */
-const texts = (points, fill, high) =>
-  shapes('text', points, (place, [x, text], area) => ({
-    type: 'text', x: place(x, 1)[0], y: area.y + (high ? 0 : area.height),
-    style: { ...FONT, text, fill, align: 'center', verticalAlign: high ? 'top' : 'bottom' },
-  }), 4);
+const texts = (points, fill, high) => ({ ...shapes('text', points, (place, [x, text], area) => {
+  const [left, y] = [place(x, 1)[0], area.y + (high ? 0 : area.height)];
+  const style = { ...FONT, text, fill, align: 'center', verticalAlign: high ? 'top' : 'bottom' };
+  const isInside = left > area.x - 1 && left < area.x + area.width + 1;
+  return isInside ? { type: 'text', x: left, y, style } : null;
+}, 4), clip: false });
 
 /** Mark the spectral lines [frequency, name]; names that would overlap are left out. */
 function marks(points, area) {
@@ -71,18 +69,16 @@ function curveOf(chart, panel, curve, x, list, healthy, shares) {
   const known = list.filter((i) => finite(at('y', i)));
   const bounds = known.filter((i) => finite(at('error', i)))
     .map((i) => [x[i], at('y', i) - at('error', i), at('y', i) + at('error', i)]);
-  const lost = list.filter((i) => chart.points.state && chart.points.state[i] !== DONE)
-    .map((i) => [x[i], chart.points.state[i] === FAILED ? '×' : '|']);
-  const still = { silent: true, tooltip: { show: false } };
+  const lost = list.filter((i) => chart.points.mark?.[i]).map((i) => [x[i], chart.points.mark[i]]);
+  const still = { silent: true, tooltip: { show: false }, symbol: 'none', z: 1 };
   return [
     band(rows(list, 'low', 'high'), stroke),
     bars('error', bounds, stroke, 1.5, 1, 3),
     texts(lost, colour('lost')),
     { type: 'line', name: 'healthy', data: rows(list, 'healthy').filter((p) => finite(p[1])),
-      ...still, symbol: 'none', z: 1,
-      lineStyle: { color: healthy ? colour('faint') : stroke, width: 1, type: [4, 3] } },
+      ...still, lineStyle: { color: healthy ? colour('faint') : stroke, width: 1, type: [4, 3] } },
     { type: 'scatter', name: 'chaotic', data: rows(known.filter((i) => at('chaotic', i)), 'y'),
-      ...still, symbolSize: 16, z: 1,
+      ...still, symbol: 'circle', symbolSize: 16,
       itemStyle: { color: 'transparent', borderColor: colour('faint'), borderWidth: 1.5 } },
     { type: ['points', 'design'].includes(chart.kind) ? 'scatter' : 'line', name: curve.name,
       data: list.map((i) => ({ value: [x[i], at('y', i) ?? null], point: i,
@@ -99,11 +95,10 @@ function seriesOf(chart, panel, { x, lists, hidden, shares, trend, width }) {
   const level = (list) => `${list.map((i) => [x[i], panel.columns.healthy?.[i]])}`;
   const shared = new Set(lists.filter((list) => list.length).map(level)).size < 2;
   const drawn = chart.curves.map((curve, k) => [curve, lists[k]])
-    .filter(([curve, list]) => list.length && !hidden.has(curve.name));
+    .filter(([curve, list]) => list.length && !hidden.has(curve));
   const groups = panel.trends[trend] ?? [];
   const line = { type: 'line', name: 'median', symbol: 'none', silent: true, z: 3,
-    data: groups.map((group) => [group[0], group[2]]), tooltip: { show: false },
-    lineStyle: { color: colour('ink'), width: 2 } };
+    data: groups.map((g) => [g[0], g[2]]), lineStyle: { color: colour('ink'), width: 2 } };
   return [
     ...drawn.flatMap(([curve, list]) => curveOf(chart, panel, curve, x, list, shared, shares)),
     ...(groups.length ? [band(groups.map((g) => [g[0], g[1], g[3]]), colour('ink')), line] : []),
@@ -133,23 +128,24 @@ function optionOf(chart, panel, axis, view) {
   const text = { ...FONT, color: colour('ink') };
   const lines = { lineStyle: { color: colour('faint') } };
   const values = view.lists.flat().map((i) => panel.columns.y[i]).filter(finite);
-  const style = {
-    axisLabel: { ...text, hideOverlap: true }, axisLine: lines, axisTick: lines,
-    splitLine: { lineStyle: { color: colour('line') } }, nameTextStyle: text,
-  };
+  const style = { axisLabel: { ...text, hideOverlap: true }, nameTextStyle: text,
+    axisTick: lines, axisLine: { ...lines, onZero: false },
+    splitLine: { lineStyle: { color: colour('line') } } };
   const turned = axis.words.join('').length * 7 > 0.6 * view.width ? 30 : 0;
   const words = { type: 'category', data: axis.words,
     axisLabel: { ...style.axisLabel, interval: 0, rotate: turned } };
-  const numbers = (log) => ({ type: log ? 'log' : 'value' });
+  const numbers = (log, ends) => ({ type: log ? 'log' : 'value', ...ends,
+    axisLabel: { ...style.axisLabel, formatter: (value) => digits(value, 6) } });
+  const tight = ['line', 'signal'].includes(chart.kind) && { min: 'dataMin', max: 'dataMax' };
   const ends = panel.axis.phase ? { min: -180, max: 180, interval: 90 }
-    : { ...numbers(panel.axis.log), scale: values.some((value) => value < 0) };
+    : { scale: values.some((value) => value < 0) };
   return {
     animation: false, textStyle: text,
     aria: { enabled: true, label: { description: `${panel.axis.label}; x: ${axis.label}` } },
     grid: { left: 4, right: 22, top: 10, bottom: 24, containLabel: true },
-    xAxis: { ...style, scale: true, ...(axis.words.length ? words : numbers(axis.log)),
+    xAxis: { ...style, scale: true, ...(axis.words.length ? words : numbers(axis.log, tight)),
       name: axis.label, nameLocation: 'middle', nameGap: turned ? 60 : 26 },
-    yAxis: { ...style, ...ends },
+    yAxis: { ...style, ...numbers(panel.axis.log, ends) },
     dataZoom: [{ type: 'inside', filterMode: 'none', zoomOnMouseWheel: 'ctrl',
       moveOnMouseWheel: false, moveOnMouseMove: 'shift', preventDefaultMouseMove: false }],
     tooltip: { trigger: chart.kind === 'design' ? 'item' : 'axis', renderMode: 'richText',
@@ -173,42 +169,37 @@ function start(section) {
   const controls = [...section.querySelectorAll('.controls label')];
   const boxes = [...section.querySelectorAll('.plot')];
   const plots = boxes.map((box) => echarts.init(box, null, { renderer: 'svg' }));
-  const isDesign = chart.kind === 'design';
   let setting = chart.controls.map((control) => control.start);
-  const draw = (width) => {
+  const draw = () => {
     const wanted = chart.combinations.findIndex((key) => `${key}` === `${setting}`);
     const all = [...chart.x[0].keys()];
-    const lists = isDesign ? [all] : chart.curves.map((_, k) => all.filter((i) =>
+    const lists = chart.shades.length ? [all] : chart.curves.map((_, k) => all.filter((i) =>
       chart.points.curve[i] === k && chart.points.combination[i] === wanted));
-    const trend = isDesign ? setting[0] : 0;
-    const shares = isDesign && chart.shades[setting[1] - 1];
+    const trend = chart.axes.length > 1 ? setting[0] : 0;
+    const shares = chart.shades[setting[1] - 1];
     plots.forEach((plot, k) => {
-      plot.resize({ width });
+      plot.resize({ width: 'auto', height: 'auto' });
       const view = { x: chart.x[trend], lists, hidden, shares, trend, width: plot.getWidth() };
       plot.setOption(optionOf(chart, chart.panels[k], chart.axes[trend], view), { notMerge: true });
     });
     controls.forEach((label, k) => {
-      const input = label.querySelector('input, select');
       const text = chart.controls[k].options[setting[k]];
-      input.value = setting[k];
-      if (input.type === 'range') input.setAttribute('aria-valuetext', text);
+      label.querySelector('input, select').value = setting[k];
+      label.querySelector('input')?.setAttribute('aria-valuetext', text);
       label.querySelector('output').textContent = text;
     });
   };
-  controls.forEach((label, k) => {
-    label.addEventListener('input', (event) => {
-      setting = nearest(chart, setting, k, Number(event.target.value));
-      draw();
-    });
+  for (const [k, label] of controls.entries()) label.addEventListener('input', (event) => {
+    setting = nearest(chart, setting, k, Number(event.target.value));
+    draw();
   });
-  section.querySelectorAll('.legend input').forEach((input, k) => {
-    input.addEventListener('change', () => {
-      hidden[input.checked ? 'delete' : 'add'](chart.curves[k].name);
-      draw();
-    });
+  const inputs = section.querySelectorAll('.legend input');
+  for (const [k, input] of inputs.entries()) input.addEventListener('change', () => {
+    hidden[input.checked ? 'delete' : 'add'](chart.curves[k]);
+    draw();
   });
   plots.forEach((plot, k) => {
-    const zoom = (first) => plot.dispatchAction({ type: 'dataZoom', start: first, end: 100 - first });
+    const zoom = (start) => plot.dispatchAction({ type: 'dataZoom', start, end: 100 - start });
     boxes[k].addEventListener('dblclick', () => zoom(0));
     boxes[k].addEventListener('keydown', ({ key }) => {
       if (key === '+' || key === '-') zoom(key === '+' ? 25 : 0);
@@ -224,35 +215,36 @@ function table() {
   const rows = [...body.rows];
   const cell = (row, i) => row.cells[i].textContent;
   const heads = [...document.querySelectorAll('#table th')];
-  heads.forEach((head, i) => {
-    head.addEventListener('click', () => {
-      const sign = head.ariaSort === 'ascending' ? -1 : 1;
-      const order = (a, b) => Number.parseFloat(a) - Number.parseFloat(b) || a.localeCompare(b);
-      for (const other of heads) other.ariaSort = 'none';
-      head.ariaSort = sign > 0 ? 'ascending' : 'descending';
-      body.append(...rows.sort((a, b) => sign * order(cell(a, i), cell(b, i))));
-    });
+  for (const [i, head] of heads.entries()) head.addEventListener('click', () => {
+    const sign = head.ariaSort === 'ascending' ? -1 : 1;
+    const order = (a, b) => Number.parseFloat(a) - Number.parseFloat(b) || a.localeCompare(b);
+    for (const other of heads) other.ariaSort = 'none';
+    head.ariaSort = sign > 0 ? 'ascending' : 'descending';
+    body.append(...rows.sort((a, b) => sign * order(cell(a, i), cell(b, i))));
   });
   document.getElementById('filter').addEventListener('input', (event) => {
     const words = event.target.value.toLowerCase().split(' ');
-    for (const row of rows) {
-      row.hidden = !words.every((word) => row.textContent.toLowerCase().includes(word));
-    }
+    const lacks = (row) => words.some((word) => !row.textContent.toLowerCase().includes(word));
+    for (const row of rows) row.hidden = lacks(row);
   });
   document.getElementById('copy').addEventListener('click', async () => {
-    const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
-    const line = (cells) => cells.map((c) => quoted(c.textContent.trim())).join(',');
+    const quoted = (c) => `"${c.textContent.trim().replaceAll('"', '""')}"`;
     const lines = [heads, ...rows.filter((row) => !row.hidden).map((row) => [...row.cells])];
-    await navigator.clipboard.writeText(lines.map(line).join('\n'));
+    await navigator.clipboard.writeText(lines.map((c) => c.map(quoted).join(',')).join('\n'));
     document.getElementById('copied').textContent = `${lines.length - 1} rows copied`;
   });
 }
 
 for (const section of document.querySelectorAll('[data-chart]')) start(section);
 table();
-const redraw = (width) => { for (const draw of drawings) draw(width); };
-matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => redraw());
-addEventListener('resize', () => redraw());
-const print = (on) => { root.classList.toggle('print', on); redraw(on ? 660 : 'auto'); };
+const redraw = () => { for (const draw of drawings) draw(); };
+function print(on) {
+  root.classList.toggle('print', on);
+  for (const details of document.querySelectorAll('details')) details.open = on;
+  redraw();
+}
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
+addEventListener('resize', redraw);
 addEventListener('beforeprint', () => print(true));
 addEventListener('afterprint', () => print(false));
+if (data.reload) setTimeout(() => location.reload(), 1000 * data.reload);
