@@ -8,9 +8,10 @@ import numpy as np
 
 from bearingsim.plots import labels, lines
 from bearingsim.plots.grid import Content, Drawn, legend_names
+from bearingsim.plots.marks import share_lines
 from bearingsim.plots.recorded import Job
 from bearingsim.plots.series import series_of
-from bearingsim.plots.spectra import share_lines, spectra_of
+from bearingsim.plots.spectra import spectra_of
 from bearingsim.plots.units import Scale
 from bearingsim.report.charts import Axis, Chart, Curve, Panel, rounded, styled
 from bearingsim.study import Figure
@@ -91,7 +92,7 @@ def _chart(
 def _marks(job: Job, highest: float) -> list[tuple[float, str]]:
     """List frequencies (Hz) and names of the spectral lines of a job's defects; sidebands have no name."""
     return [
-        (float(f"{mark.hertz:.6g}"), "" if mark.sideband else mark.name)
+        (float(f"{mark.hertz:.6g}"), "" if mark.side and mark.number else mark.name)
         for mark in lines.marks(job.parameters, highest)
         if mark.hertz <= highest
     ]
