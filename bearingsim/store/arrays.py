@@ -85,9 +85,9 @@ def _on_grid(data: "xr.Dataset", cases: "pd.DataFrame") -> "xr.Dataset":
     axes, dependent = _axes(cases)
     shape = tuple(len(values) for values in axes.values())
     places = {job: tuple(axes[path][cases.at[job, path]] for path in axes) for job in cases.index}
-    if len(set(places.values())) != len(places) or len(places) != prod(shape):
+    count = len(set(places.values()))
+    if not count == len(places) == prod(shape):
         sizes = ", ".join(f"`{path}` {len(values)}" for path, values in axes.items())
-        count = len(set(places.values()))
         raise ResultsError(
             f"the cases are no full grid: values of {sizes}; cases {len(places)}, "
             f"{count} of {prod(shape)} combinations; use to_xarray() without `grid`"

@@ -83,17 +83,19 @@ def test_a_single_value_is_a_dimension_too(tmp_path: Path) -> None:
     }
 
 
+GRID = [{"load": load, "model": model} for load in LOADS for model in ("static", "ring")]
+
+
 @pytest.mark.parametrize(
     ("values", "count"),
     [
-        ([{"load": load, "model": model} for load in LOADS for model in ("static", "ring")][:3], "3 of 4"),
-        ([{"load": load} for load in (*LOADS, 150.0)], "2 of 2"),
+        (GRID[:3], "cases 3, 3 of 4"),
+        ([GRID[0], *GRID[:3]], "cases 4, 3 of 4"),
+        ([{"load": load} for load in (*LOADS, 150.0)], "cases 3, 2 of 2"),
     ],
 )
 def test_cases_that_are_no_full_grid_are_refused(tmp_path: Path, values: list[dict[str, Any]], count: str) -> None:
     results = results_of(tmp_path, values)
-    with pytest.raises(
-        store.ResultsError, match=rf"no full grid: values of `load` 2.*; cases 3, {count} combinations"
-    ):
+    with pytest.raises(store.ResultsError, match=f"no full grid: values of `load` 2.*; {count} combinations"):
         results.to_xarray(grid=True)
-    assert dict(results.to_xarray().sizes) == {"job": 4, "time": 205}
+    assert dict(results.to_xarray().sizes) == {"job": 1 + len(values), "time": 205}
