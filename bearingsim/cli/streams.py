@@ -60,7 +60,9 @@ def _spell_out(error: UnicodeError) -> tuple[str, int]:
 
 
 def stdout_is_closed() -> bool:
-    """Return True if stdout is a pipe closed at the other end, as after `| head`."""
+    """Return True if stdout is a pipe closed at the other end, as after `| head`, or if the system cannot tell."""
+    if not hasattr(select, "poll"):
+        return True
     poller: Any = select.poll()
     poller.register(1, 0)
     return any(event & (select.POLLERR | select.POLLHUP) for _, event in poller.poll(0))
