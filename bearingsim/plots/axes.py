@@ -128,11 +128,16 @@ def y_label(name: str, unit: str, letters: int = LABEL_LETTERS) -> str:
 def styles_of_curves(
     figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str]
 ) -> dict[tuple[str, str], CurveStyle]:
-    """Assign a style to each combination of the first `by` path and all others, the same in every panel."""
+    """Assign a style to each combination of the first `by` path and all others, the same in every panel.
+
+    Points over words on x are not joined by lines.
+    """
     firsts = [text for text, _ in select.splits(rows, figure.by[:1], units)]
     seconds = list(dict.fromkeys(text for text, _ in select.splits(rows, figure.by[1:], units)))
     ordered = bool(figure.by) and select.is_numeric(select.values(rows, figure.by[0]))
     table = curve_styles(len(firsts), len(seconds), ordered)
+    if figure.x in rows and not select.is_numeric(select.values(rows, figure.x)):
+        table = [[look._replace(line="") for look in looks] for looks in table]
     return {(a, b): table[i][j] for i, a in enumerate(firsts) for j, b in enumerate(seconds)}
 
 

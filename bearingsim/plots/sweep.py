@@ -30,7 +30,7 @@ from bearingsim.plots.axes import (
     y_label,
 )
 from bearingsim.plots.points import Points
-from bearingsim.plots.style import PAGE_IN, CurveStyle
+from bearingsim.plots.style import PAGE_IN
 from bearingsim.plots.ticks import linear_ticks, log_ticks
 from bearingsim.plots.units import ROUNDING_NOTE, feature_scale
 from bearingsim.study import Figure
@@ -46,15 +46,14 @@ BAR_POINTS = 4.0  # width of an uncertainty bar
 
 def draw(figure: Figure, rows: "pd.DataFrame", units: Mapping[str, str], caption: Sequence[str]) -> Canvas:
     """Draw a completed figure, a line per combination of `by`; arguments as of ``axes.draw_panels``."""
-    is_line = select.is_numeric(select.values(rows, figure.x))
 
     def panel(ax: "Axes", name: str, part: "pd.DataFrame") -> None:
         scale = feature_scale(name, float(rows[name].abs().max()), figure.view)  # of all panels
         ax.set_ylabel(y_label(name, scale.unit))
         curves = curves_of(figure, name, part, rows, units, scale.factor)
         for curve in curves:
-            points, look = curve.points, curve.look if is_line else curve.look._replace(line="")
-            ax.plot(*_broken(points.x, points.y, name), **look.keywords())
+            points = curve.points
+            ax.plot(*_broken(points.x, points.y, name), **curve.look.keywords())
             mark_spread(ax, curve)
             mark_errors(ax, curve)
             mark_models(ax, points, models_of(rows))
@@ -189,8 +188,7 @@ def _values(
     for number, curve in enumerate(curves):
         aside = SPREAD * ((number + 0.5) / len(curves) - 0.5) if len(curves) > 1 else 0.0
         values, heights = curve.points.y, [rank + aside for rank in curve.points.x]
-        look: CurveStyle = curve.look._replace(line="")
-        ax.plot(values, heights, **look.keywords())
+        ax.plot(values, heights, **curve.look.keywords())
         mark_chaotic(ax, values, heights, curve.points.chaotic)
         if len(curves) == 1:
             _numbers(ax, values, heights, is_log)

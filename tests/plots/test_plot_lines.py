@@ -163,11 +163,13 @@ def test_words_that_combine_freely_are_curves(results):
     text = STUDY.replace("  load", "  excitation: [envelope, soft-edge]\n  load").replace(
         "[static, ring]", "[ring, rollers]"
     )
-    _, canvas = only(
-        drawn(results(text), x="excitation", y=["velocity.rms"], by=["model"], where={"load": "150 N"})
-    )
-    assert "model ring" in text_of(canvas)
+    _, canvas = only(drawn(results(text), x="excitation", y=["velocity.rms"], by=["model", "load"]))
+    texts = text_of(canvas)
+    assert "model ring" in texts
+    assert any(text.startswith("load 150 N") for text in texts)
     assert [label.get_text() for label in canvas.axes[0].get_xticklabels()] == ["envelope", "soft-edge"]
+    points = [line for line in canvas.legends[0].get_lines() if line.get_gid() != "healthy"]
+    assert {line.get_linestyle() for line in points} == {"None"}
 
 
 def test_a_lost_case_is_marked_beside_its_name(results):
