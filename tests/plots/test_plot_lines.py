@@ -168,8 +168,8 @@ def test_words_that_combine_freely_are_curves(results):
     assert "model ring" in texts
     assert any(text.startswith("load 150 N") for text in texts)
     assert [label.get_text() for label in canvas.axes[0].get_xticklabels()] == ["envelope", "soft-edge"]
-    points = [line for line in canvas.legends[0].get_lines() if line.get_gid() != "healthy"]
-    assert {line.get_linestyle() for line in points} == {"None"}
+    lines = dict(zip(texts, canvas.legends[0].get_lines(), strict=True))
+    assert {line.get_linestyle() for text, line in lines.items() if text != "healthy"} == {"None"}
 
 
 def test_a_lost_case_is_marked_beside_its_name(results):
