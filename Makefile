@@ -24,7 +24,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo figures paper_figures test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability docs docs-reference docs-words gallery lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants report-assets $(CAMPAIGNS)
+.PHONY: help install install-dev demo figures paper_figures test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability docs docs-reference docs-words gallery lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants report-assets report-check $(CAMPAIGNS)
 
 help:
 	@sed -n '1,10s/^# //p' Makefile
@@ -167,6 +167,11 @@ mutants: install-dev
 # lint the script of the page of results and bundle ECharts for it; needs Node.js and npm
 report-assets:
 	cd tools/report-assets && npm ci --no-audit --no-fund --ignore-scripts && npm run lint && npm run bundle && npm run notices
+
+# the page of results in Chromium, with axe-core: its tests skip what is not installed
+report-check: install-dev
+	cd tools/report-assets && npm ci --no-audit --no-fund --ignore-scripts
+	$(PYTEST) tests/report
 
 # sizes of files and functions by package, and import cycles: a report, no test
 house: install-dev
