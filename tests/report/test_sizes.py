@@ -1,0 +1,62 @@
+"""Time and size of pages."""
+
+import time
+from pathlib import Path
+
+from bearingsim.report import figures, page, render
+from bearingsim.report.page import page_of
+from bearingsim.report.render import html
+from tests.plots import test_plots
+from tests.plots.test_plots import FIGURES, STUDY, results
+
+__all__ = ["results"]
+
+FIG16 = Path(__file__).parents[2] / "studies/fig16_angle.yaml"
+ORIGINAL = test_plots.record
+
+
+def record(case):
+    made = ORIGINAL(case)
+    made.features["outer_force.max"] = 1e8 * made.features["velocity@BPFO"]
+    return made
+
+
+def test_page_of_fig16_is_small_and_soon_written(results, monkeypatch):
+    monkeypatch.setattr(test_plots, "record", record)
+    opened = results(
+        FIG16.read_text()
+        .replace("accuracy: 2 %\n", "")
+        .replace("friction: none", "friction: none\nrecord: [ring.velocity] ")
+    )
+    assert len(opened.planned) == 626
+    start = time.process_time()
+    text = html(page_of(opened))
+    assert time.process_time() - start < 10.0
+    assert len(text.encode()) < 1.4e6
+
+
+def test_large_pages_say_what_was_left_out(results, monkeypatch):
+    monkeypatch.setattr(render, "MAX_BYTES", 500_000)
+    monkeypatch.setattr(render, "FEW_ROWS", 5)
+    shown = page_of(results(STUDY + FIGURES))
+    text = html(shown)
+    assert text.count("<noscript>") == 1
+    assert "base64" not in text[text.index("<noscript>") : text.index("</noscript>")]
+    for reason in (
+        "browsers without JavaScript",
+        "signals of jobs, because of their size",
+        "11 of 16 rows of the table",
+    ):
+        assert reason in text
+
+
+def test_too_many_jobs_have_no_charts(results, monkeypatch):
+    monkeypatch.setattr(figures, "MAX_CHART_ROWS", 10)
+    monkeypatch.setattr(page, "MAX_ROWS", 3)
+    shown = page_of(results(STUDY + FIGURES))
+    assert [chart.kind for chart in shown.charts] == ["signal", "signal"]
+    assert len(shown.table.rows) == 3
+    assert [text.partition(":")[0] for text in shown.omissions] == [
+        "12 jobs are too many for charts",
+        "13 of 16 rows of the table",
+    ]
