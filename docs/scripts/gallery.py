@@ -55,5 +55,7 @@ def _commands(name: str) -> str:
     """Return the commands that make a figure, one a line."""
     source = SOURCES[name]
     if isinstance(source, OfTable):
-        return f"{source.measured_by}\nmake figures NAME={name}"
-    return "\n".join(re.split(r"; | && ", re.sub(r", figure \d+$", "", source.command)))
+        commands = f"{source.measured_by}; make figures NAME={name}"
+    else:
+        commands = re.sub(r", figure \d+$", "", source.command)
+    return "\n".join(re.split(r"; | && ", commands))
