@@ -76,13 +76,21 @@ def points_of(
 def _error_bounds(curve: "pd.DataFrame", y: Sequence[float]) -> list[float]:
     """Return the error bounds of model, step and scatter; NaN unless the study names an accuracy.
 
-    They are stored relative to the largest value of a curve, and are larger if an audit failed.
+    They are relative to the largest value of a curve, and larger if an audit failed.
     """
-    if not all(name in curve for name in (*ERROR_PARTS, "error")):
+    relative = relative_bounds(curve)
+    if relative is None:
         return [math.nan] * len(curve)
     largest = max((abs(value) for value in y if math.isfinite(value)), default=0.0)
-    parts = curve[[*ERROR_PARTS]].sum(axis=1, min_count=1)
-    return list(largest * parts.where(~(curve["error"] > parts), curve["error"]))
+    return list(largest * relative)
+
+
+def relative_bounds(rows: "pd.DataFrame") -> "pd.Series[float] | None":
+    """Return the error bounds of rows relative to their curve's largest value; None without an accuracy."""
+    if not all(name in rows for name in (*ERROR_PARTS, "error")):
+        return None
+    parts = rows[[*ERROR_PARTS]].sum(axis=1, min_count=1)
+    return parts.where(~(rows["error"] > parts), rows["error"])
 
 
 def curve_rows(

@@ -127,7 +127,7 @@ def _add_signals(made: Figures, results: "Results", wanted: Sequence[Figure], jo
     except PlotError as error:
         if jobs:
             raise
-        made.omissions.append(f"no signal: {error}")
+        made.omissions.append(f"signal of a job: {error}")
 
 
 def largest(results: "Results", wanted: Sequence[Figure]) -> str:

@@ -17,11 +17,12 @@ STANDARD_ERRORS = 2.0  # half width of the error bound of a chaotic response, fo
 
 
 class Result(NamedTuple):
-    """Name of a feature, its range as text, and remarks on it, a line each."""
+    """Name of a feature with its meaning, its range as text, remarks, a line each, and its name in words."""
 
     name: str
     values: str
     remarks: list[str]
+    title: str
 
 
 def feature_results(results: "Results") -> Iterator[Result]:
@@ -39,7 +40,7 @@ def feature_results(results: "Results") -> Iterator[Result]:
 
 
 def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
-    from bearingsim.plots.labels import described, feature_axis
+    from bearingsim.plots.labels import described, feature_axis, feature_text
 
     values = rows[name].dropna()
     unit, factor = feature_axis(name, float(values.abs().max()))
@@ -54,7 +55,7 @@ def _result(results: "Results", rows: "pd.DataFrame", name: str) -> Result:
     ]
     texts = [text, _error(rows, name)]
     remarks = [*_healthy(results, name, unit, factor), *extremes]
-    return Result(_describe(results, name), ", ".join(filter(None, texts)), remarks)
+    return Result(_describe(results, name), ", ".join(filter(None, texts)), remarks, feature_text(name))
 
 
 def _range(name: str, values: "pd.Series[float]", unit: str, factor: float) -> str:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from bearingsim.plots import labels, select
 from bearingsim.plots.caption import fixed_values
+from bearingsim.plots.points import relative_bounds
 from bearingsim.report.charts import Chart
-from bearingsim.report.columns import Column, column_of, error_columns, main_features
+from bearingsim.report.columns import Column, column_of, main_features
 from bearingsim.report.figures import Figures, Picture, collect
 from bearingsim.report.headline import Result, feature_results
 from bearingsim.report.influence import Influence
@@ -96,6 +97,7 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
     shown = _table(results, table)
     done = bool((table["status"] == "done").any())
     figures = collect(results, jobs) if done else Figures()
+    assumptions = assumption_texts(results) if done else list(results.plan.get("assumptions", ()))
     return Page(
         study=results.plan["study"],
         counts=_counts(results, table),
@@ -111,7 +113,7 @@ def page_of(results: "Results", jobs: Sequence[str] = ()) -> Page:
         influences=figures.influences,
         omissions=[*figures.omissions, *([shown.omission()] if len(shown.rows) < len(table) else [])],
         table=shown,
-        assumptions=assumption_texts(results) if done else list(results.plan.get("assumptions", ())),
+        assumptions=[text for text in assumptions if text not in found.warnings],
         failures=failures_of(results),
         computed=list(_computed(results)),
         text=_study_text(results),
@@ -132,16 +134,17 @@ def _counts(results: "Results", table: "pd.DataFrame") -> str:
 def _studied(results: "Results") -> Iterator[Fact]:
     """Yield the swept parameters with their values, and all others of interest."""
     rows, units = select.case_rows(results), results.plan["units"]
-    for path in units:
-        if path in rows:
-            name = labels.name_text(path)
-            yield name[:1].upper() + name[1:], _values_text(path, rows, units)
+    varied = select.varied(rows, list(units))
+    texts = [f"{labels.name_text(path)} {_values_text(path, rows, units)}" for path in varied]
+    if texts:
+        yield "Varied", "; ".join(texts)
     if results.plan["design"]:
         from bearingsim.plots.design import description
 
         yield "Design", description(results.plan["design"])
-    fixed = fixed_values(results, rows, set(select.varied(rows, list(units))))
-    yield "Fixed", ", ".join(fixed)
+    fixed = fixed_values(results, rows, set(varied))
+    if fixed:
+        yield "Fixed", ", ".join(fixed)
 
 
 def _values_text(path: str, rows: "pd.DataFrame", units: dict[str, str]) -> str:
@@ -154,22 +157,19 @@ def _values_text(path: str, rows: "pd.DataFrame", units: dict[str, str]) -> str:
 
 
 def _table(results: "Results", table: "pd.DataFrame") -> Table:
-    """Choose the columns of the table: swept paths, features of the figures, total error and state of a job."""
+    """Choose the columns of the table: swept paths, features of the figures, error bound and state of a job."""
     rows = table[:MAX_ROWS]
-    names = [path for path in results.plan["units"] if path in table]
-    names += [
-        name for name in (*main_features(results, table), *error_columns(results, table)[:1]) if name in table
-    ]
-    names = list(dict.fromkeys(names))
+    paths = [path for path in results.plan["units"] if path in table]
+    names = list(dict.fromkeys([*paths, *(name for name in main_features(results, table) if name in table)]))
+    columns = [("job", [job[:8] for job in rows["job"]]), *(column_of(results, rows, name) for name in names)]
+    numeric = [False, *(rows[name].dtype.kind == "f" for name in names)]
+    bounds = relative_bounds(rows)
+    if bounds is not None:
+        columns.append(("error bound (%)", [significant(100.0 * bound, 2) for bound in bounds]))
+        numeric.append(True)
     is_chaotic = rows["chaotic"] == 1.0 if "chaotic" in rows else [False] * len(rows)
     states = [state + ", chaotic" * bool(so) for state, so in zip(rows["status"], is_chaotic, strict=True)]
-    columns = [
-        ("job", [job[:8] for job in rows["job"]]),
-        *(column_of(results, rows, name) for name in names),
-        ("status", states),
-    ]
-    numeric = [False, *(rows[name].dtype.kind == "f" for name in names), False]
-    return Table(columns, numeric, len(table))
+    return Table([*columns, ("status", states)], [*numeric, False], len(table))
 
 
 def _computed(results: "Results") -> Iterator[Fact]:

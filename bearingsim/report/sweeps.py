@@ -69,7 +69,7 @@ def sweep_chart(results: "Results", leading: "Figure", wanted: "Figure", complet
     panels = [_panel(figure, name, complete, units, points) for name in figure.y]
     present = {key for panel in panels for key in panel.columns} | points.states()
     names = {key: text for key, text in NAMES.items() if key in present}
-    band = next((text for text in complete.caption if text.startswith("bands and bars")), "")
+    bands = select.spread_texts(results, rows)
     numeric = select.is_numeric(select.values(rows, figure.x))
     return Chart(
         title=leading.title if leading.title and not leading.where else title_of(figure),
@@ -86,8 +86,8 @@ def sweep_chart(results: "Results", leading: "Figure", wanted: "Figure", complet
             "job": points.job,
             "mark": points.mark,
         },
-        caption=", ".join(complete.caption),
-        names=({"band": f"shaded: {band}"} if band else {}) | names,
+        caption=", ".join(text for text in complete.caption if text not in bands),
+        names={"band": " ".join(bands).replace("bands and bars", "shaded")} | names if bands else names,
         shades=[],
         marks=[],
     )

@@ -1,5 +1,6 @@
 """A headless Chromium, driven by the DevTools protocol over a pipe, without network."""
 
+import base64
 import itertools
 import json
 import os
@@ -59,6 +60,12 @@ class Tab:
         self.call("Page.navigate", url=path.as_uri())
         while "Page.loadEventFired" not in self._events:
             self._receive()
+
+    def picture(self, width: int, height: int) -> bytes:
+        """Return the upper part of the page as PNG."""
+        clip = {"x": 0, "y": 0, "width": width, "height": height, "scale": 1}
+        answer = self.call("Page.captureScreenshot", captureBeyondViewport=True, clip=clip)
+        return base64.b64decode(answer["data"])
 
     def size(self, width: int, height: int = 900) -> None:
         self.call(
