@@ -17,7 +17,7 @@ PAGES = {
 }
 """Pages of the equations of each letter."""
 NUMBER = re.compile(rf"\(([{''.join(PAGES)}])(\d+)\)")
-TAG = re.compile(r"\\tag\{([A-Z])(\d+)\}")
+TAG = re.compile(r"\\tag\{([A-Z])(\d+)\}$", re.MULTILINE)
 
 
 def equation_numbers(page: str) -> list[int]:

@@ -76,7 +76,7 @@ def models() -> str:
     seconds = jobs.set_index(["model", "response"]).cpu_s_per_s
     rows = []
     for name, texts in MODELS.items():
-        step = f"{steps[name] / 1000:.2g} us" if name in steps else ""
+        step = f"{steps[name] / 1000:.2g} µs" if name in steps else ""
         times = [f"{seconds[name, r]:.2g} s" if (name, r) in seconds else "" for r in RESPONSES]
         rows.append([f"`{name}`", *texts, step, *times])
     return table(
@@ -263,7 +263,7 @@ def double_impulse() -> str:
             ", ".join(f"{value:.2f}" for value in group.spacing_ms * group.rpm / 1000),
             ", ".join(f"{value:.2f}" for value in group.before_end_over_geometry),
         ]
-        rows.append([f"{str(bearing).upper()}, {width} mm", f"{depth} um", *columns])
+        rows.append([f"{str(bearing).upper()}, {width} mm", f"{depth} µm", *columns])
     head = ("", "depth", "rpm", "entry to strike", "of the crossing", "times speed (ms x 1000 rpm)")
     return table((*head, "before the end / sqrt(2 R_eff d)"), rows)
 
