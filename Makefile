@@ -24,7 +24,7 @@ REDUCED := $(if $(QUICK),--quick)
 RESULTS = results/$@$(if $(QUICK),-quick)
 
 .DEFAULT_GOAL := help
-.PHONY: help install install-dev demo figures paper_figures test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability docs docs-reference docs-words gallery lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants report-assets report-check $(CAMPAIGNS)
+.PHONY: help install install-dev editor wheel-check demo figures paper_figures test test-quick test-versions smoke-lowest check lint studies study $(STUDIES) sensitivity stability docs docs-reference docs-words gallery lock clean bench bench-compare bench-peers speed-accuracy faults handshakes hostile one-folder cpu-bounds bands start start-up largest-force flags nodes friction early-ends compiler-gains house mutants report-assets report-check $(CAMPAIGNS)
 
 help:
 	@sed -n '1,10s/^# //p' Makefile
@@ -111,6 +111,14 @@ test-versions: install-dev
 	  $(MAKE) --no-print-directory test-quick VENV=.venv-$$version PYTHON=$$python || exit 1; \
 	done
 
+# the wheel on each supported Python: new, check, run, plot, show with an empty and a read-only home.
+# Writes docs/data/wheel_check.csv
+wheel-check: install-dev
+	@pythons=; for version in $(PYTHONS); do \
+	  python=$$($(FIND_PYTHON) $$version) && pythons="$$pythons $$python" || \
+	    echo "Python $$version skipped: none on PATH or in pyenv"; done; \
+	  OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.wheel_check --csv docs/data/wheel_check.csv $$pythons
+
 # the lowest versions that pyproject.toml allows, without extras, on the lowest Python: commands and stored results.
 # Deprecations that old packages report of each other are not ours
 smoke-lowest: .venv-lowest/installed
@@ -185,6 +193,10 @@ handshakes: install-dev
 hostile: install-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.hostile
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.check_limits
+
+# what does an editor mark in study files? Needs npm. Writes docs/data/editor.csv
+editor: install-dev
+	$(BIN)/python -m benchmarks.editor --csv docs/data/editor.csv
 
 # does a job end by its CPU time, whichever phase takes it? Writes docs/data/cpu_bounds.csv
 cpu-bounds: install-dev

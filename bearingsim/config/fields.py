@@ -110,6 +110,7 @@ def quantity_schema(dimension: Dimension, sign: str = "") -> Schema:
         "type": ["number", "string"] if "" in UNITS[dimension] else "string",
         "pattern": rf"^\s*{sign}{pattern(dimension)}$",
         "description": expected,
+        "errorMessage": f"expected {expected}",  # of editors, if the unit is missing
         "patternErrorMessage": f"expected {expected}",
     }
 
