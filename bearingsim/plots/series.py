@@ -93,5 +93,5 @@ def _texts(figure: "Figure", records: Mapping[str, Job], channels: Sequence[str]
         *([f"band {band[0] / 1e3:.4g} to {band[1] / 1e3:.4g} kHz"] if band else []),
         *(["drawn through a causal low-pass, so peaks differ from the features"] if filtered else []),
         *(["grey: the contact is over the defect"] if figure.view.around else []),
-        *(["without their mean"] if figure.view.zero_mean else []),
+        *(["mean subtracted"] if figure.view.zero_mean else []),
     ]
