@@ -4,6 +4,7 @@ import base64
 import itertools
 import json
 import os
+import select
 import shutil
 import subprocess
 from collections.abc import Iterator
@@ -17,6 +18,10 @@ FLAGS = (
     "--disable-background-networking", "--disable-component-update", "--disable-extensions",
     "--remote-debugging-pipe", "--hide-scrollbars", "--force-device-scale-factor=1",
 )  # fmt: skip
+
+
+TIMEOUT_S = 60.0
+"""Time (s) without an answer after which a test fails."""
 
 
 class Tab:
@@ -89,6 +94,8 @@ class Tab:
 
     def _receive(self) -> dict[str, Any]:
         while b"\0" not in self._rest:
+            if not select.select([self._reader], [], [], TIMEOUT_S)[0]:
+                raise RuntimeError(f"the browser is silent for {TIMEOUT_S:g} s")
             block = os.read(self._reader, 1 << 20)
             if not block:
                 raise RuntimeError("the browser has ended")

@@ -194,8 +194,10 @@ new Promise((done) => {
   const refused = [];
   document.addEventListener('securitypolicyviolation', (e) => {
     refused.push(e.effectiveDirective);
-    if (refused.length === 3) done([refused.sort(), window.injected === undefined]);
+    if (refused.length === 3) finish();
   });
+  const finish = () => done([refused.sort(), window.injected === undefined]);
+  setTimeout(finish, 5000);
   const script = document.createElement('script');
   script.textContent = 'window.injected = 1';
   const image = document.createElement('img');
