@@ -64,8 +64,8 @@ def models() -> str:
     seconds = jobs.set_index(["model", "response"]).cpu_s_per_s
     rows = []
     for name, texts in MODELS.items():
-        step = f"{steps[name] / 1000:.2g} µs" if name in steps else ""
-        times = [f"{seconds[name, r]:.2g} s" if (name, r) in seconds else "" for r in RESPONSES]
+        step = f"{steps[name] / 1000:.2g}\N{NO-BREAK SPACE}µs" if name in steps else ""
+        times = [f"{seconds[name, r]:.2g}\N{NO-BREAK SPACE}s" if (name, r) in seconds else "" for r in RESPONSES]
         rows.append([f"`{name}`", *texts, step, *times])
     return table(
         ("model", "moves", "assumes", "use for", "a step", *(f"1 s of signal, {r}" for r in RESPONSES)), rows
