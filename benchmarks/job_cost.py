@@ -1,6 +1,6 @@
 """CPU time of a job for a second of signal, by model: periodic, and computed in full.
 
-    python -m benchmarks.job_cost --csv docs/data/job_cost.csv
+    python -m benchmarks.job_cost [--csv docs/data/job_cost.csv]     or: make job-cost
 
 NF308, 1800 rpm, 150 N, a slot of 0.8 mm x 50 um over the whole roller. Whole jobs with automatic method and step:
 settling and step check included, compilation excluded. The cage is kinematic, so that every response is periodic;
@@ -52,7 +52,7 @@ def cost(model: str, response: str) -> dict[str, Any]:
 def main() -> None:
     """Measure all models; write the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--csv", required=True)
+    parser.add_argument("--csv", default="docs/data/job_cost.csv")
     options = parser.parse_args()
     rows = [cost(m, r) for r in ("periodic", "in full") for m in MODELS if (m, r) != ("impulse", "periodic")]
     with open(options.csv, "w", newline="", encoding="utf-8") as file:
