@@ -9,10 +9,9 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 
 from bearingsim.text.announcer import COMPILATION_REMARK, Announcer
-from bearingsim.text.terminal import say
+from bearingsim.text.terminal import rewrite_line, say
 
 LINE_INTERVAL_S = 10.0  # s between lines
-LINE_WIDTH = 60  # letters of that line, which cover those of the state before
 SPEED_WINDOW_S = 3600.0  # averaging time of the speed in s; units of work may end minutes apart
 
 Report = Callable[[int, int, float], None]
@@ -65,14 +64,11 @@ def _bar(jobs: int, seconds: float) -> Iterator[Report]:
 
 @contextmanager
 def _rewritten_line(jobs: int, seconds: float) -> Iterator[Report]:
-    def rewrite(text: str) -> None:
-        print(f"\r{text:{LINE_WIDTH}}", end="", file=sys.stderr, flush=True)
-
-    with _lines(jobs, seconds, 0.0, rewrite) as report:
+    with _lines(jobs, seconds, 0.0, rewrite_line) as report:
         try:
             yield report
         finally:
-            print(file=sys.stderr)
+            say("", err=True)
 
 
 @contextmanager

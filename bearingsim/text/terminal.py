@@ -7,6 +7,7 @@ displayed order of a text. Results folders of unknown origin may contain both.
 import sys
 
 MAX_LINE = 1000  # characters
+LINE_WIDTH = 60  # characters of a rewritten line, which cover those of the text before
 
 
 def plain(text: str) -> str:
@@ -26,3 +27,8 @@ def is_line(text: str) -> bool:
 def say(text: str, err: bool = False) -> None:
     """Print a text, filtered by ``plain``, to stdout or stderr."""
     print(plain(text), file=sys.stderr if err else sys.stdout, flush=True)
+
+
+def rewrite_line(text: str) -> None:
+    """Replace the last line on stderr by a text, where a carriage return does this, as in a notebook."""
+    print(f"\r{plain(text):{LINE_WIDTH}}", end="", file=sys.stderr, flush=True)

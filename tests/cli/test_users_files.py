@@ -118,6 +118,12 @@ COMMAND_LINES = {
     ],
     "prune": [["prune", ".", "--no-dry-run"]],
     "plot": [["plot", "."], ["plot", "DONE", "--out", "figures"], ["plot", "DONE", "--out", "thesis.tex"]],
+    "report": [
+        ["report", "."],
+        ["report", "DONE", "--out", "thesis.tex"],
+        ["report", "DONE", "--out", "data"],
+        ["report", "DONE", "--out", "results.csv", "--series", "JOB"],
+    ],
     "show": [["show", "."]],
     "sensitivity": [
         ["sensitivity", "."],
@@ -137,7 +143,7 @@ COMMAND_LINES = {
 """Commands that would write into a folder or over a file of the user. DONE, PLANE, JOB: placeholders."""
 WITHOUT_FOLDER = {"freq", "warm"}
 """Commands that write no files into folders of the user."""
-REMEDIES = ("--out", "another", "holds no results", "--force", "not a folder")
+REMEDIES = ("--out", "another", "name a file", "holds no results", "--force", "not a folder")
 
 
 @pytest.fixture(scope="session")

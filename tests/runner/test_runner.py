@@ -25,6 +25,7 @@ from bearingsim.runner.findings import scatter_warnings, step_warnings
 from bearingsim.runner.packing import Cost, pack, shard_of, unit_seconds
 from bearingsim.runner.summary import group_failures
 from bearingsim.text import announcer
+from bearingsim.text.terminal import LINE_WIDTH
 from tests.scenes.fake_studies import ENGINE, FakeStudy, record_of
 
 ROOT = Path(__file__).parents[2]
@@ -180,10 +181,10 @@ def test_a_notebook_has_one_line_that_is_rewritten(monkeypatch: pytest.MonkeyPat
         report(1, 1, 2.0)
         raise KeyboardInterrupt
     start, first, second = stream.getvalue().split("\r")
-    assert (start, len(first)) == ("", progress.LINE_WIDTH)
+    assert (start, len(first)) == ("", LINE_WIDTH)
     assert first.startswith("1/4 jobs, about ")
     assert second.startswith("3/4 jobs, 1 failed, about ")
-    assert second.endswith(" left" + " " * (progress.LINE_WIDTH - len(second.strip())) + "\n")
+    assert second.endswith(" left" + " " * (LINE_WIDTH - len(second.strip())) + "\n")
 
 
 # Resuming

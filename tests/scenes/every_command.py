@@ -28,6 +28,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "run": ("small.yaml", "--quick", "--jobs", "JOBS", "--out", "ran"),
     "plot": ("RESULTS", "--out", "figures"),
     "show": ("RESULTS",),
+    "report": ("RESULTS", "--out", "report.html"),
     "sensitivity": ("DESIGN", "--of", "velocity@BPFO", "--out", "indices.png"),
     "export": ("RESULTS", "--features", "features.csv"),
     "merge": ("RESULTS", "--out", "merged"),
@@ -38,7 +39,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "bench": ("--scene", "healthy", "--quick", "--out", "bench"),
 }
 """Words of each command, by its name."""
-WRITING = frozenset({"new", "run", "plot", "sensitivity", "export", "merge", "stability", "bench"})
+WRITING = frozenset({"new", "run", "plot", "report", "sensitivity", "export", "merge", "stability", "bench"})
 
 
 def refused_lock(number: int) -> type:
