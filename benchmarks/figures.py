@@ -18,11 +18,13 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping
 from functools import partial
+from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import pandas as pd
+from PIL import Image
 
 from bearingsim.plots import plot, stability
 from bearingsim.store import open_results
@@ -30,8 +32,11 @@ from benchmarks import slip
 from benchmarks.speed import chart
 from benchmarks.speed.report import Curve, Section
 from benchmarks.speed.timing import Measure
+from tests.report.chromium import browser
 
 FIGURES, RESULTS = Path("docs/figures"), Path("results/docs")
+HEIGHT, COLOURS = 1300, 128
+"""Height (px) and number of colours of a picture of a page."""
 BEARINGSIM = (sys.executable, "-m", "bearingsim")
 
 
@@ -73,6 +78,44 @@ class OfStudy(NamedTuple):
             jobs = ["all"] if self.kind else []
             files = plot(open_results(self.folder), self.kind, jobs, out=Path(folder), **options)
             shutil.copyfile(files[self.number - 1], path)
+
+
+class OfPage(NamedTuple):
+    """Picture of the page of results of Fig. 16 in Chromium: its width (px), and whether it is dark or printed.
+
+    at_chart: it begins at the first chart, not at the heading.
+    """
+
+    width: int = 1280
+    at_chart: bool = False
+    dark: bool = False
+    printed: bool = False
+    takes_minutes: bool = True
+
+    @property
+    def study(self) -> OfStudy:
+        """Study whose results the page shows."""
+        return OfStudy("fig16_angle")
+
+    @property
+    def command(self) -> str:
+        """Commands that make the picture."""
+        look = "on paper" if self.printed else f"{self.width} px wide{', dark' * self.dark}"
+        return f"bearingsim {shlex.join(self.study.run)}; bearingsim report {self.study.folder}; {look}"
+
+    def make(self, path: Path) -> None:
+        """Compute what is missing of the results, and take the picture."""
+        subprocess.run([*BEARINGSIM, *self.study.run], check=True)
+        with TemporaryDirectory() as folder, browser(Path(folder) / "profile") as tab:
+            page = Path(folder) / "report.html"
+            subprocess.run([*BEARINGSIM, "report", str(self.study.folder), "--out", str(page)], check=True)
+            tab.open(page, self.width, self.dark)
+            if self.printed:
+                tab.call("Emulation.setEmulatedMedia", media="print")
+                tab.run("dispatchEvent(new Event('beforeprint'))")
+            top = tab.run("document.querySelector('.chart').offsetTop") if self.at_chart else 0
+            picture = Image.open(BytesIO(tab.picture(self.width, HEIGHT, top)))
+            picture.convert("RGB").quantize(COLOURS, Image.Quantize.MAXCOVERAGE).save(path, optimize=True)
 
 
 class OfTable(NamedTuple):
@@ -158,7 +201,7 @@ SPALL = "{race: outer, shape: spall, length: 6 mm, width: 2.5 mm, depth: 30 um, 
 FREE_RING = {"rig.ring.bends": "true", "rig.load": "{by: point}", "defect.angle": "0 deg", "model": "rollers"}
 PAPER = {"fig07_08_signal": 3, "fig10_13_shapes": 4, "fig19_20_test": 2, "fig21_angle": 2}  # figures of each study
 
-SOURCES: dict[str, OfStudy | OfTable | OfCommand] = {
+SOURCES: dict[str, OfStudy | OfPage | OfTable | OfCommand] = {
     "spall-signal.png": OfStudy("spall"),
     "spall-envelope.png": OfStudy("spall", 2),
     "spall-width.png": OfStudy("spall", 3),
@@ -172,6 +215,10 @@ SOURCES: dict[str, OfStudy | OfTable | OfCommand] = {
         for number in range(1, count + 1)
     },
     "fig16-no-clearance.png": OfStudy("fig16_angle", takes_minutes=True),
+    "report-1280.png": OfPage(),
+    "report-dark.png": OfPage(dark=True),
+    "report-360.png": OfPage(360, at_chart=True),
+    "report-print.png": OfPage(794, printed=True),
     "ring-bends.png": OfStudy("ring_bends", takes_minutes=True),
     "ring-shape.png": OfStudy("ring_bends", kind="ring", where=FREE_RING, takes_minutes=True),
     "ring-trends.png": OfStudy("ring_trends", 2, takes_minutes=True),

@@ -16,6 +16,8 @@ def test_a_new_study_is_checked_computed_shown_drawn_and_exported(here: Path, mo
     assert "5 of 5 jobs done" in summary
     assert "5 jobs: 5 done" in type_("show")[0]
     assert all(Path(figure).stat().st_size for figure in type_("plot")[0].split())
+    type_("report")
+    assert "5 of 5 jobs done" in Path("results/spall/report.html").read_text(encoding="utf-8")
     type_("export", "--features", "table.csv")
     table = pd.read_csv("table.csv")
     assert (table["velocity@BPFO (m/s)"] > 0.0).all()

@@ -8,7 +8,7 @@ import select
 import shutil
 import subprocess
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -66,9 +66,9 @@ class Tab:
         while "Page.loadEventFired" not in self._events:
             self._receive()
 
-    def picture(self, width: int, height: int) -> bytes:
-        """Return the upper part of the page as PNG."""
-        clip = {"x": 0, "y": 0, "width": width, "height": height, "scale": 1}
+    def picture(self, width: int, height: int, top: int = 0) -> bytes:
+        """Return a part of the page, from ``top`` on, as PNG."""
+        clip = {"x": 0, "y": top, "width": width, "height": height, "scale": 1}
         answer = self.call("Page.captureScreenshot", captureBeyondViewport=True, clip=clip)
         return base64.b64decode(answer["data"])
 
@@ -118,6 +118,17 @@ class Tab:
             self.requests.append(parameters["request"]["url"][:100])
 
 
+def _end(process: subprocess.Popen[bytes], writer: int) -> None:
+    """Ask the browser to close, so that its processes leave the profile; kill it if it does not."""
+    with suppress(OSError):
+        os.write(writer, json.dumps({"id": 0, "method": "Browser.close"}).encode() + b"\0")
+    try:
+        process.wait(10.0)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
 @contextmanager
 def browser(profile: Path) -> Iterator[Tab]:
     """Start Chromium with a profile folder of its own; it ends with the context."""
@@ -135,7 +146,6 @@ def browser(profile: Path) -> Iterator[Tab]:
     try:
         yield Tab(outward[0], inward[1])
     finally:
-        process.kill()
-        process.wait()
+        _end(process, inward[1])
         os.close(outward[0])
         os.close(inward[1])

@@ -25,6 +25,7 @@ SWEPT = f"""{HEAD}sweep:
   zip: {{load: [150 N, 300 N], model: [static, ring]}}
   clearance: [0 um, 5 um, 10 um]
   defect.angle: [0 deg, 10 deg]
+  where: [load < 200 N or clearance < 7 um]
 figures:
   - {{y: [velocity@BPFO, velocity@BPFO-healthy], x: defect.length, by: defect.angle, panels: clearance}}
   - {{y: velocity.rms, x: model, by: defect.angle, title: '{SCRIPT} "quoted" {BIDI}'}}
