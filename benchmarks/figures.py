@@ -100,8 +100,7 @@ class OfPage(NamedTuple):
     @property
     def command(self) -> str:
         """Commands that make the picture."""
-        look = "on paper" if self.printed else f"{self.width} px wide{', dark' * self.dark}"
-        return f"bearingsim {shlex.join(self.study.run)}; bearingsim report {self.study.folder}; {look}"
+        return f"bearingsim {shlex.join(self.study.run)}; bearingsim report {self.study.folder}"
 
     def make(self, path: Path) -> None:
         """Compute what is missing of the results, and take the picture."""
