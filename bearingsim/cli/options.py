@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+SILENCE_S = 1.0  # s without output, after which the step in progress is named
+
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY", help="study file (YAML)", show_default=False)]
 Results = Annotated[
     Path | None, typer.Argument(metavar="RESULTS", help="results folder; default: the newest in ./results")
